@@ -1,0 +1,215 @@
+//! Babbling: random postures, motions that stop at touch, and the touches they bring.
+//!
+//! Work goes in bouts. Each starts from the same posture with its own random stream, so that a session's
+//! touches depend on its seed alone, not on how many threads share the bouts.
+
+mod clearance;
+mod motion;
+mod posture;
+
+use std::collections::BTreeMap;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::mpsc;
+
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+
+pub use clearance::Clearance;
+pub use motion::{DEEPEST, Effort, Ending, Mover};
+pub use posture::{random_posture, start_posture};
+
+use crate::creature::Body;
+use crate::mujoco;
+use crate::senses::{ContactReader, Touch};
+use crate::skin::Skin;
+
+/// Touches after which a bout ends.
+const TOUCHES_PER_BOUT: usize = 25;
+/// Motions after which a bout ends.
+const MOTIONS_PER_BOUT: u64 = 1000;
+/// Bouts without a single touch after which babbling is given up.
+const FRUITLESS_BOUTS: u64 = 20;
+
+/// What to babble.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct BabblingOptions {
+    /// Touches wanted.
+    pub touches: usize,
+    /// Seed of all random streams.
+    pub seed: u64,
+    /// Threads.
+    pub jobs: usize,
+}
+
+/// Why babbling ended early.
+#[derive(Debug, thiserror::Error)]
+pub enum BabblingError<E> {
+    /// The engine failed.
+    #[error(transparent)]
+    Engine(mujoco::Error),
+    /// The receiver of touches failed.
+    #[error(transparent)]
+    Receiver(E),
+    /// Nothing has skin.
+    #[error("the model has no touch sensors: grow a skin with `bodyschema skin MODEL --output NEW`")]
+    NoSkin,
+    /// No two limbs can meet.
+    #[error("no two limbs of the model can collide: look at contype, conaffinity and excludes of its geoms")]
+    NoPairs,
+    /// Nothing was touched.
+    #[error(
+        "no touch in {motions} motions ({bare} met bare geometry): the limbs that move cannot reach each \
+         other's skin; move more joints (--joints all) or grow more skin"
+    )]
+    NoTouch {
+        /// Motions made.
+        motions: u64,
+        /// Contacts without skin.
+        bare: u64,
+    },
+}
+
+/// A body made ready for babbling.
+pub struct Babbler<'a> {
+    body: &'a Body,
+    skin: &'a Skin,
+    reader: ContactReader,
+    clearance: Clearance,
+    start: Vec<f64>,
+}
+
+/// The touches and the effort of one bout.
+struct Bout {
+    touches: Vec<(Touch, Effort)>,
+    effort: Effort,
+}
+
+impl<'a> Babbler<'a> {
+    /// Prepares a body: geoms that overlap in the start posture are left out for good.
+    ///
+    /// # Errors
+    /// Where the engine fails, where there is no skin, or where no two limbs can meet.
+    pub fn new<E>(body: &'a Body, skin: &'a Skin) -> Result<Babbler<'a>, BabblingError<E>> {
+        if skin.receptors.is_empty() {
+            return Err(BabblingError::NoSkin);
+        }
+        let start = start_posture(&body.creature);
+        let reader = ContactReader::new(body, skin);
+        let overlapping = overlapping(body, &start).map_err(BabblingError::Engine)?;
+        let clearance = Clearance::new(body, &overlapping).map_err(BabblingError::Engine)?;
+        if clearance.is_empty() {
+            return Err(BabblingError::NoPairs);
+        }
+        Ok(Babbler { body, skin, reader, clearance, start })
+    }
+
+    /// A mover in the start posture.
+    ///
+    /// # Errors
+    /// Where the engine fails.
+    pub fn mover(&self) -> mujoco::Result<Mover<'_>> {
+        Mover::new(self.body, self.skin, &self.reader, self.clearance.clone(), self.start.clone())
+    }
+
+    /// Babbles until `options.touches` touches are made, handing on each as soon as all before it are.
+    /// Returns what it cost up to the last of them.
+    ///
+    /// # Errors
+    /// See [`BabblingError`]; touches handed on before stay handed on.
+    pub fn babble<E>(
+        &self,
+        options: &BabblingOptions,
+        mut receive: impl FnMut(&Touch) -> Result<(), E>,
+    ) -> Result<Effort, BabblingError<E>> {
+        let (next_bout, done) = (AtomicU64::new(0), AtomicBool::new(false));
+        let jobs = options.jobs.max(1);
+        // A bounded channel keeps the threads from running far ahead of the receiver.
+        let (sender, receiver) = mpsc::sync_channel::<(u64, mujoco::Result<Bout>)>(2 * jobs);
+        std::thread::scope(|scope| {
+            for _ in 0..jobs {
+                let sender = sender.clone();
+                let (next_bout, done) = (&next_bout, &done);
+                scope.spawn(move || {
+                    let mut mover = self.mover();
+                    while !done.load(Ordering::Relaxed) {
+                        let bout = next_bout.fetch_add(1, Ordering::Relaxed);
+                        let made = match &mut mover {
+                            Ok(mover) => self.bout(mover, options.seed, bout),
+                            Err(error) => Err(error.clone()),
+                        };
+                        if sender.send((bout, made)).is_err() {
+                            break;
+                        }
+                    }
+                });
+            }
+            drop(sender);
+            let result = gather(&receiver, options.touches, &mut receive);
+            done.store(true, Ordering::Relaxed);
+            // Unblocks threads that wait to send.
+            drop(receiver);
+            result
+        })
+    }
+
+    /// One bout, the same whoever makes it and when.
+    fn bout(&self, mover: &mut Mover, seed: u64, bout: u64) -> mujoco::Result<Bout> {
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        rng.set_stream(bout);
+        mover.reset(self.start.clone());
+        mover.effort = Effort::default();
+        let mut touches = Vec::new();
+        while touches.len() < TOUCHES_PER_BOUT && mover.effort.motions < MOTIONS_PER_BOUT {
+            let target = random_posture(&self.body.creature, &mut rng);
+            if let Ending::Touch(ends) = mover.advance(&target)? {
+                let posture = mover.posture().to_vec();
+                let touch = Touch { bout, motion: mover.effort.motions, posture, ends };
+                touches.push((touch, mover.effort));
+            }
+        }
+        Ok(Bout { touches, effort: mover.effort })
+    }
+}
+
+/// Puts the bouts back into order and hands their touches on.
+fn gather<E>(
+    bouts: &mpsc::Receiver<(u64, mujoco::Result<Bout>)>,
+    wanted: usize,
+    receive: &mut impl FnMut(&Touch) -> Result<(), E>,
+) -> Result<Effort, BabblingError<E>> {
+    let mut waiting = BTreeMap::new();
+    let (mut turn, mut received) = (0, 0);
+    let mut effort = Effort::default();
+    while received < wanted {
+        let Ok((number, bout)) = bouts.recv() else { break };
+        waiting.insert(number, bout);
+        while let Some(bout) = waiting.remove(&turn) {
+            let bout = bout.map_err(BabblingError::Engine)?;
+            turn += 1;
+            for (touch, so_far) in &bout.touches {
+                receive(touch).map_err(BabblingError::Receiver)?;
+                received += 1;
+                if received == wanted {
+                    effort += *so_far;
+                    return Ok(effort);
+                }
+            }
+            effort += bout.effort;
+            if received == 0 && turn >= FRUITLESS_BOUTS {
+                return Err(BabblingError::NoTouch { motions: effort.motions, bare: effort.bare });
+            }
+        }
+    }
+    Ok(effort)
+}
+
+/// The pairs of geoms that are in contact in a posture: joined by construction, not touching.
+fn overlapping(body: &Body, posture: &[f64]) -> mujoco::Result<Vec<[usize; 2]>> {
+    let mut data = mujoco::Data::new(body.model.clone())?;
+    let mut qpos = vec![0.0; body.model.nq()];
+    body.write_qpos(posture, &mut qpos);
+    data.set_qpos(&qpos)?;
+    data.kinematics()?;
+    data.collision()?;
+    Ok(data.contacts().map(|contact| contact.geoms).collect())
+}

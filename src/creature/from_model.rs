@@ -1,0 +1,411 @@
+//! Reading a creature from a MuJoCo model.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use nalgebra::{Isometry3, Translation3, UnitQuaternion};
+
+use super::{AuraLimb, Creature, Dof, DofKind, Joint};
+use crate::mujoco::{self, Data, JointKind, Model, ObjectKind};
+use crate::schema::BodySchema;
+
+/// Tuples of a model whose name starts with this list the bodies of one aura limb.
+const LIMB_TUPLE: &str = "limb/";
+/// Tuples of a model whose name starts with this list the joints of one named set.
+const JOINTS_TUPLE: &str = "joints/";
+/// The joint set that is learned unless another is asked for, where the model defines it.
+const DEFAULT_JOINTS: &str = "torso";
+/// Anchors closer than this share a position, metres.
+const SAME_ANCHOR: f64 = 1e-9;
+/// Half the span of postures for a slide without limits, metres.
+const UNLIMITED_SLIDE: f64 = 0.5;
+
+/// Which joints the creature moves; the others stay where they are at the reference posture.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub enum JointSelection {
+    /// The model's `joints/torso`, or all where it defines none.
+    #[default]
+    Default,
+    /// All joints.
+    All,
+    /// The model's tuple `joints/NAME`, or else joints by name, separated by commas.
+    Named(String),
+}
+
+impl std::str::FromStr for JointSelection {
+    type Err = std::convert::Infallible;
+
+    fn from_str(text: &str) -> Result<JointSelection, Self::Err> {
+        Ok(match text {
+            "all" => JointSelection::All,
+            name => JointSelection::Named(name.to_string()),
+        })
+    }
+}
+
+/// Why a model has no creature that can learn.
+#[derive(Debug, thiserror::Error)]
+pub enum BodyError {
+    /// The engine failed.
+    #[error(transparent)]
+    Engine(#[from] mujoco::Error),
+    /// Nothing can move.
+    #[error("the model has no hinge, slide or ball joint: give a creature that can move")]
+    NoJoints,
+    /// `--joints` names what is not there.
+    #[error("the model has no joint and no joint set named {name}; it has the sets {sets}")]
+    UnknownJoint {
+        /// The name asked for.
+        name: String,
+        /// The sets there are.
+        sets: String,
+    },
+    /// The tree could not be put together.
+    #[error("the model's tree cannot be read: {0}")]
+    Tree(String),
+}
+
+/// One joint of the creature in the model: consecutive MuJoCo joints of a body that share an anchor.
+#[derive(Clone, Debug)]
+pub struct Segment {
+    /// The MuJoCo body that it moves.
+    pub body: usize,
+    /// Its MuJoCo joints, each one degree of freedom (a ball: three).
+    pub joints: Vec<usize>,
+    /// Whether it is the last of its body, so that the limb it carries bears the body's geoms.
+    pub last: bool,
+    /// The limb it is mounted on.
+    pub parent: usize,
+}
+
+/// A creature in its model: what moves what, and where the limbs' frames are on MuJoCo's bodies.
+#[derive(Clone, Debug)]
+pub struct Body {
+    /// What the agent is given.
+    pub creature: Creature,
+    /// The model.
+    pub model: Arc<Model>,
+    /// Per joint of the creature, the MuJoCo joints it is made of.
+    pub segments: Vec<Segment>,
+    /// Per MuJoCo body, the limb it belongs to; none for what is not the creature's.
+    pub limb_of_body: Vec<Option<usize>>,
+    /// Per MuJoCo body, `X_LB`: its pose in its limb's frame.
+    pub pose_in_limb: Vec<Isometry3<f64>>,
+    /// The MuJoCo body that is the root limb (0 where the creature is mounted on the world).
+    pub root: usize,
+    /// `qpos` of the reference posture; joints that do not move keep these coordinates.
+    base: Vec<f64>,
+    /// Per posture coordinate, its place in `qpos` and what `qpos` is at coordinate zero.
+    addresses: Vec<(usize, f64)>,
+}
+
+impl Body {
+    /// Reads the creature that moves the selected joints.
+    ///
+    /// Of several kinematic trees in a model the one with most joints is the creature. Its root limb is
+    /// the tree's first body, or the world where that body itself is hinged to the world; a free joint
+    /// there carries the whole body and is no part of the schema.
+    ///
+    /// # Errors
+    /// See [`BodyError`].
+    pub fn new(model: Arc<Model>, selection: &JointSelection) -> Result<Body, BodyError> {
+        let trees = trees(&model);
+        let moving = |tree: &usize| {
+            model.joints().filter(|j| j.kind != JointKind::Free && trees[j.body] == *tree).count()
+        };
+        let tree = (1..model.nbody())
+            .filter(|&body| trees[body] == body)
+            .max_by_key(|body| (moving(body), std::cmp::Reverse(*body)))
+            .filter(|body| moving(body) > 0)
+            .ok_or(BodyError::NoJoints)?;
+        let mounted = model.joints().any(|j| j.body == tree && j.kind != JointKind::Free);
+        let root = if mounted { 0 } else { tree };
+        let selected = select(&model, selection)?;
+        let chosen = |j: usize| {
+            let joint = model.joint(j);
+            joint.kind != JointKind::Free && trees[joint.body] == tree && selected[j]
+        };
+
+        let mut limb_of_body = vec![None; model.nbody()];
+        limb_of_body[root] = Some(0);
+        let mut limbs = vec![body_name(&model, root)];
+        let mut segments: Vec<Segment> = Vec::new();
+        for body in 1..model.nbody() {
+            if trees[body] != tree || body == root {
+                continue;
+            }
+            let info = model.body(body);
+            let parent = if info.parent == 0 { Some(0) } else { limb_of_body[info.parent] };
+            let mut limb = parent.ok_or_else(|| {
+                BodyError::Tree(format!("body {} comes before its parent", body_name(&model, body)))
+            })?;
+            let groups = group_by_anchor(&model, info.joints.filter(|&j| chosen(j)));
+            let count = groups.len();
+            for (k, joints) in groups.into_iter().enumerate() {
+                segments.push(Segment { body, joints, last: k + 1 == count, parent: limb });
+                limb = segments.len();
+                let name = body_name(&model, body);
+                limbs.push(if k + 1 == count { name } else { format!("{name}/{k}") });
+            }
+            limb_of_body[body] = Some(limb);
+        }
+        if segments.is_empty() {
+            return Err(BodyError::NoJoints);
+        }
+
+        let mut addresses = Vec::new();
+        let mut base = model.qpos0().to_vec();
+        for (j, joint) in model.joints().enumerate() {
+            if joint.limited && matches!(joint.kind, JointKind::Hinge | JointKind::Slide) && !chosen(j) {
+                base[joint.qposadr] = base[joint.qposadr].clamp(joint.range[0], joint.range[1]);
+            }
+        }
+        let mut joints = Vec::new();
+        for segment in &segments {
+            let dofs: Vec<Dof> = segment.joints.iter().map(|&j| dof(&model, j)).collect();
+            for &j in &segment.joints {
+                let joint = model.joint(j);
+                let zero = |k: usize| if joint.kind == JointKind::Ball { 0.0 } else { base[k] };
+                addresses.extend((joint.qposadr..).take(joint.kind.nq()).map(|k| (k, zero(k))));
+            }
+            let name = common_name(&dofs).unwrap_or_else(|| body_name(&model, segment.body));
+            joints.push(Joint::new(name, segment.parent, dofs));
+        }
+        let auras = aura_limbs(&model, &limbs, &limb_of_body);
+        let name = model.model_name().unwrap_or("creature").to_string();
+        let creature = Creature::new(name, limbs, joints, auras).map_err(BodyError::Tree)?;
+        let pose_in_limb = vec![Isometry3::identity(); model.nbody()];
+        let mut body =
+            Body { creature, model, segments, limb_of_body, pose_in_limb, root, base, addresses };
+        body.pose_in_limb = body.place_bodies()?;
+        Ok(body)
+    }
+
+    /// Data of the model at the reference posture, poses computed.
+    ///
+    /// # Errors
+    /// Where the engine fails.
+    pub fn reference_data(&self) -> mujoco::Result<Data> {
+        let mut data = Data::new(self.model.clone())?;
+        data.set_qpos(&self.base)?;
+        data.kinematics()?;
+        Ok(data)
+    }
+
+    /// `X_WL` of every limb at the reference posture: its joint's anchor, the root's orientation.
+    ///
+    /// # Errors
+    /// Where the engine fails.
+    pub fn reference_frames(&self, data: &Data) -> Vec<Isometry3<f64>> {
+        let root = data.body_pose(self.root);
+        let mut frames = vec![root];
+        for segment in &self.segments {
+            let turning = segment.joints.iter().find(|&&j| self.model.joint(j).kind != JointKind::Slide);
+            let anchor = data.joint_anchor(*turning.unwrap_or(&segment.joints[0]));
+            frames.push(Isometry3::from_parts(Translation3::from(anchor.coords), root.rotation));
+        }
+        frames
+    }
+
+    /// Where the joints are in the simulated body, in the frames of a schema: what moves its limbs.
+    /// The agent must not see it; see [`crate::ground_truth`].
+    ///
+    /// # Errors
+    /// Where the engine fails.
+    pub(crate) fn kinematics(&self) -> mujoco::Result<BodySchema> {
+        let data = self.reference_data()?;
+        let frames = self.reference_frames(&data);
+        let mut schema = BodySchema::zero(&self.creature);
+        for (j, (joint, segment)) in self.creature.joints().iter().zip(&self.segments).enumerate() {
+            let parent = &frames[joint.parent];
+            let anchor = frames[j + 1].translation.vector;
+            schema.positions[j] = parent.inverse_transform_point(&anchor.into()).coords;
+            for ((k, dof), &mujoco_joint) in joint.dof_indices().zip(&joint.dofs).zip(&segment.joints) {
+                if dof.kind != DofKind::Ball {
+                    let axis = data.joint_axis(mujoco_joint);
+                    schema.axes[k] = parent.inverse_transform_vector(&axis);
+                }
+            }
+        }
+        Ok(schema)
+    }
+
+    fn place_bodies(&self) -> mujoco::Result<Vec<Isometry3<f64>>> {
+        let data = self.reference_data()?;
+        let frames = self.reference_frames(&data);
+        let place = |(body, limb): (usize, &Option<usize>)| match limb {
+            Some(limb) => frames[*limb].inv_mul(&data.body_pose(body)),
+            None => Isometry3::identity(),
+        };
+        Ok(self.limb_of_body.iter().enumerate().map(place).collect())
+    }
+
+    /// Writes a posture of the creature into a `qpos` vector.
+    pub fn write_qpos(&self, posture: &[f64], qpos: &mut [f64]) {
+        qpos.copy_from_slice(&self.base);
+        for (&(address, zero), coordinate) in self.addresses.iter().zip(posture) {
+            qpos[address] = zero + coordinate;
+        }
+    }
+
+    /// The limb that a geom belongs to.
+    pub fn limb_of_geom(&self, geom: usize) -> Option<usize> {
+        self.limb_of_body[self.model.geom_body(geom)]
+    }
+
+    /// The pose of a limb in the world, given data with poses computed.
+    pub fn limb_pose(&self, data: &Data, limb: usize) -> Option<Isometry3<f64>> {
+        let body = self.limb_of_body.iter().position(|l| *l == Some(limb))?;
+        Some(data.body_pose(body) * self.pose_in_limb[body].inverse())
+    }
+}
+
+/// Per body, the child of the world whose tree it is in; the world in none (0).
+fn trees(model: &Model) -> Vec<usize> {
+    let mut trees = vec![0; model.nbody()];
+    for (i, body) in model.bodies().enumerate().skip(1) {
+        trees[i] = if body.parent == 0 { i } else { trees[body.parent] };
+    }
+    trees
+}
+
+/// Per MuJoCo joint, whether the selection names it.
+fn select(model: &Model, selection: &JointSelection) -> Result<Vec<bool>, BodyError> {
+    let tuples = model.tuples();
+    let set = |name: &str| {
+        let tuple = tuples.iter().find(|t| {
+            t.name.and_then(|t| t.strip_prefix(JOINTS_TUPLE)).is_some_and(|set| set == name)
+        })?;
+        let mut selected = vec![false; model.njnt()];
+        for entry in tuple.entries.iter().filter(|entry| entry.object == ObjectKind::Joint) {
+            selected[entry.id] = true;
+        }
+        Some(selected)
+    };
+    let all = || vec![true; model.njnt()];
+    let text = match selection {
+        JointSelection::All => return Ok(all()),
+        JointSelection::Default => return Ok(set(DEFAULT_JOINTS).unwrap_or_else(all)),
+        JointSelection::Named(text) => text,
+    };
+    let mut selected = vec![false; model.njnt()];
+    for name in text.split(',').map(str::trim) {
+        if let Some(set) = set(name) {
+            selected.iter_mut().zip(set).for_each(|(a, b)| *a |= b);
+            continue;
+        }
+        // A joint's own name, or what several degrees of freedom of one joint are called in common.
+        let named = |joint: &str| joint == name || joint.strip_prefix(name).is_some_and(|r| r.starts_with('_'));
+        let mut found = false;
+        for (j, joint) in model.joints().enumerate() {
+            if joint.name.is_some_and(named) {
+                selected[j] = true;
+                found = true;
+            }
+        }
+        if !found {
+            let sets = tuples.iter().filter_map(|t| t.name?.strip_prefix(JOINTS_TUPLE));
+            let sets: Vec<&str> = sets.chain(["all"]).collect();
+            return Err(BodyError::UnknownJoint { name: name.to_string(), sets: sets.join(", ") });
+        }
+    }
+    Ok(selected)
+}
+
+/// Splits a body's joints where the anchor changes; a slide has no anchor and joins any group.
+fn group_by_anchor(model: &Model, joints: impl Iterator<Item = usize>) -> Vec<Vec<usize>> {
+    let mut groups: Vec<(Option<nalgebra::Vector3<f64>>, Vec<usize>)> = Vec::new();
+    for j in joints {
+        let joint = model.joint(j);
+        let anchor = (joint.kind != JointKind::Slide).then_some(joint.pos);
+        match groups.last_mut() {
+            Some((shared, group))
+                if shared.zip(anchor).is_none_or(|(a, b)| (a - b).norm() < SAME_ANCHOR) =>
+            {
+                *shared = shared.or(anchor);
+                group.push(j);
+            }
+            _ => groups.push((anchor, vec![j])),
+        }
+    }
+    groups.into_iter().map(|(_, group)| group).collect()
+}
+
+/// One MuJoCo joint as the agent knows it: coordinates count from the reference posture.
+fn dof(model: &Model, j: usize) -> Dof {
+    let joint = model.joint(j);
+    let name = joint.name.map_or_else(|| format!("joint{j}"), str::to_string);
+    let reference = model.qpos0()[joint.qposadr];
+    let (kind, range) = match joint.kind {
+        JointKind::Ball => {
+            let angle = if joint.limited { joint.range[1] } else { std::f64::consts::PI };
+            (DofKind::Ball, [0.0, angle])
+        }
+        kind => {
+            let slide = kind == JointKind::Slide;
+            let span = if slide { UNLIMITED_SLIDE } else { std::f64::consts::PI };
+            let range = match joint.limited {
+                true => [joint.range[0] - reference, joint.range[1] - reference],
+                false => [-span, span],
+            };
+            (if slide { DofKind::Slide } else { DofKind::Hinge }, range)
+        }
+    };
+    Dof { name, kind, range }
+}
+
+/// What the names of a joint's degrees of freedom have in common: `left_hip` of `left_hip_flexion` and
+/// `left_hip_rotation`.
+fn common_name(dofs: &[Dof]) -> Option<String> {
+    let [first, rest @ ..] = dofs else { return None };
+    if rest.is_empty() {
+        return Some(first.name.clone());
+    }
+    let words = |name: &str| name.split('_').map(str::to_string).collect::<Vec<_>>();
+    let mut common = words(&first.name);
+    for dof in rest {
+        let other = words(&dof.name);
+        let same = common.iter().zip(&other).take_while(|(a, b)| a == b).count();
+        common.truncate(same);
+    }
+    (!common.is_empty()).then(|| common.join("_"))
+}
+
+/// A body's name, or one made from its number.
+fn body_name(model: &Model, body: usize) -> String {
+    model.body(body).name.map_or_else(|| format!("body{body}"), str::to_string)
+}
+
+/// The aura limbs that the model's tuples define; each limb by itself where it defines none.
+fn aura_limbs(model: &Model, limbs: &[String], limb_of_body: &[Option<usize>]) -> Vec<AuraLimb> {
+    let mut auras = Vec::new();
+    let mut taken: BTreeMap<usize, usize> = BTreeMap::new();
+    for tuple in model.tuples() {
+        let Some(name) = tuple.name.and_then(|name| name.strip_prefix(LIMB_TUPLE)) else { continue };
+        let mut members = Vec::new();
+        for entry in tuple.entries.iter().filter(|entry| entry.object == ObjectKind::Body) {
+            let Some(limb) = limb_of_body[entry.id] else { continue };
+            // With joints held, several aura limbs can be one limb: it goes to the first that names it.
+            if taken.insert(limb, auras.len()).is_none() {
+                members.push(limb);
+            }
+        }
+        if !members.is_empty() {
+            auras.push(AuraLimb { name: name.to_string(), limbs: members });
+        }
+    }
+    for (limb, name) in limbs.iter().enumerate() {
+        let bears_geoms = model.bodies().enumerate().any(|(body, info)| {
+            limb_of_body[body] == Some(limb) && !info.geoms.is_empty()
+        });
+        if !taken.contains_key(&limb) && bears_geoms {
+            auras.push(AuraLimb { name: name.clone(), limbs: vec![limb] });
+        }
+    }
+    auras
+}
+
+/// The orientation part of a pose as a matrix.
+pub(crate) fn matrix(rotation: &UnitQuaternion<f64>) -> nalgebra::Matrix3<f64> {
+    rotation.to_rotation_matrix().into_inner()
+}

@@ -1,0 +1,242 @@
+//! What the agent is given of its body: the tree of joints, their degrees of freedom and ranges, the
+//! limbs. Positions and axes are not here: those it has to find out.
+
+mod from_model;
+
+use serde::{Deserialize, Serialize};
+
+pub(crate) use from_model::matrix;
+pub use from_model::{Body, BodyError, JointSelection, Segment};
+
+/// The kind of one degree of freedom (a ball counts three, but moves as one).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum DofKind {
+    /// Turns about an axis; its coordinate is an angle in radians.
+    Hinge,
+    /// Shifts along an axis; its coordinate is a distance in metres.
+    Slide,
+    /// Turns freely about a point; its coordinates are a unit quaternion w x y z.
+    Ball,
+}
+
+impl DofKind {
+    /// How many numbers of a posture belong to it.
+    pub fn coordinates(self) -> usize {
+        if self == DofKind::Ball { 4 } else { 1 }
+    }
+
+    /// How many degrees of freedom it counts.
+    pub fn dof(self) -> usize {
+        if self == DofKind::Ball { 3 } else { 1 }
+    }
+}
+
+/// One degree of freedom of a joint.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Dof {
+    /// Its name in the model.
+    pub name: String,
+    /// Hinge, slide or ball.
+    pub kind: DofKind,
+    /// Least and greatest coordinate, in radians or metres; for a ball, 0 and the largest angle.
+    pub range: [f64; 2],
+}
+
+/// A joint: degrees of freedom in series that share one position.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Joint {
+    /// What its degrees of freedom are called in common, or the name of the limb it carries.
+    pub name: String,
+    /// The limb it is mounted on.
+    pub parent: usize,
+    /// Its degrees of freedom, parent's side first.
+    pub dofs: Vec<Dof>,
+    #[serde(skip)]
+    first_dof: usize,
+    #[serde(skip)]
+    first_coordinate: usize,
+}
+
+impl Joint {
+    /// A joint on limb `parent`.
+    pub fn new(name: impl Into<String>, parent: usize, dofs: Vec<Dof>) -> Joint {
+        Joint { name: name.into(), parent, dofs, first_dof: 0, first_coordinate: 0 }
+    }
+
+    /// Index of its first axis among the axes of all joints.
+    pub fn first_dof(&self) -> usize {
+        self.first_dof
+    }
+
+    /// Indices of its axes among the axes of all joints.
+    pub fn dof_indices(&self) -> std::ops::Range<usize> {
+        self.first_dof..self.first_dof + self.dofs.len()
+    }
+
+    /// Index of its first coordinate in a posture.
+    pub fn first_coordinate(&self) -> usize {
+        self.first_coordinate
+    }
+}
+
+/// A named part of the body surface with an aura of its own, made of one or more limbs.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct AuraLimb {
+    /// Its name.
+    pub name: String,
+    /// The limbs that belong to it.
+    pub limbs: Vec<usize>,
+}
+
+/// A creature as its agent knows it.
+///
+/// Limb 0 is the root; joint i carries limb i + 1, and every limb comes after its parent.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "Parts", into = "Parts")]
+pub struct Creature {
+    parts: Parts,
+    coordinates: usize,
+    elements: usize,
+}
+
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+struct Parts {
+    name: String,
+    limbs: Vec<String>,
+    joints: Vec<Joint>,
+    aura_limbs: Vec<AuraLimb>,
+}
+
+impl From<Creature> for Parts {
+    fn from(creature: Creature) -> Parts {
+        creature.parts
+    }
+}
+
+impl TryFrom<Parts> for Creature {
+    type Error = String;
+
+    fn try_from(parts: Parts) -> Result<Creature, String> {
+        Creature::new(parts.name, parts.limbs, parts.joints, parts.aura_limbs)
+    }
+}
+
+impl Creature {
+    /// Puts a creature together.
+    ///
+    /// # Errors
+    /// A sentence when there is not one joint per limb but the root, when a joint's parent does not come
+    /// before it, when a range is not two finite numbers in order, or when an aura names a limb that
+    /// does not exist.
+    pub fn new(
+        name: String,
+        limbs: Vec<String>,
+        mut joints: Vec<Joint>,
+        aura_limbs: Vec<AuraLimb>,
+    ) -> Result<Creature, String> {
+        if limbs.len() != joints.len() + 1 {
+            return Err(format!(
+                "a creature of {} limbs needs one joint fewer, not {}",
+                limbs.len(),
+                joints.len()
+            ));
+        }
+        let (mut elements, mut coordinates) = (0, 0);
+        for (i, joint) in joints.iter_mut().enumerate() {
+            if joint.parent > i {
+                return Err(format!("joint {} comes before the limb that carries it", joint.name));
+            }
+            (joint.first_dof, joint.first_coordinate) = (elements, coordinates);
+            for dof in &joint.dofs {
+                let [low, high] = dof.range;
+                if !(low.is_finite() && high.is_finite() && low <= high) {
+                    return Err(format!("the range of {} is not two numbers in order", dof.name));
+                }
+                elements += 1;
+                coordinates += dof.kind.coordinates();
+            }
+        }
+        if let Some(aura) = aura_limbs.iter().find(|a| a.limbs.iter().any(|&l| l >= limbs.len())) {
+            return Err(format!("aura limb {} names a limb that does not exist", aura.name));
+        }
+        let parts = Parts { name, limbs, joints, aura_limbs };
+        Ok(Creature { parts, coordinates, elements })
+    }
+
+    /// The model's name.
+    pub fn name(&self) -> &str {
+        &self.parts.name
+    }
+
+    /// The limbs' names; limb 0 is the root, limb i + 1 is carried by joint i.
+    pub fn limbs(&self) -> &[String] {
+        &self.parts.limbs
+    }
+
+    /// The joints, parents first.
+    pub fn joints(&self) -> &[Joint] {
+        &self.parts.joints
+    }
+
+    /// The named parts of the surface.
+    pub fn aura_limbs(&self) -> &[AuraLimb] {
+        &self.parts.aura_limbs
+    }
+
+    /// All degrees of freedom in the order of their axes.
+    pub fn dofs(&self) -> impl Iterator<Item = &Dof> {
+        self.joints().iter().flat_map(|joint| &joint.dofs)
+    }
+
+    /// The number of hinges, slides and balls: the number of axes in a schema.
+    pub fn dof_elements(&self) -> usize {
+        self.elements
+    }
+
+    /// The number of degrees of freedom (a ball counts three).
+    pub fn dof(&self) -> usize {
+        self.dofs().map(|dof| dof.kind.dof()).sum()
+    }
+
+    /// How many numbers a posture has.
+    pub fn coordinates(&self) -> usize {
+        self.coordinates
+    }
+
+    /// The reference posture: every angle and distance zero.
+    pub fn reference_posture(&self) -> Vec<f64> {
+        self.dofs()
+            .flat_map(|dof| {
+                let quaternion: &[f64] = &[1.0, 0.0, 0.0, 0.0];
+                if dof.kind == DofKind::Ball { quaternion } else { &[0.0] }
+            })
+            .copied()
+            .collect()
+    }
+
+    /// The joint that carries a limb; none for the root.
+    pub fn joint_of(&self, limb: usize) -> Option<usize> {
+        limb.checked_sub(1)
+    }
+
+    /// The limb that a limb is mounted on; none for the root.
+    pub fn parent_of(&self, limb: usize) -> Option<usize> {
+        self.joint_of(limb).map(|joint| self.joints()[joint].parent)
+    }
+
+    /// Whether one of two limbs carries the other, or both are one.
+    pub fn neighbouring(&self, a: usize, b: usize) -> bool {
+        a == b || self.parent_of(a) == Some(b) || self.parent_of(b) == Some(a)
+    }
+
+    /// The aura limb a limb belongs to, by index.
+    pub fn aura_of(&self, limb: usize) -> Option<usize> {
+        self.aura_limbs().iter().position(|aura| aura.limbs.contains(&limb))
+    }
+
+    /// The index of a limb by name.
+    pub fn limb(&self, name: &str) -> Option<usize> {
+        self.limbs().iter().position(|limb| limb == name)
+    }
+}

@@ -1,0 +1,221 @@
+//! The chain of transforms between two limbs, and where a point lands along it.
+//!
+//! A chain from limb A to limb B climbs to their common ancestor C and descends from there (IVA 2009,
+//! figures 3 and 5). All that a touch tells is symmetric in the two, so both points are carried up to C,
+//! where `p_CA = X_CA p_A` and `p_CB = X_CB p_B` must meet. Nothing is inverted: the chain stays valid,
+//! and its derivative polynomial, when the axes are relaxed from unit length.
+
+use nalgebra::{Matrix3, Vector3};
+
+use super::rotation::{axis_derivative, rotation};
+use crate::creature::{Creature, DofKind};
+use crate::schema::BodySchema;
+
+/// The joints between two limbs and their common ancestor.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Chain {
+    /// The common ancestor limb C.
+    pub ancestor: usize,
+    /// Per end, the joints from C out to the limb.
+    pub sides: [Vec<usize>; 2],
+}
+
+impl Chain {
+    /// The chain between limbs `a` and `b`.
+    pub fn between(creature: &Creature, a: usize, b: usize) -> Chain {
+        let (mut x, mut y) = (a, b);
+        let mut sides = [Vec::new(), Vec::new()];
+        while x != y {
+            // A limb comes after its parent, so the larger index cannot be an ancestor of the smaller.
+            if x > y {
+                sides[0].push(x - 1);
+                x = creature.joints()[x - 1].parent;
+            } else {
+                sides[1].push(y - 1);
+                y = creature.joints()[y - 1].parent;
+            }
+        }
+        sides.iter_mut().for_each(|side| side.reverse());
+        Chain { ancestor: x, sides }
+    }
+
+    /// All joints of the chain, both sides.
+    pub fn joints(&self) -> impl Iterator<Item = usize> + Clone + '_ {
+        self.sides.iter().flatten().copied()
+    }
+}
+
+/// One degree of freedom at one posture, with what does not depend on the schema worked out.
+#[derive(Clone, Debug)]
+enum Motion {
+    Hinge { sine: f64, versine: f64 },
+    Slide { distance: f64 },
+    Ball { rotation: Matrix3<f64> },
+}
+
+#[derive(Clone, Debug)]
+struct Step {
+    dof: usize,
+    motion: Motion,
+}
+
+/// One side of a chain at one posture: joints from the ancestor outwards, each a position and its
+/// degrees of freedom.
+#[derive(Clone, Debug, Default)]
+pub struct ChainSide {
+    /// Joint and the number of its steps.
+    joints: Vec<(usize, usize)>,
+    steps: Vec<Step>,
+}
+
+impl ChainSide {
+    /// Prepares the side `joints` (ancestor first) at `posture`.
+    pub fn new(creature: &Creature, joints: &[usize], posture: &[f64]) -> ChainSide {
+        let mut side = ChainSide::default();
+        for &j in joints {
+            let joint = &creature.joints()[j];
+            side.joints.push((j, joint.dofs.len()));
+            let mut coordinate = joint.first_coordinate();
+            for (k, dof) in joint.dofs.iter().enumerate() {
+                let q = &posture[coordinate..coordinate + dof.kind.coordinates()];
+                let motion = match dof.kind {
+                    DofKind::Hinge => Motion::Hinge { sine: q[0].sin(), versine: 1.0 - q[0].cos() },
+                    DofKind::Slide => Motion::Slide { distance: q[0] },
+                    DofKind::Ball => Motion::Ball { rotation: ball_rotation(q) },
+                };
+                side.steps.push(Step { dof: joint.first_dof() + k, motion });
+                coordinate += dof.kind.coordinates();
+            }
+        }
+        side
+    }
+
+    /// `X_CL`: the pose of the limb at the end of the side in its ancestor.
+    pub fn frame(&self, schema: &BodySchema) -> Frame {
+        let mut frame = Frame::identity();
+        let mut steps = self.steps.iter();
+        for &(joint, count) in &self.joints {
+            frame.origin += frame.rotation * schema.positions[joint];
+            for step in steps.by_ref().take(count) {
+                let axis = &schema.axes[step.dof];
+                match &step.motion {
+                    Motion::Hinge { sine, versine } => frame.rotation *= rotation(axis, *sine, *versine),
+                    Motion::Slide { distance } => frame.origin += frame.rotation * axis * *distance,
+                    Motion::Ball { rotation } => frame.rotation *= rotation,
+                }
+            }
+        }
+        frame
+    }
+
+    /// `p_C = X_CL p_L` and its derivatives by every position and axis of the side, into `jacobian`.
+    pub fn point_jacobian(&self, schema: &BodySchema, p_l: &Vector3<f64>, jacobian: &mut SideJacobian) {
+        jacobian.joints.clear();
+        jacobian.dofs.clear();
+        // Outwards: the linear map from each step to C.
+        let mut steps = self.steps.iter();
+        let mut map = Matrix3::identity();
+        for &(joint, count) in &self.joints {
+            jacobian.joints.push((joint, map));
+            for step in steps.by_ref().take(count) {
+                jacobian.dofs.push((step.dof, map));
+                match &step.motion {
+                    Motion::Hinge { sine, versine } => {
+                        map *= rotation(&schema.axes[step.dof], *sine, *versine);
+                    }
+                    Motion::Slide { .. } => {}
+                    Motion::Ball { rotation } => map *= rotation,
+                }
+            }
+        }
+        jacobian.rotation = map;
+        // Inwards: the point as each step meets it.
+        let mut p = *p_l;
+        let mut k = self.steps.len();
+        for &(joint, count) in self.joints.iter().rev() {
+            for _ in 0..count {
+                k -= 1;
+                let axis = &schema.axes[self.steps[k].dof];
+                let derivative = &mut jacobian.dofs[k].1;
+                match &self.steps[k].motion {
+                    Motion::Hinge { sine, versine } => {
+                        *derivative *= axis_derivative(axis, *sine, *versine, &p);
+                        let cross = axis.cross(&p);
+                        p += cross * *sine + axis.cross(&cross) * *versine;
+                    }
+                    Motion::Slide { distance } => {
+                        *derivative *= *distance;
+                        p += axis * *distance;
+                    }
+                    Motion::Ball { rotation } => {
+                        derivative.fill(0.0);
+                        p = rotation * p;
+                    }
+                }
+            }
+            p += schema.positions[joint];
+        }
+        jacobian.position = p;
+    }
+}
+
+/// What [`ChainSide::point_jacobian`] finds; kept by the caller so that its buffers are used again.
+#[derive(Clone, Debug, Default)]
+pub struct SideJacobian {
+    /// `p_C`.
+    pub position: Vector3<f64>,
+    /// `R_CL`.
+    pub rotation: Matrix3<f64>,
+    /// Per joint, `∂p_C/∂l_P` (which is `R_CP`).
+    pub joints: Vec<(usize, Matrix3<f64>)>,
+    /// Per degree of freedom, `∂p_C/∂a_P` for an axis that is free in R³.
+    pub dofs: Vec<(usize, Matrix3<f64>)>,
+}
+
+/// A pose `X_AB`: where frame B is in frame A.
+///
+/// The rotation is a plain matrix, not an orthonormal type: with relaxed axes it need not be one.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Frame {
+    /// Rotation `R_AB`.
+    pub rotation: Matrix3<f64>,
+    /// Origin `p_AB_A` in metres.
+    pub origin: Vector3<f64>,
+}
+
+impl Frame {
+    /// The pose of a frame in itself.
+    pub fn identity() -> Frame {
+        Frame { rotation: Matrix3::identity(), origin: Vector3::zeros() }
+    }
+
+    /// `p_A = X_AB p_B`.
+    pub fn point(&self, p_b: &Vector3<f64>) -> Vector3<f64> {
+        self.rotation * p_b + self.origin
+    }
+
+    /// `p_B = X_AB⁻¹ p_A`, for an orthonormal rotation.
+    pub fn inverse_point(&self, p_a: &Vector3<f64>) -> Vector3<f64> {
+        self.rotation.tr_mul(&(p_a - self.origin))
+    }
+}
+
+/// `X_RL` of every limb in the root limb's frame, at `posture`.
+pub fn limb_frames(creature: &Creature, schema: &BodySchema, posture: &[f64]) -> Vec<Frame> {
+    let mut frames = vec![Frame::identity(); creature.limbs().len()];
+    for (j, joint) in creature.joints().iter().enumerate() {
+        let parent = frames[joint.parent];
+        let local = ChainSide::new(creature, &[j], posture).frame(schema);
+        frames[j + 1] = Frame {
+            rotation: parent.rotation * local.rotation,
+            origin: parent.point(&local.origin),
+        };
+    }
+    frames
+}
+
+/// The rotation of a ball joint from its posture coordinates w x y z.
+fn ball_rotation(q: &[f64]) -> Matrix3<f64> {
+    let quaternion = nalgebra::Quaternion::new(q[0], q[1], q[2], q[3]);
+    nalgebra::UnitQuaternion::from_quaternion(quaternion).to_rotation_matrix().into_inner()
+}

@@ -1,0 +1,10 @@
+//! Rotations, chains through the tree, and their Jacobians.
+//!
+//! Everything here is a pure function of a [`BodySchema`](crate::schema::BodySchema) and a posture; it
+//! serves the agent (with what it has learned) and the evaluation (with the truth) alike.
+
+mod chain;
+mod rotation;
+
+pub use chain::{Chain, ChainSide, Frame, SideJacobian, limb_frames};
+pub use rotation::{axis_derivative, rotation, skew, tangent_basis};

@@ -1,0 +1,139 @@
+//! Levenberg-Marquardt on a body schema.
+//!
+//! The problem supplies normal equations and a cost; here are only the damping (Marquardt's scaling with
+//! Nielsen's update, "Damping parameter in Marquardt's method", 1999) and the reasons to stop.
+
+use nalgebra::{DMatrix, DVector};
+
+use crate::learning::Parameters;
+use crate::schema::BodySchema;
+
+/// The Gauss-Newton model of a cost about one schema.
+pub struct Linearization {
+    /// `JᵀWJ`; only the lower triangle is read.
+    pub hessian: DMatrix<f64>,
+    /// `JᵀWe`.
+    pub gradient: DVector<f64>,
+    /// `½ eᵀWe`.
+    pub cost: f64,
+}
+
+/// A least-squares problem over a schema.
+pub trait LeastSquares {
+    /// Normal equations at `schema`. May fix weights (covariances, robust weights) that
+    /// [`LeastSquares::cost`] uses until the next linearization.
+    fn linearize(&mut self, schema: &BodySchema) -> Linearization;
+    /// The cost at `schema` under the weights of the last linearization.
+    fn cost(&self, schema: &BodySchema) -> f64;
+}
+
+/// Why the iteration stopped.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Termination {
+    /// The cost fell by less than the relative tolerance.
+    Converged,
+    /// No damping gave a lower cost: a minimum to rounding.
+    NoLowerCost,
+    /// The given number of iterations was used up.
+    IterationLimit,
+    /// The cost was not a finite number at the start.
+    NotFinite,
+}
+
+/// When to stop.
+#[derive(Clone, Copy, Debug)]
+pub struct Stopping {
+    /// Most linearizations.
+    pub iterations: usize,
+    /// Least relative fall of the cost that counts as progress.
+    pub relative_cost: f64,
+    /// A cost that is as good as zero.
+    pub cost: f64,
+}
+
+/// Where the iteration stopped, and why.
+#[derive(Clone, Debug)]
+pub struct Solution {
+    /// The schema of least cost.
+    pub schema: BodySchema,
+    /// Its cost under the last weights.
+    pub cost: f64,
+    /// Linearizations used.
+    pub iterations: usize,
+    /// Why it stopped.
+    pub termination: Termination,
+}
+
+/// Minimises the problem's cost over `parameters` from `start`.
+pub fn levenberg_marquardt(
+    problem: &mut impl LeastSquares,
+    parameters: &Parameters,
+    start: BodySchema,
+    stopping: Stopping,
+) -> Solution {
+    let mut schema = start;
+    let mut damping = 1e-3;
+    let mut growth = 2.0;
+    let mut cost = f64::INFINITY;
+    let mut small_steps = 0;
+    for iteration in 0..stopping.iterations {
+        let model = problem.linearize(&schema);
+        cost = model.cost;
+        let done = |schema: BodySchema, cost, termination| Solution {
+            schema,
+            cost,
+            iterations: iteration + 1,
+            termination,
+        };
+        if !cost.is_finite() {
+            return done(schema, cost, Termination::NotFinite);
+        }
+        if cost <= stopping.cost || parameters.is_empty() {
+            return done(schema, cost, Termination::Converged);
+        }
+        let floor = 1e-9 * model.hessian.diagonal().amax().max(f64::MIN_POSITIVE);
+        loop {
+            let mut damped = model.hessian.clone();
+            for i in 0..damped.nrows() {
+                damped[(i, i)] += damping * damped[(i, i)].max(floor);
+            }
+            let step = damped.cholesky().map(|factor| factor.solve(&-&model.gradient));
+            if let Some(step) = step {
+                let trial = parameters.step(&schema, &step);
+                let trial_cost = problem.cost(&trial);
+                if trial_cost < cost {
+                    let predicted = -model.gradient.dot(&step) - 0.5 * quadratic(&model.hessian, &step);
+                    let ratio = (cost - trial_cost) / predicted.max(f64::MIN_POSITIVE);
+                    damping *= (1.0 - (2.0 * ratio - 1.0).powi(3)).clamp(1.0 / 10.0, 2.0);
+                    damping = damping.max(1e-12);
+                    growth = 2.0;
+                    let fall = (cost - trial_cost) / cost;
+                    schema = trial;
+                    cost = trial_cost;
+                    small_steps = if fall < stopping.relative_cost { small_steps + 1 } else { 0 };
+                    break;
+                }
+            }
+            damping *= growth;
+            growth *= 2.0;
+            if damping > 1e12 {
+                return done(schema, cost, Termination::NoLowerCost);
+            }
+        }
+        if small_steps >= 2 {
+            return done(schema, cost, Termination::Converged);
+        }
+    }
+    Solution { schema, cost, iterations: stopping.iterations, termination: Termination::IterationLimit }
+}
+
+/// `xᵀ A x` of a symmetric matrix given by its lower triangle.
+fn quadratic(a: &DMatrix<f64>, x: &DVector<f64>) -> f64 {
+    let mut sum = 0.0;
+    for j in 0..a.ncols() {
+        let column = a.column(j);
+        let below: f64 = (j + 1..a.nrows()).map(|i| column[i] * x[i]).sum();
+        sum += x[j] * (column[j] * x[j] + 2.0 * below);
+    }
+    sum
+}

@@ -1,0 +1,113 @@
+//! What a touch says: from two felt places to residuals.
+
+use nalgebra::{Matrix3, Vector3};
+
+use crate::kinematics::Frame;
+
+/// What one end of a touch reports.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Observation {
+    /// `p_LR`, where on the limb, in the limb's frame, metres: the receptor's centre or the exact point.
+    pub position: Vector3<f64>,
+    /// How far from there the contact may have been: a covariance in the limb's frame, m².
+    pub covariance: Matrix3<f64>,
+}
+
+/// The residuals of one touch, whitened, and how they change.
+///
+/// Every residual moves with the miss of one pair of points: its derivative is
+/// `direction · (∂p_CA − ∂p_CB)`, with `points` the material points on the two limbs.
+#[derive(Clone, Copy, Debug)]
+pub struct Residuals {
+    /// The points in their limbs' frames, metres.
+    pub points: [Vector3<f64>; 2],
+    directions: [Vector3<f64>; Residuals::MOST],
+    values: [f64; Residuals::MOST],
+    count: usize,
+}
+
+impl Residuals {
+    /// The most residuals that one touch can have.
+    pub const MOST: usize = 5;
+
+    /// No residuals yet, for a pair of points.
+    pub fn new(points: [Vector3<f64>; 2]) -> Residuals {
+        let directions = [Vector3::zeros(); Residuals::MOST];
+        Residuals { points, directions, values: [0.0; Residuals::MOST], count: 0 }
+    }
+
+    /// Adds a residual.
+    pub fn push(&mut self, direction: Vector3<f64>, value: f64) {
+        self.directions[self.count] = direction;
+        self.values[self.count] = value;
+        self.count += 1;
+    }
+
+    /// The derivative's direction per residual, in the ancestor's frame.
+    pub fn directions(&self) -> &[Vector3<f64>] {
+        &self.directions[..self.count]
+    }
+
+    /// The residuals.
+    pub fn values(&self) -> &[f64] {
+        &self.values[..self.count]
+    }
+}
+
+/// How the two ends of a touch become residuals.
+pub trait ObservationModel {
+    /// The whitening of a touch at its present frames `X_CA` and `X_CB`; fixed during a step.
+    fn whitening(&self, ends: &[Observation; 2], frames: &[Frame; 2]) -> Matrix3<f64>;
+    /// The whitened residuals.
+    fn residuals(
+        &self,
+        ends: &[Observation; 2],
+        frames: &[Frame; 2],
+        whitening: &Matrix3<f64>,
+    ) -> Residuals;
+    /// The touch's share of the cost.
+    fn cost(&self, ends: &[Observation; 2], frames: &[Frame; 2], whitening: &Matrix3<f64>) -> f64;
+}
+
+/// The two places are one point: the miss `p_CA − p_CB` is noise of the two ends' covariances.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct PointsMeet;
+
+impl PointsMeet {
+    fn miss(ends: &[Observation; 2], frames: &[Frame; 2]) -> Vector3<f64> {
+        frames[0].point(&ends[0].position) - frames[1].point(&ends[1].position)
+    }
+}
+
+impl ObservationModel for PointsMeet {
+    fn whitening(&self, ends: &[Observation; 2], frames: &[Frame; 2]) -> Matrix3<f64> {
+        let turned = |k: usize| frames[k].rotation * ends[k].covariance * frames[k].rotation.transpose();
+        let covariance = turned(0) + turned(1);
+        // With relaxed axes the rotations may be nearly singular; then fall back on the mean variance.
+        let variance = (ends[0].covariance + ends[1].covariance).trace() / 3.0;
+        let covariance = covariance + Matrix3::identity() * (1e-3 * variance);
+        covariance
+            .cholesky()
+            .and_then(|factor| factor.l().try_inverse())
+            .filter(|whitening| whitening.iter().all(|x| x.is_finite()))
+            .unwrap_or_else(|| Matrix3::identity() / variance.sqrt())
+    }
+
+    fn residuals(
+        &self,
+        ends: &[Observation; 2],
+        frames: &[Frame; 2],
+        whitening: &Matrix3<f64>,
+    ) -> Residuals {
+        let values = whitening * PointsMeet::miss(ends, frames);
+        let mut residuals = Residuals::new([ends[0].position, ends[1].position]);
+        for (row, value) in values.iter().enumerate() {
+            residuals.push(whitening.row(row).transpose(), *value);
+        }
+        residuals
+    }
+
+    fn cost(&self, ends: &[Observation; 2], frames: &[Frame; 2], whitening: &Matrix3<f64>) -> f64 {
+        0.5 * (whitening * PointsMeet::miss(ends, frames)).norm_squared()
+    }
+}

@@ -1,0 +1,41 @@
+//! Onset schemas: what an agent believes before its first touch.
+
+use nalgebra::Vector3;
+use rand::{Rng, RngExt};
+
+use crate::creature::{Creature, DofKind};
+use crate::schema::BodySchema;
+
+/// The greatest onset length: "assign the segment lengths with small values" (IVA 2009, section 3.2).
+pub const ONSET_LENGTH: f64 = 0.02;
+
+/// A direction drawn uniformly from the sphere.
+pub fn random_direction(rng: &mut impl Rng) -> Vector3<f64> {
+    loop {
+        let v = Vector3::from_fn(|_, _| rng.random_range(-1.0..1.0));
+        let squared: f64 = v.norm_squared();
+        if squared > 1e-4 && squared < 1.0 {
+            return v / squared.sqrt();
+        }
+    }
+}
+
+/// Random axes and small lengths for every joint of the creature.
+pub fn random_onset(creature: &Creature, rng: &mut impl Rng) -> BodySchema {
+    let mut schema = BodySchema::zero(creature);
+    for joint in 0..creature.joints().len() {
+        randomize_joint(creature, &mut schema, joint, rng);
+    }
+    schema
+}
+
+/// Gives one joint a random axis per degree of freedom and a small random position.
+pub fn randomize_joint(creature: &Creature, schema: &mut BodySchema, joint: usize, rng: &mut impl Rng) {
+    schema.positions[joint] = random_direction(rng) * rng.random_range(0.0..ONSET_LENGTH);
+    let joint = &creature.joints()[joint];
+    for (k, dof) in joint.dof_indices().zip(&joint.dofs) {
+        if dof.kind != DofKind::Ball {
+            schema.axes[k] = random_direction(rng);
+        }
+    }
+}

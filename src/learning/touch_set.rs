@@ -1,0 +1,267 @@
+//! Touches made ready for a solver: grouped by limb pair, trigonometry done once.
+
+use std::collections::BTreeMap;
+
+use nalgebra::{DMatrix, DVector, Matrix3, Matrix3x2, Vector3};
+
+use crate::creature::Creature;
+use crate::kinematics::{Chain, ChainSide, Frame, SideJacobian, tangent_basis};
+use crate::learning::least_squares::Linearization;
+use crate::learning::least_squares::LeastSquares;
+use crate::learning::observation::{Observation, ObservationModel, Residuals};
+use crate::learning::{AxisModel, Parameters};
+use crate::schema::BodySchema;
+
+/// One touch as a solver sees it: two points that met in one posture.
+#[derive(Clone, Debug)]
+pub struct PreparedTouch {
+    /// Per end, its side of the chain at the touch's posture.
+    pub sides: [ChainSide; 2],
+    /// Per end, what was felt.
+    pub ends: [Observation; 2],
+}
+
+/// All touches between one pair of limbs.
+#[derive(Clone, Debug)]
+pub struct PairTouches {
+    /// The two limbs.
+    pub limbs: [usize; 2],
+    /// The chain between them.
+    pub chain: Chain,
+    /// The touches.
+    pub touches: Vec<PreparedTouch>,
+}
+
+/// Touches grouped by the pair of limbs, in the order of the limbs.
+#[derive(Clone, Debug, Default)]
+pub struct TouchSet {
+    /// The groups.
+    pub pairs: Vec<PairTouches>,
+}
+
+/// A touch between two limbs in a posture, as it enters a [`TouchSet`].
+#[derive(Clone, Debug)]
+pub struct LimbTouch<'a> {
+    /// The limbs.
+    pub limbs: [usize; 2],
+    /// Posture coordinates.
+    pub posture: &'a [f64],
+    /// Per end, what was felt.
+    pub ends: [Observation; 2],
+}
+
+impl TouchSet {
+    /// Groups and prepares touches.
+    pub fn new<'a>(creature: &Creature, touches: impl IntoIterator<Item = LimbTouch<'a>>) -> TouchSet {
+        let mut pairs: BTreeMap<[usize; 2], PairTouches> = BTreeMap::new();
+        for mut touch in touches {
+            if touch.limbs[0] > touch.limbs[1] {
+                touch.limbs.swap(0, 1);
+                touch.ends.swap(0, 1);
+            }
+            let [a, b] = touch.limbs;
+            let pair = pairs.entry(touch.limbs).or_insert_with(|| PairTouches {
+                limbs: touch.limbs,
+                chain: Chain::between(creature, a, b),
+                touches: Vec::new(),
+            });
+            let side = |k: usize| ChainSide::new(creature, &pair.chain.sides[k], touch.posture);
+            let sides = [side(0), side(1)];
+            pair.touches.push(PreparedTouch { sides, ends: touch.ends });
+        }
+        TouchSet { pairs: pairs.into_values().collect() }
+    }
+
+    /// Number of touches.
+    pub fn len(&self) -> usize {
+        self.pairs.iter().map(|pair| pair.touches.len()).sum()
+    }
+
+    /// Whether there is no touch.
+    pub fn is_empty(&self) -> bool {
+        self.pairs.is_empty()
+    }
+
+    /// The pairs for which `keep` holds.
+    pub fn filter(&self, keep: impl Fn(&PairTouches) -> bool) -> TouchSet {
+        TouchSet { pairs: self.pairs.iter().filter(|pair| keep(pair)).cloned().collect() }
+    }
+}
+
+impl PreparedTouch {
+    /// `p_CA − p_CB`: how far apart the schema puts what touched, in the common ancestor's frame, metres.
+    pub fn miss(&self, schema: &BodySchema) -> Vector3<f64> {
+        let [a, b] = &self.sides;
+        a.frame(schema).point(&self.ends[0].position) - b.frame(schema).point(&self.ends[1].position)
+    }
+}
+
+/// The columns of a pair's Jacobian: which parameters its chain moves.
+struct Columns {
+    /// Offset in the parameter vector of each local block, and its width.
+    blocks: Vec<(usize, usize)>,
+    /// Local offset of every joint's position and every degree of freedom's axis.
+    positions: Vec<Option<usize>>,
+    axes: Vec<Option<usize>>,
+    len: usize,
+}
+
+impl Columns {
+    fn new(creature: &Creature, chain: &Chain, parameters: &Parameters) -> Columns {
+        let mut columns = Columns {
+            blocks: Vec::new(),
+            positions: vec![None; creature.joints().len()],
+            axes: vec![None; creature.dof_elements()],
+            len: 0,
+        };
+        for joint in chain.joints() {
+            if let Some(offset) = parameters.positions[joint] {
+                columns.positions[joint] = Some(columns.len);
+                columns.blocks.push((offset, 3));
+                columns.len += 3;
+            }
+            for dof in creature.joints()[joint].dof_indices() {
+                if let Some(offset) = parameters.axes[dof] {
+                    columns.axes[dof] = Some(columns.len);
+                    columns.blocks.push((offset, parameters.axis_size()));
+                    columns.len += parameters.axis_size();
+                }
+            }
+        }
+        columns
+    }
+}
+
+/// The least-squares problem of a touch set: parameters in, normal equations out.
+pub struct TouchProblem<'a, M> {
+    creature: &'a Creature,
+    touches: &'a TouchSet,
+    parameters: &'a Parameters,
+    model: M,
+    columns: Vec<Columns>,
+    /// Per touch, in the order of the set, the whitening that the last linearization fixed.
+    whitenings: Vec<Matrix3<f64>>,
+}
+
+impl<'a, M: ObservationModel> TouchProblem<'a, M> {
+    /// The problem of explaining `touches` by moving `parameters`.
+    pub fn new(
+        creature: &'a Creature,
+        touches: &'a TouchSet,
+        parameters: &'a Parameters,
+        model: M,
+    ) -> TouchProblem<'a, M> {
+        let columns =
+            touches.pairs.iter().map(|pair| Columns::new(creature, &pair.chain, parameters)).collect();
+        let whitenings = vec![Matrix3::identity(); touches.len()];
+        TouchProblem { creature, touches, parameters, model, columns, whitenings }
+    }
+}
+
+impl<M: ObservationModel> LeastSquares for TouchProblem<'_, M> {
+    fn linearize(&mut self, schema: &BodySchema) -> Linearization {
+        debug_assert!(schema.fits(self.creature));
+        let n = self.parameters.len();
+        let mut total =
+            Linearization { hessian: DMatrix::zeros(n, n), gradient: DVector::zeros(n), cost: 0.0 };
+        let bases: Vec<Matrix3x2<f64>> = match self.parameters.axis_model {
+            AxisModel::Relaxed => Vec::new(),
+            AxisModel::Unit => schema.axes.iter().map(tangent_basis).collect(),
+        };
+        let mut whitenings = self.whitenings.iter_mut();
+        let mut sides = [SideJacobian::default(), SideJacobian::default()];
+        for (pair, columns) in self.touches.pairs.iter().zip(&self.columns) {
+            let most_rows = pair.touches.len() * Residuals::MOST;
+            // Transposed, so that a touch writes adjacent memory.
+            let mut jacobian = DMatrix::zeros(columns.len, most_rows);
+            let mut residuals = DVector::zeros(most_rows);
+            let mut row = 0;
+            for touch in &pair.touches {
+                let frames = touch.frames(schema);
+                let whitening = whitenings.next().expect("one whitening per touch");
+                *whitening = self.model.whitening(&touch.ends, &frames);
+                total.cost += self.model.cost(&touch.ends, &frames, whitening);
+                let found = self.model.residuals(&touch.ends, &frames, whitening);
+                for (k, side) in sides.iter_mut().enumerate() {
+                    touch.sides[k].point_jacobian(schema, &found.points[k], side);
+                    let sign = if k == 0 { 1.0 } else { -1.0 };
+                    for (i, direction) in found.directions().iter().enumerate() {
+                        let direction = direction * sign;
+                        write_row(&mut jacobian, row + i, &direction, side, columns, &bases);
+                    }
+                }
+                for (i, value) in found.values().iter().enumerate() {
+                    residuals[row + i] = *value;
+                }
+                row += found.values().len();
+            }
+            if columns.len > 0 {
+                let used = jacobian.columns(0, row);
+                let hessian = used * used.transpose();
+                let gradient = used * residuals.rows(0, row);
+                columns.scatter(&hessian, &gradient, &mut total);
+            }
+        }
+        total
+    }
+
+    fn cost(&self, schema: &BodySchema) -> f64 {
+        let touches = self.touches.pairs.iter().flat_map(|pair| &pair.touches);
+        touches
+            .zip(&self.whitenings)
+            .map(|(touch, whitening)| self.model.cost(&touch.ends, &touch.frames(schema), whitening))
+            .sum()
+    }
+}
+
+impl PreparedTouch {
+    /// `X_CA` and `X_CB`.
+    pub fn frames(&self, schema: &BodySchema) -> [Frame; 2] {
+        [self.sides[0].frame(schema), self.sides[1].frame(schema)]
+    }
+}
+
+impl Columns {
+    /// Adds a pair's normal equations to those of all parameters.
+    fn scatter(&self, hessian: &DMatrix<f64>, gradient: &DVector<f64>, total: &mut Linearization) {
+        let places = || {
+            self.blocks.iter().scan(0, |local, &(offset, width)| {
+                *local += width;
+                Some((*local - width, offset, width))
+            })
+        };
+        for (column, column_offset, column_width) in places() {
+            let mut block = total.gradient.rows_mut(column_offset, column_width);
+            block += gradient.rows(column, column_width);
+            for (row, row_offset, row_width) in places() {
+                let size = (row_width, column_width);
+                let mut block = total.hessian.view_mut((row_offset, column_offset), size);
+                block += hessian.view((row, column), size);
+            }
+        }
+    }
+}
+
+/// Writes one residual's derivative, `direction · ∂p_C/∂(parameters)` of one side, into `row`.
+fn write_row(
+    jacobian: &mut DMatrix<f64>,
+    row: usize,
+    direction: &Vector3<f64>,
+    side: &SideJacobian,
+    columns: &Columns,
+    bases: &[Matrix3x2<f64>],
+) {
+    for (joint, map) in &side.joints {
+        if let Some(column) = columns.positions[*joint] {
+            jacobian.fixed_view_mut::<3, 1>(column, row).copy_from(&map.tr_mul(direction));
+        }
+    }
+    for (dof, derivative) in &side.dofs {
+        let Some(column) = columns.axes[*dof] else { continue };
+        let free = derivative.tr_mul(direction);
+        match bases.get(*dof) {
+            None => jacobian.fixed_view_mut::<3, 1>(column, row).copy_from(&free),
+            Some(basis) => jacobian.fixed_view_mut::<2, 1>(column, row).copy_from(&basis.tr_mul(&free)),
+        }
+    }
+}

@@ -1,0 +1,10 @@
+#![deny(unsafe_code)]
+pub mod mujoco;
+pub mod creature;
+pub mod ground_truth;
+pub mod skin;
+pub mod senses;
+pub mod babbling;
+pub mod kinematics;
+pub mod schema;
+pub mod learning;

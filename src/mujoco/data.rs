@@ -1,0 +1,298 @@
+//! The data: one posture of a model and what the engine computes from it; one per thread.
+
+use std::ptr::NonNull;
+use std::sync::Arc;
+
+use nalgebra::{
+    Isometry3, Matrix3, Point3, Rotation3, Translation3, UnitQuaternion, UnitVector3, Vector3,
+};
+
+use super::contact::Contacts;
+use super::element::{quaternion, vector};
+use super::engine::{self, guarded};
+use super::error::{Error, Result};
+use super::ffi;
+use super::model::{Model, slice};
+
+/// An engine function that computes one stage for a posture.
+type Stage = unsafe extern "C-unwind" fn(*const ffi::mjModel, *mut ffi::mjData);
+
+/// The state of a model in one posture.
+///
+/// Results belong to the posture of the last call that computes them: [`Data::kinematics`] for poses,
+/// then [`Data::collision`] for contacts, or [`Data::forward`] for all of it with forces and sensors.
+/// For a posture's contacts the first two are enough and give the same contacts as the third.
+pub struct Data {
+    model: Arc<Model>,
+    raw: NonNull<ffi::mjData>,
+}
+
+// SAFETY: the data are owned by this value alone and the engine ties them to no thread; the model
+// that they refer to is shared and constant.
+unsafe impl Send for Data {}
+
+impl Drop for Data {
+    fn drop(&mut self) {
+        // SAFETY: made by mj_makeData, owned by this value alone, freed once.
+        unsafe { ffi::mj_deleteData(self.raw.as_ptr()) }
+    }
+}
+
+impl std::fmt::Debug for Data {
+    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        formatter
+            .debug_struct("Data")
+            .field("qpos", &self.qpos())
+            .finish_non_exhaustive()
+    }
+}
+
+/// Slices one of the data's arrays: `array!(data, xpos[nbody * 3])`.
+macro_rules! array {
+    ($data:expr, $field:ident[$count:ident $(* $width:literal)?]) => {{
+        // SAFETY: the engine allocates `$count * $width` elements for `$field` (mjdata.h), zero or
+        // computed, and writes to them only in calls that borrow the data exclusively.
+        unsafe { slice($data.raw().$field, $data.model.raw().$count as usize $(* $width)?) }
+    }};
+}
+
+impl Data {
+    /// Data of `model` in its reference posture, nothing computed yet.
+    ///
+    /// # Errors
+    /// [`Error::Engine`] where there is no memory for them.
+    pub fn new(model: Arc<Model>) -> Result<Self> {
+        // SAFETY: the model is valid; the engine returns null or data that are ours.
+        let raw = guarded("mj_makeData", || unsafe { ffi::mj_makeData(model.raw()) })?;
+        match NonNull::new(raw) {
+            Some(raw) => Ok(Self { model, raw }),
+            None => Err(Error::Engine {
+                call: "mj_makeData",
+                message: "no memory for the data of the model".into(),
+            }),
+        }
+    }
+
+    /// The model that the data belong to.
+    pub fn model(&self) -> &Arc<Model> {
+        &self.model
+    }
+
+    fn raw(&self) -> &ffi::mjData {
+        // SAFETY: valid until drop; writers borrow `self` exclusively.
+        unsafe { self.raw.as_ref() }
+    }
+
+    /// The posture: `nq` coordinates in radians and metres, quaternions w x y z.
+    pub fn qpos(&self) -> &[f64] {
+        array!(self, qpos[nq])
+    }
+
+    /// Sets the posture. What was computed before stays until the next computing call.
+    ///
+    /// Quaternions need no unit length: the engine normalises them.
+    ///
+    /// # Errors
+    /// [`Error::Size`] where there are not `nq` numbers, [`Error::NotFinite`] where one is NaN,
+    /// infinite or beyond the engine's bound of 1e10; the posture is unchanged then.
+    pub fn set_qpos(&mut self, qpos: &[f64]) -> Result<()> {
+        let expected = self.model.nq();
+        if qpos.len() != expected {
+            return Err(Error::Size {
+                what: "qpos",
+                expected,
+                found: qpos.len(),
+            });
+        }
+        if let Some(index) = qpos
+            .iter()
+            .position(|number| number.is_nan() || number.abs() > ffi::mjMAXVAL)
+        {
+            return Err(Error::NotFinite {
+                what: "qpos",
+                index,
+            });
+        }
+        // SAFETY: qpos has room for nq numbers, and `self` is borrowed exclusively.
+        unsafe {
+            let target = self.raw.as_ref().qpos;
+            std::ptr::copy_nonoverlapping(qpos.as_ptr(), target, expected);
+        }
+        Ok(())
+    }
+
+    /// Back to the reference posture, nothing computed; dear, never per posture.
+    ///
+    /// # Errors
+    /// [`Error::Engine`] where the engine raises one.
+    pub fn reset(&mut self) -> Result<()> {
+        // SAFETY: both are valid and the data are borrowed exclusively.
+        guarded("mj_resetData", || unsafe {
+            ffi::mj_resetData(self.model.raw(), self.raw.as_ptr());
+        })
+    }
+
+    /// Computes the poses of bodies, joints, geoms and sites.
+    ///
+    /// # Errors
+    /// [`Error::Engine`], after which the data are reset; [`Error::Warning`].
+    pub fn kinematics(&mut self) -> Result<()> {
+        self.run("mj_kinematics", ffi::mj_kinematics)
+    }
+
+    /// Computes centres of mass and what Jacobians need; after [`Data::kinematics`].
+    ///
+    /// # Errors
+    /// As [`Data::kinematics`].
+    pub fn com_pos(&mut self) -> Result<()> {
+        self.run("mj_comPos", ffi::mj_comPos)
+    }
+
+    /// Finds the contacts; after [`Data::kinematics`].
+    ///
+    /// # Errors
+    /// As [`Data::kinematics`]; [`Error::Warning`] also where there are more contacts than the model
+    /// has room for: none are kept then.
+    pub fn collision(&mut self) -> Result<()> {
+        self.run("mj_collision", ffi::mj_collision)
+    }
+
+    /// Computes everything for the posture: poses, contacts, forces, sensors.
+    ///
+    /// # Errors
+    /// As [`Data::collision`].
+    pub fn forward(&mut self) -> Result<()> {
+        self.run("mj_forward", ffi::mj_forward)
+    }
+
+    fn run(&mut self, call: &'static str, stage: Stage) -> Result<()> {
+        let (model, data) = (self.model.raw(), self.raw.as_ptr());
+        // SAFETY: both are valid and the data are borrowed exclusively.
+        if let Err(error) = guarded(call, || unsafe { stage(model, data) }) {
+            // The engine stopped half-way, its stack pointer wherever it was.
+            self.reset()?;
+            return Err(error);
+        }
+        match self.warned() {
+            Some(message) => Err(Error::Warning { call, message }),
+            None => Ok(()),
+        }
+    }
+
+    /// Whether the last call warned; if so the contacts are dropped, for they may be incomplete.
+    ///
+    /// The engine calls the warning handler the first time only and counts afterwards, so the counters
+    /// are what tells, and they start anew.
+    fn warned(&mut self) -> Option<String> {
+        // SAFETY: valid, and borrowed exclusively.
+        let data = unsafe { self.raw.as_mut() };
+        let raised = data.warning.iter().position(|warning| warning.number != 0);
+        let heard = engine::take_warning();
+        if raised.is_none() && heard.is_none() {
+            return None;
+        }
+        let message = heard.unwrap_or_else(|| {
+            let kind = raised.unwrap_or(0);
+            // SAFETY: takes two numbers and returns a string of the engine's own.
+            unsafe {
+                engine::text(ffi::mju_warningText(
+                    kind as i32,
+                    data.warning[kind].lastinfo as _,
+                ))
+            }
+        });
+        for warning in &mut data.warning {
+            warning.number = 0;
+        }
+        data.ncon = 0;
+        Some(message)
+    }
+
+    /// The contacts of the last [`Data::collision`] or [`Data::forward`].
+    pub fn contacts(&self) -> Contacts<'_> {
+        let raw = self.raw();
+        // SAFETY: the engine has written `ncon` contacts, and writes again only through `&mut self`.
+        Contacts(unsafe { slice(raw.contact, raw.ncon as usize) }.iter())
+    }
+
+    /// The force of contact `i` of the last [`Data::forward`], in newtons, in the contact's frame: along
+    /// its normal, then along its two tangents. All zero where no force was computed.
+    ///
+    /// # Panics
+    /// Where there is no contact `i`.
+    pub fn contact_force(&self, i: usize) -> Vector3<f64> {
+        assert!(i < self.raw().ncon as usize, "there is no contact {i}");
+        let mut wrench = [0.0; 6];
+        // SAFETY: both are valid, the data are only read, the index is in range, and the engine writes
+        // six numbers.
+        unsafe {
+            ffi::mj_contactForce(
+                self.model.raw(),
+                self.raw.as_ptr(),
+                i as i32,
+                wrench.as_mut_ptr(),
+            );
+        }
+        vector(&wrench)
+    }
+
+    /// The sensors' numbers of the last [`Data::forward`]; see [`Sensor`](super::Sensor).
+    pub fn sensordata(&self) -> &[f64] {
+        array!(self, sensordata[nsensordata])
+    }
+
+    /// The pose of body `i` in the world frame.
+    pub fn body_pose(&self, i: usize) -> Isometry3<f64> {
+        pose(
+            &array!(self, xpos[nbody * 3])[3 * i..],
+            quaternion(&array!(self, xquat[nbody * 4])[4 * i..]),
+        )
+    }
+
+    /// The pose of geom `i` in the world frame.
+    pub fn geom_pose(&self, i: usize) -> Isometry3<f64> {
+        pose(
+            &array!(self, geom_xpos[ngeom * 3])[3 * i..],
+            rotation(&array!(self, geom_xmat[ngeom * 9])[9 * i..]),
+        )
+    }
+
+    /// The centre of geom `i` in the world frame, in metres.
+    pub fn geom_position(&self, i: usize) -> Point3<f64> {
+        vector(&array!(self, geom_xpos[ngeom * 3])[3 * i..]).into()
+    }
+
+    /// The pose of site `i` in the world frame.
+    pub fn site_pose(&self, i: usize) -> Isometry3<f64> {
+        pose(
+            &array!(self, site_xpos[nsite * 3])[3 * i..],
+            rotation(&array!(self, site_xmat[nsite * 9])[9 * i..]),
+        )
+    }
+
+    /// The centre of site `i` in the world frame, in metres.
+    pub fn site_position(&self, i: usize) -> Point3<f64> {
+        vector(&array!(self, site_xpos[nsite * 3])[3 * i..]).into()
+    }
+
+    /// The anchor of joint `i` in the world frame, in metres.
+    pub fn joint_anchor(&self, i: usize) -> Point3<f64> {
+        vector(&array!(self, xanchor[njnt * 3])[3 * i..]).into()
+    }
+
+    /// The axis of joint `i` in the world frame; without meaning for ball and free joints.
+    pub fn joint_axis(&self, i: usize) -> UnitVector3<f64> {
+        UnitVector3::new_unchecked(vector(&array!(self, xaxis[njnt * 3])[3 * i..]))
+    }
+}
+
+/// A position and an orientation as a pose.
+fn pose(position: &[f64], orientation: UnitQuaternion<f64>) -> Isometry3<f64> {
+    Isometry3::from_parts(Translation3::from(vector(position)), orientation)
+}
+
+/// The engine's row-major rotation matrix as a unit quaternion.
+fn rotation(rows: &[f64]) -> UnitQuaternion<f64> {
+    let matrix = Matrix3::from_row_slice(&rows[..9]);
+    UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(matrix))
+}

@@ -1,0 +1,80 @@
+//! What can go wrong between the crate and MuJoCo; each message is one sentence with its mend.
+
+use std::path::PathBuf;
+
+use super::engine::version_text;
+
+/// A failure of the engine, of a model's file, or of what was handed to the engine.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// A model could not be read: no such file, malformed XML, or content that MuJoCo refuses.
+    #[error("{}: {message}", path.display())]
+    Read {
+        /// The file, or [`Model::STRING_NAME`](super::Model::STRING_NAME) for a model from a string.
+        path: PathBuf,
+        /// What was wrong, where, and what to do about it.
+        message: String,
+    },
+    /// A model's file asks for sizes or numbers with which the engine crashes or never returns.
+    #[error("{}, line {line}: {message}", path.display())]
+    Unsuitable {
+        /// The file, which may be one that the model includes.
+        path: PathBuf,
+        /// The line of the element, counted from 1.
+        line: usize,
+        /// The element, its attribute, the value, and the greatest one accepted.
+        message: String,
+    },
+    /// The library loaded at run time is not the one whose headers the crate was built with.
+    #[error(
+        "the crate was built with the headers of MuJoCo {} but runs with the library of MuJoCo {}: \
+         rebuild it (`cargo clean -p bodyschema`, then build) or run it with that library",
+        version_text(*header), version_text(*library)
+    )]
+    Version {
+        /// `mjVERSION_HEADER` at build time.
+        header: i32,
+        /// `mj_version()` at run time.
+        library: i32,
+    },
+    /// The engine raised an error inside a call; the data it worked on were reset.
+    #[error(
+        "MuJoCo stopped in {call} with \"{message}\": give the model more room or mend what it names"
+    )]
+    Engine {
+        /// The C function that was called.
+        call: &'static str,
+        /// The engine's own words.
+        message: String,
+    },
+    /// The engine warned inside a call: its result is incomplete and was not handed on.
+    #[error("MuJoCo warned in {call} with \"{message}\": the result would be incomplete")]
+    Warning {
+        /// The C function that was called.
+        call: &'static str,
+        /// The engine's own words.
+        message: String,
+    },
+    /// A number that the engine would take in silence and compute nonsense from.
+    #[error("{what}[{index}] is not a number below 1e10: give a finite one")]
+    NotFinite {
+        /// The vector, as MuJoCo names it.
+        what: &'static str,
+        /// The offending element.
+        index: usize,
+    },
+    /// A slice does not have the length that the model prescribes.
+    #[error("{what} has {found} numbers but the model needs {expected}: give exactly {expected}")]
+    Size {
+        /// The vector, as MuJoCo names it.
+        what: &'static str,
+        /// The model's length.
+        expected: usize,
+        /// The length given.
+        found: usize,
+    },
+}
+
+/// A result of the MuJoCo layer.
+pub type Result<T> = std::result::Result<T, Error>;

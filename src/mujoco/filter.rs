@@ -1,0 +1,108 @@
+//! Which geoms may touch: MuJoCo's collision filters, without a posture.
+
+use super::element::GeomKind;
+use super::ffi;
+use super::model::Model;
+
+impl Model {
+    /// Whether the engine reports a contact when geoms `a` and `b` come close enough.
+    ///
+    /// The same decision as `mj_collision`: explicit pairs first, then excluded bodies, bodies welded
+    /// together, parent and child (unless the parent is the world or the filter is off), and at last
+    /// the contact types and affinities.
+    pub fn collides(&self, a: usize, b: usize) -> bool {
+        let option = &self.raw().opt;
+        let disabled = |bit: u32| option.disableflags as u32 & bit != 0;
+        if a == b
+            || disabled(ffi::mjDSBL_CONSTRAINT)
+            || disabled(ffi::mjDSBL_CONTACT)
+            || !shapes_meet(self.geom_kind(a), self.geom_kind(b))
+        {
+            return false;
+        }
+        let sources = self.sources();
+        if sources.pairs && self.paired(a, b) {
+            return true;
+        }
+        if !sources.dynamic {
+            return false;
+        }
+        let bodies = [self.geom_body(a), self.geom_body(b)];
+        if self.is_excluded(bodies[0], bodies[1]) {
+            return false;
+        }
+        let welds = bodies.map(|body| self.weld(body));
+        if welds[0] == welds[1] {
+            return false;
+        }
+        let parents = welds.map(|weld| self.weld(self.parents()[weld] as usize));
+        let relatives = welds[0] == parents[1] || welds[1] == parents[0];
+        if relatives && !welds.contains(&0) && !disabled(ffi::mjDSBL_FILTERPARENT) {
+            return false;
+        }
+        let ((type_a, affinity_a), (type_b, affinity_b)) =
+            (self.contact_bits(a), self.contact_bits(b));
+        type_a & affinity_b != 0 || type_b & affinity_a != 0
+    }
+
+    /// The pairs of bodies that `<exclude>` keeps from touching, as they stand in the model.
+    pub fn excludes(&self) -> impl Iterator<Item = [usize; 2]> {
+        let first = if cfg!(mujoco_signature_from_one) {
+            1
+        } else {
+            0
+        };
+        self.exclude_signatures().iter().map(move |&signature| {
+            let signature = signature as u32;
+            [
+                (signature >> 16) as usize - first,
+                (signature & 0xffff) as usize - first,
+            ]
+        })
+    }
+
+    /// Which of the two sources of contacts the model's options leave on.
+    #[cfg(mujoco_collision_option)]
+    fn sources(&self) -> Sources {
+        let collision = self.raw().opt.collision as u32;
+        Sources {
+            pairs: collision != ffi::mjCOL_DYNAMIC,
+            dynamic: collision != ffi::mjCOL_PAIR,
+        }
+    }
+
+    /// Newer engines have no such option: both.
+    #[cfg(not(mujoco_collision_option))]
+    fn sources(&self) -> Sources {
+        Sources {
+            pairs: true,
+            dynamic: true,
+        }
+    }
+
+    fn is_excluded(&self, a: usize, b: usize) -> bool {
+        self.excludes().any(|pair| pair == [a, b] || pair == [b, a])
+    }
+
+    fn paired(&self, a: usize, b: usize) -> bool {
+        let (first, second) = self.pair_geoms();
+        first.iter().zip(second).any(|(&first, &second)| {
+            let pair = [first as usize, second as usize];
+            pair == [a, b] || pair == [b, a]
+        })
+    }
+}
+
+/// Where contacts come from.
+struct Sources {
+    /// The explicit pairs.
+    pairs: bool,
+    /// All other pairs that pass the filters.
+    dynamic: bool,
+}
+
+/// Whether the engine has a collision function for two shapes: planes and height fields stand still.
+fn shapes_meet(a: GeomKind, b: GeomKind) -> bool {
+    let ground = |kind| matches!(kind, GeomKind::Plane | GeomKind::HeightField);
+    !(ground(a) && ground(b))
+}

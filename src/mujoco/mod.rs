@@ -1,0 +1,30 @@
+//! MuJoCo behind a safe wall: the only `unsafe` code of the crate.
+//!
+//! A [`Model`] is read once, never changes and is shared between threads; each thread has its own
+//! [`Data`], which holds a posture and what the engine computes from it. Metres, radians, seconds
+//! and newtons throughout. MuJoCo writes quaternions as w x y z; they become nalgebra's unit
+//! quaternions here and nowhere else, except in the raw `qpos` vector.
+//!
+//! No error of the engine ends the process or writes a log file: see [`Error`].
+#![allow(unsafe_code)]
+#![deny(unsafe_op_in_unsafe_fn)]
+
+mod contact;
+mod data;
+mod element;
+mod engine;
+mod error;
+mod ffi;
+mod filter;
+mod limits;
+mod model;
+mod vfs;
+
+pub use contact::{Contact, Contacts};
+pub use data::Data;
+pub use element::{
+    Body, Geom, GeomKind, Joint, JointKind, ObjectKind, Sensor, SensorKind, Site, Tuple, TupleEntry,
+};
+pub use engine::{Version, check, compare};
+pub use error::{Error, Result};
+pub use model::Model;

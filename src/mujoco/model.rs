@@ -1,0 +1,478 @@
+//! The model: a creature and its surroundings as MuJoCo compiled them; constant and shared.
+
+use std::ffi::{CStr, CString};
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+use std::ptr::NonNull;
+use std::sync::{Mutex, PoisonError};
+
+use nalgebra::Vector3;
+
+use super::element::{
+    Body, Geom, GeomKind, Joint, JointKind, ObjectKind, Sensor, SensorKind, Site, Tuple,
+    TupleEntry, quaternion, vector,
+};
+use super::engine::{self, Version};
+use super::error::{Error, Result};
+use super::vfs::{self, Vfs};
+use super::{ffi, limits};
+
+/// Bytes for the engine's message about a file.
+const MESSAGE_BYTES: usize = 2000;
+
+/// Least room for contacts in the data of any model: MuJoCo 2.2 reserves 100, which a body curled up
+/// exceeds.
+#[cfg(mujoco_nconmax)]
+const LEAST_CONTACTS: i32 = 2000;
+
+/// The engine keeps the model that was loaded last in a global of its own: one load at a time.
+static LOADING: Mutex<()> = Mutex::new(());
+
+/// A compiled model: constant, shared by all threads through an `Arc`.
+///
+/// Elements are numbered from 0 within their type, in the file's order. Accessors panic on an index
+/// that is not below the element's count, as slices do.
+pub struct Model {
+    raw: NonNull<ffi::mjModel>,
+    version: Version,
+    warning: Option<String>,
+}
+
+// SAFETY: after loading nothing writes to the model, neither here nor in the engine, whose functions
+// take it as const.
+unsafe impl Send for Model {}
+// SAFETY: as above; shared reads of constant memory.
+unsafe impl Sync for Model {}
+
+impl Drop for Model {
+    fn drop(&mut self) {
+        // SAFETY: made by mj_loadXML, owned by this value alone, freed once.
+        unsafe { ffi::mj_deleteModel(self.raw.as_ptr()) }
+    }
+}
+
+impl std::fmt::Debug for Model {
+    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        formatter
+            .debug_struct("Model")
+            .field("nbody", &self.nbody())
+            .field("njnt", &self.njnt())
+            .field("ngeom", &self.ngeom())
+            .finish_non_exhaustive()
+    }
+}
+
+/// Slices one of the model's arrays: `array!(model, geom_pos[ngeom * 3])`.
+macro_rules! array {
+    ($model:expr, $field:ident[$count:ident $(* $width:literal)?]) => {{
+        let raw = $model.raw();
+        // SAFETY: the engine allocates `$count * $width` elements for `$field` (mjmodel.h), all
+        // initialised and constant for the model's life.
+        unsafe { slice(raw.$field, raw.$count as usize $(* $width)?) }
+    }};
+}
+
+impl Model {
+    /// The name under which messages speak of a model from a string.
+    pub const STRING_NAME: &'static str = "the model's XML text";
+
+    /// Reads an MJCF (or URDF) file and what it includes.
+    ///
+    /// # Errors
+    /// [`Error::Read`] where a file is missing, malformed or refused by the engine,
+    /// [`Error::Unsuitable`] where its numbers would crash or hang the engine,
+    /// [`Error::Version`] where the library is not the one the crate was built with.
+    pub fn from_path(path: impl AsRef<Path>) -> Result<Self> {
+        let path = path.as_ref();
+        let read = |message: String| Error::Read {
+            path: path.to_path_buf(),
+            message,
+        };
+        limits::check_file(path)?;
+        let name = CString::new(path.as_os_str().as_encoded_bytes())
+            .map_err(|_| read("the path has a zero byte: give one without".into()))?;
+        Self::load(path, &name, None)
+    }
+
+    /// Compiles a model from MJCF text; files that it includes or takes meshes from are sought in the
+    /// working folder.
+    ///
+    /// # Errors
+    /// As [`Model::from_path`], with [`Model::STRING_NAME`] in place of the file.
+    pub fn from_xml(xml: &str) -> Result<Self> {
+        let name = Path::new(Self::STRING_NAME);
+        limits::check_text(name, xml)?;
+        engine::check()?;
+        Self::load(name, vfs::FILE, Some(&Vfs::new(xml)?))
+    }
+
+    fn load(path: &Path, name: &CStr, vfs: Option<&Vfs>) -> Result<Self> {
+        let version = engine::check()?;
+        let mut message = vec![0u8; MESSAGE_BYTES];
+        let outcome = {
+            let _one_at_a_time = LOADING.lock().unwrap_or_else(PoisonError::into_inner);
+            let files = vfs.map_or(std::ptr::null(), Vfs::as_ptr);
+            engine::guarded("mj_loadXML", || {
+                // SAFETY: name and buffer outlive the call, the buffer's length is its own, and the
+                // file system is null or initialised. The mutex keeps other loads away.
+                unsafe {
+                    ffi::mj_loadXML(
+                        name.as_ptr(),
+                        files,
+                        message.as_mut_ptr().cast(),
+                        MESSAGE_BYTES as i32,
+                    )
+                }
+            })
+        };
+        // SAFETY: the engine ends what it writes with a zero byte, and the buffer began as zeros.
+        let message = unsafe { engine::text(message.as_ptr().cast()) };
+        let refused = |message: &str| Error::Read {
+            path: PathBuf::from(path),
+            message: refusal(message, version),
+        };
+        let raw = match outcome {
+            Ok(raw) => NonNull::new(raw).ok_or_else(|| refused(&message))?,
+            Err(Error::Engine { message, .. }) => return Err(refused(&message)),
+            Err(other) => return Err(other),
+        };
+        let warning = engine::take_warning()
+            .or(Some(message))
+            .filter(|text| !text.is_empty());
+        let model = Self {
+            raw,
+            version,
+            warning,
+        };
+        #[cfg(mujoco_nconmax)]
+        // SAFETY: the model is not shared yet; the field is the room that mj_makeData reserves.
+        unsafe {
+            let room = &raw mut (*model.raw.as_ptr()).nconmax;
+            if *room >= 0 {
+                *room = (*room).max(LEAST_CONTACTS);
+            }
+        }
+        Ok(model)
+    }
+
+    pub(super) fn raw(&self) -> &ffi::mjModel {
+        // SAFETY: valid and constant from loading to drop.
+        unsafe { self.raw.as_ref() }
+    }
+
+    /// The version of the engine that compiled the model.
+    pub fn version(&self) -> Version {
+        self.version
+    }
+
+    /// What the engine warned of while it compiled the model, if anything.
+    pub fn warning(&self) -> Option<&str> {
+        self.warning.as_deref()
+    }
+
+    /// The number of coordinates of a posture.
+    pub fn nq(&self) -> usize {
+        self.raw().nq as usize
+    }
+
+    /// The number of degrees of freedom.
+    pub fn nv(&self) -> usize {
+        self.raw().nv as usize
+    }
+
+    /// The number of bodies, the world among them.
+    pub fn nbody(&self) -> usize {
+        self.raw().nbody as usize
+    }
+
+    /// The number of joints.
+    pub fn njnt(&self) -> usize {
+        self.raw().njnt as usize
+    }
+
+    /// The number of geoms.
+    pub fn ngeom(&self) -> usize {
+        self.raw().ngeom as usize
+    }
+
+    /// The number of sites.
+    pub fn nsite(&self) -> usize {
+        self.raw().nsite as usize
+    }
+
+    /// The number of sensors.
+    pub fn nsensor(&self) -> usize {
+        self.raw().nsensor as usize
+    }
+
+    /// The reference posture: `nq` coordinates in radians and metres, quaternions w x y z.
+    pub fn qpos0(&self) -> &[f64] {
+        array!(self, qpos0[nq])
+    }
+
+    /// Body `i`.
+    pub fn body(&self, i: usize) -> Body<'_> {
+        Body {
+            name: self.name(ObjectKind::Body, i),
+            parent: array!(self, body_parentid[nbody])[i] as usize,
+            weld: self.weld(i),
+            pos: vector(&array!(self, body_pos[nbody * 3])[3 * i..]),
+            quat: quaternion(&array!(self, body_quat[nbody * 4])[4 * i..]),
+            joints: range(
+                array!(self, body_jntadr[nbody])[i],
+                array!(self, body_jntnum[nbody])[i],
+            ),
+            geoms: range(
+                array!(self, body_geomadr[nbody])[i],
+                array!(self, body_geomnum[nbody])[i],
+            ),
+        }
+    }
+
+    /// All bodies, the world first; parents come before their children.
+    pub fn bodies(&self) -> impl ExactSizeIterator<Item = Body<'_>> {
+        (0..self.nbody()).map(|i| self.body(i))
+    }
+
+    /// Joint `i`.
+    pub fn joint(&self, i: usize) -> Joint<'_> {
+        let limits = &array!(self, jnt_range[njnt * 2])[2 * i..];
+        Joint {
+            name: self.name(ObjectKind::Joint, i),
+            kind: JointKind::from_raw(array!(self, jnt_type[njnt])[i]),
+            body: array!(self, jnt_bodyid[njnt])[i] as usize,
+            qposadr: array!(self, jnt_qposadr[njnt])[i] as usize,
+            dofadr: array!(self, jnt_dofadr[njnt])[i] as usize,
+            pos: vector(&array!(self, jnt_pos[njnt * 3])[3 * i..]),
+            axis: vector(&array!(self, jnt_axis[njnt * 3])[3 * i..]),
+            limited: is_set(array!(self, jnt_limited[njnt])[i]),
+            range: [limits[0], limits[1]],
+        }
+    }
+
+    /// All joints; those of one body are adjacent.
+    pub fn joints(&self) -> impl ExactSizeIterator<Item = Joint<'_>> {
+        (0..self.njnt()).map(|i| self.joint(i))
+    }
+
+    /// Geom `i`.
+    pub fn geom(&self, i: usize) -> Geom<'_> {
+        let size = &array!(self, geom_size[ngeom * 3])[3 * i..];
+        Geom {
+            name: self.name(ObjectKind::Geom, i),
+            kind: self.geom_kind(i),
+            body: self.geom_body(i),
+            size: [size[0], size[1], size[2]],
+            pos: vector(&array!(self, geom_pos[ngeom * 3])[3 * i..]),
+            quat: quaternion(&array!(self, geom_quat[ngeom * 4])[4 * i..]),
+            contype: array!(self, geom_contype[ngeom])[i] as u32,
+            conaffinity: array!(self, geom_conaffinity[ngeom])[i] as u32,
+            group: array!(self, geom_group[ngeom])[i],
+            margin: array!(self, geom_margin[ngeom])[i],
+            rbound: array!(self, geom_rbound[ngeom])[i],
+        }
+    }
+
+    /// All geoms; those of one body are adjacent.
+    pub fn geoms(&self) -> impl ExactSizeIterator<Item = Geom<'_>> {
+        (0..self.ngeom()).map(|i| self.geom(i))
+    }
+
+    /// The shape of geom `i`.
+    pub fn geom_kind(&self, i: usize) -> GeomKind {
+        GeomKind::from_raw(array!(self, geom_type[ngeom])[i])
+    }
+
+    /// The body that geom `i` is fixed to.
+    pub fn geom_body(&self, i: usize) -> usize {
+        array!(self, geom_bodyid[ngeom])[i] as usize
+    }
+
+    /// The mesh's vertices in the frame of geom `i`, in metres; empty where it is no mesh.
+    ///
+    /// The engine's own frame of the mesh: the geom's position and orientation go with it, which are
+    /// those of the mesh's inertia and not the file's.
+    pub fn mesh_vertices(&self, i: usize) -> Vec<Vector3<f64>> {
+        let mesh = array!(self, geom_dataid[ngeom])[i];
+        if self.geom_kind(i) != GeomKind::Mesh || mesh < 0 {
+            return Vec::new();
+        }
+        let vertices = range(
+            array!(self, mesh_vertadr[nmesh])[mesh as usize],
+            array!(self, mesh_vertnum[nmesh])[mesh as usize],
+        );
+        let coordinates = array!(self, mesh_vert[nmeshvert * 3]);
+        coordinates[3 * vertices.start..3 * vertices.end]
+            .chunks_exact(3)
+            .map(|xyz| Vector3::new(xyz[0].into(), xyz[1].into(), xyz[2].into()))
+            .collect()
+    }
+
+    /// Site `i`.
+    pub fn site(&self, i: usize) -> Site<'_> {
+        let size = &array!(self, site_size[nsite * 3])[3 * i..];
+        Site {
+            name: self.name(ObjectKind::Site, i),
+            kind: GeomKind::from_raw(array!(self, site_type[nsite])[i]),
+            body: array!(self, site_bodyid[nsite])[i] as usize,
+            size: [size[0], size[1], size[2]],
+            pos: vector(&array!(self, site_pos[nsite * 3])[3 * i..]),
+            quat: quaternion(&array!(self, site_quat[nsite * 4])[4 * i..]),
+        }
+    }
+
+    /// All sites.
+    pub fn sites(&self) -> impl ExactSizeIterator<Item = Site<'_>> {
+        (0..self.nsite()).map(|i| self.site(i))
+    }
+
+    /// Sensor `i`.
+    pub fn sensor(&self, i: usize) -> Sensor<'_> {
+        Sensor {
+            name: self.name(ObjectKind::Sensor, i),
+            kind: SensorKind::from_raw(array!(self, sensor_type[nsensor])[i]),
+            object: ObjectKind::from_raw(array!(self, sensor_objtype[nsensor])[i]),
+            id: usize::try_from(array!(self, sensor_objid[nsensor])[i]).ok(),
+            adr: array!(self, sensor_adr[nsensor])[i] as usize,
+            dim: array!(self, sensor_dim[nsensor])[i] as usize,
+        }
+    }
+
+    /// All sensors.
+    pub fn sensors(&self) -> impl ExactSizeIterator<Item = Sensor<'_>> {
+        (0..self.nsensor()).map(|i| self.sensor(i))
+    }
+
+    /// The tuples under `<custom>`, in the file's order.
+    pub fn tuples(&self) -> Vec<Tuple<'_>> {
+        let kinds = array!(self, tuple_objtype[ntupledata]);
+        let ids = array!(self, tuple_objid[ntupledata]);
+        let numbers = array!(self, tuple_objprm[ntupledata]);
+        let starts = array!(self, tuple_adr[ntuple]);
+        let sizes = array!(self, tuple_size[ntuple]);
+        let entry = |k: usize| TupleEntry {
+            object: ObjectKind::from_raw(kinds[k]),
+            id: ids[k] as usize,
+            prm: numbers[k],
+        };
+        (0..starts.len())
+            .map(|i| Tuple {
+                name: self.name(ObjectKind::Tuple, i),
+                entries: range(starts[i], sizes[i]).map(entry).collect(),
+            })
+            .collect()
+    }
+
+    /// The model's name: `<mujoco model="…">`, or MuJoCo's default.
+    pub fn model_name(&self) -> Option<&str> {
+        // SAFETY: `names` starts with the model's name, zero-terminated, and lives in the model.
+        unsafe { CStr::from_ptr(self.raw().names).to_str().ok() }
+    }
+
+    /// The index of the element called `name`, if there is one.
+    pub fn id(&self, object: ObjectKind, name: &str) -> Option<usize> {
+        let name = CString::new(name).ok()?;
+        // SAFETY: the model is valid and the name zero-terminated; an unknown type or name gives -1.
+        let id = unsafe { ffi::mj_name2id(self.raw(), object.to_raw(), name.as_ptr()) };
+        usize::try_from(id).ok()
+    }
+
+    /// The name of an element, if it has one and it is UTF-8.
+    pub fn name(&self, object: ObjectKind, i: usize) -> Option<&str> {
+        let i = i32::try_from(i).ok()?;
+        // SAFETY: the model is valid; an index out of range gives null, a name lives in the model.
+        unsafe {
+            let name = ffi::mj_id2name(self.raw(), object.to_raw(), i);
+            if name.is_null() {
+                None
+            } else {
+                CStr::from_ptr(name).to_str().ok()
+            }
+        }
+    }
+
+    /// The body that body `i` moves as one with: itself, or the ancestor that it has no joint to.
+    pub fn weld(&self, i: usize) -> usize {
+        array!(self, body_weldid[nbody])[i] as usize
+    }
+
+    pub(super) fn parents(&self) -> &[i32] {
+        array!(self, body_parentid[nbody])
+    }
+
+    pub(super) fn contact_bits(&self, i: usize) -> (i32, i32) {
+        (
+            array!(self, geom_contype[ngeom])[i],
+            array!(self, geom_conaffinity[ngeom])[i],
+        )
+    }
+
+    pub(super) fn exclude_signatures(&self) -> &[i32] {
+        array!(self, exclude_signature[nexclude])
+    }
+
+    /// The geoms of the explicit contact pairs.
+    pub(super) fn pair_geoms(&self) -> (&[i32], &[i32]) {
+        (
+            array!(self, pair_geom1[npair]),
+            array!(self, pair_geom2[npair]),
+        )
+    }
+}
+
+/// A slice of one of the engine's arrays, empty for null.
+///
+/// # Safety
+/// `pointer` is null or points to `count` initialised elements that live and stay constant for `'a`.
+pub(super) unsafe fn slice<'a, T>(pointer: *const T, count: usize) -> &'a [T] {
+    if pointer.is_null() || count == 0 {
+        return &[];
+    }
+    // SAFETY: as promised by the caller; the engine aligns its arrays for their type.
+    unsafe { std::slice::from_raw_parts(pointer, count) }
+}
+
+/// `count` indices from `start`; MuJoCo writes -1 for the start of nothing.
+fn range(start: i32, count: i32) -> Range<usize> {
+    let start = start.max(0) as usize;
+    start..start + count.max(0) as usize
+}
+
+/// One of the engine's flags, which it keeps in a byte or a bool as the version has it.
+fn is_set(flag: impl Into<u8>) -> bool {
+    flag.into() != 0
+}
+
+/// The engine's words about a file, with the mend.
+fn refusal(message: &str, version: Version) -> String {
+    let message = &plain(message.trim_start_matches("Error: "));
+    if message.is_empty() {
+        "MuJoCo refuses it without a word: check that it is an MJCF file".into()
+    } else if message.contains("unrecognized") {
+        format!("{message}; MuJoCo {version} does not know it: correct or remove it there")
+    } else {
+        format!("{message}; correct it there")
+    }
+}
+
+/// What the engine passes on from its XML parser, in words: the parser gives codes.
+fn plain(message: &str) -> String {
+    let field = |name: &str| {
+        let (_, rest) = message.split_once(name)?;
+        rest.split([' ', ',', ':']).next()
+    };
+    let (Some(code), Some(line)) = (field("XML_ERROR_"), field("Line number=")) else {
+        return message.to_string();
+    };
+    match (code, field("filename=")) {
+        ("FILE_NOT_FOUND", Some(file)) => {
+            let (_, place) = message.rsplit_once("', ").unwrap_or_default();
+            format!("it includes {file}, which cannot be found, in {place}")
+        }
+        ("EMPTY_DOCUMENT", _) => "it holds no XML".to_string(),
+        _ => format!(
+            "malformed XML ({}) in line {line}",
+            code.to_lowercase().replace('_', " ")
+        ),
+    }
+}

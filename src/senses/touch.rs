@@ -1,0 +1,24 @@
+//! A touch: two receptors that met, and the posture they met in.
+
+/// One end of a touch.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TouchEnd {
+    /// The receptor that was touched, an index into the skin.
+    pub receptor: usize,
+    /// The exact point of contact in the receptor's limb's frame, metres. A skin does not report it:
+    /// only learning from `contact` input may use it.
+    pub contact: nalgebra::Vector3<f64>,
+}
+
+/// A self-touch as the agent feels it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Touch {
+    /// The bout of babbling it belongs to.
+    pub bout: u64,
+    /// The motions made in that bout until it, this one included.
+    pub motion: u64,
+    /// Posture coordinates in the creature's order: radians, metres, quaternions.
+    pub posture: Vec<f64>,
+    /// The two ends; the one on the earlier limb first.
+    pub ends: [TouchEnd; 2],
+}

@@ -1,0 +1,100 @@
+//! Reading the skin from a model: every site with a touch sensor is a receptor.
+
+use nalgebra::{Isometry3, Vector3};
+
+use super::{Receptor, Shape, Skin, Surface};
+use crate::creature::{Body, matrix};
+use crate::mujoco::{Geom, GeomKind, ObjectKind, SensorKind, Site};
+
+/// A box site at least this many times wider than thick is a patch; its z axis is the normal.
+const FLATNESS: f64 = 3.0;
+
+/// The skin of a creature: its receptors and the surfaces of its limbs, in the limbs' frames.
+///
+/// Sites that are not flat boxes along the surface become patches of their size at the surface's nearest
+/// point.
+pub fn skin_of(body: &Body) -> Skin {
+    let model = &body.model;
+    let mut surfaces = Vec::new();
+    let mut surface_of_geom = vec![None; model.ngeom()];
+    for (g, geom) in model.geoms().enumerate() {
+        if let Some((limb, shape)) = body.limb_of_geom(g).zip(shape(&geom)) {
+            if geom.contype == 0 && geom.conaffinity == 0 {
+                continue;
+            }
+            let pose = body.pose_in_limb[geom.body] * Isometry3::from_parts(geom.pos.into(), geom.quat);
+            surface_of_geom[g] = Some(surfaces.len());
+            let (origin, rotation) = (pose.translation.vector, matrix(&pose.rotation));
+            surfaces.push(Surface { limb, origin, rotation, shape, geom: g });
+        }
+    }
+    let mut receptors = Vec::new();
+    for (s, site) in model.sites().enumerate() {
+        let touch = model.sensors().any(|sensor| {
+            sensor.kind == SensorKind::Touch && sensor.object == ObjectKind::Site && sensor.id == Some(s)
+        });
+        let Some(limb) = body.limb_of_body[site.body].filter(|_| touch) else { continue };
+        let on_body: Vec<usize> =
+            model.body(site.body).geoms.filter_map(|g| surface_of_geom[g]).collect();
+        let pose = body.pose_in_limb[site.body] * Isometry3::from_parts(site.pos.into(), site.quat);
+        let id = site.name.map_or_else(|| format!("site{s}"), str::to_string);
+        receptors.push(receptor(id, limb, &site, &pose, &surfaces, &on_body));
+    }
+    Skin { receptors, surfaces }
+}
+
+/// The surface shape of a geom; none for what no limb is made of.
+pub(super) fn shape(geom: &Geom) -> Option<Shape> {
+    let [x, y, z] = geom.size;
+    Some(match geom.kind {
+        GeomKind::Sphere => Shape::Sphere { radius: x },
+        GeomKind::Capsule => Shape::Capsule { radius: x, half_length: y },
+        GeomKind::Ellipsoid => Shape::Ellipsoid { semi_axes: [x, y, z] },
+        GeomKind::Cylinder => Shape::Cylinder { radius: x, half_length: y },
+        GeomKind::Box => Shape::Box { half_extents: [x, y, z] },
+        GeomKind::Mesh => Shape::Mesh,
+        _ => return None,
+    })
+}
+
+fn receptor(
+    id: String,
+    limb: usize,
+    site: &Site,
+    pose: &Isometry3<f64>,
+    surfaces: &[Surface],
+    on_body: &[usize],
+) -> Receptor {
+    let centre = pose.translation.vector;
+    let axes = matrix(&pose.rotation);
+    let (x_axis, z_axis): (Vector3<f64>, Vector3<f64>) = (axes.column(0).into(), axes.column(2).into());
+    let measured = |&s: &usize| surfaces[s].signed_distance(&centre).map(|(d, normal)| (s, d, normal));
+    let nearest =
+        on_body.iter().filter_map(measured).min_by(|a, b| a.1.abs().total_cmp(&b.1.abs()));
+    let mesh = || on_body.iter().copied().find(|&s| matches!(surfaces[s].shape, Shape::Mesh));
+    let flat = site.kind == GeomKind::Box && FLATNESS * site.size[2] <= site.size[0].min(site.size[1]);
+    let half = match site.kind {
+        GeomKind::Box | GeomKind::Ellipsoid => [site.size[0], site.size[1]],
+        GeomKind::Capsule | GeomKind::Cylinder => [site.size[0]; 2],
+        _ => [site.size[0]; 2],
+    };
+    let mut found = Receptor {
+        id,
+        limb,
+        position: centre,
+        normal: z_axis,
+        tangent: x_axis,
+        half_extents: half,
+        surface: nearest.map(|(s, ..)| s).or_else(mesh),
+    };
+    let Some((_, distance, normal)) = nearest else { return found };
+    if flat && z_axis.dot(&normal) > 0.5 {
+        return found;
+    }
+    found.position = centre - normal * distance;
+    found.normal = normal;
+    let along = x_axis - normal * normal.dot(&x_axis);
+    let along = along.try_normalize(1e-6);
+    found.tangent = along.unwrap_or_else(|| crate::kinematics::tangent_basis(&normal).column(0).into());
+    found
+}

@@ -1,0 +1,81 @@
+//! The skin: receptors on the limbs, and which of them are neighbours.
+
+mod from_model;
+mod growing;
+mod somatotopic_map;
+mod surface;
+
+use nalgebra::{Matrix3, Vector3};
+use serde::{Deserialize, Serialize};
+
+pub use from_model::skin_of;
+pub use growing::{GrowError, GrowOptions, grow_skin};
+pub use somatotopic_map::{MOST_NEIGHBOURS, SomatotopicMap};
+pub use surface::{Shape, Surface};
+
+/// One touch receptor: a flat quadrangle on a limb's surface.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Receptor {
+    /// Its id, the name of its site in the model.
+    pub id: String,
+    /// The limb it is attached to.
+    pub limb: usize,
+    /// `p_LR`: its centre in the limb's frame, metres.
+    pub position: Vector3<f64>,
+    /// `n_L`: its outward unit normal, expressed in the limb's frame.
+    pub normal: Vector3<f64>,
+    /// The unit direction of its first side, perpendicular to the normal, in the limb's frame.
+    pub tangent: Vector3<f64>,
+    /// Half extents along the tangent and along normal × tangent, metres.
+    pub half_extents: [f64; 2],
+    /// The surface it lies on, an index into [`Skin::surfaces`]; none when the model does not tell.
+    pub surface: Option<usize>,
+}
+
+impl Receptor {
+    /// The direction of its second side: normal × tangent.
+    pub fn bitangent(&self) -> Vector3<f64> {
+        self.normal.cross(&self.tangent)
+    }
+
+    /// A point of its limb in the patch's own coordinates: along both sides and the normal, metres.
+    pub fn patch_coordinates(&self, p_l: &Vector3<f64>) -> Vector3<f64> {
+        let offset = p_l - self.position;
+        Vector3::new(
+            offset.dot(&self.tangent),
+            offset.dot(&self.bitangent()),
+            offset.dot(&self.normal),
+        )
+    }
+
+    /// Whether the point, projected onto the patch along its normal, lies inside.
+    pub fn holds(&self, p_l: &Vector3<f64>) -> bool {
+        let at = self.patch_coordinates(p_l);
+        at.x.abs() <= self.half_extents[0] && at.y.abs() <= self.half_extents[1]
+    }
+
+    /// Where on the limb a contact that this receptor reports may be: the covariance of a uniform
+    /// distribution over the patch (h²/3 along each side) and `normal_deviation` along the normal, m².
+    pub fn covariance(&self, normal_deviation: f64) -> Matrix3<f64> {
+        let along = |direction: Vector3<f64>, variance: f64| direction * direction.transpose() * variance;
+        along(self.tangent, self.half_extents[0].powi(2) / 3.0)
+            + along(self.bitangent(), self.half_extents[1].powi(2) / 3.0)
+            + along(self.normal, normal_deviation.powi(2))
+    }
+}
+
+/// All receptors of a creature and the surfaces they lie on.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Skin {
+    /// The receptors, in the order of the model's sites.
+    pub receptors: Vec<Receptor>,
+    /// The surfaces of the limbs.
+    pub surfaces: Vec<Surface>,
+}
+
+impl Skin {
+    /// The index of a receptor by id.
+    pub fn receptor(&self, id: &str) -> Option<usize> {
+        self.receptors.iter().position(|receptor| receptor.id == id)
+    }
+}
