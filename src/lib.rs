@@ -8,3 +8,4 @@ pub mod babbling;
 pub mod kinematics;
 pub mod schema;
 pub mod learning;
+pub mod evaluation;

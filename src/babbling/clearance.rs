@@ -20,6 +20,8 @@ struct Bound {
     /// The segment's ends in the limb's frame, metres.
     ends: [Vector3<f64>; 2],
     radius: f64,
+    /// Radius of the ball about the whole capsule, metres.
+    reach: f64,
     exact: bool,
 }
 
@@ -113,6 +115,8 @@ pub struct Clearance {
     /// Per bound, its segment's ends in the root's frame, where its cluster is placed.
     world: Vec<[Vector3<f64>; 2]>,
     placed: Vec<bool>,
+    /// Per cluster, its ball's middle in the root's frame.
+    middles: Vec<Vector3<f64>>,
     /// Per pair: greatest relative speed, greatest relative acceleration, and until when it is free.
     speed: Vec<f64>,
     acceleration: Vec<f64>,
@@ -128,7 +132,10 @@ const MET: f64 = 4e-7;
 /// Limbs farther apart than this are not looked at geom by geom, metres.
 const FAR: f64 = 0.03;
 /// A limb's geoms are split into clusters of at most about this radius, metres.
-const LARGEST_CLUSTER: f64 = 0.15;
+const LARGEST_CLUSTER: f64 = 0.18;
+/// Pairs that come up within this part of the motion are looked at together: placing the limbs costs
+/// more than a look.
+const SOON: f64 = 0.06;
 /// The least advance of a motion's parameter, so that no approach without contact stalls it.
 const LEAST_ADVANCE: f64 = 1e-6;
 
@@ -213,6 +220,7 @@ impl Clearance {
             alike,
             world: vec![[Vector3::zeros(); 2]; bound_count],
             placed: vec![false; cluster_count],
+            middles: vec![Vector3::zeros(); cluster_count],
             courses: Vec::new(),
             states,
             speed: vec![0.0; count],
@@ -223,6 +231,7 @@ impl Clearance {
         })
     }
 
+    pub fn stats(&self) -> String { format!("{} clusters {} pairs {} geom pairs", self.clusters.len(), self.pairs.len(), self.pairs.iter().map(|p|p.geoms.len()).sum::<usize>()) }
     /// Whether any two geoms can touch at all.
     pub fn is_empty(&self) -> bool {
         self.pairs.is_empty()
@@ -300,7 +309,7 @@ impl Clearance {
             }
             self.place_limbs(t);
             // Pairs that come up soon after are looked at now: the limbs are placed already.
-            let soon = t + 0.15 * (1.0 - t).min(0.1);
+            let soon = t + SOON;
             let mut met: Option<Encounter> = None;
             for k in 0..self.pairs.len() {
                 if self.free_until[k] > soon {
@@ -363,10 +372,7 @@ impl Clearance {
     fn look(&mut self, k: usize, t: f64) -> (f64, Option<Encounter>) {
         self.checks += 1;
         let clusters = self.pairs[k].clusters;
-        let middles = clusters.map(|c| {
-            let cluster = &self.clusters[c];
-            self.states[cluster.limb].point(&cluster.middle)
-        });
+        let middles = clusters.map(|c| self.middles[c]);
         let [first, second] = clusters.map(|c| self.clusters[c].radius);
         let between = middles[0] - middles[1];
         let distance = between.norm();
@@ -382,9 +388,13 @@ impl Clearance {
         let mut least = f64::INFINITY;
         let mut limiting = None;
         for &bounds in &pair.geoms {
+            // Even at full speed it comes later than what is known already?
+            let beyond = least * self.speed[k];
+            if self.apart(bounds) > beyond {
+                continue;
+            }
             let closest = self.closest(bounds);
-            if closest.gap > least * self.speed[k] {
-                // Even at full speed it comes later than what is known already.
+            if closest.gap > beyond {
                 continue;
             }
             let exact = bounds.iter().all(|&i| self.bounds[i as usize].exact);
@@ -442,6 +452,13 @@ impl Clearance {
         self.velocity(pair, 0, &points[0]) - self.velocity(pair, 1, &points[1])
     }
 
+    /// A lower bound of two geoms' gap, from the balls about them.
+    fn apart(&self, bounds: [u32; 2]) -> f64 {
+        let [a, b] = bounds.map(|i| i as usize);
+        let doubled = self.world[a][0] + self.world[a][1] - self.world[b][0] - self.world[b][1];
+        0.5 * doubled.norm() - self.bounds[a].reach - self.bounds[b].reach
+    }
+
     fn closest(&self, bounds: [u32; 2]) -> Closest {
         let at = |side: usize| {
             let bound = bounds[side] as usize;
@@ -475,7 +492,6 @@ impl Clearance {
 
     /// Poses and velocities of all limbs at `t`, in the root's frame.
     fn place_limbs(&mut self, t: f64) {
-        self.placed.fill(false);
         for (j, joint) in self.creature.joints().iter().enumerate() {
             let parent = self.states[joint.parent];
             let mut state = parent;
@@ -504,6 +520,10 @@ impl Clearance {
                 }
             }
             self.states[j + 1] = state;
+        }
+        self.placed.fill(false);
+        for (middle, cluster) in self.middles.iter_mut().zip(&self.clusters) {
+            *middle = self.states[cluster.limb].point(&cluster.middle);
         }
     }
 }
@@ -611,7 +631,8 @@ fn bound(body: &Body, g: usize, geom: &Geom) -> Option<Bound> {
     };
     let place = |end: Vector3<f64>| geom.quat * end + geom.pos;
     let exact = matches!(geom.kind, GeomKind::Sphere | GeomKind::Capsule);
-    Some(Bound { geom: g, ends: ends.map(place), radius, exact })
+    let reach = radius + 0.5 * (ends[1] - ends[0]).norm();
+    Some(Bound { geom: g, ends: ends.map(place), radius, reach, exact })
 }
 
 /// The closest points of two segments (Ericson, "Real-Time Collision Detection", section 5.1.9).

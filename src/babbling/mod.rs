@@ -103,6 +103,7 @@ impl<'a> Babbler<'a> {
         Ok(Babbler { body, skin, reader, clearance, start })
     }
 
+    pub fn stats(&self) -> String { self.clearance.stats() }
     /// A mover in the start posture.
     ///
     /// # Errors

@@ -1,3 +1,63 @@
-//! Learning.
-mod growing; mod least_squares; mod observation; mod onset; mod parameters; mod split; mod touch_set;
+//! Learning a body schema from touches.
+//!
+//! A learner takes touches and gives a schema. It knows the creature (its tree, degrees of freedom and
+//! ranges) and its skin (where each receptor is on its own limb), and nothing of where the joints are.
+
+mod growing;
+mod hersch;
+pub mod least_squares;
+pub mod observation;
+pub mod onset;
+mod parameters;
+mod second_order;
+mod split;
+pub mod touch_set;
+
+pub use hersch::{Hersch, STEP};
+pub use observation::Input;
 pub use parameters::{AxisModel, Parameters};
+pub use second_order::SecondOrder;
+
+use crate::schema::BodySchema;
+use crate::senses::Touch;
+
+/// A learner: touches in, schema out.
+pub trait Learner {
+    /// Takes one touch.
+    fn touch(&mut self, touch: &Touch);
+    /// The schema that all touches so far give.
+    fn learn(&mut self) -> Learned;
+}
+
+/// What a learner came to, and how far it can be trusted.
+#[derive(Clone, Debug)]
+pub struct Learned {
+    /// The schema.
+    pub schema: BodySchema,
+    /// Whether it stands up to touches it was not fitted to.
+    pub verdict: Verdict,
+    /// Random onsets used.
+    pub onsets: usize,
+    /// Root mean square residual on touches it was not fitted to, in the deviations that the input allows.
+    pub fresh_rms: f64,
+    /// Joints that no touch involves: nothing is known of them.
+    pub untouched: Vec<usize>,
+}
+
+/// The learner's own judgement.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Verdict {
+    /// The schema explains touches that it was not fitted to.
+    Converged,
+    /// It does not; why, and what to try.
+    Failed(String),
+    /// The learner has no judgement; why.
+    Unjudged(String),
+}
+
+impl Verdict {
+    /// Whether the schema may be relied on.
+    pub fn converged(&self) -> bool {
+        *self == Verdict::Converged
+    }
+}

@@ -3,6 +3,27 @@
 use nalgebra::{Matrix3, Vector3};
 
 use crate::kinematics::Frame;
+use crate::senses::TouchEnd;
+use crate::skin::Skin;
+
+/// What a touch reports of where it happened.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Input {
+    /// The receptors' centres: what a skin reports, the paper's input.
+    Receptor,
+    /// The exact points of contact: what no skin reports, for comparison.
+    Contact,
+}
+
+impl Input {
+    /// `p_LR` of one end of a touch under this input, metres.
+    pub fn position(self, skin: &Skin, end: &TouchEnd) -> Vector3<f64> {
+        match self {
+            Input::Receptor => skin.receptors[end.receptor].position,
+            Input::Contact => end.contact,
+        }
+    }
+}
 
 /// What one end of a touch reports.
 #[derive(Clone, Copy, Debug, PartialEq)]

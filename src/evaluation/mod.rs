@@ -1,0 +1,58 @@
+//! How well a schema was learned, measured against the truth.
+//!
+//! Positions and axes are never compared one by one where the touches cannot tell: a joint may slide along
+//! its axis into the next one without any chain feeling it. What is compared is where the skin of every
+//! limb lands relative to every other limb, in postures that were not babbled; the axes of determined
+//! joints; and the touches themselves.
+
+mod measures;
+
+pub use measures::{AxisErrors, HELD_OUT_POSTURES, Summary, axis_errors, held_out, touch_misses};
+
+use serde::{Deserialize, Serialize};
+
+use crate::creature::Creature;
+use crate::ground_truth::GroundTruth;
+use crate::schema::BodySchema;
+use crate::skin::Skin;
+
+/// All error measures of one schema.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Evaluation {
+    /// Where a random skin point of a random limb lands in another random limb's frame, millimetres.
+    pub heldout_mm: Summary,
+    /// The same over limbs with only determined joints between them, millimetres.
+    pub determined_mm: Summary,
+    /// The same with a hand as one of the two, millimetres; none where the creature has no hands.
+    pub hand_mm: Option<Summary>,
+    /// Angle between learned and true axes of determined joints, degrees.
+    pub axis_deg: Summary,
+    /// Distance between learned and true axis lines of determined joints, millimetres.
+    pub axis_line_mm: Summary,
+}
+
+/// Measures a schema. `undetermined` names the joints that the touches did not determine.
+pub fn evaluate(
+    creature: &Creature,
+    skin: &Skin,
+    truth: &GroundTruth,
+    schema: &BodySchema,
+    undetermined: &[usize],
+) -> Evaluation {
+    let is_hand = |limb: usize| {
+        let aura = creature.aura_of(limb).map(|aura| creature.aura_limbs()[aura].name.as_str());
+        creature.limbs()[limb].ends_with("hand") || aura.is_some_and(|name| name.ends_with("hand"))
+    };
+    let errors = held_out(creature, skin, truth, schema);
+    let all = errors.iter().map(|e| e.millimetres);
+    let determined = errors.iter().filter(|e| !e.joints.iter().any(|j| undetermined.contains(j)));
+    let hands = || errors.iter().filter(|e| e.limbs.iter().any(|&limb| is_hand(limb)));
+    let axes = axis_errors(creature, truth, schema, undetermined);
+    Evaluation {
+        heldout_mm: Summary::of(all),
+        determined_mm: Summary::of(determined.map(|e| e.millimetres)),
+        hand_mm: hands().next().map(|_| Summary::of(hands().map(|e| e.millimetres))),
+        axis_deg: Summary::of(axes.iter().map(|e| e.degrees)),
+        axis_line_mm: Summary::of(axes.iter().filter_map(|e| e.line_millimetres)),
+    }
+}

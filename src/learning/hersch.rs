@@ -1,0 +1,164 @@
+//! Hersch's rule, as the paper prints it: a step down the gradient for every touch, in both directions.
+//!
+//! For a chain of transforms `T = T_1∘R_1 ∘ … ∘ T_n∘R_n` from the frame of one receptor's limb to the
+//! other's, and a touch that gives `v_n` in the one and `v'_n` in the other (IVA 2009, equations 1 and 2,
+//! after Hersch et al. 2008):
+//!
+//! ```text
+//! Δl_i = ε (v'_n − T(v_n))ᵀ ∏_{j<i} R_j
+//! Δa_i = ε (v'_n − T(v_n))ᵀ ∏_{j<i} R_j ∂/∂a_i (R_i(T_{i+1}∘R_{i+1} … (v_n)))
+//! ```
+//!
+//! Along the way down the tree a joint is passed in the other sense, `R_i⁻¹∘T_i⁻¹`: its rotation is
+//! `R(a_i, −θ_i)` and its length enters with the sign turned. Axes are scaled back to unit length after
+//! every step. Nothing is added to make the rule do better than it does.
+
+use nalgebra::{Matrix3, Vector3};
+
+use crate::creature::{Creature, DofKind};
+use crate::kinematics::{Chain, axis_derivative, rotation};
+use crate::learning::observation::Input;
+use crate::learning::{Learned, Learner, Verdict};
+use crate::schema::BodySchema;
+use crate::senses::Touch;
+use crate::skin::Skin;
+
+/// The small positive scalar ε of equations 1 and 2.
+pub const STEP: f64 = 0.05;
+
+/// A learner by Hersch's rule.
+pub struct Hersch<'a> {
+    creature: &'a Creature,
+    skin: &'a Skin,
+    input: Input,
+    step: f64,
+    schema: BodySchema,
+    touches: usize,
+}
+
+/// One transform of the chain, as it is passed on the way from one limb to the other.
+enum Link {
+    /// `T∘R` turned round or not, a whole degree of freedom: rotation and its derivative's ingredients.
+    Turn { dof: usize, matrix: Matrix3<f64>, sine: f64, versine: f64 },
+    /// A slide by a signed distance.
+    Slide { dof: usize, distance: f64 },
+    /// A ball, of which nothing is learned.
+    Ball(Matrix3<f64>),
+    /// A joint's position, with the sign it has on the way.
+    Shift { joint: usize, sign: f64 },
+}
+
+impl<'a> Hersch<'a> {
+    /// A learner that starts from an onset schema.
+    pub fn new(creature: &'a Creature, skin: &'a Skin, input: Input, onset: BodySchema) -> Hersch<'a> {
+        Hersch { creature, skin, input, step: STEP, schema: onset, touches: 0 }
+    }
+
+    /// Sets ε, [`STEP`] by default.
+    pub fn with_step(mut self, step: f64) -> Hersch<'a> {
+        self.step = step;
+        self
+    }
+
+    /// The links that carry a point of limb `from` into the frame of limb `to`, the last applied first.
+    fn links(&self, posture: &[f64], from: usize, to: usize) -> Vec<Link> {
+        let chain = Chain::between(self.creature, from, to);
+        let mut links = Vec::new();
+        // Down to `to`: R⁻¹∘T⁻¹ per joint, the joint nearest to `to` outermost.
+        for &joint in chain.sides[1].iter().rev() {
+            let mut down = self.joint_links(posture, joint, -1.0);
+            down.reverse();
+            links.extend(down);
+        }
+        for &joint in &chain.sides[0] {
+            links.extend(self.joint_links(posture, joint, 1.0));
+        }
+        links
+    }
+
+    /// `T∘R_1∘…∘R_k` of a joint; with `sign` −1 each part is inverted, and the caller reverses them.
+    fn joint_links(&self, posture: &[f64], joint: usize, sign: f64) -> Vec<Link> {
+        let info = &self.creature.joints()[joint];
+        let mut links = vec![Link::Shift { joint, sign }];
+        let mut q = info.first_coordinate();
+        for (dof, kind) in info.dof_indices().zip(info.dofs.iter().map(|dof| dof.kind)) {
+            links.push(match kind {
+                DofKind::Hinge => {
+                    let (sine, cosine) = (sign * posture[q]).sin_cos();
+                    let matrix = rotation(&self.schema.axes[dof], sine, 1.0 - cosine);
+                    Link::Turn { dof, matrix, sine, versine: 1.0 - cosine }
+                }
+                DofKind::Slide => Link::Slide { dof, distance: sign * posture[q] },
+                DofKind::Ball => {
+                    let quaternion =
+                        nalgebra::Quaternion::new(posture[q], posture[q + 1], posture[q + 2], posture[q + 3]);
+                    let turned = nalgebra::UnitQuaternion::from_quaternion(quaternion);
+                    let turned = if sign < 0.0 { turned.inverse() } else { turned };
+                    Link::Ball(turned.to_rotation_matrix().into_inner())
+                }
+            });
+            q += kind.coordinates();
+        }
+        links
+    }
+
+    /// One pass of Algorithm 1, lines 13-17: transform `v` into the other limb's frame and update every
+    /// joint on the way by the error against `target`.
+    fn pass(&mut self, posture: &[f64], limbs: [usize; 2], v: Vector3<f64>, target: Vector3<f64>) {
+        let links = self.links(posture, limbs[0], limbs[1]);
+        // The point as it enters each link, innermost first.
+        let mut entering = vec![Vector3::zeros(); links.len()];
+        let mut p = v;
+        for (link, enters) in links.iter().zip(&mut entering).rev() {
+            *enters = p;
+            p = match link {
+                Link::Turn { matrix, .. } | Link::Ball(matrix) => matrix * p,
+                Link::Slide { dof, distance } => p + self.schema.axes[*dof] * *distance,
+                Link::Shift { joint, sign } => p + self.schema.positions[*joint] * *sign,
+            };
+        }
+        // (v' − T(v))ᵀ ∏ R_j, carried inwards as a column.
+        let mut error = (target - p) * self.step;
+        for (link, enters) in links.iter().zip(&entering) {
+            match link {
+                Link::Turn { dof, matrix, sine, versine } => {
+                    let axis = &mut self.schema.axes[*dof];
+                    let moved = *axis + axis_derivative(axis, *sine, *versine, enters).tr_mul(&error);
+                    *axis = moved.try_normalize(1e-9).unwrap_or(*axis);
+                    error = matrix.tr_mul(&error);
+                }
+                Link::Slide { dof, distance } => {
+                    let axis = &mut self.schema.axes[*dof];
+                    let moved = *axis + error * *distance;
+                    *axis = moved.try_normalize(1e-9).unwrap_or(*axis);
+                }
+                Link::Ball(matrix) => error = matrix.tr_mul(&error),
+                Link::Shift { joint, sign } => self.schema.positions[*joint] += error * *sign,
+            }
+        }
+    }
+}
+
+impl Learner for Hersch<'_> {
+    fn touch(&mut self, touch: &Touch) {
+        let limbs = touch.ends.map(|end| self.skin.receptors[end.receptor].limb);
+        let places = touch.ends.map(|end| self.input.position(self.skin, &end));
+        self.pass(&touch.posture, limbs, places[0], places[1]);
+        // The double use of a touch: the same chain retraced (Algorithm 1, lines 18-22).
+        self.pass(&touch.posture, [limbs[1], limbs[0]], places[1], places[0]);
+        self.touches += 1;
+    }
+
+    fn learn(&mut self) -> Learned {
+        let verdict = Verdict::Unjudged(
+            "Hersch's rule has no test of its own: look at the held-out error".to_string(),
+        );
+        Learned {
+            schema: self.schema.clone(),
+            verdict,
+            onsets: 1,
+            fresh_rms: f64::NAN,
+            untouched: Vec::new(),
+        }
+    }
+}
