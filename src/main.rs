@@ -24,6 +24,6 @@ fn main(){
     let r=l.learn();
     let dt=s.elapsed().as_secs_f64();
     let e=evaluation::evaluate(&body.creature,&skin,&truth,&r.schema,&r.untouched);
-    println!("seed {seed} truth miss {:.5} mean; {dt:.3}s onsets {} fresh {:.3} conv {} untouched {} heldout {:.4} hand {:.4} axis {:.3}/{:.3}", misses.mean, r.onsets, r.fresh_rms, r.verdict.converged(), r.untouched.len(), e.heldout_mm.mean, e.hand_mm.map_or(0.0,|h|h.mean), e.axis_deg.median, e.axis_deg.max);
+    println!("seed {seed} truth miss {:.5} mean; {dt:.3}s onsets {} fresh {:.3} conv {} untouched {} heldout {:.3e} hand {:.3e} axis {:.3}/{:.3}", misses.mean, r.onsets, r.fresh_rms, r.verdict.converged(), r.untouched.len(), e.heldout_mm.mean, e.hand_mm.map_or(0.0,|h|h.mean), e.axis_deg.median, e.axis_deg.max);
     }
 }

@@ -11,6 +11,7 @@ pub mod onset;
 mod parameters;
 mod second_order;
 mod split;
+pub mod surface_gap;
 pub mod touch_set;
 
 pub use hersch::{Hersch, STEP};

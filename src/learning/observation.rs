@@ -32,6 +32,8 @@ pub struct Observation {
     pub position: Vector3<f64>,
     /// How far from there the contact may have been: a covariance in the limb's frame, m².
     pub covariance: Matrix3<f64>,
+    /// The receptor that reports it, an index into the skin.
+    pub receptor: usize,
 }
 
 /// The residuals of one touch, whitened, and how they change.

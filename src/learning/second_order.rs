@@ -13,6 +13,7 @@ use crate::learning::growing::{Nursery, Route, Start};
 use crate::learning::least_squares::{Stopping, levenberg_marquardt};
 use crate::learning::observation::{Input, Observation, ObservationModel, PointsMeet};
 use crate::learning::split::SplitCreature;
+use crate::learning::surface_gap::SurfaceGap;
 use crate::learning::touch_set::{LimbTouch, TouchProblem, TouchSet};
 use crate::learning::{AxisModel, Learned, Learner, Parameters, Verdict};
 use crate::schema::BodySchema;
@@ -54,6 +55,7 @@ impl<'a> SecondOrder<'a> {
         let prepared = touches.map(|touch| {
             let receptors = touch.ends.map(|end| &self.skin.receptors[end.receptor]);
             let ends = touch.ends.map(|end| Observation {
+                receptor: end.receptor,
                 position: self.input.position(self.skin, &end),
                 covariance: match self.input {
                     Input::Contact => Matrix3::identity() * (0.5 * CONTACT_DEVIATION * CONTACT_DEVIATION),
@@ -71,6 +73,29 @@ impl<'a> SecondOrder<'a> {
         match self.input {
             Input::Contact => 1.0,
             Input::Receptor => 1.5,
+        }
+    }
+
+    /// From the receptors' centres to the surfaces: the gap's deviation is lowered step by step.
+    fn anneal(&self, touches: &TouchSet, known: &[bool], start: BodySchema) -> BodySchema {
+        let used = touches.filter(|pair| pair.chain.joints().all(|joint| known[joint]));
+        let parameters = Parameters::new(self.creature, AxisModel::Unit, |joint| known[joint]);
+        let mut schema = start;
+        let mut deviation = 0.02;
+        let mut its = 0;
+        loop {
+            let model = SurfaceGap { skin: self.skin, gap_deviation: deviation, patch_deviation: 1.0 };
+            let mut gaps: Vec<f64> = used.pairs.iter().flat_map(|p| &p.touches).map(|t| model.meeting(&t.ends, &t.frames(&schema)).gap.abs()).collect();
+            gaps.sort_by(f64::total_cmp);
+            if std::env::var("DBG").is_ok() { eprintln!("sigma {:.6} median gap {:.7} p90 {:.7} its {its}", deviation, gaps[gaps.len()/2], gaps[gaps.len()*9/10]); }
+            let mut problem = TouchProblem::new(self.creature, &used, &parameters, model);
+            let last = deviation <= 1e-6;
+            let stopping = Stopping { iterations: if last { 50 } else { 4 }, relative_cost: 1e-3, cost: 0.0 };
+            let solution = levenberg_marquardt(&mut problem, &parameters, schema, stopping);
+            schema = solution.schema;
+            its += solution.iterations;
+            if last { return schema; }
+            deviation = (0.7 * deviation).max(1e-6);
         }
     }
 
@@ -161,6 +186,9 @@ impl Learner for SecondOrder<'_> {
         let verdict = if start.accepted {
             let all = self.prepare(self.creature, |limb| limb, self.touches.iter());
             (schema, _) = self.polish(&all, &start.known, schema);
+            if self.input == Input::Receptor {
+                schema = self.anneal(&all, &start.known, schema);
+            }
             Verdict::Converged
         } else {
             Verdict::Failed(format!(

@@ -1,0 +1,121 @@
+//! `bodyschema inspect`: what the agent is given.
+
+use std::path::PathBuf;
+
+use serde_json::json;
+
+use super::open::open_body;
+use super::output;
+use super::Outcome;
+use crate::creature::{Creature, DofKind, JointSelection};
+use crate::skin::{SomatotopicMap, skin_of};
+
+/// Tell a model's tree, degrees of freedom, limbs and receptors.
+#[derive(clap::Args)]
+#[command(after_help = "Examples:
+  bodyschema inspect mjcf/max/max.xml
+  bodyschema inspect mjcf/max/max.xml --json")]
+pub struct Args {
+    /// The MJCF file of a creature
+    model: PathBuf,
+    /// Print one JSON object
+    #[arg(long)]
+    json: bool,
+}
+
+pub fn run(args: &Args) -> Outcome {
+    let body = open_body(&args.model, &JointSelection::All)?;
+    let learned = open_body(&args.model, &JointSelection::Default)?;
+    let skin = skin_of(&body);
+    let map = SomatotopicMap::new(&skin);
+    let creature = &body.creature;
+    let mut by_limb: Vec<(String, usize)> = creature.aura_limbs().iter().map(|a| (a.name.clone(), 0)).collect();
+    for receptor in &skin.receptors {
+        if let Some(aura) = creature.aura_of(receptor.limb) {
+            by_limb[aura].1 += 1;
+        }
+    }
+    if args.json {
+        let receptors_by_limb: serde_json::Map<String, serde_json::Value> =
+            by_limb.iter().map(|(name, count)| (name.clone(), json!(count))).collect();
+        return output::json(&json!({
+            "model": args.model,
+            "creature": creature.name(),
+            "engine": body.model.version().to_string(),
+            "joints": creature.joints().len(),
+            "dof": creature.dof(),
+            "torso_joints": learned.creature.joints().len(),
+            "torso_dof": learned.creature.dof(),
+            "limbs": creature.limbs().len(),
+            "aura_limbs": creature.aura_limbs().len(),
+            "receptors": skin.receptors.len(),
+            "receptors_by_limb": receptors_by_limb,
+            "tree": creature.joints().iter().enumerate().map(|(j, joint)| json!({
+                "joint": joint.name,
+                "parent": creature.limbs()[joint.parent],
+                "limb": creature.limbs()[j + 1],
+                "dofs": joint.dofs,
+            })).collect::<Vec<_>>(),
+        }));
+    }
+    println!(
+        "{}: {} joints, {} degrees of freedom, {} limbs in {} aura limbs, {} receptors",
+        creature.name(),
+        creature.joints().len(),
+        creature.dof(),
+        creature.limbs().len(),
+        creature.aura_limbs().len(),
+        skin.receptors.len()
+    );
+    println!(
+        "learned by default: {} joints, {} degrees of freedom\n",
+        learned.creature.joints().len(),
+        learned.creature.dof()
+    );
+    print_tree(creature, &learned.creature, 0, 0);
+    println!("\n{:<24} {:>9}", "aura limb", "receptors");
+    for (name, count) in &by_limb {
+        println!("{name:<24} {count:>9}");
+    }
+    if skin.receptors.is_empty() {
+        println!("\nno touch sensors: grow a skin with `bodyschema skin {} --output NEW`", args.model.display());
+    } else {
+        let links: usize = (0..skin.receptors.len()).map(|r| map.neighbours(r).len()).sum();
+        let mean = links as f64 / skin.receptors.len() as f64;
+        println!("\neach receptor has {mean:.1} neighbours on the mean");
+    }
+    Ok(())
+}
+
+/// The limbs below `limb`, indented, each with its joint and ranges.
+fn print_tree(creature: &Creature, learned: &Creature, limb: usize, depth: usize) {
+    let indent = "  ".repeat(depth);
+    match creature.joint_of(limb) {
+        None => println!("{}", creature.limbs()[limb]),
+        Some(j) => {
+            let joint = &creature.joints()[j];
+            let moved = learned.joints().iter().any(|other| other.name == joint.name);
+            println!(
+                "{indent}{} — {} {}{}",
+                creature.limbs()[limb],
+                joint.name,
+                joint.dofs.iter().map(dof_text).collect::<Vec<_>>().join(", "),
+                if moved { "" } else { " (held by default)" }
+            );
+        }
+    }
+    for (j, joint) in creature.joints().iter().enumerate() {
+        if joint.parent == limb {
+            print_tree(creature, learned, j + 1, depth + 1);
+        }
+    }
+}
+
+fn dof_text(dof: &crate::creature::Dof) -> String {
+    let [low, high] = dof.range;
+    match dof.kind {
+        DofKind::Hinge => format!("[{:.0}°, {:.0}°]", low.to_degrees(), high.to_degrees()),
+        DofKind::Slide => format!("slide [{:.0}, {:.0}] mm", 1e3 * low, 1e3 * high),
+        DofKind::Ball => format!("ball [{:.0}°]", high.to_degrees()),
+    }
+}

@@ -1,0 +1,80 @@
+//! The command line: one file per command.
+//!
+//! Results go to standard output, progress and messages to standard error. Exit codes: 0 done, 1 failed,
+//! 2 wrong usage.
+
+mod babble;
+mod evaluate;
+mod inspect;
+mod learn;
+mod open;
+mod output;
+mod progress;
+mod skin;
+
+use std::fmt::Display;
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
+
+/// What a command fails with: one sentence that names the file, the place and the mend.
+#[derive(Debug)]
+pub struct Failure(String);
+
+impl<E: Display> From<E> for Failure {
+    fn from(error: E) -> Failure {
+        Failure(error.to_string())
+    }
+}
+
+type Outcome = Result<(), Failure>;
+
+#[derive(Parser)]
+#[command(
+    name = "bodyschema",
+    version,
+    about = "A creature in MuJoCo learns where its joints are from nothing but touching itself",
+    after_help = "Examples:
+  bodyschema babble mjcf/max/max.xml                     babble, learn, and measure
+  bodyschema babble mjcf/max/max.xml --joints all --touches 5000
+  bodyschema inspect mjcf/max/max.xml                    what the agent is given
+  bodyschema skin creature.xml --output with_skin.xml    grow a skin on another creature
+  bodyschema learn sessions/max --learner hersch         learn again from a session's touches"
+)]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// Babble, touch, learn the body schema, and measure it
+    Babble(babble::Args),
+    /// Learn again from the touches of a session
+    Learn(learn::Args),
+    /// Measure a session's schema against the model it was babbled on
+    Evaluate(evaluate::Args),
+    /// Tell a model's tree, degrees of freedom, limbs and receptors
+    Inspect(inspect::Args),
+    /// Grow a skin of touch receptors on a model
+    Skin(skin::Args),
+}
+
+/// Runs the program with the process' arguments.
+pub fn run() -> ExitCode {
+    let cli = Cli::parse();
+    let outcome = match cli.command {
+        Command::Babble(args) => babble::run(&args),
+        Command::Learn(args) => learn::run(&args),
+        Command::Evaluate(args) => evaluate::run(&args),
+        Command::Inspect(args) => inspect::run(&args),
+        Command::Skin(args) => skin::run(&args),
+    };
+    match outcome {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(Failure(sentence)) => {
+            eprintln!("bodyschema: {sentence}");
+            ExitCode::FAILURE
+        }
+    }
+}

@@ -1,0 +1,45 @@
+//! What commands print.
+
+use super::Outcome;
+use crate::evaluation::Summary;
+
+/// Prints one JSON object; numbers that do not exist are null.
+pub fn json(value: &serde_json::Value) -> Outcome {
+    println!("{}", serde_json::to_string_pretty(value)?);
+    Ok(())
+}
+
+/// A summary as a row of a table, in its own unit.
+pub fn row(name: &str, unit: &str, summary: &Summary) {
+    let number = |x: f64| {
+        if !x.is_finite() {
+            "–".to_string()
+        } else if x != 0.0 && x.abs() < 5e-4 {
+            "< 0.001".to_string()
+        } else {
+            format!("{x:.3}")
+        }
+    };
+    println!(
+        "  {name:<34}{:>9} {:>9} {:>9} {:>9}  {unit}",
+        number(summary.mean),
+        number(summary.median),
+        number(summary.p95),
+        number(summary.max)
+    );
+}
+
+/// The head of a table of summaries.
+pub fn head() {
+    println!("  {:<34}{:>9} {:>9} {:>9} {:>9}", "", "mean", "median", "95 %", "max");
+}
+
+/// Names in a row, or a word where there are none; long lists are cut.
+pub fn names(names: &[String]) -> String {
+    const SHOWN: usize = 8;
+    match names.len() {
+        0 => "none".to_string(),
+        n if n <= SHOWN => names.join(", "),
+        n => format!("{} and {} more", names[..SHOWN].join(", "), n - SHOWN),
+    }
+}
