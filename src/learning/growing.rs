@@ -10,19 +10,22 @@ use rand_chacha::ChaCha8Rng;
 
 use crate::creature::Creature;
 use crate::learning::least_squares::{Stopping, levenberg_marquardt};
-use crate::learning::observation::ObservationModel;
+use crate::learning::annealing::{anneal, gaps, quantile};
+use crate::learning::observation::PointsMeet;
 use crate::learning::onset::randomize_joint;
 use crate::learning::split::SplitCreature;
 use crate::learning::touch_set::{PairTouches, TouchProblem, TouchSet};
 use crate::learning::{AxisModel, Parameters};
 use crate::schema::BodySchema;
+use crate::skin::Skin;
 
 /// Onsets tried for one part of the body before the whole start is given up.
 const ONSETS_PER_PART: usize = 6;
 
-/// Touches a part needs: this many, and as many again per unknown degree of freedom.
-const TOUCHES_PER_PART: usize = 8;
-const TOUCHES_PER_DOF: usize = 2;
+/// A part of the body is right when eight tenths of its surfaces' gaps are below this, metres …
+const PART_GAP: f64 = 3e-3;
+/// … and no better onset is looked for when they are below this.
+const CERTAIN_GAP: f64 = 2e-4;
 
 /// How a start goes about the body.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -39,14 +42,12 @@ pub struct Start {
     pub schema: BodySchema,
     /// Per joint, whether any touch with it entered the fit.
     pub known: Vec<bool>,
-    /// Root mean square of the whitened residuals over the touches used.
-    pub rms: f64,
     /// Whether every part was accepted.
     pub accepted: bool,
 }
 
 /// The ground on which starts are made.
-pub struct Nursery<'a, M> {
+pub struct Nursery<'a> {
     /// The creature.
     pub creature: &'a Creature,
     /// The creature with its joints split.
@@ -56,12 +57,47 @@ pub struct Nursery<'a, M> {
     /// … and for its split counterpart, in the same order.
     pub split_touches: &'a TouchSet,
     /// What the touches say.
-    pub model: M,
-    /// The greatest root mean square of whitened residuals that a right answer can have.
-    pub acceptance: f64,
+    pub evidence: Evidence<'a>,
 }
 
-impl<M: ObservationModel + Copy> Nursery<'_, M> {
+/// What a part's solution is judged by.
+#[derive(Clone, Copy)]
+pub enum Evidence<'a> {
+    /// The two places of a touch are one point; the whitened residuals' root mean square stays below this.
+    Points(f64),
+    /// The surfaces meet.
+    Surfaces(&'a Skin),
+}
+
+impl Evidence<'_> {
+    /// Touches a part needs before it is solved: some, and some more per unknown degree of freedom. A point
+    /// gives three equations, a gap gives one.
+    fn enough(&self, dof: usize) -> usize {
+        match self {
+            Evidence::Points(_) => 8 + 2 * dof,
+            Evidence::Surfaces(_) => 12 + 5 * dof,
+        }
+    }
+}
+
+/// How well a part was solved: 1 is just acceptable, and below `certain` nothing better need be tried.
+#[derive(Clone, Copy, Debug, PartialEq, PartialOrd)]
+struct Misfit(f64);
+
+impl Misfit {
+    fn acceptable(self) -> bool {
+        self.0 <= 1.0
+    }
+
+    fn certain(self, evidence: &Evidence) -> bool {
+        match evidence {
+            Evidence::Points(_) => self.acceptable(),
+            Evidence::Surfaces(_) => self.0 <= CERTAIN_GAP / PART_GAP,
+        }
+    }
+}
+
+impl Nursery<'_> {
     /// One start from a random onset.
     pub fn start(&self, route: Route, rng: &mut ChaCha8Rng) -> Start {
         let joints = self.creature.joints().len();
@@ -70,22 +106,20 @@ impl<M: ObservationModel + Copy> Nursery<'_, M> {
             randomize_joint(self.creature, &mut schema, joint, rng);
         }
         let mut known = vec![false; joints];
-        let mut rms = f64::INFINITY;
-        let mut accepted = true;
+        let mut misfit = Misfit(f64::INFINITY);
         while let Some(part) = self.next_part(route, &known) {
-            let (solved, part_rms) = self.solve_part(&schema, &part, &known, rng);
-            schema = solved;
-            accepted &= part_rms <= self.acceptance;
+            (schema, misfit) = self.solve_part(&schema, &part, &known, rng);
             part.iter().for_each(|&joint| known[joint] = true);
-            let used = self.touches.filter(|pair| pair.chain.joints().all(|joint| known[joint]));
-            let parameters = Parameters::new(self.creature, AxisModel::Unit, |joint| known[joint]);
-            (schema, rms) = self.solve(self.creature, &used, &parameters, schema, 30);
-            accepted &= rms <= self.acceptance;
-            if !accepted {
+            if misfit.acceptable() {
+                let used = self.touches.filter(|pair| pair.chain.joints().all(|joint| known[joint]));
+                let parameters = Parameters::new(self.creature, AxisModel::Unit, |joint| known[joint]);
+                (schema, misfit) = self.settle(&used, &parameters, schema, 30);
+            }
+            if !misfit.acceptable() {
                 break;
             }
         }
-        Start { schema, known, rms, accepted }
+        Start { schema, known, accepted: misfit.acceptable() }
     }
 
     /// The unknown joints of the part to solve next; none when no touch brings a new joint.
@@ -114,7 +148,7 @@ impl<M: ObservationModel + Copy> Nursery<'_, M> {
         };
         let candidates = || parts.iter().map(|(part, _)| part).filter(|part| !part.is_empty());
         let rich = candidates()
-            .filter(|part| touches_of(part) >= TOUCHES_PER_PART + TOUCHES_PER_DOF * dof(part))
+            .filter(|part| touches_of(part) >= self.evidence.enough(dof(part)))
             .min_by_key(|part| (dof(part), std::cmp::Reverse(touches_of(part))));
         // Where no pair has touches enough, take the one that has the most for its size.
         let poor = || candidates().max_by_key(|part| (1000 * touches_of(part)) / dof(part).max(1));
@@ -128,7 +162,7 @@ impl<M: ObservationModel + Copy> Nursery<'_, M> {
         part: &[usize],
         known: &[bool],
         rng: &mut ChaCha8Rng,
-    ) -> (BodySchema, f64) {
+    ) -> (BodySchema, Misfit) {
         let in_part = |joint: usize| part.contains(&joint);
         let split_joint = |joint: usize| self.split.joint_of[joint];
         // The pairs that the part closes: they need it, and nothing else that is unknown.
@@ -145,7 +179,7 @@ impl<M: ObservationModel + Copy> Nursery<'_, M> {
         let unit = Parameters::new(self.creature, AxisModel::Unit, in_part);
         let split_relaxed =
             Parameters::new(&self.split.creature, AxisModel::Relaxed, |joint| in_part(split_joint(joint)));
-        let mut best: Option<(BodySchema, f64)> = None;
+        let mut best: Option<(BodySchema, Misfit)> = None;
         for onset in 0..ONSETS_PER_PART {
             let mut trial = schema.clone();
             part.iter().for_each(|&joint| randomize_joint(self.creature, &mut trial, joint, rng));
@@ -157,18 +191,43 @@ impl<M: ObservationModel + Copy> Nursery<'_, M> {
             }
             (trial, _) = self.solve(self.creature, &touches, &relaxed, trial, 100);
             trial.normalize_axes(self.creature);
-            let (trial, rms) = self.solve(self.creature, &touches, &unit, trial, 60);
-            if best.as_ref().is_none_or(|(_, least)| rms < *least) {
-                best = Some((trial, rms));
+            let (trial, misfit) = self.settle(&touches, &unit, trial, 60);
+            if best.as_ref().is_none_or(|(_, least)| misfit < *least) {
+                best = Some((trial, misfit));
             }
-            if rms <= self.acceptance {
+            if misfit.certain(&self.evidence) {
                 break;
             }
         }
         best.expect("at least one onset is tried")
     }
 
-    /// One least-squares solve; the schema and the root mean square of its whitened residuals.
+    /// Fits unit axes to points, then to surfaces where these are known.
+    fn settle(
+        &self,
+        touches: &TouchSet,
+        parameters: &Parameters,
+        start: BodySchema,
+        iterations: usize,
+    ) -> (BodySchema, Misfit) {
+        match self.evidence {
+            Evidence::Points(acceptance) => {
+                let (schema, rms) = self.solve(self.creature, touches, parameters, start, iterations);
+                (schema, Misfit(rms / acceptance))
+            }
+            Evidence::Surfaces(skin) => {
+                let far = quantile(&gaps(skin, touches, &start), 0.8) > PART_GAP;
+                let start = match far {
+                    true => self.solve(self.creature, touches, parameters, start, iterations).0,
+                    false => start,
+                };
+                let annealed = anneal(self.creature, skin, touches, parameters, start);
+                (annealed.schema, Misfit(annealed.p80_gap / PART_GAP))
+            }
+        }
+    }
+
+    /// One least-squares solve by points; the schema and the root mean square of its whitened residuals.
     fn solve(
         &self,
         creature: &Creature,
@@ -178,9 +237,9 @@ impl<M: ObservationModel + Copy> Nursery<'_, M> {
         iterations: usize,
     ) -> (BodySchema, f64) {
         let count = (3 * touches.len()).max(1) as f64;
-        let mut problem = TouchProblem::new(creature, touches, parameters, self.model);
-        // Far below the acceptance there is nothing left to gain here.
-        let cost = 0.5 * count * (1e-3 * self.acceptance).powi(2);
+        let mut problem = TouchProblem::new(creature, touches, parameters, PointsMeet);
+        // Far below what noise can do there is nothing left to gain here.
+        let cost = 0.5 * count * 1e-6;
         let stopping = Stopping { iterations, relative_cost: 1e-4, cost };
         let solution = levenberg_marquardt(&mut problem, parameters, start, stopping);
         (solution.schema, (2.0 * solution.cost / count).sqrt())

@@ -3,6 +3,7 @@
 //! A learner takes touches and gives a schema. It knows the creature (its tree, degrees of freedom and
 //! ranges) and its skin (where each receptor is on its own limb), and nothing of where the joints are.
 
+pub mod annealing;
 mod growing;
 mod hersch;
 pub mod least_squares;

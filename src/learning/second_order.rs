@@ -9,11 +9,11 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
 use crate::creature::Creature;
-use crate::learning::growing::{Nursery, Route, Start};
+use crate::learning::growing::{Evidence, Nursery, Route, Start};
 use crate::learning::least_squares::{Stopping, levenberg_marquardt};
 use crate::learning::observation::{Input, Observation, ObservationModel, PointsMeet};
 use crate::learning::split::SplitCreature;
-use crate::learning::surface_gap::SurfaceGap;
+use crate::learning::annealing::{Annealed, anneal, gaps, quantile};
 use crate::learning::touch_set::{LimbTouch, TouchProblem, TouchSet};
 use crate::learning::{AxisModel, Learned, Learner, Parameters, Verdict};
 use crate::schema::BodySchema;
@@ -76,27 +76,11 @@ impl<'a> SecondOrder<'a> {
         }
     }
 
-    /// From the receptors' centres to the surfaces: the gap's deviation is lowered step by step.
-    fn anneal(&self, touches: &TouchSet, known: &[bool], start: BodySchema) -> BodySchema {
+    /// Fits all known joints to the surfaces of `touches`.
+    fn anneal(&self, touches: &TouchSet, known: &[bool], start: BodySchema) -> Annealed {
         let used = touches.filter(|pair| pair.chain.joints().all(|joint| known[joint]));
         let parameters = Parameters::new(self.creature, AxisModel::Unit, |joint| known[joint]);
-        let mut schema = start;
-        let mut deviation = 0.02;
-        let mut its = 0;
-        loop {
-            let model = SurfaceGap { skin: self.skin, gap_deviation: deviation, patch_deviation: 1.0 };
-            let mut gaps: Vec<f64> = used.pairs.iter().flat_map(|p| &p.touches).map(|t| model.meeting(&t.ends, &t.frames(&schema)).gap.abs()).collect();
-            gaps.sort_by(f64::total_cmp);
-            if std::env::var("DBG").is_ok() { eprintln!("sigma {:.6} median gap {:.7} p90 {:.7} its {its}", deviation, gaps[gaps.len()/2], gaps[gaps.len()*9/10]); }
-            let mut problem = TouchProblem::new(self.creature, &used, &parameters, model);
-            let last = deviation <= 1e-6;
-            let stopping = Stopping { iterations: if last { 50 } else { 4 }, relative_cost: 1e-3, cost: 0.0 };
-            let solution = levenberg_marquardt(&mut problem, &parameters, schema, stopping);
-            schema = solution.schema;
-            its += solution.iterations;
-            if last { return schema; }
-            deviation = (0.7 * deviation).max(1e-6);
-        }
+        anneal(self.creature, self.skin, &used, &parameters, start)
     }
 
     /// Fits all joints that are `known` to `touches` on the sphere.
@@ -158,8 +142,10 @@ impl Learner for SecondOrder<'_> {
             split: &split,
             touches: &touches,
             split_touches: &split_touches,
-            model: PointsMeet,
-            acceptance: self.acceptance(),
+            evidence: match self.input {
+                Input::Contact => Evidence::Points(self.acceptance()),
+                Input::Receptor => Evidence::Surfaces(self.skin),
+            },
         };
 
         let mut best: Option<(f64, Start)> = None;
@@ -170,8 +156,15 @@ impl Learner for SecondOrder<'_> {
             let route = if start % 4 == 3 { Route::Whole } else { Route::Grown };
             onsets += 1;
             let start = nursery.start(route, &mut rng);
-            let judged = residual(&fresh, &start.known, &start.schema);
-            let accepted = start.accepted && judged <= self.acceptance();
+            let judged = match self.input {
+                Input::Contact => residual(&fresh, &start.known, &start.schema) / self.acceptance(),
+                Input::Receptor => {
+                    let used = fresh.filter(|pair| pair.chain.joints().all(|joint| start.known[joint]));
+                    quantile(&gaps(self.skin, &used, &start.schema), 0.8) / 3e-3
+                }
+            };
+            let accepted = start.accepted && judged <= 1.0;
+            if std::env::var("DBG").is_ok() { eprintln!("start {onsets} {route:?} accepted {} judged {judged} known {}", start.accepted, start.known.iter().filter(|k| **k).count()); }
             if best.as_ref().is_none_or(|(least, b)| accepted || (!b.accepted && judged < *least)) {
                 best = Some((judged, Start { accepted, ..start }));
             }
@@ -185,9 +178,11 @@ impl Learner for SecondOrder<'_> {
         let mut schema = start.schema;
         let verdict = if start.accepted {
             let all = self.prepare(self.creature, |limb| limb, self.touches.iter());
-            (schema, _) = self.polish(&all, &start.known, schema);
+            if self.input == Input::Contact { (schema, _) = self.polish(&all, &start.known, schema); }
             if self.input == Input::Receptor {
-                schema = self.anneal(&all, &start.known, schema);
+                let annealed = self.anneal(&all, &start.known, schema);
+                if std::env::var("DBG").is_ok() { eprintln!("{:?} {} {} {}", annealed.gap_deviation, annealed.median_gap, annealed.p80_gap, annealed.iterations); }
+                schema = annealed.schema;
             }
             Verdict::Converged
         } else {

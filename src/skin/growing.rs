@@ -14,16 +14,15 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
-use xmltree::{Element, EmitterConfig, XMLNode};
+use xmltree::{Element, XMLNode};
 
 use super::from_model::shape;
 use super::{Shape, Surface};
+use crate::mjcf_xml::{HALF_THICKNESS, add_receptor_class, element, section, write};
 use crate::mujoco::{self, Data, JointKind, Model, ObjectKind};
 
 /// Samples per receptor of the surface.
 const SAMPLES_PER_RECEPTOR: f64 = 150.0;
-/// Half the thickness of a receptor's site, metres.
-const HALF_THICKNESS: f64 = 0.0008;
 /// A point this deep inside another geom is not exposed, metres.
 const BURIED: f64 = 5e-4;
 /// Cells whose normals average to less than this face all ways and are split.
@@ -148,7 +147,7 @@ pub fn grow_skin(path: &Path, options: &GrowOptions) -> Result<String, GrowError
     if let Some(body) = sites.keys().next() {
         return Err(unsuitable(format!("body {body} is not written out in the file: flatten it first")));
     }
-    add_default(&mut root);
+    add_receptor_class(&mut root);
     let section = section(&mut root, "sensor");
     section.children.extend(sensors.into_iter().map(XMLNode::Element));
     write(&root).map_err(|message| GrowError::Xml { path: path.to_path_buf(), message })
@@ -439,35 +438,8 @@ fn insert_sites(element: &mut Element, sites: &mut BTreeMap<String, Vec<Element>
     }
 }
 
-/// The default class of the receptors' sites.
-fn add_default(root: &mut Element) {
-    let mut class = element("default", &[("class", "receptor".into())]);
-    let look = [("type", "box".into()), ("group", "3".into()), ("rgba", "0.2 0.6 0.9 0.5".into())];
-    class.children.push(XMLNode::Element(element("site", &look)));
-    section(root, "default").children.push(XMLNode::Element(class));
-}
-
-/// A top-level section, made where there is none.
-fn section<'a>(root: &'a mut Element, name: &str) -> &'a mut Element {
-    if root.get_child(name).is_none() {
-        let section = XMLNode::Element(Element::new(name));
-        // Classes must be known before they are used.
-        let at = if name == "default" { 0 } else { root.children.len() };
-        root.children.insert(at, section);
-    }
-    root.get_mut_child(name).expect("just made")
-}
-
 fn attribute<'a>(root: &'a Element, child: &str, name: &str) -> Option<&'a str> {
     root.get_child(child)?.attributes.get(name).map(String::as_str)
-}
-
-fn element(name: &str, attributes: &[(&str, String)]) -> Element {
-    let mut element = Element::new(name);
-    for (key, value) in attributes {
-        element.attributes.insert((*key).into(), value.clone());
-    }
-    element
 }
 
 /// Numbers as MJCF wants them, to a hundredth of a millimetre or less.
@@ -478,16 +450,4 @@ fn numbers<'a>(values: impl Iterator<Item = &'a f64>) -> String {
         if text == "-0" { "0".to_string() } else { text.to_string() }
     };
     values.map(text).collect::<Vec<_>>().join(" ")
-}
-
-fn write(root: &Element) -> Result<String, String> {
-    let config = EmitterConfig::new()
-        .perform_indent(true)
-        .indent_string("  ")
-        .write_document_declaration(false)
-        .pad_self_closing(false);
-    let mut bytes = Vec::new();
-    root.write_with_config(&mut bytes, config).map_err(|e| e.to_string())?;
-    bytes.push(b'\n');
-    String::from_utf8(bytes).map_err(|e| e.to_string())
 }

@@ -1,0 +1,96 @@
+//! From the receptors' centres to the surfaces: annealing the deviation of the gap.
+//!
+//! The gap's equation is sharp, hence blind from afar: at a schema that is wrong by centimetres the nearest
+//! points of two limbs are not those that touched. So its deviation starts at what the gaps are now, and
+//! falls with them; every step is accepted on the robust cost. It stops falling at the noise that the gaps
+//! themselves show, so that noisy joints or false touches do not turn the fit into a vote of a few.
+
+use crate::creature::Creature;
+use crate::learning::Parameters;
+use crate::learning::least_squares::{Stopping, levenberg_marquardt};
+use crate::learning::surface_gap::SurfaceGap;
+use crate::learning::touch_set::{TouchProblem, TouchSet};
+use crate::schema::BodySchema;
+use crate::skin::Skin;
+
+/// The widest deviation, metres: a few centimetres is what receptor centres leave.
+const WIDEST: f64 = 0.02;
+/// The narrowest deviation, metres: how deep limbs press into each other where a motion stops.
+pub const NARROWEST: f64 = 1e-6;
+/// Linearizations at each deviation.
+const ITERATIONS: usize = 3;
+/// Linearizations at the last deviation.
+const LAST_ITERATIONS: usize = 30;
+
+/// What annealing came to.
+#[derive(Clone, Debug)]
+pub struct Annealed {
+    /// The schema.
+    pub schema: BodySchema,
+    /// The deviation of the gap at the end, metres: the noise of the touches, or [`NARROWEST`].
+    pub gap_deviation: f64,
+    /// Half of the gaps are smaller, metres.
+    pub median_gap: f64,
+    /// Eight tenths of the gaps are smaller, metres.
+    pub p80_gap: f64,
+    /// Linearizations used.
+    pub iterations: usize,
+}
+
+/// The absolute gaps of all touches under a schema, sorted, metres.
+pub fn gaps(skin: &Skin, touches: &TouchSet, schema: &BodySchema) -> Vec<f64> {
+    let model = SurfaceGap { skin, gap_deviation: 1.0, patch_deviation: 1.0 };
+    let touches = touches.pairs.iter().flat_map(|pair| &pair.touches);
+    let mut gaps: Vec<f64> =
+        touches.map(|touch| model.meeting(&touch.ends, &touch.frames(schema)).gap.abs()).collect();
+    gaps.sort_by(f64::total_cmp);
+    gaps
+}
+
+/// The value below which a share of sorted values lies; 0 where there is none.
+pub fn quantile(sorted: &[f64], share: f64) -> f64 {
+    if sorted.is_empty() {
+        return 0.0;
+    }
+    sorted[((sorted.len() - 1) as f64 * share).round() as usize]
+}
+
+/// Fits `parameters` to the surfaces of `touches` from a schema that is right to centimetres.
+pub fn anneal(
+    creature: &Creature,
+    skin: &Skin,
+    touches: &TouchSet,
+    parameters: &Parameters,
+    start: BodySchema,
+) -> Annealed {
+    let mut schema = start;
+    let mut deviation = WIDEST;
+    let mut iterations = 0;
+    loop {
+        let found = gaps(skin, touches, &schema);
+        let (median, p80) = (quantile(&found, 0.5), quantile(&found, 0.8));
+        // Half of a normal distribution lies within 0.67 deviations. Parameters take up a part of the gaps.
+        let spare = (touches.len() as f64 - 0.7 * parameters.len() as f64).max(1.0);
+        let noise = 1.48 * median * (touches.len() as f64 / spare).sqrt();
+        let wanted = if iterations == 0 { 2.0 * p80 } else { (1.5 * p80).min(0.7 * deviation) };
+        let next = wanted.max(0.25 * deviation).max(0.8 * noise).clamp(NARROWEST, WIDEST);
+        let last = iterations > 0 && next > 0.95 * deviation;
+        deviation = next;
+        let model = SurfaceGap { skin, gap_deviation: deviation, patch_deviation: 1.0 };
+        let mut problem = TouchProblem::new(creature, touches, parameters, model);
+        let last = last || deviation <= NARROWEST;
+        let stopping = Stopping {
+            iterations: if last { LAST_ITERATIONS } else { ITERATIONS },
+            relative_cost: if last { 1e-6 } else { 1e-2 },
+            cost: 0.0,
+        };
+        let solution = levenberg_marquardt(&mut problem, parameters, schema, stopping);
+        schema = solution.schema;
+        iterations += solution.iterations;
+        if last {
+            let found = gaps(skin, touches, &schema);
+            let (median_gap, p80_gap) = (quantile(&found, 0.5), quantile(&found, 0.8));
+            return Annealed { schema, gap_deviation: deviation, median_gap, p80_gap, iterations };
+        }
+    }
+}
