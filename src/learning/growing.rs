@@ -13,6 +13,7 @@ use crate::learning::least_squares::{Stopping, levenberg_marquardt};
 use crate::learning::annealing::{anneal, gaps, quantile};
 use crate::learning::observation::PointsMeet;
 use crate::learning::onset::randomize_joint;
+use crate::learning::repair::open_gaps;
 use crate::learning::split::SplitCreature;
 use crate::learning::touch_set::{PairTouches, TouchProblem, TouchSet};
 use crate::learning::{AxisModel, Parameters};
@@ -20,12 +21,20 @@ use crate::schema::BodySchema;
 use crate::skin::Skin;
 
 /// Onsets tried for one part of the body before the whole start is given up.
-const ONSETS_PER_PART: usize = 6;
+const ONSETS_PER_PART: usize = 12;
 
 /// A part of the body is right when eight tenths of its surfaces' gaps are below this, metres …
 const PART_GAP: f64 = 3e-3;
 /// … and no better onset is looked for when they are below this.
 const CERTAIN_GAP: f64 = 2e-4;
+
+/// Centres that miss by more than this many of their deviations are a wrong minimum: no need to anneal.
+const HOPELESS: f64 = 1.6;
+const HOPELESS_MISFIT: f64 = 100.0;
+/// Rounds of mending.
+const REPAIRS: usize = 4;
+/// Share of open gaps that false touches may make up.
+const TOLERATED_OPEN: f64 = 0.12;
 
 /// How a start goes about the body.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -119,7 +128,38 @@ impl Nursery<'_> {
                 break;
             }
         }
-        Start { schema, known, accepted: misfit.acceptable() }
+        let mut start = Start { schema, known, accepted: misfit.acceptable() };
+        if let Evidence::Surfaces(skin) = self.evidence {
+            if start.accepted {
+                self.repair(skin, &mut start, rng);
+            }
+        }
+        start
+    }
+
+    /// Solves joints at fault anew, all others held, until few gaps stay open.
+    fn repair(&self, skin: &Skin, start: &mut Start, rng: &mut ChaCha8Rng) {
+        let used = self.touches.filter(|pair| pair.chain.joints().all(|joint| start.known[joint]));
+        let parameters = Parameters::new(self.creature, AxisModel::Unit, |joint| start.known[joint]);
+        for _ in 0..REPAIRS {
+            let open = open_gaps(self.creature, skin, &used, &start.schema, 0.0);
+            if std::env::var("DBG").is_ok() {
+                eprintln!("repair: open {:.3} {:?}", open.share, open.suspects().iter().map(|&j| (&self.creature.joints()[j].name, open.by_joint[j])).collect::<Vec<_>>());
+            }
+            let worst = open.by_joint.iter().copied().fold(0.0, f64::max);
+            start.accepted = worst <= TOLERATED_OPEN;
+            if start.accepted {
+                break;
+            }
+            let part = open.suspects();
+            let mut others = start.known.clone();
+            part.iter().for_each(|&joint| others[joint] = false);
+            let (trial, _) = self.solve_part(&start.schema, &part, &others, rng);
+            let (trial, _) = self.settle(&used, &parameters, trial, 30);
+            if open_gaps(self.creature, skin, &used, &trial, 0.0).share < open.share {
+                start.schema = trial;
+            }
+        }
     }
 
     /// The unknown joints of the part to solve next; none when no touch brings a new joint.
@@ -180,7 +220,9 @@ impl Nursery<'_> {
         let split_relaxed =
             Parameters::new(&self.split.creature, AxisModel::Relaxed, |joint| in_part(split_joint(joint)));
         let mut best: Option<(BodySchema, Misfit)> = None;
+        let mut onsets = 0;
         for onset in 0..ONSETS_PER_PART {
+            onsets += 1;
             let mut trial = schema.clone();
             part.iter().for_each(|&joint| randomize_joint(self.creature, &mut trial, joint, rng));
             if onset % 2 == 0 {
@@ -199,6 +241,7 @@ impl Nursery<'_> {
                 break;
             }
         }
+        if std::env::var("DBG").is_ok() { eprintln!("  part {:?} onsets {onsets} touches {} misfit {:?}", part.iter().map(|j| self.creature.joints()[*j].name.clone()).collect::<Vec<_>>(), touches.len(), best.as_ref().map(|b| b.1.0*PART_GAP*1e3)); }
         best.expect("at least one onset is tried")
     }
 
@@ -216,11 +259,14 @@ impl Nursery<'_> {
                 (schema, Misfit(rms / acceptance))
             }
             Evidence::Surfaces(skin) => {
-                let far = quantile(&gaps(skin, touches, &start), 0.8) > PART_GAP;
-                let start = match far {
-                    true => self.solve(self.creature, touches, parameters, start, iterations).0,
-                    false => start,
-                };
+                let mut start = start;
+                if quantile(&gaps(skin, touches, &start), 0.8) > PART_GAP {
+                    let rms;
+                    (start, rms) = self.solve(self.creature, touches, parameters, start, iterations);
+                    if rms > HOPELESS {
+                        return (start, Misfit(HOPELESS_MISFIT * rms));
+                    }
+                }
                 let annealed = anneal(self.creature, skin, touches, parameters, start);
                 (annealed.schema, Misfit(annealed.p80_gap / PART_GAP))
             }

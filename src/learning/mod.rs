@@ -10,6 +10,7 @@ pub mod least_squares;
 pub mod observation;
 pub mod onset;
 mod parameters;
+pub mod repair;
 mod second_order;
 mod split;
 pub mod surface_gap;

@@ -153,7 +153,7 @@ impl Learner for SecondOrder<'_> {
         for start in 0..STARTS {
             let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
             rng.set_stream(start as u64);
-            let route = if start % 4 == 3 { Route::Whole } else { Route::Grown };
+            let route = if self.input == Input::Receptor || start % 4 == 3 { Route::Whole } else { Route::Grown };
             onsets += 1;
             let start = nursery.start(route, &mut rng);
             let judged = match self.input {

@@ -1,5 +1,7 @@
 //! The body schema: what is learned of a body.
 
+pub mod export;
+
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 

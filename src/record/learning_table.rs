@@ -1,0 +1,62 @@
+//! The table of how learning went: a row per checkpoint.
+
+use std::fs::File;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+use super::{Action, LEARNING_FILE, RecordError, files};
+
+/// Writes [`LEARNING_FILE`]: comma-separated values behind a line of column names.
+#[derive(Debug)]
+pub struct LearningTable {
+    path: PathBuf,
+    file: File,
+    columns: usize,
+    rows: usize,
+}
+
+impl LearningTable {
+    /// Begins the table in a session's folder; an older one there is overwritten.
+    ///
+    /// # Errors
+    /// [`RecordError::Io`] where the folder or the file cannot be made, [`RecordError::Format`] for a
+    /// column's name that needs quoting.
+    pub fn create(folder: &Path, columns: &[&str]) -> Result<LearningTable, RecordError> {
+        let path = folder.join(LEARNING_FILE);
+        if let Some(name) = columns.iter().find(|name| name.contains([',', '"', '\n', '\r'])) {
+            let message = format!("the column {name:?} has a comma, quote or line break: name it without");
+            return Err(RecordError::format(&path, Some(1), message));
+        }
+        files::make_folder(folder)?;
+        let file = File::create(&path).map_err(RecordError::io(&path, Action::Write))?;
+        let mut table = LearningTable { path, file, columns: columns.len(), rows: 0 };
+        table.write_line(&columns.join(","))?;
+        Ok(table)
+    }
+
+    /// Adds a row, a number per column; what is not a number (NaN) leaves its cell empty.
+    ///
+    /// # Errors
+    /// [`RecordError::Io`] where writing fails, [`RecordError::Format`] where the row does not have a
+    /// number per column.
+    pub fn row(&mut self, values: &[f64]) -> Result<(), RecordError> {
+        if values.len() != self.columns {
+            let message = format!(
+                "a row of {} numbers does not fit {} columns: give one per column",
+                values.len(),
+                self.columns
+            );
+            return Err(RecordError::format(&self.path, Some(self.rows + 2), message));
+        }
+        let cell = |value: &f64| if value.is_nan() { String::new() } else { value.to_string() };
+        let cells: Vec<String> = values.iter().map(cell).collect();
+        self.write_line(&cells.join(","))?;
+        self.rows += 1;
+        Ok(())
+    }
+
+    fn write_line(&mut self, line: &str) -> Result<(), RecordError> {
+        let line = format!("{line}\n");
+        self.file.write_all(line.as_bytes()).map_err(RecordError::io(&self.path, Action::Write))
+    }
+}

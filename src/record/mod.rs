@@ -1,0 +1,40 @@
+//! The session on disk: what was babbled, by whom, and what was learned from it.
+//!
+//! A session is a folder of files that other programs can read: [`SESSION_FILE`] says how it came
+//! about, [`TOUCHES_FILE`] holds a touch a line, [`SCHEMA_FILE`] the learned body by name, and
+//! [`LEARNING_FILE`] how learning went. Metres and radians throughout; names, not indices, between
+//! files. Numbers are written in the shortest form that reads back to the same bits.
+
+mod error;
+mod files;
+mod learning_table;
+mod model_hash;
+mod schema;
+mod session;
+mod stamp;
+mod touch_line;
+mod touch_reader;
+mod touch_writer;
+
+pub use error::{Action, RecordError};
+pub use learning_table::LearningTable;
+pub use model_hash::model_hash;
+pub use schema::{read_schema, write_schema};
+pub use session::{BabblingEffort, Session, SessionOptions};
+pub use touch_reader::{TouchLog, read_touches};
+pub use touch_writer::TouchWriter;
+
+/// How a session came about, in a session's folder.
+pub const SESSION_FILE: &str = "session.json";
+/// The log of touches, in a session's folder.
+pub const TOUCHES_FILE: &str = "touches.jsonl";
+/// The learned body schema, in a session's folder.
+pub const SCHEMA_FILE: &str = "schema.json";
+/// The table of checkpoints of learning, in a session's folder.
+pub const LEARNING_FILE: &str = "learning.csv";
+
+/// This program and its version, as a session names what made it.
+pub const PROGRAM: &str = concat!(env!("CARGO_PKG_NAME"), " ", env!("CARGO_PKG_VERSION"));
+
+/// How far the length of an axis or a quaternion may be from 1 in a file.
+const UNIT_LENGTH: f64 = 1e-6;

@@ -1,0 +1,163 @@
+//! The learned body schema as a file of names.
+
+use std::path::Path;
+
+use nalgebra::Vector3;
+use serde::{Deserialize, Serialize};
+
+use super::stamp::Stamp;
+use super::{RecordError, UNIT_LENGTH, files};
+use crate::creature::{Creature, DofKind, Joint};
+use crate::schema::BodySchema;
+
+const STAMP: Stamp = Stamp { format: "bodyschema schema", version: 1 };
+
+/// The file, behind its stamp. Fields that it has besides are passed over.
+#[derive(Deserialize, Serialize)]
+#[serde(expecting = "an object")]
+struct Content {
+    creature: String,
+    joints: Vec<JointEntry>,
+}
+
+/// One joint.
+#[derive(Deserialize, Serialize)]
+#[serde(expecting = "an object")]
+struct JointEntry {
+    joint: String,
+    /// The name of the limb it is mounted on.
+    parent: String,
+    /// `l_P`: its position in the parent limb's frame, metres.
+    position: [f64; 3],
+    axes: Vec<AxisEntry>,
+}
+
+/// One degree of freedom.
+#[derive(Deserialize, Serialize)]
+#[serde(expecting = "an object")]
+struct AxisEntry {
+    dof: String,
+    /// Of use to other programs; this one knows it from the creature.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    kind: Option<DofKind>,
+    /// `a_P`, of unit length; a ball has none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    axis: Option<[f64; 3]>,
+}
+
+/// Writes a creature's schema to the file `path`, whole or not at all; its folder is made if missing.
+///
+/// # Errors
+/// [`RecordError::Io`] where the file cannot be written, [`RecordError::Format`] for a schema that
+/// could not be read again: of another shape than the creature's, not finite, or with axes that are
+/// not of unit length.
+pub fn write_schema(path: &Path, creature: &Creature, schema: &BodySchema) -> Result<(), RecordError> {
+    check(creature, schema).map_err(|message| RecordError::format(path, None, message))?;
+    let joints = creature.joints().iter().zip(&schema.positions).map(|(joint, position)| {
+        let axes = joint.dofs.iter().zip(&schema.axes[joint.dof_indices()]).map(|(dof, axis)| AxisEntry {
+            dof: dof.name.clone(),
+            kind: Some(dof.kind),
+            axis: (dof.kind != DofKind::Ball).then(|| (*axis).into()),
+        });
+        JointEntry {
+            joint: joint.name.clone(),
+            parent: creature.limbs()[joint.parent].clone(),
+            position: (*position).into(),
+            axes: axes.collect(),
+        }
+    });
+    let content = Content { creature: creature.name().into(), joints: joints.collect() };
+    if let Some(folder) = path.parent() {
+        files::make_folder(folder)?;
+    }
+    files::write_json(path, &STAMP.on(&content))
+}
+
+/// Reads a creature's schema from the file `path`.
+///
+/// # Errors
+/// [`RecordError::Io`] where the file cannot be read, [`RecordError::Format`] where it is no schema or
+/// one of a newer version, where its names are not the creature's, and where an axis is not of unit
+/// length.
+pub fn read_schema(path: &Path, creature: &Creature) -> Result<BodySchema, RecordError> {
+    let json = files::read(path)?;
+    STAMP.check(path, None, &json)?;
+    let content: Content =
+        serde_json::from_slice(&json).map_err(|error| RecordError::json(path, "body schema", &error))?;
+    schema_of(&content, creature)
+        .and_then(|schema| check(creature, &schema).map(|()| schema))
+        .map_err(|message| RecordError::format(path, None, message))
+}
+
+fn schema_of(content: &Content, creature: &Creature) -> Result<BodySchema, String> {
+    const MEND: &str = "give a schema that was learned with the same model and joints";
+    if content.creature != creature.name() {
+        return Err(format!("it is of \"{}\", not of \"{}\": {MEND}", content.creature, creature.name()));
+    }
+    if content.joints.len() != creature.joints().len() {
+        return Err(format!(
+            "it has {} joints, but {} has {}: {MEND}",
+            content.joints.len(),
+            creature.name(),
+            creature.joints().len()
+        ));
+    }
+    let mut schema = BodySchema::zero(creature);
+    for (i, (entry, joint)) in content.joints.iter().zip(creature.joints()).enumerate() {
+        let parent = &creature.limbs()[joint.parent];
+        if (&entry.joint, &entry.parent) != (&joint.name, parent) {
+            return Err(format!(
+                "its joint {} is \"{}\" on \"{}\", but the creature's is \"{}\" on \"{parent}\": {MEND}",
+                i + 1,
+                entry.joint,
+                entry.parent,
+                joint.name
+            ));
+        }
+        schema.positions[i] = entry.position.into();
+        read_axes(entry, joint, &mut schema.axes[joint.dof_indices()])
+            .map_err(|problem| format!("joint \"{}\" {problem}: {MEND}", joint.name))?;
+    }
+    Ok(schema)
+}
+
+fn read_axes(entry: &JointEntry, joint: &Joint, axes: &mut [Vector3<f64>]) -> Result<(), String> {
+    if entry.axes.len() != joint.dofs.len() {
+        return Err(format!("has {} axes in place of {}", entry.axes.len(), joint.dofs.len()));
+    }
+    for ((found, dof), axis) in entry.axes.iter().zip(&joint.dofs).zip(axes) {
+        if found.dof != dof.name {
+            return Err(format!("has \"{}\" in place of \"{}\"", found.dof, dof.name));
+        }
+        if found.kind.is_some_and(|kind| kind != dof.kind) {
+            return Err(format!("has another kind of \"{}\"", dof.name));
+        }
+        match found.axis {
+            Some(found) if dof.kind != DofKind::Ball => *axis = found.into(),
+            None if dof.kind != DofKind::Ball => return Err(format!("has no axis of \"{}\"", dof.name)),
+            _ => {}
+        }
+    }
+    Ok(())
+}
+
+fn check(creature: &Creature, schema: &BodySchema) -> Result<(), String> {
+    if !schema.fits(creature) {
+        return Err(format!(
+            "the schema has not {} positions and {} axes of finite numbers: give one of {}",
+            creature.joints().len(),
+            creature.dof_elements(),
+            creature.name()
+        ));
+    }
+    for (dof, axis) in creature.dofs().zip(&schema.axes) {
+        if dof.kind != DofKind::Ball && (axis.norm() - 1.0).abs() > UNIT_LENGTH {
+            return Err(format!(
+                "the axis of \"{}\" has length {}: divide it by its length",
+                dof.name,
+                axis.norm()
+            ));
+        }
+    }
+    Ok(())
+}

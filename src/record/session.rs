@@ -1,0 +1,146 @@
+//! How a session came about: everything needed to repeat it or to read its touches.
+
+use std::collections::HashSet;
+use std::path::Path;
+use std::time::Duration;
+
+use serde::{Deserialize, Serialize};
+
+use super::stamp::Stamp;
+use super::{RecordError, SESSION_FILE, files};
+use crate::babbling::Effort;
+use crate::creature::Creature;
+use crate::skin::Skin;
+
+const STAMP: Stamp = Stamp { format: "bodyschema session", version: 1 };
+
+/// A session: who babbled, in which model, how, and what it cost.
+///
+/// In the file, the format's name and version come before these fields.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(expecting = "an object")]
+pub struct Session {
+    /// The program and its version: [`PROGRAM`](super::PROGRAM).
+    pub program: String,
+    /// The version of MuJoCo that simulated it.
+    pub engine: String,
+    /// The model's path as it was given.
+    pub model: String,
+    /// The model's content: [`model_hash`](super::model_hash).
+    pub model_hash: String,
+    /// Seed of all random streams.
+    pub seed: u64,
+    /// What was asked for.
+    pub options: SessionOptions,
+    /// What babbling cost; none until it is done.
+    pub effort: Option<BabblingEffort>,
+    /// The creature that babbled.
+    pub creature: Creature,
+    /// Its skin.
+    pub skin: Skin,
+}
+
+/// What a session was asked for, in the words of the command line.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(expecting = "an object")]
+pub struct SessionOptions {
+    /// Touches wanted.
+    pub touches: usize,
+    /// Which joints move.
+    pub joints: String,
+    /// What a touch reports; none where nothing was to be learned.
+    pub input: Option<String>,
+    /// The learner; none where nothing was to be learned.
+    pub learner: Option<String>,
+}
+
+/// What babbling cost: [`Effort`], and its time.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(expecting = "an object")]
+pub struct BabblingEffort {
+    /// Motions begun.
+    pub motions: u64,
+    /// Postures whose contacts the engine was asked for.
+    pub engine_checks: u64,
+    /// Contacts on bare geometry, left out.
+    pub bare: u64,
+    /// Contacts between neighbouring limbs, left out.
+    pub neighbours: u64,
+    /// Instant re-contacts, left out.
+    pub again: u64,
+    /// Time that passed, seconds.
+    pub babbling_s: f64,
+}
+
+impl BabblingEffort {
+    /// The effort of motions that took `babbling` in all.
+    pub fn new(effort: &Effort, babbling: Duration) -> BabblingEffort {
+        BabblingEffort {
+            motions: effort.motions,
+            engine_checks: effort.engine_checks,
+            bare: effort.bare,
+            neighbours: effort.neighbours,
+            again: effort.again,
+            babbling_s: babbling.as_secs_f64(),
+        }
+    }
+}
+
+impl Session {
+    /// Writes [`SESSION_FILE`] into `folder`, which is made if missing; whole or not at all.
+    ///
+    /// # Errors
+    /// [`RecordError::Io`] where the folder or the file cannot be written, [`RecordError::Format`]
+    /// for a skin that does not fit the creature.
+    pub fn write(&self, folder: &Path) -> Result<(), RecordError> {
+        let path = folder.join(SESSION_FILE);
+        self.check().map_err(|message| RecordError::format(&path, None, message))?;
+        files::make_folder(folder)?;
+        files::write_json(&path, &STAMP.on(self))
+    }
+
+    /// Reads [`SESSION_FILE`] of `folder`.
+    ///
+    /// # Errors
+    /// [`RecordError::Io`] where there is none that can be read, [`RecordError::Format`] where it is
+    /// no session, one of a newer version, or one whose skin does not fit its creature.
+    pub fn read(folder: &Path) -> Result<Session, RecordError> {
+        let path = folder.join(SESSION_FILE);
+        let json = files::read(&path)?;
+        STAMP.check(&path, None, &json)?;
+        let session: Session =
+            serde_json::from_slice(&json).map_err(|error| RecordError::json(&path, "session", &error))?;
+        session.check().map_err(|message| RecordError::format(&path, None, message))?;
+        Ok(session)
+    }
+
+    /// Checks that every receptor has a limb, a surface, finite numbers and an id of its own.
+    fn check(&self) -> Result<(), String> {
+        let limbs = self.creature.limbs().len();
+        let mut ids = HashSet::new();
+        for receptor in &self.skin.receptors {
+            let refuse = |what: &str, mend: &str| Err(format!("receptor \"{}\" {what}: {mend}", receptor.id));
+            if !ids.insert(&receptor.id) {
+                return refuse("occurs twice", "give each an id of its own");
+            }
+            if receptor.limb >= limbs {
+                return refuse("is on a limb that does not exist", "give it one of the creature's limbs");
+            }
+            if receptor.surface.is_some_and(|surface| surface >= self.skin.surfaces.len()) {
+                return refuse("is on a surface that does not exist", "give it one of the skin's surfaces");
+            }
+            let vectors = [&receptor.position, &receptor.normal, &receptor.tangent];
+            let mut numbers = vectors.into_iter().flatten().chain(&receptor.half_extents);
+            if !numbers.all(|number| number.is_finite()) {
+                return refuse("has a number that is not finite", "give a finite one");
+            }
+        }
+        match self.skin.surfaces.iter().position(|surface| surface.limb >= limbs) {
+            Some(i) => Err(format!(
+                "surface {i} (from 0) of the skin is on a limb that does not exist: give it one of the \
+                 creature's limbs"
+            )),
+            None => Ok(()),
+        }
+    }
+}

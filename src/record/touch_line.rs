@@ -1,0 +1,109 @@
+//! The lines of the log of touches: what they hold, and what makes one right.
+
+use serde::{Deserialize, Serialize};
+
+use super::UNIT_LENGTH;
+use super::stamp::Stamp;
+use crate::creature::{Creature, DofKind};
+use crate::senses::Touch;
+use crate::skin::Skin;
+
+pub(super) const STAMP: Stamp = Stamp { format: "bodyschema touches", version: 1 };
+/// The units of a log: of positions and distances, and of angles.
+pub(super) const UNITS: &str = "m rad";
+
+/// The header, behind its stamp.
+#[derive(Deserialize, Serialize)]
+#[serde(expecting = "an object")]
+pub(super) struct Header {
+    /// The creature's name.
+    pub creature: String,
+    /// How many numbers a posture has.
+    pub coordinates: usize,
+    /// [`UNITS`].
+    pub units: String,
+}
+
+/// A touch as a line tells it: `S` is a text, `P` a posture, `V` a vector.
+///
+/// Limbs and positions follow from the receptors; they are told so that a log can be read alone.
+#[derive(Deserialize, Serialize)]
+#[serde(expecting = "an object")]
+pub(super) struct Line<S, P, V> {
+    pub bout: u64,
+    pub motion: u64,
+    pub posture: P,
+    /// The ids of the two receptors, the one on the earlier limb first.
+    pub receptors: [S; 2],
+    /// The names of their limbs.
+    pub limbs: [S; 2],
+    /// `p_LR` of both: the receptors' centres in their limbs' frames.
+    pub positions: [V; 2],
+    /// The exact points of contact in the limbs' frames.
+    pub contacts: [V; 2],
+}
+
+/// The name of the limb a receptor is on.
+pub(super) fn limb_name<'a>(creature: &'a Creature, skin: &Skin, receptor: usize) -> Result<&'a str, String> {
+    let receptor = skin
+        .receptors
+        .get(receptor)
+        .ok_or_else(|| format!("receptor {receptor} (from 0) is not in the skin: give one that is"))?;
+    let limb = creature.limbs().get(receptor.limb).ok_or_else(|| {
+        format!("receptor \"{}\" is on a limb that does not exist: mend the skin", receptor.id)
+    })?;
+    Ok(limb)
+}
+
+/// Checks that a touch is one of the creature and its skin, and that its numbers are usable.
+///
+/// # Errors
+/// A sentence that names what is wrong and its mend.
+pub(super) fn check(touch: &Touch, creature: &Creature, skin: &Skin) -> Result<(), String> {
+    if touch.posture.len() != creature.coordinates() {
+        return Err(format!(
+            "its posture has {} numbers but {} has {} coordinates: give as many, or leave the touch out",
+            touch.posture.len(),
+            creature.name(),
+            creature.coordinates()
+        ));
+    }
+    let mut rest = touch.posture.as_slice();
+    for dof in creature.dofs() {
+        let (coordinates, after) = rest.split_at(dof.kind.coordinates());
+        rest = after;
+        if !coordinates.iter().all(|x| x.is_finite()) {
+            return Err(format!(
+                "the posture's {} is not a finite number: give one, or leave the touch out",
+                dof.name
+            ));
+        }
+        let length = coordinates.iter().map(|x| x * x).sum::<f64>().sqrt();
+        if dof.kind == DofKind::Ball && (length - 1.0).abs() > UNIT_LENGTH {
+            return Err(format!(
+                "the posture's quaternion of {} has length {length}: divide it by its length",
+                dof.name
+            ));
+        }
+    }
+    let limbs = [
+        limb_name(creature, skin, touch.ends[0].receptor)?,
+        limb_name(creature, skin, touch.ends[1].receptor)?,
+    ];
+    let [a, b] = touch.ends.map(|end| &skin.receptors[end.receptor]);
+    if a.limb == b.limb {
+        return Err(format!(
+            "both \"{}\" and \"{}\" are on limb {}, but a touch needs two limbs: leave it out",
+            a.id, b.id, limbs[0]
+        ));
+    }
+    for (end, receptor) in touch.ends.iter().zip([a, b]) {
+        if !end.contact.iter().all(|x| x.is_finite()) {
+            return Err(format!(
+                "the contact at \"{}\" is not three finite numbers: give them, or leave the touch out",
+                receptor.id
+            ));
+        }
+    }
+    Ok(())
+}

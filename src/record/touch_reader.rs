@@ -1,0 +1,151 @@
+//! Reading the log of touches, of this program or another.
+
+use std::collections::HashMap;
+use std::fs::File;
+use std::io::{BufRead, BufReader};
+use std::path::Path;
+
+use nalgebra::Vector3;
+
+use super::error::json_reason;
+use super::touch_line::{Header, Line, STAMP, UNITS, check, limb_name};
+use super::{Action, RecordError};
+use crate::creature::Creature;
+use crate::senses::{Touch, TouchEnd};
+use crate::skin::Skin;
+
+/// How far a receptor's position in a log may be from the skin's, metres.
+const SAME_POSITION: f64 = 1e-9;
+
+/// What a log of touches holds.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct TouchLog {
+    /// The touches, in the log's order.
+    pub touches: Vec<Touch>,
+    /// The last line's number where it is incomplete, as a killed process leaves it; it is left out.
+    pub truncated: Option<usize>,
+}
+
+/// A line as it is read; JSON has no other way to say "not a finite number" than null.
+type FoundLine = Line<String, Vec<Option<f64>>, [Option<f64>; 3]>;
+
+/// Reads the touches of a creature and its skin from the log `path`.
+///
+/// # Errors
+/// [`RecordError::Io`] where the file cannot be read. [`RecordError::Format`], with the line, where it
+/// is no log of touches or one of a newer version, where it belongs to another creature or skin, and
+/// for any line that is no touch; only the last one may be incomplete.
+pub fn read_touches(path: &Path, creature: &Creature, skin: &Skin) -> Result<TouchLog, RecordError> {
+    let io = || RecordError::io(path, Action::Read);
+    let mut file = BufReader::new(File::open(path).map_err(io())?);
+    let receptors: HashMap<&str, usize> =
+        skin.receptors.iter().enumerate().map(|(r, receptor)| (receptor.id.as_str(), r)).collect();
+
+    let mut json = Vec::new();
+    file.read_until(b'\n', &mut json).map_err(io())?;
+    check_header(path, &json, creature)?;
+    let mut log = TouchLog::default();
+    for line in 2.. {
+        json.clear();
+        file.read_until(b'\n', &mut json).map_err(io())?;
+        let last = file.fill_buf().map_err(io())?.is_empty();
+        if last && json.trim_ascii().is_empty() {
+            break;
+        }
+        match serde_json::from_slice::<FoundLine>(&json) {
+            Ok(found) => {
+                let touch = touch(found, creature, skin, &receptors)
+                    .map_err(|message| RecordError::format(path, Some(line), message))?;
+                log.touches.push(touch);
+            }
+            Err(error) if last && incomplete(&json, &error) => log.truncated = Some(line),
+            Err(error) => {
+                let message = format!("it is no touch ({}): mend the line or delete it", json_reason(&error));
+                return Err(RecordError::format(path, Some(line), message));
+            }
+        }
+        if last {
+            break;
+        }
+    }
+    Ok(log)
+}
+
+/// Whether a last line that is no touch is the beginning of one.
+fn incomplete(json: &[u8], error: &serde_json::Error) -> bool {
+    error.is_eof() || (error.is_syntax() && !json.ends_with(b"\n"))
+}
+
+fn check_header(path: &Path, json: &[u8], creature: &Creature) -> Result<(), RecordError> {
+    let refuse = |message: String| Err(RecordError::format(path, Some(1), message));
+    if json.trim_ascii().is_empty() {
+        return refuse("there is no header: give a log of touches, or record again".into());
+    }
+    STAMP.check(path, Some(1), json)?;
+    let header: Header = match serde_json::from_slice(json) {
+        Ok(header) => header,
+        Err(error) => {
+            return refuse(format!(
+                "it is no header of touches ({}): mend the line or record again",
+                json_reason(&error)
+            ));
+        }
+    };
+    if header.units != UNITS {
+        return refuse(format!(
+            "its units are \"{}\", not \"{UNITS}\": convert its numbers to metres and radians",
+            header.units
+        ));
+    }
+    if header.creature != creature.name() || header.coordinates != creature.coordinates() {
+        return refuse(format!(
+            "its touches are of \"{}\" with {} coordinates, not of \"{}\" with {}: give the model and the \
+             joints that they were recorded with",
+            header.creature,
+            header.coordinates,
+            creature.name(),
+            creature.coordinates()
+        ));
+    }
+    Ok(())
+}
+
+/// The touch that a line tells of.
+fn touch(
+    found: FoundLine,
+    creature: &Creature,
+    skin: &Skin,
+    receptors: &HashMap<&str, usize>,
+) -> Result<Touch, String> {
+    let end = |k: usize| {
+        let id = &found.receptors[k];
+        let &receptor = receptors.get(id.as_str()).ok_or_else(|| {
+            format!("the skin has no receptor \"{id}\": give the skin that the touches were recorded with")
+        })?;
+        let limb = limb_name(creature, skin, receptor)?;
+        if found.limbs[k] != limb {
+            return Err(format!(
+                "receptor \"{id}\" is on limb {limb}, not on \"{}\": give the skin that the touches were \
+                 recorded with, or mend the line",
+                found.limbs[k]
+            ));
+        }
+        let away = (vector(&found.positions[k]) - skin.receptors[receptor].position).norm();
+        if away.is_nan() || away > SAME_POSITION {
+            return Err(format!(
+                "the position of receptor \"{id}\" is not the skin's: give the skin that the touches were \
+                 recorded with, or mend the line"
+            ));
+        }
+        Ok(TouchEnd { receptor, contact: vector(&found.contacts[k]) })
+    };
+    let ends = [end(0)?, end(1)?];
+    let posture = found.posture.iter().map(|x| x.unwrap_or(f64::NAN)).collect();
+    let touch = Touch { bout: found.bout, motion: found.motion, posture, ends };
+    check(&touch, creature, skin)?;
+    Ok(touch)
+}
+
+fn vector(found: &[Option<f64>; 3]) -> Vector3<f64> {
+    Vector3::from(found.map(|x| x.unwrap_or(f64::NAN)))
+}

@@ -1,0 +1,215 @@
+//! A learned body as a MuJoCo model of its own.
+//!
+//! It is made of what the agent knows and nothing else: joints where the schema has them, ranges and limbs
+//! as they were given, surfaces and receptors as the skin feels them. Masses, springs and looks of the
+//! original are not known, so the model is for kinematics and collision; gravity is off.
+
+use std::f64::consts::PI;
+
+use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
+use xmltree::{Element, XMLNode};
+
+use super::BodySchema;
+use crate::creature::{Creature, Dof, DofKind};
+use crate::mjcf_xml::{HALF_THICKNESS, add_receptor_class, element, exact, section, write};
+use crate::skin::{Receptor, Shape, Skin, Surface};
+
+/// Least mass and inertia of a body: a limb without geoms would weigh nothing, which MuJoCo refuses.
+const LEAST_MASS: f64 = 1e-3;
+const LEAST_INERTIA: f64 = 1e-6;
+/// A receptor's site is at most this share of its smaller side thick, to be known for a flat patch.
+const THINNESS: f64 = 0.25;
+/// MuJoCo wants a limited joint to have some play, radians or metres.
+const LEAST_PLAY: f64 = 1e-9;
+
+/// A standalone MJCF model of the body as it was learned.
+///
+/// The root limb is fixed in the world; every other limb is a body of its name at `l_P`, oriented as its
+/// parent. `schema` must fit the creature. Read back with all joints, the model's ground truth is the
+/// schema, and its skin is the skin; a surface known only by its receptors becomes a thin box for each.
+pub fn to_mjcf(creature: &Creature, skin: &Skin, schema: &BodySchema) -> String {
+    let names = limb_names(creature);
+    let mut root = element("mujoco", &[("model", creature.name().into())]);
+    add_receptor_class(&mut root);
+    let compiler = [
+        ("angle", "radian".into()),
+        ("boundmass", LEAST_MASS.to_string()),
+        ("boundinertia", LEAST_INERTIA.to_string()),
+    ];
+    let head = [
+        XMLNode::Comment(" As learned from self-touch: masses are stand-ins, gravity is off. ".into()),
+        XMLNode::Element(element("compiler", &compiler)),
+        XMLNode::Element(element("option", &[("gravity", "0 0 0".into())])),
+    ];
+    root.children.splice(0..0, head);
+    add(section(&mut root, "worldbody"), body(creature, skin, schema, &names, 0));
+    for [a, b] in excluded(creature, skin) {
+        let pair = [("body1", names[a].clone()), ("body2", names[b].clone())];
+        add(section(&mut root, "contact"), element("exclude", &pair));
+    }
+    for dof in creature.dofs() {
+        // A ball's angles are a quaternion, which has a sensor of its own.
+        let kind = if dof.kind == DofKind::Ball { "ballquat" } else { "jointpos" };
+        let sensor = [("name", format!("{}_pos", dof.name)), ("joint", dof.name.clone())];
+        add(section(&mut root, "sensor"), element(kind, &sensor));
+    }
+    for receptor in &skin.receptors {
+        let sensor = [("name", format!("{}_touch", receptor.id)), ("site", receptor.id.clone())];
+        add(section(&mut root, "sensor"), element("touch", &sensor));
+    }
+    for aura in creature.aura_limbs().iter().filter(|aura| !aura.limbs.is_empty()) {
+        let mut tuple = element("tuple", &[("name", format!("limb/{}", aura.name))]);
+        for &limb in &aura.limbs {
+            let member = [("objtype", "body".into()), ("objname", names[limb].clone())];
+            add(&mut tuple, element("element", &member));
+        }
+        add(section(&mut root, "custom"), tuple);
+    }
+    write(&root).expect("elements made here can be written")
+}
+
+/// The bodies' names: those of the limbs, but no body may be called as the world is.
+fn limb_names(creature: &Creature) -> Vec<String> {
+    let mut names = creature.limbs().to_vec();
+    if names[0] == "world" {
+        let taken = |name: &String| creature.limbs().contains(name);
+        names[0] = "root".into();
+        while taken(&names[0]) {
+            names[0].push('_');
+        }
+    }
+    names
+}
+
+/// One limb and all that it carries: its joints, geoms and receptors, then the limbs on it.
+fn body(creature: &Creature, skin: &Skin, schema: &BodySchema, names: &[String], limb: usize) -> Element {
+    let mut body = element("body", &[("name", names[limb].clone())]);
+    if let Some(j) = creature.joint_of(limb) {
+        body.attributes.insert("pos".into(), exact(&schema.positions[j]));
+        let joint = &creature.joints()[j];
+        for (k, dof) in joint.dof_indices().zip(&joint.dofs) {
+            add(&mut body, joint_element(dof, &schema.axes[k]));
+        }
+    }
+    for (s, surface) in skin.surfaces.iter().enumerate().filter(|(_, surface)| surface.limb == limb) {
+        let of_surface = skin.receptors.iter().filter(|r| r.limb == limb && r.surface == Some(s));
+        match geom(surface) {
+            Some(geom) => add(&mut body, geom),
+            None => of_surface.for_each(|receptor| add(&mut body, tile(receptor))),
+        }
+    }
+    for receptor in skin.receptors.iter().filter(|receptor| receptor.limb == limb) {
+        add(&mut body, site(receptor));
+    }
+    for child in (limb + 1..names.len()).filter(|&child| creature.parent_of(child) == Some(limb)) {
+        add(&mut body, self::body(creature, skin, schema, names, child));
+    }
+    body
+}
+
+/// A degree of freedom about or along its learned axis, through the limb's origin.
+fn joint_element(dof: &Dof, axis: &Vector3<f64>) -> Element {
+    let [low, high] = dof.range;
+    let (kind, limited) = match dof.kind {
+        DofKind::Hinge => ("hinge", [low, high] != [-PI, PI]),
+        DofKind::Slide => ("slide", true),
+        DofKind::Ball => ("ball", high < PI),
+    };
+    let mut joint = element("joint", &[("name", dof.name.clone()), ("type", kind.into())]);
+    let mut set = |name: &str, value: String| joint.attributes.insert(name.into(), value);
+    if dof.kind != DofKind::Ball {
+        let axis = if axis.norm() > 1e-12 { *axis } else { Vector3::z() };
+        set("axis", exact(&axis));
+    }
+    set("limited", limited.to_string());
+    if limited {
+        set("range", exact(&[low, high.max(low + LEAST_PLAY)]));
+    }
+    joint
+}
+
+/// A surface as a geom; none for one that only its receptors tell of.
+fn geom(surface: &Surface) -> Option<Element> {
+    let (kind, size) = match surface.shape {
+        Shape::Sphere { radius } => ("sphere", vec![radius]),
+        Shape::Capsule { radius, half_length } => ("capsule", vec![radius, half_length]),
+        Shape::Ellipsoid { semi_axes } => ("ellipsoid", semi_axes.to_vec()),
+        Shape::Cylinder { radius, half_length } => ("cylinder", vec![radius, half_length]),
+        Shape::Box { half_extents } => ("box", half_extents.to_vec()),
+        Shape::Mesh => return None,
+    };
+    Some(placed("geom", kind, &size, &surface.origin, &surface.rotation))
+}
+
+/// A thin box below a receptor, its outer face where the skin is.
+fn tile(receptor: &Receptor) -> Element {
+    let thin = half_thickness(receptor);
+    let [u, v] = receptor.half_extents;
+    let centre = receptor.position - receptor.normal * thin;
+    placed("geom", "box", &[u, v, thin], &centre, &axes(receptor))
+}
+
+/// A receptor's site.
+fn site(receptor: &Receptor) -> Element {
+    let [u, v] = receptor.half_extents;
+    let size = [u, v, half_thickness(receptor)];
+    let mut site = placed("site", "box", &size, &receptor.position, &axes(receptor));
+    site.attributes.shift_remove("type");
+    let mut named = element("site", &[("class", "receptor".into()), ("name", receptor.id.clone())]);
+    named.attributes.extend(site.attributes);
+    named
+}
+
+fn half_thickness(receptor: &Receptor) -> f64 {
+    let [u, v] = receptor.half_extents;
+    HALF_THICKNESS.min(THINNESS * u.min(v))
+}
+
+/// The rotation from a receptor's sides and normal to the limb's axes.
+fn axes(receptor: &Receptor) -> Matrix3<f64> {
+    Matrix3::from_columns(&[receptor.tangent, receptor.bitangent(), receptor.normal])
+}
+
+/// A geom or site at a pose in its limb's frame.
+fn placed(
+    tag: &str,
+    kind: &str,
+    size: &[f64],
+    origin: &Vector3<f64>,
+    rotation: &Matrix3<f64>,
+) -> Element {
+    let rotation = Rotation3::from_matrix_unchecked(*rotation);
+    let q = UnitQuaternion::from_rotation_matrix(&rotation);
+    let attributes = [
+        ("type", kind.into()),
+        ("pos", exact(origin)),
+        ("quat", exact(&[q.w, q.i, q.j, q.k])),
+        ("size", exact(size)),
+    ];
+    element(tag, &attributes)
+}
+
+/// Neighbouring limbs that must not collide though MuJoCo would let them.
+///
+/// It leaves out a body and its parent by itself, unless the parent is fixed in the world or limbs without
+/// a surface, such as those between joints in series, come between the two.
+fn excluded(creature: &Creature, skin: &Skin) -> Vec<[usize; 2]> {
+    let solid = |limb: usize| skin.surfaces.iter().any(|surface| surface.limb == limb);
+    let mut pairs = Vec::new();
+    for limb in (1..creature.limbs().len()).filter(|&limb| solid(limb)) {
+        let mut above = creature.parent_of(limb);
+        while let Some(bare) = above.filter(|&parent| !solid(parent)) {
+            above = creature.parent_of(bare);
+        }
+        if let Some(parent) = above
+            && (parent == 0 || creature.parent_of(limb) != Some(parent))
+        {
+            pairs.push([parent, limb]);
+        }
+    }
+    pairs
+}
+
+fn add(parent: &mut Element, child: Element) {
+    parent.children.push(XMLNode::Element(child));
+}
