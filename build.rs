@@ -65,12 +65,8 @@ fn build() -> Result<(), String> {
         }
     }
     let out = PathBuf::from(env::var_os("OUT_DIR").ok_or("cargo sets no OUT_DIR")?);
-    std::fs::write(out.join("mujoco.rs"), bindings).map_err(|error| {
-        format!(
-            "cannot write the MuJoCo bindings into {}: {error}",
-            out.display()
-        )
-    })
+    std::fs::write(out.join("mujoco.rs"), bindings)
+        .map_err(|error| format!("cannot write the MuJoCo bindings into {}: {error}", out.display()))
 }
 
 /// Links the MuJoCo in `folder` and returns its include folder.
@@ -107,9 +103,7 @@ fn link_system() -> Result<Vec<PathBuf>, String> {
         return Ok(found.include_paths);
     }
     if linker_finds("libmujoco.so") == Some(false) {
-        return Err(format!(
-            "the linker finds no MuJoCo library (libmujoco.so): {MUJOCO_MEND}"
-        ));
+        return Err(format!("the linker finds no MuJoCo library (libmujoco.so): {MUJOCO_MEND}"));
     }
     println!("cargo::rustc-link-lib=dylib=mujoco");
     Ok(Vec::new())
@@ -120,10 +114,7 @@ fn linker_finds(library: &str) -> Option<bool> {
     if env::var("TARGET") != env::var("HOST") || !cfg!(target_os = "linux") {
         return None;
     }
-    let answer = Command::new("cc")
-        .arg(format!("-print-file-name={library}"))
-        .output()
-        .ok()?;
+    let answer = Command::new("cc").arg(format!("-print-file-name={library}")).output().ok()?;
     Some(String::from_utf8_lossy(&answer.stdout).trim() != library)
 }
 
@@ -131,11 +122,7 @@ fn linker_finds(library: &str) -> Option<bool> {
 fn generate(include: &[PathBuf], headers: Headers) -> Result<String, String> {
     let builder = bindgen::Builder::default()
         .header_contents("bodyschema_mujoco.h", "#include <mujoco/mujoco.h>\n")
-        .clang_args(
-            include
-                .iter()
-                .map(|folder| format!("-I{}", folder.display())),
-        )
+        .clang_args(include.iter().map(|folder| format!("-I{}", folder.display())))
         .allowlist_function(FUNCTIONS)
         .allowlist_type(TYPES)
         .allowlist_var(VARIABLES)
@@ -172,11 +159,7 @@ fn generate(include: &[PathBuf], headers: Headers) -> Result<String, String> {
 
 /// One sentence for what clang said about the headers.
 fn explain(message: &str) -> String {
-    let line = message
-        .lines()
-        .find(|line| line.contains("error:"))
-        .unwrap_or(message)
-        .trim();
+    let line = message.lines().find(|line| line.contains("error:")).unwrap_or(message).trim();
     if line.contains("mujoco.h' file not found") {
         format!("clang finds no MuJoCo header (mujoco/mujoco.h): {MUJOCO_MEND}")
     } else if line.contains("file not found") {
@@ -194,12 +177,8 @@ impl Headers {
     /// The text of the header called `name`; empty where it was not opened.
     fn read(&self, name: &str) -> String {
         let opened = self.0.lock().map(|paths| paths.clone()).unwrap_or_default();
-        let found = opened
-            .iter()
-            .find(|path| path.file_name().is_some_and(|file| file == name));
-        found
-            .and_then(|path| std::fs::read_to_string(path).ok())
-            .unwrap_or_default()
+        let found = opened.iter().find(|path| path.file_name().is_some_and(|file| file == name));
+        found.and_then(|path| std::fs::read_to_string(path).ok()).unwrap_or_default()
     }
 }
 

@@ -1,13 +1,37 @@
+//! A creature in MuJoCo learns its body schema from nothing but touching itself.
+//!
+//! The folders read as the data flow:
+//!
+//! ```text
+//! MJCF ─ mujoco ─┬─ creature      what the agent is given: tree, degrees of freedom, ranges, limbs
+//!                └─ ground_truth  where joints really are; only the evaluation may see it
+//! creature + skin ─ babbling (posture → motion → first contact → senses → touch) ─ touches
+//! touches ─ record (the session on disk)
+//! touches ─ learning (Hersch's rule; second order) ─ schema
+//! schema + ground_truth ─ evaluation ─ report
+//! ```
+//!
+//! # Notation
+//! Frames are `W` world, `L` a limb (origin at the joint that carries it; in the reference posture, parallel
+//! to its parent), `P` its parent limb, `C` the common ancestor of two limbs, `R` a receptor. `X_AB` is the
+//! pose of B in A, so `p_A = X_AB p_B`; `p_LR` is a receptor's position in its limb's frame, `n_L` a unit
+//! normal expressed in L; `l_P` and `a_P` are a joint's position and axis in its parent limb's frame.
+//!
+//! Metres, radians, seconds and newtons everywhere; millimetres and degrees only in what a person reads.
+//! MuJoCo's quaternions are w x y z, nalgebra's x y z w: they are converted at the boundary only.
 #![deny(unsafe_code)]
+#![warn(missing_docs)]
+
+pub mod babbling;
+pub mod cli;
+pub mod creature;
+pub mod evaluation;
+pub mod ground_truth;
+pub mod kinematics;
+pub mod learning;
 mod mjcf_xml;
 pub mod mujoco;
-pub mod creature;
-pub mod ground_truth;
-pub mod skin;
-pub mod senses;
-pub mod babbling;
-pub mod kinematics;
 pub mod record;
 pub mod schema;
-pub mod learning;
-pub mod evaluation;
+pub mod senses;
+pub mod skin;

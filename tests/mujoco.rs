@@ -4,9 +4,7 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use bodyschema::mujoco::{
-    self, Data, Error, GeomKind, JointKind, Model, ObjectKind, SensorKind, Version,
-};
+use bodyschema::mujoco::{self, Data, Error, GeomKind, JointKind, Model, ObjectKind, SensorKind, Version};
 use nalgebra::{Point3, UnitQuaternion, Vector3};
 
 /// Agreement with what the engine computes itself.
@@ -48,18 +46,13 @@ struct Noise(u64);
 impl Noise {
     /// A number in -1..1.
     fn next(&mut self) -> f64 {
-        self.0 = self
-            .0
-            .wrapping_mul(6364136223846793005)
-            .wrapping_add(1442695040888963407);
+        self.0 = self.0.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
         (self.0 >> 11) as f64 / (1u64 << 52) as f64 - 1.0
     }
 
     /// A posture with every coordinate in -π..π.
     fn posture(&mut self, nq: usize) -> Vec<f64> {
-        (0..nq)
-            .map(|_| self.next() * std::f64::consts::PI)
-            .collect()
+        (0..nq).map(|_| self.next() * std::f64::consts::PI).collect()
     }
 }
 
@@ -67,10 +60,7 @@ impl Noise {
 fn a_model_says_what_its_file_says() {
     let model = Model::from_xml(ARM).unwrap();
     assert_eq!(model.version(), mujoco::check().unwrap());
-    assert_eq!(
-        (model.nq(), model.nv(), model.nbody(), model.njnt()),
-        (2, 2, 3, 2)
-    );
+    assert_eq!((model.nq(), model.nv(), model.nbody(), model.njnt()), (2, 2, 3, 2));
     assert_eq!((model.ngeom(), model.nsite(), model.nsensor()), (3, 1, 2));
     assert_eq!(model.qpos0(), [0.0, 0.0]);
     assert_eq!(model.warning(), None);
@@ -81,53 +71,28 @@ fn a_model_says_what_its_file_says() {
     assert_eq!(fore.pos, Vector3::new(0.3, 0.0, 0.0));
 
     let shoulder = model.joint(0);
-    assert_eq!(
-        (shoulder.name, shoulder.kind),
-        (Some("shoulder"), JointKind::Hinge)
-    );
-    assert_eq!(
-        (shoulder.body, shoulder.qposadr, shoulder.dofadr),
-        (1, 0, 0)
-    );
+    assert_eq!((shoulder.name, shoulder.kind), (Some("shoulder"), JointKind::Hinge));
+    assert_eq!((shoulder.body, shoulder.qposadr, shoulder.dofadr), (1, 0, 0));
     assert_eq!((shoulder.limited, shoulder.range), (true, [-1.0, 2.0]));
     assert_eq!(shoulder.axis, Vector3::y());
     assert!(!model.joint(1).limited);
     assert_eq!(model.joint(1).pos, Vector3::new(0.01, 0.02, 0.03));
 
     let upper = model.geom(1);
-    assert_eq!(
-        (upper.kind, upper.body, upper.contype),
-        (GeomKind::Capsule, 1, 1)
-    );
+    assert_eq!((upper.kind, upper.body, upper.contype), (GeomKind::Capsule, 1, 1));
     assert!((upper.size[1] - 0.15).abs() < ROUNDING && (upper.rbound - 0.2).abs() < ROUNDING);
     assert_eq!(model.geom(2).size, [0.1, 0.02, 0.03]);
     assert_eq!(model.site(0).name, Some("tip"));
 
-    let sensors: Vec<_> = model
-        .sensors()
-        .map(|sensor| (sensor.kind, sensor.object))
-        .collect();
-    let expected = [
-        (SensorKind::Touch, ObjectKind::Site),
-        (SensorKind::JointPos, ObjectKind::Joint),
-    ];
+    let sensors: Vec<_> = model.sensors().map(|sensor| (sensor.kind, sensor.object)).collect();
+    let expected = [(SensorKind::Touch, ObjectKind::Site), (SensorKind::JointPos, ObjectKind::Joint)];
     assert_eq!(sensors, expected);
-    assert_eq!(
-        (model.sensor(1).id, model.sensor(1).adr, model.sensor(1).dim),
-        (Some(1), 1, 1)
-    );
+    assert_eq!((model.sensor(1).id, model.sensor(1).adr, model.sensor(1).dim), (Some(1), 1, 1));
 
     let tuples = model.tuples();
     assert_eq!(tuples[0].name, Some("arm"));
-    let entries: Vec<_> = tuples[0]
-        .entries
-        .iter()
-        .map(|e| (e.object, e.id, e.prm))
-        .collect();
-    assert_eq!(
-        entries,
-        [(ObjectKind::Joint, 1, 0.5), (ObjectKind::Site, 0, 0.0)]
-    );
+    let entries: Vec<_> = tuples[0].entries.iter().map(|e| (e.object, e.id, e.prm)).collect();
+    assert_eq!(entries, [(ObjectKind::Joint, 1, 0.5), (ObjectKind::Site, 0, 0.0)]);
     assert_eq!(model.id(ObjectKind::Joint, "knee"), None);
 }
 
@@ -169,9 +134,7 @@ fn poses_follow_the_posture() {
         assert!((data.site_position(0) - tip).norm() < ROUNDING);
         let rotation = data.body_pose(site.body).rotation * site.quat;
         assert!(data.site_pose(0).rotation.angle_to(&rotation) < 1e-7);
-        assert!(
-            (data.geom_pose(2).translation.vector - data.geom_position(2).coords).norm() == 0.0
-        );
+        assert!((data.geom_pose(2).translation.vector - data.geom_position(2).coords).norm() == 0.0);
     }
 }
 
@@ -236,8 +199,7 @@ fn mesh_vertices_lie_in_the_geoms_frame() {
     let vertices = data.model().mesh_vertices(0);
     assert_eq!(vertices.len(), 4);
     for corner in [Vector3::zeros(), Vector3::x(), Vector3::y(), Vector3::z()] {
-        let reached =
-            |v: &Vector3<f64>| (data.geom_pose(0) * Point3::from(*v) - Point3::from(corner)).norm();
+        let reached = |v: &Vector3<f64>| (data.geom_pose(0) * Point3::from(*v) - Point3::from(corner)).norm();
         assert!(vertices.iter().any(|vertex| reached(vertex) < 1e-6));
     }
     assert!(data.model().mesh_vertices(1).is_empty());
@@ -279,29 +241,16 @@ const HUMAN: &str = r#"<mujoco>
 fn the_filters_are_the_engines() {
     let variants = [
         ("", ""),
-        (
-            "<worldbody>",
-            "<option><flag filterparent=\"disable\"/></option><worldbody>",
-        ),
-        (
-            "<worldbody>",
-            "<option collision=\"predefined\"/><worldbody>",
-        ),
+        ("<worldbody>", "<option><flag filterparent=\"disable\"/></option><worldbody>"),
+        ("<worldbody>", "<option collision=\"predefined\"/><worldbody>"),
         ("<worldbody>", "<option collision=\"dynamic\"/><worldbody>"),
-        (
-            "<worldbody>",
-            "<option><flag contact=\"disable\"/></option><worldbody>",
-        ),
+        ("<worldbody>", "<option><flag contact=\"disable\"/></option><worldbody>"),
     ];
     for (from, to) in variants {
         if to.contains("collision=") && mujoco::check().unwrap() >= Version(300) {
             continue; // MuJoCo 3 has no such option.
         }
-        let xml = if from.is_empty() {
-            HUMAN.to_string()
-        } else {
-            HUMAN.replacen(from, to, 1)
-        };
+        let xml = if from.is_empty() { HUMAN.to_string() } else { HUMAN.replacen(from, to, 1) };
         let mut data = data(&xml);
         let model = data.model().clone();
         let n = model.ngeom();
@@ -325,10 +274,8 @@ fn the_filters_are_the_engines() {
         }
     }
     let model = Model::from_xml(HUMAN).unwrap();
-    let excludes: Vec<_> = model
-        .excludes()
-        .map(|pair| pair.map(|body| model.body(body).name.unwrap()))
-        .collect();
+    let excludes: Vec<_> =
+        model.excludes().map(|pair| pair.map(|body| model.body(body).name.unwrap())).collect();
     assert_eq!(excludes.len(), 3);
     for pair in [["b", "f"], ["c", "f"], ["f", "g"]] {
         assert!(excludes.contains(&pair), "{excludes:?}");
@@ -339,13 +286,8 @@ fn the_filters_are_the_engines() {
 fn a_missing_file_is_named() {
     let path = PathBuf::from("no/such/creature.xml");
     let text = Model::from_path(&path).unwrap_err().to_string();
-    assert!(
-        text.starts_with("no/such/creature.xml: there is no such file"),
-        "{text}"
-    );
-    let text = Model::from_path(std::env::temp_dir())
-        .unwrap_err()
-        .to_string();
+    assert!(text.starts_with("no/such/creature.xml: there is no such file"), "{text}");
+    let text = Model::from_path(std::env::temp_dir()).unwrap_err().to_string();
     assert!(text.contains("no regular file"), "{text}");
 }
 
@@ -353,18 +295,9 @@ fn a_missing_file_is_named() {
 fn a_broken_file_is_named_with_its_line() {
     let folder = tempfile::tempdir().unwrap();
     let broken = [
-        (
-            "<mujoco>\n<worldbody>\n<geom size='1'>\n</worldbody>\n</mujoco>",
-            "(mismatched element) in line 3",
-        ),
-        (
-            "<mujoco>\n<worldbody>\n<geom sise='1'/>\n</worldbody>\n</mujoco>",
-            "line 3",
-        ),
-        (
-            "<mujoco>\n<worldbody>\n<geom/>\n</worldbody>\n</mujoco>",
-            "line",
-        ),
+        ("<mujoco>\n<worldbody>\n<geom size='1'>\n</worldbody>\n</mujoco>", "(mismatched element) in line 3"),
+        ("<mujoco>\n<worldbody>\n<geom sise='1'/>\n</worldbody>\n</mujoco>", "line 3"),
+        ("<mujoco>\n<worldbody>\n<geom/>\n</worldbody>\n</mujoco>", "line"),
         ("", "XML"),
     ];
     for (xml, place) in broken {
@@ -373,22 +306,14 @@ fn a_broken_file_is_named_with_its_line() {
         let error = Model::from_path(&path).unwrap_err();
         assert!(matches!(error, Error::Read { .. }));
         let text = error.to_string();
-        assert!(
-            text.contains("broken.xml") && text.contains(place),
-            "{text}"
-        );
+        assert!(text.contains("broken.xml") && text.contains(place), "{text}");
         assert_eq!(text.lines().count(), 1);
     }
     let path = folder.path().join("broken.xml");
     std::fs::write(&path, "<mujoco>\n<include file='nowhere.xml'/></mujoco>").unwrap();
     let text = Model::from_path(&path).unwrap_err().to_string();
-    assert!(
-        text.contains("nowhere.xml") && text.contains("line 2"),
-        "{text}"
-    );
-    let text = Model::from_xml("<mujoco><no></mujoco>")
-        .unwrap_err()
-        .to_string();
+    assert!(text.contains("nowhere.xml") && text.contains("line 2"), "{text}");
+    let text = Model::from_xml("<mujoco><no></mujoco>").unwrap_err().to_string();
     assert!(text.starts_with(Model::STRING_NAME), "{text}");
 }
 
@@ -397,33 +322,16 @@ fn hostile_sizes_are_refused_in_included_files_too() {
     let folder = tempfile::tempdir().unwrap();
     let main = folder.path().join("main.xml");
     let part = folder.path().join("part.xml");
-    std::fs::write(
-        &main,
-        "<mujoco><worldbody><include file='part.xml'/></worldbody></mujoco>",
-    )
-    .unwrap();
-    std::fs::write(
-        &part,
-        "<mujocoinclude>\n<geom size='0.1 1e30' type='capsule'/></mujocoinclude>",
-    )
-    .unwrap();
+    std::fs::write(&main, "<mujoco><worldbody><include file='part.xml'/></worldbody></mujoco>").unwrap();
+    std::fs::write(&part, "<mujocoinclude>\n<geom size='0.1 1e30' type='capsule'/></mujocoinclude>").unwrap();
     let error = Model::from_path(&main).unwrap_err();
-    assert!(
-        matches!(error, Error::Unsuitable { line: 2, .. }),
-        "{error}"
-    );
+    assert!(matches!(error, Error::Unsuitable { line: 2, .. }), "{error}");
     assert!(error.to_string().contains("part.xml, line 2"), "{error}");
-    std::fs::write(
-        &part,
-        "<mujocoinclude>\n<geom size='0.1 1' type='capsule'/></mujocoinclude>",
-    )
-    .unwrap();
+    std::fs::write(&part, "<mujocoinclude>\n<geom size='0.1 1' type='capsule'/></mujocoinclude>").unwrap();
     assert_eq!(Model::from_path(&main).unwrap().ngeom(), 1);
-    let texture = "<mujoco><asset><texture type='2d' builtin='flat' width='999999999' height='9'/></asset></mujoco>";
-    assert!(matches!(
-        Model::from_xml(texture),
-        Err(Error::Unsuitable { .. })
-    ));
+    let texture =
+        "<mujoco><asset><texture type='2d' builtin='flat' width='999999999' height='9'/></asset></mujoco>";
+    assert!(matches!(Model::from_xml(texture), Err(Error::Unsuitable { .. })));
 }
 
 #[test]
@@ -432,33 +340,17 @@ fn a_wrong_posture_is_refused_and_changes_nothing() {
     data.set_qpos(&[0.1, 0.2]).unwrap();
     for bad in [f64::NAN, f64::INFINITY, -f64::INFINITY, 1e11] {
         let error = data.set_qpos(&[0.0, bad]).unwrap_err();
-        assert_eq!(
-            error,
-            Error::NotFinite {
-                what: "qpos",
-                index: 1
-            }
-        );
+        assert_eq!(error, Error::NotFinite { what: "qpos", index: 1 });
     }
     let error = data.set_qpos(&[0.0]).unwrap_err();
-    assert_eq!(
-        error,
-        Error::Size {
-            what: "qpos",
-            expected: 2,
-            found: 1
-        }
-    );
+    assert_eq!(error, Error::Size { what: "qpos", expected: 2, found: 1 });
     assert_eq!(data.qpos(), [0.1, 0.2]);
 }
 
 /// `count` spheres in a row, apart from each other, each free to slide to the first.
 fn row(count: usize, size: &str) -> String {
     let sphere = |i: usize| {
-        format!(
-            "<body pos='{} 0 0'><joint type='slide' axis='1 0 0'/><geom size='1'/></body>",
-            3 * i
-        )
+        format!("<body pos='{} 0 0'><joint type='slide' axis='1 0 0'/><geom size='1'/></body>", 3 * i)
     };
     let spheres: String = (0..count).map(sphere).collect();
     format!("<mujoco>{size}<worldbody>{spheres}</worldbody></mujoco>")
@@ -487,16 +379,7 @@ fn an_error_inside_the_engine_is_a_value_and_the_data_live_on() {
         data.forward().unwrap();
         data.set_qpos(&heaped(10)).unwrap();
         let error = data.forward().unwrap_err();
-        assert!(
-            matches!(
-                error,
-                Error::Engine {
-                    call: "mj_forward",
-                    ..
-                }
-            ),
-            "{error}"
-        );
+        assert!(matches!(error, Error::Engine { call: "mj_forward", .. }), "{error}");
         assert!(error.to_string().contains("tack"), "{error}");
         assert_eq!(data.contacts().count(), 0);
         assert_eq!(data.qpos(), data.model().qpos0());
@@ -520,20 +403,8 @@ fn a_few_hundred_contacts_fit_and_too_many_are_an_error() {
     for _ in 0..3 {
         many.kinematics().unwrap();
         let error = many.collision().unwrap_err();
-        assert!(
-            matches!(
-                error,
-                Error::Warning {
-                    call: "mj_collision",
-                    ..
-                }
-            ),
-            "{error}"
-        );
-        assert!(
-            error.to_string().to_lowercase().contains("contact"),
-            "{error}"
-        );
+        assert!(matches!(error, Error::Warning { call: "mj_collision", .. }), "{error}");
+        assert!(error.to_string().to_lowercase().contains("contact"), "{error}");
         assert_eq!(many.contacts().count(), 0);
     }
     no_log_file();
@@ -605,10 +476,7 @@ fn the_cost_of_a_posture() {
     let postures: Vec<Vec<f64>> = (0..1000)
         .map(|_| {
             let mut posture = qpos0.clone();
-            posture
-                .iter_mut()
-                .skip(7)
-                .for_each(|angle| *angle = 0.5 * noise.next());
+            posture.iter_mut().skip(7).for_each(|angle| *angle = 0.5 * noise.next());
             posture
         })
         .collect();

@@ -188,9 +188,8 @@ impl Clearance {
                     continue;
                 }
                 let chain = Chain::between(&creature, first.limb, second.limb);
-                let levers = [(0, first), (1, second)].map(|(side, cluster)| {
-                    levers(&schema, &slide_reach, &chain.sides[side], cluster)
-                });
+                let levers = [(0, first), (1, second)]
+                    .map(|(side, cluster)| levers(&schema, &slide_reach, &chain.sides[side], cluster));
                 pairs.push(ClusterPair {
                     clusters: [i, j],
                     limbs: [first.limb, second.limb],
@@ -231,7 +230,6 @@ impl Clearance {
         })
     }
 
-    pub fn stats(&self) -> String { format!("{} clusters {} pairs {} geom pairs", self.clusters.len(), self.pairs.len(), self.pairs.iter().map(|p|p.geoms.len()).sum::<usize>()) }
     /// Whether any two geoms can touch at all.
     pub fn is_empty(&self) -> bool {
         self.pairs.is_empty()
@@ -582,12 +580,7 @@ fn ball_at(start: &Matrix3<f64>, axis: &Vector3<f64>, rate: f64, t: f64) -> Matr
 }
 
 /// Per joint of one side, ancestor first, how far the limb's geoms can be from it.
-fn levers(
-    schema: &BodySchema,
-    slide_reach: &[f64],
-    joints: &[usize],
-    cluster: &Cluster,
-) -> Vec<Lever> {
+fn levers(schema: &BodySchema, slide_reach: &[f64], joints: &[usize], cluster: &Cluster) -> Vec<Lever> {
     let mut reach = cluster.middle.norm() + cluster.radius;
     let mut levers: Vec<Lever> = Vec::new();
     for &joint in joints.iter().rev() {

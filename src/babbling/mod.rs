@@ -103,7 +103,6 @@ impl<'a> Babbler<'a> {
         Ok(Babbler { body, skin, reader, clearance, start })
     }
 
-    pub fn stats(&self) -> String { self.clearance.stats() }
     /// A mover in the start posture.
     ///
     /// # Errors

@@ -4,9 +4,9 @@ use std::path::PathBuf;
 
 use serde_json::json;
 
+use super::Outcome;
 use super::open::open_body;
 use super::output;
-use super::Outcome;
 use crate::creature::{Creature, DofKind, JointSelection};
 use crate::skin::{SomatotopicMap, skin_of};
 
@@ -29,7 +29,8 @@ pub fn run(args: &Args) -> Outcome {
     let skin = skin_of(&body);
     let map = SomatotopicMap::new(&skin);
     let creature = &body.creature;
-    let mut by_limb: Vec<(String, usize)> = creature.aura_limbs().iter().map(|a| (a.name.clone(), 0)).collect();
+    let mut by_limb: Vec<(String, usize)> =
+        creature.aura_limbs().iter().map(|a| (a.name.clone(), 0)).collect();
     for receptor in &skin.receptors {
         if let Some(aura) = creature.aura_of(receptor.limb) {
             by_limb[aura].1 += 1;
@@ -78,7 +79,10 @@ pub fn run(args: &Args) -> Outcome {
         println!("{name:<24} {count:>9}");
     }
     if skin.receptors.is_empty() {
-        println!("\nno touch sensors: grow a skin with `bodyschema skin {} --output NEW`", args.model.display());
+        println!(
+            "\nno touch sensors: grow a skin with `bodyschema skin {} --output NEW`",
+            args.model.display()
+        );
     } else {
         let links: usize = (0..skin.receptors.len()).map(|r| map.neighbours(r).len()).sum();
         let mean = links as f64 / skin.receptors.len() as f64;

@@ -7,6 +7,7 @@ mod babble;
 mod evaluate;
 mod inspect;
 mod learn;
+mod learn_options;
 mod open;
 mod output;
 mod progress;

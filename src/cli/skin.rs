@@ -35,8 +35,9 @@ pub fn run(args: &Args) -> Outcome {
     match &args.output {
         None => print!("{grown}"),
         Some(path) => {
-            std::fs::write(path, &grown)
-                .map_err(|error| format!("cannot write {}: {error}: give another --output", path.display()))?;
+            std::fs::write(path, &grown).map_err(|error| {
+                format!("cannot write {}: {error}: give another --output", path.display())
+            })?;
             let receptors = grown.matches("class=\"receptor\" name=").count();
             eprintln!("{receptors} receptors written to {}", path.display());
         }

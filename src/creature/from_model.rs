@@ -38,7 +38,18 @@ impl std::str::FromStr for JointSelection {
     fn from_str(text: &str) -> Result<JointSelection, Self::Err> {
         Ok(match text {
             "all" => JointSelection::All,
+            "default" => JointSelection::Default,
             name => JointSelection::Named(name.to_string()),
+        })
+    }
+}
+
+impl std::fmt::Display for JointSelection {
+    fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
+        f.write_str(match self {
+            JointSelection::Default => "default",
+            JointSelection::All => "all",
+            JointSelection::Named(name) => name,
         })
     }
 }
@@ -175,8 +186,7 @@ impl Body {
         let name = model.model_name().unwrap_or("creature").to_string();
         let creature = Creature::new(name, limbs, joints, auras).map_err(BodyError::Tree)?;
         let pose_in_limb = vec![Isometry3::identity(); model.nbody()];
-        let mut body =
-            Body { creature, model, segments, limb_of_body, pose_in_limb, root, base, addresses };
+        let mut body = Body { creature, model, segments, limb_of_body, pose_in_limb, root, base, addresses };
         body.pose_in_limb = body.place_bodies()?;
         Ok(body)
     }
@@ -273,9 +283,9 @@ fn trees(model: &Model) -> Vec<usize> {
 fn select(model: &Model, selection: &JointSelection) -> Result<Vec<bool>, BodyError> {
     let tuples = model.tuples();
     let set = |name: &str| {
-        let tuple = tuples.iter().find(|t| {
-            t.name.and_then(|t| t.strip_prefix(JOINTS_TUPLE)).is_some_and(|set| set == name)
-        })?;
+        let tuple = tuples
+            .iter()
+            .find(|t| t.name.and_then(|t| t.strip_prefix(JOINTS_TUPLE)).is_some_and(|set| set == name))?;
         let mut selected = vec![false; model.njnt()];
         for entry in tuple.entries.iter().filter(|entry| entry.object == ObjectKind::Joint) {
             selected[entry.id] = true;
@@ -295,7 +305,8 @@ fn select(model: &Model, selection: &JointSelection) -> Result<Vec<bool>, BodyEr
             continue;
         }
         // A joint's own name, or what several degrees of freedom of one joint are called in common.
-        let named = |joint: &str| joint == name || joint.strip_prefix(name).is_some_and(|r| r.starts_with('_'));
+        let named =
+            |joint: &str| joint == name || joint.strip_prefix(name).is_some_and(|r| r.starts_with('_'));
         let mut found = false;
         for (j, joint) in model.joints().enumerate() {
             if joint.name.is_some_and(named) {
@@ -319,9 +330,7 @@ fn group_by_anchor(model: &Model, joints: impl Iterator<Item = usize>) -> Vec<Ve
         let joint = model.joint(j);
         let anchor = (joint.kind != JointKind::Slide).then_some(joint.pos);
         match groups.last_mut() {
-            Some((shared, group))
-                if shared.zip(anchor).is_none_or(|(a, b)| (a - b).norm() < SAME_ANCHOR) =>
-            {
+            Some((shared, group)) if shared.zip(anchor).is_none_or(|(a, b)| (a - b).norm() < SAME_ANCHOR) => {
                 *shared = shared.or(anchor);
                 group.push(j);
             }
@@ -395,9 +404,10 @@ fn aura_limbs(model: &Model, limbs: &[String], limb_of_body: &[Option<usize>]) -
         }
     }
     for (limb, name) in limbs.iter().enumerate() {
-        let bears_geoms = model.bodies().enumerate().any(|(body, info)| {
-            limb_of_body[body] == Some(limb) && !info.geoms.is_empty()
-        });
+        let bears_geoms = model
+            .bodies()
+            .enumerate()
+            .any(|(body, info)| limb_of_body[body] == Some(limb) && !info.geoms.is_empty());
         if !taken.contains_key(&limb) && bears_geoms {
             auras.push(AuraLimb { name: name.clone(), limbs: vec![limb] });
         }

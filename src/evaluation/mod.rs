@@ -6,6 +6,7 @@
 //! joints; and the touches themselves.
 
 mod measures;
+pub mod report;
 
 pub use measures::{AxisErrors, HELD_OUT_POSTURES, Summary, axis_errors, held_out, touch_misses};
 

@@ -206,10 +206,8 @@ pub fn limb_frames(creature: &Creature, schema: &BodySchema, posture: &[f64]) ->
     for (j, joint) in creature.joints().iter().enumerate() {
         let parent = frames[joint.parent];
         let local = ChainSide::new(creature, &[j], posture).frame(schema);
-        frames[j + 1] = Frame {
-            rotation: parent.rotation * local.rotation,
-            origin: parent.point(&local.origin),
-        };
+        frames[j + 1] =
+            Frame { rotation: parent.rotation * local.rotation, origin: parent.point(&local.origin) };
     }
     frames
 }

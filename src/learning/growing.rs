@@ -5,12 +5,17 @@
 //! ones left. So: take the pair that brings the fewest unknown degrees of freedom and has touches enough,
 //! solve the new part with relaxed axes from a few onsets, polish it on the sphere, accept it on its
 //! residual; release everything known so far on all touches used; repeat.
+//!
+//! Receptors are too coarse for that: a small part finds a wrong answer that fits its few touches. With
+//! them the body is solved whole from their centres, annealed to the surfaces, and mended: where most
+//! gaps are closed and some stay open, the joints that the open ones share are solved anew, all others
+//! held.
 
 use rand_chacha::ChaCha8Rng;
 
 use crate::creature::Creature;
-use crate::learning::least_squares::{Stopping, levenberg_marquardt};
 use crate::learning::annealing::{anneal, gaps, quantile};
+use crate::learning::least_squares::{Stopping, levenberg_marquardt};
 use crate::learning::observation::PointsMeet;
 use crate::learning::onset::randomize_joint;
 use crate::learning::repair::open_gaps;
@@ -53,6 +58,8 @@ pub struct Start {
     pub known: Vec<bool>,
     /// Whether every part was accepted.
     pub accepted: bool,
+    /// Random onsets used.
+    pub onsets: usize,
 }
 
 /// The ground on which starts are made.
@@ -79,6 +86,15 @@ pub enum Evidence<'a> {
 }
 
 impl Evidence<'_> {
+    /// The route that fits: points are sharp enough to grow on, every fourth start is whole for safety;
+    /// receptors are too coarse for a small part to stand alone.
+    pub fn route(&self, start: usize) -> Route {
+        match self {
+            Evidence::Points(_) if start % 4 < 3 => Route::Grown,
+            _ => Route::Whole,
+        }
+    }
+
     /// Touches a part needs before it is solved: some, and some more per unknown degree of freedom. A point
     /// gives three equations, a gap gives one.
     fn enough(&self, dof: usize) -> usize {
@@ -116,8 +132,9 @@ impl Nursery<'_> {
         }
         let mut known = vec![false; joints];
         let mut misfit = Misfit(f64::INFINITY);
+        let mut onsets = 0;
         while let Some(part) = self.next_part(route, &known) {
-            (schema, misfit) = self.solve_part(&schema, &part, &known, rng);
+            (schema, misfit) = self.solve_part(&schema, &part, &known, rng, &mut onsets);
             part.iter().for_each(|&joint| known[joint] = true);
             if misfit.acceptable() {
                 let used = self.touches.filter(|pair| pair.chain.joints().all(|joint| known[joint]));
@@ -128,7 +145,7 @@ impl Nursery<'_> {
                 break;
             }
         }
-        let mut start = Start { schema, known, accepted: misfit.acceptable() };
+        let mut start = Start { schema, known, accepted: misfit.acceptable(), onsets };
         if let Evidence::Surfaces(skin) = self.evidence {
             if start.accepted {
                 self.repair(skin, &mut start, rng);
@@ -143,9 +160,6 @@ impl Nursery<'_> {
         let parameters = Parameters::new(self.creature, AxisModel::Unit, |joint| start.known[joint]);
         for _ in 0..REPAIRS {
             let open = open_gaps(self.creature, skin, &used, &start.schema, 0.0);
-            if std::env::var("DBG").is_ok() {
-                eprintln!("repair: open {:.3} {:?}", open.share, open.suspects().iter().map(|&j| (&self.creature.joints()[j].name, open.by_joint[j])).collect::<Vec<_>>());
-            }
             let worst = open.by_joint.iter().copied().fold(0.0, f64::max);
             start.accepted = worst <= TOLERATED_OPEN;
             if start.accepted {
@@ -154,7 +168,7 @@ impl Nursery<'_> {
             let part = open.suspects();
             let mut others = start.known.clone();
             part.iter().for_each(|&joint| others[joint] = false);
-            let (trial, _) = self.solve_part(&start.schema, &part, &others, rng);
+            let (trial, _) = self.solve_part(&start.schema, &part, &others, rng, &mut start.onsets);
             let (trial, _) = self.settle(&used, &parameters, trial, 30);
             if open_gaps(self.creature, skin, &used, &trial, 0.0).share < open.share {
                 start.schema = trial;
@@ -177,13 +191,12 @@ impl Nursery<'_> {
             all.dedup();
             return (!all.is_empty()).then_some(all);
         }
-        let dof = |part: &[usize]| -> usize {
-            part.iter().map(|&j| self.creature.joints()[j].dofs.len()).sum()
-        };
+        let dof =
+            |part: &[usize]| -> usize { part.iter().map(|&j| self.creature.joints()[j].dofs.len()).sum() };
         let touches_of = |part: &[usize]| -> usize {
-            let closed = parts.iter().filter(|(other, _)| {
-                !other.is_empty() && other.iter().all(|joint| part.contains(joint))
-            });
+            let closed = parts
+                .iter()
+                .filter(|(other, _)| !other.is_empty() && other.iter().all(|joint| part.contains(joint)));
             closed.map(|(_, touches)| touches).sum()
         };
         let candidates = || parts.iter().map(|(part, _)| part).filter(|part| !part.is_empty());
@@ -202,6 +215,7 @@ impl Nursery<'_> {
         part: &[usize],
         known: &[bool],
         rng: &mut ChaCha8Rng,
+        onsets: &mut usize,
     ) -> (BodySchema, Misfit) {
         let in_part = |joint: usize| part.contains(&joint);
         let split_joint = |joint: usize| self.split.joint_of[joint];
@@ -220,9 +234,8 @@ impl Nursery<'_> {
         let split_relaxed =
             Parameters::new(&self.split.creature, AxisModel::Relaxed, |joint| in_part(split_joint(joint)));
         let mut best: Option<(BodySchema, Misfit)> = None;
-        let mut onsets = 0;
         for onset in 0..ONSETS_PER_PART {
-            onsets += 1;
+            *onsets += 1;
             let mut trial = schema.clone();
             part.iter().for_each(|&joint| randomize_joint(self.creature, &mut trial, joint, rng));
             if onset % 2 == 0 {
@@ -241,7 +254,6 @@ impl Nursery<'_> {
                 break;
             }
         }
-        if std::env::var("DBG").is_ok() { eprintln!("  part {:?} onsets {onsets} touches {} misfit {:?}", part.iter().map(|j| self.creature.joints()[*j].name.clone()).collect::<Vec<_>>(), touches.len(), best.as_ref().map(|b| b.1.0*PART_GAP*1e3)); }
         best.expect("at least one onset is tried")
     }
 

@@ -150,9 +150,8 @@ impl Learner for Hersch<'_> {
     }
 
     fn learn(&mut self) -> Learned {
-        let verdict = Verdict::Unjudged(
-            "Hersch's rule has no test of its own: look at the held-out error".to_string(),
-        );
+        let verdict =
+            Verdict::Unjudged("Hersch's rule has no test of its own: look at the held-out error".to_string());
         Learned {
             schema: self.schema.clone(),
             verdict,

@@ -17,7 +17,7 @@ pub mod surface_gap;
 pub mod touch_set;
 
 pub use hersch::{Hersch, STEP};
-pub use observation::Input;
+pub use observation::{Input, SkinKnowledge};
 pub use parameters::{AxisModel, Parameters};
 pub use second_order::SecondOrder;
 

@@ -15,6 +15,15 @@ pub enum Input {
     Contact,
 }
 
+/// What the agent knows of its skin.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SkinKnowledge {
+    /// The surfaces under the receptors, each in its limb's own frame.
+    Surface,
+    /// The receptors' centres and extents alone.
+    Centres,
+}
+
 impl Input {
     /// `p_LR` of one end of a touch under this input, metres.
     pub fn position(self, skin: &Skin, end: &TouchEnd) -> Vector3<f64> {
@@ -82,12 +91,7 @@ pub trait ObservationModel {
     /// The whitening of a touch at its present frames `X_CA` and `X_CB`; fixed during a step.
     fn whitening(&self, ends: &[Observation; 2], frames: &[Frame; 2]) -> Matrix3<f64>;
     /// The whitened residuals.
-    fn residuals(
-        &self,
-        ends: &[Observation; 2],
-        frames: &[Frame; 2],
-        whitening: &Matrix3<f64>,
-    ) -> Residuals;
+    fn residuals(&self, ends: &[Observation; 2], frames: &[Frame; 2], whitening: &Matrix3<f64>) -> Residuals;
     /// The touch's share of the cost.
     fn cost(&self, ends: &[Observation; 2], frames: &[Frame; 2], whitening: &Matrix3<f64>) -> f64;
 }
@@ -116,12 +120,7 @@ impl ObservationModel for PointsMeet {
             .unwrap_or_else(|| Matrix3::identity() / variance.sqrt())
     }
 
-    fn residuals(
-        &self,
-        ends: &[Observation; 2],
-        frames: &[Frame; 2],
-        whitening: &Matrix3<f64>,
-    ) -> Residuals {
+    fn residuals(&self, ends: &[Observation; 2], frames: &[Frame; 2], whitening: &Matrix3<f64>) -> Residuals {
         let values = whitening * PointsMeet::miss(ends, frames);
         let mut residuals = Residuals::new([ends[0].position, ends[1].position]);
         for (row, value) in values.iter().enumerate() {

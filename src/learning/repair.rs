@@ -23,7 +23,13 @@ pub struct OpenGaps {
 }
 
 /// Counts the open gaps.
-pub fn open_gaps(creature: &Creature, skin: &Skin, touches: &TouchSet, schema: &BodySchema, gap_deviation: f64) -> OpenGaps {
+pub fn open_gaps(
+    creature: &Creature,
+    skin: &Skin,
+    touches: &TouchSet,
+    schema: &BodySchema,
+    gap_deviation: f64,
+) -> OpenGaps {
     let model = SurfaceGap { skin, gap_deviation: 1.0, patch_deviation: 1.0 };
     let limit = OPEN.max(6.0 * gap_deviation);
     let joints = creature.joints().len();

@@ -1,19 +1,21 @@
 //! The second-order learner: all touches at once, from any onset to the optimum.
 //!
-//! It starts from random onsets, growing the tree limb pair by limb pair or solving it whole by turns (see
+//! It starts from random onsets, growing the tree limb pair by limb pair or solving it whole (see
 //! [`growing`](super::growing)), and accepts a start only on touches that it was not fitted to: a low
 //! residual on the touches used is no proof. What it accepts is fitted once more to all touches.
+
+use std::collections::BTreeMap;
 
 use nalgebra::Matrix3;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
 use crate::creature::Creature;
-use crate::learning::growing::{Evidence, Nursery, Route, Start};
+use crate::learning::annealing::{anneal, gaps, quantile};
+use crate::learning::growing::{Evidence, Nursery, Start};
 use crate::learning::least_squares::{Stopping, levenberg_marquardt};
-use crate::learning::observation::{Input, Observation, ObservationModel, PointsMeet};
+use crate::learning::observation::{Input, Observation, ObservationModel, PointsMeet, SkinKnowledge};
 use crate::learning::split::SplitCreature;
-use crate::learning::annealing::{Annealed, anneal, gaps, quantile};
 use crate::learning::touch_set::{LimbTouch, TouchProblem, TouchSet};
 use crate::learning::{AxisModel, Learned, Learner, Parameters, Verdict};
 use crate::schema::BodySchema;
@@ -30,12 +32,20 @@ const TOUCHES_PER_PAIR: usize = 150;
 const CONTACT_DEVIATION: f64 = 1e-4;
 /// How far a curved limb is taken to bulge out of a flat patch, metres.
 const NORMAL_DEVIATION: f64 = 6e-3;
+/// Root mean square of whitened misses, on touches not fitted to, that a right answer can have: contact
+/// points are exact …
+const EXACT: f64 = 1.0;
+/// … and receptor centres have a bias, the bulge of the limb.
+const BIASED: f64 = 1.5;
+/// Gap below which eight tenths of the surfaces stay, on touches not fitted to, metres.
+const FRESH_GAP: f64 = 3e-3;
 
 /// The learner `lm`.
 pub struct SecondOrder<'a> {
     creature: &'a Creature,
     skin: &'a Skin,
     input: Input,
+    knowledge: SkinKnowledge,
     seed: u64,
     touches: Vec<Touch>,
 }
@@ -43,7 +53,21 @@ pub struct SecondOrder<'a> {
 impl<'a> SecondOrder<'a> {
     /// A learner whose onsets are drawn from `seed`.
     pub fn new(creature: &'a Creature, skin: &'a Skin, input: Input, seed: u64) -> SecondOrder<'a> {
-        SecondOrder { creature, skin, input, seed, touches: Vec::new() }
+        SecondOrder { creature, skin, input, knowledge: SkinKnowledge::Surface, seed, touches: Vec::new() }
+    }
+
+    /// Sets what the agent knows of its skin, its surfaces by default. Contact points need no skin.
+    pub fn with_skin(mut self, knowledge: SkinKnowledge) -> SecondOrder<'a> {
+        self.knowledge = knowledge;
+        self
+    }
+
+    fn evidence(&self) -> Evidence<'a> {
+        match (self.input, self.knowledge) {
+            (Input::Contact, _) => Evidence::Points(EXACT),
+            (Input::Receptor, SkinKnowledge::Centres) => Evidence::Points(BIASED),
+            (Input::Receptor, SkinKnowledge::Surface) => Evidence::Surfaces(self.skin),
+        }
     }
 
     fn prepare<'t>(
@@ -53,7 +77,6 @@ impl<'a> SecondOrder<'a> {
         touches: impl Iterator<Item = &'t Touch>,
     ) -> TouchSet {
         let prepared = touches.map(|touch| {
-            let receptors = touch.ends.map(|end| &self.skin.receptors[end.receptor]);
             let ends = touch.ends.map(|end| Observation {
                 receptor: end.receptor,
                 position: self.input.position(self.skin, &end),
@@ -62,52 +85,74 @@ impl<'a> SecondOrder<'a> {
                     Input::Receptor => self.skin.receptors[end.receptor].covariance(NORMAL_DEVIATION),
                 },
             });
-            let limbs = receptors.map(|receptor| limb_of(receptor.limb));
+            let limbs = touch.ends.map(|end| limb_of(self.skin.receptors[end.receptor].limb));
             LimbTouch { limbs, posture: &touch.posture, ends }
         });
         TouchSet::new(creature, prepared)
     }
 
-    /// The greatest root mean square of whitened residuals that a right answer can have.
-    fn acceptance(&self) -> f64 {
-        match self.input {
-            Input::Contact => 1.0,
-            Input::Receptor => 1.5,
+    /// The touches that starts are fitted to: not those kept back, and not all of the most frequent pairs.
+    fn fitted(&self) -> Vec<&Touch> {
+        let mut per_pair = BTreeMap::new();
+        let few_of_a_pair = |touch: &&Touch| {
+            let limbs = touch.ends.map(|end| self.skin.receptors[end.receptor].limb);
+            let count = per_pair.entry(limbs).or_insert(0);
+            *count += 1;
+            *count <= TOUCHES_PER_PAIR
+        };
+        let fitted = self.touches.iter().enumerate().filter(|(i, _)| !kept_back(*i));
+        fitted.map(|(_, touch)| touch).filter(few_of_a_pair).collect()
+    }
+
+    /// How badly a schema misses touches it was not fitted to: 1 is just acceptable.
+    fn judge(&self, fresh: &TouchSet, start: &Start) -> f64 {
+        let used = known_touches(fresh, &start.known);
+        if used.is_empty() {
+            return f64::INFINITY;
+        }
+        match self.evidence() {
+            Evidence::Points(acceptance) => point_misfit(&used, &start.schema) / acceptance,
+            Evidence::Surfaces(skin) => quantile(&gaps(skin, &used, &start.schema), 0.8) / FRESH_GAP,
         }
     }
 
-    /// Fits all known joints to the surfaces of `touches`.
-    fn anneal(&self, touches: &TouchSet, known: &[bool], start: BodySchema) -> Annealed {
-        let used = touches.filter(|pair| pair.chain.joints().all(|joint| known[joint]));
-        let parameters = Parameters::new(self.creature, AxisModel::Unit, |joint| known[joint]);
-        anneal(self.creature, self.skin, &used, &parameters, start)
-    }
-
-    /// Fits all joints that are `known` to `touches` on the sphere.
-    fn polish(&self, touches: &TouchSet, known: &[bool], start: BodySchema) -> (BodySchema, f64) {
-        let used = touches.filter(|pair| pair.chain.joints().all(|joint| known[joint]));
-        let parameters = Parameters::new(self.creature, AxisModel::Unit, |joint| known[joint]);
-        let mut problem = TouchProblem::new(self.creature, &used, &parameters, PointsMeet);
-        let stopping = Stopping { iterations: 60, relative_cost: 1e-9, cost: 0.0 };
-        let solution = levenberg_marquardt(&mut problem, &parameters, start, stopping);
-        let rms = (2.0 * solution.cost / (3 * used.len()).max(1) as f64).sqrt();
-        (solution.schema, rms)
+    /// Fits all known joints to all touches.
+    fn polish(&self, start: &Start) -> BodySchema {
+        let all = self.prepare(self.creature, |limb| limb, self.touches.iter());
+        let used = known_touches(&all, &start.known);
+        let parameters = Parameters::new(self.creature, AxisModel::Unit, |joint| start.known[joint]);
+        let schema = start.schema.clone();
+        match self.evidence() {
+            Evidence::Points(_) => {
+                let mut problem = TouchProblem::new(self.creature, &used, &parameters, PointsMeet);
+                let stopping = Stopping { iterations: 60, relative_cost: 1e-9, cost: 0.0 };
+                levenberg_marquardt(&mut problem, &parameters, schema, stopping).schema
+            }
+            Evidence::Surfaces(skin) => anneal(self.creature, skin, &used, &parameters, schema).schema,
+        }
     }
 }
 
-/// Root mean square of the whitened residuals of a schema on touches between known joints.
-fn residual(touches: &TouchSet, known: &[bool], schema: &BodySchema) -> f64 {
-    let model = PointsMeet;
-    let (mut sum, mut count) = (0.0, 0);
-    for pair in touches.pairs.iter().filter(|pair| pair.chain.joints().all(|joint| known[joint])) {
-        for touch in &pair.touches {
-            let frames = touch.frames(schema);
-            let whitening = model.whitening(&touch.ends, &frames);
-            sum += 2.0 * model.cost(&touch.ends, &frames, &whitening);
-            count += 3;
-        }
+fn kept_back(touch: usize) -> bool {
+    touch % KEPT_BACK == KEPT_BACK - 1
+}
+
+/// The touches with only known joints between their limbs.
+fn known_touches(touches: &TouchSet, known: &[bool]) -> TouchSet {
+    touches.filter(|pair| pair.chain.joints().all(|joint| known[joint]))
+}
+
+/// Root mean square of the whitened misses of a schema.
+fn point_misfit(touches: &TouchSet, schema: &BodySchema) -> f64 {
+    let touches = touches.pairs.iter().flat_map(|pair| &pair.touches);
+    let (mut sum, mut count) = (0.0, 0.0);
+    for touch in touches {
+        let frames = touch.frames(schema);
+        let whitening = PointsMeet.whitening(&touch.ends, &frames);
+        sum += 2.0 * PointsMeet.cost(&touch.ends, &frames, &whitening);
+        count += 3.0;
     }
-    if count == 0 { f64::INFINITY } else { (sum / f64::from(count)).sqrt() }
+    (sum / count).sqrt()
 }
 
 impl Learner for SecondOrder<'_> {
@@ -116,24 +161,9 @@ impl Learner for SecondOrder<'_> {
     }
 
     fn learn(&mut self) -> Learned {
-        let kept_back = |(i, _): &(usize, &Touch)| i % KEPT_BACK == KEPT_BACK - 1;
-        let fresh = self.touches.iter().enumerate().filter(kept_back).map(|(_, touch)| touch);
+        let fresh = self.touches.iter().enumerate().filter(|(i, _)| kept_back(*i)).map(|(_, touch)| touch);
         let fresh = self.prepare(self.creature, |limb| limb, fresh);
-        // A start needs no more than some touches of every limb pair.
-        let mut per_pair = std::collections::BTreeMap::new();
-        let fitted: Vec<&Touch> = self
-            .touches
-            .iter()
-            .enumerate()
-            .filter(|entry| !kept_back(entry))
-            .map(|(_, touch)| touch)
-            .filter(|touch| {
-                let limbs = touch.ends.map(|end| self.skin.receptors[end.receptor].limb);
-                let count = per_pair.entry(limbs).or_insert(0);
-                *count += 1;
-                *count <= TOUCHES_PER_PAIR
-            })
-            .collect();
+        let fitted = self.fitted();
         let split = SplitCreature::new(self.creature);
         let touches = self.prepare(self.creature, |limb| limb, fitted.iter().copied());
         let split_touches = self.prepare(&split.creature, |limb| split.limb_of[limb], fitted.iter().copied());
@@ -142,29 +172,18 @@ impl Learner for SecondOrder<'_> {
             split: &split,
             touches: &touches,
             split_touches: &split_touches,
-            evidence: match self.input {
-                Input::Contact => Evidence::Points(self.acceptance()),
-                Input::Receptor => Evidence::Surfaces(self.skin),
-            },
+            evidence: self.evidence(),
         };
 
         let mut best: Option<(f64, Start)> = None;
         let mut onsets = 0;
-        for start in 0..STARTS {
+        for number in 0..STARTS {
             let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
-            rng.set_stream(start as u64);
-            let route = if self.input == Input::Receptor || start % 4 == 3 { Route::Whole } else { Route::Grown };
-            onsets += 1;
-            let start = nursery.start(route, &mut rng);
-            let judged = match self.input {
-                Input::Contact => residual(&fresh, &start.known, &start.schema) / self.acceptance(),
-                Input::Receptor => {
-                    let used = fresh.filter(|pair| pair.chain.joints().all(|joint| start.known[joint]));
-                    quantile(&gaps(self.skin, &used, &start.schema), 0.8) / 3e-3
-                }
-            };
+            rng.set_stream(number as u64);
+            let start = nursery.start(nursery.evidence.route(number), &mut rng);
+            onsets += start.onsets;
+            let judged = self.judge(&fresh, &start);
             let accepted = start.accepted && judged <= 1.0;
-            if std::env::var("DBG").is_ok() { eprintln!("start {onsets} {route:?} accepted {} judged {judged} known {}", start.accepted, start.known.iter().filter(|k| **k).count()); }
             if best.as_ref().is_none_or(|(least, b)| accepted || (!b.accepted && judged < *least)) {
                 best = Some((judged, Start { accepted, ..start }));
             }
@@ -173,23 +192,16 @@ impl Learner for SecondOrder<'_> {
             }
         }
         let (judged, start) = best.expect("at least one start is made");
-        let untouched: Vec<usize> =
-            (0..self.creature.joints().len()).filter(|&joint| !start.known[joint]).collect();
-        let mut schema = start.schema;
-        let verdict = if start.accepted {
-            let all = self.prepare(self.creature, |limb| limb, self.touches.iter());
-            if self.input == Input::Contact { (schema, _) = self.polish(&all, &start.known, schema); }
-            if self.input == Input::Receptor {
-                let annealed = self.anneal(&all, &start.known, schema);
-                if std::env::var("DBG").is_ok() { eprintln!("{:?} {} {} {}", annealed.gap_deviation, annealed.median_gap, annealed.p80_gap, annealed.iterations); }
-                schema = annealed.schema;
-            }
-            Verdict::Converged
+        let joints = 0..self.creature.joints().len();
+        let untouched: Vec<usize> = joints.filter(|&joint| !start.known[joint]).collect();
+        let (schema, verdict) = if start.accepted {
+            (self.polish(&start), Verdict::Converged)
         } else {
-            Verdict::Failed(format!(
-                "none of {onsets} random onsets explains touches it was not fitted to (the best misses them \
-                 by {judged:.1} times what the skin's patches allow); try more touches"
-            ))
+            let why = format!(
+                "none of {onsets} random onsets explains the touches that it was not fitted to; try more \
+                 touches (--touches) or another seed (--seed)"
+            );
+            (start.schema, Verdict::Failed(why))
         };
         Learned { schema, verdict, onsets, fresh_rms: judged, untouched }
     }

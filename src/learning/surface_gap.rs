@@ -40,15 +40,14 @@ pub struct Meeting {
 impl SurfaceGap<'_> {
     /// Where the surfaces under two receptors come closest, given their limbs' frames `X_CA`, `X_CB`.
     pub fn meeting(&self, ends: &[Observation; 2], frames: &[Frame; 2]) -> Meeting {
-        let surfaces = [0, 1].map(|k| self.skin.receptors[ends[k].receptor].surface.map(|s| &self.skin.surfaces[s]));
+        let surfaces =
+            [0, 1].map(|k| self.skin.receptors[ends[k].receptor].surface.map(|s| &self.skin.surfaces[s]));
         if let [Some(a), Some(b)] = surfaces {
             if let (Some(first), Some(second)) = (segment(a, &frames[0]), segment(b, &frames[1])) {
                 return swept_segments(&first, &second);
             }
         }
-        let centres = [0, 1].map(|k| {
-            frames[k].point(&self.skin.receptors[ends[k].receptor].position)
-        });
+        let centres = [0, 1].map(|k| frames[k].point(&self.skin.receptors[ends[k].receptor].position));
         let distance = |k: usize, p_c: &Vector3<f64>| {
             let local = frames[k].inverse_point(p_c);
             let receptor = &self.skin.receptors[ends[k].receptor];

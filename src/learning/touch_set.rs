@@ -6,8 +6,8 @@ use nalgebra::{DMatrix, DVector, Matrix3, Matrix3x2, Vector3};
 
 use crate::creature::Creature;
 use crate::kinematics::{Chain, ChainSide, Frame, SideJacobian, tangent_basis};
-use crate::learning::least_squares::Linearization;
 use crate::learning::least_squares::LeastSquares;
+use crate::learning::least_squares::Linearization;
 use crate::learning::observation::{Observation, ObservationModel, Residuals};
 use crate::learning::{AxisModel, Parameters};
 use crate::schema::BodySchema;

@@ -26,14 +26,11 @@ impl Iterator for Contacts<'_> {
 
     fn next(&mut self) -> Option<Contact> {
         // Contacts of a deformable body carry a geom of -1: they are none of a geom pair.
-        self.0
-            .by_ref()
-            .find(|raw| raw.geom1 >= 0 && raw.geom2 >= 0)
-            .map(|raw| Contact {
-                geoms: [raw.geom1 as usize, raw.geom2 as usize],
-                position: Point3::new(raw.pos[0], raw.pos[1], raw.pos[2]),
-                normal: Vector3::new(raw.frame[0], raw.frame[1], raw.frame[2]),
-                distance: raw.dist,
-            })
+        self.0.by_ref().find(|raw| raw.geom1 >= 0 && raw.geom2 >= 0).map(|raw| Contact {
+            geoms: [raw.geom1 as usize, raw.geom2 as usize],
+            position: Point3::new(raw.pos[0], raw.pos[1], raw.pos[2]),
+            normal: Vector3::new(raw.frame[0], raw.frame[1], raw.frame[2]),
+            distance: raw.dist,
+        })
     }
 }

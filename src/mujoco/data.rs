@@ -3,9 +3,7 @@
 use std::ptr::NonNull;
 use std::sync::Arc;
 
-use nalgebra::{
-    Isometry3, Matrix3, Point3, Rotation3, Translation3, UnitQuaternion, UnitVector3, Vector3,
-};
+use nalgebra::{Isometry3, Matrix3, Point3, Rotation3, Translation3, UnitQuaternion, UnitVector3, Vector3};
 
 use super::contact::Contacts;
 use super::element::{quaternion, vector};
@@ -40,10 +38,7 @@ impl Drop for Data {
 
 impl std::fmt::Debug for Data {
     fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        formatter
-            .debug_struct("Data")
-            .field("qpos", &self.qpos())
-            .finish_non_exhaustive()
+        formatter.debug_struct("Data").field("qpos", &self.qpos()).finish_non_exhaustive()
     }
 }
 
@@ -98,20 +93,10 @@ impl Data {
     pub fn set_qpos(&mut self, qpos: &[f64]) -> Result<()> {
         let expected = self.model.nq();
         if qpos.len() != expected {
-            return Err(Error::Size {
-                what: "qpos",
-                expected,
-                found: qpos.len(),
-            });
+            return Err(Error::Size { what: "qpos", expected, found: qpos.len() });
         }
-        if let Some(index) = qpos
-            .iter()
-            .position(|number| number.is_nan() || number.abs() > ffi::mjMAXVAL)
-        {
-            return Err(Error::NotFinite {
-                what: "qpos",
-                index,
-            });
+        if let Some(index) = qpos.iter().position(|number| number.is_nan() || number.abs() > ffi::mjMAXVAL) {
+            return Err(Error::NotFinite { what: "qpos", index });
         }
         // SAFETY: qpos has room for nq numbers, and `self` is borrowed exclusively.
         unsafe {
@@ -194,12 +179,7 @@ impl Data {
         let message = heard.unwrap_or_else(|| {
             let kind = raised.unwrap_or(0);
             // SAFETY: takes two numbers and returns a string of the engine's own.
-            unsafe {
-                engine::text(ffi::mju_warningText(
-                    kind as i32,
-                    data.warning[kind].lastinfo as _,
-                ))
-            }
+            unsafe { engine::text(ffi::mju_warningText(kind as i32, data.warning[kind].lastinfo as _)) }
         });
         for warning in &mut data.warning {
             warning.number = 0;
@@ -226,12 +206,7 @@ impl Data {
         // SAFETY: both are valid, the data are only read, the index is in range, and the engine writes
         // six numbers.
         unsafe {
-            ffi::mj_contactForce(
-                self.model.raw(),
-                self.raw.as_ptr(),
-                i as i32,
-                wrench.as_mut_ptr(),
-            );
+            ffi::mj_contactForce(self.model.raw(), self.raw.as_ptr(), i as i32, wrench.as_mut_ptr());
         }
         vector(&wrench)
     }
@@ -243,10 +218,7 @@ impl Data {
 
     /// The pose of body `i` in the world frame.
     pub fn body_pose(&self, i: usize) -> Isometry3<f64> {
-        pose(
-            &array!(self, xpos[nbody * 3])[3 * i..],
-            quaternion(&array!(self, xquat[nbody * 4])[4 * i..]),
-        )
+        pose(&array!(self, xpos[nbody * 3])[3 * i..], quaternion(&array!(self, xquat[nbody * 4])[4 * i..]))
     }
 
     /// The pose of geom `i` in the world frame.

@@ -37,12 +37,7 @@ impl std::fmt::Display for Version {
 /// A version number as people write it: 222 and 2002002 are both "2.2.2".
 pub(super) fn version_text(number: i32) -> String {
     let base = if number < 1000 { 10 } else { 1000 };
-    format!(
-        "{}.{}.{}",
-        number / (base * base),
-        number / base % base,
-        number % base
-    )
+    format!("{}.{}.{}", number / (base * base), number / base % base, number % base)
 }
 
 /// Installs the handlers, once in the process, and checks the library against the headers.
@@ -59,12 +54,8 @@ pub fn check() -> Result<Version> {
         // written once, before this crate calls anything that raises. The cast changes the ABI's
         // unwinding alone, which is what the platform's C ABI already allows.
         unsafe {
-            addr_of_mut!(ffi::mju_user_error)
-                .cast::<Option<Handler>>()
-                .write(Some(on_error));
-            addr_of_mut!(ffi::mju_user_warning)
-                .cast::<Option<Handler>>()
-                .write(Some(on_warning));
+            addr_of_mut!(ffi::mju_user_error).cast::<Option<Handler>>().write(Some(on_error));
+            addr_of_mut!(ffi::mju_user_warning).cast::<Option<Handler>>().write(Some(on_warning));
         }
     });
     // SAFETY: takes nothing and returns a constant.
@@ -76,11 +67,7 @@ pub fn check() -> Result<Version> {
 /// # Errors
 /// [`Error::Version`] with both numbers where they differ.
 pub fn compare(header: i32, library: i32) -> Result<Version> {
-    if header == library {
-        Ok(Version(library))
-    } else {
-        Err(Error::Version { header, library })
-    }
+    if header == library { Ok(Version(library)) } else { Err(Error::Version { header, library }) }
 }
 
 /// Receives the engine's errors. It may not return, so it unwinds; `resume_unwind` calls no panic
@@ -106,10 +93,7 @@ unsafe extern "C-unwind" fn on_warning(message: *const c_char) {
 pub(super) fn guarded<T>(call: &'static str, body: impl FnOnce() -> T) -> Result<T> {
     take_warning();
     catch_unwind(AssertUnwindSafe(body)).map_err(|payload| match payload.downcast::<Raised>() {
-        Ok(raised) => Error::Engine {
-            call,
-            message: raised.0,
-        },
+        Ok(raised) => Error::Engine { call, message: raised.0 },
         Err(other) => resume_unwind(other),
     })
 }
@@ -129,11 +113,7 @@ pub(super) unsafe fn text(pointer: *const c_char) -> String {
     }
     // SAFETY: not null, and zero-terminated by the caller's promise.
     let raw = unsafe { CStr::from_ptr(pointer) }.to_string_lossy();
-    let lines: Vec<&str> = raw
-        .lines()
-        .map(str::trim)
-        .filter(|line| !line.is_empty())
-        .collect();
+    let lines: Vec<&str> = raw.lines().map(str::trim).filter(|line| !line.is_empty()).collect();
     lines.join(", ").replace(":, ", ": ")
 }
 
@@ -158,13 +138,8 @@ mod tests {
     fn an_error_raised_in_the_engine_is_a_value() {
         check().unwrap();
         // SAFETY: the message is a static string; the handler unwinds, which `guarded` catches.
-        let outcome = guarded("mju_error", || unsafe {
-            ffi::mju_error(c"as a test".as_ptr())
-        });
-        let expected = Error::Engine {
-            call: "mju_error",
-            message: "as a test".into(),
-        };
+        let outcome = guarded("mju_error", || unsafe { ffi::mju_error(c"as a test".as_ptr()) });
+        let expected = Error::Engine { call: "mju_error", message: "as a test".into() };
         assert_eq!(outcome, Err(expected));
     }
 
@@ -172,10 +147,7 @@ mod tests {
     fn a_warning_raised_in_the_engine_waits_for_its_caller() {
         check().unwrap();
         // SAFETY: the message is a static string.
-        guarded("mju_warning", || unsafe {
-            ffi::mju_warning(c"as a test".as_ptr())
-        })
-        .unwrap();
+        guarded("mju_warning", || unsafe { ffi::mju_warning(c"as a test".as_ptr()) }).unwrap();
         assert_eq!(take_warning().as_deref(), Some("as a test"));
         assert_eq!(take_warning(), None);
     }

@@ -39,9 +39,7 @@ pub enum Error {
         library: i32,
     },
     /// The engine raised an error inside a call; the data it worked on were reset.
-    #[error(
-        "MuJoCo stopped in {call} with \"{message}\": give the model more room or mend what it names"
-    )]
+    #[error("MuJoCo stopped in {call} with \"{message}\": give the model more room or mend what it names")]
     Engine {
         /// The C function that was called.
         call: &'static str,

@@ -40,24 +40,16 @@ impl Model {
         if relatives && !welds.contains(&0) && !disabled(ffi::mjDSBL_FILTERPARENT) {
             return false;
         }
-        let ((type_a, affinity_a), (type_b, affinity_b)) =
-            (self.contact_bits(a), self.contact_bits(b));
+        let ((type_a, affinity_a), (type_b, affinity_b)) = (self.contact_bits(a), self.contact_bits(b));
         type_a & affinity_b != 0 || type_b & affinity_a != 0
     }
 
     /// The pairs of bodies that `<exclude>` keeps from touching, as they stand in the model.
     pub fn excludes(&self) -> impl Iterator<Item = [usize; 2]> {
-        let first = if cfg!(mujoco_signature_from_one) {
-            1
-        } else {
-            0
-        };
+        let first = if cfg!(mujoco_signature_from_one) { 1 } else { 0 };
         self.exclude_signatures().iter().map(move |&signature| {
             let signature = signature as u32;
-            [
-                (signature >> 16) as usize - first,
-                (signature & 0xffff) as usize - first,
-            ]
+            [(signature >> 16) as usize - first, (signature & 0xffff) as usize - first]
         })
     }
 
@@ -65,19 +57,13 @@ impl Model {
     #[cfg(mujoco_collision_option)]
     fn sources(&self) -> Sources {
         let collision = self.raw().opt.collision as u32;
-        Sources {
-            pairs: collision != ffi::mjCOL_DYNAMIC,
-            dynamic: collision != ffi::mjCOL_PAIR,
-        }
+        Sources { pairs: collision != ffi::mjCOL_DYNAMIC, dynamic: collision != ffi::mjCOL_PAIR }
     }
 
     /// Newer engines have no such option: both.
     #[cfg(not(mujoco_collision_option))]
     fn sources(&self) -> Sources {
-        Sources {
-            pairs: true,
-            dynamic: true,
-        }
+        Sources { pairs: true, dynamic: true }
     }
 
     fn is_excluded(&self, a: usize, b: usize) -> bool {

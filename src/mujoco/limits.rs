@@ -71,12 +71,7 @@ const COUNTS: [(&str, &str, f64); 19] = [
 pub(super) fn check_file(path: &Path) -> Result<()> {
     let folder = path.parent().unwrap_or(Path::new("")).to_path_buf();
     let text = read(path)?;
-    scan(
-        path,
-        &text,
-        &folder,
-        &mut HashSet::from([path.to_path_buf()]),
-    )
+    scan(path, &text, &folder, &mut HashSet::from([path.to_path_buf()]))
 }
 
 /// Checks a model's text, called `name` in messages, and the files that it includes.
@@ -89,33 +84,21 @@ pub(super) fn check_text(name: &Path, text: &str) -> Result<()> {
 
 /// The text of a model file, whatever its encoding.
 fn read(path: &Path) -> Result<String> {
-    let refused = |message: String| Error::Read {
-        path: path.to_path_buf(),
-        message,
-    };
+    let refused = |message: String| Error::Read { path: path.to_path_buf(), message };
     let about = std::fs::metadata(path).map_err(|error| match error.kind() {
         std::io::ErrorKind::NotFound => {
             refused("there is no such file; give the path of an MJCF file".into())
         }
-        _ => refused(format!(
-            "it cannot be read ({error}); give an MJCF file that can"
-        )),
+        _ => refused(format!("it cannot be read ({error}); give an MJCF file that can")),
     })?;
     if !about.is_file() {
-        return Err(refused(
-            "it is no regular file; give the path of an MJCF file".into(),
-        ));
+        return Err(refused("it is no regular file; give the path of an MJCF file".into()));
     }
     if about.len() > GREATEST_FILE {
-        return Err(refused(
-            "it is larger than 256 MiB; give the path of an MJCF file".into(),
-        ));
+        return Err(refused("it is larger than 256 MiB; give the path of an MJCF file".into()));
     }
-    let bytes = std::fs::read(path).map_err(|error| {
-        refused(format!(
-            "it cannot be read ({error}); give an MJCF file that can"
-        ))
-    })?;
+    let bytes = std::fs::read(path)
+        .map_err(|error| refused(format!("it cannot be read ({error}); give an MJCF file that can")))?;
     Ok(String::from_utf8_lossy(&bytes).into_owned())
 }
 
@@ -124,11 +107,8 @@ fn scan(path: &Path, text: &str, folder: &Path, seen: &mut HashSet<PathBuf>) -> 
     for tag in Tags::new(text) {
         for (attribute, value) in tag.attributes() {
             let greatest = greatest(tag.name, attribute);
-            let unsuitable = |message: String| Error::Unsuitable {
-                path: path.to_path_buf(),
-                line: tag.line,
-                message,
-            };
+            let unsuitable =
+                |message: String| Error::Unsuitable { path: path.to_path_buf(), line: tag.line, message };
             if let Some(greatest) = greatest {
                 if let Some(number) = excess(value, greatest) {
                     return Err(unsuitable(format!(
@@ -178,9 +158,7 @@ fn excess(value: &str, greatest: f64) -> Option<&str> {
 /// The number that `token` begins with, as C reads it.
 fn number(token: &str) -> Option<f64> {
     let ends = token.char_indices().map(|(at, mark)| at + mark.len_utf8());
-    ends.rev()
-        .take(64)
-        .find_map(|end| token[..end].parse().ok())
+    ends.rev().take(64).find_map(|end| token[..end].parse().ok())
 }
 
 /// A start tag.
@@ -197,10 +175,7 @@ impl<'t> Tag<'t> {
         std::iter::from_fn(move || {
             let (name, after) = rest.split_once('=')?;
             let quoted = after.trim_start();
-            let quote = quoted
-                .chars()
-                .next()
-                .filter(|mark| matches!(mark, '"' | '\''))?;
+            let quote = quoted.chars().next().filter(|mark| matches!(mark, '"' | '\''))?;
             let (value, after) = quoted[1..].split_once(quote)?;
             rest = after;
             Some((name.trim(), value))
@@ -216,10 +191,7 @@ struct Tags<'t> {
 
 impl<'t> Tags<'t> {
     fn new(text: &'t str) -> Self {
-        Self {
-            rest: text,
-            line: 1,
-        }
+        Self { rest: text, line: 1 }
     }
 
     /// Moves on by `bytes`, counting lines.
@@ -237,9 +209,7 @@ impl<'t> Iterator for Tags<'t> {
         loop {
             self.skip(self.rest.find('<')?);
             let closing = [("<!--", "-->"), ("<![CDATA[", "]]>"), ("<?", "?>")];
-            if let Some((open, close)) =
-                closing.iter().find(|(open, _)| self.rest.starts_with(open))
-            {
+            if let Some((open, close)) = closing.iter().find(|(open, _)| self.rest.starts_with(open)) {
                 let end = self.rest[open.len()..].find(close)?;
                 self.skip(open.len() + end + close.len());
                 continue;
@@ -249,15 +219,9 @@ impl<'t> Iterator for Tags<'t> {
             let end = tag_end(body)?;
             self.skip(1 + end);
             let tag = &body[..end];
-            let name_end = tag
-                .find(|c: char| c.is_whitespace() || c == '/')
-                .unwrap_or(tag.len());
+            let name_end = tag.find(|c: char| c.is_whitespace() || c == '/').unwrap_or(tag.len());
             if name_end > 0 {
-                return Some(Tag {
-                    name: &tag[..name_end],
-                    line,
-                    rest: &tag[name_end..],
-                });
+                return Some(Tag { name: &tag[..name_end], line, rest: &tag[name_end..] });
             }
         }
     }
@@ -282,9 +246,7 @@ mod tests {
     use super::*;
 
     fn refusal(xml: &str) -> Option<String> {
-        check_text(Path::new("hostile.xml"), xml)
-            .err()
-            .map(|error| error.to_string())
+        check_text(Path::new("hostile.xml"), xml).err().map(|error| error.to_string())
     }
 
     #[test]
@@ -297,10 +259,7 @@ mod tests {
     #[test]
     fn hostile_numbers_are_named_with_their_line() {
         let text = refusal("<mujoco>\n<texture width=\"999999999\"/></mujoco>").unwrap();
-        assert!(
-            text.contains("hostile.xml, line 2") && text.contains("width"),
-            "{text}"
-        );
+        assert!(text.contains("hostile.xml, line 2") && text.contains("width"), "{text}");
         for value in ["1e30", "-1e30", "nan", "inf", "0 1e30", "1e30m", "&#49;e30"] {
             let text = refusal(&format!("<geom size='{value}'/>")).unwrap();
             assert!(text.contains("size"), "{text}");
@@ -311,9 +270,7 @@ mod tests {
 
     #[test]
     fn malformed_text_is_left_to_the_engine() {
-        for xml in [
-            "", "<", "<mujoco", "<!-- ", "<a b=\"", "<a b", "<>", "< >", "<a é='", "</", "<a =''>",
-        ] {
+        for xml in ["", "<", "<mujoco", "<!-- ", "<a b=\"", "<a b", "<>", "< >", "<a é='", "</", "<a =''>"] {
             assert_eq!(refusal(xml), None, "{xml}");
         }
     }

@@ -9,8 +9,8 @@ use std::sync::{Mutex, PoisonError};
 use nalgebra::Vector3;
 
 use super::element::{
-    Body, Geom, GeomKind, Joint, JointKind, ObjectKind, Sensor, SensorKind, Site, Tuple,
-    TupleEntry, quaternion, vector,
+    Body, Geom, GeomKind, Joint, JointKind, ObjectKind, Sensor, SensorKind, Site, Tuple, TupleEntry,
+    quaternion, vector,
 };
 use super::engine::{self, Version};
 use super::error::{Error, Result};
@@ -84,10 +84,7 @@ impl Model {
     /// [`Error::Version`] where the library is not the one the crate was built with.
     pub fn from_path(path: impl AsRef<Path>) -> Result<Self> {
         let path = path.as_ref();
-        let read = |message: String| Error::Read {
-            path: path.to_path_buf(),
-            message,
-        };
+        let read = |message: String| Error::Read { path: path.to_path_buf(), message };
         limits::check_file(path)?;
         let name = CString::new(path.as_os_str().as_encoded_bytes())
             .map_err(|_| read("the path has a zero byte: give one without".into()))?;
@@ -116,34 +113,21 @@ impl Model {
                 // SAFETY: name and buffer outlive the call, the buffer's length is its own, and the
                 // file system is null or initialised. The mutex keeps other loads away.
                 unsafe {
-                    ffi::mj_loadXML(
-                        name.as_ptr(),
-                        files,
-                        message.as_mut_ptr().cast(),
-                        MESSAGE_BYTES as i32,
-                    )
+                    ffi::mj_loadXML(name.as_ptr(), files, message.as_mut_ptr().cast(), MESSAGE_BYTES as i32)
                 }
             })
         };
         // SAFETY: the engine ends what it writes with a zero byte, and the buffer began as zeros.
         let message = unsafe { engine::text(message.as_ptr().cast()) };
-        let refused = |message: &str| Error::Read {
-            path: PathBuf::from(path),
-            message: refusal(message, version),
-        };
+        let refused =
+            |message: &str| Error::Read { path: PathBuf::from(path), message: refusal(message, version) };
         let raw = match outcome {
             Ok(raw) => NonNull::new(raw).ok_or_else(|| refused(&message))?,
             Err(Error::Engine { message, .. }) => return Err(refused(&message)),
             Err(other) => return Err(other),
         };
-        let warning = engine::take_warning()
-            .or(Some(message))
-            .filter(|text| !text.is_empty());
-        let model = Self {
-            raw,
-            version,
-            warning,
-        };
+        let warning = engine::take_warning().or(Some(message)).filter(|text| !text.is_empty());
+        let model = Self { raw, version, warning };
         #[cfg(mujoco_nconmax)]
         // SAFETY: the model is not shared yet; the field is the room that mj_makeData reserves.
         unsafe {
@@ -218,14 +202,8 @@ impl Model {
             weld: self.weld(i),
             pos: vector(&array!(self, body_pos[nbody * 3])[3 * i..]),
             quat: quaternion(&array!(self, body_quat[nbody * 4])[4 * i..]),
-            joints: range(
-                array!(self, body_jntadr[nbody])[i],
-                array!(self, body_jntnum[nbody])[i],
-            ),
-            geoms: range(
-                array!(self, body_geomadr[nbody])[i],
-                array!(self, body_geomnum[nbody])[i],
-            ),
+            joints: range(array!(self, body_jntadr[nbody])[i], array!(self, body_jntnum[nbody])[i]),
+            geoms: range(array!(self, body_geomadr[nbody])[i], array!(self, body_geomnum[nbody])[i]),
         }
     }
 
@@ -383,11 +361,7 @@ impl Model {
         // SAFETY: the model is valid; an index out of range gives null, a name lives in the model.
         unsafe {
             let name = ffi::mj_id2name(self.raw(), object.to_raw(), i);
-            if name.is_null() {
-                None
-            } else {
-                CStr::from_ptr(name).to_str().ok()
-            }
+            if name.is_null() { None } else { CStr::from_ptr(name).to_str().ok() }
         }
     }
 
@@ -401,10 +375,7 @@ impl Model {
     }
 
     pub(super) fn contact_bits(&self, i: usize) -> (i32, i32) {
-        (
-            array!(self, geom_contype[ngeom])[i],
-            array!(self, geom_conaffinity[ngeom])[i],
-        )
+        (array!(self, geom_contype[ngeom])[i], array!(self, geom_conaffinity[ngeom])[i])
     }
 
     pub(super) fn exclude_signatures(&self) -> &[i32] {
@@ -413,10 +384,7 @@ impl Model {
 
     /// The geoms of the explicit contact pairs.
     pub(super) fn pair_geoms(&self) -> (&[i32], &[i32]) {
-        (
-            array!(self, pair_geom1[npair]),
-            array!(self, pair_geom2[npair]),
-        )
+        (array!(self, pair_geom1[npair]), array!(self, pair_geom2[npair]))
     }
 }
 
@@ -470,9 +438,6 @@ fn plain(message: &str) -> String {
             format!("it includes {file}, which cannot be found, in {place}")
         }
         ("EMPTY_DOCUMENT", _) => "it holds no XML".to_string(),
-        _ => format!(
-            "malformed XML ({}) in line {line}",
-            code.to_lowercase().replace('_', " ")
-        ),
+        _ => format!("malformed XML ({}) in line {line}", code.to_lowercase().replace('_', " ")),
     }
 }

@@ -43,12 +43,7 @@ impl Vfs {
     fn fill(&mut self, bytes: &[u8]) {
         // SAFETY: name and buffer live through the call, and the engine copies the buffer.
         unsafe {
-            ffi::mj_addBufferVFS(
-                &raw mut *self.0,
-                FILE.as_ptr(),
-                bytes.as_ptr().cast(),
-                bytes.len() as _,
-            );
+            ffi::mj_addBufferVFS(&raw mut *self.0, FILE.as_ptr(), bytes.as_ptr().cast(), bytes.len() as _);
         }
     }
 
@@ -57,8 +52,7 @@ impl Vfs {
         // SAFETY: the engine allocates `bytes.len()` bytes under the index that it then finds; the
         // copy stays inside them. `fill` is called once, on an empty file system.
         unsafe {
-            let made =
-                ffi::mj_makeEmptyFileVFS(&raw mut *self.0, FILE.as_ptr(), bytes.len() as i32);
+            let made = ffi::mj_makeEmptyFileVFS(&raw mut *self.0, FILE.as_ptr(), bytes.len() as i32);
             let index = ffi::mj_findFileVFS(&raw const *self.0, FILE.as_ptr());
             if made == 0 && index >= 0 {
                 let target = self.0.filedata[index as usize].cast::<u8>();

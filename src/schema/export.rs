@@ -110,10 +110,10 @@ fn body(creature: &Creature, skin: &Skin, schema: &BodySchema, names: &[String],
 /// A degree of freedom about or along its learned axis, through the limb's origin.
 fn joint_element(dof: &Dof, axis: &Vector3<f64>) -> Element {
     let [low, high] = dof.range;
-    let (kind, limited) = match dof.kind {
-        DofKind::Hinge => ("hinge", [low, high] != [-PI, PI]),
-        DofKind::Slide => ("slide", true),
-        DofKind::Ball => ("ball", high < PI),
+    let (kind, limited, low) = match dof.kind {
+        DofKind::Hinge => ("hinge", [low, high] != [-PI, PI], low),
+        DofKind::Slide => ("slide", true, low),
+        DofKind::Ball => ("ball", high < PI, 0.0),
     };
     let mut joint = element("joint", &[("name", dof.name.clone()), ("type", kind.into())]);
     let mut set = |name: &str, value: String| joint.attributes.insert(name.into(), value);
@@ -171,13 +171,7 @@ fn axes(receptor: &Receptor) -> Matrix3<f64> {
 }
 
 /// A geom or site at a pose in its limb's frame.
-fn placed(
-    tag: &str,
-    kind: &str,
-    size: &[f64],
-    origin: &Vector3<f64>,
-    rotation: &Matrix3<f64>,
-) -> Element {
+fn placed(tag: &str, kind: &str, size: &[f64], origin: &Vector3<f64>, rotation: &Matrix3<f64>) -> Element {
     let rotation = Rotation3::from_matrix_unchecked(*rotation);
     let q = UnitQuaternion::from_rotation_matrix(&rotation);
     let attributes = [

@@ -1,6 +1,8 @@
 //! The body schema: what is learned of a body.
 
-pub mod export;
+mod export;
+
+pub use export::to_mjcf;
 
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};

@@ -82,8 +82,7 @@ impl ContactReader {
             receptor.holds(&contact) && receptor.normal.dot(&outward) > 0.0
         };
         let receptors = self.receptors_on_geom[geom].iter().copied();
-        let receptor =
-            receptors.filter(holds).min_by(|&a, &b| distance(a).total_cmp(&distance(b)))?;
+        let receptor = receptors.filter(holds).min_by(|&a, &b| distance(a).total_cmp(&distance(b)))?;
         Some(TouchEnd { receptor, contact })
     }
 }

@@ -34,8 +34,7 @@ pub fn skin_of(body: &Body) -> Skin {
             sensor.kind == SensorKind::Touch && sensor.object == ObjectKind::Site && sensor.id == Some(s)
         });
         let Some(limb) = body.limb_of_body[site.body].filter(|_| touch) else { continue };
-        let on_body: Vec<usize> =
-            model.body(site.body).geoms.filter_map(|g| surface_of_geom[g]).collect();
+        let on_body: Vec<usize> = model.body(site.body).geoms.filter_map(|g| surface_of_geom[g]).collect();
         let pose = body.pose_in_limb[site.body] * Isometry3::from_parts(site.pos.into(), site.quat);
         let id = site.name.map_or_else(|| format!("site{s}"), str::to_string);
         receptors.push(receptor(id, limb, &site, &pose, &surfaces, &on_body));
@@ -69,8 +68,7 @@ fn receptor(
     let axes = matrix(&pose.rotation);
     let (x_axis, z_axis): (Vector3<f64>, Vector3<f64>) = (axes.column(0).into(), axes.column(2).into());
     let measured = |&s: &usize| surfaces[s].signed_distance(&centre).map(|(d, normal)| (s, d, normal));
-    let nearest =
-        on_body.iter().filter_map(measured).min_by(|a, b| a.1.abs().total_cmp(&b.1.abs()));
+    let nearest = on_body.iter().filter_map(measured).min_by(|a, b| a.1.abs().total_cmp(&b.1.abs()));
     let mesh = || on_body.iter().copied().find(|&s| matches!(surfaces[s].shape, Shape::Mesh));
     let flat = site.kind == GeomKind::Box && FLATNESS * site.size[2] <= site.size[0].min(site.size[1]);
     let half = match site.kind {

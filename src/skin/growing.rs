@@ -90,8 +90,7 @@ struct Patch {
 /// needs receptors has no name.
 pub fn grow_skin(path: &Path, options: &GrowOptions) -> Result<String, GrowError> {
     let model = Arc::new(Model::from_path(path)?);
-    let unsuitable =
-        |message: String| GrowError::Unsuitable { path: path.to_path_buf(), message };
+    let unsuitable = |message: String| GrowError::Unsuitable { path: path.to_path_buf(), message };
     if model.sensors().any(|sensor| sensor.kind == mujoco::SensorKind::Touch) {
         return Err(unsuitable("it has touch sensors already: give the model without its skin".into()));
     }
@@ -330,7 +329,8 @@ fn cells(
                 let (point, normal) = samples[c];
                 (point - sample.0).norm_squared() + area * (1.0 - normal.dot(&sample.1))
             };
-            *owner = (0..centres.len()).min_by(|&a, &b| cost(centres[a]).total_cmp(&cost(centres[b])))
+            *owner = (0..centres.len())
+                .min_by(|&a, &b| cost(centres[a]).total_cmp(&cost(centres[b])))
                 .expect("there is a centre");
         }
         let mut moved = false;
@@ -339,9 +339,8 @@ fn cells(
             let number = members().count().max(1) as f64;
             let middle: Vector3<f64> = members().map(|(_, (s, _))| s.0).sum::<Vector3<f64>>() / number;
             let facing: Vector3<f64> = members().map(|(_, (s, _))| s.1).sum::<Vector3<f64>>() / number;
-            let cost = |k: usize| {
-                (samples[k].0 - middle).norm_squared() + area * (1.0 - samples[k].1.dot(&facing))
-            };
+            let cost =
+                |k: usize| (samples[k].0 - middle).norm_squared() + area * (1.0 - samples[k].1.dot(&facing));
             let best = members().map(|(k, _)| k).min_by(|&a, &b| cost(a).total_cmp(&cost(b)));
             if let Some(best) = best.filter(|best| best != centre) {
                 *centre = best;
@@ -356,9 +355,9 @@ fn cells(
     let patch = |(cell, &centre): (usize, &usize)| {
         let (position, normal) = samples[centre];
         let along = long_axis - normal * normal.dot(long_axis);
-        let tangent = along.try_normalize(1e-3).unwrap_or_else(|| {
-            crate::kinematics::tangent_basis(&normal).column(0).into()
-        });
+        let tangent = along
+            .try_normalize(1e-3)
+            .unwrap_or_else(|| crate::kinematics::tangent_basis(&normal).column(0).into());
         let bitangent = normal.cross(&tangent);
         let extent = |direction: &Vector3<f64>| {
             let members = samples.iter().zip(&owner).filter(|(_, o)| **o == cell);
@@ -400,11 +399,7 @@ fn read(path: &Path, seen: &mut HashSet<PathBuf>) -> Result<Element, GrowError> 
     Ok(root)
 }
 
-fn include(
-    element: &mut Element,
-    folder: &Path,
-    seen: &mut HashSet<PathBuf>,
-) -> Result<(), GrowError> {
+fn include(element: &mut Element, folder: &Path, seen: &mut HashSet<PathBuf>) -> Result<(), GrowError> {
     for mut child in std::mem::take(&mut element.children) {
         match child.as_mut_element() {
             Some(inner) if inner.name == "include" => {

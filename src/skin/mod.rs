@@ -41,11 +41,7 @@ impl Receptor {
     /// A point of its limb in the patch's own coordinates: along both sides and the normal, metres.
     pub fn patch_coordinates(&self, p_l: &Vector3<f64>) -> Vector3<f64> {
         let offset = p_l - self.position;
-        Vector3::new(
-            offset.dot(&self.tangent),
-            offset.dot(&self.bitangent()),
-            offset.dot(&self.normal),
-        )
+        Vector3::new(offset.dot(&self.tangent), offset.dot(&self.bitangent()), offset.dot(&self.normal))
     }
 
     /// Whether the point, projected onto the patch along its normal, lies inside.

@@ -1,0 +1,142 @@
+//! `bodyschema babble`: the main job.
+
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use super::learn_options::{LearnOptions, learn_session, print_table, to_json};
+use super::open::open_body;
+use super::{Failure, Outcome, output, progress};
+use crate::babbling::{Babbler, BabblingError, BabblingOptions};
+use crate::creature::JointSelection;
+use crate::ground_truth::GroundTruth;
+use crate::record::{
+    BabblingEffort, PROGRAM, RecordError, SESSION_FILE, Session, SessionOptions, TouchWriter, model_hash,
+};
+use crate::skin::skin_of;
+
+/// Babble, touch, learn the body schema, and measure it.
+///
+/// The creature takes random postures one after the other and stops where its skin touches its skin. From the
+/// pairs of receptors and the joint angles alone it learns where its joints are and how they turn; the model's
+/// own kinematics serve only to measure the result. All goes into a session folder.
+#[derive(clap::Args)]
+#[command(after_help = "Examples:
+  bodyschema babble mjcf/max/max.xml
+  bodyschema babble mjcf/max/max.xml --touches 500 --input contact --seed 7
+  bodyschema babble mjcf/max/max.xml --joints all --touches 5000 --jobs 4
+  bodyschema babble mjcf/max/max.xml --learner hersch --json")]
+pub struct Args {
+    /// The MJCF file of a creature with touch sensors (grow them with `bodyschema skin`)
+    model: PathBuf,
+    /// Touches to make
+    #[arg(long, default_value_t = 1000, value_parser = touches)]
+    touches: usize,
+    /// Seed of all random numbers: the same seed gives the same touches
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// The joints that move: a set that the model names (torso), all, or names separated by commas
+    /// [default: torso where the model names it, else all]
+    #[arg(long)]
+    joints: Option<JointSelection>,
+    /// Threads; they change nothing but the time [default: one per core]
+    #[arg(long, value_parser = clap::value_parser!(u16).range(1..=1024))]
+    jobs: Option<u16>,
+    #[command(flatten)]
+    learn: LearnOptions,
+    /// The session's folder [default: the first free of sessions/CREATURE-1, -2, …]
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Print one JSON object
+    #[arg(long)]
+    json: bool,
+}
+
+fn touches(text: &str) -> Result<usize, String> {
+    match text.parse::<usize>() {
+        Ok(0) => Err("there is nothing to learn from 0 touches: give at least 1".into()),
+        Ok(n) if n <= 100_000_000 => Ok(n),
+        _ => Err("give a whole number from 1 to 100000000".into()),
+    }
+}
+
+pub fn run(args: &Args) -> Outcome {
+    let selection = args.joints.clone().unwrap_or_default();
+    let body = open_body(&args.model, &selection)?;
+    let skin = skin_of(&body);
+    let truth = GroundTruth::new(&body)?;
+    let at_model = |error: BabblingError<RecordError>| match error {
+        BabblingError::Receiver(error) => Failure::from(error),
+        other => Failure(format!("{}: {other}", args.model.display())),
+    };
+    let babbler = Babbler::new(&body, &skin).map_err(at_model)?;
+    let folder = session_folder(args.out.as_deref(), body.creature.name())?;
+    let mut session = Session {
+        program: PROGRAM.to_string(),
+        engine: body.model.version().to_string(),
+        model: args.model.display().to_string(),
+        model_hash: model_hash(&args.model)?,
+        seed: args.seed,
+        options: SessionOptions {
+            touches: args.touches,
+            joints: selection.to_string(),
+            input: Some(args.learn.input.to_string()),
+            learner: Some(args.learn.learner.to_string()),
+        },
+        effort: None,
+        creature: body.creature.clone(),
+        skin: skin.clone(),
+    };
+    session.write(&folder)?;
+    let mut log = TouchWriter::create(&folder, &body.creature, &skin)?;
+    let jobs =
+        args.jobs.map_or_else(|| std::thread::available_parallelism().map_or(1, usize::from), usize::from);
+    let options = BabblingOptions { touches: args.touches, seed: args.seed, jobs };
+    let bar = progress::touches(args.touches);
+    let began = Instant::now();
+    let mut made = Vec::with_capacity(args.touches);
+    let effort = babbler
+        .babble(&options, |touch| {
+            log.write(touch)?;
+            made.push(touch.clone());
+            bar.inc(1);
+            Ok(())
+        })
+        .map_err(at_model)?;
+    session.effort = Some(BabblingEffort::new(&effort, began.elapsed()));
+    log.finish()?;
+    bar.finish_and_clear();
+    session.write(&folder)?;
+    let result = learn_session(&folder, &session, &made, &args.learn, Some(&truth))?;
+    if args.json {
+        return output::json(&to_json(&folder, &session, &made, &args.learn, &result));
+    }
+    print_table(&folder, &session, &made, &args.learn, &result);
+    Ok(())
+}
+
+/// The folder to write to: never one that holds a session already.
+fn session_folder(out: Option<&Path>, creature: &str) -> Result<PathBuf, Failure> {
+    let taken = |folder: &Path| folder.join(SESSION_FILE).exists();
+    let folder = match out {
+        Some(folder) if taken(folder) => {
+            return Err(Failure(format!(
+                "{} holds a session already: give another folder with --out, or remove it",
+                folder.display()
+            )));
+        }
+        Some(folder) => folder.to_path_buf(),
+        None => {
+            let name: String =
+                creature.chars().map(|c| if c.is_alphanumeric() { c } else { '_' }).take(40).collect();
+            let numbered = |k: u32| Path::new("sessions").join(format!("{name}-{k}"));
+            (1..).map(numbered).find(|folder| !folder.exists()).expect("some number is free")
+        }
+    };
+    std::fs::create_dir_all(&folder).map_err(|error| {
+        Failure(format!(
+            "cannot make the folder {}: {error}: give one you may write to with --out",
+            folder.display()
+        ))
+    })?;
+    Ok(folder)
+}

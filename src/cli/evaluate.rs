@@ -1,0 +1,56 @@
+//! `bodyschema evaluate`: measure a session's schema.
+
+use std::path::PathBuf;
+
+use serde_json::json;
+
+use super::learn_options::{print_evaluation, session_truth, warn_truncated};
+use super::{Outcome, output};
+use crate::evaluation::{evaluate, touch_misses};
+use crate::record::{SCHEMA_FILE, Session, TOUCHES_FILE, read_schema, read_touches};
+
+/// Measure a session's schema against the model it was babbled on.
+///
+/// At random postures that were not babbled: where the skin of every limb lands relative to every other limb,
+/// learned against true; the angles between learned and true axes and the distances between their lines; and
+/// how far apart the schema puts what touched.
+#[derive(clap::Args)]
+#[command(after_help = "Examples:
+  bodyschema evaluate sessions/max-1
+  bodyschema evaluate sessions/max-1 --model mjcf/max/max.xml --json")]
+pub struct Args {
+    /// The session's folder
+    session: PathBuf,
+    /// The model, where it is not at the path in the session
+    #[arg(long)]
+    model: Option<PathBuf>,
+    /// Print one JSON object
+    #[arg(long)]
+    json: bool,
+}
+
+pub fn run(args: &Args) -> Outcome {
+    let session = Session::read(&args.session)?;
+    let log = read_touches(&args.session.join(TOUCHES_FILE), &session.creature, &session.skin)?;
+    warn_truncated(&log, &args.session);
+    let schema = read_schema(&args.session.join(SCHEMA_FILE), &session.creature)?;
+    let truth = session_truth(&session, args.model.as_deref())?;
+    let evaluation = evaluate(&session.creature, &session.skin, &truth, &schema, &[]);
+    let misses = touch_misses(&session.creature, &session.skin, &schema, &log.touches);
+    if args.json {
+        return output::json(&json!({
+            "session": args.session,
+            "creature": session.creature.name(),
+            "touches": log.touches.len(),
+            "heldout_mm": evaluation.heldout_mm,
+            "hand_mm": evaluation.hand_mm,
+            "axis_deg": evaluation.axis_deg,
+            "axis_line_mm": evaluation.axis_line_mm,
+            "touch_mm": misses,
+        }));
+    }
+    println!("{}: schema of {}", args.session.display(), session.creature.name());
+    print_evaluation(&evaluation);
+    output::row("what touched, apart", "mm", &misses);
+    Ok(())
+}

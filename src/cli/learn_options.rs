@@ -1,0 +1,320 @@
+//! How to learn, and the learning that `babble` and `learn` share.
+
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use clap::ValueEnum;
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use serde_json::{Value, json};
+
+use super::open::open_body;
+use super::progress;
+use super::{Failure, output};
+use crate::creature::{Creature, JointSelection};
+use crate::evaluation::{Evaluation, Summary, evaluate};
+use crate::ground_truth::GroundTruth;
+use crate::learning::onset::random_onset;
+use crate::learning::{Hersch, Input, Learned, Learner, SecondOrder, SkinKnowledge, Verdict};
+use crate::record::{LearningTable, SCHEMA_FILE, Session, TouchLog, write_schema};
+use crate::senses::Touch;
+use crate::skin::Skin;
+
+/// The learned body as a model, in a session's folder.
+pub const LEARNED_FILE: &str = "learned.xml";
+/// The report, in a session's folder.
+pub const REPORT_FILE: &str = "report.html";
+
+/// Options of learning.
+#[derive(clap::Args, Clone, Debug)]
+pub struct LearnOptions {
+    /// The learner: Levenberg-Marquardt from any onset, or Hersch's rule as the paper prints it
+    #[arg(long, value_enum, default_value_t = LearnerName::Lm)]
+    pub learner: LearnerName,
+    /// What a touch reports: the receptors, as a skin does, or the exact contact points
+    #[arg(long, value_enum, default_value_t = InputName::Receptor)]
+    pub input: InputName,
+    /// What the agent knows of its skin: the surfaces under the receptors, or their centres alone
+    #[arg(long, value_enum, default_value_t = SkinName::Surface)]
+    pub skin: SkinName,
+}
+
+/// The learners by name.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum LearnerName {
+    Lm,
+    Hersch,
+}
+
+/// The inputs by name.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum InputName {
+    Receptor,
+    Contact,
+}
+
+/// The knowledge of the skin by name.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum SkinName {
+    Surface,
+    Centres,
+}
+
+impl std::fmt::Display for LearnerName {
+    fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
+        f.write_str(match self {
+            LearnerName::Lm => "lm",
+            LearnerName::Hersch => "hersch",
+        })
+    }
+}
+
+impl std::fmt::Display for InputName {
+    fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
+        f.write_str(match self {
+            InputName::Receptor => "receptor",
+            InputName::Contact => "contact",
+        })
+    }
+}
+
+impl std::fmt::Display for SkinName {
+    fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
+        f.write_str(match self {
+            SkinName::Surface => "surface",
+            SkinName::Centres => "centres",
+        })
+    }
+}
+
+impl LearnOptions {
+    fn input(&self) -> Input {
+        match self.input {
+            InputName::Receptor => Input::Receptor,
+            InputName::Contact => Input::Contact,
+        }
+    }
+
+    /// The learner, from an onset drawn from `seed`.
+    fn learner<'a>(&self, creature: &'a Creature, skin: &'a Skin, seed: u64) -> Box<dyn Learner + 'a> {
+        match self.learner {
+            LearnerName::Hersch => {
+                let onset = random_onset(creature, &mut ChaCha8Rng::seed_from_u64(seed));
+                Box::new(Hersch::new(creature, skin, self.input(), onset))
+            }
+            LearnerName::Lm => {
+                let knowledge = match self.skin {
+                    SkinName::Surface => SkinKnowledge::Surface,
+                    SkinName::Centres => SkinKnowledge::Centres,
+                };
+                Box::new(SecondOrder::new(creature, skin, self.input(), seed).with_skin(knowledge))
+            }
+        }
+    }
+
+    /// What the learner was allowed to know, in words.
+    fn knowledge(&self) -> &'static str {
+        match (self.learner, self.input, self.skin) {
+            (_, InputName::Contact, _) => "exact contact points",
+            (LearnerName::Lm, InputName::Receptor, SkinName::Surface) => {
+                "receptors and the surfaces under them"
+            }
+            (LearnerName::Hersch, ..) | (_, _, SkinName::Centres) => "receptor centres",
+        }
+    }
+}
+
+/// What learning from a session came to.
+pub struct SessionLearning {
+    pub learned: Learned,
+    pub seconds: f64,
+    pub evaluation: Option<Evaluation>,
+    pub undetermined: Vec<String>,
+}
+
+/// The truth of a session's creature, from its model.
+pub fn session_truth(session: &Session, model: Option<&Path>) -> Result<GroundTruth, Failure> {
+    let path = model.map_or_else(|| PathBuf::from(&session.model), Path::to_path_buf);
+    let selection = session.options.joints.parse::<JointSelection>().unwrap_or_default();
+    let body = open_body(&path, &selection)?;
+    if body.creature != session.creature {
+        return Err(Failure(format!(
+            "{}: it is not the model that was babbled on, or it has changed since: name the right one with --model",
+            path.display()
+        )));
+    }
+    Ok(GroundTruth::new(&body)?)
+}
+
+/// Learns from touches, measures where the truth is at hand, and writes the session's results.
+pub fn learn_session(
+    folder: &Path,
+    session: &Session,
+    touches: &[Touch],
+    options: &LearnOptions,
+    truth: Option<&GroundTruth>,
+) -> Result<SessionLearning, Failure> {
+    let (creature, skin) = (&session.creature, &session.skin);
+    let spinner = progress::spinner(&format!("learning from {} touches", touches.len()));
+    let mut columns = vec!["touches", "converged", "fresh_rms"];
+    if truth.is_some() {
+        columns.extend(["heldout_mean_mm", "heldout_p95_mm", "hand_mean_mm", "axis_median_deg"]);
+    }
+    let mut table = LearningTable::create(folder, &columns)?;
+    let mut curve = Vec::new();
+    let mut learner = options.learner(creature, skin, session.seed);
+    let mut result = None;
+    let mut seconds = 0.0;
+    let checkpoints = checkpoints(options.learner, touches.len());
+    for (n, touch) in touches.iter().enumerate() {
+        let began = Instant::now();
+        learner.touch(touch);
+        let due = checkpoints.contains(&(n + 1));
+        let last = n + 1 == touches.len();
+        if due || last {
+            let learned = learner.learn();
+            let evaluation = truth.map(|t| evaluate(creature, skin, t, &learned.schema, &learned.untouched));
+            if last || options.learner == LearnerName::Hersch {
+                seconds += began.elapsed().as_secs_f64();
+            }
+            let mut row =
+                vec![(n + 1) as f64, f64::from(u8::from(learned.verdict.converged())), learned.fresh_rms];
+            if let Some(e) = &evaluation {
+                let hand = e.hand_mm.map_or(f64::NAN, |hand| hand.mean);
+                row.extend([e.heldout_mm.mean, e.heldout_mm.p95, hand, e.axis_deg.median]);
+                curve.push((n + 1, e.heldout_mm.mean));
+            }
+            table.row(&row)?;
+            result = last.then_some((learned, evaluation));
+        } else {
+            seconds += began.elapsed().as_secs_f64();
+        }
+    }
+    spinner.finish_and_clear();
+    let (learned, evaluation) = result.ok_or("there is no touch to learn from: babble some first")?;
+    write_schema(&folder.join(SCHEMA_FILE), creature, &learned.schema)?;
+    let model = crate::schema::to_mjcf(creature, skin, &learned.schema);
+    write(&folder.join(LEARNED_FILE), &model)?;
+    let undetermined = learned.untouched.iter().map(|&j| creature.joints()[j].name.clone()).collect();
+    let _ = curve;
+    Ok(SessionLearning { learned, seconds, evaluation, undetermined })
+}
+
+fn write(path: &Path, text: &str) -> Result<(), Failure> {
+    std::fs::write(path, text).map_err(|error| {
+        Failure(format!("cannot write {}: {error}: give another folder with --out", path.display()))
+    })
+}
+
+/// After how many touches to measure on the way: a learner that learns as it goes costs nothing to look at.
+fn checkpoints(learner: LearnerName, touches: usize) -> Vec<usize> {
+    match learner {
+        LearnerName::Hersch => (0..).map(|k| 10 << k).take_while(|&n| n < touches).collect(),
+        LearnerName::Lm => [touches / 4, touches / 2].into_iter().filter(|&n| n >= 200).collect(),
+    }
+}
+
+/// The number of limb pairs that touched.
+pub fn limb_pairs(skin: &Skin, touches: &[Touch]) -> usize {
+    let pair = |touch: &Touch| touch.ends.map(|end| skin.receptors[end.receptor].limb);
+    touches.iter().map(pair).collect::<std::collections::BTreeSet<_>>().len()
+}
+
+/// The one JSON object of `babble` and `learn`.
+pub fn to_json(
+    folder: &Path,
+    session: &Session,
+    touches: &[Touch],
+    options: &LearnOptions,
+    result: &SessionLearning,
+) -> Value {
+    let summary = |s: Option<Summary>| s.map_or(Value::Null, |s| json!(s));
+    let evaluation = result.evaluation.as_ref();
+    let (verdict, reason) = match &result.learned.verdict {
+        Verdict::Converged => (true, Value::Null),
+        Verdict::Failed(why) | Verdict::Unjudged(why) => (false, json!(why)),
+    };
+    json!({
+        "creature": session.creature.name(),
+        "joints": session.creature.joints().len(),
+        "dof": session.creature.dof(),
+        "touches": touches.len(),
+        "motions": session.effort.map(|effort| effort.motions),
+        "limb_pairs": limb_pairs(&session.skin, touches),
+        "babbling_s": session.effort.map(|effort| effort.babbling_s),
+        "learning_s": result.seconds,
+        "seed": session.seed,
+        "learner": options.learner.to_string(),
+        "input": options.input.to_string(),
+        "knowledge": options.knowledge(),
+        "converged": verdict,
+        "reason": reason,
+        "onsets": result.learned.onsets,
+        "heldout_mm": summary(evaluation.map(|e| e.heldout_mm)),
+        "determined_mm": summary(evaluation.map(|e| e.determined_mm)),
+        "hand_mm": summary(evaluation.and_then(|e| e.hand_mm)),
+        "axis_deg": summary(evaluation.map(|e| e.axis_deg)),
+        "axis_line_mm": summary(evaluation.map(|e| e.axis_line_mm)),
+        "undetermined": result.undetermined,
+        "session": folder,
+    })
+}
+
+/// The short table of what was learned.
+pub fn print_table(
+    folder: &Path,
+    session: &Session,
+    touches: &[Touch],
+    options: &LearnOptions,
+    result: &SessionLearning,
+) {
+    let creature = &session.creature;
+    println!(
+        "{}: {} joints, {} degrees of freedom, from {} touches of {} limb pairs",
+        creature.name(),
+        creature.joints().len(),
+        creature.dof(),
+        touches.len(),
+        limb_pairs(&session.skin, touches)
+    );
+    println!(
+        "learner {} on {}: {} random onset{}, {:.2} s",
+        options.learner,
+        options.knowledge(),
+        result.learned.onsets,
+        if result.learned.onsets == 1 { "" } else { "s" },
+        result.seconds
+    );
+    match &result.learned.verdict {
+        Verdict::Converged => println!("converged: it explains touches that it was not fitted to"),
+        Verdict::Failed(why) => println!("NOT learned: {why}"),
+        Verdict::Unjudged(why) => println!("not judged: {why}"),
+    }
+    println!("undetermined joints: {}\n", output::names(&result.undetermined));
+    match &result.evaluation {
+        None => println!("no truth at hand to measure against: see `bodyschema evaluate --help`"),
+        Some(evaluation) => print_evaluation(evaluation),
+    }
+    println!("\nsession: {}", folder.display());
+}
+
+/// The error measures as a table.
+pub fn print_evaluation(evaluation: &Evaluation) {
+    output::head();
+    output::row("skin in another limb's frame", "mm", &evaluation.heldout_mm);
+    if let Some(hand) = &evaluation.hand_mm {
+        output::row("with a hand as one of the two", "mm", hand);
+    }
+    output::row("angle between axes", "°", &evaluation.axis_deg);
+    output::row("distance between axis lines", "mm", &evaluation.axis_line_mm);
+}
+
+/// Says on standard error when a log ends in the middle of a line.
+pub fn warn_truncated(log: &TouchLog, folder: &Path) {
+    if let Some(line) = log.truncated {
+        eprintln!(
+            "bodyschema: the log in {} ends in the middle of line {line}: that touch is left out, all before it are used",
+            folder.display()
+        );
+    }
+}

@@ -1,0 +1,89 @@
+//! The learning curve: the error as touches come in, both on logarithmic scales.
+
+use plotters::prelude::*;
+
+use super::text::power_of_ten;
+
+/// Size of the drawing, pixels.
+const SIZE: (u32, u32) = (820, 320);
+/// Colours of the curve, the grid and the text.
+const CURVE: RGBColor = RGBColor(47, 102, 144);
+const GRID: RGBColor = RGBColor(226, 229, 233);
+const TEXT: RGBColor = RGBColor(82, 96, 109);
+/// Errors below this are drawn as this, millimetres: rounding, not learning.
+const LEAST_ERROR: f64 = 1e-12;
+
+/// The curve as a figure; a sentence where there are not two points to join.
+pub(super) fn figure(rows: &[(usize, f64)]) -> String {
+    let drawable = |&&(touches, error): &&(usize, f64)| touches > 0 && error.is_finite() && error >= 0.0;
+    let points: Vec<(f64, f64)> =
+        rows.iter().filter(drawable).map(|&(n, error)| (n as f64, error.max(LEAST_ERROR))).collect();
+    match draw(&points) {
+        Some(svg) => format!(
+            "<figure>\n{svg}\n<figcaption>Mean held-out error after each checkpoint of \
+             learning.</figcaption>\n</figure>\n"
+        ),
+        None => "<p class=\"note\">Too few checkpoints for a curve.</p>\n".into(),
+    }
+}
+
+fn draw(points: &[(f64, f64)]) -> Option<String> {
+    let bounds = |values: &mut dyn Iterator<Item = f64>| {
+        values.fold((f64::INFINITY, 0.0f64), |(low, high), x| (low.min(x), high.max(x)))
+    };
+    let (first, last) = bounds(&mut points.iter().map(|p| p.0));
+    let (least, greatest) = bounds(&mut points.iter().map(|p| p.1));
+    if points.len() < 2 || first >= last {
+        return None;
+    }
+    let bottom = least.log10().floor() as i32;
+    let top = (greatest.log10().ceil() as i32).max(bottom + 1);
+    let mut svg = String::new();
+    chart(points, first..last, bottom..top, &mut svg).ok()?;
+    Some(svg)
+}
+
+/// Draws the points between powers of ten of the error.
+fn chart(
+    points: &[(f64, f64)],
+    touches: std::ops::Range<f64>,
+    decades: std::ops::Range<i32>,
+    svg: &mut String,
+) -> Result<(), Box<dyn std::error::Error>> {
+    let font = |size: u32| ("sans-serif", size).into_font().color(&TEXT);
+    let area = SVGBackend::with_string(svg, SIZE).into_drawing_area();
+    let errors = 10f64.powi(decades.start)..10f64.powi(decades.end);
+    let wider = touches.start / 1.1..touches.end * 1.1;
+    let mut chart = ChartBuilder::on(&area)
+        .margin(8)
+        .x_label_area_size(44)
+        .y_label_area_size(64)
+        .build_cartesian_2d(wider.log_scale(), errors.log_scale())?;
+    chart
+        .configure_mesh()
+        .bold_line_style(GRID)
+        .light_line_style(TRANSPARENT)
+        .axis_style(GRID)
+        .x_desc("touches")
+        .y_desc("error, mm")
+        .axis_desc_style(font(13))
+        .label_style(font(12))
+        .x_labels(8)
+        .y_labels((decades.len() + 1).min(8))
+        .x_label_formatter(&|touches| format!("{touches:.0}"))
+        .y_label_formatter(&|error| decade(*error))
+        .draw()?;
+    chart.draw_series(LineSeries::new(points.iter().copied(), CURVE.stroke_width(2)))?;
+    chart.draw_series(points.iter().map(|&point| Circle::new(point, 3, CURVE.filled())))?;
+    area.present()?;
+    Ok(())
+}
+
+/// A label of the error axis.
+fn decade(error: f64) -> String {
+    if (1e-3..1e4).contains(&(error * (1.0 + 1e-9))) {
+        let digits = (-error.log10().floor()).max(0.0) as usize;
+        return format!("{error:.digits$}");
+    }
+    power_of_ten(error.log10().round() as i32)
+}

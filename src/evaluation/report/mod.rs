@@ -1,0 +1,219 @@
+//! A session as one page to read: what was done, what was learned, and how far it can be trusted.
+//!
+//! The page stands alone: its style and drawings are written into it, it fetches nothing and runs nothing.
+
+mod curve;
+mod figure;
+mod heat_map;
+mod text;
+
+use std::collections::BTreeSet;
+
+use super::{AxisErrors, Evaluation, Summary, axis_errors};
+use crate::creature::{Creature, DofKind};
+use crate::ground_truth::GroundTruth;
+use crate::kinematics::Chain;
+use crate::schema::BodySchema;
+use crate::senses::Touch;
+use crate::skin::Skin;
+use text::{degrees_and_millimetres as number, escape, plural};
+
+/// All that a report tells, as plain data.
+#[derive(Clone, Debug)]
+pub struct ReportInput<'a> {
+    /// What the agent was given.
+    pub creature: &'a Creature,
+    /// Its skin.
+    pub skin: &'a Skin,
+    /// What it learned; must fit the creature.
+    pub schema: &'a BodySchema,
+    /// What it should have learned, where that is known.
+    pub truth: Option<&'a BodySchema>,
+    /// The error measures, where the truth is known.
+    pub evaluation: Option<&'a Evaluation>,
+    /// The touches that were learned from.
+    pub touches: &'a [Touch],
+    /// The learning curve: a number of touches and the error after them, millimetres.
+    pub learning_curve: &'a [(usize, f64)],
+    /// The session's seed.
+    pub seed: u64,
+    /// What else was done, name and value in the order to be shown: motions, learner, input, times, engine
+    /// version. Joints, receptors, touches and limb pairs need no mention: they are counted here.
+    pub facts: Vec<(String, String)>,
+    /// The verdict in a sentence.
+    pub verdict: String,
+    /// The joints that the touches did not determine.
+    pub undetermined: &'a [usize],
+}
+
+/// The whole page.
+pub fn html(input: &ReportInput) -> String {
+    let name = escape(input.creature.name());
+    let seed = input.seed;
+    let sections = [
+        ("What was done", facts(input)),
+        ("How well it was learned", errors(input)),
+        ("The learned body", figure::figures(input)),
+        ("Learning curve", curve::figure(input.learning_curve)),
+        ("Who touched whom", heat_map::figure(input.creature, input.skin, input.touches)),
+        ("Joint by joint", joints(input)),
+    ];
+    let sections: String = sections
+        .iter()
+        .map(|(title, content)| format!("<section>\n<h2>{title}</h2>\n{content}</section>\n"))
+        .collect();
+    format!(
+        "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
+         <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
+         <title>{name}, seed {seed}: a learned body schema</title>\n<style>\n{style}</style>\n</head>\n\
+         <body>\n<header>\n<h1>{name}</h1>\n<p>A body schema learned from self-touch, seed {seed}</p>\n\
+         </header>\n<p class=\"verdict\">{verdict}</p>\n{sections}</body>\n</html>\n",
+        style = include_str!("style.css"),
+        verdict = escape(&input.verdict),
+    )
+}
+
+/// The numbers of the session, counted and told.
+fn facts(input: &ReportInput) -> String {
+    let creature = input.creature;
+    let auras = |touch: &Touch| {
+        let mut pair = touch.ends.map(|end| creature.aura_of(input.skin.receptors[end.receptor].limb));
+        pair.sort();
+        pair
+    };
+    let pairs: BTreeSet<_> = input.touches.iter().map(auras).collect();
+    let joints = plural(creature.joints().len(), "joint");
+    let counted = [
+        ("Body", format!("{joints} with {} degrees of freedom", creature.dof())),
+        ("Skin", plural(input.skin.receptors.len(), "receptor")),
+        ("Touches", format!("{}, between {}", input.touches.len(), plural(pairs.len(), "pair of limbs"))),
+    ];
+    let counted = counted.map(|(name, value)| (name.to_string(), value));
+    let seed = [("Seed".to_string(), input.seed.to_string())];
+    let row = |(name, value): &(String, String)| {
+        format!("<div><dt>{}</dt><dd>{}</dd></div>\n", escape(name), escape(value))
+    };
+    let rows: String = counted.iter().chain(&input.facts).chain(&seed).map(row).collect();
+    format!("<dl>\n{rows}</dl>\n")
+}
+
+/// The table of error measures.
+fn errors(input: &ReportInput) -> String {
+    let open = undetermined(input);
+    let Some(evaluation) = input.evaluation else {
+        return format!("<p>The truth is not known, so no error could be measured.</p>\n{open}");
+    };
+    let rows = [
+        ("Skin of any limb, in any other limb's frame", "mm", Some(evaluation.heldout_mm)),
+        ("the same, over determined joints only", "mm", Some(evaluation.determined_mm)),
+        ("the same, with a hand as one of the two", "mm", evaluation.hand_mm),
+        ("Direction of determined axes", "°", Some(evaluation.axis_deg)),
+        ("Place of determined axes", "mm", Some(evaluation.axis_line_mm)),
+    ];
+    let row = |(name, unit, summary): (&str, &str, Option<Summary>)| {
+        let summary = summary?;
+        let cells: String = [summary.mean, summary.median, summary.p95, summary.max]
+            .iter()
+            .map(|&value| format!("<td class=\"number\">{}</td>", number(value)))
+            .collect();
+        Some(format!("<tr><th scope=\"row\">{name}</th><td>{unit}</td>{cells}</tr>\n"))
+    };
+    let rows: String = rows.into_iter().filter_map(row).collect();
+    format!(
+        "<table class=\"errors\">\n<thead><tr><th>Error against the truth</th><th>Unit</th>\
+         <th class=\"number\">Mean</th><th class=\"number\">Median</th><th class=\"number\">95 %</th>\
+         <th class=\"number\">Greatest</th></tr></thead>\n<tbody>\n{rows}</tbody>\n</table>\n\
+         <p class=\"note\">The skin is compared at random postures that were not babbled. 95 % of the \
+         values are no greater than the column says.</p>\n{open}"
+    )
+}
+
+/// A sentence that names what the touches leave open.
+fn undetermined(input: &ReportInput) -> String {
+    let joints = input.creature.joints();
+    let names: Vec<String> =
+        input.undetermined.iter().filter_map(|&j| joints.get(j)).map(|j| escape(&j.name)).collect();
+    if names.is_empty() {
+        return "<p class=\"note\">The touches determine every joint.</p>\n".into();
+    }
+    format!(
+        "<p class=\"note\">The touches do not determine {} of {}: {}. Where these lie is a guess.</p>\n",
+        names.len(),
+        plural(joints.len(), "joint"),
+        names.join(", ")
+    )
+}
+
+/// The table of joints.
+fn joints(input: &ReportInput) -> String {
+    let creature = input.creature;
+    let mut involved = vec![0usize; creature.joints().len()];
+    for touch in input.touches {
+        let [a, b] = touch.ends.map(|end| input.skin.receptors[end.receptor].limb);
+        Chain::between(creature, a, b).joints().for_each(|j| involved[j] += 1);
+    }
+    let truth = input.truth.map(|schema| GroundTruth { schema: schema.clone() });
+    let errors = truth.map(|truth| axis_errors(creature, &truth, input.schema, input.undetermined));
+    let mut groups = String::new();
+    for (j, joint) in creature.joints().iter().enumerate() {
+        let determined = !input.undetermined.contains(&j);
+        let lines = joint.dofs.len().max(1);
+        let cell =
+            |class: &str, content: &str| format!("<td rowspan=\"{lines}\" class=\"{class}\">{content}</td>");
+        let position: String =
+            input.schema.positions[j].iter().map(|x| cell("number", &coordinate(1e3 * x, 1))).collect();
+        let mut row = format!(
+            "<th rowspan=\"{lines}\" scope=\"rowgroup\">{}</th>{}{}{}{position}",
+            escape(&joint.name),
+            cell("", &escape(&creature.limbs()[joint.parent])),
+            cell("number", &involved[j].to_string()),
+            cell(if determined { "" } else { "open" }, if determined { "yes" } else { "no" }),
+        );
+        groups.push_str("<tbody>\n");
+        for (dof, k) in joint.dofs.iter().zip(joint.dof_indices()) {
+            let axis: String = match dof.kind {
+                DofKind::Ball => "<td colspan=\"3\" class=\"ball\">turns freely</td>".into(),
+                _ => input.schema.axes[k]
+                    .iter()
+                    .map(|x| format!("<td class=\"number\">{}</td>", coordinate(*x, 3)))
+                    .collect(),
+            };
+            let short = dof.name.strip_prefix(&format!("{}_", joint.name)).unwrap_or(&dof.name);
+            let name = if lines == 1 { String::new() } else { escape(short) };
+            let error = errors.as_ref().map_or(String::new(), |errors| error_cells(errors, k));
+            groups.push_str(&format!("<tr>{row}<td>{name}</td>{axis}{error}</tr>\n"));
+            row.clear();
+        }
+        groups.push_str("</tbody>\n");
+    }
+    let columns = if errors.is_some() {
+        "<th class=\"number\">off by, °</th><th class=\"number\">off by, mm</th>"
+    } else {
+        ""
+    };
+    format!(
+        "<table class=\"joints\">\n<thead><tr><th>Joint</th><th>On limb</th><th class=\"number\">Touches</th>\
+         <th>Determined</th><th colspan=\"3\" class=\"number\">Position x y z, mm</th><th></th>\
+         <th colspan=\"3\" class=\"number\">Axis x y z</th>{columns}</tr></thead>\n{groups}</table>\n\
+         <p class=\"note\">Positions and axes are in the frame of the limb that the joint is on. Touches are \
+         those between limbs with the joint on the way from one to the other. A position may slide along \
+         its axis unfelt: what counts is how far the axis turns off (°) and passes by (mm).</p>\n"
+    )
+}
+
+/// The errors of one axis; dashes where it has none that mean anything.
+fn error_cells(errors: &[AxisErrors], dof: usize) -> String {
+    let found = errors.iter().find(|error| error.dof == dof);
+    let values = [found.map(|e| e.degrees), found.and_then(|e| e.line_millimetres)];
+    values.map(|value| format!("<td class=\"number\">{}</td>", number(value.unwrap_or(f64::NAN)))).concat()
+}
+
+/// A coordinate with a true minus sign, and no sign before zero.
+fn coordinate(value: f64, digits: usize) -> String {
+    let text = format!("{value:.digits$}");
+    match text.strip_prefix('-') {
+        Some(zero) if zero.chars().all(|c| c == '0' || c == '.') => zero.to_string(),
+        Some(positive) => format!("−{positive}"),
+        None => text,
+    }
+}

@@ -1,0 +1,78 @@
+//! Names and numbers as a page shows them.
+
+/// Text made safe for element content and for attributes.
+pub(super) fn escape(text: &str) -> String {
+    let mut safe = String::with_capacity(text.len());
+    for c in text.chars() {
+        match c {
+            '&' => safe.push_str("&amp;"),
+            '<' => safe.push_str("&lt;"),
+            '>' => safe.push_str("&gt;"),
+            '"' => safe.push_str("&quot;"),
+            '\'' => safe.push_str("&#39;"),
+            _ => safe.push(c),
+        }
+    }
+    safe
+}
+
+/// An error to three digits, whatever its size; a dash for none.
+pub(super) fn degrees_and_millimetres(value: f64) -> String {
+    if !value.is_finite() {
+        return "–".into();
+    }
+    match value.abs() {
+        0.0 => "0".into(),
+        x if x >= 1e6 || x < 1e-3 => {
+            let exponent = x.log10().floor() as i32;
+            format!("{:.1}·{}", value / 10f64.powi(exponent), power_of_ten(exponent))
+        }
+        x if x >= 100.0 => format!("{value:.0}"),
+        x if x >= 10.0 => format!("{value:.1}"),
+        x if x >= 1.0 => format!("{value:.2}"),
+        _ => format!("{value:.3}"),
+    }
+}
+
+/// `10⁻³`, in plain characters.
+pub(super) fn power_of_ten(exponent: i32) -> String {
+    let raised = |c: char| match c.to_digit(10) {
+        Some(digit) => ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹'][digit as usize],
+        None => '⁻',
+    };
+    format!("10{}", exponent.to_string().chars().map(raised).collect::<String>())
+}
+
+/// `1 joint`, `2 joints`; in a phrase the first word takes the s.
+pub(super) fn plural(count: usize, noun: &str) -> String {
+    if count == 1 {
+        return format!("1 {noun}");
+    }
+    match noun.split_once(' ') {
+        Some((first, rest)) => format!("{count} {first}s {rest}"),
+        None => format!("{count} {noun}s"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_keep_their_digits_at_any_size() {
+        let shown = [0.0, 2.34e-9, 9.996e-4, 0.0123, 1.2345, 56.78, 1234.5, f64::NAN];
+        let texts = shown.map(degrees_and_millimetres);
+        assert_eq!(texts, ["0", "2.3·10⁻⁹", "10.0·10⁻⁴", "0.012", "1.23", "56.8", "1234", "–"]);
+    }
+
+    #[test]
+    fn names_cannot_leave_their_place() {
+        assert_eq!(escape("<a href='x'>&\""), "&lt;a href=&#39;x&#39;&gt;&amp;&quot;");
+    }
+
+    #[test]
+    fn counts_agree_with_their_nouns() {
+        assert_eq!(plural(1, "joint"), "1 joint");
+        assert_eq!(plural(3, "pair of limbs"), "3 pairs of limbs");
+    }
+}
