@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use nalgebra::{Isometry3, Translation3, UnitQuaternion};
+use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 
 use super::{AuraLimb, Creature, Dof, DofKind, Joint};
 use crate::mujoco::{self, Data, JointKind, Model, ObjectKind};
@@ -108,6 +108,9 @@ pub struct Body {
     base: Vec<f64>,
     /// Per posture coordinate, its place in `qpos` and what `qpos` is at coordinate zero.
     addresses: Vec<(usize, f64)>,
+    /// Per ball joint, the place of its quaternion in `qpos` and `R_LB`: MuJoCo's coordinates turn about
+    /// the body's axes as the ball finds them, a posture's about the limb's.
+    balls: Vec<(usize, UnitQuaternion<f64>)>,
 }
 
 impl Body {
@@ -186,9 +189,33 @@ impl Body {
         let name = model.model_name().unwrap_or("creature").to_string();
         let creature = Creature::new(name, limbs, joints, auras).map_err(BodyError::Tree)?;
         let pose_in_limb = vec![Isometry3::identity(); model.nbody()];
-        let mut body = Body { creature, model, segments, limb_of_body, pose_in_limb, root, base, addresses };
+        let balls = Vec::new();
+        let mut body =
+            Body { creature, model, segments, limb_of_body, pose_in_limb, root, base, addresses, balls };
         body.pose_in_limb = body.place_bodies()?;
+        body.balls = body.place_balls();
         Ok(body)
+    }
+
+    /// See [`Body::balls`]; after the bodies are placed.
+    fn place_balls(&self) -> Vec<(usize, UnitQuaternion<f64>)> {
+        let of_segments = self.segments.iter().flat_map(|segment| &segment.joints);
+        let balls = of_segments.filter(|&&j| self.model.joint(j).kind == JointKind::Ball);
+        balls
+            .map(|&ball| {
+                let joint = self.model.joint(ball);
+                // Joints after the ball on its body turn the body further where they are held off zero.
+                let turned = (ball + 1..self.model.body(joint.body).joints.end)
+                    .map(|j| self.model.joint(j))
+                    .filter(|later| later.kind == JointKind::Hinge)
+                    .map(|later| {
+                        let angle = self.base[later.qposadr] - self.model.qpos0()[later.qposadr];
+                        UnitQuaternion::from_scaled_axis(later.axis * angle)
+                    })
+                    .fold(UnitQuaternion::identity(), |before, turn| before * turn);
+                (joint.qposadr, self.pose_in_limb[joint.body].rotation * turned.inverse())
+            })
+            .collect()
     }
 
     /// Data of the model at the reference posture, poses computed.
@@ -255,6 +282,11 @@ impl Body {
         qpos.copy_from_slice(&self.base);
         for (&(address, zero), coordinate) in self.addresses.iter().zip(posture) {
             qpos[address] = zero + coordinate;
+        }
+        for (address, orientation) in &self.balls {
+            let axis = &mut qpos[address + 1..address + 4];
+            let turned = orientation.inverse_transform_vector(&Vector3::from_column_slice(axis));
+            axis.copy_from_slice(turned.as_slice());
         }
     }
 
@@ -325,7 +357,7 @@ fn select(model: &Model, selection: &JointSelection) -> Result<Vec<bool>, BodyEr
 
 /// Splits a body's joints where the anchor changes; a slide has no anchor and joins any group.
 fn group_by_anchor(model: &Model, joints: impl Iterator<Item = usize>) -> Vec<Vec<usize>> {
-    let mut groups: Vec<(Option<nalgebra::Vector3<f64>>, Vec<usize>)> = Vec::new();
+    let mut groups: Vec<(Option<Vector3<f64>>, Vec<usize>)> = Vec::new();
     for j in joints {
         let joint = model.joint(j);
         let anchor = (joint.kind != JointKind::Slide).then_some(joint.pos);

@@ -1,0 +1,95 @@
+//! Creatures and small helpers that several test files share.
+#![allow(dead_code, reason = "every test file compiles this module and uses a part of it")]
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use bodyschema::babbling::{Babbler, BabblingOptions};
+use bodyschema::creature::{Body, JointSelection};
+use bodyschema::mujoco::{Data, Model};
+use bodyschema::record::RecordError;
+use bodyschema::senses::Touch;
+use bodyschema::skin::{Skin, skin_of};
+
+/// A file of the repository.
+pub fn repository(path: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join(path)
+}
+
+/// Max, moving the joints that `joints` names.
+pub fn max(joints: &str) -> Body {
+    let model = Model::from_path(repository("mjcf/max/max.xml")).unwrap();
+    Body::new(Arc::new(model), &joints.parse::<JointSelection>().unwrap()).unwrap()
+}
+
+/// A creature from MJCF text, moving all its joints.
+pub fn creature(xml: &str) -> Body {
+    let model = Model::from_xml(xml).unwrap_or_else(|error| panic!("{error}\n{xml}"));
+    Body::new(Arc::new(model), &JointSelection::All).unwrap()
+}
+
+/// Puts a body into a posture and computes its poses and contacts.
+pub fn take(body: &Body, data: &mut Data, posture: &[f64]) {
+    let mut qpos = vec![0.0; body.model.nq()];
+    body.write_qpos(posture, &mut qpos);
+    data.set_qpos(&qpos).unwrap();
+    data.kinematics().unwrap();
+    data.collision().unwrap();
+}
+
+/// The first `touches` touches of a seed.
+pub fn babble(body: &Body, skin: &Skin, touches: usize, seed: u64, jobs: usize) -> Vec<Touch> {
+    let babbler = Babbler::new::<RecordError>(body, skin).unwrap();
+    let mut made = Vec::new();
+    let options = BabblingOptions { touches, seed, jobs };
+    babbler
+        .babble(&options, |touch| {
+            made.push(touch.clone());
+            Ok::<(), RecordError>(())
+        })
+        .unwrap();
+    made
+}
+
+/// A body with the skin that its model gives it.
+pub fn with_skin(body: Body) -> (Body, Skin) {
+    let skin = skin_of(&body);
+    (body, skin)
+}
+
+/// A trunk held in the world with two arms of two hinges each; every geom is bounded by a capsule only.
+///
+/// `shape` is the type and sizes of the forearms' geoms, `trunk` those of the trunk's.
+pub fn two_arms(trunk: &str, shape: &str) -> String {
+    let arm = |side: &str, y: f64| {
+        format!(
+            r#"<body name="{side}_upper" pos="0 {y} 0.4">
+        <joint name="{side}_shoulder_a" axis="1 0.2 0" range="-2.4 2.4"/>
+        <joint name="{side}_shoulder_b" axis="0 1 0.3" range="-2.4 2.4"/>
+        <geom type="capsule" fromto="0 0 0 0.3 0 0" size="0.03"/>
+        <body name="{side}_fore" pos="0.3 0 0">
+          <joint name="{side}_elbow_a" axis="0 0 1" range="-2.6 2.6"/>
+          <joint name="{side}_elbow_b" axis="0.3 1 0" range="-2.6 2.6"/>
+          <geom {shape} pos="0.2 0 0" euler="0.3 0.2 0.1"/>
+          <site name="{side}_r" type="box" size="0.3 0.3 0.001" pos="0.2 0 0.1"/>
+        </body>
+      </body>"#
+        )
+    };
+    format!(
+        r#"<mujoco model="two arms">
+  <compiler angle="radian" autolimits="true"/>
+  <worldbody>
+    <body name="trunk" pos="0 0 1">
+      <geom {trunk} pos="0 0 0.1"/>
+      <site name="t_r" type="box" size="0.4 0.4 0.001" pos="0 0 0.45"/>
+      {}
+      {}
+    </body>
+  </worldbody>
+  <sensor><touch site="left_r"/><touch site="right_r"/><touch site="t_r"/></sensor>
+</mujoco>"#,
+        arm("left", 0.25),
+        arm("right", -0.25)
+    )
+}
