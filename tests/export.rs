@@ -7,7 +7,7 @@ use bodyschema::creature::{Body, Creature, Dof, DofKind, Joint, JointSelection};
 use bodyschema::ground_truth::GroundTruth;
 use bodyschema::kinematics::limb_frames;
 use bodyschema::mujoco::{Data, Model};
-use bodyschema::schema::{BodySchema, export};
+use bodyschema::schema::{BodySchema, to_mjcf};
 use bodyschema::skin::{Shape, Skin, skin_of};
 use nalgebra::Vector3;
 use rand::SeedableRng;
@@ -70,7 +70,7 @@ fn read_back(xml: &str) -> Body {
 /// Exports a body's true schema, reads it back, and holds all that the agent knows against each other.
 fn round_trip(original: &Body) -> Body {
     let (skin, truth) = (skin_of(original), GroundTruth::new(original).unwrap().schema);
-    let copy = read_back(&export::to_mjcf(&original.creature, &skin, &truth));
+    let copy = read_back(&to_mjcf(&original.creature, &skin, &truth));
     same_creature(&original.creature, &copy.creature);
     same_schema(&truth, &GroundTruth::new(&copy).unwrap().schema);
     same_receptors(&skin, &skin_of(&copy));
@@ -151,9 +151,8 @@ fn every_kind_of_joint_and_shape_survives_the_round_trip() {
 fn exporting_again_adds_and_loses_nothing() {
     let original = body(Model::from_xml(MIXED).unwrap(), &JointSelection::All);
     let first = round_trip(&original);
-    let export = |body: &Body| {
-        export::to_mjcf(&body.creature, &skin_of(body), &GroundTruth::new(body).unwrap().schema)
-    };
+    let export =
+        |body: &Body| to_mjcf(&body.creature, &skin_of(body), &GroundTruth::new(body).unwrap().schema);
     let second = read_back(&export(&first));
     same_schema(&GroundTruth::new(&first).unwrap().schema, &GroundTruth::new(&second).unwrap().schema);
     assert_eq!(export(&first).lines().count(), export(&second).lines().count());
@@ -166,7 +165,7 @@ fn a_mesh_becomes_a_tile_below_each_of_its_receptors() {
     let trunk = skin.surfaces.iter().position(|surface| surface.limb == 0).unwrap();
     skin.surfaces[trunk].shape = Shape::Mesh;
     let truth = GroundTruth::new(&original).unwrap().schema;
-    let copy = read_back(&export::to_mjcf(&original.creature, &skin, &truth));
+    let copy = read_back(&to_mjcf(&original.creature, &skin, &truth));
     let found = skin_of(&copy);
     same_receptors(&skin, &found);
     let receptor = &skin.receptors[skin.receptor("t").unwrap()];
@@ -189,7 +188,7 @@ fn a_mounted_creature_gets_a_root_of_its_own() {
     </mujoco>"#;
     let original = body(Model::from_xml(xml).unwrap(), &JointSelection::All);
     let truth = GroundTruth::new(&original).unwrap().schema;
-    let copy = read_back(&export::to_mjcf(&original.creature, &skin_of(&original), &truth));
+    let copy = read_back(&to_mjcf(&original.creature, &skin_of(&original), &truth));
     assert_eq!(copy.creature.limbs(), ["root", "arm"]);
     same_schema(&truth, &GroundTruth::new(&copy).unwrap().schema);
     same_motion(&copy, &truth);
@@ -199,11 +198,7 @@ fn a_mounted_creature_gets_a_root_of_its_own() {
 #[test]
 fn neighbouring_limbs_do_not_collide() {
     let original = max(&JointSelection::All);
-    let xml = export::to_mjcf(
-        &original.creature,
-        &skin_of(&original),
-        &GroundTruth::new(&original).unwrap().schema,
-    );
+    let xml = to_mjcf(&original.creature, &skin_of(&original), &GroundTruth::new(&original).unwrap().schema);
     let colliding = |xml: &str| {
         let copy = read_back(xml);
         let mut data = copy.reference_data().unwrap();
@@ -222,7 +217,7 @@ fn neighbouring_limbs_do_not_collide() {
 fn a_schema_that_knows_nothing_is_a_model_too() {
     let original = body(Model::from_xml(MIXED).unwrap(), &JointSelection::All);
     let empty = BodySchema::zero(&original.creature);
-    let copy = read_back(&export::to_mjcf(&original.creature, &Skin::default(), &empty));
+    let copy = read_back(&to_mjcf(&original.creature, &Skin::default(), &empty));
     let truth = GroundTruth::new(&copy).unwrap().schema;
     assert!(truth.positions.iter().all(|position| position.norm() < ROUND_TRIP));
     let hinge = truth.axes[1];
@@ -233,6 +228,6 @@ fn a_schema_that_knows_nothing_is_a_model_too() {
     let limbs = vec!["trunk".to_string(), "limb".to_string()];
     let stiff =
         Creature::new("stiff".to_string(), limbs, vec![Joint::new("joint", 0, dofs)], Vec::new()).unwrap();
-    let copy = read_back(&export::to_mjcf(&stiff, &Skin::default(), &BodySchema::zero(&stiff)));
+    let copy = read_back(&to_mjcf(&stiff, &Skin::default(), &BodySchema::zero(&stiff)));
     assert_eq!(copy.creature.dof(), 5);
 }

@@ -173,7 +173,7 @@ pub fn learn_session(
         let last = n + 1 == touches.len();
         if due || last {
             let learned = learner.learn();
-            let evaluation = truth.map(|t| evaluate(creature, skin, t, &learned.schema, &learned.untouched));
+            let evaluation = truth.map(|t| evaluate(creature, skin, t, &learned.schema, &learned.undetermined));
             if last || options.learner == LearnerName::Hersch {
                 seconds += began.elapsed().as_secs_f64();
             }
@@ -195,7 +195,7 @@ pub fn learn_session(
     write_schema(&folder.join(SCHEMA_FILE), creature, &learned.schema)?;
     let model = crate::schema::to_mjcf(creature, skin, &learned.schema);
     write(&folder.join(LEARNED_FILE), &model)?;
-    let undetermined = learned.untouched.iter().map(|&j| creature.joints()[j].name.clone()).collect();
+    let undetermined = learned.undetermined.iter().map(|&j| creature.joints()[j].name.clone()).collect();
     let _ = curve;
     Ok(SessionLearning { learned, seconds, evaluation, undetermined })
 }

@@ -39,7 +39,7 @@ pub struct Annealed {
 
 /// The absolute gaps of all touches under a schema, sorted, metres.
 pub fn gaps(skin: &Skin, touches: &TouchSet, schema: &BodySchema) -> Vec<f64> {
-    let model = SurfaceGap { skin, gap_deviation: 1.0, patch_deviation: 1.0 };
+    let model = SurfaceGap::new(skin, 1.0);
     let touches = touches.pairs.iter().flat_map(|pair| &pair.touches);
     let mut gaps: Vec<f64> =
         touches.map(|touch| model.meeting(&touch.ends, &touch.frames(schema)).gap.abs()).collect();
@@ -76,7 +76,7 @@ pub fn anneal(
         let next = wanted.max(0.25 * deviation).max(0.8 * noise).clamp(NARROWEST, WIDEST);
         let last = iterations > 0 && next > 0.95 * deviation;
         deviation = next;
-        let model = SurfaceGap { skin, gap_deviation: deviation, patch_deviation: 1.0 };
+        let model = SurfaceGap::new(skin, deviation);
         let mut problem = TouchProblem::new(creature, touches, parameters, model);
         let last = last || deviation <= NARROWEST;
         let stopping = Stopping {

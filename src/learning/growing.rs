@@ -74,6 +74,8 @@ pub struct Nursery<'a> {
     pub split_touches: &'a TouchSet,
     /// What the touches say.
     pub evidence: Evidence<'a>,
+    /// Which kind of start comes first: split joints where it is even, whole ones where it is odd.
+    pub turn: usize,
 }
 
 /// What a part's solution is judged by.
@@ -134,7 +136,9 @@ impl Nursery<'_> {
         let mut misfit = Misfit(f64::INFINITY);
         let mut onsets = 0;
         while let Some(part) = self.next_part(route, &known) {
-            (schema, misfit) = self.solve_part(&schema, &part, &known, rng, &mut onsets);
+            // A whole body is one onset a start; parts get several, for what is known is worth keeping.
+            let most = if route == Route::Whole { 1 } else { ONSETS_PER_PART };
+            (schema, misfit) = self.solve_part(&schema, &part, &known, most, rng, &mut onsets);
             part.iter().for_each(|&joint| known[joint] = true);
             if misfit.acceptable() {
                 let used = self.touches.filter(|pair| pair.chain.joints().all(|joint| known[joint]));
@@ -168,7 +172,7 @@ impl Nursery<'_> {
             let part = open.suspects();
             let mut others = start.known.clone();
             part.iter().for_each(|&joint| others[joint] = false);
-            let (trial, _) = self.solve_part(&start.schema, &part, &others, rng, &mut start.onsets);
+            let (trial, _) = self.solve_part(&start.schema, &part, &others, ONSETS_PER_PART, rng, &mut start.onsets);
             let (trial, _) = self.settle(&used, &parameters, trial, 30);
             if open_gaps(self.creature, skin, &used, &trial, 0.0).share < open.share {
                 start.schema = trial;
@@ -214,6 +218,7 @@ impl Nursery<'_> {
         schema: &BodySchema,
         part: &[usize],
         known: &[bool],
+        most: usize,
         rng: &mut ChaCha8Rng,
         onsets: &mut usize,
     ) -> (BodySchema, Misfit) {
@@ -234,11 +239,11 @@ impl Nursery<'_> {
         let split_relaxed =
             Parameters::new(&self.split.creature, AxisModel::Relaxed, |joint| in_part(split_joint(joint)));
         let mut best: Option<(BodySchema, Misfit)> = None;
-        for onset in 0..ONSETS_PER_PART {
+        for onset in 0..most {
             *onsets += 1;
             let mut trial = schema.clone();
             part.iter().for_each(|&joint| randomize_joint(self.creature, &mut trial, joint, rng));
-            if onset % 2 == 0 {
+            if (onset + self.turn) % 2 == 0 {
                 let unfolded = self.split.unfold(&trial);
                 let (solved, _) =
                     self.solve(&self.split.creature, &split_touches, &split_relaxed, unfolded, 100);
@@ -295,7 +300,11 @@ impl Nursery<'_> {
         iterations: usize,
     ) -> (BodySchema, f64) {
         let count = (3 * touches.len()).max(1) as f64;
-        let mut problem = TouchProblem::new(creature, touches, parameters, PointsMeet);
+        let model = match (self.evidence, parameters.axis_model) {
+            (Evidence::Points(_), AxisModel::Unit) => PointsMeet::Shaped,
+            _ => PointsMeet::Anyhow,
+        };
+        let mut problem = TouchProblem::new(creature, touches, parameters, model);
         // Far below what noise can do there is nothing left to gain here.
         let cost = 0.5 * count * 1e-6;
         let stopping = Stopping { iterations, relative_cost: 1e-4, cost };

@@ -157,7 +157,9 @@ impl Learner for Hersch<'_> {
             verdict,
             onsets: 1,
             fresh_rms: f64::NAN,
-            untouched: Vec::new(),
+            undetermined: Vec::new(),
+            observability: None,
+            deviation: None,
         }
     }
 }

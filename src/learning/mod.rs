@@ -8,6 +8,7 @@ mod growing;
 mod hersch;
 pub mod least_squares;
 pub mod observation;
+pub mod observability;
 pub mod onset;
 mod parameters;
 pub mod repair;
@@ -43,8 +44,12 @@ pub struct Learned {
     pub onsets: usize,
     /// Root mean square residual on touches it was not fitted to, in the deviations that the input allows.
     pub fresh_rms: f64,
-    /// Joints that no touch involves: nothing is known of them.
-    pub untouched: Vec<usize>,
+    /// Joints that the touches do not determine; all of them where the learner cannot tell.
+    pub undetermined: Vec<usize>,
+    /// What the touches determine and how well; none where the learner cannot tell.
+    pub observability: Option<observability::Observability>,
+    /// Standard deviation of what the learner compares, as the touches themselves show it, metres.
+    pub deviation: Option<f64>,
 }
 
 /// The learner's own judgement.

@@ -96,9 +96,15 @@ pub trait ObservationModel {
     fn cost(&self, ends: &[Observation; 2], frames: &[Frame; 2], whitening: &Matrix3<f64>) -> f64;
 }
 
-/// The two places are one point: the miss `p_CA − p_CB` is noise of the two ends' covariances.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct PointsMeet;
+/// The two places are one point: the miss `p_CA − p_CB` is noise.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PointsMeet {
+    /// Noise of the two ends' covariances, turned with their limbs: right near the answer.
+    Shaped,
+    /// Noise alike in all directions. From afar the limbs' orientations are wrong and so is any shape they
+    /// turn: this finds the answer from several times as many random onsets.
+    Anyhow,
+}
 
 impl PointsMeet {
     fn miss(ends: &[Observation; 2], frames: &[Frame; 2]) -> Vector3<f64> {
@@ -108,10 +114,14 @@ impl PointsMeet {
 
 impl ObservationModel for PointsMeet {
     fn whitening(&self, ends: &[Observation; 2], frames: &[Frame; 2]) -> Matrix3<f64> {
+        // The mean over all directions of how far apart the two places may be.
+        let variance = (ends[0].covariance + ends[1].covariance).trace() / 3.0;
+        if *self == PointsMeet::Anyhow {
+            return Matrix3::identity() / variance.sqrt();
+        }
         let turned = |k: usize| frames[k].rotation * ends[k].covariance * frames[k].rotation.transpose();
         let covariance = turned(0) + turned(1);
-        // With relaxed axes the rotations may be nearly singular; then fall back on the mean variance.
-        let variance = (ends[0].covariance + ends[1].covariance).trace() / 3.0;
+        // Rotations far from the answer may make it nearly singular.
         let covariance = covariance + Matrix3::identity() * (1e-3 * variance);
         covariance
             .cholesky()

@@ -30,7 +30,7 @@ pub fn open_gaps(
     schema: &BodySchema,
     gap_deviation: f64,
 ) -> OpenGaps {
-    let model = SurfaceGap { skin, gap_deviation: 1.0, patch_deviation: 1.0 };
+    let model = SurfaceGap::new(skin, 1.0);
     let limit = OPEN.max(6.0 * gap_deviation);
     let joints = creature.joints().len();
     let (mut open, mut all) = (vec![0.0; joints + 1], vec![0.0; joints + 1]);

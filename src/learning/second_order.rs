@@ -9,13 +9,16 @@ use std::collections::BTreeMap;
 use nalgebra::Matrix3;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
+use rayon::prelude::*;
 
 use crate::creature::Creature;
 use crate::learning::annealing::{anneal, gaps, quantile};
 use crate::learning::growing::{Evidence, Nursery, Start};
-use crate::learning::least_squares::{Stopping, levenberg_marquardt};
+use crate::learning::least_squares::{LeastSquares, Stopping, levenberg_marquardt};
+use crate::learning::observability::Observability;
 use crate::learning::observation::{Input, Observation, ObservationModel, PointsMeet, SkinKnowledge};
 use crate::learning::split::SplitCreature;
+use crate::learning::surface_gap::SurfaceGap;
 use crate::learning::touch_set::{LimbTouch, TouchProblem, TouchSet};
 use crate::learning::{AxisModel, Learned, Learner, Parameters, Verdict};
 use crate::schema::BodySchema;
@@ -25,7 +28,7 @@ use crate::skin::Skin;
 /// Every how many touches one is kept back to judge a start.
 const KEPT_BACK: usize = 5;
 /// Starts tried before the learner says that it failed.
-const STARTS: usize = 8;
+const STARTS: usize = 40;
 /// Touches of one limb pair that a start uses at most; the last fit uses all.
 const TOUCHES_PER_PAIR: usize = 150;
 /// How exact a contact point is taken to be, metres.
@@ -116,19 +119,33 @@ impl<'a> SecondOrder<'a> {
         }
     }
 
-    /// Fits all known joints to all touches.
-    fn polish(&self, start: &Start) -> BodySchema {
+    /// Fits all known joints to all touches: the schema, what it rests on, and the deviation of a touch.
+    fn polish(&self, start: &Start) -> (BodySchema, Observability, f64) {
         let all = self.prepare(self.creature, |limb| limb, self.touches.iter());
         let used = known_touches(&all, &start.known);
         let parameters = Parameters::new(self.creature, AxisModel::Unit, |joint| start.known[joint]);
         let schema = start.schema.clone();
         match self.evidence() {
             Evidence::Points(_) => {
-                let mut problem = TouchProblem::new(self.creature, &used, &parameters, PointsMeet);
+                let mut problem = TouchProblem::new(self.creature, &used, &parameters, PointsMeet::Shaped);
                 let stopping = Stopping { iterations: 60, relative_cost: 1e-9, cost: 0.0 };
-                levenberg_marquardt(&mut problem, &parameters, schema, stopping).schema
+                let solution = levenberg_marquardt(&mut problem, &parameters, schema, stopping);
+                let spare = (3 * used.len()).saturating_sub(parameters.len()).max(1);
+                let deviation = CONTACT_DEVIATION * (2.0 * solution.cost / spare as f64).sqrt();
+                let model = problem.linearize(&solution.schema);
+                let observability =
+                    Observability::new(self.creature, parameters.clone(), model.hessian, 3 * used.len());
+                (solution.schema, observability, deviation)
             }
-            Evidence::Surfaces(skin) => anneal(self.creature, skin, &used, &parameters, schema).schema,
+            Evidence::Surfaces(skin) => {
+                let annealed = anneal(self.creature, skin, &used, &parameters, schema);
+                let model = SurfaceGap::new(skin, annealed.gap_deviation);
+                let mut problem = TouchProblem::new(self.creature, &used, &parameters, model);
+                let model = problem.linearize(&annealed.schema);
+                let observability =
+                    Observability::new(self.creature, parameters.clone(), model.hessian, 5 * used.len());
+                (annealed.schema, observability, annealed.gap_deviation)
+            }
         }
     }
 }
@@ -148,8 +165,8 @@ fn point_misfit(touches: &TouchSet, schema: &BodySchema) -> f64 {
     let (mut sum, mut count) = (0.0, 0.0);
     for touch in touches {
         let frames = touch.frames(schema);
-        let whitening = PointsMeet.whitening(&touch.ends, &frames);
-        sum += 2.0 * PointsMeet.cost(&touch.ends, &frames, &whitening);
+        let whitening = PointsMeet::Shaped.whitening(&touch.ends, &frames);
+        sum += 2.0 * PointsMeet::Shaped.cost(&touch.ends, &frames, &whitening);
         count += 3.0;
     }
     (sum / count).sqrt()
@@ -167,42 +184,66 @@ impl Learner for SecondOrder<'_> {
         let split = SplitCreature::new(self.creature);
         let touches = self.prepare(self.creature, |limb| limb, fitted.iter().copied());
         let split_touches = self.prepare(&split.creature, |limb| split.limb_of[limb], fitted.iter().copied());
-        let nursery = Nursery {
-            creature: self.creature,
-            split: &split,
-            touches: &touches,
-            split_touches: &split_touches,
-            evidence: self.evidence(),
-        };
-
-        let mut best: Option<(f64, Start)> = None;
-        let mut onsets = 0;
-        for number in 0..STARTS {
+        let make = |number: usize| {
             let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
             rng.set_stream(number as u64);
-            let start = nursery.start(nursery.evidence.route(number), &mut rng);
-            onsets += start.onsets;
+            let nursery = Nursery {
+                creature: self.creature,
+                split: &split,
+                touches: &touches,
+                split_touches: &split_touches,
+                evidence: self.evidence(),
+                turn: number,
+            };
+            let mut start = nursery.start(nursery.evidence.route(number), &mut rng);
             let judged = self.judge(&fresh, &start);
-            let accepted = start.accepted && judged <= 1.0;
-            if best.as_ref().is_none_or(|(least, b)| accepted || (!b.accepted && judged < *least)) {
-                best = Some((judged, Start { accepted, ..start }));
-            }
-            if accepted {
-                break;
+            start.accepted &= judged <= 1.0;
+            (judged, start)
+        };
+        // All cores make starts; which one is taken does not depend on how many there are.
+        let mut best: Option<(f64, Start)> = None;
+        let mut onsets = 0;
+        let numbers: Vec<usize> = (0..STARTS).collect();
+        'waves: for wave in numbers.chunks(rayon::current_num_threads()) {
+            let starts: Vec<(f64, Start)> = wave.par_iter().map(|&number| make(number)).collect();
+            for (judged, start) in starts {
+                onsets += start.onsets;
+                let better = best.as_ref().is_none_or(|(least, _)| start.accepted || judged < *least);
+                let accepted = start.accepted;
+                if better {
+                    best = Some((judged, start));
+                }
+                if accepted {
+                    break 'waves;
+                }
             }
         }
         let (judged, start) = best.expect("at least one start is made");
-        let joints = 0..self.creature.joints().len();
-        let untouched: Vec<usize> = joints.filter(|&joint| !start.known[joint]).collect();
-        let (schema, verdict) = if start.accepted {
-            (self.polish(&start), Verdict::Converged)
-        } else {
-            let why = format!(
-                "none of {onsets} random onsets explains the touches that it was not fitted to; try more \
-                 touches (--touches) or another seed (--seed)"
-            );
-            (start.schema, Verdict::Failed(why))
-        };
-        Learned { schema, verdict, onsets, fresh_rms: judged, untouched }
+        if start.accepted {
+            let (schema, observability, deviation) = self.polish(&start);
+            let undetermined = observability.undetermined_joints(self.creature, self.skin, &schema);
+            return Learned {
+                schema,
+                verdict: Verdict::Converged,
+                onsets,
+                fresh_rms: judged,
+                undetermined,
+                observability: Some(observability),
+                deviation: Some(deviation),
+            };
+        }
+        let why = format!(
+            "none of {onsets} random onsets explains the touches that it was not fitted to; try more touches \
+             (--touches) or another seed (--seed)"
+        );
+        Learned {
+            schema: start.schema,
+            verdict: Verdict::Failed(why),
+            onsets,
+            fresh_rms: judged,
+            undetermined: (0..self.creature.joints().len()).collect(),
+            observability: None,
+            deviation: None,
+        }
     }
 }

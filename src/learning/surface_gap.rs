@@ -37,7 +37,12 @@ pub struct Meeting {
     pub point: Vector3<f64>,
 }
 
-impl SurfaceGap<'_> {
+impl<'a> SurfaceGap<'a> {
+    /// The model with a deviation of the gap, metres, and uniform places in the patches.
+    pub fn new(skin: &'a Skin, gap_deviation: f64) -> SurfaceGap<'a> {
+        SurfaceGap { skin, gap_deviation, patch_deviation: 1.0 }
+    }
+
     /// Where the surfaces under two receptors come closest, given their limbs' frames `X_CA`, `X_CB`.
     pub fn meeting(&self, ends: &[Observation; 2], frames: &[Frame; 2]) -> Meeting {
         let surfaces =

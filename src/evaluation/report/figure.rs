@@ -11,7 +11,7 @@ use crate::skin::Skin;
 
 /// The greatest width and height of a drawing, and the rim about it, pixels.
 const WIDTH: f64 = 470.0;
-const HEIGHT: f64 = 560.0;
+const HEIGHT: f64 = 600.0;
 const RIM: f64 = 14.0;
 /// Room for the scale below a drawing, pixels.
 const FOOT: f64 = 26.0;
@@ -86,10 +86,11 @@ pub(super) fn figures(input: &ReportInput) -> String {
     views.truncate(2);
     let fits = |view: &&View| (WIDTH / extent[view.right]).min(HEIGHT / extent[view.up]);
     let scale = views.iter().map(fits).fold(f64::INFINITY, f64::min);
+    let bar = round_length(extent.max() / 8.0);
     let drawings: String = views
         .iter()
         .map(|view| {
-            let flat = Projection { view, low, high, scale };
+            let flat = Projection { view, low, high, scale, bar: &bar };
             flat.draw(&learned, truth.as_ref(), input)
         })
         .collect();
@@ -107,6 +108,8 @@ struct Projection<'a> {
     low: Vector3<f64>,
     high: Vector3<f64>,
     scale: f64,
+    /// Length of the scale, metres, and what it is called.
+    bar: &'a (f64, String),
 }
 
 impl Projection<'_> {
@@ -122,12 +125,14 @@ impl Projection<'_> {
         let mut drawing = String::new();
         self.dots(&mut drawing, "receptors", &learned.receptors, 1.2);
         self.lines(&mut drawing, "learned", &learned.lines);
+        // Fingers crowd a figure with many joints.
+        let radius = if learned.joints.len() > 30 { 2.4 } else { 3.4 };
         for (j, point) in learned.joints.iter().enumerate() {
             let (x, y) = self.flat(point);
             let class = if input.undetermined.contains(&j) { "guess" } else { "joint" };
             let name = escape(&input.creature.joints()[j].name);
             drawing.push_str(&format!(
-                "<circle class=\"{class}\" cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"3.4\"><title>{name}</title>\
+                "<circle class=\"{class}\" cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"{radius}\"><title>{name}</title>\
                  </circle>\n"
             ));
         }
@@ -135,8 +140,7 @@ impl Projection<'_> {
             self.lines(&mut drawing, "true", &truth.lines);
             self.dots(&mut drawing, "true", &truth.joints, 1.4);
         }
-        // A scale of about a quarter of the width, in round numbers.
-        let (length, label) = round_length(0.25 * width / self.scale);
+        let (length, label) = self.bar;
         let (bar, foot) = (length * self.scale, height - 8.0);
         format!(
             "<figure>\n<svg viewBox=\"0 0 {width:.0} {height:.0}\" width=\"{width:.0}\" \

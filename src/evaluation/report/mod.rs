@@ -63,8 +63,8 @@ pub fn html(input: &ReportInput) -> String {
         .map(|(title, content)| format!("<section>\n<h2>{title}</h2>\n{content}</section>\n"))
         .collect();
     format!(
-        "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
-         <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
+        "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\"/>\n\
+         <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"/>\n\
          <title>{name}, seed {seed}: a learned body schema</title>\n<style>\n{style}</style>\n</head>\n\
          <body>\n<header>\n<h1>{name}</h1>\n<p>A body schema learned from self-touch, seed {seed}</p>\n\
          </header>\n<p class=\"verdict\">{verdict}</p>\n{sections}</body>\n</html>\n",
@@ -134,7 +134,10 @@ fn undetermined(input: &ReportInput) -> String {
     let names: Vec<String> =
         input.undetermined.iter().filter_map(|&j| joints.get(j)).map(|j| escape(&j.name)).collect();
     if names.is_empty() {
-        return "<p class=\"note\">The touches determine every joint.</p>\n".into();
+        return "<p class=\"note\">The learner found no joint undetermined.</p>\n".into();
+    }
+    if names.len() == joints.len() {
+        return "<p class=\"note\">Of no joint is it known that the touches determine it.</p>\n".into();
     }
     format!(
         "<p class=\"note\">The touches do not determine {} of {}: {}. Where these lie is a guess.</p>\n",
@@ -192,9 +195,9 @@ fn joints(input: &ReportInput) -> String {
         ""
     };
     format!(
-        "<table class=\"joints\">\n<thead><tr><th>Joint</th><th>On limb</th><th class=\"number\">Touches</th>\
+        "<div class=\"wide\"><table class=\"joints\">\n<thead><tr><th>Joint</th><th>On limb</th><th class=\"number\">Touches</th>\
          <th>Determined</th><th colspan=\"3\" class=\"number\">Position x y z, mm</th><th></th>\
-         <th colspan=\"3\" class=\"number\">Axis x y z</th>{columns}</tr></thead>\n{groups}</table>\n\
+         <th colspan=\"3\" class=\"number\">Axis x y z</th>{columns}</tr></thead>\n{groups}</table></div>\n\
          <p class=\"note\">Positions and axes are in the frame of the limb that the joint is on. Touches are \
          those between limbs with the joint on the way from one to the other. A position may slide along \
          its axis unfelt: what counts is how far the axis turns off (°) and passes by (mm).</p>\n"

@@ -16,16 +16,17 @@ pub(super) fn escape(text: &str) -> String {
     safe
 }
 
-/// An error to three digits, whatever its size; a dash for none.
+/// An error to two or three digits, whatever its size; a dash for none.
 pub(super) fn degrees_and_millimetres(value: f64) -> String {
     if !value.is_finite() {
         return "–".into();
     }
     match value.abs() {
         0.0 => "0".into(),
-        x if x >= 1e6 || x < 1e-3 => {
-            let exponent = x.log10().floor() as i32;
-            format!("{:.1}·{}", value / 10f64.powi(exponent), power_of_ten(exponent))
+        x if !(1e-3..1e6).contains(&x) => {
+            let text = format!("{value:.1e}");
+            let (digits, exponent) = text.split_once('e').expect("scientific notation has an e");
+            format!("{digits}·{}", power_of_ten(exponent.parse().expect("an exponent is whole")))
         }
         x if x >= 100.0 => format!("{value:.0}"),
         x if x >= 10.0 => format!("{value:.1}"),
@@ -62,7 +63,7 @@ mod tests {
     fn numbers_keep_their_digits_at_any_size() {
         let shown = [0.0, 2.34e-9, 9.996e-4, 0.0123, 1.2345, 56.78, 1234.5, f64::NAN];
         let texts = shown.map(degrees_and_millimetres);
-        assert_eq!(texts, ["0", "2.3·10⁻⁹", "10.0·10⁻⁴", "0.012", "1.23", "56.8", "1234", "–"]);
+        assert_eq!(texts, ["0", "2.3·10⁻⁹", "1.0·10⁻³", "0.012", "1.23", "56.8", "1234", "–"]);
     }
 
     #[test]

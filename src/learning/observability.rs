@@ -1,0 +1,317 @@
+//! What the touches determine, how well, and what they leave open.
+//!
+//! The normal equations at the learned schema say it all: their singular values give rank, condition and
+//! the indices that the calibration literature reports; their inverse gives the standard deviation of
+//! every position and axis; what lies in their null space no touch can feel.
+//!
+//! Positions and axes have different units. To compare them, positions are counted in units of a
+//! characteristic length, so that a singular value tells how much whitened residual a turn of one radian,
+//! or a shift of that length, makes.
+
+use nalgebra::{DMatrix, DVector, SymmetricEigen, Vector3};
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use serde::Serialize;
+
+use crate::babbling::random_posture;
+use crate::creature::{Creature, DofKind};
+use crate::kinematics::{Chain, ChainSide, SideJacobian, limb_frames, tangent_basis};
+use crate::learning::Parameters;
+use crate::schema::BodySchema;
+use crate::skin::Skin;
+
+/// The length that weighs as much as a radian, metres: about a limb's radius and reach.
+pub const CHARACTERISTIC_LENGTH: f64 = 0.1;
+/// Singular values below this share of the greatest are zero: rounding in the squared normal equations.
+const NULL_SHARE: f64 = 1e-7;
+/// A joint is determined when skin beyond it can be placed to this, metres.
+pub const DETERMINED: f64 = 1e-3;
+/// Least share of a null direction that is worth naming.
+const NAMED_SHARE: f64 = 0.15;
+
+/// The observability of a schema from a set of touches.
+#[derive(Clone, Debug)]
+pub struct Observability {
+    /// The parameters that the touches involve.
+    pub parameters: Parameters,
+    /// Singular values of the whitened Jacobian, greatest first, per radian or characteristic length.
+    pub singular_values: Vec<f64>,
+    /// How many of them are not zero.
+    pub rank: usize,
+    /// Covariance of the determined part of the parameters (m², m, 1); undetermined directions are left
+    /// out, see `null_space`.
+    pub covariance: DMatrix<f64>,
+    /// Orthonormal undetermined directions, one a column, in scaled parameters.
+    pub null_space: DMatrix<f64>,
+    unscaled_null_space: DMatrix<f64>,
+    residuals: usize,
+}
+
+/// The indices that the calibration literature reports.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Indices {
+    /// D-optimality `(σ_1 … σ_n)^(1/n) / √m` (Borm and Menq 1991).
+    pub d_optimality: f64,
+    /// Inverse condition number `σ_n / σ_1` (Driels and Pathre 1990).
+    pub inverse_condition: f64,
+    /// Least singular value `σ_n` (Nahvi et al. 1994).
+    pub minimum_singular_value: f64,
+    /// Noise amplification `σ_n² / σ_1` (Nahvi and Hollerbach 1996).
+    pub noise_amplification: f64,
+}
+
+impl Observability {
+    /// From the normal equations `JᵀWJ` (lower triangle) over `parameters` and the number of residuals.
+    pub fn new(
+        creature: &Creature,
+        parameters: Parameters,
+        mut hessian: DMatrix<f64>,
+        residuals: usize,
+    ) -> Observability {
+        let n = parameters.len();
+        hessian.fill_upper_triangle_with_lower_triangle();
+        let mut scale = DVector::from_element(n, 1.0);
+        for offset in parameters.positions.iter().flatten() {
+            scale.rows_mut(*offset, 3).fill(CHARACTERISTIC_LENGTH);
+        }
+        for (dof, offset) in creature.dofs().zip(&parameters.axes) {
+            if let Some(offset) = offset.filter(|_| dof.kind == DofKind::Slide) {
+                // A slide's axis turns distances, which are small where angles are not.
+                scale.rows_mut(offset, 2).fill(1.0);
+            }
+        }
+        for j in 0..n {
+            for i in 0..n {
+                hessian[(i, j)] *= scale[i] * scale[j];
+            }
+        }
+        let eigen = SymmetricEigen::new(hessian);
+        let mut order: Vec<usize> = (0..n).collect();
+        order.sort_by(|&a, &b| eigen.eigenvalues[b].total_cmp(&eigen.eigenvalues[a]));
+        let singular_values: Vec<f64> = order.iter().map(|&k| eigen.eigenvalues[k].max(0.0).sqrt()).collect();
+        let greatest = singular_values.first().copied().unwrap_or(0.0);
+        let rank = singular_values.iter().filter(|s| **s > NULL_SHARE * greatest).count();
+        let mut covariance = DMatrix::zeros(n, n);
+        for &k in &order[..rank] {
+            let direction = eigen.eigenvectors.column(k).component_mul(&scale);
+            covariance.ger(1.0 / eigen.eigenvalues[k], &direction, &direction, 1.0);
+        }
+        let null_space = DMatrix::from_fn(n, n - rank, |i, k| eigen.eigenvectors[(i, order[rank + k])]);
+        let mut unscaled_null_space = null_space.clone();
+        for (mut row, scale) in unscaled_null_space.row_iter_mut().zip(&scale) {
+            row *= *scale;
+        }
+        Observability {
+            parameters,
+            singular_values,
+            rank,
+            covariance,
+            null_space,
+            unscaled_null_space,
+            residuals,
+        }
+    }
+
+    /// Greatest over least singular value; infinite where something is undetermined.
+    pub fn condition(&self) -> f64 {
+        let greatest = self.singular_values.first().copied().unwrap_or(0.0);
+        if self.rank < self.singular_values.len() {
+            return f64::INFINITY;
+        }
+        greatest / self.singular_values.last().copied().unwrap_or(0.0)
+    }
+
+    /// The calibration literature's indices, over the determined directions.
+    pub fn indices(&self) -> Indices {
+        let values = &self.singular_values[..self.rank];
+        let (greatest, least) =
+            (values.first().copied().unwrap_or(0.0), values.last().copied().unwrap_or(0.0));
+        let logarithms: f64 = values.iter().map(|s| s.ln()).sum();
+        Indices {
+            d_optimality: (logarithms / self.rank.max(1) as f64).exp()
+                / (self.residuals.max(1) as f64).sqrt(),
+            inverse_condition: least / greatest,
+            minimum_singular_value: least,
+            noise_amplification: least * least / greatest,
+        }
+    }
+
+    /// Standard deviation of a joint's position, metres: the root of the covariance's trace; none where the
+    /// touches do not involve it.
+    pub fn position_deviation(&self, joint: usize) -> Option<f64> {
+        let offset = self.parameters.positions[joint]?;
+        let block = self.covariance.view((offset, offset), (3, 3));
+        Some(block.trace().max(0.0).sqrt())
+    }
+
+    /// Standard deviation of an axis' direction, radians.
+    pub fn axis_deviation(&self, dof: usize) -> Option<f64> {
+        let offset = self.parameters.axes[dof]?;
+        let block = self.covariance.view((offset, offset), (2, 2));
+        Some(block.trace().max(0.0).sqrt())
+    }
+
+    /// The standard deviation with which the schema puts a point `p_a` of limb `a` into the frame of limb
+    /// `b`, metres: the root of the trace of `J Σ Jᵀ`. Infinite where an undetermined direction moves it or
+    /// a joint between was never touched.
+    pub fn point_deviation(
+        &self,
+        creature: &Creature,
+        schema: &BodySchema,
+        posture: &[f64],
+        limbs: [usize; 2],
+        p_a: &Vector3<f64>,
+    ) -> f64 {
+        let chain = Chain::between(creature, limbs[0], limbs[1]);
+        if chain.joints().any(|joint| self.parameters.positions[joint].is_none()) {
+            return f64::INFINITY;
+        }
+        let frames = limb_frames(creature, schema, posture);
+        let p_b = frames[limbs[1]].inverse_point(&frames[limbs[0]].point(p_a));
+        let jacobian = self.miss_jacobian(creature, schema, &chain, posture, [*p_a, p_b]);
+        // A chain moves few of the parameters.
+        let moved: Vec<usize> = (0..jacobian.ncols()).filter(|&c| jacobian.column(c).amax() > 0.0).collect();
+        let jacobian = jacobian.select_columns(&moved);
+        // A direction that no touch felt and that moves the point by more than rounding: unbounded.
+        if self.null_space.ncols() > 0 {
+            let shift = &jacobian * self.unscaled_null_space.select_rows(&moved);
+            if shift.amax() > 1e-6 {
+                return f64::INFINITY;
+            }
+        }
+        let covariance = self.covariance.select_rows(&moved).select_columns(&moved);
+        (&jacobian * covariance * jacobian.transpose()).trace().max(0.0).sqrt()
+    }
+
+    /// The joints that the touches leave undetermined: those through which no skin point of any limb can be
+    /// put into another limb's frame to [`DETERMINED`]. Postures are drawn at random.
+    pub fn undetermined_joints(&self, creature: &Creature, skin: &Skin, schema: &BodySchema) -> Vec<usize> {
+        let mut rng = ChaCha8Rng::seed_from_u64(0);
+        let mut best = vec![f64::INFINITY; creature.joints().len()];
+        let on_limb = |limb: usize| skin.receptors.iter().find(|receptor| receptor.limb == limb);
+        let limbs: Vec<usize> = (0..creature.limbs().len()).filter(|&l| on_limb(l).is_some()).collect();
+        // Every pair of limbs once; of very many, enough that each joint is met often.
+        let pairs = limbs.iter().flat_map(|&a| limbs.iter().map(move |&b| [a, b])).filter(|[a, b]| a < b);
+        let pairs: Vec<[usize; 2]> = pairs.collect();
+        let every = (pairs.len() / 600).max(1);
+        for [a, b] in pairs.into_iter().step_by(every) {
+            let Some(receptor) = on_limb(a) else { continue };
+            let posture = random_posture(creature, &mut rng);
+            let deviation = self.point_deviation(creature, schema, &posture, [a, b], &receptor.position);
+            for joint in Chain::between(creature, a, b).joints() {
+                best[joint] = best[joint].min(deviation);
+            }
+        }
+        (0..best.len()).filter(|&joint| best[joint] > DETERMINED).collect()
+    }
+
+    /// `∂(p_CA − p_CB)` over the parameters, 3×n.
+    fn miss_jacobian(
+        &self,
+        creature: &Creature,
+        schema: &BodySchema,
+        chain: &Chain,
+        posture: &[f64],
+        points: [Vector3<f64>; 2],
+    ) -> DMatrix<f64> {
+        let mut jacobian = DMatrix::zeros(3, self.parameters.len());
+        let mut side = SideJacobian::default();
+        for (k, sign) in [(0, 1.0), (1, -1.0)] {
+            ChainSide::new(creature, &chain.sides[k], posture).point_jacobian(schema, &points[k], &mut side);
+            for (joint, map) in &side.joints {
+                if let Some(offset) = self.parameters.positions[*joint] {
+                    let mut block = jacobian.fixed_view_mut::<3, 3>(0, offset);
+                    block += map * sign;
+                }
+            }
+            for (dof, derivative) in &side.dofs {
+                if let Some(offset) = self.parameters.axes[*dof] {
+                    let mut block = jacobian.fixed_view_mut::<3, 2>(0, offset);
+                    block += derivative * tangent_basis(&schema.axes[*dof]) * sign;
+                }
+            }
+        }
+        jacobian
+    }
+
+    /// Every undetermined direction, in words.
+    ///
+    /// The null space is turned so that few joints carry each direction (varimax-like, by pivoting): what
+    /// remains is named by the joints that move and how.
+    pub fn undetermined(&self, creature: &Creature, schema: &BodySchema) -> Vec<String> {
+        let mut words = Vec::new();
+        for (j, joint) in creature.joints().iter().enumerate() {
+            if self.parameters.positions[j].is_none() {
+                words.push(format!("{}: never exercised, no touch involves it", joint.name));
+            }
+        }
+        for direction in sparse_basis(&self.null_space) {
+            words.push(self.describe(creature, schema, &direction));
+        }
+        words
+    }
+
+    fn describe(&self, creature: &Creature, schema: &BodySchema, direction: &DVector<f64>) -> String {
+        let mut moved = Vec::new();
+        for (j, joint) in creature.joints().iter().enumerate() {
+            if let Some(offset) = self.parameters.positions[j] {
+                let shift: Vector3<f64> = direction.fixed_rows::<3>(offset).into();
+                if shift.norm() > NAMED_SHARE {
+                    let along = shift.normalize();
+                    let own = joint.dof_indices().find(|&k| schema.axes[k].dot(&along).abs() > 0.99);
+                    moved.push(match own {
+                        Some(k) => {
+                            let dof = &joint.dofs[k - joint.first_dof()].name;
+                            format!("{} may slide along the axis of {dof}", joint.name)
+                        }
+                        None => format!(
+                            "{} may shift along ({:.2}, {:.2}, {:.2})",
+                            joint.name, along.x, along.y, along.z
+                        ),
+                    });
+                }
+            }
+            for (k, dof) in joint.dof_indices().zip(&joint.dofs) {
+                if let Some(offset) = self.parameters.axes[k] {
+                    if direction.rows(offset, 2).norm() > NAMED_SHARE {
+                        moved.push(format!("the axis of {} may turn", dof.name));
+                    }
+                }
+            }
+        }
+        match moved.len() {
+            0 => "a direction spread over many joints".to_string(),
+            1 => moved.remove(0),
+            _ => format!("together: {}", moved.join("; ")),
+        }
+    }
+}
+
+/// A basis of the same space whose directions have few large entries: reduced to echelon form by the
+/// largest pivots, then scaled to unit length.
+fn sparse_basis(space: &DMatrix<f64>) -> Vec<DVector<f64>> {
+    let mut rows = space.transpose();
+    let (count, n) = rows.shape();
+    for step in 0..count {
+        let mut pivot = (step, 0, 0.0);
+        for i in step..count {
+            for j in 0..n {
+                if rows[(i, j)].abs() > pivot.2 {
+                    pivot = (i, j, rows[(i, j)].abs());
+                }
+            }
+        }
+        if pivot.2 == 0.0 {
+            break;
+        }
+        rows.swap_rows(step, pivot.0);
+        let lead = rows[(step, pivot.1)];
+        for other in (0..count).filter(|&other| other != step) {
+            let factor = rows[(other, pivot.1)] / lead;
+            for j in 0..n {
+                rows[(other, j)] -= factor * rows[(step, j)];
+            }
+        }
+    }
+    rows.row_iter().map(|row| row.transpose().normalize()).collect()
+}
