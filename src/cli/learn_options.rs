@@ -12,6 +12,7 @@ use super::open::open_body;
 use super::progress;
 use super::{Failure, output};
 use crate::creature::{Creature, JointSelection};
+use crate::evaluation::report::{self, ReportInput};
 use crate::evaluation::{Evaluation, Summary, evaluate};
 use crate::ground_truth::GroundTruth;
 use crate::learning::onset::random_onset;
@@ -165,7 +166,7 @@ pub fn learn_session(
     let mut learner = options.learner(creature, skin, session.seed);
     let mut result = None;
     let mut seconds = 0.0;
-    let checkpoints = checkpoints(options.learner, touches.len());
+    let checkpoints = checkpoints(options, touches.len());
     for (n, touch) in touches.iter().enumerate() {
         let began = Instant::now();
         learner.touch(touch);
@@ -196,8 +197,45 @@ pub fn learn_session(
     let model = crate::schema::to_mjcf(creature, skin, &learned.schema);
     write(&folder.join(LEARNED_FILE), &model)?;
     let undetermined = learned.undetermined.iter().map(|&j| creature.joints()[j].name.clone()).collect();
-    let _ = curve;
-    Ok(SessionLearning { learned, seconds, evaluation, undetermined })
+    let result = SessionLearning { learned, seconds, evaluation, undetermined };
+    let report = ReportInput {
+        creature,
+        skin,
+        schema: &result.learned.schema,
+        truth: truth.map(|truth| &truth.schema),
+        evaluation: result.evaluation.as_ref(),
+        touches,
+        learning_curve: &curve,
+        seed: session.seed,
+        facts: facts(session, options, &result),
+        verdict: sentence(&result.learned.verdict),
+        undetermined: &result.learned.undetermined,
+    };
+    write(&folder.join(REPORT_FILE), &report::html(&report))?;
+    Ok(result)
+}
+
+/// What the report says of how the session came about.
+fn facts(session: &Session, options: &LearnOptions, result: &SessionLearning) -> Vec<(String, String)> {
+    let mut facts = vec![("model", session.model.clone()), ("engine", format!("MuJoCo {}", session.engine))];
+    if let Some(effort) = &session.effort {
+        facts.push(("motions", effort.motions.to_string()));
+        facts.push(("babbling", format!("{:.2} s", effort.babbling_s)));
+    }
+    facts.push(("learner", options.learner.to_string()));
+    facts.push(("knowledge", options.knowledge().to_string()));
+    facts.push(("random onsets", result.learned.onsets.to_string()));
+    facts.push(("learning", format!("{:.2} s", result.seconds)));
+    facts.into_iter().map(|(name, value)| (name.to_string(), value)).collect()
+}
+
+/// The verdict in a sentence.
+fn sentence(verdict: &Verdict) -> String {
+    match verdict {
+        Verdict::Converged => "converged: it explains touches that it was not fitted to".to_string(),
+        Verdict::Failed(why) => format!("NOT learned: {why}"),
+        Verdict::Unjudged(why) => format!("not judged: {why}"),
+    }
 }
 
 fn write(path: &Path, text: &str) -> Result<(), Failure> {
@@ -206,11 +244,14 @@ fn write(path: &Path, text: &str) -> Result<(), Failure> {
     })
 }
 
-/// After how many touches to measure on the way: a learner that learns as it goes costs nothing to look at.
-fn checkpoints(learner: LearnerName, touches: usize) -> Vec<usize> {
-    match learner {
-        LearnerName::Hersch => (0..).map(|k| 10 << k).take_while(|&n| n < touches).collect(),
-        LearnerName::Lm => [touches / 4, touches / 2].into_iter().filter(|&n| n >= 200).collect(),
+/// After how many touches to measure on the way, where that costs little: a learner that learns as it goes
+/// need only be looked at, and contact points are learned in an instant.
+fn checkpoints(options: &LearnOptions, touches: usize) -> Vec<usize> {
+    let doubling = |from: usize| (0..40).map(move |k| from << k).take_while(move |&n| n < touches);
+    match (options.learner, options.input) {
+        (LearnerName::Hersch, _) => doubling(10).collect(),
+        (LearnerName::Lm, InputName::Contact) if touches <= 4000 => doubling(125).collect(),
+        (LearnerName::Lm, _) => Vec::new(),
     }
 }
 
@@ -285,11 +326,7 @@ pub fn print_table(
         if result.learned.onsets == 1 { "" } else { "s" },
         result.seconds
     );
-    match &result.learned.verdict {
-        Verdict::Converged => println!("converged: it explains touches that it was not fitted to"),
-        Verdict::Failed(why) => println!("NOT learned: {why}"),
-        Verdict::Unjudged(why) => println!("not judged: {why}"),
-    }
+    println!("{}", sentence(&result.learned.verdict));
     println!("undetermined joints: {}\n", output::names(&result.undetermined));
     match &result.evaluation {
         None => println!("no truth at hand to measure against: see `bodyschema evaluate --help`"),

@@ -17,6 +17,8 @@ use crate::skin::Skin;
 const WIDEST: f64 = 0.02;
 /// The narrowest deviation, metres: how deep limbs press into each other where a motion stops.
 pub const NARROWEST: f64 = 1e-6;
+/// Standard deviation of a normal distribution whose absolute values have the median 1.
+pub const NORMAL_MEDIAN: f64 = 1.4826;
 /// Linearizations at each deviation.
 const ITERATIONS: usize = 3;
 /// Linearizations at the last deviation.
@@ -69,9 +71,9 @@ pub fn anneal(
     loop {
         let found = gaps(skin, touches, &schema);
         let (median, p80) = (quantile(&found, 0.5), quantile(&found, 0.8));
-        // Half of a normal distribution lies within 0.67 deviations. Parameters take up a part of the gaps.
+        // Parameters take up a part of the gaps.
         let spare = (touches.len() as f64 - 0.7 * parameters.len() as f64).max(1.0);
-        let noise = 1.48 * median * (touches.len() as f64 / spare).sqrt();
+        let noise = NORMAL_MEDIAN * median * (touches.len() as f64 / spare).sqrt();
         let wanted = if iterations == 0 { 2.0 * p80 } else { (1.5 * p80).min(0.7 * deviation) };
         let next = wanted.max(0.25 * deviation).max(0.8 * noise).clamp(NARROWEST, WIDEST);
         let last = iterations > 0 && next > 0.95 * deviation;

@@ -18,7 +18,7 @@ use crate::learning::annealing::{anneal, gaps, quantile};
 use crate::learning::least_squares::{Stopping, levenberg_marquardt};
 use crate::learning::observation::PointsMeet;
 use crate::learning::onset::randomize_joint;
-use crate::learning::repair::open_gaps;
+use crate::learning::open_gaps::OpenGaps;
 use crate::learning::split::SplitCreature;
 use crate::learning::touch_set::{PairTouches, TouchProblem, TouchSet};
 use crate::learning::{AxisModel, Parameters};
@@ -163,9 +163,8 @@ impl Nursery<'_> {
         let used = self.touches.filter(|pair| pair.chain.joints().all(|joint| start.known[joint]));
         let parameters = Parameters::new(self.creature, AxisModel::Unit, |joint| start.known[joint]);
         for _ in 0..REPAIRS {
-            let open = open_gaps(self.creature, skin, &used, &start.schema, 0.0);
-            let worst = open.by_joint.iter().copied().fold(0.0, f64::max);
-            start.accepted = worst <= TOLERATED_OPEN;
+            let open = OpenGaps::new(self.creature, skin, &used, &start.schema);
+            start.accepted = open.worst() <= TOLERATED_OPEN;
             if start.accepted {
                 break;
             }
@@ -174,7 +173,7 @@ impl Nursery<'_> {
             part.iter().for_each(|&joint| others[joint] = false);
             let (trial, _) = self.solve_part(&start.schema, &part, &others, ONSETS_PER_PART, rng, &mut start.onsets);
             let (trial, _) = self.settle(&used, &parameters, trial, 30);
-            if open_gaps(self.creature, skin, &used, &trial, 0.0).share < open.share {
+            if OpenGaps::new(self.creature, skin, &used, &trial).share < open.share {
                 start.schema = trial;
             }
         }

@@ -17,6 +17,7 @@ use crate::learning::growing::{Evidence, Nursery, Start};
 use crate::learning::least_squares::{LeastSquares, Stopping, levenberg_marquardt};
 use crate::learning::observability::Observability;
 use crate::learning::observation::{Input, Observation, ObservationModel, PointsMeet, SkinKnowledge};
+use crate::learning::open_gaps::OpenGaps;
 use crate::learning::split::SplitCreature;
 use crate::learning::surface_gap::SurfaceGap;
 use crate::learning::touch_set::{LimbTouch, TouchProblem, TouchSet};
@@ -42,6 +43,9 @@ const EXACT: f64 = 1.0;
 const BIASED: f64 = 1.5;
 /// Gap below which eight tenths of the surfaces stay, on touches not fitted to, metres.
 const FRESH_GAP: f64 = 3e-3;
+
+/// Share of open gaps that no joint exceeds on touches not fitted to: false touches, and chance in few.
+const FRESH_OPEN: f64 = 0.3;
 
 /// The learner `lm`.
 pub struct SecondOrder<'a> {
@@ -115,7 +119,11 @@ impl<'a> SecondOrder<'a> {
         }
         match self.evidence() {
             Evidence::Points(acceptance) => point_misfit(&used, &start.schema) / acceptance,
-            Evidence::Surfaces(skin) => quantile(&gaps(skin, &used, &start.schema), 0.8) / FRESH_GAP,
+            Evidence::Surfaces(skin) => {
+                let open = OpenGaps::new(self.creature, skin, &used, &start.schema);
+                let gap = quantile(&gaps(skin, &used, &start.schema), 0.8);
+                (gap / FRESH_GAP).max(open.worst() / FRESH_OPEN)
+            }
         }
     }
 

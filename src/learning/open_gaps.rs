@@ -1,0 +1,62 @@
+//! Which touches a schema leaves open, and which joints they blame.
+//!
+//! A joint that turns little leaves a trace in the touches that a mirrored axis can nearly imitate, and
+//! receptor centres are too coarse to tell the two apart. The surfaces are not: where most gaps are
+//! closed and some stay open, the joints that the open ones share are at fault.
+
+use crate::creature::Creature;
+use crate::learning::annealing::{NORMAL_MEDIAN, gaps, quantile};
+use crate::learning::surface_gap::SurfaceGap;
+use crate::learning::touch_set::TouchSet;
+use crate::schema::BodySchema;
+use crate::skin::Skin;
+
+/// A gap is open when it is wider than this, metres, and than [`DEVIATIONS`].
+const OPEN: f64 = 5e-4;
+/// Standard deviations of the gaps, as half of them show it, that a closed gap stays within.
+const DEVIATIONS: f64 = 5.0;
+/// Touches with a joint below which their share says little of it.
+const FEW: f64 = 6.0;
+
+/// How many gaps are open under a schema, in all and per joint of their chains.
+#[derive(Clone, Debug)]
+pub struct OpenGaps {
+    /// Share of open gaps among all touches.
+    pub share: f64,
+    /// Share of open gaps among the touches whose chain has the joint; 0 where these are few.
+    pub by_joint: Vec<f64>,
+}
+
+impl OpenGaps {
+    /// Counts the open gaps of a schema.
+    pub fn new(creature: &Creature, skin: &Skin, touches: &TouchSet, schema: &BodySchema) -> OpenGaps {
+        let model = SurfaceGap::new(skin, 1.0);
+        let noise = NORMAL_MEDIAN * quantile(&gaps(skin, touches, schema), 0.5);
+        let limit = OPEN.max(DEVIATIONS * noise);
+        let joints = creature.joints().len();
+        let (mut open, mut all) = (vec![0.0; joints + 1], vec![0.0; joints + 1]);
+        for pair in &touches.pairs {
+            for touch in &pair.touches {
+                let gap = model.meeting(&touch.ends, &touch.frames(schema)).gap.abs();
+                let is_open = f64::from(u8::from(gap > limit));
+                for joint in pair.chain.joints().chain([joints]) {
+                    open[joint] += is_open;
+                    all[joint] += 1.0;
+                }
+            }
+        }
+        let share = |j: usize| if all[j] >= FEW { open[j] / all[j] } else { 0.0 };
+        OpenGaps { share: open[joints] / all[joints].max(1.0), by_joint: (0..joints).map(share).collect() }
+    }
+
+    /// The share of the joint that is worst.
+    pub fn worst(&self) -> f64 {
+        self.by_joint.iter().copied().fold(self.share, f64::max)
+    }
+
+    /// The joints at fault: those whose touches stay open nearly as often as the worst joint's.
+    pub fn suspects(&self) -> Vec<usize> {
+        let worst = self.by_joint.iter().copied().fold(0.0, f64::max);
+        (0..self.by_joint.len()).filter(|&joint| self.by_joint[joint] > 0.6 * worst).collect()
+    }
+}
