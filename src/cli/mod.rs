@@ -8,6 +8,7 @@ mod evaluate;
 mod inspect;
 mod learn;
 mod learn_options;
+mod observe;
 mod open;
 mod output;
 mod progress;
@@ -55,6 +56,8 @@ enum Command {
     Learn(learn::Args),
     /// Measure a session's schema against the model it was babbled on
     Evaluate(evaluate::Args),
+    /// Tell what a session's touches determine, how well, and what they leave open
+    Observe(observe::Args),
     /// Tell a model's tree, degrees of freedom, limbs and receptors
     Inspect(inspect::Args),
     /// Grow a skin of touch receptors on a model
@@ -68,6 +71,7 @@ pub fn run() -> ExitCode {
         Command::Babble(args) => babble::run(&args),
         Command::Learn(args) => learn::run(&args),
         Command::Evaluate(args) => evaluate::run(&args),
+        Command::Observe(args) => observe::run(&args),
         Command::Inspect(args) => inspect::run(&args),
         Command::Skin(args) => skin::run(&args),
     };

@@ -12,7 +12,7 @@ use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 
 use crate::creature::Creature;
-use crate::learning::annealing::{anneal, gaps, quantile};
+use crate::learning::annealing::{NARROWEST, NORMAL_MEDIAN, anneal, gaps, quantile};
 use crate::learning::growing::{Evidence, Nursery, Start};
 use crate::learning::least_squares::{LeastSquares, Stopping, levenberg_marquardt};
 use crate::learning::observability::Observability;
@@ -137,22 +137,46 @@ impl<'a> SecondOrder<'a> {
             Evidence::Points(_) => {
                 let mut problem = TouchProblem::new(self.creature, &used, &parameters, PointsMeet::Shaped);
                 let stopping = Stopping { iterations: 60, relative_cost: 1e-9, cost: 0.0 };
-                let solution = levenberg_marquardt(&mut problem, &parameters, schema, stopping);
-                let spare = (3 * used.len()).saturating_sub(parameters.len()).max(1);
-                let deviation = CONTACT_DEVIATION * (2.0 * solution.cost / spare as f64).sqrt();
-                let model = problem.linearize(&solution.schema);
-                let observability =
-                    Observability::new(self.creature, parameters.clone(), model.hessian, 3 * used.len());
-                (solution.schema, observability, deviation)
+                let schema = levenberg_marquardt(&mut problem, &parameters, schema, stopping).schema;
+                let (observability, deviation) = self.observe_touches(&used, &schema);
+                (schema, observability, deviation)
             }
             Evidence::Surfaces(skin) => {
-                let annealed = anneal(self.creature, skin, &used, &parameters, schema);
-                let model = SurfaceGap::new(skin, annealed.gap_deviation);
-                let mut problem = TouchProblem::new(self.creature, &used, &parameters, model);
-                let model = problem.linearize(&annealed.schema);
-                let observability =
-                    Observability::new(self.creature, parameters.clone(), model.hessian, 5 * used.len());
-                (annealed.schema, observability, annealed.gap_deviation)
+                let schema = anneal(self.creature, skin, &used, &parameters, schema).schema;
+                let (observability, deviation) = self.observe_touches(&used, &schema);
+                (schema, observability, deviation)
+            }
+        }
+    }
+
+    /// What all touches so far determine at a schema, and the deviation of a touch that they show, metres.
+    pub fn observe(&self, schema: &BodySchema) -> (Observability, f64) {
+        self.observe_touches(&self.prepare(self.creature, |limb| limb, self.touches.iter()), schema)
+    }
+
+    fn observe_touches(&self, used: &TouchSet, schema: &BodySchema) -> (Observability, f64) {
+        let mut touched = vec![false; self.creature.joints().len()];
+        used.pairs.iter().flat_map(|pair| pair.chain.joints()).for_each(|joint| touched[joint] = true);
+        let parameters = Parameters::new(self.creature, AxisModel::Unit, |joint| touched[joint]);
+        match self.evidence() {
+            Evidence::Points(_) => {
+                let mut problem = TouchProblem::new(self.creature, used, &parameters, PointsMeet::Shaped);
+                let model = problem.linearize(schema);
+                let spare = (3 * used.len()).saturating_sub(parameters.len()).max(1);
+                let deviation = CONTACT_DEVIATION * (2.0 * model.cost / spare as f64).sqrt();
+                let rows = 3 * used.len();
+                (Observability::new(self.creature, parameters, model.hessian, rows), deviation)
+            }
+            Evidence::Surfaces(skin) => {
+                let median = quantile(&gaps(skin, used, schema), 0.5);
+                let spare = (used.len() as f64 - 0.7 * parameters.len() as f64).max(1.0);
+                let scatter = (used.len() as f64 / spare).sqrt();
+                let deviation = (NORMAL_MEDIAN * median * scatter).max(NARROWEST);
+                let mut problem =
+                    TouchProblem::new(self.creature, used, &parameters, SurfaceGap::new(skin, deviation));
+                let model = problem.linearize(schema);
+                let rows = 5 * used.len();
+                (Observability::new(self.creature, parameters, model.hessian, rows), deviation)
             }
         }
     }

@@ -1,0 +1,102 @@
+//! `bodyschema observe`: what a session's touches determine.
+
+use std::path::PathBuf;
+
+use serde_json::json;
+
+use super::learn_options::warn_truncated;
+use super::{Outcome, output};
+use crate::creature::DofKind;
+use crate::learning::{Input, Learner, SecondOrder};
+use crate::record::{SCHEMA_FILE, Session, TOUCHES_FILE, read_schema, read_touches};
+
+/// Tell what a session's touches determine, how well, and what they leave open.
+///
+/// From the surfaces' gaps at the session's schema: rank and condition of the problem, the indices that the
+/// calibration literature reports, the standard deviation of every joint's position and axes, and every
+/// direction in which the schema could change without any touch feeling it. No truth is needed.
+#[derive(clap::Args)]
+#[command(after_help = "Examples:
+  bodyschema observe sessions/max-1
+  bodyschema observe sessions/max-1 --json")]
+pub struct Args {
+    /// The session's folder
+    session: PathBuf,
+    /// Print one JSON object
+    #[arg(long)]
+    json: bool,
+}
+
+pub fn run(args: &Args) -> Outcome {
+    let session = Session::read(&args.session)?;
+    let (creature, skin) = (&session.creature, &session.skin);
+    let log = read_touches(&args.session.join(TOUCHES_FILE), creature, skin)?;
+    warn_truncated(&log, &args.session);
+    let schema = read_schema(&args.session.join(SCHEMA_FILE), creature)?;
+    if log.touches.is_empty() {
+        return Err("there is no touch to look at: babble some first".into());
+    }
+    let mut learner = SecondOrder::new(creature, skin, Input::Receptor, session.seed);
+    log.touches.iter().for_each(|touch| learner.touch(touch));
+    let (found, deviation) = learner.observe(&schema);
+    let indices = found.indices();
+    let undetermined = found.undetermined(creature, &schema);
+    let millimetres = |joint: usize| found.position_deviation(joint).map(|m| 1e3 * m);
+    let degrees = |dof: usize| found.axis_deviation(dof).map(f64::to_degrees);
+    if args.json {
+        let joints = creature.joints().iter().enumerate().map(|(j, joint)| {
+            json!({
+                "joint": joint.name,
+                "position_mm": millimetres(j),
+                "axes_deg": joint.dof_indices().map(degrees).collect::<Vec<_>>(),
+            })
+        });
+        return output::json(&json!({
+            "session": args.session,
+            "touches": log.touches.len(),
+            "touch_deviation_mm": 1e3 * deviation,
+            "parameters": found.singular_values.len(),
+            "rank": found.rank,
+            "condition": found.condition(),
+            "singular_values": found.singular_values,
+            "indices": indices,
+            "joints": joints.collect::<Vec<_>>(),
+            "undetermined": undetermined,
+        }));
+    }
+    println!(
+        "{}: {} touches determine {} of {} parameters; condition number {:.0}",
+        args.session.display(),
+        log.touches.len(),
+        found.rank,
+        found.singular_values.len(),
+        found.condition()
+    );
+    println!(
+        "D-optimality {:.3e}   inverse condition {:.3e}   least singular value {:.3e}   noise amplification {:.3e}",
+        indices.d_optimality,
+        indices.inverse_condition,
+        indices.minimum_singular_value,
+        indices.noise_amplification
+    );
+    println!("standard deviation of a touch's gap: {:.4} mm (1e-3 mm at the least)\n", 1e3 * deviation);
+    println!("  {:<28}{:>14}  axes, ° (one standard deviation)", "joint", "position, mm");
+    let number = |value: Option<f64>| value.map_or("–".to_string(), |v| format!("{v:.2e}"));
+    for (j, joint) in creature.joints().iter().enumerate() {
+        let axes: Vec<String> = joint
+            .dof_indices()
+            .zip(&joint.dofs)
+            .filter(|(_, dof)| dof.kind != DofKind::Ball)
+            .map(|(k, _)| number(degrees(k)))
+            .collect();
+        println!("  {:<28}{:>14}  {}", joint.name, number(millimetres(j)), axes.join("  "));
+    }
+    println!();
+    if undetermined.is_empty() {
+        println!("nothing is left undetermined");
+    }
+    for words in undetermined {
+        println!("undetermined: {words}");
+    }
+    Ok(())
+}
