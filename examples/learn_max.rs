@@ -35,7 +35,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 
     // Only here does the truth come in.
     let truth = GroundTruth::new(&body)?;
-    let evaluation = evaluate(&body.creature, &skin, &truth, &learned.schema, &learned.untouched);
+    let evaluation = evaluate(&body.creature, &skin, &truth, &learned.schema, &learned.undetermined);
     println!("held-out error: {:.3} mm on the mean", evaluation.heldout_mm.mean);
     Ok(())
 }
