@@ -6,6 +6,8 @@
 //! advancement), and needs no small steps. Geoms are bounded by capsules; for spheres and capsules the
 //! bound is exact and so is the gap.
 
+use std::collections::BTreeMap;
+
 use nalgebra::{Matrix3, Vector3};
 
 use crate::creature::{Body, Creature, DofKind, Joint};
@@ -106,6 +108,8 @@ pub struct Clearance {
     bounds: Vec<Bound>,
     pairs: Vec<ClusterPair>,
     clusters: Vec<Cluster>,
+    /// Per pair of geoms that can touch, the lesser index first, their encounter.
+    encounters: BTreeMap<[usize; 2], Encounter>,
     /// How strongly neighbouring degrees of freedom of one joint turn about the same axis: per degree of
     /// freedom, |a_k · a_(k+1)|.
     alike: Vec<f64>,
@@ -121,7 +125,7 @@ pub struct Clearance {
     speed: Vec<f64>,
     acceleration: Vec<f64>,
     free_until: Vec<f64>,
-    /// The pair that the motion starts in contact with, if any.
+    /// What the motion starts in contact with, until it has parted.
     start_contact: Option<Encounter>,
     /// Limb pairs looked at, for the statistics.
     pub checks: u64,
@@ -129,6 +133,10 @@ pub struct Clearance {
 
 /// Below this gap two geoms count as met, metres.
 const MET: f64 = 4e-7;
+/// Beyond this gap two geoms that touched at the start of a motion have parted, metres.
+const PARTED: f64 = 1e-4;
+/// Way of the fastest point between looks at what is still parting, metres.
+const PARTING_STEP: f64 = 5e-7;
 /// Limbs farther apart than this are not looked at geom by geom, metres.
 const FAR: f64 = 0.03;
 /// A limb's geoms are split into clusters of at most about this radius, metres.
@@ -199,6 +207,14 @@ impl Clearance {
                 });
             }
         }
+        let mut encounters = BTreeMap::new();
+        for (pair, touching) in pairs.iter().enumerate() {
+            for &ends in &touching.geoms {
+                let met = encounter(&bounds, pair, ends);
+                let [a, b] = met.geoms;
+                encounters.insert([a.min(b), a.max(b)], met);
+            }
+        }
         let mut alike = vec![1.0; creature.dof_elements()];
         for joint in creature.joints() {
             for k in joint.dof_indices().skip(1) {
@@ -216,6 +232,7 @@ impl Clearance {
             bounds,
             pairs,
             clusters,
+            encounters,
             alike,
             world: vec![[Vector3::zeros(); 2]; bound_count],
             placed: vec![false; cluster_count],
@@ -313,16 +330,28 @@ impl Clearance {
                 if self.free_until[k] > soon {
                     continue;
                 }
-                let (advance, encounter) = self.look(k, t);
+                let (advance, encounter) = self.look(k);
                 if let Some(encounter) = encounter.filter(|_| advance <= 0.0) {
                     met = Some(encounter);
                 }
-                self.free_until[k] = self.free_until[k].max(t + advance.max(LEAST_ADVANCE));
+                let parting = encounter.is_some() && encounter == self.start_contact && advance > 0.0;
+                let advance = if parting { advance } else { advance.max(LEAST_ADVANCE) };
+                self.free_until[k] = self.free_until[k].max(t + advance);
             }
             if let Some(encounter) = met {
                 return Some((t, encounter));
             }
         }
+    }
+
+    /// The encounter of two geoms, in either order; none where they cannot touch, or are joined.
+    pub fn encounter(&self, [a, b]: [usize; 2]) -> Option<Encounter> {
+        self.encounters.get(&[a.min(b), a.max(b)]).copied()
+    }
+
+    /// Whether the encounter is what touched at the start and has not parted since.
+    pub fn parting(&self, encounter: &Encounter) -> bool {
+        self.start_contact == Some(*encounter)
     }
 
     /// Lets a pair pass until `t`: the engine found it free so far.
@@ -365,9 +394,9 @@ impl Clearance {
         posture
     }
 
-    /// How far the motion may advance before limb pair `k` can touch, and which geoms limit it when that
-    /// is nothing.
-    fn look(&mut self, k: usize, t: f64) -> (f64, Option<Encounter>) {
+    /// How far the motion may advance from where the limbs are placed before limb pair `k` can touch, and
+    /// which geoms limit it.
+    fn look(&mut self, k: usize) -> (f64, Option<Encounter>) {
         self.checks += 1;
         let clusters = self.pairs[k].clusters;
         let middles = clusters.map(|c| self.middles[c]);
@@ -385,6 +414,7 @@ impl Clearance {
         let pair = &self.pairs[k];
         let mut least = f64::INFINITY;
         let mut limiting = None;
+        let mut parted = false;
         for &bounds in &pair.geoms {
             // Even at full speed it comes later than what is known already?
             let beyond = least * self.speed[k];
@@ -395,27 +425,30 @@ impl Clearance {
             if closest.gap > beyond {
                 continue;
             }
-            let exact = bounds.iter().all(|&i| self.bounds[i as usize].exact);
-            let geoms = bounds.map(|i| self.bounds[i as usize].geom);
-            let encounter = Encounter { geoms, exact, pair: k, bounds };
-            // What touches at the start is already felt; it opens, or the motion had not begun.
-            let started = t == 0.0 && self.start_contact == Some(encounter);
-            let advance = if closest.gap <= MET && !started {
-                0.0
+            let encounter = encounter(&self.bounds, k, bounds);
+            // What touches at the start is already felt, until it has parted.
+            let parting = encounter.exact && self.parting(&encounter);
+            parted |= parting && closest.gap > PARTED;
+            let advance = if closest.gap > MET {
+                (closest.gap / self.speed[k]).max(self.kept_apart(pair, &closest, k))
+            } else if parting && closest.normal.dot(&self.relative_velocity(pair, &closest.points)) > 0.0 {
+                (PARTING_STEP / self.speed[k]).max(self.kept_apart(pair, &closest, k))
             } else {
-                let plain = closest.gap.max(0.0) / self.speed[k];
-                plain.max(self.parting(pair, &closest, k))
+                0.0
             };
             if advance < least {
                 least = advance;
                 limiting = Some(encounter);
             }
         }
+        if parted {
+            self.start_contact = None;
+        }
         (least, limiting)
     }
 
     /// How long the plane between two geoms keeps them apart, to second order in the motion.
-    fn parting(&self, pair: &ClusterPair, closest: &Closest, k: usize) -> f64 {
+    fn kept_apart(&self, pair: &ClusterPair, closest: &Closest, k: usize) -> f64 {
         let n = closest.normal;
         let mut least = f64::INFINITY;
         let mut height = [[0.0; 2]; 2];
@@ -524,6 +557,13 @@ impl Clearance {
             *middle = self.states[cluster.limb].point(&cluster.middle);
         }
     }
+}
+
+/// The encounter of two bounds of a pair.
+fn encounter(bounds: &[Bound], pair: usize, ends: [u32; 2]) -> Encounter {
+    let exact = ends.iter().all(|&i| bounds[i as usize].exact);
+    let geoms = ends.map(|i| bounds[i as usize].geom);
+    Encounter { geoms, exact, pair, bounds: ends }
 }
 
 /// The time for which `gap + opening h − ½ acceleration h²` stays above zero.

@@ -1,6 +1,7 @@
 //! Motions that stop at touch.
 
 use crate::babbling::clearance::{Clearance, Encounter};
+use crate::babbling::posture::reachable;
 use crate::creature::Body;
 use crate::mujoco::{self, Contact, Data};
 use crate::senses::{ContactReader, Reading, TouchEnd};
@@ -11,6 +12,10 @@ pub const DEEPEST: f64 = 1e-6;
 
 /// Step, in metres of the fastest point, along geoms whose gap only the engine can tell.
 const ENGINE_STEP: f64 = 1e-3;
+
+/// Way of the fastest point within which geoms in contact must part, where only the engine can tell,
+/// metres.
+const PARTING: f64 = 1e-4;
 
 /// How a motion ended.
 #[derive(Clone, Debug, PartialEq)]
@@ -97,13 +102,15 @@ impl<'a> Mover<'a> {
     }
 
     /// Moves straight towards `target` and stops at the first contact of limbs that are not neighbours.
+    /// A ball joint whose way would leave its range goes up to its limit.
     ///
     /// # Errors
     /// Where the engine fails.
     pub fn advance(&mut self, target: &[f64]) -> mujoco::Result<Ending> {
         self.effort.motions += 1;
         self.clearance.checks = 0;
-        let ending = self.run(target);
+        let target = reachable(&self.body.creature, &self.posture, target);
+        let ending = self.run(&target);
         self.effort.gap_checks += std::mem::take(&mut self.clearance.checks);
         ending
     }
@@ -112,8 +119,7 @@ impl<'a> Mover<'a> {
         self.clearance.begin(&self.posture, target, self.contact);
         if let Some(contact) = self.contact {
             // Pressing on, or sliding along: the touch that has just been felt.
-            let (_, opening) = self.clearance.gap(&contact, 0.0);
-            if opening <= 1e-3 * self.clearance.speed(&contact) {
+            if !self.parts(&contact)? {
                 self.effort.again += 1;
                 return Ok(Ending::Again);
             }
@@ -121,24 +127,42 @@ impl<'a> Mover<'a> {
         let mut from = 0.0;
         while let Some((t, encounter)) = self.clearance.next(from) {
             from = t;
-            let stop = match encounter.exact {
+            if encounter.exact && self.clearance.parting(&encounter) {
+                // It has hardly opened, and closes again.
+                self.effort.again += 1;
+                return Ok(Ending::Again);
+            }
+            let place = match encounter.exact {
                 true => self.press(&encounter, t),
-                false => self.search(&encounter, t)?,
+                false => self.step(&encounter, t),
             };
-            match stop {
-                Some(stop) if stop <= 1.0 => {
-                    if let Some(contact) = self.contact_at(&encounter, stop)? {
-                        return Ok(self.stop(stop, encounter, contact));
-                    }
-                    self.clearance.pass(&encounter, stop + 1e-6);
+            let Some(place) = place.filter(|place| *place <= 1.0) else { continue };
+            match self.contact_at(&encounter, place)? {
+                Some((met, contact)) if contact.distance >= -DEEPEST => {
+                    return Ok(self.stop(place, met, contact));
                 }
-                Some(_) => {}
-                None => {}
+                Some(deep) => return self.search(&encounter, t.min(place), place, deep),
+                // Grazed, or not there yet.
+                None if encounter.exact => self.clearance.pass(&encounter, place + 1e-6),
+                None if place >= 1.0 => self.clearance.pass(&encounter, f64::INFINITY),
+                None => self.clearance.pass(&encounter, place),
             }
         }
         self.posture = target.to_vec();
         self.contact = None;
         Ok(Ending::Free)
+    }
+
+    /// Whether the motion parts what touches at its start.
+    fn parts(&mut self, contact: &Encounter) -> mujoco::Result<bool> {
+        if contact.exact {
+            let (_, opening) = self.clearance.gap(contact, 0.0);
+            return Ok(opening > 1e-3 * self.clearance.speed(contact));
+        }
+        // How their bounds move says nothing of the geoms themselves: see whether they have parted soon.
+        let soon = (PARTING / self.clearance.speed(contact)).min(1.0);
+        self.clearance.pass(contact, soon);
+        Ok(!matches!(self.contact_at(contact, soon)?, Some((met, _)) if met == *contact))
     }
 
     /// From a gap below a micrometre into a contact above one: where exact geoms overlap a little. None
@@ -159,37 +183,50 @@ impl<'a> Mover<'a> {
         None
     }
 
-    /// Steps through a stretch that only the engine can judge; the place of the contact, if there is one.
-    fn search(&mut self, encounter: &Encounter, t: f64) -> mujoco::Result<Option<f64>> {
-        let step = ENGINE_STEP / self.clearance.speed(encounter);
-        let next = (t + step).min(1.0);
-        if self.contact_at(encounter, next)?.is_none() {
-            self.clearance.pass(encounter, if next >= 1.0 { f64::INFINITY } else { next });
-            return Ok(None);
-        }
-        let (mut free, mut met) = (t, next);
+    /// The next place to look at in a stretch that only the engine can judge.
+    fn step(&self, encounter: &Encounter, t: f64) -> Option<f64> {
+        Some((t + ENGINE_STEP / self.clearance.speed(encounter)).min(1.0))
+    }
+
+    /// Stops where the first contact between `free` and `met` begins; `deep` is the one at `met`.
+    fn search(
+        &mut self,
+        encounter: &Encounter,
+        mut free: f64,
+        mut met: f64,
+        mut deep: (Encounter, Contact),
+    ) -> mujoco::Result<Ending> {
         for _ in 0..60 {
             let middle = 0.5 * (free + met);
             match self.contact_at(encounter, middle)? {
-                Some(contact) if contact.distance >= -DEEPEST => return Ok(Some(middle)),
-                Some(_) => met = middle,
+                Some((found, contact)) if contact.distance >= -DEEPEST => {
+                    return Ok(self.stop(middle, found, contact));
+                }
+                Some(found) => (met, deep) = (middle, found),
                 None => free = middle,
             }
         }
-        Ok(Some(met))
+        // The engine's contact begins deeper than a touch may be: it ends the motion, and is none.
+        self.posture = self.clearance.posture(free);
+        self.contact = Some(deep.0);
+        self.effort.bare += 1;
+        Ok(Ending::Bare)
     }
 
-    /// The deepest contact of the encounter's geoms at `t`, by the engine.
-    fn contact_at(&mut self, encounter: &Encounter, t: f64) -> mujoco::Result<Option<Contact>> {
+    /// The deepest contact at `t`, by the engine, of geoms that can touch. What touched at the start is
+    /// left out while it parts, unless it is the encounter itself.
+    fn contact_at(&mut self, encounter: &Encounter, t: f64) -> mujoco::Result<Option<(Encounter, Contact)>> {
         let posture = self.clearance.posture(t);
         self.body.write_qpos(&posture, &mut self.qpos);
         self.data.set_qpos(&self.qpos)?;
         self.data.kinematics()?;
         self.data.collision()?;
         self.effort.engine_checks += 1;
-        let [a, b] = encounter.geoms;
-        let between = self.data.contacts().filter(|c| c.geoms == [a, b] || c.geoms == [b, a]);
-        Ok(between.min_by(|c, d| c.distance.total_cmp(&d.distance)))
+        let heeded = |(met, contact): &(Encounter, Contact)| {
+            met == encounter || self.contact != Some(*met) || contact.distance < -DEEPEST
+        };
+        let met = self.data.contacts().filter_map(|c| Some((self.clearance.encounter(c.geoms)?, c)));
+        Ok(met.filter(heeded).min_by(|(_, c), (_, d)| c.distance.total_cmp(&d.distance)))
     }
 
     /// Stops where the engine has just found `contact`, and reads it.

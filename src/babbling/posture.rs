@@ -41,6 +41,44 @@ pub fn start_posture(creature: &Creature) -> Vec<f64> {
     posture
 }
 
+/// The target as far as every ball can go straight towards it: two rotations within a ball's range may
+/// have none of the rotations between them within it, and there the ball goes up to its limit.
+pub(super) fn reachable(creature: &Creature, start: &[f64], target: &[f64]) -> Vec<f64> {
+    let mut reached = target.to_vec();
+    let mut q = 0;
+    for dof in creature.dofs() {
+        if dof.kind == DofKind::Ball {
+            let (from, to) = (ball(&start[q..]), ball(&target[q..]));
+            if let Some((axis, angle)) = (to * from.inverse()).axis_angle() {
+                let share = within(&from, &axis, angle, dof.range[1]);
+                if share < 1.0 {
+                    let limit = UnitQuaternion::from_axis_angle(&axis, share * angle) * from;
+                    reached[q..q + 4].copy_from_slice(&[limit.w, limit.i, limit.j, limit.k]);
+                }
+            }
+        }
+        q += dof.kind.coordinates();
+    }
+    reached
+}
+
+/// The share of a turn about `axis` by `angle` that stays within rotations by at most `most`.
+fn within(from: &UnitQuaternion<f64>, axis: &Unit<Vector3<f64>>, angle: f64, most: f64) -> f64 {
+    if most >= std::f64::consts::PI {
+        return 1.0;
+    }
+    // The cosine of half the whole angle runs as w cos(τ/2) − (axis · v) sin(τ/2) over the turn τ.
+    let (w, v) = if from.w < 0.0 { (-from.w, -from.imag()) } else { (from.w, from.imag()) };
+    let along = axis.dot(&v);
+    let height = w.hypot(along);
+    let least = (0.5 * most).cos();
+    if height <= least {
+        return 0.0;
+    }
+    let turn = 2.0 * ((least / height).acos() - along.atan2(w));
+    (turn / angle).clamp(0.0, 1.0)
+}
+
 /// A ball joint's rotation from its coordinates w x y z.
 pub(super) fn ball(q: &[f64]) -> UnitQuaternion<f64> {
     UnitQuaternion::from_quaternion(Quaternion::new(q[0], q[1], q[2], q[3]))
