@@ -49,7 +49,7 @@ pub fn run(args: &Args) -> Outcome {
             "touch_mm": misses,
         }));
     }
-    println!("{}: schema of {}", args.session.display(), session.creature.name());
+    say!("{}: schema of {}", args.session.display(), session.creature.name());
     print_evaluation(&evaluation);
     output::row("what touched, apart", "mm", &misses);
     Ok(())

@@ -59,7 +59,7 @@ pub fn run(args: &Args) -> Outcome {
             })).collect::<Vec<_>>(),
         }));
     }
-    println!(
+    say!(
         "{}: {} joints, {} degrees of freedom, {} limbs in {} aura limbs, {} receptors",
         creature.name(),
         creature.joints().len(),
@@ -68,25 +68,22 @@ pub fn run(args: &Args) -> Outcome {
         creature.aura_limbs().len(),
         skin.receptors.len()
     );
-    println!(
+    say!(
         "learned by default: {} joints, {} degrees of freedom\n",
         learned.creature.joints().len(),
         learned.creature.dof()
     );
     print_tree(creature, &learned.creature, 0, 0);
-    println!("\n{:<24} {:>9}", "aura limb", "receptors");
+    say!("\n{:<24} {:>9}", "aura limb", "receptors");
     for (name, count) in &by_limb {
-        println!("{name:<24} {count:>9}");
+        say!("{name:<24} {count:>9}");
     }
     if skin.receptors.is_empty() {
-        println!(
-            "\nno touch sensors: grow a skin with `bodyschema skin {} --output NEW`",
-            args.model.display()
-        );
+        say!("\nno touch sensors: grow a skin with `bodyschema skin {} --output NEW`", args.model.display());
     } else {
         let links: usize = (0..skin.receptors.len()).map(|r| map.neighbours(r).len()).sum();
         let mean = links as f64 / skin.receptors.len() as f64;
-        println!("\neach receptor has {mean:.1} neighbours on the mean");
+        say!("\neach receptor has {mean:.1} neighbours on the mean");
     }
     Ok(())
 }
@@ -95,11 +92,11 @@ pub fn run(args: &Args) -> Outcome {
 fn print_tree(creature: &Creature, learned: &Creature, limb: usize, depth: usize) {
     let indent = "  ".repeat(depth);
     match creature.joint_of(limb) {
-        None => println!("{}", creature.limbs()[limb]),
+        None => say!("{}", creature.limbs()[limb]),
         Some(j) => {
             let joint = &creature.joints()[j];
             let moved = learned.joints().iter().any(|other| other.name == joint.name);
-            println!(
+            say!(
                 "{indent}{} — {} {}{}",
                 creature.limbs()[limb],
                 joint.name,

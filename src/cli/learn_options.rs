@@ -17,7 +17,7 @@ use crate::evaluation::{Evaluation, Summary, evaluate};
 use crate::ground_truth::GroundTruth;
 use crate::learning::onset::random_onset;
 use crate::learning::{Hersch, Input, Learned, Learner, SecondOrder, SkinKnowledge, Verdict};
-use crate::record::{LearningTable, SCHEMA_FILE, Session, TouchLog, write_schema};
+use crate::record::{LearningTable, SCHEMA_FILE, Session, TouchLog, model_hash, write_schema};
 use crate::senses::Touch;
 use crate::skin::Skin;
 
@@ -138,7 +138,9 @@ pub fn session_truth(session: &Session, model: Option<&Path>) -> Result<GroundTr
     let path = model.map_or_else(|| PathBuf::from(&session.model), Path::to_path_buf);
     let selection = session.options.joints.parse::<JointSelection>().unwrap_or_default();
     let body = open_body(&path, &selection)?;
-    if body.creature != session.creature {
+    // Who names another file vouches for it, as far as it can be told.
+    let other_file = model.is_none() && model_hash(&path)? != session.model_hash;
+    if other_file || body.creature != session.creature {
         return Err(Failure(format!(
             "{}: it is not the model that was babbled on, or it has changed since: name the right one with --model",
             path.display()
@@ -174,7 +176,8 @@ pub fn learn_session(
         let last = n + 1 == touches.len();
         if due || last {
             let learned = learner.learn();
-            let evaluation = truth.map(|t| evaluate(creature, skin, t, &learned.schema, &learned.undetermined));
+            let evaluation =
+                truth.map(|t| evaluate(creature, skin, t, &learned.schema, &learned.undetermined));
             if last || options.learner == LearnerName::Hersch {
                 seconds += began.elapsed().as_secs_f64();
             }
@@ -310,7 +313,7 @@ pub fn print_table(
     result: &SessionLearning,
 ) {
     let creature = &session.creature;
-    println!(
+    say!(
         "{}: {} joints, {} degrees of freedom, from {} touches of {} limb pairs",
         creature.name(),
         creature.joints().len(),
@@ -318,7 +321,7 @@ pub fn print_table(
         touches.len(),
         limb_pairs(&session.skin, touches)
     );
-    println!(
+    say!(
         "learner {} on {}: {} random onset{}, {:.2} s",
         options.learner,
         options.knowledge(),
@@ -326,13 +329,13 @@ pub fn print_table(
         if result.learned.onsets == 1 { "" } else { "s" },
         result.seconds
     );
-    println!("{}", sentence(&result.learned.verdict));
-    println!("undetermined joints: {}\n", output::names(&result.undetermined));
+    say!("{}", sentence(&result.learned.verdict));
+    say!("undetermined joints: {}\n", output::names(&result.undetermined));
     match &result.evaluation {
-        None => println!("no truth at hand to measure against: see `bodyschema evaluate --help`"),
+        None => say!("no truth at hand to measure against: see `bodyschema evaluate --help`"),
         Some(evaluation) => print_evaluation(evaluation),
     }
-    println!("\nsession: {}", folder.display());
+    say!("\nsession: {}", folder.display());
 }
 
 /// The error measures as a table.

@@ -3,6 +3,11 @@
 //! Results go to standard output, progress and messages to standard error. Exit codes: 0 done, 1 failed,
 //! 2 wrong usage.
 
+/// Prints a line to standard output; see [`output::line`].
+macro_rules! say {
+    ($($text:tt)*) => { $crate::cli::output::line(format_args!($($text)*)) };
+}
+
 mod babble;
 mod evaluate;
 mod inspect;

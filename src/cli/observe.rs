@@ -64,7 +64,7 @@ pub fn run(args: &Args) -> Outcome {
             "undetermined": undetermined,
         }));
     }
-    println!(
+    say!(
         "{}: {} touches determine {} of {} parameters; condition number {:.0}",
         args.session.display(),
         log.touches.len(),
@@ -72,15 +72,15 @@ pub fn run(args: &Args) -> Outcome {
         found.singular_values.len(),
         found.condition()
     );
-    println!(
+    say!(
         "D-optimality {:.3e}   inverse condition {:.3e}   least singular value {:.3e}   noise amplification {:.3e}",
         indices.d_optimality,
         indices.inverse_condition,
         indices.minimum_singular_value,
         indices.noise_amplification
     );
-    println!("standard deviation of a touch's gap: {:.4} mm (1e-3 mm at the least)\n", 1e3 * deviation);
-    println!("  {:<28}{:>14}  axes, ° (one standard deviation)", "joint", "position, mm");
+    say!("standard deviation of a touch's gap: {:.4} mm (1e-3 mm at the least)\n", 1e3 * deviation);
+    say!("  {:<28}{:>14}  axes, ° (one standard deviation)", "joint", "position, mm");
     let number = |value: Option<f64>| value.map_or("–".to_string(), |v| format!("{v:.2e}"));
     for (j, joint) in creature.joints().iter().enumerate() {
         let axes: Vec<String> = joint
@@ -89,14 +89,14 @@ pub fn run(args: &Args) -> Outcome {
             .filter(|(_, dof)| dof.kind != DofKind::Ball)
             .map(|(k, _)| number(degrees(k)))
             .collect();
-        println!("  {:<28}{:>14}  {}", joint.name, number(millimetres(j)), axes.join("  "));
+        say!("  {:<28}{:>14}  {}", joint.name, number(millimetres(j)), axes.join("  "));
     }
-    println!();
+    say!("");
     if undetermined.is_empty() {
-        println!("nothing is left undetermined");
+        say!("nothing is left undetermined");
     }
     for words in undetermined {
-        println!("undetermined: {words}");
+        say!("undetermined: {words}");
     }
     Ok(())
 }

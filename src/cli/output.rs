@@ -1,11 +1,24 @@
 //! What commands print.
 
+use std::io::{ErrorKind, Write};
+
 use super::Outcome;
 use crate::evaluation::Summary;
 
+/// Prints a line to standard output. Where nobody reads on, as in `… | head`, the program ends in silence;
+/// where it cannot be written, as on a full disk, with a sentence.
+pub fn line(text: std::fmt::Arguments) {
+    let Err(error) = writeln!(std::io::stdout().lock(), "{text}") else { return };
+    if error.kind() == ErrorKind::BrokenPipe {
+        std::process::exit(0);
+    }
+    eprintln!("bodyschema: cannot write to standard output: {error}: send it elsewhere");
+    std::process::exit(1);
+}
+
 /// Prints one JSON object; numbers that do not exist are null.
 pub fn json(value: &serde_json::Value) -> Outcome {
-    println!("{}", serde_json::to_string_pretty(value)?);
+    say!("{}", serde_json::to_string_pretty(value)?);
     Ok(())
 }
 
@@ -20,7 +33,7 @@ pub fn row(name: &str, unit: &str, summary: &Summary) {
             format!("{x:.3}")
         }
     };
-    println!(
+    say!(
         "  {name:<34}{:>9} {:>9} {:>9} {:>9}  {unit}",
         number(summary.mean),
         number(summary.median),
@@ -31,7 +44,7 @@ pub fn row(name: &str, unit: &str, summary: &Summary) {
 
 /// The head of a table of summaries.
 pub fn head() {
-    println!("  {:<34}{:>9} {:>9} {:>9} {:>9}", "", "mean", "median", "95 %", "max");
+    say!("  {:<34}{:>9} {:>9} {:>9} {:>9}", "", "mean", "median", "95 %", "max");
 }
 
 /// Names in a row, or a word where there are none; long lists are cut.

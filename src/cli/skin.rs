@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use super::Outcome;
+use super::{Outcome, output};
 use crate::skin::{GrowOptions, grow_skin};
 
 /// Grow a skin of touch receptors on a model.
@@ -33,7 +33,7 @@ fn area(text: &str) -> Result<f64, String> {
 pub fn run(args: &Args) -> Outcome {
     let grown = grow_skin(&args.model, &GrowOptions { area: args.area * 1e-4 })?;
     match &args.output {
-        None => print!("{grown}"),
+        None => output::line(format_args!("{}", grown.trim_end_matches('\n'))),
         Some(path) => {
             std::fs::write(path, &grown).map_err(|error| {
                 format!("cannot write {}: {error}: give another --output", path.display())
