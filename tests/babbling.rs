@@ -23,7 +23,7 @@ const JUMPED_EXACT: f64 = 2e-6;
 /// The same where only the engine can tell the gap, and the motion feels its way in steps, metres.
 const JUMPED_STEPPED: f64 = 1e-3;
 /// Steps in which a path is looked at again.
-const STEPS: usize = 2000;
+const STEPS: usize = 1000;
 
 const CAPSULE: &str = r#"type="capsule" size="0.03 0.2""#;
 const TRUNK: &str = r#"type="capsule" size="0.12 0.2""#;

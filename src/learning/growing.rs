@@ -150,10 +150,10 @@ impl Nursery<'_> {
             }
         }
         let mut start = Start { schema, known, accepted: misfit.acceptable(), onsets };
-        if let Evidence::Surfaces(skin) = self.evidence {
-            if start.accepted {
-                self.repair(skin, &mut start, rng);
-            }
+        if let Evidence::Surfaces(skin) = self.evidence
+            && start.accepted
+        {
+            self.repair(skin, &mut start, rng);
         }
         start
     }
@@ -171,7 +171,8 @@ impl Nursery<'_> {
             let part = open.suspects();
             let mut others = start.known.clone();
             part.iter().for_each(|&joint| others[joint] = false);
-            let (trial, _) = self.solve_part(&start.schema, &part, &others, ONSETS_PER_PART, rng, &mut start.onsets);
+            let (trial, _) =
+                self.solve_part(&start.schema, &part, &others, ONSETS_PER_PART, rng, &mut start.onsets);
             let (trial, _) = self.settle(&used, &parameters, trial, 30);
             if OpenGaps::new(self.creature, skin, &used, &trial).share < open.share {
                 start.schema = trial;
@@ -242,7 +243,7 @@ impl Nursery<'_> {
             *onsets += 1;
             let mut trial = schema.clone();
             part.iter().for_each(|&joint| randomize_joint(self.creature, &mut trial, joint, rng));
-            if (onset + self.turn) % 2 == 0 {
+            if (onset + self.turn).is_multiple_of(2) {
                 let unfolded = self.split.unfold(&trial);
                 let (solved, _) =
                     self.solve(&self.split.creature, &split_touches, &split_relaxed, unfolded, 100);

@@ -246,7 +246,11 @@ impl Observability {
             }
         }
         for direction in sparse_basis(&self.null_space) {
-            words.push(self.describe(creature, schema, &direction));
+            let sentence = self.describe(creature, schema, &direction);
+            // Two directions of one axis read alike: once is enough.
+            if !words.contains(&sentence) {
+                words.push(sentence);
+            }
         }
         words
     }
@@ -272,10 +276,10 @@ impl Observability {
                 }
             }
             for (k, dof) in joint.dof_indices().zip(&joint.dofs) {
-                if let Some(offset) = self.parameters.axes[k] {
-                    if direction.rows(offset, 2).norm() > NAMED_SHARE {
-                        moved.push(format!("the axis of {} may turn", dof.name));
-                    }
+                if let Some(offset) = self.parameters.axes[k]
+                    && direction.rows(offset, 2).norm() > NAMED_SHARE
+                {
+                    moved.push(format!("the axis of {} may turn", dof.name));
                 }
             }
         }

@@ -47,10 +47,10 @@ impl<'a> SurfaceGap<'a> {
     pub fn meeting(&self, ends: &[Observation; 2], frames: &[Frame; 2]) -> Meeting {
         let surfaces =
             [0, 1].map(|k| self.skin.receptors[ends[k].receptor].surface.map(|s| &self.skin.surfaces[s]));
-        if let [Some(a), Some(b)] = surfaces {
-            if let (Some(first), Some(second)) = (segment(a, &frames[0]), segment(b, &frames[1])) {
-                return swept_segments(&first, &second);
-            }
+        if let [Some(a), Some(b)] = surfaces
+            && let (Some(first), Some(second)) = (segment(a, &frames[0]), segment(b, &frames[1]))
+        {
+            return swept_segments(&first, &second);
         }
         let centres = [0, 1].map(|k| frames[k].point(&self.skin.receptors[ends[k].receptor].position));
         let distance = |k: usize, p_c: &Vector3<f64>| {

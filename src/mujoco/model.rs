@@ -429,9 +429,10 @@ fn plain(message: &str) -> String {
         let (_, rest) = message.split_once(name)?;
         rest.split([' ', ',', ':']).next()
     };
-    let (Some(code), Some(line)) = (field("XML_ERROR_"), field("Line number=")) else {
+    let (Some(code), Some(line)) = (field("Error=XML_"), field("Line number=")) else {
         return message.to_string();
     };
+    let code = code.trim_start_matches("ERROR_");
     match (code, field("filename=")) {
         ("FILE_NOT_FOUND", Some(file)) => {
             let (_, place) = message.rsplit_once("', ").unwrap_or_default();

@@ -19,7 +19,7 @@ use xmltree::{Element, XMLNode};
 use super::from_model::shape;
 use super::{Shape, Surface};
 use crate::mjcf_xml::{HALF_THICKNESS, add_receptor_class, element, section, write};
-use crate::mujoco::{self, Data, JointKind, Model, ObjectKind};
+use crate::mujoco::{self, Data, GeomKind, JointKind, Model, ObjectKind};
 
 /// Samples per receptor of the surface.
 const SAMPLES_PER_RECEPTOR: f64 = 150.0;
@@ -100,7 +100,13 @@ pub fn grow_skin(path: &Path, options: &GrowOptions) -> Result<String, GrowError
     }
     let patches = patches(&model, options)?;
     if patches.is_empty() {
-        return Err(unsuitable("no geom of a moving body can touch anything: give it geoms".into()));
+        let meshes = model.geoms().any(|geom| geom.kind == GeomKind::Mesh && in_creature(&model, geom.body));
+        return Err(unsuitable(if meshes {
+            "its moving bodies have meshes alone, on which no skin grows: give them capsules or boxes too"
+                .into()
+        } else {
+            "no geom of a moving body can touch anything: give it geoms".into()
+        }));
     }
     let names = limb_names(&model);
     let mut count: BTreeMap<String, usize> = BTreeMap::new();
