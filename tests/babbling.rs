@@ -191,7 +191,7 @@ fn assert_confirmed(name: &str, body: &Body, skin: &Skin, touches: &[Touch]) {
 fn every_touch_is_confirmed_by_the_engine_and_nothing_else_is_deeper() {
     let exact = exact().into_iter().chain([("Max", max("all"))]).map(|creature| (creature, 300));
     // Feeling the way in steps is slow.
-    let stepped = stepped().into_iter().map(|creature| (creature, 20));
+    let stepped = stepped().into_iter().map(|creature| (creature, 8));
     for ((name, body), count) in exact.chain(stepped) {
         let skin = skin_of(&body);
         let touches = babble(&body, &skin, count, 3, 2);

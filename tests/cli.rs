@@ -164,6 +164,7 @@ fn wrong_models() -> Vec<(&'static str, Option<String>, Vec<&'static str>)> {
             Some(arms().replace("<geom ", "<geom contype=\"0\" conaffinity=\"0\" ")),
             vec!["no two limbs", "contype"],
         ),
+        ("deep.xml", Some("<body>".repeat(2000)), vec!["malformed XML", "line 1"]),
         ("hostile.xml", Some(arms().replacen("0.12 0.2", "1e30 0.2", 1)), vec!["line 5", "1e30"]),
     ]
 }
@@ -598,7 +599,64 @@ fn a_grown_skin_makes_a_bare_creature_learn() {
     has(&place.fails(&["skin", "grown.xml"]), &["grown.xml", "already"]);
 }
 
-/// Whether a path is below the working folder: nothing may be written elsewhere.
+#[test]
+fn creatures_nobody_thought_of_end_in_a_result_or_a_sentence() {
+    let place = Place::new();
+    let limb = r#"<geom type="capsule" fromto="0 0 0 0.3 0 0" size="0.03"/>"#;
+    let chain = |joint: &str, bodies: usize| {
+        let one = |k: usize| {
+            format!("<body pos='{} 0 0'>{joint}{limb}<site size='0.3'/>", if k > 0 { 0.3 } else { 0.0 })
+        };
+        (0..bodies).map(one).collect::<String>() + &"</body>".repeat(bodies)
+    };
+    let model = |body: &str, rest: &str| {
+        format!(
+            "<mujoco><compiler angle='radian' autolimits='true'/>{rest}<worldbody><body name='t'>{limb}{body}</body></worldbody></mujoco>"
+        )
+    };
+    let mesh = "<asset><mesh name='m' vertex='0 0 0 0.3 0 0 0 0.1 0 0 0 0.1'/></asset>";
+    for (name, xml) in [
+        ("nameless balls", model(&chain("<joint type='ball'/>", 3), "")),
+        ("nameless hinges", model(&chain("<joint axis='0 0 1'/>", 3), "")),
+        ("huge ranges", model(&chain("<joint axis='0 1 0' range='-1e5 1e5'/>", 3), "")),
+        ("huge slides", model(&chain("<joint type='slide' axis='0 1 0' range='-1e5 1e5'/>", 3), "")),
+        ("zero size", model("<body><joint/><geom size='0'/></body>", "")),
+        ("zero range", model(&chain("<joint range='0 0'/>", 2), "")),
+        ("a plane on a limb", model("<body><joint/><geom type='plane' size='1 1 1'/></body>", "")),
+        ("a mesh", model("<body><joint name='j'/><geom type='mesh' mesh='m'/></body>", mesh)),
+        ("one limb", model(&chain("<joint axis='0 0 1'/>", 1), "")),
+    ] {
+        // Named, and with all sites sensed, what can be babbled is.
+        let mut count = 0;
+        let parts = xml.split("<site ").map(|part| {
+            count += 1;
+            if count == 1 { part.to_string() } else { format!("<site name='s{count}' {part}") }
+        });
+        let sensed: String = parts.collect();
+        let sensors: String = (2..=count).map(|k| format!("<touch site='s{k}'/>")).collect();
+        let sensed = sensed.replace("</mujoco>", &format!("<sensor>{sensors}</sensor></mujoco>"));
+        for (file, text) in [("plain.xml", &xml), ("sensed.xml", &sensed)] {
+            place.write(file, text);
+            for arguments in [
+                &["inspect", file][..],
+                &["skin", file],
+                &["babble", file, "--touches", "1", "--out", "odd", "--jobs", "2"],
+            ] {
+                let output = place.run(arguments);
+                let message = self::text(&output.stderr);
+                assert!(matches!(output.status.code(), Some(0 | 1)), "{name}, {arguments:?}: {message}");
+                assert!(!message.contains("panicked"), "{name}, {arguments:?}: {message}");
+                let failed = output.status.code() == Some(1);
+                assert!(
+                    !failed || message.trim_end().lines().count() == 1,
+                    "{name}, {arguments:?}: {message}"
+                );
+            }
+            let _ = fs::remove_dir_all(place.path("odd"));
+        }
+    }
+}
+
 #[test]
 fn a_session_of_a_creature_with_an_odd_name_stays_in_its_folder() {
     let place = Place::new();
