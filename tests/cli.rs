@@ -280,9 +280,7 @@ fn babble_prints_one_json_object_with_all_that_the_issue_asks_for() {
     has_keys(&found, &LEARNING_KEYS);
     assert_eq!((&found["touches"], &found["input"]), (&Value::from(120), &Value::from("contact")));
     assert_eq!(found["converged"], Value::Bool(true), "{found}");
-    for measure in ["heldout_mm"] {
-        has_keys(&found[measure], &["mean", "median", "p95", "max"]);
-    }
+    has_keys(&found["heldout_mm"], &["mean", "median", "p95", "max"]);
     has_keys(&found["axis_deg"], &["median", "max"]);
     assert!(found["heldout_mm"]["mean"].as_f64().unwrap() < 0.1, "{found}");
     assert!(found["motions"].as_u64().unwrap() >= 120);

@@ -330,7 +330,7 @@ impl Clearance {
                 if self.free_until[k] > soon {
                     continue;
                 }
-                let (advance, encounter) = self.look(k);
+                let (advance, encounter) = self.look(k, 1.0 - t);
                 if let Some(encounter) = encounter.filter(|_| advance <= 0.0) {
                     met = Some(encounter);
                 }
@@ -362,6 +362,29 @@ impl Clearance {
     /// The greatest speed of the encounter's pair, metres per unit of the motion.
     pub fn speed(&self, encounter: &Encounter) -> f64 {
         self.speed[encounter.pair]
+    }
+
+    /// How far a motion may advance from `t` until a point in both bounds of an encounter has moved by
+    /// `length` metres between the limbs, at the most.
+    pub fn advance_by(&mut self, encounter: &Encounter, t: f64, length: f64) -> f64 {
+        self.place_limbs(t);
+        let pair = &self.pairs[encounter.pair];
+        // Any such point is in the lesser of the two.
+        let reach = |side: usize| self.bounds[encounter.bounds[side] as usize].reach;
+        let side = if reach(0) <= reach(1) { 0 } else { 1 };
+        let bound = &self.bounds[encounter.bounds[side] as usize];
+        let turning = (self.states[pair.limbs[0]].omega - self.states[pair.limbs[1]].omega).norm();
+        let fastest = bound
+            .ends
+            .map(|end| self.states[pair.limbs[side]].point(&end))
+            .map(|p| self.relative_velocity(pair, &[p, p]).norm())
+            .into_iter()
+            .fold(0.0, f64::max)
+            + turning * bound.radius;
+        // Way in a time: fastest h + ½ acceleration h².
+        let acceleration = self.acceleration[encounter.pair];
+        let slow = 2.0 * length / (fastest + (fastest * fastest + 2.0 * acceleration * length).sqrt());
+        slow.max(length / self.speed[encounter.pair])
     }
 
     /// The gap of an encounter's geoms at `t`, and its rate of change, metres and metres per unit.
@@ -396,7 +419,7 @@ impl Clearance {
 
     /// How far the motion may advance from where the limbs are placed before limb pair `k` can touch, and
     /// which geoms limit it.
-    fn look(&mut self, k: usize) -> (f64, Option<Encounter>) {
+    fn look(&mut self, k: usize, rest: f64) -> (f64, Option<Encounter>) {
         self.checks += 1;
         let clusters = self.pairs[k].clusters;
         let middles = clusters.map(|c| self.middles[c]);
@@ -406,8 +429,11 @@ impl Clearance {
         let apart = distance - first - second;
         if apart > FAR {
             let pair = &self.pairs[k];
-            let opening = between.dot(&self.relative_velocity(pair, &middles)) / distance;
             let plain = apart / self.speed[k];
+            if plain >= rest {
+                return (plain, None);
+            }
+            let opening = between.dot(&self.relative_velocity(pair, &middles)) / distance;
             return (plain.max(until_zero(apart, opening, self.acceleration[k])), None);
         }
         clusters.into_iter().for_each(|cluster| self.place_cluster(cluster));

@@ -160,7 +160,7 @@ impl<'a> Mover<'a> {
             return Ok(opening > 1e-3 * self.clearance.speed(contact));
         }
         // How their bounds move says nothing of the geoms themselves: see whether they have parted soon.
-        let soon = (PARTING / self.clearance.speed(contact)).min(1.0);
+        let soon = self.clearance.advance_by(contact, 0.0, PARTING).min(1.0);
         self.clearance.pass(contact, soon);
         Ok(!matches!(self.contact_at(contact, soon)?, Some((met, _)) if met == *contact))
     }
@@ -184,8 +184,8 @@ impl<'a> Mover<'a> {
     }
 
     /// The next place to look at in a stretch that only the engine can judge.
-    fn step(&self, encounter: &Encounter, t: f64) -> Option<f64> {
-        Some((t + ENGINE_STEP / self.clearance.speed(encounter)).min(1.0))
+    fn step(&mut self, encounter: &Encounter, t: f64) -> Option<f64> {
+        Some((t + self.clearance.advance_by(encounter, t, ENGINE_STEP)).min(1.0))
     }
 
     /// Stops where the first contact between `free` and `met` begins; `deep` is the one at `met`.
