@@ -77,7 +77,14 @@ fn learning(criterion: &mut Criterion) {
     for count in [1_000, 10_000] {
         let set = prepare(creature, &skin, &touches[..count]);
         let gap = SurfaceGap { skin: &skin, gap_deviation: GAP_DEVIATION, patch_deviation: 1.0 };
-        lm_iteration(criterion, creature, &set, &start, PointsMeet::Shaped, &format!("points, {count} touches"));
+        lm_iteration(
+            criterion,
+            creature,
+            &set,
+            &start,
+            PointsMeet::Shaped,
+            &format!("points, {count} touches"),
+        );
         lm_iteration(criterion, creature, &set, &start, gap, &format!("surface gap, {count} touches"));
     }
 
