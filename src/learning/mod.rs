@@ -6,20 +6,25 @@
 pub mod annealing;
 mod growing;
 mod hersch;
+mod known;
 pub mod least_squares;
 pub mod observability;
 pub mod observation;
 pub mod onset;
 pub mod open_gaps;
 mod parameters;
+pub mod prediction;
+mod prior;
 mod second_order;
 mod split;
 pub mod surface_gap;
 pub mod touch_set;
 
 pub use hersch::{Hersch, STEP};
+pub use known::Known;
 pub use observation::{Input, SkinKnowledge};
 pub use parameters::{AxisModel, Parameters};
+pub use prior::Prior;
 pub use second_order::SecondOrder;
 
 use crate::schema::BodySchema;
