@@ -169,7 +169,8 @@ pub fn run(args: &Args) -> Outcome {
         creature.dof(),
         args.model.display()
     );
-    say!("{} trials of {} touches, seeds {}\n", args.trials, args.touches, seeds.join(" "));
+    let trials = if args.trials == 1 { "trial" } else { "trials" };
+    say!("{} {trials} of {} touches, seeds {}\n", args.trials, args.touches, seeds.join(" "));
     findings.summary.print();
     say!("");
     findings.notes.iter().for_each(|note| say!("{note}"));

@@ -129,6 +129,31 @@ impl<'a> Ruler<'a> {
 }
 
 impl Plot {
+    /// The corner in whose ninth of the plot the fewest points lie, for the legend.
+    fn emptiest_corner(&self, rulers: [&Ruler; 2]) -> SeriesLabelPosition {
+        let third = |ruler: &Ruler, value: f64| {
+            let Even { range, .. } = &ruler.even;
+            let share = (ruler.scale.coordinate(value) - range.start) / (range.end - range.start);
+            (3.0 * share).floor()
+        };
+        let corners = [
+            ((2.0, 2.0), SeriesLabelPosition::UpperRight),
+            ((0.0, 0.0), SeriesLabelPosition::LowerLeft),
+            ((0.0, 2.0), SeriesLabelPosition::UpperLeft),
+            ((2.0, 0.0), SeriesLabelPosition::LowerRight),
+        ];
+        let points = || self.series.iter().flat_map(|series| series.line.iter().chain(&series.dots));
+        let crowd = |corner: (f64, f64)| {
+            points().filter(|(x, y)| (third(rulers[0], *x), third(rulers[1], *y)) == corner).count()
+        };
+        let [first, others @ ..] = corners;
+        let (_, position) = others.into_iter().fold((crowd(first.0), first.1), |best, (corner, position)| {
+            let count = crowd(corner);
+            if count < best.0 { (count, position) } else { best }
+        });
+        position
+    }
+
     /// The plot as a drawing of its own.
     ///
     /// # Errors
@@ -179,6 +204,7 @@ impl Plot {
             }
             chart
                 .configure_series_labels()
+                .position(self.emptiest_corner([&x_ruler, &y_ruler]))
                 .background_style(WHITE.mix(0.85))
                 .border_style(GRID)
                 .label_font(font(12))
