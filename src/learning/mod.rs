@@ -21,7 +21,7 @@ pub mod touch_set;
 pub use hersch::{Hersch, STEP};
 pub use observation::{Input, SkinKnowledge};
 pub use parameters::{AxisModel, Parameters};
-pub use relaxed_gradient::RelaxedGradient;
+pub use relaxed_gradient::{RelaxedGradient, STEPS};
 pub use second_order::SecondOrder;
 
 use crate::schema::BodySchema;

@@ -22,10 +22,13 @@
 //! Δ = −ε M Jᵀ (J M Jᵀ + Σ / s)⁻¹ e
 //! ```
 //!
-//! in which s falls from 1 to [`LAST_SCALE`], and then for every axis that it passed `Δa = −w (|a|² − 1) a`,
-//! in which w rises from 0 to [`LAST_PULL`]. For large s this is the normalised least-mean-squares step
+//! in which s falls from 1 to [`LAST_SCALE`]. For large s this is the normalised least-mean-squares step
 //! (Kaczmarz's projection of the touch's three equations), for small s it is `ε s` times the gradient of
-//! the whitened miss, with a step that decays.
+//! the whitened miss, with a step that decays. Then every axis of the chain makes the step
+//! `−w (|a|² − 1) a`, in which w rises from 0 to [`LAST_PULL`].
+//!
+//! What it cannot do: every touch counts alike, and one false touch in fifty is enough to undo the others.
+//! Weights that fall with the miss would bear them, but leave limbs behind that are seldom touched.
 
 use nalgebra::{Matrix3, Vector3};
 use rand::SeedableRng;

@@ -125,7 +125,15 @@ fn measure(subject: &Subject) -> Result<Findings, Failure> {
          per trial; false touches have a random receptor at one end."
             .to_string(),
     ];
-    let names = conditions.iter().map(|(disturbances, _)| disturbances.to_string()).collect();
+    // The plot has little room for the words of a combination.
+    let label = |(disturbances, amounts): &(DisturbanceOptions, [f64; 3])| {
+        let [joints, receptors, touches] = amounts;
+        match amounts.iter().filter(|amount| **amount > 0.0).count() {
+            0 | 1 => disturbances.to_string(),
+            _ => format!("together {joints}°, {receptors} mm, {:.0} %", 1e2 * touches),
+        }
+    };
+    let names = conditions.iter().map(label).collect();
     let plot = Plot {
         x: Axis { title: "mean held-out error, mm", scale: Scale::Logarithmic },
         y: Axis { title: "", scale: Scale::Names(names) },

@@ -176,7 +176,7 @@ impl Plot {
                 .caption(title, font(15))
                 .margin(12)
                 .x_label_area_size(46)
-                .y_label_area_size(34 + 7 * longest as u32)
+                .y_label_area_size(34 + 6 * longest as u32)
                 .build_cartesian_2d(x_ruler.even.clone(), y_ruler.even.clone())?;
             chart
                 .configure_mesh()
