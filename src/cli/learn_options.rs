@@ -29,7 +29,7 @@ pub const LEARNED_FILE: &str = "learned.xml";
 pub const REPORT_FILE: &str = "report.html";
 
 /// Options of learning.
-#[derive(clap::Args, Clone, Debug)]
+#[derive(clap::Args, Clone, Debug, Default)]
 pub struct LearnOptions {
     /// The learner: Levenberg-Marquardt from any onset, Hersch's rule as the paper prints it, or that
     /// rule repaired
@@ -45,35 +45,27 @@ pub struct LearnOptions {
     pub disturbances: DisturbanceOptions,
 }
 
-impl Default for LearnOptions {
-    fn default() -> LearnOptions {
-        LearnOptions {
-            learner: LearnerName::Lm,
-            input: InputName::Receptor,
-            skin: SkinName::Surface,
-            disturbances: DisturbanceOptions::default(),
-        }
-    }
-}
-
 /// The learners by name.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub enum LearnerName {
+    #[default]
     Lm,
     Hersch,
     Gradient,
 }
 
 /// The inputs by name.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub enum InputName {
+    #[default]
     Receptor,
     Contact,
 }
 
 /// The knowledge of the skin by name.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub enum SkinName {
+    #[default]
     Surface,
     Centres,
 }

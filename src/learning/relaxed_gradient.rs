@@ -27,8 +27,9 @@
 //! the whitened miss, with a step that decays. Then every axis of the chain makes the step
 //! `−w (|a|² − 1) a`, in which w rises from 0 to [`LAST_PULL`].
 //!
-//! What it cannot do: every touch counts alike, and one false touch in fifty is enough to undo the others.
-//! Weights that fall with the miss would bear them, but leave limbs behind that are seldom touched.
+//! What it cannot do: every touch counts alike, and on Max's torso one false touch in fifty undid the others.
+//! Weights that fall with the miss bore some of them, but left limbs behind that are seldom touched, even
+//! where no touch was false.
 
 use nalgebra::{Matrix3, Vector3};
 use rand::SeedableRng;
@@ -52,7 +53,7 @@ pub const LENGTH: f64 = 0.07;
 /// Where the scale s of the steps ends; it starts at 1 and falls by the same factor in every pass.
 pub const LAST_SCALE: f64 = 1e-5;
 /// Where the weight w of the pull towards unit axes ends; it starts at 0 and rises with the square of the
-/// passes done. From 0.01 to 1 it makes no difference; with 0 the error is a seventh greater at least.
+/// passes done. From 0.01 to 1 it makes no difference; with 0 receptor centres leave a seventh more error.
 pub const LAST_PULL: f64 = 0.1;
 /// Steps in all, whatever the number of touches: about a second.
 pub const STEPS: usize = 1_000_000;
