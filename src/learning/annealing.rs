@@ -14,7 +14,7 @@ use crate::schema::BodySchema;
 use crate::skin::Skin;
 
 /// The widest deviation, metres: a few centimetres is what receptor centres leave.
-const WIDEST: f64 = 0.02;
+pub const WIDEST: f64 = 0.02;
 /// The narrowest deviation, metres: how deep limbs press into each other where a motion stops.
 pub const NARROWEST: f64 = 1e-6;
 /// Standard deviation of a normal distribution whose absolute values have the median 1.

@@ -16,13 +16,13 @@
 use rand_chacha::ChaCha8Rng;
 
 use crate::creature::Creature;
-use crate::learning::annealing::{NARROWEST, anneal_to, gaps, quantile};
+use crate::learning::annealing::{NARROWEST, WIDEST, anneal_to, gaps, quantile};
 use crate::learning::least_squares::{Stopping, levenberg_marquardt};
 use crate::learning::observation::PointsMeet;
 use crate::learning::onset::randomize_joint;
 use crate::learning::open_gaps::OpenGaps;
-use crate::learning::split::SplitCreature;
-use crate::learning::touch_set::{PairTouches, TouchProblem, TouchSet};
+use crate::learning::relaxed_gradient::descend;
+use crate::learning::touch_set::{PairTouches, PreparedTouch, TouchProblem, TouchSet};
 use crate::learning::{AxisModel, Parameters, Prior};
 use crate::schema::BodySchema;
 use crate::skin::Skin;
@@ -36,8 +36,11 @@ const WHOLE_DOF: usize = 60;
 const PART_GAP: f64 = 5e-3;
 /// … and no better onset is looked for when they are below this.
 const CERTAIN_GAP: f64 = 2e-4;
-/// Deviation of the gap down to which axes stay relaxed, metres.
-const RELAXED_GAP: f64 = 3e-3;
+/// Steps down the relaxed gradient from an onset: a tenth of a second.
+const DESCENT: usize = 100_000;
+/// Deviations of the gap, metres, down to which axes stay relaxed, by the number of the start. Joints that
+/// turn little are caught in one wrong minimum or another, and which depends on this.
+const RELAXED_GAPS: [f64; 4] = [3e-3, WIDEST, 1e-3, 3e-4];
 
 /// Centres that miss by more than this many of their deviations are a wrong minimum: no need to anneal.
 const HOPELESS: f64 = 1.2;
@@ -74,21 +77,15 @@ pub struct Start {
 pub struct Nursery<'a> {
     /// The creature.
     pub creature: &'a Creature,
-    /// The creature with its joints split.
-    pub split: &'a SplitCreature,
-    /// The touches to explain, for the creature …
+    /// The touches to explain.
     pub touches: &'a TouchSet,
-    /// … and for its split counterpart, in the same order.
-    pub split_touches: &'a TouchSet,
     /// What the touches say.
     pub evidence: Evidence<'a>,
-    /// Where joints may be …
+    /// Where joints may be.
     pub prior: &'a Prior,
-    /// … and those of the split counterpart.
-    pub split_prior: &'a Prior,
     /// Joints that keep the prior's mean.
     pub frozen: &'a [bool],
-    /// Which kind of start comes first: split joints where it is even, whole ones where it is odd.
+    /// The number of the start: starts differ in more than their random numbers.
     pub turn: usize,
 }
 
@@ -110,6 +107,12 @@ impl Evidence<'_> {
             Evidence::Surfaces(_) if dof > WHOLE_DOF || start % 4 == 3 => Route::Grown,
             _ => Route::Whole,
         }
+    }
+
+    /// Whether an onset goes down the gradient first. Coarse places need it; exact ones find the answer of a
+    /// small part as well without, and at times where the gradient does not.
+    fn descends(&self, onset: usize) -> bool {
+        matches!(self, Evidence::Surfaces(_)) || onset.is_multiple_of(2)
     }
 
     /// Touches a part needs before it is solved: some, and some more per unknown degree of freedom. A point
@@ -231,7 +234,7 @@ impl Nursery<'_> {
         start: BodySchema,
     ) -> (BodySchema, f64) {
         let narrowest = match parameters.axis_model {
-            AxisModel::Relaxed => RELAXED_GAP,
+            AxisModel::Relaxed => RELAXED_GAPS[self.turn % RELAXED_GAPS.len()],
             AxisModel::Unit => NARROWEST,
         };
         let annealed = anneal_to(narrowest, self.creature, skin, touches, parameters, self.prior, start);
@@ -291,40 +294,24 @@ impl Nursery<'_> {
         onsets: &mut usize,
     ) -> (BodySchema, Misfit) {
         let in_part = |joint: usize| part.contains(&joint);
-        let split_joint = |joint: usize| self.split.joint_of[joint];
         // The pairs that the part closes: they need it, and nothing else that is unknown.
-        let closed = |touches: &TouchSet, joint_of: &dyn Fn(usize) -> usize| {
-            touches.filter(|pair| {
-                let mut joints = pair.chain.joints().map(joint_of);
-                joints.clone().any(in_part) && joints.all(|joint| known[joint] || in_part(joint))
-            })
-        };
-        let touches = closed(self.touches, &|joint| joint);
-        let split_touches = closed(self.split_touches, &split_joint);
-
+        let touches = self.touches.filter(|pair| {
+            let mut joints = pair.chain.joints();
+            joints.clone().any(in_part) && joints.all(|joint| known[joint] || in_part(joint))
+        });
+        let listed: Vec<&PreparedTouch> = touches.pairs.iter().flat_map(|pair| &pair.touches).collect();
         let relaxed = self.parameters(AxisModel::Relaxed, &in_part);
         let unit = self.parameters(AxisModel::Unit, &in_part);
-        let split_relaxed =
-            Parameters::new(&self.split.creature, AxisModel::Relaxed, |joint| in_part(split_joint(joint)));
         let mut best: Option<(BodySchema, Misfit)> = None;
         for onset in 0..most {
             *onsets += 1;
             let mut trial = schema.clone();
             part.iter().for_each(|&joint| randomize_joint(self.creature, &mut trial, joint, rng));
-            if (onset + self.turn).is_multiple_of(2) {
-                let unfolded = self.split.unfold(&trial);
-                let (solved, _) = self.solve(
-                    &self.split.creature,
-                    self.split_prior,
-                    &split_touches,
-                    &split_relaxed,
-                    unfolded,
-                    100,
-                );
-                trial = self.split.fold(&solved);
+            if self.evidence.descends(onset + self.turn) {
+                trial = descend(&listed, trial, DESCENT, &relaxed, rng);
             }
             let rms;
-            (trial, rms) = self.solve(self.creature, self.prior, &touches, &relaxed, trial, 100);
+            (trial, rms) = self.solve(&touches, &relaxed, trial, 100);
             trial.normalize_axes(self.creature);
             let hopeless = matches!(self.evidence, Evidence::Surfaces(_)) && rms > HOPELESS_RELAXED;
             let (trial, misfit) = match hopeless {
@@ -351,16 +338,14 @@ impl Nursery<'_> {
     ) -> (BodySchema, Misfit) {
         match self.evidence {
             Evidence::Points(acceptance) => {
-                let (schema, rms) =
-                    self.solve(self.creature, self.prior, touches, parameters, start, iterations);
+                let (schema, rms) = self.solve(touches, parameters, start, iterations);
                 (schema, Misfit(rms / acceptance))
             }
             Evidence::Surfaces(skin) => {
                 let mut start = start;
                 if quantile(&gaps(skin, touches, &start), 0.8) > PART_GAP {
                     let rms;
-                    (start, rms) =
-                        self.solve(self.creature, self.prior, touches, parameters, start, iterations);
+                    (start, rms) = self.solve(touches, parameters, start, iterations);
                     if rms > HOPELESS {
                         return (start, Misfit(HOPELESS_MISFIT * rms));
                     }
@@ -376,8 +361,6 @@ impl Nursery<'_> {
     /// One least-squares solve by points; the schema and the root mean square of its whitened residuals.
     fn solve(
         &self,
-        creature: &Creature,
-        prior: &Prior,
         touches: &TouchSet,
         parameters: &Parameters,
         start: BodySchema,
@@ -388,10 +371,10 @@ impl Nursery<'_> {
             (Evidence::Points(_), AxisModel::Unit) => PointsMeet::Shaped,
             _ => PointsMeet::Anyhow,
         };
-        let mut problem = TouchProblem::new(creature, touches, parameters, model);
+        let mut problem = TouchProblem::new(self.creature, touches, parameters, model);
         // Points are sharp enough to do without.
         if matches!(self.evidence, Evidence::Surfaces(_)) {
-            problem = problem.with_prior(prior);
+            problem = problem.with_prior(self.prior);
         }
         // Far below what noise can do there is nothing left to gain here.
         let cost = 0.5 * count * 1e-6;

@@ -15,8 +15,8 @@ pub mod open_gaps;
 mod parameters;
 pub mod prediction;
 mod prior;
+mod relaxed_gradient;
 mod second_order;
-mod split;
 pub mod surface_gap;
 pub mod touch_set;
 
@@ -25,6 +25,7 @@ pub use known::Known;
 pub use observation::{Input, SkinKnowledge};
 pub use parameters::{AxisModel, Parameters};
 pub use prior::Prior;
+pub use relaxed_gradient::{RelaxedGradient, STEPS};
 pub use second_order::SecondOrder;
 
 use crate::schema::BodySchema;

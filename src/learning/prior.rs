@@ -8,7 +8,6 @@ use nalgebra::Vector3;
 use crate::creature::Creature;
 use crate::kinematics::tangent_basis;
 use crate::learning::least_squares::Linearization;
-use crate::learning::split::SplitCreature;
 use crate::learning::{AxisModel, Parameters};
 use crate::schema::BodySchema;
 use crate::skin::Skin;
@@ -56,16 +55,6 @@ impl Prior {
                 prior.position_deviations[j] = spread * (squares[joint.parent] / count).sqrt().max(0.3 * all);
             }
         }
-        prior
-    }
-
-    /// The same belief of the body with its joints split: the joint's mean goes to its first part.
-    pub(super) fn split(&self, split: &SplitCreature) -> Prior {
-        let mut prior = Prior::size(&split.creature, f64::INFINITY);
-        prior.mean = split.unfold(&self.mean);
-        prior.position_deviations =
-            split.joint_of.iter().map(|&joint| self.position_deviations[joint]).collect();
-        prior.axis_deviations.clone_from(&self.axis_deviations);
         prior
     }
 

@@ -18,7 +18,6 @@ use crate::learning::least_squares::{LeastSquares, Stopping, levenberg_marquardt
 use crate::learning::observability::Observability;
 use crate::learning::observation::{Input, Observation, ObservationModel, PointsMeet, SkinKnowledge};
 use crate::learning::prediction::{GapRow, covariance};
-use crate::learning::split::SplitCreature;
 use crate::learning::surface_gap::SurfaceGap;
 use crate::learning::touch_set::{LimbTouch, TouchProblem, TouchSet};
 use crate::learning::{AxisModel, Known, Learned, Learner, Parameters, Verdict};
@@ -29,7 +28,7 @@ use crate::skin::Skin;
 /// Every how many touches one is kept back to judge a start.
 const KEPT_BACK: usize = 5;
 /// Starts tried before the learner says that it failed.
-const STARTS: usize = 60;
+const STARTS: usize = 24;
 /// Starts after which the best is taken though its gaps show noise: less of it would have been an answer
 /// nearer the truth, and only trying can tell.
 const WARY_STARTS: usize = 10;
@@ -97,12 +96,7 @@ impl<'a> SecondOrder<'a> {
         }
     }
 
-    fn prepare<'t>(
-        &self,
-        creature: &Creature,
-        limb_of: impl Fn(usize) -> usize,
-        touches: impl Iterator<Item = &'t Touch>,
-    ) -> TouchSet {
+    fn prepare<'t>(&self, touches: impl Iterator<Item = &'t Touch>) -> TouchSet {
         let prepared = touches.map(|touch| {
             let ends = touch.ends.map(|end| Observation {
                 receptor: end.receptor,
@@ -112,10 +106,10 @@ impl<'a> SecondOrder<'a> {
                     Input::Receptor => self.skin.receptors[end.receptor].covariance(NORMAL_DEVIATION),
                 },
             });
-            let limbs = touch.ends.map(|end| limb_of(self.skin.receptors[end.receptor].limb));
+            let limbs = touch.ends.map(|end| self.skin.receptors[end.receptor].limb);
             LimbTouch { limbs, posture: &touch.posture, ends }
         });
-        TouchSet::new(creature, prepared)
+        TouchSet::new(self.creature, prepared)
     }
 
     /// The touches that starts are fitted to: not those kept back, and not all of the most frequent pairs.
@@ -178,7 +172,7 @@ impl<'a> SecondOrder<'a> {
 
     /// Fits all known joints to all touches: the schema, what it rests on, and the deviation of a touch.
     fn polish(&self, start: &Start) -> (BodySchema, Observability, f64) {
-        let all = self.prepare(self.creature, |limb| limb, self.touches.iter());
+        let all = self.prepare(self.touches.iter());
         let used = known_touches(&all, &start.known);
         let parameters = Parameters::new(self.creature, AxisModel::Unit, |joint| {
             start.known[joint] && !self.known.frozen[joint]
@@ -203,7 +197,7 @@ impl<'a> SecondOrder<'a> {
 
     /// What all touches so far determine at a schema, and the deviation of a touch that they show, metres.
     pub fn observe(&self, schema: &BodySchema) -> (Observability, f64) {
-        self.observe_touches(&self.prepare(self.creature, |limb| limb, self.touches.iter()), schema)
+        self.observe_touches(&self.prepare(self.touches.iter()), schema)
     }
 
     fn observe_touches(&self, used: &TouchSet, schema: &BodySchema) -> (Observability, f64) {
@@ -290,24 +284,18 @@ impl Learner for SecondOrder<'_> {
 
     fn learn(&mut self) -> Learned {
         let fresh = self.touches.iter().enumerate().filter(|(i, _)| kept_back(*i)).map(|(_, touch)| touch);
-        let fresh = self.prepare(self.creature, |limb| limb, fresh);
+        let fresh = self.prepare(fresh);
         let fitted = self.fitted();
-        let split = SplitCreature::new(self.creature);
-        let touches = self.prepare(self.creature, |limb| limb, fitted.iter().copied());
-        let split_touches = self.prepare(&split.creature, |limb| split.limb_of[limb], fitted.iter().copied());
-        let split_prior = self.known.prior.split(&split);
+        let touches = self.prepare(fitted.iter().copied());
         let dof = self.creature.dof();
         let make = |number: usize| {
             let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
             rng.set_stream(number as u64);
             let nursery = Nursery {
                 creature: self.creature,
-                split: &split,
                 touches: &touches,
-                split_touches: &split_touches,
                 evidence: self.evidence(),
                 prior: &self.known.prior,
-                split_prior: &split_prior,
                 frozen: &self.known.frozen,
                 turn: number,
             };
