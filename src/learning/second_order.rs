@@ -29,9 +29,11 @@ use crate::skin::Skin;
 const KEPT_BACK: usize = 5;
 /// Starts tried before the learner says that it failed.
 const STARTS: usize = 24;
-/// Starts after which the best is taken though its gaps show noise: less of it would have been an answer
-/// nearer the truth, and only trying can tell.
-const WARY_STARTS: usize = 10;
+/// Where gaps show noise, only trying can tell whether less of it was to be had: so many starts are made at
+/// the least …
+const WARY_STARTS: usize = 4;
+/// … and two must agree on the least noise to this share of it.
+const AGREEMENT: f64 = 0.02;
 /// Noise of the gaps below which no better answer is looked for, metres.
 const CERTAIN_NOISE: f64 = 2e-4;
 /// Touches of one limb pair that a start uses at most; the last fit uses all.
@@ -315,16 +317,23 @@ impl Learner for SecondOrder<'_> {
         // All cores make starts; which one is taken does not depend on how many there are.
         let mut best: Option<Judged> = None;
         let mut onsets = 0;
+        let mut noises: Vec<f64> = Vec::new();
         let numbers: Vec<usize> = (0..STARTS).collect();
         'waves: for wave in numbers.chunks(rayon::current_num_threads()) {
             let made: Vec<Judged> = wave.par_iter().map(|&number| make(number)).collect();
             for (trial, number) in made.into_iter().zip(wave) {
                 onsets += trial.start.onsets;
+                if trial.start.accepted {
+                    noises.push(trial.noise);
+                }
                 if best.as_ref().is_none_or(|best| trial.better(best)) {
                     best = Some(trial);
                 }
                 let best = best.as_ref().expect("one was made");
-                if best.start.accepted && (best.noise <= CERTAIN_NOISE || *number + 1 >= WARY_STARTS) {
+                let agreeing =
+                    noises.iter().filter(|&&noise| noise <= (1.0 + AGREEMENT) * best.noise).count();
+                let agreed = *number + 1 >= WARY_STARTS && agreeing >= 2;
+                if best.start.accepted && (best.noise <= CERTAIN_NOISE || agreed) {
                     break 'waves;
                 }
             }
