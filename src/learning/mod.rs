@@ -10,6 +10,7 @@ mod known;
 pub mod least_squares;
 pub mod observability;
 pub mod observation;
+pub mod online;
 pub mod onset;
 pub mod open_gaps;
 mod parameters;
@@ -23,8 +24,9 @@ pub mod touch_set;
 pub use hersch::{Hersch, STEP};
 pub use known::Known;
 pub use observation::{Input, SkinKnowledge};
+pub use online::Online;
 pub use parameters::{AxisModel, Parameters};
-pub use prior::Prior;
+pub use prior::{Beforehand, Prior};
 pub use relaxed_gradient::{RelaxedGradient, STEPS};
 pub use second_order::SecondOrder;
 
