@@ -378,6 +378,7 @@ impl SecondOrder<'_> {
                 undetermined,
                 observability: Some(observability),
                 deviation: Some(deviation),
+                changes: Vec::new(),
             };
         }
         let why = format!(
@@ -392,6 +393,7 @@ impl SecondOrder<'_> {
             undetermined: (0..self.creature.joints().len()).collect(),
             observability: None,
             deviation: None,
+            changes: Vec::new(),
         }
     }
 }
