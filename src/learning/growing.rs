@@ -217,10 +217,9 @@ impl Nursery<'_> {
             for pair in self.without(&starved).pairs {
                 pair.chain.joints().for_each(|joint| counts[joint] += pair.touches.len());
             }
-            let unknowns = |joint: usize| 3 + 2 * self.creature.joints()[joint].dofs.len();
             let least = |joint: usize| match self.evidence {
-                Evidence::Points(_) => unknowns(joint) / 2 + SPARE,
-                Evidence::Surfaces(_) => unknowns(joint) + SPARE,
+                Evidence::Points(_) => self.unknowns(joint) / 2 + SPARE,
+                Evidence::Surfaces(_) => self.unknowns(joint) + SPARE,
             };
             let short = |joint: usize| !starved[joint] && !self.frozen[joint] && counts[joint] < least(joint);
             let Some(joint) = (0..starved.len()).filter(|&j| short(j)).min_by_key(|&j| counts[j]) else {
@@ -228,6 +227,11 @@ impl Nursery<'_> {
             };
             starved[joint] = true;
         }
+    }
+
+    /// The numbers that a joint adds: its position, and a direction per axis.
+    fn unknowns(&self, joint: usize) -> usize {
+        3 + 2 * self.creature.joints()[joint].dofs.len()
     }
 
     /// The touches with none of some joints between their limbs.
@@ -359,8 +363,11 @@ impl Nursery<'_> {
                 Evidence::Points(_) => {
                     candidates().max_by_key(|part| (1000 * touches_of(part)) / dof(part).max(1)).cloned()
                 }
-                // No part can stand alone: all that is left, at once.
-                Evidence::Surfaces(_) => Some(all),
+                // No part can stand alone: all that is left, at once, unless it has more unknowns than touches.
+                Evidence::Surfaces(_) => {
+                    let unknowns: usize = all.iter().map(|&joint| self.unknowns(joint)).sum();
+                    (10 * touches_of(&all) >= 11 * unknowns).then_some(all)
+                }
             };
         };
         Some(rich.clone())

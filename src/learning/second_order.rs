@@ -29,6 +29,8 @@ use crate::skin::Skin;
 const KEPT_BACK: usize = 5;
 /// Starts tried before the learner says that it failed.
 const STARTS: usize = 24;
+/// Starts after which one is taken though it knows fewer joints than have touches of their own.
+const INCOMPLETE_STARTS: usize = 2;
 /// Where gaps show noise, only trying can tell whether less of it was to be had: so many starts are made at
 /// the least …
 const WARY_STARTS: usize = 4;
@@ -371,7 +373,7 @@ impl SecondOrder<'_> {
                 let agreeing =
                     noises.iter().filter(|&&noise| noise <= (1.0 + AGREEMENT) * best.noise).count();
                 let agreed = *number + 1 >= WARY_STARTS && agreeing >= 2;
-                let complete = best.known() >= solvable || *number + 1 >= WARY_STARTS;
+                let complete = best.known() >= solvable || *number + 1 >= INCOMPLETE_STARTS;
                 if best.start.accepted && complete && (best.noise <= CERTAIN_NOISE || agreed) {
                     break 'waves;
                 }
