@@ -13,7 +13,7 @@ use super::open::open_body;
 use super::{Failure, output, progress};
 use crate::creature::{Creature, JointSelection};
 use crate::evaluation::report::{self, ReportInput};
-use crate::evaluation::{Evaluation, Summary, evaluate};
+use crate::evaluation::{Bound, Evaluation, Summary, evaluate_learned};
 use crate::ground_truth::GroundTruth;
 use crate::learning::onset::random_onset;
 use crate::learning::{
@@ -197,8 +197,7 @@ pub fn learn_session(
         let last = n + 1 == touches.len();
         if due || last {
             let learned = learner.learn();
-            let evaluation =
-                truth.map(|t| evaluate(creature, skin, t, &learned.schema, &learned.undetermined));
+            let evaluation = truth.map(|t| evaluate_learned(creature, skin, t, &learned));
             if last || options.learner == LearnerName::Hersch {
                 seconds += began.elapsed().as_secs_f64();
             }
@@ -221,7 +220,7 @@ pub fn learn_session(
         let mut learner = options.learner(creature, skin, session.seed);
         touches.iter().for_each(|touch| learner.touch(touch));
         let learned = learner.learn();
-        evaluate(creature, skin, truth, &learned.schema, &learned.undetermined).heldout_mm
+        evaluate_learned(creature, skin, truth, &learned).heldout_mm
     });
     spinner.finish_and_clear();
     write_schema(&folder.join(SCHEMA_FILE), creature, &learned.schema)?;
@@ -323,6 +322,7 @@ pub fn to_json(
         "heldout_mm": summary(evaluation.map(|e| e.heldout_mm)),
         "undisturbed_heldout_mm": summary(result.undisturbed_heldout_mm),
         "determined_mm": summary(evaluation.map(|e| e.determined_mm)),
+        "bound_mm": evaluation.and_then(|e| e.bound_mm),
         "hand_mm": summary(evaluation.and_then(|e| e.hand_mm)),
         "axis_deg": summary(evaluation.map(|e| e.axis_deg)),
         "axis_line_mm": summary(evaluation.map(|e| e.axis_line_mm)),
@@ -380,6 +380,19 @@ pub fn print_evaluation(evaluation: &Evaluation) {
     }
     output::row("angle between axes", "°", &evaluation.axis_deg);
     output::row("distance between axis lines", "mm", &evaluation.axis_line_mm);
+    if let Some(bound) = &evaluation.bound_mm {
+        print_bound(bound);
+    }
+}
+
+/// The error beside its bound, both as root mean squares.
+fn print_bound(bound: &Bound) {
+    say!(
+        "\n  root mean square over determined joints: {:.2e} mm, {:.2} times the Cramér-Rao bound of {:.2e} mm",
+        bound.error_rms,
+        bound.ratio,
+        bound.bound_rms
+    );
 }
 
 /// Says on standard error when a log ends in the middle of a line.

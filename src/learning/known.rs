@@ -15,11 +15,29 @@ pub struct Known {
     pub prior: Prior,
     /// Per joint, whether it keeps the prior's mean.
     pub frozen: Vec<bool>,
+    /// Per joint, whether the prior's position was given, not guessed from where the skin is.
+    pub given_positions: Vec<bool>,
 }
 
 impl Known {
     /// Nothing but where the skin is.
     pub fn nothing(creature: &Creature, skin: &Skin) -> Known {
-        Known { prior: Prior::skin(creature, skin, SPREAD), frozen: vec![false; creature.joints().len()] }
+        let joints = creature.joints().len();
+        Known {
+            prior: Prior::skin(creature, skin, SPREAD),
+            frozen: vec![false; joints],
+            given_positions: vec![false; joints],
+        }
+    }
+
+    /// The prior without what is guessed from where the skin is: what counts as evidence beside the touches.
+    pub fn given(&self) -> Prior {
+        let mut given = self.prior.clone();
+        for (deviation, given) in given.position_deviations.iter_mut().zip(&self.given_positions) {
+            if !given {
+                *deviation = f64::INFINITY;
+            }
+        }
+        given
     }
 }

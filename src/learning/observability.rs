@@ -8,7 +8,7 @@
 //! characteristic length, so that a singular value tells how much whitened residual a turn of one radian,
 //! or a shift of that length, makes.
 
-use nalgebra::{DMatrix, DVector, SymmetricEigen, Vector3};
+use nalgebra::{DMatrix, DVector, Matrix3, SymmetricEigen, Vector3};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use serde::Serialize;
@@ -26,6 +26,9 @@ pub const CHARACTERISTIC_LENGTH: f64 = 0.1;
 const NULL_SHARE: f64 = 1e-7;
 /// A joint is determined when skin beyond it can be placed to this, metres.
 pub const DETERMINED: f64 = 1e-3;
+/// How far an undetermined direction of unit length may move what is still called determined, metres and
+/// radians: rounding.
+const UNMOVED: f64 = 1e-6;
 /// Least share of a null direction that is worth naming.
 const NAMED_SHARE: f64 = 0.15;
 
@@ -44,6 +47,8 @@ pub struct Observability {
     /// Orthonormal undetermined directions, one a column, in scaled parameters.
     pub null_space: DMatrix<f64>,
     unscaled_null_space: DMatrix<f64>,
+    /// Per joint, whether it was known exactly before the first touch and is no parameter.
+    known: Vec<bool>,
     residuals: usize,
 }
 
@@ -61,10 +66,12 @@ pub struct Indices {
 }
 
 impl Observability {
-    /// From the normal equations `JᵀWJ` (lower triangle) over `parameters` and the number of residuals.
+    /// From the information `JᵀWJ` (lower triangle) over `parameters` and the number of residuals. `known`
+    /// tells of each joint whether it was known exactly beforehand, and is no parameter for that reason.
     pub fn new(
         creature: &Creature,
         parameters: Parameters,
+        known: &[bool],
         mut hessian: DMatrix<f64>,
         residuals: usize,
     ) -> Observability {
@@ -108,6 +115,7 @@ impl Observability {
             covariance,
             null_space,
             unscaled_null_space,
+            known: known.to_vec(),
             residuals,
         }
     }
@@ -151,6 +159,33 @@ impl Observability {
         Some(block.trace().max(0.0).sqrt())
     }
 
+    /// Standard deviation of each coordinate of a joint's position `l_P`, metres. None for a coordinate that
+    /// the touches leave open, all three of a joint that they do not involve.
+    pub fn position_std(&self, joint: usize) -> [Option<f64>; 3] {
+        let Some(offset) = self.parameters.positions[joint] else {
+            return [self.known[joint].then_some(0.0); 3];
+        };
+        [0, 1, 2].map(|i| self.parameter_std(offset + i))
+    }
+
+    /// Standard deviation of each of the two coordinates of an axis across its direction, radians: the root
+    /// of their mean variance. None where the touches leave its direction open, and for a ball.
+    pub fn axis_std(&self, creature: &Creature, dof: usize) -> Option<f64> {
+        let known = |joint: usize| self.known[joint] && creature.joints()[joint].dof_indices().contains(&dof);
+        if (0..self.known.len()).any(known) {
+            return Some(0.0);
+        }
+        let offset = self.parameters.axes[dof]?;
+        let [first, second] = [self.parameter_std(offset)?, self.parameter_std(offset + 1)?];
+        Some((0.5 * (first * first + second * second)).sqrt())
+    }
+
+    /// Standard deviation of one parameter; none where an undetermined direction moves it.
+    pub fn parameter_std(&self, index: usize) -> Option<f64> {
+        let open = self.unscaled_null_space.row(index).iter().any(|shift| shift.abs() > UNMOVED);
+        (!open).then(|| self.covariance[(index, index)].max(0.0).sqrt())
+    }
+
     /// The standard deviation with which the schema puts a point `p_a` of limb `a` into the frame of limb
     /// `b`, metres: the root of the trace of `J Σ Jᵀ`. Infinite where an undetermined direction moves it or
     /// a joint between was never touched.
@@ -162,9 +197,24 @@ impl Observability {
         limbs: [usize; 2],
         p_a: &Vector3<f64>,
     ) -> f64 {
+        let covariance = self.point_covariance(creature, schema, posture, limbs, p_a);
+        covariance.map_or(f64::INFINITY, |covariance| covariance.trace().max(0.0).sqrt())
+    }
+
+    /// The covariance `J Σ Jᵀ` with which the schema puts a point `p_a` of limb `a` into the frame of limb
+    /// `b`, in that frame, m². None where an undetermined direction moves it or a joint between was never
+    /// touched.
+    pub fn point_covariance(
+        &self,
+        creature: &Creature,
+        schema: &BodySchema,
+        posture: &[f64],
+        limbs: [usize; 2],
+        p_a: &Vector3<f64>,
+    ) -> Option<Matrix3<f64>> {
         let chain = Chain::between(creature, limbs[0], limbs[1]);
-        if chain.joints().any(|joint| self.parameters.positions[joint].is_none()) {
-            return f64::INFINITY;
+        if chain.joints().any(|joint| self.untouched(joint)) {
+            return None;
         }
         let frames = limb_frames(creature, schema, posture);
         let p_b = frames[limbs[1]].inverse_point(&frames[limbs[0]].point(p_a));
@@ -175,12 +225,15 @@ impl Observability {
         // A direction that no touch felt and that moves the point by more than rounding: unbounded.
         if self.null_space.ncols() > 0 {
             let shift = &jacobian * self.unscaled_null_space.select_rows(&moved);
-            if shift.amax() > 1e-6 {
-                return f64::INFINITY;
+            if shift.amax() > UNMOVED {
+                return None;
             }
         }
         let covariance = self.covariance.select_rows(&moved).select_columns(&moved);
-        (&jacobian * covariance * jacobian.transpose()).trace().max(0.0).sqrt()
+        let product = &jacobian * covariance * jacobian.transpose();
+        let covariance_c = Matrix3::from_fn(|i, j| product[(i, j)]);
+        let r_bc = frames[limbs[1]].rotation.tr_mul(&frames[chain.ancestor].rotation);
+        Some(r_bc * covariance_c * r_bc.transpose())
     }
 
     /// The joints that the touches leave undetermined: those through which no skin point of any limb can be
@@ -202,7 +255,12 @@ impl Observability {
                 best[joint] = best[joint].min(deviation);
             }
         }
-        (0..best.len()).filter(|&joint| best[joint] > DETERMINED).collect()
+        (0..best.len()).filter(|&joint| best[joint] > DETERMINED && !self.known[joint]).collect()
+    }
+
+    /// Whether nothing is known of a joint: no touch involves it.
+    fn untouched(&self, joint: usize) -> bool {
+        self.parameters.positions[joint].is_none() && !self.known[joint]
     }
 
     /// `∂(p_CA − p_CB)` over the parameters, 3×n.
@@ -241,7 +299,7 @@ impl Observability {
     pub fn undetermined(&self, creature: &Creature, schema: &BodySchema) -> Vec<String> {
         let mut words = Vec::new();
         for (j, joint) in creature.joints().iter().enumerate() {
-            if self.parameters.positions[j].is_none() {
+            if self.untouched(j) {
                 words.push(format!("{}: never exercised, no touch involves it", joint.name));
             }
         }

@@ -3,7 +3,7 @@
 //! A prior is a Gaussian about a schema, independent for every position and axis. A weak one keeps joints
 //! that few touches involve within the size of a body; a calibrated one carries what a user knows.
 
-use nalgebra::Vector3;
+use nalgebra::{DMatrix, Vector3};
 
 use crate::creature::Creature;
 use crate::kinematics::tangent_basis;
@@ -92,6 +92,20 @@ impl Prior {
                 model.hessian[(offset + i, offset + i)] += weight;
                 model.gradient[offset + i] += weight * slope;
             }
+        }
+    }
+
+    /// Adds the prior's information, the inverse of its covariance, to that of touches (lower triangle).
+    pub fn add_information(&self, parameters: &Parameters, information: &mut DMatrix<f64>) {
+        let mut add = |offset: &Option<usize>, count: usize, deviation: f64| {
+            let Some(offset) = *offset else { return };
+            (offset..offset + count).for_each(|i| information[(i, i)] += deviation.powi(-2));
+        };
+        for (offset, deviation) in parameters.positions.iter().zip(&self.position_deviations) {
+            add(offset, 3, *deviation);
+        }
+        for (offset, deviation) in parameters.axes.iter().zip(&self.axis_deviations) {
+            add(offset, parameters.axis_size(), *deviation);
         }
     }
 

@@ -18,7 +18,7 @@ use crate::learning::least_squares::{LeastSquares, Stopping, levenberg_marquardt
 use crate::learning::observability::Observability;
 use crate::learning::observation::{Input, Observation, ObservationModel, PointsMeet, SkinKnowledge};
 use crate::learning::prediction::{GapRow, covariance};
-use crate::learning::surface_gap::SurfaceGap;
+use crate::learning::surface_gap::{MEAN_WEIGHT, SurfaceGap, gap_scale};
 use crate::learning::touch_set::{LimbTouch, TouchProblem, TouchSet};
 use crate::learning::{AxisModel, Known, Learned, Learner, Parameters, Verdict};
 use crate::schema::BodySchema;
@@ -188,7 +188,9 @@ impl<'a> SecondOrder<'a> {
         let schema = start.schema.clone();
         match self.evidence() {
             Evidence::Points(_) => {
-                let mut problem = TouchProblem::new(self.creature, &used, &parameters, PointsMeet::Shaped);
+                let given = self.known.given();
+                let mut problem = TouchProblem::new(self.creature, &used, &parameters, PointsMeet::Shaped)
+                    .with_prior(&given);
                 let stopping = Stopping { iterations: 60, relative_cost: 1e-9, cost: 0.0 };
                 let schema = levenberg_marquardt(&mut problem, &parameters, schema, stopping).schema;
                 let (observability, deviation) = self.observe_touches(&used, &schema);
@@ -203,6 +205,24 @@ impl<'a> SecondOrder<'a> {
         }
     }
 
+    /// Fits all touches so far from a schema that is nearly right, without any onset or judgement: the last
+    /// step of [`Learner::learn`] alone.
+    pub fn refine(&self, schema: &BodySchema) -> Learned {
+        let known = vec![true; self.creature.joints().len()];
+        let start = Start { schema: schema.clone(), known, accepted: true, onsets: 0 };
+        let (schema, observability, deviation) = self.polish(&start);
+        let undetermined = observability.undetermined_joints(self.creature, self.skin, &schema);
+        Learned {
+            schema,
+            verdict: Verdict::Unjudged("it was refined from a given schema".to_string()),
+            onsets: 0,
+            fresh_rms: f64::NAN,
+            undetermined,
+            observability: Some(observability),
+            deviation: Some(deviation),
+        }
+    }
+
     /// What all touches so far determine at a schema, and the deviation of a touch that they show, metres.
     pub fn observe(&self, schema: &BodySchema) -> (Observability, f64) {
         self.observe_touches(&self.prepare(self.touches.iter()), schema)
@@ -214,24 +234,50 @@ impl<'a> SecondOrder<'a> {
         let parameters = Parameters::new(self.creature, AxisModel::Unit, |joint| {
             touched[joint] && !self.known.frozen[joint]
         });
-        match self.evidence() {
+        let given = self.known.given();
+        let (mut hessian, rows, deviation) = match self.evidence() {
             Evidence::Points(_) => {
                 let mut problem = TouchProblem::new(self.creature, used, &parameters, PointsMeet::Shaped);
                 let model = problem.linearize(schema);
                 let spare = (3 * used.len()).saturating_sub(parameters.len()).max(1);
-                let deviation = CONTACT_DEVIATION * (2.0 * model.cost / spare as f64).sqrt();
-                let rows = 3 * used.len();
-                (Observability::new(self.creature, parameters, model.hessian, rows), deviation)
+                let misses = (2.0 * model.cost / spare as f64).sqrt();
+                // Points that miss by more than they were taken to say that much less.
+                let hessian = model.hessian / misses.max(1.0).powi(2);
+                (hessian, 3 * used.len(), CONTACT_DEVIATION * misses)
             }
             Evidence::Surfaces(skin) => {
-                let deviation = noise(skin, used, &parameters, schema);
+                let deviation = self.gap_deviation(skin, used, &parameters, schema);
                 let mut problem =
                     TouchProblem::new(self.creature, used, &parameters, SurfaceGap::new(skin, deviation));
-                let model = problem.linearize(schema);
-                let rows = 5 * used.len();
-                (Observability::new(self.creature, parameters, model.hessian, rows), deviation)
+                (problem.linearize(schema).hessian / MEAN_WEIGHT, 5 * used.len(), deviation)
             }
-        }
+        };
+        given.add_information(&parameters, &mut hessian);
+        let found = Observability::new(self.creature, parameters, &self.known.frozen, hessian, rows);
+        (found, deviation)
+    }
+
+    /// Standard deviation of the gaps at a fitted schema, metres.
+    fn gap_deviation(
+        &self,
+        skin: &Skin,
+        touches: &TouchSet,
+        parameters: &Parameters,
+        schema: &BodySchema,
+    ) -> f64 {
+        let start = noise(skin, touches, parameters, schema);
+        let prior = &self.known.prior;
+        let Some(covariance) = covariance(self.creature, skin, touches, parameters, prior, schema, start)
+        else {
+            return start;
+        };
+        let mut row = GapRow::default();
+        let touches = touches.pairs.iter().flat_map(|pair| &pair.touches);
+        let rows = touches.map(|touch| {
+            row.set(skin, parameters, schema, touch);
+            (row.gap, MEAN_WEIGHT * row.variance(&covariance) / (start * start))
+        });
+        gap_scale(&rows.collect::<Vec<_>>(), start).max(NARROWEST)
     }
 }
 

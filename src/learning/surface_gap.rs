@@ -13,7 +13,17 @@ use crate::learning::observation::{Observation, ObservationModel, Residuals};
 use crate::skin::{Shape, Skin, Surface};
 
 /// Residuals beyond this many deviations count ever less (Cauchy weights).
-const TAIL: f64 = 3.0;
+pub const TAIL: f64 = 3.0;
+/// Mean of the weights, `E[1 / (1 + z²/TAIL²)]`, over a standard normal `z`. Weighted normal equations hold
+/// this share of the information `JᵀJ/σ²` that there is in normal noise. For the contact's place in a patch,
+/// uniform and not normal, the mean is `√3 arctan(1/√3) = 0.907`: as good as the same.
+pub const MEAN_WEIGHT: f64 = 0.913771;
+/// `E[w²] / E[w²z²]` over a standard normal `z`, with the weights `w` above: what makes a weighted variance
+/// agree with the deviation of normal noise.
+const VARIANCE_FACTOR: f64 = 1.363449;
+
+/// Most steps to the fixed point of a scale.
+const SCALE_ITERATIONS: usize = 100;
 
 /// The gap of the two surfaces, and the contact inside both patches.
 #[derive(Clone, Copy, Debug)]
@@ -162,6 +172,34 @@ impl SurfaceGap<'_> {
         };
         [side(0, false), side(0, true), side(1, false), side(1, true)]
     }
+}
+
+/// Standard deviation of normal gaps, some of them wild, that parameters were fitted to, metres.
+///
+/// An M-estimate of scale: the root of `σ² = k Σ w²g² / Σ w²(1 − h)`, with the weights `w` of the gaps `g` at
+/// σ and the constant k that makes it agree with a normal distribution. A gap whose share `h` the fit takes
+/// up (its leverage) is that much the smaller (Maronna, Martin and Yohai, Robust Statistics, 2006, sections
+/// 2.5 and 5.1). Each of `gaps` is a gap in metres and its leverage. `start` must be of the right size.
+pub fn gap_scale(gaps: &[(f64, f64)], start: f64) -> f64 {
+    let mut deviation = start;
+    for _ in 0..SCALE_ITERATIONS {
+        let (mut squares, mut count) = (0.0, 0.0);
+        for (gap, leverage) in gaps {
+            let weight = 1.0 / (1.0 + (gap / (TAIL * deviation)).powi(2));
+            squares += (weight * gap).powi(2);
+            count += weight * weight * (1.0 - leverage).clamp(0.0, 1.0);
+        }
+        let next = (VARIANCE_FACTOR * squares / count).sqrt();
+        if !(next.is_finite() && next > 0.0) {
+            return deviation;
+        }
+        let settled = (next / deviation - 1.0).abs() < 1e-6;
+        deviation = next;
+        if settled {
+            break;
+        }
+    }
+    deviation
 }
 
 /// Cauchy's cost, quadratic near zero.

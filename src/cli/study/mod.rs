@@ -5,6 +5,7 @@
 //! measurements as one tidy table, a summary of them, and what to plot. Options, printing, JSON and the
 //! files are the same for all studies and are done here.
 
+mod coverage;
 mod disturbances;
 mod learners;
 mod plot;
@@ -25,7 +26,7 @@ use subject::Subject;
 use table::Table;
 
 /// The studies, in the order in which they are named to the user.
-const STUDIES: [&Study; 2] = [&learners::STUDY, &disturbances::STUDY];
+const STUDIES: [&Study; 3] = [&learners::STUDY, &disturbances::STUDY, &coverage::STUDY];
 
 /// The model that is studied where none is named.
 const DEFAULT_MODEL: &str = "mjcf/max/max.xml";
