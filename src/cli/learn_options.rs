@@ -19,7 +19,7 @@ use crate::learning::onset::random_onset;
 use crate::learning::{
     Hersch, Input, Learned, Learner, RelaxedGradient, SecondOrder, SkinKnowledge, Verdict,
 };
-use crate::record::{LearningTable, SCHEMA_FILE, Session, TouchLog, model_hash, write_schema};
+use crate::record::{LearningTable, SCHEMA_FILE, Session, TouchLog, model_hash, write_schema_with_std};
 use crate::senses::Touch;
 use crate::skin::Skin;
 
@@ -223,7 +223,8 @@ pub fn learn_session(
         evaluate_learned(creature, skin, truth, &learned).heldout_mm
     });
     spinner.finish_and_clear();
-    write_schema(&folder.join(SCHEMA_FILE), creature, &learned.schema)?;
+    let std = learned.schema_std(creature);
+    write_schema_with_std(&folder.join(SCHEMA_FILE), creature, &learned.schema, std.as_ref())?;
     let model = crate::schema::to_mjcf(creature, skin, &learned.schema);
     output::file(&folder.join(LEARNED_FILE), &model)?;
     let undetermined = learned.undetermined.iter().map(|&j| creature.joints()[j].name.clone()).collect();
@@ -232,6 +233,7 @@ pub fn learn_session(
         creature,
         skin,
         schema: &result.learned.schema,
+        std: std.as_ref(),
         truth: truth.map(|truth| &truth.schema),
         evaluation: result.evaluation.as_ref(),
         touches,

@@ -28,7 +28,8 @@ pub use prior::Prior;
 pub use relaxed_gradient::{RelaxedGradient, STEPS};
 pub use second_order::SecondOrder;
 
-use crate::schema::BodySchema;
+use crate::creature::Creature;
+use crate::schema::{BodySchema, SchemaStd};
 use crate::senses::Touch;
 
 /// A learner: touches in, schema out.
@@ -67,6 +68,13 @@ pub enum Verdict {
     Failed(String),
     /// The learner has no judgement; why.
     Unjudged(String),
+}
+
+impl Learned {
+    /// Standard deviations of the positions and axes; none where the learner cannot tell.
+    pub fn schema_std(&self, creature: &Creature) -> Option<SchemaStd> {
+        self.observability.as_ref().map(|found| found.schema_std(creature))
+    }
 }
 
 impl Verdict {

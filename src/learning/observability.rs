@@ -17,7 +17,7 @@ use crate::babbling::random_posture;
 use crate::creature::{Creature, DofKind};
 use crate::kinematics::{Chain, ChainSide, SideJacobian, limb_frames, tangent_basis};
 use crate::learning::Parameters;
-use crate::schema::BodySchema;
+use crate::schema::{BodySchema, SchemaStd};
 use crate::skin::Skin;
 
 /// The length that weighs as much as a radian, metres: about a limb's radius and reach.
@@ -178,6 +178,14 @@ impl Observability {
         let offset = self.parameters.axes[dof]?;
         let [first, second] = [self.parameter_std(offset)?, self.parameter_std(offset + 1)?];
         Some((0.5 * (first * first + second * second)).sqrt())
+    }
+
+    /// The standard deviations of all positions and axes.
+    pub fn schema_std(&self, creature: &Creature) -> SchemaStd {
+        SchemaStd {
+            positions: (0..creature.joints().len()).map(|joint| self.position_std(joint)).collect(),
+            axes: (0..creature.dof_elements()).map(|dof| self.axis_std(creature, dof)).collect(),
+        }
     }
 
     /// Standard deviation of one parameter; none where an undetermined direction moves it.

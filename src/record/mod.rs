@@ -19,7 +19,7 @@ mod touch_writer;
 pub use error::{Action, RecordError};
 pub use learning_table::LearningTable;
 pub use model_hash::model_hash;
-pub use schema::{read_schema, write_schema};
+pub use schema::{read_schema, write_schema, write_schema_with_std};
 pub use session::{BabblingEffort, Session, SessionOptions};
 pub use touch_reader::{TouchLog, read_touches};
 pub use touch_writer::TouchWriter;
