@@ -19,7 +19,6 @@ use crate::creature::Creature;
 use crate::learning::annealing::{NARROWEST, WIDEST, anneal_to, gaps, quantile};
 use crate::learning::least_squares::{Stopping, levenberg_marquardt};
 use crate::learning::observation::PointsMeet;
-use crate::learning::onset::randomize_joint;
 use crate::learning::open_gaps::OpenGaps;
 use crate::learning::relaxed_gradient::descend;
 use crate::learning::touch_set::{PairTouches, PreparedTouch, TouchProblem, TouchSet};
@@ -148,7 +147,7 @@ impl Nursery<'_> {
         let joints = self.creature.joints().len();
         let mut schema = self.prior.mean.clone();
         for joint in (0..joints).filter(|&joint| !self.frozen[joint]) {
-            randomize_joint(self.creature, &mut schema, joint, rng);
+            self.prior.randomize_joint(self.creature, &mut schema, joint, rng);
         }
         let mut known = self.frozen.to_vec();
         let mut misfit = Misfit(if known.iter().any(|&known| known) { 0.0 } else { f64::INFINITY });
@@ -206,7 +205,7 @@ impl Nursery<'_> {
             if round > 0 {
                 for &joint in part.iter().filter(|&&joint| !self.frozen[joint]) {
                     let kept = trial.positions[joint];
-                    randomize_joint(self.creature, &mut trial, joint, rng);
+                    self.prior.randomize_joint(self.creature, &mut trial, joint, rng);
                     trial.positions[joint] = kept;
                 }
             }
@@ -306,7 +305,7 @@ impl Nursery<'_> {
         for onset in 0..most {
             *onsets += 1;
             let mut trial = schema.clone();
-            part.iter().for_each(|&joint| randomize_joint(self.creature, &mut trial, joint, rng));
+            part.iter().for_each(|&joint| self.prior.randomize_joint(self.creature, &mut trial, joint, rng));
             if self.evidence.descends(onset + self.turn) {
                 trial = descend(&listed, trial, DESCENT, &relaxed, rng);
             }

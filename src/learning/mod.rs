@@ -21,7 +21,7 @@ pub mod surface_gap;
 pub mod touch_set;
 
 pub use hersch::{Hersch, STEP};
-pub use known::Known;
+pub use known::{Known, KnownJoint, LEAST_DEVIATION};
 pub use observation::{Input, SkinKnowledge};
 pub use parameters::{AxisModel, Parameters};
 pub use prior::Prior;

@@ -92,6 +92,18 @@ impl Observability {
                 hessian[(i, j)] *= scale[i] * scale[j];
             }
         }
+        if n == 0 {
+            return Observability {
+                parameters,
+                singular_values: Vec::new(),
+                rank: 0,
+                covariance: DMatrix::zeros(0, 0),
+                null_space: DMatrix::zeros(0, 0),
+                unscaled_null_space: DMatrix::zeros(0, 0),
+                known: known.to_vec(),
+                residuals,
+            };
+        }
         let eigen = SymmetricEigen::new(hessian);
         let mut order: Vec<usize> = (0..n).collect();
         order.sort_by(|&a, &b| eigen.eigenvalues[b].total_cmp(&eigen.eigenvalues[a]));

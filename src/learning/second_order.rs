@@ -59,6 +59,11 @@ const TELLING: f64 = 0.01;
 /// Width of a gap that nothing asks to predict better, metres.
 const CLOSE_ENOUGH: f64 = 2e-4;
 
+/// Linearizations of the last fit.
+const LAST_ITERATIONS: usize = 30;
+/// Least relative fall of its cost that counts as progress.
+const LAST_RELATIVE_COST: f64 = 1e-9;
+
 /// The learner `lm`.
 pub struct SecondOrder<'a> {
     creature: &'a Creature,
@@ -188,17 +193,21 @@ impl<'a> SecondOrder<'a> {
         let schema = start.schema.clone();
         match self.evidence() {
             Evidence::Points(_) => {
-                let given = self.known.given();
                 let mut problem = TouchProblem::new(self.creature, &used, &parameters, PointsMeet::Shaped)
-                    .with_prior(&given);
+                    .with_prior(&self.known.given);
                 let stopping = Stopping { iterations: 60, relative_cost: 1e-9, cost: 0.0 };
                 let schema = levenberg_marquardt(&mut problem, &parameters, schema, stopping).schema;
                 let (observability, deviation) = self.observe_touches(&used, &schema);
                 (schema, observability, deviation)
             }
             Evidence::Surfaces(skin) => {
-                let schema =
-                    anneal(self.creature, skin, &used, &parameters, &self.known.prior, schema).schema;
+                let annealed = anneal(self.creature, skin, &used, &parameters, &self.known.prior, schema);
+                let model = SurfaceGap::new(skin, annealed.gap_deviation).with_biased_places();
+                let mut problem =
+                    TouchProblem::new(self.creature, &used, &parameters, model).with_prior(&self.known.prior);
+                let stopping =
+                    Stopping { iterations: LAST_ITERATIONS, relative_cost: LAST_RELATIVE_COST, cost: 0.0 };
+                let schema = levenberg_marquardt(&mut problem, &parameters, annealed.schema, stopping).schema;
                 let (observability, deviation) = self.observe_touches(&used, &schema);
                 (schema, observability, deviation)
             }
@@ -234,7 +243,6 @@ impl<'a> SecondOrder<'a> {
         let parameters = Parameters::new(self.creature, AxisModel::Unit, |joint| {
             touched[joint] && !self.known.frozen[joint]
         });
-        let given = self.known.given();
         let (mut hessian, rows, deviation) = match self.evidence() {
             Evidence::Points(_) => {
                 let mut problem = TouchProblem::new(self.creature, used, &parameters, PointsMeet::Shaped);
@@ -247,12 +255,12 @@ impl<'a> SecondOrder<'a> {
             }
             Evidence::Surfaces(skin) => {
                 let deviation = self.gap_deviation(skin, used, &parameters, schema);
-                let mut problem =
-                    TouchProblem::new(self.creature, used, &parameters, SurfaceGap::new(skin, deviation));
+                let model = SurfaceGap::new(skin, deviation).with_biased_places();
+                let mut problem = TouchProblem::new(self.creature, used, &parameters, model);
                 (problem.linearize(schema).hessian / MEAN_WEIGHT, 5 * used.len(), deviation)
             }
         };
-        given.add_information(&parameters, &mut hessian);
+        self.known.given.add_information(&parameters, &mut hessian);
         let found = Observability::new(self.creature, parameters, &self.known.frozen, hessian, rows);
         (found, deviation)
     }
@@ -391,7 +399,8 @@ impl Learner for SecondOrder<'_> {
         }
         let why = format!(
             "none of {onsets} random onsets explains the touches that it was not fitted to; try more touches \
-             (--touches) or another seed (--seed)"
+             (--touches) or another seed (--seed){}",
+            if self.known.is_given() { ", or check what is known (--known)" } else { "" }
         );
         Learned {
             schema: start.schema,

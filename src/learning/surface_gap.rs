@@ -22,6 +22,11 @@ pub const MEAN_WEIGHT: f64 = 0.913771;
 /// agree with the deviation of normal noise.
 const VARIANCE_FACTOR: f64 = 1.363449;
 
+/// Deviation of the contact's place in a patch, in units of a uniform distribution's, where the last word is
+/// spoken. A patch is touched again and again on the same side: its places are biased, and a bias does not
+/// average out as the model has it. On Max, at gaps of 1 mm, places at their full weight hold 3 % of the
+/// information, add 16 % to the error, and leave the intervals too short.
+pub const BIASED_PLACES: f64 = 3.0;
 /// Most steps to the fixed point of a scale.
 const SCALE_ITERATIONS: usize = 100;
 
@@ -51,6 +56,11 @@ impl<'a> SurfaceGap<'a> {
     /// The model with a deviation of the gap, metres, and uniform places in the patches.
     pub fn new(skin: &'a Skin, gap_deviation: f64) -> SurfaceGap<'a> {
         SurfaceGap { skin, gap_deviation, patch_deviation: 1.0 }
+    }
+
+    /// The same with places in the patches that count less; see [`BIASED_PLACES`].
+    pub fn with_biased_places(self) -> SurfaceGap<'a> {
+        SurfaceGap { patch_deviation: BIASED_PLACES, ..self }
     }
 
     /// Where the surfaces under two receptors come closest, given their limbs' frames `X_CA`, `X_CB`.
