@@ -17,9 +17,11 @@ use crate::evaluation::{Bound, Evaluation, Summary, evaluate_learned};
 use crate::ground_truth::GroundTruth;
 use crate::learning::onset::random_onset;
 use crate::learning::{
-    Hersch, Input, Learned, Learner, RelaxedGradient, SecondOrder, SkinKnowledge, Verdict,
+    Hersch, Input, Known, KnownJoint, Learned, Learner, RelaxedGradient, SecondOrder, SkinKnowledge, Verdict,
 };
-use crate::record::{LearningTable, SCHEMA_FILE, Session, TouchLog, model_hash, write_schema_with_std};
+use crate::record::{
+    LearningTable, SCHEMA_FILE, Session, TouchLog, model_hash, read_known, write_schema_with_std,
+};
 use crate::senses::Touch;
 use crate::skin::Skin;
 
@@ -41,9 +43,25 @@ pub struct LearnOptions {
     /// What the agent knows of its skin: the surfaces under the receptors, or their centres alone
     #[arg(long, value_enum, default_value_t = SkinName::Surface)]
     pub skin: SkinName,
+    /// What is known of joints before the first touch, for the learner lm: a schema.json, whole or with some
+    /// of its joints. A joint without deviations is known exactly and stays as it is; with position_std
+    /// (metres) and axis_std (radians) it is known nearly
+    #[arg(long, value_name = "FILE")]
+    pub known: Option<PathBuf>,
+    /// What the file of `known` says, once it was read.
+    #[arg(skip)]
+    pub known_joints: Vec<KnownJoint>,
     #[command(flatten)]
     pub disturbances: DisturbanceOptions,
 }
+
+/// An example of a file of known joints, for the help of commands.
+pub const KNOWN_HELP: &str = r#"Example of a file for --known: the left elbow exactly, the right wrist's position to 5 mm.
+  {"joints": [
+    {"joint": "left_elbow", "position": [0.024, 0.089, -0.28],
+     "axes": [{"dof": "left_elbow_flexion", "axis": [0, -1, 0]}, {"dof": "left_elbow_rotation", "axis": [0, 0, 1]}]},
+    {"joint": "right_wrist", "position": [0, 0, -0.25], "position_std": 0.005}
+  ]}"#;
 
 /// The learners by name.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
@@ -106,6 +124,41 @@ impl LearnOptions {
         }
     }
 
+    /// These options with the file of known joints read.
+    ///
+    /// # Errors
+    /// Where the file is not one for this creature, and where the learner has no use for it.
+    pub fn with_known(&self, creature: &Creature) -> Result<LearnOptions, Failure> {
+        let Some(path) = &self.known else { return Ok(self.clone()) };
+        if self.learner != LearnerName::Lm {
+            return Err(Failure(format!(
+                "{}: the learner {} knows nothing beforehand: use --learner lm, or leave out --known",
+                path.display(),
+                self.learner
+            )));
+        }
+        Ok(LearnOptions { known_joints: read_known(path, creature)?, ..self.clone() })
+    }
+
+    /// What was known beforehand, in JSON: the file, and its joints with whether they were exact.
+    fn known_json(&self, creature: &Creature) -> Value {
+        let Some(path) = &self.known else { return Value::Null };
+        let joint = |known: &KnownJoint| json!({ "joint": creature.joints()[known.joint].name, "exact": known.exact });
+        json!({ "file": path, "joints": self.known_joints.iter().map(joint).collect::<Vec<_>>() })
+    }
+
+    /// The same in words.
+    fn known_words(&self, creature: &Creature) -> Option<String> {
+        self.known.as_ref()?;
+        let names = |exact: bool| {
+            let joints = self.known_joints.iter().filter(|known| known.exact == exact);
+            let names: Vec<String> =
+                joints.map(|known| creature.joints()[known.joint].name.clone()).collect();
+            output::names(&names)
+        };
+        Some(format!("exactly {}; nearly {}", names(true), names(false)))
+    }
+
     /// The learner, from an onset drawn from `seed`.
     pub fn learner<'a>(&self, creature: &'a Creature, skin: &'a Skin, seed: u64) -> Box<dyn Learner + 'a> {
         let onset = || random_onset(creature, &mut ChaCha8Rng::seed_from_u64(seed));
@@ -119,7 +172,9 @@ impl LearnOptions {
                     SkinName::Surface => SkinKnowledge::Surface,
                     SkinName::Centres => SkinKnowledge::Centres,
                 };
-                Box::new(SecondOrder::new(creature, skin, self.input(), seed).with_skin(knowledge))
+                let known = Known::nothing(creature, skin).with(&self.known_joints);
+                let learner = SecondOrder::new(creature, skin, self.input(), seed);
+                Box::new(learner.with_skin(knowledge).with_known(known))
             }
         }
     }
@@ -256,6 +311,9 @@ fn facts(session: &Session, options: &LearnOptions, result: &SessionLearning) ->
     }
     facts.push(("learner", options.learner.to_string()));
     facts.push(("knowledge", options.knowledge().to_string()));
+    if let Some(known) = options.known_words(&session.creature) {
+        facts.push(("joints known beforehand", known));
+    }
     if options.disturbances != DisturbanceOptions::default() {
         facts.push(("disturbances", options.disturbances.to_string()));
     }
@@ -317,6 +375,7 @@ pub fn to_json(
         "learner": options.learner.to_string(),
         "input": options.input.to_string(),
         "knowledge": options.knowledge(),
+        "known": options.known_json(&session.creature),
         "converged": verdict,
         "reason": reason,
         "onsets": result.learned.onsets,
@@ -358,6 +417,9 @@ pub fn print_table(
         if result.learned.onsets == 1 { "" } else { "s" },
         result.seconds
     );
+    if let Some(known) = options.known_words(creature) {
+        say!("joints known beforehand: {known}");
+    }
     if options.disturbances != DisturbanceOptions::default() {
         say!("disturbances: {}", options.disturbances);
     }

@@ -10,7 +10,7 @@ use super::{RecordError, UNIT_LENGTH, files};
 use crate::creature::{Creature, DofKind, Joint};
 use crate::schema::{BodySchema, SchemaStd};
 
-const STAMP: Stamp = Stamp { format: "bodyschema schema", version: 1 };
+pub(super) const STAMP: Stamp = Stamp { format: "bodyschema schema", version: 1 };
 
 /// The file, behind its stamp. Fields that it has besides are passed over.
 #[derive(Deserialize, Serialize)]
