@@ -59,8 +59,9 @@ pub struct LearnOptions {
 pub const KNOWN_HELP: &str = r#"Example of a file for --known: the left elbow exactly, the right wrist's position to 5 mm.
   {"joints": [
     {"joint": "left_elbow", "position": [0.024, 0.089, -0.28],
-     "axes": [{"dof": "left_elbow_flexion", "axis": [0, -1, 0]}, {"dof": "left_elbow_rotation", "axis": [0, 0, 1]}]},
-    {"joint": "right_wrist", "position": [0, 0, -0.25], "position_std": 0.005}
+     "axes": [{"dof": "left_elbow_flexion", "axis": [-0.239924, -0.9466999, -0.2149319]},
+              {"dof": "left_elbow_pronation", "axis": [0.2399183, 0.2399183, -0.9406798]}]},
+    {"joint": "right_wrist", "position": [0.06, -0.06, -0.235], "position_std": 0.005}
   ]}"#;
 
 /// The learners by name.

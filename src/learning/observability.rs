@@ -29,6 +29,8 @@ pub const DETERMINED: f64 = 1e-3;
 /// How far an undetermined direction of unit length may move what is still called determined, metres and
 /// radians: rounding.
 const UNMOVED: f64 = 1e-6;
+/// The part of a direction of unit length outside the null space that is rounding.
+const FELT: f64 = 1e-5;
 /// Least share of a null direction that is worth naming.
 const NAMED_SHARE: f64 = 0.15;
 
@@ -314,8 +316,9 @@ impl Observability {
 
     /// Every undetermined direction, in words.
     ///
-    /// The null space is turned so that few joints carry each direction (varimax-like, by pivoting): what
-    /// remains is named by the joints that move and how.
+    /// First those that bodies often have: a joint that slides along its own axis while the joints on the limb
+    /// it carries slide back. What is left of the null space is turned so that few joints carry each direction
+    /// (varimax-like, by pivoting), and named by the joints that move and how.
     pub fn undetermined(&self, creature: &Creature, schema: &BodySchema) -> Vec<String> {
         let mut words = Vec::new();
         for (j, joint) in creature.joints().iter().enumerate() {
@@ -323,7 +326,9 @@ impl Observability {
                 words.push(format!("{}: never exercised, no touch involves it", joint.name));
             }
         }
-        for direction in sparse_basis(&self.null_space) {
+        let slides = self.slides(creature, schema);
+        let rest = sparse_basis(&without(&self.null_space, &slides));
+        for direction in slides.into_iter().chain(rest) {
             let sentence = self.describe(creature, schema, &direction);
             // Two directions of one axis read alike: once is enough.
             if !words.contains(&sentence) {
@@ -331,6 +336,30 @@ impl Observability {
             }
         }
         words
+    }
+
+    /// The undetermined directions, of unit length, in which a joint's position slides along an axis of its
+    /// own and the positions of the joints beyond it back.
+    fn slides(&self, creature: &Creature, schema: &BodySchema) -> Vec<DVector<f64>> {
+        let mut slides = Vec::new();
+        for (j, joint) in creature.joints().iter().enumerate() {
+            let Some(offset) = self.parameters.positions[j] else { continue };
+            for (k, _) in joint.dof_indices().zip(&joint.dofs).filter(|(_, dof)| dof.kind == DofKind::Hinge) {
+                let mut slide = DVector::zeros(self.parameters.len());
+                slide.fixed_rows_mut::<3>(offset).copy_from(&schema.axes[k]);
+                for (next, other) in creature.joints().iter().enumerate() {
+                    if let Some(offset) = self.parameters.positions[next].filter(|_| other.parent == j + 1) {
+                        slide.fixed_rows_mut::<3>(offset).copy_from(&-schema.axes[k]);
+                    }
+                }
+                slide.normalize_mut();
+                let felt = &slide - &self.null_space * self.null_space.tr_mul(&slide);
+                if felt.norm() < FELT {
+                    slides.push(slide);
+                }
+            }
+        }
+        slides
     }
 
     fn describe(&self, creature: &Creature, schema: &BodySchema, direction: &DVector<f64>) -> String {
@@ -367,6 +396,20 @@ impl Observability {
             _ => format!("together: {}", moved.join("; ")),
         }
     }
+}
+
+/// An orthonormal basis of what is in an orthonormal `space` and perpendicular to the `directions` in it.
+fn without(space: &DMatrix<f64>, directions: &[DVector<f64>]) -> DMatrix<f64> {
+    if directions.is_empty() || space.ncols() == 0 {
+        return space.clone();
+    }
+    // In coordinates of the space.
+    let inside = space.tr_mul(&DMatrix::from_columns(directions));
+    let eigen = SymmetricEigen::new(&inside * inside.transpose());
+    let greatest = eigen.eigenvalues.amax();
+    let left: Vec<usize> =
+        (0..space.ncols()).filter(|&k| eigen.eigenvalues[k] < NULL_SHARE * greatest).collect();
+    space * eigen.eigenvectors.select_columns(&left)
 }
 
 /// A basis of the same space whose directions have few large entries: reduced to echelon form by the

@@ -190,7 +190,7 @@ impl<'a> SecondOrder<'a> {
         let parameters = Parameters::new(self.creature, AxisModel::Unit, |joint| {
             start.known[joint] && !self.known.frozen[joint]
         });
-        let schema = start.schema.clone();
+        let schema = self.with_frozen(&start.schema);
         match self.evidence() {
             Evidence::Points(_) => {
                 let mut problem = TouchProblem::new(self.creature, &used, &parameters, PointsMeet::Shaped)
@@ -212,6 +212,19 @@ impl<'a> SecondOrder<'a> {
                 (schema, observability, deviation)
             }
         }
+    }
+
+    /// A schema with the frozen joints exactly as they are known: starts scale every axis to unit length, which
+    /// may change its last digit.
+    fn with_frozen(&self, schema: &BodySchema) -> BodySchema {
+        let mut schema = schema.clone();
+        for (j, joint) in self.creature.joints().iter().enumerate().filter(|(j, _)| self.known.frozen[*j]) {
+            schema.positions[j] = self.known.prior.mean.positions[j];
+            for k in joint.dof_indices() {
+                schema.axes[k] = self.known.prior.mean.axes[k];
+            }
+        }
+        schema
     }
 
     /// Fits all touches so far from a schema that is nearly right, without any onset or judgement: the last
@@ -403,7 +416,7 @@ impl Learner for SecondOrder<'_> {
             if self.known.is_given() { ", or check what is known (--known)" } else { "" }
         );
         Learned {
-            schema: start.schema,
+            schema: self.with_frozen(&start.schema),
             verdict: Verdict::Failed(why),
             onsets,
             fresh_rms: judged,
