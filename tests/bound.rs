@@ -52,10 +52,9 @@ fn serial_chain(hinges: usize) -> String {
     let axes = ["1 0.2 -0.3", "0.3 1 0.2", "-0.2 0.4 1", "1 -0.5 0.3", "0.2 -0.3 1"];
     let offsets =
         ["0.02 0.01 0.16", "0.06 -0.02 0.05", "0.02 0.06 0.04", "-0.04 0.03 0.06", "0.05 0.04 -0.02"];
-    let mut inner = format!(
-        r#"<geom type="capsule" fromto="0 0 0 0.05 0.02 0.3" size="0.02"/>
+    let mut inner = r#"<geom type="capsule" fromto="0 0 0 0.05 0.02 0.3" size="0.02"/>
         <site name="tip_r" type="box" size="0.4 0.4 0.001" pos="0 0 0.1"/>"#
-    );
+        .to_string();
     for k in (0..hinges).rev() {
         // Bare limbs between the two ends weigh something and touch nothing.
         let bare = r#"<inertial pos="0 0 0" mass="1" diaginertia="1 1 1"/>"#;
@@ -83,11 +82,11 @@ fn serial_chain(hinges: usize) -> String {
     )
 }
 
-/// Theory. The axes are n lines in the base's frame: 4 n numbers. The tip's frame has its origin on the last
-/// axis and a known orientation at the reference posture, so that it adds the origin's place along that axis:
-/// 1. (Of the 4 R + 6 numbers of a complete minimal model with R revolute joints, five of the six for the
-/// tool's pose are known here.) A schema has 5 n: a position slides along its axis into the next position,
-/// for every hinge but the last. That leaves n − 1 undetermined.
+/// Theory: the axes are n lines in the base's frame, 4 n numbers. The tip's frame has its origin on the last
+/// axis and a known orientation at the reference posture, so it adds one, the origin's place along that axis.
+/// (A complete minimal model of R revolute joints has 4 R + 6; five of the six for the tool's pose are known
+/// here.) A schema has 5 n: a position slides along its axis into the next position, for every hinge but the
+/// last. That leaves n − 1 undetermined.
 #[test]
 fn the_rank_of_a_serial_chain_is_what_theory_says_and_its_null_space_is_named() {
     for hinges in 2..=5 {

@@ -85,44 +85,6 @@ impl Prior {
         }
     }
 
-    /// The prior's own cost, `½ Σ (difference / deviation)²`, over free parameters.
-    pub fn cost(&self, parameters: &Parameters, schema: &BodySchema) -> f64 {
-        let free = |offset: &Option<usize>| offset.is_some();
-        let misses = self.position_misses(schema).zip(&parameters.positions);
-        let positions = misses
-            .filter(|(_, offset)| free(offset))
-            .map(|((miss, weight), _)| weight.dot(&miss.component_mul(&miss)));
-        let misses = self.axis_misses(schema).zip(&parameters.axes);
-        let axes =
-            misses.filter(|(_, offset)| free(offset)).map(|((miss, weight), _)| weight * miss.norm_squared());
-        0.5 * (positions.sum::<f64>() + axes.sum::<f64>())
-    }
-
-    /// Adds the prior to normal equations.
-    pub fn add(&self, parameters: &Parameters, schema: &BodySchema, model: &mut Linearization) {
-        model.cost += self.cost(parameters, schema);
-        for ((miss, weight), offset) in self.position_misses(schema).zip(&parameters.positions) {
-            let Some(offset) = *offset else { continue };
-            for i in 0..3 {
-                model.hessian[(offset + i, offset + i)] += weight[i];
-                model.gradient[offset + i] += weight[i] * miss[i];
-            }
-        }
-        for (k, ((miss, weight), offset)) in self.axis_misses(schema).zip(&parameters.axes).enumerate() {
-            let Some(offset) = *offset else { continue };
-            let slope: Vec<f64> = match parameters.axis_model {
-                AxisModel::Relaxed => miss.iter().copied().collect(),
-                AxisModel::Unit => {
-                    (tangent_basis(&schema.axes[k]).transpose() * miss).iter().copied().collect()
-                }
-            };
-            for (i, slope) in slope.into_iter().enumerate() {
-                model.hessian[(offset + i, offset + i)] += weight;
-                model.gradient[offset + i] += weight * slope;
-            }
-        }
-    }
-
     /// Adds the prior's information, the inverse of its covariance, to that of touches (lower triangle).
     pub fn add_information(&self, parameters: &Parameters, information: &mut DMatrix<f64>) {
         for (offset, deviation) in parameters.positions.iter().zip(&self.position_deviations) {
@@ -147,5 +109,52 @@ impl Prior {
     fn axis_misses<'a>(&'a self, schema: &'a BodySchema) -> impl Iterator<Item = (Vector3<f64>, f64)> + 'a {
         let misses = schema.axes.iter().zip(&self.mean.axes).map(|(now, mean)| now - mean);
         misses.zip(self.axis_deviations.iter().map(|deviation| deviation.powi(-2)))
+    }
+}
+
+/// What a least-squares problem knows besides its touches.
+pub trait Beforehand {
+    /// Its cost at a schema, over free parameters.
+    fn cost(&self, parameters: &Parameters, schema: &BodySchema) -> f64;
+    /// Adds it to normal equations, its cost included.
+    fn add(&self, parameters: &Parameters, schema: &BodySchema, model: &mut Linearization);
+}
+
+impl Beforehand for Prior {
+    /// `½ Σ (difference / deviation)²`.
+    fn cost(&self, parameters: &Parameters, schema: &BodySchema) -> f64 {
+        let free = |offset: &Option<usize>| offset.is_some();
+        let misses = self.position_misses(schema).zip(&parameters.positions);
+        let positions = misses
+            .filter(|(_, offset)| free(offset))
+            .map(|((miss, weight), _)| weight.dot(&miss.component_mul(&miss)));
+        let misses = self.axis_misses(schema).zip(&parameters.axes);
+        let axes =
+            misses.filter(|(_, offset)| free(offset)).map(|((miss, weight), _)| weight * miss.norm_squared());
+        0.5 * (positions.sum::<f64>() + axes.sum::<f64>())
+    }
+
+    fn add(&self, parameters: &Parameters, schema: &BodySchema, model: &mut Linearization) {
+        model.cost += self.cost(parameters, schema);
+        for ((miss, weight), offset) in self.position_misses(schema).zip(&parameters.positions) {
+            let Some(offset) = *offset else { continue };
+            for i in 0..3 {
+                model.hessian[(offset + i, offset + i)] += weight[i];
+                model.gradient[offset + i] += weight[i] * miss[i];
+            }
+        }
+        for (k, ((miss, weight), offset)) in self.axis_misses(schema).zip(&parameters.axes).enumerate() {
+            let Some(offset) = *offset else { continue };
+            let slope: Vec<f64> = match parameters.axis_model {
+                AxisModel::Relaxed => miss.iter().copied().collect(),
+                AxisModel::Unit => {
+                    (tangent_basis(&schema.axes[k]).transpose() * miss).iter().copied().collect()
+                }
+            };
+            for (i, slope) in slope.into_iter().enumerate() {
+                model.hessian[(offset + i, offset + i)] += weight;
+                model.gradient[offset + i] += weight * slope;
+            }
+        }
     }
 }
