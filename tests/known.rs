@@ -3,6 +3,7 @@
 mod common;
 
 use std::path::Path;
+use std::process::Command;
 
 use bodyschema::creature::Creature;
 use bodyschema::ground_truth::GroundTruth;
@@ -197,4 +198,66 @@ fn what_is_known_nearly_counts_as_much_as_its_deviation_says() {
     let before = without.position_std(0).map(Option::unwrap);
     assert!(x < before[0].min(1e-4) && z <= before[2], "{x} {z} from {before:?}");
     assert!(with.axis_std(&body.creature, 0).unwrap() < 2e-3);
+}
+
+/// Runs the program in a folder; its exit code, standard output and standard error.
+fn run(place: &Path, arguments: &[&str]) -> (Option<i32>, String, String) {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_bodyschema"));
+    let output = command.args(arguments).current_dir(place).env("RUST_BACKTRACE", "0").output().unwrap();
+    let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
+    (output.status.code(), text(&output.stdout), text(&output.stderr))
+}
+
+#[test]
+fn the_example_of_the_help_is_a_file_of_known_joints_of_max() {
+    let (code, help, _) = run(Path::new("."), &["learn", "--help"]);
+    assert_eq!(code, Some(0));
+    let example = &help[help.find("{\"joints\"").expect("an example")..];
+    let example = &example[..example.find("\n  ]}").unwrap() + "\n  ]}".len()];
+    let known = read(&max("torso").creature, example).unwrap();
+    assert_eq!(known.iter().map(|known| known.exact).collect::<Vec<_>>(), [true, false]);
+}
+
+#[test]
+fn the_program_keeps_to_what_is_known_and_says_so() {
+    let place = tempfile::tempdir().unwrap();
+    let write = |name: &str, text: &str| std::fs::write(place.path().join(name), text).unwrap();
+    write("arms.xml", &two_arms(r#"type="capsule" size="0.12 0.2""#, r#"type="capsule" size="0.03 0.2""#));
+    write("wrong.json", r#"{"joints": [{"joint": "knee"}]}"#);
+    let babble = ["babble", "arms.xml", "--touches", "60", "--input", "contact", "--out", "s", "--json"];
+    let (code, _, message) = run(place.path(), &[&babble[..], &["--known", "wrong.json"]].concat());
+    assert_eq!(code, Some(1), "{message}");
+    assert!(message.contains("wrong.json") && message.contains("knee"), "{message}");
+    assert!(!place.path().join("s").exists(), "a wrong file left a session");
+    let schema = GroundTruth::new(&arms()).unwrap().schema;
+    write_schema(&place.path().join("all.json"), &arms().creature, &schema).unwrap();
+    let mut some: Value =
+        serde_json::from_slice(&std::fs::read(place.path().join("all.json")).unwrap()).unwrap();
+    some["joints"].as_array_mut().unwrap().truncate(1);
+    write("some.json", &some.to_string());
+    let (code, output, message) = run(place.path(), &[&babble[..], &["--known", "some.json"]].concat());
+    assert_eq!(code, Some(0), "{message}");
+    let found: Value = serde_json::from_str(&output).unwrap();
+    let name = &some["joints"][0]["joint"];
+    assert_eq!(found["known"], json!({ "file": "some.json", "joints": [{ "joint": name, "exact": true }] }));
+    assert!(found["bound_mm"]["bound_rms"].as_f64().unwrap() > 0.0, "{output}");
+    let file = |name: &str| -> Value {
+        serde_json::from_slice(&std::fs::read(place.path().join("s").join(name)).unwrap()).unwrap()
+    };
+    let learned = &file("schema.json")["joints"][0];
+    assert_eq!(learned["position"], some["joints"][0]["position"]);
+    assert_eq!(learned["position_std"], json!([0.0, 0.0, 0.0]));
+    assert_eq!(file("session.json")["options"]["known"], "some.json");
+    let report = std::fs::read_to_string(place.path().join("s/report.html")).unwrap();
+    assert!(
+        report.contains("Cramér-Rao") && report.contains("± x y z, mm"),
+        "the report does not say how sure"
+    );
+    // All that is known and nothing to learn is no failure; a learner that cannot use it refuses.
+    let (code, output, message) = run(place.path(), &["learn", "s", "--known", "all.json", "--json"]);
+    assert_eq!(code, Some(0), "{message}");
+    assert_eq!(serde_json::from_str::<Value>(&output).unwrap()["undetermined"], json!([]), "{output}");
+    let hersch = ["learn", "s", "--known", "all.json", "--learner", "hersch"];
+    let (code, _, message) = run(place.path(), &hersch);
+    assert!(code == Some(1) && message.contains("--learner lm"), "{message}");
 }
