@@ -323,7 +323,7 @@ impl Observability {
         let mut words = Vec::new();
         for (j, joint) in creature.joints().iter().enumerate() {
             if self.untouched(j) {
-                words.push(format!("{}: never exercised, no touch involves it", joint.name));
+                words.push(format!("{}: never exercised, no touch involves it or too few do", joint.name));
             }
         }
         let slides = self.slides(creature, schema);

@@ -26,8 +26,9 @@ pub use belief::{Anchor, Belief, Expectation};
 use change::{Explanation, Watch, Watched};
 pub use tool::Tool;
 
-/// Touches after which learning is first tried.
+/// Touches after which learning is first tried, and per degree of freedom, where that is more.
 const FIRST_TRIAL: usize = 240;
+const PER_DOF: usize = 5;
 /// Starts of the first trial: none that doubts its touches, for those are dear.
 const FIRST_STARTS: usize = 2;
 /// Starts of a trial before the last: not all, for more touches make it easier.
@@ -38,6 +39,8 @@ const SURPRISING: f64 = 5.0;
 const TAIL: f64 = 3.0;
 /// Gaps narrower than this never surprise, metres: it is what shapes are known to.
 const CLOSE_ENOUGH: f64 = 2e-4;
+/// Touches with joints that the schema has no place for which are not worth to learn all anew.
+const FEW_BEYOND: usize = 10;
 /// How far from where it was found a joint that moved may be, metres: a standard deviation.
 const MOVED: f64 = 0.01;
 /// Touches since a change without an explanation after which all is learned anew from them.
@@ -142,7 +145,7 @@ impl<'a> Online<'a> {
             known,
             batch,
             seen: 0,
-            next_trial: FIRST_TRIAL,
+            next_trial: FIRST_TRIAL.max(PER_DOF * creature.dof()),
             locked: None,
             onsets: 0,
             expectation: None,
@@ -178,7 +181,7 @@ impl<'a> Online<'a> {
 
     /// Tries to learn from all touches at once.
     fn try_all(&mut self) {
-        let learned = self.batch.learn_in(if self.seen <= FIRST_TRIAL { FIRST_STARTS } else { STARTS });
+        let learned = self.batch.learn_in(if self.onsets == 0 { FIRST_STARTS } else { STARTS });
         self.onsets += learned.onsets;
         self.next_trial = self.seen + self.batch.touches().len().max(FIRST_TRIAL) / 2;
         if learned.verdict.converged() {
@@ -432,7 +435,8 @@ impl Learner for Online<'_> {
     }
 
     fn learn(&mut self) -> Learned {
-        if self.locked.is_some() && self.trustworthy() {
+        let complete = self.locked.as_ref().is_some_and(|locked| locked.beyond < FEW_BEYOND);
+        if complete && self.trustworthy() {
             let noisy = self.belief().is_some_and(|belief| belief.deviation > CERTAIN_NOISE);
             if let Some(learned) = self.conclude().filter(|_| !noisy || !self.changes.is_empty()) {
                 return learned;
