@@ -69,6 +69,7 @@ impl Session {
             creature: &self.body.creature,
             skin: &self.skin,
             schema: &self.truth.schema,
+            std: None,
             truth: Some(&self.truth.schema),
             evaluation: Some(&self.evaluation),
             touches: &self.touches,

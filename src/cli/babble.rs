@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use super::learn_options::{LearnOptions, learn_session, print_table, to_json};
+use super::learn_options::{KNOWN_HELP, LearnOptions, learn_session, print_table, to_json};
 use super::open::open_body;
 use super::touches::{babbler, make_touches, threads, touch_count};
 use super::{Failure, Outcome, output, progress};
@@ -21,11 +21,12 @@ use crate::skin::skin_of;
 /// pairs of receptors and the joint angles alone it learns where its joints are and how they turn; the model's
 /// own kinematics serve only to measure the result. All goes into a session folder.
 #[derive(clap::Args)]
-#[command(after_help = "Examples:
+#[command(after_help = format!("Examples:
   bodyschema babble mjcf/max/max.xml
   bodyschema babble mjcf/max/max.xml --touches 500 --input contact --seed 7
   bodyschema babble mjcf/max/max.xml --joints all --touches 5000 --jobs 4
-  bodyschema babble mjcf/max/max.xml --learner hersch --json")]
+  bodyschema babble mjcf/max/max.xml --learner hersch --json
+  bodyschema babble mjcf/max/max.xml --touches 60 --known known.json\n\n{KNOWN_HELP}"))]
 pub struct Args {
     /// The MJCF file of a creature with touch sensors (grow them with `bodyschema skin`)
     model: PathBuf,
@@ -55,6 +56,7 @@ pub struct Args {
 pub fn run(args: &Args) -> Outcome {
     let selection = args.joints.clone().unwrap_or_default();
     let body = open_body(&args.model, &selection)?;
+    let learn = args.learn.with_known(&body.creature)?;
     let skin = skin_of(&body);
     let truth = GroundTruth::new(&body)?;
     let babbler = babbler(&args.model, &body, &skin)?;
@@ -68,8 +70,9 @@ pub fn run(args: &Args) -> Outcome {
         options: SessionOptions {
             touches: args.touches,
             joints: selection.to_string(),
-            input: Some(args.learn.input.to_string()),
-            learner: Some(args.learn.learner.to_string()),
+            input: Some(learn.input.to_string()),
+            learner: Some(learn.learner.to_string()),
+            known: learn.known.as_ref().map(|path| path.display().to_string()),
         },
         effort: None,
         creature: body.creature.clone(),
@@ -91,11 +94,11 @@ pub fn run(args: &Args) -> Outcome {
     log.finish()?;
     bar.finish_and_clear();
     session.write(&folder)?;
-    let result = learn_session(&folder, &session, &made, &args.learn, Some(&truth))?;
+    let result = learn_session(&folder, &session, &made, &learn, Some(&truth))?;
     if args.json {
-        return output::json(&to_json(&folder, &session, &made, &args.learn, &result));
+        return output::json(&to_json(&folder, &session, &made, &learn, &result));
     }
-    print_table(&folder, &session, &made, &args.learn, &result);
+    print_table(&folder, &session, &made, &learn, &result);
     Ok(())
 }
 

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use super::learn_options::{
-    LearnOptions, learn_session, print_table, session_truth, to_json, warn_truncated,
+    KNOWN_HELP, LearnOptions, learn_session, print_table, session_truth, to_json, warn_truncated,
 };
 use super::{Outcome, output};
 use crate::record::{Session, TOUCHES_FILE, read_touches};
@@ -13,10 +13,11 @@ use crate::record::{Session, TOUCHES_FILE, read_touches};
 /// The log alone is enough: the creature and its skin are in it. Where the model is still at hand, the result
 /// is measured against it. The session's schema, table and learned model are replaced.
 #[derive(clap::Args)]
-#[command(after_help = "Examples:
+#[command(after_help = format!("Examples:
   bodyschema learn sessions/max-1
   bodyschema learn sessions/max-1 --learner hersch
-  bodyschema learn sessions/max-1 --touches 300 --json")]
+  bodyschema learn sessions/max-1 --touches 300 --json
+  bodyschema learn sessions/max-1 --touches 60 --known known.json\n\n{KNOWN_HELP}"))]
 pub struct Args {
     /// The session's folder
     session: PathBuf,
@@ -42,6 +43,7 @@ pub fn run(args: &Args) -> Outcome {
     warn_truncated(&log, &args.session);
     let most = args.touches.map_or(usize::MAX, |n| usize::try_from(n).unwrap_or(usize::MAX));
     let touches = &log.touches[..log.touches.len().min(most)];
+    let learn = args.learn.with_known(&session.creature)?;
     session.seed = args.seed.unwrap_or(session.seed);
     let truth = match session_truth(&session, args.model.as_deref()) {
         Ok(truth) => Some(truth),
@@ -51,10 +53,10 @@ pub fn run(args: &Args) -> Outcome {
             None
         }
     };
-    let result = learn_session(&args.session, &session, touches, &args.learn, truth.as_ref())?;
+    let result = learn_session(&args.session, &session, touches, &learn, truth.as_ref())?;
     if args.json {
-        return output::json(&to_json(&args.session, &session, touches, &args.learn, &result));
+        return output::json(&to_json(&args.session, &session, touches, &learn, &result));
     }
-    print_table(&args.session, &session, touches, &args.learn, &result);
+    print_table(&args.session, &session, touches, &learn, &result);
     Ok(())
 }

@@ -13,14 +13,16 @@ use super::open::open_body;
 use super::{Failure, output, progress};
 use crate::creature::{Creature, JointSelection};
 use crate::evaluation::report::{self, ReportInput};
-use crate::evaluation::{Evaluation, Summary, evaluate};
+use crate::evaluation::{Bound, Evaluation, Summary, evaluate, evaluate_learned};
 use crate::ground_truth::GroundTruth;
 use crate::learning::onset::random_onset;
 use crate::learning::{
-    Change, Hersch, Input, Learned, Learner, Online, RelaxedGradient, SecondOrder, SkinKnowledge, Verdict,
-    What,
+    Change, Hersch, Input, Known, KnownJoint, Learned, Learner, Online, RelaxedGradient, SecondOrder,
+    SkinKnowledge, Verdict, What,
 };
-use crate::record::{LearningTable, SCHEMA_FILE, Session, TouchLog, model_hash, write_schema};
+use crate::record::{
+    LearningTable, SCHEMA_FILE, Session, TouchLog, model_hash, read_known, write_schema_with_std,
+};
 use crate::senses::Touch;
 use crate::skin::Skin;
 
@@ -42,9 +44,26 @@ pub struct LearnOptions {
     /// What the agent knows of its skin: the surfaces under the receptors, or their centres alone
     #[arg(long, value_enum, default_value_t = SkinName::Surface)]
     pub skin: SkinName,
+    /// What is known of joints before the first touch, for the learner lm: a schema.json, whole or with some
+    /// of its joints. A joint without deviations is known exactly and stays as it is; with position_std
+    /// (metres) and axis_std (radians) it is known nearly
+    #[arg(long, value_name = "FILE")]
+    pub known: Option<PathBuf>,
+    /// What the file of `known` says, once it was read.
+    #[arg(skip)]
+    pub known_joints: Vec<KnownJoint>,
     #[command(flatten)]
     pub disturbances: DisturbanceOptions,
 }
+
+/// An example of a file of known joints, for the help of commands.
+pub const KNOWN_HELP: &str = r#"Example of a file for --known: the left elbow exactly, the right wrist's position to 5 mm.
+  {"joints": [
+    {"joint": "left_elbow", "position": [0.024, 0.089, -0.28],
+     "axes": [{"dof": "left_elbow_flexion", "axis": [-0.239924, -0.9466999, -0.2149319]},
+              {"dof": "left_elbow_pronation", "axis": [0.2399183, 0.2399183, -0.9406798]}]},
+    {"joint": "right_wrist", "position": [0.06, -0.06, -0.235], "position_std": 0.005}
+  ]}"#;
 
 /// The learners by name.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
@@ -107,6 +126,41 @@ impl LearnOptions {
         }
     }
 
+    /// These options with the file of known joints read.
+    ///
+    /// # Errors
+    /// Where the file is not one for this creature, and where the learner has no use for it.
+    pub fn with_known(&self, creature: &Creature) -> Result<LearnOptions, Failure> {
+        let Some(path) = &self.known else { return Ok(self.clone()) };
+        if self.learner != LearnerName::Lm {
+            return Err(Failure(format!(
+                "{}: the learner {} knows nothing beforehand: use --learner lm, or leave out --known",
+                path.display(),
+                self.learner
+            )));
+        }
+        Ok(LearnOptions { known_joints: read_known(path, creature)?, ..self.clone() })
+    }
+
+    /// What was known beforehand, in JSON: the file, and its joints with whether they were exact.
+    fn known_json(&self, creature: &Creature) -> Value {
+        let Some(path) = &self.known else { return Value::Null };
+        let joint = |known: &KnownJoint| json!({ "joint": creature.joints()[known.joint].name, "exact": known.exact });
+        json!({ "file": path, "joints": self.known_joints.iter().map(joint).collect::<Vec<_>>() })
+    }
+
+    /// The same in words.
+    fn known_words(&self, creature: &Creature) -> Option<String> {
+        self.known.as_ref()?;
+        let names = |exact: bool| {
+            let joints = self.known_joints.iter().filter(|known| known.exact == exact);
+            let names: Vec<String> =
+                joints.map(|known| creature.joints()[known.joint].name.clone()).collect();
+            output::names(&names)
+        };
+        Some(format!("exactly {}; nearly {}", names(true), names(false)))
+    }
+
     /// The learner, from an onset drawn from `seed`.
     pub fn learner<'a>(&self, creature: &'a Creature, skin: &'a Skin, seed: u64) -> Box<dyn Learner + 'a> {
         let onset = || random_onset(creature, &mut ChaCha8Rng::seed_from_u64(seed));
@@ -120,10 +174,12 @@ impl LearnOptions {
                     SkinName::Surface => SkinKnowledge::Surface,
                     SkinName::Centres => SkinKnowledge::Centres,
                 };
+                let known = Known::nothing(creature, skin).with(&self.known_joints);
                 if self.learns_online() {
-                    return Box::new(Online::new(creature, skin, seed));
+                    return Box::new(Online::new(creature, skin, seed).with_known(known));
                 }
-                Box::new(SecondOrder::new(creature, skin, self.input(), seed).with_skin(knowledge))
+                let learner = SecondOrder::new(creature, skin, self.input(), seed);
+                Box::new(learner.with_skin(knowledge).with_known(known))
             }
         }
     }
@@ -227,8 +283,10 @@ pub fn learn_session(
         let undetermined = learned.as_ref().map_or(&[][..], |learned| &learned.undetermined);
         let schema = learned.as_ref().map(|learned| &learned.schema).or_else(|| learner.schema());
         let measured = truth.zip(schema).filter(|_| due || last);
-        let evaluation =
-            measured.map(|(truth, schema)| evaluate(creature, skin, truth, schema, undetermined));
+        let evaluation = measured.map(|(truth, schema)| match &learned {
+            Some(learned) => evaluate_learned(creature, skin, truth, learned),
+            None => evaluate(creature, skin, truth, schema, undetermined),
+        });
         if truth.is_some() {
             row.extend(evaluation.as_ref().map_or([f64::NAN; 4], |e| {
                 let hand = e.hand_mm.map_or(f64::NAN, |hand| hand.mean);
@@ -249,10 +307,11 @@ pub fn learn_session(
         let mut learner = options.learner(creature, skin, session.seed);
         touches.iter().for_each(|touch| learner.touch(touch));
         let learned = learner.learn();
-        evaluate(creature, skin, truth, &learned.schema, &learned.undetermined).heldout_mm
+        evaluate_learned(creature, skin, truth, &learned).heldout_mm
     });
     spinner.finish_and_clear();
-    write_schema(&folder.join(SCHEMA_FILE), creature, &learned.schema)?;
+    let std = learned.schema_std(creature);
+    write_schema_with_std(&folder.join(SCHEMA_FILE), creature, &learned.schema, std.as_ref())?;
     let model = crate::schema::to_mjcf(creature, skin, &learned.schema);
     output::file(&folder.join(LEARNED_FILE), &model)?;
     let undetermined = learned.undetermined.iter().map(|&j| creature.joints()[j].name.clone()).collect();
@@ -261,6 +320,7 @@ pub fn learn_session(
         creature,
         skin,
         schema: &result.learned.schema,
+        std: std.as_ref(),
         truth: truth.map(|truth| &truth.schema),
         evaluation: result.evaluation.as_ref(),
         touches,
@@ -283,6 +343,9 @@ fn facts(session: &Session, options: &LearnOptions, result: &SessionLearning) ->
     }
     facts.push(("learner", options.learner.to_string()));
     facts.push(("knowledge", options.knowledge().to_string()));
+    if let Some(known) = options.known_words(&session.creature) {
+        facts.push(("joints known beforehand", known));
+    }
     if options.disturbances != DisturbanceOptions::default() {
         facts.push(("disturbances", options.disturbances.to_string()));
     }
@@ -367,6 +430,7 @@ pub fn to_json(
         "learner": options.learner.to_string(),
         "input": options.input.to_string(),
         "knowledge": options.knowledge(),
+        "known": options.known_json(&session.creature),
         "converged": verdict,
         "reason": reason,
         "onsets": result.learned.onsets,
@@ -374,6 +438,7 @@ pub fn to_json(
         "heldout_mm": summary(evaluation.map(|e| e.heldout_mm)),
         "undisturbed_heldout_mm": summary(result.undisturbed_heldout_mm),
         "determined_mm": summary(evaluation.map(|e| e.determined_mm)),
+        "bound_mm": evaluation.and_then(|e| e.bound_mm),
         "hand_mm": summary(evaluation.and_then(|e| e.hand_mm)),
         "axis_deg": summary(evaluation.map(|e| e.axis_deg)),
         "axis_line_mm": summary(evaluation.map(|e| e.axis_line_mm)),
@@ -408,6 +473,9 @@ pub fn print_table(
         if result.learned.onsets == 1 { "" } else { "s" },
         result.seconds
     );
+    if let Some(known) = options.known_words(creature) {
+        say!("joints known beforehand: {known}");
+    }
     if options.disturbances != DisturbanceOptions::default() {
         say!("disturbances: {}", options.disturbances);
     }
@@ -434,6 +502,19 @@ pub fn print_evaluation(evaluation: &Evaluation) {
     }
     output::row("angle between axes", "°", &evaluation.axis_deg);
     output::row("distance between axis lines", "mm", &evaluation.axis_line_mm);
+    if let Some(bound) = &evaluation.bound_mm {
+        print_bound(bound);
+    }
+}
+
+/// The error beside its bound, both as root mean squares.
+fn print_bound(bound: &Bound) {
+    say!(
+        "\n  root mean square over determined joints: {:.2e} mm, {:.2} times the Cramér-Rao bound of {:.2e} mm",
+        bound.error_rms,
+        bound.ratio,
+        bound.bound_rms
+    );
 }
 
 /// Says on standard error when a log ends in the middle of a line.

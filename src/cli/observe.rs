@@ -41,14 +41,14 @@ pub fn run(args: &Args) -> Outcome {
     let (found, deviation) = learner.observe(&schema);
     let indices = found.indices();
     let undetermined = found.undetermined(creature, &schema);
-    let millimetres = |joint: usize| found.position_deviation(joint).map(|m| 1e3 * m);
-    let degrees = |dof: usize| found.axis_deviation(dof).map(f64::to_degrees);
+    let millimetres = |joint: usize| found.position_std(joint).map(|metres| metres.map(|m| 1e3 * m));
+    let degrees = |dof: usize| found.axis_std(creature, dof).map(f64::to_degrees);
     if args.json {
         let joints = creature.joints().iter().enumerate().map(|(j, joint)| {
             json!({
                 "joint": joint.name,
-                "position_mm": millimetres(j),
-                "axes_deg": joint.dof_indices().map(degrees).collect::<Vec<_>>(),
+                "position_std_mm": millimetres(j),
+                "axes_std_deg": joint.dof_indices().map(degrees).collect::<Vec<_>>(),
             })
         });
         return output::json(&json!({
@@ -80,8 +80,9 @@ pub fn run(args: &Args) -> Outcome {
         indices.noise_amplification
     );
     say!("standard deviation of a touch's gap: {:.4} mm (1e-3 mm at the least)\n", 1e3 * deviation);
-    say!("  {:<28}{:>14}  axes, ° (one standard deviation)", "joint", "position, mm");
-    let number = |value: Option<f64>| value.map_or("–".to_string(), |v| format!("{v:.2e}"));
+    say!("one standard deviation, – where nothing determines it; an axis by each coordinate across it:");
+    say!("  {:<28}{:<32}axes, °", "joint", "position x y z, mm");
+    let number = |value: Option<f64>| value.map_or(format!("{:<8}", "–"), |v| format!("{v:.2e}"));
     for (j, joint) in creature.joints().iter().enumerate() {
         let axes: Vec<String> = joint
             .dof_indices()
@@ -89,7 +90,8 @@ pub fn run(args: &Args) -> Outcome {
             .filter(|(_, dof)| dof.kind != DofKind::Ball)
             .map(|(k, _)| number(degrees(k)))
             .collect();
-        say!("  {:<28}{:>14}  {}", joint.name, number(millimetres(j)), axes.join("  "));
+        let position = millimetres(j).map(number).join("  ");
+        say!("  {:<28}{position:<32}{}", joint.name, axes.join("  ").trim_end());
     }
     say!("");
     if undetermined.is_empty() {

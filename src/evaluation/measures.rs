@@ -9,6 +9,7 @@ use crate::babbling::random_posture;
 use crate::creature::{Creature, DofKind};
 use crate::ground_truth::GroundTruth;
 use crate::kinematics::{Chain, limb_frames};
+use crate::learning::observability::Observability;
 use crate::schema::BodySchema;
 use crate::senses::Touch;
 use crate::skin::Skin;
@@ -54,6 +55,17 @@ impl Summary {
     }
 }
 
+/// One place at which the held-out error is taken.
+#[derive(Clone, Debug)]
+pub struct HeldOutPoint {
+    /// Posture coordinates, in the creature's order.
+    pub posture: Vec<f64>,
+    /// The limb of the skin point, and the limb in whose frame it is expressed.
+    pub limbs: [usize; 2],
+    /// The skin point in its own limb's frame, metres.
+    pub p_a: Vector3<f64>,
+}
+
 /// One held-out error.
 #[derive(Clone, Debug)]
 pub struct HeldOutError {
@@ -65,14 +77,9 @@ pub struct HeldOutError {
     pub millimetres: f64,
 }
 
-/// At [`HELD_OUT_POSTURES`] random postures, a random skin point of a random limb in the frame of another
-/// random limb, learned against true.
-pub fn held_out(
-    creature: &Creature,
-    skin: &Skin,
-    truth: &GroundTruth,
-    schema: &BodySchema,
-) -> Vec<HeldOutError> {
+/// At [`HELD_OUT_POSTURES`] random postures, a random skin point of a random limb, to be expressed in the
+/// frame of another random limb. Always the same of one creature and skin.
+pub fn held_out_points(creature: &Creature, skin: &Skin) -> Vec<HeldOutPoint> {
     let mut rng = ChaCha8Rng::seed_from_u64(HELD_OUT_SEED);
     let mut on_limb = vec![Vec::new(); creature.limbs().len()];
     for (r, receptor) in skin.receptors.iter().enumerate() {
@@ -82,7 +89,7 @@ pub fn held_out(
     if limbs.len() < 2 {
         return Vec::new();
     }
-    let mut errors = Vec::with_capacity(HELD_OUT_POSTURES);
+    let mut points = Vec::with_capacity(HELD_OUT_POSTURES);
     for _ in 0..HELD_OUT_POSTURES {
         let posture = random_posture(creature, &mut rng);
         let from = rng.random_range(0..limbs.len());
@@ -91,15 +98,81 @@ pub fn held_out(
         let receptor = &skin.receptors[on_limb[a][rng.random_range(0..on_limb[a].len())]];
         let [u, v] = receptor.half_extents.map(|half| half * rng.random_range(-1.0..1.0));
         let p_a = receptor.position + receptor.tangent * u + receptor.bitangent() * v;
-        let land = |schema: &BodySchema| {
-            let frames = limb_frames(creature, schema, &posture);
-            frames[b].inverse_point(&frames[a].point(&p_a))
-        };
-        let millimetres = 1e3 * (land(schema) - land(&truth.schema)).norm();
-        let joints = Chain::between(creature, a, b).joints().collect();
-        errors.push(HeldOutError { limbs: [a, b], joints, millimetres });
+        points.push(HeldOutPoint { posture, limbs: [a, b], p_a });
     }
-    errors
+    points
+}
+
+impl HeldOutPoint {
+    /// `p_BA`: where a schema puts the point in the second limb's frame, metres.
+    pub fn land(&self, creature: &Creature, schema: &BodySchema) -> Vector3<f64> {
+        let frames = limb_frames(creature, schema, &self.posture);
+        frames[self.limbs[1]].inverse_point(&frames[self.limbs[0]].point(&self.p_a))
+    }
+}
+
+/// The errors at the [`held_out_points`], learned against true.
+pub fn held_out(
+    creature: &Creature,
+    truth: &GroundTruth,
+    schema: &BodySchema,
+    points: &[HeldOutPoint],
+) -> Vec<HeldOutError> {
+    let error = |point: &HeldOutPoint| {
+        let [a, b] = point.limbs;
+        let miss = point.land(creature, schema) - point.land(creature, &truth.schema);
+        let joints = Chain::between(creature, a, b).joints().collect();
+        HeldOutError { limbs: point.limbs, joints, millimetres: 1e3 * miss.norm() }
+    };
+    points.iter().map(error).collect()
+}
+
+/// The held-out error beside the least that any unbiased learner could have made of the same touches.
+///
+/// The Cramér-Rao bound of a placed point's covariance is `J I⁻¹ Jᵀ`, with the Fisher information `I` of
+/// the touches in the noise that the model assumes and the point's derivative `J` by the parameters (Kay,
+/// Fundamentals of Statistical Signal Processing: Estimation Theory, 1993, section 3.8). Its trace bounds
+/// the mean *square* of the error: the two are compared as root mean squares, never with the mean error.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Bound {
+    /// Root of the mean over the points of the bound of the squared error, millimetres.
+    pub bound_rms: f64,
+    /// Root mean square of the errors at the same points, millimetres.
+    pub error_rms: f64,
+    /// The second over the first.
+    pub ratio: f64,
+    /// Points that both are taken over: those with only determined joints between their limbs.
+    pub points: usize,
+}
+
+impl Bound {
+    /// Puts errors beside their bounds: `errors` are those at `points`. None where no point is determined.
+    pub fn new(
+        creature: &Creature,
+        schema: &BodySchema,
+        observability: &Observability,
+        points: &[HeldOutPoint],
+        errors: &[HeldOutError],
+        undetermined: &[usize],
+    ) -> Option<Bound> {
+        let (mut bounds, mut squares, mut count) = (0.0, 0.0, 0);
+        for (point, error) in points.iter().zip(errors) {
+            if error.joints.iter().any(|joint| undetermined.contains(joint)) {
+                continue;
+            }
+            let deviation =
+                observability.point_deviation(creature, schema, &point.posture, point.limbs, &point.p_a);
+            // A direction that no touch feels bounds nothing.
+            if deviation.is_finite() {
+                bounds += (1e3 * deviation).powi(2);
+                squares += error.millimetres * error.millimetres;
+                count += 1;
+            }
+        }
+        let rms = |sum: f64| (sum / count as f64).sqrt();
+        let (bound_rms, error_rms) = (rms(bounds), rms(squares));
+        (count > 0).then_some(Bound { bound_rms, error_rms, ratio: error_rms / bound_rms, points: count })
+    }
 }
 
 /// How far one axis was learned wrong.

@@ -5,15 +5,21 @@
 //! limb lands relative to every other limb, in postures that were not babbled; the axes of determined
 //! joints; and the touches themselves.
 
+pub mod coverage;
 mod measures;
 pub mod report;
 
-pub use measures::{AxisErrors, HELD_OUT_POSTURES, Summary, axis_errors, held_out, touch_misses};
+pub use measures::{
+    AxisErrors, Bound, HELD_OUT_POSTURES, HeldOutError, HeldOutPoint, Summary, axis_errors, held_out,
+    held_out_points, touch_misses,
+};
 
 use serde::{Deserialize, Serialize};
 
 use crate::creature::Creature;
 use crate::ground_truth::GroundTruth;
+use crate::learning::Learned;
+use crate::learning::observability::Observability;
 use crate::schema::BodySchema;
 use crate::skin::Skin;
 
@@ -24,6 +30,9 @@ pub struct Evaluation {
     pub heldout_mm: Summary,
     /// The same over limbs with only determined joints between them, millimetres.
     pub determined_mm: Summary,
+    /// The same beside its Cramér-Rao bound; none where what the touches determine is not known.
+    #[serde(default)]
+    pub bound_mm: Option<Bound>,
     /// The same with a hand as one of the two, millimetres; none where the creature has no hands.
     pub hand_mm: Option<Summary>,
     /// Angle between learned and true axes of determined joints, degrees.
@@ -40,7 +49,32 @@ pub fn evaluate(
     schema: &BodySchema,
     undetermined: &[usize],
 ) -> Evaluation {
-    let errors = held_out(creature, skin, truth, schema);
+    measure(creature, skin, truth, schema, undetermined, None)
+}
+
+/// Measures what a learner came to, beside the bound of what its touches determine.
+pub fn evaluate_learned(
+    creature: &Creature,
+    skin: &Skin,
+    truth: &GroundTruth,
+    learned: &Learned,
+) -> Evaluation {
+    let observability = learned.observability.as_ref();
+    measure(creature, skin, truth, &learned.schema, &learned.undetermined, observability)
+}
+
+fn measure(
+    creature: &Creature,
+    skin: &Skin,
+    truth: &GroundTruth,
+    schema: &BodySchema,
+    undetermined: &[usize],
+    observability: Option<&Observability>,
+) -> Evaluation {
+    let points = held_out_points(creature, skin);
+    let errors = held_out(creature, truth, schema, &points);
+    let bound_mm =
+        observability.and_then(|found| Bound::new(creature, schema, found, &points, &errors, undetermined));
     let all = errors.iter().map(|e| e.millimetres);
     let determined = errors.iter().filter(|e| !e.joints.iter().any(|j| undetermined.contains(j)));
     let hands = || errors.iter().filter(|e| e.limbs.iter().any(|&limb| is_hand(creature, limb)));
@@ -48,6 +82,7 @@ pub fn evaluate(
     Evaluation {
         heldout_mm: Summary::of(all),
         determined_mm: Summary::of(determined.map(|e| e.millimetres)),
+        bound_mm,
         hand_mm: hands().next().map(|_| Summary::of(hands().map(|e| e.millimetres))),
         axis_deg: Summary::of(axes.iter().map(|e| e.degrees)),
         axis_line_mm: Summary::of(axes.iter().filter_map(|e| e.line_millimetres)),

@@ -19,7 +19,6 @@ use crate::creature::Creature;
 use crate::learning::annealing::{NARROWEST, WIDEST, anneal_to, gaps, quantile};
 use crate::learning::least_squares::{Stopping, levenberg_marquardt};
 use crate::learning::observation::PointsMeet;
-use crate::learning::onset::randomize_joint;
 use crate::learning::open_gaps::OpenGaps;
 use crate::learning::relaxed_gradient::{Doubt, descend};
 use crate::learning::touch_set::{PairTouches, PreparedTouch, TouchProblem, TouchSet};
@@ -152,7 +151,7 @@ impl Nursery<'_> {
         let joints = self.creature.joints().len();
         let mut schema = self.prior.mean.clone();
         for joint in (0..joints).filter(|&joint| !self.frozen[joint]) {
-            randomize_joint(self.creature, &mut schema, joint, rng);
+            self.prior.randomize_joint(self.creature, &mut schema, joint, rng);
         }
         let touches = self.without(&self.starved());
         let mut known = self.frozen.to_vec();
@@ -272,7 +271,7 @@ impl Nursery<'_> {
             if round > 0 {
                 for &joint in part.iter().filter(|&&joint| !self.frozen[joint]) {
                     let kept = trial.positions[joint];
-                    randomize_joint(self.creature, &mut trial, joint, rng);
+                    self.prior.randomize_joint(self.creature, &mut trial, joint, rng);
                     trial.positions[joint] = kept;
                 }
             }
@@ -404,26 +403,26 @@ impl Nursery<'_> {
         for onset in 0..most {
             *onsets += 1;
             let mut trial = schema.clone();
-            part.iter().for_each(|&joint| randomize_joint(self.creature, &mut trial, joint, rng));
+            part.iter().for_each(|&joint| self.prior.randomize_joint(self.creature, &mut trial, joint, rng));
             let (trial, misfit) = match self.evidence {
                 // False places would spoil a fit to the places: the surfaces must do.
                 Evidence::Surfaces(skin) if self.doubts() => {
                     let doubt = Doubt::FarMisses;
                     let trial = descend(&listed, trial, DOUBTING_DESCENT, &relaxed, doubt, rng);
-                    self.close_both(skin, &touches, &unit, trial)
+                    self.close_both(skin, touches, &unit, trial)
                 }
                 _ => {
                     if self.evidence.descends(onset + self.turn) {
                         trial = descend(&listed, trial, DESCENT, &relaxed, Doubt::Nothing, rng);
                     }
                     let rms;
-                    (trial, rms) = self.solve(&touches, &relaxed, trial, 100);
+                    (trial, rms) = self.solve(touches, &relaxed, trial, 100);
                     trial.normalize_axes(self.creature);
                     match self.evidence {
                         Evidence::Surfaces(_) if rms > HOPELESS_RELAXED => {
                             (trial, Misfit(HOPELESS_MISFIT * rms))
                         }
-                        _ => self.settle(&touches, &unit, trial, 60),
+                        _ => self.settle(touches, &unit, trial, 60),
                     }
                 }
             };

@@ -22,7 +22,7 @@ pub mod surface_gap;
 pub mod touch_set;
 
 pub use hersch::{Hersch, STEP};
-pub use known::Known;
+pub use known::{Known, KnownJoint, LEAST_DEVIATION};
 pub use observation::{Input, SkinKnowledge};
 pub use online::{Change, Expectation, Online, Tool, What};
 pub use parameters::{AxisModel, Parameters};
@@ -30,7 +30,8 @@ pub use prior::{Beforehand, Prior};
 pub use relaxed_gradient::{RelaxedGradient, STEPS};
 pub use second_order::SecondOrder;
 
-use crate::schema::BodySchema;
+use crate::creature::Creature;
+use crate::schema::{BodySchema, SchemaStd};
 use crate::senses::Touch;
 
 /// A learner: touches in, schema out.
@@ -79,6 +80,13 @@ pub enum Verdict {
     Failed(String),
     /// The learner has no judgement; why.
     Unjudged(String),
+}
+
+impl Learned {
+    /// Standard deviations of the positions and axes; none where the learner cannot tell.
+    pub fn schema_std(&self, creature: &Creature) -> Option<SchemaStd> {
+        self.observability.as_ref().map(|found| found.schema_std(creature))
+    }
 }
 
 impl Verdict {

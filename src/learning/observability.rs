@@ -8,7 +8,7 @@
 //! characteristic length, so that a singular value tells how much whitened residual a turn of one radian,
 //! or a shift of that length, makes.
 
-use nalgebra::{DMatrix, DVector, SymmetricEigen, Vector3};
+use nalgebra::{DMatrix, DVector, Matrix3, SymmetricEigen, Vector3};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use serde::Serialize;
@@ -17,7 +17,7 @@ use crate::babbling::random_posture;
 use crate::creature::{Creature, DofKind};
 use crate::kinematics::{Chain, ChainSide, SideJacobian, limb_frames, tangent_basis};
 use crate::learning::Parameters;
-use crate::schema::BodySchema;
+use crate::schema::{BodySchema, SchemaStd};
 use crate::skin::Skin;
 
 /// The length that weighs as much as a radian, metres: about a limb's radius and reach.
@@ -26,6 +26,11 @@ pub const CHARACTERISTIC_LENGTH: f64 = 0.1;
 const NULL_SHARE: f64 = 1e-7;
 /// A joint is determined when skin beyond it can be placed to this, metres.
 pub const DETERMINED: f64 = 1e-3;
+/// How far an undetermined direction of unit length may move what is still called determined, metres and
+/// radians: rounding.
+const UNMOVED: f64 = 1e-6;
+/// The part of a direction of unit length outside the null space that is rounding.
+const FELT: f64 = 1e-5;
 /// Least share of a null direction that is worth naming.
 const NAMED_SHARE: f64 = 0.15;
 
@@ -44,6 +49,8 @@ pub struct Observability {
     /// Orthonormal undetermined directions, one a column, in scaled parameters.
     pub null_space: DMatrix<f64>,
     unscaled_null_space: DMatrix<f64>,
+    /// Per joint, whether it was known exactly before the first touch and is no parameter.
+    known: Vec<bool>,
     residuals: usize,
 }
 
@@ -61,10 +68,12 @@ pub struct Indices {
 }
 
 impl Observability {
-    /// From the normal equations `JᵀWJ` (lower triangle) over `parameters` and the number of residuals.
+    /// From the information `JᵀWJ` (lower triangle) over `parameters` and the number of residuals. `known`
+    /// tells of each joint whether it was known exactly beforehand, and is no parameter for that reason.
     pub fn new(
         creature: &Creature,
         parameters: Parameters,
+        known: &[bool],
         mut hessian: DMatrix<f64>,
         residuals: usize,
     ) -> Observability {
@@ -84,6 +93,18 @@ impl Observability {
             for i in 0..n {
                 hessian[(i, j)] *= scale[i] * scale[j];
             }
+        }
+        if n == 0 {
+            return Observability {
+                parameters,
+                singular_values: Vec::new(),
+                rank: 0,
+                covariance: DMatrix::zeros(0, 0),
+                null_space: DMatrix::zeros(0, 0),
+                unscaled_null_space: DMatrix::zeros(0, 0),
+                known: known.to_vec(),
+                residuals,
+            };
         }
         let eigen = SymmetricEigen::new(hessian);
         let mut order: Vec<usize> = (0..n).collect();
@@ -108,6 +129,7 @@ impl Observability {
             covariance,
             null_space,
             unscaled_null_space,
+            known: known.to_vec(),
             residuals,
         }
     }
@@ -151,6 +173,41 @@ impl Observability {
         Some(block.trace().max(0.0).sqrt())
     }
 
+    /// Standard deviation of each coordinate of a joint's position `l_P`, metres. None for a coordinate that
+    /// the touches leave open, all three of a joint that they do not involve.
+    pub fn position_std(&self, joint: usize) -> [Option<f64>; 3] {
+        let Some(offset) = self.parameters.positions[joint] else {
+            return [self.known[joint].then_some(0.0); 3];
+        };
+        [0, 1, 2].map(|i| self.parameter_std(offset + i))
+    }
+
+    /// Standard deviation of each of the two coordinates of an axis across its direction, radians: the root
+    /// of their mean variance. None where the touches leave its direction open, and for a ball.
+    pub fn axis_std(&self, creature: &Creature, dof: usize) -> Option<f64> {
+        let known = |joint: usize| self.known[joint] && creature.joints()[joint].dof_indices().contains(&dof);
+        if (0..self.known.len()).any(known) {
+            return Some(0.0);
+        }
+        let offset = self.parameters.axes[dof]?;
+        let [first, second] = [self.parameter_std(offset)?, self.parameter_std(offset + 1)?];
+        Some((0.5 * (first * first + second * second)).sqrt())
+    }
+
+    /// The standard deviations of all positions and axes.
+    pub fn schema_std(&self, creature: &Creature) -> SchemaStd {
+        SchemaStd {
+            positions: (0..creature.joints().len()).map(|joint| self.position_std(joint)).collect(),
+            axes: (0..creature.dof_elements()).map(|dof| self.axis_std(creature, dof)).collect(),
+        }
+    }
+
+    /// Standard deviation of one parameter; none where an undetermined direction moves it.
+    pub fn parameter_std(&self, index: usize) -> Option<f64> {
+        let open = self.unscaled_null_space.row(index).iter().any(|shift| shift.abs() > UNMOVED);
+        (!open).then(|| self.covariance[(index, index)].max(0.0).sqrt())
+    }
+
     /// The standard deviation with which the schema puts a point `p_a` of limb `a` into the frame of limb
     /// `b`, metres: the root of the trace of `J Σ Jᵀ`. Infinite where an undetermined direction moves it or
     /// a joint between was never touched.
@@ -162,9 +219,24 @@ impl Observability {
         limbs: [usize; 2],
         p_a: &Vector3<f64>,
     ) -> f64 {
+        let covariance = self.point_covariance(creature, schema, posture, limbs, p_a);
+        covariance.map_or(f64::INFINITY, |covariance| covariance.trace().max(0.0).sqrt())
+    }
+
+    /// The covariance `J Σ Jᵀ` with which the schema puts a point `p_a` of limb `a` into the frame of limb
+    /// `b`, in that frame, m². None where an undetermined direction moves it or a joint between was never
+    /// touched.
+    pub fn point_covariance(
+        &self,
+        creature: &Creature,
+        schema: &BodySchema,
+        posture: &[f64],
+        limbs: [usize; 2],
+        p_a: &Vector3<f64>,
+    ) -> Option<Matrix3<f64>> {
         let chain = Chain::between(creature, limbs[0], limbs[1]);
-        if chain.joints().any(|joint| self.parameters.positions[joint].is_none()) {
-            return f64::INFINITY;
+        if chain.joints().any(|joint| self.untouched(joint)) {
+            return None;
         }
         let frames = limb_frames(creature, schema, posture);
         let p_b = frames[limbs[1]].inverse_point(&frames[limbs[0]].point(p_a));
@@ -175,12 +247,15 @@ impl Observability {
         // A direction that no touch felt and that moves the point by more than rounding: unbounded.
         if self.null_space.ncols() > 0 {
             let shift = &jacobian * self.unscaled_null_space.select_rows(&moved);
-            if shift.amax() > 1e-6 {
-                return f64::INFINITY;
+            if shift.amax() > UNMOVED {
+                return None;
             }
         }
         let covariance = self.covariance.select_rows(&moved).select_columns(&moved);
-        (&jacobian * covariance * jacobian.transpose()).trace().max(0.0).sqrt()
+        let product = &jacobian * covariance * jacobian.transpose();
+        let covariance_c = Matrix3::from_fn(|i, j| product[(i, j)]);
+        let r_bc = frames[limbs[1]].rotation.tr_mul(&frames[chain.ancestor].rotation);
+        Some(r_bc * covariance_c * r_bc.transpose())
     }
 
     /// The joints that the touches leave undetermined: those through which no skin point of any limb can be
@@ -202,7 +277,12 @@ impl Observability {
                 best[joint] = best[joint].min(deviation);
             }
         }
-        (0..best.len()).filter(|&joint| best[joint] > DETERMINED).collect()
+        (0..best.len()).filter(|&joint| best[joint] > DETERMINED && !self.known[joint]).collect()
+    }
+
+    /// Whether nothing is known of a joint: no touch involves it.
+    fn untouched(&self, joint: usize) -> bool {
+        self.parameters.positions[joint].is_none() && !self.known[joint]
     }
 
     /// `∂(p_CA − p_CB)` over the parameters, 3×n.
@@ -236,16 +316,19 @@ impl Observability {
 
     /// Every undetermined direction, in words.
     ///
-    /// The null space is turned so that few joints carry each direction (varimax-like, by pivoting): what
-    /// remains is named by the joints that move and how.
+    /// First those that bodies often have: a joint that slides along its own axis while the joints on the limb
+    /// it carries slide back. What is left of the null space is turned so that few joints carry each direction
+    /// (varimax-like, by pivoting), and named by the joints that move and how.
     pub fn undetermined(&self, creature: &Creature, schema: &BodySchema) -> Vec<String> {
         let mut words = Vec::new();
         for (j, joint) in creature.joints().iter().enumerate() {
-            if self.parameters.positions[j].is_none() {
+            if self.untouched(j) {
                 words.push(format!("{}: never exercised, no touch involves it or too few do", joint.name));
             }
         }
-        for direction in sparse_basis(&self.null_space) {
+        let slides = self.slides(creature, schema);
+        let rest = sparse_basis(&without(&self.null_space, &slides));
+        for direction in slides.into_iter().chain(rest) {
             let sentence = self.describe(creature, schema, &direction);
             // Two directions of one axis read alike: once is enough.
             if !words.contains(&sentence) {
@@ -253,6 +336,30 @@ impl Observability {
             }
         }
         words
+    }
+
+    /// The undetermined directions, of unit length, in which a joint's position slides along an axis of its
+    /// own and the positions of the joints beyond it back.
+    fn slides(&self, creature: &Creature, schema: &BodySchema) -> Vec<DVector<f64>> {
+        let mut slides = Vec::new();
+        for (j, joint) in creature.joints().iter().enumerate() {
+            let Some(offset) = self.parameters.positions[j] else { continue };
+            for (k, _) in joint.dof_indices().zip(&joint.dofs).filter(|(_, dof)| dof.kind == DofKind::Hinge) {
+                let mut slide = DVector::zeros(self.parameters.len());
+                slide.fixed_rows_mut::<3>(offset).copy_from(&schema.axes[k]);
+                for (next, other) in creature.joints().iter().enumerate() {
+                    if let Some(offset) = self.parameters.positions[next].filter(|_| other.parent == j + 1) {
+                        slide.fixed_rows_mut::<3>(offset).copy_from(&-schema.axes[k]);
+                    }
+                }
+                slide.normalize_mut();
+                let felt = &slide - &self.null_space * self.null_space.tr_mul(&slide);
+                if felt.norm() < FELT {
+                    slides.push(slide);
+                }
+            }
+        }
+        slides
     }
 
     fn describe(&self, creature: &Creature, schema: &BodySchema, direction: &DVector<f64>) -> String {
@@ -289,6 +396,20 @@ impl Observability {
             _ => format!("together: {}", moved.join("; ")),
         }
     }
+}
+
+/// An orthonormal basis of what is in an orthonormal `space` and perpendicular to the `directions` in it.
+fn without(space: &DMatrix<f64>, directions: &[DVector<f64>]) -> DMatrix<f64> {
+    if directions.is_empty() || space.ncols() == 0 {
+        return space.clone();
+    }
+    // In coordinates of the space.
+    let inside = space.tr_mul(&DMatrix::from_columns(directions));
+    let eigen = SymmetricEigen::new(&inside * inside.transpose());
+    let greatest = eigen.eigenvalues.amax();
+    let left: Vec<usize> =
+        (0..space.ncols()).filter(|&k| eigen.eigenvalues[k] < NULL_SHARE * greatest).collect();
+    space * eigen.eigenvectors.select_columns(&left)
 }
 
 /// A basis of the same space whose directions have few large entries: reduced to echelon form by the

@@ -18,7 +18,7 @@ use crate::learning::least_squares::{LeastSquares, Stopping, levenberg_marquardt
 use crate::learning::observability::Observability;
 use crate::learning::observation::{Input, Observation, ObservationModel, PointsMeet, SkinKnowledge};
 use crate::learning::prediction::{GapRow, covariance};
-use crate::learning::surface_gap::SurfaceGap;
+use crate::learning::surface_gap::{MEAN_WEIGHT, SurfaceGap, gap_scale};
 use crate::learning::touch_set::{LimbTouch, PreparedTouch, TouchProblem, TouchSet};
 use crate::learning::{AxisModel, Known, Learned, Learner, Parameters, Verdict};
 use crate::schema::BodySchema;
@@ -62,6 +62,11 @@ const FEW: usize = 4;
 const TELLING: f64 = 0.01;
 /// Width of a gap that nothing asks to predict better, metres.
 const CLOSE_ENOUGH: f64 = 2e-4;
+
+/// Linearizations of the last fit.
+const LAST_ITERATIONS: usize = 30;
+/// Least relative fall of its cost that counts as progress.
+const LAST_RELATIVE_COST: f64 = 1e-9;
 
 /// The learner `lm`.
 pub struct SecondOrder<'a> {
@@ -210,21 +215,63 @@ impl<'a> SecondOrder<'a> {
         let parameters = Parameters::new(self.creature, AxisModel::Unit, |joint| {
             start.known[joint] && !self.known.frozen[joint]
         });
-        let schema = start.schema.clone();
+        let schema = self.with_frozen(&start.schema);
         match self.evidence() {
             Evidence::Points(_) => {
-                let mut problem = TouchProblem::new(self.creature, &used, &parameters, PointsMeet::Shaped);
+                let mut problem = TouchProblem::new(self.creature, &used, &parameters, PointsMeet::Shaped)
+                    .with_prior(&self.known.given);
                 let stopping = Stopping { iterations: 60, relative_cost: 1e-9, cost: 0.0 };
                 let schema = levenberg_marquardt(&mut problem, &parameters, schema, stopping).schema;
                 let (observability, deviation) = self.observe_touches(&used, &schema);
                 (schema, observability, deviation)
             }
             Evidence::Surfaces(skin) => {
-                let schema =
-                    anneal(self.creature, skin, &used, &parameters, &self.known.prior, schema).schema;
+                let annealed = anneal(self.creature, skin, &used, &parameters, &self.known.prior, schema);
+                let model = SurfaceGap::new(skin, annealed.gap_deviation).with_biased_places();
+                let mut problem =
+                    TouchProblem::new(self.creature, &used, &parameters, model).with_prior(&self.known.prior);
+                let stopping =
+                    Stopping { iterations: LAST_ITERATIONS, relative_cost: LAST_RELATIVE_COST, cost: 0.0 };
+                let schema = levenberg_marquardt(&mut problem, &parameters, annealed.schema, stopping).schema;
                 let (observability, deviation) = self.observe_touches(&used, &schema);
                 (schema, observability, deviation)
             }
+        }
+    }
+
+    /// A schema with the frozen joints exactly as they are known: starts scale every axis to unit length, which
+    /// may change its last digit.
+    fn with_frozen(&self, schema: &BodySchema) -> BodySchema {
+        let mut schema = schema.clone();
+        for (j, joint) in self.creature.joints().iter().enumerate().filter(|(j, _)| self.known.frozen[*j]) {
+            schema.positions[j] = self.known.prior.mean.positions[j];
+            for k in joint.dof_indices() {
+                schema.axes[k] = self.known.prior.mean.axes[k];
+            }
+        }
+        schema
+    }
+
+    /// Fits all touches so far from a schema that is nearly right, without any onset or judgement: the last
+    /// step of [`Learner::learn`] alone.
+    pub fn refine(&self, schema: &BodySchema) -> Learned {
+        self.refine_known(schema, vec![true; self.creature.joints().len()])
+    }
+
+    /// The same for the joints that are `known` at all, and the touches with only such joints between limbs.
+    pub(super) fn refine_known(&self, schema: &BodySchema, known: Vec<bool>) -> Learned {
+        let start = Start { schema: schema.clone(), known, accepted: true, onsets: 0 };
+        let (schema, observability, deviation) = self.polish(&start);
+        let undetermined = observability.undetermined_joints(self.creature, self.skin, &schema);
+        Learned {
+            schema,
+            verdict: Verdict::Unjudged("it was refined from a given schema".to_string()),
+            onsets: 0,
+            fresh_rms: f64::NAN,
+            undetermined,
+            observability: Some(observability),
+            deviation: Some(deviation),
+            changes: Vec::new(),
         }
     }
 
@@ -239,24 +286,49 @@ impl<'a> SecondOrder<'a> {
         let parameters = Parameters::new(self.creature, AxisModel::Unit, |joint| {
             touched[joint] && !self.known.frozen[joint]
         });
-        match self.evidence() {
+        let (mut hessian, rows, deviation) = match self.evidence() {
             Evidence::Points(_) => {
                 let mut problem = TouchProblem::new(self.creature, used, &parameters, PointsMeet::Shaped);
                 let model = problem.linearize(schema);
                 let spare = (3 * used.len()).saturating_sub(parameters.len()).max(1);
-                let deviation = CONTACT_DEVIATION * (2.0 * model.cost / spare as f64).sqrt();
-                let rows = 3 * used.len();
-                (Observability::new(self.creature, parameters, model.hessian, rows), deviation)
+                let misses = (2.0 * model.cost / spare as f64).sqrt();
+                // Points that miss by more than they were taken to say that much less.
+                let hessian = model.hessian / misses.max(1.0).powi(2);
+                (hessian, 3 * used.len(), CONTACT_DEVIATION * misses)
             }
             Evidence::Surfaces(skin) => {
-                let deviation = noise(skin, used, &parameters, schema);
-                let mut problem =
-                    TouchProblem::new(self.creature, used, &parameters, SurfaceGap::new(skin, deviation));
-                let model = problem.linearize(schema);
-                let rows = 5 * used.len();
-                (Observability::new(self.creature, parameters, model.hessian, rows), deviation)
+                let deviation = self.gap_deviation(skin, used, &parameters, schema);
+                let model = SurfaceGap::new(skin, deviation).with_biased_places();
+                let mut problem = TouchProblem::new(self.creature, used, &parameters, model);
+                (problem.linearize(schema).hessian / MEAN_WEIGHT, 5 * used.len(), deviation)
             }
-        }
+        };
+        self.known.given.add_information(&parameters, &mut hessian);
+        let found = Observability::new(self.creature, parameters, &self.known.frozen, hessian, rows);
+        (found, deviation)
+    }
+
+    /// Standard deviation of the gaps at a fitted schema, metres.
+    fn gap_deviation(
+        &self,
+        skin: &Skin,
+        touches: &TouchSet,
+        parameters: &Parameters,
+        schema: &BodySchema,
+    ) -> f64 {
+        let start = noise(skin, touches, parameters, schema);
+        let prior = &self.known.prior;
+        let Some(covariance) = covariance(self.creature, skin, touches, parameters, prior, schema, start)
+        else {
+            return start;
+        };
+        let mut row = GapRow::default();
+        let touches = touches.pairs.iter().flat_map(|pair| &pair.touches);
+        let rows = touches.map(|touch| {
+            row.set(skin, parameters, schema, touch);
+            (row.gap, MEAN_WEIGHT * row.variance(&covariance) / (start * start))
+        });
+        gap_scale(&rows.collect::<Vec<_>>(), start).max(NARROWEST)
     }
 }
 
@@ -396,10 +468,11 @@ impl SecondOrder<'_> {
         }
         let why = format!(
             "none of {onsets} random onsets explains the touches that it was not fitted to; try more touches \
-             (--touches) or another seed (--seed)"
+             (--touches) or another seed (--seed){}",
+            if self.known.is_given() { ", or check what is known (--known)" } else { "" }
         );
         Learned {
-            schema: start.schema,
+            schema: self.with_frozen(&start.schema),
             verdict: Verdict::Failed(why),
             onsets,
             fresh_rms: judged,

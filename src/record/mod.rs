@@ -7,6 +7,7 @@
 
 mod error;
 mod files;
+mod known;
 mod learning_table;
 mod model_hash;
 mod schema;
@@ -17,9 +18,10 @@ mod touch_reader;
 mod touch_writer;
 
 pub use error::{Action, RecordError};
+pub use known::read_known;
 pub use learning_table::LearningTable;
 pub use model_hash::model_hash;
-pub use schema::{read_schema, write_schema};
+pub use schema::{read_schema, write_schema, write_schema_with_std};
 pub use session::{BabblingEffort, Session, SessionOptions};
 pub use touch_reader::{TouchLog, read_touches};
 pub use touch_writer::TouchWriter;

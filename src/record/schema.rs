@@ -8,9 +8,9 @@ use serde::{Deserialize, Serialize};
 use super::stamp::Stamp;
 use super::{RecordError, UNIT_LENGTH, files};
 use crate::creature::{Creature, DofKind, Joint};
-use crate::schema::BodySchema;
+use crate::schema::{BodySchema, SchemaStd};
 
-const STAMP: Stamp = Stamp { format: "bodyschema schema", version: 1 };
+pub(super) const STAMP: Stamp = Stamp { format: "bodyschema schema", version: 1 };
 
 /// The file, behind its stamp. Fields that it has besides are passed over.
 #[derive(Deserialize, Serialize)]
@@ -29,6 +29,9 @@ struct JointEntry {
     parent: String,
     /// `l_P`: its position in the parent limb's frame, metres.
     position: [f64; 3],
+    /// Standard deviation of each of its coordinates, metres; null where nothing determines it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    position_std: Option<[Option<f64>; 3]>,
     axes: Vec<AxisEntry>,
 }
 
@@ -43,6 +46,10 @@ struct AxisEntry {
     /// `a_P`, of unit length; a ball has none.
     #[serde(skip_serializing_if = "Option::is_none")]
     axis: Option<[f64; 3]>,
+    /// Standard deviation of each of the two coordinates of the axis across its direction, radians; null
+    /// where nothing determines it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    axis_std: Option<Option<f64>>,
 }
 
 /// Writes a creature's schema to the file `path`, whole or not at all; its folder is made if missing.
@@ -52,17 +59,38 @@ struct AxisEntry {
 /// could not be read again: of another shape than the creature's, not finite, or with axes that are
 /// not of unit length.
 pub fn write_schema(path: &Path, creature: &Creature, schema: &BodySchema) -> Result<(), RecordError> {
+    write_schema_with_std(path, creature, schema, None)
+}
+
+/// Like [`write_schema`], with the standard deviations of the positions and axes where these are known.
+///
+/// # Errors
+/// Those of [`write_schema`], and [`RecordError::Format`] for deviations of another shape than the
+/// creature's.
+pub fn write_schema_with_std(
+    path: &Path,
+    creature: &Creature,
+    schema: &BodySchema,
+    std: Option<&SchemaStd>,
+) -> Result<(), RecordError> {
+    let shape = |std: &SchemaStd| (std.positions.len(), std.axes.len());
+    if std.is_some_and(|std| shape(std) != (schema.positions.len(), schema.axes.len())) {
+        let message = "the standard deviations are not those of the schema: give one for each of its numbers";
+        return Err(RecordError::format(path, None, message));
+    }
     check(creature, schema).map_err(|message| RecordError::format(path, None, message))?;
-    let joints = creature.joints().iter().zip(&schema.positions).map(|(joint, position)| {
-        let axes = joint.dofs.iter().zip(&schema.axes[joint.dof_indices()]).map(|(dof, axis)| AxisEntry {
+    let joints = creature.joints().iter().enumerate().map(|(j, joint)| {
+        let axes = joint.dof_indices().zip(&joint.dofs).map(|(k, dof)| AxisEntry {
             dof: dof.name.clone(),
             kind: Some(dof.kind),
-            axis: (dof.kind != DofKind::Ball).then(|| (*axis).into()),
+            axis: (dof.kind != DofKind::Ball).then(|| schema.axes[k].into()),
+            axis_std: std.filter(|_| dof.kind != DofKind::Ball).map(|std| std.axes[k]),
         });
         JointEntry {
             joint: joint.name.clone(),
             parent: creature.limbs()[joint.parent].clone(),
-            position: (*position).into(),
+            position: schema.positions[j].into(),
+            position_std: std.map(|std| std.positions[j]),
             axes: axes.collect(),
         }
     });

@@ -52,6 +52,9 @@ pub struct SessionOptions {
     pub input: Option<String>,
     /// The learner; none where nothing was to be learned.
     pub learner: Option<String>,
+    /// The file of what was known of joints beforehand; none where nothing was.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub known: Option<String>,
 }
 
 /// What babbling cost: [`Effort`], and its time.

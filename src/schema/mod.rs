@@ -22,6 +22,17 @@ pub struct BodySchema {
     pub axes: Vec<Vector3<f64>>,
 }
 
+/// How sure a schema is: standard deviations of its positions and axes, in the same order.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct SchemaStd {
+    /// Per joint, of each coordinate of `l_P`, metres; none where nothing determines it, zero where it was
+    /// known exactly.
+    pub positions: Vec<[Option<f64>; 3]>,
+    /// Per degree of freedom, of each of the two coordinates of `a_P` across its direction, radians; none
+    /// where nothing determines it and for a ball.
+    pub axes: Vec<Option<f64>>,
+}
+
 impl BodySchema {
     /// A schema of the creature's shape with zero positions and zero axes.
     pub fn zero(creature: &Creature) -> BodySchema {

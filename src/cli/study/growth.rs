@@ -8,7 +8,7 @@ use super::subject::{Subject, median, share};
 use super::table::{Column, Table};
 use super::{Failure, Findings, Study};
 use crate::creature::Body;
-use crate::evaluation::{held_out, is_hand};
+use crate::evaluation::{held_out, held_out_points, is_hand};
 use crate::ground_truth::GroundTruth;
 use crate::kinematics::Chain;
 use crate::learning::{Learner, Online};
@@ -188,7 +188,7 @@ fn follow(
     let mut learner = Online::new(creature, skin, seed);
     touches.iter().for_each(|touch| learner.touch(touch));
     let heldout = |schema: &crate::schema::BodySchema, truth: &GroundTruth| {
-        let errors = held_out(creature, skin, truth, schema);
+        let errors = held_out(creature, truth, schema, &held_out_points(creature, skin));
         errors.iter().map(|e| e.millimetres).sum::<f64>() / errors.len().max(1) as f64
     };
     let body_before = heldout(&learner.learn().schema, &subject.truth);

@@ -6,6 +6,7 @@
 //! files are the same for all studies and are done here.
 
 mod changed_body;
+mod coverage;
 mod disturbances;
 mod growth;
 mod learners;
@@ -27,7 +28,7 @@ use subject::Subject;
 use table::Table;
 
 /// The studies, in the order in which they are named to the user.
-const STUDIES: [&Study; 3] = [&learners::STUDY, &disturbances::STUDY, &growth::STUDY];
+const STUDIES: [&Study; 4] = [&learners::STUDY, &disturbances::STUDY, &growth::STUDY, &coverage::STUDY];
 
 /// The model that is studied where none is named.
 const DEFAULT_MODEL: &str = "mjcf/max/max.xml";

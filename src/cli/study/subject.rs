@@ -11,7 +11,7 @@ use super::super::touches::{babbler, make_touches};
 use super::super::{Failure, progress};
 use crate::babbling::BabblingOptions;
 use crate::creature::{Body, JointSelection};
-use crate::evaluation::{Evaluation, evaluate};
+use crate::evaluation::{Evaluation, evaluate_learned};
 use crate::ground_truth::GroundTruth;
 use crate::learning::{Learned, Verdict};
 use crate::senses::Touch;
@@ -118,7 +118,7 @@ impl Subject {
         felt.touches.iter().for_each(|touch| learner.touch(touch));
         let learned = learner.learn();
         let seconds = began.elapsed().as_secs_f64();
-        let evaluation = evaluate(creature, &self.skin, &self.truth, &learned.schema, &learned.undetermined);
+        let evaluation = evaluate_learned(creature, &self.skin, &self.truth, &learned);
         Attempt { learned, seconds, evaluation }
     }
 

@@ -9,11 +9,11 @@ mod text;
 
 use std::collections::BTreeSet;
 
-use super::{AxisErrors, Evaluation, Summary, axis_errors};
+use super::{AxisErrors, Bound, Evaluation, Summary, axis_errors};
 use crate::creature::{Creature, DofKind};
 use crate::ground_truth::GroundTruth;
 use crate::kinematics::Chain;
-use crate::schema::BodySchema;
+use crate::schema::{BodySchema, SchemaStd};
 use crate::senses::Touch;
 use crate::skin::Skin;
 use text::{degrees_and_millimetres as number, escape, plural};
@@ -27,6 +27,8 @@ pub struct ReportInput<'a> {
     pub skin: &'a Skin,
     /// What it learned; must fit the creature.
     pub schema: &'a BodySchema,
+    /// How sure it is of it, where the learner can tell; must fit the creature.
+    pub std: Option<&'a SchemaStd>,
     /// What it should have learned, where that is known.
     pub truth: Option<&'a BodySchema>,
     /// The error measures, where the truth is known.
@@ -119,12 +121,25 @@ fn errors(input: &ReportInput) -> String {
         Some(format!("<tr><th scope=\"row\">{name}</th><td>{unit}</td>{cells}</tr>\n"))
     };
     let rows: String = rows.into_iter().filter_map(row).collect();
+    let bound = evaluation.bound_mm.as_ref().map_or(String::new(), bound);
     format!(
         "<table class=\"errors\">\n<thead><tr><th>Error against the truth</th><th>Unit</th>\
          <th class=\"number\">Mean</th><th class=\"number\">Median</th><th class=\"number\">95 %</th>\
          <th class=\"number\">Greatest</th></tr></thead>\n<tbody>\n{rows}</tbody>\n</table>\n\
          <p class=\"note\">The skin is compared at random postures that were not babbled. 95 % of the \
-         values are no greater than the column says.</p>\n{open}"
+         values are no greater than the column says.</p>\n{bound}{open}"
+    )
+}
+
+/// The error beside the least that there could be.
+fn bound(bound: &Bound) -> String {
+    format!(
+        "<p class=\"bound\">Over determined joints the error is {} mm as a root mean square: {} times the \
+         Cramér-Rao bound of {} mm, the least that any unbiased learner could leave on average after these touches, \
+         were their noise what the learner takes it to be.</p>\n",
+        number(bound.error_rms),
+        number(bound.ratio),
+        number(bound.bound_rms)
     )
 }
 
@@ -165,8 +180,12 @@ fn joints(input: &ReportInput) -> String {
             |class: &str, content: &str| format!("<td rowspan=\"{lines}\" class=\"{class}\">{content}</td>");
         let position: String =
             input.schema.positions[j].iter().map(|x| cell("number", &coordinate(1e3 * x, 1))).collect();
+        let position_std = input.std.map_or(String::new(), |std| {
+            let millimetres = std.positions[j].map(|m| number(1e3 * m.unwrap_or(f64::NAN)));
+            millimetres.iter().map(|std| cell("number", std)).collect()
+        });
         let mut row = format!(
-            "<th rowspan=\"{lines}\" scope=\"rowgroup\">{}</th>{}{}{}{position}",
+            "<th rowspan=\"{lines}\" scope=\"rowgroup\">{}</th>{}{}{}{position}{position_std}",
             escape(&joint.name),
             cell("", &escape(&creature.limbs()[joint.parent])),
             cell("number", &involved[j].to_string()),
@@ -183,8 +202,12 @@ fn joints(input: &ReportInput) -> String {
             };
             let short = dof.name.strip_prefix(&format!("{}_", joint.name)).unwrap_or(&dof.name);
             let name = if lines == 1 { String::new() } else { escape(short) };
+            let axis_std = input.std.map_or(String::new(), |std| {
+                let degrees = std.axes[k].map_or(f64::NAN, f64::to_degrees);
+                format!("<td class=\"number\">{}</td>", number(degrees))
+            });
             let error = errors.as_ref().map_or(String::new(), |errors| error_cells(errors, k));
-            groups.push_str(&format!("<tr>{row}<td>{name}</td>{axis}{error}</tr>\n"));
+            groups.push_str(&format!("<tr>{row}<td>{name}</td>{axis}{axis_std}{error}</tr>\n"));
             row.clear();
         }
         groups.push_str("</tbody>\n");
@@ -194,13 +217,22 @@ fn joints(input: &ReportInput) -> String {
     } else {
         ""
     };
+    let (position_std, axis_std, std_note) = match input.std {
+        Some(_) => (
+            "<th colspan=\"3\" class=\"number\">± x y z, mm</th>",
+            "<th class=\"number\">±, °</th>",
+            " ± is one standard deviation by the learner's own account, of an axis that of each coordinate \
+             across it; a dash stands where nothing determines it.",
+        ),
+        None => ("", "", ""),
+    };
     format!(
         "<div class=\"wide\"><table class=\"joints\">\n<thead><tr><th>Joint</th><th>On limb</th><th class=\"number\">Touches</th>\
-         <th>Determined</th><th colspan=\"3\" class=\"number\">Position x y z, mm</th><th></th>\
-         <th colspan=\"3\" class=\"number\">Axis x y z</th>{columns}</tr></thead>\n{groups}</table></div>\n\
+         <th>Determined</th><th colspan=\"3\" class=\"number\">Position x y z, mm</th>{position_std}<th></th>\
+         <th colspan=\"3\" class=\"number\">Axis x y z</th>{axis_std}{columns}</tr></thead>\n{groups}</table></div>\n\
          <p class=\"note\">Positions and axes are in the frame of the limb that the joint is on. Touches are \
          those between limbs with the joint on the way from one to the other. A position may slide along \
-         its axis unfelt: what counts is how far the axis turns off (°) and passes by (mm).</p>\n"
+         its axis unfelt: what counts is how far the axis turns off (°) and passes by (mm).{std_note}</p>\n"
     )
 }
 

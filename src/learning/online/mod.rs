@@ -367,6 +367,19 @@ impl<'a> Online<'a> {
         self.fit_again();
         let locked = self.locked.as_ref()?;
         let belief = &locked.belief;
+        // The body never changed: all touches count alike, and the last fit is that of all at once.
+        if locked.anchor.is_none() && self.changes.is_empty() {
+            let known = |j: usize| self.known.frozen[j] || belief.parameters.positions[j].is_some();
+            let known = (0..self.creature.joints().len()).map(known).collect();
+            let refined = self.batch.refine_known(&belief.schema, known);
+            return Some(Learned {
+                verdict: Verdict::Converged,
+                onsets: self.onsets,
+                fresh_rms: 0.0,
+                changes: Vec::new(),
+                ..refined
+            });
+        }
         let model = SurfaceGap::new(self.skin, belief.deviation);
         let mut problem = TouchProblem::new(self.creature, &locked.touches, &belief.parameters, model);
         if let Some(anchor) = &locked.anchor {
@@ -374,7 +387,13 @@ impl<'a> Online<'a> {
         }
         let information = problem.linearize(&belief.schema).hessian;
         let rows = 5 * locked.touches.len();
-        let observability = Observability::new(self.creature, belief.parameters.clone(), information, rows);
+        let observability = Observability::new(
+            self.creature,
+            belief.parameters.clone(),
+            &self.known.frozen,
+            information,
+            rows,
+        );
         let undetermined = observability.undetermined_joints(self.creature, self.skin, &belief.schema);
         Some(Learned {
             schema: belief.schema.clone(),
