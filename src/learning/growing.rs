@@ -29,12 +29,14 @@ use crate::skin::Skin;
 /// Onsets tried for one part of the body before the whole start is given up.
 const ONSETS_PER_PART: usize = 12;
 /// A body of more degrees of freedom than this is not tried whole.
-const WHOLE_DOF: usize = 60;
+pub const WHOLE_DOF: usize = 60;
 
 /// A part of the body is right when eight tenths of its surfaces' gaps are below this, metres …
 const PART_GAP: f64 = 5e-3;
-/// … and no better onset is looked for when they are below this.
-const CERTAIN_GAP: f64 = 2e-4;
+/// … and no better onset is looked for when they are below this, or when two onsets agree on the least …
+const CERTAIN_GAP: f64 = 2e-5;
+/// … to this share of it.
+const AGREEMENT: f64 = 0.01;
 /// Steps down the relaxed gradient from an onset: a tenth of a second …
 const DESCENT: usize = 100_000;
 /// … and where the descent doubts the touches themselves.
@@ -52,6 +54,8 @@ const HOPELESS_MISFIT: f64 = 100.0;
 const SPARE: usize = 3;
 /// Of so many joints one may be given up.
 const MOST_GIVEN_UP: usize = 4;
+/// Misfit of a part that no two onsets agree on.
+const DOUBTFUL: f64 = 2.0;
 /// Rounds of mending.
 const REPAIRS: usize = 8;
 
@@ -400,6 +404,7 @@ impl Nursery<'_> {
         let relaxed = self.parameters(AxisModel::Relaxed, &in_part);
         let unit = self.parameters(AxisModel::Unit, &in_part);
         let mut best: Option<(BodySchema, Misfit)> = None;
+        let mut misfits = Vec::new();
         for onset in 0..most {
             *onsets += 1;
             let mut trial = schema.clone();
@@ -429,11 +434,17 @@ impl Nursery<'_> {
             if best.as_ref().is_none_or(|(_, least)| misfit < *least) {
                 best = Some((trial, misfit));
             }
-            if misfit.certain(&self.evidence) {
-                break;
+            misfits.push(misfit);
+            let least = misfits.iter().fold(f64::INFINITY, |least, misfit| least.min(misfit.0));
+            let agreeing = misfits.iter().filter(|misfit| misfit.0 <= (1.0 + AGREEMENT) * least).count();
+            if Misfit(least).certain(&self.evidence) || (least <= 1.0 && agreeing >= 2) {
+                return best.expect("one was tried");
             }
         }
-        best.expect("at least one onset is tried")
+        let (schema, misfit) = best.expect("at least one onset is tried");
+        // Gaps that do not close, and no two onsets that leave the same ones: a wrong minimum, one of many.
+        let doubtful = most > 1 && matches!(self.evidence, Evidence::Surfaces(_));
+        (schema, if doubtful { Misfit(misfit.0.max(DOUBTFUL)) } else { misfit })
     }
 
     /// Fits unit axes to points, then to surfaces where these are known.

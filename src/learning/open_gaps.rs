@@ -12,7 +12,7 @@ use crate::schema::BodySchema;
 use crate::skin::Skin;
 
 /// A gap is open when it is wider than this, metres, and than [`DEVIATIONS`].
-const OPEN: f64 = 5e-4;
+const OPEN: f64 = 5e-5;
 /// Standard deviations of the gaps, as the gaps show it, that a closed gap stays within.
 const DEVIATIONS: f64 = 5.0;
 /// Share of open gaps that false touches may make up in the long run …

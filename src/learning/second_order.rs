@@ -13,7 +13,7 @@ use rayon::prelude::*;
 
 use crate::creature::Creature;
 use crate::learning::annealing::{NARROWEST, anneal, gaps, quantile, typical_gap};
-use crate::learning::growing::{Evidence, Nursery, Start};
+use crate::learning::growing::{Evidence, Nursery, Start, WHOLE_DOF};
 use crate::learning::least_squares::{LeastSquares, Stopping, levenberg_marquardt};
 use crate::learning::observability::Observability;
 use crate::learning::observation::{Input, Observation, ObservationModel, PointsMeet, SkinKnowledge};
@@ -29,6 +29,8 @@ use crate::skin::Skin;
 const KEPT_BACK: usize = 5;
 /// Starts tried before the learner says that it failed.
 const STARTS: usize = 24;
+/// Starts tried with a body too large to be solved whole.
+const LARGE_STARTS: usize = 4;
 /// Starts after which one is taken though it knows fewer joints than have touches of their own.
 const INCOMPLETE_STARTS: usize = 2;
 /// Where gaps show noise, only trying can tell whether less of it was to be had: so many starts are made at
@@ -37,7 +39,7 @@ const WARY_STARTS: usize = 4;
 /// … and two must agree on the least noise to this share of it.
 const AGREEMENT: f64 = 0.02;
 /// Noise of the gaps below which no better answer is looked for, metres.
-const CERTAIN_NOISE: f64 = 2e-4;
+const CERTAIN_NOISE: f64 = 2e-5;
 /// Touches of one limb pair that a start uses at most; the last fit uses all.
 const TOUCHES_PER_PAIR: usize = 150;
 /// How exact a contact point is taken to be, metres.
@@ -61,7 +63,7 @@ const FEW: usize = 4;
 /// A touch tests a schema that predicts its gap to this, metres.
 const TELLING: f64 = 0.01;
 /// Width of a gap that nothing asks to predict better, metres.
-const CLOSE_ENOUGH: f64 = 2e-4;
+const CLOSE_ENOUGH: f64 = 2e-5;
 
 /// Linearizations of the last fit.
 const LAST_ITERATIONS: usize = 30;
@@ -430,6 +432,8 @@ impl SecondOrder<'_> {
         let mut best: Option<Judged> = None;
         let mut onsets = 0;
         let mut noises: Vec<f64> = Vec::new();
+        // Starts of a large body are long, and try several onsets for each part.
+        let starts = if dof > WHOLE_DOF { starts.min(LARGE_STARTS) } else { starts };
         let numbers: Vec<usize> = (0..starts).collect();
         'waves: for wave in numbers.chunks(rayon::current_num_threads()) {
             let made: Vec<Judged> = wave.par_iter().map(|&number| make(number)).collect();
@@ -451,7 +455,11 @@ impl SecondOrder<'_> {
                 }
             }
         }
-        let Judged { start, judged, .. } = best.expect("at least one start is made");
+        let mut best = best.expect("at least one start is made");
+        // Noise that no second start finds may be a wrong minimum as well.
+        let agreeing = noises.iter().filter(|&&noise| noise <= (1.0 + AGREEMENT) * best.noise).count();
+        best.start.accepted &= best.noise <= CERTAIN_NOISE || agreeing >= 2;
+        let Judged { start, judged, .. } = best;
         if start.accepted {
             let (schema, observability, deviation) = self.polish(&start);
             let undetermined = observability.undetermined_joints(self.creature, self.skin, &schema);

@@ -46,7 +46,7 @@ const MOVED: f64 = 0.01;
 /// Touches since a change without an explanation after which all is learned anew from them.
 const PATIENCE: usize = 300;
 /// Noise of the gaps above which the touches are learned from all at once, too, in the end, metres.
-const CERTAIN_NOISE: f64 = 2e-4;
+const CERTAIN_NOISE: f64 = 2e-5;
 /// The last touches by which the schema is judged.
 const JUDGED: usize = 100;
 /// Share of surprises among them that false touches may make up.
