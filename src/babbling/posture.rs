@@ -83,3 +83,18 @@ fn within(from: &UnitQuaternion<f64>, axis: &Unit<Vector3<f64>>, angle: f64, mos
 pub(super) fn ball(q: &[f64]) -> UnitQuaternion<f64> {
     UnitQuaternion::from_quaternion(Quaternion::new(q[0], q[1], q[2], q[3]))
 }
+
+/// The posture a share of the way from one to another; balls turn about one axis.
+pub(super) fn between(creature: &Creature, from: &[f64], to: &[f64], share: f64) -> Vec<f64> {
+    let mut posture: Vec<f64> = from.iter().zip(to).map(|(a, b)| a + share * (b - a)).collect();
+    let mut q = 0;
+    for dof in creature.dofs() {
+        if dof.kind == DofKind::Ball {
+            let (a, b) = (ball(&from[q..]), ball(&to[q..]));
+            let turned = UnitQuaternion::from_scaled_axis((b * a.inverse()).scaled_axis() * share) * a;
+            posture[q..q + 4].copy_from_slice(&[turned.w, turned.i, turned.j, turned.k]);
+        }
+        q += dof.kind.coordinates();
+    }
+    posture
+}

@@ -12,6 +12,7 @@ pub mod observation;
 pub mod onset;
 pub mod open_gaps;
 mod parameters;
+pub mod rough;
 mod second_order;
 mod split;
 pub mod surface_gap;
@@ -20,6 +21,7 @@ pub mod touch_set;
 pub use hersch::{Hersch, STEP};
 pub use observation::{Input, SkinKnowledge};
 pub use parameters::{AxisModel, Parameters};
+pub use rough::RoughFit;
 pub use second_order::SecondOrder;
 
 use crate::schema::BodySchema;

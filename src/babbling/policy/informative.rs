@@ -1,0 +1,95 @@
+//! Motions towards the touch that would tell most, of several imagined.
+
+use rand_chacha::ChaCha8Rng;
+
+use super::Policy;
+use super::explorer::Explorer;
+use super::information::Information;
+use super::working_schema::WorkingSchema;
+use crate::babbling::Ending;
+use crate::creature::Creature;
+use crate::senses::Touch;
+use crate::skin::Skin;
+
+/// Touches imagined before each motion.
+const IMAGINED: usize = 16;
+/// Draws of pairs for them.
+const DRAWS: usize = 32;
+/// How much the draws even out the pairs: the information does the rest.
+const EVEN: f64 = 0.5;
+/// The least and the most that a gap is taken to be uncertain by, metres.
+const DEVIATION: [f64; 2] = [1e-3, 1e-2];
+
+/// The policy `informative`.
+pub struct Informative<'a> {
+    creature: &'a Creature,
+    skin: &'a Skin,
+    explorer: Explorer<'a>,
+    information: Information,
+    touches: Vec<Touch>,
+}
+
+impl<'a> Informative<'a> {
+    /// The policy of a creature with a skin, imagining touches by a working schema.
+    pub fn new(creature: &'a Creature, skin: &'a Skin, working: WorkingSchema<'a>) -> Informative<'a> {
+        let mut informative = Informative {
+            creature,
+            skin,
+            explorer: Explorer::new(creature, skin, working),
+            information: Information::new(creature),
+            touches: Vec::new(),
+        };
+        informative.rebuild();
+        informative
+    }
+
+    fn rebuild(&mut self) {
+        let working = &self.explorer.working;
+        if let Some(schema) = working.schema() {
+            let deviation = working.deviation().clamp(DEVIATION[0], DEVIATION[1]);
+            self.information.rebuild(self.creature, self.skin, schema, &self.touches, deviation);
+        }
+    }
+}
+
+impl Policy for Informative<'_> {
+    fn next_target(&mut self, posture: &[f64], rng: &mut ChaCha8Rng) -> Vec<f64> {
+        if self.explorer.aims(posture, rng) {
+            let mut best = None;
+            let mut imagined = 0;
+            for _ in 0..DRAWS {
+                let Some(aim) = self.explorer.draw(posture, EVEN, rng) else { continue };
+                let Some(schema) = self.explorer.working.schema() else { break };
+                let row = self.information.row(self.creature, self.skin, schema, aim.receptors, &aim.posture);
+                let expected =
+                    self.information.gain(&row) * self.explorer.experience.tally(aim.limbs).success();
+                if best.as_ref().is_none_or(|(most, _)| expected > *most) {
+                    best = Some((expected, aim));
+                }
+                imagined += 1;
+                if imagined == IMAGINED {
+                    break;
+                }
+            }
+            if let Some((_, aim)) = best {
+                return self.explorer.take(aim);
+            }
+        }
+        self.explorer.unaimed(rng)
+    }
+
+    fn touched(&mut self, touch: &Touch) {
+        self.touches.push(touch.clone());
+        if self.explorer.touched(touch) {
+            self.rebuild();
+        } else if let Some(schema) = self.explorer.working.schema() {
+            let receptors = touch.ends.map(|end| end.receptor);
+            let row = self.information.row(self.creature, self.skin, schema, receptors, &touch.posture);
+            self.information.update(&row);
+        }
+    }
+
+    fn missed(&mut self, ending: &Ending, _: &[f64]) {
+        self.explorer.missed(*ending != Ending::Again);
+    }
+}
