@@ -7,7 +7,7 @@ use bodyschema::evaluation::{Evaluation, evaluate};
 use bodyschema::ground_truth::GroundTruth;
 use bodyschema::kinematics::{limb_frames, tangent_basis};
 use bodyschema::learning::onset::random_onset;
-use bodyschema::learning::{Hersch, Input, Learned, Learner, SecondOrder, Verdict};
+use bodyschema::learning::{Hersch, Input, Learned, Learner, RelaxedGradient, SecondOrder, Verdict};
 use bodyschema::schema::BodySchema;
 use bodyschema::senses::Touch;
 use bodyschema::skin::{Skin, skin_of};
@@ -24,6 +24,10 @@ const SURFACES_MM: f64 = 0.1;
 const ONSET_DEGREES: f64 = 20.0;
 /// How much of the onset's error Hersch's rule may leave.
 const HERSCH_SHARE: f64 = 0.6;
+
+/// Greatest mean held-out error that the repaired gradient may leave from 1,000 exact contact points and from
+/// 1,000 receptor centres, millimetres.
+const GRADIENT_MM: [f64; 2] = [0.1, 20.0];
 
 /// A body with everything that a test of a learner needs.
 struct Pupil {
@@ -102,6 +106,39 @@ fn the_second_order_learner_recovers_the_torso_from_1000_touches_of_receptors() 
     assert_eq!(learned.verdict, Verdict::Converged);
     let mean = pupil.heldout_mm(&learned.schema);
     assert!(mean <= SURFACES_MM, "{mean} mm");
+}
+
+#[test]
+fn the_repaired_gradient_recovers_the_torso_from_random_onsets() {
+    let pupil = Pupil::new(&max("torso"), 1000, 1);
+    for (input, greatest) in [Input::Contact, Input::Receptor].into_iter().zip(GRADIENT_MM) {
+        let learn = |seed: u64| {
+            let onset = random_onset(&pupil.creature, &mut ChaCha8Rng::seed_from_u64(seed));
+            assert!(pupil.heldout_mm(&onset) > 100.0, "the onset knows something already");
+            let mut learner = RelaxedGradient::new(&pupil.creature, &pupil.skin, input, onset, seed);
+            pupil.touches.iter().for_each(|touch| learner.touch(touch));
+            learner.learn()
+        };
+        for seed in [101, 102] {
+            let learned = learn(seed);
+            assert!(matches!(learned.verdict, Verdict::Unjudged(_)));
+            assert!(learned.schema.axes.iter().all(|axis| (axis.norm() - 1.0).abs() < 1e-9));
+            let mean = pupil.heldout_mm(&learned.schema);
+            assert!(mean <= greatest, "{input:?}, seed {seed}: {mean} mm");
+        }
+        assert_eq!(learn(101).schema, learn(101).schema);
+    }
+}
+
+#[test]
+fn the_repaired_gradient_of_nothing_is_its_onset() {
+    let pupil = Pupil::new(&max("torso"), 1, 9);
+    let onset = random_onset(&pupil.creature, &mut ChaCha8Rng::seed_from_u64(1));
+    let mut learner = RelaxedGradient::new(&pupil.creature, &pupil.skin, Input::Contact, onset.clone(), 1);
+    assert!((learner.learn().schema.axes[0] - onset.axes[0]).norm() < 1e-9);
+    learner = learner.with_steps(100);
+    learner.touch(&pupil.touches[0]);
+    assert!(learner.learn().schema.fits(&pupil.creature));
 }
 
 #[test]

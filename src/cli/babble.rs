@@ -5,12 +5,13 @@ use std::time::Instant;
 
 use super::learn_options::{LearnOptions, learn_session, print_table, to_json};
 use super::open::open_body;
+use super::touches::{babbler, make_touches, threads, touch_count};
 use super::{Failure, Outcome, output, progress};
-use crate::babbling::{Babbler, BabblingError, BabblingOptions};
+use crate::babbling::BabblingOptions;
 use crate::creature::JointSelection;
 use crate::ground_truth::GroundTruth;
 use crate::record::{
-    BabblingEffort, PROGRAM, RecordError, SESSION_FILE, Session, SessionOptions, TouchWriter, model_hash,
+    BabblingEffort, PROGRAM, SESSION_FILE, Session, SessionOptions, TouchWriter, model_hash,
 };
 use crate::skin::skin_of;
 
@@ -29,7 +30,7 @@ pub struct Args {
     /// The MJCF file of a creature with touch sensors (grow them with `bodyschema skin`)
     model: PathBuf,
     /// Touches to make
-    #[arg(long, default_value_t = 1000, value_parser = touches)]
+    #[arg(long, default_value_t = 1000, value_parser = touch_count)]
     touches: usize,
     /// Seed of all random numbers: the same seed gives the same touches
     #[arg(long, default_value_t = 1)]
@@ -51,24 +52,12 @@ pub struct Args {
     json: bool,
 }
 
-fn touches(text: &str) -> Result<usize, String> {
-    match text.parse::<usize>() {
-        Ok(0) => Err("there is nothing to learn from 0 touches: give at least 1".into()),
-        Ok(n) if n <= 100_000_000 => Ok(n),
-        _ => Err("give a whole number from 1 to 100000000".into()),
-    }
-}
-
 pub fn run(args: &Args) -> Outcome {
     let selection = args.joints.clone().unwrap_or_default();
     let body = open_body(&args.model, &selection)?;
     let skin = skin_of(&body);
     let truth = GroundTruth::new(&body)?;
-    let at_model = |error: BabblingError<RecordError>| match error {
-        BabblingError::Receiver(error) => Failure::from(error),
-        other => Failure(format!("{}: {other}", args.model.display())),
-    };
-    let babbler = Babbler::new(&body, &skin).map_err(at_model)?;
+    let babbler = babbler(&args.model, &body, &skin)?;
     let folder = session_folder(args.out.as_deref(), body.creature.name())?;
     let mut session = Session {
         program: PROGRAM.to_string(),
@@ -88,20 +77,16 @@ pub fn run(args: &Args) -> Outcome {
     };
     session.write(&folder)?;
     let mut log = TouchWriter::create(&folder, &body.creature, &skin)?;
-    let jobs =
-        args.jobs.map_or_else(|| std::thread::available_parallelism().map_or(1, usize::from), usize::from);
-    let options = BabblingOptions { touches: args.touches, seed: args.seed, jobs };
+    let options = BabblingOptions { touches: args.touches, seed: args.seed, jobs: threads(args.jobs) };
     let bar = progress::touches(args.touches);
     let began = Instant::now();
     let mut made = Vec::with_capacity(args.touches);
-    let effort = babbler
-        .babble(&options, |touch| {
-            log.write(touch)?;
-            made.push(touch.clone());
-            bar.inc(1);
-            Ok(())
-        })
-        .map_err(at_model)?;
+    let effort = make_touches(&args.model, &babbler, &options, |touch| {
+        log.write(touch)?;
+        made.push(touch.clone());
+        bar.inc(1);
+        Ok(())
+    })?;
     session.effort = Some(BabblingEffort::new(&effort, began.elapsed()));
     log.finish()?;
     bar.finish_and_clear();
@@ -132,11 +117,6 @@ fn session_folder(out: Option<&Path>, creature: &str) -> Result<PathBuf, Failure
             (1..).map(numbered).find(|folder| !folder.exists()).expect("some number is free")
         }
     };
-    std::fs::create_dir_all(&folder).map_err(|error| {
-        Failure(format!(
-            "cannot make the folder {}: {error}: give one you may write to with --out",
-            folder.display()
-        ))
-    })?;
+    output::make_folder(&folder)?;
     Ok(folder)
 }

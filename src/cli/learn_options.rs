@@ -8,15 +8,17 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use serde_json::{Value, json};
 
+use super::disturbance_options::DisturbanceOptions;
 use super::open::open_body;
-use super::progress;
-use super::{Failure, output};
+use super::{Failure, output, progress};
 use crate::creature::{Creature, JointSelection};
 use crate::evaluation::report::{self, ReportInput};
 use crate::evaluation::{Evaluation, Summary, evaluate};
 use crate::ground_truth::GroundTruth;
 use crate::learning::onset::random_onset;
-use crate::learning::{Hersch, Input, Learned, Learner, SecondOrder, SkinKnowledge, Verdict};
+use crate::learning::{
+    Hersch, Input, Learned, Learner, RelaxedGradient, SecondOrder, SkinKnowledge, Verdict,
+};
 use crate::record::{LearningTable, SCHEMA_FILE, Session, TouchLog, model_hash, write_schema};
 use crate::senses::Touch;
 use crate::skin::Skin;
@@ -27,9 +29,10 @@ pub const LEARNED_FILE: &str = "learned.xml";
 pub const REPORT_FILE: &str = "report.html";
 
 /// Options of learning.
-#[derive(clap::Args, Clone, Debug)]
+#[derive(clap::Args, Clone, Debug, Default)]
 pub struct LearnOptions {
-    /// The learner: Levenberg-Marquardt from any onset, or Hersch's rule as the paper prints it
+    /// The learner: Levenberg-Marquardt from any onset, Hersch's rule as the paper prints it, or that
+    /// rule repaired
     #[arg(long, value_enum, default_value_t = LearnerName::Lm)]
     pub learner: LearnerName,
     /// What a touch reports: the receptors, as a skin does, or the exact contact points
@@ -38,25 +41,31 @@ pub struct LearnOptions {
     /// What the agent knows of its skin: the surfaces under the receptors, or their centres alone
     #[arg(long, value_enum, default_value_t = SkinName::Surface)]
     pub skin: SkinName,
+    #[command(flatten)]
+    pub disturbances: DisturbanceOptions,
 }
 
 /// The learners by name.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub enum LearnerName {
+    #[default]
     Lm,
     Hersch,
+    Gradient,
 }
 
 /// The inputs by name.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub enum InputName {
+    #[default]
     Receptor,
     Contact,
 }
 
 /// The knowledge of the skin by name.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub enum SkinName {
+    #[default]
     Surface,
     Centres,
 }
@@ -66,6 +75,7 @@ impl std::fmt::Display for LearnerName {
         f.write_str(match self {
             LearnerName::Lm => "lm",
             LearnerName::Hersch => "hersch",
+            LearnerName::Gradient => "gradient",
         })
     }
 }
@@ -97,11 +107,12 @@ impl LearnOptions {
     }
 
     /// The learner, from an onset drawn from `seed`.
-    fn learner<'a>(&self, creature: &'a Creature, skin: &'a Skin, seed: u64) -> Box<dyn Learner + 'a> {
+    pub fn learner<'a>(&self, creature: &'a Creature, skin: &'a Skin, seed: u64) -> Box<dyn Learner + 'a> {
+        let onset = || random_onset(creature, &mut ChaCha8Rng::seed_from_u64(seed));
         match self.learner {
-            LearnerName::Hersch => {
-                let onset = random_onset(creature, &mut ChaCha8Rng::seed_from_u64(seed));
-                Box::new(Hersch::new(creature, skin, self.input(), onset))
+            LearnerName::Hersch => Box::new(Hersch::new(creature, skin, self.input(), onset())),
+            LearnerName::Gradient => {
+                Box::new(RelaxedGradient::new(creature, skin, self.input(), onset(), seed))
             }
             LearnerName::Lm => {
                 let knowledge = match self.skin {
@@ -120,7 +131,9 @@ impl LearnOptions {
             (LearnerName::Lm, InputName::Receptor, SkinName::Surface) => {
                 "receptors and the surfaces under them"
             }
-            (LearnerName::Hersch, ..) | (_, _, SkinName::Centres) => "receptor centres",
+            (LearnerName::Hersch | LearnerName::Gradient, ..) | (_, _, SkinName::Centres) => {
+                "receptor centres"
+            }
         }
     }
 }
@@ -131,6 +144,9 @@ pub struct SessionLearning {
     pub seconds: f64,
     pub evaluation: Option<Evaluation>,
     pub undetermined: Vec<String>,
+    /// The held-out error from the same touches without the disturbances; none where there are none, or no
+    /// truth at hand.
+    pub undisturbed_heldout_mm: Option<Summary>,
 }
 
 /// The truth of a session's creature, from its model.
@@ -150,6 +166,9 @@ pub fn session_truth(session: &Session, model: Option<&Path>) -> Result<GroundTr
 }
 
 /// Learns from touches, measures where the truth is at hand, and writes the session's results.
+///
+/// The touches are the exact ones: what the agent feels of them is the options' affair. Only the learner is
+/// deceived: everything is measured on the session's own skin, which the learned model wears, too.
 pub fn learn_session(
     folder: &Path,
     session: &Session,
@@ -165,11 +184,13 @@ pub fn learn_session(
     }
     let mut table = LearningTable::create(folder, &columns)?;
     let mut curve = Vec::new();
-    let mut learner = options.learner(creature, skin, session.seed);
+    let disturbances = options.disturbances.disturbances();
+    let felt = disturbances.felt(creature, skin, touches, session.seed);
+    let mut learner = options.learner(creature, &felt.skin, session.seed);
     let mut result = None;
     let mut seconds = 0.0;
     let checkpoints = checkpoints(options, touches.len());
-    for (n, touch) in touches.iter().enumerate() {
+    for (n, touch) in felt.touches.iter().enumerate() {
         let began = Instant::now();
         learner.touch(touch);
         let due = checkpoints.contains(&(n + 1));
@@ -194,13 +215,20 @@ pub fn learn_session(
             seconds += began.elapsed().as_secs_f64();
         }
     }
-    spinner.finish_and_clear();
     let (learned, evaluation) = result.ok_or("there is no touch to learn from: babble some first")?;
+    let undisturbed_heldout_mm = truth.filter(|_| !disturbances.is_none()).map(|truth| {
+        spinner.set_message("learning without the disturbances, for comparison");
+        let mut learner = options.learner(creature, skin, session.seed);
+        touches.iter().for_each(|touch| learner.touch(touch));
+        let learned = learner.learn();
+        evaluate(creature, skin, truth, &learned.schema, &learned.undetermined).heldout_mm
+    });
+    spinner.finish_and_clear();
     write_schema(&folder.join(SCHEMA_FILE), creature, &learned.schema)?;
     let model = crate::schema::to_mjcf(creature, skin, &learned.schema);
-    write(&folder.join(LEARNED_FILE), &model)?;
+    output::file(&folder.join(LEARNED_FILE), &model)?;
     let undetermined = learned.undetermined.iter().map(|&j| creature.joints()[j].name.clone()).collect();
-    let result = SessionLearning { learned, seconds, evaluation, undetermined };
+    let result = SessionLearning { learned, seconds, evaluation, undetermined, undisturbed_heldout_mm };
     let report = ReportInput {
         creature,
         skin,
@@ -214,7 +242,7 @@ pub fn learn_session(
         verdict: sentence(&result.learned.verdict),
         undetermined: &result.learned.undetermined,
     };
-    write(&folder.join(REPORT_FILE), &report::html(&report))?;
+    output::file(&folder.join(REPORT_FILE), &report::html(&report))?;
     Ok(result)
 }
 
@@ -227,6 +255,9 @@ fn facts(session: &Session, options: &LearnOptions, result: &SessionLearning) ->
     }
     facts.push(("learner", options.learner.to_string()));
     facts.push(("knowledge", options.knowledge().to_string()));
+    if options.disturbances != DisturbanceOptions::default() {
+        facts.push(("disturbances", options.disturbances.to_string()));
+    }
     facts.push(("random onsets", result.learned.onsets.to_string()));
     facts.push(("learning", format!("{:.2} s", result.seconds)));
     facts.into_iter().map(|(name, value)| (name.to_string(), value)).collect()
@@ -241,12 +272,6 @@ fn sentence(verdict: &Verdict) -> String {
     }
 }
 
-fn write(path: &Path, text: &str) -> Result<(), Failure> {
-    std::fs::write(path, text).map_err(|error| {
-        Failure(format!("cannot write {}: {error}: give another folder with --out", path.display()))
-    })
-}
-
 /// After how many touches to measure on the way, where that costs little: a learner that learns as it goes
 /// need only be looked at, and contact points are learned in an instant.
 fn checkpoints(options: &LearnOptions, touches: usize) -> Vec<usize> {
@@ -254,7 +279,7 @@ fn checkpoints(options: &LearnOptions, touches: usize) -> Vec<usize> {
     match (options.learner, options.input) {
         (LearnerName::Hersch, _) => doubling(10).collect(),
         (LearnerName::Lm, InputName::Contact) if touches <= 4000 => doubling(125).collect(),
-        (LearnerName::Lm, _) => Vec::new(),
+        (LearnerName::Lm | LearnerName::Gradient, _) => Vec::new(),
     }
 }
 
@@ -294,7 +319,9 @@ pub fn to_json(
         "converged": verdict,
         "reason": reason,
         "onsets": result.learned.onsets,
+        "disturbances": options.disturbances.to_json(),
         "heldout_mm": summary(evaluation.map(|e| e.heldout_mm)),
+        "undisturbed_heldout_mm": summary(result.undisturbed_heldout_mm),
         "determined_mm": summary(evaluation.map(|e| e.determined_mm)),
         "hand_mm": summary(evaluation.and_then(|e| e.hand_mm)),
         "axis_deg": summary(evaluation.map(|e| e.axis_deg)),
@@ -329,11 +356,17 @@ pub fn print_table(
         if result.learned.onsets == 1 { "" } else { "s" },
         result.seconds
     );
+    if options.disturbances != DisturbanceOptions::default() {
+        say!("disturbances: {}", options.disturbances);
+    }
     say!("{}", sentence(&result.learned.verdict));
     say!("undetermined joints: {}\n", output::names(&result.undetermined));
     match &result.evaluation {
         None => say!("no truth at hand to measure against: see `bodyschema evaluate --help`"),
         Some(evaluation) => print_evaluation(evaluation),
+    }
+    if let Some(undisturbed) = &result.undisturbed_heldout_mm {
+        say!("without the disturbances: {} mm", output::number(undisturbed.mean));
     }
     say!("\nsession: {}", folder.display());
 }

@@ -9,6 +9,7 @@ macro_rules! say {
 }
 
 mod babble;
+mod disturbance_options;
 mod evaluate;
 mod inspect;
 mod learn;
@@ -18,6 +19,8 @@ mod open;
 mod output;
 mod progress;
 mod skin;
+mod study;
+mod touches;
 
 use std::fmt::Display;
 use std::process::ExitCode;
@@ -46,7 +49,8 @@ type Outcome = Result<(), Failure>;
   bodyschema babble mjcf/max/max.xml --joints all --touches 5000
   bodyschema inspect mjcf/max/max.xml                    what the agent is given
   bodyschema skin creature.xml --output with_skin.xml    grow a skin on another creature
-  bodyschema learn sessions/max --learner hersch         learn again from a session's touches"
+  bodyschema learn sessions/max --learner hersch         learn again from a session's touches
+  bodyschema study learners --trials 5                   compare the learners over five seeds"
 )]
 struct Cli {
     #[command(subcommand)]
@@ -67,6 +71,8 @@ enum Command {
     Inspect(inspect::Args),
     /// Grow a skin of touch receptors on a model
     Skin(skin::Args),
+    /// Repeat a measurement over several seeds: a table, its data and a plot
+    Study(study::Args),
 }
 
 /// Runs the program with the process' arguments.
@@ -79,6 +85,7 @@ pub fn run() -> ExitCode {
         Command::Observe(args) => observe::run(&args),
         Command::Inspect(args) => inspect::run(&args),
         Command::Skin(args) => skin::run(&args),
+        Command::Study(args) => study::run(&args),
     };
     match outcome {
         Ok(()) => ExitCode::SUCCESS,

@@ -1,8 +1,9 @@
 //! What commands print.
 
 use std::io::{ErrorKind, Write};
+use std::path::Path;
 
-use super::Outcome;
+use super::{Failure, Outcome};
 use crate::evaluation::Summary;
 
 /// Prints a line to standard output. Where nobody reads on, as in `… | head`, the program ends in silence;
@@ -22,17 +23,36 @@ pub fn json(value: &serde_json::Value) -> Outcome {
     Ok(())
 }
 
+/// Makes the folder that results go to.
+pub fn make_folder(folder: &Path) -> Outcome {
+    std::fs::create_dir_all(folder).map_err(|error| {
+        Failure(format!(
+            "cannot make the folder {}: {error}: give one you may write to with --out",
+            folder.display()
+        ))
+    })
+}
+
+/// Writes a file of results.
+pub fn file(path: &Path, text: &str) -> Outcome {
+    std::fs::write(path, text).map_err(|error| {
+        Failure(format!("cannot write {}: {error}: give another folder with --out", path.display()))
+    })
+}
+
+/// A number to three decimals; a dash where there is none.
+pub fn number(x: f64) -> String {
+    if !x.is_finite() {
+        "–".to_string()
+    } else if x != 0.0 && x.abs() < 5e-4 {
+        "< 0.001".to_string()
+    } else {
+        format!("{x:.3}")
+    }
+}
+
 /// A summary as a row of a table, in its own unit.
 pub fn row(name: &str, unit: &str, summary: &Summary) {
-    let number = |x: f64| {
-        if !x.is_finite() {
-            "–".to_string()
-        } else if x != 0.0 && x.abs() < 5e-4 {
-            "< 0.001".to_string()
-        } else {
-            format!("{x:.3}")
-        }
-    };
     say!(
         "  {name:<34}{:>9} {:>9} {:>9} {:>9}  {unit}",
         number(summary.mean),

@@ -6,19 +6,25 @@
 //! themselves show, so that noisy joints or false touches do not turn the fit into a vote of a few.
 
 use crate::creature::Creature;
-use crate::learning::Parameters;
 use crate::learning::least_squares::{Stopping, levenberg_marquardt};
 use crate::learning::surface_gap::SurfaceGap;
 use crate::learning::touch_set::{TouchProblem, TouchSet};
+use crate::learning::{Parameters, Prior};
 use crate::schema::BodySchema;
 use crate::skin::Skin;
 
 /// The widest deviation, metres: a few centimetres is what receptor centres leave.
-const WIDEST: f64 = 0.02;
+pub const WIDEST: f64 = 0.02;
 /// The narrowest deviation, metres: how deep limbs press into each other where a motion stops.
 pub const NARROWEST: f64 = 1e-6;
 /// Standard deviation of a normal distribution whose absolute values have the median 1.
 pub const NORMAL_MEDIAN: f64 = 1.4826;
+/// The share of gaps that the deviation covers while it falls: it waits for stragglers, not for false touches.
+const WIDE: f64 = 0.95;
+/// How much the deviation falls from step to step at the least.
+const COOLING: f64 = 0.7;
+/// Steps in a row that do not close the gaps further, after which what is left is noise.
+const VAIN: usize = 5;
 /// Linearizations at each deviation.
 const ITERATIONS: usize = 3;
 /// Linearizations at the last deviation.
@@ -63,36 +69,68 @@ pub fn anneal(
     skin: &Skin,
     touches: &TouchSet,
     parameters: &Parameters,
+    prior: &Prior,
     start: BodySchema,
 ) -> Annealed {
-    let mut schema = start;
-    let mut deviation = WIDEST;
+    anneal_to(NARROWEST, creature, skin, touches, parameters, prior, start)
+}
+
+/// Like [`anneal`], but never narrower than `narrowest`, metres.
+pub fn anneal_to(
+    narrowest: f64,
+    creature: &Creature,
+    skin: &Skin,
+    touches: &TouchSet,
+    parameters: &Parameters,
+    prior: &Prior,
+    start: BodySchema,
+) -> Annealed {
     let mut iterations = 0;
-    loop {
-        let found = gaps(skin, touches, &schema);
-        let (median, p80) = (quantile(&found, 0.5), quantile(&found, 0.8));
-        // Parameters take up a part of the gaps.
-        let spare = (touches.len() as f64 - 0.7 * parameters.len() as f64).max(1.0);
-        let noise = NORMAL_MEDIAN * median * (touches.len() as f64 / spare).sqrt();
-        let wanted = if iterations == 0 { 2.0 * p80 } else { (1.5 * p80).min(0.7 * deviation) };
-        let next = wanted.max(0.25 * deviation).max(0.8 * noise).clamp(NARROWEST, WIDEST);
-        let last = iterations > 0 && next > 0.95 * deviation;
-        deviation = next;
+    let mut fit = |schema: BodySchema, deviation: f64, stopping: Stopping| {
         let model = SurfaceGap::new(skin, deviation);
-        let mut problem = TouchProblem::new(creature, touches, parameters, model);
-        let last = last || deviation <= NARROWEST;
-        let stopping = Stopping {
-            iterations: if last { LAST_ITERATIONS } else { ITERATIONS },
-            relative_cost: if last { 1e-6 } else { 1e-2 },
-            cost: 0.0,
-        };
+        let mut problem = TouchProblem::new(creature, touches, parameters, model).with_prior(prior);
         let solution = levenberg_marquardt(&mut problem, parameters, schema, stopping);
-        schema = solution.schema;
         iterations += solution.iterations;
-        if last {
-            let found = gaps(skin, touches, &schema);
-            let (median_gap, p80_gap) = (quantile(&found, 0.5), quantile(&found, 0.8));
-            return Annealed { schema, gap_deviation: deviation, median_gap, p80_gap, iterations };
+        solution.schema
+    };
+    // Parameters take up a part of the gaps.
+    let spare = (touches.len() as f64 - 0.7 * parameters.len() as f64).max(1.0);
+    let scatter = NORMAL_MEDIAN * (touches.len() as f64 / spare).sqrt();
+    let measure = |schema: &BodySchema| {
+        let found = gaps(skin, touches, schema);
+        (scatter * quantile(&found, 0.5), quantile(&found, WIDE))
+    };
+    let (mut noise, mut wide) = measure(&start);
+    let (mut least, mut best) = (noise, start.clone());
+    let mut schema = start;
+    let mut deviation = (2.0 * wide).clamp(narrowest, WIDEST);
+    let mut vain = 0;
+    loop {
+        schema = fit(schema, deviation, Stopping { iterations: ITERATIONS, relative_cost: 1e-2, cost: 0.0 });
+        (noise, wide) = measure(&schema);
+        if noise < 0.9 * least {
+            vain = 0;
+        } else {
+            vain += 1;
         }
+        if noise < least {
+            (least, best) = (noise, schema.clone());
+        }
+        // Narrower than the noise the fit becomes a vote of a few; a little way into it shows that it is noise.
+        if deviation <= narrowest || vain >= VAIN {
+            break;
+        }
+        deviation = (1.5 * wide).min(COOLING * deviation).max(0.25 * deviation).max(narrowest);
     }
+    let mut deviation = least.clamp(narrowest, WIDEST);
+    let last = Stopping { iterations: LAST_ITERATIONS, relative_cost: 1e-6, cost: 0.0 };
+    schema = fit(best, deviation, last);
+    let (again, _) = measure(&schema);
+    if again.max(narrowest) > 1.2 * deviation {
+        deviation = again.clamp(narrowest, WIDEST);
+        schema = fit(schema, deviation, last);
+    }
+    let found = gaps(skin, touches, &schema);
+    let (median_gap, p80_gap) = (quantile(&found, 0.5), quantile(&found, 0.8));
+    Annealed { schema, gap_deviation: deviation, median_gap, p80_gap, iterations }
 }

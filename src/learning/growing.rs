@@ -1,4 +1,4 @@
-//! From a random onset to the optimum: growing the tree limb pair by limb pair.
+//! From a random onset to the optimum: growing the tree limb pair by limb pair, or all of it at once.
 //!
 //! Solving all joints at once from random axes ends in a wrong minimum more often than not. A pair of
 //! limbs with few joints between them is easy; with those joints known, another pair has few unknown
@@ -6,38 +6,49 @@
 //! solve the new part with relaxed axes from a few onsets, polish it on the sphere, accept it on its
 //! residual; release everything known so far on all touches used; repeat.
 //!
-//! Receptors are too coarse for that: a small part finds a wrong answer that fits its few touches. With
-//! them the body is solved whole from their centres, annealed to the surfaces, and mended: where most
-//! gaps are closed and some stay open, the joints that the open ones share are solved anew, all others
-//! held.
+//! Receptors are coarser: a small part may find a wrong answer that fits its few touches. With them most
+//! starts take the body whole: from the receptors' centres with relaxed axes, then by the surfaces with
+//! relaxed axes, for joints that turn little are lost in the patches and only the surfaces feel them, then
+//! on the sphere. Where most gaps close and some stay open, the joints that the open ones share are solved
+//! anew by the surfaces, all others held. Bodies too large for that grow, and take whole what is left where
+//! no part has touches enough to stand alone.
 
 use rand_chacha::ChaCha8Rng;
 
 use crate::creature::Creature;
-use crate::learning::annealing::{anneal, gaps, quantile};
+use crate::learning::annealing::{NARROWEST, WIDEST, anneal_to, gaps, quantile};
 use crate::learning::least_squares::{Stopping, levenberg_marquardt};
 use crate::learning::observation::PointsMeet;
 use crate::learning::onset::randomize_joint;
 use crate::learning::open_gaps::OpenGaps;
-use crate::learning::split::SplitCreature;
-use crate::learning::touch_set::{PairTouches, TouchProblem, TouchSet};
-use crate::learning::{AxisModel, Parameters};
+use crate::learning::relaxed_gradient::descend;
+use crate::learning::touch_set::{PairTouches, PreparedTouch, TouchProblem, TouchSet};
+use crate::learning::{AxisModel, Parameters, Prior};
 use crate::schema::BodySchema;
 use crate::skin::Skin;
 
 /// Onsets tried for one part of the body before the whole start is given up.
 const ONSETS_PER_PART: usize = 12;
+/// A body of more degrees of freedom than this is not tried whole.
+const WHOLE_DOF: usize = 60;
 
 /// A part of the body is right when eight tenths of its surfaces' gaps are below this, metres …
-const PART_GAP: f64 = 3e-3;
+const PART_GAP: f64 = 5e-3;
 /// … and no better onset is looked for when they are below this.
 const CERTAIN_GAP: f64 = 2e-4;
+/// Steps down the relaxed gradient from an onset: a tenth of a second.
+const DESCENT: usize = 100_000;
+/// Deviations of the gap, metres, down to which axes stay relaxed, by the number of the start. Joints that
+/// turn little are caught in one wrong minimum or another, and which depends on this.
+const RELAXED_GAPS: [f64; 4] = [3e-3, WIDEST, 1e-3, 3e-4];
 
 /// Centres that miss by more than this many of their deviations are a wrong minimum: no need to anneal.
-const HOPELESS: f64 = 1.6;
+const HOPELESS: f64 = 1.2;
+/// The same before axes are put on the sphere.
+const HOPELESS_RELAXED: f64 = 1.6;
 const HOPELESS_MISFIT: f64 = 100.0;
 /// Rounds of mending.
-const REPAIRS: usize = 4;
+const REPAIRS: usize = 8;
 /// Share of open gaps that false touches may make up.
 const TOLERATED_OPEN: f64 = 0.12;
 
@@ -66,15 +77,15 @@ pub struct Start {
 pub struct Nursery<'a> {
     /// The creature.
     pub creature: &'a Creature,
-    /// The creature with its joints split.
-    pub split: &'a SplitCreature,
-    /// The touches to explain, for the creature …
+    /// The touches to explain.
     pub touches: &'a TouchSet,
-    /// … and for its split counterpart, in the same order.
-    pub split_touches: &'a TouchSet,
     /// What the touches say.
     pub evidence: Evidence<'a>,
-    /// Which kind of start comes first: split joints where it is even, whole ones where it is odd.
+    /// Where joints may be.
+    pub prior: &'a Prior,
+    /// Joints that keep the prior's mean.
+    pub frozen: &'a [bool],
+    /// The number of the start: starts differ in more than their random numbers.
     pub turn: usize,
 }
 
@@ -89,12 +100,19 @@ pub enum Evidence<'a> {
 
 impl Evidence<'_> {
     /// The route that fits: points are sharp enough to grow on, every fourth start is whole for safety;
-    /// receptors are too coarse for a small part to stand alone.
-    pub fn route(&self, start: usize) -> Route {
+    /// receptors are coarse, and every fourth start grows, or each where the body is large.
+    pub fn route(&self, start: usize, dof: usize) -> Route {
         match self {
             Evidence::Points(_) if start % 4 < 3 => Route::Grown,
+            Evidence::Surfaces(_) if dof > WHOLE_DOF || start % 4 == 3 => Route::Grown,
             _ => Route::Whole,
         }
+    }
+
+    /// Whether an onset goes down the gradient first. Coarse places need it; exact ones find the answer of a
+    /// small part as well without, and at times where the gradient does not.
+    fn descends(&self, onset: usize) -> bool {
+        matches!(self, Evidence::Surfaces(_)) || onset.is_multiple_of(2)
     }
 
     /// Touches a part needs before it is solved: some, and some more per unknown degree of freedom. A point
@@ -128,25 +146,33 @@ impl Nursery<'_> {
     /// One start from a random onset.
     pub fn start(&self, route: Route, rng: &mut ChaCha8Rng) -> Start {
         let joints = self.creature.joints().len();
-        let mut schema = BodySchema::zero(self.creature);
-        for joint in 0..joints {
+        let mut schema = self.prior.mean.clone();
+        for joint in (0..joints).filter(|&joint| !self.frozen[joint]) {
             randomize_joint(self.creature, &mut schema, joint, rng);
         }
-        let mut known = vec![false; joints];
-        let mut misfit = Misfit(f64::INFINITY);
+        let mut known = self.frozen.to_vec();
+        let mut misfit = Misfit(if known.iter().any(|&known| known) { 0.0 } else { f64::INFINITY });
         let mut onsets = 0;
+        let mut released = 0;
         while let Some(part) = self.next_part(route, &known) {
+            let rest = self.next_part(Route::Whole, &known).is_none_or(|all| all.len() == part.len());
             // A whole body is one onset a start; parts get several, for what is known is worth keeping.
             let most = if route == Route::Whole { 1 } else { ONSETS_PER_PART };
             (schema, misfit) = self.solve_part(&schema, &part, &known, most, rng, &mut onsets);
             part.iter().for_each(|&joint| known[joint] = true);
-            if misfit.acceptable() {
-                let used = self.touches.filter(|pair| pair.chain.joints().all(|joint| known[joint]));
-                let parameters = Parameters::new(self.creature, AxisModel::Unit, |joint| known[joint]);
-                (schema, misfit) = self.settle(&used, &parameters, schema, 30);
-            }
             if !misfit.acceptable() {
                 break;
+            }
+            // All that is known is released once it has grown by half, and at the end: each time is dear.
+            let free = known.iter().filter(|&&known| known).count();
+            if matches!(self.evidence, Evidence::Points(_)) || rest || 2 * free > 3 * released {
+                released = free;
+                let used = self.touches.filter(|pair| pair.chain.joints().all(|joint| known[joint]));
+                let parameters = self.parameters(AxisModel::Unit, &|joint| known[joint]);
+                (schema, misfit) = self.settle(&used, &parameters, schema, 30);
+                if !misfit.acceptable() {
+                    break;
+                }
             }
         }
         let mut start = Start { schema, known, accepted: misfit.acceptable(), onsets };
@@ -158,26 +184,63 @@ impl Nursery<'_> {
         start
     }
 
-    /// Solves joints at fault anew, all others held, until few gaps stay open.
+    fn parameters(&self, axis_model: AxisModel, free: &dyn Fn(usize) -> bool) -> Parameters {
+        Parameters::new(self.creature, axis_model, |joint| free(joint) && !self.frozen[joint])
+    }
+
+    /// Solves joints at fault anew by the surfaces, all others held, until few gaps stay open.
     fn repair(&self, skin: &Skin, start: &mut Start, rng: &mut ChaCha8Rng) {
         let used = self.touches.filter(|pair| pair.chain.joints().all(|joint| start.known[joint]));
-        let parameters = Parameters::new(self.creature, AxisModel::Unit, |joint| start.known[joint]);
-        for _ in 0..REPAIRS {
-            let open = OpenGaps::new(self.creature, skin, &used, &start.schema);
+        let all = self.parameters(AxisModel::Unit, &|joint| start.known[joint]);
+        let mut open = OpenGaps::new(self.creature, skin, &used, &start.schema);
+        for round in 0..REPAIRS {
             start.accepted = open.worst() <= TOLERATED_OPEN;
             if start.accepted {
-                break;
+                return;
             }
+            start.onsets += 1;
             let part = open.suspects();
-            let mut others = start.known.clone();
-            part.iter().for_each(|&joint| others[joint] = false);
-            let (trial, _) =
-                self.solve_part(&start.schema, &part, &others, ONSETS_PER_PART, rng, &mut start.onsets);
-            let (trial, _) = self.settle(&used, &parameters, trial, 30);
-            if OpenGaps::new(self.creature, skin, &used, &trial).share < open.share {
-                start.schema = trial;
+            let in_part = |joint: usize| part.contains(&joint);
+            let mut trial = start.schema.clone();
+            // First only loosened: what was nearly right falls into place. Then from other axes.
+            if round > 0 {
+                for &joint in part.iter().filter(|&&joint| !self.frozen[joint]) {
+                    let kept = trial.positions[joint];
+                    randomize_joint(self.creature, &mut trial, joint, rng);
+                    trial.positions[joint] = kept;
+                }
+            }
+            let touches = used.filter(|pair| pair.chain.joints().any(in_part));
+            for axis_model in [AxisModel::Relaxed, AxisModel::Unit] {
+                let parameters = self.parameters(axis_model, &in_part);
+                trial = self.close(skin, &touches, &parameters, trial).0;
+            }
+            trial = self.close(skin, &used, &all, trial).0;
+            let found = OpenGaps::new(self.creature, skin, &used, &trial);
+            if found.share < open.share {
+                (start.schema, open) = (trial, found);
             }
         }
+        start.accepted = open.worst() <= TOLERATED_OPEN;
+    }
+
+    /// Closes the gaps; the schema and the width that eight tenths of them stay below, metres. Relaxed axes
+    /// are put back on the sphere.
+    fn close(
+        &self,
+        skin: &Skin,
+        touches: &TouchSet,
+        parameters: &Parameters,
+        start: BodySchema,
+    ) -> (BodySchema, f64) {
+        let narrowest = match parameters.axis_model {
+            AxisModel::Relaxed => RELAXED_GAPS[self.turn % RELAXED_GAPS.len()],
+            AxisModel::Unit => NARROWEST,
+        };
+        let annealed = anneal_to(narrowest, self.creature, skin, touches, parameters, self.prior, start);
+        let mut schema = annealed.schema;
+        schema.normalize_axes(self.creature);
+        (schema, annealed.p80_gap)
     }
 
     /// The unknown joints of the part to solve next; none when no touch brings a new joint.
@@ -207,9 +270,17 @@ impl Nursery<'_> {
         let rich = candidates()
             .filter(|part| touches_of(part) >= self.evidence.enough(dof(part)))
             .min_by_key(|part| (dof(part), std::cmp::Reverse(touches_of(part))));
-        // Where no pair has touches enough, take the one that has the most for its size.
-        let poor = || candidates().max_by_key(|part| (1000 * touches_of(part)) / dof(part).max(1));
-        rich.or_else(poor).cloned()
+        let Some(rich) = rich else {
+            return match self.evidence {
+                // Where no pair has touches enough, take the one that has the most for its size.
+                Evidence::Points(_) => {
+                    candidates().max_by_key(|part| (1000 * touches_of(part)) / dof(part).max(1)).cloned()
+                }
+                // No part can stand alone: all that is left, at once.
+                Evidence::Surfaces(_) => self.next_part(Route::Whole, known),
+            };
+        };
+        Some(rich.clone())
     }
 
     /// Solves the joints of `part` from several onsets, all others held; the best schema and its residual.
@@ -223,35 +294,30 @@ impl Nursery<'_> {
         onsets: &mut usize,
     ) -> (BodySchema, Misfit) {
         let in_part = |joint: usize| part.contains(&joint);
-        let split_joint = |joint: usize| self.split.joint_of[joint];
         // The pairs that the part closes: they need it, and nothing else that is unknown.
-        let closed = |touches: &TouchSet, joint_of: &dyn Fn(usize) -> usize| {
-            touches.filter(|pair| {
-                let mut joints = pair.chain.joints().map(joint_of);
-                joints.clone().any(in_part) && joints.all(|joint| known[joint] || in_part(joint))
-            })
-        };
-        let touches = closed(self.touches, &|joint| joint);
-        let split_touches = closed(self.split_touches, &split_joint);
-
-        let relaxed = Parameters::new(self.creature, AxisModel::Relaxed, in_part);
-        let unit = Parameters::new(self.creature, AxisModel::Unit, in_part);
-        let split_relaxed =
-            Parameters::new(&self.split.creature, AxisModel::Relaxed, |joint| in_part(split_joint(joint)));
+        let touches = self.touches.filter(|pair| {
+            let mut joints = pair.chain.joints();
+            joints.clone().any(in_part) && joints.all(|joint| known[joint] || in_part(joint))
+        });
+        let listed: Vec<&PreparedTouch> = touches.pairs.iter().flat_map(|pair| &pair.touches).collect();
+        let relaxed = self.parameters(AxisModel::Relaxed, &in_part);
+        let unit = self.parameters(AxisModel::Unit, &in_part);
         let mut best: Option<(BodySchema, Misfit)> = None;
         for onset in 0..most {
             *onsets += 1;
             let mut trial = schema.clone();
             part.iter().for_each(|&joint| randomize_joint(self.creature, &mut trial, joint, rng));
-            if (onset + self.turn).is_multiple_of(2) {
-                let unfolded = self.split.unfold(&trial);
-                let (solved, _) =
-                    self.solve(&self.split.creature, &split_touches, &split_relaxed, unfolded, 100);
-                trial = self.split.fold(&solved);
+            if self.evidence.descends(onset + self.turn) {
+                trial = descend(&listed, trial, DESCENT, &relaxed, rng);
             }
-            (trial, _) = self.solve(self.creature, &touches, &relaxed, trial, 100);
+            let rms;
+            (trial, rms) = self.solve(&touches, &relaxed, trial, 100);
             trial.normalize_axes(self.creature);
-            let (trial, misfit) = self.settle(&touches, &unit, trial, 60);
+            let hopeless = matches!(self.evidence, Evidence::Surfaces(_)) && rms > HOPELESS_RELAXED;
+            let (trial, misfit) = match hopeless {
+                true => (trial, Misfit(HOPELESS_MISFIT * rms)),
+                false => self.settle(&touches, &unit, trial, 60),
+            };
             if best.as_ref().is_none_or(|(_, least)| misfit < *least) {
                 best = Some((trial, misfit));
             }
@@ -272,20 +338,22 @@ impl Nursery<'_> {
     ) -> (BodySchema, Misfit) {
         match self.evidence {
             Evidence::Points(acceptance) => {
-                let (schema, rms) = self.solve(self.creature, touches, parameters, start, iterations);
+                let (schema, rms) = self.solve(touches, parameters, start, iterations);
                 (schema, Misfit(rms / acceptance))
             }
             Evidence::Surfaces(skin) => {
                 let mut start = start;
                 if quantile(&gaps(skin, touches, &start), 0.8) > PART_GAP {
                     let rms;
-                    (start, rms) = self.solve(self.creature, touches, parameters, start, iterations);
+                    (start, rms) = self.solve(touches, parameters, start, iterations);
                     if rms > HOPELESS {
                         return (start, Misfit(HOPELESS_MISFIT * rms));
                     }
+                    let relaxed = self.parameters(AxisModel::Relaxed, &|j| parameters.positions[j].is_some());
+                    start = self.close(skin, touches, &relaxed, start).0;
                 }
-                let annealed = anneal(self.creature, skin, touches, parameters, start);
-                (annealed.schema, Misfit(annealed.p80_gap / PART_GAP))
+                let (schema, p80_gap) = self.close(skin, touches, parameters, start);
+                (schema, Misfit(p80_gap / PART_GAP))
             }
         }
     }
@@ -293,7 +361,6 @@ impl Nursery<'_> {
     /// One least-squares solve by points; the schema and the root mean square of its whitened residuals.
     fn solve(
         &self,
-        creature: &Creature,
         touches: &TouchSet,
         parameters: &Parameters,
         start: BodySchema,
@@ -304,7 +371,11 @@ impl Nursery<'_> {
             (Evidence::Points(_), AxisModel::Unit) => PointsMeet::Shaped,
             _ => PointsMeet::Anyhow,
         };
-        let mut problem = TouchProblem::new(creature, touches, parameters, model);
+        let mut problem = TouchProblem::new(self.creature, touches, parameters, model);
+        // Points are sharp enough to do without.
+        if matches!(self.evidence, Evidence::Surfaces(_)) {
+            problem = problem.with_prior(self.prior);
+        }
         // Far below what noise can do there is nothing left to gain here.
         let cost = 0.5 * count * 1e-6;
         let stopping = Stopping { iterations, relative_cost: 1e-4, cost };

@@ -6,6 +6,7 @@
 pub mod annealing;
 mod growing;
 mod hersch;
+mod known;
 pub mod least_squares;
 pub mod observability;
 pub mod observation;
@@ -13,15 +14,20 @@ pub mod onset;
 pub mod open_gaps;
 mod parameters;
 pub mod rough;
+pub mod prediction;
+mod prior;
+mod relaxed_gradient;
 mod second_order;
-mod split;
 pub mod surface_gap;
 pub mod touch_set;
 
 pub use hersch::{Hersch, STEP};
+pub use known::Known;
 pub use observation::{Input, SkinKnowledge};
 pub use parameters::{AxisModel, Parameters};
 pub use rough::RoughFit;
+pub use prior::Prior;
+pub use relaxed_gradient::{RelaxedGradient, STEPS};
 pub use second_order::SecondOrder;
 
 use crate::schema::BodySchema;

@@ -17,11 +17,10 @@ use crate::learning::growing::{Evidence, Nursery, Start};
 use crate::learning::least_squares::{LeastSquares, Stopping, levenberg_marquardt};
 use crate::learning::observability::Observability;
 use crate::learning::observation::{Input, Observation, ObservationModel, PointsMeet, SkinKnowledge};
-use crate::learning::open_gaps::OpenGaps;
-use crate::learning::split::SplitCreature;
+use crate::learning::prediction::{GapRow, covariance};
 use crate::learning::surface_gap::SurfaceGap;
 use crate::learning::touch_set::{LimbTouch, TouchProblem, TouchSet};
-use crate::learning::{AxisModel, Learned, Learner, Parameters, Verdict};
+use crate::learning::{AxisModel, Known, Learned, Learner, Parameters, Verdict};
 use crate::schema::BodySchema;
 use crate::senses::Touch;
 use crate::skin::Skin;
@@ -29,7 +28,12 @@ use crate::skin::Skin;
 /// Every how many touches one is kept back to judge a start.
 const KEPT_BACK: usize = 5;
 /// Starts tried before the learner says that it failed.
-const STARTS: usize = 40;
+const STARTS: usize = 24;
+/// Starts after which the best is taken though its gaps show noise: less of it would have been an answer
+/// nearer the truth, and only trying can tell.
+const WARY_STARTS: usize = 10;
+/// Noise of the gaps below which no better answer is looked for, metres.
+const CERTAIN_NOISE: f64 = 2e-4;
 /// Touches of one limb pair that a start uses at most; the last fit uses all.
 const TOUCHES_PER_PAIR: usize = 150;
 /// How exact a contact point is taken to be, metres.
@@ -41,11 +45,17 @@ const NORMAL_DEVIATION: f64 = 6e-3;
 const EXACT: f64 = 1.0;
 /// … and receptor centres have a bias, the bulge of the limb.
 const BIASED: f64 = 1.5;
-/// Gap below which eight tenths of the surfaces stay, on touches not fitted to, metres.
-const FRESH_GAP: f64 = 3e-3;
-
+/// Eight tenths of the gaps of touches not fitted to stay within this many of the deviations that the
+/// schema predicts for them: 1.28 of a normal distribution, and a margin for few touches.
+const FRESH_GAP: f64 = 1.9;
+/// A gap is open when it is wider than this many predicted deviations.
+const OPEN: f64 = 5.0;
 /// Share of open gaps that no joint exceeds on touches not fitted to: false touches, and chance in few.
 const FRESH_OPEN: f64 = 0.3;
+/// Touches with a joint below which their share of open gaps says little of it.
+const FEW: usize = 4;
+/// Width of a gap that nothing asks to predict better, metres.
+const CLOSE_ENOUGH: f64 = 2e-4;
 
 /// The learner `lm`.
 pub struct SecondOrder<'a> {
@@ -54,18 +64,27 @@ pub struct SecondOrder<'a> {
     input: Input,
     knowledge: SkinKnowledge,
     seed: u64,
+    known: Known,
     touches: Vec<Touch>,
 }
 
 impl<'a> SecondOrder<'a> {
     /// A learner whose onsets are drawn from `seed`.
     pub fn new(creature: &'a Creature, skin: &'a Skin, input: Input, seed: u64) -> SecondOrder<'a> {
-        SecondOrder { creature, skin, input, knowledge: SkinKnowledge::Surface, seed, touches: Vec::new() }
+        let known = Known::nothing(creature, skin);
+        let knowledge = SkinKnowledge::Surface;
+        SecondOrder { creature, skin, input, knowledge, seed, known, touches: Vec::new() }
     }
 
     /// Sets what the agent knows of its skin, its surfaces by default. Contact points need no skin.
     pub fn with_skin(mut self, knowledge: SkinKnowledge) -> SecondOrder<'a> {
         self.knowledge = knowledge;
+        self
+    }
+
+    /// Sets what is known of the joints already.
+    pub fn with_known(mut self, known: Known) -> SecondOrder<'a> {
+        self.known = known;
         self
     }
 
@@ -77,12 +96,7 @@ impl<'a> SecondOrder<'a> {
         }
     }
 
-    fn prepare<'t>(
-        &self,
-        creature: &Creature,
-        limb_of: impl Fn(usize) -> usize,
-        touches: impl Iterator<Item = &'t Touch>,
-    ) -> TouchSet {
+    fn prepare<'t>(&self, touches: impl Iterator<Item = &'t Touch>) -> TouchSet {
         let prepared = touches.map(|touch| {
             let ends = touch.ends.map(|end| Observation {
                 receptor: end.receptor,
@@ -92,10 +106,10 @@ impl<'a> SecondOrder<'a> {
                     Input::Receptor => self.skin.receptors[end.receptor].covariance(NORMAL_DEVIATION),
                 },
             });
-            let limbs = touch.ends.map(|end| limb_of(self.skin.receptors[end.receptor].limb));
+            let limbs = touch.ends.map(|end| self.skin.receptors[end.receptor].limb);
             LimbTouch { limbs, posture: &touch.posture, ends }
         });
-        TouchSet::new(creature, prepared)
+        TouchSet::new(self.creature, prepared)
     }
 
     /// The touches that starts are fitted to: not those kept back, and not all of the most frequent pairs.
@@ -111,27 +125,58 @@ impl<'a> SecondOrder<'a> {
         fitted.map(|(_, touch)| touch).filter(few_of_a_pair).collect()
     }
 
-    /// How badly a schema misses touches it was not fitted to: 1 is just acceptable.
-    fn judge(&self, fresh: &TouchSet, start: &Start) -> f64 {
+    /// How badly a start misses touches it was not fitted to, 1 is just acceptable; and the noise of the
+    /// touches that it was fitted to, metres.
+    fn judge(&self, fitted: &TouchSet, fresh: &TouchSet, start: &Start) -> (f64, f64) {
         let used = known_touches(fresh, &start.known);
         if used.is_empty() {
-            return f64::INFINITY;
+            return (f64::INFINITY, f64::INFINITY);
         }
         match self.evidence() {
-            Evidence::Points(acceptance) => point_misfit(&used, &start.schema) / acceptance,
-            Evidence::Surfaces(skin) => {
-                let open = OpenGaps::new(self.creature, skin, &used, &start.schema);
-                let gap = quantile(&gaps(skin, &used, &start.schema), 0.8);
-                (gap / FRESH_GAP).max(open.worst() / FRESH_OPEN)
+            Evidence::Points(acceptance) => (point_misfit(&used, &start.schema) / acceptance, 0.0),
+            Evidence::Surfaces(_) => self.judge_gaps(&known_touches(fitted, &start.known), &used, start),
+        }
+    }
+
+    /// Compares the gaps of fresh touches with what the schema predicts of them. A schema that fits by
+    /// chance predicts better than it does; one that few touches leave open predicts badly, and is right.
+    fn judge_gaps(&self, fitted: &TouchSet, fresh: &TouchSet, start: &Start) -> (f64, f64) {
+        let free = |joint: usize| start.known[joint] && !self.known.frozen[joint];
+        let parameters = Parameters::new(self.creature, AxisModel::Unit, free);
+        let noise = noise(self.skin, fitted, &parameters, &start.schema);
+        let schema = &start.schema;
+        let prior = &self.known.prior;
+        let covariance = covariance(self.creature, self.skin, fitted, &parameters, prior, schema, noise);
+        let Some(covariance) = covariance else { return (f64::INFINITY, noise) };
+        let joints = self.creature.joints().len();
+        let (mut open, mut all) = (vec![0; joints + 1], vec![0; joints + 1]);
+        let mut normalized = Vec::with_capacity(fresh.len());
+        let mut row = GapRow::default();
+        for pair in &fresh.pairs {
+            for touch in &pair.touches {
+                row.set(self.skin, &parameters, schema, touch);
+                let variance = noise * noise + row.variance(&covariance) + CLOSE_ENOUGH * CLOSE_ENOUGH;
+                let deviations = row.gap.abs() / variance.sqrt();
+                normalized.push(deviations);
+                for joint in pair.chain.joints().chain([joints]) {
+                    open[joint] += usize::from(deviations > OPEN);
+                    all[joint] += 1;
+                }
             }
         }
+        normalized.sort_by(f64::total_cmp);
+        let shares = (0..=joints).filter(|&j| all[j] >= FEW).map(|j| open[j] as f64 / all[j] as f64);
+        let worst = shares.fold(0.0, f64::max);
+        ((quantile(&normalized, 0.8) / FRESH_GAP).max(worst / FRESH_OPEN), noise)
     }
 
     /// Fits all known joints to all touches: the schema, what it rests on, and the deviation of a touch.
     fn polish(&self, start: &Start) -> (BodySchema, Observability, f64) {
-        let all = self.prepare(self.creature, |limb| limb, self.touches.iter());
+        let all = self.prepare(self.touches.iter());
         let used = known_touches(&all, &start.known);
-        let parameters = Parameters::new(self.creature, AxisModel::Unit, |joint| start.known[joint]);
+        let parameters = Parameters::new(self.creature, AxisModel::Unit, |joint| {
+            start.known[joint] && !self.known.frozen[joint]
+        });
         let schema = start.schema.clone();
         match self.evidence() {
             Evidence::Points(_) => {
@@ -142,7 +187,8 @@ impl<'a> SecondOrder<'a> {
                 (schema, observability, deviation)
             }
             Evidence::Surfaces(skin) => {
-                let schema = anneal(self.creature, skin, &used, &parameters, schema).schema;
+                let schema =
+                    anneal(self.creature, skin, &used, &parameters, &self.known.prior, schema).schema;
                 let (observability, deviation) = self.observe_touches(&used, &schema);
                 (schema, observability, deviation)
             }
@@ -151,13 +197,15 @@ impl<'a> SecondOrder<'a> {
 
     /// What all touches so far determine at a schema, and the deviation of a touch that they show, metres.
     pub fn observe(&self, schema: &BodySchema) -> (Observability, f64) {
-        self.observe_touches(&self.prepare(self.creature, |limb| limb, self.touches.iter()), schema)
+        self.observe_touches(&self.prepare(self.touches.iter()), schema)
     }
 
     fn observe_touches(&self, used: &TouchSet, schema: &BodySchema) -> (Observability, f64) {
         let mut touched = vec![false; self.creature.joints().len()];
         used.pairs.iter().flat_map(|pair| pair.chain.joints()).for_each(|joint| touched[joint] = true);
-        let parameters = Parameters::new(self.creature, AxisModel::Unit, |joint| touched[joint]);
+        let parameters = Parameters::new(self.creature, AxisModel::Unit, |joint| {
+            touched[joint] && !self.known.frozen[joint]
+        });
         match self.evidence() {
             Evidence::Points(_) => {
                 let mut problem = TouchProblem::new(self.creature, used, &parameters, PointsMeet::Shaped);
@@ -168,10 +216,7 @@ impl<'a> SecondOrder<'a> {
                 (Observability::new(self.creature, parameters, model.hessian, rows), deviation)
             }
             Evidence::Surfaces(skin) => {
-                let median = quantile(&gaps(skin, used, schema), 0.5);
-                let spare = (used.len() as f64 - 0.7 * parameters.len() as f64).max(1.0);
-                let scatter = (used.len() as f64 / spare).sqrt();
-                let deviation = (NORMAL_MEDIAN * median * scatter).max(NARROWEST);
+                let deviation = noise(skin, used, &parameters, schema);
                 let mut problem =
                     TouchProblem::new(self.creature, used, &parameters, SurfaceGap::new(skin, deviation));
                 let model = problem.linearize(schema);
@@ -180,6 +225,16 @@ impl<'a> SecondOrder<'a> {
             }
         }
     }
+}
+
+/// Standard deviation of the gaps of touches that parameters were fitted to, as half of them show it,
+/// metres.
+fn noise(skin: &Skin, touches: &TouchSet, parameters: &Parameters, schema: &BodySchema) -> f64 {
+    let median = quantile(&gaps(skin, touches, schema), 0.5);
+    // Parameters take up a part of the gaps.
+    let spare = (touches.len() as f64 - 0.7 * parameters.len() as f64).max(1.0);
+    let scatter = (touches.len() as f64 / spare).sqrt();
+    (NORMAL_MEDIAN * median * scatter).max(NARROWEST)
 }
 
 fn kept_back(touch: usize) -> bool {
@@ -204,6 +259,24 @@ fn point_misfit(touches: &TouchSet, schema: &BodySchema) -> f64 {
     (sum / count).sqrt()
 }
 
+/// A start and how it did on touches that it was not fitted to.
+struct Judged {
+    start: Start,
+    /// 1 is just acceptable.
+    judged: f64,
+    /// Noise of the touches that it was fitted to, metres.
+    noise: f64,
+}
+
+impl Judged {
+    fn better(&self, other: &Judged) -> bool {
+        if self.start.accepted != other.start.accepted {
+            return self.start.accepted;
+        }
+        if self.start.accepted { self.noise < other.noise } else { self.judged < other.judged }
+    }
+}
+
 impl Learner for SecondOrder<'_> {
     fn touch(&mut self, touch: &Touch) {
         self.touches.push(touch.clone());
@@ -211,46 +284,44 @@ impl Learner for SecondOrder<'_> {
 
     fn learn(&mut self) -> Learned {
         let fresh = self.touches.iter().enumerate().filter(|(i, _)| kept_back(*i)).map(|(_, touch)| touch);
-        let fresh = self.prepare(self.creature, |limb| limb, fresh);
+        let fresh = self.prepare(fresh);
         let fitted = self.fitted();
-        let split = SplitCreature::new(self.creature);
-        let touches = self.prepare(self.creature, |limb| limb, fitted.iter().copied());
-        let split_touches = self.prepare(&split.creature, |limb| split.limb_of[limb], fitted.iter().copied());
+        let touches = self.prepare(fitted.iter().copied());
+        let dof = self.creature.dof();
         let make = |number: usize| {
             let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
             rng.set_stream(number as u64);
             let nursery = Nursery {
                 creature: self.creature,
-                split: &split,
                 touches: &touches,
-                split_touches: &split_touches,
                 evidence: self.evidence(),
+                prior: &self.known.prior,
+                frozen: &self.known.frozen,
                 turn: number,
             };
-            let mut start = nursery.start(nursery.evidence.route(number), &mut rng);
-            let judged = self.judge(&fresh, &start);
+            let mut start = nursery.start(nursery.evidence.route(number, dof), &mut rng);
+            let (judged, noise) = self.judge(&touches, &fresh, &start);
             start.accepted &= judged <= 1.0;
-            (judged, start)
+            Judged { start, judged, noise }
         };
         // All cores make starts; which one is taken does not depend on how many there are.
-        let mut best: Option<(f64, Start)> = None;
+        let mut best: Option<Judged> = None;
         let mut onsets = 0;
         let numbers: Vec<usize> = (0..STARTS).collect();
         'waves: for wave in numbers.chunks(rayon::current_num_threads()) {
-            let starts: Vec<(f64, Start)> = wave.par_iter().map(|&number| make(number)).collect();
-            for (judged, start) in starts {
-                onsets += start.onsets;
-                let better = best.as_ref().is_none_or(|(least, _)| start.accepted || judged < *least);
-                let accepted = start.accepted;
-                if better {
-                    best = Some((judged, start));
+            let made: Vec<Judged> = wave.par_iter().map(|&number| make(number)).collect();
+            for (trial, number) in made.into_iter().zip(wave) {
+                onsets += trial.start.onsets;
+                if best.as_ref().is_none_or(|best| trial.better(best)) {
+                    best = Some(trial);
                 }
-                if accepted {
+                let best = best.as_ref().expect("one was made");
+                if best.start.accepted && (best.noise <= CERTAIN_NOISE || *number + 1 >= WARY_STARTS) {
                     break 'waves;
                 }
             }
         }
-        let (judged, start) = best.expect("at least one start is made");
+        let Judged { start, judged, .. } = best.expect("at least one start is made");
         if start.accepted {
             let (schema, observability, deviation) = self.polish(&start);
             let undetermined = observability.undetermined_joints(self.creature, self.skin, &schema);

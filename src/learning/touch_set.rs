@@ -9,7 +9,7 @@ use crate::kinematics::{Chain, ChainSide, Frame, SideJacobian, tangent_basis};
 use crate::learning::least_squares::LeastSquares;
 use crate::learning::least_squares::Linearization;
 use crate::learning::observation::{Observation, ObservationModel, Residuals};
-use crate::learning::{AxisModel, Parameters};
+use crate::learning::{AxisModel, Parameters, Prior};
 use crate::schema::BodySchema;
 
 /// One touch as a solver sees it: two points that met in one posture.
@@ -138,6 +138,7 @@ pub struct TouchProblem<'a, M> {
     touches: &'a TouchSet,
     parameters: &'a Parameters,
     model: M,
+    prior: Option<&'a Prior>,
     columns: Vec<Columns>,
     /// Per touch, in the order of the set, the whitening that the last linearization fixed.
     whitenings: Vec<Matrix3<f64>>,
@@ -154,7 +155,13 @@ impl<'a, M: ObservationModel> TouchProblem<'a, M> {
         let columns =
             touches.pairs.iter().map(|pair| Columns::new(creature, &pair.chain, parameters)).collect();
         let whitenings = vec![Matrix3::identity(); touches.len()];
-        TouchProblem { creature, touches, parameters, model, columns, whitenings }
+        TouchProblem { creature, touches, parameters, model, prior: None, columns, whitenings }
+    }
+
+    /// Adds what is believed besides the touches.
+    pub fn with_prior(mut self, prior: &'a Prior) -> TouchProblem<'a, M> {
+        self.prior = Some(prior);
+        self
     }
 }
 
@@ -202,6 +209,9 @@ impl<M: ObservationModel> LeastSquares for TouchProblem<'_, M> {
                 columns.scatter(&hessian, &gradient, &mut total);
             }
         }
+        if let Some(prior) = self.prior {
+            prior.add(self.parameters, schema, &mut total);
+        }
         total
     }
 
@@ -210,7 +220,8 @@ impl<M: ObservationModel> LeastSquares for TouchProblem<'_, M> {
         touches
             .zip(&self.whitenings)
             .map(|(touch, whitening)| self.model.cost(&touch.ends, &touch.frames(schema), whitening))
-            .sum()
+            .sum::<f64>()
+            + self.prior.map_or(0.0, |prior| prior.cost(self.parameters, schema))
     }
 }
 

@@ -81,7 +81,7 @@ fn chart(
 }
 
 /// Where to label a logarithmic axis: at powers of ten, and with room also at 2 and 5 times them.
-fn ticks(range: &std::ops::Range<f64>) -> Vec<f64> {
+pub(crate) fn ticks(range: &std::ops::Range<f64>) -> Vec<f64> {
     let (first, last) = (range.start.log10().floor() as i32, range.end.log10().ceil() as i32);
     let span = (range.end / range.start).log10();
     let multiples: &[f64] = if span <= 3.1 { &[1.0, 2.0, 5.0] } else { &[1.0] };
@@ -93,8 +93,8 @@ fn ticks(range: &std::ops::Range<f64>) -> Vec<f64> {
         .collect()
 }
 
-/// A label of the error axis: a plain number, or a power of ten where that is shorter.
-fn tick_label(error: f64) -> String {
+/// A label of a logarithmic axis: a plain number, or a power of ten where that is shorter.
+pub(crate) fn tick_label(error: f64) -> String {
     let exponent = (error.log10() + ROUNDING).floor() as i32;
     match exponent {
         -3..=3 => format!("{error:.digits$}", digits = (-exponent).max(0) as usize),

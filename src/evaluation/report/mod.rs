@@ -2,7 +2,7 @@
 //!
 //! The page stands alone: its style and drawings are written into it, it fetches nothing and runs nothing.
 
-mod curve;
+pub(crate) mod curve;
 mod figure;
 mod heat_map;
 mod text;

@@ -1,0 +1,165 @@
+//! Who is studied: a creature that babbles, learns and is measured, trial by trial.
+
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use indicatif::ProgressBar;
+
+use super::super::learn_options::LearnOptions;
+use super::super::open::open_body;
+use super::super::touches::{babbler, make_touches};
+use super::super::{Failure, progress};
+use crate::babbling::BabblingOptions;
+use crate::creature::{Body, JointSelection};
+use crate::evaluation::{Evaluation, evaluate};
+use crate::ground_truth::GroundTruth;
+use crate::learning::{Learned, Verdict};
+use crate::senses::Touch;
+use crate::skin::{Skin, skin_of};
+
+/// Mean held-out error at which a learner without a verdict of its own counts as converged, millimetres.
+pub const CONVERGED_MM: f64 = 10.0;
+
+/// A creature and how it is to be studied.
+pub struct Subject {
+    /// The body.
+    pub body: Body,
+    /// Its skin.
+    pub skin: Skin,
+    /// The truth, for the measures alone.
+    pub truth: GroundTruth,
+    /// Touches of a trial.
+    pub touches: usize,
+    /// One seed per trial: of its touches, its disturbances and its onsets.
+    pub seeds: Vec<u64>,
+    model: PathBuf,
+    jobs: usize,
+    progress: ProgressBar,
+}
+
+/// What one run of a learner came to.
+pub struct Attempt {
+    /// What it learned.
+    pub learned: Learned,
+    /// Time that it took, all touches taken in and learned from, seconds.
+    pub seconds: f64,
+    /// Its errors.
+    pub evaluation: Evaluation,
+}
+
+impl Subject {
+    /// Reads a model and prepares it.
+    pub fn new(
+        model: &Path,
+        joints: &JointSelection,
+        touches: usize,
+        seeds: Vec<u64>,
+        jobs: usize,
+    ) -> Result<Subject, Failure> {
+        let body = open_body(model, joints)?;
+        let (skin, truth) = (skin_of(&body), GroundTruth::new(&body)?);
+        // Whether the creature can babble at all is told before any folder is made.
+        babbler(model, &body, &skin)?;
+        let model = model.to_path_buf();
+        Ok(Subject { body, skin, truth, touches, seeds, model, jobs, progress: progress::spinner("") })
+    }
+
+    /// The exact touches of a trial, all in memory.
+    pub fn babble(&self, seed: u64) -> Result<Vec<Touch>, Failure> {
+        self.tell(seed, "babbling");
+        let options = BabblingOptions { touches: self.touches, seed, jobs: self.jobs };
+        let mut made = Vec::with_capacity(self.touches);
+        make_touches(&self.model, &babbler(&self.model, &self.body, &self.skin)?, &options, |touch| {
+            made.push(touch.clone());
+            Ok(())
+        })?;
+        Ok(made)
+    }
+
+    /// Learns from touches, disturbed as the options say, and measures against the truth.
+    pub fn learn(&self, options: &LearnOptions, touches: &[Touch], seed: u64) -> Attempt {
+        let creature = &self.body.creature;
+        let felt = options.disturbances.disturbances().felt(creature, &self.skin, touches, seed);
+        let began = Instant::now();
+        let mut learner = options.learner(creature, &felt.skin, seed);
+        felt.touches.iter().for_each(|touch| learner.touch(touch));
+        let learned = learner.learn();
+        let seconds = began.elapsed().as_secs_f64();
+        let evaluation = evaluate(creature, &self.skin, &self.truth, &learned.schema, &learned.undetermined);
+        Attempt { learned, seconds, evaluation }
+    }
+
+    /// Says on standard error what a trial is at.
+    pub fn tell(&self, seed: u64, what: &str) {
+        let trial = self.seeds.iter().position(|&other| other == seed).map_or(0, |k| k + 1);
+        self.progress.set_message(format!("trial {trial} of {}: {what}", self.seeds.len()));
+    }
+
+    /// Ends the progress on standard error.
+    pub fn done(&self) {
+        self.progress.finish_and_clear();
+    }
+}
+
+impl Attempt {
+    /// Mean error of the skin in another limb's frame, millimetres.
+    pub fn heldout_mm(&self) -> f64 {
+        self.evaluation.heldout_mm.mean
+    }
+
+    /// The same with a hand as one of the two; NaN where the creature has none.
+    pub fn hand_mm(&self) -> f64 {
+        self.evaluation.hand_mm.map_or(f64::NAN, |hand| hand.mean)
+    }
+
+    /// The learner's own verdict; for one that has none, whether the error is [`CONVERGED_MM`] or less.
+    pub fn converged(&self) -> bool {
+        match self.learned.verdict {
+            Verdict::Converged => true,
+            Verdict::Failed(_) => false,
+            Verdict::Unjudged(_) => self.heldout_mm() <= CONVERGED_MM,
+        }
+    }
+}
+
+/// The middle value, infinities included; the mean of the middle two; NaN of nothing or where any is NaN.
+pub fn median(values: impl IntoIterator<Item = f64>) -> f64 {
+    let mut sorted: Vec<f64> = values.into_iter().collect();
+    if sorted.is_empty() || sorted.iter().any(|x| x.is_nan()) {
+        return f64::NAN;
+    }
+    sorted.sort_by(f64::total_cmp);
+    let (below, above) = (sorted[(sorted.len() - 1) / 2], sorted[sorted.len() / 2]);
+    if below == above { below } else { 0.5 * (below + above) }
+}
+
+/// The share for which something holds; NaN of nothing.
+pub fn share(holds: impl IntoIterator<Item = bool>) -> f64 {
+    let (mut all, mut held) = (0.0, 0.0);
+    for one in holds {
+        all += 1.0;
+        held += f64::from(u8::from(one));
+    }
+    held / all
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_median_counts_what_was_never_reached_as_infinite() {
+        assert_eq!(median([3.0, 1.0, 2.0]), 2.0);
+        assert_eq!(median([4.0, 1.0]), 2.5);
+        assert_eq!(median([1.0, f64::INFINITY, 2.0]), 2.0);
+        assert_eq!(median([f64::INFINITY, 1.0]), f64::INFINITY);
+        assert_eq!(median([f64::INFINITY; 2]), f64::INFINITY);
+        assert!(median([]).is_nan() && median([f64::NAN, 1.0]).is_nan());
+    }
+
+    #[test]
+    fn a_share_is_of_all() {
+        assert_eq!(share([true, false, true, true]), 0.75);
+        assert!(share([]).is_nan());
+    }
+}

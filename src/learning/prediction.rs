@@ -1,0 +1,104 @@
+//! What a schema expects a touch to be before it is learned from.
+//!
+//! At the posture of a touch the schema puts the two surfaces a gap apart, which should be zero. How far
+//! from zero it may be follows from how sure the schema is: with the gap's derivative `j` over the
+//! parameters and their covariance `Σ`, its variance is `σ² + j Σ jᵀ`.
+
+use nalgebra::{DMatrix, Matrix3x2, Vector3};
+
+use crate::creature::Creature;
+use crate::kinematics::{SideJacobian, tangent_basis};
+use crate::learning::least_squares::LeastSquares;
+use crate::learning::surface_gap::SurfaceGap;
+use crate::learning::touch_set::{PreparedTouch, TouchProblem, TouchSet};
+use crate::learning::{Parameters, Prior};
+use crate::schema::BodySchema;
+use crate::skin::Skin;
+
+/// The gap of one touch and its derivative.
+#[derive(Clone, Debug, Default)]
+pub struct GapRow {
+    /// The gap at the schema, metres; negative where the limbs overlap.
+    pub gap: f64,
+    /// Its derivative as pairs of a parameter's place and the derivative by it, each place once.
+    pub entries: Vec<(usize, f64)>,
+    sides: [SideJacobian; 2],
+}
+
+impl GapRow {
+    /// Sets the row to a touch at a schema. Buffers are used again.
+    pub fn set(&mut self, skin: &Skin, parameters: &Parameters, schema: &BodySchema, touch: &PreparedTouch) {
+        let frames = touch.frames(schema);
+        let meeting = SurfaceGap::new(skin, 1.0).meeting(&touch.ends, &frames);
+        self.gap = meeting.gap;
+        self.entries.clear();
+        for (k, sign) in [(0, 1.0), (1, -1.0)] {
+            let point = frames[k].inverse_point(&meeting.point);
+            let side = &mut self.sides[k];
+            touch.sides[k].point_jacobian(schema, &point, side);
+            let direction: Vector3<f64> = meeting.normal * sign;
+            for (joint, map) in &side.joints {
+                if let Some(offset) = parameters.positions[*joint] {
+                    let slope = map.tr_mul(&direction);
+                    self.entries.extend((0..3).map(|i| (offset + i, slope[i])));
+                }
+            }
+            for (dof, derivative) in &side.dofs {
+                if let Some(offset) = parameters.axes[*dof] {
+                    let basis: Matrix3x2<f64> = tangent_basis(&schema.axes[*dof]);
+                    let slope = basis.tr_mul(&derivative.tr_mul(&direction));
+                    self.entries.extend((0..2).map(|i| (offset + i, slope[i])));
+                }
+            }
+        }
+    }
+
+    /// `j Σ jᵀ` for a covariance of all parameters, m².
+    pub fn variance(&self, covariance: &DMatrix<f64>) -> f64 {
+        let product = |column: usize| -> f64 {
+            let column = covariance.column(column);
+            self.entries.iter().map(|&(row, slope)| slope * column[row]).sum()
+        };
+        self.entries.iter().map(|&(column, slope)| slope * product(column)).sum()
+    }
+}
+
+/// The covariance of all parameters that touches of a gap deviation (metres) and a prior leave at a
+/// schema; none where rounding makes it unusable.
+pub fn covariance(
+    creature: &Creature,
+    skin: &Skin,
+    touches: &TouchSet,
+    parameters: &Parameters,
+    prior: &Prior,
+    schema: &BodySchema,
+    deviation: f64,
+) -> Option<DMatrix<f64>> {
+    let model = SurfaceGap::new(skin, deviation);
+    let mut problem = TouchProblem::new(creature, touches, parameters, model).with_prior(prior);
+    let mut information = problem.linearize(schema).hessian;
+    // No axis is less certain than a radian.
+    for offset in parameters.axes.iter().flatten() {
+        (0..2).for_each(|i| information[(offset + i, offset + i)] += 1.0);
+    }
+    invert(information)
+}
+
+/// The inverse of a positive definite matrix given by its lower triangle, scaled to a unit diagonal on the
+/// way: metres and radians make it look worse than it is.
+pub fn invert(mut information: DMatrix<f64>) -> Option<DMatrix<f64>> {
+    let n = information.nrows();
+    let scale: Vec<f64> = (0..n).map(|i| 1.0 / information[(i, i)].max(f64::MIN_POSITIVE).sqrt()).collect();
+    for j in 0..n {
+        for i in j..n {
+            information[(i, j)] *= scale[i] * scale[j];
+        }
+    }
+    let mut inverse = information.cholesky()?.inverse();
+    for j in 0..n {
+        for i in 0..n {
+            inverse[(i, j)] *= scale[i] * scale[j];
+        }
+    }
+    inverse.iter().all(|x| x.is_finite()).then_some(inverse)
+}
