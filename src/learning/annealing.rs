@@ -21,6 +21,8 @@ pub const NARROWEST: f64 = 1e-6;
 pub const NORMAL_MEDIAN: f64 = 1.4826;
 /// The share of gaps that the deviation covers while it falls: it waits for stragglers, not for false touches.
 const WIDE: f64 = 0.95;
+/// Eight tenths of a normal distribution's absolute values are below this many deviations.
+const NORMAL_P80: f64 = 1.2816;
 /// How much the deviation falls from step to step at the least.
 const COOLING: f64 = 0.7;
 /// Steps in a row that do not close the gaps further, after which what is left is noise.
@@ -53,6 +55,12 @@ pub fn gaps(skin: &Skin, touches: &TouchSet, schema: &BodySchema) -> Vec<f64> {
         touches.map(|touch| model.meeting(&touch.ends, &touch.frames(schema)).gap.abs()).collect();
     gaps.sort_by(f64::total_cmp);
     gaps
+}
+
+/// Standard deviation of sorted absolute gaps, by half of them or by eight tenths, whichever is greater:
+/// noise of the joints weighs more on touches far from them, and half of the touches may hardly show it.
+pub fn typical_gap(sorted: &[f64]) -> f64 {
+    (NORMAL_MEDIAN * quantile(sorted, 0.5)).max(quantile(sorted, 0.8) / NORMAL_P80)
 }
 
 /// The value below which a share of sorted values lies; 0 where there is none.

@@ -5,7 +5,7 @@
 //! closed and some stay open, the joints that the open ones share are at fault.
 
 use crate::creature::Creature;
-use crate::learning::annealing::{NORMAL_MEDIAN, gaps, quantile};
+use crate::learning::annealing::{gaps, typical_gap};
 use crate::learning::surface_gap::SurfaceGap;
 use crate::learning::touch_set::TouchSet;
 use crate::schema::BodySchema;
@@ -13,7 +13,7 @@ use crate::skin::Skin;
 
 /// A gap is open when it is wider than this, metres, and than [`DEVIATIONS`].
 const OPEN: f64 = 5e-4;
-/// Standard deviations of the gaps, as half of them show it, that a closed gap stays within.
+/// Standard deviations of the gaps, as the gaps show it, that a closed gap stays within.
 const DEVIATIONS: f64 = 5.0;
 /// Touches with a joint below which their share says little of it.
 const FEW: f64 = 6.0;
@@ -31,7 +31,7 @@ impl OpenGaps {
     /// Counts the open gaps of a schema.
     pub fn new(creature: &Creature, skin: &Skin, touches: &TouchSet, schema: &BodySchema) -> OpenGaps {
         let model = SurfaceGap::new(skin, 1.0);
-        let noise = NORMAL_MEDIAN * quantile(&gaps(skin, touches, schema), 0.5);
+        let noise = typical_gap(&gaps(skin, touches, schema));
         let limit = OPEN.max(DEVIATIONS * noise);
         let joints = creature.joints().len();
         let (mut open, mut all) = (vec![0.0; joints + 1], vec![0.0; joints + 1]);

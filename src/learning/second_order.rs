@@ -12,7 +12,7 @@ use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 
 use crate::creature::Creature;
-use crate::learning::annealing::{NARROWEST, NORMAL_MEDIAN, anneal, gaps, quantile};
+use crate::learning::annealing::{NARROWEST, anneal, gaps, quantile, typical_gap};
 use crate::learning::growing::{Evidence, Nursery, Start};
 use crate::learning::least_squares::{LeastSquares, Stopping, levenberg_marquardt};
 use crate::learning::observability::Observability;
@@ -227,14 +227,13 @@ impl<'a> SecondOrder<'a> {
     }
 }
 
-/// Standard deviation of the gaps of touches that parameters were fitted to, as half of them show it,
-/// metres.
+/// Standard deviation of the gaps of touches that parameters were fitted to, as they show it, metres.
 fn noise(skin: &Skin, touches: &TouchSet, parameters: &Parameters, schema: &BodySchema) -> f64 {
-    let median = quantile(&gaps(skin, touches, schema), 0.5);
+    let typical = typical_gap(&gaps(skin, touches, schema));
     // Parameters take up a part of the gaps.
     let spare = (touches.len() as f64 - 0.7 * parameters.len() as f64).max(1.0);
     let scatter = (touches.len() as f64 / spare).sqrt();
-    (NORMAL_MEDIAN * median * scatter).max(NARROWEST)
+    (typical * scatter).max(NARROWEST)
 }
 
 fn kept_back(touch: usize) -> bool {
@@ -273,7 +272,8 @@ impl Judged {
         if self.start.accepted != other.start.accepted {
             return self.start.accepted;
         }
-        if self.start.accepted { self.noise < other.noise } else { self.judged < other.judged }
+        let score = |judged: &Judged| judged.judged.max(1.0) * judged.noise.max(NARROWEST);
+        if self.start.accepted { self.noise < other.noise } else { score(self) < score(other) }
     }
 }
 
