@@ -11,8 +11,11 @@ use bodyschema::babbling::{Babbler, BabblingOptions, PolicyName};
 use bodyschema::creature::{Body, JointSelection};
 use bodyschema::evaluation::evaluate;
 use bodyschema::ground_truth::GroundTruth;
-use bodyschema::learning::{Input, Learner, RoughFit, SecondOrder};
+use bodyschema::learning::annealing::anneal;
+use bodyschema::learning::rough::prepare;
+use bodyschema::learning::{AxisModel, Input, Known, Learner, Parameters, RoughFit, SecondOrder};
 use bodyschema::mujoco::Model;
+use bodyschema::schema::BodySchema;
 use bodyschema::senses::Touch;
 use bodyschema::skin::skin_of;
 use clap::ValueEnum;
@@ -71,30 +74,38 @@ fn main() -> Result<(), Box<dyn Error>> {
             );
             let mut learner = SecondOrder::new(creature, &skin, Input::Receptor, seed);
             let mut rough = RoughFit::new(creature, &skin, seed);
-            let (mut given, mut line) = (0, String::new());
-            let mut rough_at = None;
+            let (mut given, mut local_at, mut rough_at, mut at_last) = (0, None, None, None);
+            let error = |schema: &BodySchema| evaluate(creature, &skin, &truth, schema, &[]).heldout_mm.mean;
             for count in COUNTS.into_iter().filter(|&count| count <= most) {
-                touches[given..count].iter().for_each(|touch| {
+                for touch in &touches[given..count] {
                     learner.touch(touch);
                     rough.touch(touch);
-                });
+                }
                 given = count;
-                let error = |schema| evaluate(creature, &skin, &truth, schema, &[]).heldout_mm.mean;
-                let guess = rough.learn();
-                let rough_mm = error(&guess.schema);
-                if rough_mm < REACHED_MM && rough_at.is_none() {
+                if rough_at.is_none() && error(&rough.learn().schema) < REACHED_MM {
                     rough_at = Some((count, at(count)));
                 }
-                line += &format!(" {count}: {rough_mm:.2}");
-                let learned = learner.learn();
-                let mm = error(&learned.schema);
-                line += &format!("/{mm:.2}");
-                if mm < REACHED_MM {
-                    reached.push((count, at(count)));
+                // The best that any learner could do: from the truth itself. Below a millimetre from there
+                // on, it is worth while to ask a learner that knows no truth.
+                if local_at.is_none() {
+                    let set = prepare(creature, &skin, &touches[..count]);
+                    let parameters = Parameters::new(creature, AxisModel::Unit, |_| true);
+                    let prior = Known::nothing(creature, &skin).prior;
+                    let fit = anneal(creature, &skin, &set, &parameters, &prior, truth.schema.clone());
+                    if error(&fit.schema) < REACHED_MM {
+                        local_at = Some((count, at(count)));
+                    }
+                }
+                if local_at.is_some() && error(&learner.learn().schema) < REACHED_MM {
+                    at_last = Some((count, at(count)));
                     break;
                 }
             }
-            println!("   {line}; rough at {rough_at:?}, second order at {:?}", reached.last());
+            reached.extend(at_last);
+            println!(
+                "   (touches, motions) at 1 mm: from the truth {local_at:?}, rough {rough_at:?}, second order {at_last:?}; {:.0} s",
+                began.elapsed().as_secs_f64()
+            );
         }
         let median = |mut values: Vec<u64>| {
             values.sort_unstable();

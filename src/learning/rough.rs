@@ -1,42 +1,41 @@
 //! A rough schema from few touches, good enough to aim by.
 //!
 //! An agent that chooses its motions needs a schema long before its touches prove one. This learner takes
-//! the best explanation it finds, right or not: relaxed axes by the receptors' centres, then unit axes by
-//! the surfaces, from what it believed before, from the same with suspect joints drawn anew, and from
-//! random onsets. What the touches leave open a weak belief closes: a joint is near the skin of the limb
-//! that it is mounted on.
+//! the best explanation it finds, right or not: from what it believed before, from the same with suspect
+//! joints drawn anew, and from random onsets. It judges itself by what its last schema foretold of the
+//! touches since, and once that was right it only keeps fitting it.
 
-use nalgebra::{DVector, Vector3};
+use nalgebra::Vector3;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 
 use crate::creature::Creature;
-use crate::learning::least_squares::{LeastSquares, Linearization, Stopping, levenberg_marquardt};
+use crate::learning::annealing::{NARROWEST, anneal_to, quantile};
+use crate::learning::least_squares::{LeastSquares, Stopping, levenberg_marquardt};
 use crate::learning::observation::{Observation, ObservationModel, PointsMeet};
 use crate::learning::onset::{random_onset, randomize_joint};
-use crate::learning::split::SplitCreature;
+use crate::learning::relaxed_gradient::descend;
 use crate::learning::surface_gap::SurfaceGap;
-use crate::learning::touch_set::{LimbTouch, TouchProblem, TouchSet};
-use crate::learning::{AxisModel, Learned, Learner, Parameters, Verdict};
+use crate::learning::touch_set::{LimbTouch, PreparedTouch, TouchProblem, TouchSet};
+use crate::learning::{AxisModel, Known, Learned, Learner, Parameters, Prior, Verdict};
 use crate::schema::BodySchema;
 use crate::senses::Touch;
 use crate::skin::Skin;
 
 /// How far a curved limb is taken to bulge out of a flat patch, metres.
 const NORMAL_DEVIATION: f64 = 6e-3;
-/// How far a joint may be from the skin of its parent limb, beyond that skin's own extent, metres.
-const BEYOND_SKIN: f64 = 0.1;
-/// Standard deviation of a relaxed axis's components: weak, or it makes the minima that relaxing removes.
-const AXIS_DEVIATION: f64 = 3.0;
-/// Deviations of the gap that a fit passes through, metres.
-const DEVIATIONS: [f64; 6] = [0.02, 0.01, 4e-3, 1.5e-3, 5e-4, 1e-4];
+/// Steps down the relaxed gradient from a random onset.
+const DESCENT: usize = 40_000;
+/// The deviation of the gap down to which axes stay relaxed, metres.
+const RELAXED_GAP: f64 = 3e-3;
 /// The deviation of the gap at which explanations are compared, metres.
-const COMPARED: f64 = 5e-3;
-/// New starts at each learning while the answer is not found.
-const STARTS: usize = 4;
+const COMPARED: f64 = 3e-3;
+/// Random onsets at each learning while the answer is not found, and starts from suspect joints drawn anew.
+const ONSETS: usize = 3;
+const SUSPECTED: usize = 2;
 /// Touches that must be foretold before the answer counts as found …
-const FORETOLD: usize = 8;
+const FORETOLD: usize = 6;
 /// … and the gap that eight tenths of them stay below, metres.
 const FORETOLD_GAP: f64 = 2e-3;
 
@@ -44,110 +43,21 @@ const FORETOLD_GAP: f64 = 2e-3;
 pub struct RoughFit<'a> {
     creature: &'a Creature,
     skin: &'a Skin,
-    split: SplitCreature,
-    belief: Belief,
+    prior: Prior,
     rng: ChaCha8Rng,
     touches: Vec<Touch>,
     /// The last schema and the number of touches it is fitted to.
     last: Option<(BodySchema, usize)>,
 }
 
-/// Where the agent believes its joints to be before any touch: mean and weight per position, 1/m².
-struct Belief {
-    positions: Vec<(Vector3<f64>, f64)>,
-}
-
-impl Belief {
-    fn new(creature: &Creature, skin: &Skin) -> Belief {
-        let near_parent = |parent: usize| {
-            let skin: Vec<_> = skin.receptors.iter().filter(|r| r.limb == parent).collect();
-            let count = skin.len().max(1) as f64;
-            let mean: Vector3<f64> = skin.iter().map(|r| r.position).sum::<Vector3<f64>>() / count;
-            let scatter = skin.iter().map(|r| (r.position - mean).norm_squared()).sum::<f64>() / count;
-            let deviation = BEYOND_SKIN + (scatter / 3.0).sqrt();
-            (mean, 1.0 / (deviation * deviation))
-        };
-        Belief { positions: creature.joints().iter().map(|joint| near_parent(joint.parent)).collect() }
-    }
-}
-
-/// A problem and the weak belief about what its touches leave open.
-struct Believed<'a, P> {
-    problem: P,
-    parameters: &'a Parameters,
-    /// Mean and weight per position; an inner position of a split joint is believed to be zero.
-    positions: Vec<(Vector3<f64>, f64)>,
-}
-
-impl<P> Believed<'_, P> {
-    /// Mean-free value, offset and weight of every vector that is believed in.
-    fn terms<'s>(&'s self, schema: &'s BodySchema) -> impl Iterator<Item = (usize, Vector3<f64>, f64)> + 's {
-        let positions = self.positions.iter().zip(&schema.positions).zip(&self.parameters.positions);
-        let positions =
-            positions.filter_map(|(((mean, weight), position), at)| Some(((*at)?, position - mean, *weight)));
-        let relaxed = self.parameters.axis_model == AxisModel::Relaxed;
-        let axes = schema.axes.iter().zip(&self.parameters.axes).filter(move |_| relaxed);
-        let weight = 1.0 / (AXIS_DEVIATION * AXIS_DEVIATION);
-        positions.chain(axes.filter_map(move |(axis, at)| Some(((*at)?, *axis, weight))))
-    }
-}
-
-impl<P: LeastSquares> LeastSquares for Believed<'_, P> {
-    fn linearize(&mut self, schema: &BodySchema) -> Linearization {
-        let mut model = self.problem.linearize(schema);
-        let mut gradient = DVector::zeros(self.parameters.len());
-        for (offset, value, weight) in self.terms(schema) {
-            for k in 0..3 {
-                model.hessian[(offset + k, offset + k)] += weight;
-                gradient[offset + k] += weight * value[k];
-            }
-            model.cost += 0.5 * weight * value.norm_squared();
-        }
-        model.gradient += gradient;
-        model
-    }
-
-    fn cost(&self, schema: &BodySchema) -> f64 {
-        let belief: f64 =
-            self.terms(schema).map(|(_, value, weight)| 0.5 * weight * value.norm_squared()).sum();
-        self.problem.cost(schema) + belief
-    }
-}
-
-/// Touches made ready for a fit: receptors' centres with the shape of their patches.
-pub fn prepare<'t>(
-    creature: &Creature,
-    skin: &Skin,
-    limb_of: impl Fn(usize) -> usize,
-    touches: impl IntoIterator<Item = &'t Touch>,
-) -> TouchSet {
-    let prepared = touches.into_iter().map(|touch| {
-        let receptors = touch.ends.map(|end| &skin.receptors[end.receptor]);
-        let ends = [0, 1].map(|k| Observation {
-            receptor: touch.ends[k].receptor,
-            position: receptors[k].position,
-            covariance: receptors[k].covariance(NORMAL_DEVIATION),
-        });
-        LimbTouch { limbs: receptors.map(|r| limb_of(r.limb)), posture: &touch.posture, ends }
-    });
-    TouchSet::new(creature, prepared)
-}
-
-/// The absolute gaps that a schema leaves in touches, in their order by limb pair, metres.
-pub fn surface_gaps(skin: &Skin, touches: &TouchSet, schema: &BodySchema) -> Vec<f64> {
-    let model = SurfaceGap::new(skin, 1.0);
-    let touches = touches.pairs.iter().flat_map(|pair| &pair.touches);
-    touches.map(|touch| model.meeting(&touch.ends, &touch.frames(schema)).gap.abs()).collect()
-}
-
 /// How one start begins.
 enum Onset {
-    /// From a schema: straight to the surfaces.
+    /// From a schema that is nearly right: unit axes, by the surfaces.
     Continued(BodySchema),
-    /// From a schema, by centres first.
-    Relaxed(BodySchema),
-    /// From random axes, every degree of freedom with a position of its own at first.
-    Split(BodySchema),
+    /// From a schema, axes relaxed, by the receptors' centres first.
+    Loosened(BodySchema),
+    /// From random axes, down the relaxed gradient first, with a random stream of its own.
+    Random(BodySchema, ChaCha8Rng),
 }
 
 impl<'a> RoughFit<'a> {
@@ -156,79 +66,70 @@ impl<'a> RoughFit<'a> {
         RoughFit {
             creature,
             skin,
-            split: SplitCreature::new(creature),
-            belief: Belief::new(creature, skin),
+            prior: Known::nothing(creature, skin).prior,
             rng: ChaCha8Rng::seed_from_u64(seed),
             touches: Vec::new(),
             last: None,
         }
     }
 
-    fn solve<M: ObservationModel>(
+    fn solve(
         &self,
-        creature: &Creature,
         touches: &TouchSet,
         axis_model: AxisModel,
-        model: M,
+        model: impl ObservationModel,
         start: BodySchema,
         iterations: usize,
     ) -> BodySchema {
-        let parameters = Parameters::new(creature, axis_model, |_| true);
-        let mut positions = self.belief.positions.clone();
-        if creature.joints().len() != positions.len() {
-            let mut before = None;
-            let parts = self.split.joint_of.iter().map(|&joint| {
-                let first = before.replace(joint) != Some(joint);
-                if first { self.belief.positions[joint] } else { (Vector3::zeros(), BEYOND_SKIN.powi(-2)) }
-            });
-            positions = parts.collect();
-        }
-        let problem = TouchProblem::new(creature, touches, &parameters, model);
-        let mut problem = Believed { problem, parameters: &parameters, positions };
+        let parameters = Parameters::new(self.creature, axis_model, |_| true);
+        let mut problem =
+            TouchProblem::new(self.creature, touches, &parameters, model).with_prior(&self.prior);
         let stopping = Stopping { iterations, relative_cost: 1e-3, cost: 0.0 };
         levenberg_marquardt(&mut problem, &parameters, start, stopping).schema
     }
 
-    /// One start: the schema it reaches and its cost.
-    fn start(&self, touches: &TouchSet, split_touches: &TouchSet, onset: Onset) -> (f64, BodySchema) {
-        let (relaxed, mut deviation) = (AxisModel::Relaxed, 0);
-        let mut schema = match onset {
-            Onset::Continued(schema) => {
-                deviation = 1;
-                schema
-            }
-            Onset::Relaxed(schema) => {
-                self.solve(self.creature, touches, relaxed, PointsMeet::Anyhow, schema, 30)
-            }
-            Onset::Split(schema) => {
-                let unfolded = self.split.unfold(&schema);
-                let model = PointsMeet::Anyhow;
-                let solved = self.solve(&self.split.creature, split_touches, relaxed, model, unfolded, 60);
-                let folded = self.split.fold(&solved);
-                self.solve(self.creature, touches, relaxed, PointsMeet::Anyhow, folded, 40)
+    /// By the surfaces; relaxed axes are put back on the sphere.
+    fn close(&self, touches: &TouchSet, axis_model: AxisModel, start: BodySchema) -> BodySchema {
+        let parameters = Parameters::new(self.creature, axis_model, |_| true);
+        let narrowest = if axis_model == AxisModel::Relaxed { RELAXED_GAP } else { NARROWEST };
+        let annealed =
+            anneal_to(narrowest, self.creature, self.skin, touches, &parameters, &self.prior, start);
+        let mut schema = annealed.schema;
+        schema.normalize_axes(self.creature);
+        schema
+    }
+
+    /// One start: the misfit of the schema it reaches, and the schema.
+    fn start(&self, touches: &TouchSet, onset: Onset) -> (f64, BodySchema) {
+        let (schema, known) = match onset {
+            Onset::Continued(schema) => (schema, true),
+            Onset::Loosened(schema) => (schema, false),
+            Onset::Random(schema, mut rng) => {
+                let parameters = Parameters::new(self.creature, AxisModel::Relaxed, |_| true);
+                let listed: Vec<&PreparedTouch> =
+                    touches.pairs.iter().flat_map(|pair| &pair.touches).collect();
+                (descend(&listed, schema, DESCENT, &parameters, &mut rng), false)
             }
         };
-        schema.normalize_axes(self.creature);
-        if deviation == 0 {
-            schema = self.solve(self.creature, touches, AxisModel::Unit, PointsMeet::Shaped, schema, 20);
+        let mut schema = schema;
+        if !known {
+            schema = self.solve(touches, AxisModel::Relaxed, PointsMeet::Anyhow, schema, 60);
+            schema.normalize_axes(self.creature);
+            schema = self.solve(touches, AxisModel::Unit, PointsMeet::Anyhow, schema, 30);
+            schema = self.close(touches, AxisModel::Relaxed, schema);
         }
-        for &gap in &DEVIATIONS[deviation..] {
-            let model = SurfaceGap::new(self.skin, gap);
-            schema = self.solve(self.creature, touches, AxisModel::Unit, model, schema, 6);
-        }
+        schema = self.close(touches, AxisModel::Unit, schema);
         (self.misfit(touches, &schema), schema)
     }
 
-    /// What explanations are compared by: the robust cost of gaps and patches, and the belief's.
+    /// What explanations are compared by: the robust cost of gaps and patches, and the prior's.
     fn misfit(&self, touches: &TouchSet, schema: &BodySchema) -> f64 {
         let parameters = Parameters::new(self.creature, AxisModel::Unit, |_| true);
         let model = SurfaceGap::new(self.skin, COMPARED);
-        let problem = TouchProblem::new(self.creature, touches, &parameters, model);
-        let positions = self.belief.positions.clone();
-        Believed { problem, parameters: &parameters, positions }.cost(schema)
+        TouchProblem::new(self.creature, touches, &parameters, model).with_prior(&self.prior).cost(schema)
     }
 
-    /// Per joint, the mean gap of the touches with it in their chain, metres.
+    /// Per joint, how much the touches with it in their chain miss, metres.
     fn blame(&self, touches: &TouchSet, schema: &BodySchema) -> Vec<f64> {
         let joints = self.creature.joints().len();
         let (mut sum, mut count) = (vec![0.0; joints], vec![1e-9; joints]);
@@ -236,13 +137,39 @@ impl<'a> RoughFit<'a> {
         for pair in &touches.pairs {
             for touch in &pair.touches {
                 let gap = model.meeting(&touch.ends, &touch.frames(schema)).gap.abs();
+                // The surfaces tell most; where they all meet the centres tell a little.
                 let miss = gap.min(0.05) + 0.1 * touch.miss(schema).norm().min(0.2);
-                pair.chain
-                    .joints()
-                    .for_each(|joint| (sum[joint], count[joint]) = (sum[joint] + miss, count[joint] + 1.0));
+                for joint in pair.chain.joints() {
+                    sum[joint] += miss;
+                    count[joint] += 1.0;
+                }
             }
         }
         sum.iter().zip(&count).map(|(sum, count)| sum / count).collect()
+    }
+
+    /// A schema with `many` joints drawn anew by their blame; their positions are kept.
+    fn redrawn(&mut self, schema: &BodySchema, blame: &[f64], many: usize) -> BodySchema {
+        let mut redrawn = schema.clone();
+        for _ in 0..many {
+            let mut left = self.rng.random::<f64>() * blame.iter().sum::<f64>();
+            let drawn = blame.iter().position(|share| {
+                left -= share;
+                left <= 0.0
+            });
+            let joint = drawn.unwrap_or(0);
+            randomize_joint(self.creature, &mut redrawn, joint, &mut self.rng);
+            redrawn.positions[joint] = schema.positions[joint];
+        }
+        redrawn
+    }
+
+    /// The gaps, sorted, at which the last schema puts the touches since, metres; none without any.
+    fn foretold(&self) -> Option<Vec<f64>> {
+        let (schema, fitted) = self.last.as_ref()?;
+        let fresh = prepare(self.creature, self.skin, &self.touches[*fitted..]);
+        let found = crate::learning::annealing::gaps(self.skin, &fresh, schema);
+        (!found.is_empty()).then_some(found)
     }
 }
 
@@ -252,65 +179,66 @@ impl Learner for RoughFit<'_> {
     }
 
     fn learn(&mut self) -> Learned {
-        let touches = prepare(self.creature, self.skin, |limb| limb, &self.touches);
-        // What the last schema foretold of the touches since: the only honest measure of it.
-        let foretold = self.last.as_ref().map(|(schema, fitted)| {
-            let fresh = prepare(self.creature, self.skin, |limb| limb, &self.touches[*fitted..]);
-            let mut gaps = surface_gaps(self.skin, &fresh, schema);
-            gaps.sort_by(f64::total_cmp);
-            gaps
-        });
-        let quantile = |gaps: &[f64], share: f64| gaps[((gaps.len() - 1) as f64 * share).round() as usize];
-        let found = foretold
-            .as_ref()
-            .is_some_and(|gaps| gaps.len() >= FORETOLD && quantile(gaps, 0.8) < FORETOLD_GAP);
+        let touches = prepare(self.creature, self.skin, &self.touches);
+        // The only honest measure of a schema is what it foretells.
+        let foretold = self.foretold();
+        let wide = foretold.as_ref().map_or(f64::INFINITY, |gaps| quantile(gaps, 0.8));
+        let found = wide < FORETOLD_GAP && foretold.as_ref().is_some_and(|gaps| gaps.len() >= FORETOLD);
         let mut onsets = Vec::new();
-        if let Some((schema, _)) = &self.last {
+        if let Some((schema, _)) = self.last.clone() {
             onsets.push(Onset::Continued(schema.clone()));
             if !found {
-                onsets.push(Onset::Relaxed(schema.clone()));
-                let blame = self.blame(&touches, schema);
-                for k in 0..STARTS / 2 {
-                    // Suspects are drawn by their blame, one at the first start, two at the second.
-                    let mut kicked = schema.clone();
-                    for _ in 0..=k {
-                        let mut left = self.rng.random_range(0.0..blame.iter().sum::<f64>().max(1e-12));
-                        let suspect = blame.iter().position(|share| {
-                            left -= share;
-                            left <= 0.0
-                        });
-                        let joint = suspect.unwrap_or(0);
-                        randomize_joint(self.creature, &mut kicked, joint, &mut self.rng);
-                        kicked.positions[joint] = schema.positions[joint];
-                    }
-                    onsets.push(Onset::Relaxed(kicked));
+                onsets.push(Onset::Loosened(schema.clone()));
+                let blame = self.blame(&touches, &schema);
+                for many in 1..=SUSPECTED {
+                    onsets.push(Onset::Loosened(self.redrawn(&schema, &blame, many)));
                 }
             }
         }
         if !found {
-            while onsets.len() < STARTS + 2 {
-                onsets.push(Onset::Split(random_onset(self.creature, &mut self.rng)));
+            for _ in 0..ONSETS {
+                let onset = random_onset(self.creature, &mut self.rng);
+                onsets.push(Onset::Random(onset, ChaCha8Rng::seed_from_u64(self.rng.random())));
             }
         }
-        let limb_of = |limb: usize| self.split.limb_of[limb];
-        let split_touches = prepare(&self.split.creature, self.skin, limb_of, &self.touches);
         let count = onsets.len();
         let starts: Vec<(f64, BodySchema)> =
-            onsets.into_par_iter().map(|onset| self.start(&touches, &split_touches, onset)).collect();
-        let best = starts.into_iter().min_by(|a, b| a.0.total_cmp(&b.0)).expect("at least one start is made");
-        self.last = Some((best.1.clone(), self.touches.len()));
+            onsets.into_par_iter().map(|onset| self.start(&touches, onset)).collect();
+        let (_, schema) =
+            starts.into_iter().min_by(|a, b| a.0.total_cmp(&b.0)).expect("at least one start is made");
+        self.last = Some((schema.clone(), self.touches.len()));
         let why = "a rough schema: it does not foretell the touches yet";
         Learned {
-            schema: best.1,
+            schema,
             verdict: if found { Verdict::Converged } else { Verdict::Failed(why.to_string()) },
             onsets: count,
-            fresh_rms: foretold
-                .as_ref()
-                .filter(|gaps| !gaps.is_empty())
-                .map_or(f64::INFINITY, |gaps| quantile(gaps, 0.8) / FORETOLD_GAP),
+            fresh_rms: wide / FORETOLD_GAP,
             undetermined: Vec::new(),
             observability: None,
-            deviation: foretold.filter(|gaps| !gaps.is_empty()).map(|gaps| quantile(&gaps, 0.5)),
+            deviation: foretold.map(|gaps| quantile(&gaps, 0.5)),
         }
     }
+}
+
+/// Touches made ready for a solver: receptors' centres with the shape of their patches.
+pub fn prepare<'t>(
+    creature: &Creature,
+    skin: &Skin,
+    touches: impl IntoIterator<Item = &'t Touch>,
+) -> TouchSet {
+    let prepared = touches.into_iter().map(|touch| {
+        let receptors = touch.ends.map(|end| end.receptor);
+        imagined(skin, receptors, &touch.posture)
+    });
+    TouchSet::new(creature, prepared)
+}
+
+/// A touch of two receptors in a posture, made or only imagined.
+pub fn imagined<'p>(skin: &Skin, receptors: [usize; 2], posture: &'p [f64]) -> LimbTouch<'p> {
+    let ends = receptors.map(|receptor| {
+        let felt = &skin.receptors[receptor];
+        let position: Vector3<f64> = felt.position;
+        Observation { receptor, position, covariance: felt.covariance(NORMAL_DEVIATION) }
+    });
+    LimbTouch { limbs: receptors.map(|receptor| skin.receptors[receptor].limb), posture, ends }
 }

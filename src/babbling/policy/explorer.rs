@@ -5,12 +5,13 @@ use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
 use super::experience::Experience;
-use super::information::meeting;
+use super::information::one;
 use super::inverse_kinematics::InverseKinematics;
 use super::working_schema::WorkingSchema;
 use crate::babbling::posture::{between, random_posture};
 use crate::creature::Creature;
 use crate::kinematics::Chain;
+use crate::learning::surface_gap::SurfaceGap;
 use crate::senses::Touch;
 use crate::skin::Skin;
 
@@ -167,8 +168,11 @@ impl<'a> Explorer<'a> {
     fn parts(&self, posture: &[f64], target: &[f64]) -> bool {
         let (Some(schema), Some(receptors)) = (self.working.schema(), self.contact) else { return true };
         let soon = between(self.creature, posture, target, PARTED);
-        let [now, then] =
-            [posture, &soon].map(|p| meeting(self.creature, self.skin, schema, receptors, p).1.gap);
+        let gap = |posture: &[f64]| {
+            let touch = one(self.creature, self.skin, receptors, posture);
+            SurfaceGap::new(self.skin, 1.0).meeting(&touch.ends, &touch.frames(schema)).gap
+        };
+        let [now, then] = [posture, &soon].map(gap);
         then > now + 1e-4
     }
 

@@ -1,132 +1,74 @@
 //! What an imagined touch would tell of the schema.
 //!
 //! A touch says that the gap of two surfaces is zero. With j its derivative by all parameters and Σ their
-//! covariance given the touches so far, the touch brings ½ log(1 + jᵀ Σ j / σ²) nats (Lindley 1956).
+//! covariance given the touches so far, the touch brings ½ log(1 + j Σ jᵀ / σ²) nats (Lindley 1956).
 
-use nalgebra::{DMatrix, DVector, Vector3};
+use nalgebra::{DMatrix, DVector};
 
 use crate::creature::Creature;
-use crate::kinematics::{SideJacobian, tangent_basis};
-use crate::learning::least_squares::LeastSquares;
-use crate::learning::rough::prepare;
-use crate::learning::surface_gap::{Meeting, SurfaceGap};
-use crate::learning::touch_set::{PairTouches, TouchProblem};
-use crate::learning::{AxisModel, Parameters};
+use crate::learning::prediction::{GapRow, covariance};
+use crate::learning::rough::{imagined, prepare};
+use crate::learning::touch_set::{PreparedTouch, TouchSet};
+use crate::learning::{AxisModel, Known, Parameters, Prior};
 use crate::schema::BodySchema;
-use crate::senses::{Touch, TouchEnd};
+use crate::senses::Touch;
 use crate::skin::Skin;
 
-/// What is believed of a position before any touch: standard deviation, metres.
-const POSITION_DEVIATION: f64 = 0.1;
-/// What is believed of an axis before any touch: standard deviation in each direction, radians.
-const AXIS_DEVIATION: f64 = 1.0;
-
 /// The covariance of all positions and axes given the touches so far.
-pub struct Information {
+pub struct Information<'a> {
+    creature: &'a Creature,
+    skin: &'a Skin,
+    prior: Prior,
     parameters: Parameters,
-    covariance: DMatrix<f64>,
+    covariance: Option<DMatrix<f64>>,
     deviation: f64,
 }
 
-impl Information {
-    /// Before any touch.
-    pub fn new(creature: &Creature) -> Information {
+impl<'a> Information<'a> {
+    /// Nothing is known yet, not even a schema to say what would tell more.
+    pub fn new(creature: &'a Creature, skin: &'a Skin) -> Information<'a> {
         let parameters = Parameters::new(creature, AxisModel::Unit, |_| true);
-        let n = parameters.len();
-        let mut prior = DVector::from_element(n, AXIS_DEVIATION * AXIS_DEVIATION);
-        for offset in parameters.positions.iter().flatten() {
-            prior.rows_mut(*offset, 3).fill(POSITION_DEVIATION * POSITION_DEVIATION);
-        }
-        Information { parameters, covariance: DMatrix::from_diagonal(&prior), deviation: POSITION_DEVIATION }
+        let prior = Known::nothing(creature, skin).prior;
+        Information { creature, skin, prior, parameters, covariance: None, deviation: 1.0 }
     }
 
-    /// Works it out anew at a schema, with a standard deviation of the gap in metres.
-    pub fn rebuild(
-        &mut self,
-        creature: &Creature,
-        skin: &Skin,
-        schema: &BodySchema,
-        touches: &[Touch],
-        deviation: f64,
-    ) {
-        let set = prepare(creature, skin, |limb| limb, touches);
-        let mut problem =
-            TouchProblem::new(creature, &set, &self.parameters, SurfaceGap::new(skin, deviation));
-        let mut information = problem.linearize(schema).hessian;
-        information.fill_upper_triangle_with_lower_triangle();
-        let prior = Information::new(creature).covariance;
-        for k in 0..information.nrows() {
-            information[(k, k)] += 1.0 / prior[(k, k)];
-        }
+    /// Works the covariance out anew at a schema, with a standard deviation of the gap in metres.
+    pub fn rebuild(&mut self, schema: &BodySchema, touches: &[Touch], deviation: f64) {
+        let set = prepare(self.creature, self.skin, touches);
+        let (creature, parameters) = (self.creature, &self.parameters);
+        self.covariance = covariance(creature, self.skin, &set, parameters, &self.prior, schema, deviation);
         self.deviation = deviation;
-        self.covariance = match information.cholesky() {
-            Some(factor) => factor.inverse(),
-            None => prior,
-        };
     }
 
-    /// The derivative of the gap between two receptors' surfaces in a posture, by all parameters.
-    pub fn row(
-        &self,
-        creature: &Creature,
-        skin: &Skin,
-        schema: &BodySchema,
-        receptors: [usize; 2],
-        posture: &[f64],
-    ) -> DVector<f64> {
-        let (pair, meeting) = meeting(creature, skin, schema, receptors, posture);
-        let touch = &pair.touches[0];
-        let frames = touch.frames(schema);
-        let mut row = DVector::zeros(self.parameters.len());
-        let mut side = SideJacobian::default();
-        for (k, sign) in [(0, 1.0), (1, -1.0)] {
-            let point = frames[k].inverse_point(&meeting.point);
-            touch.sides[k].point_jacobian(schema, &point, &mut side);
-            let direction = meeting.normal * sign;
-            for (joint, map) in &side.joints {
-                if let Some(offset) = self.parameters.positions[*joint] {
-                    let mut block = row.fixed_rows_mut::<3>(offset);
-                    block += map.tr_mul(&direction);
-                }
-            }
-            for (dof, derivative) in &side.dofs {
-                if let Some(offset) = self.parameters.axes[*dof] {
-                    let free = derivative.tr_mul(&direction);
-                    let mut block = row.fixed_rows_mut::<2>(offset);
-                    block += tangent_basis(&schema.axes[*dof]).tr_mul(&free);
-                }
-            }
-        }
+    /// The gap between two receptors' surfaces in a posture and its derivative by all parameters.
+    pub fn row(&self, schema: &BodySchema, receptors: [usize; 2], posture: &[f64]) -> GapRow {
+        let mut row = GapRow::default();
+        let touch = one(self.creature, self.skin, receptors, posture);
+        row.set(self.skin, &self.parameters, schema, &touch);
         row
     }
 
-    /// Twice the nats that a touch with this row would bring.
-    pub fn gain(&self, row: &DVector<f64>) -> f64 {
-        (1.0 + (&self.covariance * row).dot(row) / self.deviation.powi(2)).ln()
+    /// Twice the nats that a touch with this row would bring; 0 where nothing is known.
+    pub fn gain(&self, row: &GapRow) -> f64 {
+        let variance = self.covariance.as_ref().map_or(0.0, |covariance| row.variance(covariance));
+        (1.0 + variance.max(0.0) / self.deviation.powi(2)).ln()
     }
 
     /// Takes in a touch with this row.
-    pub fn update(&mut self, row: &DVector<f64>) {
-        let moved = &self.covariance * row;
-        let variance = self.deviation.powi(2) + moved.dot(row);
-        self.covariance.ger(-1.0 / variance, &moved, &moved, 1.0);
+    pub fn update(&mut self, row: &GapRow) {
+        let Some(covariance) = &mut self.covariance else { return };
+        let variance = self.deviation.powi(2) + row.variance(covariance);
+        let mut moved = DVector::zeros(self.parameters.len());
+        for &(place, slope) in &row.entries {
+            moved.axpy(slope, &covariance.column(place), 1.0);
+        }
+        covariance.ger(-1.0 / variance, &moved, &moved, 1.0);
     }
 }
 
-/// Where the surfaces under two receptors come closest in a posture, by the schema, and the chain of them;
-/// the lesser limb's receptor must come first.
-pub fn meeting(
-    creature: &Creature,
-    skin: &Skin,
-    schema: &BodySchema,
-    receptors: [usize; 2],
-    posture: &[f64],
-) -> (PairTouches, Meeting) {
-    let ends = receptors.map(|receptor| TouchEnd { receptor, contact: Vector3::zeros() });
-    let touch = Touch { bout: 0, motion: 0, posture: posture.to_vec(), ends };
-    let set = prepare(creature, skin, |limb| limb, [&touch]);
+/// A touch of two receptors in a posture, the lesser limb's receptor first, made ready.
+pub fn one(creature: &Creature, skin: &Skin, receptors: [usize; 2], posture: &[f64]) -> PreparedTouch {
+    let set = TouchSet::new(creature, [imagined(skin, receptors, posture)]);
     let pair = set.pairs.into_iter().next().expect("one touch makes one pair");
-    let frames = pair.touches[0].frames(schema);
-    let meeting = SurfaceGap::new(skin, 1.0).meeting(&pair.touches[0].ends, &frames);
-    (pair, meeting)
+    pair.touches.into_iter().next().expect("and stands in it")
 }

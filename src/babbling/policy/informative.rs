@@ -22,10 +22,8 @@ const DEVIATION: [f64; 2] = [1e-3, 1e-2];
 
 /// The policy `informative`.
 pub struct Informative<'a> {
-    creature: &'a Creature,
-    skin: &'a Skin,
     explorer: Explorer<'a>,
-    information: Information,
+    information: Information<'a>,
     touches: Vec<Touch>,
 }
 
@@ -33,10 +31,8 @@ impl<'a> Informative<'a> {
     /// The policy of a creature with a skin, imagining touches by a working schema.
     pub fn new(creature: &'a Creature, skin: &'a Skin, working: WorkingSchema<'a>) -> Informative<'a> {
         let mut informative = Informative {
-            creature,
-            skin,
             explorer: Explorer::new(creature, skin, working),
-            information: Information::new(creature),
+            information: Information::new(creature, skin),
             touches: Vec::new(),
         };
         informative.rebuild();
@@ -47,7 +43,7 @@ impl<'a> Informative<'a> {
         let working = &self.explorer.working;
         if let Some(schema) = working.schema() {
             let deviation = working.deviation().clamp(DEVIATION[0], DEVIATION[1]);
-            self.information.rebuild(self.creature, self.skin, schema, &self.touches, deviation);
+            self.information.rebuild(schema, &self.touches, deviation);
         }
     }
 }
@@ -60,7 +56,7 @@ impl Policy for Informative<'_> {
             for _ in 0..DRAWS {
                 let Some(aim) = self.explorer.draw(posture, EVEN, rng) else { continue };
                 let Some(schema) = self.explorer.working.schema() else { break };
-                let row = self.information.row(self.creature, self.skin, schema, aim.receptors, &aim.posture);
+                let row = self.information.row(schema, aim.receptors, &aim.posture);
                 let expected =
                     self.information.gain(&row) * self.explorer.experience.tally(aim.limbs).success();
                 if best.as_ref().is_none_or(|(most, _)| expected > *most) {
@@ -84,7 +80,7 @@ impl Policy for Informative<'_> {
             self.rebuild();
         } else if let Some(schema) = self.explorer.working.schema() {
             let receptors = touch.ends.map(|end| end.receptor);
-            let row = self.information.row(self.creature, self.skin, schema, receptors, &touch.posture);
+            let row = self.information.row(schema, receptors, &touch.posture);
             self.information.update(&row);
         }
     }
