@@ -54,6 +54,8 @@ const OPEN: f64 = 5.0;
 const FRESH_OPEN: f64 = 0.3;
 /// Touches with a joint below which their share of open gaps says little of it.
 const FEW: usize = 4;
+/// A touch tests a schema that predicts its gap to this, metres.
+const TELLING: f64 = 0.01;
 /// Width of a gap that nothing asks to predict better, metres.
 const CLOSE_ENOUGH: f64 = 2e-4;
 
@@ -151,6 +153,7 @@ impl<'a> SecondOrder<'a> {
         let joints = self.creature.joints().len();
         let (mut open, mut all) = (vec![0; joints + 1], vec![0; joints + 1]);
         let mut normalized = Vec::with_capacity(fresh.len());
+        let mut tested = 0;
         let mut row = GapRow::default();
         for pair in &fresh.pairs {
             for touch in &pair.touches {
@@ -158,11 +161,16 @@ impl<'a> SecondOrder<'a> {
                 let variance = noise * noise + row.variance(&covariance) + CLOSE_ENOUGH * CLOSE_ENOUGH;
                 let deviations = row.gap.abs() / variance.sqrt();
                 normalized.push(deviations);
+                tested += usize::from(variance < TELLING * TELLING);
                 for joint in pair.chain.joints().chain([joints]) {
                     open[joint] += usize::from(deviations > OPEN);
                     all[joint] += 1;
                 }
             }
+        }
+        // Who predicts nothing is never wrong: that proves nothing.
+        if tested < FEW || 2 * tested < fresh.len() {
+            return (f64::INFINITY, noise);
         }
         normalized.sort_by(f64::total_cmp);
         let shares = (0..=joints).filter(|&j| all[j] >= FEW).map(|j| open[j] as f64 / all[j] as f64);
