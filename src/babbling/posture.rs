@@ -98,3 +98,25 @@ pub(super) fn between(creature: &Creature, from: &[f64], to: &[f64], share: f64)
     }
     posture
 }
+
+/// How a coordinate drawn uniformly between −1 and 1 is spread towards its ends: the power of its amount.
+const WIDE: f64 = 0.4;
+
+/// A random posture that favours the ends of the ranges: what turns far tells most of its axis, and limbs
+/// that are bent far meet more often. Balls are drawn as in [`random_posture`].
+pub fn wide_posture(creature: &Creature, rng: &mut impl Rng) -> Vec<f64> {
+    let mut posture = random_posture(creature, rng);
+    for joint in creature.joints() {
+        let mut q = joint.first_coordinate();
+        for dof in &joint.dofs {
+            let [low, high] = dof.range;
+            if dof.kind != DofKind::Ball && high > low {
+                let (middle, half) = (0.5 * (low + high), 0.5 * (high - low));
+                let share = (posture[q] - middle) / half;
+                posture[q] = (middle + half * share.signum() * share.abs().powf(WIDE)).clamp(low, high);
+            }
+            q += dof.kind.coordinates();
+        }
+    }
+    posture
+}

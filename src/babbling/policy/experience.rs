@@ -11,7 +11,7 @@ use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
 use super::inverse_kinematics::turn_ball;
-use crate::babbling::posture::random_posture;
+use crate::babbling::posture::wide_posture;
 use crate::creature::{Creature, DofKind};
 use crate::kinematics::Chain;
 use crate::senses::Touch;
@@ -25,6 +25,11 @@ const SCATTER: [f64; 3] = [0.12, 0.02, 0.4];
 /// smaller step, one that does not narrows it by the larger.
 const WIDER: f64 = 1.05;
 const NARROWER: f64 = 0.85;
+
+/// Revisits that are weighed up before each motion.
+const CANDIDATES: usize = 8;
+/// Weight of a revisit that presses on where it touches already.
+const PRESSING: f64 = 0.05;
 
 /// How often a pair of limbs touched, and how often that was tried.
 #[derive(Clone, Copy, Debug, Default)]
@@ -61,6 +66,8 @@ pub struct Experience<'a> {
     skin: &'a Skin,
     /// Per pair of limbs that both have skin and do not carry one another, the lesser first.
     pub pairs: BTreeMap<[usize; 2], PairTally>,
+    /// Per joint, the touches with it between the limbs.
+    pub joint_touches: Vec<f64>,
     /// Per receptor, its touches.
     pub receptor_touches: Vec<u32>,
     /// Per limb, its receptors.
@@ -94,6 +101,7 @@ impl<'a> Experience<'a> {
             creature,
             skin,
             pairs,
+            joint_touches: vec![0.0; creature.joints().len()],
             receptor_touches: vec![0; skin.receptors.len()],
             receptors,
             remembered: Vec::new(),
@@ -114,14 +122,14 @@ impl<'a> Experience<'a> {
     /// Call [`Experience::begin`] before.
     pub fn revisit(&mut self, rng: &mut ChaCha8Rng) -> Vec<f64> {
         if self.remembered.is_empty() {
-            return random_posture(self.creature, rng);
+            return wide_posture(self.creature, rng);
         }
         let mut best: Option<(f64, usize, Vec<f64>)> = None;
-        for _ in 0..8 {
+        for _ in 0..CANDIDATES {
             let (index, target) = self.draw(rng);
             let parting = self.parting(&target);
-            let seldom = 1.0 / (1.0 + self.tally(self.remembered[index].limbs).touches).sqrt();
-            let value = seldom * if parting > 0.0 { 1.0 } else { 0.05 };
+            let value =
+                self.need(&self.remembered[index].joints) * if parting > 0.0 { 1.0 } else { PRESSING };
             if best.as_ref().is_none_or(|(most, ..)| value > *most) {
                 best = Some((value, index, target));
             }
@@ -129,6 +137,21 @@ impl<'a> Experience<'a> {
         let (_, index, target) = best.expect("several are drawn");
         self.revisited = Some(index);
         target
+    }
+
+    /// How seldom a chain's joints were between limbs that touched: the mean over its degrees of freedom of
+    /// each joint's own degrees of freedom to its touches. It needs no schema, and evens out what the
+    /// joints get; where it is even, a right schema is found from the fewest touches.
+    pub fn need(&self, joints: &[usize]) -> f64 {
+        let dofs = |j: usize| self.creature.joints()[j].dofs.len() as f64;
+        let all = joints.iter().map(|&j| dofs(j)).sum::<f64>();
+        joints.iter().map(|&j| dofs(j) * dofs(j) / (self.joint_touches[j] + 1.0)).sum::<f64>() / all.max(1.0)
+    }
+
+    /// The same of the chain between two limbs.
+    pub fn need_between(&self, limbs: [usize; 2]) -> f64 {
+        let joints: Vec<usize> = Chain::between(self.creature, limbs[0], limbs[1]).joints().collect();
+        self.need(&joints)
     }
 
     /// How much a motion to `target` undoes the motion that led to the present touch; 1 in free space.
@@ -141,7 +164,7 @@ impl<'a> Experience<'a> {
     fn draw(&self, rng: &mut ChaCha8Rng) -> (usize, Vec<f64>) {
         let index = rng.random_range(0..self.remembered.len());
         let touch = &self.remembered[index];
-        let mut target = random_posture(self.creature, rng);
+        let mut target = wide_posture(self.creature, rng);
         for &j in &touch.joints {
             let joint = &self.creature.joints()[j];
             let mut q = joint.first_coordinate();
@@ -181,6 +204,7 @@ impl<'a> Experience<'a> {
             tally.touches += 1.0;
         }
         let joints: Vec<usize> = Chain::between(self.creature, limbs[0], limbs[1]).joints().collect();
+        joints.iter().for_each(|&j| self.joint_touches[j] += 1.0);
         let mut approach = vec![0.0; touch.posture.len()];
         let mut longest = 1e-9f64;
         for q in self.coordinates_of(&joints) {

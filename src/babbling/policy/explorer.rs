@@ -8,7 +8,7 @@ use super::experience::Experience;
 use super::information::one;
 use super::inverse_kinematics::InverseKinematics;
 use super::working_schema::WorkingSchema;
-use crate::babbling::posture::{between, random_posture};
+use crate::babbling::posture::{between, wide_posture};
 use crate::creature::Creature;
 use crate::kinematics::Chain;
 use crate::learning::surface_gap::SurfaceGap;
@@ -94,11 +94,16 @@ impl<'a> Explorer<'a> {
         better != (rng.random::<f64>() < TRIAL && !self.working.converged())
     }
 
-    /// A target that needs no schema.
-    pub fn unaimed(&mut self, rng: &mut ChaCha8Rng) -> Vec<f64> {
+    /// A random target.
+    pub fn random(&mut self, rng: &mut ChaCha8Rng) -> Vec<f64> {
+        self.choice = Choice::Random;
+        wide_posture(self.creature, rng)
+    }
+
+    /// A target that needs no schema: near a touch that was made, where that brings new ones.
+    pub fn revisit(&mut self, rng: &mut ChaCha8Rng) -> Vec<f64> {
         if self.fruitless >= STUCK {
-            self.choice = Choice::Random;
-            return random_posture(self.creature, rng);
+            return self.random(rng);
         }
         self.choice = Choice::Revisit;
         self.experience.revisit(rng)
@@ -110,12 +115,14 @@ impl<'a> Explorer<'a> {
         aim.posture
     }
 
-    /// Draws an aim at a pair of limbs that touched seldom for how often it can; `even` is the exponent of
-    /// the touches that it had: 0 heeds only what can be reached, 1 evens out all pairs. None where the
+    /// Draws an aim at a pair of limbs whose joints need touches; `even` is the exponent of that need: 0
+    /// heeds only what can be reached, 1 evens out all joints. None where the
     /// schema finds no posture.
     pub fn draw(&mut self, posture: &[f64], even: f64, rng: &mut ChaCha8Rng) -> Option<Aim> {
         let weights: Vec<([usize; 2], f64)> = (self.experience.pairs.iter())
-            .map(|(limbs, tally)| (*limbs, tally.success().powi(2) / (1.0 + tally.touches).powf(even)))
+            .map(|(limbs, tally)| {
+                (*limbs, tally.success().powi(2) * self.experience.need_between(*limbs).powf(even))
+            })
             .collect();
         let mut left = rng.random::<f64>() * weights.iter().map(|(_, weight)| weight).sum::<f64>();
         let drawn = weights.iter().find(|(_, weight)| {
@@ -141,7 +148,7 @@ impl<'a> Explorer<'a> {
 
     /// The posture that a solution starts from.
     fn start(&self, posture: &[f64], limbs: [usize; 2], rng: &mut ChaCha8Rng) -> Vec<f64> {
-        let random = random_posture(self.creature, rng);
+        let random = wide_posture(self.creature, rng);
         if rng.random::<f64>() >= AFRESH {
             return between(self.creature, posture, &random, 0.1);
         }

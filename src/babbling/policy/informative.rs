@@ -56,9 +56,13 @@ impl Policy for Informative<'_> {
             for _ in 0..DRAWS {
                 let Some(aim) = self.explorer.draw(posture, EVEN, rng) else { continue };
                 let Some(schema) = self.explorer.working.schema() else { break };
-                let row = self.information.row(schema, aim.receptors, &aim.posture);
-                let expected =
-                    self.information.gain(&row) * self.explorer.experience.tally(aim.limbs).success();
+                let explorer = &self.explorer;
+                // A schema that is wrong knows least about what it is wrong about.
+                let worth = match explorer.working.converged() {
+                    true => self.information.gain(&self.information.row(schema, aim.receptors, &aim.posture)),
+                    false => explorer.experience.need_between(aim.limbs),
+                };
+                let expected = worth * explorer.experience.tally(aim.limbs).success();
                 if best.as_ref().is_none_or(|(most, _)| expected > *most) {
                     best = Some((expected, aim));
                 }
@@ -71,7 +75,8 @@ impl Policy for Informative<'_> {
                 return self.explorer.take(aim);
             }
         }
-        self.explorer.unaimed(rng)
+        // Random postures differ most; a revisit would save motions, which count for nothing here.
+        self.explorer.random(rng)
     }
 
     fn touched(&mut self, touch: &Touch) {

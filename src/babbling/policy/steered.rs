@@ -1,4 +1,4 @@
-//! Motions towards pairs of limbs that touched seldom: nearly every one ends in a touch.
+//! Motions towards pairs of limbs whose joints need touches: most of them end in one.
 
 use rand_chacha::ChaCha8Rng;
 
@@ -32,7 +32,7 @@ impl Policy for Steered<'_> {
         {
             return self.explorer.take(aim);
         }
-        self.explorer.unaimed(rng)
+        self.explorer.revisit(rng)
     }
 
     fn touched(&mut self, touch: &Touch) {

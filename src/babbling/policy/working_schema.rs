@@ -49,9 +49,7 @@ impl<'a> WorkingSchema<'a> {
         if self.touches < self.due {
             return false;
         }
-        let began = std::time::Instant::now();
         let learned = self.learner.learn();
-        if std::env::var("TRACE").is_ok() { eprintln!("TRACE {} touches: {} deviation {:?} wide {:.2} {:.2} s", self.touches, learned.verdict.converged(), learned.deviation, learned.fresh_rms*2.0, began.elapsed().as_secs_f64()); }
         self.converged = learned.verdict.converged();
         self.deviation = learned.deviation.unwrap_or(UNKNOWN_DEVIATION);
         self.schema = Some(learned.schema);
