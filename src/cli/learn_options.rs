@@ -17,7 +17,7 @@ use crate::evaluation::{Evaluation, Summary, evaluate};
 use crate::ground_truth::GroundTruth;
 use crate::learning::onset::random_onset;
 use crate::learning::{
-    Hersch, Input, Learned, Learner, RelaxedGradient, SecondOrder, SkinKnowledge, Verdict,
+    Hersch, Input, Learned, Learner, Online, RelaxedGradient, SecondOrder, SkinKnowledge, Verdict,
 };
 use crate::record::{LearningTable, SCHEMA_FILE, Session, TouchLog, model_hash, write_schema};
 use crate::senses::Touch;
@@ -119,6 +119,9 @@ impl LearnOptions {
                     SkinName::Surface => SkinKnowledge::Surface,
                     SkinName::Centres => SkinKnowledge::Centres,
                 };
+                if (self.input, self.skin) == (InputName::Receptor, SkinName::Surface) {
+                    return Box::new(Online::new(creature, skin, seed));
+                }
                 Box::new(SecondOrder::new(creature, skin, self.input(), seed).with_skin(knowledge))
             }
         }

@@ -21,7 +21,7 @@ use crate::learning::least_squares::{Stopping, levenberg_marquardt};
 use crate::learning::observation::PointsMeet;
 use crate::learning::onset::randomize_joint;
 use crate::learning::open_gaps::OpenGaps;
-use crate::learning::relaxed_gradient::descend;
+use crate::learning::relaxed_gradient::{Doubt, descend};
 use crate::learning::touch_set::{PairTouches, PreparedTouch, TouchProblem, TouchSet};
 use crate::learning::{AxisModel, Parameters, Prior};
 use crate::schema::BodySchema;
@@ -36,8 +36,10 @@ const WHOLE_DOF: usize = 60;
 const PART_GAP: f64 = 5e-3;
 /// … and no better onset is looked for when they are below this.
 const CERTAIN_GAP: f64 = 2e-4;
-/// Steps down the relaxed gradient from an onset: a tenth of a second.
+/// Steps down the relaxed gradient from an onset: a tenth of a second …
 const DESCENT: usize = 100_000;
+/// … and where the descent doubts the touches themselves.
+const DOUBTING_DESCENT: usize = 400_000;
 /// Deviations of the gap, metres, down to which axes stay relaxed, by the number of the start. Joints that
 /// turn little are caught in one wrong minimum or another, and which depends on this.
 const RELAXED_GAPS: [f64; 4] = [3e-3, WIDEST, 1e-3, 3e-4];
@@ -49,8 +51,6 @@ const HOPELESS_RELAXED: f64 = 1.6;
 const HOPELESS_MISFIT: f64 = 100.0;
 /// Rounds of mending.
 const REPAIRS: usize = 8;
-/// Share of open gaps that false touches may make up.
-const TOLERATED_OPEN: f64 = 0.12;
 
 /// How a start goes about the body.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -100,11 +100,11 @@ pub enum Evidence<'a> {
 
 impl Evidence<'_> {
     /// The route that fits: points are sharp enough to grow on, every fourth start is whole for safety;
-    /// receptors are coarse, and every fourth start grows, or each where the body is large.
+    /// receptors are coarse, and one start in eight grows, or each where the body is large.
     pub fn route(&self, start: usize, dof: usize) -> Route {
         match self {
             Evidence::Points(_) if start % 4 < 3 => Route::Grown,
-            Evidence::Surfaces(_) if dof > WHOLE_DOF || start % 4 == 3 => Route::Grown,
+            Evidence::Surfaces(_) if dof > WHOLE_DOF || start % 8 == 5 => Route::Grown,
             _ => Route::Whole,
         }
     }
@@ -194,7 +194,7 @@ impl Nursery<'_> {
         let all = self.parameters(AxisModel::Unit, &|joint| start.known[joint]);
         let mut open = OpenGaps::new(self.creature, skin, &used, &start.schema);
         for round in 0..REPAIRS {
-            start.accepted = open.worst() <= TOLERATED_OPEN;
+            start.accepted = open.tolerable();
             if start.accepted {
                 return;
             }
@@ -221,7 +221,7 @@ impl Nursery<'_> {
                 (start.schema, open) = (trial, found);
             }
         }
-        start.accepted = open.worst() <= TOLERATED_OPEN;
+        start.accepted = open.tolerable();
     }
 
     /// Closes the gaps; the schema and the width that eight tenths of them stay below, metres. Relaxed axes
@@ -234,7 +234,7 @@ impl Nursery<'_> {
         start: BodySchema,
     ) -> (BodySchema, f64) {
         let narrowest = match parameters.axis_model {
-            AxisModel::Relaxed => RELAXED_GAPS[self.turn % RELAXED_GAPS.len()],
+            AxisModel::Relaxed => RELAXED_GAPS[self.turn % 2 + 2 * (self.turn / 4 % 2)],
             AxisModel::Unit => NARROWEST,
         };
         let annealed = anneal_to(narrowest, self.creature, skin, touches, parameters, self.prior, start);
@@ -307,16 +307,27 @@ impl Nursery<'_> {
             *onsets += 1;
             let mut trial = schema.clone();
             part.iter().for_each(|&joint| randomize_joint(self.creature, &mut trial, joint, rng));
-            if self.evidence.descends(onset + self.turn) {
-                trial = descend(&listed, trial, DESCENT, &relaxed, rng);
-            }
-            let rms;
-            (trial, rms) = self.solve(&touches, &relaxed, trial, 100);
-            trial.normalize_axes(self.creature);
-            let hopeless = matches!(self.evidence, Evidence::Surfaces(_)) && rms > HOPELESS_RELAXED;
-            let (trial, misfit) = match hopeless {
-                true => (trial, Misfit(HOPELESS_MISFIT * rms)),
-                false => self.settle(&touches, &unit, trial, 60),
+            let (trial, misfit) = match self.evidence {
+                // False places would spoil a fit to the places: the surfaces must do.
+                Evidence::Surfaces(skin) if self.doubts() => {
+                    let doubt = Doubt::FarMisses;
+                    let trial = descend(&listed, trial, DOUBTING_DESCENT, &relaxed, doubt, rng);
+                    self.close_both(skin, &touches, &unit, trial)
+                }
+                _ => {
+                    if self.evidence.descends(onset + self.turn) {
+                        trial = descend(&listed, trial, DESCENT, &relaxed, Doubt::Nothing, rng);
+                    }
+                    let rms;
+                    (trial, rms) = self.solve(&touches, &relaxed, trial, 100);
+                    trial.normalize_axes(self.creature);
+                    match self.evidence {
+                        Evidence::Surfaces(_) if rms > HOPELESS_RELAXED => {
+                            (trial, Misfit(HOPELESS_MISFIT * rms))
+                        }
+                        _ => self.settle(&touches, &unit, trial, 60),
+                    }
+                }
             };
             if best.as_ref().is_none_or(|(_, least)| misfit < *least) {
                 best = Some((trial, misfit));
@@ -349,13 +360,31 @@ impl Nursery<'_> {
                     if rms > HOPELESS {
                         return (start, Misfit(HOPELESS_MISFIT * rms));
                     }
-                    let relaxed = self.parameters(AxisModel::Relaxed, &|j| parameters.positions[j].is_some());
-                    start = self.close(skin, touches, &relaxed, start).0;
+                    return self.close_both(skin, touches, parameters, start);
                 }
                 let (schema, p80_gap) = self.close(skin, touches, parameters, start);
                 (schema, Misfit(p80_gap / PART_GAP))
             }
         }
+    }
+
+    /// Closes the gaps with relaxed axes, then on the sphere.
+    fn close_both(
+        &self,
+        skin: &Skin,
+        touches: &TouchSet,
+        unit: &Parameters,
+        start: BodySchema,
+    ) -> (BodySchema, Misfit) {
+        let relaxed = self.parameters(AxisModel::Relaxed, &|joint| unit.positions[joint].is_some());
+        let (schema, _) = self.close(skin, touches, &relaxed, start);
+        let (schema, p80_gap) = self.close(skin, touches, unit, schema);
+        (schema, Misfit(p80_gap / PART_GAP))
+    }
+
+    /// Whether this start takes it that some touches are false: two of every four do.
+    fn doubts(&self) -> bool {
+        self.turn % 4 >= 2
     }
 
     /// One least-squares solve by points; the schema and the root mean square of its whitened residuals.

@@ -15,6 +15,10 @@ use crate::skin::Skin;
 const OPEN: f64 = 5e-4;
 /// Standard deviations of the gaps, as the gaps show it, that a closed gap stays within.
 const DEVIATIONS: f64 = 5.0;
+/// Share of open gaps that false touches may make up in the long run …
+const FALSE_SHARE: f64 = 0.12;
+/// … and standard deviations that chance may add to it in few.
+const CHANCE: f64 = 2.0;
 /// Touches with a joint below which their share says little of it.
 const FEW: f64 = 6.0;
 
@@ -25,6 +29,8 @@ pub struct OpenGaps {
     pub share: f64,
     /// Share of open gaps among the touches whose chain has the joint; 0 where these are few.
     pub by_joint: Vec<f64>,
+    /// The greatest share in units of what false touches and chance may make up.
+    worst: f64,
 }
 
 impl OpenGaps {
@@ -46,12 +52,18 @@ impl OpenGaps {
             }
         }
         let share = |j: usize| if all[j] >= FEW { open[j] / all[j] } else { 0.0 };
-        OpenGaps { share: open[joints] / all[joints].max(1.0), by_joint: (0..joints).map(share).collect() }
+        let excess = |j: usize| {
+            let chance = (FALSE_SHARE * (1.0 - FALSE_SHARE) / all[j].max(FEW)).sqrt();
+            share(j) / (FALSE_SHARE + CHANCE * chance)
+        };
+        let worst = (0..=joints).map(excess).fold(0.0, f64::max);
+        let share_of_all = open[joints] / all[joints].max(1.0);
+        OpenGaps { share: share_of_all, by_joint: (0..joints).map(share).collect(), worst }
     }
 
-    /// The share of the joint that is worst.
-    pub fn worst(&self) -> f64 {
-        self.by_joint.iter().copied().fold(self.share, f64::max)
+    /// Whether false touches and chance may have left open what is open, for every joint.
+    pub fn tolerable(&self) -> bool {
+        self.worst <= 1.0
     }
 
     /// The joints at fault: those whose touches stay open nearly as often as the worst joint's.

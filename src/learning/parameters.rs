@@ -52,6 +52,14 @@ impl Parameters {
         parameters
     }
 
+    /// The position of one joint, and nothing else.
+    pub fn position(creature: &Creature, joint: usize) -> Parameters {
+        let mut parameters = Parameters::new(creature, AxisModel::Unit, |_| false);
+        parameters.positions[joint] = Some(0);
+        parameters.len = 3;
+        parameters
+    }
+
     /// Number of parameters.
     pub fn len(&self) -> usize {
         self.len

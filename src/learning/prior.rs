@@ -58,8 +58,31 @@ impl Prior {
         prior
     }
 
-    /// The prior's own cost, `½ Σ (difference / deviation)²`, over free parameters.
-    pub fn cost(&self, parameters: &Parameters, schema: &BodySchema) -> f64 {
+    fn position_misses<'a>(
+        &'a self,
+        schema: &'a BodySchema,
+    ) -> impl Iterator<Item = (Vector3<f64>, f64)> + 'a {
+        let misses = schema.positions.iter().zip(&self.mean.positions).map(|(now, mean)| now - mean);
+        misses.zip(self.position_deviations.iter().map(|deviation| deviation.powi(-2)))
+    }
+
+    fn axis_misses<'a>(&'a self, schema: &'a BodySchema) -> impl Iterator<Item = (Vector3<f64>, f64)> + 'a {
+        let misses = schema.axes.iter().zip(&self.mean.axes).map(|(now, mean)| now - mean);
+        misses.zip(self.axis_deviations.iter().map(|deviation| deviation.powi(-2)))
+    }
+}
+
+/// What a least-squares problem knows besides its touches.
+pub trait Beforehand {
+    /// Its cost at a schema, over free parameters.
+    fn cost(&self, parameters: &Parameters, schema: &BodySchema) -> f64;
+    /// Adds it to normal equations, its cost included.
+    fn add(&self, parameters: &Parameters, schema: &BodySchema, model: &mut Linearization);
+}
+
+impl Beforehand for Prior {
+    /// `½ Σ (difference / deviation)²`.
+    fn cost(&self, parameters: &Parameters, schema: &BodySchema) -> f64 {
         let free = |offset: &Option<usize>| offset.is_some();
         let misses = self.position_misses(schema).zip(&parameters.positions);
         let positions =
@@ -70,8 +93,7 @@ impl Prior {
         0.5 * (positions.sum::<f64>() + axes.sum::<f64>())
     }
 
-    /// Adds the prior to normal equations.
-    pub fn add(&self, parameters: &Parameters, schema: &BodySchema, model: &mut Linearization) {
+    fn add(&self, parameters: &Parameters, schema: &BodySchema, model: &mut Linearization) {
         model.cost += self.cost(parameters, schema);
         for ((miss, weight), offset) in self.position_misses(schema).zip(&parameters.positions) {
             let Some(offset) = *offset else { continue };
@@ -93,18 +115,5 @@ impl Prior {
                 model.gradient[offset + i] += weight * slope;
             }
         }
-    }
-
-    fn position_misses<'a>(
-        &'a self,
-        schema: &'a BodySchema,
-    ) -> impl Iterator<Item = (Vector3<f64>, f64)> + 'a {
-        let misses = schema.positions.iter().zip(&self.mean.positions).map(|(now, mean)| now - mean);
-        misses.zip(self.position_deviations.iter().map(|deviation| deviation.powi(-2)))
-    }
-
-    fn axis_misses<'a>(&'a self, schema: &'a BodySchema) -> impl Iterator<Item = (Vector3<f64>, f64)> + 'a {
-        let misses = schema.axes.iter().zip(&self.mean.axes).map(|(now, mean)| now - mean);
-        misses.zip(self.axis_deviations.iter().map(|deviation| deviation.powi(-2)))
     }
 }

@@ -19,7 +19,7 @@ use crate::learning::observability::Observability;
 use crate::learning::observation::{Input, Observation, ObservationModel, PointsMeet, SkinKnowledge};
 use crate::learning::prediction::{GapRow, covariance};
 use crate::learning::surface_gap::SurfaceGap;
-use crate::learning::touch_set::{LimbTouch, TouchProblem, TouchSet};
+use crate::learning::touch_set::{LimbTouch, PreparedTouch, TouchProblem, TouchSet};
 use crate::learning::{AxisModel, Known, Learned, Learner, Parameters, Verdict};
 use crate::schema::BodySchema;
 use crate::senses::Touch;
@@ -29,9 +29,11 @@ use crate::skin::Skin;
 const KEPT_BACK: usize = 5;
 /// Starts tried before the learner says that it failed.
 const STARTS: usize = 24;
-/// Starts after which the best is taken though its gaps show noise: less of it would have been an answer
-/// nearer the truth, and only trying can tell.
-const WARY_STARTS: usize = 10;
+/// Where gaps show noise, only trying can tell whether less of it was to be had: so many starts are made at
+/// the least …
+const WARY_STARTS: usize = 4;
+/// … and two must agree on the least noise to this share of it.
+const AGREEMENT: f64 = 0.02;
 /// Noise of the gaps below which no better answer is looked for, metres.
 const CERTAIN_NOISE: f64 = 2e-4;
 /// Touches of one limb pair that a start uses at most; the last fit uses all.
@@ -98,20 +100,41 @@ impl<'a> SecondOrder<'a> {
         }
     }
 
+    /// The touches so far.
+    pub fn touches(&self) -> &[Touch] {
+        &self.touches
+    }
+
+    /// Forgets all touches but the last ones.
+    pub fn forget_before(&mut self, last: usize) {
+        self.touches.drain(..self.touches.len().saturating_sub(last));
+    }
+
+    /// All touches between their limbs, ready for a solver.
+    pub fn prepared(&self) -> impl Iterator<Item = ([usize; 2], PreparedTouch)> {
+        self.touches.iter().map(|touch| self.prepare_one(touch))
+    }
+
+    /// The limbs, the earlier one first, and a touch ready for a solver.
+    pub fn prepare_one(&self, touch: &Touch) -> ([usize; 2], PreparedTouch) {
+        self.limb_touch(touch).prepare(self.creature)
+    }
+
     fn prepare<'t>(&self, touches: impl Iterator<Item = &'t Touch>) -> TouchSet {
-        let prepared = touches.map(|touch| {
-            let ends = touch.ends.map(|end| Observation {
-                receptor: end.receptor,
-                position: self.input.position(self.skin, &end),
-                covariance: match self.input {
-                    Input::Contact => Matrix3::identity() * (0.5 * CONTACT_DEVIATION * CONTACT_DEVIATION),
-                    Input::Receptor => self.skin.receptors[end.receptor].covariance(NORMAL_DEVIATION),
-                },
-            });
-            let limbs = touch.ends.map(|end| self.skin.receptors[end.receptor].limb);
-            LimbTouch { limbs, posture: &touch.posture, ends }
+        TouchSet::new(self.creature, touches.map(|touch| self.limb_touch(touch)))
+    }
+
+    fn limb_touch<'t>(&self, touch: &'t Touch) -> LimbTouch<'t> {
+        let ends = touch.ends.map(|end| Observation {
+            receptor: end.receptor,
+            position: self.input.position(self.skin, &end),
+            covariance: match self.input {
+                Input::Contact => Matrix3::identity() * (0.5 * CONTACT_DEVIATION * CONTACT_DEVIATION),
+                Input::Receptor => self.skin.receptors[end.receptor].covariance(NORMAL_DEVIATION),
+            },
         });
-        TouchSet::new(self.creature, prepared)
+        let limbs = touch.ends.map(|end| self.skin.receptors[end.receptor].limb);
+        LimbTouch { limbs, posture: &touch.posture, ends }
     }
 
     /// The touches that starts are fitted to: not those kept back, and not all of the most frequent pairs.
@@ -291,6 +314,13 @@ impl Learner for SecondOrder<'_> {
     }
 
     fn learn(&mut self) -> Learned {
+        self.learn_in(STARTS)
+    }
+}
+
+impl SecondOrder<'_> {
+    /// Learns from all touches in so many starts at most.
+    pub fn learn_in(&self, starts: usize) -> Learned {
         let fresh = self.touches.iter().enumerate().filter(|(i, _)| kept_back(*i)).map(|(_, touch)| touch);
         let fresh = self.prepare(fresh);
         let fitted = self.fitted();
@@ -315,16 +345,23 @@ impl Learner for SecondOrder<'_> {
         // All cores make starts; which one is taken does not depend on how many there are.
         let mut best: Option<Judged> = None;
         let mut onsets = 0;
-        let numbers: Vec<usize> = (0..STARTS).collect();
+        let mut noises: Vec<f64> = Vec::new();
+        let numbers: Vec<usize> = (0..starts).collect();
         'waves: for wave in numbers.chunks(rayon::current_num_threads()) {
             let made: Vec<Judged> = wave.par_iter().map(|&number| make(number)).collect();
             for (trial, number) in made.into_iter().zip(wave) {
                 onsets += trial.start.onsets;
+                if trial.start.accepted {
+                    noises.push(trial.noise);
+                }
                 if best.as_ref().is_none_or(|best| trial.better(best)) {
                     best = Some(trial);
                 }
                 let best = best.as_ref().expect("one was made");
-                if best.start.accepted && (best.noise <= CERTAIN_NOISE || *number + 1 >= WARY_STARTS) {
+                let agreeing =
+                    noises.iter().filter(|&&noise| noise <= (1.0 + AGREEMENT) * best.noise).count();
+                let agreed = *number + 1 >= WARY_STARTS && agreeing >= 2;
+                if best.start.accepted && (best.noise <= CERTAIN_NOISE || agreed) {
                     break 'waves;
                 }
             }

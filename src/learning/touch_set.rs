@@ -1,7 +1,5 @@
 //! Touches made ready for a solver: grouped by limb pair, trigonometry done once.
 
-use std::collections::BTreeMap;
-
 use nalgebra::{DMatrix, DVector, Matrix3, Matrix3x2, Vector3};
 
 use crate::creature::Creature;
@@ -9,7 +7,8 @@ use crate::kinematics::{Chain, ChainSide, Frame, SideJacobian, tangent_basis};
 use crate::learning::least_squares::LeastSquares;
 use crate::learning::least_squares::Linearization;
 use crate::learning::observation::{Observation, ObservationModel, Residuals};
-use crate::learning::{AxisModel, Parameters, Prior};
+use crate::learning::prior::Beforehand;
+use crate::learning::{AxisModel, Parameters};
 use crate::schema::BodySchema;
 
 /// One touch as a solver sees it: two points that met in one posture.
@@ -53,23 +52,28 @@ pub struct LimbTouch<'a> {
 impl TouchSet {
     /// Groups and prepares touches.
     pub fn new<'a>(creature: &Creature, touches: impl IntoIterator<Item = LimbTouch<'a>>) -> TouchSet {
-        let mut pairs: BTreeMap<[usize; 2], PairTouches> = BTreeMap::new();
-        for mut touch in touches {
-            if touch.limbs[0] > touch.limbs[1] {
-                touch.limbs.swap(0, 1);
-                touch.ends.swap(0, 1);
+        let mut set = TouchSet::default();
+        touches.into_iter().for_each(|touch| set.push(creature, touch));
+        set
+    }
+
+    /// Adds a touch.
+    pub fn push(&mut self, creature: &Creature, touch: LimbTouch) {
+        let (limbs, touch) = touch.prepare(creature);
+        self.push_prepared(creature, limbs, touch);
+    }
+
+    /// Adds a touch between two limbs, the earlier one first, that is prepared already.
+    pub fn push_prepared(&mut self, creature: &Creature, limbs: [usize; 2], touch: PreparedTouch) {
+        let place = match self.pairs.binary_search_by_key(&limbs, |pair| pair.limbs) {
+            Ok(place) => place,
+            Err(place) => {
+                let chain = Chain::between(creature, limbs[0], limbs[1]);
+                self.pairs.insert(place, PairTouches { limbs, chain, touches: Vec::new() });
+                place
             }
-            let [a, b] = touch.limbs;
-            let pair = pairs.entry(touch.limbs).or_insert_with(|| PairTouches {
-                limbs: touch.limbs,
-                chain: Chain::between(creature, a, b),
-                touches: Vec::new(),
-            });
-            let side = |k: usize| ChainSide::new(creature, &pair.chain.sides[k], touch.posture);
-            let sides = [side(0), side(1)];
-            pair.touches.push(PreparedTouch { sides, ends: touch.ends });
-        }
-        TouchSet { pairs: pairs.into_values().collect() }
+        };
+        self.pairs[place].touches.push(touch);
     }
 
     /// Number of touches.
@@ -85,6 +89,19 @@ impl TouchSet {
     /// The pairs for which `keep` holds.
     pub fn filter(&self, keep: impl Fn(&PairTouches) -> bool) -> TouchSet {
         TouchSet { pairs: self.pairs.iter().filter(|pair| keep(pair)).cloned().collect() }
+    }
+}
+
+impl LimbTouch<'_> {
+    /// The limbs, the earlier one first, and the touch ready for a solver.
+    pub fn prepare(mut self, creature: &Creature) -> ([usize; 2], PreparedTouch) {
+        if self.limbs[0] > self.limbs[1] {
+            self.limbs.swap(0, 1);
+            self.ends.swap(0, 1);
+        }
+        let chain = Chain::between(creature, self.limbs[0], self.limbs[1]);
+        let sides = [0, 1].map(|k| ChainSide::new(creature, &chain.sides[k], self.posture));
+        (self.limbs, PreparedTouch { sides, ends: self.ends })
     }
 }
 
@@ -138,7 +155,7 @@ pub struct TouchProblem<'a, M> {
     touches: &'a TouchSet,
     parameters: &'a Parameters,
     model: M,
-    prior: Option<&'a Prior>,
+    prior: Option<&'a dyn Beforehand>,
     columns: Vec<Columns>,
     /// Per touch, in the order of the set, the whitening that the last linearization fixed.
     whitenings: Vec<Matrix3<f64>>,
@@ -159,7 +176,7 @@ impl<'a, M: ObservationModel> TouchProblem<'a, M> {
     }
 
     /// Adds what is believed besides the touches.
-    pub fn with_prior(mut self, prior: &'a Prior) -> TouchProblem<'a, M> {
+    pub fn with_prior(mut self, prior: &'a dyn Beforehand) -> TouchProblem<'a, M> {
         self.prior = Some(prior);
         self
     }

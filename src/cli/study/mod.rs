@@ -5,7 +5,9 @@
 //! measurements as one tidy table, a summary of them, and what to plot. Options, printing, JSON and the
 //! files are the same for all studies and are done here.
 
+mod changed_body;
 mod disturbances;
+mod growth;
 mod learners;
 mod plot;
 mod subject;
@@ -25,7 +27,7 @@ use subject::Subject;
 use table::Table;
 
 /// The studies, in the order in which they are named to the user.
-const STUDIES: [&Study; 2] = [&learners::STUDY, &disturbances::STUDY];
+const STUDIES: [&Study; 3] = [&learners::STUDY, &disturbances::STUDY, &growth::STUDY];
 
 /// The model that is studied where none is named.
 const DEFAULT_MODEL: &str = "mjcf/max/max.xml";

@@ -33,6 +33,7 @@ pub struct Subject {
     /// One seed per trial: of its touches, its disturbances and its onsets.
     pub seeds: Vec<u64>,
     model: PathBuf,
+    joints: JointSelection,
     jobs: usize,
     progress: ProgressBar,
 }
@@ -61,15 +62,47 @@ impl Subject {
         // Whether the creature can babble at all is told before any folder is made.
         babbler(model, &body, &skin)?;
         let model = model.to_path_buf();
-        Ok(Subject { body, skin, truth, touches, seeds, model, jobs, progress: progress::spinner("") })
+        let joints = joints.clone();
+        Ok(Subject {
+            body,
+            skin,
+            truth,
+            touches,
+            seeds,
+            model,
+            joints,
+            jobs,
+            progress: progress::spinner(""),
+        })
+    }
+
+    /// The model's file.
+    pub fn model(&self) -> &Path {
+        &self.model
+    }
+
+    /// The joints that move.
+    pub fn joints(&self) -> &JointSelection {
+        &self.joints
     }
 
     /// The exact touches of a trial, all in memory.
     pub fn babble(&self, seed: u64) -> Result<Vec<Touch>, Failure> {
         self.tell(seed, "babbling");
-        let options = BabblingOptions { touches: self.touches, seed, jobs: self.jobs };
-        let mut made = Vec::with_capacity(self.touches);
-        make_touches(&self.model, &babbler(&self.model, &self.body, &self.skin)?, &options, |touch| {
+        self.babble_body(&self.body, &self.skin, self.touches, seed)
+    }
+
+    /// The exact touches of a body, this one or one made from it.
+    pub fn babble_body(
+        &self,
+        body: &Body,
+        skin: &Skin,
+        touches: usize,
+        seed: u64,
+    ) -> Result<Vec<Touch>, Failure> {
+        let options = BabblingOptions { touches, seed, jobs: self.jobs };
+        let mut made = Vec::with_capacity(touches);
+        make_touches(&self.model, &babbler(&self.model, body, skin)?, &options, |touch| {
             made.push(touch.clone());
             Ok(())
         })?;

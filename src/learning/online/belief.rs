@@ -1,0 +1,245 @@
+//! What is believed of a body touch by touch: a schema and the covariance of its parameters.
+//!
+//! Each touch is one equation, that the gap between two surfaces is zero, and one step of an extended
+//! Kalman filter (Jazwinski, "Stochastic Processes and Filtering Theory", 1970, theorem 8.1):
+//!
+//! ```text
+//! s = r + j Σ jᵀ      K = Σ jᵀ / s      x ← x − K gap      Σ ← Σ − K s Kᵀ
+//! ```
+//!
+//! in which j is the gap's derivative and `r = σ² + (κ j Σ jᵀ)²` the variance of the touch: what the schema
+//! does not know to first order moves the point of contact over surfaces of curvature κ, and that makes a
+//! second-order error, which must not be taken for knowledge.
+
+use nalgebra::{DMatrix, DVector, Matrix2};
+
+use crate::creature::Creature;
+use crate::kinematics::tangent_basis;
+use crate::learning::Parameters;
+use crate::learning::annealing::{NARROWEST, WIDEST, gaps, quantile, typical_gap};
+use crate::learning::least_squares::{LeastSquares, Linearization, Stopping, levenberg_marquardt};
+use crate::learning::prediction::{GapRow, invert};
+use crate::learning::prior::Beforehand;
+use crate::learning::surface_gap::SurfaceGap;
+use crate::learning::touch_set::{PreparedTouch, TouchProblem, TouchSet};
+use crate::schema::BodySchema;
+use crate::skin::Skin;
+
+/// The sharpest curvature κ of a limb, 1/m: a finger's.
+const CURVATURE: f64 = 50.0;
+/// Squared slopes between two tangent bases that tell a turn of the axis from a jump of the basis.
+const TURNED: f64 = 1e-3;
+/// Linearizations at each deviation when all touches are fitted again.
+const ITERATIONS: usize = 2;
+
+/// A Gaussian about a schema.
+#[derive(Clone, Debug)]
+pub struct Belief {
+    /// The mean.
+    pub schema: BodySchema,
+    /// The parameters that touches determine.
+    pub parameters: Parameters,
+    /// Their covariance Σ (m², m, 1), symmetric.
+    pub covariance: DMatrix<f64>,
+    /// Standard deviation σ of a touch's gap, metres.
+    pub deviation: f64,
+    row: GapRow,
+    product: DVector<f64>,
+}
+
+/// What was expected of a touch before it was learned from.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Expectation {
+    /// The gap at which the schema put the two surfaces that touched, metres: the error of the prediction.
+    pub gap: f64,
+    /// Its predicted standard deviation, metres.
+    pub deviation: f64,
+}
+
+impl Belief {
+    /// A belief; its covariance is that of `information`, the normal equations at the schema (lower
+    /// triangle). None where rounding makes them unusable.
+    pub fn new(
+        schema: BodySchema,
+        parameters: Parameters,
+        information: DMatrix<f64>,
+        deviation: f64,
+    ) -> Option<Belief> {
+        let product = DVector::zeros(parameters.len());
+        let covariance = invert(information)?;
+        Some(Belief { schema, parameters, covariance, deviation, row: GapRow::default(), product })
+    }
+
+    /// Whether the belief has a place for every joint.
+    pub fn knows(&self, mut joints: impl Iterator<Item = usize>, frozen: &[bool]) -> bool {
+        joints.all(|joint| frozen[joint] || self.parameters.positions[joint].is_some())
+    }
+
+    /// What the schema expects of a touch. [`Belief::learn`] learns from that touch.
+    pub fn expect(&mut self, skin: &Skin, touch: &PreparedTouch) -> Expectation {
+        self.row.set(skin, &self.parameters, &self.schema, touch);
+        let variance = self.multiply();
+        let noise = self.noise(variance);
+        Expectation { gap: self.row.gap, deviation: (noise + variance).sqrt() }
+    }
+
+    /// Learns from the touch that was expected last; `weight` divides its variance, 1 for a touch like others.
+    pub fn learn(&mut self, weight: f64) {
+        let variance: f64 = self.row.entries.iter().map(|&(k, slope)| slope * self.product[k]).sum();
+        let total = self.noise(variance) / weight + variance;
+        if total <= 0.0 || !total.is_finite() {
+            return;
+        }
+        let step = &self.product * (-self.row.gap / total);
+        let moved = self.parameters.step(&self.schema, &step);
+        self.covariance.ger(-1.0 / total, &self.product, &self.product, 1.0);
+        self.carry(&moved);
+        self.schema = moved;
+    }
+
+    /// `r`, the variance of a touch whose gap the schema knows to `variance`.
+    fn noise(&self, variance: f64) -> f64 {
+        self.deviation.powi(2) + (CURVATURE * variance).powi(2)
+    }
+
+    /// Sets the product to `Σ jᵀ`; returns `j Σ jᵀ`.
+    fn multiply(&mut self) -> f64 {
+        self.product.fill(0.0);
+        for &(column, slope) in &self.row.entries {
+            self.product.axpy(slope, &self.covariance.column(column), 1.0);
+        }
+        self.row.entries.iter().map(|&(k, slope)| slope * self.product[k]).sum()
+    }
+
+    /// Where the tangent basis of an axis jumps from one schema to the next, turns the covariance with it.
+    fn carry(&mut self, moved: &BodySchema) {
+        for (k, offset) in self.parameters.axes.iter().enumerate() {
+            let Some(offset) = *offset else { continue };
+            let turn = between_bases(&self.schema, moved, k);
+            if (turn - Matrix2::identity()).norm_squared() > TURNED {
+                let rows = turn * self.covariance.fixed_rows::<2>(offset);
+                self.covariance.fixed_rows_mut::<2>(offset).copy_from(&rows);
+                let columns = self.covariance.fixed_columns::<2>(offset) * turn.transpose();
+                self.covariance.fixed_columns_mut::<2>(offset).copy_from(&columns);
+            }
+        }
+    }
+
+    /// Makes the position of a joint uncertain by `deviation`, metres, in each coordinate.
+    pub fn doubt_position(&mut self, joint: usize, deviation: f64) {
+        if let Some(offset) = self.parameters.positions[joint] {
+            (0..3).for_each(|i| self.covariance[(offset + i, offset + i)] += deviation * deviation);
+        }
+    }
+
+    /// The belief as the anchor of a fit: what was known before its touches.
+    pub fn anchor(&self) -> Option<Anchor> {
+        let mut information = invert(self.covariance.clone())?;
+        information.fill_upper_triangle_with_lower_triangle();
+        Some(Anchor { mean: self.schema.clone(), information })
+    }
+
+    /// Fits all touches again from the present schema, to have every derivative where the schema is now.
+    /// False where rounding forbids: nothing is changed then.
+    pub fn relinearize(
+        &mut self,
+        creature: &Creature,
+        skin: &Skin,
+        touches: &TouchSet,
+        beforehand: &dyn Beforehand,
+    ) -> bool {
+        let spare = (touches.len() as f64 - 0.7 * self.parameters.len() as f64).max(1.0);
+        let scatter = (touches.len() as f64 / spare).sqrt();
+        let noise = |found: &[f64]| (scatter * typical_gap(found)).clamp(NARROWEST, WIDEST);
+        let mut schema = self.schema.clone();
+        let mut found = gaps(skin, touches, &schema);
+        let mut deviation = (2.0 * quantile(&found, 0.9)).clamp(self.deviation, WIDEST);
+        loop {
+            let model = SurfaceGap::new(skin, deviation);
+            let mut problem =
+                TouchProblem::new(creature, touches, &self.parameters, model).with_prior(beforehand);
+            let stopping = Stopping { iterations: ITERATIONS, relative_cost: 1e-3, cost: 0.0 };
+            schema = levenberg_marquardt(&mut problem, &self.parameters, schema, stopping).schema;
+            found = gaps(skin, touches, &schema);
+            let next = (1.5 * quantile(&found, 0.9)).min(0.5 * deviation).max(noise(&found));
+            if next > 0.7 * deviation {
+                break;
+            }
+            deviation = next;
+        }
+        let deviation = noise(&found);
+        let model = SurfaceGap::new(skin, deviation);
+        let mut problem =
+            TouchProblem::new(creature, touches, &self.parameters, model).with_prior(beforehand);
+        let information = problem.linearize(&schema).hessian;
+        let Some(belief) = Belief::new(schema, self.parameters.clone(), information, deviation) else {
+            return false;
+        };
+        *self = belief;
+        true
+    }
+}
+
+/// `∂(coordinates about the second schema) / ∂(coordinates about the first)` of an axis.
+fn between_bases(first: &BodySchema, second: &BodySchema, axis: usize) -> Matrix2<f64> {
+    tangent_basis(&second.axes[axis]).transpose() * tangent_basis(&first.axes[axis])
+}
+
+/// A Gaussian about a schema with a full information matrix.
+#[derive(Clone, Debug)]
+pub struct Anchor {
+    /// The mean.
+    pub mean: BodySchema,
+    /// The inverse of the covariance, symmetric.
+    pub information: DMatrix<f64>,
+}
+
+impl Anchor {
+    /// How far a schema is from the mean, in the parameters about the mean.
+    fn difference(&self, parameters: &Parameters, schema: &BodySchema) -> DVector<f64> {
+        let mut difference = DVector::zeros(parameters.len());
+        for (joint, offset) in parameters.positions.iter().enumerate() {
+            if let Some(offset) = *offset {
+                let miss = schema.positions[joint] - self.mean.positions[joint];
+                difference.fixed_rows_mut::<3>(offset).copy_from(&miss);
+            }
+        }
+        for (axis, offset) in parameters.axes.iter().enumerate() {
+            if let Some(offset) = *offset {
+                let basis = tangent_basis(&self.mean.axes[axis]);
+                let miss = basis.transpose() * (schema.axes[axis] - self.mean.axes[axis]);
+                difference.fixed_rows_mut::<2>(offset).copy_from(&miss);
+            }
+        }
+        difference
+    }
+}
+
+impl Beforehand for Anchor {
+    fn cost(&self, parameters: &Parameters, schema: &BodySchema) -> f64 {
+        let difference = self.difference(parameters, schema);
+        0.5 * difference.dot(&(&self.information * &difference))
+    }
+
+    fn add(&self, parameters: &Parameters, schema: &BodySchema, model: &mut Linearization) {
+        let difference = self.difference(parameters, schema);
+        let mut pull = &self.information * &difference;
+        model.cost += 0.5 * difference.dot(&pull);
+        let mut information = self.information.clone();
+        // The present basis of an axis may not be the one about the mean.
+        for (axis, offset) in parameters.axes.iter().enumerate() {
+            let Some(offset) = *offset else { continue };
+            let turn = between_bases(schema, &self.mean, axis);
+            if (turn - Matrix2::identity()).norm_squared() > 1e-24 {
+                let slope = turn.transpose() * pull.fixed_rows::<2>(offset);
+                pull.fixed_rows_mut::<2>(offset).copy_from(&slope);
+                let rows = turn.transpose() * information.fixed_rows::<2>(offset);
+                information.fixed_rows_mut::<2>(offset).copy_from(&rows);
+                let columns = information.fixed_columns::<2>(offset) * turn;
+                information.fixed_columns_mut::<2>(offset).copy_from(&columns);
+            }
+        }
+        model.gradient += pull;
+        model.hessian += information;
+    }
+}

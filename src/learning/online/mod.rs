@@ -1,0 +1,383 @@
+//! The learner touch by touch.
+//!
+//! A filter from a random onset diverges, so the first touches are learned from all at once, by
+//! [`SecondOrder`], as soon as there are enough of them and again whenever half as many more have come. Once
+//! that has locked in, every touch is first predicted, then learned from by an extended Kalman filter (see
+//! [`belief`]); whenever the touches have doubled, all are fitted again, so that no derivative is old.
+//!
+//! The schema is usable at any time, and its covariance says how far. A body that changes is noticed from the
+//! predictions and followed without starting over (see [`change`]).
+
+pub mod belief;
+mod change;
+mod tool;
+
+use crate::creature::Creature;
+use crate::kinematics::Chain;
+use crate::learning::least_squares::LeastSquares;
+use crate::learning::observability::Observability;
+use crate::learning::surface_gap::SurfaceGap;
+use crate::learning::touch_set::{PreparedTouch, TouchProblem, TouchSet};
+use crate::learning::{Known, Learned, Learner, SecondOrder, Verdict};
+use crate::senses::Touch;
+use crate::skin::Skin;
+pub use belief::{Anchor, Belief, Expectation};
+use change::{Explanation, Watch, Watched};
+pub use tool::Tool;
+
+/// Touches after which learning is first tried.
+const FIRST_TRIAL: usize = 240;
+/// Starts of the first trial: none that doubts its touches, for those are dear.
+const FIRST_STARTS: usize = 2;
+/// Starts of a trial before the last: not all, for more touches make it easier.
+const STARTS: usize = 4;
+/// Predicted deviations of a gap beyond which a touch surprises and is not learned from.
+const SURPRISING: f64 = 5.0;
+/// … and beyond which it counts ever less.
+const TAIL: f64 = 3.0;
+/// Gaps narrower than this never surprise, metres: it is what shapes are known to.
+const CLOSE_ENOUGH: f64 = 2e-4;
+/// How far from where it was found a joint that moved may be, metres: a standard deviation.
+const MOVED: f64 = 0.01;
+/// Touches since a change without an explanation after which all is learned anew from them.
+const PATIENCE: usize = 300;
+/// Noise of the gaps above which the touches are learned from all at once, too, in the end, metres.
+const CERTAIN_NOISE: f64 = 2e-4;
+/// The last touches by which the schema is judged.
+const JUDGED: usize = 100;
+/// Share of surprises among them that false touches may make up.
+const TOLERATED: f64 = 0.25;
+
+/// A change of the body, as the agent understood it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Change {
+    /// The number of the touch at which it was understood, from 0.
+    pub touch: usize,
+    /// The number of the first touch that it explains.
+    pub since: usize,
+    /// What changed.
+    pub what: What,
+}
+
+/// What can change of a body.
+#[derive(Clone, Debug, PartialEq)]
+pub enum What {
+    /// A joint is now so far, in metres, from where it was on the limb that carries it.
+    Joint {
+        /// The joint.
+        joint: usize,
+        /// How far it moved, metres.
+        distance: f64,
+    },
+    /// The agent had been wrong about a joint, by so much, in metres.
+    Corrected {
+        /// The joint.
+        joint: usize,
+        /// How far it was off, metres.
+        distance: f64,
+    },
+    /// A stick is held.
+    Tool(Tool),
+    /// More than the agent could explain; all is learned anew.
+    Beyond,
+}
+
+/// The learner `lm` on receptors and surfaces.
+pub struct Online<'a> {
+    creature: &'a Creature,
+    skin: &'a Skin,
+    known: Known,
+    seed: u64,
+    batch: SecondOrder<'a>,
+    /// Touches seen.
+    seen: usize,
+    /// Touches at which learning is tried next.
+    next_trial: usize,
+    locked: Option<Locked>,
+    /// Onsets used by trials so far.
+    onsets: usize,
+    expectation: Option<Expectation>,
+    /// Whether each of the last touches surprised.
+    surprises: Vec<bool>,
+    changes: Vec<Change>,
+    tools: Vec<Tool>,
+}
+
+/// What there is once a schema is found.
+struct Locked {
+    belief: Belief,
+    /// What was known before the touches below; none but the prior before the body first changed.
+    anchor: Option<Anchor>,
+    touches: TouchSet,
+    /// Touches with joints that the belief has no place for.
+    beyond: usize,
+    /// Touches at which all are fitted again.
+    next_fit: usize,
+    watch: Watch,
+}
+
+impl<'a> Online<'a> {
+    /// A learner whose onsets are drawn from `seed`.
+    pub fn new(creature: &'a Creature, skin: &'a Skin, seed: u64) -> Online<'a> {
+        let known = Known::nothing(creature, skin);
+        let batch = SecondOrder::new(creature, skin, super::Input::Receptor, seed);
+        Online {
+            creature,
+            skin,
+            known,
+            seed,
+            batch,
+            seen: 0,
+            next_trial: FIRST_TRIAL,
+            locked: None,
+            onsets: 0,
+            expectation: None,
+            surprises: Vec::new(),
+            changes: Vec::new(),
+            tools: Vec::new(),
+        }
+    }
+
+    /// Sets what is known of the joints already.
+    pub fn with_known(mut self, known: Known) -> Online<'a> {
+        self.batch = self.batch.with_known(known.clone());
+        self.known = known;
+        self
+    }
+
+    /// What was expected of the last touch; none before the learner has a schema, or of a joint that it does
+    /// not know.
+    pub fn expectation(&self) -> Option<Expectation> {
+        self.expectation
+    }
+
+    /// The schema and its covariance; none before the learner has one.
+    pub fn belief(&self) -> Option<&Belief> {
+        self.locked.as_ref().map(|locked| &locked.belief)
+    }
+
+    /// How the body changed, as far as the agent understood.
+    pub fn changes(&self) -> &[Change] {
+        &self.changes
+    }
+
+    /// The sticks that are held.
+    pub fn tools(&self) -> &[Tool] {
+        &self.tools
+    }
+
+    /// Tries to learn from all touches at once.
+    fn try_all(&mut self) {
+        let learned = self.batch.learn_in(if self.seen <= FIRST_TRIAL { FIRST_STARTS } else { STARTS });
+        self.onsets += learned.onsets;
+        self.next_trial = self.seen + self.batch.touches().len().max(FIRST_TRIAL) / 2;
+        if learned.verdict.converged() {
+            self.lock(&learned);
+        }
+    }
+
+    fn lock(&mut self, learned: &Learned) {
+        let (Some(observability), Some(deviation)) = (&learned.observability, learned.deviation) else {
+            return;
+        };
+        let parameters = observability.parameters.clone();
+        let mut touches = TouchSet::default();
+        let mut beyond = 0;
+        for (limbs, touch) in self.batch.prepared() {
+            let chain = Chain::between(self.creature, limbs[0], limbs[1]);
+            let mut joints = chain.joints();
+            if joints.all(|j| self.known.frozen[j] || parameters.positions[j].is_some()) {
+                touches.push_prepared(self.creature, limbs, touch);
+            } else {
+                beyond += 1;
+            }
+        }
+        let model = SurfaceGap::new(self.skin, deviation);
+        let mut problem =
+            TouchProblem::new(self.creature, &touches, &parameters, model).with_prior(&self.known.prior);
+        let information = problem.linearize(&learned.schema).hessian;
+        let belief = Belief::new(learned.schema.clone(), parameters, information, deviation);
+        let Some(belief) = belief else { return };
+        let next_fit = 2 * touches.len();
+        let watch = Watch::new(self.creature);
+        self.locked = Some(Locked { belief, anchor: None, touches, beyond, next_fit, watch });
+    }
+
+    /// Predicts a touch, then learns from it.
+    fn follow(&mut self, touch: &Touch) {
+        let number = self.seen - 1;
+        let (limbs, prepared) = self.batch.prepare_one(touch);
+        let Some(locked) = self.locked.as_mut() else { return };
+        let chain = Chain::between(self.creature, limbs[0], limbs[1]);
+        if !locked.belief.knows(chain.joints(), &self.known.frozen) {
+            locked.beyond += 1;
+            if locked.beyond > locked.touches.len().min(FIRST_TRIAL) {
+                self.locked = None;
+                self.next_trial = self.seen;
+            }
+            return;
+        }
+        let mut expectation = locked.belief.expect(self.skin, &prepared);
+        let tool = self.tools.iter().filter(|tool| limbs.contains(&tool.limb));
+        let by_tool = tool
+            .filter_map(|tool| tool.gap(self.skin, &locked.belief.schema, &prepared))
+            .min_by(|a, b| a.abs().total_cmp(&b.abs()))
+            .filter(|gap| gap.abs() < expectation.gap.abs());
+        if let Some(gap) = by_tool {
+            expectation.gap = gap;
+        }
+        self.expectation = Some(expectation);
+        let deviations = expectation.gap.abs() / expectation.deviation;
+        let surprising = deviations > SURPRISING && expectation.gap.abs() > CLOSE_ENOUGH;
+        self.surprises.push(surprising);
+        let watched = Watched { number, limbs, touch: prepared.clone(), surprising };
+        let changed = locked.watch.see(&chain, watched);
+        if by_tool.is_none() {
+            if !surprising {
+                locked.belief.learn((TAIL / deviations.max(TAIL)).powi(2));
+            }
+            locked.touches.push_prepared(self.creature, limbs, prepared);
+        }
+        if let Some(onset) = changed {
+            self.adapt(onset, number);
+        } else if locked.touches.len() >= locked.next_fit {
+            self.fit_again();
+        }
+    }
+
+    fn fit_again(&mut self) {
+        let Some(locked) = self.locked.as_mut() else { return };
+        match &locked.anchor {
+            Some(anchor) => locked.belief.relinearize(self.creature, self.skin, &locked.touches, anchor),
+            None => locked.belief.relinearize(self.creature, self.skin, &locked.touches, &self.known.prior),
+        };
+        locked.next_fit = 2 * locked.touches.len();
+    }
+
+    /// Looks for what explains the touches since `onset`, and goes by it.
+    fn adapt(&mut self, onset: usize, number: usize) {
+        let Some(locked) = self.locked.as_mut() else { return };
+        let (creature, skin) = (self.creature, self.skin);
+        let belief = &locked.belief;
+        let explanation =
+            locked.watch.explain(onset, creature, skin, &belief.schema, &belief.parameters, belief.deviation);
+        let since: Vec<Watched> = locked.watch.since(onset).cloned().collect();
+        match explanation {
+            None if since.len() < PATIENCE => {}
+            None => {
+                self.changes.push(Change { touch: number, since: onset, what: What::Beyond });
+                self.batch.forget_before(since.len());
+                self.locked = None;
+                self.next_trial = self.seen;
+            }
+            Some(Explanation::Holds(tool)) => {
+                let touches: Vec<&PreparedTouch> =
+                    since.iter().filter(|w| w.limbs.contains(&tool.limb)).map(|w| &w.touch).collect();
+                let tool = tool.settled(skin, &belief.schema, &touches);
+                self.tools.retain(|other| other.limb != tool.limb);
+                self.tools.push(tool);
+                self.changes.push(Change { touch: number, since: onset, what: What::Tool(tool) });
+                locked.watch.calm();
+            }
+            Some(Explanation::Moved(joint, schema)) => {
+                let distance = (schema.positions[joint] - belief.schema.positions[joint]).norm();
+                let with_joint = locked.touches.filter(|pair| pair.chain.joints().any(|j| j == joint));
+                let close = CLOSE_ENOUGH.max(SURPRISING * belief.deviation);
+                let earlier = (with_joint.len() as f64 - since.len() as f64).max(1.0);
+                let explains_all = change::closed(skin, &with_joint, &schema, close)
+                    * with_joint.len() as f64
+                    > 0.7 * earlier + since.len() as f64 * 0.7;
+                if explains_all && locked.anchor.is_none() {
+                    // The body is the same: it had been learned wrongly.
+                    locked.belief.schema = schema;
+                    let what = What::Corrected { joint, distance };
+                    self.changes.push(Change { touch: number, since: onset, what });
+                    locked.watch.calm();
+                    self.fit_again();
+                    return;
+                }
+                locked.belief.schema = schema;
+                locked.belief.doubt_position(joint, MOVED);
+                let Some(anchor) = locked.belief.anchor() else { return };
+                locked.touches = TouchSet::default();
+                for watched in since {
+                    locked.touches.push_prepared(creature, watched.limbs, watched.touch);
+                }
+                locked.anchor = Some(anchor);
+                locked.watch.calm();
+                let what = What::Joint { joint, distance };
+                self.changes.push(Change { touch: number, since: onset, what });
+                self.fit_again();
+                if let Some(locked) = self.locked.as_mut() {
+                    locked.next_fit = locked.touches.len() + FEW_MORE;
+                }
+            }
+        }
+    }
+
+    /// Whether the last predictions held.
+    fn trustworthy(&self) -> bool {
+        let last = &self.surprises[self.surprises.len().saturating_sub(JUDGED)..];
+        let surprising = last.iter().filter(|&&surprising| surprising).count();
+        surprising as f64 <= TOLERATED * last.len() as f64
+    }
+
+    /// All touches since the body last changed, fitted once more.
+    fn conclude(&mut self) -> Option<Learned> {
+        self.fit_again();
+        let locked = self.locked.as_ref()?;
+        let belief = &locked.belief;
+        let model = SurfaceGap::new(self.skin, belief.deviation);
+        let mut problem = TouchProblem::new(self.creature, &locked.touches, &belief.parameters, model);
+        if let Some(anchor) = &locked.anchor {
+            problem = problem.with_prior(anchor);
+        }
+        let information = problem.linearize(&belief.schema).hessian;
+        let rows = 5 * locked.touches.len();
+        let observability = Observability::new(self.creature, belief.parameters.clone(), information, rows);
+        let undetermined = observability.undetermined_joints(self.creature, self.skin, &belief.schema);
+        Some(Learned {
+            schema: belief.schema.clone(),
+            verdict: Verdict::Converged,
+            onsets: self.onsets,
+            fresh_rms: 0.0,
+            undetermined,
+            observability: Some(observability),
+            deviation: Some(belief.deviation),
+        })
+    }
+}
+
+/// Touches after a change until all since are fitted again for the first time.
+const FEW_MORE: usize = 15;
+
+impl Learner for Online<'_> {
+    fn touch(&mut self, touch: &Touch) {
+        self.seen += 1;
+        self.expectation = None;
+        self.batch.touch(touch);
+        if self.locked.is_some() {
+            self.follow(touch);
+        }
+        if self.locked.is_none() && self.seen >= self.next_trial {
+            self.try_all();
+        }
+    }
+
+    fn learn(&mut self) -> Learned {
+        let _ = self.seed;
+        if self.locked.is_some() && self.trustworthy() {
+            let noisy = self.belief().is_some_and(|belief| belief.deviation > CERTAIN_NOISE);
+            if let Some(learned) = self.conclude().filter(|_| !noisy || !self.changes.is_empty()) {
+                return learned;
+            }
+        }
+        let mut learned = self.batch.learn();
+        learned.onsets += self.onsets;
+        self.onsets = learned.onsets;
+        if learned.verdict.converged() {
+            self.lock(&learned);
+        }
+        learned
+    }
+}
