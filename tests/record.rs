@@ -433,6 +433,7 @@ fn session() -> Session {
             joints: "torso".into(),
             input: Some("receptor".into()),
             learner: None,
+            policy: Some("steered".into()),
         },
         effort: Some(BabblingEffort::new(&effort, Duration::from_nanos(1_234_567_891))),
         creature: creature(),

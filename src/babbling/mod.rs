@@ -191,6 +191,24 @@ impl<'a> Babbler<'a> {
         Ok(mover.effort)
     }
 
+    /// Babbles by a policy of the creature's own, named: at random in bouts on all threads, or one motion
+    /// after the other. Returns what it cost.
+    ///
+    /// # Errors
+    /// See [`BabblingError`]; touches handed on before stay handed on.
+    pub fn babble_by<E>(
+        &self,
+        policy: PolicyName,
+        options: &BabblingOptions,
+        receive: impl FnMut(&Touch) -> Result<(), E>,
+    ) -> Result<Effort, BabblingError<E>> {
+        if policy == PolicyName::Random {
+            return self.babble(options, receive);
+        }
+        let mut policy = policy.policy(&self.body.creature, self.skin, options.seed);
+        self.babble_with(policy.as_mut(), options, receive)
+    }
+
     /// One bout, the same whoever makes it and when.
     fn bout(&self, mover: &mut Mover, seed: u64, bout: u64) -> mujoco::Result<Bout> {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
@@ -209,6 +227,24 @@ impl<'a> Babbler<'a> {
         }
         Ok(Bout { touches, effort: mover.effort })
     }
+}
+
+/// Per touch of a session, in their order, the motions made up to it, in all bouts before it too.
+pub fn motions_until(touches: &[Touch]) -> Vec<u64> {
+    let (mut before, mut bout, mut made) = (0, 0, 0);
+    let mut motions = Vec::with_capacity(touches.len());
+    for touch in touches {
+        if touch.bout != bout {
+            // A bout ends with its last touch or, where touches are rare, after its last motion.
+            before +=
+                if made == TOUCHES_PER_BOUT { touches[motions.len() - 1].motion } else { MOTIONS_PER_BOUT };
+            before += (touch.bout - bout - 1) * MOTIONS_PER_BOUT;
+            (bout, made) = (touch.bout, 0);
+        }
+        made += 1;
+        motions.push(before + touch.motion);
+    }
+    motions
 }
 
 /// Puts the bouts back into order and hands their touches on.

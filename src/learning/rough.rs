@@ -15,7 +15,7 @@ use crate::learning::annealing::{NARROWEST, anneal_to, quantile};
 use crate::learning::least_squares::{LeastSquares, Stopping, levenberg_marquardt};
 use crate::learning::observation::{Observation, ObservationModel, PointsMeet};
 use crate::learning::onset::{random_onset, randomize_joint};
-use crate::learning::relaxed_gradient::descend;
+use crate::learning::relaxed_gradient::{Doubt, descend};
 use crate::learning::surface_gap::SurfaceGap;
 use crate::learning::touch_set::{LimbTouch, PreparedTouch, TouchProblem, TouchSet};
 use crate::learning::{AxisModel, Known, Learned, Learner, Parameters, Prior, Verdict};
@@ -108,7 +108,7 @@ impl<'a> RoughFit<'a> {
                 let parameters = Parameters::new(self.creature, AxisModel::Relaxed, |_| true);
                 let listed: Vec<&PreparedTouch> =
                     touches.pairs.iter().flat_map(|pair| &pair.touches).collect();
-                (descend(&listed, schema, DESCENT, &parameters, &mut rng), false)
+                (descend(&listed, schema, DESCENT, &parameters, Doubt::Nothing, &mut rng), false)
             }
         };
         let mut schema = schema;

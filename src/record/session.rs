@@ -52,6 +52,9 @@ pub struct SessionOptions {
     pub input: Option<String>,
     /// The learner; none where nothing was to be learned.
     pub learner: Option<String>,
+    /// How motions were chosen; none in sessions from before there was a choice, which were random.
+    #[serde(default)]
+    pub policy: Option<String>,
 }
 
 /// What babbling cost: [`Effort`], and its time.

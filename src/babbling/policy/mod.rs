@@ -43,9 +43,9 @@ pub enum PolicyName {
     /// Uniformly random postures.
     #[default]
     Random,
-    /// Towards pairs of limbs that touched seldom.
+    /// Towards limbs whose joints need touches, with few motions.
     Steered,
-    /// Towards the touch that would tell most.
+    /// Towards the touches that would tell most, whatever the motions.
     Informative,
 }
 

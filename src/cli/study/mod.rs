@@ -10,6 +10,7 @@ mod disturbances;
 mod growth;
 mod learners;
 mod plot;
+mod policies;
 mod subject;
 mod table;
 
@@ -27,7 +28,7 @@ use subject::Subject;
 use table::Table;
 
 /// The studies, in the order in which they are named to the user.
-const STUDIES: [&Study; 3] = [&learners::STUDY, &disturbances::STUDY, &growth::STUDY];
+const STUDIES: [&Study; 4] = [&learners::STUDY, &disturbances::STUDY, &growth::STUDY, &policies::STUDY];
 
 /// The model that is studied where none is named.
 const DEFAULT_MODEL: &str = "mjcf/max/max.xml";
