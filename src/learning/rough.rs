@@ -56,8 +56,8 @@ enum Onset {
     Continued(BodySchema),
     /// From a schema, axes relaxed, by the receptors' centres first.
     Loosened(BodySchema),
-    /// From random axes, down the relaxed gradient first, with a random stream of its own.
-    Random(BodySchema, ChaCha8Rng),
+    /// From random axes, down the relaxed gradient first, with touches in an order drawn from a seed.
+    Random(BodySchema, u64),
 }
 
 impl<'a> RoughFit<'a> {
@@ -104,7 +104,8 @@ impl<'a> RoughFit<'a> {
         let (schema, known) = match onset {
             Onset::Continued(schema) => (schema, true),
             Onset::Loosened(schema) => (schema, false),
-            Onset::Random(schema, mut rng) => {
+            Onset::Random(schema, seed) => {
+                let mut rng = ChaCha8Rng::seed_from_u64(seed);
                 let parameters = Parameters::new(self.creature, AxisModel::Relaxed, |_| true);
                 let listed: Vec<&PreparedTouch> =
                     touches.pairs.iter().flat_map(|pair| &pair.touches).collect();
@@ -198,7 +199,7 @@ impl Learner for RoughFit<'_> {
         if !found {
             for _ in 0..ONSETS {
                 let onset = random_onset(self.creature, &mut self.rng);
-                onsets.push(Onset::Random(onset, ChaCha8Rng::seed_from_u64(self.rng.random())));
+                onsets.push(Onset::Random(onset, self.rng.random()));
             }
         }
         let count = onsets.len();

@@ -51,7 +51,6 @@ impl PairTally {
 
 /// A touch that can be found again.
 struct Remembered {
-    limbs: [usize; 2],
     /// The joints between the limbs.
     joints: Vec<usize>,
     /// The posture a little beyond the touch.
@@ -224,7 +223,7 @@ impl<'a> Experience<'a> {
                 q += dof.kind.coordinates();
             }
         }
-        self.remembered.push(Remembered { limbs, joints, beyond, approach });
+        self.remembered.push(Remembered { joints, beyond, approach });
     }
 
     /// Says that the motion ended in free space.

@@ -116,8 +116,7 @@ impl<'a> Explorer<'a> {
     }
 
     /// Draws an aim at a pair of limbs whose joints need touches; `even` is the exponent of that need: 0
-    /// heeds only what can be reached, 1 evens out all joints. None where the
-    /// schema finds no posture.
+    /// heeds only what can be reached, 1 evens out all joints. None where the schema finds no posture.
     pub fn draw(&mut self, posture: &[f64], even: f64, rng: &mut ChaCha8Rng) -> Option<Aim> {
         let weights: Vec<([usize; 2], f64)> = (self.experience.pairs.iter())
             .map(|(limbs, tally)| {

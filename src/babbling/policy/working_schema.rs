@@ -36,12 +36,6 @@ impl<'a> WorkingSchema<'a> {
         }
     }
 
-    /// Starts from a schema that is known: nothing is learned until many more touches are made.
-    pub fn known(learner: Box<dyn Learner + 'a>, schema: BodySchema, deviation: f64) -> WorkingSchema<'a> {
-        let schema = Some(schema);
-        WorkingSchema { learner, schema, deviation, converged: true, touches: 0, due: usize::MAX }
-    }
-
     /// Takes a touch; whether it brought a new schema.
     pub fn touched(&mut self, touch: &Touch) -> bool {
         self.learner.touch(touch);
