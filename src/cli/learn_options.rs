@@ -17,7 +17,8 @@ use crate::evaluation::{Evaluation, Summary, evaluate};
 use crate::ground_truth::GroundTruth;
 use crate::learning::onset::random_onset;
 use crate::learning::{
-    Hersch, Input, Learned, Learner, Online, RelaxedGradient, SecondOrder, SkinKnowledge, Verdict,
+    Change, Hersch, Input, Learned, Learner, Online, RelaxedGradient, SecondOrder, SkinKnowledge, Verdict,
+    What,
 };
 use crate::record::{LearningTable, SCHEMA_FILE, Session, TouchLog, model_hash, write_schema};
 use crate::senses::Touch;
@@ -119,12 +120,18 @@ impl LearnOptions {
                     SkinName::Surface => SkinKnowledge::Surface,
                     SkinName::Centres => SkinKnowledge::Centres,
                 };
-                if (self.input, self.skin) == (InputName::Receptor, SkinName::Surface) {
+                if self.learns_online() {
                     return Box::new(Online::new(creature, skin, seed));
                 }
                 Box::new(SecondOrder::new(creature, skin, self.input(), seed).with_skin(knowledge))
             }
         }
+    }
+
+    /// Whether the learner goes touch by touch and predicts each before it learns from it.
+    fn learns_online(&self) -> bool {
+        let evidence = (self.input, self.skin) == (InputName::Receptor, SkinName::Surface);
+        self.learner == LearnerName::Lm && evidence
     }
 
     /// What the learner was allowed to know, in words.
@@ -181,7 +188,9 @@ pub fn learn_session(
 ) -> Result<SessionLearning, Failure> {
     let (creature, skin) = (&session.creature, &session.skin);
     let spinner = progress::spinner(&format!("learning from {} touches", touches.len()));
-    let mut columns = vec!["touches", "converged", "fresh_rms"];
+    // Whoever expects nothing of a touch has a row per checkpoint alone.
+    let expects = options.learns_online();
+    let mut columns = vec!["touches", "predicted_gap_mm", "predicted_deviation_mm", "converged", "fresh_rms"];
     if truth.is_some() {
         columns.extend(["heldout_mean_mm", "heldout_p95_mm", "hand_mean_mm", "axis_median_deg"]);
     }
@@ -198,24 +207,40 @@ pub fn learn_session(
         learner.touch(touch);
         let due = checkpoints.contains(&(n + 1));
         let last = n + 1 == touches.len();
-        if due || last {
-            let learned = learner.learn();
-            let evaluation =
-                truth.map(|t| evaluate(creature, skin, t, &learned.schema, &learned.undetermined));
-            if last || options.learner == LearnerName::Hersch {
-                seconds += began.elapsed().as_secs_f64();
-            }
-            let mut row =
-                vec![(n + 1) as f64, f64::from(u8::from(learned.verdict.converged())), learned.fresh_rms];
-            if let Some(e) = &evaluation {
-                let hand = e.hand_mm.map_or(f64::NAN, |hand| hand.mean);
-                row.extend([e.heldout_mm.mean, e.heldout_mm.p95, hand, e.axis_deg.median]);
-                curve.push((n + 1, e.heldout_mm.mean));
-            }
-            table.row(&row)?;
-            result = last.then_some((learned, evaluation));
-        } else {
+        // Learning for a row of the table alone is not what learning takes.
+        let learned = (last || (due && !expects)).then(|| learner.learn());
+        if last || !due || expects || options.learner == LearnerName::Hersch {
             seconds += began.elapsed().as_secs_f64();
+        }
+        if !(due || last || expects) {
+            continue;
+        }
+        let expected = learner.expectation();
+        let millimetres = |value: Option<f64>| value.map_or(f64::NAN, |metres| 1e3 * metres);
+        let mut row = vec![
+            (n + 1) as f64,
+            millimetres(expected.map(|expected| expected.gap)),
+            millimetres(expected.map(|expected| expected.deviation)),
+            learned.as_ref().map_or(f64::NAN, |learned| f64::from(u8::from(learned.verdict.converged()))),
+            learned.as_ref().map_or(f64::NAN, |learned| learned.fresh_rms),
+        ];
+        let undetermined = learned.as_ref().map_or(&[][..], |learned| &learned.undetermined);
+        let schema = learned.as_ref().map(|learned| &learned.schema).or_else(|| learner.schema());
+        let measured = truth.zip(schema).filter(|_| due || last);
+        let evaluation =
+            measured.map(|(truth, schema)| evaluate(creature, skin, truth, schema, undetermined));
+        if truth.is_some() {
+            row.extend(evaluation.as_ref().map_or([f64::NAN; 4], |e| {
+                let hand = e.hand_mm.map_or(f64::NAN, |hand| hand.mean);
+                [e.heldout_mm.mean, e.heldout_mm.p95, hand, e.axis_deg.median]
+            }));
+        }
+        if let Some(evaluation) = &evaluation {
+            curve.push((n + 1, evaluation.heldout_mm.mean));
+        }
+        table.row(&row)?;
+        if last {
+            result = learned.map(|learned| (learned, evaluation));
         }
     }
     let (learned, evaluation) = result.ok_or("there is no touch to learn from: babble some first")?;
@@ -266,6 +291,28 @@ fn facts(session: &Session, options: &LearnOptions, result: &SessionLearning) ->
     facts.into_iter().map(|(name, value)| (name.to_string(), value)).collect()
 }
 
+/// How the body changed as the learner understood it, in sentences.
+fn changes(creature: &Creature, learned: &Learned) -> Vec<String> {
+    let sentence = |change: &Change| {
+        let what = match &change.what {
+            What::Joint { joint, distance } => {
+                format!("{} moved by {:.1} mm", creature.joints()[*joint].name, 1e3 * distance)
+            }
+            What::Corrected { joint, distance } => {
+                let name = &creature.joints()[*joint].name;
+                format!("{name} had been learned wrongly, by {:.1} mm", 1e3 * distance)
+            }
+            What::Tool(tool) => {
+                let length = 1e3 * (tool.tip - tool.grip).norm();
+                format!("{} holds a stick of {length:.0} mm", creature.limbs()[tool.limb])
+            }
+            What::Beyond => "the body changed beyond what one joint or a stick explains".to_string(),
+        };
+        format!("from touch {} on, understood at touch {}: {what}", change.since + 1, change.touch + 1)
+    };
+    learned.changes.iter().map(sentence).collect()
+}
+
 /// The verdict in a sentence.
 fn sentence(verdict: &Verdict) -> String {
     match verdict {
@@ -282,6 +329,7 @@ fn checkpoints(options: &LearnOptions, touches: usize) -> Vec<usize> {
     match (options.learner, options.input) {
         (LearnerName::Hersch, _) => doubling(10).collect(),
         (LearnerName::Lm, InputName::Contact) if touches <= 4000 => doubling(125).collect(),
+        _ if options.learns_online() => doubling(125).collect(),
         (LearnerName::Lm | LearnerName::Gradient, _) => Vec::new(),
     }
 }
@@ -331,6 +379,7 @@ pub fn to_json(
         "axis_deg": summary(evaluation.map(|e| e.axis_deg)),
         "axis_line_mm": summary(evaluation.map(|e| e.axis_line_mm)),
         "undetermined": result.undetermined,
+        "changes": changes(&session.creature, &result.learned),
         "session": folder,
     })
 }
@@ -364,7 +413,9 @@ pub fn print_table(
         say!("disturbances: {}", options.disturbances);
     }
     say!("{}", sentence(&result.learned.verdict));
-    say!("undetermined joints: {}\n", output::names(&result.undetermined));
+    say!("undetermined joints: {}", output::names(&result.undetermined));
+    changes(creature, &result.learned).iter().for_each(|change| say!("{change}"));
+    say!("");
     match &result.evaluation {
         None => say!("no truth at hand to measure against: see `bodyschema evaluate --help`"),
         Some(evaluation) => print_evaluation(evaluation),

@@ -40,14 +40,10 @@ pub fn evaluate(
     schema: &BodySchema,
     undetermined: &[usize],
 ) -> Evaluation {
-    let is_hand = |limb: usize| {
-        let aura = creature.aura_of(limb).map(|aura| creature.aura_limbs()[aura].name.as_str());
-        creature.limbs()[limb].ends_with("hand") || aura.is_some_and(|name| name.ends_with("hand"))
-    };
     let errors = held_out(creature, skin, truth, schema);
     let all = errors.iter().map(|e| e.millimetres);
     let determined = errors.iter().filter(|e| !e.joints.iter().any(|j| undetermined.contains(j)));
-    let hands = || errors.iter().filter(|e| e.limbs.iter().any(|&limb| is_hand(limb)));
+    let hands = || errors.iter().filter(|e| e.limbs.iter().any(|&limb| is_hand(creature, limb)));
     let axes = axis_errors(creature, truth, schema, undetermined);
     Evaluation {
         heldout_mm: Summary::of(all),
@@ -56,4 +52,10 @@ pub fn evaluate(
         axis_deg: Summary::of(axes.iter().map(|e| e.degrees)),
         axis_line_mm: Summary::of(axes.iter().filter_map(|e| e.line_millimetres)),
     }
+}
+
+/// Whether a limb is a hand or a part of one: by its name or the name of its aura.
+pub fn is_hand(creature: &Creature, limb: usize) -> bool {
+    let aura = creature.aura_of(limb).map(|aura| creature.aura_limbs()[aura].name.as_str());
+    creature.limbs()[limb].ends_with("hand") || aura.is_some_and(|name| name.ends_with("hand"))
 }

@@ -49,6 +49,10 @@ const HOPELESS: f64 = 1.2;
 /// The same before axes are put on the sphere.
 const HOPELESS_RELAXED: f64 = 1.6;
 const HOPELESS_MISFIT: f64 = 100.0;
+/// Equations that a joint has to spare at the least.
+const SPARE: usize = 3;
+/// Of so many joints one may be given up.
+const MOST_GIVEN_UP: usize = 4;
 /// Rounds of mending.
 const REPAIRS: usize = 8;
 
@@ -150,15 +154,33 @@ impl Nursery<'_> {
         for joint in (0..joints).filter(|&joint| !self.frozen[joint]) {
             randomize_joint(self.creature, &mut schema, joint, rng);
         }
+        let touches = self.without(&self.starved());
         let mut known = self.frozen.to_vec();
+        // Joints that could not be solved: no touch with them is used.
+        let mut given_up = vec![false; joints];
         let mut misfit = Misfit(if known.iter().any(|&known| known) { 0.0 } else { f64::INFINITY });
         let mut onsets = 0;
         let mut released = 0;
-        while let Some(part) = self.next_part(route, &known) {
-            let rest = self.next_part(Route::Whole, &known).is_none_or(|all| all.len() == part.len());
+        loop {
+            let touches = touches.filter(|pair| pair.chain.joints().all(|joint| !given_up[joint]));
+            let Some(part) = self.next_part(&touches, route, &known) else { break };
+            let rest =
+                self.next_part(&touches, Route::Whole, &known).is_none_or(|all| all.len() == part.len());
             // A whole body is one onset a start; parts get several, for what is known is worth keeping.
             let most = if route == Route::Whole { 1 } else { ONSETS_PER_PART };
-            (schema, misfit) = self.solve_part(&schema, &part, &known, most, rng, &mut onsets);
+            // The pairs that the part closes: they need it, and nothing else that is unknown.
+            let in_part = |joint: usize| part.contains(&joint);
+            let closed = touches.filter(|pair| {
+                let mut joints = pair.chain.joints();
+                joints.clone().any(in_part) && joints.all(|joint| known[joint] || in_part(joint))
+            });
+            let solved;
+            (solved, misfit) = self.solve_part(&closed, &schema, &part, most, rng, &mut onsets);
+            if !misfit.acceptable() && route == Route::Grown && !rest {
+                part.iter().for_each(|&joint| given_up[joint] = true);
+                continue;
+            }
+            schema = solved;
             part.iter().for_each(|&joint| known[joint] = true);
             if !misfit.acceptable() {
                 break;
@@ -167,7 +189,7 @@ impl Nursery<'_> {
             let free = known.iter().filter(|&&known| known).count();
             if matches!(self.evidence, Evidence::Points(_)) || rest || 2 * free > 3 * released {
                 released = free;
-                let used = self.touches.filter(|pair| pair.chain.joints().all(|joint| known[joint]));
+                let used = touches.filter(|pair| pair.chain.joints().all(|joint| known[joint]));
                 let parameters = self.parameters(AxisModel::Unit, &|joint| known[joint]);
                 (schema, misfit) = self.settle(&used, &parameters, schema, 30);
                 if !misfit.acceptable() {
@@ -180,8 +202,48 @@ impl Nursery<'_> {
             && start.accepted
         {
             self.repair(skin, &mut start, rng);
+            if route == Route::Grown && !start.accepted {
+                self.give_up(skin, &mut start);
+            }
         }
         start
+    }
+
+    /// The joints with too few touches to solve them: each touch closes one gap, or brings a point together.
+    pub fn starved(&self) -> Vec<bool> {
+        let mut starved = vec![false; self.creature.joints().len()];
+        loop {
+            let mut counts = vec![0; starved.len()];
+            for pair in self.without(&starved).pairs {
+                pair.chain.joints().for_each(|joint| counts[joint] += pair.touches.len());
+            }
+            let unknowns = |joint: usize| 3 + 2 * self.creature.joints()[joint].dofs.len();
+            let least = |joint: usize| match self.evidence {
+                Evidence::Points(_) => unknowns(joint) / 2 + SPARE,
+                Evidence::Surfaces(_) => unknowns(joint) + SPARE,
+            };
+            let short = |joint: usize| !starved[joint] && !self.frozen[joint] && counts[joint] < least(joint);
+            let Some(joint) = (0..starved.len()).filter(|&j| short(j)).min_by_key(|&j| counts[j]) else {
+                return starved;
+            };
+            starved[joint] = true;
+        }
+    }
+
+    /// The touches with none of some joints between their limbs.
+    fn without(&self, joints: &[bool]) -> TouchSet {
+        self.touches.filter(|pair| pair.chain.joints().all(|joint| !joints[joint]))
+    }
+
+    /// Leaves out, one by one, the joints whose touches stay open: the others may be right.
+    fn give_up(&self, skin: &Skin, start: &mut Start) {
+        for _ in 0..start.known.len() / MOST_GIVEN_UP {
+            let used = self.touches.filter(|pair| pair.chain.joints().all(|joint| start.known[joint]));
+            let open = OpenGaps::new(self.creature, skin, &used, &start.schema);
+            start.accepted = open.tolerable();
+            let Some(worst) = open.worst_joint().filter(|_| !start.accepted) else { return };
+            start.known[worst] = false;
+        }
     }
 
     fn parameters(&self, axis_model: AxisModel, free: &dyn Fn(usize) -> bool) -> Parameters {
@@ -244,18 +306,22 @@ impl Nursery<'_> {
     }
 
     /// The unknown joints of the part to solve next; none when no touch brings a new joint.
-    fn next_part(&self, route: Route, known: &[bool]) -> Option<Vec<usize>> {
+    fn next_part(&self, touches: &TouchSet, route: Route, known: &[bool]) -> Option<Vec<usize>> {
         let unknown_of = |pair: &PairTouches| -> Vec<usize> {
             let mut unknown: Vec<usize> = pair.chain.joints().filter(|&j| !known[j]).collect();
             unknown.sort_unstable();
             unknown
         };
         let parts: Vec<(Vec<usize>, usize)> =
-            self.touches.pairs.iter().map(|pair| (unknown_of(pair), pair.touches.len())).collect();
-        if route == Route::Whole {
-            let mut all: Vec<usize> = parts.into_iter().flat_map(|(part, _)| part).collect();
+            touches.pairs.iter().map(|pair| (unknown_of(pair), pair.touches.len())).collect();
+        let union = |parts: &mut dyn Iterator<Item = &(Vec<usize>, usize)>| -> Vec<usize> {
+            let mut all: Vec<usize> = parts.flat_map(|(part, _)| part).copied().collect();
             all.sort_unstable();
             all.dedup();
+            all
+        };
+        let all = union(&mut parts.iter());
+        if route == Route::Whole || all.is_empty() {
             return (!all.is_empty()).then_some(all);
         }
         let dof =
@@ -266,7 +332,24 @@ impl Nursery<'_> {
                 .filter(|(other, _)| !other.is_empty() && other.iter().all(|joint| part.contains(joint)));
             closed.map(|(_, touches)| touches).sum()
         };
-        let candidates = || parts.iter().map(|(part, _)| part).filter(|part| !part.is_empty());
+        let candidates: Vec<Vec<usize>> = match self.evidence {
+            // Points are sharp: a single pair of limbs will do.
+            Evidence::Points(_) => parts.iter().map(|(part, _)| part.clone()).collect(),
+            // Receptors are coarse: all that touches within a limb's own subtree, a hand's fingers, say.
+            Evidence::Surfaces(_) => (0..self.creature.limbs().len())
+                .map(|limb| {
+                    let within = |pair: &PairTouches| self.carries(limb, pair.chain.ancestor);
+                    let mut inside = touches
+                        .pairs
+                        .iter()
+                        .zip(&parts)
+                        .filter(|(pair, _)| within(pair))
+                        .map(|(_, part)| part);
+                    union(&mut inside)
+                })
+                .collect(),
+        };
+        let candidates = || candidates.iter().filter(|part| !part.is_empty());
         let rich = candidates()
             .filter(|part| touches_of(part) >= self.evidence.enough(dof(part)))
             .min_by_key(|part| (dof(part), std::cmp::Reverse(touches_of(part))));
@@ -277,28 +360,36 @@ impl Nursery<'_> {
                     candidates().max_by_key(|part| (1000 * touches_of(part)) / dof(part).max(1)).cloned()
                 }
                 // No part can stand alone: all that is left, at once.
-                Evidence::Surfaces(_) => self.next_part(Route::Whole, known),
+                Evidence::Surfaces(_) => Some(all),
             };
         };
         Some(rich.clone())
     }
 
-    /// Solves the joints of `part` from several onsets, all others held; the best schema and its residual.
+    /// Whether `limb` is or carries `other`.
+    fn carries(&self, limb: usize, other: usize) -> bool {
+        let mut at = Some(other);
+        while let Some(here) = at {
+            if here == limb {
+                return true;
+            }
+            at = self.creature.parent_of(here);
+        }
+        false
+    }
+
+    /// Solves the joints of `part` by the touches that it closes from several onsets, all others held; the
+    /// best schema and its residual.
     fn solve_part(
         &self,
+        touches: &TouchSet,
         schema: &BodySchema,
         part: &[usize],
-        known: &[bool],
         most: usize,
         rng: &mut ChaCha8Rng,
         onsets: &mut usize,
     ) -> (BodySchema, Misfit) {
         let in_part = |joint: usize| part.contains(&joint);
-        // The pairs that the part closes: they need it, and nothing else that is unknown.
-        let touches = self.touches.filter(|pair| {
-            let mut joints = pair.chain.joints();
-            joints.clone().any(in_part) && joints.all(|joint| known[joint] || in_part(joint))
-        });
         let listed: Vec<&PreparedTouch> = touches.pairs.iter().flat_map(|pair| &pair.touches).collect();
         let relaxed = self.parameters(AxisModel::Relaxed, &in_part);
         let unit = self.parameters(AxisModel::Unit, &in_part);

@@ -160,6 +160,7 @@ impl Learner for Hersch<'_> {
             undetermined: Vec::new(),
             observability: None,
             deviation: None,
+            changes: Vec::new(),
         }
     }
 }

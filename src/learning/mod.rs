@@ -25,7 +25,7 @@ pub mod touch_set;
 pub use hersch::{Hersch, STEP};
 pub use known::Known;
 pub use observation::{Input, SkinKnowledge};
-pub use online::Online;
+pub use online::{Change, Expectation, Online, Tool, What};
 pub use parameters::{AxisModel, Parameters};
 pub use prior::{Beforehand, Prior};
 pub use relaxed_gradient::{RelaxedGradient, STEPS};
@@ -41,6 +41,14 @@ pub trait Learner {
     fn touch(&mut self, touch: &Touch);
     /// The schema that all touches so far give.
     fn learn(&mut self) -> Learned;
+    /// What was expected of the last touch before it was learned from; none where the learner expects nothing.
+    fn expectation(&self) -> Option<Expectation> {
+        None
+    }
+    /// The schema as it stands after the last touch; none where there is none without [`Learner::learn`].
+    fn schema(&self) -> Option<&BodySchema> {
+        None
+    }
 }
 
 /// What a learner came to, and how far it can be trusted.
@@ -60,6 +68,8 @@ pub struct Learned {
     pub observability: Option<observability::Observability>,
     /// Standard deviation of what the learner compares, as the touches themselves show it, metres.
     pub deviation: Option<f64>,
+    /// How the body changed while it was learned, as far as the learner understood.
+    pub changes: Vec<Change>,
 }
 
 /// The learner's own judgement.

@@ -242,7 +242,7 @@ impl Observability {
         let mut words = Vec::new();
         for (j, joint) in creature.joints().iter().enumerate() {
             if self.parameters.positions[j].is_none() {
-                words.push(format!("{}: never exercised, no touch involves it", joint.name));
+                words.push(format!("{}: never exercised, no touch involves it or too few do", joint.name));
             }
         }
         for direction in sparse_basis(&self.null_space) {

@@ -66,6 +66,12 @@ impl OpenGaps {
         self.worst <= 1.0
     }
 
+    /// The joint whose touches stay open most; none where all are closed.
+    pub fn worst_joint(&self) -> Option<usize> {
+        let shares = self.by_joint.iter().enumerate().filter(|(_, share)| **share > 0.0);
+        shares.max_by(|a, b| a.1.total_cmp(b.1)).map(|(joint, _)| joint)
+    }
+
     /// The joints at fault: those whose touches stay open nearly as often as the worst joint's.
     pub fn suspects(&self) -> Vec<usize> {
         let worst = self.by_joint.iter().copied().fold(0.0, f64::max);

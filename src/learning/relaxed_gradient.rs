@@ -218,6 +218,7 @@ impl Learner for RelaxedGradient<'_> {
             undetermined: Vec::new(),
             observability: None,
             deviation: None,
+            changes: Vec::new(),
         }
     }
 }

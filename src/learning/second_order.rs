@@ -299,9 +299,17 @@ struct Judged {
 }
 
 impl Judged {
+    /// How many joints it knows.
+    fn known(&self) -> usize {
+        self.start.known.iter().filter(|&&known| known).count()
+    }
+
     fn better(&self, other: &Judged) -> bool {
         if self.start.accepted != other.start.accepted {
             return self.start.accepted;
+        }
+        if self.start.accepted && self.known() != other.known() {
+            return self.known() > other.known();
         }
         let score = |judged: &Judged| judged.judged.max(1.0) * judged.noise.max(NARROWEST);
         if self.start.accepted { self.noise < other.noise } else { score(self) < score(other) }
@@ -326,17 +334,19 @@ impl SecondOrder<'_> {
         let fitted = self.fitted();
         let touches = self.prepare(fitted.iter().copied());
         let dof = self.creature.dof();
+        let nursery = |number: usize| Nursery {
+            creature: self.creature,
+            touches: &touches,
+            evidence: self.evidence(),
+            prior: &self.known.prior,
+            frozen: &self.known.frozen,
+            turn: number,
+        };
+        let solvable = nursery(0).starved().iter().filter(|&&starved| !starved).count();
         let make = |number: usize| {
             let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
             rng.set_stream(number as u64);
-            let nursery = Nursery {
-                creature: self.creature,
-                touches: &touches,
-                evidence: self.evidence(),
-                prior: &self.known.prior,
-                frozen: &self.known.frozen,
-                turn: number,
-            };
+            let nursery = nursery(number);
             let mut start = nursery.start(nursery.evidence.route(number, dof), &mut rng);
             let (judged, noise) = self.judge(&touches, &fresh, &start);
             start.accepted &= judged <= 1.0;
@@ -361,7 +371,8 @@ impl SecondOrder<'_> {
                 let agreeing =
                     noises.iter().filter(|&&noise| noise <= (1.0 + AGREEMENT) * best.noise).count();
                 let agreed = *number + 1 >= WARY_STARTS && agreeing >= 2;
-                if best.start.accepted && (best.noise <= CERTAIN_NOISE || agreed) {
+                let complete = best.known() >= solvable || *number + 1 >= WARY_STARTS;
+                if best.start.accepted && complete && (best.noise <= CERTAIN_NOISE || agreed) {
                     break 'waves;
                 }
             }
@@ -378,6 +389,7 @@ impl SecondOrder<'_> {
                 undetermined,
                 observability: Some(observability),
                 deviation: Some(deviation),
+                changes: Vec::new(),
             };
         }
         let why = format!(
@@ -392,6 +404,7 @@ impl SecondOrder<'_> {
             undetermined: (0..self.creature.joints().len()).collect(),
             observability: None,
             deviation: None,
+            changes: Vec::new(),
         }
     }
 }

@@ -8,7 +8,7 @@ use super::subject::{Subject, median, share};
 use super::table::{Column, Table};
 use super::{Failure, Findings, Study};
 use crate::creature::Body;
-use crate::evaluation::held_out;
+use crate::evaluation::{held_out, is_hand};
 use crate::ground_truth::GroundTruth;
 use crate::kinematics::Chain;
 use crate::learning::{Learner, Online};
@@ -122,8 +122,8 @@ fn measure(subject: &Subject) -> Result<Findings, Failure> {
         series.push(Series { name: (*name).to_string(), line, dots: Vec::new() });
     }
     let notes = vec![
-        "The limb that touches most is the hand, and the limb that carries it grows; touches of the limb have \
-         the joint between the two, or the hand with the stick, in them."
+        "The hand that touches most (of a creature without hands, the limb) holds the stick, and the limb that \
+         carries it grows; touches of the limb have the joint between the two, or the hand, in them."
             .to_string(),
         "The error is the mean held-out error, and for the stick the tip's distance from where it is, in the \
          hand's frame; before the stick is known there is none, and its length counts. A stick has no error \
@@ -139,13 +139,18 @@ fn measure(subject: &Subject) -> Result<Findings, Failure> {
     Ok(Findings { measurements, summary, notes, plot })
 }
 
-/// The limb with most touches of all that a joint carries.
+/// The limb with most touches of all that a joint carries; of hands alone, where there are any.
 fn most_touching(subject: &Subject, touches: &[Touch]) -> Result<usize, Failure> {
     let mut counts = vec![0; subject.body.creature.limbs().len()];
     for end in touches.iter().flat_map(|touch| &touch.ends) {
         counts[subject.skin.receptors[end.receptor].limb] += 1;
     }
-    let carried = (1..counts.len()).max_by_key(|&limb| (counts[limb], std::cmp::Reverse(limb)));
+    let creature = &subject.body.creature;
+    let hand = |limb: &usize| is_hand(creature, *limb) && counts[*limb] > 0;
+    let hands = (1..counts.len()).any(|limb| hand(&limb));
+    let carried = (1..counts.len())
+        .filter(|limb| !hands || hand(limb))
+        .max_by_key(|&limb| (counts[limb], std::cmp::Reverse(limb)));
     carried.ok_or_else(|| Failure("the creature has no limb that could change".into()))
 }
 
@@ -172,10 +177,11 @@ fn follow(
     // Outwards and a little aslant, as one holds a stick.
     let outwards = middle.try_normalize(1e-6).unwrap_or_else(Vector3::z);
     let aslant = crate::kinematics::tangent_basis(&outwards).column(0).into_owned();
-    let tip = middle + (outwards + 0.4 * aslant).normalize() * STICK;
+    let base = skin.receptors[grip].position;
+    let tip = base + (outwards + 0.4 * aslant).normalize() * STICK;
     let changed: Body = match change {
         Change::Growth => place.grown(GROWTH)?,
-        Change::Stick => place.with_stick(&middle, &tip)?,
+        Change::Stick => place.with_stick(&base, &tip)?,
     };
     let changed_skin = skin_of(&changed);
     let truth = GroundTruth::new(&changed)?;
@@ -209,10 +215,10 @@ fn follow(
         };
         let known = learner.changes().len();
         learner.touch(&touch);
+        if course.noticed.is_infinite() && learner.changes().len() > known {
+            course.noticed = (course.errors_mm.len() + usize::from(of_limb)) as f64;
+        }
         if of_limb {
-            if course.noticed.is_infinite() && learner.changes().len() > known {
-                course.noticed = (course.errors_mm.len() + 1) as f64;
-            }
             course.errors_mm.push(measure(&learner));
         }
     }

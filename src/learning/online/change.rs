@@ -5,7 +5,7 @@
 //! that was learned. Each suspect is then tried for an explanation of the touches since: its joint somewhere
 //! else, as when the limb that carries it has grown; or a stick in the limb that it moves.
 
-use std::collections::VecDeque;
+use std::collections::{BTreeMap, VecDeque};
 
 use crate::creature::Creature;
 use crate::kinematics::Chain;
@@ -21,13 +21,11 @@ use crate::skin::Skin;
 const WINDOW: usize = 8;
 /// … and how many of them surprise when the body has changed.
 const SURPRISES: usize = 7;
-/// Share of surprises among the last touches with a joint that makes it a suspect.
+/// Share of open gaps among the touches with a joint that makes it a suspect.
 const SUSPECT: f64 = 0.6;
 /// Share of the touches since the change that an explanation explains.
 const EXPLAINED: f64 = 0.75;
-/// The same for a stick: the bare hand still touches, too.
-const EXPLAINED_BY_TOOL: f64 = 0.6;
-/// Touches that an explanation rests on at the least.
+/// Surprising touches that an explanation rests on at the least.
 const FEWEST: usize = 8;
 /// Width of a gap that is as good as closed, metres, where noise is less.
 const CLOSE: f64 = 5e-4;
@@ -62,6 +60,8 @@ pub enum Explanation {
 #[derive(Clone, Debug)]
 pub struct Watch {
     by_joint: Vec<VecDeque<(usize, bool)>>,
+    /// The same per receptor: whatever a stick touches is felt where it is held.
+    by_receptor: BTreeMap<usize, VecDeque<(usize, bool)>>,
     recent: VecDeque<Watched>,
     /// Touches that explanations were looked for at, so that it is not done at every one.
     tried_at: usize,
@@ -73,31 +73,29 @@ const KEPT: usize = 400;
 impl Watch {
     /// A watch over a creature's joints.
     pub fn new(creature: &Creature) -> Watch {
-        Watch {
-            by_joint: vec![VecDeque::new(); creature.joints().len()],
-            recent: VecDeque::new(),
-            tried_at: 0,
-        }
+        let by_joint = vec![VecDeque::new(); creature.joints().len()];
+        Watch { by_joint, by_receptor: BTreeMap::new(), recent: VecDeque::new(), tried_at: 0 }
     }
 
     /// Takes in a touch; the number of the first surprising touch where the body seems to have changed.
     pub fn see(&mut self, chain: &Chain, watched: Watched) -> Option<usize> {
-        for joint in chain.joints() {
-            let window = &mut self.by_joint[joint];
+        let take_in = |window: &mut VecDeque<(usize, bool)>| {
             window.push_back((watched.number, watched.surprising));
             if window.len() > WINDOW {
                 window.pop_front();
             }
-        }
+        };
+        chain.joints().for_each(|joint| take_in(&mut self.by_joint[joint]));
+        let receptors = watched.touch.ends.iter().map(|end| end.receptor);
+        receptors.for_each(|receptor| take_in(self.by_receptor.entry(receptor).or_default()));
         let number = watched.number;
         self.recent.push_back(watched);
         if self.recent.len() > KEPT {
             self.recent.pop_front();
         }
-        let alarmed = |window: &&VecDeque<(usize, bool)>| {
-            window.iter().filter(|(_, surprising)| *surprising).count() >= SURPRISES
-        };
-        let onset = self.by_joint.iter().filter(alarmed).filter_map(first_surprise).min()?;
+        let alarmed = |window: &&VecDeque<(usize, bool)>| surprises(window) >= SURPRISES;
+        let windows = self.by_joint.iter().chain(self.by_receptor.values());
+        let onset = windows.filter(alarmed).filter_map(first_surprise).min()?;
         // Looked for again when an eighth more touches have come.
         let since = number + 1 - onset;
         if self.tried_at > onset && number < self.tried_at + since / 8 {
@@ -112,10 +110,10 @@ impl Watch {
         self.recent.iter().filter(move |watched| watched.number >= onset)
     }
 
-    /// Forgets all surprises.
+    /// Forgets all surprises; the touches themselves may be needed again.
     pub fn calm(&mut self) {
         self.by_joint.iter_mut().for_each(VecDeque::clear);
-        self.recent.clear();
+        self.by_receptor.clear();
     }
 
     /// What explains the touches since `onset`, if anything does.
@@ -129,56 +127,66 @@ impl Watch {
         deviation: f64,
     ) -> Option<Explanation> {
         let close = CLOSE.max(DEVIATIONS * deviation);
-        let suspect = |joint: &usize| {
-            let window = &self.by_joint[*joint];
-            let surprises = window.iter().filter(|(_, surprising)| *surprising).count();
-            free.positions[*joint].is_some()
-                && window.len() > WINDOW / 2
-                && surprises as f64 >= SUSPECT * window.len() as f64
-        };
-        let suspects: Vec<usize> = (0..self.by_joint.len()).filter(suspect).collect();
-        let mut best: Option<(f64, Explanation)> = None;
-        let mut offer = |share: f64, explanation: Explanation| {
-            if best.as_ref().is_none_or(|(most, _)| share > *most) {
-                best = Some((share, explanation));
+        let model = SurfaceGap::new(skin, 1.0);
+        let is_open =
+            |touch: &PreparedTouch| model.meeting(&touch.ends, &touch.frames(schema)).gap.abs() >= close;
+        let since: Vec<(&Watched, Chain, bool)> = self
+            .since(onset)
+            .map(|w| (w, Chain::between(creature, w.limbs[0], w.limbs[1]), is_open(&w.touch)))
+            .collect();
+        let open = since.iter().filter(|(.., open)| *open).count();
+        let mut best: Option<(usize, Explanation)> = None;
+        // How many touches of all an explanation leaves open decides; of two alike, the first.
+        let mut offer = |explained: usize, explanation: Explanation| {
+            if best.as_ref().is_none_or(|(most, _)| explained > *most) {
+                best = Some((explained, explanation));
             }
         };
-        for &joint in &suspects {
-            let mut touches = TouchSet::default();
-            for watched in self.since(onset) {
-                if Chain::between(creature, watched.limbs[0], watched.limbs[1]).joints().any(|j| j == joint) {
-                    touches.push_prepared(creature, watched.limbs, watched.touch.clone());
-                }
-            }
-            if touches.len() < FEWEST {
+        let enough = |explained: usize, of: usize| explained as f64 >= EXPLAINED * of as f64;
+        for joint in (0..creature.joints().len()).filter(|&joint| free.positions[joint].is_some()) {
+            let with_joint = || since.iter().filter(|(_, chain, _)| chain.joints().any(|j| j == joint));
+            let (all, open) = (with_joint().count(), with_joint().filter(|(.., open)| *open).count());
+            if (open as f64) < SUSPECT * all as f64 || open < WINDOW / 2 {
                 continue;
             }
+            if open < FEWEST {
+                // It may be this one; a few more touches will tell.
+                return None;
+            }
+            let mut touches = TouchSet::default();
+            with_joint().for_each(|(w, ..)| touches.push_prepared(creature, w.limbs, w.touch.clone()));
             let mut prior = Prior::size(creature, SHIFT);
             prior.mean = schema.clone();
             let position = Parameters::position(creature, joint);
             let found = anneal(creature, skin, &touches, &position, &prior, schema.clone()).schema;
-            let share = closed(skin, &touches, &found, close);
-            if share >= EXPLAINED {
-                offer(share, Explanation::Moved(joint, found));
+            let explained = (closed(skin, &touches, &found, close) * all as f64).round() as usize;
+            if enough(explained, all) {
+                offer(explained.saturating_sub(all - open), Explanation::Moved(joint, found));
             }
         }
-        for &joint in &suspects {
-            let limb = joint + 1;
-            let with_limb = self.since(onset).filter(|watched| watched.limbs.contains(&limb));
-            let touches: Vec<&PreparedTouch> = with_limb.map(|watched| &watched.touch).collect();
+        let held = self.by_receptor.iter().filter(|(_, window)| surprises(window) >= SURPRISES);
+        let mut limbs: Vec<usize> = held.map(|(&receptor, _)| skin.receptors[receptor].limb).collect();
+        limbs.sort_unstable();
+        limbs.dedup();
+        for limb in limbs {
+            // What surprises is by the stick; the bare hand's touches are as they were.
+            let with_limb = since.iter().filter(|(w, _, open)| *open && w.limbs.contains(&limb));
+            let touches: Vec<&PreparedTouch> = with_limb.map(|(w, ..)| &w.touch).collect();
             if touches.len() < FEWEST {
                 continue;
             }
-            if let Some((tool, explained)) = Tool::fit(limb, skin, schema, &touches, close) {
-                let share = explained as f64 / touches.len() as f64;
-                if share >= EXPLAINED_BY_TOOL {
-                    // Of two that explain alike, a joint has one number less to do it with.
-                    offer(share - 0.1, Explanation::Holds(tool));
-                }
+            if let Some((tool, explained)) = Tool::fit(limb, skin, schema, &touches, close)
+                && enough(explained, touches.len())
+            {
+                offer(explained, Explanation::Holds(tool));
             }
         }
-        best.map(|(_, explanation)| explanation)
+        best.filter(|(explained, _)| 2 * explained > open).map(|(_, explanation)| explanation)
     }
+}
+
+fn surprises(window: &VecDeque<(usize, bool)>) -> usize {
+    window.iter().filter(|(_, surprising)| *surprising).count()
 }
 
 /// The first of the surprises that come nearly without a break up to now.

@@ -19,14 +19,16 @@ use crate::learning::observability::Observability;
 use crate::learning::surface_gap::SurfaceGap;
 use crate::learning::touch_set::{PreparedTouch, TouchProblem, TouchSet};
 use crate::learning::{Known, Learned, Learner, SecondOrder, Verdict};
+use crate::schema::BodySchema;
 use crate::senses::Touch;
 use crate::skin::Skin;
 pub use belief::{Anchor, Belief, Expectation};
 use change::{Explanation, Watch, Watched};
 pub use tool::Tool;
 
-/// Touches after which learning is first tried.
+/// Touches after which learning is first tried, and per degree of freedom, where that is more.
 const FIRST_TRIAL: usize = 240;
+const PER_DOF: usize = 5;
 /// Starts of the first trial: none that doubts its touches, for those are dear.
 const FIRST_STARTS: usize = 2;
 /// Starts of a trial before the last: not all, for more touches make it easier.
@@ -37,6 +39,8 @@ const SURPRISING: f64 = 5.0;
 const TAIL: f64 = 3.0;
 /// Gaps narrower than this never surprise, metres: it is what shapes are known to.
 const CLOSE_ENOUGH: f64 = 2e-4;
+/// Touches with joints that the schema has no place for which are not worth to learn all anew.
+const FEW_BEYOND: usize = 10;
 /// How far from where it was found a joint that moved may be, metres: a standard deviation.
 const MOVED: f64 = 0.01;
 /// Touches since a change without an explanation after which all is learned anew from them.
@@ -87,7 +91,6 @@ pub struct Online<'a> {
     creature: &'a Creature,
     skin: &'a Skin,
     known: Known,
-    seed: u64,
     batch: SecondOrder<'a>,
     /// Touches seen.
     seen: usize,
@@ -101,9 +104,24 @@ pub struct Online<'a> {
     surprises: Vec<bool>,
     changes: Vec<Change>,
     tools: Vec<Tool>,
+    /// Per tool, the touches that it explained and how many there will be when it is fitted again.
+    by_tool: Vec<(Vec<PreparedTouch>, usize)>,
+    /// All of this before the last change was explained, as long as the explanation is on probation.
+    before: Option<Box<Before>>,
+}
+
+/// What there was before a change was explained.
+struct Before {
+    locked: Locked,
+    tools: Vec<Tool>,
+    by_tool: Vec<(Vec<PreparedTouch>, usize)>,
+    /// The touch at which it was explained, and the first of those explained.
+    number: usize,
+    onset: usize,
 }
 
 /// What there is once a schema is found.
+#[derive(Clone)]
 struct Locked {
     belief: Belief,
     /// What was known before the touches below; none but the prior before the body first changed.
@@ -125,16 +143,17 @@ impl<'a> Online<'a> {
             creature,
             skin,
             known,
-            seed,
             batch,
             seen: 0,
-            next_trial: FIRST_TRIAL,
+            next_trial: FIRST_TRIAL.max(PER_DOF * creature.dof()),
             locked: None,
             onsets: 0,
             expectation: None,
             surprises: Vec::new(),
             changes: Vec::new(),
             tools: Vec::new(),
+            by_tool: Vec::new(),
+            before: None,
         }
     }
 
@@ -143,12 +162,6 @@ impl<'a> Online<'a> {
         self.batch = self.batch.with_known(known.clone());
         self.known = known;
         self
-    }
-
-    /// What was expected of the last touch; none before the learner has a schema, or of a joint that it does
-    /// not know.
-    pub fn expectation(&self) -> Option<Expectation> {
-        self.expectation
     }
 
     /// The schema and its covariance; none before the learner has one.
@@ -168,7 +181,7 @@ impl<'a> Online<'a> {
 
     /// Tries to learn from all touches at once.
     fn try_all(&mut self) {
-        let learned = self.batch.learn_in(if self.seen <= FIRST_TRIAL { FIRST_STARTS } else { STARTS });
+        let learned = self.batch.learn_in(if self.onsets == 0 { FIRST_STARTS } else { STARTS });
         self.onsets += learned.onsets;
         self.next_trial = self.seen + self.batch.touches().len().max(FIRST_TRIAL) / 2;
         if learned.verdict.converged() {
@@ -218,13 +231,20 @@ impl<'a> Online<'a> {
             return;
         }
         let mut expectation = locked.belief.expect(self.skin, &prepared);
-        let tool = self.tools.iter().filter(|tool| limbs.contains(&tool.limb));
-        let by_tool = tool
-            .filter_map(|tool| tool.gap(self.skin, &locked.belief.schema, &prepared))
-            .min_by(|a, b| a.abs().total_cmp(&b.abs()))
-            .filter(|gap| gap.abs() < expectation.gap.abs());
-        if let Some(gap) = by_tool {
+        let gaps = self.tools.iter().enumerate().filter(|(_, tool)| limbs.contains(&tool.limb));
+        let by_tool = gaps
+            .filter_map(|(k, tool)| Some((k, tool.gap(self.skin, &locked.belief.schema, &prepared)?)))
+            .min_by(|a, b| a.1.abs().total_cmp(&b.1.abs()))
+            .filter(|(_, gap)| gap.abs() < expectation.gap.abs());
+        if let Some((k, gap)) = by_tool {
             expectation.gap = gap;
+            let (touches, next_fit) = &mut self.by_tool[k];
+            touches.push(prepared.clone());
+            if touches.len() >= *next_fit {
+                let all: Vec<&PreparedTouch> = touches.iter().collect();
+                self.tools[k] = self.tools[k].refitted(self.skin, &locked.belief.schema, &all, CLOSE_ENOUGH);
+                *next_fit = touches.len() + touches.len() / 2;
+            }
         }
         self.expectation = Some(expectation);
         let deviations = expectation.gap.abs() / expectation.deviation;
@@ -255,13 +275,27 @@ impl<'a> Online<'a> {
     }
 
     /// Looks for what explains the touches since `onset`, and goes by it.
-    fn adapt(&mut self, onset: usize, number: usize) {
+    fn adapt(&mut self, mut onset: usize, number: usize) {
+        // An explanation that so soon leaves touches unexplained was wrong, or the change went on.
+        if let Some(before) = self.before.take_if(|before| number < before.number + PROBATION) {
+            let Before { locked, tools, by_tool, onset: first, .. } = *before;
+            let watch = self.locked.take().map(|locked| locked.watch);
+            self.locked =
+                Some(Locked { watch: watch.unwrap_or_else(|| Watch::new(self.creature)), ..locked });
+            (self.tools, self.by_tool) = (tools, by_tool);
+            self.changes.pop();
+            onset = first;
+        }
         let Some(locked) = self.locked.as_mut() else { return };
         let (creature, skin) = (self.creature, self.skin);
         let belief = &locked.belief;
         let explanation =
             locked.watch.explain(onset, creature, skin, &belief.schema, &belief.parameters, belief.deviation);
         let since: Vec<Watched> = locked.watch.since(onset).cloned().collect();
+        if explanation.is_some() {
+            let (tools, by_tool) = (self.tools.clone(), self.by_tool.clone());
+            self.before = Some(Box::new(Before { locked: locked.clone(), tools, by_tool, number, onset }));
+        }
         match explanation {
             None if since.len() < PATIENCE => {}
             None => {
@@ -271,11 +305,17 @@ impl<'a> Online<'a> {
                 self.next_trial = self.seen;
             }
             Some(Explanation::Holds(tool)) => {
-                let touches: Vec<&PreparedTouch> =
-                    since.iter().filter(|w| w.limbs.contains(&tool.limb)).map(|w| &w.touch).collect();
+                let by_stick = since.iter().filter(|w| w.surprising && w.limbs.contains(&tool.limb));
+                let touches: Vec<&PreparedTouch> = by_stick.map(|watched| &watched.touch).collect();
                 let tool = tool.settled(skin, &belief.schema, &touches);
-                self.tools.retain(|other| other.limb != tool.limb);
+                let explained = touches.into_iter().cloned().collect::<Vec<_>>();
+                let next_fit = explained.len() + explained.len() / 2;
+                if let Some(k) = self.tools.iter().position(|other| other.limb == tool.limb) {
+                    self.tools.remove(k);
+                    self.by_tool.remove(k);
+                }
                 self.tools.push(tool);
+                self.by_tool.push((explained, next_fit));
                 self.changes.push(Change { touch: number, since: onset, what: What::Tool(tool) });
                 locked.watch.calm();
             }
@@ -344,10 +384,13 @@ impl<'a> Online<'a> {
             undetermined,
             observability: Some(observability),
             deviation: Some(belief.deviation),
+            changes: self.changes.clone(),
         })
     }
 }
 
+/// Touches after a change in which its explanation may still turn out to be wrong.
+const PROBATION: usize = 80;
 /// Touches after a change until all since are fitted again for the first time.
 const FEW_MORE: usize = 15;
 
@@ -364,9 +407,17 @@ impl Learner for Online<'_> {
         }
     }
 
+    fn expectation(&self) -> Option<Expectation> {
+        self.expectation
+    }
+
+    fn schema(&self) -> Option<&BodySchema> {
+        self.belief().map(|belief| &belief.schema)
+    }
+
     fn learn(&mut self) -> Learned {
-        let _ = self.seed;
-        if self.locked.is_some() && self.trustworthy() {
+        let complete = self.locked.as_ref().is_some_and(|locked| locked.beyond < FEW_BEYOND);
+        if complete && self.trustworthy() {
             let noisy = self.belief().is_some_and(|belief| belief.deviation > CERTAIN_NOISE);
             if let Some(learned) = self.conclude().filter(|_| !noisy || !self.changes.is_empty()) {
                 return learned;
@@ -374,6 +425,7 @@ impl Learner for Online<'_> {
         }
         let mut learned = self.batch.learn();
         learned.onsets += self.onsets;
+        learned.changes = self.changes.clone();
         self.onsets = learned.onsets;
         if learned.verdict.converged() {
             self.lock(&learned);

@@ -5,6 +5,8 @@
 //! learns, with the surfaces that it touches where the schema puts them. From then on it is a part of the
 //! body: the tip can be placed like any point of the skin.
 
+use std::collections::BTreeMap;
+
 use nalgebra::{Matrix4, Vector3, Vector4};
 
 use crate::kinematics::Frame;
@@ -70,11 +72,11 @@ impl Tool {
         let receptor_of = |touch: &PreparedTouch| {
             touch.ends.iter().map(|end| end.receptor).find(|&r| skin.receptors[r].limb == limb)
         };
-        let held: Vec<usize> = touches.iter().filter_map(|touch| receptor_of(touch)).collect();
-        if held.is_empty() {
-            return None;
-        }
-        let grip = held.iter().map(|&r| skin.receptors[r].position).sum::<Vector3<f64>>() / held.len() as f64;
+        // Whatever the stick touches, the same receptor feels.
+        let mut felt: BTreeMap<usize, usize> = BTreeMap::new();
+        touches.iter().filter_map(|touch| receptor_of(touch)).for_each(|r| *felt.entry(r).or_default() += 1);
+        let (&receptor, _) = felt.iter().max_by_key(|(_, count)| **count)?;
+        let grip = skin.receptors[receptor].position;
         let mut best: Option<(Tool, usize)> = None;
         for length in [0.25 * REACH, 0.5 * REACH, REACH] {
             for direction in directions() {
@@ -87,6 +89,18 @@ impl Tool {
             }
         }
         best
+    }
+
+    /// The tool fitted to all touches that it explained so far: moved a little, or where that leaves many of
+    /// them open (the tip has touched, and before it the shaft alone had), anew.
+    pub fn refitted(&self, skin: &Skin, schema: &BodySchema, touches: &[&PreparedTouch], close: f64) -> Tool {
+        let settled = self.settled(skin, schema, touches);
+        let explained = settled.explained(skin, schema, touches, close);
+        if 10 * explained >= 9 * touches.len() {
+            return settled;
+        }
+        let anew = Tool::fit(self.limb, skin, schema, touches, close);
+        anew.filter(|(_, more)| *more > explained).map_or(settled, |(tool, _)| tool)
     }
 
     /// How many touches it explains to `close`, metres.
@@ -125,8 +139,10 @@ impl Tool {
         let mut deviation = 0.05_f64;
         let mut damping = 1e-3;
         while deviation >= NARROWEST {
-            let cost = |found: &[f64]| -> f64 {
-                found.iter().map(|gap| (gap / deviation / TAIL).powi(2).ln_1p()).sum()
+            // Touches of the shaft alone leave the length open: then it is as short as they allow.
+            let cost = |tool: &Tool, found: &[f64]| -> f64 {
+                let gaps: f64 = found.iter().map(|gap| (gap / deviation / TAIL).powi(2).ln_1p()).sum();
+                TAIL * TAIL * gaps + (tool.tip - tool.grip).norm_squared() / (REACH * REACH)
             };
             for _ in 0..ITERATIONS {
                 let slopes: Vec<Vec<f64>> = (0..4)
@@ -145,6 +161,11 @@ impl Tool {
                     hessian += slope * slope.transpose() * weight;
                     gradient += slope * (weight * gap);
                 }
+                let pull = (deviation / REACH).powi(2);
+                for k in 0..3 {
+                    hessian[(k, k)] += pull;
+                    gradient[k] += pull * (tool.tip - tool.grip)[k];
+                }
                 let floor = 1e-6 * hessian.diagonal().amax().max(f64::MIN_POSITIVE);
                 for k in 0..4 {
                     hessian[(k, k)] += damping * hessian[(k, k)] + floor;
@@ -152,7 +173,7 @@ impl Tool {
                 let Some(factor) = hessian.cholesky() else { break };
                 let trial = tool.moved(&-factor.solve(&gradient));
                 let after = gaps(&trial);
-                if after.len() == found.len() && cost(&after) < cost(&found) {
+                if after.len() == found.len() && cost(&trial, &after) < cost(&tool, &found) {
                     (tool, found, damping) = (trial, after, (0.1 * damping).max(1e-9));
                 } else {
                     damping *= 10.0;
