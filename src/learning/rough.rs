@@ -217,6 +217,7 @@ impl Learner for RoughFit<'_> {
             undetermined: Vec::new(),
             observability: None,
             deviation: foretold.map(|gaps| quantile(&gaps, 0.5)),
+            changes: Vec::new(),
         }
     }
 }
