@@ -139,6 +139,16 @@ fn learning_and_the_schema_name_neither_the_model_nor_the_measures() {
 }
 
 #[test]
+fn policies_name_neither_the_model_nor_the_measures() {
+    let files = rust_files(&repository("src/babbling/policy"));
+    assert!(!files.is_empty(), "the policies have gone: amend this test");
+    for file in files {
+        let found = names(&file, &MODEL);
+        assert!(found.is_empty(), "{} names {found:?}", file.display());
+    }
+}
+
+#[test]
 fn the_truth_is_named_by_the_evaluation_and_the_command_line_alone() {
     let allowed = ["lib.rs", "ground_truth.rs", "evaluation", "cli"];
     let source = repository("src");

@@ -434,6 +434,7 @@ fn session() -> Session {
             input: Some("receptor".into()),
             learner: None,
             known: None,
+            policy: Some("steered".into()),
         },
         effort: Some(BabblingEffort::new(&effort, Duration::from_nanos(1_234_567_891))),
         creature: creature(),

@@ -94,6 +94,20 @@ fn a_study_of_disturbances_compares_all_with_none() {
 }
 
 #[test]
+fn a_study_of_policies_relates_all_to_random() {
+    let place = place();
+    let arguments = ["study", "policies", "arms.xml", "--trials", "1", "--touches", "40", "--json"];
+    let found = json(place.path(), &[&arguments[..], &["--out", "here"]].concat());
+    let summary = found["summary"].as_array().unwrap();
+    let policies: Vec<&str> = summary.iter().map(|row| row["policy"].as_str().unwrap()).collect();
+    assert_eq!(policies, ["random", "steered", "informative"]);
+    let rows = found["rows"].as_array().unwrap();
+    assert_eq!(rows.len(), 3, "forty touches are learned from once");
+    assert!(rows.iter().all(|row| row["motions"].as_u64() >= Some(40)));
+    assert!(place.path().join("here/study.svg").is_file());
+}
+
+#[test]
 fn wrong_usage_of_a_study_is_told_in_a_sentence() {
     let place = place();
     let message = refused(place.path(), 2, &["study", "astrology", "arms.xml"]);

@@ -5,6 +5,7 @@
 
 mod clearance;
 mod motion;
+pub mod policy;
 mod posture;
 
 use std::collections::BTreeMap;
@@ -16,8 +17,10 @@ use rand_chacha::ChaCha8Rng;
 
 pub use clearance::Clearance;
 pub use motion::{DEEPEST, Effort, Ending, Mover};
+pub use policy::{Policy, PolicyName};
 pub use posture::{random_posture, start_posture};
 
+use crate::babbling::policy::Random;
 use crate::creature::Body;
 use crate::mujoco;
 use crate::senses::{ContactReader, Touch};
@@ -29,6 +32,8 @@ const TOUCHES_PER_BOUT: usize = 25;
 const MOTIONS_PER_BOUT: u64 = 1000;
 /// Bouts without a single touch after which babbling is given up.
 const FRUITLESS_BOUTS: u64 = 20;
+/// Motions without a touch after which a policy that heeds its touches is given up.
+const FRUITLESS_MOTIONS: u64 = FRUITLESS_BOUTS * MOTIONS_PER_BOUT;
 
 /// What to babble.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -152,15 +157,68 @@ impl<'a> Babbler<'a> {
         })
     }
 
+    /// Babbles by a policy, one motion after the other from where the last one stopped, until
+    /// `options.touches` touches are made; all belong to bout 0. It works on one thread, whatever
+    /// `options.jobs`, for each motion depends on all before it. Returns what it cost.
+    ///
+    /// # Errors
+    /// See [`BabblingError`]; touches handed on before stay handed on.
+    pub fn babble_with<E>(
+        &self,
+        policy: &mut dyn Policy,
+        options: &BabblingOptions,
+        mut receive: impl FnMut(&Touch) -> Result<(), E>,
+    ) -> Result<Effort, BabblingError<E>> {
+        let mut rng = ChaCha8Rng::seed_from_u64(options.seed);
+        let mut mover = self.mover().map_err(BabblingError::Engine)?;
+        let (mut received, mut last) = (0, 0);
+        while received < options.touches {
+            let target = policy.next_target(mover.posture(), &mut rng);
+            let ending = mover.advance(&target).map_err(BabblingError::Engine)?;
+            let motion = mover.effort.motions;
+            if let Ending::Touch(ends) = ending {
+                let touch = Touch { bout: 0, motion, posture: mover.posture().to_vec(), ends };
+                policy.touched(&touch);
+                receive(&touch).map_err(BabblingError::Receiver)?;
+                (received, last) = (received + 1, motion);
+            } else {
+                policy.missed(&ending, mover.posture());
+                if motion - last >= FRUITLESS_MOTIONS {
+                    return Err(BabblingError::NoTouch { motions: motion, bare: mover.effort.bare });
+                }
+            }
+        }
+        Ok(mover.effort)
+    }
+
+    /// Babbles by a policy of the creature's own, named: at random in bouts on all threads, or one motion
+    /// after the other. Returns what it cost.
+    ///
+    /// # Errors
+    /// See [`BabblingError`]; touches handed on before stay handed on.
+    pub fn babble_by<E>(
+        &self,
+        policy: PolicyName,
+        options: &BabblingOptions,
+        receive: impl FnMut(&Touch) -> Result<(), E>,
+    ) -> Result<Effort, BabblingError<E>> {
+        if policy == PolicyName::Random {
+            return self.babble(options, receive);
+        }
+        let mut policy = policy.policy(&self.body.creature, self.skin, options.seed);
+        self.babble_with(policy.as_mut(), options, receive)
+    }
+
     /// One bout, the same whoever makes it and when.
     fn bout(&self, mover: &mut Mover, seed: u64, bout: u64) -> mujoco::Result<Bout> {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         rng.set_stream(bout);
         mover.reset(self.start.clone());
         mover.effort = Effort::default();
+        let mut policy = Random::new(&self.body.creature);
         let mut touches = Vec::new();
         while touches.len() < TOUCHES_PER_BOUT && mover.effort.motions < MOTIONS_PER_BOUT {
-            let target = random_posture(&self.body.creature, &mut rng);
+            let target = policy.next_target(mover.posture(), &mut rng);
             if let Ending::Touch(ends) = mover.advance(&target)? {
                 let posture = mover.posture().to_vec();
                 let touch = Touch { bout, motion: mover.effort.motions, posture, ends };
@@ -169,6 +227,24 @@ impl<'a> Babbler<'a> {
         }
         Ok(Bout { touches, effort: mover.effort })
     }
+}
+
+/// Per touch of a session, in their order, the motions made up to it, in all bouts before it too.
+pub fn motions_until(touches: &[Touch]) -> Vec<u64> {
+    let (mut before, mut bout, mut made) = (0, 0, 0);
+    let mut motions = Vec::with_capacity(touches.len());
+    for touch in touches {
+        if touch.bout != bout {
+            // A bout ends with its last touch or, where touches are rare, after its last motion.
+            before +=
+                if made == TOUCHES_PER_BOUT { touches[motions.len() - 1].motion } else { MOTIONS_PER_BOUT };
+            before += (touch.bout - bout - 1) * MOTIONS_PER_BOUT;
+            (bout, made) = (touch.bout, 0);
+        }
+        made += 1;
+        motions.push(before + touch.motion);
+    }
+    motions
 }
 
 /// Puts the bouts back into order and hands their touches on.

@@ -83,3 +83,40 @@ fn within(from: &UnitQuaternion<f64>, axis: &Unit<Vector3<f64>>, angle: f64, mos
 pub(super) fn ball(q: &[f64]) -> UnitQuaternion<f64> {
     UnitQuaternion::from_quaternion(Quaternion::new(q[0], q[1], q[2], q[3]))
 }
+
+/// The posture a share of the way from one to another; balls turn about one axis.
+pub(super) fn between(creature: &Creature, from: &[f64], to: &[f64], share: f64) -> Vec<f64> {
+    let mut posture: Vec<f64> = from.iter().zip(to).map(|(a, b)| a + share * (b - a)).collect();
+    let mut q = 0;
+    for dof in creature.dofs() {
+        if dof.kind == DofKind::Ball {
+            let (a, b) = (ball(&from[q..]), ball(&to[q..]));
+            let turned = UnitQuaternion::from_scaled_axis((b * a.inverse()).scaled_axis() * share) * a;
+            posture[q..q + 4].copy_from_slice(&[turned.w, turned.i, turned.j, turned.k]);
+        }
+        q += dof.kind.coordinates();
+    }
+    posture
+}
+
+/// How a coordinate drawn uniformly between −1 and 1 is spread towards its ends: the power of its amount.
+const WIDE: f64 = 0.4;
+
+/// A random posture that favours the ends of the ranges: what turns far tells most of its axis, and limbs
+/// that are bent far meet more often. Balls are drawn as in [`random_posture`].
+pub fn wide_posture(creature: &Creature, rng: &mut impl Rng) -> Vec<f64> {
+    let mut posture = random_posture(creature, rng);
+    for joint in creature.joints() {
+        let mut q = joint.first_coordinate();
+        for dof in &joint.dofs {
+            let [low, high] = dof.range;
+            if dof.kind != DofKind::Ball && high > low {
+                let (middle, half) = (0.5 * (low + high), 0.5 * (high - low));
+                let share = (posture[q] - middle) / half;
+                posture[q] = (middle + half * share.signum() * share.abs().powf(WIDE)).clamp(low, high);
+            }
+            q += dof.kind.coordinates();
+        }
+    }
+    posture
+}

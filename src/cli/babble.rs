@@ -7,7 +7,7 @@ use super::learn_options::{KNOWN_HELP, LearnOptions, learn_session, print_table,
 use super::open::open_body;
 use super::touches::{babbler, make_touches, threads, touch_count};
 use super::{Failure, Outcome, output, progress};
-use crate::babbling::BabblingOptions;
+use crate::babbling::{BabblingOptions, PolicyName};
 use crate::creature::JointSelection;
 use crate::ground_truth::GroundTruth;
 use crate::record::{
@@ -25,6 +25,7 @@ use crate::skin::skin_of;
   bodyschema babble mjcf/max/max.xml
   bodyschema babble mjcf/max/max.xml --touches 500 --input contact --seed 7
   bodyschema babble mjcf/max/max.xml --joints all --touches 5000 --jobs 4
+  bodyschema babble mjcf/max/max.xml --touches 250 --policy informative
   bodyschema babble mjcf/max/max.xml --learner hersch --json
   bodyschema babble mjcf/max/max.xml --touches 60 --known known.json\n\n{KNOWN_HELP}"))]
 pub struct Args {
@@ -43,6 +44,9 @@ pub struct Args {
     /// Threads; they change nothing but the time [default: one per core]
     #[arg(long, value_parser = clap::value_parser!(u16).range(1..=1024))]
     jobs: Option<u16>,
+    /// How motions are chosen; all but random learn a schema on the way to choose by, on one thread
+    #[arg(long, value_enum, default_value_t)]
+    policy: PolicyName,
     #[command(flatten)]
     learn: LearnOptions,
     /// The session's folder [default: the first free of sessions/CREATURE-1, -2, …]
@@ -73,6 +77,7 @@ pub fn run(args: &Args) -> Outcome {
             input: Some(learn.input.to_string()),
             learner: Some(learn.learner.to_string()),
             known: learn.known.as_ref().map(|path| path.display().to_string()),
+            policy: Some(args.policy.to_string()),
         },
         effort: None,
         creature: body.creature.clone(),
@@ -84,7 +89,7 @@ pub fn run(args: &Args) -> Outcome {
     let bar = progress::touches(args.touches);
     let began = Instant::now();
     let mut made = Vec::with_capacity(args.touches);
-    let effort = make_touches(&args.model, &babbler, &options, |touch| {
+    let effort = make_touches(&args.model, &babbler, args.policy, &options, |touch| {
         log.write(touch)?;
         made.push(touch.clone());
         bar.inc(1);

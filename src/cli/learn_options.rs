@@ -427,6 +427,7 @@ pub fn to_json(
         "babbling_s": session.effort.map(|effort| effort.babbling_s),
         "learning_s": result.seconds,
         "seed": session.seed,
+        "policy": session.options.policy,
         "learner": options.learner.to_string(),
         "input": options.input.to_string(),
         "knowledge": options.knowledge(),

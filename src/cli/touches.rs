@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use super::Failure;
-use crate::babbling::{Babbler, BabblingError, BabblingOptions, Effort};
+use crate::babbling::{Babbler, BabblingError, BabblingOptions, Effort, PolicyName};
 use crate::creature::Body;
 use crate::record::RecordError;
 use crate::senses::Touch;
@@ -32,10 +32,11 @@ pub fn babbler<'a>(model: &Path, body: &'a Body, skin: &'a Skin) -> Result<Babbl
 pub fn make_touches(
     model: &Path,
     babbler: &Babbler,
+    policy: PolicyName,
     options: &BabblingOptions,
     receive: impl FnMut(&Touch) -> Result<(), RecordError>,
 ) -> Result<Effort, Failure> {
-    babbler.babble(options, receive).map_err(|error| failure(model, error))
+    babbler.babble_by(policy, options, receive).map_err(|error| failure(model, error))
 }
 
 fn failure(model: &Path, error: BabblingError<RecordError>) -> Failure {

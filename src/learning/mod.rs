@@ -17,6 +17,7 @@ mod parameters;
 pub mod prediction;
 mod prior;
 mod relaxed_gradient;
+pub mod rough;
 mod second_order;
 pub mod surface_gap;
 pub mod touch_set;
@@ -28,6 +29,7 @@ pub use online::{Change, Expectation, Online, Tool, What};
 pub use parameters::{AxisModel, Parameters};
 pub use prior::{Beforehand, Prior};
 pub use relaxed_gradient::{RelaxedGradient, STEPS};
+pub use rough::RoughFit;
 pub use second_order::SecondOrder;
 
 use crate::creature::Creature;

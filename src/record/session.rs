@@ -55,6 +55,9 @@ pub struct SessionOptions {
     /// The file of what was known of joints beforehand; none where nothing was.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub known: Option<String>,
+    /// How motions were chosen; none in sessions from before there was a choice, which were random.
+    #[serde(default)]
+    pub policy: Option<String>,
 }
 
 /// What babbling cost: [`Effort`], and its time.

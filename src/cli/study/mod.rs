@@ -11,6 +11,7 @@ mod disturbances;
 mod growth;
 mod learners;
 mod plot;
+mod policies;
 mod subject;
 mod table;
 
@@ -28,7 +29,8 @@ use subject::Subject;
 use table::Table;
 
 /// The studies, in the order in which they are named to the user.
-const STUDIES: [&Study; 4] = [&learners::STUDY, &disturbances::STUDY, &growth::STUDY, &coverage::STUDY];
+const STUDIES: [&Study; 5] =
+    [&learners::STUDY, &policies::STUDY, &coverage::STUDY, &disturbances::STUDY, &growth::STUDY];
 
 /// The model that is studied where none is named.
 const DEFAULT_MODEL: &str = "mjcf/max/max.xml";

@@ -9,7 +9,7 @@ use super::super::learn_options::LearnOptions;
 use super::super::open::open_body;
 use super::super::touches::{babbler, make_touches};
 use super::super::{Failure, progress};
-use crate::babbling::BabblingOptions;
+use crate::babbling::{BabblingOptions, PolicyName, motions_until};
 use crate::creature::{Body, JointSelection};
 use crate::evaluation::{Evaluation, evaluate_learned};
 use crate::ground_truth::GroundTruth;
@@ -36,6 +36,16 @@ pub struct Subject {
     joints: JointSelection,
     jobs: usize,
     progress: ProgressBar,
+}
+
+/// Touches and what they cost.
+pub struct Babbled {
+    /// The touches.
+    pub touches: Vec<Touch>,
+    /// Per touch, the motions made up to it.
+    pub motions: Vec<u64>,
+    /// Per touch, the time that passed up to it, seconds.
+    pub seconds: Vec<f64>,
 }
 
 /// What one run of a learner came to.
@@ -102,11 +112,28 @@ impl Subject {
     ) -> Result<Vec<Touch>, Failure> {
         let options = BabblingOptions { touches, seed, jobs: self.jobs };
         let mut made = Vec::with_capacity(touches);
-        make_touches(&self.model, &babbler(&self.model, body, skin)?, &options, |touch| {
+        let babbler = babbler(&self.model, body, skin)?;
+        make_touches(&self.model, &babbler, PolicyName::Random, &options, |touch| {
             made.push(touch.clone());
             Ok(())
         })?;
         Ok(made)
+    }
+
+    /// The exact touches of a trial whose motions a policy chooses, and what each cost.
+    pub fn babble_by(&self, policy: PolicyName, seed: u64) -> Result<Babbled, Failure> {
+        self.tell(seed, &format!("babbling, {policy}"));
+        let options = BabblingOptions { touches: self.touches, seed, jobs: self.jobs };
+        let (mut touches, mut seconds) = (Vec::new(), Vec::new());
+        let babbler = babbler(&self.model, &self.body, &self.skin)?;
+        let began = Instant::now();
+        make_touches(&self.model, &babbler, policy, &options, |touch| {
+            touches.push(touch.clone());
+            seconds.push(began.elapsed().as_secs_f64());
+            Ok(())
+        })?;
+        let motions = motions_until(&touches);
+        Ok(Babbled { touches, motions, seconds })
     }
 
     /// Learns from touches, disturbed as the options say, and measures against the truth.
