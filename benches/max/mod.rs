@@ -12,9 +12,19 @@ use bodyschema::skin::{Skin, skin_of};
 
 /// Max with the joints of his torso (16 joints, 42 degrees of freedom), and his skin.
 pub fn torso() -> (Body, Skin) {
+    moving(&JointSelection::Default)
+}
+
+/// Max with all his joints (57 joints, 103 degrees of freedom), and his skin.
+#[allow(dead_code, reason = "only one of the benchmarks moves them all")]
+pub fn all() -> (Body, Skin) {
+    moving(&JointSelection::All)
+}
+
+fn moving(joints: &JointSelection) -> (Body, Skin) {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("mjcf/max/max.xml");
     let model = Model::from_path(&path).expect("Max loads");
-    let body = Body::new(Arc::new(model), &JointSelection::Default).expect("Max has joints");
+    let body = Body::new(Arc::new(model), joints).expect("Max has joints");
     let skin = skin_of(&body);
     (body, skin)
 }

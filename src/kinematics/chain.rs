@@ -108,6 +108,35 @@ impl ChainSide {
         frame
     }
 
+    /// `∂p_C/∂q` of a limb's point `p_l` by every hinge's angle, in metres a radian, added to `derivatives` with
+    /// its degree of freedom. Axes are of unit length.
+    pub fn angle_derivatives(
+        &self,
+        schema: &BodySchema,
+        p_l: &Vector3<f64>,
+        derivatives: &mut Vec<(usize, Vector3<f64>)>,
+    ) {
+        let p_c = self.frame(schema).point(p_l);
+        // The point as seen from each step on, in C: its offset from the joint, turned about the axis there.
+        let mut frame = Frame::identity();
+        let mut steps = self.steps.iter();
+        for &(joint, count) in &self.joints {
+            frame.origin += frame.rotation * schema.positions[joint];
+            for step in steps.by_ref().take(count) {
+                let axis = &schema.axes[step.dof];
+                match &step.motion {
+                    Motion::Hinge { sine, versine } => {
+                        let axis_c = frame.rotation * axis;
+                        derivatives.push((step.dof, axis_c.cross(&(p_c - frame.origin))));
+                        frame.rotation *= rotation(axis, *sine, *versine);
+                    }
+                    Motion::Slide { distance } => frame.origin += frame.rotation * axis * *distance,
+                    Motion::Ball { rotation } => frame.rotation *= rotation,
+                }
+            }
+        }
+    }
+
     /// `p_C = X_CL p_L` and its derivatives by every position and axis of the side, into `jacobian`.
     pub fn point_jacobian(&self, schema: &BodySchema, p_l: &Vector3<f64>, jacobian: &mut SideJacobian) {
         jacobian.joints.clear();

@@ -6,6 +6,7 @@
 pub mod annealing;
 mod growing;
 mod hersch;
+mod joint_noise;
 mod known;
 pub mod least_squares;
 pub mod observability;

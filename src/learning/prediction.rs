@@ -76,7 +76,12 @@ pub fn covariance(
 ) -> Option<DMatrix<f64>> {
     let model = SurfaceGap::new(skin, deviation);
     let mut problem = TouchProblem::new(creature, touches, parameters, model).with_prior(prior);
-    let mut information = problem.linearize(schema).hessian;
+    information_inverse(problem.linearize(schema).hessian, parameters)
+}
+
+/// The covariance that normal equations (lower triangle) leave of parameters; none where rounding makes it
+/// unusable.
+pub fn information_inverse(mut information: DMatrix<f64>, parameters: &Parameters) -> Option<DMatrix<f64>> {
     // No axis is less certain than a radian.
     for offset in parameters.axes.iter().flatten() {
         (0..2).for_each(|i| information[(offset + i, offset + i)] += 1.0);

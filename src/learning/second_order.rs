@@ -14,10 +14,11 @@ use rayon::prelude::*;
 use crate::creature::Creature;
 use crate::learning::annealing::{NARROWEST, anneal, gaps, quantile, typical_gap};
 use crate::learning::growing::{Evidence, Nursery, Start, WHOLE_DOF};
+use crate::learning::joint_noise;
 use crate::learning::least_squares::{LeastSquares, Stopping, levenberg_marquardt};
 use crate::learning::observability::Observability;
 use crate::learning::observation::{Input, Observation, ObservationModel, PointsMeet, SkinKnowledge};
-use crate::learning::prediction::{GapRow, covariance};
+use crate::learning::prediction::{GapRow, covariance, information_inverse};
 use crate::learning::surface_gap::{MEAN_WEIGHT, SurfaceGap, gap_scale};
 use crate::learning::touch_set::{LimbTouch, PreparedTouch, TouchProblem, TouchSet};
 use crate::learning::{AxisModel, Known, Learned, Learner, Parameters, Verdict};
@@ -27,6 +28,8 @@ use crate::skin::Skin;
 
 /// Every how many touches one is kept back to judge a start.
 const KEPT_BACK: usize = 5;
+/// Fits in which the touches are weighed by how noisy joints spread them, the first with none weighed.
+const WEIGHINGS: usize = 3;
 /// Starts tried before the learner says that it failed.
 const STARTS: usize = 24;
 /// Starts tried with a body too large to be solved whole.
@@ -229,12 +232,25 @@ impl<'a> SecondOrder<'a> {
             }
             Evidence::Surfaces(skin) => {
                 let annealed = anneal(self.creature, skin, &used, &parameters, &self.known.prior, schema);
-                let model = SurfaceGap::new(skin, annealed.gap_deviation).with_biased_places();
-                let mut problem =
-                    TouchProblem::new(self.creature, &used, &parameters, model).with_prior(&self.known.prior);
-                let stopping =
-                    Stopping { iterations: LAST_ITERATIONS, relative_cost: LAST_RELATIVE_COST, cost: 0.0 };
-                let schema = levenberg_marquardt(&mut problem, &parameters, annealed.schema, stopping).schema;
+                let mut schema = annealed.schema;
+                let mut scales = None;
+                let noisy = annealed.gap_deviation > CERTAIN_NOISE;
+                for _ in 0..if noisy { WEIGHINGS } else { 1 } {
+                    let deviation = self.gap_deviation(skin, &used, &parameters, &schema, scales.as_deref());
+                    let model = SurfaceGap::new(skin, deviation).with_biased_places();
+                    let mut problem = TouchProblem::new(self.creature, &used, &parameters, model)
+                        .with_prior(&self.known.prior)
+                        .with_scales(scales.as_deref());
+                    let stopping = Stopping {
+                        iterations: LAST_ITERATIONS,
+                        relative_cost: LAST_RELATIVE_COST,
+                        cost: 0.0,
+                    };
+                    schema = levenberg_marquardt(&mut problem, &parameters, schema, stopping).schema;
+                    if noisy {
+                        scales = joint_noise::scales(skin, &used, &schema);
+                    }
+                }
                 let (observability, deviation) = self.observe_touches(&used, &schema);
                 (schema, observability, deviation)
             }
@@ -299,9 +315,15 @@ impl<'a> SecondOrder<'a> {
                 (hessian, 3 * used.len(), CONTACT_DEVIATION * misses)
             }
             Evidence::Surfaces(skin) => {
-                let deviation = self.gap_deviation(skin, used, &parameters, schema);
+                let mut deviation = self.gap_deviation(skin, used, &parameters, schema, None);
+                let noisy = deviation > CERTAIN_NOISE;
+                let scales = if noisy { joint_noise::scales(skin, used, schema) } else { None };
+                if scales.is_some() {
+                    deviation = self.gap_deviation(skin, used, &parameters, schema, scales.as_deref());
+                }
                 let model = SurfaceGap::new(skin, deviation).with_biased_places();
-                let mut problem = TouchProblem::new(self.creature, used, &parameters, model);
+                let mut problem =
+                    TouchProblem::new(self.creature, used, &parameters, model).with_scales(scales.as_deref());
                 (problem.linearize(schema).hessian / MEAN_WEIGHT, 5 * used.len(), deviation)
             }
         };
@@ -317,11 +339,13 @@ impl<'a> SecondOrder<'a> {
         touches: &TouchSet,
         parameters: &Parameters,
         schema: &BodySchema,
+        scales: Option<&[f64]>,
     ) -> f64 {
         let start = noise(skin, touches, parameters, schema);
-        let prior = &self.known.prior;
-        let Some(covariance) = covariance(self.creature, skin, touches, parameters, prior, schema, start)
-        else {
+        let mut problem = TouchProblem::new(self.creature, touches, parameters, SurfaceGap::new(skin, start))
+            .with_prior(&self.known.prior)
+            .with_scales(scales);
+        let Some(covariance) = information_inverse(problem.linearize(schema).hessian, parameters) else {
             return start;
         };
         let mut row = GapRow::default();

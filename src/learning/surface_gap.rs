@@ -204,13 +204,15 @@ impl ObservationModel for SurfaceGap<'_> {
         Matrix3::identity()
     }
 
-    fn residuals(&self, ends: &[Observation; 2], frames: &[Frame; 2], _: &Matrix3<f64>) -> Residuals {
+    fn residuals(&self, ends: &[Observation; 2], frames: &[Frame; 2], whitening: &Matrix3<f64>) -> Residuals {
         let meeting = self.meeting(ends, frames);
         let points = [0, 1].map(|k| frames[k].inverse_point(&meeting.point));
         let mut residuals = Residuals::new(points);
-        let gap = meeting.gap / self.gap_deviation;
+        // One over how much wider than another's the touch's gap may be.
+        let gap_deviation = self.gap_deviation / whitening[(0, 0)];
+        let gap = meeting.gap / gap_deviation;
         let weight = 1.0 / (1.0 + (gap / TAIL).powi(2)).sqrt();
-        residuals.push(meeting.normal * (weight / self.gap_deviation), gap * weight);
+        residuals.push(meeting.normal * (weight / gap_deviation), gap * weight);
         for (k, offset, deviation, direction) in self.offsets(ends, &points) {
             let value = offset / deviation;
             let weight = 1.0 / (1.0 + (value / TAIL).powi(2)).sqrt();
@@ -221,10 +223,10 @@ impl ObservationModel for SurfaceGap<'_> {
         residuals
     }
 
-    fn cost(&self, ends: &[Observation; 2], frames: &[Frame; 2], _: &Matrix3<f64>) -> f64 {
+    fn cost(&self, ends: &[Observation; 2], frames: &[Frame; 2], whitening: &Matrix3<f64>) -> f64 {
         let meeting = self.meeting(ends, frames);
         let points = [0, 1].map(|k| frames[k].inverse_point(&meeting.point));
-        let mut cost = tailed(meeting.gap / self.gap_deviation);
+        let mut cost = tailed(meeting.gap / self.gap_deviation * whitening[(0, 0)]);
         for (_, offset, deviation, _) in self.offsets(ends, &points) {
             cost += tailed(offset / deviation);
         }
