@@ -36,11 +36,11 @@ const STARTS: usize = 24;
 const LARGE_STARTS: usize = 4;
 /// Starts after which one is taken though it knows fewer joints than have touches of their own.
 const INCOMPLETE_STARTS: usize = 2;
-/// Where gaps show noise, only trying can tell whether less of it was to be had: so many starts are made at
-/// the least …
-const WARY_STARTS: usize = 4;
-/// … and two must agree on the least noise to this share of it.
-const AGREEMENT: f64 = 0.02;
+/// Where gaps show noise, only trying can tell whether less of it was to be had: two starts must agree on the
+/// least noise to this share of it.
+const AGREEMENT: f64 = 0.03;
+/// So many starts that agree on what the touches do not bear out are not bettered by more.
+const HOPELESS_STARTS: usize = 3;
 /// Noise of the gaps below which no better answer is looked for, metres.
 const CERTAIN_NOISE: f64 = 2e-5;
 /// Touches of one limb pair that a start uses at most; the last fit uses all.
@@ -463,18 +463,18 @@ impl SecondOrder<'_> {
             let made: Vec<Judged> = wave.par_iter().map(|&number| make(number)).collect();
             for (trial, number) in made.into_iter().zip(wave) {
                 onsets += trial.start.onsets;
-                if trial.start.accepted {
-                    noises.push(trial.noise);
-                }
+                noises.push(trial.noise);
                 if best.as_ref().is_none_or(|best| trial.better(best)) {
                     best = Some(trial);
                 }
                 let best = best.as_ref().expect("one was made");
                 let agreeing =
                     noises.iter().filter(|&&noise| noise <= (1.0 + AGREEMENT) * best.noise).count();
-                let agreed = *number + 1 >= WARY_STARTS && agreeing >= 2;
                 let complete = best.known() >= solvable || *number + 1 >= INCOMPLETE_STARTS;
-                if best.start.accepted && complete && (best.noise <= CERTAIN_NOISE || agreed) {
+                if best.start.accepted && complete && (best.noise <= CERTAIN_NOISE || agreeing >= 2) {
+                    break 'waves;
+                }
+                if best.noise > CERTAIN_NOISE && agreeing >= HOPELESS_STARTS {
                     break 'waves;
                 }
             }
