@@ -33,7 +33,7 @@ const WEIGHINGS: usize = 3;
 /// Starts tried before the learner says that it failed.
 const STARTS: usize = 24;
 /// Starts tried with a body too large to be solved whole.
-const LARGE_STARTS: usize = 4;
+const LARGE_STARTS: usize = 2;
 /// Starts after which one is taken though it knows fewer joints than have touches of their own.
 const INCOMPLETE_STARTS: usize = 2;
 /// Where gaps show noise, only trying can tell whether less of it was to be had: two starts must agree on the

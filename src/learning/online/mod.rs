@@ -14,6 +14,7 @@ mod tool;
 
 use crate::creature::Creature;
 use crate::kinematics::Chain;
+use crate::learning::growing::WHOLE_DOF;
 use crate::learning::least_squares::LeastSquares;
 use crate::learning::observability::Observability;
 use crate::learning::surface_gap::SurfaceGap;
@@ -26,9 +27,8 @@ pub use belief::{Anchor, Belief, Expectation};
 use change::{Explanation, Watch, Watched};
 pub use tool::Tool;
 
-/// Touches after which learning is first tried, and per degree of freedom, where that is more.
+/// Touches after which learning is first tried; a body too large to be solved whole is learned in the end.
 const FIRST_TRIAL: usize = 240;
-const PER_DOF: usize = 5;
 /// Starts of the first trial: none that doubts its touches, for those are dear.
 const FIRST_STARTS: usize = 2;
 /// Starts of a trial before the last: not all, for more touches make it easier.
@@ -145,7 +145,7 @@ impl<'a> Online<'a> {
             known,
             batch,
             seen: 0,
-            next_trial: FIRST_TRIAL.max(PER_DOF * creature.dof()),
+            next_trial: if creature.dof() > WHOLE_DOF { usize::MAX } else { FIRST_TRIAL },
             locked: None,
             onsets: 0,
             expectation: None,
