@@ -9,7 +9,7 @@ use bodyschema::babbling::{Babbler, BabblingOptions};
 use bodyschema::creature::{Body, JointSelection};
 use bodyschema::evaluation::evaluate;
 use bodyschema::ground_truth::GroundTruth;
-use bodyschema::learning::{Input, Learner, SecondOrder};
+use bodyschema::learning::{Learner, Online};
 use bodyschema::mujoco::Model;
 use bodyschema::skin::skin_of;
 
@@ -19,7 +19,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let skin = skin_of(&body);
 
     // Babble: every touch goes to the learner.
-    let mut learner = SecondOrder::new(&body.creature, &skin, Input::Receptor, 1);
+    let mut learner = Online::new(&body.creature, &skin, 1);
     let options = BabblingOptions { touches: 500, seed: 1, jobs: 2 };
     let babbler = Babbler::new::<Infallible>(&body, &skin)?;
     babbler.babble(&options, |touch| {

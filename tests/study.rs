@@ -147,3 +147,17 @@ fn learning_from_disturbed_touches_says_what_that_cost_and_leaves_the_log_exact(
         refused(place.path(), 2, &[&["learn", "exact"][..], &wrong].concat());
     }
 }
+
+#[test]
+fn a_body_that_grows_and_one_that_holds_a_stick_are_known_again() {
+    let place = tempfile::tempdir().unwrap();
+    let max = common::repository("mjcf/max/max.xml");
+    let model = max.to_str().unwrap();
+    let arguments = ["study", "growth", model, "--trials", "1", "--seed", "9", "--touches", "600", "--json"];
+    let found = json(place.path(), &arguments);
+    for row in found["summary"].as_array().unwrap() {
+        assert_eq!(row["known_again"], 1.0, "{row}");
+        assert!(row["touches_to_twice"].as_f64().unwrap() <= 60.0, "{row}");
+        assert!(row["error_at_change_mm"].as_f64().unwrap() > 1.0, "{row}");
+    }
+}
