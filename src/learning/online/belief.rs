@@ -18,7 +18,7 @@ use crate::kinematics::tangent_basis;
 use crate::learning::Parameters;
 use crate::learning::annealing::{NARROWEST, WIDEST, gaps, quantile, typical_gap};
 use crate::learning::least_squares::{LeastSquares, Linearization, Stopping, levenberg_marquardt};
-use crate::learning::prediction::{GapRow, invert};
+use crate::learning::prediction::{GapRow, information_inverse, invert};
 use crate::learning::prior::Beforehand;
 use crate::learning::surface_gap::SurfaceGap;
 use crate::learning::touch_set::{PreparedTouch, TouchProblem, TouchSet};
@@ -66,7 +66,7 @@ impl Belief {
         deviation: f64,
     ) -> Option<Belief> {
         let product = DVector::zeros(parameters.len());
-        let covariance = invert(information)?;
+        let covariance = information_inverse(information, &parameters)?;
         Some(Belief { schema, parameters, covariance, deviation, row: GapRow::default(), product })
     }
 

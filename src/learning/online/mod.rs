@@ -102,6 +102,8 @@ pub struct Online<'a> {
     expectation: Option<Expectation>,
     /// Whether each of the last touches surprised.
     surprises: Vec<bool>,
+    /// How many of its predicted deviations each missed by.
+    deviations: Vec<f64>,
     changes: Vec<Change>,
     tools: Vec<Tool>,
     /// Per tool, the touches that it explained and how many there will be when it is fitted again.
@@ -150,6 +152,7 @@ impl<'a> Online<'a> {
             onsets: 0,
             expectation: None,
             surprises: Vec::new(),
+            deviations: Vec::new(),
             changes: Vec::new(),
             tools: Vec::new(),
             by_tool: Vec::new(),
@@ -250,6 +253,7 @@ impl<'a> Online<'a> {
         let deviations = expectation.gap.abs() / expectation.deviation;
         let surprising = deviations > SURPRISING && expectation.gap.abs() > CLOSE_ENOUGH;
         self.surprises.push(surprising);
+        self.deviations.push(deviations);
         let watched = Watched { number, limbs, touch: prepared.clone(), surprising };
         let changed = locked.watch.see(&chain, watched);
         if by_tool.is_none() {
@@ -362,9 +366,21 @@ impl<'a> Online<'a> {
         surprising as f64 <= TOLERATED * last.len() as f64
     }
 
+    /// Root mean square of how far the last touches, false ones left out, were from what was foretold, in
+    /// predicted deviations.
+    fn fresh_rms(&self) -> f64 {
+        let first = self.deviations.len().saturating_sub(JUDGED);
+        let last = self.deviations[first..].iter().zip(&self.surprises[first..]);
+        let true_ones: Vec<f64> = last.filter(|(_, surprising)| !**surprising).map(|(d, _)| d * d).collect();
+        (true_ones.iter().sum::<f64>() / true_ones.len() as f64).sqrt()
+    }
+
     /// All touches since the body last changed, fitted once more.
     fn conclude(&mut self) -> Option<Learned> {
-        self.fit_again();
+        let fresh_rms = self.fresh_rms();
+        if !self.changes.is_empty() {
+            self.fit_again();
+        }
         let locked = self.locked.as_ref()?;
         let belief = &locked.belief;
         // The body never changed: all touches count alike, and the last fit is that of all at once.
@@ -375,7 +391,7 @@ impl<'a> Online<'a> {
             return Some(Learned {
                 verdict: Verdict::Converged,
                 onsets: self.onsets,
-                fresh_rms: 0.0,
+                fresh_rms,
                 changes: Vec::new(),
                 ..refined
             });
@@ -399,7 +415,7 @@ impl<'a> Online<'a> {
             schema: belief.schema.clone(),
             verdict: Verdict::Converged,
             onsets: self.onsets,
-            fresh_rms: 0.0,
+            fresh_rms,
             undetermined,
             observability: Some(observability),
             deviation: Some(belief.deviation),
