@@ -7,7 +7,7 @@
 //!                └─ ground_truth  where joints really are; only the evaluation may see it
 //! creature + skin ─ babbling (posture → motion → first contact → senses → touch) ─ touches
 //! touches ─ record (the session on disk)
-//! touches ─ (senses: disturbances) ─ learning (Hersch's rule; its repair; second order) ─ schema
+//! touches ─ (senses: disturbances) ─ learning (Hersch's rule; its repair; second order, then online) ─ schema
 //! schema + ground_truth ─ evaluation ─ report
 //! ```
 //!

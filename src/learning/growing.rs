@@ -26,6 +26,8 @@ use crate::learning::{AxisModel, Parameters, Prior};
 use crate::schema::BodySchema;
 use crate::skin::Skin;
 
+/// Root mean square of whitened misses, on touches not fitted to, that exact points can have.
+pub const EXACT: f64 = 1.0;
 /// Onsets tried for one part of the body before the whole start is given up.
 const ONSETS_PER_PART: usize = 12;
 /// A body of more degrees of freedom than this is not tried whole.
@@ -110,8 +112,8 @@ impl Evidence<'_> {
     /// receptors are coarse, and one start in eight grows, or each where the body is large.
     pub fn route(&self, start: usize, dof: usize) -> Route {
         match self {
-            Evidence::Points(_) if start % 4 < 3 => Route::Grown,
-            Evidence::Surfaces(_) if dof > WHOLE_DOF || start % 8 == 5 => Route::Grown,
+            Evidence::Points(_) if self.exact() && start % 4 < 3 => Route::Grown,
+            _ if !self.exact() && (dof > WHOLE_DOF || start % 8 == 5) => Route::Grown,
             _ => Route::Whole,
         }
     }
@@ -119,7 +121,12 @@ impl Evidence<'_> {
     /// Whether an onset goes down the gradient first. Coarse places need it; exact ones find the answer of a
     /// small part as well without, and at times where the gradient does not.
     fn descends(&self, onset: usize) -> bool {
-        matches!(self, Evidence::Surfaces(_)) || onset.is_multiple_of(2)
+        !self.exact() || onset.is_multiple_of(2)
+    }
+
+    /// Whether the places of a touch are one point, and no patches.
+    pub fn exact(&self) -> bool {
+        matches!(self, Evidence::Points(acceptance) if *acceptance <= EXACT)
     }
 
     /// Touches a part needs before it is solved: some, and some more per unknown degree of freedom. A point
@@ -509,8 +516,8 @@ impl Nursery<'_> {
             _ => PointsMeet::Anyhow,
         };
         let mut problem = TouchProblem::new(self.creature, touches, parameters, model);
-        // Points are sharp enough to do without.
-        if matches!(self.evidence, Evidence::Surfaces(_)) {
+        // Exact points are sharp enough to do without.
+        if !self.evidence.exact() {
             problem = problem.with_prior(self.prior);
         }
         // Far below what noise can do there is nothing left to gain here.

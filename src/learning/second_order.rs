@@ -13,7 +13,7 @@ use rayon::prelude::*;
 
 use crate::creature::Creature;
 use crate::learning::annealing::{NARROWEST, anneal, gaps, quantile, typical_gap};
-use crate::learning::growing::{Evidence, Nursery, Start, WHOLE_DOF};
+use crate::learning::growing::{EXACT, Evidence, Nursery, Start, WHOLE_DOF};
 use crate::learning::joint_noise;
 use crate::learning::least_squares::{LeastSquares, Stopping, levenberg_marquardt};
 use crate::learning::observability::Observability;
@@ -39,6 +39,8 @@ const INCOMPLETE_STARTS: usize = 2;
 /// Where gaps show noise, only trying can tell whether less of it was to be had: two starts must agree on the
 /// least noise to this share of it.
 const AGREEMENT: f64 = 0.03;
+/// The same for places that are taken for one point: there is but one least sum of squares.
+const POINT_AGREEMENT: f64 = 1e-3;
 /// So many starts that agree on what the touches do not bear out are not bettered by more.
 const HOPELESS_STARTS: usize = 3;
 /// Noise of the gaps below which no better answer is looked for, metres.
@@ -49,10 +51,7 @@ const TOUCHES_PER_PAIR: usize = 150;
 const CONTACT_DEVIATION: f64 = 1e-4;
 /// How far a curved limb is taken to bulge out of a flat patch, metres.
 const NORMAL_DEVIATION: f64 = 6e-3;
-/// Root mean square of whitened misses, on touches not fitted to, that a right answer can have: contact
-/// points are exact …
-const EXACT: f64 = 1.0;
-/// … and receptor centres have a bias, the bulge of the limb.
+/// The same as [`EXACT`] for receptor centres: they have a bias, the bulge of the limb.
 const BIASED: f64 = 1.5;
 /// Eight tenths of the gaps of touches not fitted to stay within this many of the deviations that the
 /// schema predicts for them: 1.28 of a normal distribution, and a margin for few touches.
@@ -170,8 +169,22 @@ impl<'a> SecondOrder<'a> {
             return (f64::INFINITY, f64::INFINITY);
         }
         match self.evidence() {
-            Evidence::Points(acceptance) => (point_misfit(&used, &start.schema) / acceptance, 0.0),
+            Evidence::Points(acceptance) => {
+                let misfit = point_misfit(&used, &start.schema) / acceptance;
+                // Exact points are their own proof; places of patches are not.
+                let known = known_touches(fitted, &start.known);
+                let noise = if self.evidence().exact() { 0.0 } else { point_misfit(&known, &start.schema) };
+                (misfit, noise)
+            }
             Evidence::Surfaces(_) => self.judge_gaps(&known_touches(fitted, &start.known), &used, start),
+        }
+    }
+
+    /// The share of the noise within which two starts have come to the same.
+    fn agreement(&self) -> f64 {
+        match self.evidence() {
+            Evidence::Points(_) => POINT_AGREEMENT,
+            Evidence::Surfaces(_) => AGREEMENT,
         }
     }
 
@@ -223,8 +236,10 @@ impl<'a> SecondOrder<'a> {
         let schema = self.with_frozen(&start.schema);
         match self.evidence() {
             Evidence::Points(_) => {
-                let mut problem = TouchProblem::new(self.creature, &used, &parameters, PointsMeet::Shaped)
-                    .with_prior(&self.known.given);
+                let mut problem =
+                    TouchProblem::new(self.creature, &used, &parameters, PointsMeet::Shaped).with_prior(
+                        if self.input == Input::Contact { &self.known.given } else { &self.known.prior },
+                    );
                 let stopping = Stopping { iterations: 60, relative_cost: 1e-9, cost: 0.0 };
                 let schema = levenberg_marquardt(&mut problem, &parameters, schema, stopping).schema;
                 let (observability, deviation) = self.observe_touches(&used, &schema);
@@ -469,7 +484,7 @@ impl SecondOrder<'_> {
                 }
                 let best = best.as_ref().expect("one was made");
                 let agreeing =
-                    noises.iter().filter(|&&noise| noise <= (1.0 + AGREEMENT) * best.noise).count();
+                    noises.iter().filter(|&&noise| noise <= (1.0 + self.agreement()) * best.noise).count();
                 let complete = best.known() >= solvable || *number + 1 >= INCOMPLETE_STARTS;
                 if best.start.accepted && complete && (best.noise <= CERTAIN_NOISE || agreeing >= 2) {
                     break 'waves;
@@ -481,7 +496,7 @@ impl SecondOrder<'_> {
         }
         let mut best = best.expect("at least one start is made");
         // Noise that no second start finds may be a wrong minimum as well.
-        let agreeing = noises.iter().filter(|&&noise| noise <= (1.0 + AGREEMENT) * best.noise).count();
+        let agreeing = noises.iter().filter(|&&noise| noise <= (1.0 + self.agreement()) * best.noise).count();
         best.start.accepted &= best.noise <= CERTAIN_NOISE || agreeing >= 2;
         let Judged { start, judged, .. } = best;
         if start.accepted {
