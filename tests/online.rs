@@ -68,8 +68,7 @@ fn touches_are_foretold_as_well_as_the_learner_says() {
 #[test]
 fn one_touch_in_twenty_may_be_false() {
     let (body, skin) = with_skin(max("torso"));
-    let mut disturbances = Disturbances::default();
-    disturbances.false_touches = 0.05;
+    let disturbances = Disturbances { false_touches: 0.05, ..Disturbances::default() };
     let exact = babble(&body, &skin, 700, 22, 2);
     let felt = disturbances.felt(&body.creature, &skin, &exact, 22);
     let mut learner = Online::new(&body.creature, &felt.skin, 22);

@@ -7,11 +7,12 @@
 //! residual; release everything known so far on all touches used; repeat.
 //!
 //! Receptors are coarser: a small part may find a wrong answer that fits its few touches. With them most
-//! starts take the body whole: from the receptors' centres with relaxed axes, then by the surfaces with
-//! relaxed axes, for joints that turn little are lost in the patches and only the surfaces feel them, then
-//! on the sphere. Where most gaps close and some stay open, the joints that the open ones share are solved
-//! anew by the surfaces, all others held. Bodies too large for that grow, and take whole what is left where
-//! no part has touches enough to stand alone.
+//! starts take the body whole: down the relaxed gradient, from the receptors' centres with relaxed axes, then
+//! by the surfaces with relaxed axes, for joints that turn little are lost in the patches and only the
+//! surfaces feel them, then on the sphere. Where most gaps close and some stay open, the joints that the open ones share are solved
+//! anew by the surfaces, all others held. Two of every four starts doubt the touches themselves: they weigh
+//! far misses less all the way down, and go by no centres. Bodies too large for that grow by the subtrees of
+//! their limbs, a hand's fingers before the arms, and leave unknown what has fewer touches than unknowns.
 
 use rand_chacha::ChaCha8Rng;
 

@@ -6,7 +6,7 @@
 //! [`belief`]); whenever the touches have doubled, all are fitted again, so that no derivative is old.
 //!
 //! The schema is usable at any time, and its covariance says how far. A body that changes is noticed from the
-//! predictions and followed without starting over (see [`change`]).
+//! predictions and followed without starting over (see `change.rs`).
 
 pub mod belief;
 mod change;
