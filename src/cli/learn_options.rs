@@ -351,6 +351,7 @@ fn facts(session: &Session, options: &LearnOptions, result: &SessionLearning) ->
     }
     facts.push(("random onsets", result.learned.onsets.to_string()));
     facts.push(("learning", format!("{:.2} s", result.seconds)));
+    facts.extend(changes(&session.creature, &result.learned).into_iter().map(|change| ("change", change)));
     facts.into_iter().map(|(name, value)| (name.to_string(), value)).collect()
 }
 

@@ -52,6 +52,14 @@ const JUDGED: usize = 100;
 /// Share of surprises among them that false touches may make up.
 const TOLERATED: f64 = 0.25;
 
+/// Touches after a change in which its explanation may still turn out to be wrong.
+const PROBATION: usize = 80;
+/// Touches after a change until all since are fitted again for the first time.
+const FEW_MORE: usize = 15;
+/// Share of all touches with a joint, from before a change and since, that its new place explains where it had
+/// been there all the time.
+const EXPLAINS_ALL: f64 = 0.7;
+
 /// A change of the body, as the agent understood it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Change {
@@ -327,12 +335,9 @@ impl<'a> Online<'a> {
                 let distance = (schema.positions[joint] - belief.schema.positions[joint]).norm();
                 let with_joint = locked.touches.filter(|pair| pair.chain.joints().any(|j| j == joint));
                 let close = CLOSE_ENOUGH.max(SURPRISING * belief.deviation);
-                let earlier = (with_joint.len() as f64 - since.len() as f64).max(1.0);
-                let explains_all = change::closed(skin, &with_joint, &schema, close)
-                    * with_joint.len() as f64
-                    > 0.7 * earlier + since.len() as f64 * 0.7;
+                // Of the touches before, too: the body is the same, and had been learned wrongly.
+                let explains_all = change::closed(skin, &with_joint, &schema, close) > EXPLAINS_ALL;
                 if explains_all && locked.anchor.is_none() {
-                    // The body is the same: it had been learned wrongly.
                     locked.belief.schema = schema;
                     let what = What::Corrected { joint, distance };
                     self.changes.push(Change { touch: number, since: onset, what });
@@ -423,11 +428,6 @@ impl<'a> Online<'a> {
         })
     }
 }
-
-/// Touches after a change in which its explanation may still turn out to be wrong.
-const PROBATION: usize = 80;
-/// Touches after a change until all since are fitted again for the first time.
-const FEW_MORE: usize = 15;
 
 impl Learner for Online<'_> {
     fn touch(&mut self, touch: &Touch) {
