@@ -145,7 +145,7 @@ fn the_errors_are_told_in_their_units() {
 #[test]
 fn pairs_of_limbs_and_open_joints_are_named() {
     let page = report::html(&Session::new().input());
-    assert!(page.contains("3, between 2 pairs of limbs"));
+    assert!(page.contains("3, between 2 pairs of aura limbs"));
     assert!(page.contains("<title>left&quot;arm, trunk: 2 touches</title>"));
     assert!(page.contains("<title>&lt;right&gt;, left&quot;arm: 1 touch</title>"));
     assert!(page.contains("do not determine 1 of 2 joints: ball."));

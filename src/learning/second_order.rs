@@ -41,8 +41,10 @@ const INCOMPLETE_STARTS: usize = 2;
 const AGREEMENT: f64 = 0.03;
 /// The same for places that are taken for one point: there is but one least sum of squares.
 const POINT_AGREEMENT: f64 = 1e-3;
-/// So many starts that agree on what the touches do not bear out are not bettered by more.
+/// So many starts that agree on what the touches do not bear out are not bettered by more, …
 const HOPELESS_STARTS: usize = 3;
+/// … but tangles are many, and alike in how wide their gaps are, metres.
+const TANGLED: f64 = 5e-3;
 /// Noise of the gaps below which no better answer is looked for, metres.
 const CERTAIN_NOISE: f64 = 2e-5;
 /// Touches of one limb pair that a start uses at most; the last fit uses all.
@@ -489,7 +491,8 @@ impl SecondOrder<'_> {
                 if best.start.accepted && complete && (best.noise <= CERTAIN_NOISE || agreeing >= 2) {
                     break 'waves;
                 }
-                if best.noise > CERTAIN_NOISE && agreeing >= HOPELESS_STARTS {
+                let settled = CERTAIN_NOISE < best.noise && best.noise < TANGLED;
+                if settled && agreeing >= HOPELESS_STARTS {
                     break 'waves;
                 }
             }

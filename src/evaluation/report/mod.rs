@@ -88,7 +88,10 @@ fn facts(input: &ReportInput) -> String {
     let counted = [
         ("Body", format!("{joints} with {} degrees of freedom", creature.dof())),
         ("Skin", plural(input.skin.receptors.len(), "receptor")),
-        ("Touches", format!("{}, between {}", input.touches.len(), plural(pairs.len(), "pair of limbs"))),
+        (
+            "Touches",
+            format!("{}, between {}", input.touches.len(), plural(pairs.len(), "pair of aura limbs")),
+        ),
     ];
     let counted = counted.map(|(name, value)| (name.to_string(), value));
     let seed = [("Seed".to_string(), input.seed.to_string())];

@@ -31,6 +31,8 @@ const FEWEST: usize = 8;
 const CLOSE: f64 = 5e-4;
 /// Standard deviations of a closed gap.
 const DEVIATIONS: f64 = 5.0;
+/// Touches kept to explain a change by.
+const KEPT: usize = 400;
 /// How far a joint may move, metres: a standard deviation.
 const SHIFT: f64 = 0.15;
 
@@ -66,9 +68,6 @@ pub struct Watch {
     /// Touches that explanations were looked for at, so that it is not done at every one.
     tried_at: usize,
 }
-
-/// Touches kept to explain a change by.
-const KEPT: usize = 400;
 
 impl Watch {
     /// A watch over a creature's joints.
