@@ -474,7 +474,8 @@ impl SecondOrder<'_> {
         let mut onsets = 0;
         let mut noises: Vec<f64> = Vec::new();
         // Starts of a large body are long, and try several onsets for each part.
-        let starts = if dof > WHOLE_DOF { starts.min(LARGE_STARTS) } else { starts };
+        let starts =
+            if dof > WHOLE_DOF && !self.evidence().exact() { starts.min(LARGE_STARTS) } else { starts };
         let numbers: Vec<usize> = (0..starts).collect();
         'waves: for wave in numbers.chunks(rayon::current_num_threads()) {
             let made: Vec<Judged> = wave.par_iter().map(|&number| make(number)).collect();
