@@ -327,7 +327,7 @@ pub fn learn_session(
         learning_curve: &curve,
         seed: session.seed,
         facts: facts(session, options, &result),
-        verdict: sentence(&result.learned.verdict),
+        verdict: sentence(creature, &result.learned),
         undetermined: &result.learned.undetermined,
     };
     output::file(&folder.join(REPORT_FILE), &report::html(&report))?;
@@ -378,9 +378,15 @@ fn changes(creature: &Creature, learned: &Learned) -> Vec<String> {
 }
 
 /// The verdict in a sentence.
-fn sentence(verdict: &Verdict) -> String {
-    match verdict {
-        Verdict::Converged => "converged: it explains touches that it was not fitted to".to_string(),
+fn sentence(creature: &Creature, learned: &Learned) -> String {
+    match &learned.verdict {
+        Verdict::Converged => match learned.undetermined.len() {
+            0 => "converged: it explains touches that it was not fitted to".to_string(),
+            left_out => format!(
+                "converged but for {left_out} of {} joints: the rest explains touches that it was not fitted to",
+                creature.joints().len()
+            ),
+        },
         Verdict::Failed(why) => format!("NOT learned: {why}"),
         Verdict::Unjudged(why) => format!("not judged: {why}"),
     }
@@ -481,7 +487,7 @@ pub fn print_table(
     if options.disturbances != DisturbanceOptions::default() {
         say!("disturbances: {}", options.disturbances);
     }
-    say!("{}", sentence(&result.learned.verdict));
+    say!("{}", sentence(creature, &result.learned));
     say!("undetermined joints: {}", output::names(&result.undetermined));
     changes(creature, &result.learned).iter().for_each(|change| say!("{change}"));
     say!("");
