@@ -349,7 +349,7 @@ impl<'a> SecondOrder<'a> {
         (found, deviation)
     }
 
-    /// Standard deviation of the gaps at a fitted schema, metres.
+    /// Standard deviation of the gaps at a fitted schema, metres; with `scales`, of a gap whose scale is 1.
     fn gap_deviation(
         &self,
         skin: &Skin,
@@ -367,9 +367,10 @@ impl<'a> SecondOrder<'a> {
         };
         let mut row = GapRow::default();
         let touches = touches.pairs.iter().flat_map(|pair| &pair.touches);
-        let rows = touches.map(|touch| {
+        let rows = touches.enumerate().map(|(number, touch)| {
             row.set(skin, parameters, schema, touch);
-            (row.gap, MEAN_WEIGHT * row.variance(&covariance) / (start * start))
+            let scale = scales.map_or(1.0, |scales| scales[number]);
+            (row.gap / scale, MEAN_WEIGHT * row.variance(&covariance) / (start * scale).powi(2))
         });
         gap_scale(&rows.collect::<Vec<_>>(), start).max(NARROWEST)
     }
