@@ -13,7 +13,7 @@ use crate::ground_truth::GroundTruth;
 use crate::record::{
     BabblingEffort, PROGRAM, SESSION_FILE, Session, SessionOptions, TouchWriter, model_hash,
 };
-use crate::skin::skin_of;
+use super::skin::skin_for;
 
 /// Babble, touch, learn the body schema, and measure it.
 ///
@@ -61,7 +61,7 @@ pub fn run(args: &Args) -> Outcome {
     let selection = args.joints.clone().unwrap_or_default();
     let body = open_body(&args.model, &selection)?;
     let learn = args.learn.with_known(&body.creature)?;
-    let skin = skin_of(&body);
+    let skin = skin_for(&args.model, &body)?;
     let truth = GroundTruth::new(&body)?;
     let babbler = babbler(&args.model, &body, &skin)?;
     let folder = session_folder(args.out.as_deref(), body.creature.name())?;

@@ -8,7 +8,8 @@ use super::Outcome;
 use super::open::open_body;
 use super::output;
 use crate::creature::{Creature, DofKind, JointSelection};
-use crate::skin::{SomatotopicMap, skin_of};
+use super::skin::skin_for;
+use crate::skin::SomatotopicMap;
 
 /// Tell a model's tree, degrees of freedom, limbs and receptors.
 #[derive(clap::Args)]
@@ -26,7 +27,7 @@ pub struct Args {
 pub fn run(args: &Args) -> Outcome {
     let body = open_body(&args.model, &JointSelection::All)?;
     let learned = open_body(&args.model, &JointSelection::Default)?;
-    let skin = skin_of(&body);
+    let skin = skin_for(&args.model, &body)?;
     let map = SomatotopicMap::new(&skin);
     let creature = &body.creature;
     let mut by_limb: Vec<(String, usize)> =

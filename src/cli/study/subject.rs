@@ -15,7 +15,8 @@ use crate::evaluation::{Evaluation, evaluate_learned};
 use crate::ground_truth::GroundTruth;
 use crate::learning::{Learned, Verdict};
 use crate::senses::Touch;
-use crate::skin::{Skin, skin_of};
+use super::super::skin::skin_for;
+use crate::skin::Skin;
 
 /// Mean held-out error at which a learner without a verdict of its own counts as converged, millimetres.
 pub const CONVERGED_MM: f64 = 10.0;
@@ -68,7 +69,7 @@ impl Subject {
         jobs: usize,
     ) -> Result<Subject, Failure> {
         let body = open_body(model, joints)?;
-        let (skin, truth) = (skin_of(&body), GroundTruth::new(&body)?);
+        let (skin, truth) = (skin_for(model, &body)?, GroundTruth::new(&body)?);
         // Whether the creature can babble at all is told before any folder is made.
         babbler(model, &body, &skin)?;
         let model = model.to_path_buf();
