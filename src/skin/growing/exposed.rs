@@ -1,8 +1,10 @@
 //! Which part of a creature's surface can be touched.
 //!
 //! What lies inside other geometry of the same limb is buried for good. So is what lies inside a limb next to
-//! it across a joint, such as the two ends that overlap in a joint's ball, unless a slide between them draws
-//! it out. Geometry of any other limb moves out of the way.
+//! it across a joint, such as the two ends that overlap in a joint's ball, or inside a body that the model excludes
+//! from touching it, unless a slide between them draws it out. Geometry of any other limb moves out of the way.
+
+use std::collections::BTreeSet;
 
 use nalgebra::{Isometry3, Vector3};
 
@@ -61,9 +63,13 @@ impl Exposure {
         }
         let touchable = |g: usize| placed[0][g].is_some();
         let carriers = carriers(body, touchable);
+        let excluded: BTreeSet<[usize; 2]> = model.excludes().collect();
         let overlap_for_good = |g: usize, other: usize| {
-            let [a, b] = [g, other].map(|g| model.weld(model.geom_body(g)));
-            a == b || carriers[a] == Some(b) || carriers[b] == Some(a)
+            let bodies = [g, other].map(|g| model.geom_body(g));
+            let [a, b] = bodies.map(|body| model.weld(body));
+            let [one, two] = bodies;
+            let apart = excluded.contains(&[one, two]) || excluded.contains(&[two, one]);
+            a == b || carriers[a] == Some(b) || carriers[b] == Some(a) || apart
         };
         let over = |g: usize| {
             (0..model.ngeom()).filter(|&o| o != g && touchable(o) && overlap_for_good(g, o)).collect()
