@@ -5,6 +5,7 @@ use std::time::Instant;
 
 use super::learn_options::{KNOWN_HELP, LearnOptions, learn_session, print_table, to_json};
 use super::open::open_body;
+use super::skin::skin_for;
 use super::touches::{babbler, make_touches, threads, touch_count};
 use super::{Failure, Outcome, output, progress};
 use crate::babbling::{BabblingOptions, PolicyName};
@@ -13,7 +14,6 @@ use crate::ground_truth::GroundTruth;
 use crate::record::{
     BabblingEffort, PROGRAM, SESSION_FILE, Session, SessionOptions, TouchWriter, model_hash,
 };
-use super::skin::skin_for;
 
 /// Babble, touch, learn the body schema, and measure it.
 ///

@@ -7,8 +7,8 @@ use serde_json::json;
 use super::Outcome;
 use super::open::open_body;
 use super::output;
-use crate::creature::{Creature, DofKind, JointSelection};
 use super::skin::skin_for;
+use crate::creature::{Creature, DofKind, JointSelection};
 use crate::skin::SomatotopicMap;
 
 /// Tell a model's tree, degrees of freedom, limbs and receptors.

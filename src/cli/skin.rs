@@ -85,7 +85,8 @@ pub fn skin_for(model: &Path, body: &Body) -> Result<Skin, Failure> {
     if !skin.receptors.is_empty() {
         return Ok(skin);
     }
-    let skin = grow(body, &GrowOptions::default()).map_err(|error| format!("{}: {error}", model.display()))?;
+    let skin =
+        grow(body, &GrowOptions::default()).map_err(|error| format!("{}: {error}", model.display()))?;
     if !skin.receptors.is_empty() {
         let count = skin.receptors.len();
         eprintln!("{} has no touch sensors: {count} receptors were grown on it in memory", model.display());

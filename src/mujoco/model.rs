@@ -146,7 +146,9 @@ impl Model {
         match (saved?, text) {
             (0, _) => Err(failed(format!("MuJoCo cannot write it out: {message}"))),
             (_, Ok(text)) => Ok(text),
-            (_, Err(error)) => Err(failed(format!("it cannot be written out to {}: {error}", file.display()))),
+            (_, Err(error)) => {
+                Err(failed(format!("it cannot be written out to {}: {error}", file.display())))
+            }
         }
     }
 
@@ -343,7 +345,8 @@ impl Model {
     /// meshes that can collide alone.
     pub fn mesh_hull(&self, i: usize) -> Option<(Vec<Vector3<f64>>, Vec<[usize; 3]>)> {
         let vertices = self.mesh_vertices(i);
-        let mesh = usize::try_from(array!(self, geom_dataid[ngeom])[i]).ok().filter(|_| !vertices.is_empty())?;
+        let mesh =
+            usize::try_from(array!(self, geom_dataid[ngeom])[i]).ok().filter(|_| !vertices.is_empty())?;
         let start = usize::try_from(array!(self, mesh_graphadr[nmesh])[mesh]).ok()?;
         // Counts of vertices and faces; per vertex its first edge and its index; the edges; the faces.
         let graph = array!(self, mesh_graph[nmeshgraph]).get(start..)?;
@@ -359,7 +362,8 @@ impl Model {
             kept.push(vertices[vertex as usize]);
         }
         let corner = |vertex: i32| place.get(usize::try_from(vertex).ok()?).copied();
-        let faces = faces.chunks_exact(3).map(|face| Some([corner(face[0])?, corner(face[1])?, corner(face[2])?]));
+        let faces =
+            faces.chunks_exact(3).map(|face| Some([corner(face[0])?, corner(face[1])?, corner(face[2])?]));
         Some((kept, faces.collect::<Option<_>>()?))
     }
 

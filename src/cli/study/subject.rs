@@ -7,6 +7,7 @@ use indicatif::ProgressBar;
 
 use super::super::learn_options::LearnOptions;
 use super::super::open::open_body;
+use super::super::skin::skin_for;
 use super::super::touches::{babbler, make_touches};
 use super::super::{Failure, progress};
 use crate::babbling::{BabblingOptions, PolicyName, motions_until};
@@ -15,7 +16,6 @@ use crate::evaluation::{Evaluation, evaluate_learned};
 use crate::ground_truth::GroundTruth;
 use crate::learning::{Learned, Verdict};
 use crate::senses::Touch;
-use super::super::skin::skin_for;
 use crate::skin::Skin;
 
 /// Mean held-out error at which a learner without a verdict of its own counts as converged, millimetres.

@@ -11,7 +11,8 @@ use super::{GrowError, GrowOptions, Sprout, sprouts, wxyz};
 use crate::creature::{Body, BodyError, JointSelection};
 use crate::mjcf_xml::{HALF_THICKNESS, add_receptor_class, element, section, write};
 use crate::mujoco::{JointKind, Model, ObjectKind, SensorKind};
-use crate::skin::from_model::touch_sites;
+use crate::skin::Shape;
+use crate::skin::from_model::{feels, shape, touch_sites};
 
 /// The default class of the receptors' sites.
 const CLASS: &str = "receptor";
@@ -54,8 +55,9 @@ pub fn grow_skin(path: &Path, options: &GrowOptions) -> Result<Grown, GrowError>
         // Composites and replicas are not written out in the file; the engine does that.
         let written = Model::written_out(path)?;
         root = Element::parse(written.as_bytes()).map_err(|e| unsuitable(e.to_string()))?;
-        name_all(&mut root, &body)
-            .ok_or_else(|| unsuitable("its bodies are not written out in the file: flatten it first".into()))?;
+        name_all(&mut root, &body).ok_or_else(|| {
+            unsuitable("its bodies are not written out in the file: flatten it first".into())
+        })?;
     }
     let sprouts = sprouts(&body, options).map_err(|error| match error {
         GrowError::Options(message) => unsuitable(message),
@@ -63,10 +65,9 @@ pub fn grow_skin(path: &Path, options: &GrowOptions) -> Result<Grown, GrowError>
     })?;
     let kept = touch_sites(&model).count();
     if sprouts.is_empty() && kept == 0 {
-        let meshes = model.geoms().any(|geom| geom.kind == crate::mujoco::GeomKind::Mesh);
+        let meshes = (0..model.ngeom()).any(|g| feels(&body, g) && shape(&model, g) == Some(Shape::Mesh));
         return Err(unsuitable(if meshes {
-            "its moving bodies have meshes alone that cannot collide, on which no skin grows: give them \
-             capsules or boxes too"
+            "its moving bodies have flat meshes alone, on which no skin grows: give them capsules or boxes too"
                 .into()
         } else {
             "no geom of a moving body can touch anything: give it geoms".into()
@@ -105,7 +106,9 @@ fn add(root: &mut Element, body: &Body, sprouts: &[Sprout]) -> Result<Vec<Elemen
             sensor.object == ObjectKind::Joint && sensor.id == Some(j) && sensor.kind == SensorKind::JointPos
         });
         let name = joint.name.or(names.joints.get(&j).map(String::as_str));
-        if let Some(name) = name.filter(|_| matches!(joint.kind, JointKind::Hinge | JointKind::Slide) && !measured) {
+        if let Some(name) =
+            name.filter(|_| matches!(joint.kind, JointKind::Hinge | JointKind::Slide) && !measured)
+        {
             let mut own = format!("{name}_pos");
             while model.id(ObjectKind::Sensor, &own).is_some() {
                 own.push('_');
@@ -155,7 +158,9 @@ fn receptor_class(root: &mut Element) -> Result<String, String> {
         if let Some(site) = default.get_child("site")
             && let Some(sticky) = STICKY.iter().find(|&&name| site.attributes.contains_key(name))
         {
-            return Err(format!("its default for all sites has {sticky}, which receptors cannot undo: move it into a class"));
+            return Err(format!(
+                "its default for all sites has {sticky}, which receptors cannot undo: move it into a class"
+            ));
         }
         classes(default, &mut taken);
     }

@@ -92,7 +92,8 @@ impl Parametrised {
                 cumulated([0, 1, 2].into_iter().flat_map(|k| [face(k, 1.0), face(k, -1.0)]).collect(), false)
             }
             Shape::Hull(hull) => {
-                let face = |([a, b, c], normal, area): ([Vector3<f64>; 3], _, _)| ([a, b - a, c - a], normal, area);
+                let face =
+                    |([a, b, c], normal, area): ([Vector3<f64>; 3], _, _)| ([a, b - a, c - a], normal, area);
                 cumulated(hull.faces().map(face).collect(), true)
             }
             &Shape::Cylinder { radius, half_length } => {
