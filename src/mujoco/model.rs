@@ -9,8 +9,8 @@ use std::sync::{Mutex, PoisonError};
 use nalgebra::Vector3;
 
 use super::element::{
-    Body, Geom, GeomKind, Joint, JointKind, ObjectKind, Sensor, SensorKind, Site, Tuple, TupleEntry,
-    quaternion, vector,
+    Body, Equality, Geom, GeomKind, Joint, JointKind, ObjectKind, Sensor, SensorKind, Site, Tuple,
+    TupleEntry, quaternion, vector,
 };
 use super::engine::{self, Version};
 use super::error::{Error, Result};
@@ -137,6 +137,25 @@ impl Model {
             }
         }
         Ok(model)
+    }
+
+    /// A model of its own with the same content.
+    pub(super) fn copy(&self) -> Result<Self> {
+        let raw = engine::guarded("mj_copyModel", || {
+            // SAFETY: the model is valid and constant; for a null target the engine makes a new model.
+            unsafe { ffi::mj_copyModel(std::ptr::null_mut(), self.raw.as_ptr()) }
+        })?;
+        let no_memory = || Error::Engine {
+            call: "mj_copyModel",
+            message: "it has no memory for the model: use a smaller model".into(),
+        };
+        let raw = NonNull::new(raw).ok_or_else(no_memory)?;
+        Ok(Self { raw, version: self.version, warning: self.warning.clone() })
+    }
+
+    /// For changes to a model that is not shared yet.
+    pub(super) fn raw_mut(&mut self) -> *mut ffi::mjModel {
+        self.raw.as_ptr()
     }
 
     pub(super) fn raw(&self) -> &ffi::mjModel {
@@ -314,6 +333,32 @@ impl Model {
             adr: array!(self, sensor_adr[nsensor])[i] as usize,
             dim: array!(self, sensor_dim[nsensor])[i] as usize,
         }
+    }
+
+    /// The active equality constraints, in the file's order.
+    pub fn equalities(&self) -> Vec<Equality> {
+        let kinds = array!(self, eq_type[neq]);
+        let (first, second) = (array!(self, eq_obj1id[neq]), array!(self, eq_obj2id[neq]));
+        #[cfg(not(mujoco_eq_active0))]
+        let active = array!(self, eq_active[neq]);
+        #[cfg(mujoco_eq_active0)]
+        let active = array!(self, eq_active0[neq]);
+        let width = ffi::mjNEQDATA as usize;
+        // SAFETY: the engine allocates `neq * mjNEQDATA` numbers (mjmodel.h), constant for the model's life.
+        let numbers = unsafe { slice(self.raw().eq_data, kinds.len() * width) };
+        let equality = |e: usize| {
+            if kinds[e] as u32 != ffi::mjEQ_JOINT {
+                return Equality::Other;
+            }
+            let mut polynomial = [0.0; 5];
+            polynomial.copy_from_slice(&numbers[e * width..e * width + 5]);
+            Equality::Joint {
+                follower: first[e] as usize,
+                leader: usize::try_from(second[e]).ok(),
+                polynomial,
+            }
+        };
+        (0..kinds.len()).filter(|&e| is_set(active[e])).map(equality).collect()
     }
 
     /// All sensors.

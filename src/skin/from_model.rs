@@ -19,7 +19,7 @@ pub fn skin_of(body: &Body) -> Skin {
     let mut surface_of_geom = vec![None; model.ngeom()];
     for (g, geom) in model.geoms().enumerate() {
         if let Some((limb, shape)) = body.limb_of_geom(g).zip(shape(&geom)) {
-            if geom.contype == 0 && geom.conaffinity == 0 {
+            if !body.feels(g) {
                 continue;
             }
             let pose = body.pose_in_limb[geom.body] * Isometry3::from_parts(geom.pos.into(), geom.quat);
