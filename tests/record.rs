@@ -429,6 +429,8 @@ fn session() -> Session {
         model_hash: "sha256:0".into(),
         seed: u64::MAX,
         options: SessionOptions {
+            strip: true,
+            root: Some("trunk".into()),
             touches: 40,
             joints: "torso".into(),
             input: Some("receptor".into()),

@@ -25,6 +25,6 @@ pub use data::Data;
 pub use element::{
     Body, Equality, Geom, GeomKind, Joint, JointKind, ObjectKind, Sensor, SensorKind, Site, Tuple, TupleEntry,
 };
-pub use engine::{Version, check, compare};
+pub use engine::{Version, check, compare, schema};
 pub use error::{Error, Result};
 pub use model::Model;

@@ -1,5 +1,6 @@
 //! The model: a creature and its surroundings as MuJoCo compiled them; constant and shared.
 
+use std::collections::BTreeMap;
 use std::ffi::{CStr, CString};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -16,6 +17,7 @@ use super::engine::{self, Version};
 use super::error::{Error, Result};
 use super::vfs::{self, Vfs};
 use super::{ffi, limits};
+use crate::mjcf_xml::Stripped;
 
 /// Bytes for the engine's message about a file.
 const MESSAGE_BYTES: usize = 2000;
@@ -101,6 +103,29 @@ impl Model {
         limits::check_text(name, xml)?;
         engine::check()?;
         Self::load(name, vfs::FILE, Some(&Vfs::new(xml)?))
+    }
+
+    /// Reads what a body schema needs of an MJCF file, its bodies, joints, geoms, meshes and touch sensors, and leaves
+    /// out everything else: what this MuJoCo is too old for, and what has nothing to do with where limbs are. Returns
+    /// what was left out as well, with its number.
+    ///
+    /// # Errors
+    /// As [`Model::from_path`].
+    pub fn stripped(path: impl AsRef<Path>) -> Result<(Self, BTreeMap<String, usize>)> {
+        let path = path.as_ref();
+        limits::check_file(path)?;
+        let refused = |(path, message)| Error::Read { path, message };
+        let mut stripped = Stripped::new(path, &engine::schema()?).map_err(refused)?;
+        loop {
+            let text = stripped.text().map_err(|message| refused((path.to_path_buf(), message)))?;
+            match Self::load(path, vfs::FILE, Some(&Vfs::new(&text)?)) {
+                Ok(model) => return Ok((model, stripped.left_out)),
+                // A mesh that the engine cannot use, such as a flat one, need not be the end of it.
+                Err(Error::Read { message, .. })
+                    if mesh_at_fault(&stripped, &message).is_some_and(|mesh| stripped.drop_mesh(&mesh)) => {}
+                Err(error) => return Err(error),
+            }
+        }
     }
 
     fn load(path: &Path, name: &CStr, vfs: Option<&Vfs>) -> Result<Self> {
@@ -449,6 +474,11 @@ pub(super) unsafe fn slice<'a, T>(pointer: *const T, count: usize) -> &'a [T] {
 fn range(start: i32, count: i32) -> Range<usize> {
     let start = start.max(0) as usize;
     start..start + count.max(0) as usize
+}
+
+/// The mesh that the engine complains of, the longest name that it mentions.
+fn mesh_at_fault(stripped: &Stripped, message: &str) -> Option<String> {
+    stripped.meshes().into_iter().filter(|mesh| message.contains(mesh.as_str())).max_by_key(String::len)
 }
 
 /// One of the engine's flags, which it keeps in a byte or a bool as the version has it.

@@ -6,7 +6,7 @@ use std::time::Instant;
 use indicatif::ProgressBar;
 
 use super::super::learn_options::LearnOptions;
-use super::super::open::open_body;
+use super::super::open::{ModelOptions, open_body};
 use super::super::touches::{babbler, make_touches};
 use super::super::{Failure, progress};
 use crate::babbling::{BabblingOptions, PolicyName, motions_until};
@@ -67,7 +67,7 @@ impl Subject {
         seeds: Vec<u64>,
         jobs: usize,
     ) -> Result<Subject, Failure> {
-        let body = open_body(model, joints)?;
+        let body = open_body(model, joints, &ModelOptions::default())?;
         let (skin, truth) = (skin_of(&body), GroundTruth::new(&body)?);
         // Whether the creature can babble at all is told before any folder is made.
         babbler(model, &body, &skin)?;
