@@ -7,10 +7,10 @@ use std::sync::Arc;
 
 use super::{Failure, Outcome};
 use crate::creature::{Body, JointSelection};
-use crate::mujoco::{self, Data, Model};
+use crate::mujoco::{Data, Model};
 
 /// Processor time that a file may take to load, seconds.
-const TIME: u64 = 30;
+const TIME: u64 = 20;
 /// Memory that a file may take to load, bytes.
 const MEMORY: u64 = 8 << 30;
 
@@ -48,14 +48,14 @@ pub fn body_of(
 
 /// Reads a model, after another process has shown that the engine survives it.
 pub fn open_model(path: &Path, strip: bool) -> Result<Model, Failure> {
-    rehearse(path, strip)?;
+    if let Err(Failure(sentence)) = rehearse(path, strip) {
+        let helps = !strip && path.is_file() && rehearse(path, true).is_ok();
+        let hint =
+            if helps { "; or give --strip to read its bodies, joints, geoms and meshes alone" } else { "" };
+        return Err(Failure(format!("{sentence}{hint}")));
+    }
     if !strip {
-        return Model::from_path(path).map_err(|error| match error {
-            mujoco::Error::Read { .. } if path.is_file() && strips(path) => Failure(format!(
-                "{error}; or give --strip to read its bodies, joints, geoms and meshes alone"
-            )),
-            error => Failure::from(error),
-        });
+        return Ok(Model::from_path(path)?);
     }
     let (model, left_out) = Model::stripped(path)?;
     if !left_out.is_empty() {
@@ -68,26 +68,22 @@ pub fn open_model(path: &Path, strip: bool) -> Result<Model, Failure> {
     Ok(model)
 }
 
-/// Whether a file that was refused can be read with `--strip`.
-fn strips(path: &Path) -> bool {
-    rehearse(path, true).is_ok() && Model::stripped(path).is_ok()
-}
-
 /// Lets a process of its own read the model: a foreign file can crash the engine's compiler, or keep it busy for ever.
 fn rehearse(path: &Path, strip: bool) -> Outcome {
     // Where this program cannot be run again there is no harm in going on without a rehearsal.
     let Ok(program) = std::env::current_exe() else { return Ok(()) };
     let mut command = Command::new(program);
     command.arg("rehearse").args(strip.then_some("--strip")).arg("--").arg(path);
-    command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null());
-    let Ok(status) = command.status() else { return Ok(()) };
-    match reason(status) {
-        Some(reason) => Err(Failure(format!(
+    let Ok(output) = command.stdin(Stdio::null()).output() else { return Ok(()) };
+    if let Some(reason) = reason(output.status) {
+        return Err(Failure(format!(
             "{}: {reason}; look for huge numbers, sizes and meshes in it, or remove parts of it",
             path.display()
-        ))),
-        None => Ok(()),
+        )));
     }
+    let said = String::from_utf8_lossy(&output.stderr);
+    let sentence = said.trim().strip_prefix("bodyschema: ").unwrap_or(said.trim());
+    if output.status.success() { Ok(()) } else { Err(Failure(sentence.to_string())) }
 }
 
 /// Why a rehearsal ended, where it did not come to its end.
@@ -108,7 +104,7 @@ pub struct RehearseArgs {
     strip: bool,
 }
 
-/// Reads a model and computes one posture; errors are of no interest here.
+/// Reads a model and computes one posture.
 pub fn run(args: &RehearseArgs) -> Outcome {
     use rlimit::Resource;
     Resource::CPU.set(TIME, TIME)?;
@@ -119,4 +115,17 @@ pub fn run(args: &RehearseArgs) -> Outcome {
     data.kinematics()?;
     data.collision()?;
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_rehearsal_that_does_not_end_says_why() {
+        assert_eq!(reason(ExitStatus::from_raw(0)), None);
+        assert_eq!(reason(ExitStatus::from_raw(1 << 8)), None);
+        assert!(reason(ExitStatus::from_raw(24)).unwrap().contains("20 s"));
+        assert!(reason(ExitStatus::from_raw(11)).unwrap().contains("signal 11"));
+    }
 }

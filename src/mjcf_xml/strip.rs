@@ -275,10 +275,26 @@ fn finish(
 }
 
 /// Turns frames into bodies without joints, which move as one with what carries them. The joints of a frame are those
-/// of the body about it: they go there, shifted; in a turned frame they are left out.
+/// of the body about it: they go there, shifted; in a turned frame they are left out. A frame in the world is taken
+/// away, with its pose.
 fn unframe(element: &mut Element, frames: &mut usize, left_out: &mut BTreeMap<String, usize>) {
     const TURNS: [&str; 5] = ["quat", "axisangle", "xyaxes", "zaxis", "euler"];
-    let in_world = element.name == "worldbody";
+    if element.name == "worldbody" {
+        // Where a whole body is does not matter to its schema, and only a child of the world may be free.
+        while let Some(at) =
+            element.children.iter().position(|c| c.as_element().is_some_and(|e| e.name == "frame"))
+        {
+            let XMLNode::Element(frame) = element.children.remove(at) else { continue };
+            let mut inner = frame.children;
+            if let Some(class) = frame.attributes.get("childclass") {
+                for body in inner.iter_mut().filter_map(XMLNode::as_mut_element).filter(|e| e.name == "body")
+                {
+                    body.attributes.entry("childclass".into()).or_insert_with(|| class.clone());
+                }
+            }
+            element.children.splice(at..at, inner);
+        }
+    }
     let mut joints = Vec::new();
     for child in element.children.iter_mut().filter_map(XMLNode::as_mut_element) {
         let frame = child.name == "frame";
@@ -302,10 +318,6 @@ fn unframe(element: &mut Element, frames: &mut usize, left_out: &mut BTreeMap<St
                 joint.attributes.insert("pos".into(), sum(own, shift));
             }
             joints.push(joint);
-        }
-        // Only a child of the world may be free. Where the whole body is does not matter to its schema.
-        for body in child.children.iter_mut().filter_map(XMLNode::as_mut_element).filter(|_| in_world) {
-            take(body, |e| e.name == "freejoint" || attribute(e, "type") == Some("free"));
         }
     }
     element.children.splice(0..0, joints.into_iter().map(XMLNode::Element));
