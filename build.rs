@@ -11,7 +11,7 @@ use std::process::Command;
 use std::sync::{Arc, Mutex};
 
 /// The calls that `src/mujoco` makes; with them bindgen takes along the types that they need.
-const FUNCTIONS: &str = "mj_(version|versionString|loadXML|printSchema|copyModel|deleteModel|makeData|deleteData|resetData\
+const FUNCTIONS: &str = "mj_(version|versionString|loadXML|printSchema|saveLastXML|copyModel|deleteModel|makeData|deleteData|resetData\
 |kinematics|comPos|collision|forward|contactForce|id2name|name2id\
 |defaultVFS|deleteVFS|makeEmptyFileVFS|findFileVFS|addBufferVFS)\
 |mju_(error|warning|warningText)";

@@ -5,6 +5,7 @@ use std::time::Instant;
 
 use super::learn_options::{KNOWN_HELP, LearnOptions, learn_session, print_table, to_json};
 use super::open::{ModelOptions, open_body};
+use super::skin::skin_for;
 use super::touches::{babbler, make_touches, threads, touch_count};
 use super::{Failure, Outcome, output, progress};
 use crate::babbling::{BabblingOptions, PolicyName};
@@ -13,7 +14,6 @@ use crate::ground_truth::GroundTruth;
 use crate::record::{
     BabblingEffort, PROGRAM, SESSION_FILE, Session, SessionOptions, TouchWriter, model_hash,
 };
-use crate::skin::skin_of;
 
 /// Babble, touch, learn the body schema, and measure it.
 ///
@@ -63,7 +63,7 @@ pub fn run(args: &Args) -> Outcome {
     let selection = args.joints.clone().unwrap_or_default();
     let body = open_body(&args.model, &selection, &args.open)?;
     let learn = args.learn.with_known(&body.creature)?;
-    let skin = skin_of(&body);
+    let skin = skin_for(&args.model, &body)?;
     let truth = GroundTruth::new(&body)?;
     let babbler = babbler(&args.model, &body, &skin)?;
     let folder = session_folder(args.out.as_deref(), body.creature.name())?;

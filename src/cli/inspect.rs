@@ -8,10 +8,11 @@ use serde_json::json;
 use super::Outcome;
 use super::open::{ModelOptions, body_of, open_model};
 use super::output;
+use super::skin::skin_for;
 use crate::babbling::{LimbPair, Relation, SelfContact};
 use crate::creature::{Body, Creature, DofKind, JointSelection};
 use crate::mujoco::Equality;
-use crate::skin::{SomatotopicMap, skin_of};
+use crate::skin::SomatotopicMap;
 
 /// Tell a model's tree, degrees of freedom, limbs and receptors.
 #[derive(clap::Args)]
@@ -33,7 +34,7 @@ pub fn run(args: &Args) -> Outcome {
     let open = |joints| body_of(model.clone(), &args.model, &joints, &args.open);
     let (body, learned) = (open(JointSelection::All)?, open(JointSelection::Default)?);
     let contact = SelfContact::new(&learned)?;
-    let skin = skin_of(&body);
+    let skin = skin_for(&args.model, &body)?;
     let map = SomatotopicMap::new(&skin);
     let creature = &body.creature;
     let mut by_limb: Vec<(String, usize)> =

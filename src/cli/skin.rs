@@ -1,28 +1,41 @@
-//! `bodyschema skin`: grow receptors on a model.
+//! `bodyschema skin`: grow receptors on a model; and the skin that other commands work with.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
-use super::{Outcome, output};
-use crate::skin::{GrowOptions, grow_skin};
+use super::{Failure, Outcome, output};
+use crate::creature::Body;
+use crate::skin::{GrowOptions, PatchSize, Skin, grow, grow_skin, skin_of};
 
 /// Grow a skin of touch receptors on a model.
 ///
-/// Every exposed surface is tiled with flat receptors, written into a copy of the model as sites with touch
-/// sensors; hinges and slides get joint sensors. A tuple `limb/NAME` in the model names the bodies of a
-/// limb, and the `prm` of each body there is the area of its receptors in cm².
+/// Every surface that can be touched and has no touch sensors is tiled with flat receptors, written into a copy
+/// of the model as sites with touch sensors; hinges and slides get joint sensors, and bodies and joints without
+/// names get some. A tuple `limb/NAME` in the model names the bodies of a limb, and the `prm` of each body there
+/// is the area of its receptors in cm². Where neither the model nor an option says how large receptors are, some
+/// 250 cover the creature, however large it is.
 #[derive(clap::Args)]
 #[command(after_help = "Examples:
   bodyschema skin mjcf/max/body.xml --output mjcf/max/max.xml
-  bodyschema skin spider.xml --area 4 --output spider_with_skin.xml")]
+  bodyschema skin spider.xml --receptors 400 --denser left_foot=3 --output spider_with_skin.xml
+  bodyschema skin robot.xml --spacing 0.02 --output robot_with_skin.xml")]
 pub struct Args {
-    /// The MJCF file of a creature without touch sensors
+    /// The MJCF file of a creature
     model: PathBuf,
     /// Where to write the model with its skin; standard output if left out
     #[arg(short, long)]
     output: Option<PathBuf>,
+    /// How many receptors to grow; more where a surface needs more to be covered
+    #[arg(long, value_name = "N", group = "size", value_parser = clap::value_parser!(u32).range(1..=20_000))]
+    receptors: Option<u32>,
+    /// Side of a receptor in metres, whatever the model says
+    #[arg(long, value_name = "M", group = "size", value_parser = positive)]
+    spacing: Option<f64>,
     /// Area of a receptor in cm² where the model does not say
-    #[arg(long, value_name = "CM2", default_value_t = 60.0, value_parser = area)]
-    area: f64,
+    #[arg(long, value_name = "CM2", group = "size", value_parser = area)]
+    area: Option<f64>,
+    /// How many times as many receptors a limb has on the same area, by its tuple's or body's name; repeatable
+    #[arg(long, value_name = "LIMB=FACTOR", value_parser = denser)]
+    denser: Vec<(String, f64)>,
 }
 
 fn area(text: &str) -> Result<f64, String> {
@@ -30,17 +43,53 @@ fn area(text: &str) -> Result<f64, String> {
     if (0.01..=1e4).contains(&area) { Ok(area) } else { Err("give an area from 0.01 to 10000 cm²".into()) }
 }
 
+fn positive(text: &str) -> Result<f64, String> {
+    let number: f64 = text.parse().map_err(|_| "give a number".to_string())?;
+    if number > 0.0 && number.is_finite() { Ok(number) } else { Err("give a number above 0".into()) }
+}
+
+fn denser(text: &str) -> Result<(String, f64), String> {
+    let (limb, factor) = text.rsplit_once('=').ok_or("give LIMB=FACTOR, as in left_hand=4")?;
+    Ok((limb.to_string(), positive(factor)?))
+}
+
 pub fn run(args: &Args) -> Outcome {
-    let grown = grow_skin(&args.model, &GrowOptions { area: args.area * 1e-4 })?;
+    let size = match (args.receptors, args.spacing, args.area) {
+        (Some(count), ..) => PatchSize::Count(count as usize),
+        (_, Some(side), _) => PatchSize::Spacing(side),
+        (.., Some(area)) => PatchSize::Area(area * 1e-4),
+        _ => PatchSize::OfCreature,
+    };
+    let grown = grow_skin(&args.model, &GrowOptions { size, denser: args.denser.clone() })?;
     match &args.output {
-        None => output::line(format_args!("{}", grown.trim_end_matches('\n'))),
+        None => output::line(format_args!("{}", grown.text(None)?.trim_end_matches('\n'))),
         Some(path) => {
-            std::fs::write(path, &grown).map_err(|error| {
+            let text = grown.text(path.parent())?;
+            std::fs::write(path, text).map_err(|error| {
                 format!("cannot write {}: {error}: give another --output", path.display())
             })?;
-            let receptors = grown.matches("class=\"receptor\" name=").count();
-            eprintln!("{receptors} receptors written to {}", path.display());
+            let kept = match grown.kept {
+                0 => String::new(),
+                kept => format!(", {kept} touch sensors kept"),
+            };
+            eprintln!("{} receptors written to {}{kept}", grown.receptors, path.display());
         }
     }
     Ok(())
+}
+
+/// The skin of a creature: the receptors in its model, or where it has none, receptors grown in memory, of
+/// which it tells on standard error.
+pub fn skin_for(model: &Path, body: &Body) -> Result<Skin, Failure> {
+    let skin = skin_of(body);
+    if !skin.receptors.is_empty() {
+        return Ok(skin);
+    }
+    let skin =
+        grow(body, &GrowOptions::default()).map_err(|error| format!("{}: {error}", model.display()))?;
+    if !skin.receptors.is_empty() {
+        let count = skin.receptors.len();
+        eprintln!("{} has no touch sensors: {count} receptors were grown on it in memory", model.display());
+    }
+    Ok(skin)
 }

@@ -94,7 +94,7 @@ impl<'a> SurfaceGap<'a> {
                 return Meeting { normal: meeting.normal * sign, ..meeting };
             }
         }
-        let depth = surfaces.iter().flatten().map(|surface| surface.shape.half_bounds().min());
+        let depth = surfaces.iter().flatten().map(|surface| surface.shape.half_thickness());
         let depth =
             if surfaces.contains(&None) { 0.0 } else { EROSION * depth.fold(f64::INFINITY, f64::min) };
         general(0.5 * (centres[0] + centres[1]), depth, distance)

@@ -32,8 +32,8 @@ pub(crate) fn section<'a>(root: &'a mut Element, name: &str) -> &'a mut Element 
 }
 
 /// The default class of the receptors' sites.
-pub(crate) fn add_receptor_class(root: &mut Element) {
-    let mut class = element("default", &[("class", "receptor".into())]);
+pub(crate) fn add_receptor_class(root: &mut Element, name: &str) {
+    let mut class = element("default", &[("class", name.into())]);
     let look = [("type", "box".into()), ("group", "3".into()), ("rgba", "0.2 0.6 0.9 0.5".into())];
     class.children.push(XMLNode::Element(element("site", &look)));
     section(root, "default").children.push(XMLNode::Element(class));

@@ -5,6 +5,7 @@ use std::ffi::{CStr, CString};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::ptr::NonNull;
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Mutex, PoisonError};
 
 use nalgebra::Vector3;
@@ -86,11 +87,16 @@ impl Model {
     /// [`Error::Version`] where the library is not the one the crate was built with.
     pub fn from_path(path: impl AsRef<Path>) -> Result<Self> {
         let path = path.as_ref();
-        let read = |message: String| Error::Read { path: path.to_path_buf(), message };
+        Self::load(path, &Self::checked_name(path)?, None)
+    }
+
+    /// The path as the engine wants it, of a file whose numbers do it no harm.
+    fn checked_name(path: &Path) -> Result<CString> {
         limits::check_file(path)?;
-        let name = CString::new(path.as_os_str().as_encoded_bytes())
-            .map_err(|_| read("the path has a zero byte: give one without".into()))?;
-        Self::load(path, &name, None)
+        CString::new(path.as_os_str().as_encoded_bytes()).map_err(|_| {
+            let message = "the path has a zero byte: give one without".into();
+            Error::Read { path: path.to_path_buf(), message }
+        })
     }
 
     /// Compiles a model from MJCF text; files that it includes or takes meshes from are sought in the
@@ -128,15 +134,63 @@ impl Model {
         }
     }
 
+    /// The model in a file as the engine writes it out: includes, composites and replicas as bodies, angles
+    /// in radians.
+    ///
+    /// # Errors
+    /// As [`Model::from_path`], and where no temporary file can be written.
+    pub fn written_out(path: impl AsRef<Path>) -> Result<String> {
+        let path = path.as_ref();
+        static COUNT: AtomicU64 = AtomicU64::new(0);
+        let number = COUNT.fetch_add(1, Ordering::Relaxed);
+        let file = std::env::temp_dir().join(format!("bodyschema-{}-{number}.xml", std::process::id()));
+        let failed = |message: String| Error::Read { path: path.to_path_buf(), message };
+        let name = CString::new(file.as_os_str().as_encoded_bytes())
+            .map_err(|_| failed("the folder for temporary files has a zero byte in its name".into()))?;
+        let source = Self::checked_name(path)?;
+        // The engine writes what was loaded last by anyone: nobody may load in between.
+        let _one_at_a_time = LOADING.lock().unwrap_or_else(PoisonError::into_inner);
+        let model = Self::load_alone(path, &source, None)?;
+        let mut message = vec![0u8; MESSAGE_BYTES];
+        let saved = engine::guarded("mj_saveLastXML", || {
+            // SAFETY: name and buffer outlive the call, the buffer's length is its own, and the lock keeps
+            // loads away from the engine's copy of the model.
+            unsafe {
+                ffi::mj_saveLastXML(
+                    name.as_ptr(),
+                    model.raw.as_ptr(),
+                    message.as_mut_ptr().cast(),
+                    MESSAGE_BYTES as i32,
+                )
+            }
+        });
+        let text = std::fs::read_to_string(&file);
+        let _ = std::fs::remove_file(&file);
+        // SAFETY: the engine ends what it writes with a zero byte, and the buffer began as zeros.
+        let message = unsafe { engine::text(message.as_ptr().cast()) };
+        match (saved?, text) {
+            (0, _) => Err(failed(format!("MuJoCo cannot write it out: {message}"))),
+            (_, Ok(text)) => Ok(text),
+            (_, Err(error)) => {
+                Err(failed(format!("it cannot be written out to {}: {error}", file.display())))
+            }
+        }
+    }
+
     fn load(path: &Path, name: &CStr, vfs: Option<&Vfs>) -> Result<Self> {
+        let _one_at_a_time = LOADING.lock().unwrap_or_else(PoisonError::into_inner);
+        Self::load_alone(path, name, vfs)
+    }
+
+    /// Loads while the caller keeps other loads away with [`LOADING`].
+    fn load_alone(path: &Path, name: &CStr, vfs: Option<&Vfs>) -> Result<Self> {
         let version = engine::check()?;
         let mut message = vec![0u8; MESSAGE_BYTES];
         let outcome = {
-            let _one_at_a_time = LOADING.lock().unwrap_or_else(PoisonError::into_inner);
             let files = vfs.map_or(std::ptr::null(), Vfs::as_ptr);
             engine::guarded("mj_loadXML", || {
                 // SAFETY: name and buffer outlive the call, the buffer's length is its own, and the
-                // file system is null or initialised. The mutex keeps other loads away.
+                // file system is null or initialised. The caller keeps other loads away.
                 unsafe {
                     ffi::mj_loadXML(name.as_ptr(), files, message.as_mut_ptr().cast(), MESSAGE_BYTES as i32)
                 }
@@ -346,6 +400,33 @@ impl Model {
             .chunks_exact(3)
             .map(|xyz| Vector3::new(xyz[0].into(), xyz[1].into(), xyz[2].into()))
             .collect()
+    }
+
+    /// The convex hull of the mesh of geom `i`, in the frame of [`Model::mesh_vertices`]: its corners, in
+    /// metres, and its faces, three corners each; none where the engine made no hull, which it does for
+    /// meshes that can collide alone.
+    pub fn mesh_hull(&self, i: usize) -> Option<(Vec<Vector3<f64>>, Vec<[usize; 3]>)> {
+        let vertices = self.mesh_vertices(i);
+        let mesh =
+            usize::try_from(array!(self, geom_dataid[ngeom])[i]).ok().filter(|_| !vertices.is_empty())?;
+        let start = usize::try_from(array!(self, mesh_graphadr[nmesh])[mesh]).ok()?;
+        // Counts of vertices and faces; per vertex its first edge and its index; the edges; the faces.
+        let graph = array!(self, mesh_graph[nmeshgraph]).get(start..)?;
+        let [corners, faces] = [graph.first()?, graph.get(1)?].map(|&count| count.max(0) as usize);
+        let numbers = graph.get(2 + corners..2 + 2 * corners)?;
+        let from = 2 + 3 * corners + 3 * faces;
+        let faces = graph.get(from..from + 3 * faces)?;
+        // Of all the mesh's vertices only the corners matter.
+        let mut place = vec![usize::MAX; vertices.len()];
+        let mut kept = Vec::with_capacity(corners);
+        for &vertex in numbers {
+            *place.get_mut(usize::try_from(vertex).ok()?)? = kept.len();
+            kept.push(vertices[vertex as usize]);
+        }
+        let corner = |vertex: i32| place.get(usize::try_from(vertex).ok()?).copied();
+        let faces =
+            faces.chunks_exact(3).map(|face| Some([corner(face[0])?, corner(face[1])?, corner(face[2])?]));
+        Some((kept, faces.collect::<Option<_>>()?))
     }
 
     /// Site `i`.

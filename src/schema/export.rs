@@ -30,7 +30,7 @@ const LEAST_PLAY: f64 = 1e-9;
 pub fn to_mjcf(creature: &Creature, skin: &Skin, schema: &BodySchema) -> String {
     let names = limb_names(creature);
     let mut root = element("mujoco", &[("model", creature.name().into())]);
-    add_receptor_class(&mut root);
+    add_receptor_class(&mut root, "receptor");
     let compiler = [
         ("angle", "radian".into()),
         ("boundmass", LEAST_MASS.to_string()),
@@ -136,7 +136,7 @@ fn geom(surface: &Surface) -> Option<Element> {
         Shape::Ellipsoid { semi_axes } => ("ellipsoid", semi_axes.to_vec()),
         Shape::Cylinder { radius, half_length } => ("cylinder", vec![radius, half_length]),
         Shape::Box { half_extents } => ("box", half_extents.to_vec()),
-        Shape::Mesh => return None,
+        Shape::Hull(_) | Shape::Mesh => return None,
     };
     Some(placed("geom", kind, &size, &surface.origin, &surface.rotation))
 }

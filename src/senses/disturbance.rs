@@ -100,7 +100,7 @@ impl Disturbances {
             let displacement = vector(self.receptor_noise, rng);
             receptor.position += displacement;
             receptor.surface = receptor.surface.map(|shared| {
-                let mut own = surfaces[shared];
+                let mut own = surfaces[shared].clone();
                 own.origin += displacement;
                 skin.surfaces.push(own);
                 skin.surfaces.len() - 1

@@ -1,10 +1,12 @@
 //! Reading the skin from a model: every site with a touch sensor is a receptor.
 
+use std::collections::BTreeSet;
+
 use nalgebra::{Isometry3, Vector3};
 
-use super::{Receptor, Shape, Skin, Surface};
+use super::{Hull, Receptor, Shape, Skin, Surface};
 use crate::creature::{Body, matrix};
-use crate::mujoco::{Geom, GeomKind, ObjectKind, SensorKind, Site};
+use crate::mujoco::{GeomKind, Model, ObjectKind, Sensor, SensorKind, Site};
 
 /// A box site at least this many times wider than thick is a patch; its z axis is the normal.
 const FLATNESS: f64 = 3.0;
@@ -17,11 +19,8 @@ pub fn skin_of(body: &Body) -> Skin {
     let model = &body.model;
     let mut surfaces = Vec::new();
     let mut surface_of_geom = vec![None; model.ngeom()];
-    for (g, geom) in model.geoms().enumerate() {
-        if let Some((limb, shape)) = body.limb_of_geom(g).zip(shape(&geom)) {
-            if !body.feels(g) {
-                continue;
-            }
+    for (g, geom) in model.geoms().enumerate().filter(|&(g, _)| body.feels(g)) {
+        if let Some((limb, shape)) = body.limb_of_geom(g).zip(shape(model, g)) {
             let pose = body.pose_in_limb[geom.body] * Isometry3::from_parts(geom.pos.into(), geom.quat);
             surface_of_geom[g] = Some(surfaces.len());
             let (origin, rotation) = (pose.translation.vector, matrix(&pose.rotation));
@@ -29,11 +28,9 @@ pub fn skin_of(body: &Body) -> Skin {
         }
     }
     let mut receptors = Vec::new();
-    for (s, site) in model.sites().enumerate() {
-        let touch = model.sensors().any(|sensor| {
-            sensor.kind == SensorKind::Touch && sensor.object == ObjectKind::Site && sensor.id == Some(s)
-        });
-        let Some(limb) = body.limb_of_body[site.body].filter(|_| touch) else { continue };
+    for s in touch_sites(model) {
+        let site = model.site(s);
+        let Some(limb) = body.limb_of_body[site.body] else { continue };
         let on_body: Vec<usize> = model.body(site.body).geoms.filter_map(|g| surface_of_geom[g]).collect();
         let pose = body.pose_in_limb[site.body] * Isometry3::from_parts(site.pos.into(), site.quat);
         let id = site.name.map_or_else(|| format!("site{s}"), str::to_string);
@@ -42,16 +39,41 @@ pub fn skin_of(body: &Body) -> Skin {
     Skin { receptors, surfaces }
 }
 
+/// The sites with touch sensors, in the model's order.
+pub(super) fn touch_sites(model: &Model) -> impl Iterator<Item = usize> {
+    let touch = |sensor: &Sensor| sensor.kind == SensorKind::Touch && sensor.object == ObjectKind::Site;
+    let sites: BTreeSet<usize> = model.sensors().filter(touch).filter_map(|sensor| sensor.id).collect();
+    sites.into_iter()
+}
+
+/// The geom whose surface a site is nearest to, of those on its body that can be touched.
+pub(super) fn geom_under(body: &Body, site: usize) -> Option<usize> {
+    let site = body.model.site(site);
+    let distance = |g: usize| {
+        let geom = body.model.geom(g);
+        let pose = Isometry3::from_parts(geom.pos.into(), geom.quat);
+        let centre = pose.inverse_transform_point(&site.pos.into()).coords;
+        Some(shape(&body.model, g)?.signed_distance(&centre)?.0.abs())
+    };
+    let geoms = body.model.body(site.body).geoms.filter(|&g| body.feels(g));
+    let measured = geoms.filter_map(|g| Some((g, distance(g)?)));
+    measured.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(g, _)| g)
+}
+
 /// The surface shape of a geom; none for what no limb is made of.
-pub(super) fn shape(geom: &Geom) -> Option<Shape> {
-    let [x, y, z] = geom.size;
-    Some(match geom.kind {
+pub(super) fn shape(model: &Model, geom: usize) -> Option<Shape> {
+    let info = model.geom(geom);
+    let [x, y, z] = info.size;
+    Some(match info.kind {
         GeomKind::Sphere => Shape::Sphere { radius: x },
         GeomKind::Capsule => Shape::Capsule { radius: x, half_length: y },
         GeomKind::Ellipsoid => Shape::Ellipsoid { semi_axes: [x, y, z] },
         GeomKind::Cylinder => Shape::Cylinder { radius: x, half_length: y },
         GeomKind::Box => Shape::Box { half_extents: [x, y, z] },
-        GeomKind::Mesh => Shape::Mesh,
+        GeomKind::Mesh => {
+            let hull = model.mesh_hull(geom).and_then(|(corners, faces)| Hull::new(corners, faces));
+            hull.map_or(Shape::Mesh, Shape::Hull)
+        }
         _ => return None,
     })
 }

@@ -2,6 +2,7 @@
 
 mod from_model;
 mod growing;
+mod hull;
 mod somatotopic_map;
 mod surface;
 
@@ -9,7 +10,8 @@ use nalgebra::{Matrix3, Vector3};
 use serde::{Deserialize, Serialize};
 
 pub use from_model::skin_of;
-pub use growing::{GrowError, GrowOptions, grow_skin};
+pub use growing::{GrowError, GrowOptions, Grown, PatchSize, grow, grow_skin};
+pub use hull::Hull;
 pub use somatotopic_map::{MOST_NEIGHBOURS, SomatotopicMap};
 pub use surface::{Shape, Surface};
 

@@ -3,8 +3,10 @@
 use nalgebra::{Matrix3, Vector3};
 use serde::{Deserialize, Serialize};
 
+use super::Hull;
+
 /// A shape about its own origin, as MJCF's geoms of the same names; lengths in metres.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Shape {
     /// A ball.
@@ -36,12 +38,14 @@ pub enum Shape {
         /// Half its sides.
         half_extents: [f64; 3],
     },
+    /// A mesh's convex hull, which is what MuJoCo collides.
+    Hull(Hull),
     /// A shape known only by its receptors: each patch is taken for flat.
     Mesh,
 }
 
 /// A shape on a limb: `X_LG`.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Surface {
     /// The limb.
     pub limb: usize,
@@ -63,7 +67,7 @@ impl Surface {
     }
 
     /// Distance of a point to the surface, negative inside, and the outward unit normal there, both for
-    /// the limb's frame; none for a mesh.
+    /// the limb's frame; none for a mesh without a hull.
     pub fn signed_distance(&self, p_l: &Vector3<f64>) -> Option<(f64, Vector3<f64>)> {
         let (distance, normal) = self.shape.signed_distance(&self.to_shape(p_l))?;
         Some((distance, self.rotation * normal))
@@ -72,10 +76,11 @@ impl Surface {
 
 impl Shape {
     /// Distance of a point to the surface, negative inside, and the outward unit normal of the nearest
-    /// surface point, in the shape's axes; none for a mesh.
+    /// surface point, in the shape's axes; none for a mesh without a hull.
     pub fn signed_distance(&self, p: &Vector3<f64>) -> Option<(f64, Vector3<f64>)> {
         Some(match *self {
             Shape::Sphere { radius } => round(p, radius),
+            Shape::Hull(ref hull) => hull.signed_distance(p),
             Shape::Capsule { radius, half_length } => {
                 round(&(p - Vector3::z() * p.z.clamp(-half_length, half_length)), radius)
             }
@@ -98,7 +103,7 @@ impl Shape {
         })
     }
 
-    /// The area of the whole surface, m²; 0 for a mesh.
+    /// The area of the whole surface, m²; 0 for a mesh without a hull.
     pub fn area(&self) -> f64 {
         use std::f64::consts::PI;
         match *self {
@@ -112,17 +117,27 @@ impl Shape {
                 let mean = ((a * b).powf(P) + (b * c).powf(P) + (c * a).powf(P)) / 3.0;
                 4.0 * PI * mean.powf(1.0 / P)
             }
+            Shape::Hull(ref hull) => hull.area(),
             Shape::Mesh => 0.0,
         }
     }
 
-    /// Half the sides of the box about the shape, along its axes.
+    /// The radius of a ball that the shape holds, metres: the largest one's, or nearly for a hull.
+    pub fn half_thickness(&self) -> f64 {
+        match self {
+            Shape::Hull(hull) => hull.inradius(),
+            other => other.half_bounds().min(),
+        }
+    }
+
+    /// Half the sides of the box about the shape, along its axes, whose middle is the shape's origin.
     pub fn half_bounds(&self) -> Vector3<f64> {
         match *self {
             Shape::Sphere { radius } => Vector3::repeat(radius),
             Shape::Capsule { radius, half_length } => Vector3::new(radius, radius, radius + half_length),
             Shape::Cylinder { radius, half_length } => Vector3::new(radius, radius, half_length),
             Shape::Box { half_extents } | Shape::Ellipsoid { semi_axes: half_extents } => half_extents.into(),
+            Shape::Hull(ref hull) => hull.half_bounds(),
             Shape::Mesh => Vector3::zeros(),
         }
     }

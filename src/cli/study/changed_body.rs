@@ -13,7 +13,7 @@ use crate::creature::{Body, JointSelection};
 use crate::mjcf_xml::{element, exact, write};
 use crate::mujoco::Model;
 use crate::senses::{Touch, TouchEnd};
-use crate::skin::Skin;
+use crate::skin::{Receptor, Skin, skin_of};
 
 /// A stick's radius, metres.
 const STICK_RADIUS: f64 = 0.008;
@@ -152,6 +152,21 @@ fn numbers(element: &Element, key: &str) -> Vector3<f64> {
     let text = element.attributes.get(key).map_or("", String::as_str);
     let mut values = text.split_whitespace().filter_map(|word| word.parse().ok());
     Vector3::from_fn(|_, _| values.next().unwrap_or(0.0))
+}
+
+/// The skin of a changed body: its model's and, where that of the body as it was had grown in memory, the same
+/// receptors on the same surfaces.
+pub fn changed_skin(body: &Body, known: &Skin, changed: &Body) -> Skin {
+    let mut skin = skin_of(changed);
+    if skin_of(body).receptors.is_empty() {
+        let is_own = |&s: &usize| changed.model.geom(skin.surfaces[s].geom).name != Some(STICK);
+        let own: Vec<usize> = (0..skin.surfaces.len()).filter(is_own).collect();
+        skin.receptors.extend(known.receptors.iter().map(|receptor| Receptor {
+            surface: receptor.surface.and_then(|s| own.get(s).copied()),
+            ..receptor.clone()
+        }));
+    }
+    skin
 }
 
 /// A touch of the changed body as the agent feels it with the skin that it knows: what touches the stick is

@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 
-use super::changed_body::{Place, felt};
+use super::changed_body::{Place, changed_skin, felt};
 use super::plot::{Axis, Plot, Scale, Series};
 use super::subject::{Subject, median, share};
 use super::table::{Column, Table};
@@ -13,7 +13,6 @@ use crate::ground_truth::GroundTruth;
 use crate::kinematics::Chain;
 use crate::learning::{Learner, Online};
 use crate::senses::Touch;
-use crate::skin::skin_of;
 
 /// The study `growth`.
 pub const STUDY: Study =
@@ -183,7 +182,7 @@ fn follow(
         Change::Growth => place.grown(GROWTH)?,
         Change::Stick => place.with_stick(&base, &tip)?,
     };
-    let changed_skin = skin_of(&changed);
+    let changed_skin = changed_skin(body, skin, &changed);
     let truth = GroundTruth::new(&changed)?;
     let mut learner = Online::new(creature, skin, seed);
     touches.iter().for_each(|touch| learner.touch(touch));

@@ -8,6 +8,7 @@ use indicatif::ProgressBar;
 
 use super::super::learn_options::LearnOptions;
 use super::super::open::{ModelOptions, body_of, open_body};
+use super::super::skin::skin_for;
 use super::super::touches::{babbler, make_touches};
 use super::super::{Failure, progress};
 use crate::babbling::{BabblingOptions, PolicyName, motions_until};
@@ -17,7 +18,7 @@ use crate::ground_truth::GroundTruth;
 use crate::learning::{Learned, Verdict};
 use crate::mujoco::Model;
 use crate::senses::Touch;
-use crate::skin::{Skin, skin_of};
+use crate::skin::Skin;
 
 /// Mean held-out error at which a learner without a verdict of its own counts as converged, millimetres.
 pub const CONVERGED_MM: f64 = 10.0;
@@ -70,7 +71,7 @@ impl Subject {
         jobs: usize,
     ) -> Result<Subject, Failure> {
         let body = open_body(model, joints, &ModelOptions::default())?;
-        let (skin, truth) = (skin_of(&body), GroundTruth::new(&body)?);
+        let (skin, truth) = (skin_for(model, &body)?, GroundTruth::new(&body)?);
         // Whether the creature can babble at all is told before any folder is made.
         babbler(model, &body, &skin)?;
         let model = model.to_path_buf();

@@ -1,0 +1,343 @@
+//! Writing a skin into a model's file.
+
+use std::collections::{BTreeMap, BTreeSet, HashSet};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use xmltree::{Element, XMLNode};
+
+use super::patch_size::body_name;
+use super::{GrowError, GrowOptions, Sprout, sprouts, wxyz};
+use crate::creature::{Body, BodyError, JointSelection};
+use crate::mjcf_xml::{HALF_THICKNESS, add_receptor_class, element, section, write};
+use crate::mujoco::{JointKind, Model, ObjectKind, SensorKind};
+use crate::skin::from_model::touch_sites;
+
+/// The default class of the receptors' sites.
+const CLASS: &str = "receptor";
+/// A receptor's site is at most this share of its smaller half side thick, to be known for a patch.
+const THINNESS: f64 = 0.3;
+/// What a default for all sites must not have: no class can undo it.
+const STICKY: [&str; 5] = ["fromto", "axisangle", "xyaxes", "zaxis", "euler"];
+
+/// A model's file with a skin grown on it.
+#[derive(Clone, Debug)]
+pub struct Grown {
+    root: Element,
+    source: PathBuf,
+    /// Receptors that grew.
+    pub receptors: usize,
+    /// Touch sensors that were there.
+    pub kept: usize,
+}
+
+/// Reads a model's file and grows a skin on all that can be touched and has no touch sensors.
+///
+/// Sites with touch sensors are added, a `jointpos` sensor for each hinge and slide without one, and names for
+/// the creature's bodies and joints that have none. What is there stays.
+///
+/// # Errors
+/// Where the file cannot be read, MuJoCo refuses it or it has no creature, where nothing of it can be touched,
+/// or where sites cannot be written into it.
+pub fn grow_skin(path: &Path, options: &GrowOptions) -> Result<Grown, GrowError> {
+    let unsuitable = |message: String| GrowError::Unsuitable { path: path.to_path_buf(), message };
+    let model = Arc::new(Model::from_path(path)?);
+    let body = Body::new(model.clone(), &JointSelection::All).map_err(|error| match error {
+        BodyError::Engine(error) => GrowError::Engine(error),
+        other => unsuitable(other.to_string()),
+    })?;
+    let mut root = read(path, path.parent().unwrap_or(Path::new("")), &mut HashSet::new())?;
+    if attribute(&root, "compiler", "coordinate") == Some("global") {
+        return Err(unsuitable("it uses global coordinates: convert it to local ones first".into()));
+    }
+    if name_all(&mut root, &body).is_none() {
+        // Composites and replicas are not written out in the file; the engine does that.
+        let written = Model::written_out(path)?;
+        root = Element::parse(written.as_bytes()).map_err(|e| unsuitable(e.to_string()))?;
+        name_all(&mut root, &body).ok_or_else(|| {
+            unsuitable("its bodies are not written out in the file: flatten it first".into())
+        })?;
+    }
+    let sprouts = sprouts(&body, options).map_err(|error| match error {
+        GrowError::Options(message) => unsuitable(message),
+        other => other,
+    })?;
+    let kept = touch_sites(&model).count();
+    if sprouts.is_empty() && kept == 0 {
+        let meshes = model.geoms().any(|geom| geom.kind == crate::mujoco::GeomKind::Mesh);
+        return Err(unsuitable(if meshes {
+            "its moving bodies have meshes alone that cannot collide, on which no skin grows: give them \
+             capsules or boxes too"
+                .into()
+        } else {
+            "no geom of a moving body can touch anything: give it geoms".into()
+        }));
+    }
+    let sensors = add(&mut root, &body, &sprouts).map_err(unsuitable)?;
+    if !sensors.is_empty() {
+        let section = section(&mut root, "sensor");
+        section.children.extend(sensors.into_iter().map(XMLNode::Element));
+    }
+    Ok(Grown { root, source: path.to_path_buf(), receptors: sprouts.len(), kept })
+}
+
+impl Grown {
+    /// The file's text, to be written into `folder`: where that is another than the model's, the folders of
+    /// meshes and textures are told anew. Without a folder they stay as they are.
+    ///
+    /// # Errors
+    /// Where the text cannot be written as XML.
+    pub fn text(&self, folder: Option<&Path>) -> Result<String, GrowError> {
+        let mut root = self.root.clone();
+        if let Some(way) = folder.and_then(|folder| way(folder, self.source.parent()?)) {
+            move_assets(&mut root, &way);
+        }
+        write(&root).map_err(|message| GrowError::Xml { path: self.source.clone(), message })
+    }
+}
+
+/// Adds the receptors' sites and returns their sensors, after those of the joints.
+fn add(root: &mut Element, body: &Body, sprouts: &[Sprout]) -> Result<Vec<Element>, String> {
+    let model = &body.model;
+    let mut sensors = Vec::new();
+    let names = names(body);
+    for (j, joint) in model.joints().enumerate() {
+        let measured = model.sensors().any(|sensor| {
+            sensor.object == ObjectKind::Joint && sensor.id == Some(j) && sensor.kind == SensorKind::JointPos
+        });
+        let name = joint.name.or(names.joints.get(&j).map(String::as_str));
+        if let Some(name) =
+            name.filter(|_| matches!(joint.kind, JointKind::Hinge | JointKind::Slide) && !measured)
+        {
+            let mut own = format!("{name}_pos");
+            while model.id(ObjectKind::Sensor, &own).is_some() {
+                own.push('_');
+            }
+            sensors.push(element("jointpos", &[("name", own), ("joint", name.into())]));
+        }
+    }
+    if sprouts.is_empty() {
+        return Ok(sensors);
+    }
+    let class = receptor_class(root)?;
+    let digits = digits(sprouts);
+    let mut sites: BTreeMap<usize, Vec<Element>> = BTreeMap::new();
+    for Sprout { id, body, patch, .. } in sprouts {
+        sensors.push(element("touch", &[("name", format!("{id}_touch")), ("site", id.clone())]));
+        let [half_u, half_v] = patch.half_extents;
+        let thickness = HALF_THICKNESS.min(THINNESS * half_u.min(half_v));
+        let site = element(
+            "site",
+            &[
+                ("class", class.clone()),
+                ("name", id.clone()),
+                ("pos", numbers(patch.position.iter(), digits)),
+                ("quat", numbers(wxyz(&patch.orientation).iter(), digits)),
+                ("size", numbers([half_u, half_v, thickness].iter(), digits)),
+            ],
+        );
+        sites.entry(*body).or_default().push(site);
+    }
+    let mut number = 0;
+    each_body(root, &mut |element| {
+        number += 1;
+        let new = sites.remove(&number).into_iter().flatten().map(XMLNode::Element);
+        // Behind the body's geoms.
+        let geom = |child: &XMLNode| child.as_element().is_some_and(|e| e.name == "geom");
+        let at = element.children.iter().rposition(geom).map_or(0, |k| k + 1);
+        element.children.splice(at..at, new);
+    });
+    Ok(sensors)
+}
+
+/// Makes the class of the receptors' sites, and returns its name.
+fn receptor_class(root: &mut Element) -> Result<String, String> {
+    let mut taken = BTreeSet::new();
+    for default in root.children.iter().filter_map(XMLNode::as_element).filter(|e| e.name == "default") {
+        // Every class inherits from the outermost.
+        if let Some(site) = default.get_child("site")
+            && let Some(sticky) = STICKY.iter().find(|&&name| site.attributes.contains_key(name))
+        {
+            return Err(format!(
+                "its default for all sites has {sticky}, which receptors cannot undo: move it into a class"
+            ));
+        }
+        classes(default, &mut taken);
+    }
+    let mut class = CLASS.to_string();
+    while taken.contains(&class) {
+        class = format!("grown_{class}");
+    }
+    add_receptor_class(root, &class);
+    Ok(class)
+}
+
+fn classes(element: &Element, taken: &mut BTreeSet<String>) {
+    taken.extend(element.attributes.get("class").cloned());
+    element.children.iter().filter_map(XMLNode::as_element).for_each(|child| classes(child, taken));
+}
+
+/// Names for the creature's bodies and joints that have none.
+struct Names {
+    bodies: BTreeMap<usize, String>,
+    joints: BTreeMap<usize, String>,
+}
+
+fn names(body: &Body) -> Names {
+    let model = &body.model;
+    let free = |object: ObjectKind, mut name: String| {
+        while model.id(object, &name).is_some() {
+            name.push('_');
+        }
+        name
+    };
+    let own = |b: usize| b != 0 && body.limb_of_body[b].is_some();
+    let bodies = (1..model.nbody()).filter(|&b| own(b) && model.body(b).name.is_none());
+    let joints = model.joints().enumerate().filter(|(_, joint)| own(joint.body) && joint.name.is_none());
+    Names {
+        bodies: bodies.map(|b| (b, free(ObjectKind::Body, body_name(model, b)))).collect(),
+        joints: joints.map(|(j, _)| (j, free(ObjectKind::Joint, format!("joint{j}")))).collect(),
+    }
+}
+
+/// Names all of a creature in its file; none where the file's bodies or joints are not the model's.
+///
+/// MuJoCo numbers bodies, and joints within them, in the order of the file.
+fn name_all(root: &mut Element, body: &Body) -> Option<()> {
+    let model = &body.model;
+    let names = names(body);
+    let (mut number, mut agree) = (0, true);
+    each_body(root, &mut |element| {
+        number += 1;
+        if number >= model.nbody() {
+            return;
+        }
+        let info = model.body(number);
+        let named = element.attributes.get("name").filter(|name| !name.is_empty());
+        agree &= named.map(String::as_str) == info.name;
+        let joint = |child: &&mut Element| child.name == "joint" || child.name == "freejoint";
+        let joints: Vec<&mut Element> =
+            element.children.iter_mut().filter_map(XMLNode::as_mut_element).filter(joint).collect();
+        agree &= joints.len() == info.joints.len();
+        for (element, j) in joints.into_iter().zip(info.joints) {
+            let named = element.attributes.get("name").filter(|name| !name.is_empty());
+            agree &= named.map(String::as_str) == model.joint(j).name;
+            if let Some(name) = names.joints.get(&j) {
+                element.attributes.insert("name".into(), name.clone());
+            }
+        }
+        if let Some(name) = names.bodies.get(&number) {
+            element.attributes.insert("name".into(), name.clone());
+        }
+    });
+    (agree && number + 1 == model.nbody()).then_some(())
+}
+
+/// Visits the bodies of a file in its order.
+fn each_body(root: &mut Element, visit: &mut impl FnMut(&mut Element)) {
+    for child in root.children.iter_mut().filter_map(XMLNode::as_mut_element) {
+        if child.name == "body" {
+            visit(child);
+        }
+        if matches!(child.name.as_str(), "body" | "worldbody" | "frame") {
+            each_body(child, visit);
+        }
+    }
+}
+
+/// Reads an MJCF file with its includes written out, which are sought in the main file's folder.
+fn read(path: &Path, folder: &Path, seen: &mut HashSet<PathBuf>) -> Result<Element, GrowError> {
+    let file_error = |source| GrowError::File { path: path.to_path_buf(), source };
+    let xml_error = |message: String| GrowError::Xml { path: path.to_path_buf(), message };
+    if !seen.insert(path.to_path_buf()) {
+        return Err(xml_error("it includes itself: MuJoCo allows each file once".into()));
+    }
+    let text = std::fs::read_to_string(path).map_err(file_error)?;
+    let mut root = Element::parse(text.as_bytes()).map_err(|e| xml_error(e.to_string()))?;
+    include(&mut root, folder, seen)?;
+    Ok(root)
+}
+
+fn include(element: &mut Element, folder: &Path, seen: &mut HashSet<PathBuf>) -> Result<(), GrowError> {
+    for mut child in std::mem::take(&mut element.children) {
+        match child.as_mut_element() {
+            Some(inner) if inner.name == "include" => {
+                let file = inner.attributes.get("file").cloned().unwrap_or_default();
+                element.children.extend(read(&folder.join(file), folder, seen)?.children);
+            }
+            Some(inner) => {
+                include(inner, folder, seen)?;
+                element.children.push(child);
+            }
+            None => element.children.push(child),
+        }
+    }
+    Ok(())
+}
+
+/// The way from one folder to another, as a path; none where both are the same.
+fn way(from: &Path, to: &Path) -> Option<PathBuf> {
+    let whole = |path: &Path| {
+        let path = if path.as_os_str().is_empty() { Path::new(".") } else { path };
+        path.canonicalize().or_else(|_| std::path::absolute(path)).ok()
+    };
+    let (from, to) = (whole(from)?, whole(to)?);
+    if from == to {
+        return None;
+    }
+    let shared = from.components().zip(to.components()).take_while(|(a, b)| a == b).count();
+    let up = from.components().skip(shared).map(|_| Path::new(".."));
+    Some(up.chain(to.components().skip(shared).map(|part| Path::new(part.as_os_str()))).collect())
+}
+
+/// Sets the folders of meshes and textures, where any come from files, so that they are found from elsewhere.
+fn move_assets(root: &mut Element, way: &Path) {
+    let from_file = |asset: &Element| {
+        let mut parts = asset.children.iter().filter_map(XMLNode::as_element);
+        parts.any(|part| part.attributes.keys().any(|name| name.starts_with("file")))
+    };
+    let sections = root.children.iter().filter_map(XMLNode::as_element);
+    if !sections.filter(|section| section.name == "asset").any(from_file) {
+        return;
+    }
+    if root.get_child("compiler").is_none() {
+        root.children.insert(0, XMLNode::Element(Element::new("compiler")));
+    }
+    for folder in ["meshdir", "texturedir"] {
+        // A later compiler section overrides an earlier one.
+        let told = root
+            .children
+            .iter_mut()
+            .filter_map(XMLNode::as_mut_element)
+            .filter(|section| section.name == "compiler")
+            .fold(None, |last: Option<&mut Element>, section| {
+                if last.is_none() || section.attributes.contains_key(folder) { Some(section) } else { last }
+            });
+        if let Some(compiler) = told {
+            let old = compiler.attributes.get(folder).cloned().unwrap_or_default();
+            let new = way.join(old).display().to_string();
+            compiler.attributes.insert(folder.into(), new);
+        }
+    }
+}
+
+fn attribute<'a>(root: &'a Element, child: &str, name: &str) -> Option<&'a str> {
+    root.get_child(child)?.attributes.get(name).map(String::as_str)
+}
+
+/// Digits after the point: a micrometre, or less where receptors are small.
+fn digits(sprouts: &[Sprout]) -> usize {
+    let sides = sprouts.iter().flat_map(|sprout| sprout.patch.half_extents);
+    let least = sides.fold(f64::INFINITY, f64::min);
+    if least < 1e-3 { 9 } else { 6 }
+}
+
+/// Numbers as MJCF wants them.
+fn numbers<'a>(values: impl Iterator<Item = &'a f64>, digits: usize) -> String {
+    let text = |value: &f64| {
+        let text = format!("{value:.digits$}");
+        let text = text.trim_end_matches('0').trim_end_matches('.');
+        if text == "-0" { "0".to_string() } else { text.to_string() }
+    };
+    values.map(text).collect::<Vec<_>>().join(" ")
+}

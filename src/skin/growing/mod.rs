@@ -1,0 +1,269 @@
+//! Growing a skin on any creature.
+//!
+//! The exposed surface of every geom is sampled evenly; Lloyd's iteration gathers the samples into cells
+//! of about the wanted area; each cell becomes a receptor, a flat quadrangle that touches the surface at
+//! the cell's middle and is just large enough to cover the cell. So the receptors tile all that can be
+//! touched, whatever the shape. They go straight into a [`Skin`], or into the model's file as sites with
+//! touch sensors.
+//!
+//! How fine the skin is, the model may say itself: a tuple `limb/NAME` names the bodies of a limb, and the
+//! `prm` of each is the area of a receptor there in cm².
+
+mod cells;
+mod exposed;
+mod file;
+mod patch_size;
+mod samples;
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::PathBuf;
+
+use nalgebra::{UnitQuaternion, Vector3};
+use rayon::prelude::*;
+
+use super::from_model::{geom_under, skin_of, touch_sites};
+use super::{Receptor, Shape, Skin};
+use crate::creature::{Body, matrix};
+use crate::mujoco;
+use cells::Patch;
+use exposed::Exposure;
+use patch_size::Ground;
+
+pub use file::{Grown, grow_skin};
+pub use patch_size::{GrowOptions, PatchSize};
+
+/// Samples per receptor of the surface.
+const SAMPLES_PER_RECEPTOR: f64 = 150.0;
+/// Samples of a whole creature, to find out how much of it is exposed.
+const FIRST_SAMPLES: f64 = 20_000.0;
+/// Exposed surface below this share of a receptor's area is left bare.
+const REMNANT: f64 = 0.02;
+/// Most receptors of a skin.
+const MOST_RECEPTORS: f64 = 20_000.0;
+
+/// Why no skin could be grown.
+#[derive(Debug, thiserror::Error)]
+pub enum GrowError {
+    /// The engine refused the model.
+    #[error(transparent)]
+    Engine(#[from] mujoco::Error),
+    /// A file could not be read or written.
+    #[error("{path}: {source}")]
+    File {
+        /// The file.
+        path: PathBuf,
+        /// What the system says.
+        source: std::io::Error,
+    },
+    /// The file is not XML.
+    #[error("{path}: {message}")]
+    Xml {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it.
+        message: String,
+    },
+    /// No sites can be written into the file.
+    #[error("{path}: {message}")]
+    Unsuitable {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong, and the mend.
+        message: String,
+    },
+    /// The options ask for what cannot be.
+    #[error("{0}")]
+    Options(String),
+}
+
+/// A receptor that grew.
+struct Sprout {
+    id: String,
+    geom: usize,
+    body: usize,
+    /// In its body's frame.
+    patch: Patch,
+}
+
+/// The skin of a creature: the receptors that its model has, and grown ones on all that can be touched and
+/// has none. It has no receptors where nothing can be touched.
+///
+/// # Errors
+/// [`GrowError::Options`] where the options do not suit the creature, [`GrowError::Engine`] where the engine
+/// fails.
+pub fn grow(body: &Body, options: &GrowOptions) -> Result<Skin, GrowError> {
+    let mut skin = skin_of(body);
+    for sprout in sprouts(body, options)? {
+        let surface = skin.surfaces.iter().position(|surface| surface.geom == sprout.geom);
+        let pose = body.pose_in_limb[sprout.body];
+        let axes = matrix(&(pose.rotation * sprout.patch.orientation));
+        skin.receptors.push(Receptor {
+            id: sprout.id,
+            limb: body.limb_of_body[sprout.body].expect("skin grows on limbs alone"),
+            position: (pose * nalgebra::Point3::from(sprout.patch.position)).coords,
+            normal: axes.column(2).into(),
+            tangent: axes.column(0).into(),
+            half_extents: sprout.patch.half_extents,
+            surface,
+        });
+    }
+    Ok(skin)
+}
+
+/// All receptors that a creature still wants, geom by geom in the model's order.
+fn sprouts(body: &Body, options: &GrowOptions) -> Result<Vec<Sprout>, GrowError> {
+    let model = &body.model;
+    let exposure = Exposure::new(body)?;
+    let covered: BTreeSet<usize> = touch_sites(model).filter_map(|site| geom_under(body, site)).collect();
+    let geoms: Vec<usize> = exposure.geoms().filter(|g| !covered.contains(g)).collect();
+    let whole: f64 = geoms.iter().filter_map(|&g| exposure.surface(g)).map(|s| s.shape.area()).sum();
+    let grounds = || -> Vec<Ground> {
+        let ground = |&geom: &usize| {
+            let (samples, share) = exposure.samples(geom, whole / FIRST_SAMPLES);
+            Ground { geom, body: model.geom_body(geom), exposed: samples.len() as f64 * share }
+        };
+        geoms.par_iter().map(ground).collect()
+    };
+    let areas = options.areas(model, &geoms, grounds)?;
+    let wanted: f64 = geoms
+        .iter()
+        .zip(&areas)
+        .map(|(&g, area)| exposure.surface(g).map_or(0.0, |s| s.shape.area() / area))
+        .sum();
+    // What is buried does not count, but who asks for this much has mistaken the unit.
+    if !(wanted <= MOST_RECEPTORS) {
+        return Err(GrowError::Options(format!(
+            "that makes some {wanted:.0} receptors, more than {MOST_RECEPTORS}: ask for larger patches"
+        )));
+    }
+    let mut plots: Vec<Plot> =
+        geoms.par_iter().zip(&areas).filter_map(|(&geom, &area)| Plot::new(&exposure, geom, area)).collect();
+    if let PatchSize::Count(total) = options.size {
+        distribute(&mut plots, total);
+    }
+    let patches: Vec<Vec<Patch>> = plots.par_iter().map(Plot::patches).collect();
+    let mut ids = Ids::new(body);
+    let mut sprouts = Vec::new();
+    for (plot, patches) in plots.iter().zip(patches) {
+        let at = model.geom_body(plot.geom);
+        let pose = exposure.body_pose(at);
+        for patch in patches {
+            let outward = patch.orientation * Vector3::z();
+            let patch = Patch {
+                position: pose.inverse_transform_point(&patch.position.into()).coords,
+                orientation: pose.rotation.inverse() * patch.orientation,
+                half_extents: patch.half_extents,
+            };
+            sprouts.push(Sprout { id: ids.next(at, &outward), geom: plot.geom, body: at, patch });
+        }
+    }
+    Ok(sprouts)
+}
+
+/// The exposed part of one geom, to be divided among receptors.
+struct Plot {
+    geom: usize,
+    samples: Vec<samples::Sample>,
+    /// The area that a sample stands for, m².
+    share: f64,
+    /// The area of a receptor, m².
+    area: f64,
+    count: usize,
+    fewest: usize,
+    edges: bool,
+    long_axis: Vector3<f64>,
+}
+
+impl Plot {
+    /// None where next to nothing is exposed.
+    fn new(exposure: &Exposure, geom: usize, area: f64) -> Option<Plot> {
+        let surface = exposure.surface(geom)?;
+        let (samples, share) = exposure.samples(geom, area / SAMPLES_PER_RECEPTOR);
+        if samples.is_empty() || (samples.len() as f64) * share < REMNANT * area {
+            return None;
+        }
+        let edges = matches!(surface.shape, Shape::Box { .. } | Shape::Cylinder { .. } | Shape::Hull(_));
+        let long_axis: Vector3<f64> = surface.rotation.column(2).into();
+        let fewest = cells::fewest(&samples, edges, &long_axis);
+        let count = ((samples.len() as f64 * share / area).round() as usize).max(fewest).min(samples.len());
+        Some(Plot { geom, samples, share, area, count, fewest, edges, long_axis })
+    }
+
+    /// In the world's frame of the reference posture.
+    fn patches(&self) -> Vec<Patch> {
+        cells::cells(&self.samples, self.share, self.area, self.count, self.edges, &self.long_axis)
+    }
+}
+
+/// Shares out a number of receptors, in proportion to what each geom would have; none gets fewer than it needs
+/// to be covered, even if that makes more in all.
+fn distribute(plots: &mut [Plot], total: usize) {
+    let ideal: Vec<f64> = plots.iter().map(|p| p.samples.len() as f64 * p.share / p.area).collect();
+    let mut scarce = vec![false; plots.len()];
+    loop {
+        let fixed: usize = plots.iter().zip(&scarce).filter(|(_, s)| **s).map(|(p, _)| p.fewest).sum();
+        let free: f64 = ideal.iter().zip(&scarce).filter(|(_, s)| !**s).map(|(x, _)| x).sum();
+        let scale = total.saturating_sub(fixed) as f64 / free;
+        let short = (0..plots.len()).filter(|&k| !scarce[k] && ideal[k] * scale < plots[k].fewest as f64);
+        let short: Vec<usize> = short.collect();
+        if short.is_empty() {
+            let mut rest: Vec<(f64, usize)> = Vec::new();
+            for (k, plot) in plots.iter_mut().enumerate() {
+                let exact = if scarce[k] { plot.fewest as f64 } else { ideal[k] * scale };
+                plot.count = (exact.floor() as usize).min(plot.samples.len());
+                rest.push((exact - exact.floor(), k));
+            }
+            rest.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
+            let left = total.saturating_sub(plots.iter().map(|p| p.count).sum());
+            for &(_, k) in rest.iter().filter(|(_, k)| !scarce[*k]).take(left) {
+                plots[k].count = (plots[k].count + 1).min(plots[k].samples.len());
+            }
+            for (plot, exact) in plots.iter_mut().zip(&ideal) {
+                plot.area *= exact / plot.count as f64;
+            }
+            return;
+        }
+        short.into_iter().for_each(|k| scarce[k] = true);
+    }
+}
+
+/// Names for receptors: the limb, where on it, and a number.
+struct Ids<'a> {
+    body: &'a Body,
+    limbs: BTreeMap<usize, String>,
+    count: BTreeMap<String, usize>,
+}
+
+impl Ids<'_> {
+    fn new(body: &Body) -> Ids<'_> {
+        Ids { body, limbs: patch_size::limb_names(&body.model), count: BTreeMap::new() }
+    }
+
+    /// A new id for a receptor on a body that faces `outward` in the reference posture, in the world's frame.
+    fn next(&mut self, body: usize, outward: &Vector3<f64>) -> String {
+        let model = &self.body.model;
+        let stem = self.limbs.get(&body).cloned().unwrap_or_else(|| {
+            // MJCF's custom: x is ahead, y to the left, z up.
+            let sides = [["front", "back"], ["left", "right"], ["top", "bottom"]];
+            let axis = outward.iamax();
+            let side = sides[axis][usize::from(outward[axis] < 0.0)];
+            format!("{}_{side}", patch_size::body_name(model, body))
+        });
+        let count = self.count.entry(stem.clone()).or_insert(0);
+        loop {
+            *count += 1;
+            let id = format!("{stem}_{count:02}");
+            let taken = |object, name: &str| model.id(object, name).is_some();
+            let sensor = format!("{id}_touch");
+            if !taken(mujoco::ObjectKind::Site, &id) && !taken(mujoco::ObjectKind::Sensor, &sensor) {
+                return id;
+            }
+        }
+    }
+}
+
+/// A patch's orientation as MuJoCo's quaternion.
+fn wxyz(orientation: &UnitQuaternion<f64>) -> [f64; 4] {
+    let q = orientation.quaternion();
+    [q.w, q.i, q.j, q.k]
+}

@@ -1,0 +1,148 @@
+//! How large a receptor is to be, geom by geom.
+
+use std::collections::BTreeMap;
+
+use super::GrowError;
+use crate::mujoco::{Model, ObjectKind};
+
+/// Receptors of a creature whose model does not say how fine its skin is, and who is not asked for a size;
+/// more where it has many geoms.
+const RECEPTORS: f64 = 250.0;
+/// Receptors by geom of such a creature.
+const RECEPTORS_PER_GEOM: f64 = 4.0;
+
+/// How large receptors are.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum PatchSize {
+    /// As the model says; where it says nothing, so that some 250 cover the creature.
+    #[default]
+    OfCreature,
+    /// As the model says; where it says nothing, this area, m².
+    Area(f64),
+    /// Squares with sides of this length, metres, whatever the model says.
+    Spacing(f64),
+    /// So that there are this many in all, in the proportions that [`PatchSize::OfCreature`] has.
+    Count(usize),
+}
+
+/// What a skin is to be like.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct GrowOptions {
+    /// How large its receptors are.
+    pub size: PatchSize,
+    /// How many times as many receptors a limb, by its name or its body's, has on the same area.
+    pub denser: Vec<(String, f64)>,
+}
+
+/// One geom on which skin is to grow.
+pub struct Ground {
+    pub geom: usize,
+    pub body: usize,
+    /// Its exposed area, m².
+    pub exposed: f64,
+}
+
+impl GrowOptions {
+    /// The area of a receptor on each of the geoms, m². `grounds` measures what is exposed of them, which
+    /// takes some time and is not always needed.
+    ///
+    /// # Errors
+    /// Where `denser` names no limb, or a size is no positive number.
+    pub fn areas(
+        &self,
+        model: &Model,
+        geoms: &[usize],
+        grounds: impl Fn() -> Vec<Ground>,
+    ) -> Result<Vec<f64>, GrowError> {
+        let sound = |value: f64| value > 0.0 && value.is_finite();
+        let positive = match self.size {
+            PatchSize::Area(size) | PatchSize::Spacing(size) => sound(size),
+            PatchSize::Count(count) => count > 0,
+            PatchSize::OfCreature => true,
+        };
+        if !positive || self.denser.iter().any(|(_, factor)| !sound(*factor)) {
+            return Err(GrowError::Options("sizes and densities must be positive numbers".into()));
+        }
+        let denser = self.factors(model)?;
+        let of_model = receptor_areas(model);
+        let said = |g: usize| of_model.get(&model.geom_body(g)).copied();
+        let all_said = geoms.iter().all(|&g| said(g).is_some());
+        let default = match self.size {
+            PatchSize::Area(area) => area,
+            PatchSize::Spacing(side) => side * side,
+            _ if all_said => 0.0,
+            _ => {
+                let exposed: f64 = grounds().iter().map(|ground| ground.exposed).sum();
+                exposed / RECEPTORS.max(RECEPTORS_PER_GEOM * geoms.len() as f64)
+            }
+        };
+        let area = |&g: &usize| {
+            let of_limb = match self.size {
+                PatchSize::Spacing(_) => default,
+                _ => said(g).unwrap_or(default),
+            };
+            of_limb / denser[model.geom_body(g)]
+        };
+        let mut areas: Vec<f64> = geoms.iter().map(area).collect();
+        if let PatchSize::Count(total) = self.size {
+            let of_geom: BTreeMap<usize, f64> = geoms.iter().copied().zip(areas.iter().copied()).collect();
+            let ideal: f64 = grounds().iter().map(|ground| ground.exposed / of_geom[&ground.geom]).sum();
+            areas.iter_mut().for_each(|area| *area *= ideal / total as f64);
+        }
+        Ok(areas)
+    }
+
+    /// Per body, how much denser its skin is.
+    fn factors(&self, model: &Model) -> Result<Vec<f64>, GrowError> {
+        let limbs = limb_names(model);
+        let mut factors = vec![1.0; model.nbody()];
+        for (name, factor) in &self.denser {
+            let mut found = false;
+            for (body, of_body) in factors.iter_mut().enumerate().skip(1) {
+                if limbs.get(&body) == Some(name) || body_name(model, body) == *name {
+                    *of_body *= factor;
+                    found = true;
+                }
+            }
+            if !found {
+                let mut known: Vec<String> = limbs.into_values().collect();
+                if known.is_empty() {
+                    known = (1..model.nbody()).map(|body| body_name(model, body)).collect();
+                }
+                known.sort();
+                known.dedup();
+                let known = known.join(", ");
+                return Err(GrowError::Options(format!("no limb is called {name}; there are {known}")));
+            }
+        }
+        Ok(factors)
+    }
+}
+
+/// Per body, the receptor area that the model's limb tuples ask for, m².
+fn receptor_areas(model: &Model) -> BTreeMap<usize, f64> {
+    let tuples = model.tuples();
+    let limbs = tuples.iter().filter(|tuple| tuple.name.is_some_and(|n| n.starts_with("limb/")));
+    let entries = limbs.flat_map(|tuple| &tuple.entries);
+    entries
+        .filter(|entry| entry.object == ObjectKind::Body && entry.prm > 0.0)
+        .map(|entry| (entry.id, entry.prm * 1e-4))
+        .collect()
+}
+
+/// Per body, the name of the limb it is part of.
+pub fn limb_names(model: &Model) -> BTreeMap<usize, String> {
+    let mut names = BTreeMap::new();
+    for tuple in model.tuples() {
+        let Some(name) = tuple.name.and_then(|name| name.strip_prefix("limb/")) else { continue };
+        for entry in tuple.entries.iter().filter(|entry| entry.object == ObjectKind::Body) {
+            names.entry(entry.id).or_insert_with(|| name.to_string());
+        }
+    }
+    names
+}
+
+/// A body's name, or one made from its number.
+pub fn body_name(model: &Model, body: usize) -> String {
+    model.body(body).name.map_or_else(|| format!("body{body}"), str::to_string)
+}
