@@ -63,9 +63,12 @@ pub enum BabblingError<E> {
     /// No two limbs can meet.
     #[error(
         "no two of its limbs can touch: all that bear surface carry one another or overlap for good \
-         (`bodyschema inspect` has the table), so no touch can tell of any joint; give limbs that reach each other"
+         (`bodyschema inspect` has the table), so no touch can determine {joints}; give limbs that reach each other"
     )]
-    NoPairs,
+    NoPairs {
+        /// All joints, by name.
+        joints: String,
+    },
     /// Nothing was touched.
     #[error(
         "no touch in {motions} motions ({bare} met bare geometry): the limbs that move cannot reach each \
@@ -107,7 +110,8 @@ impl<'a> Babbler<'a> {
         let reader = ContactReader::new(body, skin);
         let clearance = Clearance::new(body, &left_out).map_err(BabblingError::Engine)?;
         if clearance.is_empty() {
-            return Err(BabblingError::NoPairs);
+            let joints: Vec<&str> = body.creature.joints().iter().map(|joint| joint.name.as_str()).collect();
+            return Err(BabblingError::NoPairs { joints: joints.join(", ") });
         }
         Ok(Babbler { body, skin, reader, clearance, start })
     }
