@@ -11,14 +11,14 @@ use std::process::Command;
 use std::sync::{Arc, Mutex};
 
 /// The calls that `src/mujoco` makes; with them bindgen takes along the types that they need.
-const FUNCTIONS: &str = "mj_(version|versionString|loadXML|saveLastXML|deleteModel|makeData|deleteData|resetData\
+const FUNCTIONS: &str = "mj_(version|versionString|loadXML|printSchema|saveLastXML|copyModel|deleteModel|makeData|deleteData|resetData\
 |kinematics|comPos|collision|forward|contactForce|id2name|name2id\
 |defaultVFS|deleteVFS|makeEmptyFileVFS|findFileVFS|addBufferVFS)\
 |mju_(error|warning|warningText)";
 /// Enumerations of which constants are compared with plain integers of the model.
 const TYPES: &str = "mjModel_?|mjData_?|mjContact_?|mjVFS_?\
-|mjt(Joint|Geom|Obj|Sensor|Warning|Collision|DisableBit)_?";
-const VARIABLES: &str = "mju_user_(error|warning)|mjVERSION_HEADER|mjMAXVAL";
+|mjt(Joint|Geom|Obj|Sensor|Warning|Collision|DisableBit|Eq)_?";
+const VARIABLES: &str = "mju_user_(error|warning)|mjVERSION_HEADER|mjMAXVAL|mjNEQDATA";
 
 /// How every complaint about MuJoCo itself ends.
 const MUJOCO_MEND: &str = "install Debian's package libmujoco-dev, or set MUJOCO_DIR to the folder \
@@ -34,6 +34,7 @@ fn main() {
     println!("cargo::rustc-check-cfg=cfg(mujoco_nconmax)");
     println!("cargo::rustc-check-cfg=cfg(mujoco_collision_option)");
     println!("cargo::rustc-check-cfg=cfg(mujoco_signature_from_one)");
+    println!("cargo::rustc-check-cfg=cfg(mujoco_eq_active0)");
     if let Err(sentence) = build() {
         println!("cargo::error={sentence}");
     }
@@ -59,6 +60,7 @@ fn build() -> Result<(), String> {
         ("fn mj_addBufferVFS", "mujoco_buffer_vfs"),
         ("pub nconmax:", "mujoco_nconmax"),
         ("pub collision:", "mujoco_collision_option"),
+        ("pub eq_active0:", "mujoco_eq_active0"),
     ] {
         if bindings.contains(needle) {
             println!("cargo::rustc-cfg={name}");

@@ -223,7 +223,7 @@ fn a_schema_that_knows_nothing_is_a_model_too() {
     let hinge = truth.axes[1];
     assert!((hinge - Vector3::z()).norm() < ROUND_TRIP);
 
-    let dof = |kind| Dof { name: format!("{kind:?}"), kind, range: [0.3, 0.3] };
+    let dof = |kind| Dof { name: format!("{kind:?}"), kind, range: [0.3, 0.3], follows: None };
     let dofs = [DofKind::Hinge, DofKind::Slide, DofKind::Ball].map(dof).to_vec();
     let limbs = vec!["trunk".to_string(), "limb".to_string()];
     let stiff =

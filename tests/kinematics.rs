@@ -4,7 +4,7 @@
 mod common;
 
 use bodyschema::babbling::random_posture;
-use bodyschema::creature::{Body, Creature, DofKind};
+use bodyschema::creature::{Body, Creature, DofKind, JointSelection};
 use bodyschema::ground_truth::GroundTruth;
 use bodyschema::kinematics::{Chain, ChainSide, Frame, SideJacobian, limb_frames};
 use bodyschema::mujoco::{Data, JointKind, ObjectKind};
@@ -107,9 +107,49 @@ const MOUNTED: &str = r#"<mujoco model="mounted">
   </worldbody>
 </mujoco>"#;
 
+/// A creature in several files: an include, classes of defaults, degrees in an order of their own, mirrored axes,
+/// several limbs on one joint's body, a joint that follows another.
+fn in_several_files() -> Body {
+    let folder = tempfile::tempdir().unwrap();
+    let main = r#"<mujoco model="parts">
+  <compiler angle="degree" eulerseq="XYZ" autolimits="true"/>
+  <default>
+    <default class="skewed"><joint axis="1 2 -0.5" pos="0.01 0 0.02" range="-70 100"/><geom size="0.02 0.05"/>
+      <default class="mirrored"><joint axis="-1 2 -0.5" pos="-0.01 0 0.02"/></default>
+    </default>
+  </default>
+  <worldbody><body name="trunk" euler="20 30 40" childclass="skewed"><geom type="box" size=".1 .1 .1"/>
+    <include file="limbs.xml"/>
+  </body></worldbody>
+  <equality><joint joint1="right_toe" joint2="left_toe" polycoef="0.1 -0.5 0 0 0"/></equality>
+</mujoco>"#;
+    let limbs = r#"<mujocoinclude>
+  <body name="left" pos="0 .2 0" euler="10 -50 35"><joint name="left"/><geom type="capsule"/>
+    <body name="left_toe" pos=".1 0 0"><joint name="left_toe" range="-40 20"/><geom type="sphere"/></body>
+    <body name="left_heel" pos="-.1 0 0" euler="0 0 90"><joint name="left_heel" type="ball" range="0 50"/><geom type="sphere"/></body>
+    <body name="left_shell" pos="0 0 .1" euler="0 45 0"><geom type="box" size=".02 .02 .02"/>
+      <body name="left_hair" pos="0 0 .1"><joint name="left_hair" type="slide" range="-.1 .2"/><geom type="sphere"/></body>
+    </body>
+  </body>
+  <body name="right" pos="0 -.2 0" euler="-10 -50 -35" childclass="mirrored"><joint name="right"/><geom type="capsule"/>
+    <body name="right_toe" pos=".1 0 0"><joint name="right_toe"/><geom type="sphere"/></body>
+  </body>
+</mujocoinclude>"#;
+    std::fs::write(folder.path().join("limbs.xml"), limbs).unwrap();
+    let path = folder.path().join("main.xml");
+    std::fs::write(&path, main).unwrap();
+    let model = bodyschema::mujoco::Model::from_path(path).unwrap();
+    Body::new(model.into(), &JointSelection::All).unwrap()
+}
+
 /// Every creature of these tests, by name.
 fn creatures() -> Vec<(&'static str, Body)> {
     vec![
+        ("in several files", in_several_files()),
+        ("a part of the free body", {
+            let model = bodyschema::mujoco::Model::from_xml(FREE).unwrap();
+            Body::rooted(model.into(), &JointSelection::All, Some("cart")).unwrap()
+        }),
         ("Max", max("all")),
         ("Max's torso", max("torso")),
         ("free", creature(FREE)),

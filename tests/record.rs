@@ -31,7 +31,7 @@ const AWKWARD: [f64; 12] = [
 ];
 
 fn dof(name: &str, kind: DofKind) -> Dof {
-    Dof { name: name.into(), kind, range: [-1.5, 0.1 + 0.2] }
+    Dof { name: name.into(), kind, range: [-1.5, 0.1 + 0.2], follows: None }
 }
 
 /// A trunk with an arm of a hinge pair and a slide, and a head on a ball.
@@ -429,6 +429,8 @@ fn session() -> Session {
         model_hash: "sha256:0".into(),
         seed: u64::MAX,
         options: SessionOptions {
+            strip: true,
+            root: Some("trunk".into()),
             touches: 40,
             joints: "torso".into(),
             input: Some("receptor".into()),

@@ -6,7 +6,7 @@
 //! advancement), and needs no small steps. Geoms are bounded by capsules; for spheres and capsules the
 //! bound is exact and so is the gap.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use nalgebra::{Matrix3, Vector3};
 
@@ -149,11 +149,11 @@ const LEAST_ADVANCE: f64 = 1e-6;
 
 impl Clearance {
     /// The clearance of a body between the geoms that can touch: those that the engine would let collide,
-    /// on limbs that are not neighbours. `overlapping` geom pairs are left out.
+    /// on limbs that are not neighbours, but for the pairs `left_out`, the lesser index first.
     ///
     /// # Errors
     /// Where the engine fails.
-    pub fn new(body: &Body, overlapping: &[[usize; 2]]) -> mujoco::Result<Clearance> {
+    pub fn new(body: &Body, left_out: &BTreeSet<[usize; 2]>) -> mujoco::Result<Clearance> {
         let creature = body.creature.clone();
         let schema = body.kinematics()?;
         let mut by_limb: Vec<Vec<u32>> = vec![Vec::new(); creature.limbs().len()];
@@ -187,8 +187,7 @@ impl Clearance {
                 }
                 let collide = |pair: &[u32; 2]| {
                     let [g, h] = pair.map(|k| bounds[k as usize].geom);
-                    let known = overlapping.contains(&[g, h]) || overlapping.contains(&[h, g]);
-                    body.model.collides(g, h) && !known
+                    body.model.collides(g, h) && !left_out.contains(&[g.min(h), g.max(h)])
                 };
                 let all = first.members.iter().flat_map(|&g| second.members.iter().map(move |&h| [g, h]));
                 let geoms: Vec<[u32; 2]> = all.filter(collide).collect();

@@ -7,6 +7,7 @@ mod clearance;
 mod motion;
 pub mod policy;
 mod posture;
+mod self_contact;
 
 use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
@@ -19,6 +20,7 @@ pub use clearance::Clearance;
 pub use motion::{DEEPEST, Effort, Ending, Mover};
 pub use policy::{Policy, PolicyName};
 pub use posture::{random_posture, start_posture};
+pub use self_contact::{LimbPair, Relation, SelfContact};
 
 use crate::babbling::policy::Random;
 use crate::creature::Body;
@@ -59,8 +61,14 @@ pub enum BabblingError<E> {
     #[error("the model has no touch sensors: grow a skin with `bodyschema skin MODEL --output NEW`")]
     NoSkin,
     /// No two limbs can meet.
-    #[error("no two limbs of the model can collide: look at contype, conaffinity and excludes of its geoms")]
-    NoPairs,
+    #[error(
+        "no two of its limbs can touch: all that bear surface carry one another or overlap for good \
+         (`bodyschema inspect` has the table), so no touch can determine {joints}; give limbs that reach each other"
+    )]
+    NoPairs {
+        /// All joints, by name.
+        joints: String,
+    },
     /// Nothing was touched.
     #[error(
         "no touch in {motions} motions ({bare} met bare geometry): the limbs that move cannot reach each \
@@ -90,7 +98,7 @@ struct Bout {
 }
 
 impl<'a> Babbler<'a> {
-    /// Prepares a body: geoms that overlap in the start posture are left out for good.
+    /// Prepares a body: geoms that overlap by construction are left out for good.
     ///
     /// # Errors
     /// Where the engine fails, where there is no skin, or where no two limbs can meet.
@@ -98,12 +106,12 @@ impl<'a> Babbler<'a> {
         if skin.receptors.is_empty() {
             return Err(BabblingError::NoSkin);
         }
-        let start = start_posture(&body.creature);
+        let SelfContact { left_out, start, .. } = SelfContact::new(body).map_err(BabblingError::Engine)?;
         let reader = ContactReader::new(body, skin);
-        let overlapping = overlapping(body, &start).map_err(BabblingError::Engine)?;
-        let clearance = Clearance::new(body, &overlapping).map_err(BabblingError::Engine)?;
+        let clearance = Clearance::new(body, &left_out).map_err(BabblingError::Engine)?;
         if clearance.is_empty() {
-            return Err(BabblingError::NoPairs);
+            let joints: Vec<&str> = body.creature.joints().iter().map(|joint| joint.name.as_str()).collect();
+            return Err(BabblingError::NoPairs { joints: joints.join(", ") });
         }
         Ok(Babbler { body, skin, reader, clearance, start })
     }
@@ -277,15 +285,4 @@ fn gather<E>(
         }
     }
     Ok(effort)
-}
-
-/// The pairs of geoms that are in contact in a posture: joined by construction, not touching.
-fn overlapping(body: &Body, posture: &[f64]) -> mujoco::Result<Vec<[usize; 2]>> {
-    let mut data = mujoco::Data::new(body.model.clone())?;
-    let mut qpos = vec![0.0; body.model.nq()];
-    body.write_qpos(posture, &mut qpos);
-    data.set_qpos(&qpos)?;
-    data.kinematics()?;
-    data.collision()?;
-    Ok(data.contacts().map(|contact| contact.geoms).collect())
 }

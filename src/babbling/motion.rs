@@ -102,14 +102,16 @@ impl<'a> Mover<'a> {
     }
 
     /// Moves straight towards `target` and stops at the first contact of limbs that are not neighbours.
-    /// A ball joint whose way would leave its range goes up to its limit.
+    /// A ball joint whose way would leave its range goes up to its limit; what follows another joint ends where
+    /// that joint has it (and on the way as well, where it follows in proportion).
     ///
     /// # Errors
     /// Where the engine fails.
     pub fn advance(&mut self, target: &[f64]) -> mujoco::Result<Ending> {
         self.effort.motions += 1;
         self.clearance.checks = 0;
-        let target = reachable(&self.body.creature, &self.posture, target);
+        let mut target = reachable(&self.body.creature, &self.posture, target);
+        self.body.creature.couple(&mut target);
         let ending = self.run(&target);
         self.effort.gap_checks += std::mem::take(&mut self.clearance.checks);
         ending

@@ -25,6 +25,7 @@ pub fn random_posture(creature: &Creature, rng: &mut impl Rng) -> Vec<f64> {
             }
         }
     }
+    creature.couple(&mut posture);
     posture
 }
 
@@ -38,6 +39,7 @@ pub fn start_posture(creature: &Creature) -> Vec<f64> {
         }
         q += dof.kind.coordinates();
     }
+    creature.couple(&mut posture);
     posture
 }
 
@@ -118,5 +120,6 @@ pub fn wide_posture(creature: &Creature, rng: &mut impl Rng) -> Vec<f64> {
             q += dof.kind.coordinates();
         }
     }
+    creature.couple(&mut posture);
     posture
 }

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use super::learn_options::{KNOWN_HELP, LearnOptions, learn_session, print_table, to_json};
-use super::open::open_body;
+use super::open::{ModelOptions, open_body};
 use super::skin::skin_for;
 use super::touches::{babbler, make_touches, threads, touch_count};
 use super::{Failure, Outcome, output, progress};
@@ -48,6 +48,8 @@ pub struct Args {
     #[arg(long, value_enum, default_value_t)]
     policy: PolicyName,
     #[command(flatten)]
+    open: ModelOptions,
+    #[command(flatten)]
     learn: LearnOptions,
     /// The session's folder [default: the first free of sessions/CREATURE-1, -2, …]
     #[arg(long, value_name = "DIR")]
@@ -59,7 +61,7 @@ pub struct Args {
 
 pub fn run(args: &Args) -> Outcome {
     let selection = args.joints.clone().unwrap_or_default();
-    let body = open_body(&args.model, &selection)?;
+    let body = open_body(&args.model, &selection, &args.open)?;
     let learn = args.learn.with_known(&body.creature)?;
     let skin = skin_for(&args.model, &body)?;
     let truth = GroundTruth::new(&body)?;
@@ -74,6 +76,8 @@ pub fn run(args: &Args) -> Outcome {
         options: SessionOptions {
             touches: args.touches,
             joints: selection.to_string(),
+            strip: args.open.strip,
+            root: args.open.root.clone(),
             input: Some(learn.input.to_string()),
             learner: Some(learn.learner.to_string()),
             known: learn.known.as_ref().map(|path| path.display().to_string()),

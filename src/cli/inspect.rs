@@ -1,14 +1,17 @@
 //! `bodyschema inspect`: what the agent is given.
 
 use std::path::PathBuf;
+use std::sync::Arc;
 
 use serde_json::json;
 
 use super::Outcome;
-use super::open::open_body;
+use super::open::{ModelOptions, body_of, open_model};
 use super::output;
 use super::skin::skin_for;
-use crate::creature::{Creature, DofKind, JointSelection};
+use crate::babbling::{LimbPair, Relation, SelfContact};
+use crate::creature::{Body, Creature, DofKind, JointSelection};
+use crate::mujoco::Equality;
 use crate::skin::SomatotopicMap;
 
 /// Tell a model's tree, degrees of freedom, limbs and receptors.
@@ -19,14 +22,18 @@ use crate::skin::SomatotopicMap;
 pub struct Args {
     /// The MJCF file of a creature
     model: PathBuf,
+    #[command(flatten)]
+    open: ModelOptions,
     /// Print one JSON object
     #[arg(long)]
     json: bool,
 }
 
 pub fn run(args: &Args) -> Outcome {
-    let body = open_body(&args.model, &JointSelection::All)?;
-    let learned = open_body(&args.model, &JointSelection::Default)?;
+    let model = Arc::new(open_model(&args.model, args.open.strip)?);
+    let open = |joints| body_of(model.clone(), &args.model, &joints, &args.open);
+    let (body, learned) = (open(JointSelection::All)?, open(JointSelection::Default)?);
+    let contact = SelfContact::new(&learned)?;
     let skin = skin_for(&args.model, &body)?;
     let map = SomatotopicMap::new(&skin);
     let creature = &body.creature;
@@ -52,6 +59,14 @@ pub fn run(args: &Args) -> Outcome {
             "aura_limbs": creature.aura_limbs().len(),
             "receptors": skin.receptors.len(),
             "receptors_by_limb": receptors_by_limb,
+            "constraints_not_heeded": not_heeded(&body),
+            "limb_pairs": contact.pairs.iter().map(|pair| json!({
+                "limbs": pair.limbs.map(|limb| &learned.creature.limbs()[limb]),
+                "relation": pair.relation,
+                "switched_on": pair.switched_on,
+                "geom_pairs_left_out": pair.left_out,
+                "meeting": pair.meeting,
+            })).collect::<Vec<_>>(),
             "tree": creature.joints().iter().enumerate().map(|(j, joint)| json!({
                 "joint": joint.name,
                 "parent": creature.limbs()[joint.parent],
@@ -75,6 +90,11 @@ pub fn run(args: &Args) -> Outcome {
         learned.creature.dof()
     );
     print_tree(creature, &learned.creature, 0, 0);
+    let constraints = not_heeded(&body);
+    if constraints > 0 {
+        say!("\n{constraints} constraints that close the tree or couple tendons are not heeded");
+    }
+    print_contact(&learned.creature, &contact);
     say!("\n{:<24} {:>9}", "aura limb", "receptors");
     for (name, count) in &by_limb {
         say!("{name:<24} {count:>9}");
@@ -87,6 +107,50 @@ pub fn run(args: &Args) -> Outcome {
         say!("\neach receptor has {mean:.1} neighbours on the mean");
     }
     Ok(())
+}
+
+/// The number of constraints that postures do not keep.
+fn not_heeded(body: &Body) -> usize {
+    body.model.equalities().iter().filter(|equality| **equality == Equality::Other).count()
+}
+
+/// Which limb pairs can touch, and each that differs from what its model says.
+fn print_contact(creature: &Creature, contact: &SelfContact) {
+    const SHOWN: usize = 20;
+    let on = contact.pairs.iter().filter(|pair| pair.switched_on).count();
+    say!(
+        "\nof {} pairs of limbs that are learned, {} can touch ({on} of them though the model switches it off), {} are \
+         neighbours, {} overlap for good, {} are excluded by the model",
+        contact.pairs.len(),
+        contact.count(Relation::Touch),
+        contact.count(Relation::Neighbours),
+        contact.count(Relation::Overlap),
+        contact.count(Relation::Excluded),
+    );
+    let odd = |pair: &&LimbPair| {
+        pair.switched_on
+            || pair.left_out > 0
+            || matches!(pair.relation, Relation::Overlap | Relation::Excluded)
+    };
+    let odd: Vec<&LimbPair> = contact.pairs.iter().filter(odd).collect();
+    if odd.is_empty() {
+        return;
+    }
+    say!("\n{:<48} {:<28} {:>8}", "pair", "what is special", "meeting");
+    for pair in odd.iter().take(SHOWN) {
+        let [a, b] = pair.limbs.map(|limb| creature.limbs()[limb].as_str());
+        let what = match pair.relation {
+            Relation::Overlap => "overlap for good".to_string(),
+            Relation::Excluded => "excluded by the model".to_string(),
+            Relation::Neighbours => "neighbours".to_string(),
+            Relation::Touch if pair.switched_on => "switched on".to_string(),
+            Relation::Touch => format!("{} geom pairs left out", pair.left_out),
+        };
+        say!("{:<48} {what:<28} {:>6.1} %", format!("{a} – {b}"), 100.0 * pair.meeting);
+    }
+    if odd.len() > SHOWN {
+        say!("… and {} more: --json has them all", odd.len() - SHOWN);
+    }
 }
 
 /// The limbs below `limb`, indented, each with its joint and ranges.

@@ -9,7 +9,7 @@ use rand_chacha::ChaCha8Rng;
 use serde_json::{Value, json};
 
 use super::disturbance_options::DisturbanceOptions;
-use super::open::open_body;
+use super::open::{ModelOptions, open_body};
 use super::{Failure, output, progress};
 use crate::creature::{Creature, JointSelection};
 use crate::evaluation::report::{self, ReportInput};
@@ -21,7 +21,8 @@ use crate::learning::{
     SkinKnowledge, Verdict, What,
 };
 use crate::record::{
-    LearningTable, SCHEMA_FILE, Session, TouchLog, model_hash, read_known, write_schema_with_std,
+    LearningTable, SCHEMA_FILE, Session, SessionOptions, TouchLog, model_hash, read_known,
+    write_schema_with_std,
 };
 use crate::senses::Touch;
 use crate::skin::Skin;
@@ -219,7 +220,8 @@ pub struct SessionLearning {
 pub fn session_truth(session: &Session, model: Option<&Path>) -> Result<GroundTruth, Failure> {
     let path = model.map_or_else(|| PathBuf::from(&session.model), Path::to_path_buf);
     let selection = session.options.joints.parse::<JointSelection>().unwrap_or_default();
-    let body = open_body(&path, &selection)?;
+    let SessionOptions { strip, root, .. } = &session.options;
+    let body = open_body(&path, &selection, &ModelOptions { strip: *strip, root: root.clone() })?;
     // Who names another file vouches for it, as far as it can be told.
     let other_file = model.is_none() && model_hash(&path)? != session.model_hash;
     if other_file || body.creature != session.creature {

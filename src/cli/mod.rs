@@ -73,6 +73,8 @@ enum Command {
     Skin(skin::Args),
     /// Repeat a measurement over several seeds: a table, its data and a plot
     Study(study::Args),
+    #[command(hide = true)]
+    Rehearse(open::RehearseArgs),
 }
 
 /// Runs the program with the process' arguments.
@@ -86,6 +88,7 @@ pub fn run() -> ExitCode {
         Command::Inspect(args) => inspect::run(&args),
         Command::Skin(args) => skin::run(&args),
         Command::Study(args) => study::run(&args),
+        Command::Rehearse(args) => open::run(&args),
     };
     match outcome {
         Ok(()) => ExitCode::SUCCESS,

@@ -5,54 +5,19 @@ use std::sync::Arc;
 
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 
+use super::coupling::couple;
+use super::selection::{JointSelection, Tree, select};
+use super::surface::surface;
 use super::{AuraLimb, Creature, Dof, DofKind, Joint};
 use crate::mujoco::{self, Data, JointKind, Model, ObjectKind};
 use crate::schema::BodySchema;
 
 /// Tuples of a model whose name starts with this list the bodies of one aura limb.
 const LIMB_TUPLE: &str = "limb/";
-/// Tuples of a model whose name starts with this list the joints of one named set.
-const JOINTS_TUPLE: &str = "joints/";
-/// The joint set that is learned unless another is asked for, where the model defines it.
-const DEFAULT_JOINTS: &str = "torso";
 /// Anchors closer than this share a position, metres.
 const SAME_ANCHOR: f64 = 1e-9;
 /// Half the span of postures for a slide without limits, metres.
 const UNLIMITED_SLIDE: f64 = 0.5;
-
-/// Which joints the creature moves; the others stay where they are at the reference posture.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub enum JointSelection {
-    /// The model's `joints/torso`, or all where it defines none.
-    #[default]
-    Default,
-    /// All joints.
-    All,
-    /// The model's tuple `joints/NAME`, or else joints by name, separated by commas.
-    Named(String),
-}
-
-impl std::str::FromStr for JointSelection {
-    type Err = std::convert::Infallible;
-
-    fn from_str(text: &str) -> Result<JointSelection, Self::Err> {
-        Ok(match text {
-            "all" => JointSelection::All,
-            "default" => JointSelection::Default,
-            name => JointSelection::Named(name.to_string()),
-        })
-    }
-}
-
-impl std::fmt::Display for JointSelection {
-    fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
-        f.write_str(match self {
-            JointSelection::Default => "default",
-            JointSelection::All => "all",
-            JointSelection::Named(name) => name,
-        })
-    }
-}
 
 /// Why a model has no creature that can learn.
 #[derive(Debug, thiserror::Error)]
@@ -70,6 +35,14 @@ pub enum BodyError {
         name: String,
         /// The sets there are.
         sets: String,
+    },
+    /// `--root` names what is not there.
+    #[error("the model has no body named {name}; its trees begin at {roots}")]
+    UnknownRoot {
+        /// The name asked for.
+        name: String,
+        /// The first body of every tree.
+        roots: String,
     },
     /// The tree could not be put together.
     #[error("the model's tree cannot be read: {0}")]
@@ -94,8 +67,12 @@ pub struct Segment {
 pub struct Body {
     /// What the agent is given.
     pub creature: Creature,
-    /// The model.
+    /// The model, in which the creature's surface can touch itself and nothing else collides.
     pub model: Arc<Model>,
+    /// The model as its file has it.
+    pub declared: Arc<Model>,
+    /// Per geom, whether it is surface that can be touched.
+    surface: Vec<bool>,
     /// Per joint of the creature, the MuJoCo joints it is made of.
     pub segments: Vec<Segment>,
     /// Per MuJoCo body, the limb it belongs to; none for what is not the creature's.
@@ -114,30 +91,35 @@ pub struct Body {
 }
 
 impl Body {
-    /// Reads the creature that moves the selected joints.
-    ///
-    /// Of several kinematic trees in a model the one with most joints is the creature. Its root limb is
-    /// the tree's first body, or the world where that body itself is hinged to the world; a free joint
-    /// there carries the whole body and is no part of the schema.
+    /// Reads the creature that moves the selected joints; of several kinematic trees in a model the one with
+    /// most joints.
     ///
     /// # Errors
     /// See [`BodyError`].
     pub fn new(model: Arc<Model>, selection: &JointSelection) -> Result<Body, BodyError> {
-        let trees = trees(&model);
-        let moving = |tree: &usize| {
-            model.joints().filter(|j| j.kind != JointKind::Free && trees[j.body] == *tree).count()
-        };
-        let tree = (1..model.nbody())
-            .filter(|&body| trees[body] == body)
-            .max_by_key(|body| (moving(body), std::cmp::Reverse(*body)))
-            .filter(|body| moving(body) > 0)
-            .ok_or(BodyError::NoJoints)?;
-        let mounted = model.joints().any(|j| j.body == tree && j.kind != JointKind::Free);
-        let root = if mounted { 0 } else { tree };
+        Body::rooted(model, selection, None)
+    }
+
+    /// Reads the creature below the body called `root`, or of the tree with most joints.
+    ///
+    /// Its root limb is that body, or the world where that body itself is hinged to the world; a free joint
+    /// there carries the whole body and is no part of the schema. The body's model is a copy of `declared` in
+    /// which the creature's own surface can touch itself, whatever the file's contact filters say.
+    ///
+    /// # Errors
+    /// See [`BodyError`].
+    pub fn rooted(
+        declared: Arc<Model>,
+        selection: &JointSelection,
+        root: Option<&str>,
+    ) -> Result<Body, BodyError> {
+        let Tree { root, holds } = Tree::new(&declared, root)?;
+        let surface = surface(&declared, &holds);
+        let model = Arc::new(declared.touching_with(&surface)?);
         let selected = select(&model, selection)?;
         let chosen = |j: usize| {
             let joint = model.joint(j);
-            joint.kind != JointKind::Free && trees[joint.body] == tree && selected[j]
+            joint.kind != JointKind::Free && holds[joint.body] && joint.body != root && selected[j]
         };
 
         let mut limb_of_body = vec![None; model.nbody()];
@@ -145,7 +127,7 @@ impl Body {
         let mut limbs = vec![body_name(&model, root)];
         let mut segments: Vec<Segment> = Vec::new();
         for body in 1..model.nbody() {
-            if trees[body] != tree || body == root {
+            if !holds[body] || body == root {
                 continue;
             }
             let info = model.body(body);
@@ -175,6 +157,10 @@ impl Body {
             }
         }
         let mut joints = Vec::new();
+        let mut dof_of_joint = vec![None; model.njnt()];
+        for (element, &j) in segments.iter().flat_map(|segment| &segment.joints).enumerate() {
+            dof_of_joint[j] = Some(element);
+        }
         for segment in &segments {
             let dofs: Vec<Dof> = segment.joints.iter().map(|&j| dof(&model, j)).collect();
             for &j in &segment.joints {
@@ -183,15 +169,31 @@ impl Body {
                 addresses.extend((joint.qposadr..).take(joint.kind.nq()).map(|k| (k, zero(k))));
             }
             let name = common_name(&dofs).unwrap_or_else(|| body_name(&model, segment.body));
-            joints.push(Joint::new(name, segment.parent, dofs));
+            joints.push(Joint::new(unused(name, &joints), segment.parent, dofs));
         }
+        let mut dofs: Vec<&mut Dof> = joints.iter_mut().flat_map(|joint| &mut joint.dofs).collect();
+        couple(&model, &mut dofs, &dof_of_joint, |j| {
+            let address = model.joint(j).qposadr;
+            base[address] - model.qpos0()[address]
+        });
         let auras = aura_limbs(&model, &limbs, &limb_of_body);
         let name = model.model_name().unwrap_or("creature").to_string();
         let creature = Creature::new(name, limbs, joints, auras).map_err(BodyError::Tree)?;
         let pose_in_limb = vec![Isometry3::identity(); model.nbody()];
         let balls = Vec::new();
-        let mut body =
-            Body { creature, model, segments, limb_of_body, pose_in_limb, root, base, addresses, balls };
+        let mut body = Body {
+            creature,
+            model,
+            declared,
+            surface,
+            segments,
+            limb_of_body,
+            pose_in_limb,
+            root,
+            base,
+            addresses,
+            balls,
+        };
         body.pose_in_limb = body.place_bodies()?;
         body.balls = body.place_balls();
         Ok(body)
@@ -290,6 +292,12 @@ impl Body {
         }
     }
 
+    /// Whether a geom is surface that can be touched: one of the creature that collides with anything or that
+    /// belongs to a rigid part of which nothing does.
+    pub fn feels(&self, geom: usize) -> bool {
+        self.surface[geom]
+    }
+
     /// The limb that a geom belongs to.
     pub fn limb_of_geom(&self, geom: usize) -> Option<usize> {
         self.limb_of_body[self.model.geom_body(geom)]
@@ -300,59 +308,6 @@ impl Body {
         let body = self.limb_of_body.iter().position(|l| *l == Some(limb))?;
         Some(data.body_pose(body) * self.pose_in_limb[body].inverse())
     }
-}
-
-/// Per body, the child of the world whose tree it is in; the world in none (0).
-fn trees(model: &Model) -> Vec<usize> {
-    let mut trees = vec![0; model.nbody()];
-    for (i, body) in model.bodies().enumerate().skip(1) {
-        trees[i] = if body.parent == 0 { i } else { trees[body.parent] };
-    }
-    trees
-}
-
-/// Per MuJoCo joint, whether the selection names it.
-fn select(model: &Model, selection: &JointSelection) -> Result<Vec<bool>, BodyError> {
-    let tuples = model.tuples();
-    let set = |name: &str| {
-        let tuple = tuples
-            .iter()
-            .find(|t| t.name.and_then(|t| t.strip_prefix(JOINTS_TUPLE)).is_some_and(|set| set == name))?;
-        let mut selected = vec![false; model.njnt()];
-        for entry in tuple.entries.iter().filter(|entry| entry.object == ObjectKind::Joint) {
-            selected[entry.id] = true;
-        }
-        Some(selected)
-    };
-    let all = || vec![true; model.njnt()];
-    let text = match selection {
-        JointSelection::All => return Ok(all()),
-        JointSelection::Default => return Ok(set(DEFAULT_JOINTS).unwrap_or_else(all)),
-        JointSelection::Named(text) => text,
-    };
-    let mut selected = vec![false; model.njnt()];
-    for name in text.split(',').map(str::trim) {
-        if let Some(set) = set(name) {
-            selected.iter_mut().zip(set).for_each(|(a, b)| *a |= b);
-            continue;
-        }
-        // A joint's own name, or what several degrees of freedom of one joint are called in common.
-        let named =
-            |joint: &str| joint == name || joint.strip_prefix(name).is_some_and(|r| r.starts_with('_'));
-        let mut found = false;
-        for (j, joint) in model.joints().enumerate() {
-            if joint.name.is_some_and(named) {
-                selected[j] = true;
-                found = true;
-            }
-        }
-        if !found {
-            let sets = tuples.iter().filter_map(|t| t.name?.strip_prefix(JOINTS_TUPLE));
-            let sets: Vec<&str> = sets.chain(["all"]).collect();
-            return Err(BodyError::UnknownJoint { name: name.to_string(), sets: sets.join(", ") });
-        }
-    }
-    Ok(selected)
 }
 
 /// Splits a body's joints where the anchor changes; a slide has no anchor and joins any group.
@@ -392,7 +347,7 @@ fn dof(model: &Model, j: usize) -> Dof {
             (if slide { DofKind::Slide } else { DofKind::Hinge }, range)
         }
     };
-    Dof { name, kind, range }
+    Dof { name, kind, range, follows: None }
 }
 
 /// What the names of a joint's degrees of freedom have in common: `left_hip` of `left_hip_flexion` and
@@ -410,6 +365,15 @@ fn common_name(dofs: &[Dof]) -> Option<String> {
         common.truncate(same);
     }
     (!common.is_empty()).then(|| common.join("_"))
+}
+
+/// A name that no joint has yet: numbered where it is taken.
+fn unused(name: String, joints: &[Joint]) -> String {
+    let taken = |name: &str| joints.iter().any(|joint| joint.name == name);
+    if !taken(&name) {
+        return name;
+    }
+    (2..).map(|k| format!("{name}_{k}")).find(|name| !taken(name)).expect("some number is free")
 }
 
 /// A body's name, or one made from its number.

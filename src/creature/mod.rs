@@ -1,12 +1,17 @@
 //! What the agent is given of its body: the tree of joints, their degrees of freedom and ranges, the
 //! limbs. Positions and axes are not here: those it has to find out.
 
+mod coupling;
 mod from_model;
+mod selection;
+mod surface;
 
 use serde::{Deserialize, Serialize};
 
+pub use coupling::Coupling;
 pub(crate) use from_model::matrix;
-pub use from_model::{Body, BodyError, JointSelection, Segment};
+pub use from_model::{Body, BodyError, Segment};
+pub use selection::JointSelection;
 
 /// The kind of one degree of freedom (a ball counts three, but moves as one).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -41,6 +46,9 @@ pub struct Dof {
     pub kind: DofKind,
     /// Least and greatest coordinate, in radians or metres; for a ball, 0 and the largest angle.
     pub range: [f64; 2],
+    /// What it follows, if it does not move by itself.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub follows: Option<Coupling>,
 }
 
 /// A joint: degrees of freedom in series that share one position.
@@ -127,8 +135,8 @@ impl Creature {
     ///
     /// # Errors
     /// A sentence when there is not one joint per limb but the root, when a joint's parent does not come
-    /// before it, when a range is not two finite numbers in order, or when an aura names a limb that
-    /// does not exist.
+    /// before it, when a range is not two finite numbers in order, when what a degree of freedom follows does
+    /// not move by itself, or when an aura names a limb that does not exist.
     pub fn new(
         name: String,
         limbs: Vec<String>,
@@ -156,6 +164,14 @@ impl Creature {
                 elements += 1;
                 coordinates += dof.kind.coordinates();
             }
+        }
+        let leads = |leader: usize| {
+            let mut dofs = joints.iter().flat_map(|joint| &joint.dofs);
+            dofs.nth(leader).is_some_and(|dof| dof.kind != DofKind::Ball && dof.follows.is_none())
+        };
+        let mut followers = joints.iter().flat_map(|joint| &joint.dofs);
+        if let Some(dof) = followers.find(|dof| dof.follows.is_some_and(|c| !leads(c.leader))) {
+            return Err(format!("{} follows what is no hinge or slide that moves by itself", dof.name));
         }
         if let Some(aura) = aura_limbs.iter().find(|a| a.limbs.iter().any(|&l| l >= limbs.len())) {
             return Err(format!("aura limb {} names a limb that does not exist", aura.name));

@@ -161,6 +161,23 @@ impl GeomKind {
     }
 }
 
+/// A constraint that couples parts of the model.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Equality {
+    /// A hinge or slide that follows another, or stands still.
+    Joint {
+        /// The joint that follows.
+        follower: usize,
+        /// The joint that it follows; none where it stands at the polynomial's constant.
+        leader: Option<usize>,
+        /// Coefficients of degree 0 to 4: the follower's coordinate from the leader's, both counted from the
+        /// reference posture.
+        polynomial: [f64; 5],
+    },
+    /// A constraint between bodies or tendons.
+    Other,
+}
+
 /// A named place on a body, for instance a receptor.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Site<'m> {

@@ -62,6 +62,29 @@ pub fn check() -> Result<Version> {
     compare(ffi::mjVERSION_HEADER as i32, unsafe { ffi::mj_version() })
 }
 
+/// The elements and attributes of MJCF that the engine knows, as it prints them: an element a line, indented by its
+/// depth, with its attributes.
+///
+/// # Errors
+/// [`Error::Version`] as [`check`], [`Error::Engine`] where the engine has no such text.
+pub fn schema() -> Result<String> {
+    const BYTES: usize = 1 << 20;
+    check()?;
+    let mut buffer = vec![0u8; BYTES];
+    let written = guarded("mj_printSchema", || {
+        // SAFETY: without a file the engine prints into the buffer, whose length is its own, and ends the text with
+        // a zero byte.
+        unsafe { ffi::mj_printSchema(std::ptr::null(), buffer.as_mut_ptr().cast(), BYTES as i32, 0, 0) }
+    })?;
+    buffer.truncate(usize::try_from(written).unwrap_or(0).min(BYTES));
+    let text = String::from_utf8_lossy(&buffer).trim_end_matches('\0').to_string();
+    if text.is_empty() {
+        let message = "it prints no schema of MJCF: use a complete MuJoCo".to_string();
+        return Err(Error::Engine { call: "mj_printSchema", message });
+    }
+    Ok(text)
+}
+
 /// Compares the headers' version with the library's.
 ///
 /// # Errors

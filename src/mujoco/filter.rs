@@ -1,6 +1,7 @@
 //! Which geoms may touch: MuJoCo's collision filters, without a posture.
 
 use super::element::GeomKind;
+use super::error::Result;
 use super::ffi;
 use super::model::Model;
 
@@ -42,6 +43,34 @@ impl Model {
         }
         let ((type_a, affinity_a), (type_b, affinity_b)) = (self.contact_bits(a), self.contact_bits(b));
         type_a & affinity_b != 0 || type_b & affinity_a != 0
+    }
+
+    /// A copy in which the geoms marked collide with one another and nothing else collides: their filters are
+    /// opened, excludes, explicit pairs and contact margins are gone. Parent and child still do not meet.
+    ///
+    /// # Errors
+    /// [`Error::Engine`](super::Error::Engine) where the engine has no memory for it.
+    pub fn touching_with(&self, touchable: &[bool]) -> Result<Model> {
+        let mut copy = self.copy()?;
+        let raw = copy.raw_mut();
+        // SAFETY: the copy is not shared yet; the arrays hold a number per geom, and so many geoms there are
+        // in both models. Counts of zero leave arrays unread whose memory belongs to the model's one buffer.
+        unsafe {
+            for (g, &touchable) in touchable.iter().enumerate().take(self.ngeom()) {
+                *(*raw).geom_contype.add(g) = i32::from(touchable);
+                *(*raw).geom_conaffinity.add(g) = i32::from(touchable);
+                *(*raw).geom_margin.add(g) = 0.0;
+                *(*raw).geom_gap.add(g) = 0.0;
+            }
+            (*raw).nexclude = 0;
+            (*raw).npair = 0;
+            (*raw).opt.disableflags &= !((ffi::mjDSBL_CONSTRAINT | ffi::mjDSBL_CONTACT) as i32);
+            #[cfg(mujoco_collision_option)]
+            {
+                (*raw).opt.collision = ffi::mjCOL_DYNAMIC as i32;
+            }
+        }
+        Ok(copy)
     }
 
     /// The pairs of bodies that `<exclude>` keeps from touching, as they stand in the model.

@@ -23,8 +23,8 @@ mod vfs;
 pub use contact::{Contact, Contacts};
 pub use data::Data;
 pub use element::{
-    Body, Geom, GeomKind, Joint, JointKind, ObjectKind, Sensor, SensorKind, Site, Tuple, TupleEntry,
+    Body, Equality, Geom, GeomKind, Joint, JointKind, ObjectKind, Sensor, SensorKind, Site, Tuple, TupleEntry,
 };
-pub use engine::{Version, check, compare};
+pub use engine::{Version, check, compare, schema};
 pub use error::{Error, Result};
 pub use model::Model;

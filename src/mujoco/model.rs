@@ -1,5 +1,6 @@
 //! The model: a creature and its surroundings as MuJoCo compiled them; constant and shared.
 
+use std::collections::BTreeMap;
 use std::ffi::{CStr, CString};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -10,13 +11,14 @@ use std::sync::{Mutex, PoisonError};
 use nalgebra::Vector3;
 
 use super::element::{
-    Body, Geom, GeomKind, Joint, JointKind, ObjectKind, Sensor, SensorKind, Site, Tuple, TupleEntry,
-    quaternion, vector,
+    Body, Equality, Geom, GeomKind, Joint, JointKind, ObjectKind, Sensor, SensorKind, Site, Tuple,
+    TupleEntry, quaternion, vector,
 };
 use super::engine::{self, Version};
 use super::error::{Error, Result};
 use super::vfs::{self, Vfs};
 use super::{ffi, limits};
+use crate::mjcf_xml::Stripped;
 
 /// Bytes for the engine's message about a file.
 const MESSAGE_BYTES: usize = 2000;
@@ -109,6 +111,29 @@ impl Model {
         Self::load(name, vfs::FILE, Some(&Vfs::new(xml)?))
     }
 
+    /// Reads what a body schema needs of an MJCF file, its bodies, joints, geoms, meshes and touch sensors, and leaves
+    /// out everything else: what this MuJoCo is too old for, and what has nothing to do with where limbs are. Returns
+    /// what was left out as well, with its number.
+    ///
+    /// # Errors
+    /// As [`Model::from_path`].
+    pub fn stripped(path: impl AsRef<Path>) -> Result<(Self, BTreeMap<String, usize>)> {
+        let path = path.as_ref();
+        limits::check_file(path)?;
+        let refused = |(path, message)| Error::Read { path, message };
+        let mut stripped = Stripped::new(path, &engine::schema()?).map_err(refused)?;
+        loop {
+            let text = stripped.text().map_err(|message| refused((path.to_path_buf(), message)))?;
+            match Self::load(path, vfs::FILE, Some(&Vfs::new(&text)?)) {
+                Ok(model) => return Ok((model, stripped.left_out)),
+                // A mesh that the engine cannot use, such as a flat one, need not be the end of it.
+                Err(Error::Read { message, .. })
+                    if mesh_at_fault(&stripped, &message).is_some_and(|mesh| stripped.drop_mesh(&mesh)) => {}
+                Err(error) => return Err(error),
+            }
+        }
+    }
+
     /// The model in a file as the engine writes it out: includes, composites and replicas as bodies, angles
     /// in radians.
     ///
@@ -191,6 +216,43 @@ impl Model {
             }
         }
         Ok(model)
+    }
+
+    /// A model of its own with the same content.
+    pub(super) fn copy(&self) -> Result<Self> {
+        let raw = engine::guarded("mj_copyModel", || {
+            // SAFETY: the model is valid and constant; for a null target the engine makes a new model.
+            unsafe { ffi::mj_copyModel(std::ptr::null_mut(), self.raw.as_ptr()) }
+        })?;
+        let no_memory = || Error::Engine {
+            call: "mj_copyModel",
+            message: "it has no memory for the model: use a smaller model".into(),
+        };
+        let raw = NonNull::new(raw).ok_or_else(no_memory)?;
+        Ok(Self { raw, version: self.version, warning: self.warning.clone() })
+    }
+
+    /// A copy in which joints turn and shift about other axes: one per joint, of unit length, in its body's frame. Free
+    /// and ball joints have none and heed none.
+    ///
+    /// # Errors
+    /// [`Error::Size`] where there is not one axis per joint, [`Error::Engine`] where there is no memory for it.
+    pub fn with_joint_axes(&self, axes: &[Vector3<f64>]) -> Result<Self> {
+        if axes.len() != self.njnt() {
+            return Err(Error::Size { what: "jnt_axis", expected: self.njnt(), found: axes.len() });
+        }
+        let mut copy = self.copy()?;
+        let raw = copy.raw_mut();
+        for (i, axis) in axes.iter().enumerate().flat_map(|(j, axis)| (3 * j..).zip(axis)) {
+            // SAFETY: the copy is not shared yet, and the array holds three numbers per joint.
+            unsafe { *(*raw).jnt_axis.add(i) = *axis }
+        }
+        Ok(copy)
+    }
+
+    /// For changes to a model that is not shared yet.
+    pub(super) fn raw_mut(&mut self) -> *mut ffi::mjModel {
+        self.raw.as_ptr()
     }
 
     pub(super) fn raw(&self) -> &ffi::mjModel {
@@ -397,6 +459,32 @@ impl Model {
         }
     }
 
+    /// The active equality constraints, in the file's order.
+    pub fn equalities(&self) -> Vec<Equality> {
+        let kinds = array!(self, eq_type[neq]);
+        let (first, second) = (array!(self, eq_obj1id[neq]), array!(self, eq_obj2id[neq]));
+        #[cfg(not(mujoco_eq_active0))]
+        let active = array!(self, eq_active[neq]);
+        #[cfg(mujoco_eq_active0)]
+        let active = array!(self, eq_active0[neq]);
+        let width = ffi::mjNEQDATA as usize;
+        // SAFETY: the engine allocates `neq * mjNEQDATA` numbers (mjmodel.h), constant for the model's life.
+        let numbers = unsafe { slice(self.raw().eq_data, kinds.len() * width) };
+        let equality = |e: usize| {
+            if kinds[e] as u32 != ffi::mjEQ_JOINT {
+                return Equality::Other;
+            }
+            let mut polynomial = [0.0; 5];
+            polynomial.copy_from_slice(&numbers[e * width..e * width + 5]);
+            Equality::Joint {
+                follower: first[e] as usize,
+                leader: usize::try_from(second[e]).ok(),
+                polynomial,
+            }
+        };
+        (0..kinds.len()).filter(|&e| is_set(active[e])).map(equality).collect()
+    }
+
     /// All sensors.
     pub fn sensors(&self) -> impl ExactSizeIterator<Item = Sensor<'_>> {
         (0..self.nsensor()).map(|i| self.sensor(i))
@@ -485,6 +573,11 @@ pub(super) unsafe fn slice<'a, T>(pointer: *const T, count: usize) -> &'a [T] {
 fn range(start: i32, count: i32) -> Range<usize> {
     let start = start.max(0) as usize;
     start..start + count.max(0) as usize
+}
+
+/// The mesh that the engine complains of, the longest name that it mentions.
+fn mesh_at_fault(stripped: &Stripped, message: &str) -> Option<String> {
+    stripped.meshes().into_iter().filter(|mesh| message.contains(mesh.as_str())).max_by_key(String::len)
 }
 
 /// One of the engine's flags, which it keeps in a byte or a bool as the version has it.

@@ -48,6 +48,12 @@ pub struct SessionOptions {
     pub touches: usize,
     /// Which joints move.
     pub joints: String,
+    /// Whether of the model's file only what a body schema needs was read.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub strip: bool,
+    /// The body at which the creature begins; none for the first of the tree with most joints.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub root: Option<String>,
     /// What a touch reports; none where nothing was to be learned.
     pub input: Option<String>,
     /// The learner; none where nothing was to be learned.

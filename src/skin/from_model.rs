@@ -19,7 +19,7 @@ pub fn skin_of(body: &Body) -> Skin {
     let model = &body.model;
     let mut surfaces = Vec::new();
     let mut surface_of_geom = vec![None; model.ngeom()];
-    for (g, geom) in model.geoms().enumerate().filter(|&(g, _)| feels(body, g)) {
+    for (g, geom) in model.geoms().enumerate().filter(|&(g, _)| body.feels(g)) {
         if let Some((limb, shape)) = body.limb_of_geom(g).zip(shape(model, g)) {
             let pose = body.pose_in_limb[geom.body] * Isometry3::from_parts(geom.pos.into(), geom.quat);
             surface_of_geom[g] = Some(surfaces.len());
@@ -39,12 +39,6 @@ pub fn skin_of(body: &Body) -> Skin {
     Skin { receptors, surfaces }
 }
 
-/// Whether a geom is part of the creature's surface that can touch and be touched.
-pub(super) fn feels(body: &Body, geom: usize) -> bool {
-    let info = body.model.geom(geom);
-    body.limb_of_geom(geom).is_some() && (info.contype != 0 || info.conaffinity != 0)
-}
-
 /// The sites with touch sensors, in the model's order.
 pub(super) fn touch_sites(model: &Model) -> impl Iterator<Item = usize> {
     let touch = |sensor: &Sensor| sensor.kind == SensorKind::Touch && sensor.object == ObjectKind::Site;
@@ -61,7 +55,7 @@ pub(super) fn geom_under(body: &Body, site: usize) -> Option<usize> {
         let centre = pose.inverse_transform_point(&site.pos.into()).coords;
         Some(shape(&body.model, g)?.signed_distance(&centre)?.0.abs())
     };
-    let geoms = body.model.body(site.body).geoms.filter(|&g| feels(body, g));
+    let geoms = body.model.body(site.body).geoms.filter(|&g| body.feels(g));
     let measured = geoms.filter_map(|g| Some((g, distance(g)?)));
     measured.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(g, _)| g)
 }

@@ -14,6 +14,7 @@ mod plot;
 mod policies;
 mod subject;
 mod table;
+mod turned;
 
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -29,8 +30,14 @@ use subject::Subject;
 use table::Table;
 
 /// The studies, in the order in which they are named to the user.
-const STUDIES: [&Study; 5] =
-    [&learners::STUDY, &policies::STUDY, &coverage::STUDY, &disturbances::STUDY, &growth::STUDY];
+const STUDIES: [&Study; 6] = [
+    &learners::STUDY,
+    &policies::STUDY,
+    &coverage::STUDY,
+    &disturbances::STUDY,
+    &growth::STUDY,
+    &turned::STUDY,
+];
 
 /// The model that is studied where none is named.
 const DEFAULT_MODEL: &str = "mjcf/max/max.xml";

@@ -1,12 +1,13 @@
 //! Who is studied: a creature that babbles, learns and is measured, trial by trial.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::time::Instant;
 
 use indicatif::ProgressBar;
 
 use super::super::learn_options::LearnOptions;
-use super::super::open::open_body;
+use super::super::open::{ModelOptions, body_of, open_body};
 use super::super::skin::skin_for;
 use super::super::touches::{babbler, make_touches};
 use super::super::{Failure, progress};
@@ -15,6 +16,7 @@ use crate::creature::{Body, JointSelection};
 use crate::evaluation::{Evaluation, evaluate_learned};
 use crate::ground_truth::GroundTruth;
 use crate::learning::{Learned, Verdict};
+use crate::mujoco::Model;
 use crate::senses::Touch;
 use crate::skin::Skin;
 
@@ -68,7 +70,7 @@ impl Subject {
         seeds: Vec<u64>,
         jobs: usize,
     ) -> Result<Subject, Failure> {
-        let body = open_body(model, joints)?;
+        let body = open_body(model, joints, &ModelOptions::default())?;
         let (skin, truth) = (skin_for(model, &body)?, GroundTruth::new(&body)?);
         // Whether the creature can babble at all is told before any folder is made.
         babbler(model, &body, &skin)?;
@@ -139,6 +141,17 @@ impl Subject {
 
     /// Learns from touches, disturbed as the options say, and measures against the truth.
     pub fn learn(&self, options: &LearnOptions, touches: &[Touch], seed: u64) -> Attempt {
+        self.learn_about(&self.truth, options, touches, seed)
+    }
+
+    /// The same of a body made from it, whose truth is another one.
+    pub fn learn_about(
+        &self,
+        truth: &GroundTruth,
+        options: &LearnOptions,
+        touches: &[Touch],
+        seed: u64,
+    ) -> Attempt {
         let creature = &self.body.creature;
         let felt = options.disturbances.disturbances().felt(creature, &self.skin, touches, seed);
         let began = Instant::now();
@@ -146,8 +159,13 @@ impl Subject {
         felt.touches.iter().for_each(|touch| learner.touch(touch));
         let learned = learner.learn();
         let seconds = began.elapsed().as_secs_f64();
-        let evaluation = evaluate_learned(creature, &self.skin, &self.truth, &learned);
+        let evaluation = evaluate_learned(creature, &self.skin, truth, &learned);
         Attempt { learned, seconds, evaluation }
+    }
+
+    /// The creature in a model made from its own.
+    pub fn remade(&self, model: Arc<Model>) -> Result<Body, Failure> {
+        body_of(model, &self.model, &self.joints, &ModelOptions::default())
     }
 
     /// Says on standard error what a trial is at.
@@ -166,6 +184,11 @@ impl Attempt {
     /// Mean error of the skin in another limb's frame, millimetres.
     pub fn heldout_mm(&self) -> f64 {
         self.evaluation.heldout_mm.mean
+    }
+
+    /// The same over what is not named as undetermined.
+    pub fn determined_mm(&self) -> f64 {
+        self.evaluation.determined_mm.mean
     }
 
     /// The same with a hand as one of the two; NaN where the creature has none.

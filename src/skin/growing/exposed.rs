@@ -11,7 +11,7 @@ use nalgebra::{Isometry3, Vector3};
 use super::samples::{Sample, samples};
 use crate::creature::{Body, matrix};
 use crate::mujoco::{self, Data, JointKind};
-use crate::skin::from_model::{feels, shape};
+use crate::skin::from_model::shape;
 use crate::skin::{Shape, Surface};
 
 /// A point this deep inside another geom is not exposed, metres, on a creature of a metre and more; on
@@ -49,7 +49,7 @@ impl Exposure {
             let of_geoms: Vec<Isometry3<f64>> = (0..model.ngeom()).map(|g| data.geom_pose(g)).collect();
             let surface = |g: usize| {
                 // What the world itself is made of is no limb.
-                let on_limb = model.geom_body(g) != 0 && feels(body, g);
+                let on_limb = body.feels(g);
                 let shape = shape(model, g).filter(|shape| on_limb && *shape != Shape::Mesh)?;
                 let pose = &of_geoms[g];
                 let (origin, rotation) = (pose.translation.vector, matrix(&pose.rotation));

@@ -1,4 +1,10 @@
-//! Writing MJCF: elements, sections, and the receptors' look, alike in every file of ours.
+//! MJCF as XML: reading files, reducing them, and writing elements, sections, and the receptors' look, alike in
+//! every file of ours.
+
+mod read;
+mod strip;
+
+pub(crate) use strip::Stripped;
 
 use xmltree::{Element, EmitterConfig, XMLNode};
 

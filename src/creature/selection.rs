@@ -1,0 +1,139 @@
+//! What of a model is the creature: its root and the joints it moves.
+
+use super::BodyError;
+use crate::mujoco::{JointKind, Model, ObjectKind};
+
+/// Tuples of a model whose name starts with this list the joints of one named set.
+const JOINTS_TUPLE: &str = "joints/";
+/// The joint set that is learned unless another is asked for, where the model defines it.
+const DEFAULT_JOINTS: &str = "torso";
+
+/// Which joints the creature moves; the others stay where they are at the reference posture.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub enum JointSelection {
+    /// The model's `joints/torso`, or all where it defines none.
+    #[default]
+    Default,
+    /// All joints.
+    All,
+    /// The model's tuple `joints/NAME`, or else joints by name, separated by commas.
+    Named(String),
+}
+
+impl std::str::FromStr for JointSelection {
+    type Err = std::convert::Infallible;
+
+    fn from_str(text: &str) -> Result<JointSelection, Self::Err> {
+        Ok(match text {
+            "all" => JointSelection::All,
+            "default" => JointSelection::Default,
+            name => JointSelection::Named(name.to_string()),
+        })
+    }
+}
+
+impl std::fmt::Display for JointSelection {
+    fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
+        f.write_str(match self {
+            JointSelection::Default => "default",
+            JointSelection::All => "all",
+            JointSelection::Named(name) => name,
+        })
+    }
+}
+
+/// The creature's root limb and all that hangs on it.
+pub(super) struct Tree {
+    /// The MuJoCo body that is the root limb; 0 where the creature is mounted on the world.
+    pub root: usize,
+    /// Per MuJoCo body, whether it is the creature's; the world never is.
+    pub holds: Vec<bool>,
+}
+
+impl Tree {
+    /// The tree below the body called `root`, or else the one with most joints in the model.
+    ///
+    /// # Errors
+    /// Where there is no such body, or nothing below it can move.
+    pub fn new(model: &Model, root: Option<&str>) -> Result<Tree, BodyError> {
+        let top = match root {
+            None => largest(model).ok_or(BodyError::NoJoints)?,
+            Some(name) => named(model, name)?,
+        };
+        let mut holds = vec![false; model.nbody()];
+        for (i, body) in model.bodies().enumerate().skip(1) {
+            holds[i] = i == top || holds[body.parent];
+        }
+        // A body hinged to the world is carried by it; one that was asked for by name in mid-tree is a root
+        // that stands still.
+        let child_of_world = model.body(top).parent == 0;
+        let mounted = model.joints().any(|j| j.body == top && j.kind != JointKind::Free);
+        Ok(Tree { root: if child_of_world && mounted { 0 } else { top }, holds })
+    }
+}
+
+/// The child of the world below which most joints are, if any.
+fn largest(model: &Model) -> Option<usize> {
+    let mut trees = vec![0; model.nbody()];
+    for (i, body) in model.bodies().enumerate().skip(1) {
+        trees[i] = if body.parent == 0 { i } else { trees[body.parent] };
+    }
+    let moving =
+        |tree: &usize| model.joints().filter(|j| j.kind != JointKind::Free && trees[j.body] == *tree).count();
+    (1..model.nbody())
+        .filter(|&body| trees[body] == body)
+        .max_by_key(|body| (moving(body), std::cmp::Reverse(*body)))
+        .filter(|body| moving(body) > 0)
+}
+
+fn named(model: &Model, name: &str) -> Result<usize, BodyError> {
+    model.id(ObjectKind::Body, name).filter(|&body| body != 0).ok_or_else(|| {
+        let roots = model.bodies().skip(1).filter(|body| body.parent == 0).filter_map(|body| body.name);
+        let roots: Vec<&str> = roots.take(12).collect();
+        BodyError::UnknownRoot { name: name.to_string(), roots: roots.join(", ") }
+    })
+}
+
+/// Per MuJoCo joint, whether the selection names it.
+pub(super) fn select(model: &Model, selection: &JointSelection) -> Result<Vec<bool>, BodyError> {
+    let tuples = model.tuples();
+    let set = |name: &str| {
+        let tuple = tuples
+            .iter()
+            .find(|t| t.name.and_then(|t| t.strip_prefix(JOINTS_TUPLE)).is_some_and(|set| set == name))?;
+        let mut selected = vec![false; model.njnt()];
+        for entry in tuple.entries.iter().filter(|entry| entry.object == ObjectKind::Joint) {
+            selected[entry.id] = true;
+        }
+        Some(selected)
+    };
+    let all = || vec![true; model.njnt()];
+    let text = match selection {
+        JointSelection::All => return Ok(all()),
+        JointSelection::Default => return Ok(set(DEFAULT_JOINTS).unwrap_or_else(all)),
+        JointSelection::Named(text) => text,
+    };
+    let mut selected = vec![false; model.njnt()];
+    for name in text.split(',').map(str::trim) {
+        if let Some(set) = set(name) {
+            selected.iter_mut().zip(set).for_each(|(a, b)| *a |= b);
+            continue;
+        }
+        // A joint's own name, or what several degrees of freedom of one joint are called in common.
+        let named =
+            |joint: &str| joint == name || joint.strip_prefix(name).is_some_and(|r| r.starts_with('_'));
+        let mut found = false;
+        for (j, joint) in model.joints().enumerate() {
+            if joint.name.is_some_and(named) {
+                selected[j] = true;
+                found = true;
+            }
+        }
+        if !found {
+            let sets = tuples.iter().filter_map(|t| t.name?.strip_prefix(JOINTS_TUPLE));
+            let sets: Vec<&str> = sets.chain(["all"]).collect();
+            return Err(BodyError::UnknownJoint { name: name.to_string(), sets: sets.join(", ") });
+        }
+    }
+    Ok(selected)
+}
