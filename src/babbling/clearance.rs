@@ -4,16 +4,19 @@
 //! of each point of a limb against another limb are bounded by the joints between them. With the gap of
 //! two geoms and those bounds a motion jumps ahead to where they may meet at the earliest (conservative
 //! advancement), and needs no small steps. Geoms are bounded by capsules; for spheres and capsules the
-//! bound is exact and so is the gap.
+//! bound is exact and so is the gap. Where bounds come near of which one is not, planes between the shapes
+//! themselves tell how far apart they are at the least.
 
 use std::collections::{BTreeMap, BTreeSet};
 
 use nalgebra::{Matrix3, Vector3};
 
+use super::convex::{Placed, apart};
 use crate::creature::{Body, Creature, DofKind, Joint};
 use crate::kinematics::{Chain, closest_points, rotation};
 use crate::mujoco::{self, Geom, GeomKind};
 use crate::schema::BodySchema;
+use crate::skin::{Surface, surface_of_geom};
 
 /// A capsule about a geom: all points within a radius of a segment.
 #[derive(Clone, Copy, Debug)]
@@ -106,6 +109,8 @@ pub struct Clearance {
     creature: Creature,
     schema: BodySchema,
     bounds: Vec<Bound>,
+    /// Per bound, the surface that it bounds.
+    surfaces: Vec<Option<Surface>>,
     pairs: Vec<ClusterPair>,
     clusters: Vec<Cluster>,
     /// Per pair of geoms that can touch, the lesser index first, their encounter.
@@ -137,6 +142,10 @@ const MET: f64 = 4e-7;
 const PARTED: f64 = 1e-4;
 /// Way of the fastest point between looks at what is still parting, metres.
 const PARTING_STEP: f64 = 5e-7;
+/// Bounds whose gap is below this share of their radii are looked at shape by shape, where they are not exact.
+const NEAR: f64 = 0.25;
+/// Shapes nearer than this are left to the engine, metres.
+const NARROW: f64 = 2e-4;
 /// Limbs farther apart than this are not looked at geom by geom, metres.
 const FAR: f64 = 0.03;
 /// A limb's geoms are split into clusters of at most about this radius, metres.
@@ -157,7 +166,7 @@ impl Clearance {
         let creature = body.creature.clone();
         let schema = body.kinematics()?;
         let mut by_limb: Vec<Vec<u32>> = vec![Vec::new(); creature.limbs().len()];
-        let mut bounds = Vec::new();
+        let (mut bounds, mut surfaces) = (Vec::new(), Vec::new());
         for (g, geom) in body.model.geoms().enumerate() {
             let Some(limb) = body.limb_of_geom(g) else { continue };
             let Some(mut bound) = bound(body, g, &geom) else { continue };
@@ -165,6 +174,7 @@ impl Clearance {
             bound.ends = bound.ends.map(|end| (pose * nalgebra::Point3::from(end)).coords);
             by_limb[limb].push(bounds.len() as u32);
             bounds.push(bound);
+            surfaces.push(surface_of_geom(body, g));
         }
         let clusters: Vec<Cluster> = by_limb
             .into_iter()
@@ -229,6 +239,7 @@ impl Clearance {
             creature,
             schema,
             bounds,
+            surfaces,
             pairs,
             clusters,
             encounters,
@@ -451,11 +462,17 @@ impl Clearance {
                 continue;
             }
             let encounter = encounter(&self.bounds, k, bounds);
+            let proven = self.proven_gap(pair, bounds, &closest).unwrap_or(0.0);
+            if proven > beyond {
+                continue;
+            }
             // What touches at the start is already felt, until it has parted.
             let parting = encounter.exact && self.parting(&encounter);
             parted |= parting && closest.gap > PARTED;
             let advance = if closest.gap > MET {
-                (closest.gap / self.speed[k]).max(self.kept_apart(pair, &closest, k))
+                (closest.gap.max(proven) / self.speed[k]).max(self.kept_apart(pair, &closest, k))
+            } else if proven > NARROW {
+                proven / self.speed[k]
             } else if parting && closest.normal.dot(&self.relative_velocity(pair, &closest.points)) > 0.0 {
                 (PARTING_STEP / self.speed[k]).max(self.kept_apart(pair, &closest, k))
             } else {
@@ -513,6 +530,21 @@ impl Clearance {
         let [a, b] = bounds.map(|i| i as usize);
         let doubled = self.world[a][0] + self.world[a][1] - self.world[b][0] - self.world[b][1];
         0.5 * doubled.norm() - self.bounds[a].reach - self.bounds[b].reach
+    }
+
+    /// What the shapes themselves are apart at the least, metres, where their bounds are near and one of them
+    /// is not exact; none where no plane between them is found.
+    fn proven_gap(&self, pair: &ClusterPair, bounds: [u32; 2], closest: &Closest) -> Option<f64> {
+        let [a, b] = bounds.map(|i| i as usize);
+        let near = closest.gap < NEAR * (closest.radii[0] + closest.radii[1]);
+        if !near || (self.bounds[a].exact && self.bounds[b].exact) {
+            return None;
+        }
+        let placed = |side: usize, bound: usize| {
+            let LimbState { rotation, origin, .. } = &self.states[pair.limbs[side]];
+            Some(Placed { surface: self.surfaces[bound].as_ref()?, rotation, origin })
+        };
+        apart(&placed(0, a)?, &placed(1, b)?, 0.5 * (closest.points[0] + closest.points[1]))
     }
 
     fn closest(&self, bounds: [u32; 2]) -> Closest {

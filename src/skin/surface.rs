@@ -103,6 +103,25 @@ impl Shape {
         })
     }
 
+    /// How far the shape reaches from its origin in a direction, times the direction's length; none for a
+    /// mesh without a hull.
+    pub fn support(&self, direction: &Vector3<f64>) -> Option<f64> {
+        let across = direction.xy().norm();
+        Some(match self {
+            Shape::Sphere { radius } => radius * direction.norm(),
+            Shape::Capsule { radius, half_length } => {
+                radius * direction.norm() + half_length * direction.z.abs()
+            }
+            Shape::Cylinder { radius, half_length } => radius * across + half_length * direction.z.abs(),
+            Shape::Box { half_extents } => Vector3::from(*half_extents).dot(&direction.abs()),
+            Shape::Ellipsoid { semi_axes } => direction.component_mul(&Vector3::from(*semi_axes)).norm(),
+            Shape::Hull(hull) => {
+                hull.vertices().iter().map(|v| v.dot(direction)).fold(f64::NEG_INFINITY, f64::max)
+            }
+            Shape::Mesh => return None,
+        })
+    }
+
     /// The area of the whole surface, m²; 0 for a mesh without a hull.
     pub fn area(&self) -> f64 {
         use std::f64::consts::PI;

@@ -12,7 +12,7 @@ use crate::creature::{Body, BodyError, JointSelection};
 use crate::mjcf_xml::{HALF_THICKNESS, add_receptor_class, element, section, write};
 use crate::mujoco::{JointKind, Model, ObjectKind, SensorKind};
 use crate::skin::Shape;
-use crate::skin::from_model::{feels, shape, touch_sites};
+use crate::skin::from_model::{shape, touch_sites};
 
 /// The default class of the receptors' sites.
 const CLASS: &str = "receptor";
@@ -65,7 +65,7 @@ pub fn grow_skin(path: &Path, options: &GrowOptions) -> Result<Grown, GrowError>
     })?;
     let kept = touch_sites(&model).count();
     if sprouts.is_empty() && kept == 0 {
-        let meshes = (0..model.ngeom()).any(|g| feels(&body, g) && shape(&model, g) == Some(Shape::Mesh));
+        let meshes = (0..model.ngeom()).any(|g| body.feels(g) && shape(&model, g) == Some(Shape::Mesh));
         return Err(unsuitable(if meshes {
             "its moving bodies have flat meshes alone, on which no skin grows: give them capsules or boxes too"
                 .into()
