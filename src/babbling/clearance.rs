@@ -8,15 +8,16 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::{Isometry3, Matrix3, Vector3};
 
+use super::convex::{Convex, separation};
 use crate::creature::{Body, Creature, DofKind, Joint};
 use crate::kinematics::{Chain, closest_points, rotation};
 use crate::mujoco::{self, Geom, GeomKind};
 use crate::schema::BodySchema;
 
 /// A capsule about a geom: all points within a radius of a segment.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 struct Bound {
     geom: usize,
     /// The segment's ends in the limb's frame, metres.
@@ -25,6 +26,8 @@ struct Bound {
     /// Radius of the ball about the whole capsule, metres.
     reach: f64,
     exact: bool,
+    /// The geom itself, in the limb's frame.
+    solid: Convex,
 }
 
 /// One joint on one side of a pair, as seen from the limb at the end of that side.
@@ -133,6 +136,8 @@ pub struct Clearance {
 
 /// Below this gap two geoms count as met, metres.
 const MET: f64 = 4e-7;
+/// The same for shapes of which only the engine can tell that they touch, metres: more than its own error.
+const NEARLY_MET: f64 = 4e-6;
 /// Beyond this gap two geoms that touched at the start of a motion have parted, metres.
 const PARTED: f64 = 1e-4;
 /// Way of the fastest point between looks at what is still parting, metres.
@@ -160,9 +165,7 @@ impl Clearance {
         let mut bounds = Vec::new();
         for (g, geom) in body.model.geoms().enumerate() {
             let Some(limb) = body.limb_of_geom(g) else { continue };
-            let Some(mut bound) = bound(body, g, &geom) else { continue };
-            let pose = body.pose_in_limb[geom.body];
-            bound.ends = bound.ends.map(|end| (pose * nalgebra::Point3::from(end)).coords);
+            let Some(bound) = bound(body, g, &geom) else { continue };
             by_limb[limb].push(bounds.len() as u32);
             bounds.push(bound);
         }
@@ -451,8 +454,16 @@ impl Clearance {
                 continue;
             }
             let encounter = encounter(&self.bounds, k, bounds);
+            if !encounter.exact {
+                let advance = self.advance_of_solids(pair, bounds, &closest, k);
+                if advance < least {
+                    least = advance;
+                    limiting = Some(encounter);
+                }
+                continue;
+            }
             // What touches at the start is already felt, until it has parted.
-            let parting = encounter.exact && self.parting(&encounter);
+            let parting = self.parting(&encounter);
             parted |= parting && closest.gap > PARTED;
             let advance = if closest.gap > MET {
                 (closest.gap / self.speed[k]).max(self.kept_apart(pair, &closest, k))
@@ -470,6 +481,43 @@ impl Clearance {
             self.start_contact = None;
         }
         (least, limiting)
+    }
+
+    /// How far the motion may advance before two geoms can meet that are no capsules: 0 where they nearly do.
+    fn advance_of_solids(&self, pair: &ClusterPair, bounds: [u32; 2], closest: &Closest, k: usize) -> f64 {
+        let by_capsules = if closest.gap > MET {
+            (closest.gap / self.speed[k]).max(self.kept_apart(pair, closest, k))
+        } else {
+            0.0
+        };
+        if closest.gap > FAR {
+            return by_capsules;
+        }
+        let solids = bounds.map(|bound| &self.bounds[bound as usize]);
+        let states = pair.limbs.map(|limb| &self.states[limb]);
+        let support = |direction: &Vector3<f64>| {
+            let at = |side: usize, d: Vector3<f64>| {
+                states[side].point(&solids[side].solid.support(&states[side].rotation.tr_mul(&d)))
+            };
+            at(0, *direction) - at(1, -direction)
+        };
+        let (gap, normal) = separation(support, &closest.normal);
+        if gap <= NEARLY_MET {
+            return by_capsules;
+        }
+        // Every point of a shape is in its capsule, where velocities along the normal are greatest at an end but for
+        // what the turning adds within the radius.
+        let closing: f64 = [(0, -1.0), (1, 1.0)]
+            .map(|(side, sign)| {
+                let limb = states[side];
+                let turning = limb.omega - self.states[pair.ancestor].omega;
+                let rates = closest.ends[side].map(|end| sign * normal.dot(&self.velocity(pair, side, &end)));
+                rates[0].max(rates[1]) + turning.cross(&normal).norm() * closest.radii[side]
+            })
+            .iter()
+            .sum();
+        let by_solids = until_zero(gap, -closing, self.acceleration[k]).max(gap / self.speed[k]);
+        by_solids.max(by_capsules)
     }
 
     /// How long the plane between two geoms keeps them apart, to second order in the motion.
@@ -657,7 +705,7 @@ fn levers(schema: &BodySchema, slide_reach: &[f64], joints: &[usize], cluster: &
     levers
 }
 
-/// The capsule about a geom, in the frame of its MuJoCo body; none for what has no bounds.
+/// The capsule about a geom, in the frame of its limb; none for what has no bounds.
 fn bound(body: &Body, g: usize, geom: &Geom) -> Option<Bound> {
     let [x, y, z] = geom.size;
     let along = |axis: usize, half: f64| {
@@ -687,8 +735,10 @@ fn bound(body: &Body, g: usize, geom: &Geom) -> Option<Bound> {
         }
         _ => return None,
     };
-    let place = |end: Vector3<f64>| geom.quat * end + geom.pos;
+    let pose = body.pose_in_limb[geom.body] * Isometry3::from_parts(geom.pos.into(), geom.quat);
+    let place = |end: Vector3<f64>| (pose * nalgebra::Point3::from(end)).coords;
     let exact = matches!(geom.kind, GeomKind::Sphere | GeomKind::Capsule);
     let reach = radius + 0.5 * (ends[1] - ends[0]).norm();
-    Some(Bound { geom: g, ends: ends.map(place), radius, reach, exact })
+    let solid = Convex::new(geom.kind, geom.size, body.model.mesh_vertices(g), pose)?;
+    Some(Bound { geom: g, ends: ends.map(place), radius, reach, exact, solid })
 }
