@@ -10,11 +10,12 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use nalgebra::{Isometry3, Matrix3, Vector3};
 
-use super::convex::{Convex, separation};
+use super::convex::separation;
 use crate::creature::{Body, Creature, DofKind, Joint};
 use crate::kinematics::{Chain, closest_points, rotation};
 use crate::mujoco::{self, Geom, GeomKind};
 use crate::schema::BodySchema;
+use crate::skin::{Surface, surface_of_geom};
 
 /// A capsule about a geom: all points within a radius of a segment.
 #[derive(Clone, Debug)]
@@ -26,8 +27,8 @@ struct Bound {
     /// Radius of the ball about the whole capsule, metres.
     reach: f64,
     exact: bool,
-    /// The geom itself, in the limb's frame.
-    solid: Convex,
+    /// The geom itself; none where nothing is known of its shape.
+    solid: Option<Surface>,
 }
 
 /// One joint on one side of a pair, as seen from the limb at the end of that side.
@@ -493,13 +494,14 @@ impl Clearance {
         if closest.gap > FAR {
             return by_capsules;
         }
-        let solids = bounds.map(|bound| &self.bounds[bound as usize]);
+        let solids = bounds.map(|bound| self.bounds[bound as usize].solid.as_ref());
+        let [Some(first), Some(second)] = solids else { return by_capsules };
         let states = pair.limbs.map(|limb| &self.states[limb]);
         let support = |direction: &Vector3<f64>| {
-            let at = |side: usize, d: Vector3<f64>| {
-                states[side].point(&solids[side].solid.support(&states[side].rotation.tr_mul(&d)))
+            let at = |solid: &Surface, state: &LimbState, d: Vector3<f64>| {
+                state.point(&solid.support(&state.rotation.tr_mul(&d)).unwrap_or_default())
             };
-            at(0, *direction) - at(1, -direction)
+            at(first, states[0], *direction) - at(second, states[1], -direction)
         };
         let (gap, normal) = separation(support, &closest.normal);
         if gap <= NEARLY_MET {
@@ -739,6 +741,6 @@ fn bound(body: &Body, g: usize, geom: &Geom) -> Option<Bound> {
     let place = |end: Vector3<f64>| (pose * nalgebra::Point3::from(end)).coords;
     let exact = matches!(geom.kind, GeomKind::Sphere | GeomKind::Capsule);
     let reach = radius + 0.5 * (ends[1] - ends[0]).norm();
-    let solid = Convex::new(geom.kind, geom.size, body.model.mesh_vertices(g), pose)?;
+    let solid = surface_of_geom(body, g).filter(|surface| surface.support(&Vector3::x()).is_some());
     Some(Bound { geom: g, ends: ends.map(place), radius, reach, exact, solid })
 }

@@ -4,86 +4,12 @@
 //! A motion that may not jump over a contact needs no exact distance, only one that it surely has: the distance
 //! along the best separating direction found.
 
-use nalgebra::{Isometry3, Vector3};
-
-use crate::mujoco::GeomKind;
+use nalgebra::Vector3;
 
 /// The bound is good enough at this share of the distance.
 const GOOD: f64 = 0.95;
 /// Most support points looked for: more are needed only where shapes all but touch.
 const MOST: usize = 40;
-
-/// A convex solid in its limb's frame.
-#[derive(Clone, Debug)]
-pub(super) struct Convex {
-    /// Where the shape is in its limb's frame: `X_LG`.
-    pose: Isometry3<f64>,
-    shape: Shape,
-}
-
-#[derive(Clone, Debug)]
-enum Shape {
-    /// A segment along z with all within a radius; a ball where it has no length.
-    Capsule {
-        radius: f64,
-        half_length: f64,
-    },
-    Ellipsoid([f64; 3]),
-    Cylinder {
-        radius: f64,
-        half_length: f64,
-    },
-    Box([f64; 3]),
-    Corners(Vec<Vector3<f64>>),
-}
-
-impl Convex {
-    /// A geom's solid; none for what limbs are not made of. `corners` are a mesh's.
-    pub fn new(
-        kind: GeomKind,
-        size: [f64; 3],
-        corners: Vec<Vector3<f64>>,
-        pose: Isometry3<f64>,
-    ) -> Option<Convex> {
-        let [x, y, _] = size;
-        let shape = match kind {
-            GeomKind::Sphere => Shape::Capsule { radius: x, half_length: 0.0 },
-            GeomKind::Capsule => Shape::Capsule { radius: x, half_length: y },
-            GeomKind::Ellipsoid => Shape::Ellipsoid(size),
-            GeomKind::Cylinder => Shape::Cylinder { radius: x, half_length: y },
-            GeomKind::Box => Shape::Box(size),
-            GeomKind::Mesh if !corners.is_empty() => Shape::Corners(corners),
-            _ => return None,
-        };
-        Some(Convex { pose, shape })
-    }
-
-    /// Its farthest point in a direction, both in the limb's frame.
-    pub fn support(&self, direction: &Vector3<f64>) -> Vector3<f64> {
-        let d = self.pose.inverse_transform_vector(direction);
-        let point = match &self.shape {
-            Shape::Capsule { radius, half_length } => {
-                let outward = d.try_normalize(f64::MIN_POSITIVE).unwrap_or(Vector3::z());
-                outward * *radius + Vector3::z() * half_length.copysign(d.z)
-            }
-            Shape::Ellipsoid(e) => {
-                let stretched = Vector3::new(e[0] * d.x, e[1] * d.y, e[2] * d.z);
-                let unit = stretched.try_normalize(f64::MIN_POSITIVE).unwrap_or(Vector3::z());
-                Vector3::new(e[0] * unit.x, e[1] * unit.y, e[2] * unit.z)
-            }
-            Shape::Cylinder { radius, half_length } => {
-                let across = Vector3::new(d.x, d.y, 0.0).try_normalize(f64::MIN_POSITIVE).unwrap_or_default();
-                across * *radius + Vector3::z() * half_length.copysign(d.z)
-            }
-            Shape::Box(half) => Vector3::from_fn(|k, _| half[k].copysign(d[k])),
-            Shape::Corners(corners) => {
-                let farther = |a: &&Vector3<f64>, b: &&Vector3<f64>| a.dot(&d).total_cmp(&b.dot(&d));
-                corners.iter().max_by(farther).copied().unwrap_or_default()
-            }
-        };
-        (self.pose * nalgebra::Point3::from(point)).coords
-    }
-}
 
 /// How far apart two convex solids are at the least, and along which unit vector, from the second to the first. Not
 /// above 0 where they meet or nothing tells them apart. `support` gives the point of their difference (first less
@@ -175,18 +101,25 @@ fn on_triangle(a: &Vector3<f64>, b: &Vector3<f64>, c: &Vector3<f64>) -> (Vector3
 
 #[cfg(test)]
 mod tests {
-    use nalgebra::{Translation3, UnitQuaternion};
+    use nalgebra::Rotation3;
     use rand::{RngExt, SeedableRng};
     use rand_chacha::ChaCha8Rng;
 
     use super::*;
+    use crate::skin::{Hull, Shape, Surface};
 
-    fn solid(kind: usize, pose: Isometry3<f64>) -> Convex {
-        let kinds =
-            [GeomKind::Capsule, GeomKind::Ellipsoid, GeomKind::Cylinder, GeomKind::Box, GeomKind::Mesh];
-        let corners =
-            [[0.3, 0.0, 0.0], [-0.1, 0.2, 0.0], [0.0, -0.2, 0.1], [0.0, 0.1, 0.3], [0.0, 0.0, -0.2]];
-        Convex::new(kinds[kind], [0.1, 0.2, 0.05], corners.map(Vector3::from).to_vec(), pose).unwrap()
+    fn solid(kind: usize, origin: Vector3<f64>, turn: Vector3<f64>) -> Surface {
+        let corners = [[0.3, 0.0, 0.0], [-0.1, 0.2, 0.0], [0.0, -0.2, 0.1], [0.0, 0.1, 0.3]];
+        let faces = vec![[0, 1, 2], [0, 1, 3], [0, 2, 3], [1, 2, 3]];
+        let shape = [
+            Shape::Capsule { radius: 0.1, half_length: 0.2 },
+            Shape::Ellipsoid { semi_axes: [0.1, 0.2, 0.05] },
+            Shape::Cylinder { radius: 0.1, half_length: 0.2 },
+            Shape::Box { half_extents: [0.1, 0.2, 0.05] },
+            Shape::Hull(Hull::new(corners.map(Vector3::from).to_vec(), faces).unwrap()),
+        ];
+        let rotation = Rotation3::new(turn).into_inner();
+        Surface { limb: 0, origin, rotation, shape: shape[kind].clone(), geom: 0 }
     }
 
     /// The distance along the best of many directions, each refined: slow, and never above the truth.
@@ -207,15 +140,12 @@ mod tests {
     #[test]
     fn the_bound_is_near_the_distance_and_never_beyond_it() {
         let mut rng = ChaCha8Rng::seed_from_u64(3);
-        let mut pose = |far: f64| {
-            let turn = Vector3::from_fn(|_, _| rng.random_range(-3.0..3.0));
-            let shift = Vector3::from_fn(|_, _| rng.random_range(-far..far));
-            Isometry3::from_parts(Translation3::from(shift), UnitQuaternion::from_scaled_axis(turn))
-        };
+        let mut random = |far: f64| Vector3::from_fn(|_, _| rng.random_range(-far..far));
         let mut apart = 0;
         for trial in 0..100 {
-            let (a, b) = (solid(trial % 5, pose(0.01)), solid(trial / 5 % 5, pose(0.5)));
-            let support = |d: &Vector3<f64>| a.support(d) - b.support(&-d);
+            let a = solid(trial % 5, random(0.01), random(3.0));
+            let b = solid(trial / 5 % 5, random(0.5), random(3.0));
+            let support = |d: &Vector3<f64>| a.support(d).unwrap() - b.support(&-d).unwrap();
             let (bound, normal) = separation(support, &Vector3::x());
             assert!((normal.norm() - 1.0).abs() < 1e-12);
             let searched = by_search(&support, &mut ChaCha8Rng::seed_from_u64(trial as u64));

@@ -19,12 +19,10 @@ pub fn skin_of(body: &Body) -> Skin {
     let model = &body.model;
     let mut surfaces = Vec::new();
     let mut surface_of_geom = vec![None; model.ngeom()];
-    for (g, geom) in model.geoms().enumerate().filter(|&(g, _)| body.feels(g)) {
-        if let Some((limb, shape)) = body.limb_of_geom(g).zip(shape(model, g)) {
-            let pose = body.pose_in_limb[geom.body] * Isometry3::from_parts(geom.pos.into(), geom.quat);
+    for g in (0..model.ngeom()).filter(|&g| body.feels(g)) {
+        if let Some(surface) = self::surface_of_geom(body, g) {
             surface_of_geom[g] = Some(surfaces.len());
-            let (origin, rotation) = (pose.translation.vector, matrix(&pose.rotation));
-            surfaces.push(Surface { limb, origin, rotation, shape, geom: g });
+            surfaces.push(surface);
         }
     }
     let mut receptors = Vec::new();
@@ -37,6 +35,15 @@ pub fn skin_of(body: &Body) -> Skin {
         receptors.push(receptor(id, limb, &site, &pose, &surfaces, &on_body));
     }
     Skin { receptors, surfaces }
+}
+
+/// The surface that a geom is on its limb; none for what no limb is made of.
+pub(crate) fn surface_of_geom(body: &Body, geom: usize) -> Option<Surface> {
+    let (limb, shape) = (body.limb_of_geom(geom)?, shape(&body.model, geom)?);
+    let info = body.model.geom(geom);
+    let pose = body.pose_in_limb[info.body] * Isometry3::from_parts(info.pos.into(), info.quat);
+    let (origin, rotation) = (pose.translation.vector, matrix(&pose.rotation));
+    Some(Surface { limb, origin, rotation, shape, geom })
 }
 
 /// The sites with touch sensors, in the model's order.

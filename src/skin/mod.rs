@@ -10,6 +10,7 @@ use nalgebra::{Matrix3, Vector3};
 use serde::{Deserialize, Serialize};
 
 pub use from_model::skin_of;
+pub(crate) use from_model::surface_of_geom;
 pub use growing::{GrowError, GrowOptions, Grown, PatchSize, grow, grow_skin};
 pub use hull::Hull;
 pub use somatotopic_map::{MOST_NEIGHBOURS, SomatotopicMap};

@@ -6,6 +6,8 @@ use super::samples::Sample;
 
 /// Cells whose normals average to less than this face all ways and are split.
 const ONE_SIDED: f64 = 0.35;
+/// Most cells of one run of Lloyd's iteration.
+const MOST_CELLS: usize = 96;
 /// Rounds of Lloyd's iteration.
 const ROUNDS: usize = 30;
 /// A cell bends round an edge where this share of it or more is turned from its middle by more than
@@ -48,7 +50,36 @@ pub fn fewest(samples: &[Sample], edges: bool, long_axis: &Vector3<f64>) -> usiz
 }
 
 /// Gathers samples, each of `share` m², into `count` cells of about `area` and makes each a patch.
+///
+/// Large surfaces are cut in two across their longest side, and their halves again: the time that
+/// Lloyd's iteration takes grows with the samples and with the cells.
 pub fn cells(
+    samples: &[Sample],
+    share: f64,
+    area: f64,
+    count: usize,
+    edges: bool,
+    long_axis: &Vector3<f64>,
+) -> Vec<Patch> {
+    if count <= MOST_CELLS {
+        return gathered(samples, share, area, count, edges, long_axis);
+    }
+    let low = samples.iter().map(|s| s.0).reduce(|a, b| a.inf(&b)).expect("there are samples");
+    let high = samples.iter().map(|s| s.0).reduce(|a, b| a.sup(&b)).expect("there are samples");
+    let axis = (high - low).imax();
+    let mut sorted = samples.to_vec();
+    sorted.sort_by(|a, b| a.0[axis].total_cmp(&b.0[axis]));
+    let first = count / 2;
+    let rest = sorted.split_off(samples.len() * first / count);
+    let halves = rayon::join(
+        || cells(&sorted, share, area, first, edges, long_axis),
+        || cells(&rest, share, area, count - first, edges, long_axis),
+    );
+    [halves.0, halves.1].concat()
+}
+
+/// The same without cutting.
+fn gathered(
     samples: &[Sample],
     share: f64,
     area: f64,

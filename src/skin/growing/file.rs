@@ -11,7 +11,8 @@ use super::{GrowError, GrowOptions, Sprout, sprouts, wxyz};
 use crate::creature::{Body, BodyError, JointSelection};
 use crate::mjcf_xml::{HALF_THICKNESS, add_receptor_class, element, section, write};
 use crate::mujoco::{JointKind, Model, ObjectKind, SensorKind};
-use crate::skin::from_model::touch_sites;
+use crate::skin::Shape;
+use crate::skin::from_model::{shape, touch_sites};
 
 /// The default class of the receptors' sites.
 const CLASS: &str = "receptor";
@@ -64,10 +65,9 @@ pub fn grow_skin(path: &Path, options: &GrowOptions) -> Result<Grown, GrowError>
     })?;
     let kept = touch_sites(&model).count();
     if sprouts.is_empty() && kept == 0 {
-        let meshes = model.geoms().any(|geom| geom.kind == crate::mujoco::GeomKind::Mesh);
+        let meshes = (0..model.ngeom()).any(|g| body.feels(g) && shape(&model, g) == Some(Shape::Mesh));
         return Err(unsuitable(if meshes {
-            "its moving bodies have meshes alone that cannot collide, on which no skin grows: give them \
-             capsules or boxes too"
+            "its moving bodies have flat meshes alone, on which no skin grows: give them capsules or boxes too"
                 .into()
         } else {
             "no geom of a moving body can touch anything: give it geoms".into()

@@ -36,8 +36,10 @@ pub use patch_size::{GrowOptions, PatchSize};
 const SAMPLES_PER_RECEPTOR: f64 = 150.0;
 /// Samples of a whole creature, to find out how much of it is exposed.
 const FIRST_SAMPLES: f64 = 20_000.0;
-/// Exposed surface below this share of a receptor's area is left bare.
+/// Exposed surface below this share of a receptor's area and below [`REMNANT_OF_GEOM`] is left bare.
 const REMNANT: f64 = 0.02;
+/// The share of a geom's area.
+const REMNANT_OF_GEOM: f64 = 0.1;
 /// Most receptors of a skin.
 const MOST_RECEPTORS: f64 = 20_000.0;
 
@@ -179,7 +181,8 @@ impl Plot {
     fn new(exposure: &Exposure, geom: usize, area: f64) -> Option<Plot> {
         let surface = exposure.surface(geom)?;
         let (samples, share) = exposure.samples(geom, area / SAMPLES_PER_RECEPTOR);
-        if samples.is_empty() || (samples.len() as f64) * share < REMNANT * area {
+        let exposed = samples.len() as f64 * share;
+        if samples.is_empty() || exposed < (REMNANT * area).min(REMNANT_OF_GEOM * surface.shape.area()) {
             return None;
         }
         let edges = matches!(surface.shape, Shape::Box { .. } | Shape::Cylinder { .. } | Shape::Hull(_));
