@@ -91,7 +91,8 @@ struct Judge<'b> {
 
 impl<'b> Judge<'b> {
     fn new(body: &'b Body) -> Judge<'b> {
-        let mut data = Data::new(body.model.clone()).unwrap();
+        // As the file has it: excludes are no contacts.
+        let mut data = Data::new(body.declared.clone()).unwrap();
         take(body, &mut data, &start_posture(&body.creature));
         let joined = data.contacts().map(|contact| contact.geoms).collect();
         Judge { body, data, joined }

@@ -139,7 +139,7 @@ fn every_receptor_is_displaced_with_its_surface_and_its_contacts() {
         displacements.extend(displacement.iter().copied());
         assert_eq!((felt_receptor.limb, felt_receptor.normal), (exact.limb, exact.normal));
         let [own, shared] = [(&felt.skin, felt_receptor), (&skin, exact)]
-            .map(|(skin, receptor)| skin.surfaces[receptor.surface.unwrap()]);
+            .map(|(skin, receptor)| skin.surfaces[receptor.surface.unwrap()].clone());
         assert!((own.origin - shared.origin - displacement).norm() < 1e-15);
         assert_eq!((own.limb, own.rotation, own.shape), (shared.limb, shared.rotation, shared.shape));
     }

@@ -4,14 +4,13 @@
 //! of each point of a limb against another limb are bounded by the joints between them. With the gap of
 //! two geoms and those bounds a motion jumps ahead to where they may meet at the earliest (conservative
 //! advancement), and needs no small steps. Geoms are bounded by capsules; for spheres and capsules the
-//! bound is exact and so is the gap. Where bounds come near of which one is not, planes between the shapes
-//! themselves tell how far apart they are at the least.
+//! bound is exact and so is the gap.
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::{Isometry3, Matrix3, Vector3};
 
-use super::convex::{Placed, apart};
+use super::convex::separation;
 use crate::creature::{Body, Creature, DofKind, Joint};
 use crate::kinematics::{Chain, closest_points, rotation};
 use crate::mujoco::{self, Geom, GeomKind};
@@ -19,7 +18,7 @@ use crate::schema::BodySchema;
 use crate::skin::{Surface, surface_of_geom};
 
 /// A capsule about a geom: all points within a radius of a segment.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 struct Bound {
     geom: usize,
     /// The segment's ends in the limb's frame, metres.
@@ -28,6 +27,8 @@ struct Bound {
     /// Radius of the ball about the whole capsule, metres.
     reach: f64,
     exact: bool,
+    /// The geom itself; none where nothing is known of its shape.
+    solid: Option<Surface>,
 }
 
 /// One joint on one side of a pair, as seen from the limb at the end of that side.
@@ -109,8 +110,6 @@ pub struct Clearance {
     creature: Creature,
     schema: BodySchema,
     bounds: Vec<Bound>,
-    /// Per bound, the surface that it bounds.
-    surfaces: Vec<Option<Surface>>,
     pairs: Vec<ClusterPair>,
     clusters: Vec<Cluster>,
     /// Per pair of geoms that can touch, the lesser index first, their encounter.
@@ -138,14 +137,12 @@ pub struct Clearance {
 
 /// Below this gap two geoms count as met, metres.
 const MET: f64 = 4e-7;
+/// The same for shapes of which only the engine can tell that they touch, metres: more than its own error.
+const NEARLY_MET: f64 = 4e-6;
 /// Beyond this gap two geoms that touched at the start of a motion have parted, metres.
 const PARTED: f64 = 1e-4;
 /// Way of the fastest point between looks at what is still parting, metres.
 const PARTING_STEP: f64 = 5e-7;
-/// Bounds whose gap is below this share of their radii are looked at shape by shape, where they are not exact.
-const NEAR: f64 = 0.25;
-/// Shapes nearer than this are left to the engine, metres.
-const NARROW: f64 = 2e-4;
 /// Limbs farther apart than this are not looked at geom by geom, metres.
 const FAR: f64 = 0.03;
 /// A limb's geoms are split into clusters of at most about this radius, metres.
@@ -166,15 +163,12 @@ impl Clearance {
         let creature = body.creature.clone();
         let schema = body.kinematics()?;
         let mut by_limb: Vec<Vec<u32>> = vec![Vec::new(); creature.limbs().len()];
-        let (mut bounds, mut surfaces) = (Vec::new(), Vec::new());
+        let mut bounds = Vec::new();
         for (g, geom) in body.model.geoms().enumerate() {
             let Some(limb) = body.limb_of_geom(g) else { continue };
-            let Some(mut bound) = bound(body, g, &geom) else { continue };
-            let pose = body.pose_in_limb[geom.body];
-            bound.ends = bound.ends.map(|end| (pose * nalgebra::Point3::from(end)).coords);
+            let Some(bound) = bound(body, g, &geom) else { continue };
             by_limb[limb].push(bounds.len() as u32);
             bounds.push(bound);
-            surfaces.push(surface_of_geom(body, g));
         }
         let clusters: Vec<Cluster> = by_limb
             .into_iter()
@@ -239,7 +233,6 @@ impl Clearance {
             creature,
             schema,
             bounds,
-            surfaces,
             pairs,
             clusters,
             encounters,
@@ -462,17 +455,19 @@ impl Clearance {
                 continue;
             }
             let encounter = encounter(&self.bounds, k, bounds);
-            let proven = self.proven_gap(pair, bounds, &closest).unwrap_or(0.0);
-            if proven > beyond {
+            if !encounter.exact {
+                let advance = self.advance_of_solids(pair, bounds, &closest, k);
+                if advance < least {
+                    least = advance;
+                    limiting = Some(encounter);
+                }
                 continue;
             }
             // What touches at the start is already felt, until it has parted.
-            let parting = encounter.exact && self.parting(&encounter);
+            let parting = self.parting(&encounter);
             parted |= parting && closest.gap > PARTED;
             let advance = if closest.gap > MET {
-                (closest.gap.max(proven) / self.speed[k]).max(self.kept_apart(pair, &closest, k))
-            } else if proven > NARROW {
-                proven / self.speed[k]
+                (closest.gap / self.speed[k]).max(self.kept_apart(pair, &closest, k))
             } else if parting && closest.normal.dot(&self.relative_velocity(pair, &closest.points)) > 0.0 {
                 (PARTING_STEP / self.speed[k]).max(self.kept_apart(pair, &closest, k))
             } else {
@@ -487,6 +482,44 @@ impl Clearance {
             self.start_contact = None;
         }
         (least, limiting)
+    }
+
+    /// How far the motion may advance before two geoms can meet that are no capsules: 0 where they nearly do.
+    fn advance_of_solids(&self, pair: &ClusterPair, bounds: [u32; 2], closest: &Closest, k: usize) -> f64 {
+        let by_capsules = if closest.gap > MET {
+            (closest.gap / self.speed[k]).max(self.kept_apart(pair, closest, k))
+        } else {
+            0.0
+        };
+        if closest.gap > FAR {
+            return by_capsules;
+        }
+        let solids = bounds.map(|bound| self.bounds[bound as usize].solid.as_ref());
+        let [Some(first), Some(second)] = solids else { return by_capsules };
+        let states = pair.limbs.map(|limb| &self.states[limb]);
+        let support = |direction: &Vector3<f64>| {
+            let at = |solid: &Surface, state: &LimbState, d: Vector3<f64>| {
+                state.point(&solid.support(&state.rotation.tr_mul(&d)).unwrap_or_default())
+            };
+            at(first, states[0], *direction) - at(second, states[1], -direction)
+        };
+        let (gap, normal) = separation(support, &closest.normal);
+        if gap <= NEARLY_MET {
+            return by_capsules;
+        }
+        // Every point of a shape is in its capsule, where velocities along the normal are greatest at an end but for
+        // what the turning adds within the radius.
+        let closing: f64 = [(0, -1.0), (1, 1.0)]
+            .map(|(side, sign)| {
+                let limb = states[side];
+                let turning = limb.omega - self.states[pair.ancestor].omega;
+                let rates = closest.ends[side].map(|end| sign * normal.dot(&self.velocity(pair, side, &end)));
+                rates[0].max(rates[1]) + turning.cross(&normal).norm() * closest.radii[side]
+            })
+            .iter()
+            .sum();
+        let by_solids = until_zero(gap, -closing, self.acceleration[k]).max(gap / self.speed[k]);
+        by_solids.max(by_capsules)
     }
 
     /// How long the plane between two geoms keeps them apart, to second order in the motion.
@@ -530,21 +563,6 @@ impl Clearance {
         let [a, b] = bounds.map(|i| i as usize);
         let doubled = self.world[a][0] + self.world[a][1] - self.world[b][0] - self.world[b][1];
         0.5 * doubled.norm() - self.bounds[a].reach - self.bounds[b].reach
-    }
-
-    /// What the shapes themselves are apart at the least, metres, where their bounds are near and one of them
-    /// is not exact; none where no plane between them is found.
-    fn proven_gap(&self, pair: &ClusterPair, bounds: [u32; 2], closest: &Closest) -> Option<f64> {
-        let [a, b] = bounds.map(|i| i as usize);
-        let near = closest.gap < NEAR * (closest.radii[0] + closest.radii[1]);
-        if !near || (self.bounds[a].exact && self.bounds[b].exact) {
-            return None;
-        }
-        let placed = |side: usize, bound: usize| {
-            let LimbState { rotation, origin, .. } = &self.states[pair.limbs[side]];
-            Some(Placed { surface: self.surfaces[bound].as_ref()?, rotation, origin })
-        };
-        apart(&placed(0, a)?, &placed(1, b)?, 0.5 * (closest.points[0] + closest.points[1]))
     }
 
     fn closest(&self, bounds: [u32; 2]) -> Closest {
@@ -689,7 +707,7 @@ fn levers(schema: &BodySchema, slide_reach: &[f64], joints: &[usize], cluster: &
     levers
 }
 
-/// The capsule about a geom, in the frame of its MuJoCo body; none for what has no bounds.
+/// The capsule about a geom, in the frame of its limb; none for what has no bounds.
 fn bound(body: &Body, g: usize, geom: &Geom) -> Option<Bound> {
     let [x, y, z] = geom.size;
     let along = |axis: usize, half: f64| {
@@ -719,8 +737,10 @@ fn bound(body: &Body, g: usize, geom: &Geom) -> Option<Bound> {
         }
         _ => return None,
     };
-    let place = |end: Vector3<f64>| geom.quat * end + geom.pos;
+    let pose = body.pose_in_limb[geom.body] * Isometry3::from_parts(geom.pos.into(), geom.quat);
+    let place = |end: Vector3<f64>| (pose * nalgebra::Point3::from(end)).coords;
     let exact = matches!(geom.kind, GeomKind::Sphere | GeomKind::Capsule);
     let reach = radius + 0.5 * (ends[1] - ends[0]).norm();
-    Some(Bound { geom: g, ends: ends.map(place), radius, reach, exact })
+    let solid = surface_of_geom(body, g).filter(|surface| surface.support(&Vector3::x()).is_some());
+    Some(Bound { geom: g, ends: ends.map(place), radius, reach, exact, solid })
 }

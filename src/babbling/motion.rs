@@ -10,8 +10,11 @@ use crate::skin::Skin;
 /// The deepest that limbs may be in each other where a motion stops, metres.
 pub const DEEPEST: f64 = 1e-6;
 
-/// Step, in metres of the fastest point, along geoms whose gap only the engine can tell.
-const ENGINE_STEP: f64 = 1e-3;
+/// First step, in metres of the fastest point, along geoms of which only the engine can tell that they touch; it
+/// doubles with each in which they do not …
+const ENGINE_STEP: f64 = 8e-6;
+/// … up to this.
+const LONGEST_ENGINE_STEP: f64 = 1e-3;
 
 /// Way of the fastest point within which geoms in contact must part, where only the engine can tell,
 /// metres.
@@ -127,8 +130,11 @@ impl<'a> Mover<'a> {
             }
         }
         let mut from = 0.0;
+        let mut step = (None, ENGINE_STEP);
         while let Some((t, encounter)) = self.clearance.next(from) {
             from = t;
+            let again = step.0 == Some(encounter);
+            step = (Some(encounter), if again { LONGEST_ENGINE_STEP.min(2.0 * step.1) } else { ENGINE_STEP });
             if encounter.exact && self.clearance.parting(&encounter) {
                 // It has hardly opened, and closes again.
                 self.effort.again += 1;
@@ -136,7 +142,7 @@ impl<'a> Mover<'a> {
             }
             let place = match encounter.exact {
                 true => self.press(&encounter, t),
-                false => self.step(&encounter, t),
+                false => self.step(&encounter, t, step.1),
             };
             let Some(place) = place.filter(|place| *place <= 1.0) else { continue };
             match self.contact_at(&encounter, place)? {
@@ -186,8 +192,8 @@ impl<'a> Mover<'a> {
     }
 
     /// The next place to look at in a stretch that only the engine can judge.
-    fn step(&mut self, encounter: &Encounter, t: f64) -> Option<f64> {
-        Some((t + self.clearance.advance_by(encounter, t, ENGINE_STEP)).min(1.0))
+    fn step(&mut self, encounter: &Encounter, t: f64, length: f64) -> Option<f64> {
+        Some((t + self.clearance.advance_by(encounter, t, length)).min(1.0))
     }
 
     /// Stops where the first contact between `free` and `met` begins; `deep` is the one at `met`.

@@ -324,10 +324,8 @@ mod tests {
             let direction = Vector3::from_fn(|_, _| normal(&mut rng)).normalize();
             let middle = direction * (0.08 + gap);
             let distance = |k: usize, p: &Vector3<f64>| {
-                let (shape, at) = [
-                    (Shape::Ellipsoid { semi_axes: first }, middle),
-                    (Shape::Ellipsoid { semi_axes: second }, Vector3::zeros()),
-                ][k];
+                let (semi_axes, at) = [(first, middle), (second, Vector3::zeros())][k];
+                let shape = Shape::Ellipsoid { semi_axes };
                 shape.signed_distance(&(p - at)).unwrap()
             };
             // From a place off the way between the two, as a receptor's centre is.

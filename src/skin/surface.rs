@@ -66,6 +66,12 @@ impl Surface {
         self.rotation.tr_mul(&(p_l - self.origin))
     }
 
+    /// Its farthest point in a direction of any length, both in the limb's frame; none for a mesh without a hull.
+    pub fn support(&self, direction: &Vector3<f64>) -> Option<Vector3<f64>> {
+        let point = self.shape.support(&self.rotation.tr_mul(direction))?;
+        Some(self.rotation * point + self.origin)
+    }
+
     /// Distance of a point to the surface, negative inside, and the outward unit normal there, both for
     /// the limb's frame; none for a mesh without a hull.
     pub fn signed_distance(&self, p_l: &Vector3<f64>) -> Option<(f64, Vector3<f64>)> {
@@ -103,20 +109,25 @@ impl Shape {
         })
     }
 
-    /// How far the shape reaches from its origin in a direction, times the direction's length; none for a
-    /// mesh without a hull.
-    pub fn support(&self, direction: &Vector3<f64>) -> Option<f64> {
-        let across = direction.xy().norm();
+    /// Its farthest point in a direction of any length, in the shape's axes; none for a mesh without a hull.
+    pub fn support(&self, direction: &Vector3<f64>) -> Option<Vector3<f64>> {
+        let d = direction;
+        let unit = |v: Vector3<f64>| v.try_normalize(f64::MIN_POSITIVE).unwrap_or_default();
+        let up = |half_length: f64| Vector3::z() * half_length.copysign(d.z);
         Some(match self {
-            Shape::Sphere { radius } => radius * direction.norm(),
-            Shape::Capsule { radius, half_length } => {
-                radius * direction.norm() + half_length * direction.z.abs()
+            Shape::Sphere { radius } => unit(*d) * *radius,
+            Shape::Capsule { radius, half_length } => unit(*d) * *radius + up(*half_length),
+            Shape::Cylinder { radius, half_length } => {
+                unit(Vector3::new(d.x, d.y, 0.0)) * *radius + up(*half_length)
             }
-            Shape::Cylinder { radius, half_length } => radius * across + half_length * direction.z.abs(),
-            Shape::Box { half_extents } => Vector3::from(*half_extents).dot(&direction.abs()),
-            Shape::Ellipsoid { semi_axes } => direction.component_mul(&Vector3::from(*semi_axes)).norm(),
+            Shape::Box { half_extents } => Vector3::from_fn(|k, _| half_extents[k].copysign(d[k])),
+            Shape::Ellipsoid { semi_axes } => {
+                let semi_axes = Vector3::from(*semi_axes);
+                unit(semi_axes.component_mul(d)).component_mul(&semi_axes)
+            }
             Shape::Hull(hull) => {
-                hull.vertices().iter().map(|v| v.dot(direction)).fold(f64::NEG_INFINITY, f64::max)
+                let farther = |a: &&Vector3<f64>, b: &&Vector3<f64>| a.dot(d).total_cmp(&b.dot(d));
+                *hull.vertices().iter().max_by(farther)?
             }
             Shape::Mesh => return None,
         })
