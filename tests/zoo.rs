@@ -8,15 +8,20 @@ use std::sync::Arc;
 
 use bodyschema::babbling::random_posture;
 use bodyschema::creature::{Body, DofKind, JointSelection};
+use bodyschema::evaluation::evaluate;
 use bodyschema::ground_truth::GroundTruth;
 use bodyschema::kinematics::limb_frames;
+use bodyschema::learning::{Input, Learner, SecondOrder};
 use bodyschema::mujoco::{Data, GeomKind, Model};
-use common::{repository, take};
+use bodyschema::skin::{GrowOptions, grow};
+use common::{babble, repository, take};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
 /// Agreement of positions with MuJoCo's, by the creature's size, and of rotation matrices, per entry.
 const AGREEMENT: f64 = 1e-10;
+/// Mean held-out error between limbs with only determined joints between them, millimetres (the figure).
+const DETERMINED_MM: f64 = 0.5;
 /// Random postures per creature.
 const POSTURES: usize = 20;
 
@@ -125,4 +130,28 @@ fn the_reference_posture_touches_nothing() {
         found.extend(touching.into_iter().map(|bodies| (name, bodies)));
     }
     assert!(found.is_empty(), "{found:?}");
+}
+
+/// What 2,000 exact contacts teach a creature is right, and they teach at least `least` joints.
+fn assert_right_or_named(name: &str, least: usize) {
+    let body = body(name);
+    let skin = grow(&body, &GrowOptions::default()).unwrap();
+    let mut learner = SecondOrder::new(&body.creature, &skin, Input::Contact, 1);
+    babble(&body, &skin, 2000, 1, 2).iter().for_each(|touch| learner.touch(touch));
+    let learned = learner.learn();
+    let known = body.creature.joints().len() - learned.undetermined.len();
+    assert!(known >= least, "{name}: {known} joints, {:?}", learned.verdict);
+    let truth = GroundTruth::new(&body).unwrap();
+    let found = evaluate(&body.creature, &skin, &truth, &learned.schema, &learned.undetermined);
+    assert!(found.determined_mm.mean <= DETERMINED_MM, "{name}: {:?}", found.determined_mm);
+}
+
+#[test]
+fn what_the_contraption_learns_is_right_and_the_rest_is_named() {
+    assert_right_or_named("contraption", 4);
+}
+
+#[test]
+fn what_the_hexapod_learns_is_right_and_the_rest_is_named() {
+    assert_right_or_named("hexapod", 6);
 }
