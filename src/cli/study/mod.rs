@@ -8,6 +8,7 @@
 mod changed_body;
 mod coverage;
 mod disturbances;
+mod frames;
 mod growth;
 mod learners;
 mod plot;
@@ -29,8 +30,14 @@ use subject::Subject;
 use table::Table;
 
 /// The studies, in the order in which they are named to the user.
-const STUDIES: [&Study; 5] =
-    [&learners::STUDY, &policies::STUDY, &coverage::STUDY, &disturbances::STUDY, &growth::STUDY];
+const STUDIES: [&Study; 6] = [
+    &learners::STUDY,
+    &policies::STUDY,
+    &coverage::STUDY,
+    &disturbances::STUDY,
+    &growth::STUDY,
+    &frames::STUDY,
+];
 
 /// The model that is studied where none is named.
 const DEFAULT_MODEL: &str = "mjcf/max/max.xml";
