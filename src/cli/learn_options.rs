@@ -577,6 +577,9 @@ pub fn print_table(
 pub fn print_evaluation(evaluation: &Evaluation) {
     output::head();
     output::row("skin in another limb's frame", "mm", &evaluation.heldout_mm);
+    if evaluation.determined_mm.max < evaluation.heldout_mm.max {
+        output::row("with all between determined", "mm", &evaluation.determined_mm);
+    }
     if let Some(hand) = &evaluation.hand_mm {
         output::row("with a hand as one of the two", "mm", hand);
     }

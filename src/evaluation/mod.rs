@@ -49,7 +49,9 @@ pub fn evaluate(
     schema: &BodySchema,
     undetermined: &[usize],
 ) -> Evaluation {
-    measure(creature, skin, truth, schema, [undetermined, &[]], None)
+    let unplaced = |limb: &usize| !schema.places(creature, *limb);
+    let unplaced: Vec<usize> = (0..creature.limbs().len()).filter(unplaced).collect();
+    measure(creature, skin, truth, schema, [undetermined, &unplaced], None)
 }
 
 /// Measures what a learner came to, beside the bound of what its touches determine.
@@ -82,7 +84,7 @@ fn measure(
             && !e.limbs.iter().any(|limb| undetermined_limbs.contains(limb))
     });
     let hands = || errors.iter().filter(|e| e.limbs.iter().any(|&limb| is_hand(creature, limb)));
-    let axes = axis_errors(creature, truth, schema, undetermined);
+    let axes = axis_errors(creature, truth, schema, undetermined, undetermined_limbs);
     Evaluation {
         heldout_mm: Summary::of(all),
         determined_mm: Summary::of(determined.map(|e| e.millimetres)),

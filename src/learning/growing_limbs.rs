@@ -101,6 +101,28 @@ impl LimbNursery<'_> {
         Start { schema, known, placed, accepted, onsets }
     }
 
+    /// How many joints and limbs have touches enough to be known.
+    pub fn solvable(&self) -> usize {
+        let touches = self.telling(self.touches, &vec![false; self.creature.limbs().len()]);
+        touches.joints().len() + touches.limbs().len()
+    }
+
+    /// The touches without those of limbs, not placed, that have too few of them to be.
+    fn telling(&self, touches: &TouchSet, placed: &[bool]) -> TouchSet {
+        let mut left = touches.clone();
+        loop {
+            let mut counts = vec![0; placed.len()];
+            for pair in &left.pairs {
+                pair.limbs.iter().for_each(|&limb| counts[limb] += pair.touches.len());
+            }
+            let before = left.pairs.len();
+            left.pairs.retain(|pair| pair.limbs.iter().all(|&limb| placed[limb] || counts[limb] >= REGISTERED));
+            if left.pairs.len() == before {
+                return left;
+            }
+        }
+    }
+
     /// Whether anything known refers to a limb's frame.
     fn framed(&self, growth: &Growth, limb: usize) -> bool {
         let joints = self.creature.joints().iter().enumerate();
@@ -153,7 +175,12 @@ impl LimbNursery<'_> {
             tried.push(joints);
             let within = |other: &[usize]| other.iter().all(|joint| joints.contains(joint));
             let closed = open.iter().filter(|(_, other)| within(other)).map(|(pair, _)| (*pair).clone());
-            let part = Part { joints: joints.clone(), touches: TouchSet { pairs: closed.collect() } };
+            let closed = TouchSet { pairs: closed.collect() };
+            let part = Part { joints: joints.clone(), touches: self.telling(&closed, &growth.placed) };
+            // All of its joints must be in what is left.
+            if !joints.iter().all(|joint| part.touches.joints().contains(joint)) {
+                continue;
+            }
             let poses = self.free_poses(growth, &part).iter().filter(|&&free| free).count();
             let dof: usize = joints.iter().map(|&joint| self.creature.joints()[joint].dofs.len()).sum();
             let (equations, unknowns) = (3 * part.touches.len(), 3 * joints.len() + 2 * dof + 6 * poses);

@@ -6,7 +6,7 @@
 
 use std::collections::BTreeMap;
 
-use nalgebra::Matrix3;
+use nalgebra::{DMatrix, Matrix3};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
@@ -21,10 +21,10 @@ use crate::learning::observability::Observability;
 use crate::learning::observation::{Input, Observation, ObservationModel, PointsMeet, SkinKnowledge};
 use crate::learning::prediction::{GapRow, covariance, information_inverse};
 use crate::learning::surface_gap::{MEAN_WEIGHT, SurfaceGap, gap_scale};
-use crate::learning::touch_set::{LimbTouch, PreparedTouch, TouchProblem, TouchSet};
+use crate::learning::touch_set::{LimbTouch, PairTouches, PreparedTouch, TouchProblem, TouchSet};
 use crate::kinematics::Frame;
 use crate::learning::{AxisModel, Known, Learned, Learner, LimbFrames, Parameters, Verdict};
-use crate::schema::BodySchema;
+use crate::schema::{BodySchema, unfelt_shifts};
 use crate::senses::Touch;
 use crate::skin::Skin;
 
@@ -343,7 +343,9 @@ impl<'a> SecondOrder<'a> {
 
     /// What all touches so far determine at a schema, and the deviation of a touch that they show, metres.
     pub fn observe(&self, schema: &BodySchema) -> (Observability, f64) {
-        self.observe_touches(&self.prepare(self.touches.iter()), schema)
+        let all = self.prepare(self.touches.iter());
+        let placed = |pair: &PairTouches| pair.limbs.iter().all(|&limb| schema.places(self.creature, limb));
+        self.observe_touches(&all.filter(placed), schema)
     }
 
     fn observe_touches(&self, used: &TouchSet, schema: &BodySchema) -> (Observability, f64) {
@@ -376,8 +378,20 @@ impl<'a> SecondOrder<'a> {
             }
         };
         self.known.given.add_information(&parameters, &mut hessian);
+        self.fix_choices(&parameters, schema, &mut hessian);
         let found = Observability::new(self.creature, parameters, &self.known.frozen, hessian, rows);
         (found.with_placed(placed), deviation)
+    }
+
+    /// Adds to normal equations (lower triangle) that limbs' origins do not shift where their joints cannot feel
+    /// it, for that is a matter of choice: see [`BodySchema::settle_positions`].
+    fn fix_choices(&self, parameters: &Parameters, schema: &BodySchema, hessian: &mut DMatrix<f64>) {
+        for (joint, offset) in self.creature.joints().iter().zip(&parameters.limb_origins) {
+            if let Some(offset) = *offset {
+                let mut block = hessian.fixed_view_mut::<3, 3>(offset, offset);
+                block += unfelt_shifts(self.creature, joint, &schema.axes) * CONTACT_DEVIATION.powi(-2);
+            }
+        }
     }
 
     /// What may be fitted of joints that are known at all and limbs that are placed.
@@ -496,12 +510,13 @@ impl SecondOrder<'_> {
             frozen: &self.known.frozen,
             turn: number,
         };
+        let limb_nursery = |number: usize| LimbNursery { creature: self.creature, touches: &touches, turn: number };
         let (solvable, incomplete_starts) = match self.frames {
             LimbFrames::Joint => {
                 let starved = nursery(0).starved().iter().filter(|&&starved| starved).count();
                 (self.creature.joints().len() - starved + self.creature.limbs().len(), INCOMPLETE_STARTS)
             }
-            LimbFrames::Limb => (touches.joints().len() + touches.limbs().len(), INCOMPLETE_LIMB_STARTS),
+            LimbFrames::Limb => (limb_nursery(0).solvable(), INCOMPLETE_LIMB_STARTS),
         };
         let make = |number: usize| {
             let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
@@ -509,9 +524,7 @@ impl SecondOrder<'_> {
             let nursery = nursery(number);
             let mut start = match self.frames {
                 LimbFrames::Joint => nursery.start(nursery.evidence.route(number, dof), &mut rng),
-                LimbFrames::Limb => {
-                    LimbNursery { creature: self.creature, touches: &touches, turn: number }.start(&mut rng)
-                }
+                LimbFrames::Limb => limb_nursery(number).start(&mut rng),
             };
             let (judged, noise) = self.judge(&touches, &fresh, &start);
             start.accepted &= judged <= 1.0;

@@ -73,6 +73,13 @@ impl BodySchema {
         self.limb_poses.iter_mut().for_each(|pose| pose.rotation = nearest_rotation(&pose.rotation));
     }
 
+    /// Whether it is known where a limb's own frame is: of all limbs, unless limbs have frames of their own and
+    /// this one was left in its joint's. The root's is where all begins.
+    pub fn places(&self, creature: &Creature, limb: usize) -> bool {
+        let pose = creature.joint_of(limb).and_then(|joint| self.limb_poses.get(joint));
+        pose.is_none_or(|pose| *pose != Frame::identity())
+    }
+
     /// Describes the body with limb `limb` in another frame of its own, whose pose in the present one is
     /// `pose`: the body stays as it is. [`BodySchema::limb_poses`] must be there.
     pub fn reframe(&mut self, creature: &Creature, limb: usize, pose: &Frame) {
