@@ -61,8 +61,8 @@ impl Pupil {
     }
 
     fn learn(&self, seed: u64) -> Learned {
-        let mut learner = SecondOrder::new(&self.creature, &self.skin, Input::Contact, seed)
-            .with_frames(LimbFrames::Limb);
+        let mut learner =
+            SecondOrder::new(&self.creature, &self.skin, Input::Contact, seed).with_frames(LimbFrames::Limb);
         self.touches.iter().for_each(|touch| learner.touch(touch));
         learner.learn()
     }
@@ -333,7 +333,10 @@ fn relaxed_steps_add_to_the_matrix_and_others_turn_it() {
         let orthonormal = (turn * turn.transpose() - Matrix3::identity()).norm() < ROUNDING;
         assert_eq!(orthonormal, axis_model == AxisModel::Unit);
         let held = Parameters::new(creature, axis_model, |_| false).with_limb_poses(|_| true, Some(0));
-        assert_eq!(held.step(&schema, &DVector::from_element(held.len(), 0.1)).limb_poses[0].rotation, before.rotation);
+        assert_eq!(
+            held.step(&schema, &DVector::from_element(held.len(), 0.1)).limb_poses[0].rotation,
+            before.rotation
+        );
     }
 }
 

@@ -17,6 +17,7 @@ use crate::record::{Session, TOUCHES_FILE, read_touches};
   bodyschema learn sessions/max-1
   bodyschema learn sessions/max-1 --learner hersch
   bodyschema learn sessions/max-1 --touches 300 --json
+  bodyschema learn sessions/max-1 --frames limb --input contact
   bodyschema learn sessions/max-1 --touches 60 --known known.json\n\n{KNOWN_HELP}"))]
 pub struct Args {
     /// The session's folder

@@ -17,8 +17,8 @@ use crate::evaluation::{Bound, Evaluation, Summary, evaluate, evaluate_learned};
 use crate::ground_truth::GroundTruth;
 use crate::learning::onset::random_onset;
 use crate::learning::{
-    Change, Hersch, Input, Known, KnownJoint, Learned, Learner, LimbFrames, Online, RelaxedGradient, SecondOrder,
-    SkinKnowledge, Verdict, What,
+    Change, Hersch, Input, Known, KnownJoint, Learned, Learner, LimbFrames, Online, RelaxedGradient,
+    SecondOrder, SkinKnowledge, Verdict, What,
 };
 use crate::record::{
     LearningTable, SCHEMA_FILE, Session, TouchLog, model_hash, read_known, write_schema_with_std,
@@ -559,7 +559,7 @@ pub fn print_table(
     say!("{}", sentence(creature, &result.learned));
     say!("undetermined joints: {}", output::names(&result.undetermined));
     if options.frames == FramesName::Limb {
-        say!("limbs too seldom touched to know their frames: {}", output::names(&result.undetermined_limbs));
+        say!("limbs whose own frames are undetermined: {}", output::names(&result.undetermined_limbs));
     }
     changes(creature, &result.learned).iter().for_each(|change| say!("{change}"));
     say!("");

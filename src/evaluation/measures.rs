@@ -200,7 +200,8 @@ pub fn axis_errors(
         if undetermined.contains(&j) {
             continue;
         }
-        let [from_learned, from_true] = shared_frame(creature, schema, truth, joint.parent, undetermined_limbs);
+        let [from_learned, from_true] =
+            shared_frame(creature, schema, truth, joint.parent, undetermined_limbs);
         for (k, dof) in joint.dof_indices().zip(&joint.dofs).filter(|(_, dof)| dof.kind != DofKind::Ball) {
             let learned = &(from_learned.rotation * schema.axes[k]);
             let right = &(from_true.rotation * truth.schema.axes[k]);

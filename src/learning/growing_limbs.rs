@@ -116,7 +116,8 @@ impl LimbNursery<'_> {
                 pair.limbs.iter().for_each(|&limb| counts[limb] += pair.touches.len());
             }
             let before = left.pairs.len();
-            left.pairs.retain(|pair| pair.limbs.iter().all(|&limb| placed[limb] || counts[limb] >= REGISTERED));
+            left.pairs
+                .retain(|pair| pair.limbs.iter().all(|&limb| placed[limb] || counts[limb] >= REGISTERED));
             if left.pairs.len() == before {
                 return left;
             }
@@ -265,7 +266,6 @@ impl LimbNursery<'_> {
             trial.normalize_axes(self.creature);
             trial.normalize_limb_poses();
             let (schema, misfit) = self.solve(&part.touches, &unit, trial, 60);
-            if std::env::var("FRAMES_LOG").is_ok() { eprintln!("part {:?} held {held:?} free {} touches {}: misfit {misfit:.3e}", part.joints.iter().map(|&j| &self.creature.joints()[j].name).collect::<Vec<_>>(), free.iter().filter(|f| **f).count(), part.touches.len()); }
             if misfit <= EXACT {
                 let mut grown = Growth { schema, ..growth.clone() };
                 part.joints.iter().for_each(|&joint| grown.known[joint] = true);
@@ -286,7 +286,6 @@ impl LimbNursery<'_> {
         let parameters = Parameters::new(self.creature, AxisModel::Unit, |joint| growth.known[joint])
             .with_limb_poses(|joint| growth.known[joint] && growth.placed[joint + 1], None);
         let (schema, misfit) = self.solve(&used, &parameters, growth.schema, 60);
-        if std::env::var("FRAMES_LOG").is_ok() { eprintln!("  release: {} touches, misfit {misfit:.3e}", used.len()); }
         (misfit <= EXACT).then_some(Growth { schema, ..growth })
     }
 

@@ -24,9 +24,9 @@ mod second_order;
 pub mod surface_gap;
 pub mod touch_set;
 
+pub use growing_limbs::random_rotation;
 pub use hersch::{Hersch, STEP};
 pub use known::{Known, KnownJoint, LEAST_DEVIATION};
-pub use growing_limbs::random_rotation;
 pub use observation::{Input, LimbFrames, SkinKnowledge};
 pub use online::{Change, Expectation, Online, Tool, What};
 pub use parameters::{AxisModel, Parameters};

@@ -50,17 +50,6 @@ impl GapRow {
                     self.entries.extend((0..2).map(|i| (offset + i, slope[i])));
                 }
             }
-            for pose in &side.poses {
-                let along = pose.map.tr_mul(&direction);
-                if let Some(offset) = parameters.limb_origins[pose.joint] {
-                    self.entries.extend((0..3).map(|i| (offset + i, along[i])));
-                }
-                if let Some(offset) = parameters.limb_rotations[pose.joint] {
-                    let rotation = &schema.limb_poses[pose.joint].rotation;
-                    let slope = parameters.rotation_slope(&along, rotation, &pose.point);
-                    self.entries.extend(slope.enumerate().map(|(i, slope)| (offset + i, slope)));
-                }
-            }
         }
     }
 

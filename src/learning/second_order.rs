@@ -12,6 +12,7 @@ use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 
 use crate::creature::Creature;
+use crate::kinematics::Frame;
 use crate::learning::annealing::{NARROWEST, anneal, gaps, quantile, typical_gap};
 use crate::learning::growing::{EXACT, Evidence, Nursery, Start, WHOLE_DOF};
 use crate::learning::growing_limbs::LimbNursery;
@@ -22,7 +23,6 @@ use crate::learning::observation::{Input, Observation, ObservationModel, PointsM
 use crate::learning::prediction::{GapRow, covariance, information_inverse};
 use crate::learning::surface_gap::{MEAN_WEIGHT, SurfaceGap, gap_scale};
 use crate::learning::touch_set::{LimbTouch, PairTouches, PreparedTouch, TouchProblem, TouchSet};
-use crate::kinematics::Frame;
 use crate::learning::{AxisModel, Known, Learned, Learner, LimbFrames, Parameters, Verdict};
 use crate::schema::{BodySchema, unfelt_shifts};
 use crate::senses::Touch;
@@ -191,9 +191,7 @@ impl<'a> SecondOrder<'a> {
                 let noise = if self.evidence().exact() { 0.0 } else { point_misfit(&known, &start.schema) };
                 (misfit, noise)
             }
-            Evidence::Surfaces(_) => {
-                self.judge_gaps(&fitted.filter(|pair| start.covers(pair)), &used, start)
-            },
+            Evidence::Surfaces(_) => self.judge_gaps(&fitted.filter(|pair| start.covers(pair)), &used, start),
         }
     }
 
@@ -510,7 +508,8 @@ impl SecondOrder<'_> {
             frozen: &self.known.frozen,
             turn: number,
         };
-        let limb_nursery = |number: usize| LimbNursery { creature: self.creature, touches: &touches, turn: number };
+        let limb_nursery =
+            |number: usize| LimbNursery { creature: self.creature, touches: &touches, turn: number };
         let (solvable, incomplete_starts) = match self.frames {
             LimbFrames::Joint => {
                 let starved = nursery(0).starved().iter().filter(|&&starved| starved).count();
@@ -593,7 +592,11 @@ impl SecondOrder<'_> {
             undetermined: (0..self.creature.joints().len()).collect(),
             undetermined_limbs: match self.frames {
                 LimbFrames::Joint => Vec::new(),
-                LimbFrames::Limb => (0..self.creature.limbs().len()).collect(),
+                LimbFrames::Limb => {
+                    let felt =
+                        |limb: &usize| self.skin.receptors.iter().any(|receptor| receptor.limb == *limb);
+                    (0..self.creature.limbs().len()).filter(felt).collect()
+                }
             },
             observability: None,
             deviation: None,

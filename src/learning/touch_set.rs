@@ -242,7 +242,15 @@ impl<M: ObservationModel> LeastSquares for TouchProblem<'_, M> {
                     for (i, direction) in found.directions().iter().enumerate() {
                         let direction = direction * sign;
                         write_row(&mut jacobian, row + i, &direction, side, columns, &bases);
-                        write_poses(&mut jacobian, row + i, &direction, side, columns, self.parameters, schema);
+                        write_poses(
+                            &mut jacobian,
+                            row + i,
+                            &direction,
+                            side,
+                            columns,
+                            self.parameters,
+                            schema,
+                        );
                     }
                 }
                 for (i, value) in found.values().iter().enumerate() {

@@ -115,9 +115,11 @@ fn known_joint(entry: &Entry, creature: &Creature, index: usize) -> Result<Optio
     let joint = &creature.joints()[index];
     let parent = &creature.limbs()[joint.parent];
     if entry.limb_position.is_some() || entry.limb_quaternion.is_some() {
-        return Err("tells the pose of its limb, so that limbs are in frames of their own: give joints that were \
+        return Err(
+            "tells the pose of its limb, so that limbs are in frames of their own: give joints that were \
                     learned with --frames joint"
-            .into());
+                .into(),
+        );
     }
     if let Some(other) = entry.parent.as_ref().filter(|other| *other != parent) {
         return Err(format!("is on \"{parent}\", not on \"{other}\": give it in the frame of \"{parent}\""));

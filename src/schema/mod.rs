@@ -114,7 +114,10 @@ impl BodySchema {
             && self.axes.len() == creature.dof_elements()
             && (self.limb_poses.is_empty() || self.limb_poses.len() == creature.joints().len())
             && self.positions.iter().chain(&self.axes).all(|v| v.iter().all(|x| x.is_finite()))
-            && self.limb_poses.iter().all(|pose| pose.rotation.iter().chain(&pose.origin).all(|x| x.is_finite()))
+            && self
+                .limb_poses
+                .iter()
+                .all(|pose| pose.rotation.iter().chain(&pose.origin).all(|x| x.is_finite()))
     }
 }
 

@@ -117,7 +117,10 @@ fn measure(subject: &Subject) -> Result<Findings, Failure> {
     });
     let plot = Plot {
         x: Axis { title: "mean held-out error, mm", scale: Scale::Logarithmic },
-        y: Axis { title: "", scale: Scale::Names(conditions.iter().map(|(name, _)| (*name).into()).collect()) },
+        y: Axis {
+            title: "",
+            scale: Scale::Names(conditions.iter().map(|(name, _)| (*name).into()).collect()),
+        },
         series: series.collect(),
     };
     Ok(Findings { measurements, summary, notes, plot })

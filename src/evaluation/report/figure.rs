@@ -61,7 +61,11 @@ impl Skeleton {
             }
         }
         let place = |r: &crate::skin::Receptor| frames[r.limb].point(&r.position);
-        Skeleton { lines, joints: begins[1..].to_vec(), receptors: skin.receptors.iter().map(place).collect() }
+        Skeleton {
+            lines,
+            joints: begins[1..].to_vec(),
+            receptors: skin.receptors.iter().map(place).collect(),
+        }
     }
 
     fn points(&self) -> impl Iterator<Item = &Vector3<f64>> {
