@@ -28,6 +28,8 @@ use crate::schema::{BodySchema, nearest_rotation};
 
 /// Onsets tried for one part of the body.
 const ONSETS_PER_PART: usize = 16;
+/// Misfit of a part below which no better onset is looked for: exact points leave far less.
+const CERTAIN: f64 = 1e-2;
 /// Equations that a part has to spare before it is solved, where there is a choice …
 const SPARE: usize = 18;
 /// … and at the least.
@@ -249,6 +251,7 @@ impl LimbNursery<'_> {
         let linear = with_poses(Parameters::positions(self.creature, AxisModel::Relaxed, in_part));
         let relaxed = with_poses(Parameters::new(self.creature, AxisModel::Relaxed, in_part));
         let unit = with_poses(Parameters::new(self.creature, AxisModel::Unit, in_part));
+        let mut best = (growth.schema.clone(), EXACT);
         for _ in 0..ONSETS_PER_PART {
             *onsets += 1;
             let mut trial = growth.schema.clone();
@@ -266,16 +269,21 @@ impl LimbNursery<'_> {
             trial.normalize_axes(self.creature);
             trial.normalize_limb_poses();
             let (schema, misfit) = self.solve(&part.touches, &unit, trial, 60);
-            if misfit <= EXACT {
-                let mut grown = Growth { schema, ..growth.clone() };
-                part.joints.iter().for_each(|&joint| grown.known[joint] = true);
-                for limb in part.touches.pairs.iter().flat_map(|pair| pair.limbs) {
-                    grown.placed[limb] = true;
-                }
-                return Some(grown);
+            if misfit <= best.1 {
+                best = (schema, misfit);
+            }
+            if best.1 <= CERTAIN {
+                break;
             }
         }
-        None
+        let (schema, misfit) = best;
+        if misfit >= EXACT {
+            return None;
+        }
+        let mut grown = Growth { schema, ..growth.clone() };
+        part.joints.iter().for_each(|&joint| grown.known[joint] = true);
+        part.touches.limbs().into_iter().for_each(|limb| grown.placed[limb] = true);
+        Some(grown)
     }
 
     /// Fits all that is known to all touches that are in reach; none where that leaves too much.
