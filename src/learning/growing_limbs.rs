@@ -339,7 +339,7 @@ fn register(places: &[[Vector3<f64>; 2]]) -> Option<Frame> {
     }
     let mut across = spread.svd(false, false).singular_values;
     across.as_mut_slice().sort_by(|a, b| b.total_cmp(a));
-    if !(across[1] > BREADTH * BREADTH) {
+    if across[1].is_nan() || across[1] <= BREADTH * BREADTH {
         return None;
     }
     let rotation = nearest_rotation(&spread);

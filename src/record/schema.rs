@@ -174,8 +174,7 @@ fn read_pose(entry: &JointEntry) -> Result<Frame, String> {
         (Some(position), Some([w, x, y, z])) => {
             let quaternion = Quaternion::new(w, x, y, z);
             let length = quaternion.norm();
-            // Written so that NaN is refused as well.
-            if !((length - 1.0).abs() <= UNIT_LENGTH) {
+            if length.is_nan() || (length - 1.0).abs() > UNIT_LENGTH {
                 return Err(format!("has a limb_quaternion of length {length}: divide it by its length"));
             }
             let rotation = UnitQuaternion::from_quaternion(quaternion).to_rotation_matrix().into_inner();

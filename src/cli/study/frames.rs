@@ -65,6 +65,7 @@ fn measure(subject: &Subject) -> Result<Findings, Failure> {
             let learned = &attempt.learned;
             let joints = learned.undetermined.iter().map(|&j| creature.joints()[j].name.clone());
             let limbs = learned.undetermined_limbs.iter().map(|&limb| creature.limbs()[limb].clone());
+            let (joints, limbs): (Vec<String>, Vec<String>) = (joints.collect(), limbs.collect());
             measurements.row([
                 (*name).into(),
                 seed.into(),
@@ -77,7 +78,7 @@ fn measure(subject: &Subject) -> Result<Findings, Failure> {
                 limbs.len().into(),
                 learned.onsets.into(),
                 attempt.seconds.into(),
-                output::names(&joints.chain(limbs).collect::<Vec<_>>()).into(),
+                format!("joints {}; limbs {}", output::names(&joints), output::names(&limbs)).into(),
             ]);
             found.push(attempt);
         }
