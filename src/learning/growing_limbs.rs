@@ -12,7 +12,7 @@
 //!
 //! A limb is *placed* once touches of its own tell its frame, and *framed* once anything refers to its frame.
 
-use nalgebra::{Matrix3, Rotation3, Vector3};
+use nalgebra::{Matrix3, Vector3};
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
@@ -21,7 +21,7 @@ use crate::kinematics::Frame;
 use crate::learning::growing::{EXACT, Start};
 use crate::learning::least_squares::{Stopping, levenberg_marquardt};
 use crate::learning::observation::PointsMeet;
-use crate::learning::onset::{random_direction, randomize_joint};
+use crate::learning::onset::randomize_joint;
 use crate::learning::touch_set::{PairTouches, TouchProblem, TouchSet};
 use crate::learning::{AxisModel, Parameters};
 use crate::schema::{BodySchema, nearest_rotation};
@@ -257,12 +257,7 @@ impl LimbNursery<'_> {
             let mut trial = growth.schema.clone();
             for &joint in &part.joints {
                 randomize_joint(self.creature, &mut trial, joint, rng);
-                let rotation = if free[joint] && held != Some(joint) {
-                    random_rotation(rng)
-                } else {
-                    Matrix3::identity()
-                };
-                trial.limb_poses[joint] = Frame { rotation, origin: Vector3::zeros() };
+                trial.limb_poses[joint] = Frame::identity();
             }
             let (trial, _) = self.solve(&part.touches, &linear, trial, 6);
             let (mut trial, _) = self.solve(&part.touches, &relaxed, trial, 100);
@@ -310,17 +305,6 @@ impl LimbNursery<'_> {
         let stopping = Stopping { iterations, relative_cost: 1e-4, cost: 0.5 * count * ZERO * ZERO };
         let solution = levenberg_marquardt(&mut problem, parameters, start, stopping);
         (solution.schema, (2.0 * solution.cost / count).sqrt())
-    }
-}
-
-/// A rotation drawn uniformly from all (Shoemake 1992).
-pub fn random_rotation(rng: &mut impl rand::Rng) -> Matrix3<f64> {
-    // A turn about a uniform direction whose angle has the density (1 − cos)/π, by rejection.
-    loop {
-        let angle = rng.random_range(0.0..std::f64::consts::PI);
-        if rng.random_range(0.0..2.0) < 1.0 - angle.cos() {
-            return Rotation3::new(random_direction(rng) * angle).into_inner();
-        }
     }
 }
 

@@ -24,7 +24,6 @@ mod second_order;
 pub mod surface_gap;
 pub mod touch_set;
 
-pub use growing_limbs::random_rotation;
 pub use hersch::{Hersch, STEP};
 pub use known::{Known, KnownJoint, LEAST_DEVIATION};
 pub use observation::{Input, LimbFrames, SkinKnowledge};
