@@ -15,7 +15,9 @@
 //! Frames are `W` world, `L` a limb (origin at the joint that carries it; in the reference posture, parallel
 //! to its parent), `P` its parent limb, `C` the common ancestor of two limbs, `R` a receptor. `X_AB` is the
 //! pose of B in A, so `p_A = X_AB p_B`; `p_LR` is a receptor's position in its limb's frame, `n_L` a unit
-//! normal expressed in L; `l_P` and `a_P` are a joint's position and axis in its parent limb's frame.
+//! normal expressed in L; `l_P` and `a_P` are a joint's position and axis in its parent limb's frame. Limbs may
+//! have frames of their own in place of these, each at a fixed pose `(Q, c)` on its joint:
+//! `p_P = l_P + R(a, θ) (Q p_L + c)`.
 //!
 //! Metres, radians, seconds and newtons everywhere; millimetres and degrees only in what a person reads.
 //! MuJoCo's quaternions are w x y z, nalgebra's x y z w: they are converted at the boundary only.

@@ -328,6 +328,7 @@ fn schema() -> BodySchema {
             Vector3::new(0.0, 1.0, -2.225073858507201e-308),
         ],
         axes: vec![axis, -Vector3::z(), Vector3::x(), Vector3::zeros()],
+        limb_poses: Vec::new(),
     }
 }
 

@@ -62,7 +62,7 @@ pub struct Args {
 pub fn run(args: &Args) -> Outcome {
     let selection = args.joints.clone().unwrap_or_default();
     let body = open_body(&args.model, &selection, &args.open)?;
-    let learn = args.learn.with_known(&body.creature)?;
+    let learn = args.learn.checked(&body.creature)?;
     let skin = skin_for(&args.model, &body)?;
     let truth = GroundTruth::new(&body)?;
     let babbler = babbler(&args.model, &body, &skin)?;

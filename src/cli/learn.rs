@@ -17,6 +17,7 @@ use crate::record::{Session, TOUCHES_FILE, read_touches};
   bodyschema learn sessions/max-1
   bodyschema learn sessions/max-1 --learner hersch
   bodyschema learn sessions/max-1 --touches 300 --json
+  bodyschema learn sessions/max-1 --frames limb --input contact
   bodyschema learn sessions/max-1 --touches 60 --known known.json\n\n{KNOWN_HELP}"))]
 pub struct Args {
     /// The session's folder
@@ -43,7 +44,7 @@ pub fn run(args: &Args) -> Outcome {
     warn_truncated(&log, &args.session);
     let most = args.touches.map_or(usize::MAX, |n| usize::try_from(n).unwrap_or(usize::MAX));
     let touches = &log.touches[..log.touches.len().min(most)];
-    let learn = args.learn.with_known(&session.creature)?;
+    let learn = args.learn.checked(&session.creature)?;
     session.seed = args.seed.unwrap_or(session.seed);
     let truth = match session_truth(&session, args.model.as_deref()) {
         Ok(truth) => Some(truth),

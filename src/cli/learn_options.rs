@@ -11,14 +11,14 @@ use serde_json::{Value, json};
 use super::disturbance_options::DisturbanceOptions;
 use super::open::{ModelOptions, open_body};
 use super::{Failure, output, progress};
-use crate::creature::{Creature, JointSelection};
+use crate::creature::{Creature, DofKind, JointSelection};
 use crate::evaluation::report::{self, ReportInput};
 use crate::evaluation::{Bound, Evaluation, Summary, evaluate, evaluate_learned};
 use crate::ground_truth::GroundTruth;
 use crate::learning::onset::random_onset;
 use crate::learning::{
-    Change, Hersch, Input, Known, KnownJoint, Learned, Learner, Online, RelaxedGradient, SecondOrder,
-    SkinKnowledge, Verdict, What,
+    Change, Hersch, Input, Known, KnownJoint, Learned, Learner, LimbFrames, Online, RelaxedGradient,
+    SecondOrder, SkinKnowledge, Verdict, What,
 };
 use crate::record::{
     LearningTable, SCHEMA_FILE, Session, SessionOptions, TouchLog, model_hash, read_known,
@@ -45,6 +45,10 @@ pub struct LearnOptions {
     /// What the agent knows of its skin: the surfaces under the receptors, or their centres alone
     #[arg(long, value_enum, default_value_t = SkinName::Surface)]
     pub skin: SkinName,
+    /// Which frames points on limbs are given in: those of their joints, or a frame of its own for every limb,
+    /// whose pose on its joint is then learned as well (for the learner lm and --input contact)
+    #[arg(long, value_enum, default_value_t = FramesName::Joint)]
+    pub frames: FramesName,
     /// What is known of joints before the first touch, for the learner lm: a schema.json, whole or with some
     /// of its joints. A joint without deviations is known exactly and stays as it is; with position_std
     /// (metres) and axis_std (radians) it is known nearly
@@ -91,6 +95,23 @@ pub enum SkinName {
     Centres,
 }
 
+/// The frames of limbs by name.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum FramesName {
+    #[default]
+    Joint,
+    Limb,
+}
+
+impl std::fmt::Display for FramesName {
+    fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
+        f.write_str(match self {
+            FramesName::Joint => "joint",
+            FramesName::Limb => "limb",
+        })
+    }
+}
+
 impl std::fmt::Display for LearnerName {
     fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
         f.write_str(match self {
@@ -127,11 +148,15 @@ impl LearnOptions {
         }
     }
 
-    /// These options with the file of known joints read.
+    /// These options, ready for a creature: with the file of known joints read.
     ///
     /// # Errors
-    /// Where the file is not one for this creature, and where the learner has no use for it.
-    pub fn with_known(&self, creature: &Creature) -> Result<LearnOptions, Failure> {
+    /// Where the file is not one for this creature, where the learner has no use for it, and where it cannot
+    /// learn limbs in frames of their own.
+    pub fn checked(&self, creature: &Creature) -> Result<LearnOptions, Failure> {
+        if self.frames == FramesName::Limb {
+            self.check_frames(creature)?;
+        }
         let Some(path) = &self.known else { return Ok(self.clone()) };
         if self.learner != LearnerName::Lm {
             return Err(Failure(format!(
@@ -141,6 +166,30 @@ impl LearnOptions {
             )));
         }
         Ok(LearnOptions { known_joints: read_known(path, creature)?, ..self.clone() })
+    }
+
+    /// Whether limbs in frames of their own can be learned of a creature with these options.
+    fn check_frames(&self, creature: &Creature) -> Result<(), Failure> {
+        let refuse = |why: &str| Err(Failure(format!("--frames limb: {why}")));
+        if self.learner != LearnerName::Lm {
+            return refuse("only the learner lm finds the limbs' frames: use --learner lm");
+        }
+        if self.input != InputName::Contact {
+            return refuse(
+                "receptors are too coarse to tell how a round limb is turned in its frame: use --input contact",
+            );
+        }
+        if self.known.is_some() {
+            return refuse("nothing can be known of joints beforehand: leave out --known");
+        }
+        match creature.dofs().find(|dof| dof.kind == DofKind::Ball) {
+            Some(ball) => refuse(&format!(
+                "{} is a ball, whose angles are told along the axes of the joint's frame: name hinges and slides \
+                 with --joints, or use --frames joint",
+                ball.name
+            )),
+            None => Ok(()),
+        }
     }
 
     /// What was known beforehand, in JSON: the file, and its joints with whether they were exact.
@@ -179,7 +228,11 @@ impl LearnOptions {
                 if self.learns_online() {
                     return Box::new(Online::new(creature, skin, seed).with_known(known));
                 }
-                let learner = SecondOrder::new(creature, skin, self.input(), seed);
+                let frames = match self.frames {
+                    FramesName::Joint => LimbFrames::Joint,
+                    FramesName::Limb => LimbFrames::Limb,
+                };
+                let learner = SecondOrder::new(creature, skin, self.input(), seed).with_frames(frames);
                 Box::new(learner.with_skin(knowledge).with_known(known))
             }
         }
@@ -211,6 +264,8 @@ pub struct SessionLearning {
     pub seconds: f64,
     pub evaluation: Option<Evaluation>,
     pub undetermined: Vec<String>,
+    /// Limbs whose own frames are not known, by name.
+    pub undetermined_limbs: Vec<String>,
     /// The held-out error from the same touches without the disturbances; none where there are none, or no
     /// truth at hand.
     pub undisturbed_heldout_mm: Option<Summary>,
@@ -317,7 +372,16 @@ pub fn learn_session(
     let model = crate::schema::to_mjcf(creature, skin, &learned.schema);
     output::file(&folder.join(LEARNED_FILE), &model)?;
     let undetermined = learned.undetermined.iter().map(|&j| creature.joints()[j].name.clone()).collect();
-    let result = SessionLearning { learned, seconds, evaluation, undetermined, undisturbed_heldout_mm };
+    let undetermined_limbs =
+        learned.undetermined_limbs.iter().map(|&limb| creature.limbs()[limb].clone()).collect();
+    let result = SessionLearning {
+        learned,
+        seconds,
+        evaluation,
+        undetermined,
+        undetermined_limbs,
+        undisturbed_heldout_mm,
+    };
     let report = ReportInput {
         creature,
         skin,
@@ -345,6 +409,9 @@ fn facts(session: &Session, options: &LearnOptions, result: &SessionLearning) ->
     }
     facts.push(("learner", options.learner.to_string()));
     facts.push(("knowledge", options.knowledge().to_string()));
+    if options.frames == FramesName::Limb {
+        facts.push(("frames of limbs", "their own, learned".to_string()));
+    }
     if let Some(known) = options.known_words(&session.creature) {
         facts.push(("joints known beforehand", known));
     }
@@ -440,6 +507,7 @@ pub fn to_json(
         "learner": options.learner.to_string(),
         "input": options.input.to_string(),
         "knowledge": options.knowledge(),
+        "frames": options.frames.to_string(),
         "known": options.known_json(&session.creature),
         "converged": verdict,
         "reason": reason,
@@ -453,6 +521,7 @@ pub fn to_json(
         "axis_deg": summary(evaluation.map(|e| e.axis_deg)),
         "axis_line_mm": summary(evaluation.map(|e| e.axis_line_mm)),
         "undetermined": result.undetermined,
+        "undetermined_limbs": result.undetermined_limbs,
         "changes": changes(&session.creature, &result.learned),
         "session": folder,
     })
@@ -491,6 +560,9 @@ pub fn print_table(
     }
     say!("{}", sentence(creature, &result.learned));
     say!("undetermined joints: {}", output::names(&result.undetermined));
+    if options.frames == FramesName::Limb {
+        say!("limbs whose own frames are undetermined: {}", output::names(&result.undetermined_limbs));
+    }
     changes(creature, &result.learned).iter().for_each(|change| say!("{change}"));
     say!("");
     match &result.evaluation {
@@ -507,6 +579,9 @@ pub fn print_table(
 pub fn print_evaluation(evaluation: &Evaluation) {
     output::head();
     output::row("skin in another limb's frame", "mm", &evaluation.heldout_mm);
+    if evaluation.determined_mm.max < evaluation.heldout_mm.max {
+        output::row("with all between determined", "mm", &evaluation.determined_mm);
+    }
     if let Some(hand) = &evaluation.hand_mm {
         output::row("with a hand as one of the two", "mm", hand);
     }

@@ -7,7 +7,7 @@ use serde_json::json;
 use super::learn_options::warn_truncated;
 use super::{Outcome, output};
 use crate::creature::DofKind;
-use crate::learning::{Input, Learner, SecondOrder};
+use crate::learning::{Input, Learner, LimbFrames, SecondOrder};
 use crate::record::{SCHEMA_FILE, Session, TOUCHES_FILE, read_schema, read_touches};
 
 /// Tell what a session's touches determine, how well, and what they leave open.
@@ -36,7 +36,12 @@ pub fn run(args: &Args) -> Outcome {
     if log.touches.is_empty() {
         return Err("there is no touch to look at: babble some first".into());
     }
-    let mut learner = SecondOrder::new(creature, skin, Input::Receptor, session.seed);
+    // Limbs in frames of their own are learned from contact points, which alone can tell these.
+    let (input, frames) = match schema.limb_poses.is_empty() {
+        true => (Input::Receptor, LimbFrames::Joint),
+        false => (Input::Contact, LimbFrames::Limb),
+    };
+    let mut learner = SecondOrder::new(creature, skin, input, session.seed).with_frames(frames);
     log.touches.iter().for_each(|touch| learner.touch(touch));
     let (found, deviation) = learner.observe(&schema);
     let indices = found.indices();

@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use crate::babbling::random_posture;
 use crate::creature::{Creature, DofKind};
 use crate::ground_truth::GroundTruth;
-use crate::kinematics::{Chain, limb_frames};
+use crate::kinematics::{Chain, ChainSide, Frame, limb_frames};
 use crate::learning::observability::Observability;
 use crate::schema::BodySchema;
 use crate::senses::Touch;
@@ -186,27 +186,56 @@ pub struct AxisErrors {
     pub line_millimetres: Option<f64>,
 }
 
-/// The errors of the axes of all joints that are not undetermined.
+/// The errors of the axes of all joints that are not undetermined. Axes on limbs whose own frames are not known
+/// are compared in that of a limb below.
 pub fn axis_errors(
     creature: &Creature,
     truth: &GroundTruth,
     schema: &BodySchema,
     undetermined: &[usize],
+    undetermined_limbs: &[usize],
 ) -> Vec<AxisErrors> {
     let mut errors = Vec::new();
     for (j, joint) in creature.joints().iter().enumerate() {
         if undetermined.contains(&j) {
             continue;
         }
+        let [from_learned, from_true] =
+            shared_frame(creature, schema, truth, joint.parent, undetermined_limbs);
         for (k, dof) in joint.dof_indices().zip(&joint.dofs).filter(|(_, dof)| dof.kind != DofKind::Ball) {
-            let (learned, right) = (&schema.axes[k], &truth.schema.axes[k]);
-            let offset = schema.positions[j] - truth.schema.positions[j];
+            let learned = &(from_learned.rotation * schema.axes[k]);
+            let right = &(from_true.rotation * truth.schema.axes[k]);
+            let offset =
+                from_learned.point(&schema.positions[j]) - from_true.point(&truth.schema.positions[j]);
             let degrees = learned.cross(right).norm().atan2(learned.dot(right)).to_degrees();
             let line = (dof.kind == DofKind::Hinge).then(|| 1e3 * line_distance(&offset, learned, right));
             errors.push(AxisErrors { dof: k, degrees, line_millimetres: line });
         }
     }
     errors
+}
+
+/// The pose of a limb's frame, learned and true, in a frame that is the same in both: the limb's own, where that
+/// is known. Where no touch told it, it is a matter of choice, and the next limb's below it, in the reference
+/// posture, takes its place.
+fn shared_frame(
+    creature: &Creature,
+    schema: &BodySchema,
+    truth: &GroundTruth,
+    limb: usize,
+    undetermined_limbs: &[usize],
+) -> [Frame; 2] {
+    let posture = creature.reference_posture();
+    let mut frames = [Frame::identity(); 2];
+    let mut at = limb;
+    while let Some(joint) = creature.joint_of(at)
+        && (!schema.places(creature, at) || undetermined_limbs.contains(&at))
+    {
+        let side = ChainSide::new(creature, &[joint], &posture);
+        frames = [side.frame(schema) * frames[0], side.frame(&truth.schema) * frames[1]];
+        at = creature.joints()[joint].parent;
+    }
+    frames
 }
 
 /// Distance between two lines whose points differ by `offset`.

@@ -49,7 +49,9 @@ pub fn evaluate(
     schema: &BodySchema,
     undetermined: &[usize],
 ) -> Evaluation {
-    measure(creature, skin, truth, schema, undetermined, None)
+    let unplaced = |limb: &usize| !schema.places(creature, *limb);
+    let unplaced: Vec<usize> = (0..creature.limbs().len()).filter(unplaced).collect();
+    measure(creature, skin, truth, schema, [undetermined, &unplaced], None)
 }
 
 /// Measures what a learner came to, beside the bound of what its touches determine.
@@ -60,7 +62,8 @@ pub fn evaluate_learned(
     learned: &Learned,
 ) -> Evaluation {
     let observability = learned.observability.as_ref();
-    measure(creature, skin, truth, &learned.schema, &learned.undetermined, observability)
+    let undetermined = [&learned.undetermined[..], &learned.undetermined_limbs];
+    measure(creature, skin, truth, &learned.schema, undetermined, observability)
 }
 
 fn measure(
@@ -68,7 +71,7 @@ fn measure(
     skin: &Skin,
     truth: &GroundTruth,
     schema: &BodySchema,
-    undetermined: &[usize],
+    [undetermined, undetermined_limbs]: [&[usize]; 2],
     observability: Option<&Observability>,
 ) -> Evaluation {
     let points = held_out_points(creature, skin);
@@ -76,9 +79,12 @@ fn measure(
     let bound_mm =
         observability.and_then(|found| Bound::new(creature, schema, found, &points, &errors, undetermined));
     let all = errors.iter().map(|e| e.millimetres);
-    let determined = errors.iter().filter(|e| !e.joints.iter().any(|j| undetermined.contains(j)));
+    let determined = errors.iter().filter(|e| {
+        !e.joints.iter().any(|j| undetermined.contains(j))
+            && !e.limbs.iter().any(|limb| undetermined_limbs.contains(limb))
+    });
     let hands = || errors.iter().filter(|e| e.limbs.iter().any(|&limb| is_hand(creature, limb)));
-    let axes = axis_errors(creature, truth, schema, undetermined);
+    let axes = axis_errors(creature, truth, schema, undetermined, undetermined_limbs);
     Evaluation {
         heldout_mm: Summary::of(all),
         determined_mm: Summary::of(determined.map(|e| e.millimetres)),

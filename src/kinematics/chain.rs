@@ -4,8 +4,19 @@
 //! figures 3 and 5). All that a touch tells is symmetric in the two, so both points are carried up to C,
 //! where `p_CA = X_CA p_A` and `p_CB = X_CB p_B` must meet. Nothing is inverted: the chain stays valid,
 //! and its derivative polynomial, when the axes are relaxed from unit length.
+//!
+//! What every joint does is in [`ChainSide::frame`], the equation of a body schema:
+//!
+//! ```text
+//! p_P = l_P + R(a_1, θ_1) … R(a_k, θ_k) (Q p_L + c)
+//! ```
+//!
+//! where the limb's pose `(Q, c)` on its joint is the identity unless limbs have frames of their own.
+
+use std::ops::Mul;
 
 use nalgebra::{Matrix3, Vector3};
+use serde::{Deserialize, Serialize};
 
 use super::rotation::{axis_derivative, rotation};
 use crate::creature::{Creature, DofKind};
@@ -104,6 +115,9 @@ impl ChainSide {
                     Motion::Ball { rotation } => frame.rotation *= rotation,
                 }
             }
+            if let Some(pose) = schema.limb_poses.get(joint) {
+                frame = frame * *pose;
+            }
         }
         frame
     }
@@ -134,13 +148,17 @@ impl ChainSide {
                     Motion::Ball { rotation } => frame.rotation *= rotation,
                 }
             }
+            if let Some(pose) = schema.limb_poses.get(joint) {
+                frame = frame * *pose;
+            }
         }
     }
 
-    /// `p_C = X_CL p_L` and its derivatives by every position and axis of the side, into `jacobian`.
+    /// `p_C = X_CL p_L` and its derivatives by every position, axis and limb's pose of the side, into `jacobian`.
     pub fn point_jacobian(&self, schema: &BodySchema, p_l: &Vector3<f64>, jacobian: &mut SideJacobian) {
         jacobian.joints.clear();
         jacobian.dofs.clear();
+        jacobian.poses.clear();
         // Outwards: the linear map from each step to C.
         let mut steps = self.steps.iter();
         let mut map = Matrix3::identity();
@@ -156,12 +174,20 @@ impl ChainSide {
                     Motion::Ball { rotation } => map *= rotation,
                 }
             }
+            if let Some(pose) = schema.limb_poses.get(joint) {
+                jacobian.poses.push(PoseJacobian { joint, map, point: Vector3::zeros() });
+                map *= pose.rotation;
+            }
         }
         jacobian.rotation = map;
         // Inwards: the point as each step meets it.
         let mut p = *p_l;
         let mut k = self.steps.len();
-        for &(joint, count) in self.joints.iter().rev() {
+        for (number, &(joint, count)) in self.joints.iter().enumerate().rev() {
+            if let Some(pose) = schema.limb_poses.get(joint) {
+                jacobian.poses[number].point = p;
+                p = pose.point(&p);
+            }
             for _ in 0..count {
                 k -= 1;
                 let axis = &schema.axes[self.steps[k].dof];
@@ -199,12 +225,26 @@ pub struct SideJacobian {
     pub joints: Vec<(usize, Matrix3<f64>)>,
     /// Per degree of freedom, `∂p_C/∂a_P` for an axis that is free in R³.
     pub dofs: Vec<(usize, Matrix3<f64>)>,
+    /// Per joint, what tells `∂p_C` by its limb's pose; empty where limbs' frames are those of their joints.
+    pub poses: Vec<PoseJacobian>,
+}
+
+/// How a point on the ancestor moves with the pose `(Q, c)` of a limb on its joint:
+/// `∂p_C = map (∂Q point + ∂c)`.
+#[derive(Clone, Copy, Debug)]
+pub struct PoseJacobian {
+    /// The joint.
+    pub joint: usize,
+    /// `∂p_C/∂c`: from the joint's side of the pose to C.
+    pub map: Matrix3<f64>,
+    /// The point in the limb's own frame, metres.
+    pub point: Vector3<f64>,
 }
 
 /// A pose `X_AB`: where frame B is in frame A.
 ///
 /// The rotation is a plain matrix, not an orthonormal type: with relaxed axes it need not be one.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Frame {
     /// Rotation `R_AB`.
     pub rotation: Matrix3<f64>,
@@ -227,16 +267,27 @@ impl Frame {
     pub fn inverse_point(&self, p_a: &Vector3<f64>) -> Vector3<f64> {
         self.rotation.tr_mul(&(p_a - self.origin))
     }
+
+    /// `X_BA`, for an orthonormal rotation.
+    pub fn inverse(&self) -> Frame {
+        Frame { rotation: self.rotation.transpose(), origin: -self.rotation.tr_mul(&self.origin) }
+    }
+}
+
+/// `X_AC = X_AB X_BC`.
+impl Mul for Frame {
+    type Output = Frame;
+
+    fn mul(self, inner: Frame) -> Frame {
+        Frame { rotation: self.rotation * inner.rotation, origin: self.point(&inner.origin) }
+    }
 }
 
 /// `X_RL` of every limb in the root limb's frame, at `posture`.
 pub fn limb_frames(creature: &Creature, schema: &BodySchema, posture: &[f64]) -> Vec<Frame> {
     let mut frames = vec![Frame::identity(); creature.limbs().len()];
     for (j, joint) in creature.joints().iter().enumerate() {
-        let parent = frames[joint.parent];
-        let local = ChainSide::new(creature, &[j], posture).frame(schema);
-        frames[j + 1] =
-            Frame { rotation: parent.rotation * local.rotation, origin: parent.point(&local.origin) };
+        frames[j + 1] = frames[joint.parent] * ChainSide::new(creature, &[j], posture).frame(schema);
     }
     frames
 }

@@ -7,6 +7,6 @@ mod chain;
 mod rotation;
 mod segments;
 
-pub use chain::{Chain, ChainSide, Frame, SideJacobian, limb_frames};
+pub use chain::{Chain, ChainSide, Frame, PoseJacobian, SideJacobian, limb_frames};
 pub use rotation::{axis_derivative, rotation, skew, tangent_basis};
 pub use segments::closest_points;

@@ -77,10 +77,20 @@ pub struct Start {
     pub schema: BodySchema,
     /// Per joint, whether any touch with it entered the fit.
     pub known: Vec<bool>,
+    /// Per limb, whether it is known where points in its own frame are on it: of all, unless limbs have frames
+    /// of their own.
+    pub placed: Vec<bool>,
     /// Whether every part was accepted.
     pub accepted: bool,
     /// Random onsets used.
     pub onsets: usize,
+}
+
+impl Start {
+    /// Whether all joints between two limbs are known, and both limbs placed.
+    pub fn covers(&self, pair: &PairTouches) -> bool {
+        pair.chain.joints().all(|joint| self.known[joint]) && pair.limbs.iter().all(|&limb| self.placed[limb])
+    }
 }
 
 /// The ground on which starts are made.
@@ -208,7 +218,8 @@ impl Nursery<'_> {
                 }
             }
         }
-        let mut start = Start { schema, known, accepted: misfit.acceptable(), onsets };
+        let placed = vec![true; self.creature.limbs().len()];
+        let mut start = Start { schema, known, placed, accepted: misfit.acceptable(), onsets };
         if let Evidence::Surfaces(skin) = self.evidence
             && start.accepted
         {

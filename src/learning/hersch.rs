@@ -158,6 +158,7 @@ impl Learner for Hersch<'_> {
             onsets: 1,
             fresh_rms: f64::NAN,
             undetermined: Vec::new(),
+            undetermined_limbs: Vec::new(),
             observability: None,
             deviation: None,
             changes: Vec::new(),

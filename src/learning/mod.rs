@@ -5,6 +5,7 @@
 
 pub mod annealing;
 mod growing;
+mod growing_limbs;
 mod hersch;
 mod joint_noise;
 mod known;
@@ -25,7 +26,7 @@ pub mod touch_set;
 
 pub use hersch::{Hersch, STEP};
 pub use known::{Known, KnownJoint, LEAST_DEVIATION};
-pub use observation::{Input, SkinKnowledge};
+pub use observation::{Input, LimbFrames, SkinKnowledge};
 pub use online::{Change, Expectation, Online, Tool, What};
 pub use parameters::{AxisModel, Parameters};
 pub use prior::{Beforehand, Prior};
@@ -66,6 +67,8 @@ pub struct Learned {
     pub fresh_rms: f64,
     /// Joints that the touches do not determine; all of them where the learner cannot tell.
     pub undetermined: Vec<usize>,
+    /// Limbs whose own frames the touches do not tell; none where limbs' frames are those of their joints.
+    pub undetermined_limbs: Vec<usize>,
     /// What the touches determine and how well; none where the learner cannot tell.
     pub observability: Option<observability::Observability>,
     /// Standard deviation of what the learner compares, as the touches themselves show it, metres.

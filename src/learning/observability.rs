@@ -15,7 +15,7 @@ use serde::Serialize;
 
 use crate::babbling::random_posture;
 use crate::creature::{Creature, DofKind};
-use crate::kinematics::{Chain, ChainSide, SideJacobian, limb_frames, tangent_basis};
+use crate::kinematics::{Chain, ChainSide, SideJacobian, limb_frames, skew, tangent_basis};
 use crate::learning::Parameters;
 use crate::schema::{BodySchema, SchemaStd};
 use crate::skin::Skin;
@@ -51,6 +51,8 @@ pub struct Observability {
     unscaled_null_space: DMatrix<f64>,
     /// Per joint, whether it was known exactly before the first touch and is no parameter.
     known: Vec<bool>,
+    /// Per limb, whether it is known at all where points in its frame are on it.
+    placed: Vec<bool>,
     residuals: usize,
 }
 
@@ -80,7 +82,7 @@ impl Observability {
         let n = parameters.len();
         hessian.fill_upper_triangle_with_lower_triangle();
         let mut scale = DVector::from_element(n, 1.0);
-        for offset in parameters.positions.iter().flatten() {
+        for offset in parameters.positions.iter().chain(&parameters.limb_origins).flatten() {
             scale.rows_mut(*offset, 3).fill(CHARACTERISTIC_LENGTH);
         }
         for (dof, offset) in creature.dofs().zip(&parameters.axes) {
@@ -103,6 +105,7 @@ impl Observability {
                 null_space: DMatrix::zeros(0, 0),
                 unscaled_null_space: DMatrix::zeros(0, 0),
                 known: known.to_vec(),
+                placed: vec![true; creature.limbs().len()],
                 residuals,
             };
         }
@@ -130,8 +133,15 @@ impl Observability {
             null_space,
             unscaled_null_space,
             known: known.to_vec(),
+            placed: vec![true; creature.limbs().len()],
             residuals,
         }
+    }
+
+    /// Sets of each limb whether it is known at all where points in its frame are on it; all are by default.
+    pub fn with_placed(mut self, placed: Vec<bool>) -> Observability {
+        self.placed = placed;
+        self
     }
 
     /// Greatest over least singular value; infinite where something is undetermined.
@@ -235,7 +245,7 @@ impl Observability {
         p_a: &Vector3<f64>,
     ) -> Option<Matrix3<f64>> {
         let chain = Chain::between(creature, limbs[0], limbs[1]);
-        if chain.joints().any(|joint| self.untouched(joint)) {
+        if chain.joints().any(|joint| self.untouched(joint)) || limbs.iter().any(|&limb| !self.placed[limb]) {
             return None;
         }
         let frames = limb_frames(creature, schema, posture);
@@ -280,6 +290,30 @@ impl Observability {
         (0..best.len()).filter(|&joint| best[joint] > DETERMINED && !self.known[joint]).collect()
     }
 
+    /// The limbs with skin whose own frames the touches do not tell: those of which no three receptors far
+    /// apart can all be put into another limb's frame to [`DETERMINED`]. None where no limb's pose is learned.
+    /// Postures are drawn at random.
+    pub fn undetermined_limbs(&self, creature: &Creature, skin: &Skin, schema: &BodySchema) -> Vec<usize> {
+        if schema.limb_poses.is_empty() {
+            return Vec::new();
+        }
+        let mut rng = ChaCha8Rng::seed_from_u64(0);
+        let far_apart: Vec<Vec<Vector3<f64>>> =
+            (0..creature.limbs().len()).map(|limb| three_far_apart(skin, limb)).collect();
+        let with_skin: Vec<usize> =
+            (0..far_apart.len()).filter(|&limb| !far_apart[limb].is_empty()).collect();
+        let told = |limb: usize, rng: &mut ChaCha8Rng| {
+            with_skin.iter().filter(|&&other| other != limb).any(|&other| {
+                let posture = random_posture(creature, rng);
+                far_apart[limb].iter().all(|point| {
+                    let limbs = [limb, other];
+                    self.point_deviation(creature, schema, &posture, limbs, point) <= DETERMINED
+                })
+            })
+        };
+        with_skin.iter().copied().filter(|&limb| !told(limb, &mut rng)).collect()
+    }
+
     /// Whether nothing is known of a joint: no touch involves it.
     fn untouched(&self, joint: usize) -> bool {
         self.parameters.positions[joint].is_none() && !self.known[joint]
@@ -308,6 +342,18 @@ impl Observability {
                 if let Some(offset) = self.parameters.axes[*dof] {
                     let mut block = jacobian.fixed_view_mut::<3, 2>(0, offset);
                     block += derivative * tangent_basis(&schema.axes[*dof]) * sign;
+                }
+            }
+            for pose in &side.poses {
+                if let Some(offset) = self.parameters.limb_origins[pose.joint] {
+                    let mut block = jacobian.fixed_view_mut::<3, 3>(0, offset);
+                    block += pose.map * sign;
+                }
+                if let Some(offset) = self.parameters.limb_rotations[pose.joint] {
+                    // ω × Q p.
+                    let turned = schema.limb_poses[pose.joint].rotation * pose.point;
+                    let mut block = jacobian.fixed_view_mut::<3, 3>(0, offset);
+                    block += pose.map * skew(&turned) * -sign;
                 }
             }
         }
@@ -439,4 +485,17 @@ fn sparse_basis(space: &DMatrix<f64>) -> Vec<DVector<f64>> {
         }
     }
     rows.row_iter().map(|row| row.transpose().normalize()).collect()
+}
+
+/// Up to three receptors of a limb that are far from one another, metres in the limb's frame.
+fn three_far_apart(skin: &Skin, limb: usize) -> Vec<Vector3<f64>> {
+    let all: Vec<Vector3<f64>> =
+        skin.receptors.iter().filter(|receptor| receptor.limb == limb).map(|r| r.position).collect();
+    let mut chosen: Vec<Vector3<f64>> = all.first().copied().into_iter().collect();
+    while chosen.len() < 3.min(all.len()) {
+        let nearest = |p: &Vector3<f64>| chosen.iter().map(|q| (p - q).norm()).fold(f64::INFINITY, f64::min);
+        let farthest = all.iter().max_by(|a, b| nearest(a).total_cmp(&nearest(b)));
+        chosen.extend(farthest.copied());
+    }
+    chosen
 }

@@ -24,6 +24,16 @@ pub enum SkinKnowledge {
     Centres,
 }
 
+/// Which frames points on limbs are given in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LimbFrames {
+    /// Those of the joints that carry the limbs: with their origins there and, in the reference posture,
+    /// parallel to their parents'.
+    Joint,
+    /// A frame of its own for every limb, fixed to it, nobody knows where: its pose on the joint is learned.
+    Limb,
+}
+
 impl Input {
     /// `p_LR` of one end of a touch under this input, metres.
     pub fn position(self, skin: &Skin, end: &TouchEnd) -> Vector3<f64> {

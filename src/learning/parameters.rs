@@ -1,27 +1,33 @@
 //! Which numbers of a schema a solver may move, and where they stand in its vector.
 
-use nalgebra::DVector;
+use nalgebra::{DVector, Matrix3, Rotation3, Vector3};
 
 use crate::creature::{Creature, DofKind};
 use crate::kinematics::tangent_basis;
 use crate::schema::BodySchema;
 
-/// How an axis is parameterised.
+/// How axes, and rotations of limbs' poses, are parameterised.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum AxisModel {
     /// Free in R³, three parameters: the rotation becomes a polynomial and loses its local minima.
+    ///
+    /// A limb's rotation becomes any matrix, nine parameters: what it does to a point is then linear in them.
     Relaxed,
-    /// On the unit sphere, two parameters: what an axis is.
+    /// On the unit sphere, two parameters: what an axis is. A limb's rotation turns by a vector of three.
     Unit,
 }
 
-/// The place of every free joint position and axis in a parameter vector.
+/// The place of every free joint position, axis and limb's pose in a parameter vector.
 #[derive(Clone, Debug)]
 pub struct Parameters {
     /// Offset of `l_P` per joint; none where it is held.
     pub positions: Vec<Option<usize>>,
     /// Offset of `a_P` per degree of freedom; none where it is held.
     pub axes: Vec<Option<usize>>,
+    /// Offset of a limb's origin `c` per joint; none where it is held.
+    pub limb_origins: Vec<Option<usize>>,
+    /// Offset of a limb's rotation `Q` per joint; none where it is held.
+    pub limb_rotations: Vec<Option<usize>>,
     /// How the axes are parameterised.
     pub axis_model: AxisModel,
     len: usize,
@@ -33,6 +39,8 @@ impl Parameters {
         let mut parameters = Parameters {
             positions: vec![None; creature.joints().len()],
             axes: vec![None; creature.dof_elements()],
+            limb_origins: vec![None; creature.joints().len()],
+            limb_rotations: vec![None; creature.joints().len()],
             axis_model,
             len: 0,
         };
@@ -52,12 +60,33 @@ impl Parameters {
         parameters
     }
 
+    /// Frees the pose of each joint's limb for which `free` holds, but for the rotation of the one on joint
+    /// `held`.
+    pub fn with_limb_poses(mut self, free: impl Fn(usize) -> bool, held: Option<usize>) -> Parameters {
+        for joint in (0..self.positions.len()).filter(|&joint| free(joint)) {
+            self.limb_origins[joint] = Some(self.len);
+            self.len += 3;
+            if held != Some(joint) {
+                self.limb_rotations[joint] = Some(self.len);
+                self.len += self.rotation_size();
+            }
+        }
+        self
+    }
+
+    /// The position of each joint for which `free` holds, and no axes.
+    pub fn positions(creature: &Creature, axis_model: AxisModel, free: impl Fn(usize) -> bool) -> Parameters {
+        let mut parameters = Parameters::new(creature, axis_model, |_| false);
+        for joint in (0..creature.joints().len()).filter(|&joint| free(joint)) {
+            parameters.positions[joint] = Some(parameters.len);
+            parameters.len += 3;
+        }
+        parameters
+    }
+
     /// The position of one joint, and nothing else.
     pub fn position(creature: &Creature, joint: usize) -> Parameters {
-        let mut parameters = Parameters::new(creature, AxisModel::Unit, |_| false);
-        parameters.positions[joint] = Some(0);
-        parameters.len = 3;
-        parameters
+        Parameters::positions(creature, AxisModel::Unit, |other| other == joint)
     }
 
     /// Number of parameters.
@@ -78,7 +107,15 @@ impl Parameters {
         }
     }
 
-    /// The schema after a step of the parameters; unit axes stay on the sphere.
+    /// Parameters per rotation of a limb's pose.
+    pub fn rotation_size(&self) -> usize {
+        match self.axis_model {
+            AxisModel::Relaxed => 9,
+            AxisModel::Unit => 3,
+        }
+    }
+
+    /// The schema after a step of the parameters; unit axes stay on the sphere, and rotations rotations.
     pub fn step(&self, schema: &BodySchema, step: &DVector<f64>) -> BodySchema {
         let mut moved = schema.clone();
         for (position, offset) in moved.positions.iter_mut().zip(&self.positions) {
@@ -96,6 +133,39 @@ impl Parameters {
                 }
             }
         }
+        let places = self.limb_origins.iter().zip(&self.limb_rotations);
+        for (pose, (origin, rotation)) in moved.limb_poses.iter_mut().zip(places) {
+            if let Some(offset) = *origin {
+                pose.origin += step.fixed_rows::<3>(offset);
+            }
+            let Some(offset) = *rotation else { continue };
+            match self.axis_model {
+                AxisModel::Relaxed => {
+                    pose.rotation += Matrix3::from_column_slice(step.fixed_rows::<9>(offset).as_slice());
+                }
+                AxisModel::Unit => {
+                    let turn = Rotation3::new(step.fixed_rows::<3>(offset).into_owned());
+                    pose.rotation = turn.matrix() * pose.rotation;
+                }
+            }
+        }
         moved
+    }
+
+    /// The slope of a residual by a limb's rotation, of [`Parameters::rotation_size`] numbers, from its slope
+    /// `along` by `Q p` and the point `p` in the limb's frame.
+    pub fn rotation_slope(
+        &self,
+        along: &Vector3<f64>,
+        rotation: &Matrix3<f64>,
+        point: &Vector3<f64>,
+    ) -> impl Iterator<Item = f64> {
+        let mut slope = [0.0; 9];
+        match self.axis_model {
+            AxisModel::Relaxed => slope.copy_from_slice((along * point.transpose()).as_slice()),
+            // d(Q p) = ω × Q p.
+            AxisModel::Unit => slope[..3].copy_from_slice((rotation * point).cross(along).as_slice()),
+        }
+        slope.into_iter().take(self.rotation_size())
     }
 }

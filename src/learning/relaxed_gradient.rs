@@ -216,6 +216,7 @@ impl Learner for RelaxedGradient<'_> {
             onsets: 1,
             fresh_rms: f64::NAN,
             undetermined: Vec::new(),
+            undetermined_limbs: Vec::new(),
             observability: None,
             deviation: None,
             changes: Vec::new(),

@@ -215,6 +215,7 @@ impl Learner for RoughFit<'_> {
             onsets: count,
             fresh_rms: wide / FORETOLD_GAP,
             undetermined: Vec::new(),
+            undetermined_limbs: Vec::new(),
             observability: None,
             deviation: foretold.map(|gaps| quantile(&gaps, 0.5)),
             changes: Vec::new(),

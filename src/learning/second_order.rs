@@ -6,23 +6,25 @@
 
 use std::collections::BTreeMap;
 
-use nalgebra::Matrix3;
+use nalgebra::{DMatrix, Matrix3};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 
 use crate::creature::Creature;
+use crate::kinematics::Frame;
 use crate::learning::annealing::{NARROWEST, anneal, gaps, quantile, typical_gap};
 use crate::learning::growing::{EXACT, Evidence, Nursery, Start, WHOLE_DOF};
+use crate::learning::growing_limbs::LimbNursery;
 use crate::learning::joint_noise;
 use crate::learning::least_squares::{LeastSquares, Stopping, levenberg_marquardt};
 use crate::learning::observability::Observability;
 use crate::learning::observation::{Input, Observation, ObservationModel, PointsMeet, SkinKnowledge};
 use crate::learning::prediction::{GapRow, covariance, information_inverse};
 use crate::learning::surface_gap::{MEAN_WEIGHT, SurfaceGap, gap_scale};
-use crate::learning::touch_set::{LimbTouch, PreparedTouch, TouchProblem, TouchSet};
-use crate::learning::{AxisModel, Known, Learned, Learner, Parameters, Verdict};
-use crate::schema::BodySchema;
+use crate::learning::touch_set::{LimbTouch, PairTouches, PreparedTouch, TouchProblem, TouchSet};
+use crate::learning::{AxisModel, Known, Learned, Learner, LimbFrames, Parameters, Verdict};
+use crate::schema::{BodySchema, unfelt_shifts};
 use crate::senses::Touch;
 use crate::skin::Skin;
 
@@ -47,6 +49,8 @@ const HOPELESS_STARTS: usize = 3;
 const TANGLED: f64 = 5e-3;
 /// Noise of the gaps below which no better answer is looked for, metres.
 const CERTAIN_NOISE: f64 = 2e-5;
+/// The same where limbs have frames of their own.
+const INCOMPLETE_LIMB_STARTS: usize = 8;
 /// Touches of one limb pair that a start uses at most; the last fit uses all.
 const TOUCHES_PER_PAIR: usize = 150;
 /// How exact a contact point is taken to be, metres.
@@ -80,6 +84,7 @@ pub struct SecondOrder<'a> {
     skin: &'a Skin,
     input: Input,
     knowledge: SkinKnowledge,
+    frames: LimbFrames,
     seed: u64,
     known: Known,
     touches: Vec<Touch>,
@@ -90,12 +95,20 @@ impl<'a> SecondOrder<'a> {
     pub fn new(creature: &'a Creature, skin: &'a Skin, input: Input, seed: u64) -> SecondOrder<'a> {
         let known = Known::nothing(creature, skin);
         let knowledge = SkinKnowledge::Surface;
-        SecondOrder { creature, skin, input, knowledge, seed, known, touches: Vec::new() }
+        let frames = LimbFrames::Joint;
+        SecondOrder { creature, skin, input, knowledge, frames, seed, known, touches: Vec::new() }
     }
 
     /// Sets what the agent knows of its skin, its surfaces by default. Contact points need no skin.
     pub fn with_skin(mut self, knowledge: SkinKnowledge) -> SecondOrder<'a> {
         self.knowledge = knowledge;
+        self
+    }
+
+    /// Sets which frames points on limbs are given in, those of their joints by default. Limbs with frames of
+    /// their own need exact points; nothing that is known of joints is minded with them.
+    pub fn with_frames(mut self, frames: LimbFrames) -> SecondOrder<'a> {
+        self.frames = frames;
         self
     }
 
@@ -166,7 +179,7 @@ impl<'a> SecondOrder<'a> {
     /// How badly a start misses touches it was not fitted to, 1 is just acceptable; and the noise of the
     /// touches that it was fitted to, metres.
     fn judge(&self, fitted: &TouchSet, fresh: &TouchSet, start: &Start) -> (f64, f64) {
-        let used = known_touches(fresh, &start.known);
+        let used = fresh.filter(|pair| start.covers(pair));
         if used.is_empty() {
             return (f64::INFINITY, f64::INFINITY);
         }
@@ -174,11 +187,11 @@ impl<'a> SecondOrder<'a> {
             Evidence::Points(acceptance) => {
                 let misfit = point_misfit(&used, &start.schema) / acceptance;
                 // Exact points are their own proof; places of patches are not.
-                let known = known_touches(fitted, &start.known);
+                let known = fitted.filter(|pair| start.covers(pair));
                 let noise = if self.evidence().exact() { 0.0 } else { point_misfit(&known, &start.schema) };
                 (misfit, noise)
             }
-            Evidence::Surfaces(_) => self.judge_gaps(&known_touches(fitted, &start.known), &used, start),
+            Evidence::Surfaces(_) => self.judge_gaps(&fitted.filter(|pair| start.covers(pair)), &used, start),
         }
     }
 
@@ -228,13 +241,26 @@ impl<'a> SecondOrder<'a> {
         ((quantile(&normalized, 0.8) / FRESH_GAP).max(worst / FRESH_OPEN), noise)
     }
 
+    /// A schema in which every limb that is not placed has the frame of its joint, and every joint its position
+    /// where its own motion cannot feel it.
+    fn settled(&self, mut schema: BodySchema, placed: &[bool]) -> BodySchema {
+        for joint in 0..schema.limb_poses.len() {
+            if !placed[joint + 1] {
+                let pose = schema.limb_poses[joint].inverse();
+                schema.reframe(self.creature, joint + 1, &pose);
+                // Free of the last digit.
+                schema.limb_poses[joint] = Frame::identity();
+            }
+        }
+        schema.settle_positions(self.creature);
+        schema
+    }
+
     /// Fits all known joints to all touches: the schema, what it rests on, and the deviation of a touch.
     fn polish(&self, start: &Start) -> (BodySchema, Observability, f64) {
         let all = self.prepare(self.touches.iter());
-        let used = known_touches(&all, &start.known);
-        let parameters = Parameters::new(self.creature, AxisModel::Unit, |joint| {
-            start.known[joint] && !self.known.frozen[joint]
-        });
+        let used = all.filter(|pair| start.covers(pair));
+        let parameters = self.parameters(&start.known, &start.placed);
         let schema = self.with_frozen(&start.schema);
         match self.evidence() {
             Evidence::Points(_) => {
@@ -244,6 +270,7 @@ impl<'a> SecondOrder<'a> {
                     );
                 let stopping = Stopping { iterations: 60, relative_cost: 1e-9, cost: 0.0 };
                 let schema = levenberg_marquardt(&mut problem, &parameters, schema, stopping).schema;
+                let schema = self.settled(schema, &start.placed);
                 let (observability, deviation) = self.observe_touches(&used, &schema);
                 (schema, observability, deviation)
             }
@@ -295,7 +322,8 @@ impl<'a> SecondOrder<'a> {
 
     /// The same for the joints that are `known` at all, and the touches with only such joints between limbs.
     pub(super) fn refine_known(&self, schema: &BodySchema, known: Vec<bool>) -> Learned {
-        let start = Start { schema: schema.clone(), known, accepted: true, onsets: 0 };
+        let placed = vec![true; self.creature.limbs().len()];
+        let start = Start { schema: schema.clone(), known, placed, accepted: true, onsets: 0 };
         let (schema, observability, deviation) = self.polish(&start);
         let undetermined = observability.undetermined_joints(self.creature, self.skin, &schema);
         Learned {
@@ -304,6 +332,7 @@ impl<'a> SecondOrder<'a> {
             onsets: 0,
             fresh_rms: f64::NAN,
             undetermined,
+            undetermined_limbs: Vec::new(),
             observability: Some(observability),
             deviation: Some(deviation),
             changes: Vec::new(),
@@ -312,15 +341,17 @@ impl<'a> SecondOrder<'a> {
 
     /// What all touches so far determine at a schema, and the deviation of a touch that they show, metres.
     pub fn observe(&self, schema: &BodySchema) -> (Observability, f64) {
-        self.observe_touches(&self.prepare(self.touches.iter()), schema)
+        let all = self.prepare(self.touches.iter());
+        let placed = |pair: &PairTouches| pair.limbs.iter().all(|&limb| schema.places(self.creature, limb));
+        self.observe_touches(&all.filter(placed), schema)
     }
 
     fn observe_touches(&self, used: &TouchSet, schema: &BodySchema) -> (Observability, f64) {
         let mut touched = vec![false; self.creature.joints().len()];
         used.pairs.iter().flat_map(|pair| pair.chain.joints()).for_each(|joint| touched[joint] = true);
-        let parameters = Parameters::new(self.creature, AxisModel::Unit, |joint| {
-            touched[joint] && !self.known.frozen[joint]
-        });
+        let mut placed = vec![self.frames == LimbFrames::Joint; self.creature.limbs().len()];
+        used.pairs.iter().flat_map(|pair| pair.limbs).for_each(|limb| placed[limb] = true);
+        let parameters = self.parameters(&touched, &placed);
         let (mut hessian, rows, deviation) = match self.evidence() {
             Evidence::Points(_) => {
                 let mut problem = TouchProblem::new(self.creature, used, &parameters, PointsMeet::Shaped);
@@ -345,8 +376,30 @@ impl<'a> SecondOrder<'a> {
             }
         };
         self.known.given.add_information(&parameters, &mut hessian);
+        self.fix_choices(&parameters, schema, &mut hessian);
         let found = Observability::new(self.creature, parameters, &self.known.frozen, hessian, rows);
-        (found, deviation)
+        (found.with_placed(placed), deviation)
+    }
+
+    /// Adds to normal equations (lower triangle) that limbs' origins do not shift where their joints cannot feel
+    /// it, for that is a matter of choice: see [`BodySchema::settle_positions`].
+    fn fix_choices(&self, parameters: &Parameters, schema: &BodySchema, hessian: &mut DMatrix<f64>) {
+        for (joint, offset) in self.creature.joints().iter().zip(&parameters.limb_origins) {
+            if let Some(offset) = *offset {
+                let mut block = hessian.fixed_view_mut::<3, 3>(offset, offset);
+                block += unfelt_shifts(self.creature, joint, &schema.axes) * CONTACT_DEVIATION.powi(-2);
+            }
+        }
+    }
+
+    /// What may be fitted of joints that are known at all and limbs that are placed.
+    fn parameters(&self, known: &[bool], placed: &[bool]) -> Parameters {
+        let free = |joint: usize| known[joint] && !self.known.frozen[joint];
+        let parameters = Parameters::new(self.creature, AxisModel::Unit, free);
+        match self.frames {
+            LimbFrames::Joint => parameters,
+            LimbFrames::Limb => parameters.with_limb_poses(|joint| known[joint] && placed[joint + 1], None),
+        }
     }
 
     /// Standard deviation of the gaps at a fitted schema, metres; with `scales`, of a gap whose scale is 1.
@@ -389,11 +442,6 @@ fn kept_back(touch: usize) -> bool {
     touch % KEPT_BACK == KEPT_BACK - 1
 }
 
-/// The touches with only known joints between their limbs.
-fn known_touches(touches: &TouchSet, known: &[bool]) -> TouchSet {
-    touches.filter(|pair| pair.chain.joints().all(|joint| known[joint]))
-}
-
 /// Root mean square of the whitened misses of a schema.
 fn point_misfit(touches: &TouchSet, schema: &BodySchema) -> f64 {
     let touches = touches.pairs.iter().flat_map(|pair| &pair.touches);
@@ -417,9 +465,9 @@ struct Judged {
 }
 
 impl Judged {
-    /// How many joints it knows.
+    /// How many joints it knows, and limbs.
     fn known(&self) -> usize {
-        self.start.known.iter().filter(|&&known| known).count()
+        self.start.known.iter().chain(&self.start.placed).filter(|&&known| known).count()
     }
 
     fn better(&self, other: &Judged) -> bool {
@@ -460,12 +508,23 @@ impl SecondOrder<'_> {
             frozen: &self.known.frozen,
             turn: number,
         };
-        let solvable = nursery(0).starved().iter().filter(|&&starved| !starved).count();
+        let limb_nursery =
+            |number: usize| LimbNursery { creature: self.creature, touches: &touches, turn: number };
+        let (solvable, incomplete_starts) = match self.frames {
+            LimbFrames::Joint => {
+                let starved = nursery(0).starved().iter().filter(|&&starved| starved).count();
+                (self.creature.joints().len() - starved + self.creature.limbs().len(), INCOMPLETE_STARTS)
+            }
+            LimbFrames::Limb => (limb_nursery(0).solvable(), INCOMPLETE_LIMB_STARTS),
+        };
         let make = |number: usize| {
             let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
             rng.set_stream(number as u64);
             let nursery = nursery(number);
-            let mut start = nursery.start(nursery.evidence.route(number, dof), &mut rng);
+            let mut start = match self.frames {
+                LimbFrames::Joint => nursery.start(nursery.evidence.route(number, dof), &mut rng),
+                LimbFrames::Limb => limb_nursery(number).start(&mut rng),
+            };
             let (judged, noise) = self.judge(&touches, &fresh, &start);
             start.accepted &= judged <= 1.0;
             Judged { start, judged, noise }
@@ -489,7 +548,7 @@ impl SecondOrder<'_> {
                 let best = best.as_ref().expect("one was made");
                 let agreeing =
                     noises.iter().filter(|&&noise| noise <= (1.0 + self.agreement()) * best.noise).count();
-                let complete = best.known() >= solvable || *number + 1 >= INCOMPLETE_STARTS;
+                let complete = best.known() >= solvable || *number + 1 >= incomplete_starts;
                 if best.start.accepted && complete && (best.noise <= CERTAIN_NOISE || agreeing >= 2) {
                     break 'waves;
                 }
@@ -507,12 +566,14 @@ impl SecondOrder<'_> {
         if start.accepted {
             let (schema, observability, deviation) = self.polish(&start);
             let undetermined = observability.undetermined_joints(self.creature, self.skin, &schema);
+            let undetermined_limbs = observability.undetermined_limbs(self.creature, self.skin, &schema);
             return Learned {
                 schema,
                 verdict: Verdict::Converged,
                 onsets,
                 fresh_rms: judged,
                 undetermined,
+                undetermined_limbs,
                 observability: Some(observability),
                 deviation: Some(deviation),
                 changes: Vec::new(),
@@ -529,6 +590,14 @@ impl SecondOrder<'_> {
             onsets,
             fresh_rms: judged,
             undetermined: (0..self.creature.joints().len()).collect(),
+            undetermined_limbs: match self.frames {
+                LimbFrames::Joint => Vec::new(),
+                LimbFrames::Limb => {
+                    let felt =
+                        |limb: &usize| self.skin.receptors.iter().any(|receptor| receptor.limb == *limb);
+                    (0..self.creature.limbs().len()).filter(felt).collect()
+                }
+            },
             observability: None,
             deviation: None,
             changes: Vec::new(),

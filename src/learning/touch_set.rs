@@ -1,5 +1,7 @@
 //! Touches made ready for a solver: grouped by limb pair, trigonometry done once.
 
+use std::collections::BTreeSet;
+
 use nalgebra::{DMatrix, DVector, Matrix3, Matrix3x2, Vector3};
 
 use crate::creature::Creature;
@@ -86,6 +88,16 @@ impl TouchSet {
         self.pairs.is_empty()
     }
 
+    /// The joints between limbs that touched.
+    pub fn joints(&self) -> BTreeSet<usize> {
+        self.pairs.iter().flat_map(|pair| pair.chain.joints()).collect()
+    }
+
+    /// The limbs that touched.
+    pub fn limbs(&self) -> BTreeSet<usize> {
+        self.pairs.iter().flat_map(|pair| pair.limbs).collect()
+    }
+
     /// The pairs for which `keep` holds.
     pub fn filter(&self, keep: impl Fn(&PairTouches) -> bool) -> TouchSet {
         TouchSet { pairs: self.pairs.iter().filter(|pair| keep(pair)).cloned().collect() }
@@ -120,6 +132,9 @@ struct Columns {
     /// Local offset of every joint's position and every degree of freedom's axis.
     positions: Vec<Option<usize>>,
     axes: Vec<Option<usize>>,
+    /// The same of every limb's pose.
+    limb_origins: Vec<Option<usize>>,
+    limb_rotations: Vec<Option<usize>>,
     len: usize,
 }
 
@@ -129,23 +144,28 @@ impl Columns {
             blocks: Vec::new(),
             positions: vec![None; creature.joints().len()],
             axes: vec![None; creature.dof_elements()],
+            limb_origins: vec![None; creature.joints().len()],
+            limb_rotations: vec![None; creature.joints().len()],
             len: 0,
         };
         for joint in chain.joints() {
-            if let Some(offset) = parameters.positions[joint] {
-                columns.positions[joint] = Some(columns.len);
-                columns.blocks.push((offset, 3));
-                columns.len += 3;
-            }
+            columns.positions[joint] = columns.block(parameters.positions[joint], 3);
             for dof in creature.joints()[joint].dof_indices() {
-                if let Some(offset) = parameters.axes[dof] {
-                    columns.axes[dof] = Some(columns.len);
-                    columns.blocks.push((offset, parameters.axis_size()));
-                    columns.len += parameters.axis_size();
-                }
+                columns.axes[dof] = columns.block(parameters.axes[dof], parameters.axis_size());
             }
+            columns.limb_origins[joint] = columns.block(parameters.limb_origins[joint], 3);
+            columns.limb_rotations[joint] =
+                columns.block(parameters.limb_rotations[joint], parameters.rotation_size());
         }
         columns
+    }
+
+    /// Adds a block of parameters, where it is free; its local offset.
+    fn block(&mut self, offset: Option<usize>, size: usize) -> Option<usize> {
+        let offset = offset?;
+        self.blocks.push((offset, size));
+        self.len += size;
+        Some(self.len - size)
     }
 }
 
@@ -222,6 +242,15 @@ impl<M: ObservationModel> LeastSquares for TouchProblem<'_, M> {
                     for (i, direction) in found.directions().iter().enumerate() {
                         let direction = direction * sign;
                         write_row(&mut jacobian, row + i, &direction, side, columns, &bases);
+                        write_poses(
+                            &mut jacobian,
+                            row + i,
+                            &direction,
+                            side,
+                            columns,
+                            self.parameters,
+                            schema,
+                        );
                     }
                 }
                 for (i, value) in found.values().iter().enumerate() {
@@ -300,6 +329,29 @@ fn write_row(
         match bases.get(*dof) {
             None => jacobian.fixed_view_mut::<3, 1>(column, row).copy_from(&free),
             Some(basis) => jacobian.fixed_view_mut::<2, 1>(column, row).copy_from(&basis.tr_mul(&free)),
+        }
+    }
+}
+
+/// Writes one residual's derivative by the poses of limbs into `row`.
+fn write_poses(
+    jacobian: &mut DMatrix<f64>,
+    row: usize,
+    direction: &Vector3<f64>,
+    side: &SideJacobian,
+    columns: &Columns,
+    parameters: &Parameters,
+    schema: &BodySchema,
+) {
+    for pose in &side.poses {
+        let along = pose.map.tr_mul(direction);
+        if let Some(column) = columns.limb_origins[pose.joint] {
+            jacobian.fixed_view_mut::<3, 1>(column, row).copy_from(&along);
+        }
+        if let Some(column) = columns.limb_rotations[pose.joint] {
+            let rotation = &schema.limb_poses[pose.joint].rotation;
+            let slope = parameters.rotation_slope(&along, rotation, &pose.point);
+            slope.enumerate().for_each(|(i, slope)| jacobian[(column + i, row)] = slope);
         }
     }
 }

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use nalgebra::Vector3;
+use serde::de::IgnoredAny;
 use serde::{Deserialize, Deserializer};
 
 use super::schema::STAMP;
@@ -31,6 +32,8 @@ struct Entry {
     position: Option<[f64; 3]>,
     position_std: Option<PositionStd>,
     axes: Option<Vec<Axis>>,
+    limb_position: Option<IgnoredAny>,
+    limb_quaternion: Option<IgnoredAny>,
 }
 
 /// The deviation of a position.
@@ -111,6 +114,13 @@ fn known_joints(content: &Content, creature: &Creature) -> Result<Vec<KnownJoint
 fn known_joint(entry: &Entry, creature: &Creature, index: usize) -> Result<Option<KnownJoint>, String> {
     let joint = &creature.joints()[index];
     let parent = &creature.limbs()[joint.parent];
+    if entry.limb_position.is_some() || entry.limb_quaternion.is_some() {
+        return Err(
+            "tells the pose of its limb, so that limbs are in frames of their own: give joints that were \
+                    learned with --frames joint"
+                .into(),
+        );
+    }
     if let Some(other) = entry.parent.as_ref().filter(|other| *other != parent) {
         return Err(format!("is on \"{parent}\", not on \"{other}\": give it in the frame of \"{parent}\""));
     }

@@ -2,12 +2,13 @@
 
 use std::path::Path;
 
-use nalgebra::Vector3;
+use nalgebra::{Matrix3, Quaternion, Rotation3, UnitQuaternion, Vector3};
 use serde::{Deserialize, Serialize};
 
 use super::stamp::Stamp;
 use super::{RecordError, UNIT_LENGTH, files};
 use crate::creature::{Creature, DofKind, Joint};
+use crate::kinematics::Frame;
 use crate::schema::{BodySchema, SchemaStd};
 
 pub(super) const STAMP: Stamp = Stamp { format: "bodyschema schema", version: 1 };
@@ -33,6 +34,13 @@ struct JointEntry {
     #[serde(skip_serializing_if = "Option::is_none")]
     position_std: Option<[Option<f64>; 3]>,
     axes: Vec<AxisEntry>,
+    /// `c`: the origin of the frame of the limb that it carries, in the frame of the joint, metres. Only where
+    /// limbs have frames of their own and the touches told this one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    limb_position: Option<[f64; 3]>,
+    /// `Q`: the rotation from that frame to the joint's, a unit quaternion w x y z.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    limb_quaternion: Option<[f64; 4]>,
 }
 
 /// One degree of freedom.
@@ -86,7 +94,11 @@ pub fn write_schema_with_std(
             axis: (dof.kind != DofKind::Ball).then(|| schema.axes[k].into()),
             axis_std: std.filter(|_| dof.kind != DofKind::Ball).map(|std| std.axes[k]),
         });
+        // A limb without a place keeps the joint's frame.
+        let pose = schema.limb_poses.get(j).filter(|pose| **pose != Frame::identity());
         JointEntry {
+            limb_position: pose.map(|pose| pose.origin.into()),
+            limb_quaternion: pose.map(|pose| quaternion(&pose.rotation)),
             joint: joint.name.clone(),
             parent: creature.limbs()[joint.parent].clone(),
             position: schema.positions[j].into(),
@@ -131,6 +143,9 @@ fn schema_of(content: &Content, creature: &Creature) -> Result<BodySchema, Strin
         ));
     }
     let mut schema = BodySchema::zero(creature);
+    if content.joints.iter().any(|entry| entry.limb_position.is_some() || entry.limb_quaternion.is_some()) {
+        schema = schema.with_limb_poses();
+    }
     for (i, (entry, joint)) in content.joints.iter().zip(creature.joints()).enumerate() {
         let parent = &creature.limbs()[joint.parent];
         if (&entry.joint, &entry.parent) != (&joint.name, parent) {
@@ -145,8 +160,34 @@ fn schema_of(content: &Content, creature: &Creature) -> Result<BodySchema, Strin
         schema.positions[i] = entry.position.into();
         read_axes(entry, joint, &mut schema.axes[joint.dof_indices()])
             .map_err(|problem| format!("joint \"{}\" {problem}: {MEND}", joint.name))?;
+        if let Some(pose) = schema.limb_poses.get_mut(i) {
+            *pose = read_pose(entry).map_err(|problem| format!("joint \"{}\" {problem}", joint.name))?;
+        }
     }
     Ok(schema)
+}
+
+/// The pose of a joint's limb; that of the joint where none is given.
+fn read_pose(entry: &JointEntry) -> Result<Frame, String> {
+    match (entry.limb_position, entry.limb_quaternion) {
+        (None, None) => Ok(Frame::identity()),
+        (Some(position), Some([w, x, y, z])) => {
+            let quaternion = Quaternion::new(w, x, y, z);
+            let length = quaternion.norm();
+            if length.is_nan() || (length - 1.0).abs() > UNIT_LENGTH {
+                return Err(format!("has a limb_quaternion of length {length}: divide it by its length"));
+            }
+            let rotation = UnitQuaternion::from_quaternion(quaternion).to_rotation_matrix().into_inner();
+            Ok(Frame { rotation, origin: position.into() })
+        }
+        _ => Err("has one of limb_position and limb_quaternion: give both or none".into()),
+    }
+}
+
+/// A rotation as a unit quaternion w x y z.
+fn quaternion(rotation: &Matrix3<f64>) -> [f64; 4] {
+    let q = UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(*rotation));
+    [q.w, q.i, q.j, q.k]
 }
 
 fn read_axes(entry: &JointEntry, joint: &Joint, axes: &mut [Vector3<f64>]) -> Result<(), String> {
@@ -177,6 +218,12 @@ fn check(creature: &Creature, schema: &BodySchema) -> Result<(), String> {
             creature.dof_elements(),
             creature.name()
         ));
+    }
+    for (joint, pose) in creature.joints().iter().zip(&schema.limb_poses) {
+        let turned = pose.rotation.tr_mul(&pose.rotation) - Matrix3::identity();
+        if turned.amax() > UNIT_LENGTH || pose.rotation.determinant() < 0.0 {
+            return Err(format!("the pose of the limb on \"{}\" has no rotation: give one", joint.name));
+        }
     }
     for (dof, axis) in creature.dofs().zip(&schema.axes) {
         if dof.kind != DofKind::Ball && (axis.norm() - 1.0).abs() > UNIT_LENGTH {

@@ -11,6 +11,7 @@ use xmltree::{Element, XMLNode};
 
 use super::BodySchema;
 use crate::creature::{Creature, Dof, DofKind};
+use crate::kinematics::Frame;
 use crate::mjcf_xml::{HALF_THICKNESS, add_receptor_class, element, exact, section, write};
 use crate::skin::{Receptor, Shape, Skin, Surface};
 
@@ -25,7 +26,7 @@ const LEAST_PLAY: f64 = 1e-9;
 /// A standalone MJCF model of the body as it was learned.
 ///
 /// The root limb is fixed in the world; every other limb is a body of its name at `l_P`, oriented as its
-/// parent. `schema` must fit the creature. Read back with all joints, the model's ground truth is the
+/// parent, or at its own frame where limbs have such. `schema` must fit the creature. Read back with all joints, the model's ground truth is the
 /// schema, and its skin is the skin; a surface known only by its receptors becomes a thin box for each.
 pub fn to_mjcf(creature: &Creature, skin: &Skin, schema: &BodySchema) -> String {
     let names = limb_names(creature);
@@ -85,10 +86,19 @@ fn limb_names(creature: &Creature) -> Vec<String> {
 fn body(creature: &Creature, skin: &Skin, schema: &BodySchema, names: &[String], limb: usize) -> Element {
     let mut body = element("body", &[("name", names[limb].clone())]);
     if let Some(j) = creature.joint_of(limb) {
-        body.attributes.insert("pos".into(), exact(&schema.positions[j]));
+        // A limb's own frame is the body's: at (Q, c) on the joint, which is seen from there.
+        let pose = schema.limb_poses.get(j).copied().unwrap_or(Frame::identity());
+        body.attributes.insert("pos".into(), exact(&(schema.positions[j] + pose.origin)));
         let joint = &creature.joints()[j];
         for (k, dof) in joint.dof_indices().zip(&joint.dofs) {
-            add(&mut body, joint_element(dof, &schema.axes[k]));
+            let mut element = joint_element(dof, &pose.rotation.tr_mul(&schema.axes[k]));
+            if pose != Frame::identity() {
+                element.attributes.insert("pos".into(), exact(&pose.inverse().origin));
+            }
+            add(&mut body, element);
+        }
+        if pose != Frame::identity() {
+            body.attributes.insert("quat".into(), exact(&quaternion(&pose.rotation)));
         }
     }
     for (s, surface) in skin.surfaces.iter().enumerate().filter(|(_, surface)| surface.limb == limb) {
@@ -172,15 +182,19 @@ fn axes(receptor: &Receptor) -> Matrix3<f64> {
 
 /// A geom or site at a pose in its limb's frame.
 fn placed(tag: &str, kind: &str, size: &[f64], origin: &Vector3<f64>, rotation: &Matrix3<f64>) -> Element {
-    let rotation = Rotation3::from_matrix_unchecked(*rotation);
-    let q = UnitQuaternion::from_rotation_matrix(&rotation);
     let attributes = [
         ("type", kind.into()),
         ("pos", exact(origin)),
-        ("quat", exact(&[q.w, q.i, q.j, q.k])),
+        ("quat", exact(&quaternion(rotation))),
         ("size", exact(size)),
     ];
     element(tag, &attributes)
+}
+
+/// A rotation as MuJoCo's unit quaternion w x y z.
+fn quaternion(rotation: &Matrix3<f64>) -> [f64; 4] {
+    let q = UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(*rotation));
+    [q.w, q.i, q.j, q.k]
 }
 
 /// Neighbouring limbs that must not collide though MuJoCo would let them.

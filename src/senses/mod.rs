@@ -1,9 +1,12 @@
-//! The senses: contacts read as touches of the skin, and what may be wrong with them.
+//! The senses: contacts read as touches of the skin, what may be wrong with them, and other frames to tell
+//! them in.
 
 mod contact_reader;
 mod disturbance;
+mod own_frames;
 mod touch;
 
 pub use contact_reader::{ContactReader, Reading};
 pub use disturbance::{Disturbances, Felt};
+pub use own_frames::OwnFrames;
 pub use touch::{Touch, TouchEnd};

@@ -8,6 +8,7 @@
 mod changed_body;
 mod coverage;
 mod disturbances;
+mod frames;
 mod growth;
 mod learners;
 mod plot;
@@ -30,13 +31,14 @@ use subject::Subject;
 use table::Table;
 
 /// The studies, in the order in which they are named to the user.
-const STUDIES: [&Study; 6] = [
+const STUDIES: [&Study; 7] = [
     &learners::STUDY,
     &policies::STUDY,
     &coverage::STUDY,
     &disturbances::STUDY,
     &growth::STUDY,
     &turned::STUDY,
+    &frames::STUDY,
 ];
 
 /// The model that is studied where none is named.

@@ -141,25 +141,26 @@ impl Subject {
 
     /// Learns from touches, disturbed as the options say, and measures against the truth.
     pub fn learn(&self, options: &LearnOptions, touches: &[Touch], seed: u64) -> Attempt {
-        self.learn_about(&self.truth, options, touches, seed)
+        self.learn_with(options, &self.skin, &self.truth, touches, seed)
     }
 
-    /// The same of a body made from it, whose truth is another one.
-    pub fn learn_about(
+    /// The same with limbs described otherwise than the model does: touches, their skin and the truth.
+    pub fn learn_with(
         &self,
-        truth: &GroundTruth,
         options: &LearnOptions,
+        skin: &Skin,
+        truth: &GroundTruth,
         touches: &[Touch],
         seed: u64,
     ) -> Attempt {
         let creature = &self.body.creature;
-        let felt = options.disturbances.disturbances().felt(creature, &self.skin, touches, seed);
+        let felt = options.disturbances.disturbances().felt(creature, skin, touches, seed);
         let began = Instant::now();
         let mut learner = options.learner(creature, &felt.skin, seed);
         felt.touches.iter().for_each(|touch| learner.touch(touch));
         let learned = learner.learn();
         let seconds = began.elapsed().as_secs_f64();
-        let evaluation = evaluate_learned(creature, &self.skin, truth, &learned);
+        let evaluation = evaluate_learned(creature, skin, truth, &learned);
         Attempt { learned, seconds, evaluation }
     }
 

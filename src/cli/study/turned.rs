@@ -69,7 +69,7 @@ fn measure(subject: &Subject) -> Result<Findings, Failure> {
         for ((name, most, options), found) in conditions.iter().zip(&mut found) {
             subject.tell(seed, &format!("learning, {name}"));
             let touches = &touches[..touches.len().min(*most)];
-            let attempt = subject.learn_about(&truth, options, touches, seed);
+            let attempt = subject.learn_with(options, &subject.skin, &truth, touches, seed);
             measurements.row([
                 (*name).into(),
                 seed.into(),

@@ -40,12 +40,16 @@ struct Skeleton {
 impl Skeleton {
     fn new(creature: &Creature, skin: &Skin, schema: &BodySchema) -> Skeleton {
         let frames = limb_frames(creature, schema, &creature.reference_posture());
-        let joints: Vec<Vector3<f64>> = frames[1..].iter().map(|frame| frame.origin).collect();
+        // Where each limb begins: at its joint, wherever its own frame is.
+        let placed = creature.joints().iter().zip(&schema.positions);
+        let begins: Vec<Vector3<f64>> = std::iter::once(frames[0].origin)
+            .chain(placed.map(|(joint, position)| frames[joint.parent].point(position)))
+            .collect();
         let mut lines: Vec<[Vector3<f64>; 2]> = creature
             .joints()
             .iter()
-            .zip(&joints)
-            .map(|(joint, end)| [frames[joint.parent].origin, *end])
+            .zip(&begins[1..])
+            .map(|(joint, end)| [begins[joint.parent], *end])
             .collect();
         // A limb that carries no other reaches to the middle of its skin.
         for (limb, frame) in frames.iter().enumerate() {
@@ -53,11 +57,15 @@ impl Skeleton {
             let own = skin.receptors.iter().filter(|r| r.limb == limb).map(|r| r.position);
             if let Some(middle) = Some(own.collect::<Vec<_>>()).filter(|own| !carries && !own.is_empty()) {
                 let middle = middle.iter().sum::<Vector3<f64>>() / middle.len() as f64;
-                lines.push([frame.origin, frame.point(&middle)]);
+                lines.push([begins[limb], frame.point(&middle)]);
             }
         }
         let place = |r: &crate::skin::Receptor| frames[r.limb].point(&r.position);
-        Skeleton { lines, joints, receptors: skin.receptors.iter().map(place).collect() }
+        Skeleton {
+            lines,
+            joints: begins[1..].to_vec(),
+            receptors: skin.receptors.iter().map(place).collect(),
+        }
     }
 
     fn points(&self) -> impl Iterator<Item = &Vector3<f64>> {

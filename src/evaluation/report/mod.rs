@@ -174,7 +174,7 @@ fn joints(input: &ReportInput) -> String {
         Chain::between(creature, a, b).joints().for_each(|j| involved[j] += 1);
     }
     let truth = input.truth.map(|schema| GroundTruth { schema: schema.clone() });
-    let errors = truth.map(|truth| axis_errors(creature, &truth, input.schema, input.undetermined));
+    let errors = truth.map(|truth| axis_errors(creature, &truth, input.schema, input.undetermined, &[]));
     let mut groups = String::new();
     for (j, joint) in creature.joints().iter().enumerate() {
         let determined = !input.undetermined.contains(&j);

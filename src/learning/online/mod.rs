@@ -422,6 +422,7 @@ impl<'a> Online<'a> {
             onsets: self.onsets,
             fresh_rms,
             undetermined,
+            undetermined_limbs: Vec::new(),
             observability: Some(observability),
             deviation: Some(belief.deviation),
             changes: self.changes.clone(),
