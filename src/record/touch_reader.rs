@@ -137,7 +137,7 @@ fn touch(
                  recorded with, or mend the line"
             ));
         }
-        Ok(TouchEnd { receptor, contact: vector(&found.contacts[k]) })
+        Ok(TouchEnd { receptor, contact: vector(&found.contacts[k]), deviation: None })
     };
     let ends = [end(0)?, end(1)?];
     let posture = found.posture.iter().map(|x| x.unwrap_or(f64::NAN)).collect();
