@@ -427,6 +427,7 @@ fn session() -> Session {
         engine: "2.2.2".into(),
         model: "mjcf/tot/scene.xml".into(),
         model_hash: "sha256:0".into(),
+        recording: None,
         seed: u64::MAX,
         options: SessionOptions {
             touches: 40,

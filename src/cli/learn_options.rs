@@ -13,7 +13,7 @@ use super::open::open_body;
 use super::{Failure, output, progress};
 use crate::creature::{Creature, JointSelection};
 use crate::evaluation::report::{self, ReportInput};
-use crate::evaluation::{Bound, Evaluation, Summary, evaluate, evaluate_learned};
+use crate::evaluation::{Bound, Evaluation, OwnAccount, Summary, evaluate, evaluate_learned};
 use crate::ground_truth::GroundTruth;
 use crate::learning::onset::random_onset;
 use crate::learning::{
@@ -24,7 +24,7 @@ use crate::record::{
     LearningTable, SCHEMA_FILE, Session, TouchLog, model_hash, read_known, write_schema_with_std,
 };
 use crate::senses::Touch;
-use crate::skin::Skin;
+use crate::skin::{Receptor, Skin};
 
 /// The learned body as a model, in a session's folder.
 pub const LEARNED_FILE: &str = "learned.xml";
@@ -38,9 +38,10 @@ pub struct LearnOptions {
     /// rule repaired
     #[arg(long, value_enum, default_value_t = LearnerName::Lm)]
     pub learner: LearnerName,
-    /// What a touch reports: the receptors, as a skin does, or the exact contact points
-    #[arg(long, value_enum, default_value_t = InputName::Receptor)]
-    pub input: InputName,
+    /// What a touch reports: the receptors, as a skin does, or the contact points [default: receptor; of a
+    /// recording, what it holds]
+    #[arg(long, value_enum)]
+    pub input: Option<InputName>,
     /// What the agent knows of its skin: the surfaces under the receptors, or their centres alone
     #[arg(long, value_enum, default_value_t = SkinName::Surface)]
     pub skin: SkinName,
@@ -119,8 +120,13 @@ impl std::fmt::Display for SkinName {
 }
 
 impl LearnOptions {
+    /// What touches report, by name.
+    pub fn input_name(&self) -> InputName {
+        self.input.unwrap_or_default()
+    }
+
     fn input(&self) -> Input {
-        match self.input {
+        match self.input_name() {
             InputName::Receptor => Input::Receptor,
             InputName::Contact => Input::Contact,
         }
@@ -140,6 +146,24 @@ impl LearnOptions {
             )));
         }
         Ok(LearnOptions { known_joints: read_known(path, creature)?, ..self.clone() })
+    }
+
+    /// These options for a session's touches: those of a recording report what the recording holds.
+    ///
+    /// # Errors
+    /// Where receptors are asked for and the recording has none.
+    pub fn for_session(&self, session: &Session) -> Result<LearnOptions, Failure> {
+        let Some(recording) = &session.recording else { return Ok(self.clone()) };
+        let bare = |receptor: &Receptor| receptor.surface.is_none() && receptor.half_extents == [0.0; 2];
+        if self.input == Some(InputName::Receptor) && session.skin.receptors.iter().any(bare) {
+            return Err(Failure(format!(
+                "{}: its touches are points on limbs without a skin: use --input contact, or leave out --input",
+                recording.log
+            )));
+        }
+        let points = session.options.input.as_deref() == Some(&InputName::Contact.to_string());
+        let found = if points { InputName::Contact } else { InputName::Receptor };
+        Ok(LearnOptions { input: Some(self.input.unwrap_or(found)), ..self.clone() })
     }
 
     /// What was known beforehand, in JSON: the file, and its joints with whether they were exact.
@@ -186,14 +210,14 @@ impl LearnOptions {
 
     /// Whether the learner goes touch by touch and predicts each before it learns from it.
     fn learns_online(&self) -> bool {
-        let evidence = (self.input, self.skin) == (InputName::Receptor, SkinName::Surface);
+        let evidence = (self.input_name(), self.skin) == (InputName::Receptor, SkinName::Surface);
         self.learner == LearnerName::Lm && evidence
     }
 
     /// What the learner was allowed to know, in words.
     fn knowledge(&self) -> &'static str {
-        match (self.learner, self.input, self.skin) {
-            (_, InputName::Contact, _) => "exact contact points",
+        match (self.learner, self.input_name(), self.skin) {
+            (_, InputName::Contact, _) => "contact points",
             (LearnerName::Lm, InputName::Receptor, SkinName::Surface) => {
                 "receptors and the surfaces under them"
             }
@@ -209,6 +233,8 @@ pub struct SessionLearning {
     pub learned: Learned,
     pub seconds: f64,
     pub evaluation: Option<Evaluation>,
+    /// What can be told without the truth; none where the truth is at hand or the learner cannot tell.
+    pub own_account: Option<OwnAccount>,
     pub undetermined: Vec<String>,
     /// The held-out error from the same touches without the disturbances; none where there are none, or no
     /// truth at hand.
@@ -315,7 +341,14 @@ pub fn learn_session(
     let model = crate::schema::to_mjcf(creature, skin, &learned.schema);
     output::file(&folder.join(LEARNED_FILE), &model)?;
     let undetermined = learned.undetermined.iter().map(|&j| creature.joints()[j].name.clone()).collect();
-    let result = SessionLearning { learned, seconds, evaluation, undetermined, undisturbed_heldout_mm };
+    let tells = truth.is_none() && options.learner == LearnerName::Lm && options.skin == SkinName::Surface;
+    let own_account = if tells {
+        OwnAccount::new(creature, &felt.skin, options.input(), &felt.touches, &learned)
+    } else {
+        None
+    };
+    let result =
+        SessionLearning { learned, seconds, evaluation, own_account, undetermined, undisturbed_heldout_mm };
     let report = ReportInput {
         creature,
         skin,
@@ -336,7 +369,10 @@ pub fn learn_session(
 
 /// What the report says of how the session came about.
 fn facts(session: &Session, options: &LearnOptions, result: &SessionLearning) -> Vec<(String, String)> {
-    let mut facts = vec![("model", session.model.clone()), ("engine", format!("MuJoCo {}", session.engine))];
+    let mut facts = match &session.recording {
+        Some(recording) => vec![("creature", recording.creature.clone()), ("log", recording.log.clone())],
+        None => vec![("model", session.model.clone()), ("engine", format!("MuJoCo {}", session.engine))],
+    };
     if let Some(effort) = &session.effort {
         facts.push(("motions", effort.motions.to_string()));
         facts.push(("babbling", format!("{:.2} s", effort.babbling_s)));
@@ -396,7 +432,7 @@ fn sentence(creature: &Creature, learned: &Learned) -> String {
 /// need only be looked at, and contact points are learned in an instant.
 fn checkpoints(options: &LearnOptions, touches: usize) -> Vec<usize> {
     let doubling = |from: usize| (0..40).map(move |k| from << k).take_while(move |&n| n < touches);
-    match (options.learner, options.input) {
+    match (options.learner, options.input_name()) {
         (LearnerName::Hersch, _) => doubling(10).collect(),
         (LearnerName::Lm, InputName::Contact) if touches <= 4000 => doubling(125).collect(),
         _ if options.learns_online() => doubling(125).collect(),
@@ -436,7 +472,7 @@ pub fn to_json(
         "seed": session.seed,
         "policy": session.options.policy,
         "learner": options.learner.to_string(),
-        "input": options.input.to_string(),
+        "input": options.input_name().to_string(),
         "knowledge": options.knowledge(),
         "known": options.known_json(&session.creature),
         "converged": verdict,
@@ -450,6 +486,8 @@ pub fn to_json(
         "hand_mm": summary(evaluation.and_then(|e| e.hand_mm)),
         "axis_deg": summary(evaluation.map(|e| e.axis_deg)),
         "axis_line_mm": summary(evaluation.map(|e| e.axis_line_mm)),
+        "expected_mm": result.own_account.and_then(|account| account.expected_mm),
+        "fresh_mm": summary(result.own_account.and_then(|account| account.fresh_mm)),
         "undetermined": result.undetermined,
         "changes": changes(&session.creature, &result.learned),
         "session": folder,
@@ -492,13 +530,33 @@ pub fn print_table(
     changes(creature, &result.learned).iter().for_each(|change| say!("{change}"));
     say!("");
     match &result.evaluation {
-        None => say!("no truth at hand to measure against: see `bodyschema evaluate --help`"),
+        None => print_own_account(result),
         Some(evaluation) => print_evaluation(evaluation),
     }
     if let Some(undisturbed) = &result.undisturbed_heldout_mm {
         say!("without the disturbances: {} mm", output::number(undisturbed.mean));
     }
     say!("\nsession: {}", folder.display());
+}
+
+/// What can be told without the truth.
+fn print_own_account(result: &SessionLearning) {
+    if let Some(account) = &result.own_account {
+        if let Some(fresh) = &account.fresh_mm {
+            output::head();
+            output::row("touches not fitted to, apart", "mm", fresh);
+        }
+        if let Some(expected) = account.expected_mm {
+            say!(
+                "  by its own account skin is {} mm off in another limb's frame (root mean square)",
+                output::number(expected)
+            );
+        }
+        say!("");
+    }
+    say!(
+        "no model, so nothing is compared with the truth (--model names one); `bodyschema observe` tells more"
+    );
 }
 
 /// The error measures as a table.

@@ -239,7 +239,8 @@ impl Nursery<'_> {
         let nursery = Nursery { evidence: Evidence::Points { acceptance: EXACT, patches: false }, ..*self };
         let schema = &self.prior.mean;
         let (_, Misfit(rms)) = nursery.solve_part(&closed, schema, &part, ONSETS_PER_PART, rng, &mut 0);
-        let (rows, unknowns) = (3 * closed.len(), part.iter().map(|&joint| self.unknowns(joint)).sum::<usize>());
+        let (rows, unknowns) =
+            (3 * closed.len(), part.iter().map(|&joint| self.unknowns(joint)).sum::<usize>());
         Some(rms * (rows as f64 / rows.saturating_sub(unknowns).max(1) as f64).sqrt())
     }
 

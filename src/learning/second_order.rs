@@ -120,7 +120,9 @@ impl<'a> SecondOrder<'a> {
     fn evidence(&self) -> Evidence<'a> {
         match (self.input, self.knowledge) {
             (Input::Contact, _) => Evidence::Points { acceptance: EXACT, patches: false },
-            (Input::Receptor, SkinKnowledge::Centres) => Evidence::Points { acceptance: BIASED, patches: true },
+            (Input::Receptor, SkinKnowledge::Centres) => {
+                Evidence::Points { acceptance: BIASED, patches: true }
+            }
             (Input::Receptor, SkinKnowledge::Surface) => Evidence::Surfaces(self.skin),
         }
     }
@@ -306,7 +308,7 @@ impl<'a> SecondOrder<'a> {
     }
 
     /// The same for the joints that are `known` at all, and the touches with only such joints between limbs.
-    pub(super) fn refine_known(&self, schema: &BodySchema, known: Vec<bool>) -> Learned {
+    pub fn refine_known(&self, schema: &BodySchema, known: Vec<bool>) -> Learned {
         let start = Start { schema: schema.clone(), known, accepted: true, onsets: 0 };
         let (schema, observability, deviation) = self.polish(&start);
         let undetermined = self.undetermined(&observability, &schema, deviation);
@@ -414,7 +416,8 @@ fn contact_variance(deviation: Option<f64>) -> f64 {
 /// How far apart, per coordinate and as a root mean square, the two places of a touch are taken to be, metres.
 fn taken_deviation(touches: &TouchSet) -> f64 {
     let touches = || touches.pairs.iter().flat_map(|pair| &pair.touches);
-    let variance = |touch: &PreparedTouch| (touch.ends[0].covariance + touch.ends[1].covariance).trace() / 3.0;
+    let variance =
+        |touch: &PreparedTouch| (touch.ends[0].covariance + touch.ends[1].covariance).trace() / 3.0;
     (touches().map(variance).sum::<f64>() / touches().count().max(1) as f64).sqrt()
 }
 

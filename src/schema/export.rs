@@ -19,6 +19,8 @@ const LEAST_MASS: f64 = 1e-3;
 const LEAST_INERTIA: f64 = 1e-6;
 /// A receptor's site is at most this share of its smaller side thick, to be known for a flat patch.
 const THINNESS: f64 = 0.25;
+/// Half the sides of the site of a receptor without extent, metres.
+const MARK: f64 = 2e-3;
 /// MuJoCo wants a limited joint to have some play, radians or metres.
 const LEAST_PLAY: f64 = 1e-9;
 
@@ -144,14 +146,14 @@ fn geom(surface: &Surface) -> Option<Element> {
 /// A thin box below a receptor, its outer face where the skin is.
 fn tile(receptor: &Receptor) -> Element {
     let thin = half_thickness(receptor);
-    let [u, v] = receptor.half_extents;
+    let [u, v] = half_extents(receptor);
     let centre = receptor.position - receptor.normal * thin;
     placed("geom", "box", &[u, v, thin], &centre, &axes(receptor))
 }
 
 /// A receptor's site.
 fn site(receptor: &Receptor) -> Element {
-    let [u, v] = receptor.half_extents;
+    let [u, v] = half_extents(receptor);
     let size = [u, v, half_thickness(receptor)];
     let mut site = placed("site", "box", &size, &receptor.position, &axes(receptor));
     site.attributes.shift_remove("type");
@@ -160,8 +162,13 @@ fn site(receptor: &Receptor) -> Element {
     named
 }
 
+/// A receptor without extent, as limbs have that no skin is known of, is marked by a small one.
+fn half_extents(receptor: &Receptor) -> [f64; 2] {
+    if receptor.half_extents == [0.0; 2] { [MARK; 2] } else { receptor.half_extents }
+}
+
 fn half_thickness(receptor: &Receptor) -> f64 {
-    let [u, v] = receptor.half_extents;
+    let [u, v] = half_extents(receptor);
     HALF_THICKNESS.min(THINNESS * u.min(v))
 }
 
