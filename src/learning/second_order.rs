@@ -53,14 +53,18 @@ const TOUCHES_PER_PAIR: usize = 150;
 const CONTACT_DEVIATION: f64 = 1e-4;
 /// Whitened residuals above which points are taken to have noise, and a second start must agree.
 const VISIBLE_NOISE: f64 = 0.1;
-/// How many times wider than in the part that is solved first the misses may be elsewhere, …
-const NOISE_MARGIN: f64 = 1.5;
+/// How many times wider than in the part that is solved first the misses may be elsewhere: a part is solved on
+/// others that are held where noise left them, …
+const NOISE_MARGIN: f64 = 3.0;
 /// … and how many times that where no start is accepted; joints that are misread add up in long chains.
 const WIDER: [f64; 3] = [1.0, 2.0, 4.0];
 /// The most noise of points that is looked for, metres.
 const MOST_NOISE: f64 = 0.02;
 /// Random stream of the look at how much noise points have; starts count from 0 and never get here.
 const NOISE_STREAM: u64 = u64::MAX - 4;
+/// How many times wider than the touches that a schema was fitted to it may leave fresh ones, beyond what it
+/// takes up by its parameters.
+const FRESH_NOISE: f64 = 1.5;
 /// Starts tried with points that have noise before more of it is allowed for.
 const NOISY_STARTS: usize = 8;
 /// How far a curved limb is taken to bulge out of a flat patch, metres.
@@ -186,10 +190,20 @@ impl<'a> SecondOrder<'a> {
         }
         match search.evidence {
             Evidence::Points { acceptance, .. } => {
-                let misfit = point_misfit(&used, &start.schema) / acceptance;
+                let fresh = point_misfit(&used, &start.schema);
                 // Points without noise are their own proof; others are not.
+                if !search.noisy {
+                    return (fresh / acceptance, 0.0);
+                }
                 let known = known_touches(fitted, &start.known);
-                let noise = if search.noisy { point_misfit(&known, &start.schema) } else { 0.0 };
+                let noise = point_misfit(&known, &start.schema);
+                let free = |joint: usize| start.known[joint] && !self.known.frozen[joint];
+                let unknowns = Parameters::new(self.creature, AxisModel::Unit, free).len() as f64;
+                // Of `n` equations with `p` unknowns the mean square is `1 − p/n` of the noise's, of fresh ones
+                // about `1 + p/n`.
+                let share = (unknowns / (3 * known.len()).max(1) as f64).min(0.9);
+                let expected = noise * ((1.0 + share) / (1.0 - share)).sqrt();
+                let misfit = (fresh / acceptance).max(fresh / (FRESH_NOISE * expected));
                 (misfit, noise)
             }
             Evidence::Surfaces(_) => self.judge_gaps(&known_touches(fitted, &start.known), &used, start),

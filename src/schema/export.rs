@@ -163,11 +163,11 @@ fn site(receptor: &Receptor) -> Element {
 }
 
 /// A receptor without extent, as limbs have that no skin is known of, is marked by a small one.
-fn half_extents(receptor: &Receptor) -> [f64; 2] {
+pub(super) fn half_extents(receptor: &Receptor) -> [f64; 2] {
     if receptor.half_extents == [0.0; 2] { [MARK; 2] } else { receptor.half_extents }
 }
 
-fn half_thickness(receptor: &Receptor) -> f64 {
+pub(super) fn half_thickness(receptor: &Receptor) -> f64 {
     let [u, v] = half_extents(receptor);
     HALF_THICKNESS.min(THINNESS * u.min(v))
 }
