@@ -57,7 +57,7 @@ const VISIBLE_NOISE: f64 = 0.1;
 /// others that are held where noise left them, …
 const NOISE_MARGIN: f64 = 3.0;
 /// … and how many times that where no start is accepted; joints that are misread add up in long chains.
-const WIDER: [f64; 3] = [1.0, 2.0, 4.0];
+const WIDER: [f64; 2] = [1.0, 3.0];
 /// The most noise of points that is looked for, metres.
 const MOST_NOISE: f64 = 0.02;
 /// Random stream of the look at how much noise points have; starts count from 0 and never get here.
@@ -467,6 +467,15 @@ struct Search<'a> {
     starts: usize,
 }
 
+/// What a search found.
+struct Found {
+    best: Judged,
+    /// Random onsets used.
+    onsets: usize,
+    /// Whether starts agreed on an answer that was not accepted.
+    settled: bool,
+}
+
 /// A start and how it did on touches that it was not fitted to.
 struct Judged {
     start: Start,
@@ -521,9 +530,10 @@ impl<'a> SecondOrder<'a> {
         let mut onsets = 0;
         let mut found: Option<Judged> = None;
         for search in self.searches(&touches, starts) {
-            let (best, tried) = self.search(&search, solvable, &touches, &fresh);
+            let Found { best, onsets: tried, settled } = self.search(&search, solvable, &touches, &fresh);
             onsets += tried;
-            let done = best.start.accepted && best.known() >= solvable;
+            // Where starts agree on an answer that fresh touches do not bear out, more noise is no excuse.
+            let done = settled || (best.start.accepted && best.known() >= solvable);
             if found.as_ref().is_none_or(|found| best.more(found)) {
                 found = Some(best);
             }
@@ -561,14 +571,8 @@ impl<'a> SecondOrder<'a> {
         acceptances.into_iter().map(search).collect()
     }
 
-    /// The best of the starts of a search, and the onsets that all of them took.
-    fn search(
-        &self,
-        search: &Search<'a>,
-        solvable: usize,
-        touches: &TouchSet,
-        fresh: &TouchSet,
-    ) -> (Judged, usize) {
+    /// Makes the starts of a search, as many as it takes.
+    fn search(&self, search: &Search<'a>, solvable: usize, touches: &TouchSet, fresh: &TouchSet) -> Found {
         let dof = self.creature.dof();
         let make = |number: usize| {
             let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
@@ -581,8 +585,10 @@ impl<'a> SecondOrder<'a> {
         };
         // All cores make starts; which one is taken does not depend on how many there are.
         let mut best: Option<Judged> = None;
-        let mut onsets = 0;
+        let (mut onsets, mut settled) = (0, false);
         let mut noises: Vec<f64> = Vec::new();
+        let points = self.input == Input::Contact;
+        let metres = if points { taken_deviation(touches) } else { 1.0 };
         // Starts of a large body are long, and try several onsets for each part.
         let starts = if dof > WHOLE_DOF && !search.evidence.exact() {
             search.starts.min(LARGE_STARTS)
@@ -605,8 +611,14 @@ impl<'a> SecondOrder<'a> {
                 if best.start.accepted && complete && (best.noise <= CERTAIN_NOISE || agreeing >= 2) {
                     break 'waves;
                 }
-                let settled = CERTAIN_NOISE < best.noise && best.noise < TANGLED;
-                if settled && agreeing >= HOPELESS_STARTS {
+                // With points it is the least noise that starts have to agree on, whoever is best by other measures.
+                let least =
+                    if points { noises.iter().copied().fold(f64::INFINITY, f64::min) } else { best.noise };
+                let agreeing =
+                    noises.iter().filter(|&&noise| noise <= (1.0 + self.agreement()) * least).count();
+                let plausible = CERTAIN_NOISE < least && metres * least < TANGLED;
+                settled = plausible && agreeing >= HOPELESS_STARTS;
+                if settled {
                     break 'waves;
                 }
             }
@@ -615,7 +627,7 @@ impl<'a> SecondOrder<'a> {
         // Noise that no second start finds may be a wrong minimum as well.
         let agreeing = noises.iter().filter(|&&noise| noise <= (1.0 + self.agreement()) * best.noise).count();
         best.start.accepted &= best.noise <= CERTAIN_NOISE || agreeing >= 2;
-        (best, onsets)
+        Found { best, onsets, settled }
     }
 
     /// Fits what was found to all touches, or says why nothing was.
