@@ -156,8 +156,12 @@ fn wrong_models() -> Vec<(&'static str, Option<String>, Vec<&'static str>)> {
         ("untouchable.xml", Some(no_touch.into()), vec!["no touch in", "motions"]),
         (
             "apart.xml",
-            Some(arms().replace("<geom ", "<geom contype=\"0\" conaffinity=\"0\" ")),
-            vec!["no two limbs", "contype"],
+            Some(
+                "<mujoco><worldbody><body><geom size='1'/><site name='s'/><body pos='3 0 0'><joint name='only'/>\
+                 <geom size='1'/></body></body></worldbody><sensor><touch site='s'/></sensor></mujoco>"
+                    .into(),
+            ),
+            vec!["no two of its limbs", "only"],
         ),
         ("deep.xml", Some("<body>".repeat(2000)), vec!["malformed XML", "line 1"]),
         ("hostile.xml", Some(arms().replacen("0.12 0.2", "1e30 0.2", 1)), vec!["line 5", "1e30"]),

@@ -119,7 +119,7 @@ fn the_skin_is_densest_on_hands_and_denser_on_arms_than_on_the_trunk() {
 fn the_neutral_posture_is_free_of_contacts() {
     for joints in ["all", "torso"] {
         let body = max(joints);
-        let mut data = Data::new(body.model.clone()).unwrap();
+        let mut data = Data::new(body.declared.clone()).unwrap();
         take(&body, &mut data, &body.creature.reference_posture());
         let touching: Vec<_> =
             data.contacts().map(|c| c.geoms.map(|g| body.model.geom(g).name.map(str::to_string))).collect();

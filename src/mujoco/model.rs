@@ -405,6 +405,7 @@ impl Model {
     /// The convex hull of the mesh of geom `i`, in the frame of [`Model::mesh_vertices`]: its corners, in
     /// metres, and its faces, three corners each; none where the engine made no hull, which it does for
     /// meshes that can collide alone.
+    #[allow(clippy::type_complexity, reason = "corners and faces are what every mesh is")]
     pub fn mesh_hull(&self, i: usize) -> Option<(Vec<Vector3<f64>>, Vec<[usize; 3]>)> {
         let vertices = self.mesh_vertices(i);
         let mesh =

@@ -63,7 +63,7 @@ impl Exposure {
         }
         let touchable = |g: usize| placed[0][g].is_some();
         let carriers = carriers(body, touchable);
-        let excluded: BTreeSet<[usize; 2]> = model.excludes().collect();
+        let excluded: BTreeSet<[usize; 2]> = body.declared.excludes().collect();
         let overlap_for_good = |g: usize, other: usize| {
             let bodies = [g, other].map(|g| model.geom_body(g));
             let [a, b] = bodies.map(|body| model.weld(body));

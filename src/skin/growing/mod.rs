@@ -133,7 +133,7 @@ fn sprouts(body: &Body, options: &GrowOptions) -> Result<Vec<Sprout>, GrowError>
         .map(|(&g, area)| exposure.surface(g).map_or(0.0, |s| s.shape.area() / area))
         .sum();
     // What is buried does not count, but who asks for this much has mistaken the unit.
-    if !(wanted <= MOST_RECEPTORS) {
+    if wanted > MOST_RECEPTORS || wanted.is_nan() {
         return Err(GrowError::Options(format!(
             "that makes some {wanted:.0} receptors, more than {MOST_RECEPTORS}: ask for larger patches"
         )));
