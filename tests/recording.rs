@@ -281,7 +281,7 @@ fn what_may_be_left_out_of_a_creature_file_is_filled_in() {
 fn a_log_without_a_model_gives_the_same_schema_to_the_last_digit() {
     let place = Place::new();
     place.write("arms.xml", &two_arms(r#"type="sphere" size="0.1""#, r#"type="capsule" size="0.03 0.2""#));
-    place.succeeds(&["babble", "arms.xml", "--touches", "150", "--out", "made"]);
+    place.succeeds(&["babble", "arms.xml", "--touches", "100", "--out", "made", "--learner", "hersch"]);
     let log = fs::read_to_string(place.path("made/touches.jsonl")).unwrap();
     let session: Value =
         serde_json::from_str(&fs::read_to_string(place.path("made/session.json")).unwrap()).unwrap();
@@ -412,7 +412,7 @@ fn the_example_of_the_documentation_is_read() {
 fn touches_of_chance_are_not_learned() {
     let body = creature(&two_arms(r#"type="sphere" size="0.1""#, r#"type="capsule" size="0.03 0.2""#));
     let skin = skin_of(&body);
-    let mut touches = babble(&body, &skin, 60, 5, 1);
+    let mut touches = babble(&body, &skin, 40, 5, 1);
     let mut rng = ChaCha8Rng::seed_from_u64(1);
     touches.iter_mut().for_each(|touch| touch.posture = random_posture(&body.creature, &mut rng));
     let place = Place::new();
