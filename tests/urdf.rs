@@ -8,8 +8,9 @@ use bodyschema::babbling::random_posture;
 use bodyschema::creature::{Body, Creature, DofKind};
 use bodyschema::ground_truth::GroundTruth;
 use bodyschema::kinematics::limb_frames;
+use bodyschema::learning::onset::random_onset;
 use bodyschema::mujoco::{Data, Model, ObjectKind};
-use bodyschema::schema::{Urdf, to_urdf};
+use bodyschema::schema::{BodySchema, Urdf, to_urdf};
 use bodyschema::skin::{Shape, Skin, skin_of};
 use common::{creature, max, two_arms};
 use nalgebra::{Quaternion, UnitQuaternion};
@@ -48,10 +49,9 @@ const MIXED: &str = r#"<mujoco model="mixed">
   </worldbody>
 </mujoco>"#;
 
-/// A body's true schema as URDF, in a folder of its own.
-fn export(body: &Body, skin: &Skin) -> (tempfile::TempDir, Urdf) {
-    let schema = GroundTruth::new(body).unwrap().schema;
-    let urdf = to_urdf(&body.creature, skin, &schema, "ellipsoid.stl");
+/// A schema as URDF, in a folder of its own.
+fn export(body: &Body, skin: &Skin, schema: &BodySchema) -> (tempfile::TempDir, Urdf) {
+    let urdf = to_urdf(&body.creature, skin, schema, "ellipsoid.stl");
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join("body.urdf"), &urdf.xml).unwrap();
     if let Some(mesh) = &urdf.mesh {
@@ -62,6 +62,10 @@ fn export(body: &Body, skin: &Skin) -> (tempfile::TempDir, Urdf) {
 
 fn read_back(folder: &tempfile::TempDir) -> Arc<Model> {
     Arc::new(Model::from_path(folder.path().join("body.urdf")).unwrap())
+}
+
+fn truth(body: &Body) -> BodySchema {
+    GroundTruth::new(body).unwrap().schema
 }
 
 /// The angles about x, y and z in turn that make a rotation.
@@ -92,10 +96,9 @@ fn coordinates(creature: &Creature, posture: &[f64]) -> Vec<(String, f64)> {
 }
 
 /// MuJoCo moves the links of the URDF as the schema moves the limbs.
-fn same_motion(body: &Body, skin: &Skin) {
-    let (folder, _) = export(body, skin);
+fn same_motion(body: &Body, skin: &Skin, schema: &BodySchema) {
+    let (folder, _) = export(body, skin, schema);
     let model = read_back(&folder);
-    let schema = GroundTruth::new(body).unwrap().schema;
     let mut data = Data::new(model.clone()).unwrap();
     let mut rng = ChaCha8Rng::seed_from_u64(7);
     let root = &body.creature.limbs()[0];
@@ -109,7 +112,7 @@ fn same_motion(body: &Body, skin: &Skin) {
         }
         data.set_qpos(&qpos).unwrap();
         data.kinematics().unwrap();
-        for (limb, frame) in limb_frames(&body.creature, &schema, &posture).iter().enumerate() {
+        for (limb, frame) in limb_frames(&body.creature, schema, &posture).iter().enumerate() {
             let name = &body.creature.limbs()[limb];
             // The root is where the world is.
             let pose = if name == root { data.body_pose(0) } else { data.body_pose(body_of(name)) };
@@ -128,14 +131,17 @@ fn mujoco_moves_the_links_as_the_schema_moves_the_limbs() {
         creature(MIXED),
         creature(&two_arms(r#"type="sphere" size="0.1""#, r#"type="capsule" size="0.03 0.2""#)),
     ] {
-        same_motion(&body, &skin_of(&body));
+        let wrong = random_onset(&body.creature, &mut ChaCha8Rng::seed_from_u64(3));
+        for schema in [truth(&body), wrong] {
+            same_motion(&body, &skin_of(&body), &schema);
+        }
     }
 }
 
 #[test]
 fn a_reader_of_urdf_finds_every_limb_and_degree_of_freedom() {
     let body = creature(MIXED);
-    let (_folder, urdf) = export(&body, &skin_of(&body));
+    let (_folder, urdf) = export(&body, &skin_of(&body), &truth(&body));
     let robot = urdf_rs::read_from_string(&urdf.xml).unwrap();
     let links: Vec<&str> = robot.links.iter().map(|link| link.name.as_str()).collect();
     for limb in body.creature.limbs() {
@@ -165,7 +171,7 @@ fn a_reader_of_urdf_finds_every_limb_and_degree_of_freedom() {
 fn shapes_are_where_the_skin_is() {
     let body = creature(MIXED);
     let skin = skin_of(&body);
-    let (folder, _) = export(&body, &skin);
+    let (folder, _) = export(&body, &skin, &truth(&body));
     let model = read_back(&folder);
     let mut data = Data::new(model.clone()).unwrap();
     data.kinematics().unwrap();

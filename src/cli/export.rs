@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use super::learn_options::LEARNED_FILE;
-use super::{Failure, Outcome, output};
+use super::{Failure, Outcome};
 use crate::record::{SCHEMA_FILE, Session, read_schema};
 use crate::schema::{Urdf, to_mjcf, to_urdf};
 
@@ -64,10 +64,9 @@ pub fn run(args: &Args) -> Outcome {
 }
 
 fn write(path: &Path, bytes: &[u8]) -> Outcome {
-    if let Some(folder) = path.parent().filter(|folder| !folder.as_os_str().is_empty()) {
-        output::make_folder(folder)?;
-    }
-    std::fs::write(path, bytes).map_err(|error| {
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
+    let made = folder.map_or(Ok(()), std::fs::create_dir_all);
+    made.and_then(|()| std::fs::write(path, bytes)).map_err(|error| {
         Failure(format!("cannot write {}: {error}: give another file with --output", path.display()))
     })
 }

@@ -713,11 +713,15 @@ impl<'a> SecondOrder<'a> {
                 changes: Vec::new(),
             };
         }
-        let why = format!(
-            "none of {onsets} random onsets explains the touches that it was not fitted to; try more touches \
-             (--touches) or another seed (--seed){}",
-            if self.known.is_given() { ", or check what is known (--known)" } else { "" }
-        );
+        let why = if onsets == 0 {
+            "no joint has as many touches as it has unknowns: give more touches".to_string()
+        } else {
+            format!(
+                "none of {onsets} random onsets explains the touches that it was not fitted to; try more touches \
+                 (--touches) or another seed (--seed){}",
+                if self.known.is_given() { ", or check what is known (--known)" } else { "" }
+            )
+        };
         Learned {
             schema: self.with_frozen(&start.schema),
             verdict: Verdict::Failed(why),

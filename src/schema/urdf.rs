@@ -53,12 +53,12 @@ pub fn to_urdf(creature: &Creature, skin: &Skin, schema: &BodySchema, mesh_name:
     let note = " As learned from self-touch: masses, efforts and velocities are stand-ins. ";
     robot.children.push(XMLNode::Comment(note.into()));
     // MuJoCo's own settings, which other readers pass over: keep the root link, and paths as they are.
-    let mut mujoco = element("mujoco", &[]);
+    let mut settings = element("mujoco", &[]);
     add(
-        &mut mujoco,
+        &mut settings,
         element("compiler", &[("fusestatic", "false".into()), ("discardvisual", "true".into())]),
     );
-    add(&mut robot, mujoco);
+    add(&mut robot, settings);
     let mut links: HashSet<String> = creature.limbs().iter().cloned().collect();
     for (limb, name) in creature.limbs().iter().enumerate() {
         if let Some(joint) = creature.joint_of(limb) {

@@ -138,7 +138,8 @@ impl Columns {
                 let missing = POINTS[side].iter().find(|name| !has(name)).copied().unwrap_or_default();
                 return Err(format!("there is no column {missing}: a point has three coordinates"));
             }
-            if !has(receptor) && !(has(limb) && points == 3) {
+            let told = has(receptor) || (has(limb) && points == 3);
+            if !told {
                 let [x, y, z] = POINTS[side];
                 return Err(format!(
                     "there is no column {}: give {limb} with {x}, {y}, {z}, or {receptor}",
