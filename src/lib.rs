@@ -6,7 +6,7 @@
 //! MJCF ─ mujoco ─┬─ creature      what the agent is given: tree, degrees of freedom, ranges, limbs
 //!                └─ ground_truth  where joints really are; only the evaluation may see it
 //! creature + skin ─ babbling (posture → motion → first contact → senses → touch) ─ touches
-//! touches ─ record (the session on disk)
+//! touches ─ record (the session on disk; or recordings of a real body, with no MJCF at all)
 //! touches ─ (senses: disturbances) ─ learning (Hersch's rule; its repair; second order, then online) ─ schema
 //! schema + ground_truth ─ evaluation ─ report
 //! ```

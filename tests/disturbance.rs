@@ -25,7 +25,7 @@ fn deviation(values: &[f64]) -> f64 {
 }
 
 fn all() -> Disturbances {
-    Disturbances { joint_noise: 0.002, receptor_noise: 0.001, false_touches: 0.1 }
+    Disturbances { joint_noise: 0.002, receptor_noise: 0.001, false_touches: 0.1, point_noise: 0.001 }
 }
 
 #[test]

@@ -6,6 +6,7 @@ use bodyschema::babbling::random_posture;
 use bodyschema::creature::{Body, Creature, Dof, DofKind, Joint, JointSelection};
 use bodyschema::ground_truth::GroundTruth;
 use bodyschema::kinematics::limb_frames;
+use bodyschema::learning::onset::random_onset;
 use bodyschema::mujoco::{Data, Model};
 use bodyschema::schema::{BodySchema, to_mjcf};
 use bodyschema::skin::{Shape, Skin, skin_of};
@@ -144,6 +145,18 @@ fn every_kind_of_joint_and_shape_survives_the_round_trip() {
     for (a, b) in skin_of(&original).surfaces.iter().zip(&skin_of(&copy).surfaces) {
         assert!((a.origin - b.origin).norm() < ROUND_TRIP);
         assert!((a.rotation - b.rotation).norm() < ROUND_TRIP);
+    }
+}
+
+/// A schema need not be true: MuJoCo puts every limb where it says, with slides and balls, too.
+#[test]
+fn limbs_are_where_the_schema_says_however_wrong_it_is() {
+    let mixed = body(Model::from_xml(MIXED).unwrap(), &JointSelection::All);
+    for (original, seed) in [(max(&JointSelection::Default), 1), (max(&JointSelection::All), 2), (mixed, 3)] {
+        let learned = random_onset(&original.creature, &mut ChaCha8Rng::seed_from_u64(seed));
+        let copy = read_back(&to_mjcf(&original.creature, &skin_of(&original), &learned));
+        same_schema(&learned, &GroundTruth::new(&copy).unwrap().schema);
+        same_motion(&copy, &learned);
     }
 }
 

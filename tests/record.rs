@@ -91,8 +91,8 @@ fn touch(i: usize) -> Touch {
         motion: i as u64,
         posture: vec![awkward(0), awkward(1), awkward(2), 0.5f64.sqrt(), -0.0, 0.5f64.sqrt(), 5e-324],
         ends: [
-            TouchEnd { receptor: 1, contact: vector(3) },
-            TouchEnd { receptor: 2 + i % 2, contact: vector(6) },
+            TouchEnd { receptor: 1, contact: vector(3), deviation: None },
+            TouchEnd { receptor: 2 + i % 2, contact: vector(6), deviation: None },
         ],
     }
 }
@@ -428,6 +428,7 @@ fn session() -> Session {
         engine: "2.2.2".into(),
         model: "mjcf/tot/scene.xml".into(),
         model_hash: "sha256:0".into(),
+        recording: None,
         seed: u64::MAX,
         options: SessionOptions {
             strip: true,

@@ -57,7 +57,7 @@ impl Session {
             posture: body.creature.reference_posture(),
             ends: [a, b].map(|id| {
                 let receptor = skin.receptor(id).unwrap();
-                TouchEnd { receptor, contact: skin.receptors[receptor].position }
+                TouchEnd { receptor, contact: skin.receptors[receptor].position, deviation: None }
             }),
         };
         let touches = vec![touch("chest", "l"), touch("chest", "l"), touch("l", "r")];

@@ -72,13 +72,14 @@ pub fn run(args: &Args) -> Outcome {
         engine: body.model.version().to_string(),
         model: args.model.display().to_string(),
         model_hash: model_hash(&args.model)?,
+        recording: None,
         seed: args.seed,
         options: SessionOptions {
             touches: args.touches,
             joints: selection.to_string(),
             strip: args.open.strip,
             root: args.open.root.clone(),
-            input: Some(learn.input.to_string()),
+            input: Some(learn.input_name().to_string()),
             learner: Some(learn.learner.to_string()),
             known: learn.known.as_ref().map(|path| path.display().to_string()),
             policy: Some(args.policy.to_string()),
@@ -112,7 +113,7 @@ pub fn run(args: &Args) -> Outcome {
 }
 
 /// The folder to write to: never one that holds a session already.
-fn session_folder(out: Option<&Path>, creature: &str) -> Result<PathBuf, Failure> {
+pub(super) fn session_folder(out: Option<&Path>, creature: &str) -> Result<PathBuf, Failure> {
     let taken = |folder: &Path| folder.join(SESSION_FILE).exists();
     let folder = match out {
         Some(folder) if taken(folder) => {

@@ -17,6 +17,10 @@ pub struct DisturbanceOptions {
     /// Share of touches with a wrong receptor at one end, 0 to below 1
     #[arg(long, value_name = "FRACTION", default_value_t = 0.0, value_parser = share)]
     false_touches: f64,
+    /// Standard deviation, per coordinate, of both points of contact in every touch, millimetres; only
+    /// `--input contact` feels it
+    #[arg(long, value_name = "MM", default_value_t = 0.0, value_parser = deviation)]
+    point_noise: f64,
 }
 
 fn deviation(text: &str) -> Result<f64, String> {
@@ -36,7 +40,8 @@ fn share(text: &str) -> Result<f64, String> {
 impl DisturbanceOptions {
     /// From degrees, millimetres and a share.
     pub fn new(joint_degrees: f64, receptor_millimetres: f64, false_touches: f64) -> DisturbanceOptions {
-        DisturbanceOptions { joint_noise: joint_degrees, receptor_noise: receptor_millimetres, false_touches }
+        let (joint_noise, receptor_noise) = (joint_degrees, receptor_millimetres);
+        DisturbanceOptions { joint_noise, receptor_noise, false_touches, point_noise: 0.0 }
     }
 
     /// The same in radians and metres.
@@ -45,6 +50,7 @@ impl DisturbanceOptions {
             joint_noise: self.joint_noise.to_radians(),
             receptor_noise: 1e-3 * self.receptor_noise,
             false_touches: self.false_touches,
+            point_noise: 1e-3 * self.point_noise,
         }
     }
 
@@ -54,6 +60,7 @@ impl DisturbanceOptions {
             "joint_noise_deg": self.joint_noise,
             "receptor_noise_mm": self.receptor_noise,
             "false_touches": self.false_touches,
+            "point_noise_mm": self.point_noise,
         })
     }
 }
@@ -67,6 +74,7 @@ impl std::fmt::Display for DisturbanceOptions {
             (self.joint_noise, format!("joint noise {}°", self.joint_noise)),
             (self.receptor_noise, format!("receptor noise {} mm", self.receptor_noise)),
             (self.false_touches, format!("false touches {percent} %")),
+            (self.point_noise, format!("point noise {} mm", self.point_noise)),
         ];
         let present: Vec<String> =
             all.into_iter().filter(|(amount, _)| *amount > 0.0).map(|(_, words)| words).collect();

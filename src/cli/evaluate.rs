@@ -34,6 +34,10 @@ pub fn run(args: &Args) -> Outcome {
     let log = read_touches(&args.session.join(TOUCHES_FILE), &session.creature, &session.skin)?;
     warn_truncated(&log, &args.session);
     let schema = read_schema(&args.session.join(SCHEMA_FILE), &session.creature)?;
+    if session.model.is_empty() && args.model.is_none() {
+        let folder = args.session.display();
+        return Err(format!("{folder} is of a recording, which has no model to measure against: name one with --model, or use `bodyschema observe {folder}`").into());
+    }
     let truth = session_truth(&session, args.model.as_deref())?;
     let evaluation = evaluate(&session.creature, &session.skin, &truth, &schema, &[]);
     let misses = touch_misses(&session.creature, &session.skin, &schema, &log.touches);

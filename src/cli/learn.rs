@@ -1,27 +1,50 @@
-//! `bodyschema learn`: learn again from a session's touches.
+//! `bodyschema learn`: learn from a session's touches, or from a recording.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
+use super::babble::session_folder;
 use super::learn_options::{
-    KNOWN_HELP, LearnOptions, learn_session, print_table, session_truth, to_json, warn_truncated,
+    InputName, KNOWN_HELP, LearnOptions, learn_session, print_table, session_truth, to_json, warn_truncated,
 };
-use super::{Outcome, output};
-use crate::record::{Session, TOUCHES_FILE, read_touches};
+use super::{Failure, Outcome, output};
+use crate::ground_truth::GroundTruth;
+use crate::learning::Input;
+use crate::record::{
+    PROGRAM, RecordingFiles, Session, SessionOptions, TOUCHES_FILE, TouchWriter, read_creature,
+    read_recording, read_touches,
+};
+use crate::senses::Touch;
 
-/// Learn again from the touches of a session.
+/// Learn again from the touches of a session, or from a recording of a real body.
 ///
-/// The log alone is enough: the creature and its skin are in it. Where the model is still at hand, the result
-/// is measured against it. The session's schema, table and learned model are replaced.
+/// Of a session, the log alone is enough: the creature and its skin are in it. Where the model is still at hand,
+/// the result is measured against it. The session's schema, table and learned model are replaced.
+///
+/// Of a recording, a description of the creature in JSON and a log of touches are enough, and no model is
+/// needed: a new session is made of the two. Units are metres and radians.
 #[derive(clap::Args)]
 #[command(after_help = format!("Examples:
   bodyschema learn sessions/max-1
   bodyschema learn sessions/max-1 --learner hersch
   bodyschema learn sessions/max-1 --touches 300 --json
   bodyschema learn sessions/max-1 --frames limb --input contact
-  bodyschema learn sessions/max-1 --touches 60 --known known.json\n\n{KNOWN_HELP}"))]
+  bodyschema learn sessions/max-1 --touches 60 --known known.json
+  bodyschema learn --creature robot.json --log touches.csv
+  bodyschema learn --creature robot.json --log touches.jsonl --out sessions/robot-monday\n\n{RECORDING_HELP}\n\n{KNOWN_HELP}"))]
 pub struct Args {
     /// The session's folder
-    session: PathBuf,
+    #[arg(required_unless_present = "creature", conflicts_with_all = ["creature", "log", "out"])]
+    session: Option<PathBuf>,
+    /// The description of a recorded creature in JSON: the creature of a session.json, with its skin if it has
+    /// one, or a whole session.json
+    #[arg(long, value_name = "FILE", requires = "log")]
+    creature: Option<PathBuf>,
+    /// The recorded touches: comma-separated values where the name ends in .csv, else lines of JSON
+    #[arg(long, value_name = "FILE", requires = "creature")]
+    log: Option<PathBuf>,
+    /// The folder of the recording's session [default: the first free of sessions/CREATURE-1, -2, …]
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
     /// Use only the first touches of the log
     #[arg(long, value_parser = clap::value_parser!(u64).range(1..))]
     touches: Option<u64>,
@@ -38,26 +61,114 @@ pub struct Args {
     json: bool,
 }
 
+/// What the two files of a recording look like, for the help.
+const RECORDING_HELP: &str = r#"Example of a recording: an elbow, and two touches with the points in the limbs' frames.
+  robot.json   {"name": "arm", "limbs": ["base", "forearm"], "joints": [{"name": "elbow", "parent": "base",
+                "dofs": [{"name": "elbow_pitch", "kind": "hinge", "range": [-1.5, 1.5]}]}]}
+  touches.csv  limb_a,limb_b,ax,ay,az,bx,by,bz,elbow_pitch
+               base,forearm,0.08,0.01,0.02,0.21,0.00,0.01,0.75
+               base,forearm,0.05,0.02,0.02,0.19,0.01,0.00,1.10
+  Receptors of a skin: receptor_a,receptor_b in place of limbs and points. Standard deviations of the points'
+  coordinates, metres: a_std,b_std; without them noise is estimated. As JSON, a line a touch:
+  {"posture": {"elbow_pitch": 0.75}, "limbs": ["base", "forearm"], "contacts": [[0.08, 0.01, 0.02], [0.21, 0.0, 0.01]]}"#;
+
 pub fn run(args: &Args) -> Outcome {
-    let mut session = Session::read(&args.session)?;
-    let log = read_touches(&args.session.join(TOUCHES_FILE), &session.creature, &session.skin)?;
-    warn_truncated(&log, &args.session);
-    let most = args.touches.map_or(usize::MAX, |n| usize::try_from(n).unwrap_or(usize::MAX));
-    let touches = &log.touches[..log.touches.len().min(most)];
-    let learn = args.learn.checked(&session.creature)?;
-    session.seed = args.seed.unwrap_or(session.seed);
-    let truth = match session_truth(&session, args.model.as_deref()) {
-        Ok(truth) => Some(truth),
-        Err(error) if args.model.is_some() => return Err(error),
-        Err(super::Failure(sentence)) => {
-            eprintln!("bodyschema: not measured: {sentence}");
-            None
-        }
+    let Learnable { folder, session, touches, learn } = match (&args.session, &args.creature, &args.log) {
+        (Some(folder), ..) => from_session(args, folder)?,
+        (None, Some(creature), Some(log)) => from_recording(args, creature, log)?,
+        // The parser sees to it that there is one or the other.
+        _ => return Err("give a session's folder, or --creature and --log".into()),
     };
-    let result = learn_session(&args.session, &session, touches, &learn, truth.as_ref())?;
+    let truth = truth(args, &session)?;
+    let result = learn_session(&folder, &session, &touches, &learn, truth.as_ref())?;
     if args.json {
-        return output::json(&to_json(&args.session, &session, touches, &learn, &result));
+        return output::json(&to_json(&folder, &session, &touches, &learn, &result));
     }
-    print_table(&args.session, &session, touches, &learn, &result);
+    print_table(&folder, &session, &touches, &learn, &result);
     Ok(())
+}
+
+/// A session with the touches to learn from, and how.
+struct Learnable {
+    folder: PathBuf,
+    session: Session,
+    touches: Vec<Touch>,
+    learn: LearnOptions,
+}
+
+fn from_session(args: &Args, folder: &Path) -> Result<Learnable, Failure> {
+    let mut session = Session::read(folder)?;
+    let log = read_touches(&folder.join(TOUCHES_FILE), &session.creature, &session.skin)?;
+    warn_truncated(&log, folder);
+    let mut touches = log.touches;
+    touches.truncate(most(args));
+    let learn = args.learn.for_session(&session)?.checked(&session.creature)?;
+    session.seed = args.seed.unwrap_or(session.seed);
+    Ok(Learnable { folder: folder.to_path_buf(), session, touches, learn })
+}
+
+/// Makes a session of a recording.
+fn from_recording(args: &Args, creature: &Path, log: &Path) -> Result<Learnable, Failure> {
+    let described = read_creature(creature)?;
+    let recording = read_recording(log, &described.creature, &described.skin)?;
+    for note in &recording.notes {
+        eprintln!("bodyschema: {}: {note}", log.display());
+    }
+    let mut touches = recording.touches;
+    touches.truncate(most(args));
+    let input = match recording.input {
+        Input::Receptor => InputName::Receptor,
+        Input::Contact => InputName::Contact,
+    };
+    let asked = &args.learn;
+    let session = Session {
+        program: PROGRAM.to_string(),
+        engine: String::new(),
+        model: String::new(),
+        model_hash: String::new(),
+        recording: Some(RecordingFiles {
+            creature: creature.display().to_string(),
+            log: log.display().to_string(),
+        }),
+        seed: args.seed.or(described.seed).unwrap_or(1),
+        options: SessionOptions {
+            touches: touches.len(),
+            joints: "all".to_string(),
+            input: Some(asked.input.unwrap_or(input).to_string()),
+            learner: Some(asked.learner.to_string()),
+            known: asked.known.as_ref().map(|path| path.display().to_string()),
+            ..SessionOptions::default()
+        },
+        effort: None,
+        creature: described.creature,
+        skin: recording.skin,
+    };
+    let learn = asked.for_session(&session)?.checked(&session.creature)?;
+    let folder = session_folder(args.out.as_deref(), session.creature.name())?;
+    session.write(&folder)?;
+    let mut writer = TouchWriter::create(&folder, &session.creature, &session.skin)?;
+    for touch in &touches {
+        writer.write(touch)?;
+    }
+    writer.finish()?;
+    Ok(Learnable { folder, session, touches, learn })
+}
+
+fn most(args: &Args) -> usize {
+    args.touches.map_or(usize::MAX, |n| usize::try_from(n).unwrap_or(usize::MAX))
+}
+
+/// The truth, where a model is at hand; a recording has one only if it is named.
+fn truth(args: &Args, session: &Session) -> Result<Option<GroundTruth>, Failure> {
+    if session.model.is_empty() && args.model.is_none() {
+        return Ok(None);
+    }
+    match session_truth(session, args.model.as_deref()) {
+        Ok(truth) => Ok(Some(truth)),
+        Err(error) if args.model.is_some() => Err(error),
+        Err(Failure(sentence)) => {
+            eprintln!("bodyschema: not measured: {sentence}");
+            Ok(None)
+        }
+    }
 }

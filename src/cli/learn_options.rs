@@ -13,7 +13,7 @@ use super::open::{ModelOptions, open_body};
 use super::{Failure, output, progress};
 use crate::creature::{Creature, DofKind, JointSelection};
 use crate::evaluation::report::{self, ReportInput};
-use crate::evaluation::{Bound, Evaluation, Summary, evaluate, evaluate_learned};
+use crate::evaluation::{Bound, Evaluation, OwnAccount, Summary, evaluate, evaluate_learned};
 use crate::ground_truth::GroundTruth;
 use crate::learning::onset::random_onset;
 use crate::learning::{
@@ -25,7 +25,7 @@ use crate::record::{
     write_schema_with_std,
 };
 use crate::senses::Touch;
-use crate::skin::Skin;
+use crate::skin::{Receptor, Skin};
 
 /// The learned body as a model, in a session's folder.
 pub const LEARNED_FILE: &str = "learned.xml";
@@ -39,9 +39,10 @@ pub struct LearnOptions {
     /// rule repaired
     #[arg(long, value_enum, default_value_t = LearnerName::Lm)]
     pub learner: LearnerName,
-    /// What a touch reports: the receptors, as a skin does, or the exact contact points
-    #[arg(long, value_enum, default_value_t = InputName::Receptor)]
-    pub input: InputName,
+    /// What a touch reports: the receptors, as a skin does, or the contact points [default: receptor; of a
+    /// recording, what it holds]
+    #[arg(long, value_enum)]
+    pub input: Option<InputName>,
     /// What the agent knows of its skin: the surfaces under the receptors, or their centres alone
     #[arg(long, value_enum, default_value_t = SkinName::Surface)]
     pub skin: SkinName,
@@ -141,8 +142,13 @@ impl std::fmt::Display for SkinName {
 }
 
 impl LearnOptions {
+    /// What touches report, by name.
+    pub fn input_name(&self) -> InputName {
+        self.input.unwrap_or_default()
+    }
+
     fn input(&self) -> Input {
-        match self.input {
+        match self.input_name() {
             InputName::Receptor => Input::Receptor,
             InputName::Contact => Input::Contact,
         }
@@ -174,7 +180,7 @@ impl LearnOptions {
         if self.learner != LearnerName::Lm {
             return refuse("only the learner lm finds the limbs' frames: use --learner lm");
         }
-        if self.input != InputName::Contact {
+        if self.input_name() != InputName::Contact {
             return refuse(
                 "receptors are too coarse to tell how a round limb is turned in its frame: use --input contact",
             );
@@ -190,6 +196,24 @@ impl LearnOptions {
             )),
             None => Ok(()),
         }
+    }
+
+    /// These options for a session's touches: those of a recording report what the recording holds.
+    ///
+    /// # Errors
+    /// Where receptors are asked for and the recording has none.
+    pub fn for_session(&self, session: &Session) -> Result<LearnOptions, Failure> {
+        let Some(recording) = &session.recording else { return Ok(self.clone()) };
+        let bare = |receptor: &Receptor| receptor.surface.is_none() && receptor.half_extents == [0.0; 2];
+        if self.input == Some(InputName::Receptor) && session.skin.receptors.iter().any(bare) {
+            return Err(Failure(format!(
+                "{}: its touches are points on limbs without a skin: use --input contact, or leave out --input",
+                recording.log
+            )));
+        }
+        let points = session.options.input.as_deref() == Some(&InputName::Contact.to_string());
+        let found = if points { InputName::Contact } else { InputName::Receptor };
+        Ok(LearnOptions { input: Some(self.input.unwrap_or(found)), ..self.clone() })
     }
 
     /// What was known beforehand, in JSON: the file, and its joints with whether they were exact.
@@ -240,14 +264,14 @@ impl LearnOptions {
 
     /// Whether the learner goes touch by touch and predicts each before it learns from it.
     fn learns_online(&self) -> bool {
-        let evidence = (self.input, self.skin) == (InputName::Receptor, SkinName::Surface);
+        let evidence = (self.input_name(), self.skin) == (InputName::Receptor, SkinName::Surface);
         self.learner == LearnerName::Lm && evidence
     }
 
     /// What the learner was allowed to know, in words.
     fn knowledge(&self) -> &'static str {
-        match (self.learner, self.input, self.skin) {
-            (_, InputName::Contact, _) => "exact contact points",
+        match (self.learner, self.input_name(), self.skin) {
+            (_, InputName::Contact, _) => "contact points",
             (LearnerName::Lm, InputName::Receptor, SkinName::Surface) => {
                 "receptors and the surfaces under them"
             }
@@ -263,6 +287,8 @@ pub struct SessionLearning {
     pub learned: Learned,
     pub seconds: f64,
     pub evaluation: Option<Evaluation>,
+    /// What can be told without the truth; none where the truth is at hand or the learner cannot tell.
+    pub own_account: Option<OwnAccount>,
     pub undetermined: Vec<String>,
     /// Limbs whose own frames are not known, by name.
     pub undetermined_limbs: Vec<String>,
@@ -274,6 +300,20 @@ pub struct SessionLearning {
 /// The truth of a session's creature, from its model.
 pub fn session_truth(session: &Session, model: Option<&Path>) -> Result<GroundTruth, Failure> {
     let path = model.map_or_else(|| PathBuf::from(&session.model), Path::to_path_buf);
+    if session.recording.is_some() {
+        // Which joints of a model a recording has is not known by the name of a set.
+        for selection in [JointSelection::Default, JointSelection::All] {
+            let body = open_body(&path, &selection, &ModelOptions::default())?;
+            if same_tree(&body.creature, &session.creature) {
+                return Ok(GroundTruth::new(&body)?);
+            }
+        }
+        return Err(Failure(format!(
+            "{}: it has not the limbs and degrees of freedom of the recording: name a model that has, or leave out \
+             --model",
+            path.display()
+        )));
+    }
     let selection = session.options.joints.parse::<JointSelection>().unwrap_or_default();
     let SessionOptions { strip, root, .. } = &session.options;
     let body = open_body(&path, &selection, &ModelOptions { strip: *strip, root: root.clone() })?;
@@ -286,6 +326,16 @@ pub fn session_truth(session: &Session, model: Option<&Path>) -> Result<GroundTr
         )));
     }
     Ok(GroundTruth::new(&body)?)
+}
+
+/// Whether two creatures have the same limbs, joints and kinds of degrees of freedom.
+fn same_tree(a: &Creature, b: &Creature) -> bool {
+    let joints = |creature: &Creature| {
+        let parents: Vec<usize> = creature.joints().iter().map(|joint| joint.parent).collect();
+        let dofs: Vec<_> = creature.dofs().map(|dof| (dof.name.clone(), dof.kind)).collect();
+        (creature.limbs().to_vec(), parents, dofs)
+    };
+    joints(a) == joints(b)
 }
 
 /// Learns from touches, measures where the truth is at hand, and writes the session's results.
@@ -314,7 +364,11 @@ pub fn learn_session(
     let mut learner = options.learner(creature, &felt.skin, session.seed);
     let mut result = None;
     let mut seconds = 0.0;
-    let checkpoints = checkpoints(options, touches.len());
+    // Without the truth a fit on the way tells nothing that the last does not.
+    let checkpoints = match truth {
+        None if options.learner == LearnerName::Lm && !expects => Vec::new(),
+        _ => checkpoints(options, touches.len()),
+    };
     for (n, touch) in felt.touches.iter().enumerate() {
         let began = Instant::now();
         learner.touch(touch);
@@ -374,10 +428,20 @@ pub fn learn_session(
     let undetermined = learned.undetermined.iter().map(|&j| creature.joints()[j].name.clone()).collect();
     let undetermined_limbs =
         learned.undetermined_limbs.iter().map(|&limb| creature.limbs()[limb].clone()).collect();
+    let tells = truth.is_none()
+        && options.learner == LearnerName::Lm
+        && options.skin == SkinName::Surface
+        && options.frames == FramesName::Joint;
+    let own_account = if tells {
+        OwnAccount::new(creature, &felt.skin, options.input(), &felt.touches, &learned)
+    } else {
+        None
+    };
     let result = SessionLearning {
         learned,
         seconds,
         evaluation,
+        own_account,
         undetermined,
         undetermined_limbs,
         undisturbed_heldout_mm,
@@ -402,7 +466,10 @@ pub fn learn_session(
 
 /// What the report says of how the session came about.
 fn facts(session: &Session, options: &LearnOptions, result: &SessionLearning) -> Vec<(String, String)> {
-    let mut facts = vec![("model", session.model.clone()), ("engine", format!("MuJoCo {}", session.engine))];
+    let mut facts = match &session.recording {
+        Some(recording) => vec![("creature", recording.creature.clone()), ("log", recording.log.clone())],
+        None => vec![("model", session.model.clone()), ("engine", format!("MuJoCo {}", session.engine))],
+    };
     if let Some(effort) = &session.effort {
         facts.push(("motions", effort.motions.to_string()));
         facts.push(("babbling", format!("{:.2} s", effort.babbling_s)));
@@ -465,7 +532,7 @@ fn sentence(creature: &Creature, learned: &Learned) -> String {
 /// need only be looked at, and contact points are learned in an instant.
 fn checkpoints(options: &LearnOptions, touches: usize) -> Vec<usize> {
     let doubling = |from: usize| (0..40).map(move |k| from << k).take_while(move |&n| n < touches);
-    match (options.learner, options.input) {
+    match (options.learner, options.input_name()) {
         (LearnerName::Hersch, _) => doubling(10).collect(),
         (LearnerName::Lm, InputName::Contact) if touches <= 4000 => doubling(125).collect(),
         _ if options.learns_online() => doubling(125).collect(),
@@ -505,7 +572,7 @@ pub fn to_json(
         "seed": session.seed,
         "policy": session.options.policy,
         "learner": options.learner.to_string(),
-        "input": options.input.to_string(),
+        "input": options.input_name().to_string(),
         "knowledge": options.knowledge(),
         "frames": options.frames.to_string(),
         "known": options.known_json(&session.creature),
@@ -520,6 +587,8 @@ pub fn to_json(
         "hand_mm": summary(evaluation.and_then(|e| e.hand_mm)),
         "axis_deg": summary(evaluation.map(|e| e.axis_deg)),
         "axis_line_mm": summary(evaluation.map(|e| e.axis_line_mm)),
+        "expected_mm": result.own_account.and_then(|account| account.expected_mm),
+        "fresh_mm": summary(result.own_account.and_then(|account| account.fresh_mm)),
         "undetermined": result.undetermined,
         "undetermined_limbs": result.undetermined_limbs,
         "changes": changes(&session.creature, &result.learned),
@@ -566,13 +635,33 @@ pub fn print_table(
     changes(creature, &result.learned).iter().for_each(|change| say!("{change}"));
     say!("");
     match &result.evaluation {
-        None => say!("no truth at hand to measure against: see `bodyschema evaluate --help`"),
+        None => print_own_account(result),
         Some(evaluation) => print_evaluation(evaluation),
     }
     if let Some(undisturbed) = &result.undisturbed_heldout_mm {
         say!("without the disturbances: {} mm", output::number(undisturbed.mean));
     }
     say!("\nsession: {}", folder.display());
+}
+
+/// What can be told without the truth.
+fn print_own_account(result: &SessionLearning) {
+    if let Some(account) = &result.own_account {
+        if let Some(fresh) = &account.fresh_mm {
+            output::head();
+            output::row("touches not fitted to, apart", "mm", fresh);
+        }
+        if let Some(expected) = account.expected_mm {
+            say!(
+                "  by its own account skin is {} mm off in another limb's frame (root mean square)",
+                output::number(expected)
+            );
+        }
+        say!("");
+    }
+    say!(
+        "no model, so nothing is compared with the truth (--model names one); `bodyschema observe` tells more"
+    );
 }
 
 /// The error measures as a table.

@@ -11,6 +11,7 @@ macro_rules! say {
 mod babble;
 mod disturbance_options;
 mod evaluate;
+mod export;
 mod inspect;
 mod learn;
 mod learn_options;
@@ -50,6 +51,8 @@ type Outcome = Result<(), Failure>;
   bodyschema inspect mjcf/max/max.xml                    what the agent is given
   bodyschema skin creature.xml --output with_skin.xml    grow a skin on another creature
   bodyschema learn sessions/max --learner hersch         learn again from a session's touches
+  bodyschema learn --creature robot.json --log touches.csv   learn from a recording of a real body
+  bodyschema export sessions/max --urdf                  the learned body for other programs
   bodyschema study learners --trials 5                   compare the learners over five seeds"
 )]
 struct Cli {
@@ -61,12 +64,14 @@ struct Cli {
 enum Command {
     /// Babble, touch, learn the body schema, and measure it
     Babble(babble::Args),
-    /// Learn again from the touches of a session
+    /// Learn again from the touches of a session, or from a recording of a real body
     Learn(learn::Args),
     /// Measure a session's schema against the model it was babbled on
     Evaluate(evaluate::Args),
     /// Tell what a session's touches determine, how well, and what they leave open
     Observe(observe::Args),
+    /// Write a session's learned body as MJCF or URDF
+    Export(export::Args),
     /// Tell a model's tree, degrees of freedom, limbs and receptors
     Inspect(inspect::Args),
     /// Grow a skin of touch receptors on a model
@@ -85,6 +90,7 @@ pub fn run() -> ExitCode {
         Command::Learn(args) => learn::run(&args),
         Command::Evaluate(args) => evaluate::run(&args),
         Command::Observe(args) => observe::run(&args),
+        Command::Export(args) => export::run(&args),
         Command::Inspect(args) => inspect::run(&args),
         Command::Skin(args) => skin::run(&args),
         Command::Study(args) => study::run(&args),

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use serde_json::json;
 
-use super::learn_options::warn_truncated;
+use super::learn_options::{InputName, LearnOptions, warn_truncated};
 use super::{Outcome, output};
 use crate::creature::DofKind;
 use crate::learning::{Input, Learner, LimbFrames, SecondOrder};
@@ -12,7 +12,7 @@ use crate::record::{SCHEMA_FILE, Session, TOUCHES_FILE, read_schema, read_touche
 
 /// Tell what a session's touches determine, how well, and what they leave open.
 ///
-/// From the surfaces' gaps at the session's schema: rank and condition of the problem, the indices that the
+/// From the surfaces' gaps, or a recording's points, at the session's schema: rank and condition of the problem, the indices that the
 /// calibration literature reports, the standard deviation of every joint's position and axes, and every
 /// direction in which the schema could change without any touch feeling it. No truth is needed.
 #[derive(clap::Args)]
@@ -37,10 +37,10 @@ pub fn run(args: &Args) -> Outcome {
         return Err("there is no touch to look at: babble some first".into());
     }
     // Limbs in frames of their own are learned from contact points, which alone can tell these.
-    let (input, frames) = match schema.limb_poses.is_empty() {
-        true => (Input::Receptor, LimbFrames::Joint),
-        false => (Input::Contact, LimbFrames::Limb),
-    };
+    let own_frames = !schema.limb_poses.is_empty();
+    let frames = if own_frames { LimbFrames::Limb } else { LimbFrames::Joint };
+    let points = LearnOptions::default().for_session(&session)?.input_name() == InputName::Contact;
+    let input = if points || own_frames { Input::Contact } else { Input::Receptor };
     let mut learner = SecondOrder::new(creature, skin, input, session.seed).with_frames(frames);
     log.touches.iter().for_each(|touch| learner.touch(touch));
     let (found, deviation) = learner.observe(&schema);
@@ -84,7 +84,9 @@ pub fn run(args: &Args) -> Outcome {
         indices.minimum_singular_value,
         indices.noise_amplification
     );
-    say!("standard deviation of a touch's gap: {:.4} mm (1e-3 mm at the least)\n", 1e3 * deviation);
+    let (what, least) =
+        if points { ("miss, per coordinate", "") } else { ("gap", " (1e-3 mm at the least)") };
+    say!("standard deviation of a touch's {what}: {:.4} mm{least}\n", 1e3 * deviation);
     say!("one standard deviation, – where nothing determines it; an axis by each coordinate across it:");
     say!("  {:<28}{:<32}axes, °", "joint", "position x y z, mm");
     let number = |value: Option<f64>| value.map_or(format!("{:<8}", "–"), |v| format!("{v:.2e}"));

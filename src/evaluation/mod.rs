@@ -7,6 +7,7 @@
 
 pub mod coverage;
 mod measures;
+mod own_account;
 pub mod report;
 
 pub use measures::{
@@ -14,6 +15,7 @@ pub use measures::{
     held_out_points, touch_misses,
 };
 
+pub use own_account::OwnAccount;
 use serde::{Deserialize, Serialize};
 
 use crate::creature::Creature;

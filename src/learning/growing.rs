@@ -27,7 +27,7 @@ use crate::learning::{AxisModel, Parameters, Prior};
 use crate::schema::BodySchema;
 use crate::skin::Skin;
 
-/// Root mean square of whitened misses, on touches not fitted to, that exact points can have.
+/// Root mean square of whitened misses, on touches not fitted to, that points without noise can have.
 pub const EXACT: f64 = 1.0;
 /// Onsets tried for one part of the body before the whole start is given up.
 const ONSETS_PER_PART: usize = 12;
@@ -112,8 +112,13 @@ pub struct Nursery<'a> {
 /// What a part's solution is judged by.
 #[derive(Clone, Copy)]
 pub enum Evidence<'a> {
-    /// The two places of a touch are one point; the whitened residuals' root mean square stays below this.
-    Points(f64),
+    /// The two places of a touch are one point.
+    Points {
+        /// What the root mean square of the whitened residuals stays below.
+        acceptance: f64,
+        /// Whether the places are the centres of patches, which have a bias, and not points.
+        patches: bool,
+    },
     /// The surfaces meet.
     Surfaces(&'a Skin),
 }
@@ -123,7 +128,7 @@ impl Evidence<'_> {
     /// receptors are coarse, and one start in eight grows, or each where the body is large.
     pub fn route(&self, start: usize, dof: usize) -> Route {
         match self {
-            Evidence::Points(_) if self.exact() && start % 4 < 3 => Route::Grown,
+            Evidence::Points { .. } if self.exact() && start % 4 < 3 => Route::Grown,
             _ if !self.exact() && (dof > WHOLE_DOF || start % 8 == 5) => Route::Grown,
             _ => Route::Whole,
         }
@@ -137,14 +142,14 @@ impl Evidence<'_> {
 
     /// Whether the places of a touch are one point, and no patches.
     pub fn exact(&self) -> bool {
-        matches!(self, Evidence::Points(acceptance) if *acceptance <= EXACT)
+        matches!(self, Evidence::Points { patches: false, .. })
     }
 
     /// Touches a part needs before it is solved: some, and some more per unknown degree of freedom. A point
     /// gives three equations, a gap gives one.
     fn enough(&self, dof: usize) -> usize {
         match self {
-            Evidence::Points(_) => 8 + 2 * dof,
+            Evidence::Points { .. } => 8 + 2 * dof,
             Evidence::Surfaces(_) => 12 + 5 * dof,
         }
     }
@@ -161,7 +166,7 @@ impl Misfit {
 
     fn certain(self, evidence: &Evidence) -> bool {
         match evidence {
-            Evidence::Points(_) => self.acceptable(),
+            Evidence::Points { .. } => self.acceptable(),
             Evidence::Surfaces(_) => self.0 <= CERTAIN_GAP / PART_GAP,
         }
     }
@@ -208,7 +213,7 @@ impl Nursery<'_> {
             }
             // All that is known is released once it has grown by half, and at the end: each time is dear.
             let free = known.iter().filter(|&&known| known).count();
-            if matches!(self.evidence, Evidence::Points(_)) || rest || 2 * free > 3 * released {
+            if matches!(self.evidence, Evidence::Points { .. }) || rest || 2 * free > 3 * released {
                 released = free;
                 let used = touches.filter(|pair| pair.chain.joints().all(|joint| known[joint]));
                 let parameters = self.parameters(AxisModel::Unit, &|joint| known[joint]);
@@ -231,6 +236,25 @@ impl Nursery<'_> {
         start
     }
 
+    /// The noise of points: root mean square of the whitened residuals of the part that is solved first, in units
+    /// of one standard deviation each; parameters take up some of it, which is counted in. No acceptance is asked
+    /// for, so that a wrong minimum of all onsets makes it too large.
+    pub fn point_noise(&self, rng: &mut ChaCha8Rng) -> Option<f64> {
+        let touches = self.without(&self.starved());
+        let part = self.next_part(&touches, Route::Grown, self.frozen)?;
+        let in_part = |joint: usize| part.contains(&joint);
+        let closed = touches.filter(|pair| {
+            let mut joints = pair.chain.joints();
+            joints.clone().any(in_part) && joints.all(|joint| self.frozen[joint] || in_part(joint))
+        });
+        let nursery = Nursery { evidence: Evidence::Points { acceptance: EXACT, patches: false }, ..*self };
+        let schema = &self.prior.mean;
+        let (_, Misfit(rms)) = nursery.solve_part(&closed, schema, &part, ONSETS_PER_PART, rng, &mut 0);
+        let (rows, unknowns) =
+            (3 * closed.len(), part.iter().map(|&joint| self.unknowns(joint)).sum::<usize>());
+        Some(rms * (rows as f64 / rows.saturating_sub(unknowns).max(1) as f64).sqrt())
+    }
+
     /// The joints with too few touches to solve them: each touch closes one gap, or brings a point together.
     pub fn starved(&self) -> Vec<bool> {
         let mut starved = vec![false; self.creature.joints().len()];
@@ -240,7 +264,7 @@ impl Nursery<'_> {
                 pair.chain.joints().for_each(|joint| counts[joint] += pair.touches.len());
             }
             let least = |joint: usize| match self.evidence {
-                Evidence::Points(_) => self.unknowns(joint) / 2 + SPARE,
+                Evidence::Points { .. } => self.unknowns(joint) / 2 + SPARE,
                 Evidence::Surfaces(_) => self.unknowns(joint) + SPARE,
             };
             let short = |joint: usize| !starved[joint] && !self.frozen[joint] && counts[joint] < least(joint);
@@ -360,7 +384,7 @@ impl Nursery<'_> {
         };
         let candidates: Vec<Vec<usize>> = match self.evidence {
             // Points are sharp: a single pair of limbs will do.
-            Evidence::Points(_) => parts.iter().map(|(part, _)| part.clone()).collect(),
+            Evidence::Points { .. } => parts.iter().map(|(part, _)| part.clone()).collect(),
             // Receptors are coarse: all that touches within a limb's own subtree, a hand's fingers, say.
             Evidence::Surfaces(_) => (0..self.creature.limbs().len())
                 .map(|limb| {
@@ -382,7 +406,7 @@ impl Nursery<'_> {
         let Some(rich) = rich else {
             return match self.evidence {
                 // Where no pair has touches enough, take the one that has the most for its size.
-                Evidence::Points(_) => {
+                Evidence::Points { .. } => {
                     candidates().max_by_key(|part| (1000 * touches_of(part)) / dof(part).max(1)).cloned()
                 }
                 // No part can stand alone: all that is left, at once, unless it has more unknowns than touches.
@@ -475,7 +499,7 @@ impl Nursery<'_> {
         iterations: usize,
     ) -> (BodySchema, Misfit) {
         match self.evidence {
-            Evidence::Points(acceptance) => {
+            Evidence::Points { acceptance, .. } => {
                 let (schema, rms) = self.solve(touches, parameters, start, iterations);
                 (schema, Misfit(rms / acceptance))
             }
@@ -524,7 +548,7 @@ impl Nursery<'_> {
     ) -> (BodySchema, f64) {
         let count = (3 * touches.len()).max(1) as f64;
         let model = match (self.evidence, parameters.axis_model) {
-            (Evidence::Points(_), AxisModel::Unit) => PointsMeet::Shaped,
+            (Evidence::Points { .. }, AxisModel::Unit) => PointsMeet::Shaped,
             _ => PointsMeet::Anyhow,
         };
         let mut problem = TouchProblem::new(self.creature, touches, parameters, model);

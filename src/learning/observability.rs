@@ -271,6 +271,17 @@ impl Observability {
     /// The joints that the touches leave undetermined: those through which no skin point of any limb can be
     /// put into another limb's frame to [`DETERMINED`]. Postures are drawn at random.
     pub fn undetermined_joints(&self, creature: &Creature, skin: &Skin, schema: &BodySchema) -> Vec<usize> {
+        self.joints_not_placed_to(DETERMINED, creature, skin, schema)
+    }
+
+    /// The same for another standard deviation than [`DETERMINED`], metres.
+    pub fn joints_not_placed_to(
+        &self,
+        sharpness: f64,
+        creature: &Creature,
+        skin: &Skin,
+        schema: &BodySchema,
+    ) -> Vec<usize> {
         let mut rng = ChaCha8Rng::seed_from_u64(0);
         let mut best = vec![f64::INFINITY; creature.joints().len()];
         let on_limb = |limb: usize| skin.receptors.iter().find(|receptor| receptor.limb == limb);
@@ -287,7 +298,7 @@ impl Observability {
                 best[joint] = best[joint].min(deviation);
             }
         }
-        (0..best.len()).filter(|&joint| best[joint] > DETERMINED && !self.known[joint]).collect()
+        (0..best.len()).filter(|&joint| best[joint] > sharpness && !self.known[joint]).collect()
     }
 
     /// The limbs with skin whose own frames the touches do not tell: those of which no three receptors far

@@ -18,7 +18,7 @@ use crate::learning::growing::{EXACT, Evidence, Nursery, Start, WHOLE_DOF};
 use crate::learning::growing_limbs::LimbNursery;
 use crate::learning::joint_noise;
 use crate::learning::least_squares::{LeastSquares, Stopping, levenberg_marquardt};
-use crate::learning::observability::Observability;
+use crate::learning::observability::{DETERMINED, Observability};
 use crate::learning::observation::{Input, Observation, ObservationModel, PointsMeet, SkinKnowledge};
 use crate::learning::prediction::{GapRow, covariance, information_inverse};
 use crate::learning::surface_gap::{MEAN_WEIGHT, SurfaceGap, gap_scale};
@@ -53,8 +53,24 @@ const CERTAIN_NOISE: f64 = 2e-5;
 const INCOMPLETE_LIMB_STARTS: usize = 8;
 /// Touches of one limb pair that a start uses at most; the last fit uses all.
 const TOUCHES_PER_PAIR: usize = 150;
-/// How exact a contact point is taken to be, metres.
+/// How far apart two points that are one may be where nothing else is given, per coordinate, metres.
 const CONTACT_DEVIATION: f64 = 1e-4;
+/// Whitened residuals above which points are taken to have noise, and a second start must agree.
+const VISIBLE_NOISE: f64 = 0.1;
+/// How many times wider than in the part that is solved first the misses may be elsewhere: a part is solved on
+/// others that are held where noise left them, …
+const NOISE_MARGIN: f64 = 3.0;
+/// … and how many times that where no start is accepted; joints that are misread add up in long chains.
+const WIDER: [f64; 2] = [1.0, 3.0];
+/// The most noise of points that is looked for, metres.
+const MOST_NOISE: f64 = 0.02;
+/// Random stream of the look at how much noise points have; starts count from 0 and never get here.
+const NOISE_STREAM: u64 = u64::MAX - 4;
+/// How many times wider than the touches that a schema was fitted to it may leave fresh ones, beyond what it
+/// takes up by its parameters.
+const FRESH_NOISE: f64 = 1.5;
+/// Starts tried with points that have noise before more of it is allowed for.
+const NOISY_STARTS: usize = 8;
 /// How far a curved limb is taken to bulge out of a flat patch, metres.
 const NORMAL_DEVIATION: f64 = 6e-3;
 /// The same as [`EXACT`] for receptor centres: they have a bias, the bulge of the limb.
@@ -120,8 +136,10 @@ impl<'a> SecondOrder<'a> {
 
     fn evidence(&self) -> Evidence<'a> {
         match (self.input, self.knowledge) {
-            (Input::Contact, _) => Evidence::Points(EXACT),
-            (Input::Receptor, SkinKnowledge::Centres) => Evidence::Points(BIASED),
+            (Input::Contact, _) => Evidence::Points { acceptance: EXACT, patches: false },
+            (Input::Receptor, SkinKnowledge::Centres) => {
+                Evidence::Points { acceptance: BIASED, patches: true }
+            }
             (Input::Receptor, SkinKnowledge::Surface) => Evidence::Surfaces(self.skin),
         }
     }
@@ -155,7 +173,7 @@ impl<'a> SecondOrder<'a> {
             receptor: end.receptor,
             position: self.input.position(self.skin, &end),
             covariance: match self.input {
-                Input::Contact => Matrix3::identity() * (0.5 * CONTACT_DEVIATION * CONTACT_DEVIATION),
+                Input::Contact => Matrix3::identity() * contact_variance(end.deviation),
                 Input::Receptor => self.skin.receptors[end.receptor].covariance(NORMAL_DEVIATION),
             },
         });
@@ -178,17 +196,27 @@ impl<'a> SecondOrder<'a> {
 
     /// How badly a start misses touches it was not fitted to, 1 is just acceptable; and the noise of the
     /// touches that it was fitted to, metres.
-    fn judge(&self, fitted: &TouchSet, fresh: &TouchSet, start: &Start) -> (f64, f64) {
+    fn judge(&self, search: &Search, fitted: &TouchSet, fresh: &TouchSet, start: &Start) -> (f64, f64) {
         let used = fresh.filter(|pair| start.covers(pair));
         if used.is_empty() {
             return (f64::INFINITY, f64::INFINITY);
         }
-        match self.evidence() {
-            Evidence::Points(acceptance) => {
-                let misfit = point_misfit(&used, &start.schema) / acceptance;
-                // Exact points are their own proof; places of patches are not.
+        match search.evidence {
+            Evidence::Points { acceptance, .. } => {
+                let fresh = point_misfit(&used, &start.schema);
+                // Points without noise are their own proof; others are not.
+                if !search.noisy {
+                    return (fresh / acceptance, 0.0);
+                }
                 let known = fitted.filter(|pair| start.covers(pair));
-                let noise = if self.evidence().exact() { 0.0 } else { point_misfit(&known, &start.schema) };
+                let noise = point_misfit(&known, &start.schema);
+                let free = |joint: usize| start.known[joint] && !self.known.frozen[joint];
+                let unknowns = Parameters::new(self.creature, AxisModel::Unit, free).len() as f64;
+                // Of `n` equations with `p` unknowns the mean square is `1 − p/n` of the noise's, of fresh ones
+                // about `1 + p/n`.
+                let share = (unknowns / (3 * known.len()).max(1) as f64).min(0.9);
+                let expected = noise * ((1.0 + share) / (1.0 - share)).sqrt();
+                let misfit = (fresh / acceptance).max(fresh / (FRESH_NOISE * expected));
                 (misfit, noise)
             }
             Evidence::Surfaces(_) => self.judge_gaps(&fitted.filter(|pair| start.covers(pair)), &used, start),
@@ -198,7 +226,7 @@ impl<'a> SecondOrder<'a> {
     /// The share of the noise within which two starts have come to the same.
     fn agreement(&self) -> f64 {
         match self.evidence() {
-            Evidence::Points(_) => POINT_AGREEMENT,
+            Evidence::Points { .. } => POINT_AGREEMENT,
             Evidence::Surfaces(_) => AGREEMENT,
         }
     }
@@ -263,7 +291,7 @@ impl<'a> SecondOrder<'a> {
         let parameters = self.parameters(&start.known, &start.placed);
         let schema = self.with_frozen(&start.schema);
         match self.evidence() {
-            Evidence::Points(_) => {
+            Evidence::Points { .. } => {
                 let mut problem =
                     TouchProblem::new(self.creature, &used, &parameters, PointsMeet::Shaped).with_prior(
                         if self.input == Input::Contact { &self.known.given } else { &self.known.prior },
@@ -321,11 +349,11 @@ impl<'a> SecondOrder<'a> {
     }
 
     /// The same for the joints that are `known` at all, and the touches with only such joints between limbs.
-    pub(super) fn refine_known(&self, schema: &BodySchema, known: Vec<bool>) -> Learned {
+    pub(crate) fn refine_known(&self, schema: &BodySchema, known: Vec<bool>) -> Learned {
         let placed = vec![true; self.creature.limbs().len()];
         let start = Start { schema: schema.clone(), known, placed, accepted: true, onsets: 0 };
         let (schema, observability, deviation) = self.polish(&start);
-        let undetermined = observability.undetermined_joints(self.creature, self.skin, &schema);
+        let undetermined = self.undetermined(&observability, &schema, deviation);
         Learned {
             schema,
             verdict: Verdict::Unjudged("it was refined from a given schema".to_string()),
@@ -337,6 +365,13 @@ impl<'a> SecondOrder<'a> {
             deviation: Some(deviation),
             changes: Vec::new(),
         }
+    }
+
+    /// The joints that touches of a deviation (metres) leave undetermined: skin beyond them cannot be placed to a
+    /// millimetre, nor as well as points that have noise tell where they are.
+    fn undetermined(&self, found: &Observability, schema: &BodySchema, deviation: f64) -> Vec<usize> {
+        let sharpness = if self.input == Input::Contact { DETERMINED.max(deviation) } else { DETERMINED };
+        found.joints_not_placed_to(sharpness, self.creature, self.skin, schema)
     }
 
     /// What all touches so far determine at a schema, and the deviation of a touch that they show, metres.
@@ -353,14 +388,14 @@ impl<'a> SecondOrder<'a> {
         used.pairs.iter().flat_map(|pair| pair.limbs).for_each(|limb| placed[limb] = true);
         let parameters = self.parameters(&touched, &placed);
         let (mut hessian, rows, deviation) = match self.evidence() {
-            Evidence::Points(_) => {
+            Evidence::Points { .. } => {
                 let mut problem = TouchProblem::new(self.creature, used, &parameters, PointsMeet::Shaped);
                 let model = problem.linearize(schema);
                 let spare = (3 * used.len()).saturating_sub(parameters.len()).max(1);
                 let misses = (2.0 * model.cost / spare as f64).sqrt();
                 // Points that miss by more than they were taken to say that much less.
                 let hessian = model.hessian / misses.max(1.0).powi(2);
-                (hessian, 3 * used.len(), CONTACT_DEVIATION * misses)
+                (hessian, 3 * used.len(), taken_deviation(used) * misses)
             }
             Evidence::Surfaces(skin) => {
                 let mut deviation = self.gap_deviation(skin, used, &parameters, schema, None);
@@ -438,6 +473,21 @@ fn noise(skin: &Skin, touches: &TouchSet, parameters: &Parameters, schema: &Body
     (typical * scatter).max(NARROWEST)
 }
 
+/// The variance of each coordinate of a point of contact, m²: from its standard deviation where that is given, but
+/// no point is taken to be more exact than [`CONTACT_DEVIATION`] allows.
+fn contact_variance(deviation: Option<f64>) -> f64 {
+    let least = 0.5 * CONTACT_DEVIATION * CONTACT_DEVIATION;
+    deviation.map_or(least, |deviation| least.max(deviation * deviation))
+}
+
+/// How far apart, per coordinate and as a root mean square, the two places of a touch are taken to be, metres.
+fn taken_deviation(touches: &TouchSet) -> f64 {
+    let touches = || touches.pairs.iter().flat_map(|pair| &pair.touches);
+    let variance =
+        |touch: &PreparedTouch| (touch.ends[0].covariance + touch.ends[1].covariance).trace() / 3.0;
+    (touches().map(variance).sum::<f64>() / touches().count().max(1) as f64).sqrt()
+}
+
 fn kept_back(touch: usize) -> bool {
     touch % KEPT_BACK == KEPT_BACK - 1
 }
@@ -455,6 +505,25 @@ fn point_misfit(touches: &TouchSet, schema: &BodySchema) -> f64 {
     (sum / count).sqrt()
 }
 
+/// How to look for an answer.
+struct Search<'a> {
+    /// What the touches say, and how well an answer has to explain it.
+    evidence: Evidence<'a>,
+    /// Whether two starts must agree on how much noise there is.
+    noisy: bool,
+    /// Most starts.
+    starts: usize,
+}
+
+/// What a search found.
+struct Found {
+    best: Judged,
+    /// Random onsets used.
+    onsets: usize,
+    /// Whether starts agreed on an answer that was not accepted.
+    settled: bool,
+}
+
 /// A start and how it did on touches that it was not fitted to.
 struct Judged {
     start: Start,
@@ -468,6 +537,11 @@ impl Judged {
     /// How many joints it knows, and limbs.
     fn known(&self) -> usize {
         self.start.known.iter().chain(&self.start.placed).filter(|&&known| known).count()
+    }
+
+    /// Whether it is the answer rather than that of a search that allowed for less noise.
+    fn more(&self, other: &Judged) -> bool {
+        self.start.accepted && (!other.start.accepted || self.known() > other.known())
     }
 
     fn better(&self, other: &Judged) -> bool {
@@ -492,50 +566,99 @@ impl Learner for SecondOrder<'_> {
     }
 }
 
-impl SecondOrder<'_> {
+impl<'a> SecondOrder<'a> {
     /// Learns from all touches in so many starts at most.
     pub fn learn_in(&self, starts: usize) -> Learned {
         let fresh = self.touches.iter().enumerate().filter(|(i, _)| kept_back(*i)).map(|(_, touch)| touch);
         let fresh = self.prepare(fresh);
         let fitted = self.fitted();
         let touches = self.prepare(fitted.iter().copied());
-        let dof = self.creature.dof();
-        let nursery = |number: usize| Nursery {
-            creature: self.creature,
-            touches: &touches,
-            evidence: self.evidence(),
-            prior: &self.known.prior,
-            frozen: &self.known.frozen,
-            turn: number,
-        };
-        let limb_nursery =
-            |number: usize| LimbNursery { creature: self.creature, touches: &touches, turn: number };
-        let (solvable, incomplete_starts) = match self.frames {
+        let solvable = match self.frames {
             LimbFrames::Joint => {
-                let starved = nursery(0).starved().iter().filter(|&&starved| starved).count();
-                (self.creature.joints().len() - starved + self.creature.limbs().len(), INCOMPLETE_STARTS)
+                let starved = self.nursery(self.evidence(), &touches, 0).starved();
+                starved.iter().filter(|&&starved| !starved).count() + self.creature.limbs().len()
             }
-            LimbFrames::Limb => (limb_nursery(0).solvable(), INCOMPLETE_LIMB_STARTS),
+            LimbFrames::Limb => self.limb_nursery(&touches, 0).solvable(),
+        };
+        let mut onsets = 0;
+        let mut found: Option<Judged> = None;
+        for search in self.searches(&touches, starts) {
+            let Found { best, onsets: tried, settled } = self.search(&search, solvable, &touches, &fresh);
+            onsets += tried;
+            // Where starts agree on an answer that fresh touches do not bear out, more noise is no excuse.
+            let done = settled || (best.start.accepted && best.known() >= solvable);
+            if found.as_ref().is_none_or(|found| best.more(found)) {
+                found = Some(best);
+            }
+            if done {
+                break;
+            }
+        }
+        self.conclude(found.expect("there is a search"), onsets)
+    }
+
+    fn nursery<'t>(&'t self, evidence: Evidence<'t>, touches: &'t TouchSet, turn: usize) -> Nursery<'t> {
+        let Known { prior, frozen, .. } = &self.known;
+        Nursery { creature: self.creature, touches, evidence, prior, frozen, turn }
+    }
+
+    fn limb_nursery<'t>(&'t self, touches: &'t TouchSet, turn: usize) -> LimbNursery<'t> {
+        LimbNursery { creature: self.creature, touches, turn }
+    }
+
+    /// The searches to try one after the other until one finds an answer. There is one, but for points with
+    /// noise of which nobody knows how much it is.
+    fn searches(&self, touches: &TouchSet, starts: usize) -> Vec<Search<'a>> {
+        let evidence = self.evidence();
+        if self.input != Input::Contact || self.frames == LimbFrames::Limb {
+            return vec![Search { evidence, noisy: !evidence.exact(), starts }];
+        }
+        let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
+        rng.set_stream(NOISE_STREAM);
+        let noise = self.nursery(evidence, touches, 0).point_noise(&mut rng).unwrap_or(0.0);
+        let most = MOST_NOISE / taken_deviation(touches);
+        if noise <= VISIBLE_NOISE || noise > most {
+            return vec![Search { evidence, noisy: false, starts }];
+        }
+        let acceptances = WIDER.map(|wider| (wider * NOISE_MARGIN * noise).clamp(EXACT, most.max(EXACT)));
+        let search = |acceptance| {
+            let evidence = Evidence::Points { acceptance, patches: false };
+            Search { evidence, noisy: true, starts: starts.min(NOISY_STARTS) }
+        };
+        acceptances.into_iter().map(search).collect()
+    }
+
+    /// Makes the starts of a search, as many as it takes.
+    fn search(&self, search: &Search<'a>, solvable: usize, touches: &TouchSet, fresh: &TouchSet) -> Found {
+        let dof = self.creature.dof();
+        let incomplete_starts = match self.frames {
+            LimbFrames::Joint => INCOMPLETE_STARTS,
+            LimbFrames::Limb => INCOMPLETE_LIMB_STARTS,
         };
         let make = |number: usize| {
             let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
             rng.set_stream(number as u64);
-            let nursery = nursery(number);
+            let nursery = self.nursery(search.evidence, touches, number);
             let mut start = match self.frames {
                 LimbFrames::Joint => nursery.start(nursery.evidence.route(number, dof), &mut rng),
-                LimbFrames::Limb => limb_nursery(number).start(&mut rng),
+                LimbFrames::Limb => self.limb_nursery(touches, number).start(&mut rng),
             };
-            let (judged, noise) = self.judge(&touches, &fresh, &start);
+            let (judged, noise) = self.judge(search, touches, fresh, &start);
             start.accepted &= judged <= 1.0;
             Judged { start, judged, noise }
         };
         // All cores make starts; which one is taken does not depend on how many there are.
         let mut best: Option<Judged> = None;
-        let mut onsets = 0;
+        let (mut onsets, mut settled) = (0, false);
         let mut noises: Vec<f64> = Vec::new();
+        let points = self.input == Input::Contact;
+        let metres = if points { taken_deviation(touches) } else { 1.0 };
         // Starts of a large body are long, and try several onsets for each part.
-        let starts =
-            if dof > WHOLE_DOF && !self.evidence().exact() { starts.min(LARGE_STARTS) } else { starts };
+        let starts = if dof > WHOLE_DOF && !search.evidence.exact() {
+            search.starts.min(LARGE_STARTS)
+        } else {
+            search.starts
+        };
         let numbers: Vec<usize> = (0..starts).collect();
         'waves: for wave in numbers.chunks(rayon::current_num_threads()) {
             let made: Vec<Judged> = wave.par_iter().map(|&number| make(number)).collect();
@@ -552,8 +675,14 @@ impl SecondOrder<'_> {
                 if best.start.accepted && complete && (best.noise <= CERTAIN_NOISE || agreeing >= 2) {
                     break 'waves;
                 }
-                let settled = CERTAIN_NOISE < best.noise && best.noise < TANGLED;
-                if settled && agreeing >= HOPELESS_STARTS {
+                // With points it is the least noise that starts have to agree on, whoever is best by other measures.
+                let least =
+                    if points { noises.iter().copied().fold(f64::INFINITY, f64::min) } else { best.noise };
+                let agreeing =
+                    noises.iter().filter(|&&noise| noise <= (1.0 + self.agreement()) * least).count();
+                let plausible = CERTAIN_NOISE < least && metres * least < TANGLED;
+                settled = plausible && agreeing >= HOPELESS_STARTS;
+                if settled {
                     break 'waves;
                 }
             }
@@ -562,10 +691,15 @@ impl SecondOrder<'_> {
         // Noise that no second start finds may be a wrong minimum as well.
         let agreeing = noises.iter().filter(|&&noise| noise <= (1.0 + self.agreement()) * best.noise).count();
         best.start.accepted &= best.noise <= CERTAIN_NOISE || agreeing >= 2;
-        let Judged { start, judged, .. } = best;
+        Found { best, onsets, settled }
+    }
+
+    /// Fits what was found to all touches, or says why nothing was.
+    fn conclude(&self, found: Judged, onsets: usize) -> Learned {
+        let Judged { start, judged, .. } = found;
         if start.accepted {
             let (schema, observability, deviation) = self.polish(&start);
-            let undetermined = observability.undetermined_joints(self.creature, self.skin, &schema);
+            let undetermined = self.undetermined(&observability, &schema, deviation);
             let undetermined_limbs = observability.undetermined_limbs(self.creature, self.skin, &schema);
             return Learned {
                 schema,
@@ -579,11 +713,15 @@ impl SecondOrder<'_> {
                 changes: Vec::new(),
             };
         }
-        let why = format!(
-            "none of {onsets} random onsets explains the touches that it was not fitted to; try more touches \
-             (--touches) or another seed (--seed){}",
-            if self.known.is_given() { ", or check what is known (--known)" } else { "" }
-        );
+        let why = if onsets == 0 {
+            "no joint has as many touches as it has unknowns: give more touches".to_string()
+        } else {
+            format!(
+                "none of {onsets} random onsets explains the touches that it was not fitted to; try more touches \
+                 (--touches) or another seed (--seed){}",
+                if self.known.is_given() { ", or check what is known (--known)" } else { "" }
+            )
+        };
         Learned {
             schema: self.with_frozen(&start.schema),
             verdict: Verdict::Failed(why),

@@ -10,6 +10,7 @@ mod files;
 mod known;
 mod learning_table;
 mod model_hash;
+mod recording;
 mod schema;
 mod session;
 mod stamp;
@@ -21,8 +22,9 @@ pub use error::{Action, RecordError};
 pub use known::read_known;
 pub use learning_table::LearningTable;
 pub use model_hash::model_hash;
+pub use recording::{CreatureFile, Recording, read_creature, read_recording};
 pub use schema::{read_schema, write_schema, write_schema_with_std};
-pub use session::{BabblingEffort, Session, SessionOptions};
+pub use session::{BabblingEffort, RecordingFiles, Session, SessionOptions};
 pub use touch_reader::{TouchLog, read_touches};
 pub use touch_writer::TouchWriter;
 

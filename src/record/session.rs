@@ -22,12 +22,18 @@ const STAMP: Stamp = Stamp { format: "bodyschema session", version: 1 };
 pub struct Session {
     /// The program and its version: [`PROGRAM`](super::PROGRAM).
     pub program: String,
-    /// The version of MuJoCo that simulated it.
+    /// The version of MuJoCo that simulated it; empty where it was recorded and not simulated.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
     pub engine: String,
-    /// The model's path as it was given.
+    /// The model's path as it was given; empty where there is none.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
     pub model: String,
-    /// The model's content: [`model_hash`](super::model_hash).
+    /// The model's content: [`model_hash`](super::model_hash); empty where there is none.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
     pub model_hash: String,
+    /// The files it was made of, where it was recorded and not simulated.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub recording: Option<RecordingFiles>,
     /// Seed of all random streams.
     pub seed: u64,
     /// What was asked for.
@@ -38,6 +44,16 @@ pub struct Session {
     pub creature: Creature,
     /// Its skin.
     pub skin: Skin,
+}
+
+/// The files of a recording, by their paths as they were given.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(expecting = "an object")]
+pub struct RecordingFiles {
+    /// The description of the creature.
+    pub creature: String,
+    /// The log of touches.
+    pub log: String,
 }
 
 /// What a session was asked for, in the words of the command line.
@@ -126,33 +142,37 @@ impl Session {
         Ok(session)
     }
 
-    /// Checks that every receptor has a limb, a surface, finite numbers and an id of its own.
     fn check(&self) -> Result<(), String> {
-        let limbs = self.creature.limbs().len();
-        let mut ids = HashSet::new();
-        for receptor in &self.skin.receptors {
-            let refuse = |what: &str, mend: &str| Err(format!("receptor \"{}\" {what}: {mend}", receptor.id));
-            if !ids.insert(&receptor.id) {
-                return refuse("occurs twice", "give each an id of its own");
-            }
-            if receptor.limb >= limbs {
-                return refuse("is on a limb that does not exist", "give it one of the creature's limbs");
-            }
-            if receptor.surface.is_some_and(|surface| surface >= self.skin.surfaces.len()) {
-                return refuse("is on a surface that does not exist", "give it one of the skin's surfaces");
-            }
-            let vectors = [&receptor.position, &receptor.normal, &receptor.tangent];
-            let mut numbers = vectors.into_iter().flatten().chain(&receptor.half_extents);
-            if !numbers.all(|number| number.is_finite()) {
-                return refuse("has a number that is not finite", "give a finite one");
-            }
+        check_skin(&self.creature, &self.skin)
+    }
+}
+
+/// Checks that every receptor has a limb, a surface, finite numbers and an id of its own.
+pub(super) fn check_skin(creature: &Creature, skin: &Skin) -> Result<(), String> {
+    let limbs = creature.limbs().len();
+    let mut ids = HashSet::new();
+    for receptor in &skin.receptors {
+        let refuse = |what: &str, mend: &str| Err(format!("receptor \"{}\" {what}: {mend}", receptor.id));
+        if !ids.insert(&receptor.id) {
+            return refuse("occurs twice", "give each an id of its own");
         }
-        match self.skin.surfaces.iter().position(|surface| surface.limb >= limbs) {
-            Some(i) => Err(format!(
-                "surface {i} (from 0) of the skin is on a limb that does not exist: give it one of the \
-                 creature's limbs"
-            )),
-            None => Ok(()),
+        if receptor.limb >= limbs {
+            return refuse("is on a limb that does not exist", "give it one of the creature's limbs");
         }
+        if receptor.surface.is_some_and(|surface| surface >= skin.surfaces.len()) {
+            return refuse("is on a surface that does not exist", "give it one of the skin's surfaces");
+        }
+        let vectors = [&receptor.position, &receptor.normal, &receptor.tangent];
+        let mut numbers = vectors.into_iter().flatten().chain(&receptor.half_extents);
+        if !numbers.all(|number| number.is_finite()) {
+            return refuse("has a number that is not finite", "give a finite one");
+        }
+    }
+    match skin.surfaces.iter().position(|surface| surface.limb >= limbs) {
+        Some(i) => Err(format!(
+            "surface {i} (from 0) of the skin is on a limb that does not exist: give it one of the \
+             creature's limbs"
+        )),
+        None => Ok(()),
     }
 }

@@ -41,6 +41,9 @@ pub(super) struct Line<S, P, V> {
     pub positions: [V; 2],
     /// The exact points of contact in the limbs' frames.
     pub contacts: [V; 2],
+    /// Standard deviations of the contacts' coordinates, metres, where the recording gives them.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub deviations: Option<[Option<f64>; 2]>,
 }
 
 /// The name of the limb a receptor is on.
@@ -101,6 +104,12 @@ pub(super) fn check(touch: &Touch, creature: &Creature, skin: &Skin) -> Result<(
         if !end.contact.iter().all(|x| x.is_finite()) {
             return Err(format!(
                 "the contact at \"{}\" is not three finite numbers: give them, or leave the touch out",
+                receptor.id
+            ));
+        }
+        if let Some(wrong) = end.deviation.filter(|deviation| !(deviation.is_finite() && *deviation >= 0.0)) {
+            return Err(format!(
+                "the contact's deviation at \"{}\" is {wrong}: give metres that are not negative, or null",
                 receptor.id
             ));
         }

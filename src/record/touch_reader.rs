@@ -43,7 +43,7 @@ pub fn read_touches(path: &Path, creature: &Creature, skin: &Skin) -> Result<Tou
 
     let mut json = Vec::new();
     file.read_until(b'\n', &mut json).map_err(io())?;
-    check_header(path, &json, creature)?;
+    check_header(path, &json, 1, creature)?;
     let mut log = TouchLog::default();
     for line in 2.. {
         json.clear();
@@ -72,16 +72,22 @@ pub fn read_touches(path: &Path, creature: &Creature, skin: &Skin) -> Result<Tou
 }
 
 /// Whether a last line that is no touch is the beginning of one.
-fn incomplete(json: &[u8], error: &serde_json::Error) -> bool {
+pub(super) fn incomplete(json: &[u8], error: &serde_json::Error) -> bool {
     error.is_eof() || (error.is_syntax() && !json.ends_with(b"\n"))
 }
 
-fn check_header(path: &Path, json: &[u8], creature: &Creature) -> Result<(), RecordError> {
-    let refuse = |message: String| Err(RecordError::format(path, Some(1), message));
+/// Checks the header, which stands on a line of the log.
+pub(super) fn check_header(
+    path: &Path,
+    json: &[u8],
+    line: usize,
+    creature: &Creature,
+) -> Result<(), RecordError> {
+    let refuse = |message: String| Err(RecordError::format(path, Some(line), message));
     if json.trim_ascii().is_empty() {
         return refuse("there is no header: give a log of touches, or record again".into());
     }
-    STAMP.check(path, Some(1), json)?;
+    STAMP.check(path, Some(line), json)?;
     let header: Header = match serde_json::from_slice(json) {
         Ok(header) => header,
         Err(error) => {
@@ -137,7 +143,11 @@ fn touch(
                  recorded with, or mend the line"
             ));
         }
-        Ok(TouchEnd { receptor, contact: vector(&found.contacts[k]) })
+        Ok(TouchEnd {
+            receptor,
+            contact: vector(&found.contacts[k]),
+            deviation: found.deviations.and_then(|of| of[k]),
+        })
     };
     let ends = [end(0)?, end(1)?];
     let posture = found.posture.iter().map(|x| x.unwrap_or(f64::NAN)).collect();

@@ -69,6 +69,8 @@ impl<'a> TouchWriter<'a> {
             limbs,
             positions: receptors.map(|receptor| <[f64; 3]>::from(receptor.position)),
             contacts: touch.ends.map(|end| <[f64; 3]>::from(end.contact)),
+            deviations: Some(touch.ends.map(|end| end.deviation))
+                .filter(|deviations| deviations.iter().any(Option::is_some)),
         })
     }
 

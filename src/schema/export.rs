@@ -20,13 +20,15 @@ const LEAST_MASS: f64 = 1e-3;
 const LEAST_INERTIA: f64 = 1e-6;
 /// A receptor's site is at most this share of its smaller side thick, to be known for a flat patch.
 const THINNESS: f64 = 0.25;
+/// Half the sides of the site of a receptor without extent, metres.
+const MARK: f64 = 2e-3;
 /// MuJoCo wants a limited joint to have some play, radians or metres.
 const LEAST_PLAY: f64 = 1e-9;
 
 /// A standalone MJCF model of the body as it was learned.
 ///
 /// The root limb is fixed in the world; every other limb is a body of its name at `l_P`, oriented as its
-/// parent, or at its own frame where limbs have such. `schema` must fit the creature. Read back with all joints, the model's ground truth is the
+/// parent, or at its own frame where limbs have such. What follows another joint does so. `schema` must fit the creature. Read back with all joints, the model's ground truth is the
 /// schema, and its skin is the skin; a surface known only by its receptors becomes a thin box for each.
 pub fn to_mjcf(creature: &Creature, skin: &Skin, schema: &BodySchema) -> String {
     let names = limb_names(creature);
@@ -43,10 +45,25 @@ pub fn to_mjcf(creature: &Creature, skin: &Skin, schema: &BodySchema) -> String 
         XMLNode::Element(element("option", &[("gravity", "0 0 0".into())])),
     ];
     root.children.splice(0..0, head);
+    for (s, surface) in skin.surfaces.iter().enumerate() {
+        if let Shape::Hull(hull) = &surface.shape {
+            let mesh = [("name", hull_name(s)), ("vertex", exact(hull.vertices().iter().flatten()))];
+            add(section(&mut root, "asset"), element("mesh", &mesh));
+        }
+    }
     add(section(&mut root, "worldbody"), body(creature, skin, schema, &names, 0));
     for [a, b] in excluded(creature, skin) {
         let pair = [("body1", names[a].clone()), ("body2", names[b].clone())];
         add(section(&mut root, "contact"), element("exclude", &pair));
+    }
+    let dofs: Vec<&Dof> = creature.dofs().collect();
+    for (dof, coupling) in dofs.iter().filter_map(|dof| Some((dof, dof.follows?))) {
+        let coupled = [
+            ("joint1", dof.name.clone()),
+            ("joint2", dofs[coupling.leader].name.clone()),
+            ("polycoef", exact(&coupling.polynomial)),
+        ];
+        add(section(&mut root, "equality"), element("joint", &coupled));
     }
     for dof in creature.dofs() {
         // A ball's angles are a quaternion, which has a sensor of its own.
@@ -103,7 +120,7 @@ fn body(creature: &Creature, skin: &Skin, schema: &BodySchema, names: &[String],
     }
     for (s, surface) in skin.surfaces.iter().enumerate().filter(|(_, surface)| surface.limb == limb) {
         let of_surface = skin.receptors.iter().filter(|r| r.limb == limb && r.surface == Some(s));
-        match geom(surface) {
+        match geom(s, surface) {
             Some(geom) => add(&mut body, geom),
             None => of_surface.for_each(|receptor| add(&mut body, tile(receptor))),
         }
@@ -139,29 +156,40 @@ fn joint_element(dof: &Dof, axis: &Vector3<f64>) -> Element {
 }
 
 /// A surface as a geom; none for one that only its receptors tell of.
-fn geom(surface: &Surface) -> Option<Element> {
+fn geom(s: usize, surface: &Surface) -> Option<Element> {
     let (kind, size) = match surface.shape {
         Shape::Sphere { radius } => ("sphere", vec![radius]),
         Shape::Capsule { radius, half_length } => ("capsule", vec![radius, half_length]),
         Shape::Ellipsoid { semi_axes } => ("ellipsoid", semi_axes.to_vec()),
         Shape::Cylinder { radius, half_length } => ("cylinder", vec![radius, half_length]),
         Shape::Box { half_extents } => ("box", half_extents.to_vec()),
-        Shape::Hull(_) | Shape::Mesh => return None,
+        Shape::Hull(_) => ("mesh", Vec::new()),
+        Shape::Mesh => return None,
     };
-    Some(placed("geom", kind, &size, &surface.origin, &surface.rotation))
+    let mut geom = placed("geom", kind, &size, &surface.origin, &surface.rotation);
+    if kind == "mesh" {
+        geom.attributes.shift_remove("size");
+        geom.attributes.insert("mesh".into(), hull_name(s));
+    }
+    Some(geom)
+}
+
+/// The name of a surface's hull among the meshes.
+fn hull_name(s: usize) -> String {
+    format!("hull_{s}")
 }
 
 /// A thin box below a receptor, its outer face where the skin is.
 fn tile(receptor: &Receptor) -> Element {
     let thin = half_thickness(receptor);
-    let [u, v] = receptor.half_extents;
+    let [u, v] = half_extents(receptor);
     let centre = receptor.position - receptor.normal * thin;
     placed("geom", "box", &[u, v, thin], &centre, &axes(receptor))
 }
 
 /// A receptor's site.
 fn site(receptor: &Receptor) -> Element {
-    let [u, v] = receptor.half_extents;
+    let [u, v] = half_extents(receptor);
     let size = [u, v, half_thickness(receptor)];
     let mut site = placed("site", "box", &size, &receptor.position, &axes(receptor));
     site.attributes.shift_remove("type");
@@ -170,8 +198,13 @@ fn site(receptor: &Receptor) -> Element {
     named
 }
 
-fn half_thickness(receptor: &Receptor) -> f64 {
-    let [u, v] = receptor.half_extents;
+/// A receptor without extent, as limbs have that no skin is known of, is marked by a small one.
+pub(super) fn half_extents(receptor: &Receptor) -> [f64; 2] {
+    if receptor.half_extents == [0.0; 2] { [MARK; 2] } else { receptor.half_extents }
+}
+
+pub(super) fn half_thickness(receptor: &Receptor) -> f64 {
+    let [u, v] = half_extents(receptor);
     HALF_THICKNESS.min(THINNESS * u.min(v))
 }
 

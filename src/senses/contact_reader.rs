@@ -83,6 +83,6 @@ impl ContactReader {
         };
         let receptors = self.receptors_on_geom[geom].iter().copied();
         let receptor = receptors.filter(holds).min_by(|&a, &b| distance(a).total_cmp(&distance(b)))?;
-        Some(TouchEnd { receptor, contact })
+        Some(TouchEnd { receptor, contact, deviation: None })
     }
 }

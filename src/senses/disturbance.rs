@@ -18,6 +18,8 @@ use crate::skin::Skin;
 const JOINT_STREAM: u64 = u64::MAX;
 const RECEPTOR_STREAM: u64 = u64::MAX - 1;
 const FALSE_TOUCH_STREAM: u64 = u64::MAX - 2;
+// u64::MAX - 3 makes the gaps of `evaluation::coverage`, u64::MAX - 4 is the learner's.
+const POINT_STREAM: u64 = u64::MAX - 5;
 
 /// How much is wrong with an agent's senses; nothing by default.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -31,6 +33,8 @@ pub struct Disturbances {
     pub receptor_noise: f64,
     /// Share of touches of which one end is reported by a receptor that has nothing to do with it, 0 to 1.
     pub false_touches: f64,
+    /// Standard deviation of each coordinate of a point of contact, metres, anew at both ends of every touch.
+    pub point_noise: f64,
 }
 
 /// What an agent with disturbed senses has to learn from.
@@ -69,6 +73,12 @@ impl Disturbances {
             let displacements = self.displace(&mut felt.skin, &mut stream(RECEPTOR_STREAM));
             for end in felt.touches.iter_mut().flat_map(|touch| &mut touch.ends) {
                 end.contact += displacements[end.receptor];
+            }
+        }
+        if self.point_noise > 0.0 {
+            let mut rng = stream(POINT_STREAM);
+            for end in felt.touches.iter_mut().flat_map(|touch| &mut touch.ends) {
+                end.contact += vector(self.point_noise, &mut rng);
             }
         }
         felt
@@ -126,7 +136,7 @@ impl Disturbances {
             || (0..skin.receptors.len()).filter(|&receptor| skin.receptors[receptor].limb != stays);
         let number = (place * elsewhere().count() as f64) as usize;
         let Some(receptor) = elsewhere().nth(number) else { return };
-        touch.ends[end] = TouchEnd { receptor, contact: skin.receptors[receptor].position };
+        touch.ends[end] = TouchEnd { receptor, contact: skin.receptors[receptor].position, deviation: None };
         if limb(&touch.ends[0]) > limb(&touch.ends[1]) {
             touch.ends.swap(0, 1);
         }

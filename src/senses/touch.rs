@@ -8,6 +8,9 @@ pub struct TouchEnd {
     /// The exact point of contact in the receptor's limb's frame, metres. A skin does not report it:
     /// only learning from `contact` input may use it.
     pub contact: nalgebra::Vector3<f64>,
+    /// Standard deviation of each coordinate of that point, metres; none where nobody gave it: the learner
+    /// then goes by how far the points miss each other.
+    pub deviation: Option<f64>,
 }
 
 /// A self-touch as the agent feels it.

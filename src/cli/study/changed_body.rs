@@ -176,7 +176,7 @@ pub fn felt(known: &Skin, changed: &Skin, grip: usize, touch: &Touch) -> Option<
     for end in &mut touch.ends {
         let id = &changed.receptors[end.receptor].id;
         let receptor = if id.starts_with(STICK) { grip } else { known.receptor(id)? };
-        *end = TouchEnd { receptor, contact: end.contact };
+        *end = TouchEnd { receptor, contact: end.contact, deviation: end.deviation };
     }
     Some(touch)
 }

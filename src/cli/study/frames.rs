@@ -41,7 +41,7 @@ const SUMMARY: &[Column] = &[
 ];
 
 fn measure(subject: &Subject) -> Result<Findings, Failure> {
-    let contact = LearnOptions { input: InputName::Contact, ..LearnOptions::default() };
+    let contact = LearnOptions { input: Some(InputName::Contact), ..LearnOptions::default() };
     let conditions = [
         ("joint", contact.clone()),
         ("limb", LearnOptions { frames: FramesName::Limb, ..contact }.checked(&subject.body.creature)?),

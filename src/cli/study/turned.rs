@@ -55,7 +55,7 @@ const WRONG_MM: f64 = 0.5;
 fn measure(subject: &Subject) -> Result<Findings, Failure> {
     let half = subject.touches.div_ceil(2);
     let conditions = [
-        ("contact", half, LearnOptions { input: InputName::Contact, ..LearnOptions::default() }),
+        ("contact", half, LearnOptions { input: Some(InputName::Contact), ..LearnOptions::default() }),
         ("receptor", subject.touches, LearnOptions::default()),
     ];
     let mut measurements = Table::new(MEASUREMENTS);

@@ -1,0 +1,72 @@
+//! `bodyschema export`: a learned body for other programs.
+
+use std::path::{Path, PathBuf};
+
+use super::learn_options::LEARNED_FILE;
+use super::{Failure, Outcome};
+use crate::record::{SCHEMA_FILE, Session, read_schema};
+use crate::schema::{Urdf, to_mjcf, to_urdf};
+
+/// Write a session's learned body as a model for other programs.
+///
+/// The joints are where the schema has them, the limbs have the shapes that the skin tells of, masses are
+/// stand-ins. MJCF is what MuJoCo's `simulate` opens. URDF has no balls, capsules or ellipsoids: three hinges stand
+/// for a ball, a cylinder and two spheres for a capsule, and ellipsoids refer to an STL mesh that is written beside
+/// the file. Limbs of a recording without a skin have no shape.
+#[derive(clap::Args)]
+#[command(after_help = "Examples:
+  bodyschema export sessions/max-1 --mjcf
+  bodyschema export sessions/max-1 --urdf --output max.urdf")]
+pub struct Args {
+    /// The session's folder
+    session: PathBuf,
+    #[command(flatten)]
+    format: Format,
+    /// The file to write [default: learned.xml or learned.urdf in the session's folder]
+    #[arg(long, short, value_name = "FILE")]
+    output: Option<PathBuf>,
+}
+
+#[derive(clap::Args)]
+#[group(required = true, multiple = false)]
+struct Format {
+    /// MJCF, for MuJoCo
+    #[arg(long)]
+    mjcf: bool,
+    /// URDF, for ROS and most simulators
+    #[arg(long)]
+    urdf: bool,
+}
+
+pub fn run(args: &Args) -> Outcome {
+    let session = Session::read(&args.session)?;
+    let (creature, skin) = (&session.creature, &session.skin);
+    let schema = read_schema(&args.session.join(SCHEMA_FILE), creature)?;
+    let file = |name: &str| args.output.clone().unwrap_or_else(|| args.session.join(name));
+    if args.format.mjcf {
+        let path = file(LEARNED_FILE);
+        write(&path, to_mjcf(creature, skin, &schema).as_bytes())?;
+        say!("{}", path.display());
+        return Ok(());
+    }
+    let path = file("learned.urdf");
+    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+    let mesh_name = format!("{stem}_ellipsoid.stl");
+    let Urdf { xml, mesh } = to_urdf(creature, skin, &schema, &mesh_name);
+    write(&path, xml.as_bytes())?;
+    say!("{}", path.display());
+    if let Some(mesh) = mesh {
+        let mesh_path = path.with_file_name(mesh_name);
+        write(&mesh_path, &mesh)?;
+        say!("{}", mesh_path.display());
+    }
+    Ok(())
+}
+
+fn write(path: &Path, bytes: &[u8]) -> Outcome {
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
+    let made = folder.map_or(Ok(()), std::fs::create_dir_all);
+    made.and_then(|()| std::fs::write(path, bytes)).map_err(|error| {
+        Failure(format!("cannot write {}: {error}: give another file with --output", path.display()))
+    })
+}

@@ -1,0 +1,80 @@
+//! What can be told of a schema without the truth: how sure the touches make it, and how far apart it puts what
+//! touched in touches that it was not fitted to.
+
+use super::{Summary, held_out_points};
+use crate::creature::Creature;
+use crate::kinematics::Chain;
+use crate::learning::annealing::gaps;
+use crate::learning::touch_set::TouchSet;
+use crate::learning::{Input, Learned, Learner, SecondOrder};
+use crate::senses::Touch;
+use crate::skin::Skin;
+
+/// Every how many touches one is held out.
+const HELD_OUT: usize = 5;
+
+/// A schema's own account of how good it is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct OwnAccount {
+    /// Root mean square of how far off skin of one limb is expected in another's frame, millimetres, over limbs
+    /// between which all joints are determined, at the postures of the held-out error. It is the least that noise of
+    /// the size that the touches show leaves; what the learner does not know of, such as joints that are not rigid,
+    /// is not in it. None where nothing is determined.
+    pub expected_mm: Option<f64>,
+    /// Every fifth touch under a schema fitted anew to the others: how far apart it puts the two points or, of
+    /// receptors, the two surfaces, millimetres. None where too few touches are left.
+    pub fresh_mm: Option<Summary>,
+}
+
+impl OwnAccount {
+    /// The account of what the learner `lm` came to; none where it can give none.
+    pub fn new(
+        creature: &Creature,
+        skin: &Skin,
+        input: Input,
+        touches: &[Touch],
+        learned: &Learned,
+    ) -> Option<OwnAccount> {
+        if !learned.verdict.converged() {
+            return None;
+        }
+        let observability = learned.observability.as_ref()?;
+        let determined = |a: usize, b: usize| {
+            Chain::between(creature, a, b).joints().all(|joint| !learned.undetermined.contains(&joint))
+        };
+        let (mut squares, mut count) = (0.0, 0);
+        for point in held_out_points(creature, skin) {
+            let [a, b] = point.limbs;
+            let deviation =
+                observability.point_deviation(creature, &learned.schema, &point.posture, [a, b], &point.p_a);
+            if deviation.is_finite() && determined(a, b) {
+                squares += (1e3 * deviation).powi(2);
+                count += 1;
+            }
+        }
+        let expected_mm = (count > 0).then(|| (squares / f64::from(count)).sqrt());
+
+        let known =
+            (0..creature.joints().len()).map(|joint| !learned.undetermined.contains(&joint)).collect();
+        let mut fitted = SecondOrder::new(creature, skin, input, 0);
+        let mut fresh = SecondOrder::new(creature, skin, input, 0);
+        for (i, touch) in touches.iter().enumerate() {
+            let held_out = i % HELD_OUT == HELD_OUT - 1;
+            if held_out { &mut fresh } else { &mut fitted }.touch(touch);
+        }
+        let schema = fitted.refine_known(&learned.schema, known).schema;
+        let mut set = TouchSet::default();
+        for (limbs, touch) in fresh.prepared().filter(|([a, b], _)| determined(*a, *b)) {
+            set.push_prepared(creature, limbs, touch);
+        }
+        let misses = match input {
+            Input::Receptor => gaps(skin, &set, &schema),
+            Input::Contact => {
+                let touches = set.pairs.iter().flat_map(|pair| &pair.touches);
+                touches.map(|touch| touch.miss(&schema).norm()).collect()
+            }
+        };
+        let fresh_mm = (!misses.is_empty()).then(|| Summary::of(misses.iter().map(|miss| 1e3 * miss)));
+        Some(OwnAccount { expected_mm, fresh_mm })
+    }
+}

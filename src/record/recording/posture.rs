@@ -1,0 +1,107 @@
+//! Postures as other programs write them: quaternions of few digits, and angles that look like degrees.
+
+use std::f64::consts::TAU;
+use std::path::Path;
+
+use super::raw::RawTouch;
+use crate::creature::{Creature, DofKind};
+use crate::record::{RecordError, UNIT_LENGTH};
+
+/// How far from 1 the length of a quaternion may be that was written with few digits; it is then scaled.
+const ROUNDED: f64 = 0.01;
+/// Points farther from their limb's origin than this, metres, on the median look like millimetres.
+const FAR: f64 = 10.0;
+/// Share of a degree of freedom's coordinates beyond its range that is worth a note …
+const BEYOND_SHARE: f64 = 0.05;
+/// … where they are beyond it by more than this, radians and metres.
+const BEYOND: f64 = 0.02;
+
+/// Scales quaternions that were rounded when they were written; those that fit to the last digits stay.
+pub(super) fn unit_quaternions(creature: &Creature, posture: &mut [f64]) {
+    let mut rest = posture;
+    for dof in creature.dofs() {
+        let (coordinates, after) = rest.split_at_mut(dof.kind.coordinates());
+        rest = after;
+        if dof.kind == DofKind::Ball {
+            let length = coordinates.iter().map(|x| x * x).sum::<f64>().sqrt();
+            let off = (length - 1.0).abs();
+            if off > UNIT_LENGTH && off < ROUNDED {
+                coordinates.iter_mut().for_each(|x| *x /= length);
+            }
+        }
+    }
+}
+
+/// Every degree of freedom that has a single coordinate, and that coordinate's place in a posture.
+fn single(creature: &Creature, kind: DofKind) -> impl Iterator<Item = (usize, &crate::creature::Dof)> {
+    let places = creature.dofs().scan(0, |next, dof| {
+        let place = *next;
+        *next += dof.kind.coordinates();
+        Some((place, dof))
+    });
+    places.filter(move |(_, dof)| dof.kind == kind)
+}
+
+/// Refuses angles that most of them are beyond a full turn, where no range allows for that.
+pub(super) fn refuse_degrees(
+    path: &Path,
+    creature: &Creature,
+    touches: &[RawTouch],
+) -> Result<(), RecordError> {
+    let (mut beyond, mut all, mut example) = (0, 0, None);
+    for touch in touches {
+        for (place, dof) in single(creature, DofKind::Hinge) {
+            let angle = touch.posture[place];
+            let outside = angle.abs() > TAU && !(dof.range[0]..=dof.range[1]).contains(&angle);
+            // Zero is zero in any unit.
+            all += usize::from(angle != 0.0);
+            if outside {
+                beyond += 1;
+                example.get_or_insert((touch.line, &dof.name, angle));
+            }
+        }
+    }
+    match example {
+        Some((line, name, angle)) if 2 * beyond > all => {
+            let message = format!(
+                "{name} is {angle}, and most angles are beyond a full turn of 6.283 radians: they look like degrees, \
+                 convert them to radians"
+            );
+            Err(RecordError::format(path, Some(line), message))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// What looks odd about a log: coordinates beyond their ranges, points far from their limbs.
+pub(super) fn notes(creature: &Creature, touches: &[RawTouch]) -> Vec<String> {
+    let mut notes = Vec::new();
+    let dofs = single(creature, DofKind::Hinge).chain(single(creature, DofKind::Slide));
+    for (place, dof) in dofs {
+        let [low, high] = dof.range;
+        let values = || touches.iter().map(|touch| touch.posture[place]);
+        let beyond = values().filter(|x| *x < low - BEYOND || *x > high + BEYOND).count();
+        if beyond as f64 > BEYOND_SHARE * touches.len() as f64 {
+            let (least, most) = values()
+                .fold((f64::INFINITY, f64::NEG_INFINITY), |(least, most), x| (least.min(x), most.max(x)));
+            notes.push(format!(
+                "{} goes from {least:.3} to {most:.3}, beyond its range of {low:.3} to {high:.3}, in {beyond} of {} \
+                 touches: mend the range in the creature's file, or the angles' sign or zero",
+                dof.name,
+                touches.len()
+            ));
+        }
+    }
+    let mut distances: Vec<f64> =
+        touches.iter().flat_map(|touch| &touch.ends).filter_map(|end| end.point).map(|p| p.norm()).collect();
+    distances.sort_by(f64::total_cmp);
+    if let Some(&median) = distances.get(distances.len() / 2)
+        && median > FAR
+    {
+        notes.push(format!(
+            "half of the points are more than {median:.0} m from their limb's origin: if they are in millimetres, \
+             convert them to metres"
+        ));
+    }
+    notes
+}
