@@ -59,6 +59,8 @@ const SPARE: usize = 3;
 const MOST_GIVEN_UP: usize = 4;
 /// Misfit of a part that no two onsets agree on.
 const DOUBTFUL: f64 = 2.0;
+/// Touches that fix where a limb is on the joints about it.
+const FIXED_BY: usize = 4;
 /// Rounds of mending.
 const REPAIRS: usize = 8;
 
@@ -194,14 +196,15 @@ impl Nursery<'_> {
                 self.next_part(&touches, Route::Whole, &known).is_none_or(|all| all.len() == part.len());
             // A whole body is one onset a start; parts get several, for what is known is worth keeping.
             let most = if route == Route::Whole { 1 } else { ONSETS_PER_PART };
-            // The pairs that the part closes: they need it, and nothing else that is unknown.
-            let in_part = |joint: usize| part.contains(&joint);
+            let loose = self.loosened(&touches, &known, &part);
+            // The pairs that the part closes: they need it or what it loosens, and nothing else that is unknown.
+            let in_part = |joint: usize| part.contains(&joint) || loose.contains(&joint);
             let closed = touches.filter(|pair| {
                 let mut joints = pair.chain.joints();
                 joints.clone().any(in_part) && joints.all(|joint| known[joint] || in_part(joint))
             });
             let solved;
-            (solved, misfit) = self.solve_part(&closed, &schema, &part, most, rng, &mut onsets);
+            (solved, misfit) = self.solve_part(&closed, &schema, (&part, &loose), most, rng, &mut onsets);
             if !misfit.acceptable() && route == Route::Grown && !rest {
                 part.iter().for_each(|&joint| given_up[joint] = true);
                 continue;
@@ -249,7 +252,8 @@ impl Nursery<'_> {
         });
         let nursery = Nursery { evidence: Evidence::Points { acceptance: EXACT, patches: false }, ..*self };
         let schema = &self.prior.mean;
-        let (_, Misfit(rms)) = nursery.solve_part(&closed, schema, &part, ONSETS_PER_PART, rng, &mut 0);
+        let (_, Misfit(rms)) =
+            nursery.solve_part(&closed, schema, (&part, &[]), ONSETS_PER_PART, rng, &mut 0);
         let (rows, unknowns) =
             (3 * closed.len(), part.iter().map(|&joint| self.unknowns(joint)).sum::<usize>());
         Some(rms * (rows as f64 / rows.saturating_sub(unknowns).max(1) as f64).sqrt())
@@ -431,18 +435,38 @@ impl Nursery<'_> {
         false
     }
 
-    /// Solves the joints of `part` by the touches that it closes from several onsets, all others held; the
-    /// best schema and its residual.
+    /// The known joints on limbs that a part is the first to touch. Nothing told so far where an untouched limb is
+    /// along the axes of the joints on it: what was found there is a matter of choice, and is to be found now.
+    fn loosened(&self, touches: &TouchSet, known: &[bool], part: &[usize]) -> Vec<usize> {
+        if !matches!(self.evidence, Evidence::Points { .. }) {
+            return Vec::new();
+        }
+        let mut met = vec![[0; 2]; self.creature.limbs().len()];
+        for pair in &touches.pairs {
+            let unknown = |joint: &usize| !known[*joint];
+            if pair.chain.joints().filter(unknown).all(|joint| part.contains(&joint)) {
+                let now = usize::from(pair.chain.joints().any(|joint| unknown(&joint)));
+                pair.limbs.iter().for_each(|&limb| met[limb][now] += pair.touches.len());
+            }
+        }
+        let first = |limb: usize| met[limb][0] < FIXED_BY && met[limb][1] > 0;
+        let joints = self.creature.joints().iter().enumerate();
+        let loose = joints.filter(|(j, joint)| known[*j] && (first(j + 1) || first(joint.parent)));
+        loose.map(|(j, _)| j).filter(|&j| !self.frozen[j]).collect()
+    }
+
+    /// Solves the joints of `part` by the touches that it closes from several onsets, and those that it loosens
+    /// from where they are, all others held; the best schema and its residual.
     fn solve_part(
         &self,
         touches: &TouchSet,
         schema: &BodySchema,
-        part: &[usize],
+        (part, loose): (&[usize], &[usize]),
         most: usize,
         rng: &mut ChaCha8Rng,
         onsets: &mut usize,
     ) -> (BodySchema, Misfit) {
-        let in_part = |joint: usize| part.contains(&joint);
+        let in_part = |joint: usize| part.contains(&joint) || loose.contains(&joint);
         let listed: Vec<&PreparedTouch> = touches.pairs.iter().flat_map(|pair| &pair.touches).collect();
         let relaxed = self.parameters(AxisModel::Relaxed, &in_part);
         let unit = self.parameters(AxisModel::Unit, &in_part);
