@@ -4,6 +4,7 @@
 mod read;
 mod strip;
 
+pub(crate) use read::read;
 pub(crate) use strip::Stripped;
 
 use xmltree::{Element, EmitterConfig, XMLNode};

@@ -1,6 +1,6 @@
 //! Writing a skin into a model's file.
 
-use std::collections::{BTreeMap, BTreeSet, HashSet};
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -9,7 +9,7 @@ use xmltree::{Element, XMLNode};
 use super::patch_size::body_name;
 use super::{GrowError, GrowOptions, Sprout, sprouts, wxyz};
 use crate::creature::{Body, BodyError, JointSelection};
-use crate::mjcf_xml::{HALF_THICKNESS, add_receptor_class, element, section, write};
+use crate::mjcf_xml::{HALF_THICKNESS, add_receptor_class, element, read, section, write};
 use crate::mujoco::{JointKind, Model, ObjectKind, SensorKind};
 use crate::skin::Shape;
 use crate::skin::from_model::{shape, touch_sites};
@@ -47,7 +47,7 @@ pub fn grow_skin(path: &Path, options: &GrowOptions) -> Result<Grown, GrowError>
         BodyError::Engine(error) => GrowError::Engine(error),
         other => unsuitable(other.to_string()),
     })?;
-    let mut root = read(path, path.parent().unwrap_or(Path::new("")), &mut HashSet::new())?;
+    let mut root = read(path).map_err(|(path, message)| GrowError::Xml { path, message })?;
     if attribute(&root, "compiler", "coordinate") == Some("global") {
         return Err(unsuitable("it uses global coordinates: convert it to local ones first".into()));
     }
@@ -243,36 +243,6 @@ fn each_body(root: &mut Element, visit: &mut impl FnMut(&mut Element)) {
             each_body(child, visit);
         }
     }
-}
-
-/// Reads an MJCF file with its includes written out, which are sought in the main file's folder.
-fn read(path: &Path, folder: &Path, seen: &mut HashSet<PathBuf>) -> Result<Element, GrowError> {
-    let file_error = |source| GrowError::File { path: path.to_path_buf(), source };
-    let xml_error = |message: String| GrowError::Xml { path: path.to_path_buf(), message };
-    if !seen.insert(path.to_path_buf()) {
-        return Err(xml_error("it includes itself: MuJoCo allows each file once".into()));
-    }
-    let text = std::fs::read_to_string(path).map_err(file_error)?;
-    let mut root = Element::parse(text.as_bytes()).map_err(|e| xml_error(e.to_string()))?;
-    include(&mut root, folder, seen)?;
-    Ok(root)
-}
-
-fn include(element: &mut Element, folder: &Path, seen: &mut HashSet<PathBuf>) -> Result<(), GrowError> {
-    for mut child in std::mem::take(&mut element.children) {
-        match child.as_mut_element() {
-            Some(inner) if inner.name == "include" => {
-                let file = inner.attributes.get("file").cloned().unwrap_or_default();
-                element.children.extend(read(&folder.join(file), folder, seen)?.children);
-            }
-            Some(inner) => {
-                include(inner, folder, seen)?;
-                element.children.push(child);
-            }
-            None => element.children.push(child),
-        }
-    }
-    Ok(())
 }
 
 /// The way from one folder to another, as a path; none where both are the same.

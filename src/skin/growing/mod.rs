@@ -49,15 +49,7 @@ pub enum GrowError {
     /// The engine refused the model.
     #[error(transparent)]
     Engine(#[from] mujoco::Error),
-    /// A file could not be read or written.
-    #[error("{path}: {source}")]
-    File {
-        /// The file.
-        path: PathBuf,
-        /// What the system says.
-        source: std::io::Error,
-    },
-    /// The file is not XML.
+    /// The file cannot be read, or is not XML.
     #[error("{path}: {message}")]
     Xml {
         /// The file.
