@@ -13,11 +13,11 @@ use crate::mujoco::{self, Data, JointKind, Model, ObjectKind};
 use crate::schema::BodySchema;
 
 /// Tuples of a model whose name starts with this list the bodies of one aura limb.
-const LIMB_TUPLE: &str = "limb/";
+pub(crate) const LIMB_TUPLE: &str = "limb/";
 /// Anchors closer than this share a position, metres.
 const SAME_ANCHOR: f64 = 1e-9;
 /// Half the span of postures for a slide without limits, metres.
-const UNLIMITED_SLIDE: f64 = 0.5;
+pub(crate) const UNLIMITED_SLIDE: f64 = 0.5;
 
 /// Why a model has no creature that can learn.
 #[derive(Debug, thiserror::Error)]
@@ -377,7 +377,7 @@ fn unused(name: String, joints: &[Joint]) -> String {
 }
 
 /// A body's name, or one made from its number.
-fn body_name(model: &Model, body: usize) -> String {
+pub(crate) fn body_name(model: &Model, body: usize) -> String {
     model.body(body).name.map_or_else(|| format!("body{body}"), str::to_string)
 }
 

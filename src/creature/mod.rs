@@ -9,8 +9,8 @@ mod surface;
 use serde::{Deserialize, Serialize};
 
 pub use coupling::Coupling;
-pub(crate) use from_model::matrix;
 pub use from_model::{Body, BodyError, Segment};
+pub(crate) use from_model::{LIMB_TUPLE, UNLIMITED_SLIDE, body_name, matrix};
 pub use selection::JointSelection;
 
 /// The kind of one degree of freedom (a ball counts three, but moves as one).

@@ -10,7 +10,7 @@ use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
 use xmltree::{Element, XMLNode};
 
 use super::BodySchema;
-use crate::creature::{Creature, Dof, DofKind};
+use crate::creature::{Creature, Dof, DofKind, LIMB_TUPLE};
 use crate::kinematics::Frame;
 use crate::mjcf_xml::{HALF_THICKNESS, add_receptor_class, element, exact, section, write};
 use crate::skin::{Receptor, Shape, Skin, Surface};
@@ -76,7 +76,7 @@ pub fn to_mjcf(creature: &Creature, skin: &Skin, schema: &BodySchema) -> String 
         add(section(&mut root, "sensor"), element("touch", &sensor));
     }
     for aura in creature.aura_limbs().iter().filter(|aura| !aura.limbs.is_empty()) {
-        let mut tuple = element("tuple", &[("name", format!("limb/{}", aura.name))]);
+        let mut tuple = element("tuple", &[("name", format!("{LIMB_TUPLE}{}", aura.name))]);
         for &limb in &aura.limbs {
             let member = [("objtype", "body".into()), ("objname", names[limb].clone())];
             add(&mut tuple, element("element", &member));

@@ -9,7 +9,7 @@ use std::collections::BTreeSet;
 use nalgebra::{Isometry3, Vector3};
 
 use super::samples::{Sample, samples};
-use crate::creature::{Body, matrix};
+use crate::creature::{Body, UNLIMITED_SLIDE, matrix};
 use crate::mujoco::{self, Data, JointKind};
 use crate::skin::from_model::shape;
 use crate::skin::{Shape, Surface};
@@ -17,8 +17,6 @@ use crate::skin::{Shape, Surface};
 /// A point this deep inside another geom is not exposed, metres, on a creature of a metre and more; on
 /// smaller ones less in proportion.
 const BURIED: f64 = 5e-4;
-/// How far a slide without limits may draw a limb out, metres.
-const UNLIMITED_SLIDE: f64 = 0.5;
 
 /// A creature's geoms that can be touched, where they are.
 pub struct Exposure {

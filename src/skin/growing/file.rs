@@ -6,9 +6,8 @@ use std::sync::Arc;
 
 use xmltree::{Element, XMLNode};
 
-use super::patch_size::body_name;
 use super::{GrowError, GrowOptions, Sprout, sprouts, wxyz};
-use crate::creature::{Body, BodyError, JointSelection};
+use crate::creature::{Body, BodyError, JointSelection, body_name};
 use crate::mjcf_xml::{HALF_THICKNESS, add_receptor_class, element, read, section, write};
 use crate::mujoco::{JointKind, Model, ObjectKind, SensorKind};
 use crate::skin::Shape;

@@ -23,7 +23,7 @@ use rayon::prelude::*;
 
 use super::from_model::{geom_under, skin_of, touch_sites};
 use super::{Receptor, Shape, Skin};
-use crate::creature::{Body, matrix};
+use crate::creature::{Body, body_name, matrix};
 use crate::mujoco;
 use cells::Patch;
 use exposed::Exposure;
@@ -242,7 +242,7 @@ impl Ids<'_> {
             let sides = [["front", "back"], ["left", "right"], ["top", "bottom"]];
             let axis = outward.iamax();
             let side = sides[axis][usize::from(outward[axis] < 0.0)];
-            format!("{}_{side}", patch_size::body_name(model, body))
+            format!("{}_{side}", body_name(model, body))
         });
         let count = self.count.entry(stem.clone()).or_insert(0);
         loop {

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::GrowError;
+use crate::creature::{LIMB_TUPLE, body_name};
 use crate::mujoco::{Model, ObjectKind};
 
 /// Receptors of a creature whose model does not say how fine its skin is, and who is not asked for a size;
@@ -122,7 +123,7 @@ impl GrowOptions {
 /// Per body, the receptor area that the model's limb tuples ask for, m².
 fn receptor_areas(model: &Model) -> BTreeMap<usize, f64> {
     let tuples = model.tuples();
-    let limbs = tuples.iter().filter(|tuple| tuple.name.is_some_and(|n| n.starts_with("limb/")));
+    let limbs = tuples.iter().filter(|tuple| tuple.name.is_some_and(|n| n.starts_with(LIMB_TUPLE)));
     let entries = limbs.flat_map(|tuple| &tuple.entries);
     entries
         .filter(|entry| entry.object == ObjectKind::Body && entry.prm > 0.0)
@@ -134,15 +135,10 @@ fn receptor_areas(model: &Model) -> BTreeMap<usize, f64> {
 pub fn limb_names(model: &Model) -> BTreeMap<usize, String> {
     let mut names = BTreeMap::new();
     for tuple in model.tuples() {
-        let Some(name) = tuple.name.and_then(|name| name.strip_prefix("limb/")) else { continue };
+        let Some(name) = tuple.name.and_then(|name| name.strip_prefix(LIMB_TUPLE)) else { continue };
         for entry in tuple.entries.iter().filter(|entry| entry.object == ObjectKind::Body) {
             names.entry(entry.id).or_insert_with(|| name.to_string());
         }
     }
     names
-}
-
-/// A body's name, or one made from its number.
-pub fn body_name(model: &Model, body: usize) -> String {
-    model.body(body).name.map_or_else(|| format!("body{body}"), str::to_string)
 }
