@@ -32,12 +32,8 @@ pub fn random_posture(creature: &Creature, rng: &mut impl Rng) -> Vec<f64> {
 /// The posture that every bout starts from: the reference posture, or as near to it as ranges allow.
 pub fn start_posture(creature: &Creature) -> Vec<f64> {
     let mut posture = creature.reference_posture();
-    let mut q = 0;
-    for dof in creature.dofs() {
-        if dof.kind != DofKind::Ball {
-            posture[q] = posture[q].clamp(dof.range[0], dof.range[1]);
-        }
-        q += dof.kind.coordinates();
+    for (q, dof) in creature.dofs_in_posture().filter(|(_, dof)| dof.kind != DofKind::Ball) {
+        posture[q] = posture[q].clamp(dof.range[0], dof.range[1]);
     }
     creature.couple(&mut posture);
     posture
@@ -47,19 +43,15 @@ pub fn start_posture(creature: &Creature) -> Vec<f64> {
 /// have none of the rotations between them within it, and there the ball goes up to its limit.
 pub(super) fn reachable(creature: &Creature, start: &[f64], target: &[f64]) -> Vec<f64> {
     let mut reached = target.to_vec();
-    let mut q = 0;
-    for dof in creature.dofs() {
-        if dof.kind == DofKind::Ball {
-            let (from, to) = (ball(&start[q..]), ball(&target[q..]));
-            if let Some((axis, angle)) = (to * from.inverse()).axis_angle() {
-                let share = within(&from, &axis, angle, dof.range[1]);
-                if share < 1.0 {
-                    let limit = UnitQuaternion::from_axis_angle(&axis, share * angle) * from;
-                    reached[q..q + 4].copy_from_slice(&[limit.w, limit.i, limit.j, limit.k]);
-                }
+    for (q, dof) in creature.dofs_in_posture().filter(|(_, dof)| dof.kind == DofKind::Ball) {
+        let (from, to) = (ball(&start[q..]), ball(&target[q..]));
+        if let Some((axis, angle)) = (to * from.inverse()).axis_angle() {
+            let share = within(&from, &axis, angle, dof.range[1]);
+            if share < 1.0 {
+                let limit = UnitQuaternion::from_axis_angle(&axis, share * angle) * from;
+                reached[q..q + 4].copy_from_slice(&[limit.w, limit.i, limit.j, limit.k]);
             }
         }
-        q += dof.kind.coordinates();
     }
     reached
 }
@@ -89,14 +81,10 @@ pub(super) fn ball(q: &[f64]) -> UnitQuaternion<f64> {
 /// The posture a share of the way from one to another; balls turn about one axis.
 pub(super) fn between(creature: &Creature, from: &[f64], to: &[f64], share: f64) -> Vec<f64> {
     let mut posture: Vec<f64> = from.iter().zip(to).map(|(a, b)| a + share * (b - a)).collect();
-    let mut q = 0;
-    for dof in creature.dofs() {
-        if dof.kind == DofKind::Ball {
-            let (a, b) = (ball(&from[q..]), ball(&to[q..]));
-            let turned = UnitQuaternion::from_scaled_axis((b * a.inverse()).scaled_axis() * share) * a;
-            posture[q..q + 4].copy_from_slice(&[turned.w, turned.i, turned.j, turned.k]);
-        }
-        q += dof.kind.coordinates();
+    for (q, _) in creature.dofs_in_posture().filter(|(_, dof)| dof.kind == DofKind::Ball) {
+        let (a, b) = (ball(&from[q..]), ball(&to[q..]));
+        let turned = UnitQuaternion::from_scaled_axis((b * a.inverse()).scaled_axis() * share) * a;
+        posture[q..q + 4].copy_from_slice(&[turned.w, turned.i, turned.j, turned.k]);
     }
     posture
 }

@@ -81,16 +81,11 @@ impl Creature {
         if self.dofs().all(|dof| dof.follows.is_none()) {
             return;
         }
-        let mut addresses = Vec::with_capacity(self.dof_elements());
-        let mut coordinate = 0;
-        for dof in self.dofs() {
-            addresses.push(coordinate);
-            coordinate += dof.kind.coordinates();
-        }
-        for (dof, &address) in self.dofs().zip(&addresses) {
-            if let Some(coupling) = dof.follows.filter(|_| dof.kind != DofKind::Ball) {
-                posture[address] =
-                    coupling.follow(posture[addresses[coupling.leader]]).clamp(dof.range[0], dof.range[1]);
+        let places: Vec<usize> = self.dofs_in_posture().map(|(place, _)| place).collect();
+        for (place, dof) in self.dofs_in_posture().filter(|(_, dof)| dof.kind != DofKind::Ball) {
+            if let Some(coupling) = dof.follows {
+                posture[place] =
+                    coupling.follow(posture[places[coupling.leader]]).clamp(dof.range[0], dof.range[1]);
             }
         }
     }

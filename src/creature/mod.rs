@@ -205,6 +205,15 @@ impl Creature {
         self.joints().iter().flat_map(|joint| &joint.dofs)
     }
 
+    /// The degrees of freedom with the place of their first coordinate in a posture.
+    pub fn dofs_in_posture(&self) -> impl Iterator<Item = (usize, &Dof)> {
+        self.dofs().scan(0, |next, dof| {
+            let place = *next;
+            *next += dof.kind.coordinates();
+            Some((place, dof))
+        })
+    }
+
     /// The number of hinges, slides and balls: the number of axes in a schema.
     pub fn dof_elements(&self) -> usize {
         self.elements

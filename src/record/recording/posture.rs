@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 use std::path::Path;
 
 use super::raw::RawTouch;
-use crate::creature::{Creature, DofKind};
+use crate::creature::{Creature, Dof, DofKind};
 use crate::record::{RecordError, UNIT_LENGTH};
 
 /// How far from 1 the length of a quaternion may be that was written with few digits; it is then scaled.
@@ -18,28 +18,19 @@ const BEYOND: f64 = 0.02;
 
 /// Scales quaternions that were rounded when they were written; those that fit to the last digits stay.
 pub(super) fn unit_quaternions(creature: &Creature, posture: &mut [f64]) {
-    let mut rest = posture;
-    for dof in creature.dofs() {
-        let (coordinates, after) = rest.split_at_mut(dof.kind.coordinates());
-        rest = after;
-        if dof.kind == DofKind::Ball {
-            let length = coordinates.iter().map(|x| x * x).sum::<f64>().sqrt();
-            let off = (length - 1.0).abs();
-            if off > UNIT_LENGTH && off < ROUNDED {
-                coordinates.iter_mut().for_each(|x| *x /= length);
-            }
+    for (place, ball) in of_kind(creature, DofKind::Ball) {
+        let coordinates = &mut posture[place..place + ball.kind.coordinates()];
+        let length = coordinates.iter().map(|x| x * x).sum::<f64>().sqrt();
+        let off = (length - 1.0).abs();
+        if off > UNIT_LENGTH && off < ROUNDED {
+            coordinates.iter_mut().for_each(|x| *x /= length);
         }
     }
 }
 
-/// Every degree of freedom that has a single coordinate, and that coordinate's place in a posture.
-fn single(creature: &Creature, kind: DofKind) -> impl Iterator<Item = (usize, &crate::creature::Dof)> {
-    let places = creature.dofs().scan(0, |next, dof| {
-        let place = *next;
-        *next += dof.kind.coordinates();
-        Some((place, dof))
-    });
-    places.filter(move |(_, dof)| dof.kind == kind)
+/// Every degree of freedom of a kind, and the place of its first coordinate in a posture.
+fn of_kind(creature: &Creature, kind: DofKind) -> impl Iterator<Item = (usize, &Dof)> {
+    creature.dofs_in_posture().filter(move |(_, dof)| dof.kind == kind)
 }
 
 /// Refuses angles that most of them are beyond a full turn, where no range allows for that.
@@ -50,7 +41,7 @@ pub(super) fn refuse_degrees(
 ) -> Result<(), RecordError> {
     let (mut beyond, mut all, mut example) = (0, 0, None);
     for touch in touches {
-        for (place, dof) in single(creature, DofKind::Hinge) {
+        for (place, dof) in of_kind(creature, DofKind::Hinge) {
             let angle = touch.posture[place];
             let outside = angle.abs() > TAU && !(dof.range[0]..=dof.range[1]).contains(&angle);
             // Zero is zero in any unit.
@@ -76,7 +67,7 @@ pub(super) fn refuse_degrees(
 /// What looks odd about a log: coordinates beyond their ranges, points far from their limbs.
 pub(super) fn notes(creature: &Creature, touches: &[RawTouch]) -> Vec<String> {
     let mut notes = Vec::new();
-    let dofs = single(creature, DofKind::Hinge).chain(single(creature, DofKind::Slide));
+    let dofs = of_kind(creature, DofKind::Hinge).chain(of_kind(creature, DofKind::Slide));
     for (place, dof) in dofs {
         let [low, high] = dof.range;
         let values = || touches.iter().map(|touch| touch.posture[place]);
