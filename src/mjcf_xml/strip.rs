@@ -53,29 +53,22 @@ impl Stripped {
         }
         let meshes = mesh_folder(&source, path);
         for section in SECTIONS {
+            let found = take(&mut source, |e| e.name == section);
+            if section == "default" {
+                // A file may have several default trees of names of their own, which stay apart.
+                for mut tree in found {
+                    strip.element(&mut tree, section);
+                    root.children.push(XMLNode::Element(tree));
+                }
+                continue;
+            }
             let mut merged = Element::new(section);
-            source.children.retain_mut(|child| {
-                let Some(element) = child.as_mut_element().filter(|e| e.name == section) else { return true };
-                if section == "default" {
-                    merged.children.push(XMLNode::Element(std::mem::replace(element, Element::new(section))));
-                } else {
-                    merged.attributes.extend(std::mem::take(&mut element.attributes));
-                    merged.children.append(&mut element.children);
-                }
-                false
-            });
-            // A file may have several default trees of names of their own, which stay apart.
-            let trees = if section == "default" { std::mem::take(&mut merged.children) } else { vec![] };
-            for mut tree in trees {
-                if let Some(tree) = tree.as_mut_element() {
-                    strip.element(tree, "default");
-                }
-                root.children.push(tree);
+            for element in found {
+                merged.attributes.extend(element.attributes);
+                merged.children.extend(element.children);
             }
-            if section != "default" {
-                strip.element(&mut merged, section);
-                root.children.push(XMLNode::Element(merged));
-            }
+            strip.element(&mut merged, section);
+            root.children.push(XMLNode::Element(merged));
         }
         for dropped in source.children.iter().filter_map(XMLNode::as_element) {
             *strip.left_out.entry(format!("<{}>", dropped.name)).or_default() += 1;
