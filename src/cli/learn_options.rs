@@ -1,6 +1,7 @@
 //! How to learn, and the learning that `babble` and `learn` share.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::time::Instant;
 
 use clap::ValueEnum;
@@ -9,7 +10,7 @@ use rand_chacha::ChaCha8Rng;
 use serde_json::{Value, json};
 
 use super::disturbance_options::DisturbanceOptions;
-use super::open::{ModelOptions, open_body};
+use super::open::{ModelOptions, body_of, open_body, open_model};
 use super::{Failure, output, progress};
 use crate::creature::{Creature, DofKind, JointSelection};
 use crate::evaluation::report::{self, ReportInput};
@@ -302,8 +303,9 @@ pub fn session_truth(session: &Session, model: Option<&Path>) -> Result<GroundTr
     let path = model.map_or_else(|| PathBuf::from(&session.model), Path::to_path_buf);
     if session.recording.is_some() {
         // Which joints of a model a recording has is not known by the name of a set.
+        let (open, model) = (ModelOptions::default(), Arc::new(open_model(&path, false)?));
         for selection in [JointSelection::Default, JointSelection::All] {
-            let body = open_body(&path, &selection, &ModelOptions::default())?;
+            let body = body_of(model.clone(), &path, &selection, &open)?;
             if same_tree(&body.creature, &session.creature) {
                 return Ok(GroundTruth::new(&body)?);
             }
