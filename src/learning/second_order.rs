@@ -38,6 +38,8 @@ const STARTS: usize = 24;
 const LARGE_STARTS: usize = 2;
 /// Starts after which one is taken though it knows fewer joints than have touches of their own.
 const INCOMPLETE_STARTS: usize = 2;
+/// The same where limbs have frames of their own.
+const INCOMPLETE_LIMB_STARTS: usize = 8;
 /// Where gaps show noise, only trying can tell whether less of it was to be had: two starts must agree on the
 /// least noise to this share of it.
 const AGREEMENT: f64 = 0.03;
@@ -49,8 +51,6 @@ const HOPELESS_STARTS: usize = 3;
 const TANGLED: f64 = 5e-3;
 /// Noise of the gaps below which no better answer is looked for, metres.
 const CERTAIN_NOISE: f64 = 2e-5;
-/// The same where limbs have frames of their own.
-const INCOMPLETE_LIMB_STARTS: usize = 8;
 /// Touches of one limb pair that a start uses at most; the last fit uses all.
 const TOUCHES_PER_PAIR: usize = 150;
 /// How far apart two points that are one may be where nothing else is given, per coordinate, metres.
