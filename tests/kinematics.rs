@@ -5,12 +5,11 @@ mod common;
 
 use bodyschema::babbling::random_posture;
 use bodyschema::creature::{Body, Creature, DofKind, JointSelection};
-use bodyschema::ground_truth::GroundTruth;
 use bodyschema::kinematics::{Chain, ChainSide, Frame, SideJacobian, limb_frames};
 use bodyschema::mujoco::{Data, JointKind, ObjectKind};
 use bodyschema::schema::BodySchema;
 use bodyschema::skin::skin_of;
-use common::{creature, max, take};
+use common::{creature, max, take, truth};
 use nalgebra::{Isometry3, Matrix3, Vector3};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -160,10 +159,6 @@ fn creatures() -> Vec<(&'static str, Body)> {
             Body::new(model.into(), &"first,third,rail,tip,wheel".parse().unwrap()).unwrap()
         }),
     ]
-}
-
-fn truth(body: &Body) -> BodySchema {
-    GroundTruth::new(body).unwrap().schema
 }
 
 /// A frame's distance from a pose: metres, and the largest difference of matrix entries.

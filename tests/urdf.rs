@@ -6,13 +6,12 @@ use std::sync::Arc;
 
 use bodyschema::babbling::random_posture;
 use bodyschema::creature::{Body, Creature, DofKind};
-use bodyschema::ground_truth::GroundTruth;
 use bodyschema::kinematics::limb_frames;
 use bodyschema::learning::onset::random_onset;
 use bodyschema::mujoco::{Data, Model, ObjectKind};
 use bodyschema::schema::{BodySchema, Urdf, to_urdf};
 use bodyschema::skin::{Shape, Skin, skin_of};
-use common::{creature, max, two_arms};
+use common::{creature, max, truth, two_arms};
 use nalgebra::{Quaternion, UnitQuaternion};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -62,10 +61,6 @@ fn export(body: &Body, skin: &Skin, schema: &BodySchema) -> (tempfile::TempDir, 
 
 fn read_back(folder: &tempfile::TempDir) -> Arc<Model> {
     Arc::new(Model::from_path(folder.path().join("body.urdf")).unwrap())
-}
-
-fn truth(body: &Body) -> BodySchema {
-    GroundTruth::new(body).unwrap().schema
 }
 
 /// The angles about x, y and z in turn that make a rotation.
@@ -175,11 +170,7 @@ fn shapes_are_where_the_skin_is() {
     let model = read_back(&folder);
     let mut data = Data::new(model.clone()).unwrap();
     data.kinematics().unwrap();
-    let frames = limb_frames(
-        &body.creature,
-        &GroundTruth::new(&body).unwrap().schema,
-        &body.creature.reference_posture(),
-    );
+    let frames = limb_frames(&body.creature, &truth(&body), &body.creature.reference_posture());
     // A capsule is three solids, all others one.
     assert_eq!(model.ngeom(), skin.surfaces.len() + 2);
     let mut geom = 0;

@@ -6,8 +6,10 @@ use std::sync::Arc;
 
 use bodyschema::babbling::{Babbler, BabblingOptions};
 use bodyschema::creature::{Body, JointSelection};
+use bodyschema::ground_truth::GroundTruth;
 use bodyschema::mujoco::{Data, Model};
 use bodyschema::record::RecordError;
+use bodyschema::schema::BodySchema;
 use bodyschema::senses::Touch;
 use bodyschema::skin::{Skin, skin_of};
 
@@ -26,6 +28,11 @@ pub fn max(joints: &str) -> Body {
 pub fn creature(xml: &str) -> Body {
     let model = Model::from_xml(xml).unwrap_or_else(|error| panic!("{error}\n{xml}"));
     Body::new(Arc::new(model), &JointSelection::All).unwrap()
+}
+
+/// Where a body's joints really are.
+pub fn truth(body: &Body) -> BodySchema {
+    GroundTruth::new(body).unwrap().schema
 }
 
 /// Puts a body into a posture and computes its poses and contacts.
