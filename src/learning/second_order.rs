@@ -307,7 +307,10 @@ impl<'a> SecondOrder<'a> {
                 let mut schema = annealed.schema;
                 let mut scales = None;
                 let noisy = annealed.gap_deviation > CERTAIN_NOISE;
-                for _ in 0..if noisy { WEIGHINGS } else { 1 } {
+                for weighing in 0..if noisy { WEIGHINGS } else { 1 } {
+                    if weighing > 0 {
+                        scales = joint_noise::scales(skin, &used, &schema);
+                    }
                     let deviation = self.gap_deviation(skin, &used, &parameters, &schema, scales.as_deref());
                     let model = SurfaceGap::new(skin, deviation).with_biased_places();
                     let mut problem = TouchProblem::new(self.creature, &used, &parameters, model)
@@ -319,9 +322,6 @@ impl<'a> SecondOrder<'a> {
                         cost: 0.0,
                     };
                     schema = levenberg_marquardt(&mut problem, &parameters, schema, stopping).schema;
-                    if noisy {
-                        scales = joint_noise::scales(skin, &used, &schema);
-                    }
                 }
                 let (observability, deviation) = self.observe_touches(&used, &schema);
                 (schema, observability, deviation)
