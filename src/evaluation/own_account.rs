@@ -70,7 +70,7 @@ impl OwnAccount {
         let misses = match input {
             Input::Receptor => gaps(skin, &set, &schema),
             Input::Contact => {
-                let touches = set.pairs.iter().flat_map(|pair| &pair.touches);
+                let touches = set.touches();
                 touches.map(|touch| touch.miss(&schema).norm()).collect()
             }
         };

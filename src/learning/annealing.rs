@@ -50,7 +50,7 @@ pub struct Annealed {
 /// The absolute gaps of all touches under a schema, sorted, metres.
 pub fn gaps(skin: &Skin, touches: &TouchSet, schema: &BodySchema) -> Vec<f64> {
     let model = SurfaceGap::new(skin, 1.0);
-    let touches = touches.pairs.iter().flat_map(|pair| &pair.touches);
+    let touches = touches.touches();
     let mut gaps: Vec<f64> =
         touches.map(|touch| model.meeting(&touch.ends, &touch.frames(schema)).gap.abs()).collect();
     gaps.sort_by(f64::total_cmp);

@@ -197,12 +197,8 @@ impl Nursery<'_> {
             // A whole body is one onset a start; parts get several, for what is known is worth keeping.
             let most = if route == Route::Whole { 1 } else { ONSETS_PER_PART };
             let loose = self.loosened(&touches, &known, &part);
-            // The pairs that the part closes: they need it or what it loosens, and nothing else that is unknown.
             let in_part = |joint: usize| part.contains(&joint) || loose.contains(&joint);
-            let closed = touches.filter(|pair| {
-                let mut joints = pair.chain.joints();
-                joints.clone().any(in_part) && joints.all(|joint| known[joint] || in_part(joint))
-            });
+            let closed = closed(&touches, &known, in_part);
             let solved;
             (solved, misfit) = self.solve_part(&closed, &schema, (&part, &loose), most, rng, &mut onsets);
             if !misfit.acceptable() && route == Route::Grown && !rest {
@@ -245,11 +241,7 @@ impl Nursery<'_> {
     pub fn point_noise(&self, rng: &mut ChaCha8Rng) -> Option<f64> {
         let touches = self.without(&self.starved());
         let part = self.next_part(&touches, Route::Grown, self.frozen)?;
-        let in_part = |joint: usize| part.contains(&joint);
-        let closed = touches.filter(|pair| {
-            let mut joints = pair.chain.joints();
-            joints.clone().any(in_part) && joints.all(|joint| self.frozen[joint] || in_part(joint))
-        });
+        let closed = closed(&touches, self.frozen, |joint| part.contains(&joint));
         let nursery = Nursery { evidence: Evidence::Points { acceptance: EXACT, patches: false }, ..*self };
         let schema = &self.prior.mean;
         let (_, Misfit(rms)) =
@@ -467,7 +459,7 @@ impl Nursery<'_> {
         onsets: &mut usize,
     ) -> (BodySchema, Misfit) {
         let in_part = |joint: usize| part.contains(&joint) || loose.contains(&joint);
-        let listed: Vec<&PreparedTouch> = touches.pairs.iter().flat_map(|pair| &pair.touches).collect();
+        let listed: Vec<&PreparedTouch> = touches.touches().collect();
         let relaxed = self.parameters(AxisModel::Relaxed, &in_part);
         let unit = self.parameters(AxisModel::Unit, &in_part);
         let mut best: Option<(BodySchema, Misfit)> = None;
@@ -586,4 +578,12 @@ impl Nursery<'_> {
         let solution = levenberg_marquardt(&mut problem, parameters, start, stopping);
         (solution.schema, (2.0 * solution.cost / count).sqrt())
     }
+}
+
+/// The touches of the pairs that a part closes: they need it, and nothing else that is unknown.
+fn closed(touches: &TouchSet, known: &[bool], in_part: impl Fn(usize) -> bool) -> TouchSet {
+    touches.filter(|pair| {
+        let mut joints = pair.chain.joints();
+        joints.clone().any(&in_part) && joints.all(|joint| known[joint] || in_part(joint))
+    })
 }

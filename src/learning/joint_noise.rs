@@ -30,7 +30,7 @@ pub fn scales(skin: &Skin, touches: &TouchSet, schema: &BodySchema) -> Option<Ve
     let model = SurfaceGap::new(skin, 1.0);
     let mut derivatives: Vec<(usize, Vector3<f64>)> = Vec::new();
     let (mut gaps, mut slopes) = (Vec::new(), Vec::new());
-    for touch in touches.pairs.iter().flat_map(|pair| &pair.touches) {
+    for touch in touches.touches() {
         let frames = touch.frames(schema);
         let meeting = model.meeting(&touch.ends, &frames);
         let mut squares = 0.0;

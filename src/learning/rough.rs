@@ -107,8 +107,7 @@ impl<'a> RoughFit<'a> {
             Onset::Random(schema, seed) => {
                 let mut rng = ChaCha8Rng::seed_from_u64(seed);
                 let parameters = Parameters::new(self.creature, AxisModel::Relaxed, |_| true);
-                let listed: Vec<&PreparedTouch> =
-                    touches.pairs.iter().flat_map(|pair| &pair.touches).collect();
+                let listed: Vec<&PreparedTouch> = touches.touches().collect();
                 (descend(&listed, schema, DESCENT, &parameters, Doubt::Nothing, &mut rng), false)
             }
         };

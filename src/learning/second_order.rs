@@ -454,7 +454,7 @@ impl<'a> SecondOrder<'a> {
             return start;
         };
         let mut row = GapRow::default();
-        let touches = touches.pairs.iter().flat_map(|pair| &pair.touches);
+        let touches = touches.touches();
         let rows = touches.enumerate().map(|(number, touch)| {
             row.set(skin, parameters, schema, touch);
             let scale = scales.map_or(1.0, |scales| scales[number]);
@@ -482,7 +482,7 @@ fn contact_variance(deviation: Option<f64>) -> f64 {
 
 /// How far apart, per coordinate and as a root mean square, the two places of a touch are taken to be, metres.
 fn taken_deviation(touches: &TouchSet) -> f64 {
-    let touches = || touches.pairs.iter().flat_map(|pair| &pair.touches);
+    let touches = || touches.touches();
     let variance =
         |touch: &PreparedTouch| (touch.ends[0].covariance + touch.ends[1].covariance).trace() / 3.0;
     (touches().map(variance).sum::<f64>() / touches().count().max(1) as f64).sqrt()
@@ -494,7 +494,7 @@ fn kept_back(touch: usize) -> bool {
 
 /// Root mean square of the whitened misses of a schema.
 fn point_misfit(touches: &TouchSet, schema: &BodySchema) -> f64 {
-    let touches = touches.pairs.iter().flat_map(|pair| &pair.touches);
+    let touches = touches.touches();
     let (mut sum, mut count) = (0.0, 0.0);
     for touch in touches {
         let frames = touch.frames(schema);

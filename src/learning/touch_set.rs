@@ -88,6 +88,11 @@ impl TouchSet {
         self.pairs.is_empty()
     }
 
+    /// All touches, pair by pair.
+    pub fn touches(&self) -> impl Iterator<Item = &PreparedTouch> {
+        self.pairs.iter().flat_map(|pair| &pair.touches)
+    }
+
     /// The joints between limbs that touched.
     pub fn joints(&self) -> BTreeSet<usize> {
         self.pairs.iter().flat_map(|pair| pair.chain.joints()).collect()
@@ -272,7 +277,7 @@ impl<M: ObservationModel> LeastSquares for TouchProblem<'_, M> {
     }
 
     fn cost(&self, schema: &BodySchema) -> f64 {
-        let touches = self.touches.pairs.iter().flat_map(|pair| &pair.touches);
+        let touches = self.touches.touches();
         touches
             .zip(&self.whitenings)
             .map(|(touch, whitening)| self.model.cost(&touch.ends, &touch.frames(schema), whitening))

@@ -196,7 +196,7 @@ fn first_surprise(window: &VecDeque<(usize, bool)>) -> Option<usize> {
 /// Share of the touches whose gaps are narrower than `close`, metres.
 pub fn closed(skin: &Skin, touches: &TouchSet, schema: &BodySchema, close: f64) -> f64 {
     let model = SurfaceGap::new(skin, 1.0);
-    let all = touches.pairs.iter().flat_map(|pair| &pair.touches);
+    let all = touches.touches();
     let gap = |touch: &PreparedTouch| model.meeting(&touch.ends, &touch.frames(schema)).gap.abs();
     let count = all.filter(|touch| gap(touch) < close).count();
     count as f64 / touches.len().max(1) as f64
