@@ -10,12 +10,11 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use nalgebra::{Isometry3, Matrix3, Vector3};
 
-use super::convex::separation;
 use crate::creature::{Body, Creature, DofKind, Joint};
 use crate::kinematics::{Chain, closest_points, rotation};
 use crate::mujoco::{self, Geom, GeomKind};
 use crate::schema::BodySchema;
-use crate::skin::{Surface, surface_of_geom};
+use crate::skin::{Surface, separation, surface_of_geom};
 
 /// A capsule about a geom: all points within a radius of a segment.
 #[derive(Clone, Debug)]

@@ -4,7 +4,6 @@
 //! touches depend on its seed alone, not on how many threads share the bouts.
 
 mod clearance;
-mod convex;
 mod motion;
 pub mod policy;
 mod posture;

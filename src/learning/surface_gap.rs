@@ -10,7 +10,7 @@ use nalgebra::{Matrix3, Vector3};
 
 use crate::kinematics::Frame;
 use crate::learning::observation::{Observation, ObservationModel, Residuals};
-use crate::skin::{Shape, Skin, Surface};
+use crate::skin::{Shape, Skin, Surface, closest};
 
 /// Residuals beyond this many deviations count ever less (Cauchy weights).
 pub const TAIL: f64 = 3.0;
@@ -27,10 +27,6 @@ const VARIANCE_FACTOR: f64 = 1.363449;
 /// average out as the model has it. On Max, at gaps of 1 mm, places at their full weight hold 3 % of the
 /// information, add 16 % to the error, and leave the intervals too short.
 pub const BIASED_PLACES: f64 = 3.0;
-/// How far surfaces are shrunk to find where they come closest, in units of the thinner one's half thickness.
-const EROSION: f64 = 0.5;
-/// Most projections onto two surfaces.
-const PROJECTIONS: usize = 100;
 /// Most steps to the fixed point of a scale.
 const SCALE_ITERATIONS: usize = 100;
 
@@ -76,28 +72,55 @@ impl<'a> SurfaceGap<'a> {
         {
             return swept_segments(&first, &second);
         }
-        let centres = [0, 1].map(|k| frames[k].point(&self.skin.receptors[ends[k].receptor].position));
+        let receptors = [0, 1].map(|k| &self.skin.receptors[ends[k].receptor]);
         let distance = |k: usize, p_c: &Vector3<f64>| {
             let local = frames[k].inverse_point(p_c);
-            let receptor = &self.skin.receptors[ends[k].receptor];
             // A surface that is known only by its receptors is flat under each of them.
             let (gap, normal) = surfaces[k]
                 .and_then(|surface| surface.signed_distance(&local))
-                .unwrap_or_else(|| (receptor.patch_coordinates(&local).z, receptor.normal));
+                .unwrap_or_else(|| (receptors[k].patch_coordinates(&local).z, receptors[k].normal));
             (gap, frames[k].rotation * normal)
         };
         // A sphere or capsule against anything else: its axis' nearest point is all there is to find.
         for k in [0, 1] {
             if let Some(swept) = surfaces[k].and_then(|surface| segment(surface, &frames[k])) {
-                let meeting = swept_segment(&swept, |p_c| distance(1 - k, p_c));
-                let sign = if k == 0 { 1.0 } else { -1.0 };
-                return Meeting { normal: meeting.normal * sign, ..meeting };
+                return swept_segment(&swept, |p_c| distance(1 - k, p_c)).seen_from(k);
             }
         }
-        let depth = surfaces.iter().flatten().map(|surface| surface.shape.half_thickness());
-        let depth =
-            if surfaces.contains(&None) { 0.0 } else { EROSION * depth.fold(f64::INFINITY, f64::min) };
-        general(0.5 * (centres[0] + centres[1]), depth, distance)
+        let centres = [0, 1].map(|k| frames[k].point(&receptors[k].position));
+        let normals = [0, 1].map(|k| frames[k].rotation * receptors[k].normal);
+        let support = |k: usize, d: &Vector3<f64>| {
+            Some(frames[k].point(&surfaces[k]?.support(&frames[k].rotation.tr_mul(d))?))
+        };
+        match [0, 1].map(|k| support(k, &normals[k]).is_some()) {
+            [true, true] => {
+                let solid = |k: usize, d: &Vector3<f64>| support(k, d).expect("it has a farthest point");
+                let found = closest([&|d| solid(0, d), &|d| solid(1, d)], &normals[1]);
+                let point = 0.5 * (found.points[0] + found.points[1]);
+                Meeting { gap: found.distance, normal: found.normal, point }
+            }
+            // Two flat patches say little more than that their centres are near.
+            [false, false] => {
+                let normal = (normals[1] - normals[0]).try_normalize(1e-9).unwrap_or(normals[1]);
+                let gap = normal.dot(&(centres[0] - centres[1]));
+                Meeting { gap, normal, point: 0.5 * (centres[0] + centres[1]) }
+            }
+            [first, _] => {
+                // The solid's lowest point over the flat patch.
+                let k = usize::from(!first);
+                let normal = normals[1 - k];
+                let lowest = support(k, &-normal).expect("it has a farthest point");
+                let gap = distance(1 - k, &lowest).0;
+                Meeting { gap, normal, point: lowest - normal * (0.5 * gap) }.seen_from(k)
+            }
+        }
+    }
+}
+
+impl Meeting {
+    /// A meeting whose normal leads to the `k`-th of two surfaces, with one that leads to the first.
+    fn seen_from(self, k: usize) -> Meeting {
+        Meeting { normal: if k == 0 { self.normal } else { -self.normal }, ..self }
     }
 }
 
@@ -166,37 +189,6 @@ fn swept_segment(a: &Swept, distance: impl Fn(&Vector3<f64>) -> (f64, Vector3<f6
     };
     let (p, distance, normal, _) = found;
     Meeting { gap: distance - a.radius, normal, point: p - normal * (0.5 * (distance + a.radius)) }
-}
-
-/// Convex surfaces given by their signed distances: the gap is the least sum of the two.
-///
-/// That is where their normals are opposite. Projections onto both surfaces, averaged, get there, but where
-/// the gap is small they stop at any point that is on both. So the surfaces are taken to lie `depth` deeper
-/// than they are: that changes no normal and leaves the projections a way to go. The gap is exact to second
-/// order in what is left.
-fn general(
-    start: Vector3<f64>,
-    depth: f64,
-    distance: impl Fn(usize, &Vector3<f64>) -> (f64, Vector3<f64>),
-) -> Meeting {
-    let (mut p, mut before) = (start, start);
-    let mut since = 0.0;
-    for _ in 0..PROJECTIONS {
-        // Nesterov's momentum with O'Donoghue and Candès' restart: flat surfaces leave a long valley.
-        let ahead = p + (p - before) * (since / (since + 3.0));
-        let (a, b) = (distance(0, &ahead), distance(1, &ahead));
-        let step = -0.5 * (a.1 * (a.0 + depth) + b.1 * (b.0 + depth));
-        before = p;
-        p = ahead + step;
-        since = if step.dot(&(p - before)) < 0.0 { 0.0 } else { since + 1.0 };
-        if step.norm_squared() < 1e-16 {
-            break;
-        }
-    }
-    let (a, b) = (distance(0, &p), distance(1, &p));
-    // The normals of both surfaces agree where they meet; their mean is better than either.
-    let normal = (b.1 - a.1).try_normalize(1e-9).unwrap_or(b.1);
-    Meeting { gap: a.0 + b.0, normal, point: p }
 }
 
 impl ObservationModel for SurfaceGap<'_> {
@@ -317,24 +309,14 @@ mod tests {
     }
 
     #[test]
-    fn the_gap_of_convex_surfaces_is_that_of_the_balls_that_they_are() {
+    fn the_gap_over_a_convex_surface_is_that_of_the_balls_that_they_are() {
         let mut rng = ChaCha8Rng::seed_from_u64(2);
-        let (first, second) = ([0.03; 3], [0.05; 3]);
         for gap in [-1e-3, -1e-4, 0.0, 1e-6, 1e-4, 1e-3, 0.01] {
             let direction = Vector3::from_fn(|_, _| normal(&mut rng)).normalize();
             let middle = direction * (0.08 + gap);
-            let distance = |k: usize, p: &Vector3<f64>| {
-                let (semi_axes, at) = [(first, middle), (second, Vector3::zeros())][k];
-                let shape = Shape::Ellipsoid { semi_axes };
-                shape.signed_distance(&(p - at)).unwrap()
-            };
-            // From a place off the way between the two, as a receptor's centre is.
-            let start = direction * 0.05 + direction.cross(&Vector3::x()) * 0.01;
-            let found = general(start, 0.5 * 0.03, distance);
-            assert!((found.gap - gap).abs() < 1e-8, "{} in place of {gap}", found.gap);
-            assert!((found.normal - direction).norm() < 1e-3, "{gap}: {}", found.normal.dot(&direction));
+            let shape = Shape::Ellipsoid { semi_axes: [0.05; 3] };
             let swept = Swept { ends: [middle; 2], radius: 0.03 };
-            let found = swept_segment(&swept, |p| distance(1, p));
+            let found = swept_segment(&swept, |p| shape.signed_distance(p).unwrap());
             assert!((found.gap - gap).abs() < 1e-8, "{} in place of {gap}", found.gap);
             assert!((found.normal - direction).norm() < 1e-9);
         }

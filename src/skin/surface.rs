@@ -152,14 +152,6 @@ impl Shape {
         }
     }
 
-    /// The radius of a ball that the shape holds, metres: the largest one's, or nearly for a hull.
-    pub fn half_thickness(&self) -> f64 {
-        match self {
-            Shape::Hull(hull) => hull.inradius(),
-            other => other.half_bounds().min(),
-        }
-    }
-
     /// Half the sides of the box about the shape, along its axes, whose middle is the shape's origin.
     pub fn half_bounds(&self) -> Vector3<f64> {
         match *self {
