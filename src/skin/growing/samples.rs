@@ -141,10 +141,13 @@ impl Parametrised {
 fn thinned(candidates: impl Iterator<Item = Sample>, apart: f64) -> Vec<Sample> {
     let mut kept: Vec<Sample> = Vec::new();
     let mut cells: HashMap<[i64; 3], Vec<usize>> = HashMap::new();
+    // What is near is most likely in the same cell.
+    let mut around: Vec<[i64; 3]> = (0..27).map(|k| [k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1]).collect();
+    around.sort_by_key(|offset| offset.iter().map(|x| x * x).sum::<i64>());
     for (point, normal) in candidates {
         let cell: [i64; 3] = (point / apart).map(|x| x.floor() as i64).into();
-        let around = (0..27).map(|k| [cell[0] + k % 3 - 1, cell[1] + k / 3 % 3 - 1, cell[2] + k / 9 - 1]);
-        let mut near = around.filter_map(|cell| cells.get(&cell)).flatten();
+        let mut near =
+            around.iter().filter_map(|offset| cells.get(&[0, 1, 2].map(|k| cell[k] + offset[k]))).flatten();
         if near.all(|&other| (kept[other].0 - point).norm() >= apart) {
             cells.entry(cell).or_default().push(kept.len());
             kept.push((point, normal));
