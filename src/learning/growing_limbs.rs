@@ -28,6 +28,10 @@ use crate::schema::{BodySchema, nearest_rotation};
 
 /// Onsets tried for one part of the body.
 const ONSETS_PER_PART: usize = 16;
+/// Parts that fail before a start grows no more, …
+const MOST_FAILED: usize = 4;
+/// … and where it knows nothing yet: long chains alone make none to grow on.
+const HOPELESS_PARTS: usize = 2;
 /// Misfit of a part below which no better onset is looked for: exact points leave far less.
 const CERTAIN: f64 = 1e-2;
 /// Equations that a part has to spare before it is solved, where there is a choice …
@@ -96,6 +100,10 @@ impl LimbNursery<'_> {
             match solved.and_then(|solved| self.release(solved)) {
                 Some(settled) => growth = settled,
                 None => failed.push(part.joints),
+            }
+            let most = if growth.known.contains(&true) { MOST_FAILED } else { HOPELESS_PARTS };
+            if failed.len() >= most {
+                break;
             }
         }
         let accepted = growth.known.contains(&true);
@@ -251,6 +259,8 @@ impl LimbNursery<'_> {
         let linear = with_poses(Parameters::positions(self.creature, AxisModel::Relaxed, in_part));
         let relaxed = with_poses(Parameters::new(self.creature, AxisModel::Relaxed, in_part));
         let unit = with_poses(Parameters::new(self.creature, AxisModel::Unit, in_part));
+        // Three equations a touch: three times as many as unknowns tell a wrong answer from a right one.
+        let few = thinned(&part.touches, relaxed.len());
         let mut best = (growth.schema.clone(), EXACT);
         for _ in 0..ONSETS_PER_PART {
             *onsets += 1;
@@ -259,10 +269,14 @@ impl LimbNursery<'_> {
                 randomize_joint(self.creature, &mut trial, joint, rng);
                 trial.limb_poses[joint] = Frame::identity();
             }
-            let (trial, _) = self.solve(&part.touches, &linear, trial, 6);
-            let (mut trial, _) = self.solve(&part.touches, &relaxed, trial, 100);
+            let (trial, _) = self.solve(&few, &linear, trial, 6);
+            let (mut trial, _) = self.solve(&few, &relaxed, trial, 100);
             trial.normalize_axes(self.creature);
             trial.normalize_limb_poses();
+            let (trial, misfit) = self.solve(&few, &unit, trial, 60);
+            if misfit > EXACT {
+                continue;
+            }
             let (schema, misfit) = self.solve(&part.touches, &unit, trial, 60);
             if misfit <= best.1 {
                 best = (schema, misfit);
@@ -306,6 +320,19 @@ impl LimbNursery<'_> {
         let solution = levenberg_marquardt(&mut problem, parameters, start, stopping);
         (solution.schema, (2.0 * solution.cost / count).sqrt())
     }
+}
+
+/// At most so many touches, taken evenly from all.
+fn thinned(touches: &TouchSet, most: usize) -> TouchSet {
+    let (all, mut seen) = (touches.len().max(1), 0);
+    let mut few = touches.clone();
+    for pair in &mut few.pairs {
+        pair.touches.retain(|_| {
+            seen += 1;
+            seen * most / all > (seen - 1) * most / all
+        });
+    }
+    few
 }
 
 /// The pose that carries the first of each two places to the second with the least sum of squares (Kabsch

@@ -38,8 +38,10 @@ const STARTS: usize = 24;
 const LARGE_STARTS: usize = 2;
 /// Starts after which one is taken though it knows fewer joints than have touches of their own.
 const INCOMPLETE_STARTS: usize = 2;
-/// The same where limbs have frames of their own.
-const INCOMPLETE_LIMB_STARTS: usize = 8;
+/// The same where limbs have frames of their own, …
+const INCOMPLETE_LIMB_STARTS: usize = 6;
+/// … and after which none is made more where all know nothing: chains are too long to begin with any.
+const BLIND_LIMB_STARTS: usize = 3;
 /// Where gaps show noise, only trying can tell whether less of it was to be had: two starts must agree on the
 /// least noise to this share of it.
 const AGREEMENT: f64 = 0.03;
@@ -673,6 +675,10 @@ impl<'a> SecondOrder<'a> {
                     noises.iter().filter(|&&noise| noise <= (1.0 + self.agreement()) * best.noise).count();
                 let complete = best.known() >= solvable || *number + 1 >= incomplete_starts;
                 if best.start.accepted && complete && (best.noise <= CERTAIN_NOISE || agreeing >= 2) {
+                    break 'waves;
+                }
+                let blind = self.frames == LimbFrames::Limb && best.known() == 0;
+                if blind && *number + 1 >= BLIND_LIMB_STARTS {
                     break 'waves;
                 }
                 // With points it is the least noise that starts have to agree on, whoever is best by other measures.
