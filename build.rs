@@ -12,7 +12,7 @@ use std::sync::{Arc, Mutex};
 
 /// The calls that `src/mujoco` makes; with them bindgen takes along the types that they need.
 const FUNCTIONS: &str = "mj_(version|versionString|loadXML|printSchema|saveLastXML|copyModel|deleteModel|makeData|deleteData|resetData\
-|kinematics|comPos|collision|forward|contactForce|id2name|name2id\
+|kinematics|comPos|collision|forward|step|step1|step2|mulM|contactForce|id2name|name2id\
 |defaultVFS|deleteVFS|makeEmptyFileVFS|findFileVFS|addBufferVFS)\
 |mju_(error|warning|warningText)";
 /// Enumerations of which constants are compared with plain integers of the model.

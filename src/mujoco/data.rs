@@ -91,19 +91,8 @@ impl Data {
     /// [`Error::Size`] where there are not `nq` numbers, [`Error::NotFinite`] where one is NaN,
     /// infinite or beyond the engine's bound of 1e10; the posture is unchanged then.
     pub fn set_qpos(&mut self, qpos: &[f64]) -> Result<()> {
-        let expected = self.model.nq();
-        if qpos.len() != expected {
-            return Err(Error::Size { what: "qpos", expected, found: qpos.len() });
-        }
-        if let Some(index) = qpos.iter().position(|number| number.is_nan() || number.abs() > ffi::mjMAXVAL) {
-            return Err(Error::NotFinite { what: "qpos", index });
-        }
-        // SAFETY: qpos has room for nq numbers, and `self` is borrowed exclusively.
-        unsafe {
-            let target = self.raw.as_ref().qpos;
-            std::ptr::copy_nonoverlapping(qpos.as_ptr(), target, expected);
-        }
-        Ok(())
+        let at = self.raw().qpos;
+        self.write("qpos", at, self.model.nq(), qpos)
     }
 
     /// Back to the reference posture, nothing computed; dear, never per posture.
@@ -115,6 +104,104 @@ impl Data {
         guarded("mj_resetData", || unsafe {
             ffi::mj_resetData(self.model.raw(), self.raw.as_ptr());
         })
+    }
+
+    /// The velocities: `nv` numbers in radians and metres a second.
+    pub fn qvel(&self) -> &[f64] {
+        array!(self, qvel[nv])
+    }
+
+    /// Sets the velocities. What was computed before stays until the next computing call.
+    ///
+    /// # Errors
+    /// [`Error::Size`] where there are not `nv` numbers, [`Error::NotFinite`] where one is none.
+    pub fn set_qvel(&mut self, qvel: &[f64]) -> Result<()> {
+        let at = self.raw().qvel;
+        self.write("qvel", at, self.model.nv(), qvel)
+    }
+
+    /// Sets the forces on the degrees of freedom, newtons and newton metres, of the steps to come.
+    ///
+    /// # Errors
+    /// As [`Data::set_qvel`].
+    pub fn set_qfrc_applied(&mut self, forces: &[f64]) -> Result<()> {
+        let at = self.raw().qfrc_applied;
+        self.write("qfrc_applied", at, self.model.nv(), forces)
+    }
+
+    /// Writes `count` checked numbers into an array of the data that holds as many.
+    fn write(&mut self, what: &'static str, target: *mut f64, count: usize, numbers: &[f64]) -> Result<()> {
+        if numbers.len() != count {
+            return Err(Error::Size { what, expected: count, found: numbers.len() });
+        }
+        if let Some(index) = numbers.iter().position(|x| x.is_nan() || x.abs() > ffi::mjMAXVAL) {
+            return Err(Error::NotFinite { what, index });
+        }
+        // SAFETY: callers name an array of `count` numbers, and `self` is borrowed exclusively.
+        unsafe { std::ptr::copy_nonoverlapping(numbers.as_ptr(), target, count) }
+        Ok(())
+    }
+
+    /// Sets the force on body `i` at its centre of mass, newtons, in the world's frame, of the steps to come.
+    ///
+    /// # Panics
+    /// Where there is no body `i`.
+    pub fn set_body_force(&mut self, i: usize, force: &Vector3<f64>) {
+        assert!(i < self.model.nbody(), "there is no body {i}");
+        // SAFETY: six numbers a body, and `self` is borrowed exclusively.
+        unsafe { std::ptr::copy_nonoverlapping(force.as_ptr(), self.raw.as_ref().xfrc_applied.add(6 * i), 3) }
+    }
+
+    /// Simulated time, seconds.
+    pub fn time(&self) -> f64 {
+        self.raw().time
+    }
+
+    /// The forces that gravity, Coriolis and centrifugal accelerations ask for, of the last [`Data::forward`] or
+    /// [`Data::step`]: `nv` numbers.
+    pub fn qfrc_bias(&self) -> &[f64] {
+        array!(self, qfrc_bias[nv])
+    }
+
+    /// The inertia matrix of the last [`Data::forward`] or [`Data::step`] times a vector of `nv` numbers.
+    ///
+    /// # Panics
+    /// Where there are not `nv` numbers.
+    pub fn mul_inertia(&self, vector: &[f64]) -> Vec<f64> {
+        let nv = self.model.nv();
+        assert_eq!(vector.len(), nv, "one number per degree of freedom");
+        let mut product = vec![0.0; nv];
+        // SAFETY: both arrays hold nv numbers; the data are only read.
+        unsafe {
+            ffi::mj_mulM(self.model.raw(), self.raw.as_ptr(), product.as_mut_ptr(), vector.as_ptr());
+        }
+        product
+    }
+
+    /// Advances the simulation by the model's time step: forces, contacts and sensors are those at the beginning of
+    /// the step, the posture that at its end.
+    ///
+    /// # Errors
+    /// As [`Data::collision`]; [`Error::Warning`] also where the simulation became unstable.
+    pub fn step(&mut self) -> Result<()> {
+        self.run("mj_step", ffi::mj_step)
+    }
+
+    /// The first half of a step: all that depends on the posture and velocities, contacts among it; no forces yet.
+    ///
+    /// # Errors
+    /// As [`Data::collision`].
+    pub fn step1(&mut self) -> Result<()> {
+        self.run("mj_step1", ffi::mj_step1)
+    }
+
+    /// The second half of a step, with the forces set since: contact forces, sensors of them, and the posture at the
+    /// end of the step. Contacts and poses are still those of its beginning.
+    ///
+    /// # Errors
+    /// As [`Data::step`].
+    pub fn step2(&mut self) -> Result<()> {
+        self.run("mj_step2", ffi::mj_step2)
     }
 
     /// Computes the poses of bodies, joints, geoms and sites.

@@ -275,6 +275,11 @@ impl Model {
         self.raw().nq as usize
     }
 
+    /// How long a step of the simulation is, seconds.
+    pub fn timestep(&self) -> f64 {
+        self.raw().opt.timestep
+    }
+
     /// The number of degrees of freedom.
     pub fn nv(&self) -> usize {
         self.raw().nv as usize
