@@ -5,6 +5,7 @@
 //! closed and some stay open, the joints that the open ones share are at fault.
 
 use crate::creature::Creature;
+use crate::kinematics::Chain;
 use crate::learning::annealing::{gaps, typical_gap};
 use crate::learning::surface_gap::SurfaceGap;
 use crate::learning::touch_set::TouchSet;
@@ -19,8 +20,82 @@ const DEVIATIONS: f64 = 5.0;
 const FALSE_SHARE: f64 = 0.12;
 /// … and standard deviations that chance may add to it in few.
 const CHANCE: f64 = 2.0;
+/// Open touches with two joints that are no sign of anything.
+const ONE_BY_CHANCE: f64 = 2.0;
 /// Touches with a joint below which their share says little of it.
 const FEW: f64 = 6.0;
+
+/// How many touches are open and how many there are: in all, and with each two joints in their chains.
+///
+/// Two fingers may touch each other a hundred times and the rest of the body five. A schema in which they fit each
+/// other and not the body leaves few gaps open of either's, but most of those with both a finger and the wrist.
+#[derive(Clone, Debug)]
+pub struct Tally {
+    joints: usize,
+    counts: Vec<[f64; 2]>,
+    /// Open ones and all.
+    pub all: [f64; 2],
+}
+
+impl Tally {
+    /// Nothing counted yet.
+    pub fn new(joints: usize) -> Tally {
+        Tally { joints, counts: vec![[0.0; 2]; joints * joints], all: [0.0; 2] }
+    }
+
+    /// Counts a touch with a chain of joints.
+    pub fn add(&mut self, chain: &Chain, open: bool) {
+        self.add_many(chain, [f64::from(u8::from(open)), 1.0]);
+    }
+
+    fn add_many(&mut self, chain: &Chain, counts: [f64; 2]) {
+        let add = |sum: &mut [f64; 2]| (0..2).for_each(|k| sum[k] += counts[k]);
+        add(&mut self.all);
+        for first in chain.joints() {
+            for second in chain.joints().filter(|&second| second >= first) {
+                add(&mut self.counts[first * self.joints + second]);
+            }
+        }
+    }
+
+    /// Open touches and all with two joints, the first not after the second; or one and the same.
+    pub fn of(&self, first: usize, second: usize) -> [f64; 2] {
+        self.counts[first * self.joints + second]
+    }
+
+    /// What false touches would bring that come from any two receptors alike.
+    fn of_chance(creature: &Creature, skin: &Skin) -> Tally {
+        let mut on_limb = vec![0.0; creature.limbs().len()];
+        skin.receptors.iter().for_each(|receptor| on_limb[receptor.limb] += 1.0);
+        let mut found = Tally::new(creature.joints().len());
+        for first in 0..on_limb.len() {
+            for second in first + 1..on_limb.len() {
+                let ways = on_limb[first] * on_limb[second];
+                if ways > 0.0 {
+                    found.add_many(&Chain::between(creature, first, second), [ways, ways]);
+                }
+            }
+        }
+        found
+    }
+
+    /// The most open touches that have any two joints, in units of those that false touches may make up there by
+    /// `chance`: as many of them as touches elsewhere show, and what luck may add. Where nearly all others close, a
+    /// handful that share two joints are no coincidence.
+    fn crowded(&self, chance: &Tally) -> f64 {
+        let excess = |(counts, ways): (&[f64; 2], &[f64; 2])| {
+            let share = ways[0] / chance.all[0].max(1.0);
+            let expected = (self.all[0] - counts[0]) * share / (1.0 - share).max(0.1);
+            counts[0] / (ONE_BY_CHANCE + expected + 3.0 * expected.sqrt())
+        };
+        self.counts.iter().zip(&chance.counts).map(excess).fold(0.0, f64::max)
+    }
+
+    /// In all, of each joint, and of each two.
+    pub fn of_all(&self) -> impl Iterator<Item = [f64; 2]> {
+        std::iter::once(self.all).chain(self.counts.iter().copied())
+    }
+}
 
 /// How many gaps are open under a schema, in all and per joint of their chains.
 #[derive(Clone, Debug)]
@@ -29,7 +104,7 @@ pub struct OpenGaps {
     pub share: f64,
     /// Share of open gaps among the touches whose chain has the joint; 0 where these are few.
     pub by_joint: Vec<f64>,
-    /// The greatest share in units of what false touches and chance may make up.
+    /// The greatest share, of any two joints, in units of what false touches and chance may make up.
     worst: f64,
 }
 
@@ -40,25 +115,23 @@ impl OpenGaps {
         let noise = typical_gap(&gaps(skin, touches, schema));
         let limit = OPEN.max(DEVIATIONS * noise);
         let joints = creature.joints().len();
-        let (mut open, mut all) = (vec![0.0; joints + 1], vec![0.0; joints + 1]);
+        let mut found = Tally::new(joints);
         for pair in &touches.pairs {
             for touch in &pair.touches {
                 let gap = model.meeting(&touch.ends, &touch.frames(schema)).gap.abs();
-                let is_open = f64::from(u8::from(gap > limit));
-                for joint in pair.chain.joints().chain([joints]) {
-                    open[joint] += is_open;
-                    all[joint] += 1.0;
-                }
+                found.add(&pair.chain, gap > limit);
             }
         }
-        let share = |j: usize| if all[j] >= FEW { open[j] / all[j] } else { 0.0 };
-        let excess = |j: usize| {
-            let chance = (FALSE_SHARE * (1.0 - FALSE_SHARE) / all[j].max(FEW)).sqrt();
-            share(j) / (FALSE_SHARE + CHANCE * chance)
+        let share = |[open, all]: [f64; 2]| if all >= FEW { open / all } else { 0.0 };
+        let excess = |counts: [f64; 2]| {
+            let chance = (FALSE_SHARE * (1.0 - FALSE_SHARE) / counts[1].max(FEW)).sqrt();
+            share(counts) / (FALSE_SHARE + CHANCE * chance)
         };
-        let worst = (0..=joints).map(excess).fold(0.0, f64::max);
-        let share_of_all = open[joints] / all[joints].max(1.0);
-        OpenGaps { share: share_of_all, by_joint: (0..joints).map(share).collect(), worst }
+        let crowded = found.crowded(&Tally::of_chance(creature, skin));
+        let worst = found.of_all().map(excess).fold(crowded, f64::max);
+        let [open, all] = found.all;
+        let by_joint = (0..joints).map(|joint| share(found.of(joint, joint))).collect();
+        OpenGaps { share: open / all.max(1.0), by_joint, worst }
     }
 
     /// Whether false touches and chance may have left open what is open, for every joint.

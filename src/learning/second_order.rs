@@ -20,8 +20,9 @@ use crate::learning::joint_noise;
 use crate::learning::least_squares::{LeastSquares, Stopping, levenberg_marquardt};
 use crate::learning::observability::{DETERMINED, Observability};
 use crate::learning::observation::{Input, Observation, ObservationModel, PointsMeet, SkinKnowledge};
+use crate::learning::open_gaps::Tally;
 use crate::learning::prediction::{GapRow, covariance, information_inverse};
-use crate::learning::surface_gap::{MEAN_WEIGHT, SurfaceGap, gap_scale};
+use crate::learning::surface_gap::{MEAN_WEIGHT, SurfaceGap, TAIL, gap_scale};
 use crate::learning::touch_set::{LimbTouch, PairTouches, PreparedTouch, TouchProblem, TouchSet};
 use crate::learning::{AxisModel, Known, Learned, Learner, LimbFrames, Parameters, Verdict};
 use crate::schema::{BodySchema, unfelt_shifts};
@@ -86,6 +87,8 @@ const OPEN: f64 = 5.0;
 const FRESH_OPEN: f64 = 0.3;
 /// Touches with a joint below which their share of open gaps says little of it.
 const FEW: usize = 4;
+/// Leverage of a touch from which on no other one checks it.
+const UNCHECKED: f64 = 0.98;
 /// A touch tests a schema that predicts its gap to this, metres.
 const TELLING: f64 = 0.01;
 /// Width of a gap that nothing asks to predict better, metres.
@@ -243,8 +246,7 @@ impl<'a> SecondOrder<'a> {
         let prior = &self.known.prior;
         let covariance = covariance(self.creature, self.skin, fitted, &parameters, prior, schema, noise);
         let Some(covariance) = covariance else { return (f64::INFINITY, noise) };
-        let joints = self.creature.joints().len();
-        let (mut open, mut all) = (vec![0; joints + 1], vec![0; joints + 1]);
+        let mut found = Tally::new(self.creature.joints().len());
         let mut normalized = Vec::with_capacity(fresh.len());
         let mut tested = 0;
         let mut row = GapRow::default();
@@ -255,10 +257,7 @@ impl<'a> SecondOrder<'a> {
                 let deviations = row.gap.abs() / variance.sqrt();
                 normalized.push(deviations);
                 tested += usize::from(variance < TELLING * TELLING);
-                for joint in pair.chain.joints().chain([joints]) {
-                    open[joint] += usize::from(deviations > OPEN);
-                    all[joint] += 1;
-                }
+                found.add(&pair.chain, deviations > OPEN);
             }
         }
         // Who predicts nothing is never wrong: that proves nothing.
@@ -266,7 +265,9 @@ impl<'a> SecondOrder<'a> {
             return (f64::INFINITY, noise);
         }
         normalized.sort_by(f64::total_cmp);
-        let shares = (0..=joints).filter(|&j| all[j] >= FEW).map(|j| open[j] as f64 / all[j] as f64);
+        // One open touch may be false, whatever it is with.
+        let told = found.of_all().filter(|[_, all]| *all >= FEW as f64);
+        let shares = told.map(|[open, all]| (open - 1.0) / all);
         let worst = shares.fold(0.0, f64::max);
         ((quantile(&normalized, 0.8) / FRESH_GAP).max(worst / FRESH_OPEN), noise)
     }
@@ -407,9 +408,17 @@ impl<'a> SecondOrder<'a> {
                     deviation = self.gap_deviation(skin, used, &parameters, schema, scales.as_deref());
                 }
                 let model = SurfaceGap::new(skin, deviation).with_biased_places();
-                let mut problem =
-                    TouchProblem::new(self.creature, used, &parameters, model).with_scales(scales.as_deref());
-                (problem.linearize(schema).hessian / MEAN_WEIGHT, 5 * used.len(), deviation)
+                let information = |touches: &TouchSet, scales: Option<&[f64]>| {
+                    let problem = TouchProblem::new(self.creature, touches, &parameters, model);
+                    problem.with_scales(scales).linearize(schema).hessian / MEAN_WEIGHT
+                };
+                let hessian = information(used, scales.as_deref());
+                let checked =
+                    checked(skin, used, &parameters, schema, &hessian, (deviation, scales.as_deref()));
+                match checked {
+                    Some((few, scales)) => (information(&few, scales.as_deref()), 5 * few.len(), deviation),
+                    None => (hessian, 5 * used.len(), deviation),
+                }
             }
         };
         self.known.given.add_information(&parameters, &mut hessian);
@@ -464,6 +473,43 @@ impl<'a> SecondOrder<'a> {
         });
         gap_scale(&rows.collect::<Vec<_>>(), start).max(NARROWEST)
     }
+}
+
+/// The touches that others check, and their scales; none where that are all.
+///
+/// A touch whose leverage is nearly 1 closes its gap whatever the truth is: the fit has a parameter for it alone.
+/// What rests on such touches is not known, however small it leaves the gaps (Baarda's reliability, "A Testing
+/// Procedure for Use in Geodetic Networks", 1968). `noise` is the gaps' deviation, and how many times wider each is.
+fn checked(
+    skin: &Skin,
+    touches: &TouchSet,
+    parameters: &Parameters,
+    schema: &BodySchema,
+    hessian: &DMatrix<f64>,
+    (deviation, scales): (f64, Option<&[f64]>),
+) -> Option<(TouchSet, Option<Vec<f64>>)> {
+    let covariance = information_inverse(hessian.clone(), parameters)?;
+    let mut row = GapRow::default();
+    let mut number = 0;
+    let mut kept_scales = scales.map(|_| Vec::new());
+    let mut few = touches.clone();
+    for pair in &mut few.pairs {
+        pair.touches.retain(|touch| {
+            row.set(skin, parameters, schema, touch);
+            let deviation = deviation * scales.map_or(1.0, |scales| scales[number]);
+            let weight = 1.0 / (1.0 + (row.gap / (TAIL * deviation)).powi(2));
+            // The weights that the information was divided by are 1 for a gap that is closed.
+            let leverage = weight * row.variance(&covariance) / (MEAN_WEIGHT * deviation.powi(2));
+            let checked = leverage < UNCHECKED;
+            if let (true, Some(kept), Some(scales)) = (checked, &mut kept_scales, scales) {
+                kept.push(scales[number]);
+            }
+            number += 1;
+            checked
+        });
+    }
+    few.pairs.retain(|pair| !pair.touches.is_empty());
+    (few.len() < touches.len()).then_some((few, kept_scales))
 }
 
 /// Standard deviation of the gaps of touches that parameters were fitted to, as they show it, metres.
