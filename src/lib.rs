@@ -29,6 +29,7 @@ pub mod cli;
 pub mod creature;
 pub mod evaluation;
 pub mod ground_truth;
+pub mod interaction;
 pub mod kinematics;
 pub mod learning;
 mod mjcf_xml;

@@ -32,6 +32,20 @@ pub(crate) fn section<'a>(root: &'a mut Element, name: &str) -> &'a mut Element 
     root.get_mut_child(name).expect("just made")
 }
 
+/// Lets a file's meshes and textures be found from anywhere: its folders for them become absolute.
+pub(crate) fn anchor_assets(root: &mut Element, path: &std::path::Path) {
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
+    let folder = folder.unwrap_or(std::path::Path::new("."));
+    let folder = folder.canonicalize().unwrap_or_else(|_| folder.to_path_buf());
+    let compiler = section(root, "compiler");
+    let common = compiler.attributes.get("assetdir").cloned().unwrap_or_default();
+    for name in ["meshdir", "texturedir"] {
+        let own = compiler.attributes.get(name).unwrap_or(&common);
+        let absolute = folder.join(own).display().to_string();
+        compiler.attributes.insert(name.into(), absolute);
+    }
+}
+
 /// The default class of the receptors' sites.
 pub(crate) fn add_receptor_class(root: &mut Element, name: &str) {
     let mut class = element("default", &[("class", name.into())]);

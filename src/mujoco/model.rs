@@ -111,6 +111,22 @@ impl Model {
         Self::load(name, vfs::FILE, Some(&Vfs::new(xml)?))
     }
 
+    /// Reads an MJCF file with more bodies in its world, given as their elements.
+    ///
+    /// # Errors
+    /// As [`Model::from_path`].
+    pub(crate) fn with_bodies(path: impl AsRef<Path>, bodies: Vec<xmltree::Element>) -> Result<Self> {
+        let path = path.as_ref();
+        limits::check_file(path)?;
+        let refused = |(path, message)| Error::Read { path, message };
+        let mut root = crate::mjcf_xml::read(path).map_err(refused)?;
+        crate::mjcf_xml::anchor_assets(&mut root, path);
+        let world = crate::mjcf_xml::section(&mut root, "worldbody");
+        world.children.extend(bodies.into_iter().map(xmltree::XMLNode::Element));
+        let text = crate::mjcf_xml::write(&root).map_err(|message| refused((path.to_path_buf(), message)))?;
+        Self::load(path, vfs::FILE, Some(&Vfs::new(&text)?))
+    }
+
     /// Reads what a body schema needs of an MJCF file, its bodies, joints, geoms, meshes and touch sensors, and leaves
     /// out everything else: what this MuJoCo is too old for, and what has nothing to do with where limbs are. Returns
     /// what was left out as well, with its number.
@@ -246,6 +262,22 @@ impl Model {
         for (i, axis) in axes.iter().enumerate().flat_map(|(j, axis)| (3 * j..).zip(axis)) {
             // SAFETY: the copy is not shared yet, and the array holds three numbers per joint.
             unsafe { *(*raw).jnt_axis.add(i) = *axis }
+        }
+        Ok(copy)
+    }
+
+    /// A copy in which some degrees of freedom have so much inertia that nothing moves them.
+    ///
+    /// # Errors
+    /// [`Error::Engine`] where there is no memory for it.
+    pub fn with_immovable(&self, dofs: impl IntoIterator<Item = usize>) -> Result<Self> {
+        /// Kilogrammes, or kilogrammes times square metres.
+        const IMMOVABLE: f64 = 1e6;
+        let mut copy = self.copy()?;
+        let raw = copy.raw_mut();
+        for dof in dofs.into_iter().filter(|&dof| dof < self.nv()) {
+            // SAFETY: the copy is not shared yet, and the array holds a number per degree of freedom.
+            unsafe { *(*raw).dof_armature.add(dof) = IMMOVABLE }
         }
         Ok(copy)
     }

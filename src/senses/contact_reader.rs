@@ -51,14 +51,18 @@ impl ContactReader {
         if body.creature.neighbouring(a, b) {
             return Reading::Neighbours;
         }
-        // MuJoCo's normal points from the first geom to the second.
-        let ends = [(0, contact.normal), (1, -contact.normal)]
-            .map(|(k, outward)| self.end(body, skin, data, contact.geoms[k], &contact.position, &outward));
-        match ends {
+        match self.ends(body, skin, data, contact) {
             [Some(first), Some(second)] if a <= b => Reading::Touch([first, second]),
             [Some(first), Some(second)] => Reading::Touch([second, first]),
             _ => Reading::Bare,
         }
+    }
+
+    /// The receptors at both ends of a contact of `data`, in the order of its geoms; none where there is no skin.
+    pub fn ends(&self, body: &Body, skin: &Skin, data: &Data, contact: &Contact) -> [Option<TouchEnd>; 2] {
+        // MuJoCo's normal points from the first geom to the second.
+        [(0, contact.normal), (1, -contact.normal)]
+            .map(|(k, outward)| self.end(body, skin, data, contact.geoms[k], &contact.position, &outward))
     }
 
     /// The nearest receptor on the geom whose patch holds the point.

@@ -156,7 +156,7 @@ fn measure(subject: &Subject) -> Result<Findings, Failure> {
         y: Axis { title: "held-out error, rms, mm (line: the bound)", scale: Scale::Logarithmic },
         series: series(&found),
     };
-    Ok(Findings { measurements, summary, notes, plot })
+    Ok(Findings { measurements, summary, notes, plot, numbers: Vec::new() })
 }
 
 /// One fit and its judgement.

@@ -139,7 +139,7 @@ fn measure(subject: &Subject) -> Result<Findings, Failure> {
         y: Axis { title: "", scale: Scale::Names(names) },
         series: [("converged", true), ("not converged", false)].map(|which| dots(which, &found)).into(),
     };
-    Ok(Findings { measurements, summary, notes, plot })
+    Ok(Findings { measurements, summary, notes, plot, numbers: Vec::new() })
 }
 
 /// The trials that converged or those that did not, at their condition's place, a little apart.

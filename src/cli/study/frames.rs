@@ -124,5 +124,5 @@ fn measure(subject: &Subject) -> Result<Findings, Failure> {
         },
         series: series.collect(),
     };
-    Ok(Findings { measurements, summary, notes, plot })
+    Ok(Findings { measurements, summary, notes, plot, numbers: Vec::new() })
 }

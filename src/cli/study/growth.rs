@@ -135,7 +135,7 @@ fn measure(subject: &Subject) -> Result<Findings, Failure> {
         y: Axis { title: "error, mm (medians of trials)", scale: Scale::Logarithmic },
         series,
     };
-    Ok(Findings { measurements, summary, notes, plot })
+    Ok(Findings { measurements, summary, notes, plot, numbers: Vec::new() })
 }
 
 /// The limb with most touches of all that a joint carries; of hands alone, where there are any.

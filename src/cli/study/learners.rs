@@ -119,7 +119,7 @@ fn measure(subject: &Subject) -> Result<Findings, Failure> {
         },
         series,
     };
-    Ok(Findings { measurements, summary, notes, plot })
+    Ok(Findings { measurements, summary, notes, plot, numbers: Vec::new() })
 }
 
 /// The counts at which learners are measured, up to `most` and with it: 100, 150, 200, 300, 500, 700, 1000,

@@ -13,6 +13,7 @@ mod growth;
 mod learners;
 mod plot;
 mod policies;
+mod sensations;
 mod subject;
 mod table;
 mod turned;
@@ -31,7 +32,7 @@ use subject::Subject;
 use table::Table;
 
 /// The studies, in the order in which they are named to the user.
-const STUDIES: [&Study; 7] = [
+const STUDIES: [&Study; 8] = [
     &learners::STUDY,
     &policies::STUDY,
     &coverage::STUDY,
@@ -39,6 +40,7 @@ const STUDIES: [&Study; 7] = [
     &growth::STUDY,
     &turned::STUDY,
     &frames::STUDY,
+    &sensations::STUDY,
 ];
 
 /// The model that is studied where none is named.
@@ -70,6 +72,8 @@ pub struct Findings {
     pub notes: Vec<String>,
     /// The plot.
     pub plot: Plot,
+    /// What a program asks for by name, beside the summary.
+    pub numbers: Vec<(&'static str, Value)>,
 }
 
 /// Repeat a measurement over several seeds: a table, its data and a plot.
@@ -147,7 +151,7 @@ pub fn run(args: &Args) -> Outcome {
     let seconds = began.elapsed().as_secs_f64();
     subject.done();
     let creature = &subject.body.creature;
-    let result = json!({
+    let mut result = json!({
         "study": study.name,
         "about": study.about,
         "program": PROGRAM,
@@ -170,6 +174,7 @@ pub fn run(args: &Args) -> Outcome {
         "rows": findings.measurements.to_json(),
         "folder": folder,
     });
+    findings.numbers.iter().for_each(|(name, number)| result[*name] = number.clone());
     save(&folder, study, &result, &findings)?;
     if args.json {
         return output::json(&result);

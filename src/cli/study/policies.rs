@@ -139,7 +139,7 @@ fn measure(subject: &Subject) -> Result<Findings, Failure> {
         y: Axis { title: "mean held-out error of lm, mm (dots: trials)", scale: Scale::Logarithmic },
         series: series.collect(),
     };
-    Ok(Findings { measurements, summary, notes, plot })
+    Ok(Findings { measurements, summary, notes, plot, numbers: Vec::new() })
 }
 
 fn exceeds(error: f64, level: f64) -> bool {

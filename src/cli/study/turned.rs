@@ -119,7 +119,7 @@ fn measure(subject: &Subject) -> Result<Findings, Failure> {
         y: Axis { title: "", scale: Scale::Names(names) },
         series: series.collect(),
     };
-    Ok(Findings { measurements, summary, notes, plot })
+    Ok(Findings { measurements, summary, notes, plot, numbers: Vec::new() })
 }
 
 /// The model with every axis turned.

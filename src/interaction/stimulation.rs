@@ -1,0 +1,197 @@
+//! Random stimulations of the skin: taps, presses, strokes and rubs by a probe.
+//!
+//! They are made from where the skin really is, for they are done to the creature, not by it.
+
+use nalgebra::Vector3;
+use rand::RngExt;
+use rand::seq::IndexedRandom;
+use rand_chacha::ChaCha8Rng;
+
+use super::world::{PROBE_RADIUS, ProbePath, STIFFNESS, World};
+use crate::kinematics::Frame;
+use crate::senses::Kind;
+
+/// From how far above the skin a probe comes, metres.
+const ABOVE: f64 = 0.04;
+/// How far a probe keeps from all other limbs, metres.
+const CLEAR: f64 = 0.004;
+/// Steps in which a way over the skin is laid, metres.
+const STEP: f64 = 0.002;
+/// Places tried for one stimulation.
+const TRIES: usize = 2000;
+
+/// A stimulation that is done to the creature.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Stimulation {
+    /// What kind it is.
+    pub kind: Kind,
+    /// The limb.
+    pub limb: usize,
+    /// The force that the probe is pressed with, newtons.
+    pub force: f64,
+    /// The way of its middle, from when it sets out.
+    pub path: ProbePath,
+}
+
+/// The skin of a creature in its posture, as ways over it need it.
+pub struct Strokes<'a> {
+    world: &'a World,
+    /// Per limb, `X_WL`.
+    frames: Vec<Frame>,
+}
+
+/// A point above the skin at a probe's radius, and the outward normal.
+type Spot = (Vector3<f64>, Vector3<f64>);
+
+impl<'a> Strokes<'a> {
+    /// Looks at the creature where the world's last step left it.
+    pub fn new(world: &'a World) -> Strokes<'a> {
+        let limbs = 0..world.body.creature.limbs().len();
+        let frame = |limb: usize| {
+            let pose = world.body.limb_pose(&world.data, limb).unwrap_or_default();
+            let rotation = pose.rotation.to_rotation_matrix().into_inner();
+            Frame { rotation, origin: pose.translation.vector }
+        };
+        Strokes { world, frames: limbs.map(frame).collect() }
+    }
+
+    /// A random stimulation of a kind, setting out at `time`: limbs are drawn alike, then a place of their skin, a
+    /// direction, a speed, a force. None where no limb has room for it.
+    pub fn random(&self, kind: Kind, time: f64, rng: &mut ChaCha8Rng) -> Option<Stimulation> {
+        let skin = &self.world.skin;
+        let mut limbs: Vec<usize> = skin.receptors.iter().map(|receptor| receptor.limb).collect();
+        limbs.sort_unstable();
+        limbs.dedup();
+        (0..TRIES).find_map(|_| {
+            let limb = *limbs.choose(rng)?;
+            let on_limb: Vec<usize> =
+                (0..skin.receptors.len()).filter(|&r| skin.receptors[r].limb == limb).collect();
+            let receptor = *on_limb.choose(rng)?;
+            self.at(kind, receptor, time, rng)
+        })
+    }
+
+    /// A random stimulation of a kind that begins on a receptor; none where there is no room.
+    pub fn at(&self, kind: Kind, receptor: usize, time: f64, rng: &mut ChaCha8Rng) -> Option<Stimulation> {
+        let receptor = &self.world.skin.receptors[receptor];
+        let limb = receptor.limb;
+        let length = match kind {
+            Kind::Tap | Kind::Press => 0.0,
+            Kind::Stroke => rng.random_range(0.03..0.15),
+            Kind::Rub => rng.random_range(0.02..0.06),
+        };
+        let place = |half: f64, rng: &mut ChaCha8Rng| 0.7 * half * rng.random_range(-1.0..1.0);
+        let p_l = receptor.position
+            + receptor.tangent * place(receptor.half_extents[0], rng)
+            + receptor.bitangent() * place(receptor.half_extents[1], rng);
+        let angle = rng.random_range(0.0..std::f64::consts::TAU);
+        let along = receptor.tangent * angle.cos() + receptor.bitangent() * angle.sin();
+        let way = self.way(limb, &p_l, &along, length)?;
+        let force = match kind {
+            Kind::Tap => rng.random_range(0.5..4.0),
+            Kind::Press => rng.random_range(0.5..8.0),
+            Kind::Stroke => rng.random_range(0.3..3.0),
+            Kind::Rub => rng.random_range(0.4..4.0),
+        };
+        let depth = force / STIFFNESS;
+        let passes = match kind {
+            Kind::Tap | Kind::Press => 0,
+            Kind::Stroke => 1,
+            Kind::Rub => rng.random_range(3..7),
+        };
+        let end = if passes % 2 == 1 { way[way.len() - 1] } else { way[0] };
+        let at = |(p, n): &Spot, height: f64| p + n * height;
+        let mut path = vec![(time, at(&way[0], ABOVE))];
+        let mut now = time + 0.25;
+        path.push((now, at(&way[0], 0.005)));
+        let mut go = |seconds: f64, p: Vector3<f64>, path: &mut Vec<(f64, Vector3<f64>)>| {
+            now += seconds;
+            path.push((now, p));
+        };
+        match kind {
+            Kind::Tap => {
+                go(rng.random_range(0.02..0.05), at(&way[0], -depth), &mut path);
+                go(rng.random_range(0.0..0.06), at(&way[0], -depth), &mut path);
+                go(0.04, at(&way[0], 0.01), &mut path);
+            }
+            Kind::Press => {
+                go(0.05, at(&way[0], -depth), &mut path);
+                go(rng.random_range(0.4..2.0), at(&way[0], -depth), &mut path);
+                go(0.05, at(&way[0], 0.01), &mut path);
+            }
+            Kind::Stroke | Kind::Rub => {
+                let speed = rng.random_range(0.05..0.4);
+                go(0.03, at(&way[0], -depth), &mut path);
+                for pass in 0..passes {
+                    let spots: Vec<&Spot> =
+                        if pass % 2 == 0 { way.iter().collect() } else { way.iter().rev().collect() };
+                    for pair in spots.windows(2) {
+                        let seconds = (pair[1].0 - pair[0].0).norm() / speed;
+                        go(seconds, at(pair[1], -depth), &mut path);
+                    }
+                }
+                go(0.03, at(&end, 0.01), &mut path);
+            }
+        }
+        go(0.2, at(&end, ABOVE), &mut path);
+        Some(Stimulation { kind, limb, force, path: ProbePath(path) })
+    }
+
+    /// A way over a limb's skin of a length, metres, from a point near it in a direction, both in the limb's frame; in
+    /// the world's frame. None where it leaves the limb or comes near another.
+    fn way(&self, limb: usize, p_l: &Vector3<f64>, along_l: &Vector3<f64>, length: f64) -> Option<Vec<Spot>> {
+        let frame = &self.frames[limb];
+        let mut p = self.onto(limb, &frame.point(p_l))?;
+        let mut along = frame.rotation * along_l;
+        let mut way = vec![p];
+        let steps = (length / STEP).ceil() as usize;
+        for _ in 0..steps {
+            along = (along - p.1 * along.dot(&p.1)).try_normalize(1e-6)?;
+            let next = self.onto(limb, &(p.0 - p.1 * PROBE_RADIUS + along * STEP))?;
+            // Over an edge or into a fold the way would jump.
+            if (next.0 - p.0).norm() > 5.0 * STEP || next.1.dot(&p.1) < 0.7 {
+                return None;
+            }
+            p = next;
+            way.push(p);
+        }
+        let free = way.iter().all(|spot| self.is_free(limb, spot));
+        free.then_some(way)
+    }
+
+    /// The distance of a point in the world to a limb's surface, and the outward normal.
+    fn distance(&self, limb: usize, p: &Vector3<f64>) -> Option<(f64, Vector3<f64>)> {
+        let frame = &self.frames[limb];
+        let p_l = frame.inverse_point(p);
+        let surfaces = self.world.skin.surfaces.iter().filter(|surface| surface.limb == limb);
+        let found = surfaces.filter_map(|surface| surface.signed_distance(&p_l));
+        let (distance, normal) = found.min_by(|a, b| a.0.total_cmp(&b.0))?;
+        Some((distance, frame.rotation * normal))
+    }
+
+    /// Where a probe that touches the limb nearest to a point has its middle, and the normal there; none where the
+    /// limb is covered by another, or has no receptor.
+    fn onto(&self, limb: usize, p: &Vector3<f64>) -> Option<Spot> {
+        let mut p = *p;
+        let mut normal = Vector3::zeros();
+        for _ in 0..20 {
+            let (distance, outward) = self.distance(limb, &p)?;
+            normal = outward;
+            p -= outward * (distance - PROBE_RADIUS);
+        }
+        let (distance, _) = self.distance(limb, &p)?;
+        ((distance - PROBE_RADIUS).abs() < 1e-5).then_some((p, normal))
+    }
+
+    /// Whether a probe gets to a spot without touching any other limb.
+    fn is_free(&self, limb: usize, (p, normal): &Spot) -> bool {
+        let others = 0..self.frames.len();
+        let mut heights = [0.0, 0.25, 0.5, 0.75, 1.0].into_iter().map(|share| share * ABOVE);
+        heights.all(|height| {
+            let p = p + normal * height;
+            others.clone().filter(|&other| other != limb).all(|other| {
+                self.distance(other, &p).is_none_or(|(distance, _)| distance > PROBE_RADIUS + CLEAR)
+            })
+        })
+    }
+}

@@ -1,0 +1,250 @@
+//! A creature that holds still while probes touch it, on MuJoCo's physics.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use nalgebra::Vector3;
+
+use crate::creature::{Body, BodyError, JointSelection};
+use crate::mjcf_xml::{element, exact};
+use crate::mujoco::{self, Data, Model};
+use crate::senses::{ContactReader, SkinContact, TouchEvent, TouchSensor, skin_contacts};
+use crate::skin::{GrowError, GrowOptions, Skin, SomatotopicMap, grow};
+
+/// The radius of a probe, a ball like a fingertip, metres.
+pub const PROBE_RADIUS: f64 = 0.008;
+/// Its mass, kilogrammes.
+const MASS: f64 = 0.05;
+/// How stiffly it is held to its path, newtons a metre: as deep as its path goes under the skin, so hard it presses.
+pub(super) const STIFFNESS: f64 = 400.0;
+/// Where probes wait, metres along the world's x axis.
+const AWAY: f64 = 100.0;
+/// Damping ratio of that.
+const DAMPING_RATIO: f64 = 1.0;
+
+/// Why there is no such world.
+#[derive(Debug, thiserror::Error)]
+pub enum WorldError {
+    /// The engine refused the model.
+    #[error(transparent)]
+    Engine(#[from] mujoco::Error),
+    /// There is no creature in it.
+    #[error(transparent)]
+    Body(#[from] BodyError),
+    /// It has no skin, and none could be grown.
+    #[error(transparent)]
+    Skin(#[from] GrowError),
+}
+
+/// Where a probe's middle is to be, at which time: seconds and metres in the world's frame, in order of time. In
+/// between it goes straight; before and after it stays.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ProbePath(pub Vec<(f64, Vector3<f64>)>);
+
+impl ProbePath {
+    /// Where the middle is to be at a time.
+    pub fn at(&self, time: f64) -> Option<Vector3<f64>> {
+        let next = self.0.partition_point(|(t, _)| *t <= time);
+        let before = next.checked_sub(1).map(|k| self.0[k]);
+        match (before, self.0.get(next)) {
+            (Some((t0, p0)), Some((t1, p1))) => Some(p0 + (p1 - p0) * ((time - t0) / (t1 - t0))),
+            (Some((_, p)), None) | (None, Some(&(_, p))) => Some(p),
+            (None, None) => None,
+        }
+    }
+
+    /// When it ends, seconds.
+    pub fn end(&self) -> f64 {
+        self.0.last().map_or(0.0, |(t, _)| *t)
+    }
+}
+
+/// A creature with skin, and probes. The creature holds its posture whatever touches it; probes are held to their
+/// paths by springs.
+pub struct World {
+    /// The creature in its model, probes included.
+    pub body: Body,
+    /// Its skin.
+    pub skin: Skin,
+    /// What the engine computed of the last step.
+    pub data: Data,
+    reader: ContactReader,
+    sensor: TouchSensor,
+    probes: Vec<Probe>,
+    held: Vec<f64>,
+}
+
+/// A probe in the model: a ball on three slides.
+struct Probe {
+    name: String,
+    body: usize,
+    qposadr: usize,
+    dofadr: usize,
+    path: ProbePath,
+}
+
+impl World {
+    /// The creature of the file at `path` below the body called `root` (or of the tree with most joints) in its
+    /// reference posture, and probes of these names far away from it. It grows a skin where it has none.
+    ///
+    /// # Errors
+    /// See [`WorldError`].
+    pub fn new(path: &Path, root: Option<&str>, probes: &[String]) -> Result<World, WorldError> {
+        // What the creature is must not depend on what touches it.
+        let alone = Body::rooted(Arc::new(Model::from_path(path)?), &JointSelection::All, root)?;
+        let root = root.map(str::to_string).or_else(|| {
+            let first = alone.limb_of_body.iter().position(|limb| limb.is_some_and(|limb| limb > 0));
+            let at = if alone.root > 0 { Some(alone.root) } else { first };
+            at.and_then(|body| alone.model.body(body).name.map(str::to_string))
+        });
+        let declared = Arc::new(Model::with_bodies(path, probes.iter().map(|name| ball(name)).collect())?);
+        let mut body = Body::rooted(declared.clone(), &JointSelection::All, root.as_deref())?;
+        let skin = grow(&body, &GrowOptions::default())?;
+        let at = |name: &str| (0..declared.nbody()).find(|&b| declared.body(b).name == Some(name));
+        let bodies: Vec<(&String, usize)> =
+            probes.iter().filter_map(|name| Some((name, at(name)?))).collect();
+        let probe_geom = |g: usize| bodies.iter().any(|(_, b)| declared.geom_body(g) == *b);
+        let touchable: Vec<bool> = (0..declared.ngeom()).map(|g| body.feels(g) || probe_geom(g)).collect();
+        let own = declared.joints().filter(|joint| bodies.iter().all(|(_, b)| joint.body != *b));
+        let own: Vec<usize> = own.flat_map(|joint| joint.dofadr..joint.dofadr + joint.kind.nv()).collect();
+        body.model = Arc::new(declared.with_immovable(own)?.touching_with(&touchable)?);
+        let probes = bodies.iter().map(|&(name, at)| {
+            let first = body.model.joints().find(|joint| joint.body == at).expect("a probe has slides");
+            let path = ProbePath::default();
+            Probe { name: name.clone(), body: at, qposadr: first.qposadr, dofadr: first.dofadr, path }
+        });
+        let probes: Vec<Probe> = probes.collect();
+        let data = Data::new(body.model.clone())?;
+        let reader = ContactReader::new(&body, &skin);
+        let sensor = TouchSensor::new(SomatotopicMap::new(&skin));
+        let held = data.qpos().to_vec();
+        let mut world = World { body, skin, data, reader, sensor, probes, held };
+        // Far from the creature, and from each other, until they are sent.
+        let mut qpos = world.held.clone();
+        for (k, probe) in world.probes.iter().enumerate() {
+            qpos[probe.qposadr] = AWAY + k as f64;
+        }
+        world.data.set_qpos(&qpos)?;
+        world.data.forward()?;
+        Ok(world)
+    }
+
+    /// The name of a probe by its body in the model; none for other bodies.
+    pub fn probe_name(&self, body: usize) -> Option<&str> {
+        self.probes.iter().find(|probe| probe.body == body).map(|probe| probe.name.as_str())
+    }
+
+    /// The model's body of a probe.
+    pub fn probe_body(&self, probe: usize) -> usize {
+        self.probes[probe].body
+    }
+
+    /// Puts a probe to the beginning of a path, at rest, and lets it follow from now on.
+    ///
+    /// # Errors
+    /// Where the engine fails.
+    pub fn send(&mut self, probe: usize, path: ProbePath) -> mujoco::Result<()> {
+        let probe = &mut self.probes[probe];
+        if let Some(start) = path.at(self.data.time()) {
+            let (mut qpos, mut qvel) = (self.data.qpos().to_vec(), self.data.qvel().to_vec());
+            qpos[probe.qposadr..probe.qposadr + 3].copy_from_slice(start.as_slice());
+            qvel[probe.dofadr..probe.dofadr + 3].fill(0.0);
+            probe.path = path;
+            self.data.set_qpos(&qpos)?;
+            self.data.set_qvel(&qvel)?;
+        }
+        Ok(())
+    }
+
+    /// Lets the creature hold another posture from now on.
+    pub fn hold(&mut self, posture: &[f64]) {
+        self.body.write_qpos(posture, &mut self.held);
+    }
+
+    /// Simulates one step of the physics: what the skin feels in it, and its time, seconds.
+    ///
+    /// # Errors
+    /// Where the engine fails.
+    pub fn physics(&mut self) -> mujoco::Result<f64> {
+        // Whoever holds still neither falls nor gives way.
+        let (mut qpos, mut qvel) = (self.held.clone(), vec![0.0; self.body.model.nv()]);
+        for probe in &self.probes {
+            let (q, v) = (probe.qposadr..probe.qposadr + 3, probe.dofadr..probe.dofadr + 3);
+            qpos[q.clone()].copy_from_slice(&self.data.qpos()[q]);
+            qvel[v.clone()].copy_from_slice(&self.data.qvel()[v]);
+        }
+        self.data.set_qpos(&qpos)?;
+        self.data.set_qvel(&qvel)?;
+        let time = self.data.time();
+        self.data.step1()?;
+        let mut forces = self.data.qfrc_bias().to_vec();
+        let damping = 2.0 * DAMPING_RATIO * (STIFFNESS * MASS).sqrt();
+        for probe in &self.probes {
+            let Some(target) = probe.path.at(time) else { continue };
+            for k in 0..3 {
+                let miss = target[k] - qpos[probe.qposadr + k];
+                // The spring leads the way: damping is against the path's own speed.
+                let ahead = probe.path.at(time + 1e-3).map_or(0.0, |next| (next[k] - target[k]) / 1e-3);
+                let slower = ahead - qvel[probe.dofadr + k];
+                forces[probe.dofadr + k] += STIFFNESS * miss + damping * slower;
+            }
+        }
+        self.data.set_qfrc_applied(&forces)?;
+        self.data.step2()?;
+        Ok(time)
+    }
+
+    /// What the skin feels of the last step.
+    pub fn skin_contacts(&self) -> Vec<SkinContact> {
+        skin_contacts(&self.body, &self.skin, &self.reader, &self.data)
+    }
+
+    /// Simulates one step and feels it: the time, seconds, and what the touch sensor tells.
+    ///
+    /// # Errors
+    /// Where the engine fails.
+    pub fn step(&mut self) -> mujoco::Result<(f64, Vec<TouchEvent>)> {
+        let time = self.physics()?;
+        let contacts = self.skin_contacts();
+        Ok((time, self.sensor.step(time, &contacts)))
+    }
+}
+
+/// A probe's body: a smooth ball on three slides whose coordinates are its place in the world.
+fn ball(name: &str) -> xmltree::Element {
+    let mut body = element("body", &[("name", name.into()), ("pos", "0 0 0".into())]);
+    let inertia = 0.4 * MASS * PROBE_RADIUS * PROBE_RADIUS;
+    let inertial = [
+        ("pos", "0 0 0".into()),
+        ("mass", exact(&[MASS])),
+        ("diaginertia", exact(&[inertia, inertia, inertia])),
+    ];
+    body.children.push(xmltree::XMLNode::Element(element("inertial", &inertial)));
+    for (k, axis) in ["1 0 0", "0 1 0", "0 0 1"].into_iter().enumerate() {
+        let joint = [
+            ("name", format!("{name}_{k}")),
+            ("type", "slide".into()),
+            ("pos", "0 0 0".into()),
+            ("axis", axis.into()),
+            ("limited", "false".into()),
+            ("damping", "0".into()),
+            ("stiffness", "0".into()),
+            ("armature", "0".into()),
+            ("frictionloss", "0".into()),
+        ];
+        body.children.push(xmltree::XMLNode::Element(element("joint", &joint)));
+    }
+    let geom = [
+        ("name", name.into()),
+        ("type", "sphere".into()),
+        ("size", exact(&[PROBE_RADIUS])),
+        // Where the file has inertia taken from geoms, and where not: the same.
+        ("mass", exact(&[MASS])),
+        ("contype", "1".into()),
+        ("conaffinity", "1".into()),
+        ("condim", "3".into()),
+        ("friction", "0.2 0.001 0.0001".into()),
+    ];
+    body.children.push(xmltree::XMLNode::Element(element("geom", &geom)));
+    body
+}
