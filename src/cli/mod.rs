@@ -12,6 +12,7 @@ mod babble;
 mod disturbance_options;
 mod evaluate;
 mod export;
+mod feel;
 mod inspect;
 mod learn;
 mod learn_options;
@@ -76,6 +77,8 @@ enum Command {
     Inspect(inspect::Args),
     /// Grow a skin of touch receptors on a model
     Skin(skin::Args),
+    /// Touch a creature and tell what it feels
+    Feel(feel::Args),
     /// Repeat a measurement over several seeds: a table, its data and a plot
     Study(study::Args),
     #[command(hide = true)]
@@ -93,6 +96,7 @@ pub fn run() -> ExitCode {
         Command::Export(args) => export::run(&args),
         Command::Inspect(args) => inspect::run(&args),
         Command::Skin(args) => skin::run(&args),
+        Command::Feel(args) => feel::run(&args),
         Command::Study(args) => study::run(&args),
         Command::Rehearse(args) => open::run(&args),
     };

@@ -1,7 +1,11 @@
 //! The creature among other things: scenes with probes that touch it, and what it feels of them.
 
+mod event;
+mod script;
 mod stimulation;
 mod world;
 
+pub use event::event_json;
+pub use script::Script;
 pub use stimulation::{Stimulation, Strokes};
 pub use world::{PROBE_RADIUS, ProbePath, World, WorldError};
