@@ -9,4 +9,4 @@ mod touch;
 pub use contact_reader::{ContactReader, Reading};
 pub use disturbance::{Disturbances, Felt};
 pub use own_frames::OwnFrames;
-pub use touch::{Touch, TouchEnd};
+pub use touch::{Moment, Touch, TouchEnd};
