@@ -87,7 +87,9 @@ pub fn run(args: &Args) -> Outcome {
             learner: Some(learn.learner.to_string()),
             known: learn.known.as_ref().map(|path| path.display().to_string()),
             policy: Some(args.policy.to_string()),
-            motion: Some(args.motion).filter(|motion| *motion != MotionName::default()).map(|m| m.to_string()),
+            motion: Some(args.motion)
+                .filter(|motion| *motion != MotionName::default())
+                .map(|m| m.to_string()),
         },
         effort: None,
         creature: body.creature.clone(),

@@ -13,8 +13,8 @@ const RIGID: f64 = 1e6;
 const LEAST_ROWS: i32 = 1000;
 
 impl Model {
-    /// A copy that forces from outside move, in steps of `timestep` seconds: without actuators, without sensors, with
-    /// no equality but those that couple joints; degrees of freedom marked in `rigid` as good as stand still.
+    /// A copy that forces from outside move, in steps of `timestep` seconds: without actuators, dampers of joints and
+    /// sensors, with no equality but those that couple joints; degrees of freedom marked in `rigid` as good as stand still.
     ///
     /// # Errors
     /// [`Error::Size`] where there is not one mark per degree of freedom, [`Error::NotFinite`] for a time step that
@@ -34,6 +34,10 @@ impl Model {
             (*option).timestep = timestep;
             (*option).integrator = ffi::mjINT_EULER as i32;
             (*option).disableflags |= (ffi::mjDSBL_ACTUATION | ffi::mjDSBL_SENSOR) as i32;
+            // Dampers would have the engine factorise its inertia matrix twice a step.
+            for dof in 0..rigid.len() {
+                *(*raw).dof_damping.add(dof) = 0.0;
+            }
             for (dof, _) in rigid.iter().enumerate().filter(|(_, rigid)| **rigid) {
                 *(*raw).dof_armature.add(dof) += RIGID;
             }

@@ -190,13 +190,7 @@ impl<'a> DynamicMover<'a> {
     }
 
     /// Runs again in finer steps from a state before receptors fired. None where in finer steps they do not fire.
-    fn search(
-        &mut self,
-        level: usize,
-        from: State,
-        way: &Way,
-        began: f64,
-    ) -> mujoco::Result<Option<Fired>> {
+    fn search(&mut self, level: usize, from: State, way: &Way, began: f64) -> mujoco::Result<Option<Fired>> {
         self.state = from;
         let mut earlier = None;
         for _ in 0..2 * FINER as usize {

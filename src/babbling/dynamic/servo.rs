@@ -4,10 +4,12 @@
 //! passive forces ask for besides. What lags behind its way is drawn after it like a critically damped spring, which
 //! yields where something is in the way.
 
+use std::sync::Arc;
+
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 
 use crate::creature::Body;
-use crate::mujoco::{self, Data, JointKind};
+use crate::mujoco::{self, Data, JointKind, Model};
 
 /// How fast a servo makes up for what it lags behind, radians per second.
 const STIFFNESS: f64 = 25.0;
@@ -109,8 +111,9 @@ impl Servo {
         for drive in &self.drives {
             let (q, v) = (drive.coordinate, drive.velocity);
             if drive.kind == JointKind::Ball {
-                let turned =
-                    UnitQuaternion::from_scaled_axis(Vector3::from_column_slice(&way.length[v..v + 3]) * share);
+                let turned = UnitQuaternion::from_scaled_axis(
+                    Vector3::from_column_slice(&way.length[v..v + 3]) * share,
+                );
                 let behind = (ball(&qpos[q..]).inverse() * ball(&way.start[q..]) * turned).scaled_axis();
                 lag[v..v + 3].copy_from_slice(behind.as_slice());
             } else {
@@ -133,9 +136,8 @@ impl Servo {
             let pull = if behind > most { most / behind } else { 1.0 };
             for k in v {
                 let slow = rate * way.length[k] - data.qvel()[k];
-                wanted[k] = change * way.length[k]
-                    + 2.0 * STIFFNESS * slow
-                    + STIFFNESS * STIFFNESS * pull * lag[k];
+                wanted[k] =
+                    change * way.length[k] + 2.0 * STIFFNESS * slow + STIFFNESS * STIFFNESS * pull * lag[k];
             }
         }
         let mut forces = data.mul_inertia(&wanted);
@@ -163,10 +165,13 @@ pub(super) fn levels(
     longest: f64,
     finer: f64,
     count: usize,
-) -> mujoco::Result<Vec<std::sync::Arc<mujoco::Model>>> {
+) -> mujoco::Result<Vec<Arc<Model>>> {
     let first = body.model.timestep().min(longest);
     let step = |level: usize| first / finer.powi(level as i32);
-    (0..count).map(|level| body.model.simulated(step(level), &servo.rigid).map(std::sync::Arc::new)).collect()
+    let surface: Vec<bool> = (0..body.model.ngeom()).map(|geom| body.feels(geom)).collect();
+    // From the model as it was declared: the engine cannot copy one whose excludes are gone.
+    let model = |level| body.declared.simulated(step(level), &servo.rigid)?.touching_with(&surface);
+    (0..count).map(|level| model(level).map(Arc::new)).collect()
 }
 
 /// A ball's rotation from its coordinates w x y z.
