@@ -12,12 +12,13 @@ use std::sync::{Arc, Mutex};
 
 /// The calls that `src/mujoco` makes; with them bindgen takes along the types that they need.
 const FUNCTIONS: &str = "mj_(version|versionString|loadXML|printSchema|saveLastXML|copyModel|deleteModel|makeData|deleteData|resetData\
-|kinematics|comPos|collision|forward|step|step1|step2|mulM|contactForce|id2name|name2id\
+|kinematics|comPos|collision|makeConstraint|projectConstraint|referenceConstraint|forward|step|step1|step2|mulM\
+|contactForce|id2name|name2id\
 |defaultVFS|deleteVFS|makeEmptyFileVFS|findFileVFS|addBufferVFS)\
 |mju_(error|warning|warningText)";
 /// Enumerations of which constants are compared with plain integers of the model.
 const TYPES: &str = "mjModel_?|mjData_?|mjContact_?|mjVFS_?\
-|mjt(Joint|Geom|Obj|Sensor|Warning|Collision|DisableBit|Eq)_?";
+|mjt(Joint|Geom|Obj|Sensor|Warning|Collision|DisableBit|Integrator|Eq)_?";
 const VARIABLES: &str = "mju_user_(error|warning)|mjVERSION_HEADER|mjMAXVAL|mjNEQDATA";
 
 /// How every complaint about MuJoCo itself ends.
@@ -32,6 +33,7 @@ fn main() {
     println!("cargo::rerun-if-env-changed=MUJOCO_DIR");
     println!("cargo::rustc-check-cfg=cfg(mujoco_buffer_vfs)");
     println!("cargo::rustc-check-cfg=cfg(mujoco_nconmax)");
+    println!("cargo::rustc-check-cfg=cfg(mujoco_nstack)");
     println!("cargo::rustc-check-cfg=cfg(mujoco_collision_option)");
     println!("cargo::rustc-check-cfg=cfg(mujoco_signature_from_one)");
     println!("cargo::rustc-check-cfg=cfg(mujoco_eq_active0)");
@@ -59,6 +61,7 @@ fn build() -> Result<(), String> {
     for (needle, name) in [
         ("fn mj_addBufferVFS", "mujoco_buffer_vfs"),
         ("pub nconmax:", "mujoco_nconmax"),
+        ("pub nstack:", "mujoco_nstack"),
         ("pub collision:", "mujoco_collision_option"),
         ("pub eq_active0:", "mujoco_eq_active0"),
     ] {

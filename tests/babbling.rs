@@ -210,7 +210,13 @@ fn touches_of_other_shapes_are_confirmed_alike() {
         for motion in 0..300 {
             let target = random_posture(&body.creature, &mut rng);
             if let Ending::Touch(ends) = mover.advance(&target).unwrap() {
-                touches.push(Touch { bout: 0, motion, posture: mover.posture().to_vec(), ends });
+                touches.push(Touch {
+                    bout: 0,
+                    motion,
+                    posture: mover.posture().to_vec(),
+                    ends,
+                    moment: None,
+                });
             }
         }
         assert!(touches.len() > 3, "{name}: {} touches prove nothing", touches.len());

@@ -495,6 +495,27 @@ fn a_foreign_or_empty_session_is_refused_by_name() {
 }
 
 #[test]
+fn motions_with_physics_are_told_from_those_without() {
+    let place = Place::new();
+    let run = |motion: &str, out: &str| {
+        let arguments = ["babble", "arms.xml", "--touches", "5", "--motion", motion, "--out", out, "--json"];
+        let told: serde_json::Value =
+            serde_json::from_slice(&place.run(&[&arguments[..], &["--learner", "hersch"]].concat()).stdout)
+                .unwrap();
+        assert_eq!(told["motion"], motion);
+        let read = |file: &str| fs::read_to_string(place.path(&format!("{out}/{file}"))).unwrap();
+        (told, read("session.json").contains("dynamic"), read("touches.jsonl").matches("\"force\":").count())
+    };
+    let (told, named, forces) = run("dynamic", "dynamic");
+    assert!(
+        told["depth_mm"]["median"].as_f64().unwrap() < 0.1 && told["simulated_s"].as_f64().unwrap() > 0.0
+    );
+    assert!(named && forces == 5);
+    let (told, named, forces) = run("kinematic", "kinematic");
+    assert!(told["depth_mm"].is_null() && told["simulated_s"].is_null() && !named && forces == 0);
+}
+
+#[test]
 fn evaluating_a_session_without_a_schema_says_so() {
     let place = Place::new();
     place.session("session", "20");

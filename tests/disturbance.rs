@@ -95,7 +95,13 @@ fn a_ball_is_turned_by_the_deviation_and_a_slide_is_left_alone() {
     let (body, skin) = with_skin(ball_and_slide());
     let (ends, mut rng) = (babble(&body, &skin, 1, 1, 1)[0].ends, ChaCha8Rng::seed_from_u64(1));
     let touches: Vec<Touch> = (0..2000)
-        .map(|n| Touch { bout: 0, motion: n, posture: random_posture(&body.creature, &mut rng), ends })
+        .map(|n| Touch {
+            bout: 0,
+            motion: n,
+            posture: random_posture(&body.creature, &mut rng),
+            ends,
+            moment: None,
+        })
         .collect();
     let joint_noise = 0.003;
     let noise = Disturbances { joint_noise, ..Default::default() };

@@ -8,7 +8,7 @@ use bodyschema::babbling::Effort;
 use bodyschema::creature::{AuraLimb, Creature, Dof, DofKind, Joint};
 use bodyschema::record::*;
 use bodyschema::schema::BodySchema;
-use bodyschema::senses::{Touch, TouchEnd};
+use bodyschema::senses::{Moment, Touch, TouchEnd};
 use bodyschema::skin::{Receptor, Shape, Skin, Surface};
 use nalgebra::{Matrix3, Vector3};
 use sha2::{Digest, Sha256};
@@ -94,6 +94,11 @@ fn touch(i: usize) -> Touch {
             TouchEnd { receptor: 1, contact: vector(3), deviation: None },
             TouchEnd { receptor: 2 + i % 2, contact: vector(6), deviation: None },
         ],
+        moment: (i % 3 == 1).then_some(Moment {
+            time: awkward(9).abs(),
+            force: awkward(10).abs(),
+            depth: awkward(11).abs(),
+        }),
     }
 }
 
@@ -102,7 +107,8 @@ fn bits(touch: &Touch) -> Vec<u64> {
     let ends = touch.ends.iter();
     let numbers = touch.posture.iter().chain(ends.clone().flat_map(|end| end.contact.iter()));
     let indices = ends.map(|end| end.receptor as u64).chain([touch.bout, touch.motion]);
-    numbers.map(|x| x.to_bits()).chain(indices).collect()
+    let moment = touch.moment.map(|moment| [moment.time, moment.force, moment.depth].map(f64::to_bits));
+    numbers.map(|x| x.to_bits()).chain(indices).chain(moment.into_iter().flatten()).collect()
 }
 
 fn vector_bits<'a>(vectors: impl IntoIterator<Item = &'a Vector3<f64>>) -> Vec<u64> {
@@ -422,7 +428,7 @@ fn a_schema_that_could_not_be_read_is_not_written() {
 }
 
 fn session() -> Session {
-    let effort = Effort { motions: 12, engine_checks: 345, bare: 6, ..Effort::default() };
+    let effort = Effort { motions: 12, engine_checks: 345, bare: 6, simulated_s: 7.25, ..Effort::default() };
     Session {
         program: PROGRAM.into(),
         engine: "2.2.2".into(),
@@ -439,6 +445,7 @@ fn session() -> Session {
             learner: None,
             known: None,
             policy: Some("steered".into()),
+            motion: Some("dynamic".into()),
         },
         effort: Some(BabblingEffort::new(&effort, Duration::from_nanos(1_234_567_891))),
         creature: creature(),

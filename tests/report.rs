@@ -59,6 +59,7 @@ impl Session {
                 let receptor = skin.receptor(id).unwrap();
                 TouchEnd { receptor, contact: skin.receptors[receptor].position, deviation: None }
             }),
+            moment: None,
         };
         let touches = vec![touch("chest", "l"), touch("chest", "l"), touch("l", "r")];
         Session { body, skin, truth, evaluation, touches }

@@ -4,6 +4,7 @@
 //! touches depend on its seed alone, not on how many threads share the bouts.
 
 mod clearance;
+mod dynamic;
 mod motion;
 pub mod policy;
 mod posture;
@@ -17,11 +18,13 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
 pub use clearance::Clearance;
-pub use motion::{DEEPEST, Effort, Ending, Mover};
+pub use dynamic::DynamicMover;
+pub use motion::{DEEPEST, Effort, Ending, Motion, MotionName, Mover};
 pub use policy::{Policy, PolicyName};
 pub use posture::{random_posture, start_posture};
 pub use self_contact::{LimbPair, Relation, SelfContact};
 
+use crate::babbling::dynamic::Physics;
 use crate::babbling::policy::Random;
 use crate::creature::Body;
 use crate::mujoco;
@@ -32,11 +35,10 @@ use crate::skin::Skin;
 const TOUCHES_PER_BOUT: usize = 25;
 /// Motions after which a bout ends.
 const MOTIONS_PER_BOUT: u64 = 1000;
-/// Bouts without a single touch after which babbling is given up.
+/// Bouts without a single touch after which babbling is given up …
 const FRUITLESS_BOUTS: u64 = 20;
-/// Motions without a touch after which a policy that heeds its touches is given up.
-const FRUITLESS_MOTIONS: u64 = FRUITLESS_BOUTS * MOTIONS_PER_BOUT;
-
+/// … and with physics, where a motion takes a thousand times as long.
+const FRUITLESS_DYNAMIC_BOUTS: u64 = 1;
 /// What to babble.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct BabblingOptions {
@@ -89,6 +91,8 @@ pub struct Babbler<'a> {
     reader: ContactReader,
     clearance: Clearance,
     start: Vec<f64>,
+    /// What simulations share; none where motions are without forces.
+    physics: Option<Physics>,
 }
 
 /// The touches and the effort of one bout.
@@ -113,7 +117,19 @@ impl<'a> Babbler<'a> {
             let joints: Vec<&str> = body.creature.joints().iter().map(|joint| joint.name.as_str()).collect();
             return Err(BabblingError::NoPairs { joints: joints.join(", ") });
         }
-        Ok(Babbler { body, skin, reader, clearance, start })
+        Ok(Babbler { body, skin, reader, clearance, start, physics: None })
+    }
+
+    /// The babbler whose motions are of another kind; new ones are kinematic.
+    ///
+    /// # Errors
+    /// Where the engine fails.
+    pub fn moved(self, motion: MotionName) -> mujoco::Result<Babbler<'a>> {
+        let physics = match motion {
+            MotionName::Kinematic => None,
+            MotionName::Dynamic => Some(Physics::new(self.body)?),
+        };
+        Ok(Babbler { physics, ..self })
     }
 
     /// A mover in the start posture.
@@ -122,6 +138,31 @@ impl<'a> Babbler<'a> {
     /// Where the engine fails.
     pub fn mover(&self) -> mujoco::Result<Mover<'_>> {
         Mover::new(self.body, self.skin, &self.reader, self.clearance.clone(), self.start.clone())
+    }
+
+    /// A mover with forces in the start posture; none unless motions are [`MotionName::Dynamic`].
+    ///
+    /// # Errors
+    /// Where the engine fails.
+    pub fn dynamic_mover(&self) -> mujoco::Result<Option<DynamicMover<'_>>> {
+        let mover = |physics: &Physics| {
+            let clearance = self.clearance.clone();
+            DynamicMover::new(self.body, self.skin, &self.reader, clearance, physics, &self.start)
+        };
+        self.physics.as_ref().map(mover).transpose()
+    }
+
+    /// A mover of the babbler's kind in the start posture.
+    fn any_mover(&self) -> mujoco::Result<Box<dyn Motion + '_>> {
+        Ok(match self.dynamic_mover()? {
+            Some(mover) => Box::new(mover),
+            None => Box::new(self.mover()?),
+        })
+    }
+
+    /// Bouts without a single touch after which babbling is given up.
+    fn fruitless_bouts(&self) -> u64 {
+        if self.physics.is_some() { FRUITLESS_DYNAMIC_BOUTS } else { FRUITLESS_BOUTS }
     }
 
     /// Babbles until `options.touches` touches are made, handing on each as soon as all before it are.
@@ -143,11 +184,11 @@ impl<'a> Babbler<'a> {
                 let sender = sender.clone();
                 let (next_bout, done) = (&next_bout, &done);
                 scope.spawn(move || {
-                    let mut mover = self.mover();
+                    let mut mover = self.any_mover();
                     while !done.load(Ordering::Relaxed) {
                         let bout = next_bout.fetch_add(1, Ordering::Relaxed);
                         let made = match &mut mover {
-                            Ok(mover) => self.bout(mover, options.seed, bout),
+                            Ok(mover) => self.bout(mover.as_mut(), options.seed, bout),
                             Err(error) => Err(error.clone()),
                         };
                         if sender.send((bout, made)).is_err() {
@@ -157,7 +198,7 @@ impl<'a> Babbler<'a> {
                 });
             }
             drop(sender);
-            let result = gather(&receiver, options.touches, &mut receive);
+            let result = gather(&receiver, options.touches, self.fruitless_bouts(), &mut receive);
             done.store(true, Ordering::Relaxed);
             // Unblocks threads that wait to send.
             drop(receiver);
@@ -178,25 +219,27 @@ impl<'a> Babbler<'a> {
         mut receive: impl FnMut(&Touch) -> Result<(), E>,
     ) -> Result<Effort, BabblingError<E>> {
         let mut rng = ChaCha8Rng::seed_from_u64(options.seed);
-        let mut mover = self.mover().map_err(BabblingError::Engine)?;
+        let mut mover = self.any_mover().map_err(BabblingError::Engine)?;
+        let fruitless_motions = self.fruitless_bouts() * MOTIONS_PER_BOUT;
         let (mut received, mut last) = (0, 0);
         while received < options.touches {
             let target = policy.next_target(mover.posture(), &mut rng);
             let ending = mover.advance(&target).map_err(BabblingError::Engine)?;
-            let motion = mover.effort.motions;
+            let effort = mover.effort();
+            let motion = effort.motions;
             if let Ending::Touch(ends) = ending {
-                let touch = Touch { bout: 0, motion, posture: mover.posture().to_vec(), ends };
+                let touch = mover.touch(0, ends);
                 policy.touched(&touch);
                 receive(&touch).map_err(BabblingError::Receiver)?;
                 (received, last) = (received + 1, motion);
             } else {
                 policy.missed(&ending, mover.posture());
-                if motion - last >= FRUITLESS_MOTIONS {
-                    return Err(BabblingError::NoTouch { motions: motion, bare: mover.effort.bare });
+                if motion - last >= fruitless_motions {
+                    return Err(BabblingError::NoTouch { motions: motion, bare: effort.bare });
                 }
             }
         }
-        Ok(mover.effort)
+        Ok(mover.effort())
     }
 
     /// Babbles by a policy of the creature's own, named: at random in bouts on all threads, or one motion
@@ -218,22 +261,19 @@ impl<'a> Babbler<'a> {
     }
 
     /// One bout, the same whoever makes it and when.
-    fn bout(&self, mover: &mut Mover, seed: u64, bout: u64) -> mujoco::Result<Bout> {
+    fn bout(&self, mover: &mut dyn Motion, seed: u64, bout: u64) -> mujoco::Result<Bout> {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         rng.set_stream(bout);
-        mover.reset(self.start.clone());
-        mover.effort = Effort::default();
+        mover.reset(&self.start)?;
         let mut policy = Random::new(&self.body.creature);
         let mut touches = Vec::new();
-        while touches.len() < TOUCHES_PER_BOUT && mover.effort.motions < MOTIONS_PER_BOUT {
+        while touches.len() < TOUCHES_PER_BOUT && mover.effort().motions < MOTIONS_PER_BOUT {
             let target = policy.next_target(mover.posture(), &mut rng);
             if let Ending::Touch(ends) = mover.advance(&target)? {
-                let posture = mover.posture().to_vec();
-                let touch = Touch { bout, motion: mover.effort.motions, posture, ends };
-                touches.push((touch, mover.effort));
+                touches.push((mover.touch(bout, ends), mover.effort()));
             }
         }
-        Ok(Bout { touches, effort: mover.effort })
+        Ok(Bout { touches, effort: mover.effort() })
     }
 }
 
@@ -259,6 +299,7 @@ pub fn motions_until(touches: &[Touch]) -> Vec<u64> {
 fn gather<E>(
     bouts: &mpsc::Receiver<(u64, mujoco::Result<Bout>)>,
     wanted: usize,
+    fruitless_bouts: u64,
     receive: &mut impl FnMut(&Touch) -> Result<(), E>,
 ) -> Result<Effort, BabblingError<E>> {
     let mut waiting = BTreeMap::new();
@@ -279,7 +320,7 @@ fn gather<E>(
                 }
             }
             effort += bout.effort;
-            if received == 0 && turn >= FRUITLESS_BOUTS {
+            if received == 0 && turn >= fruitless_bouts {
                 return Err(BabblingError::NoTouch { motions: effort.motions, bare: effort.bare });
             }
         }

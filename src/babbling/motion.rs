@@ -4,7 +4,7 @@ use crate::babbling::clearance::{Clearance, Encounter};
 use crate::babbling::posture::reachable;
 use crate::creature::Body;
 use crate::mujoco::{self, Contact, Data};
-use crate::senses::{ContactReader, Reading, TouchEnd};
+use crate::senses::{ContactReader, Moment, Reading, Touch, TouchEnd};
 use crate::skin::Skin;
 
 /// The deepest that limbs may be in each other where a motion stops, metres.
@@ -34,7 +34,7 @@ pub enum Ending {
 }
 
 /// What motions cost and left out.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Effort {
     /// Motions begun.
     pub motions: u64,
@@ -48,6 +48,8 @@ pub struct Effort {
     pub neighbours: u64,
     /// Instant re-contacts, left out.
     pub again: u64,
+    /// Time that the motions took in the simulation, seconds; 0 where no forces were at work.
+    pub simulated_s: f64,
 }
 
 impl std::ops::AddAssign for Effort {
@@ -58,10 +60,84 @@ impl std::ops::AddAssign for Effort {
         self.bare += other.bare;
         self.neighbours += other.neighbours;
         self.again += other.again;
+        self.simulated_s += other.simulated_s;
     }
 }
 
-/// A body that moves: one per thread.
+/// How the body is moved from posture to posture.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
+pub enum MotionName {
+    /// Straight through its postures, without forces.
+    #[default]
+    Kinematic,
+    /// By servos, under gravity, at human speeds.
+    Dynamic,
+}
+
+impl std::fmt::Display for MotionName {
+    fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
+        f.write_str(match self {
+            MotionName::Kinematic => "kinematic",
+            MotionName::Dynamic => "dynamic",
+        })
+    }
+}
+
+/// A body that moves and stops at touch, however it is moved.
+pub trait Motion {
+    /// Begins a bout: at rest in `posture`, no effort made yet.
+    ///
+    /// # Errors
+    /// Where the engine fails.
+    fn reset(&mut self, posture: &[f64]) -> mujoco::Result<()>;
+
+    /// Moves towards `target` until it touches itself or cannot get further.
+    ///
+    /// # Errors
+    /// Where the engine fails.
+    fn advance(&mut self, target: &[f64]) -> mujoco::Result<Ending>;
+
+    /// The posture it is in; after a touch, that of the touch.
+    fn posture(&self) -> &[f64];
+
+    /// When and how hard the touch was that the last motion ended in, if forces were at work.
+    fn moment(&self) -> Option<Moment>;
+
+    /// What the motions of the bout cost so far.
+    fn effort(&self) -> Effort;
+
+    /// The touch that the last motion ended in.
+    fn touch(&self, bout: u64, ends: [TouchEnd; 2]) -> Touch {
+        let (motion, posture) = (self.effort().motions, self.posture().to_vec());
+        Touch { bout, motion, posture, ends, moment: self.moment() }
+    }
+}
+
+impl Motion for Mover<'_> {
+    fn reset(&mut self, posture: &[f64]) -> mujoco::Result<()> {
+        Mover::reset(self, posture.to_vec());
+        self.effort = Effort::default();
+        Ok(())
+    }
+
+    fn advance(&mut self, target: &[f64]) -> mujoco::Result<Ending> {
+        Mover::advance(self, target)
+    }
+
+    fn posture(&self) -> &[f64] {
+        Mover::posture(self)
+    }
+
+    fn moment(&self) -> Option<Moment> {
+        None
+    }
+
+    fn effort(&self) -> Effort {
+        self.effort
+    }
+}
+
+/// A body that moves through its postures: one per thread.
 pub struct Mover<'a> {
     body: &'a Body,
     skin: &'a Skin,

@@ -8,7 +8,7 @@ use super::open::{ModelOptions, open_body};
 use super::skin::skin_for;
 use super::touches::{babbler, make_touches, threads, touch_count};
 use super::{Failure, Outcome, output, progress};
-use crate::babbling::{BabblingOptions, PolicyName};
+use crate::babbling::{BabblingOptions, MotionName, PolicyName};
 use crate::creature::JointSelection;
 use crate::ground_truth::GroundTruth;
 use crate::record::{
@@ -26,6 +26,7 @@ use crate::record::{
   bodyschema babble mjcf/max/max.xml --touches 500 --input contact --seed 7
   bodyschema babble mjcf/max/max.xml --joints all --touches 5000 --jobs 4
   bodyschema babble mjcf/max/max.xml --touches 250 --policy informative
+  bodyschema babble mjcf/max/max.xml --touches 300 --motion dynamic
   bodyschema babble mjcf/max/max.xml --learner hersch --json
   bodyschema babble mjcf/max/max.xml --touches 60 --known known.json\n\n{KNOWN_HELP}"))]
 pub struct Args {
@@ -47,6 +48,9 @@ pub struct Args {
     /// How motions are chosen; all but random learn a schema on the way to choose by, on one thread
     #[arg(long, value_enum, default_value_t)]
     policy: PolicyName,
+    /// How the body is moved: straight through its postures, or by servos in a simulation with gravity
+    #[arg(long, value_enum, default_value_t)]
+    motion: MotionName,
     #[command(flatten)]
     open: ModelOptions,
     #[command(flatten)]
@@ -65,7 +69,7 @@ pub fn run(args: &Args) -> Outcome {
     let learn = args.learn.checked(&body.creature)?;
     let skin = skin_for(&args.model, &body)?;
     let truth = GroundTruth::new(&body)?;
-    let babbler = babbler(&args.model, &body, &skin)?;
+    let babbler = babbler(&args.model, &body, &skin, args.motion)?;
     let folder = session_folder(args.out.as_deref(), body.creature.name())?;
     let mut session = Session {
         program: PROGRAM.to_string(),
@@ -83,6 +87,9 @@ pub fn run(args: &Args) -> Outcome {
             learner: Some(learn.learner.to_string()),
             known: learn.known.as_ref().map(|path| path.display().to_string()),
             policy: Some(args.policy.to_string()),
+            motion: Some(args.motion)
+                .filter(|motion| *motion != MotionName::default())
+                .map(|m| m.to_string()),
         },
         effort: None,
         creature: body.creature.clone(),

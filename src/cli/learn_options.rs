@@ -12,6 +12,7 @@ use serde_json::{Value, json};
 use super::disturbance_options::DisturbanceOptions;
 use super::open::{ModelOptions, body_of, open_body, open_model};
 use super::{Failure, output, progress};
+use crate::babbling::MotionName;
 use crate::creature::{Creature, DofKind, JointSelection};
 use crate::evaluation::report::{self, ReportInput};
 use crate::evaluation::{Bound, Evaluation, OwnAccount, Summary, evaluate, evaluate_learned};
@@ -475,6 +476,7 @@ fn facts(session: &Session, options: &LearnOptions, result: &SessionLearning) ->
     if let Some(effort) = &session.effort {
         facts.push(("motions", effort.motions.to_string()));
         facts.push(("babbling", format!("{:.2} s", effort.babbling_s)));
+        facts.extend(effort.simulated_s.map(|seconds| ("simulated", format!("{seconds:.0} s"))));
     }
     facts.push(("learner", options.learner.to_string()));
     facts.push(("knowledge", options.knowledge().to_string()));
@@ -548,6 +550,12 @@ pub fn limb_pairs(skin: &Skin, touches: &[Touch]) -> usize {
     touches.iter().map(pair).collect::<std::collections::BTreeSet<_>>().len()
 }
 
+/// How deep limbs were in each other where motions with physics stopped, millimetres; none where no touch tells.
+fn depth_mm(touches: &[Touch]) -> Option<Summary> {
+    let depths = || touches.iter().filter_map(|touch| touch.moment).map(|moment| 1e3 * moment.depth);
+    depths().next().map(|_| Summary::of(depths()))
+}
+
 /// The one JSON object of `babble` and `learn`.
 pub fn to_json(
     folder: &Path,
@@ -570,6 +578,9 @@ pub fn to_json(
         "motions": session.effort.map(|effort| effort.motions),
         "limb_pairs": limb_pairs(&session.skin, touches),
         "babbling_s": session.effort.map(|effort| effort.babbling_s),
+        "motion": session.options.motion.clone().unwrap_or_else(|| MotionName::default().to_string()),
+        "simulated_s": session.effort.and_then(|effort| effort.simulated_s),
+        "depth_mm": summary(depth_mm(touches)),
         "learning_s": result.seconds,
         "seed": session.seed,
         "policy": session.options.policy,
@@ -615,6 +626,15 @@ pub fn print_table(
         touches.len(),
         limb_pairs(&session.skin, touches)
     );
+    if let Some(depth) = depth_mm(touches) {
+        let simulated = session.effort.and_then(|effort| effort.simulated_s);
+        say!(
+            "moved by servos{}: limbs {} mm deep in each other on the median, {} mm at 95 %",
+            simulated.map_or(String::new(), |seconds| format!(" for {seconds:.0} simulated seconds")),
+            output::number(depth.median),
+            output::number(depth.p95)
+        );
+    }
     say!(
         "learner {} on {}: {} random onset{}, {:.2} s",
         options.learner,

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use super::Failure;
-use crate::babbling::{Babbler, BabblingError, BabblingOptions, Effort, PolicyName};
+use crate::babbling::{Babbler, BabblingError, BabblingOptions, Effort, MotionName, PolicyName};
 use crate::creature::Body;
 use crate::record::RecordError;
 use crate::senses::Touch;
@@ -24,8 +24,14 @@ pub fn threads(jobs: Option<u16>) -> usize {
 }
 
 /// Prepares a body for babbling; errors name the file of its `model`.
-pub fn babbler<'a>(model: &Path, body: &'a Body, skin: &'a Skin) -> Result<Babbler<'a>, Failure> {
-    Babbler::new(body, skin).map_err(|error| failure(model, error))
+pub fn babbler<'a>(
+    model: &Path,
+    body: &'a Body,
+    skin: &'a Skin,
+    motion: MotionName,
+) -> Result<Babbler<'a>, Failure> {
+    let babbler = Babbler::new(body, skin).map_err(|error| failure(model, error))?;
+    babbler.moved(motion).map_err(|error| failure(model, BabblingError::Engine(error)))
 }
 
 /// Babbles and hands on every touch; errors name the file of the `model`.

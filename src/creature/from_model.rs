@@ -292,6 +292,17 @@ impl Body {
         }
     }
 
+    /// The posture of the creature in a `qpos` vector: the inverse of [`Body::write_qpos`].
+    pub fn read_posture(&self, qpos: &[f64]) -> Vec<f64> {
+        let mut qpos = qpos.to_vec();
+        for (address, orientation) in &self.balls {
+            let axis = &mut qpos[address + 1..address + 4];
+            let turned = orientation.transform_vector(&Vector3::from_column_slice(axis));
+            axis.copy_from_slice(turned.as_slice());
+        }
+        self.addresses.iter().map(|&(address, zero)| qpos[address] - zero).collect()
+    }
+
     /// Whether a geom is surface that can be touched: one of the creature that collides with anything or that
     /// belongs to a rigid part of which nothing does.
     pub fn feels(&self, geom: usize) -> bool {

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use nalgebra::{Isometry3, Matrix3, Point3, Rotation3, Translation3, UnitQuaternion, UnitVector3, Vector3};
 
-use super::contact::Contacts;
+use super::contact::{Contact, Contacts};
 use super::element::{quaternion, vector};
 use super::engine::{self, guarded};
 use super::error::{Error, Result};
@@ -163,6 +163,12 @@ impl Data {
         array!(self, qfrc_bias[nv])
     }
 
+    /// The forces of springs, dampers and whatever else acts by itself, of the last [`Data::forward`], [`Data::step`]
+    /// or [`Data::step1`]: `nv` numbers.
+    pub fn qfrc_passive(&self) -> &[f64] {
+        array!(self, qfrc_passive[nv])
+    }
+
     /// The inertia matrix of the last [`Data::forward`] or [`Data::step`] times a vector of `nv` numbers.
     ///
     /// # Panics
@@ -202,6 +208,49 @@ impl Data {
     /// As [`Data::step`].
     pub fn step2(&mut self) -> Result<()> {
         self.run("mj_step2", ffi::mj_step2)
+    }
+
+    /// Lets pairs of geoms pass through each other in this step: between [`Data::step1`] and [`Data::step2`], contacts
+    /// of which `meets` says no get no force. They stay among [`Data::contacts`].
+    ///
+    /// # Errors
+    /// As [`Data::collision`].
+    pub fn let_pass(&mut self, mut meets: impl FnMut([usize; 2]) -> bool) -> Result<()> {
+        // SAFETY: the engine has written `ncon` contacts, and the data are borrowed exclusively.
+        let contacts = unsafe {
+            let raw = self.raw.as_mut();
+            match raw.ncon {
+                0 => &mut [],
+                count => std::slice::from_raw_parts_mut(raw.contact, count as usize),
+            }
+        };
+        let mut passed = false;
+        for contact in contacts.iter_mut().filter(|contact| contact.geom1 >= 0 && contact.geom2 >= 0) {
+            if contact.exclude == 0 && !meets([contact.geom1 as usize, contact.geom2 as usize]) {
+                (contact.exclude, contact.efc_address) = (1, -1);
+                passed = true;
+            }
+        }
+        if passed {
+            // The first half made constraints of all contacts: they are made anew.
+            self.run("mj_makeConstraint", ffi::mj_makeConstraint)?;
+            self.run("mj_projectConstraint", ffi::mj_projectConstraint)?;
+            self.run("mj_referenceConstraint", ffi::mj_referenceConstraint)?;
+        }
+        Ok(())
+    }
+
+    /// The contacts that press, of the last [`Data::step2`], [`Data::step`] or [`Data::forward`], with their normal
+    /// forces, newtons, all above zero.
+    pub fn pressing(&self) -> impl Iterator<Item = (Contact, f64)> + '_ {
+        // What is no contact of two geoms takes a number as well.
+        let numbers = (0..self.raw().ncon as usize).filter(|&i| {
+            // SAFETY: the engine has written `ncon` contacts.
+            let raw = unsafe { &*self.raw().contact.add(i) };
+            raw.geom1 >= 0 && raw.geom2 >= 0
+        });
+        let forces = numbers.map(|i| self.contact_force(i).x);
+        self.contacts().zip(forces).filter(|(_, force)| *force > 0.0)
     }
 
     /// Computes the poses of bodies, joints, geoms and sites.

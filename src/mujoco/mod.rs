@@ -18,6 +18,7 @@ mod ffi;
 mod filter;
 mod limits;
 mod model;
+mod simulated;
 mod vfs;
 
 pub use contact::{Contact, Contacts};

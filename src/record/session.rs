@@ -80,6 +80,9 @@ pub struct SessionOptions {
     /// How motions were chosen; none in sessions from before there was a choice, which were random.
     #[serde(default)]
     pub policy: Option<String>,
+    /// How the body was moved; none where it was without forces.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub motion: Option<String>,
 }
 
 /// What babbling cost: [`Effort`], and its time.
@@ -98,6 +101,9 @@ pub struct BabblingEffort {
     pub again: u64,
     /// Time that passed, seconds.
     pub babbling_s: f64,
+    /// Time that passed in the simulation, seconds; none where no forces were at work.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub simulated_s: Option<f64>,
 }
 
 impl BabblingEffort {
@@ -110,6 +116,7 @@ impl BabblingEffort {
             neighbours: effort.neighbours,
             again: effort.again,
             babbling_s: babbling.as_secs_f64(),
+            simulated_s: Some(effort.simulated_s).filter(|simulated| *simulated > 0.0),
         }
     }
 }

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::UNIT_LENGTH;
 use super::stamp::Stamp;
 use crate::creature::{Creature, DofKind};
-use crate::senses::Touch;
+use crate::senses::{Moment, Touch};
 use crate::skin::Skin;
 
 pub(super) const STAMP: Stamp = Stamp { format: "bodyschema touches", version: 1 };
@@ -44,6 +44,15 @@ pub(super) struct Line<S, P, V> {
     /// Standard deviations of the contacts' coordinates, metres, where the recording gives them.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub deviations: Option<[Option<f64>; 2]>,
+    /// Simulated seconds since the bout began, where forces were at work, …
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub time: Option<f64>,
+    /// … the normal force of the contact, newtons, …
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub force: Option<f64>,
+    /// … and how deep the surfaces were in each other, metres.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub depth: Option<f64>,
 }
 
 /// The name of the limb a receptor is on.
@@ -112,6 +121,15 @@ pub(super) fn check(touch: &Touch, creature: &Creature, skin: &Skin) -> Result<(
                 "the contact's deviation at \"{}\" is {wrong}: give metres that are not negative, or null",
                 receptor.id
             ));
+        }
+    }
+    if let Some(Moment { time, force, depth }) = touch.moment {
+        for (what, wrong) in [("time", time), ("force", force), ("depth", depth)] {
+            if !(wrong.is_finite() && wrong >= 0.0) {
+                return Err(format!(
+                    "its {what} is {wrong}: give a number that is not negative, or none of time, force and depth"
+                ));
+            }
         }
     }
     Ok(())

@@ -11,7 +11,7 @@ use super::error::json_reason;
 use super::touch_line::{Header, Line, STAMP, UNITS, check, limb_name};
 use super::{Action, RecordError};
 use crate::creature::Creature;
-use crate::senses::{Touch, TouchEnd};
+use crate::senses::{Moment, Touch, TouchEnd};
 use crate::skin::Skin;
 
 /// How far a receptor's position in a log may be from the skin's, metres.
@@ -151,7 +151,12 @@ fn touch(
     };
     let ends = [end(0)?, end(1)?];
     let posture = found.posture.iter().map(|x| x.unwrap_or(f64::NAN)).collect();
-    let touch = Touch { bout: found.bout, motion: found.motion, posture, ends };
+    let moment = match (found.time, found.force, found.depth) {
+        (None, None, None) => None,
+        (Some(time), Some(force), Some(depth)) => Some(Moment { time, force, depth }),
+        _ => return Err("it has some of time, force and depth: give all three or none".into()),
+    };
+    let touch = Touch { bout: found.bout, motion: found.motion, posture, ends, moment };
     check(&touch, creature, skin)?;
     Ok(touch)
 }

@@ -71,6 +71,9 @@ impl<'a> TouchWriter<'a> {
             contacts: touch.ends.map(|end| <[f64; 3]>::from(end.contact)),
             deviations: Some(touch.ends.map(|end| end.deviation))
                 .filter(|deviations| deviations.iter().any(Option::is_some)),
+            time: touch.moment.map(|moment| moment.time),
+            force: touch.moment.map(|moment| moment.force),
+            depth: touch.moment.map(|moment| moment.depth),
         })
     }
 

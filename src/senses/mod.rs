@@ -10,5 +10,5 @@ pub mod touch_sensor;
 pub use contact_reader::{ContactReader, Reading};
 pub use disturbance::{Disturbances, Felt};
 pub use own_frames::OwnFrames;
-pub use touch::{Touch, TouchEnd};
+pub use touch::{Moment, Touch, TouchEnd};
 pub use touch_sensor::{Kind, Sensation, SkinContact, TouchEvent, TouchSensor, skin_contacts};

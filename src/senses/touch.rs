@@ -13,6 +13,17 @@ pub struct TouchEnd {
     pub deviation: Option<f64>,
 }
 
+/// When and how hard limbs met that were moved by forces.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Moment {
+    /// Simulated time since the beginning of the bout, seconds.
+    pub time: f64,
+    /// The force with which the two surfaces press on each other along their normal, newtons; above zero.
+    pub force: f64,
+    /// How deep the two surfaces were in each other, metres. Nothing feels it; it tells how exact the touch is.
+    pub depth: f64,
+}
+
 /// A self-touch as the agent feels it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Touch {
@@ -24,4 +35,6 @@ pub struct Touch {
     pub posture: Vec<f64>,
     /// The two ends; the one on the earlier limb first.
     pub ends: [TouchEnd; 2],
+    /// When and how hard it was; none where no forces were at work.
+    pub moment: Option<Moment>,
 }

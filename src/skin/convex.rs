@@ -86,9 +86,12 @@ pub fn separation(
     best
 }
 
-/// Where two convex solids are closest, given the farthest point of each in a direction of any length, and a
-/// direction from the second to the first to begin with.
-pub fn closest(supports: [&dyn Fn(&Vector3<f64>) -> Vector3<f64>; 2], guess: &Vector3<f64>) -> Closest {
+/// The farthest point of a convex solid in a direction of any length.
+pub type Support<'a> = &'a dyn Fn(&Vector3<f64>) -> Vector3<f64>;
+
+/// Where two convex solids are closest, given by their farthest points, and a direction from the second to the
+/// first to begin with.
+pub fn closest(supports: [Support; 2], guess: &Vector3<f64>) -> Closest {
     let support = |direction: &Vector3<f64>| {
         let points = [supports[0](direction), supports[1](&-direction)];
         Corner { difference: points[0] - points[1], points }

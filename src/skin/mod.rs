@@ -10,7 +10,7 @@ mod surface;
 use nalgebra::{Matrix3, Vector3};
 use serde::{Deserialize, Serialize};
 
-pub use convex::{Closest, closest, separation};
+pub use convex::{Closest, Support, closest, separation};
 pub use from_model::skin_of;
 pub(crate) use from_model::surface_of_geom;
 pub use growing::{GrowError, GrowOptions, Grown, PatchSize, grow, grow_skin};

@@ -11,7 +11,7 @@ use super::super::open::{ModelOptions, body_of, open_body};
 use super::super::skin::skin_for;
 use super::super::touches::{babbler, make_touches};
 use super::super::{Failure, progress};
-use crate::babbling::{BabblingOptions, PolicyName, motions_until};
+use crate::babbling::{BabblingOptions, MotionName, PolicyName, motions_until};
 use crate::creature::{Body, JointSelection};
 use crate::evaluation::{Evaluation, evaluate_learned};
 use crate::ground_truth::GroundTruth;
@@ -73,7 +73,7 @@ impl Subject {
         let body = open_body(model, joints, &ModelOptions::default())?;
         let (skin, truth) = (skin_for(model, &body)?, GroundTruth::new(&body)?);
         // Whether the creature can babble at all is told before any folder is made.
-        babbler(model, &body, &skin)?;
+        babbler(model, &body, &skin, MotionName::default())?;
         let model = model.to_path_buf();
         let joints = joints.clone();
         Ok(Subject {
@@ -115,7 +115,7 @@ impl Subject {
     ) -> Result<Vec<Touch>, Failure> {
         let options = BabblingOptions { touches, seed, jobs: self.jobs };
         let mut made = Vec::with_capacity(touches);
-        let babbler = babbler(&self.model, body, skin)?;
+        let babbler = babbler(&self.model, body, skin, MotionName::default())?;
         make_touches(&self.model, &babbler, PolicyName::Random, &options, |touch| {
             made.push(touch.clone());
             Ok(())
@@ -128,7 +128,7 @@ impl Subject {
         self.tell(seed, &format!("babbling, {policy}"));
         let options = BabblingOptions { touches: self.touches, seed, jobs: self.jobs };
         let (mut touches, mut seconds) = (Vec::new(), Vec::new());
-        let babbler = babbler(&self.model, &self.body, &self.skin)?;
+        let babbler = babbler(&self.model, &self.body, &self.skin, MotionName::default())?;
         let began = Instant::now();
         make_touches(&self.model, &babbler, policy, &options, |touch| {
             touches.push(touch.clone());

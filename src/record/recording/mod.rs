@@ -121,7 +121,7 @@ fn resolve(
             ends.swap(0, 1);
         }
         let (bout, motion) = (found.bout.unwrap_or(0), found.motion.unwrap_or(number as u64 + 1));
-        let touch = Touch { bout, motion, posture: found.posture.clone(), ends };
+        let touch = Touch { bout, motion, posture: found.posture.clone(), ends, moment: None };
         check(&touch, creature, &skin).map_err(refuse(found))?;
         touches.push(touch);
     }
