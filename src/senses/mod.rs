@@ -1,12 +1,14 @@
 //! The senses: contacts read as touches of the skin, what may be wrong with them, and other frames to tell
 //! them in.
 
+pub mod aura;
 mod contact_reader;
 mod disturbance;
 mod own_frames;
 mod touch;
 pub mod touch_sensor;
 
+pub use aura::{Approach, Aura, AuraEvent};
 pub use contact_reader::{ContactReader, Reading};
 pub use disturbance::{Disturbances, Felt};
 pub use own_frames::OwnFrames;

@@ -46,6 +46,16 @@ pub(crate) fn surface_of_geom(body: &Body, geom: usize) -> Option<Surface> {
     Some(Surface { limb, origin, rotation, shape, geom })
 }
 
+/// The surfaces of a model's body, whoever's it is, in its own frame; their limb means nothing.
+pub(crate) fn surface_of_body(model: &Model, body: usize) -> Vec<Surface> {
+    let geoms = (0..model.ngeom()).filter(|&geom| model.geom_body(geom) == body);
+    let surface = |geom: usize| {
+        let (info, shape) = (model.geom(geom), shape(model, geom)?);
+        Some(Surface { limb: 0, origin: info.pos, rotation: matrix(&info.quat), shape, geom })
+    };
+    geoms.filter_map(surface).collect()
+}
+
 /// The sites with touch sensors, in the model's order.
 pub(super) fn touch_sites(model: &Model) -> impl Iterator<Item = usize> {
     let touch = |sensor: &Sensor| sensor.kind == SensorKind::Touch && sensor.object == ObjectKind::Site;

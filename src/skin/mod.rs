@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 
 pub use convex::{Closest, Support, closest, separation};
 pub use from_model::skin_of;
-pub(crate) use from_model::surface_of_geom;
+pub(crate) use from_model::{surface_of_body, surface_of_geom};
 pub use growing::{GrowError, GrowOptions, Grown, PatchSize, grow, grow_skin};
 pub use hull::Hull;
 pub use somatotopic_map::{MOST_NEIGHBOURS, SomatotopicMap};

@@ -5,6 +5,7 @@
 //! measurements as one tidy table, a summary of them, and what to plot. Options, printing, JSON and the
 //! files are the same for all studies and are done here.
 
+mod approach;
 mod changed_body;
 mod coverage;
 mod disturbances;
@@ -32,7 +33,7 @@ use subject::Subject;
 use table::Table;
 
 /// The studies, in the order in which they are named to the user.
-const STUDIES: [&Study; 8] = [
+const STUDIES: [&Study; 9] = [
     &learners::STUDY,
     &policies::STUDY,
     &coverage::STUDY,
@@ -41,6 +42,7 @@ const STUDIES: [&Study; 8] = [
     &turned::STUDY,
     &frames::STUDY,
     &sensations::STUDY,
+    &approach::STUDY,
 ];
 
 /// The model that is studied where none is named.

@@ -1,0 +1,209 @@
+//! How well the aura foretells what is going to touch, and where.
+
+use std::f64::consts::TAU;
+
+use nalgebra::Vector3;
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use serde_json::json;
+
+use super::plot::{Axis, Plot, Scale, Series};
+use super::subject::Subject;
+use super::table::{Cell, Column, Table};
+use super::{Findings, Study};
+use crate::cli::Failure;
+use crate::interaction::{PROBE_RADIUS, ProbePath, World};
+use crate::senses::{Approach, Aura, AuraEvent, TouchEvent};
+
+pub const STUDY: Study = Study {
+    name: "approach",
+    about: "how well the aura foretells which limb is hit, and where; a trial is an approach, a pass and a retreat",
+    measure,
+};
+
+/// How long before a contact it is to be foretold, seconds.
+const AHEAD: f64 = 0.3;
+/// How long an object must have been seen, seconds.
+const SEEN: f64 = 0.05;
+/// How far from the skin objects set out, metres.
+const FAR: f64 = 0.9;
+
+const MEASUREMENTS: &[Column] = &[
+    Column { name: "way", heading: "way" },
+    Column { name: "seed", heading: "seed" },
+    Column { name: "speed_m_s", heading: "speed, m/s" },
+    Column { name: "hit_limb", heading: "hit" },
+    Column { name: "hit_receptor", heading: "receptor" },
+    Column { name: "foretold_limb", heading: "foretold 0.3 s ahead" },
+    Column { name: "limb_right", heading: "limb right" },
+    Column { name: "receptor_named", heading: "receptor named" },
+    Column { name: "alarms", heading: "alarms" },
+    Column { name: "first_alarm_s", heading: "first alarm, s ahead" },
+];
+
+const SUMMARY: &[Column] = &[
+    Column { name: "way", heading: "way" },
+    Column { name: "trials", heading: "trials" },
+    Column { name: "hits", heading: "hit" },
+    Column { name: "limb_accuracy", heading: "limb right 0.3 s ahead" },
+    Column { name: "receptor_accuracy", heading: "receptor among five" },
+    Column { name: "false_alarms", heading: "alarmed, not hit" },
+];
+
+/// The ways that an object takes.
+const WAYS: [&str; 3] = ["approach", "pass", "retreat"];
+
+fn direction(rng: &mut ChaCha8Rng) -> Vector3<f64> {
+    let (z, angle) = (rng.random_range(-1.0..1.0_f64), rng.random_range(0.0..TAU));
+    let ring = (1.0 - z * z).sqrt();
+    Vector3::new(ring * angle.cos(), ring * angle.sin(), z)
+}
+
+/// A way past or to a random place of the skin, as fast as drawn, bent by a random acceleration.
+fn way(world: &World, name: &str, time: f64, rng: &mut ChaCha8Rng) -> (ProbePath, f64) {
+    let skin = &world.skin;
+    let receptor = &skin.receptors[rng.random_range(0..skin.receptors.len())];
+    let pose = world.body.limb_pose(&world.data, receptor.limb).unwrap_or_default();
+    let target = (pose * nalgebra::Point3::from(receptor.position)).coords;
+    let normal = pose.rotation * receptor.normal;
+    // From outside: what comes from within a body is no approach.
+    let from = loop {
+        let drawn = direction(rng);
+        if drawn.dot(&normal) > 0.2 {
+            break drawn;
+        }
+    };
+    let speed = rng.random_range(0.2..1.0);
+    let bend = from.cross(&direction(rng)) * rng.random_range(0.0..1.0);
+    let (reach, aside) = match name {
+        "approach" => (FAR + 0.05, Vector3::zeros()),
+        "pass" => (2.0 * FAR, from.cross(&direction(rng)).normalize() * rng.random_range(0.05..0.3)),
+        _ => (FAR, Vector3::zeros()),
+    };
+    let seconds = reach / speed;
+    // When it is at its target, straight ahead of where it set out but for the bend.
+    let arrival = if name == "retreat" { 0.0 } else { FAR / speed };
+    let at = |t: f64| {
+        let bent = bend * (0.5 * (t - arrival).powi(2));
+        match name {
+            "retreat" => target + normal * (PROBE_RADIUS + 0.03) + from * (speed * t) + bend * (0.5 * t * t),
+            _ => target + aside + from * (FAR - speed * t) + bent,
+        }
+    };
+    let count = (seconds / 0.004).ceil() as usize;
+    let points = (0..=count).map(|k| k as f64 * seconds / count as f64).map(|t| (time + t, at(t)));
+    (ProbePath(points.collect()), speed)
+}
+
+fn measure(subject: &Subject) -> Result<Findings, Failure> {
+    let world = World::new(subject.model(), None, &["probe".to_string()]);
+    let mut world = world.map_err(|error| Failure(error.to_string()))?;
+    let mut measurements = Table::new(MEASUREMENTS);
+    // Per way: trials, hits, limbs right, receptors named, alarms without a hit.
+    let mut counts = [[0usize; 5]; 3];
+    let mut leads: [Vec<f64>; 3] = Default::default();
+    for &seed in &subject.seeds {
+        for (k, name) in WAYS.iter().enumerate() {
+            let mut rng = ChaCha8Rng::seed_from_u64(seed);
+            rng.set_stream(k as u64);
+            let (path, speed) = way(&world, name, world.data.time(), &mut rng);
+            let end = path.end();
+            world.send(0, path)?;
+            let mut told: Vec<(f64, Option<Approach>)> = Vec::new();
+            // Nothing was near before.
+            let mut aura = Aura::new(&world.body, &world.skin, &world.data);
+            let mut alarms: Vec<f64> = Vec::new();
+            let mut hit = None;
+            while hit.is_none() && world.data.time() < end {
+                let (time, touches) = world.step()?;
+                let events = aura.step(time, &world.body, &world.skin, &world.data);
+                let alarmed = events.iter().any(|event| matches!(event, AuraEvent::Alarm(_)));
+                alarms.extend(alarmed.then_some(time));
+                told.push((time, aura.approaches().next().cloned()));
+                // What touched last may still be felt to leave.
+                hit = touches.iter().find_map(|event| match event {
+                    TouchEvent::Began { contact, .. } => Some((time, contact.place)),
+                    TouchEvent::Sensed { .. } => None,
+                });
+            }
+            // What moves away from one limb may come to another: then it is no retreat but a pass. What met a limb
+            // before anybody could foretell it tells nothing.
+            let distances: Vec<f64> =
+                told.iter().filter_map(|(_, approach)| Some(approach.as_ref()?.distance)).collect();
+            let comes_near = distances.windows(2).any(|pair| pair[1] < pair[0] - 1e-4);
+            let k = if *name == "retreat" && (hit.is_some() || comes_near) { 1 } else { k };
+            let begun = told.first().map_or(0.0, |(time, _)| *time);
+            if hit.is_some_and(|(time, _)| time - AHEAD < begun + SEEN) {
+                continue;
+            }
+            let before = hit.map(|(time, _)| time - AHEAD);
+            let foretold = before.and_then(|before| {
+                let at = told.partition_point(|(time, _)| *time <= before);
+                told[..at].last()?.1.clone()?.contact
+            });
+            let limb_right = hit.is_some_and(|(_, place)| {
+                foretold.as_ref().is_some_and(|foretold| foretold.limb == place.limb)
+            });
+            let named = hit.is_some_and(|(_, place)| {
+                foretold.as_ref().is_some_and(|foretold| foretold.receptors.contains(&place.receptor))
+            });
+            let lead = hit.and_then(|(time, _)| Some(time - alarms.first()?));
+            leads[k].extend(lead);
+            let [trials, hits, right, receptors, false_alarms] = &mut counts[k];
+            *trials += 1;
+            *hits += usize::from(hit.is_some());
+            *right += usize::from(limb_right);
+            *receptors += usize::from(named);
+            *false_alarms += usize::from(hit.is_none() && !alarms.is_empty());
+            let limbs = world.body.creature.limbs();
+            measurements.row([
+                WAYS[k].into(),
+                seed.into(),
+                speed.into(),
+                hit.map_or("none".to_string(), |(_, place)| limbs[place.limb].clone()).into(),
+                hit.map_or("none".to_string(), |(_, p)| world.skin.receptors[p.receptor].id.clone()).into(),
+                foretold.map_or("none".to_string(), |foretold| limbs[foretold.limb].clone()).into(),
+                limb_right.into(),
+                named.into(),
+                alarms.len().into(),
+                lead.map_or(Cell::from(f64::NAN), Cell::from),
+            ]);
+        }
+    }
+    let mut summary = Table::new(SUMMARY);
+    let share = |part: usize, of: usize| part as f64 / of as f64;
+    for (name, [trials, hits, right, receptors, false_alarms]) in WAYS.iter().zip(counts) {
+        summary.row([
+            (*name).into(),
+            trials.into(),
+            hits.into(),
+            share(right, hits).into(),
+            share(receptors, hits).into(),
+            false_alarms.into(),
+        ]);
+    }
+    let hits = counts.iter().map(|count| count[1]).sum();
+    let numbers = vec![
+        ("accuracy", json!(share(counts.iter().map(|count| count[2]).sum(), hits))),
+        ("receptor_accuracy", json!(share(counts.iter().map(|count| count[3]).sum(), hits))),
+        ("receding_alarms", json!(counts[2][4])),
+        ("hits", json!(hits)),
+    ];
+    let notes = vec![
+        "Balls of 16 mm on bent ways of 0.2 to 1 m/s: to a random place of the skin, past one by 5 to 30 cm, and away \
+         from 3 cm above one."
+            .to_string(),
+        "Hits are foretold from what the aura said 0.3 s before the first contact.".to_string(),
+    ];
+    let series = WAYS.iter().zip(&leads).enumerate().map(|(k, (name, leads))| Series {
+        name: (*name).to_string(),
+        line: Vec::new(),
+        dots: leads.iter().map(|lead| (*lead, k as f64)).collect(),
+    });
+    let plot = Plot {
+        x: Axis { title: "first alarm, s before the contact", scale: Scale::Logarithmic },
+        y: Axis { title: "", scale: Scale::Names(WAYS.iter().map(|name| (*name).into()).collect()) },
+        series: series.collect(),
+    };
+    Ok(Findings { measurements, summary, notes, plot, numbers })
+}

@@ -1,0 +1,350 @@
+//! The aura: proximity geometries about the limbs that tell what is about to touch, and where.
+//!
+//! "Around every geometry representing a limb of Max's body, 17 proximity geometries were added forming a 'proximity
+//! aura'" (IVA 2009, section 2). Here a limb's geometry is a capsule about its surfaces, grown by how far it
+//! reaches; it takes part in no contact. What is inside one is measured exactly, against the surfaces of its limb:
+//! the engine's own distances between shapes that do not touch are right for capsules and boxes alone.
+
+use std::collections::{BTreeMap, VecDeque};
+
+use nalgebra::{Matrix3, Point3, SymmetricEigen, Vector3};
+
+use crate::creature::Body;
+use crate::kinematics::Frame;
+use crate::mujoco::Data;
+use crate::skin::{Skin, Surface, closest, surface_of_body};
+
+/// How far an aura reaches beyond its limb, metres: an object of 1 m/s is noticed a third of a second before.
+pub const REACH: f64 = 0.35;
+/// How far ahead a contact is foreseen, seconds.
+pub const HORIZON: f64 = 0.6;
+/// Receptors named for a contact that is foreseen.
+pub const RECEPTORS_NAMED: usize = 5;
+/// Every how many seconds what is near is looked at.
+const PERIOD: f64 = 0.01;
+/// Looks from which the motion of an object is told.
+const LOOKS: usize = 5;
+/// An object this near counts as there, metres.
+const THERE: f64 = 5e-4;
+
+/// The proximity geometry of one aura limb: a capsule in the frame of one of its limbs.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ProximityGeometry {
+    /// The aura limb, an index into the creature's.
+    pub aura_limb: usize,
+    /// The limb that carries it.
+    pub limb: usize,
+    /// The ends of the capsule's axis in that limb's frame, metres.
+    pub ends: [Vector3<f64>; 2],
+    /// Its radius, metres, its reach beyond the limb included.
+    pub radius: f64,
+}
+
+impl ProximityGeometry {
+    /// Whether a ball, in the frame of [`ProximityGeometry::limb`], metres, is partly inside.
+    fn holds(&self, p_l: &Vector3<f64>, radius: f64) -> bool {
+        let along = self.ends[1] - self.ends[0];
+        let share = (p_l - self.ends[0]).dot(&along) / along.norm_squared().max(f64::MIN_POSITIVE);
+        let nearest = self.ends[0] + along * share.clamp(0.0, 1.0);
+        (p_l - nearest).norm() < self.radius + radius
+    }
+}
+
+/// Makes the proximity geometries of a creature, one for each aura limb that has a surface: about it in the
+/// reference posture, whose limb frames `X_WL` are given.
+pub fn grow_aura(body: &Body, skin: &Skin, frames: &[Frame]) -> Vec<ProximityGeometry> {
+    let directions: Vec<Vector3<f64>> = (0..26)
+        .map(|k| Vector3::new((k % 3) as f64 - 1.0, (k / 3 % 3) as f64 - 1.0, (k / 9) as f64 - 1.0))
+        .filter(|direction| direction.norm() > 0.0)
+        .collect();
+    let geometry = |(aura_limb, aura): (usize, &crate::creature::AuraLimb)| {
+        let limb = *aura.limbs.first()?;
+        let mut points = Vec::new();
+        for surface in skin.surfaces.iter().filter(|surface| aura.limbs.contains(&surface.limb)) {
+            let farthest = directions.iter().filter_map(|direction| surface.support(direction));
+            points.extend(farthest.map(|p| frames[limb].inverse_point(&frames[surface.limb].point(&p))));
+        }
+        let count = points.len() as f64;
+        let middle = points.iter().sum::<Vector3<f64>>() / count;
+        let spread: Matrix3<f64> = points.iter().map(|p| (p - middle) * (p - middle).transpose()).sum();
+        let eigen = SymmetricEigen::new(spread);
+        let axis: Vector3<f64> = eigen.eigenvectors.column(eigen.eigenvalues.imax()).into();
+        let places: Vec<(f64, f64)> = points
+            .iter()
+            .map(|p| {
+                let along = (p - middle).dot(&axis);
+                (along, (p - middle - axis * along).norm())
+            })
+            .collect();
+        let radius = places.iter().map(|place| place.1).fold(0.0, f64::max);
+        // How far the axis must go for the caps to cover what is at its ends.
+        let needed = |sign: f64| {
+            let of =
+                |&(along, off): &(f64, f64)| sign * along - (radius * radius - off * off).max(0.0).sqrt();
+            places.iter().map(of).fold(0.0, f64::max)
+        };
+        let ends = [middle - axis * needed(-1.0), middle + axis * needed(1.0)];
+        (!points.is_empty()).then_some(ProximityGeometry { aura_limb, limb, ends, radius: radius + REACH })
+    };
+    body.creature.aura_limbs().iter().enumerate().filter_map(geometry).collect()
+}
+
+/// An object inside an aura.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Approach {
+    /// The model's body that is near.
+    pub object: usize,
+    /// The aura limb that it is nearest to.
+    pub aura_limb: usize,
+    /// The limb of it that is nearest.
+    pub limb: usize,
+    /// How far its surface is from the limb's, metres.
+    pub distance: f64,
+    /// How fast that becomes less, metres a second; below 0 where the object recedes.
+    pub speed: f64,
+    /// The contact that is foreseen, if the object goes on as it does and the creature stays as it is.
+    pub contact: Option<Foreseen>,
+}
+
+/// A contact that is about to happen.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Foreseen {
+    /// The limb that will be hit.
+    pub limb: usize,
+    /// In how many seconds.
+    pub seconds: f64,
+    /// The receptors most likely to be hit, the likeliest first.
+    pub receptors: Vec<usize>,
+}
+
+/// What a sense of proximity tells.
+#[derive(Clone, Debug, PartialEq)]
+pub enum AuraEvent {
+    /// An object has come into the aura of a limb.
+    Entered(Approach),
+    /// A contact is foreseen, with a limb that was not foreseen for this object before.
+    Alarm(Approach),
+    /// The object has left all auras.
+    Left {
+        /// The model's body.
+        object: usize,
+    },
+}
+
+/// The sense of what is near.
+pub struct Aura {
+    /// The proximity geometries.
+    pub geometries: Vec<ProximityGeometry>,
+    /// Per object, its surfaces in its own body's frame.
+    objects: BTreeMap<usize, Vec<Surface>>,
+    followed: BTreeMap<usize, Followed>,
+    next: f64,
+}
+
+/// An object that is followed.
+#[derive(Clone, Debug, Default)]
+struct Followed {
+    /// When and where it was.
+    looks: VecDeque<(f64, Vector3<f64>)>,
+    within: bool,
+    alarm: Option<usize>,
+    approach: Option<Approach>,
+}
+
+impl Aura {
+    /// The aura of a creature that stands in its reference posture in `data`, with the bodies that are no part of it
+    /// for objects.
+    pub fn new(body: &Body, skin: &Skin, data: &Data) -> Aura {
+        let geometries = grow_aura(body, skin, &limb_frames_in(body, data));
+        let mut objects: BTreeMap<usize, Vec<Surface>> = BTreeMap::new();
+        let foreign = |b: &usize| body.limb_of_body[*b].is_none() && body.model.weld(*b) != 0;
+        for object in (1..body.model.nbody()).filter(foreign) {
+            let surfaces = surface_of_body(&body.model, object);
+            if !surfaces.is_empty() {
+                objects.insert(object, surfaces);
+            }
+        }
+        Aura { geometries, objects, followed: BTreeMap::new(), next: f64::NEG_INFINITY }
+    }
+
+    /// What is in an aura now.
+    pub fn approaches(&self) -> impl Iterator<Item = &Approach> {
+        self.followed.values().filter_map(|followed| followed.approach.as_ref())
+    }
+
+    /// Looks at what is near, at most every 10 ms, given data with poses of a step at `time`, seconds.
+    pub fn step(&mut self, time: f64, body: &Body, skin: &Skin, data: &Data) -> Vec<AuraEvent> {
+        let mut events = Vec::new();
+        if time < self.next {
+            return events;
+        }
+        self.next = time + PERIOD - 1e-9;
+        let mut frames: Option<Vec<Frame>> = None;
+        for (&object, surfaces) in &self.objects {
+            let pose = data.body_pose(object);
+            let place = pose.translation.vector;
+            let extent =
+                surfaces.iter().map(|s| s.origin.norm() + s.shape.half_bounds().norm()).fold(0.0, f64::max);
+            let within: Vec<&ProximityGeometry> = {
+                let near = |geometry: &&ProximityGeometry| {
+                    let carrier = body.limb_pose(data, geometry.limb).unwrap_or_default();
+                    geometry.holds(&carrier.inverse_transform_point(&Point3::from(place)).coords, extent)
+                };
+                self.geometries.iter().filter(near).collect()
+            };
+            let followed = self.followed.entry(object).or_default();
+            // What jumps was carried elsewhere: its motion begins anew.
+            if followed.looks.back().is_some_and(|(_, before)| (place - before).norm() > REACH) {
+                followed.looks.clear();
+            }
+            followed.looks.push_back((time, place));
+            if followed.looks.len() > LOOKS {
+                followed.looks.pop_front();
+            }
+            if within.is_empty() {
+                if std::mem::take(&mut followed.within) {
+                    events.push(AuraEvent::Left { object });
+                }
+                (followed.approach, followed.alarm) = (None, None);
+                continue;
+            }
+            let frames = frames.get_or_insert_with(|| limb_frames_in(body, data));
+            let rotation = pose.rotation.to_rotation_matrix().into_inner();
+            let at = |origin: Vector3<f64>| Frame { rotation, origin };
+            let limbs: Vec<usize> = within
+                .iter()
+                .flat_map(|geometry| &body.creature.aura_limbs()[geometry.aura_limb].limbs)
+                .copied()
+                .collect();
+            let nearest = |frame: &Frame| nearest_limb(skin, frames, &limbs, surfaces, frame);
+            let Some((distance, limb, _)) = nearest(&at(place)) else { continue };
+            let (velocity, acceleration) = followed.motion();
+            let before = nearest(&at(place - velocity * 1e-3));
+            let speed = before.map_or(0.0, |(before, ..)| (before - distance) / 1e-3);
+            let contact =
+                foresee(&nearest, &at, place, velocity, acceleration).map(|(seconds, limb, point)| {
+                    let receptors = likeliest(skin, limb, &frames[limb].inverse_point(&point));
+                    Foreseen { limb, seconds, receptors }
+                });
+            let aura_limb = body.creature.aura_of(limb).unwrap_or(within[0].aura_limb);
+            let approach = Approach { object, aura_limb, limb, distance, speed, contact };
+            if !std::mem::replace(&mut followed.within, true) {
+                events.push(AuraEvent::Entered(approach.clone()));
+            }
+            let foreseen = approach.contact.as_ref().map(|contact| contact.limb);
+            if foreseen.is_some() && foreseen != followed.alarm {
+                events.push(AuraEvent::Alarm(approach.clone()));
+            }
+            followed.alarm = foreseen;
+            followed.approach = Some(approach);
+        }
+        events
+    }
+}
+
+impl Followed {
+    /// Velocity now and acceleration, metres and seconds, by the parabola through three looks.
+    fn motion(&self) -> (Vector3<f64>, Vector3<f64>) {
+        let looks: Vec<&(f64, Vector3<f64>)> = self.looks.iter().collect();
+        let none = (Vector3::zeros(), Vector3::zeros());
+        match looks.as_slice() {
+            [] | [_] => none,
+            [a, b] => ((b.1 - a.1) / (b.0 - a.0), Vector3::zeros()),
+            [a, .., c] => {
+                let b = looks[looks.len() / 2];
+                let (first, second) = ((b.1 - a.1) / (b.0 - a.0), (c.1 - b.1) / (c.0 - b.0));
+                let acceleration = (second - first) / (0.5 * (c.0 - a.0));
+                (second + acceleration * (0.5 * (c.0 - b.0)), acceleration)
+            }
+        }
+    }
+}
+
+/// `X_WL` of all limbs in a posture whose poses are computed.
+fn limb_frames_in(body: &Body, data: &Data) -> Vec<Frame> {
+    let frame = |limb: usize| {
+        let pose = body.limb_pose(data, limb).unwrap_or_default();
+        Frame { rotation: pose.rotation.to_rotation_matrix().into_inner(), origin: pose.translation.vector }
+    };
+    (0..body.creature.limbs().len()).map(frame).collect()
+}
+
+/// The distance of an object in a frame `X_WO` to the nearest of some limbs, which one, and where on it, in the world.
+fn nearest_limb(
+    skin: &Skin,
+    frames: &[Frame],
+    limbs: &[usize],
+    object: &[Surface],
+    x_wo: &Frame,
+) -> Option<(f64, usize, Vector3<f64>)> {
+    let mut best: Option<(f64, usize, Vector3<f64>)> = None;
+    for surface in skin.surfaces.iter().filter(|surface| limbs.contains(&surface.limb)) {
+        let frame = &frames[surface.limb];
+        for part in object {
+            let found = between(surface, frame, part, x_wo);
+            if let Some((distance, point)) = found
+                && best.is_none_or(|(least, ..)| distance < least)
+            {
+                best = Some((distance, surface.limb, point));
+            }
+        }
+    }
+    best
+}
+
+/// The distance of two surfaces in their frames, and the nearest point of the first, in the world.
+fn between(surface: &Surface, frame: &Frame, part: &Surface, x_wo: &Frame) -> Option<(f64, Vector3<f64>)> {
+    if let crate::skin::Shape::Sphere { radius } = part.shape {
+        let middle = x_wo.point(&part.origin);
+        let (distance, normal) = surface.signed_distance(&frame.inverse_point(&middle))?;
+        return Some((distance - radius, middle - frame.rotation * normal * distance));
+    }
+    let first =
+        |d: &Vector3<f64>| frame.point(&surface.support(&frame.rotation.tr_mul(d)).unwrap_or_default());
+    let second = |d: &Vector3<f64>| x_wo.point(&part.support(&x_wo.rotation.tr_mul(d)).unwrap_or_default());
+    let way = frame.point(&surface.origin) - x_wo.point(&part.origin);
+    let guess = way.try_normalize(1e-9).unwrap_or(Vector3::z());
+    let found = closest([&first, &second], &guess);
+    Some((found.distance, found.points[0]))
+}
+
+/// When an object that goes on as it does first meets a limb, which, and where: it goes forward as far as nothing
+/// is near, for nothing can be hit sooner.
+fn foresee(
+    nearest: &dyn Fn(&Frame) -> Option<(f64, usize, Vector3<f64>)>,
+    at: &dyn Fn(Vector3<f64>) -> Frame,
+    place: Vector3<f64>,
+    velocity: Vector3<f64>,
+    acceleration: Vector3<f64>,
+) -> Option<(f64, usize, Vector3<f64>)> {
+    let fastest = velocity.norm() + acceleration.norm() * HORIZON;
+    if fastest < 1e-3 {
+        return None;
+    }
+    let mut seconds = 0.0;
+    for _ in 0..200 {
+        let there = place + velocity * seconds + acceleration * (0.5 * seconds * seconds);
+        let (distance, limb, point) = nearest(&at(there))?;
+        let closing = velocity + acceleration * seconds;
+        // Something that lies on the skin and leaves it is no danger.
+        let leaves = (there - point).dot(&closing) >= 0.0;
+        if distance < THERE && !leaves {
+            return Some((seconds, limb, point));
+        }
+        seconds += distance.max(if leaves { 2e-3 } else { 0.5 * THERE }) / fastest;
+        if seconds > HORIZON {
+            return None;
+        }
+    }
+    None
+}
+
+/// The receptors of a limb that are nearest to a point of it.
+fn likeliest(skin: &Skin, limb: usize, p_l: &Vector3<f64>) -> Vec<usize> {
+    let mut on_limb: Vec<usize> =
+        (0..skin.receptors.len()).filter(|&r| skin.receptors[r].limb == limb).collect();
+    let distance = |&r: &usize| (skin.receptors[r].position - p_l).norm();
+    on_limb.sort_by(|a, b| distance(a).total_cmp(&distance(b)));
+    on_limb.truncate(RECEPTORS_NAMED);
+    on_limb
+}
