@@ -17,6 +17,8 @@ pub const PROBE_RADIUS: f64 = 0.008;
 const MASS: f64 = 0.05;
 /// How stiffly it is held to its path, newtons a metre: as deep as its path goes under the skin, so hard it presses.
 pub(super) const STIFFNESS: f64 = 400.0;
+/// The longest step of the simulation, seconds: coarser ones let light things bounce.
+const LONGEST_STEP: f64 = 0.002;
 /// Where probes wait, metres along the world's x axis.
 const AWAY: f64 = 100.0;
 /// Damping ratio of that.
@@ -105,9 +107,13 @@ impl World {
             probes.iter().filter_map(|name| Some((name, at(name)?))).collect();
         let probe_geom = |g: usize| bodies.iter().any(|(_, b)| declared.geom_body(g) == *b);
         let touchable: Vec<bool> = (0..declared.ngeom()).map(|g| body.feels(g) || probe_geom(g)).collect();
-        let own = declared.joints().filter(|joint| bodies.iter().all(|(_, b)| joint.body != *b));
-        let own: Vec<usize> = own.flat_map(|joint| joint.dofadr..joint.dofadr + joint.kind.nv()).collect();
-        body.model = Arc::new(declared.with_immovable(own)?.touching_with(&touchable)?);
+        // Whoever holds still does not give way; the probes alone move.
+        let mut rigid = vec![true; declared.nv()];
+        for joint in declared.joints().filter(|joint| bodies.iter().any(|(_, b)| joint.body == *b)) {
+            rigid[joint.dofadr..joint.dofadr + joint.kind.nv()].fill(false);
+        }
+        let step = declared.timestep().min(LONGEST_STEP);
+        body.model = Arc::new(declared.simulated(step, &rigid)?.touching_with(&touchable)?);
         let probes = bodies.iter().map(|&(name, at)| {
             let first = body.model.joints().find(|joint| joint.body == at).expect("a probe has slides");
             let path = ProbePath::default();
@@ -190,6 +196,11 @@ impl World {
             }
         }
         self.data.set_qfrc_applied(&forces)?;
+        let body = &self.body;
+        self.data.let_pass(|geoms| match geoms.map(|geom| body.limb_of_geom(geom)) {
+            [Some(a), Some(b)] => !body.creature.neighbouring(a, b),
+            _ => true,
+        })?;
         self.data.step2()?;
         Ok(time)
     }

@@ -266,22 +266,6 @@ impl Model {
         Ok(copy)
     }
 
-    /// A copy in which some degrees of freedom have so much inertia that nothing moves them.
-    ///
-    /// # Errors
-    /// [`Error::Engine`] where there is no memory for it.
-    pub fn with_immovable(&self, dofs: impl IntoIterator<Item = usize>) -> Result<Self> {
-        /// Kilogrammes, or kilogrammes times square metres.
-        const IMMOVABLE: f64 = 1e6;
-        let mut copy = self.copy()?;
-        let raw = copy.raw_mut();
-        for dof in dofs.into_iter().filter(|&dof| dof < self.nv()) {
-            // SAFETY: the copy is not shared yet, and the array holds a number per degree of freedom.
-            unsafe { *(*raw).dof_armature.add(dof) = IMMOVABLE }
-        }
-        Ok(copy)
-    }
-
     /// For changes to a model that is not shared yet.
     pub(super) fn raw_mut(&mut self) -> *mut ffi::mjModel {
         self.raw.as_ptr()

@@ -88,7 +88,7 @@ pub struct SkinContact {
 /// everything else.
 pub fn skin_contacts(body: &Body, skin: &Skin, reader: &ContactReader, data: &Data) -> Vec<SkinContact> {
     let mut found = Vec::new();
-    for (i, contact) in data.contacts().enumerate() {
+    for (contact, force) in data.pressing().filter(|(_, force)| *force >= FAINT) {
         let limbs = contact.geoms.map(|geom| body.limb_of_geom(geom));
         let neighbours = match limbs {
             [None, None] => continue,
@@ -96,10 +96,6 @@ pub fn skin_contacts(body: &Body, skin: &Skin, reader: &ContactReader, data: &Da
             _ => false,
         };
         if neighbours {
-            continue;
-        }
-        let force = data.contact_force(i).x;
-        if force < FAINT {
             continue;
         }
         let ends = reader.ends(body, skin, data, &contact);
