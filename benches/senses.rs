@@ -1,0 +1,51 @@
+//! What the senses cost beside the physics: Max, all his joints and receptors, stroked by a probe.
+//!
+//! Bare steps and steps with the touch sensor and the aura take turns in one run, and their ratio is printed.
+
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+use bodyschema::interaction::{Strokes, World};
+use bodyschema::senses::{Aura, Kind};
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+
+/// Strokes that are measured, each once bare and once felt.
+const STROKES: u64 = 40;
+
+fn main() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("mjcf/max/max.xml");
+    let mut world = World::new(&path, None, &["probe".to_string()]).expect("Max is a creature");
+    let mut aura = Aura::new(&world.body, &world.skin, &world.data);
+    let (mut bare, mut felt) = (Duration::ZERO, Duration::ZERO);
+    let (mut steps, mut simulated, mut events) = (0u64, 0.0, 0usize);
+    for seed in 0..STROKES {
+        for senses in [false, true] {
+            let mut rng = ChaCha8Rng::seed_from_u64(seed);
+            let begin = world.data.time();
+            let stroke = Strokes::new(&world).random(Kind::Stroke, begin, &mut rng).expect("Max has room");
+            let end = stroke.path.end();
+            world.send(0, stroke.path).expect("the probe can go there");
+            let began = Instant::now();
+            while world.data.time() < end {
+                if senses {
+                    let (time, touches) = world.step().expect("the engine steps");
+                    events += touches.len();
+                    events += aura.step(time, &world.body, &world.skin, &world.data).len();
+                    steps += 1;
+                } else {
+                    world.physics().expect("the engine steps");
+                }
+            }
+            *(if senses { &mut felt } else { &mut bare }) += began.elapsed();
+            if senses {
+                simulated += end - begin;
+            }
+        }
+    }
+    let per_step = |spent: Duration| 1e6 * spent.as_secs_f64() / steps as f64;
+    println!("bare physics: {:.1} us a step", per_step(bare));
+    println!("with all senses: {:.1} us a step, {events} events", per_step(felt));
+    println!("ratio: {:.3}", felt.as_secs_f64() / bare.as_secs_f64());
+    println!("times real time: {:.1}", simulated / felt.as_secs_f64());
+}
