@@ -8,8 +8,8 @@ use rand_chacha::ChaCha8Rng;
 
 use super::open::open_model;
 use super::{Failure, Outcome};
-use crate::interaction::{Script, Strokes, World, event_json};
-use crate::senses::Kind;
+use crate::interaction::{Script, Strokes, World, aura_event_json, event_json};
+use crate::senses::{Aura, Kind};
 
 /// How long the creature is watched after all is done to it, seconds.
 const AFTER: f64 = 0.1;
@@ -57,7 +57,8 @@ pub fn run(args: &Args) -> Outcome {
     if world.skin.receptors.is_empty() {
         return Err(Failure(format!("{}: nothing of this creature can be touched", args.model.display())));
     }
-    let Some(script) = script else { return at_random(args, &mut world) };
+    let mut aura = Aura::new(&world.body, &world.skin, &world.data);
+    let Some(script) = script else { return at_random(args, &mut world, &mut aura) };
     let paths = script.paths(&world).map_err(|clause| {
         let file = args.script.as_deref().unwrap_or(&args.model);
         Failure(format!("{}: {clause}: see `bodyschema inspect` for its receptors", file.display()))
@@ -66,11 +67,11 @@ pub fn run(args: &Args) -> Outcome {
     for (probe, path) in paths.into_iter().enumerate() {
         world.send(probe, path)?;
     }
-    watch(&mut world, end)
+    watch(&mut world, &mut aura, end)
 }
 
 /// Touches the creature at random, one touch after the other.
-fn at_random(args: &Args, world: &mut World) -> Outcome {
+fn at_random(args: &Args, world: &mut World, aura: &mut Aura) -> Outcome {
     let mut rng = ChaCha8Rng::seed_from_u64(args.seed);
     for _ in 0..args.stimulations {
         let kind = *Kind::ALL.choose(&mut rng).expect("there are kinds");
@@ -78,15 +79,18 @@ fn at_random(args: &Args, world: &mut World) -> Outcome {
         let Some(stimulation) = stimulation else { continue };
         let end = stimulation.path.end();
         world.send(0, stimulation.path)?;
-        watch(world, end)?;
+        watch(world, aura, end)?;
     }
     Ok(())
 }
 
 /// Simulates to a time and a little longer, and prints what is felt.
-fn watch(world: &mut World, end: f64) -> Outcome {
+fn watch(world: &mut World, aura: &mut Aura, end: f64) -> Outcome {
     loop {
         let (time, events) = world.step()?;
+        for event in aura.step(time, &world.body, &world.skin, &world.data) {
+            say!("{}", aura_event_json(world, time, &event));
+        }
         for event in events {
             say!("{}", event_json(world, time, &event));
         }

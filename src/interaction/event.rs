@@ -4,7 +4,7 @@ use serde_json::{Value, json};
 
 use super::world::World;
 use crate::senses::touch_sensor::{Place, Side};
-use crate::senses::{Sensation, TouchEvent};
+use crate::senses::{Approach, AuraEvent, Sensation, TouchEvent};
 
 /// The object that tells an event: all names, metres, newtons and seconds; points and directions in their limb's
 /// frame.
@@ -29,6 +29,38 @@ pub fn event_json(world: &World, time: f64, event: &TouchEvent) -> Value {
             })
         }
         TouchEvent::Sensed { number, sensation } => sensation_json(world, time, *number, sensation),
+    }
+}
+
+/// The object that tells an event of the aura: `entered`, where something comes near; `alarm`, where a contact is
+/// foreseen; `left`. Distances are metres, speeds metres a second (below 0 where it recedes), times seconds.
+pub fn aura_event_json(world: &World, time: f64, event: &AuraEvent) -> Value {
+    let told = |name: &str, approach: &Approach| {
+        let creature = &world.body.creature;
+        let limbs = creature.limbs();
+        let contact = approach.contact.as_ref().map(|contact| {
+            let ids = contact.receptors.iter().map(|&receptor| &world.skin.receptors[receptor].id);
+            json!({
+                "limb": limbs[contact.limb],
+                "time_to_contact": contact.seconds,
+                "receptors": ids.collect::<Vec<_>>(),
+            })
+        });
+        json!({
+            "event": name,
+            "time": time,
+            "by": by(world, Some(approach.object)),
+            "aura_limb": creature.aura_limbs().get(approach.aura_limb).map(|aura| &aura.name),
+            "limb": limbs[approach.limb],
+            "distance": approach.distance,
+            "speed": approach.speed,
+            "contact": contact,
+        })
+    };
+    match event {
+        AuraEvent::Entered(approach) => told("entered", approach),
+        AuraEvent::Alarm(approach) => told("alarm", approach),
+        AuraEvent::Left { object } => json!({"event": "left", "time": time, "by": by(world, Some(*object))}),
     }
 }
 

@@ -5,7 +5,7 @@ mod script;
 mod stimulation;
 mod world;
 
-pub use event::event_json;
+pub use event::{aura_event_json, event_json};
 pub use script::Script;
 pub use stimulation::{Stimulation, Strokes};
 pub use world::{PROBE_RADIUS, ProbePath, World, WorldError};
