@@ -13,6 +13,7 @@ mod growth;
 mod learners;
 mod plot;
 mod policies;
+mod self_touch;
 mod sensations;
 mod subject;
 mod table;
@@ -32,7 +33,7 @@ use subject::Subject;
 use table::Table;
 
 /// The studies, in the order in which they are named to the user.
-const STUDIES: [&Study; 8] = [
+const STUDIES: [&Study; 9] = [
     &learners::STUDY,
     &policies::STUDY,
     &coverage::STUDY,
@@ -41,6 +42,7 @@ const STUDIES: [&Study; 8] = [
     &turned::STUDY,
     &frames::STUDY,
     &sensations::STUDY,
+    &self_touch::STUDY,
 ];
 
 /// The model that is studied where none is named.
