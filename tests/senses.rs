@@ -189,8 +189,8 @@ fn self_touch_has_two_sides_and_no_object() {
 
 #[test]
 fn random_stimulations_of_max_are_told_right_and_soon() {
-    let mut world =
-        World::new(&repository("mjcf/max/max.xml"), None, &["probe".to_string()]).expect("Max can be touched");
+    let mut world = World::new(&repository("mjcf/max/max.xml"), None, &["probe".to_string()])
+        .expect("Max can be touched");
     let probe = world.probe_body(0);
     for seed in [1, 2] {
         for (k, kind) in Kind::ALL.into_iter().enumerate() {
@@ -285,7 +285,10 @@ fn wrong_scripts_are_told_in_one_sentence() {
         assert_eq!(output.status.code(), Some(1), "{script:?}: {message}");
         assert!(output.stdout.is_empty(), "{script:?} prints something");
         assert_eq!(message.trim_end().lines().count(), 1, "{script:?}: {message}");
-        assert!(message.starts_with("bodyschema: ") && !message.contains("panicked"), "{script:?}: {message}");
+        assert!(
+            message.starts_with("bodyschema: ") && !message.contains("panicked"),
+            "{script:?}: {message}"
+        );
         for word in [word, "touches.json"] {
             assert!(message.contains(word), "no \"{word}\" in: {message}");
         }

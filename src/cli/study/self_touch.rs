@@ -136,7 +136,8 @@ fn measure(subject: &Subject) -> Result<Findings, Failure> {
     let mut forces: [Vec<f64>; 3] = Default::default();
     for (seed, mut rng, done) in trials {
         subject.tell(seed, "touching");
-        let posture = match touches.next().filter(|_| done.parties()[0]) {
+        let touch = if done.parties()[0] { touches.next() } else { None };
+        let posture = match touch {
             Some(touch) => qpos(subject, &pressed(subject, touch)),
             None => reference.clone(),
         };
