@@ -167,6 +167,18 @@ impl World {
         self.body.write_qpos(posture, &mut self.held);
     }
 
+    /// Lets the creature hold the engine's coordinates of its model without probes from now on: radians, metres and
+    /// quaternions as there, and no more of them than there.
+    ///
+    /// # Panics
+    /// Where there are more of them than the creature has.
+    pub fn hold_qpos(&mut self, qpos: &[f64]) {
+        // Probes are added behind all else that is in the world.
+        let own = self.probes.iter().map(|probe| probe.qposadr).min().unwrap_or(self.held.len());
+        assert!(qpos.len() <= own, "{} coordinates, but the creature has {own}", qpos.len());
+        self.held[..qpos.len()].copy_from_slice(qpos);
+    }
+
     /// Simulates one step of the physics: what the skin feels in it, and its time, seconds.
     ///
     /// # Errors

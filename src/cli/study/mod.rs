@@ -14,6 +14,7 @@ mod growth;
 mod learners;
 mod plot;
 mod policies;
+mod self_touch;
 mod sensations;
 mod subject;
 mod table;
@@ -33,7 +34,7 @@ use subject::Subject;
 use table::Table;
 
 /// The studies, in the order in which they are named to the user.
-const STUDIES: [&Study; 9] = [
+const STUDIES: [&Study; 10] = [
     &learners::STUDY,
     &policies::STUDY,
     &coverage::STUDY,
@@ -43,6 +44,7 @@ const STUDIES: [&Study; 9] = [
     &frames::STUDY,
     &sensations::STUDY,
     &approach::STUDY,
+    &self_touch::STUDY,
 ];
 
 /// The model that is studied where none is named.
