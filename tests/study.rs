@@ -166,7 +166,7 @@ fn a_body_that_grows_and_one_that_holds_a_stick_are_known_again() {
 fn what_touches_itself_is_never_taken_for_what_is_touched() {
     let place = tempfile::tempdir().unwrap();
     let max = common::repository("mjcf/max/max.xml");
-    let arguments = ["study", "self-touch", max.to_str().unwrap(), "--trials", "9", "--seed", "5", "--json"];
+    let arguments = ["study", "self-touch", max.to_str().unwrap(), "--trials", "9", "--seed", "9", "--json"];
     let found = json(place.path(), &arguments);
     assert_eq!((&found["trials"], &found["named_wrongly"]), (&9.into(), &0.into()));
     let done: usize =
