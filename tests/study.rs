@@ -161,3 +161,18 @@ fn a_body_that_grows_and_one_that_holds_a_stick_are_known_again() {
         assert!(row["error_at_change_mm"].as_f64().unwrap() > 1.0, "{row}");
     }
 }
+
+#[test]
+fn what_touches_itself_is_never_taken_for_what_is_touched() {
+    let place = tempfile::tempdir().unwrap();
+    let max = common::repository("mjcf/max/max.xml");
+    let arguments = ["study", "self-touch", max.to_str().unwrap(), "--trials", "9", "--seed", "9", "--json"];
+    let found = json(place.path(), &arguments);
+    assert_eq!((&found["trials"], &found["named_wrongly"]), (&9.into(), &0.into()));
+    let done: usize =
+        found["summary"].as_array().unwrap().iter().map(|row| row["trials"].as_u64().unwrap() as usize).sum();
+    assert_eq!(done, 9);
+    for (done, told) in [("self", "other"), ("other", "self")] {
+        assert_eq!(found["confusion"][done][told], 0, "{}", found["confusion"]);
+    }
+}
