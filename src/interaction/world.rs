@@ -1,5 +1,6 @@
 //! A creature that holds still while probes touch it, on MuJoCo's physics.
 
+use std::collections::BTreeSet;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -74,6 +75,8 @@ pub struct World {
     sensor: TouchSensor,
     probes: Vec<Probe>,
     held: Vec<f64>,
+    /// Geoms that overlap for good: what is in each other where the creature stands at ease.
+    overlapping: BTreeSet<[usize; 2]>,
 }
 
 /// A probe in the model: a ball on three slides.
@@ -124,7 +127,8 @@ impl World {
         let reader = ContactReader::new(&body, &skin);
         let sensor = TouchSensor::new(SomatotopicMap::new(&skin));
         let held = data.qpos().to_vec();
-        let mut world = World { body, skin, data, reader, sensor, probes, held };
+        let overlapping = BTreeSet::new();
+        let mut world = World { body, skin, data, reader, sensor, probes, held, overlapping };
         // Far from the creature, and from each other, until they are sent.
         let mut qpos = world.held.clone();
         for (k, probe) in world.probes.iter().enumerate() {
@@ -132,6 +136,7 @@ impl World {
         }
         world.data.set_qpos(&qpos)?;
         world.data.forward()?;
+        world.overlapping = world.data.contacts().map(|contact| contact.geoms).collect();
         Ok(world)
     }
 
@@ -208,9 +213,9 @@ impl World {
             }
         }
         self.data.set_qfrc_applied(&forces)?;
-        let body = &self.body;
+        let (body, overlapping) = (&self.body, &self.overlapping);
         self.data.let_pass(|geoms| match geoms.map(|geom| body.limb_of_geom(geom)) {
-            [Some(a), Some(b)] => !body.creature.neighbouring(a, b),
+            [Some(a), Some(b)] => !body.creature.neighbouring(a, b) && !overlapping.contains(&geoms),
             _ => true,
         })?;
         self.data.step2()?;

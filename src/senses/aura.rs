@@ -329,7 +329,8 @@ fn foresee(
         // Something that lies on the skin and leaves it is no danger.
         let leaves = (there - point).dot(&closing) >= 0.0;
         if distance < THERE && !leaves {
-            return Some((seconds, limb, point));
+            // What brakes as it goes away may stop there as well as come back.
+            return ((point - place).dot(&velocity) > 0.0).then_some((seconds, limb, point));
         }
         seconds += distance.max(if leaves { 2e-3 } else { 0.5 * THERE }) / fastest;
         if seconds > HORIZON {
