@@ -141,6 +141,9 @@ pub struct Aura {
     next: f64,
 }
 
+/// The distance of an object to the nearest limb, metres, which limb that is, and where on it, in the world.
+type Nearest = (f64, usize, Vector3<f64>);
+
 /// An object that is followed.
 #[derive(Clone, Debug, Default)]
 struct Followed {
@@ -276,8 +279,8 @@ fn nearest_limb(
     limbs: &[usize],
     object: &[Surface],
     x_wo: &Frame,
-) -> Option<(f64, usize, Vector3<f64>)> {
-    let mut best: Option<(f64, usize, Vector3<f64>)> = None;
+) -> Option<Nearest> {
+    let mut best: Option<Nearest> = None;
     for surface in skin.surfaces.iter().filter(|surface| limbs.contains(&surface.limb)) {
         let frame = &frames[surface.limb];
         for part in object {
@@ -311,12 +314,12 @@ fn between(surface: &Surface, frame: &Frame, part: &Surface, x_wo: &Frame) -> Op
 /// When an object that goes on as it does first meets a limb, which, and where: it goes forward as far as nothing
 /// is near, for nothing can be hit sooner.
 fn foresee(
-    nearest: &dyn Fn(&Frame) -> Option<(f64, usize, Vector3<f64>)>,
+    nearest: &dyn Fn(&Frame) -> Option<Nearest>,
     at: &dyn Fn(Vector3<f64>) -> Frame,
     place: Vector3<f64>,
     velocity: Vector3<f64>,
     acceleration: Vector3<f64>,
-) -> Option<(f64, usize, Vector3<f64>)> {
+) -> Option<Nearest> {
     let fastest = velocity.norm() + acceleration.norm() * HORIZON;
     if fastest < 1e-3 {
         return None;
