@@ -21,7 +21,7 @@ const FALSE_SHARE: f64 = 0.12;
 /// … and standard deviations that chance may add to it in few.
 const CHANCE: f64 = 2.0;
 /// Open touches with two joints that are no sign of anything.
-const ONE_BY_CHANCE: f64 = 2.0;
+const ONE_BY_CHANCE: f64 = 3.0;
 /// Touches with a joint below which their share says little of it.
 const FEW: f64 = 6.0;
 
