@@ -3,9 +3,12 @@
 //! Bare steps and steps with the touch sensor and the aura take turns in one run, and their ratio is printed.
 
 use std::path::Path;
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
+use bodyschema::creature::{Body, JointSelection};
 use bodyschema::interaction::{Strokes, World};
+use bodyschema::mujoco::Model;
 use bodyschema::senses::{Aura, Kind};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -15,7 +18,9 @@ const STROKES: u64 = 40;
 
 fn main() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("mjcf/max/max.xml");
-    let mut world = World::new(&path, None, &["probe".to_string()]).expect("Max is a creature");
+    let model = Model::from_path(&path).expect("Max is a model");
+    let max = Body::new(Arc::new(model), &JointSelection::All).expect("Max is a creature");
+    let mut world = World::new(&path, &max, &["probe".to_string()]).expect("Max is a creature");
     let mut aura = Aura::new(&world.body, &world.skin, &world.data);
     let (mut bare, mut felt) = (Duration::ZERO, Duration::ZERO);
     let (mut steps, mut simulated, mut events) = (0u64, 0.0, 0usize);

@@ -189,7 +189,7 @@ fn self_touch_has_two_sides_and_no_object() {
 
 #[test]
 fn random_stimulations_of_max_are_told_right_and_soon() {
-    let mut world = World::new(&repository("mjcf/max/max.xml"), None, &["probe".to_string()])
+    let mut world = World::new(&repository("mjcf/max/max.xml"), &max("all"), &["probe".to_string()])
         .expect("Max can be touched");
     let probe = world.probe_body(0);
     for seed in [1, 2] {

@@ -6,8 +6,9 @@ use rand::SeedableRng;
 use rand::seq::IndexedRandom;
 use rand_chacha::ChaCha8Rng;
 
-use super::open::open_model;
+use super::open::{ModelOptions, open_body};
 use super::{Failure, Outcome};
+use crate::creature::JointSelection;
 use crate::interaction::{Script, Strokes, World, aura_event_json, event_json};
 use crate::senses::{Aura, Kind};
 
@@ -48,11 +49,11 @@ pub struct Args {
 }
 
 pub fn run(args: &Args) -> Outcome {
-    // Another process has read it first: this one would not survive what the engine does not.
-    open_model(&args.model, false)?;
+    let options = ModelOptions { strip: false, root: args.root.clone() };
+    let body = open_body(&args.model, &JointSelection::All, &options)?;
     let script = args.script.as_deref().map(Script::read).transpose().map_err(Failure)?;
     let probes = script.as_ref().map_or_else(|| vec!["probe".to_string()], Script::probes);
-    let world = World::new(&args.model, args.root.as_deref(), &probes);
+    let world = World::new(&args.model, &body, &probes);
     let mut world = world.map_err(|error| Failure(format!("{}: {error}", args.model.display())))?;
     if world.skin.receptors.is_empty() {
         return Err(Failure(format!("{}: nothing of this creature can be touched", args.model.display())));

@@ -9,6 +9,7 @@ use super::coupling::couple;
 use super::selection::{JointSelection, Tree, select};
 use super::surface::surface;
 use super::{AuraLimb, Creature, Dof, DofKind, Joint};
+use crate::kinematics::Frame;
 use crate::mujoco::{self, Data, JointKind, Model, ObjectKind};
 use crate::schema::BodySchema;
 
@@ -312,6 +313,12 @@ impl Body {
     /// The limb that a geom belongs to.
     pub fn limb_of_geom(&self, geom: usize) -> Option<usize> {
         self.limb_of_body[self.model.geom_body(geom)]
+    }
+
+    /// `X_WL` of every limb, given data with poses computed.
+    pub fn limb_frames(&self, data: &Data) -> Vec<Frame> {
+        let frame = |limb: usize| Frame::from(self.limb_pose(data, limb).unwrap_or_default());
+        (0..self.creature.limbs().len()).map(frame).collect()
     }
 
     /// The pose of a limb in the world, given data with poses computed.

@@ -14,10 +14,7 @@ use crate::senses::{Approach, AuraEvent, Sensation, TouchEvent};
 pub fn event_json(world: &World, time: f64, event: &TouchEvent) -> Value {
     match event {
         TouchEvent::Began { number, contact } => {
-            let places: Vec<Value> = std::iter::once(contact.place)
-                .chain(contact.other)
-                .map(|place| place_json(world, &place))
-                .collect();
+            let places: Vec<Value> = contact.places().map(|place| place_json(world, &place)).collect();
             json!({
                 "event": "began",
                 "time": time,

@@ -46,13 +46,7 @@ type Spot = (Vector3<f64>, Vector3<f64>);
 impl<'a> Strokes<'a> {
     /// Looks at the creature where the world's last step left it.
     pub fn new(world: &'a World) -> Strokes<'a> {
-        let limbs = 0..world.body.creature.limbs().len();
-        let frame = |limb: usize| {
-            let pose = world.body.limb_pose(&world.data, limb).unwrap_or_default();
-            let rotation = pose.rotation.to_rotation_matrix().into_inner();
-            Frame { rotation, origin: pose.translation.vector }
-        };
-        Strokes { world, frames: limbs.map(frame).collect() }
+        Strokes { world, frames: world.body.limb_frames(&world.data) }
     }
 
     /// A random stimulation of a kind, setting out at `time`: limbs are drawn alike, then a place of their skin, a

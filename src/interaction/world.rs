@@ -8,7 +8,7 @@ use nalgebra::Vector3;
 
 use crate::creature::{Body, BodyError, JointSelection};
 use crate::mjcf_xml::{element, exact};
-use crate::mujoco::{self, Data, Model};
+use crate::mujoco::{self, Data, LONGEST_STEP, Model};
 use crate::senses::{ContactReader, SkinContact, TouchEvent, TouchSensor, skin_contacts};
 use crate::skin::{GrowError, GrowOptions, Skin, SomatotopicMap, grow};
 
@@ -18,8 +18,6 @@ pub const PROBE_RADIUS: f64 = 0.008;
 const MASS: f64 = 0.05;
 /// How stiffly it is held to its path, newtons a metre: as deep as its path goes under the skin, so hard it presses.
 pub(super) const STIFFNESS: f64 = 400.0;
-/// The longest step of the simulation, seconds: coarser ones let light things bounce.
-const LONGEST_STEP: f64 = 0.002;
 /// Where probes wait, metres along the world's x axis.
 const AWAY: f64 = 100.0;
 /// Damping ratio of that.
@@ -81,7 +79,6 @@ pub struct World {
 
 /// A probe in the model: a ball on three slides.
 struct Probe {
-    name: String,
     body: usize,
     qposadr: usize,
     dofadr: usize,
@@ -89,38 +86,34 @@ struct Probe {
 }
 
 impl World {
-    /// The creature of the file at `path` below the body called `root` (or of the tree with most joints) in its
-    /// reference posture, and probes of these names far away from it. It grows a skin where it has none.
+    /// A creature of the file at `path` in its reference posture, all its joints, and probes of these names far away
+    /// from it. It grows a skin where it has none.
     ///
     /// # Errors
     /// See [`WorldError`].
-    pub fn new(path: &Path, root: Option<&str>, probes: &[String]) -> Result<World, WorldError> {
-        // What the creature is must not depend on what touches it.
-        let alone = Body::rooted(Arc::new(Model::from_path(path)?), &JointSelection::All, root)?;
-        let root = root.map(str::to_string).or_else(|| {
-            let first = alone.limb_of_body.iter().position(|limb| limb.is_some_and(|limb| limb > 0));
-            let at = if alone.root > 0 { Some(alone.root) } else { first };
-            at.and_then(|body| alone.model.body(body).name.map(str::to_string))
-        });
+    pub fn new(path: &Path, creature: &Body, probes: &[String]) -> Result<World, WorldError> {
+        // Which of the model's trees is the creature must not depend on what touches it.
+        let first = || creature.limb_of_body.iter().position(|limb| limb.is_some_and(|limb| limb > 0));
+        let root = if creature.root > 0 { Some(creature.root) } else { first() };
+        let root = root.and_then(|body| creature.model.body(body).name);
         let declared = Arc::new(Model::with_bodies(path, probes.iter().map(|name| ball(name)).collect())?);
-        let mut body = Body::rooted(declared.clone(), &JointSelection::All, root.as_deref())?;
+        let mut body = Body::rooted(declared.clone(), &JointSelection::All, root)?;
         let skin = grow(&body, &GrowOptions::default())?;
         let at = |name: &str| (0..declared.nbody()).find(|&b| declared.body(b).name == Some(name));
-        let bodies: Vec<(&String, usize)> =
-            probes.iter().filter_map(|name| Some((name, at(name)?))).collect();
-        let probe_geom = |g: usize| bodies.iter().any(|(_, b)| declared.geom_body(g) == *b);
+        let bodies: Vec<usize> = probes.iter().filter_map(|name| at(name)).collect();
+        let probe_geom = |g: usize| bodies.contains(&declared.geom_body(g));
         let touchable: Vec<bool> = (0..declared.ngeom()).map(|g| body.feels(g) || probe_geom(g)).collect();
         // Whoever holds still does not give way; the probes alone move.
         let mut rigid = vec![true; declared.nv()];
-        for joint in declared.joints().filter(|joint| bodies.iter().any(|(_, b)| joint.body == *b)) {
+        for joint in declared.joints().filter(|joint| bodies.contains(&joint.body)) {
             rigid[joint.dofadr..joint.dofadr + joint.kind.nv()].fill(false);
         }
         let step = declared.timestep().min(LONGEST_STEP);
         body.model = Arc::new(declared.simulated(step, &rigid)?.touching_with(&touchable)?);
-        let probes = bodies.iter().map(|&(name, at)| {
+        let probes = bodies.iter().map(|&at| {
             let first = body.model.joints().find(|joint| joint.body == at).expect("a probe has slides");
             let path = ProbePath::default();
-            Probe { name: name.clone(), body: at, qposadr: first.qposadr, dofadr: first.dofadr, path }
+            Probe { body: at, qposadr: first.qposadr, dofadr: first.dofadr, path }
         });
         let probes: Vec<Probe> = probes.collect();
         let data = Data::new(body.model.clone())?;
@@ -129,20 +122,10 @@ impl World {
         let held = data.qpos().to_vec();
         let overlapping = BTreeSet::new();
         let mut world = World { body, skin, data, reader, sensor, probes, held, overlapping };
-        // Far from the creature, and from each other, until they are sent.
-        let mut qpos = world.held.clone();
-        for (k, probe) in world.probes.iter().enumerate() {
-            qpos[probe.qposadr] = AWAY + k as f64;
-        }
-        world.data.set_qpos(&qpos)?;
+        (0..world.probes.len()).try_for_each(|probe| world.withdraw(probe))?;
         world.data.forward()?;
         world.overlapping = world.data.contacts().map(|contact| contact.geoms).collect();
         Ok(world)
-    }
-
-    /// The name of a probe by its body in the model; none for other bodies.
-    pub fn probe_name(&self, body: usize) -> Option<&str> {
-        self.probes.iter().find(|probe| probe.body == body).map(|probe| probe.name.as_str())
     }
 
     /// The model's body of a probe.
@@ -167,9 +150,13 @@ impl World {
         Ok(())
     }
 
-    /// Lets the creature hold another posture from now on.
-    pub fn hold(&mut self, posture: &[f64]) {
-        self.body.write_qpos(posture, &mut self.held);
+    /// Puts a probe far from the creature, and from other probes, until it is sent again.
+    ///
+    /// # Errors
+    /// Where the engine fails.
+    pub fn withdraw(&mut self, probe: usize) -> mujoco::Result<()> {
+        let away = Vector3::new(AWAY + probe as f64, 0.0, 0.0);
+        self.send(probe, ProbePath(vec![(self.data.time(), away)]))
     }
 
     /// Lets the creature hold the engine's coordinates of its model without probes from now on: radians, metres and

@@ -15,7 +15,7 @@
 
 use std::ops::Mul;
 
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::{Isometry3, Matrix3, Vector3};
 use serde::{Deserialize, Serialize};
 
 use super::rotation::{axis_derivative, rotation};
@@ -271,6 +271,12 @@ impl Frame {
     /// `X_BA`, for an orthonormal rotation.
     pub fn inverse(&self) -> Frame {
         Frame { rotation: self.rotation.transpose(), origin: -self.rotation.tr_mul(&self.origin) }
+    }
+}
+
+impl From<Isometry3<f64>> for Frame {
+    fn from(pose: Isometry3<f64>) -> Frame {
+        Frame { rotation: pose.rotation.to_rotation_matrix().into_inner(), origin: pose.translation.vector }
     }
 }
 

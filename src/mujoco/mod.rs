@@ -29,3 +29,4 @@ pub use element::{
 pub use engine::{Version, check, compare, schema};
 pub use error::{Error, Result};
 pub use model::Model;
+pub use simulated::LONGEST_STEP;

@@ -4,6 +4,8 @@ use super::error::{Error, Result};
 use super::ffi;
 use super::model::Model;
 
+/// The longest step of a simulation, seconds; a model's own step may be shorter. Coarser ones let light things bounce.
+pub const LONGEST_STEP: f64 = 0.002;
 /// What is added to the inertia of a degree of freedom that is to stay where it is, kilograms or kilograms times square
 /// metres: so much that no force of a creature's size moves it.
 const RIGID: f64 = 1e6;

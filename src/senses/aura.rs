@@ -158,7 +158,7 @@ impl Aura {
     /// The aura of a creature that stands in its reference posture in `data`, with the bodies that are no part of it
     /// for objects.
     pub fn new(body: &Body, skin: &Skin, data: &Data) -> Aura {
-        let geometries = grow_aura(body, skin, &limb_frames_in(body, data));
+        let geometries = grow_aura(body, skin, &body.limb_frames(data));
         let mut objects: BTreeMap<usize, Vec<Surface>> = BTreeMap::new();
         let foreign = |b: &usize| body.limb_of_body[*b].is_none() && body.model.weld(*b) != 0;
         for object in (1..body.model.nbody()).filter(foreign) {
@@ -211,9 +211,8 @@ impl Aura {
                 (followed.approach, followed.alarm) = (None, None);
                 continue;
             }
-            let frames = frames.get_or_insert_with(|| limb_frames_in(body, data));
-            let rotation = pose.rotation.to_rotation_matrix().into_inner();
-            let at = |origin: Vector3<f64>| Frame { rotation, origin };
+            let frames = frames.get_or_insert_with(|| body.limb_frames(data));
+            let at = |origin: Vector3<f64>| Frame { origin, ..Frame::from(pose) };
             let limbs: Vec<usize> = within
                 .iter()
                 .flat_map(|geometry| &body.creature.aura_limbs()[geometry.aura_limb].limbs)
@@ -261,15 +260,6 @@ impl Followed {
             }
         }
     }
-}
-
-/// `X_WL` of all limbs in a posture whose poses are computed.
-fn limb_frames_in(body: &Body, data: &Data) -> Vec<Frame> {
-    let frame = |limb: usize| {
-        let pose = body.limb_pose(data, limb).unwrap_or_default();
-        Frame { rotation: pose.rotation.to_rotation_matrix().into_inner(), origin: pose.translation.vector }
-    };
-    (0..body.creature.limbs().len()).map(frame).collect()
 }
 
 /// The distance of an object in a frame `X_WO` to the nearest of some limbs, which one, and where on it, in the world.

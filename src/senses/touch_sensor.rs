@@ -12,7 +12,7 @@ use serde::Serialize;
 
 use crate::creature::Body;
 use crate::mujoco::Data;
-use crate::senses::ContactReader;
+use crate::senses::{ContactReader, Reading, TouchEnd};
 use crate::skin::{Skin, SomatotopicMap};
 
 /// How long nothing must touch before a sensation has ended, seconds: a fingertip that bounces over an edge comes
@@ -84,44 +84,37 @@ pub struct SkinContact {
     pub force: f64,
 }
 
+impl SkinContact {
+    /// Its places on the skin: one, or the two of a self-touch.
+    pub fn places(&self) -> impl Iterator<Item = Place> {
+        std::iter::once(self.place).chain(self.other)
+    }
+}
+
 /// The contacts of the skin in the step that `data` has just made, between limbs that are not neighbours and with
 /// everything else.
 pub fn skin_contacts(body: &Body, skin: &Skin, reader: &ContactReader, data: &Data) -> Vec<SkinContact> {
     let mut found = Vec::new();
     for (contact, force) in data.pressing().filter(|(_, force)| *force >= FAINT) {
-        let limbs = contact.geoms.map(|geom| body.limb_of_geom(geom));
-        let neighbours = match limbs {
-            [None, None] => continue,
-            [Some(a), Some(b)] => body.creature.neighbouring(a, b),
-            _ => false,
+        let place = |end: TouchEnd| Place {
+            limb: skin.receptors[end.receptor].limb,
+            receptor: end.receptor,
+            point: end.contact,
         };
-        if neighbours {
-            continue;
-        }
-        let ends = reader.ends(body, skin, data, &contact);
-        let place = |k: usize| {
-            ends[k].map(|end| Place {
-                limb: skin.receptors[end.receptor].limb,
-                receptor: end.receptor,
-                point: end.contact,
-            })
-        };
-        let (places, own) = ([place(0), place(1)], limbs.map(|limb| limb.is_some()));
-        match (places, own) {
-            ([Some(a), Some(b)], [true, true]) => {
-                let (place, other) = if a.limb <= b.limb { (a, b) } else { (b, a) };
-                found.push(SkinContact { place, other: Some(other), object: None, force });
+        match reader.read(body, skin, data, &contact) {
+            Reading::Touch([a, b]) => {
+                found.push(SkinContact { place: place(a), other: Some(place(b)), object: None, force });
             }
-            ([Some(place), _], [true, false]) => {
-                let object = Some(body.model.geom_body(contact.geoms[1]));
-                found.push(SkinContact { place, other: None, object, force });
-            }
-            ([_, Some(place)], [false, true]) => {
-                let object = Some(body.model.geom_body(contact.geoms[0]));
-                found.push(SkinContact { place, other: None, object, force });
+            Reading::Foreign => {
+                // The side that has skin is the creature's.
+                let ends = reader.ends(body, skin, data, &contact).into_iter().zip([1, 0]);
+                found.extend(ends.filter_map(|(end, other)| {
+                    let object = Some(body.model.geom_body(contact.geoms[other]));
+                    Some(SkinContact { place: place(end?), other: None, object, force })
+                }));
             }
             // Bare on one side of a self-touch: the other side alone cannot tell whom it feels.
-            _ => {}
+            Reading::Bare | Reading::Neighbours => {}
         }
     }
     found
@@ -229,19 +222,15 @@ impl TouchSensor {
             let belongs = |cluster: &Vec<&SkinContact>| {
                 cluster.iter().any(|other| same_party(contact, other) && self.adjacent(contact, other))
             };
-            let (mut joined, rest): (Vec<_>, Vec<_>) = clusters.into_iter().partition(belongs);
+            let (joined, rest): (Vec<_>, Vec<_>) = clusters.into_iter().partition(belongs);
             clusters = rest;
-            let mut all: Vec<&SkinContact> = joined.drain(..).flatten().collect();
-            all.push(contact);
-            clusters.push(all);
+            clusters.push(joined.into_iter().flatten().chain([contact]).collect());
         }
         clusters.iter().map(|cluster| fused(cluster)).collect()
     }
 
     fn adjacent(&self, a: &SkinContact, b: &SkinContact) -> bool {
-        let near = |a: &Place, b: &Place| {
-            a.receptor == b.receptor || self.map.neighbours(a.receptor).contains(&b.receptor)
-        };
+        let near = |a: &Place, b: &Place| self.map.adjacent(a.receptor, b.receptor);
         near(&a.place, &b.place)
             && match (&a.other, &b.other) {
                 (Some(a), Some(b)) => near(a, b),
@@ -349,13 +338,12 @@ struct Track {
 
 impl Track {
     fn new(number: u64, time: f64, contact: &SkinContact) -> Track {
-        let places = std::iter::once(contact.place).chain(contact.other);
         Track {
             number,
             began: time,
             last: time,
             contact: contact.clone(),
-            trails: places.map(|place| Trail::new(time, &place)).collect(),
+            trails: contact.places().map(|place| Trail::new(time, &place)).collect(),
             peak: contact.force,
             sum: contact.force,
             steps: 1,
@@ -363,22 +351,15 @@ impl Track {
     }
 
     fn goes_on(&self, contact: &SkinContact, map: &SomatotopicMap) -> bool {
-        if !same_party(&self.contact, contact) {
-            return false;
-        }
-        let near = |a: &Place, b: &Place| {
-            a.receptor == b.receptor
-                || map.neighbours(a.receptor).contains(&b.receptor)
-                || (a.point - b.point).norm() < NEAR
-        };
-        near(&self.contact.place, &contact.place)
+        let (before, now) = (&self.contact.place, &contact.place);
+        let near = || (before.point - now.point).norm() < NEAR;
+        same_party(&self.contact, contact) && (map.adjacent(before.receptor, now.receptor) || near())
     }
 
     fn add(&mut self, time: f64, contact: &SkinContact) {
         self.last = time;
         self.contact = contact.clone();
-        let places = std::iter::once(contact.place).chain(contact.other);
-        self.trails.iter_mut().zip(places).for_each(|(trail, place)| trail.add(time, &place));
+        self.trails.iter_mut().zip(contact.places()).for_each(|(trail, place)| trail.add(time, &place));
         self.peak = self.peak.max(contact.force);
         self.sum += contact.force;
         self.steps += 1;

@@ -44,6 +44,11 @@ impl SomatotopicMap {
         SomatotopicMap { neighbours }
     }
 
+    /// Whether two receptors are neighbours, or one.
+    pub fn adjacent(&self, a: usize, b: usize) -> bool {
+        a == b || self.neighbours(a).contains(&b)
+    }
+
     /// The neighbours of a receptor, nearest first.
     pub fn neighbours(&self, receptor: usize) -> &[usize] {
         &self.neighbours[receptor]

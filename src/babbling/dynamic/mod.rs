@@ -12,13 +12,11 @@ use crate::babbling::clearance::Clearance;
 use crate::babbling::motion::{Effort, Ending, Motion};
 use crate::babbling::posture::reachable;
 use crate::creature::Body;
-use crate::mujoco::{self, Data, Model};
+use crate::mujoco::{self, Data, LONGEST_STEP, Model};
 use crate::senses::{ContactReader, Moment, Reading, TouchEnd};
 use crate::skin::Skin;
 use servo::{Servo, Way};
 
-/// The longest step of the simulation, seconds; a model's own step may be shorter.
-const LONGEST_STEP: f64 = 0.002;
 /// How many steps of the next finer kind are in one.
 const FINER: f64 = 16.0;
 /// Kinds of steps.

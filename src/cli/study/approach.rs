@@ -96,8 +96,7 @@ fn way(world: &World, name: &str, time: f64, rng: &mut ChaCha8Rng) -> (ProbePath
 }
 
 fn measure(subject: &Subject) -> Result<Findings, Failure> {
-    let world = World::new(subject.model(), None, &["probe".to_string()]);
-    let mut world = world.map_err(|error| Failure(error.to_string()))?;
+    let mut world = subject.world()?;
     let mut measurements = Table::new(MEASUREMENTS);
     // Per way: trials, hits, limbs right, receptors named, alarms without a hit.
     let mut counts = [[0usize; 5]; 3];

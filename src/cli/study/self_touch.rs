@@ -1,6 +1,5 @@
 //! Whether a creature tells its own touch from another's.
 
-use nalgebra::Vector3;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use serde_json::json;
@@ -10,7 +9,7 @@ use super::subject::Subject;
 use super::table::{Cell, Column, Table};
 use super::{Findings, Study};
 use crate::cli::Failure;
-use crate::interaction::{ProbePath, Strokes, World};
+use crate::interaction::{Strokes, World};
 use crate::learning::rough::imagined;
 use crate::learning::surface_gap::SurfaceGap;
 use crate::learning::touch_set::TouchSet;
@@ -30,8 +29,6 @@ const NUDGE: f64 = 1e-5;
 const HELD: f64 = 0.15;
 /// How long the creature is watched afterwards, seconds: long enough for every sensation to end.
 const AFTER: f64 = 0.1;
-/// Where the probe waits, metres along the world's x axis.
-const AWAY: f64 = 100.0;
 
 const MEASUREMENTS: &[Column] = &[
     Column { name: "done", heading: "done" },
@@ -108,9 +105,7 @@ impl Told {
 }
 
 fn measure(subject: &Subject) -> Result<Findings, Failure> {
-    let probe = "probe".to_string();
-    let mut world =
-        World::new(subject.model(), None, &[probe]).map_err(|error| Failure(error.to_string()))?;
+    let mut world = subject.world()?;
     let reference = qpos(subject, &subject.body.creature.reference_posture());
     let trials: Vec<(u64, ChaCha8Rng, Done)> = subject
         .seeds
@@ -236,7 +231,7 @@ fn trial(
     watch(world, end, &mut told)?;
     // The creature moves now, and must not run into the probe.
     let now = world.data.time();
-    world.send(0, ProbePath(vec![(now, Vector3::new(AWAY, 0.0, 0.0))]))?;
+    world.withdraw(0)?;
     world.hold_qpos(reference);
     watch(world, now + AFTER, &mut told)?;
     Ok(told)

@@ -9,7 +9,7 @@ use super::subject::Subject;
 use super::table::{Cell, Column, Table};
 use super::{Findings, Study};
 use crate::cli::Failure;
-use crate::interaction::{Strokes, World};
+use crate::interaction::Strokes;
 use crate::senses::{Kind, Sensation, TouchEvent};
 
 pub const STUDY: Study = Study {
@@ -45,9 +45,7 @@ const SUMMARY: &[Column] = &[
 ];
 
 fn measure(subject: &Subject) -> Result<Findings, Failure> {
-    let probe = "probe".to_string();
-    let mut world =
-        World::new(subject.model(), None, &[probe]).map_err(|error| Failure(error.to_string()))?;
+    let mut world = subject.world()?;
     let mut measurements = Table::new(MEASUREMENTS);
     let kinds = Kind::ALL;
     let mut confusion = [[0usize; 5]; 4];

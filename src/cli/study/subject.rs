@@ -15,6 +15,7 @@ use crate::babbling::{BabblingOptions, MotionName, PolicyName, motions_until};
 use crate::creature::{Body, JointSelection};
 use crate::evaluation::{Evaluation, evaluate_learned};
 use crate::ground_truth::GroundTruth;
+use crate::interaction::World;
 use crate::learning::{Learned, Verdict};
 use crate::mujoco::Model;
 use crate::senses::Touch;
@@ -92,6 +93,12 @@ impl Subject {
     /// The model's file.
     pub fn model(&self) -> &Path {
         &self.model
+    }
+
+    /// The creature with all its joints, holding still, and a probe to touch it with.
+    pub fn world(&self) -> Result<World, Failure> {
+        let world = World::new(&self.model, &self.body, &["probe".to_string()]);
+        world.map_err(|error| Failure(format!("{}: {error}", self.model.display())))
     }
 
     /// The joints that move.
