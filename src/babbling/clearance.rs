@@ -263,7 +263,8 @@ impl Clearance {
                 DofKind::Hinge => Course::Hinge { start: start[q], rate: target[q] - start[q] },
                 DofKind::Slide => Course::Slide { start: start[q], rate: target[q] - start[q] },
                 DofKind::Ball => {
-                    let (from, to) = (super::posture::ball(&start[q..]), super::posture::ball(&target[q..]));
+                    let (from, to) =
+                        (crate::kinematics::ball(&start[q..]), crate::kinematics::ball(&target[q..]));
                     let (axis, rate) = (to * from.inverse())
                         .axis_angle()
                         .map_or((Vector3::x(), 0.0), |(axis, angle)| (axis.into_inner(), angle));

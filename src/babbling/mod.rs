@@ -21,6 +21,7 @@ pub use clearance::Clearance;
 pub use dynamic::DynamicMover;
 pub use motion::{DEEPEST, Effort, Ending, Motion, MotionName, Mover};
 pub use policy::{Policy, PolicyName};
+pub(crate) use posture::between;
 pub use posture::{random_posture, start_posture};
 pub use self_contact::{LimbPair, Relation, SelfContact};
 

@@ -1,9 +1,10 @@
 //! Postures: random ones, and the one that bouts start from.
 
-use nalgebra::{Quaternion, Unit, UnitQuaternion, Vector3};
+use nalgebra::{Unit, UnitQuaternion, Vector3};
 use rand::{Rng, RngExt};
 
 use crate::creature::{Creature, DofKind};
+use crate::kinematics::ball;
 
 /// A posture drawn uniformly from the joints' ranges.
 pub fn random_posture(creature: &Creature, rng: &mut impl Rng) -> Vec<f64> {
@@ -73,13 +74,8 @@ fn within(from: &UnitQuaternion<f64>, axis: &Unit<Vector3<f64>>, angle: f64, mos
     (turn / angle).clamp(0.0, 1.0)
 }
 
-/// A ball joint's rotation from its coordinates w x y z.
-pub(super) fn ball(q: &[f64]) -> UnitQuaternion<f64> {
-    UnitQuaternion::from_quaternion(Quaternion::new(q[0], q[1], q[2], q[3]))
-}
-
 /// The posture a share of the way from one to another; balls turn about one axis.
-pub(super) fn between(creature: &Creature, from: &[f64], to: &[f64], share: f64) -> Vec<f64> {
+pub(crate) fn between(creature: &Creature, from: &[f64], to: &[f64], share: f64) -> Vec<f64> {
     let mut posture: Vec<f64> = from.iter().zip(to).map(|(a, b)| a + share * (b - a)).collect();
     for (q, _) in creature.dofs_in_posture().filter(|(_, dof)| dof.kind == DofKind::Ball) {
         let (a, b) = (ball(&from[q..]), ball(&to[q..]));

@@ -15,7 +15,7 @@
 
 use std::ops::Mul;
 
-use nalgebra::{Isometry3, Matrix3, Vector3};
+use nalgebra::{Isometry3, Matrix3, Quaternion, UnitQuaternion, Vector3};
 use serde::{Deserialize, Serialize};
 
 use super::rotation::{axis_derivative, rotation};
@@ -92,7 +92,7 @@ impl ChainSide {
                 let motion = match dof.kind {
                     DofKind::Hinge => Motion::Hinge { sine: q[0].sin(), versine: 1.0 - q[0].cos() },
                     DofKind::Slide => Motion::Slide { distance: q[0] },
-                    DofKind::Ball => Motion::Ball { rotation: ball_rotation(q) },
+                    DofKind::Ball => Motion::Ball { rotation: ball(q).to_rotation_matrix().into_inner() },
                 };
                 side.steps.push(Step { dof: joint.first_dof() + k, motion });
                 coordinate += dof.kind.coordinates();
@@ -298,8 +298,7 @@ pub fn limb_frames(creature: &Creature, schema: &BodySchema, posture: &[f64]) ->
     frames
 }
 
-/// The rotation of a ball joint from its posture coordinates w x y z.
-fn ball_rotation(q: &[f64]) -> Matrix3<f64> {
-    let quaternion = nalgebra::Quaternion::new(q[0], q[1], q[2], q[3]);
-    nalgebra::UnitQuaternion::from_quaternion(quaternion).to_rotation_matrix().into_inner()
+/// A ball joint's rotation from its posture coordinates w x y z.
+pub(crate) fn ball(q: &[f64]) -> UnitQuaternion<f64> {
+    UnitQuaternion::from_quaternion(Quaternion::new(q[0], q[1], q[2], q[3]))
 }

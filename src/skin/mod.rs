@@ -10,6 +10,8 @@ mod surface;
 use nalgebra::{Matrix3, Vector3};
 use serde::{Deserialize, Serialize};
 
+use crate::kinematics::Place;
+
 pub use convex::{Closest, Support, closest, separation};
 pub use from_model::skin_of;
 pub(crate) use from_model::{surface_of_body, surface_of_geom};
@@ -41,6 +43,11 @@ impl Receptor {
     /// The direction of its second side: normal × tangent.
     pub fn bitangent(&self) -> Vector3<f64> {
         self.normal.cross(&self.tangent)
+    }
+
+    /// Its centre, so far above the skin, and its outward normal: metres, below 0 for a place inside the limb.
+    pub fn place(&self, height: f64) -> Place {
+        Place { limb: self.limb, point: self.position + self.normal * height, direction: self.normal }
     }
 
     /// A point of its limb in the patch's own coordinates: along both sides and the normal, metres.

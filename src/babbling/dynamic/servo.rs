@@ -6,9 +6,10 @@
 
 use std::sync::Arc;
 
-use nalgebra::{Quaternion, UnitQuaternion, Vector3};
+use nalgebra::{UnitQuaternion, Vector3};
 
 use crate::creature::Body;
+use crate::kinematics::ball;
 use crate::mujoco::{self, Data, JointKind, Model};
 
 /// How fast a servo makes up for what it lags behind, radians per second.
@@ -172,9 +173,4 @@ pub(super) fn levels(
     // From the model as it was declared: the engine cannot copy one whose excludes are gone.
     let model = |level| body.declared.simulated(step(level), &servo.rigid)?.touching_with(&surface);
     (0..count).map(|level| model(level).map(Arc::new)).collect()
-}
-
-/// A ball's rotation from its coordinates w x y z.
-fn ball(q: &[f64]) -> UnitQuaternion<f64> {
-    UnitQuaternion::from_quaternion(Quaternion::new(q[0], q[1], q[2], q[3]))
 }

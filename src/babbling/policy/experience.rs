@@ -10,10 +10,9 @@ use nalgebra::Vector3;
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
-use super::inverse_kinematics::turn_ball;
 use crate::babbling::posture::wide_posture;
 use crate::creature::{Creature, DofKind};
-use crate::kinematics::Chain;
+use crate::kinematics::{Chain, turn_ball};
 use crate::senses::Touch;
 use crate::skin::Skin;
 

@@ -6,11 +6,10 @@ use rand_chacha::ChaCha8Rng;
 
 use super::experience::Experience;
 use super::information::one;
-use super::inverse_kinematics::InverseKinematics;
 use super::working_schema::WorkingSchema;
 use crate::babbling::posture::{between, wide_posture};
 use crate::creature::Creature;
-use crate::kinematics::Chain;
+use crate::kinematics::{Chain, InverseKinematics};
 use crate::learning::surface_gap::SurfaceGap;
 use crate::senses::Touch;
 use crate::skin::Skin;
@@ -134,7 +133,9 @@ impl<'a> Explorer<'a> {
             let receptors = limbs.map(|limb| self.seldom_touched(limb, rng));
             let start = self.start(posture, limbs, rng);
             let schema = self.working.schema()?;
-            let mut solver = InverseKinematics::new(self.creature, self.skin, schema, receptors, depth);
+            // So far inside both limbs that a schema that is wrong by as much still makes contact.
+            let ends = receptors.map(|r| self.skin.receptors[r].place(-0.5 * depth));
+            let mut solver = InverseKinematics::new(self.creature, schema, ends);
             let reach = solver.solve(&start);
             if reach.reached() && reach.facing < 0.3 && self.parts(posture, &reach.posture) {
                 return Some(Aim { limbs, receptors, posture: reach.posture });

@@ -7,7 +7,6 @@ mod experience;
 mod explorer;
 mod information;
 mod informative;
-pub mod inverse_kinematics;
 mod random;
 mod steered;
 mod working_schema;

@@ -1,0 +1,28 @@
+//! The space around the body, by nothing but the learned schema: where things felt are, which postures touch them,
+//! and how far away they are.
+//!
+//! "Each time the agent perceives tactile stimuli on a certain body part, coming from objects within his reaching
+//! space, the learned body representation can be used to determine the position of the objects" (IVA 2009, section 1).
+//! Nothing here names the engine or the truth: the same code acts on a schema that was learned and, in a study that
+//! compares, on the true one.
+//!
+//! ```text
+//! schema + skin + touches ─ own_body ─┬─ prediction   where a receptor is in another limb's frame, how surely
+//!                                     ├─ clearance    how far surfaces are from each other and from what was felt
+//!                                     ├─ path         ways through postures that keep clear
+//!                                     └─ reaching     postures and ways that touch a place, or how far it is out of reach
+//! ```
+//!
+//! Frames: space is told in the root limb's frame `R`, which stays where it is while the creature acts.
+
+mod clearance;
+mod own_body;
+mod path;
+mod prediction;
+mod reaching;
+
+pub use clearance::{Clearance, Obstacle};
+pub use own_body::{Doubt, OwnBody, TRUSTED};
+pub use path::{Way, find_way};
+pub use prediction::{Meeting, Predicted};
+pub use reaching::{Aim, Approach, OutOfReach, Reaching};

@@ -1,0 +1,211 @@
+//! Reaching: a posture in which skin touches a place in space, and a way there that keeps clear until the last.
+
+use nalgebra::Vector3;
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+
+use super::clearance::Clearance;
+use super::own_body::{Doubt, OwnBody};
+use super::path::{Way, distance, find_way};
+use crate::babbling::between;
+use crate::creature::DofKind;
+use crate::kinematics::{Facing, InverseKinematics, Place, REACHED, Reach};
+
+/// From how far a place is approached straight, metres.
+const BEFORE: f64 = 0.06;
+/// How far beyond a place the approach goes on where nothing is felt, metres.
+const BEYOND: f64 = 0.03;
+/// Length of a step of the straight approach, metres.
+const STEP: f64 = 0.005;
+/// How clear of everything a way keeps, metres.
+const MARGIN: f64 = 0.008;
+/// Postures that solutions start from, for each receptor.
+const STARTS: usize = 3;
+/// Candidates, the best first, for which a way is looked for.
+const CANDIDATES: usize = 12;
+/// What it is worth, in squared shares of the joints' ranges, that a receptor faces where it goes.
+const FACING: f64 = 1.5;
+
+/// A place in space that is to be touched.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Aim {
+    /// The place in the root's frame, metres.
+    pub point: Vector3<f64>,
+    /// The unit direction in which the skin goes at the last.
+    pub direction: Vector3<f64>,
+}
+
+/// How to touch a place.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Approach {
+    /// The receptor that is to touch it.
+    pub receptor: usize,
+    /// The posture in which it does.
+    pub touching: Vec<f64>,
+    /// A way from where one is to shortly before the place.
+    pub way: Way,
+    /// From there straight to the place and a little beyond, to be ended by the touch.
+    pub straight: Way,
+}
+
+/// Why a place cannot be touched.
+#[derive(Clone, Debug, PartialEq)]
+pub enum OutOfReach {
+    /// It is too far by so much, metres.
+    TooFar(f64),
+    /// There are postures for it, but something is in the way of all that were tried.
+    Barred,
+    /// The schema is not good enough to know.
+    Unknown(Doubt),
+}
+
+impl std::fmt::Display for OutOfReach {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            OutOfReach::TooFar(by) => write!(f, "it is out of my reach by {:.0} cm", (100.0 * by).max(1.0)),
+            OutOfReach::Barred => write!(f, "I could reach it, but something is in the way"),
+            OutOfReach::Unknown(doubt) => write!(f, "I do not know my body well enough for this: {doubt}"),
+        }
+    }
+}
+
+/// A body that reaches with some of its joints.
+#[derive(Clone, Debug)]
+pub struct Reaching<'a> {
+    own: &'a OwnBody,
+    clearance: &'a Clearance,
+    /// The joints that may move, by index.
+    pub joints: Vec<usize>,
+    seed: u64,
+}
+
+/// A posture that touches, before a way to it is known.
+struct Candidate {
+    receptor: usize,
+    reach: Reach,
+    cost: f64,
+}
+
+impl<'a> Reaching<'a> {
+    /// A body that reaches by moving `joints`. Whatever is drawn at random is drawn by the seed.
+    pub fn new(own: &'a OwnBody, clearance: &'a Clearance, joints: Vec<usize>, seed: u64) -> Reaching<'a> {
+        Reaching { own, clearance, joints, seed }
+    }
+
+    /// The posture, moving the joints from `start`, in which a place of the body is nearest to a place in space, and
+    /// how near.
+    pub fn solve(&self, place: Place, aim: &Aim, start: &[f64]) -> Reach {
+        self.solver(place, aim, start).solve(start)
+    }
+
+    fn solver(&self, place: Place, aim: &Aim, at_ease: &[f64]) -> InverseKinematics<'a> {
+        let ends = [place, Place { limb: 0, point: aim.point, direction: aim.direction }];
+        InverseKinematics::new(&self.own.creature, &self.own.schema, ends)
+            .with_facing(Facing::Parallel)
+            .moving(|joint| self.joints.contains(&joint))
+            .at_ease(at_ease)
+    }
+
+    /// How to touch a place with one of some receptors, from a posture.
+    ///
+    /// # Errors
+    /// [`OutOfReach`].
+    pub fn approach(&self, from: &[f64], receptors: &[usize], aim: &Aim) -> Result<Approach, OutOfReach> {
+        let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
+        let at_ease = self.own.at_ease();
+        let (mut candidates, mut nearest) = (Vec::new(), f64::INFINITY);
+        let mut starts = vec![from.to_vec(), between(&self.own.creature, from, &at_ease, 0.5)];
+        starts.resize_with(STARTS, || self.own.random_posture(from, &self.joints, &mut rng));
+        for &receptor in receptors {
+            let place = self.own.place(receptor);
+            for start in &starts {
+                let reach = self.solve(place, aim, start);
+                nearest = nearest.min(reach.miss);
+                if reach.miss <= REACHED && reach.facing > 0.0 {
+                    let cost = self.effort(from, &reach.posture) - FACING * reach.facing;
+                    candidates.push(Candidate { receptor, reach, cost });
+                }
+            }
+        }
+        if candidates.is_empty() {
+            return Err(match nearest {
+                near if near <= REACHED => OutOfReach::Barred,
+                far => OutOfReach::TooFar(far),
+            });
+        }
+        candidates.sort_by(|a, b| a.cost.total_cmp(&b.cost));
+        let first = &candidates[0];
+        let place = self.own.place(first.receptor);
+        self.own.trusts(&first.reach.posture, [place.limb, 0], &place.point).map_err(OutOfReach::Unknown)?;
+        let mut looked_at = 0;
+        for candidate in &candidates {
+            let straight = self.straight(candidate, aim);
+            // What is felt may have any size: only the way up to it is known to be free.
+            let before = straight.0.first().expect("a way has a beginning");
+            if !self.clearance.free(&self.own.frames(before), 0.5 * MARGIN) {
+                continue;
+            }
+            let touching = self.own.frames(&candidate.reach.posture);
+            if !self.clearance.untangled(&touching) {
+                continue;
+            }
+            looked_at += 1;
+            if let Some(way) =
+                find_way(self.own, self.clearance, [from, before], &self.joints, MARGIN, &mut rng)
+            {
+                let touching = candidate.reach.posture.clone();
+                return Ok(Approach { receptor: candidate.receptor, touching, way, straight });
+            }
+            if looked_at == CANDIDATES {
+                break;
+            }
+        }
+        Err(OutOfReach::Barred)
+    }
+
+    /// The straight approach to a place, from before it to beyond it.
+    fn straight(&self, candidate: &Candidate, aim: &Aim) -> Way {
+        let place = self.own.place(candidate.receptor);
+        let at = |along: f64, near: &[f64]| {
+            let aim = Aim { point: aim.point + aim.direction * along, ..*aim };
+            self.solver(place, &aim, near)
+                .with_steps([2, 6])
+                .with_direction_lengths([5e-4; 2])
+                .solve(near)
+                .posture
+        };
+        let mut way: Vec<Vec<f64>> = Vec::new();
+        let mut posture = candidate.reach.posture.clone();
+        let back = (BEFORE / STEP).round() as usize;
+        for k in 1..=back {
+            posture = at(-STEP * k as f64, &posture);
+            way.push(posture.clone());
+        }
+        way.reverse();
+        way.push(candidate.reach.posture.clone());
+        posture.clone_from(&candidate.reach.posture);
+        for k in 1..=(BEYOND / STEP).round() as usize {
+            posture = at(STEP * k as f64, &posture);
+            way.push(posture.clone());
+        }
+        Way(way)
+    }
+
+    /// What a posture costs: how far its joints are from their middles, and how far one has to move.
+    fn effort(&self, from: &[f64], posture: &[f64]) -> f64 {
+        let mut effort = 0.1 * distance(from, posture);
+        for &joint in &self.joints {
+            let joint = &self.own.creature.joints()[joint];
+            let mut q = joint.first_coordinate();
+            for dof in &joint.dofs {
+                let [low, high] = dof.range;
+                if dof.kind != DofKind::Ball && high > low {
+                    let share = (posture[q] - 0.5 * (low + high)) / (0.5 * (high - low));
+                    effort += 0.1 * share.powi(4);
+                }
+                q += dof.kind.coordinates();
+            }
+        }
+        effort
+    }
+}
