@@ -5,9 +5,13 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, ExitStatus, Stdio};
 use std::sync::Arc;
 
+use super::learn_options::{InputName, LearnOptions};
 use super::{Failure, Outcome};
 use crate::creature::{Body, JointSelection};
+use crate::learning::Input;
 use crate::mujoco::{Data, Model};
+use crate::peripersonal::OwnBody;
+use crate::record::{SCHEMA_FILE, Session, TOUCHES_FILE, read_schema, read_touches};
 
 /// Processor time that a file may take to load, seconds.
 const TIME: u64 = 20;
@@ -102,6 +106,24 @@ pub struct RehearseArgs {
     model: PathBuf,
     #[arg(long)]
     strip: bool,
+}
+
+/// A session and what its creature knows of its body after it.
+///
+/// # Errors
+/// Where a file of it cannot be read, or nothing was touched or learned in it.
+pub fn own_body(folder: &Path) -> Result<(Session, OwnBody), Failure> {
+    let session = Session::read(folder)?;
+    let (creature, skin) = (&session.creature, &session.skin);
+    let log = read_touches(&folder.join(TOUCHES_FILE), creature, skin)?;
+    let schema = read_schema(&folder.join(SCHEMA_FILE), creature)?;
+    if log.touches.is_empty() {
+        return Err(Failure(format!("{}: there is no touch in it: babble some first", folder.display())));
+    }
+    let points = LearnOptions::default().for_session(&session)?.input_name() == InputName::Contact;
+    let input = if points || !schema.limb_poses.is_empty() { Input::Contact } else { Input::Receptor };
+    let own = OwnBody::new(creature, skin, schema, &log.touches, input);
+    Ok((session, own))
 }
 
 /// Reads a model and computes one posture.

@@ -1,11 +1,17 @@
 //! The creature among other things: scenes with probes that touch it, and what it feels of them.
 
+mod actor;
 mod event;
+mod scene;
 mod script;
 mod stimulation;
+mod tasks;
 mod world;
 
+pub use actor::{Actor, CAREFUL, Found, Hand, SWIFT, Stop};
 pub use event::{aura_event_json, event_json};
+pub use scene::{Feeling, Scene, Thing, Touched};
 pub use script::Script;
 pub use stimulation::{Stimulation, Strokes};
+pub use tasks::{Spot, Touching, Trouble};
 pub use world::{PROBE_RADIUS, ProbePath, World, WorldError};

@@ -3,11 +3,13 @@
 use nalgebra::Vector3;
 
 use super::own_body::OwnBody;
-use crate::kinematics::{Frame, closest_points};
+use crate::kinematics::{Chain, Frame, closest_points};
 use crate::skin::{Shape, Surface, separation};
 
 /// Pieces that were in each other by more than this in a posture that was lived through do not feel each other, metres.
 const PASSING: f64 = 2e-3;
+/// How much nearer than in a harmless pose things may come, metres: rounding on the way.
+const EASED: f64 = 1e-4;
 
 /// Something that is known to be there, in the root's frame.
 #[derive(Clone, Debug, PartialEq)]
@@ -54,6 +56,8 @@ struct Pair {
     limbs: [usize; 2],
     /// The pieces of one and the other that do.
     parts: Vec<[usize; 2]>,
+    /// No greater margin is asked of them, metres.
+    eased: f64,
 }
 
 /// The surfaces of a body, and what is known to be about it.
@@ -63,6 +67,10 @@ pub struct Clearance {
     /// Per limb, a ball about its parts; none where it has none.
     bounds: Vec<Option<(Vector3<f64>, f64)>>,
     pairs: Vec<Pair>,
+    /// Per limb, whether obstacles matter to it.
+    exposed: Vec<bool>,
+    /// Per obstacle and limb, the greatest margin that is asked of them, metres; none where there is no limit.
+    eased: Vec<Vec<f64>>,
     /// What is known to be there.
     pub obstacles: Vec<Obstacle>,
 }
@@ -96,13 +104,14 @@ impl Clearance {
         let all = (0..limbs).flat_map(|a| (a + 1..limbs).map(move |b| [a, b]));
         let pairs = all.filter(|&[a, b]| !own.creature.neighbouring(a, b)).map(|limbs| {
             let [a, b] = limbs.map(|limb| parts[limb].len());
-            Pair { limbs, parts: (0..a).flat_map(|i| (0..b).map(move |j| [i, j])).collect() }
+            let parts = (0..a).flat_map(|i| (0..b).map(move |j| [i, j])).collect();
+            Pair { limbs, parts, eased: f64::INFINITY }
         });
         let mut pairs: Vec<Pair> = pairs.collect();
         let at_ease = own.at_ease();
         for posture in own.experienced.iter().chain([&at_ease]) {
             let frames = own.frames(posture);
-            for Pair { limbs: [a, b], parts: felt } in &mut pairs {
+            for Pair { limbs: [a, b], parts: felt, .. } in &mut pairs {
                 if ball_gap(&bounds, &frames, [*a, *b]) < -PASSING {
                     felt.retain(|&[i, j]| {
                         gap(&parts[*a][i], &frames[*a], &parts[*b][j], &frames[*b]) >= -PASSING
@@ -111,7 +120,49 @@ impl Clearance {
             }
         }
         pairs.retain(|pair| !pair.parts.is_empty());
-        Clearance { bounds, pairs, parts, obstacles: Vec::new() }
+        // The root stays where it is, whatever is there.
+        let exposed = (0..limbs).map(|limb| limb > 0).collect();
+        Clearance { bounds, pairs, parts, exposed, eased: Vec::new(), obstacles: Vec::new() }
+    }
+
+    /// The same for motions of some joints alone: what they cannot change is left out.
+    pub fn moved_by(&self, own: &OwnBody, joints: &[usize]) -> Clearance {
+        let mut moved = self.clone();
+        let mut carried = vec![false; self.parts.len()];
+        for &joint in joints {
+            own.carried_by(joint + 1).into_iter().zip(&mut carried).for_each(|(by, any)| *any |= by);
+        }
+        moved.pairs.retain(|pair| {
+            let [a, b] = pair.limbs;
+            Chain::between(&own.creature, a, b).joints().any(|joint| joints.contains(&joint))
+        });
+        moved.exposed.iter_mut().zip(carried).for_each(|(exposed, carried)| *exposed &= carried);
+        moved
+    }
+
+    /// The same where some poses are taken for harmless, by their limbs' frames: what is nearer there than `margin` need
+    /// not be farther apart elsewhere.
+    pub fn eased_at(&self, poses: &[Vec<Frame>], margin: f64) -> Clearance {
+        let mut eased = self.clone();
+        let limbs = self.parts.len();
+        eased.eased = vec![vec![f64::INFINITY; limbs]; self.obstacles.len()];
+        for frames in poses {
+            for (pair, before) in eased.pairs.iter_mut().zip(&self.pairs) {
+                let gap = self.between(frames, before, margin);
+                if gap < margin {
+                    pair.eased = pair.eased.min(gap - EASED);
+                }
+            }
+            for (obstacle, eased) in self.obstacles.iter().zip(&mut eased.eased) {
+                for limb in (0..limbs).filter(|&limb| self.exposed[limb]) {
+                    let gap = self.to_obstacle(frames, limb, obstacle, margin);
+                    if gap < margin {
+                        eased[limb] = eased[limb].min(gap - EASED);
+                    }
+                }
+            }
+        }
+        eased
     }
 
     /// The gap between two limbs that feel each other where it is below `below`, metres, negative where they overlap;
@@ -169,7 +220,7 @@ impl Clearance {
     /// The least gap anywhere, up to `below`, metres.
     pub fn least(&self, frames: &[Frame], below: f64) -> f64 {
         let own = self.pairs.iter().map(|pair| self.between(frames, pair, below));
-        let limbs = 0..self.parts.len();
+        let limbs = (0..self.parts.len()).filter(|&limb| self.exposed[limb]);
         let others = limbs.flat_map(|limb| {
             self.obstacles.iter().map(move |obstacle| self.to_obstacle(frames, limb, obstacle, below))
         });
@@ -178,7 +229,10 @@ impl Clearance {
 
     /// Whether limbs that feel each other are at least `margin` apart, but for those `left_out`.
     fn parted(&self, frames: &[Frame], margin: f64, left_out: &dyn Fn([usize; 2]) -> bool) -> bool {
-        self.pairs.iter().all(|pair| left_out(pair.limbs) || self.between(frames, pair, margin) >= margin)
+        self.pairs.iter().all(|pair| {
+            let margin = margin.min(pair.eased);
+            left_out(pair.limbs) || self.between(frames, pair, margin) >= margin
+        })
     }
 
     /// Whether no limb is in another.
@@ -195,9 +249,11 @@ impl Clearance {
     pub fn free_but(&self, frames: &[Frame], margin: f64, but: &[[usize; 2]]) -> bool {
         let left_out = |[a, b]: [usize; 2]| but.contains(&[a, b]) || but.contains(&[b, a]);
         self.parted(frames, margin, &left_out)
-            && (1..self.parts.len()).all(|limb| {
-                let kept = |obstacle| self.to_obstacle(frames, limb, obstacle, margin) >= margin;
-                self.obstacles.iter().all(kept)
+            && (0..self.parts.len()).filter(|&limb| self.exposed[limb]).all(|limb| {
+                self.obstacles.iter().enumerate().all(|(k, obstacle)| {
+                    let margin = margin.min(self.eased.get(k).map_or(f64::INFINITY, |eased| eased[limb]));
+                    self.to_obstacle(frames, limb, obstacle, margin) >= margin
+                })
             })
     }
 }

@@ -23,6 +23,6 @@ mod reaching;
 
 pub use clearance::{Clearance, Obstacle};
 pub use own_body::{Doubt, OwnBody, TRUSTED};
-pub use path::{Way, find_way};
+pub use path::{Way, find_way, straight};
 pub use prediction::{Meeting, Predicted};
 pub use reaching::{Aim, Approach, OutOfReach, Reaching};

@@ -118,6 +118,38 @@ impl OwnBody {
         }
     }
 
+    /// The place of a receptor's patch that leads when its limb moves in a direction, in the limb's frame: where a patch
+    /// is bent about a limb, that is where it meets what is there.
+    pub fn leading(&self, receptor: usize, ahead: &Vector3<f64>) -> Place {
+        const SAMPLES: i32 = 4;
+        const SHARPNESS: i32 = 8;
+        let found = &self.skin.receptors[receptor];
+        let Some(surface) = found.surface.map(|surface| &self.skin.surfaces[surface]) else {
+            return self.place(receptor);
+        };
+        let (mut point, mut weight) = (Vector3::zeros(), 0.0);
+        for i in -SAMPLES..=SAMPLES {
+            for j in -SAMPLES..=SAMPLES {
+                let [a, b] = [i, j].map(|k| f64::from(k) / f64::from(SAMPLES));
+                let flat = found.position
+                    + found.tangent * (a * found.half_extents[0])
+                    + found.bitangent() * (b * found.half_extents[1]);
+                if let Some((distance, normal)) = surface.signed_distance(&flat) {
+                    let leads = normal.dot(ahead).max(0.0).powi(SHARPNESS);
+                    point += (flat - normal * distance) * leads;
+                    weight += leads;
+                }
+            }
+        }
+        let on_surface = (weight > 1e-9).then(|| surface.signed_distance(&(point / weight))).flatten();
+        match on_surface {
+            Some((distance, normal)) => {
+                Place { limb: found.limb, point: point / weight - normal * distance, direction: normal }
+            }
+            None => self.place(receptor),
+        }
+    }
+
     /// The limbs of an aura limb by its name, or the limb of this name.
     pub fn limbs_called(&self, name: &str) -> Option<Vec<usize>> {
         let aura = self.creature.aura_limbs().iter().find(|aura| aura.name == name);
@@ -128,6 +160,12 @@ impl OwnBody {
     pub fn receptors_on(&self, limbs: &[usize]) -> Vec<usize> {
         let receptors = self.skin.receptors.iter().enumerate();
         receptors.filter(|(_, receptor)| limbs.contains(&receptor.limb)).map(|(r, _)| r).collect()
+    }
+
+    /// A limb and all that it carries: a hand with its fingers.
+    pub fn hand_of(&self, limb: usize) -> Vec<usize> {
+        let carried = self.carried_by(limb);
+        (0..carried.len()).filter(|&limb| carried[limb]).collect()
     }
 
     /// The limbs that one limb carries, itself among them.

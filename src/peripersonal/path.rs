@@ -33,7 +33,7 @@ pub(super) fn distance(a: &[f64], b: &[f64]) -> f64 {
 }
 
 /// Whether all postures straight between two keep clear by `margin`; the first is not looked at.
-pub(super) fn straight(own: &OwnBody, clearance: &Clearance, from: &[f64], to: &[f64], margin: f64) -> bool {
+pub fn straight(own: &OwnBody, clearance: &Clearance, from: &[f64], to: &[f64], margin: f64) -> bool {
     let steps = (distance(from, to) / FINE).ceil().max(1.0) as usize;
     // The far end is the likeliest to be refused, then the middle.
     let free = |k: usize| {
@@ -43,8 +43,8 @@ pub(super) fn straight(own: &OwnBody, clearance: &Clearance, from: &[f64], to: &
     free(steps) && (1..steps).all(free)
 }
 
-/// A way from one posture to another that moves only `joints` and keeps clear by `margin`, or as far as its ends do;
-/// none where none is found.
+/// A way from one posture to another that moves only `joints` and keeps clear by `margin`; what is nearer at its ends
+/// may be as near on the way. None where none is found.
 pub fn find_way(
     own: &OwnBody,
     clearance: &Clearance,
@@ -53,8 +53,8 @@ pub fn find_way(
     margin: f64,
     rng: &mut impl Rng,
 ) -> Option<Way> {
-    let ends = [from, to].map(|posture| clearance.least(&own.frames(posture), margin) - 1e-4);
-    let margin = margin.min(ends[0]).min(ends[1]);
+    let ends = [from, to].map(|posture| own.frames(posture));
+    let clearance = &clearance.moved_by(own, joints).eased_at(&ends, margin);
     if straight(own, clearance, from, to, margin) {
         return Some(Way(vec![from.to_vec(), to.to_vec()]));
     }

@@ -112,6 +112,8 @@ impl<'a> Reaching<'a> {
     /// [`OutOfReach`].
     pub fn approach(&self, from: &[f64], receptors: &[usize], aim: &Aim) -> Result<Approach, OutOfReach> {
         let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
+        let clearance =
+            self.clearance.moved_by(self.own, &self.joints).eased_at(&[self.own.frames(from)], MARGIN);
         let at_ease = self.own.at_ease();
         let (mut candidates, mut nearest) = (Vec::new(), f64::INFINITY);
         let mut starts = vec![from.to_vec(), between(&self.own.creature, from, &at_ease, 0.5)];
@@ -142,11 +144,11 @@ impl<'a> Reaching<'a> {
             let straight = self.straight(candidate, aim);
             // What is felt may have any size: only the way up to it is known to be free.
             let before = straight.0.first().expect("a way has a beginning");
-            if !self.clearance.free(&self.own.frames(before), 0.5 * MARGIN) {
+            if !clearance.free(&self.own.frames(before), 0.5 * MARGIN) {
                 continue;
             }
             let touching = self.own.frames(&candidate.reach.posture);
-            if !self.clearance.untangled(&touching) {
+            if !clearance.untangled(&touching) {
                 continue;
             }
             looked_at += 1;

@@ -6,12 +6,14 @@
 //! files are the same for all studies and are done here.
 
 mod approach;
+mod at_table;
 mod changed_body;
 mod coverage;
 mod disturbances;
 mod frames;
 mod growth;
 mod learners;
+mod other_hand;
 mod plot;
 mod policies;
 mod self_touch;
@@ -34,7 +36,7 @@ use subject::Subject;
 use table::Table;
 
 /// The studies, in the order in which they are named to the user.
-const STUDIES: [&Study; 10] = [
+const STUDIES: [&Study; 11] = [
     &learners::STUDY,
     &policies::STUDY,
     &coverage::STUDY,
@@ -45,6 +47,7 @@ const STUDIES: [&Study; 10] = [
     &sensations::STUDY,
     &approach::STUDY,
     &self_touch::STUDY,
+    &other_hand::STUDY,
 ];
 
 /// The model that is studied where none is named.
@@ -107,6 +110,9 @@ pub struct Args {
     /// [default: torso where the model names it, else all]
     #[arg(long)]
     joints: Option<JointSelection>,
+    /// The session whose schema a study of action uses [default: it babbles and learns one, by the first seed]
+    #[arg(long, value_name = "SESSION")]
+    schema: Option<PathBuf>,
     /// Threads that babble; they change nothing but the time [default: one per core]
     #[arg(long, value_parser = clap::value_parser!(u16).range(1..=1024))]
     jobs: Option<u16>,
@@ -148,7 +154,8 @@ pub fn run(args: &Args) -> Outcome {
     let last = args.seed.checked_add(u64::from(args.trials) - 1);
     let last = last.ok_or("the last trial's seed would be too great: give a smaller --seed")?;
     let seeds: Vec<u64> = (args.seed..=last).collect();
-    let subject = Subject::new(&args.model, &selection, args.touches, seeds, threads(args.jobs))?;
+    let mut subject = Subject::new(&args.model, &selection, args.touches, seeds, threads(args.jobs))?;
+    subject.schema.clone_from(&args.schema);
     let folder = study_folder(args.out.as_deref(), study.name)?;
     let began = Instant::now();
     let findings = (study.measure)(&subject)?;

@@ -7,7 +7,7 @@ use std::time::Instant;
 use indicatif::ProgressBar;
 
 use super::super::learn_options::LearnOptions;
-use super::super::open::{ModelOptions, body_of, open_body};
+use super::super::open::{ModelOptions, body_of, open_body, own_body};
 use super::super::skin::skin_for;
 use super::super::touches::{babbler, make_touches};
 use super::super::{Failure, progress};
@@ -16,8 +16,9 @@ use crate::creature::{Body, JointSelection};
 use crate::evaluation::{Evaluation, evaluate_learned};
 use crate::ground_truth::GroundTruth;
 use crate::interaction::World;
-use crate::learning::{Learned, Verdict};
+use crate::learning::{Input, Learned, Verdict};
 use crate::mujoco::Model;
+use crate::peripersonal::OwnBody;
 use crate::senses::Touch;
 use crate::skin::Skin;
 
@@ -36,6 +37,8 @@ pub struct Subject {
     pub touches: usize,
     /// One seed per trial: of its touches, its disturbances and its onsets.
     pub seeds: Vec<u64>,
+    /// The session that a schema is taken from, where not one is learned.
+    pub schema: Option<PathBuf>,
     model: PathBuf,
     joints: JointSelection,
     jobs: usize,
@@ -83,6 +86,7 @@ impl Subject {
             truth,
             touches,
             seeds,
+            schema: None,
             model,
             joints,
             jobs,
@@ -169,6 +173,28 @@ impl Subject {
         let seconds = began.elapsed().as_secs_f64();
         let evaluation = evaluate_learned(creature, skin, truth, &learned);
         Attempt { learned, seconds, evaluation }
+    }
+
+    /// What the creature knows of itself: by the session that was named, or after babbling by the first seed.
+    pub fn own_body(&self) -> Result<OwnBody, Failure> {
+        if let Some(folder) = &self.schema {
+            let (session, own) = own_body(folder)?;
+            if session.creature != self.body.creature {
+                return Err(Failure(format!(
+                    "{}: it is of another creature, or of other joints, than {} with --joints {}: give the model and \
+                     joints that it was babbled with",
+                    folder.display(),
+                    self.model.display(),
+                    self.joints
+                )));
+            }
+            return Ok(own);
+        }
+        let (creature, seed) = (&self.body.creature, self.seeds[0]);
+        let touches = self.babble(seed)?;
+        self.tell(seed, "learning");
+        let learned = self.learn(&LearnOptions::default(), &touches, seed).learned;
+        Ok(OwnBody::new(creature, &self.skin, learned.schema, &touches, Input::Receptor))
     }
 
     /// The creature in a model made from its own.

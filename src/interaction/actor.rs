@@ -1,0 +1,338 @@
+//! A creature that acts by its schema: it moves, feels, and stops at what it feels.
+//!
+//! All that it knows of its body is an [`OwnBody`]; all that it knows of the world it has felt. Of the scene it uses
+//! its joint angles, its sense of balance, and what its receptors feel.
+
+use std::collections::{BTreeSet, VecDeque};
+
+use nalgebra::Vector3;
+
+use super::scene::{Feeling, Scene, Touched};
+use crate::babbling::between;
+use crate::kinematics::Frame;
+use crate::mujoco;
+use crate::peripersonal::{Clearance, Obstacle, OwnBody, Reaching, Way};
+
+/// How fast the tips of the hands go where nothing is expected, metres a second …
+pub const SWIFT: f64 = 0.6;
+/// … and where something is.
+pub const CAREFUL: f64 = 0.15;
+/// The fastest that a joint turns, radians a second.
+const FASTEST_JOINT: f64 = 2.0;
+/// What is felt no farther than this from the top of the table, with skin that faces it, is the table, metres.
+const TABLE: f64 = 0.012;
+/// Steps of the last motion that are remembered …
+const TRAIL: usize = 1500;
+/// … and from how many of them it is told which way skin goes.
+const LATELY: usize = 15;
+
+/// A limb that acts.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Hand {
+    /// Its name.
+    pub name: String,
+    /// The limb.
+    pub limb: usize,
+    /// The joints that move it and no other hand: its arm's.
+    pub arm: Vec<usize>,
+    /// All joints that move it: its arm's and those of the trunk that carry it.
+    pub leaning: Vec<usize>,
+    /// Its receptors.
+    pub receptors: Vec<usize>,
+    /// The one farthest from its wrist.
+    pub tip: usize,
+}
+
+/// How a motion ended.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Stop {
+    /// Where it was to go.
+    Arrived,
+    /// At something that was felt.
+    Felt(Vec<Feeling>),
+}
+
+/// Something that was felt, and where that was.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Found {
+    /// The receptor that felt it.
+    pub receptor: usize,
+    /// The number of the thing.
+    pub thing: usize,
+    /// The posture in which it did.
+    pub posture: Vec<f64>,
+    /// Where that was in the root's frame, by the schema, metres.
+    pub point: Vector3<f64>,
+    /// The unit direction into the thing, in the root's frame.
+    pub direction: Vector3<f64>,
+}
+
+/// A creature that acts.
+pub struct Actor {
+    /// What it knows of its body.
+    pub own: OwnBody,
+    /// Where it is.
+    pub scene: Scene,
+    /// Its surfaces and what it knows to be about it, the table first once it has been felt.
+    pub clearance: Clearance,
+    /// The limbs that act.
+    pub hands: [Hand; 2],
+    /// Against gravity, in the root's frame.
+    pub up: Vector3<f64>,
+    /// The horizontal direction that it faces, in the root's frame.
+    pub front: Vector3<f64>,
+    /// The height of the table's top along `up` in the root's frame, once it has been felt, metres.
+    pub table: Option<f64>,
+    /// Contacts that no motion was meant to bring about.
+    pub unintended: usize,
+    /// The postures of the last motion, step by step.
+    trail: VecDeque<Vec<f64>>,
+    pub(super) seed: u64,
+}
+
+impl Actor {
+    /// A creature in a scene that acts with two limbs, by their names, and faces along x of its root.
+    ///
+    /// # Errors
+    /// A clause that says what does not fit.
+    pub fn new(own: OwnBody, scene: Scene, hands: [&str; 2], seed: u64) -> Result<Actor, String> {
+        let clearance = Clearance::new(&own);
+        Actor::with_clearance(own, clearance, scene, hands, seed)
+    }
+
+    /// The same with the clearance of the body, which takes a while to work out, at hand.
+    ///
+    /// # Errors
+    /// As [`Actor::new`].
+    pub fn with_clearance(
+        own: OwnBody,
+        clearance: Clearance,
+        scene: Scene,
+        hands: [&str; 2],
+        seed: u64,
+    ) -> Result<Actor, String> {
+        let known = (own.creature.limbs(), own.creature.joints().len(), own.creature.coordinates());
+        let there = &scene.body.creature;
+        if known != (there.limbs(), there.joints().len(), there.coordinates()) {
+            return Err(format!(
+                "the schema is of {} with {} joints, the scene has {} with {}: give the scene of the creature that learned it",
+                own.creature.name(),
+                own.creature.joints().len(),
+                there.name(),
+                there.joints().len()
+            ));
+        }
+        let skin = |skin: &crate::skin::Skin| {
+            skin.receptors.iter().map(|receptor| receptor.id.clone()).collect::<Vec<_>>()
+        };
+        if skin(&own.skin) != skin(&scene.skin) {
+            return Err(
+                "the scene's creature has other receptors than the one that learned the schema".into()
+            );
+        }
+        let limb = |name: &str| {
+            let limb = own.creature.limb(name);
+            limb.ok_or_else(|| format!("there is no limb called {name}: give two of {}", known.0.join(", ")))
+        };
+        let limbs = [limb(hands[0])?, limb(hands[1])?];
+        let up = scene.up();
+        // A creature that lies has no front along x; any horizontal direction is as good.
+        let level = |v: Vector3<f64>| (v - up * v.dot(&up)).try_normalize(1e-3);
+        let front = level(Vector3::x()).or(level(Vector3::y())).unwrap_or_else(Vector3::x);
+        let hand = |k: usize| {
+            let (limb, other) = (limbs[k], limbs[1 - k]);
+            let receptors = own.receptors_on(&own.hand_of(limb));
+            let far = |r: &usize| {
+                own.frames(&own.at_ease())[limb]
+                    .inverse_point(&{
+                        let place = own.place(*r);
+                        own.frames(&own.at_ease())[place.limb].point(&place.point)
+                    })
+                    .norm()
+            };
+            let tip = receptors.iter().copied().max_by(|a, b| far(a).total_cmp(&far(b)));
+            let tip =
+                tip.ok_or_else(|| format!("{} has no receptors: nothing can be felt with it", hands[k]))?;
+            let arm = own.joints_of(limb, &[other]);
+            if arm.is_empty() {
+                return Err(format!(
+                    "nothing moves {} but what moves {}: give two other limbs",
+                    hands[k],
+                    hands[1 - k]
+                ));
+            }
+            let leaning = own.joints_to(limb);
+            Ok(Hand { name: hands[k].to_string(), limb, arm, leaning, receptors, tip })
+        };
+        let hands = [hand(0)?, hand(1)?];
+        let (table, unintended) = (None, 0);
+        Ok(Actor { own, scene, clearance, hands, up, front, table, unintended, trail: VecDeque::new(), seed })
+    }
+
+    /// The posture that it is in.
+    pub fn posture(&self) -> Vec<f64> {
+        self.scene.posture().to_vec()
+    }
+
+    /// Its limbs' poses in the root's frame as the schema has them.
+    pub fn frames(&self) -> Vec<Frame> {
+        self.own.frames(self.scene.posture())
+    }
+
+    /// A body that reaches with some joints; a new random stream with each.
+    pub fn reaching(&mut self, joints: Vec<usize>) -> Reaching<'_> {
+        self.seed = self.seed.wrapping_add(1);
+        Reaching::new(&self.own, &self.clearance, joints, self.seed)
+    }
+
+    /// Which hand a receptor's limb belongs to or carries: the arm that felt.
+    pub fn arm_of(&self, receptor: usize) -> Option<usize> {
+        let limb = self.own.skin.receptors[receptor].limb;
+        let joint = self.own.creature.joint_of(limb)?;
+        let on_arm = |hand: &Hand| hand.arm.contains(&joint) || self.own.carried_by(hand.limb)[limb];
+        self.hands.iter().position(on_arm)
+    }
+
+    /// Whether a limb is part of an arm.
+    pub fn on_arm(&self, limb: usize) -> bool {
+        self.hands.iter().any(|hand| self.own.carried_by(hand.arm[0] + 1)[limb])
+    }
+
+    /// A point and the outward normal of a receptor in the root's frame, now and by the schema.
+    pub fn feels_at(&self, receptor: usize) -> (Vector3<f64>, Vector3<f64>) {
+        let place = self.own.place(receptor);
+        let frame = self.frames()[place.limb];
+        (frame.point(&place.point), frame.rotation * place.direction)
+    }
+
+    /// Whether what is felt is the table, as far as it is known where that is.
+    pub fn is_table(&self, feeling: &Feeling) -> bool {
+        let (point, normal) = self.feels_at(feeling.receptor);
+        let down = normal.dot(&self.up) < -0.2;
+        match (self.table, feeling.what) {
+            (Some(height), Touched::Thing(_)) => down && (point.dot(&self.up) - height).abs() < TABLE,
+            _ => false,
+        }
+    }
+
+    /// Makes the table's height known: from its near side on nothing is to go below it.
+    pub fn know_table(&mut self, height: f64) {
+        self.table = Some(height);
+        let edge = self.trunk_front(height);
+        self.clearance.obstacles.clear();
+        self.clearance.obstacles.push(Obstacle::Table { up: self.up, height, front: self.front, edge });
+    }
+
+    /// How far forward the trunk reaches at a height: no table is nearer than this, metres along `front`.
+    pub fn trunk_front(&self, height: f64) -> f64 {
+        let frames = self.own.frames(&self.own.at_ease());
+        let mut trunk = self.own.skin.surfaces.iter().filter(|surface| !self.on_arm(surface.limb));
+        // What is far above or below has the table in front of it or over it.
+        let front = trunk.by_ref().filter_map(|surface| {
+            let frame = &frames[surface.limb];
+            let point = frame.point(&surface.support(&frame.rotation.tr_mul(&self.front))?);
+            ((point.dot(&self.up) - height).abs() < 0.25).then_some(point.dot(&self.front))
+        });
+        front.fold(f64::NEG_INFINITY, f64::max).max(0.0)
+    }
+
+    /// Goes along a way, the tips of the hands at most at `speed` metres a second, until something is felt that the
+    /// motion does not just part from and that `heeded` does not say to pass over.
+    ///
+    /// # Errors
+    /// Where the engine fails.
+    pub fn follow(
+        &mut self,
+        way: &Way,
+        speed: f64,
+        heeded: impl Fn(&Actor, &Feeling) -> bool,
+    ) -> mujoco::Result<Stop> {
+        let party = |actor: &Actor, feeling: &Feeling| {
+            let what = match feeling.what {
+                Touched::Own(other) => Touched::Own(actor.own.skin.receptors[other].limb),
+                what => what,
+            };
+            (actor.own.skin.receptors[feeling.receptor].limb, what)
+        };
+        let mut parting: Option<BTreeSet<(usize, Touched)>> = None;
+        let step = self.scene.timestep();
+        for target in &way.0 {
+            let start = self.posture();
+            let joints = start.iter().zip(target).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+            let tips = |frames: &[Frame]| {
+                self.hands.each_ref().map(|hand| frames[hand.limb].point(&self.own.place(hand.tip).point))
+            };
+            let [from, to] = [&start, target].map(|posture| tips(&self.own.frames(posture)));
+            let tips = (0..2).map(|k| (from[k] - to[k]).norm()).fold(0.0, f64::max);
+            let seconds = (joints / FASTEST_JOINT).max(tips / speed);
+            let steps = (seconds / step).ceil().max(1.0) as usize;
+            for k in 1..=steps {
+                let posture = between(&self.own.creature, &start, target, k as f64 / steps as f64);
+                let felt = self.scene.step(&posture)?;
+                self.trail.push_back(posture);
+                if self.trail.len() > TRAIL {
+                    self.trail.pop_front();
+                }
+                let present: BTreeSet<_> = felt.iter().map(|feeling| party(self, feeling)).collect();
+                // What touches at the start is being left; once it is left it counts anew.
+                let left = match &parting {
+                    None => present.clone(),
+                    Some(before) => before.intersection(&present).copied().collect(),
+                };
+                let news: Vec<Feeling> =
+                    felt.into_iter().filter(|f| !left.contains(&party(self, f)) && heeded(self, f)).collect();
+                parting = Some(left);
+                if !news.is_empty() {
+                    return Ok(Stop::Felt(news));
+                }
+            }
+        }
+        Ok(Stop::Arrived)
+    }
+
+    /// Stays as it is for some time.
+    ///
+    /// # Errors
+    /// Where the engine fails.
+    pub fn wait(&mut self, seconds: f64) -> mujoco::Result<Vec<Feeling>> {
+        let posture = self.posture();
+        let steps = (seconds / self.scene.timestep()).ceil().max(1.0) as usize;
+        let mut felt = Vec::new();
+        for _ in 0..steps {
+            felt = self.scene.step(&posture)?;
+        }
+        Ok(felt)
+    }
+
+    /// What a feeling of a thing tells, in the present posture; none where it is one's own skin.
+    pub fn found(&self, feeling: &Feeling) -> Option<Found> {
+        let Touched::Thing(thing) = feeling.what else { return None };
+        let receptor = feeling.receptor;
+        let limb = self.own.skin.receptors[receptor].limb;
+        let frame = self.frames()[limb];
+        let place = self.own.place(receptor);
+        let before = self.trail.len().checked_sub(LATELY).map(|k| self.own.frames(&self.trail[k])[limb]);
+        let moved = before.map(|before| frame.point(&place.point) - before.point(&place.point));
+        let place = match moved.and_then(|moved| moved.try_normalize(1e-4)) {
+            Some(ahead) => self.own.leading(receptor, &frame.rotation.tr_mul(&ahead)),
+            None => place,
+        };
+        let (point, direction) = (frame.point(&place.point), frame.rotation * place.direction);
+        Some(Found { receptor, thing, posture: self.posture(), point, direction })
+    }
+
+    /// The way back on which the skin of a receptor came here, `far` metres of it; none where it has not moved.
+    pub fn back_by(&self, receptor: usize, far: f64) -> Option<Way> {
+        let place = self.own.place(receptor);
+        let at = |posture: &[f64]| self.own.frames(posture)[place.limb].point(&place.point);
+        let here = at(self.trail.back()?);
+        let mut way = Vec::new();
+        for posture in self.trail.iter().rev().step_by(5) {
+            way.push(posture.clone());
+            if (at(posture) - here).norm() > far {
+                return Some(Way(way));
+            }
+        }
+        (way.len() > 2).then_some(Way(way))
+    }
+}
