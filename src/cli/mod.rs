@@ -22,6 +22,7 @@ mod output;
 mod progress;
 mod skin;
 mod study;
+mod talk;
 mod touches;
 
 use std::fmt::Display;
@@ -79,6 +80,8 @@ enum Command {
     Skin(skin::Args),
     /// Touch a creature and tell what it feels
     Feel(feel::Args),
+    /// Talk to a creature among things
+    Talk(talk::Args),
     /// Repeat a measurement over several seeds: a table, its data and a plot
     Study(study::Args),
     #[command(hide = true)]
@@ -97,6 +100,7 @@ pub fn run() -> ExitCode {
         Command::Inspect(args) => inspect::run(&args),
         Command::Skin(args) => skin::run(&args),
         Command::Feel(args) => feel::run(&args),
+        Command::Talk(args) => talk::run(&args),
         Command::Study(args) => study::run(&args),
         Command::Rehearse(args) => open::run(&args),
     };

@@ -314,6 +314,20 @@ impl Actor {
     ) -> Result<Touching, Trouble> {
         let ready = self.ready();
         self.withdraw(found, &ready)?;
+        self.touch_again(found, hand, lean, corrections)
+    }
+
+    /// The same where what felt the thing is away from it already.
+    ///
+    /// # Errors
+    /// [`Trouble`].
+    pub fn touch_again(
+        &mut self,
+        found: &Found,
+        hand: usize,
+        lean: bool,
+        corrections: usize,
+    ) -> Result<Touching, Trouble> {
         let Hand { arm, leaning, receptors, .. } = self.hands[hand].clone();
         let joints = if lean { leaning } else { arm };
         // The thing is about where it was felt, of a size that nobody knows.
@@ -527,6 +541,53 @@ impl Actor {
             }
         }
         best.map(|(_, spot)| spot)
+    }
+
+    /// The spot at a place over the table, forward and to the hand's own side, at which the receptor that grips is upright
+    /// as it is now; none where it cannot be there.
+    pub fn spot_at(
+        &mut self,
+        receptor: usize,
+        forward: f64,
+        across: f64,
+        height: f64,
+        upright: Vector3<f64>,
+    ) -> Option<Spot> {
+        let hand = self.arm_of(receptor)?;
+        let joints = self.hands[hand].arm.clone();
+        let side = self.left() * self.side(hand);
+        let place = Place { direction: upright, ..self.own.place(receptor) };
+        let from = self.posture();
+        let clearance = self.clearance.moved_by(&self.own, &joints);
+        // A little farther away is near as well.
+        (0..8).find_map(|k| {
+            let point = self.front * (forward + 0.03 * f64::from(k)) + side * across + self.up * height;
+            let ends = [place, Place { limb: 0, point, direction: self.up }];
+            let reach = InverseKinematics::new(&self.own.creature, &self.own.schema, ends)
+                .with_facing(Facing::Parallel)
+                .with_direction_lengths([0.05, 0.02])
+                .moving(|joint| joints.contains(&joint))
+                .solve(&from);
+            let fits = reach.miss <= REACHED
+                && reach.facing > 0.98
+                && clearance.free(&self.own.frames(&reach.posture), 0.002);
+            fits.then_some(Spot { point, posture: reach.posture })
+        })
+    }
+
+    /// How far a point of the root's frame is from the surface of every limb that has one, metres.
+    pub fn distances(&self, point: &Vector3<f64>) -> Vec<(usize, f64)> {
+        let frames = self.frames();
+        let mut distances: Vec<(usize, f64)> = Vec::new();
+        for surface in &self.own.skin.surfaces {
+            let local = frames[surface.limb].inverse_point(point);
+            let Some((distance, _)) = surface.signed_distance(&local) else { continue };
+            match distances.iter_mut().find(|(limb, _)| *limb == surface.limb) {
+                Some((_, least)) => *least = least.min(distance),
+                None => distances.push((surface.limb, distance)),
+            }
+        }
+        distances
     }
 
     /// Carries what a receptor holds to a spot: up, over, and down until it is felt to stand; then lets go and comes

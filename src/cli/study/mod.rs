@@ -10,6 +10,7 @@ mod at_table;
 mod changed_body;
 mod coverage;
 mod disturbances;
+mod farthest;
 mod frames;
 mod growth;
 mod learners;
@@ -36,7 +37,7 @@ use subject::Subject;
 use table::Table;
 
 /// The studies, in the order in which they are named to the user.
-const STUDIES: [&Study; 11] = [
+const STUDIES: [&Study; 12] = [
     &learners::STUDY,
     &policies::STUDY,
     &coverage::STUDY,
@@ -48,6 +49,7 @@ const STUDIES: [&Study; 11] = [
     &approach::STUDY,
     &self_touch::STUDY,
     &other_hand::STUDY,
+    &farthest::STUDY,
 ];
 
 /// The model that is studied where none is named.

@@ -1,0 +1,182 @@
+//! How far away a creature puts what it holds, against how far it truly could.
+
+use rand::RngExt;
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use serde_json::json;
+
+use super::at_table::{Knowledge, THING, at_table, on_table, shape};
+use super::plot::{Axis, Plot, Scale, Series};
+use super::subject::{Subject, median, share};
+use super::table::{Column, Table};
+use super::{Findings, Study};
+use crate::cli::Failure;
+use crate::interaction::{Actor, Spot, Trouble};
+
+pub const STUDY: Study = Study {
+    name: "farthest",
+    about: "how far away it puts what it holds, of what is truly possible, with and without leaning",
+    measure,
+};
+
+/// Draws of a thing until there is one that a hand finds and holds.
+const DRAWS: usize = 20;
+/// Random postures that the truth's search begins with beside those of the creature's.
+const EFFORT: usize = 6;
+
+const MEASUREMENTS: &[Column] = &[
+    Column { name: "seed", heading: "seed" },
+    Column { name: "leaning", heading: "leaning" },
+    Column { name: "forward_m", heading: "reached, m" },
+    Column { name: "true_maximum_m", heading: "true maximum, m" },
+    Column { name: "ratio", heading: "ratio" },
+    Column { name: "moved_m", heading: "moved, m" },
+    Column { name: "result", heading: "result" },
+];
+
+const SUMMARY: &[Column] = &[
+    Column { name: "leaning", heading: "leaning" },
+    Column { name: "trials", heading: "trials" },
+    Column { name: "put", heading: "put, share" },
+    Column { name: "forward_m", heading: "reached, m" },
+    Column { name: "true_maximum_m", heading: "true maximum, m" },
+    Column { name: "ratio", heading: "ratio, median" },
+    Column { name: "least", heading: "ratio, least" },
+];
+
+struct Trial {
+    forward: f64,
+    maximum: f64,
+    put: bool,
+}
+
+fn measure(subject: &Subject) -> Result<Findings, Failure> {
+    let learned = Knowledge::new(subject.own_body()?);
+    let truth = Knowledge::new(learned.own.with_schema(subject.truth.schema.clone()));
+    let mut measurements = Table::new(MEASUREMENTS);
+    let mut trials: [Vec<Trial>; 2] = Default::default();
+    for &seed in &subject.seeds {
+        subject.tell(seed, "holding");
+        for (k, lean) in [false, true].into_iter().enumerate() {
+            let mut rng = ChaCha8Rng::seed_from_u64(seed);
+            let mut held = None;
+            for _ in 0..DRAWS {
+                held = hold(subject, &learned, seed, &mut rng)?;
+                if held.is_some() {
+                    break;
+                }
+            }
+            let Some((mut actor, receptor)) = held else { continue };
+            let limb = actor.own.place(receptor).limb;
+            let upright = actor.frames()[limb].rotation.tr_mul(&actor.up);
+            let height = actor.feels_at(receptor).0.dot(&actor.up);
+            let Some(spot) = actor.farthest(receptor, height, upright, lean, 1) else { continue };
+            // The same question to the truth, with more starts and what was found for one of them.
+            actor.own = truth.own.clone();
+            let maximum = actor.farthest(receptor, height, upright, lean, EFFORT);
+            let forward = |actor: &Actor, spot: &Spot| {
+                let place = actor.own.place(receptor);
+                actor.own.frames(&spot.posture)[place.limb].point(&place.point).dot(&actor.front)
+            };
+            let reached = forward(&actor, &spot);
+            let maximum = maximum.map_or(reached, |spot| forward(&actor, &spot).max(reached));
+            actor.own = learned.own.clone();
+            let thing = actor.scene.thing(THING).ok_or("the thing is not in the scene")?;
+            let before = actor.scene.thing_pose(thing).translation.vector;
+            let result = actor.put(receptor, &spot, lean);
+            let after = actor.scene.thing_pose(thing).translation.vector;
+            let stands = after.z > super::at_table::TOP - 0.01;
+            let put = result.is_ok() && stands;
+            let told = match result {
+                Ok(()) if stands => "put".to_string(),
+                Ok(()) => "it fell".to_string(),
+                Err(Trouble::Engine(error)) => return Err(error.into()),
+                Err(trouble) => trouble.to_string(),
+            };
+            measurements.row([
+                seed.into(),
+                lean.into(),
+                reached.into(),
+                maximum.into(),
+                (reached / maximum).into(),
+                (after - before).norm().into(),
+                told.into(),
+            ]);
+            trials[k].push(Trial { forward: reached, maximum, put });
+        }
+    }
+    let mut summary = Table::new(SUMMARY);
+    let ratios = |trials: &[Trial]| trials.iter().map(|t| t.forward / t.maximum).collect::<Vec<_>>();
+    for (lean, trials) in [false, true].into_iter().zip(&trials) {
+        let least = ratios(trials).into_iter().fold(f64::NAN, f64::min);
+        summary.row([
+            lean.into(),
+            trials.len().into(),
+            share(trials.iter().map(|t| t.put)).into(),
+            median(trials.iter().map(|t| t.forward)).into(),
+            median(trials.iter().map(|t| t.maximum)).into(),
+            median(ratios(trials)).into(),
+            least.into(),
+        ]);
+    }
+    let gain = |of: fn(&Trial) -> f64| {
+        median(trials[0].iter().zip(&trials[1]).map(|(upright, leaning)| of(leaning) - of(upright)))
+    };
+    let (extends, truly) = (gain(|t| t.forward), gain(|t| t.maximum));
+    let all = || trials.iter().flatten();
+    let least = ratios(&trials[0]).into_iter().chain(ratios(&trials[1])).fold(f64::NAN, f64::min);
+    let notes = vec![
+        "Distances are of the skin that holds the thing, forward from the root's origin, at the height where the thing \
+         stands; the true maximum is found by the same search with the true kinematics and more starts."
+            .to_string(),
+        format!("Leaning extends the reach by {extends:.3} m; by the truth it is {truly:.3} m."),
+    ];
+    let numbers = vec![
+        ("ratio_of_true_maximum", json!(median(all().map(|t| t.forward / t.maximum)))),
+        ("least_ratio_of_true_maximum", json!(least)),
+        ("success", json!(share(all().map(|t| t.put)))),
+        ("leaning_extends_m", json!(extends)),
+        ("leaning_truly_extends_m", json!(truly)),
+    ];
+    let series =
+        ["upright", "leaning"].into_iter().zip(&trials).enumerate().map(|(k, (name, trials))| Series {
+            name: name.to_string(),
+            line: Vec::new(),
+            dots: trials.iter().map(|trial| (trial.forward / trial.maximum, k as f64)).collect(),
+        });
+    let plot = Plot {
+        x: Axis { title: "reached, of the true maximum", scale: Scale::Logarithmic },
+        y: Axis { title: "", scale: Scale::Names(vec!["upright".into(), "leaning".into()]) },
+        series: series.collect(),
+    };
+    Ok(Findings { measurements, summary, notes, plot, numbers })
+}
+
+/// A creature that has found a random thing and holds it with a receptor of a hand; none where it did not come to that.
+fn hold(
+    subject: &Subject,
+    known: &Knowledge,
+    seed: u64,
+    rng: &mut ChaCha8Rng,
+) -> Result<Option<(Actor, usize)>, Failure> {
+    let (x, y) = (rng.random_range(0.32..0.5), rng.random_range(-0.3..0.3));
+    let thing = on_table(shape(rng), x, y, rng.random_range(0.0..std::f64::consts::PI));
+    let hand = usize::from(y < 0.0);
+    let mut actor = at_table(subject, known, &[thing], seed)?;
+    let thing = actor.scene.thing(THING).ok_or("the thing is not in the scene")?;
+    let Ok(height) = actor.feel_table(0).and_then(|a| Ok(a.min(actor.feel_table(1)?))) else {
+        return Ok(None);
+    };
+    actor.know_table(height);
+    let Some(found) = actor.explore(hand).ok().flatten().filter(|found| found.thing == thing) else {
+        return Ok(None);
+    };
+    let receptor = match actor.hands[hand].receptors.contains(&found.receptor) {
+        true => found.receptor,
+        false => match actor.touch(&found, hand, false, 1) {
+            Ok(touching) if touching.found.thing == thing => touching.found.receptor,
+            _ => return Ok(None),
+        },
+    };
+    Ok(actor.scene.hold(receptor).then_some((actor, receptor)))
+}

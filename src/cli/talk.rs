@@ -1,0 +1,93 @@
+//! `bodyschema talk`: a conversation with a creature among things.
+
+use std::io::{BufRead, IsTerminal, Write};
+use std::path::PathBuf;
+
+use super::open::own_body;
+use super::{Failure, Outcome, output};
+use crate::creature::JointSelection;
+use crate::interaction::{Actor, Conversation, Scene};
+use crate::record::model_hash;
+
+/// Talk to a creature among things: it answers what a partner asks of it, line by line.
+///
+/// It is blindfolded: all that it knows of its body is the schema of a session, and all that it knows of the scene it
+/// has felt. Ask it in plain words, from a terminal or through a pipe: whether there is something in front of it, to
+/// touch it with a hand, how far it is, where it feels it, to put it as far away as possible, to bring it near, to lean
+/// forward and try again. What a hand touches it can hold: it is welded to the hand until it is put down.
+#[derive(clap::Args)]
+#[command(after_help = "Examples:
+  bodyschema babble mjcf/max/max.xml --out sessions/max
+  bodyschema talk mjcf/max/table.xml --schema sessions/max
+  echo 'is there something in front of you?' | bodyschema talk mjcf/max/table.xml --schema sessions/max --json")]
+pub struct Args {
+    /// The MJCF file of the scene: the creature that learned the schema, a table before it, things on the table
+    scene: PathBuf,
+    /// The session whose schema it acts by
+    #[arg(long, value_name = "SESSION")]
+    schema: PathBuf,
+    /// The two limbs that it acts with
+    #[arg(long, value_name = "LIMB,LIMB", default_value = "left_hand,right_hand", value_delimiter = ',')]
+    hands: Vec<String>,
+    /// Seed of the ways that it tries
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// Print one JSON object per answer: heard, intent, said, done, asks, felt
+    #[arg(long)]
+    json: bool,
+}
+
+pub fn run(args: &Args) -> Outcome {
+    let [first, second] = args.hands.as_slice() else {
+        return Err(Failure(format!(
+            "--hands names {} limbs: name two, as in left_hand,right_hand",
+            args.hands.len()
+        )));
+    };
+    let place = args.scene.display();
+    // A file that is not there is told of as such, before anything is simulated.
+    model_hash(&args.scene)?;
+    let (session, own) = own_body(&args.schema)?;
+    let selection: JointSelection = session.options.joints.parse().unwrap_or_default();
+    let scene = Scene::new(&args.scene, &selection, session.options.root.as_deref(), &[]);
+    let scene = scene.map_err(|error| Failure(format!("{place}: {error}")))?;
+    let actor = Actor::new(own, scene, [first, second], args.seed);
+    let actor = actor.map_err(|clause| Failure(format!("{place}: {clause}")))?;
+    let mut conversation = Conversation::new(actor)?;
+    let terminal = std::io::stdin().is_terminal();
+    if terminal {
+        eprintln!("{} listens. An empty line or end of file ends the conversation.", session.creature.name());
+    }
+    for line in prompted(terminal) {
+        let line = line.map_err(|error| Failure(format!("standard input cannot be read: {error}")))?;
+        let request = line.trim();
+        if request.is_empty() && terminal {
+            break;
+        }
+        if request.is_empty() {
+            continue;
+        }
+        let reply = conversation.hear(request)?;
+        if args.json {
+            output::line(format_args!("{}", reply.to_json(request)));
+        } else {
+            if !terminal {
+                say!("> {request}");
+            }
+            say!("{}", reply.said);
+        }
+    }
+    Ok(())
+}
+
+/// The lines of standard input, each asked for where a person types.
+fn prompted(terminal: bool) -> impl Iterator<Item = std::io::Result<String>> {
+    let mut lines = std::io::stdin().lock().lines();
+    std::iter::from_fn(move || {
+        if terminal {
+            eprint!("> ");
+            let _ = std::io::stderr().flush();
+        }
+        lines.next()
+    })
+}
