@@ -290,6 +290,15 @@ impl Actor {
         Ok(Stop::Arrived)
     }
 
+    /// Is put into a posture by a partner: nothing is felt on the way, and nothing is remembered of it.
+    ///
+    /// # Errors
+    /// Where the engine fails.
+    pub fn place(&mut self, posture: &[f64]) -> mujoco::Result<()> {
+        self.trail.clear();
+        self.scene.place(posture)
+    }
+
     /// Stays as it is for some time.
     ///
     /// # Errors

@@ -160,7 +160,7 @@ impl Conversation {
     /// Where the engine fails.
     pub fn new(mut actor: Actor) -> Result<Conversation, crate::mujoco::Error> {
         let ready = actor.ready();
-        actor.scene.place(&ready)?;
+        actor.place(&ready)?;
         actor.wait(0.5)?;
         Ok(Conversation { actor, things: Vec::new(), it: None, pending: None, last: None, ready })
     }

@@ -364,10 +364,25 @@ impl Scene {
         felt.into_iter().collect()
     }
 
+    /// The receptor of a limb that is nearest to a contact.
+    fn nearest(&self, limb: usize, contact: &Contact) -> Option<usize> {
+        let frame = self.body.limb_pose(&self.data, limb)?;
+        let point = frame.inverse_transform_point(&contact.position).coords;
+        let distance = |&r: &usize| (self.skin.receptors[r].position - point).norm_squared();
+        let on_limb = (0..self.skin.receptors.len()).filter(|&r| self.skin.receptors[r].limb == limb);
+        on_limb.min_by(|a, b| distance(a).total_cmp(&distance(b)))
+    }
+
     fn read(&self, contact: &Contact, felt: &mut BTreeSet<Feeling>) {
         let bodies = contact.geoms.map(|geom| self.body.model.geom_body(geom));
         let ends = self.reader.ends(&self.body, &self.skin, &self.data, contact);
-        let receptors = ends.map(|end| end.map(|end| end.receptor));
+        let mut receptors = ends.map(|end| end.map(|end| end.receptor));
+        // Skin between two patches is felt by the nearer one.
+        for (receptor, geom) in receptors.iter_mut().zip(contact.geoms) {
+            if let (None, Some(limb)) = (*receptor, self.body.limb_of_geom(geom)) {
+                *receptor = self.nearest(limb, contact);
+            }
+        }
         match contact.geoms.map(|geom| self.body.limb_of_geom(geom)) {
             [Some(_), Some(_)] => {
                 if let [Some(a), Some(b)] = receptors {

@@ -2,8 +2,10 @@
 //! far away or near (IVA 2009, section 4).
 
 use nalgebra::Vector3;
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
 
-use super::actor::{Actor, CAREFUL, Found, SWIFT, Stop};
+use super::actor::{Actor, CAREFUL, Found, Hand, SWIFT, Stop};
 use super::scene::{Feeling, Touched};
 use crate::kinematics::{Facing, InverseKinematics, Place, REACHED};
 use crate::mujoco;
@@ -17,10 +19,13 @@ const LANE: f64 = 0.06;
 const STRIDE: f64 = 0.02;
 /// How clear ways keep of everything, metres.
 const MARGIN: f64 = 0.006;
-/// How much room a thing is given that was felt, metres: what is not known of it.
-const ROOM: f64 = 0.05;
-/// How high a thing is lifted, metres.
-const LIFT: f64 = 0.06;
+/// Radii of the room that a thing is given that was felt, metres, of which not more is known than where it begins: the
+/// greatest that leaves a way.
+const ROOMS: [f64; 3] = [0.11, 0.06, 0.03];
+/// How high a thing is lifted, metres: the highest of these that its way allows.
+const LIFTS: [f64; 3] = [0.12, 0.08, 0.05];
+/// How far a hand is raised off what it let go, metres.
+const LIFT: f64 = 0.05;
 /// Least size of a thing's height, metres: the table is not felt through what is lower.
 const SETTLE: f64 = 0.002;
 
@@ -142,9 +147,8 @@ impl Actor {
     }
 
     fn go_by(&mut self, from: &[f64], target: &[f64], joints: &[usize]) -> Result<(), Trouble> {
-        use rand::SeedableRng;
         self.seed = self.seed.wrapping_add(1);
-        let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(self.seed);
+        let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
         let way = find_way(&self.own, &self.clearance, [from, target], joints, MARGIN, &mut rng);
         self.pass(&way.ok_or(OutOfReach::Barred)?, SWIFT)
     }
@@ -260,9 +264,8 @@ impl Actor {
         for lane in lanes {
             let from = self.posture();
             let first = lane.0.first().expect("lanes are not empty").clone();
-            use rand::SeedableRng;
             self.seed = self.seed.wrapping_add(1);
-            let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(self.seed);
+            let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
             let way = find_way(&self.own, &self.clearance, [&from, &first], &arm, MARGIN, &mut rng);
             let Some(way) = way else { continue };
             for (way, speed) in [(&way, CAREFUL * 2.0), (&lane, CAREFUL * 2.0)] {
@@ -330,16 +333,19 @@ impl Actor {
     ) -> Result<Touching, Trouble> {
         let Hand { arm, leaning, receptors, .. } = self.hands[hand].clone();
         let joints = if lean { leaning } else { arm };
-        // The thing is about where it was felt, of a size that nobody knows.
-        let guess = found.point + found.direction * ROOM;
-        let thing = Obstacle::Capsule { ends: [guess; 2], radius: ROOM - 0.01 };
         let mut aims = self.aims(found);
         let (mut corrected, mut trouble) = (0, Trouble::Nothing);
         while let Some(aim) = (!aims.is_empty()).then(|| aims.remove(0)) {
             let from = self.posture();
-            self.clearance.obstacles.push(thing.clone());
-            let planned = self.reaching(joints.clone()).approach(&from, &receptors, &aim);
-            self.clearance.obstacles.pop();
+            let mut planned = Err(OutOfReach::Barred);
+            for room in ROOMS {
+                self.clearance.obstacles.push(room_of(&aim, room));
+                planned = self.reaching(joints.clone()).approach(&from, &receptors, &aim);
+                self.clearance.obstacles.pop();
+                if planned != Err(OutOfReach::Barred) {
+                    break;
+                }
+            }
             let plan = match planned {
                 Ok(plan) => plan,
                 Err(reason @ OutOfReach::Unknown(_)) => return Err(reason.into()),
@@ -465,8 +471,8 @@ impl Actor {
             let q = joint.first_coordinate()..joint.first_coordinate() + count;
             target[q.clone()].copy_from_slice(&ready[q]);
         }
-        let guess = found.point + found.direction * ROOM;
-        self.clearance.obstacles.push(Obstacle::Capsule { ends: [guess; 2], radius: ROOM - 0.01 });
+        let aim = Aim { point: found.point, direction: found.direction };
+        self.clearance.obstacles.push(room_of(&aim, ROOMS[1]));
         let went = self.go_by(&back, &target, &arm);
         self.clearance.obstacles.pop();
         went
@@ -488,7 +494,7 @@ impl Actor {
         let (front, left, up, side) = (self.front, self.left(), self.up, self.side(hand));
         let from = self.posture();
         let own = &self.own;
-        let mut rng: rand_chacha::ChaCha8Rng = rand::SeedableRng::seed_from_u64(self.seed);
+        let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
         let mut starts = vec![from.clone(), own.at_ease()];
         starts.resize_with(2 + effort, || own.random_posture(&from, &joints, &mut rng));
         let solve = |forward: f64, across: f64, start: &[f64]| {
@@ -613,25 +619,31 @@ impl Actor {
         };
         let from = self.posture();
         let here = self.feels_at(receptor).0;
-        let raised = lifted(self, here + up * LIFT, &from);
+        let high = |actor: &Actor, point: Vector3<f64>, lift: f64, start: &[f64]| {
+            let posture = lifted(actor, point + up * lift, start);
+            let frame = actor.own.frames(&posture)[limb];
+            ((frame.point(&place.point) - point).dot(&up) > 0.8 * lift).then_some(posture)
+        };
+        let raise = |actor: &Actor, point, start: &[f64]| {
+            LIFTS.into_iter().find_map(|lift| Some((lift, high(actor, point, lift, start)?)))
+        };
+        let (Some((_, raised)), Some((lift, above))) =
+            (raise(self, here, &from), raise(self, spot.point, &spot.posture))
+        else {
+            return Err(OutOfReach::Barred.into());
+        };
         // What is held may scrape over what it stands on: that is no surprise.
         let expected = |_: &Actor, feeling: &Feeling| !matches!(feeling.what, Touched::Through(_));
         self.follow(&Way(vec![raised.clone()]), CAREFUL, expected)?;
-        let above = lifted(self, spot.point + up * LIFT, &spot.posture);
-        use rand::SeedableRng;
         self.seed = self.seed.wrapping_add(1);
-        let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(self.seed);
+        let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
         let way = find_way(&self.own, &self.clearance, [&raised, &above], &joints, MARGIN, &mut rng);
-        let way = way.ok_or(OutOfReach::Barred)?;
-        if let Stop::Felt(feelings) = self.follow(&way, SWIFT, |_, _| true)? {
-            self.unintended += 1;
-            return Err(Trouble::Hit(feelings));
-        }
+        self.pass(&way.ok_or(OutOfReach::Barred)?, SWIFT)?;
         let mut down = Vec::new();
         let mut posture = above.clone();
         for k in 1..=12 {
             let share = f64::from(k) / 12.0;
-            let point = spot.point + up * (LIFT * (1.0 - share));
+            let point = spot.point + up * (lift * (1.0 - share));
             posture = if k == 12 { spot.posture.clone() } else { lifted(self, point, &posture) };
             down.push(posture.clone());
         }
@@ -648,4 +660,8 @@ impl Actor {
     }
 }
 
-use super::actor::Hand;
+/// The room of a thing that begins at a place: a ball that the place is on.
+fn room_of(aim: &Aim, radius: f64) -> Obstacle {
+    let middle = aim.point + aim.direction * radius;
+    Obstacle::Capsule { ends: [middle; 2], radius }
+}

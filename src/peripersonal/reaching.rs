@@ -10,6 +10,7 @@ use super::path::{Way, distance, find_way};
 use crate::babbling::between;
 use crate::creature::DofKind;
 use crate::kinematics::{Facing, InverseKinematics, Place, REACHED, Reach};
+use crate::skin::Surface;
 
 /// From how far a place is approached straight, metres.
 const BEFORE: f64 = 0.06;
@@ -25,6 +26,10 @@ const STARTS: usize = 3;
 const CANDIDATES: usize = 12;
 /// What it is worth, in squared shares of the joints' ranges, that a receptor faces where it goes.
 const FACING: f64 = 1.5;
+/// What a metre is worth that other skin is ahead of the receptor.
+const PROTRUDING: f64 = 100.0;
+/// How far about a place other skin could touch the same thing, metres.
+const ABOUT: f64 = 0.1;
 
 /// A place in space that is to be touched.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -124,7 +129,8 @@ impl<'a> Reaching<'a> {
                 let reach = self.solve(place, aim, start);
                 nearest = nearest.min(reach.miss);
                 if reach.miss <= REACHED && reach.facing > 0.0 {
-                    let cost = self.effort(from, &reach.posture) - FACING * reach.facing;
+                    let cost = self.effort(from, &reach.posture) - FACING * reach.facing
+                        + PROTRUDING * self.protrusion(place.limb, &reach.posture, aim);
                     candidates.push(Candidate { receptor, reach, cost });
                 }
             }
@@ -163,6 +169,21 @@ impl<'a> Reaching<'a> {
             }
         }
         Err(OutOfReach::Barred)
+    }
+
+    /// How far other skin of the limb that touches, or of the one that carries it, is ahead of the place, metres: it would
+    /// touch first.
+    fn protrusion(&self, limb: usize, posture: &[f64], aim: &Aim) -> f64 {
+        let frames = self.own.frames(posture);
+        let near =
+            |surface: &&Surface| surface.limb == limb || self.own.creature.neighbouring(surface.limb, limb);
+        let ahead = self.own.skin.surfaces.iter().filter(near).filter_map(|surface| {
+            let frame = &frames[surface.limb];
+            let point = frame.point(&surface.support(&frame.rotation.tr_mul(&aim.direction))?) - aim.point;
+            let along = point.dot(&aim.direction);
+            ((point - aim.direction * along).norm() < ABOUT).then_some(along)
+        });
+        ahead.fold(0.0, f64::max)
     }
 
     /// The straight approach to a place, from before it to beyond it.

@@ -87,6 +87,6 @@ pub fn at_table(subject: &Subject, known: &Knowledge, things: &[Thing], seed: u6
     let actor = Actor::with_clearance(known.own.clone(), known.clearance.clone(), scene, HANDS, seed);
     let mut actor = actor.map_err(|clause| Failure(format!("{}: {clause}", subject.model().display())))?;
     let ready = actor.ready();
-    actor.scene.place(&ready)?;
+    actor.place(&ready)?;
     Ok(actor)
 }

@@ -35,7 +35,7 @@ const MEASUREMENTS: &[Column] = &[
     Column { name: "first", heading: "at the first go" },
     Column { name: "touched", heading: "touched" },
     Column { name: "error_mm", heading: "error, mm" },
-    Column { name: "aim_mm", heading: "aim, mm" },
+    Column { name: "felt_mm", heading: "felt, mm" },
     Column { name: "unintended", heading: "unintended" },
     Column { name: "result", heading: "result" },
 ];
@@ -46,7 +46,7 @@ const SUMMARY: &[Column] = &[
     Column { name: "first", heading: "at the first go" },
     Column { name: "touched", heading: "with one correction" },
     Column { name: "error_mm", heading: "error, mm" },
-    Column { name: "aim_mm", heading: "aim, mm" },
+    Column { name: "felt_mm", heading: "felt, mm" },
     Column { name: "unintended", heading: "unintended, share" },
 ];
 
@@ -56,9 +56,9 @@ struct Attempt {
     touched: bool,
     /// From where the thing was felt to where it was touched, on the thing, metres.
     error: f64,
-    /// From where the receptor that felt the thing was to where the skin of the hand is when it touches, metres.
+    /// From where the arm took itself to be touched to where it was, metres.
+    felt: f64,
     unintended: usize,
-    aim: f64,
     result: String,
 }
 
@@ -116,7 +116,7 @@ fn measure(subject: &Subject) -> Result<Findings, Failure> {
                             first: false,
                             touched: false,
                             error: f64::NAN,
-                            aim: f64::NAN,
+                            felt: f64::NAN,
                             unintended: 0,
                             result: "not felt".into(),
                         },
@@ -131,7 +131,7 @@ fn measure(subject: &Subject) -> Result<Findings, Failure> {
                     attempt.first.into(),
                     attempt.touched.into(),
                     (1e3 * attempt.error).into(),
-                    (1e3 * attempt.aim).into(),
+                    (1e3 * attempt.felt).into(),
                     attempt.unintended.into(),
                     attempt.result.clone().into(),
                 ]);
@@ -151,15 +151,15 @@ fn measure(subject: &Subject) -> Result<Findings, Failure> {
             rate(attempts, |a| a.first).into(),
             rate(attempts, |a| a.touched).into(),
             error(attempts, |a| a.error).into(),
-            error(attempts, |a| a.aim).into(),
+            error(attempts, |a| a.felt).into(),
             Cell::from(rate(attempts, |a| a.unintended > 0)),
         ]);
     }
     let [own, real] = &attempts;
     let ratio = rate(own, |a| a.touched) / rate(real, |a| a.touched);
     let notes = vec![
-        "error: from where the arm felt the thing to where the hand touched it, on the thing itself; aim: from where \
-         the receptor that felt it really was to the skin that was to arrive there, when it touched."
+        "error: from where the arm touched the thing to where the hand touched it, on the thing itself; felt: from where \
+         the arm, whose receptors have an extent, took itself to be touched to where it was."
             .to_string(),
         format!("Successes with the learned schema over those with the true one: {ratio:.3}. {passed_over} things were drawn that the other hand could truly not have reached."),
     ];
@@ -167,7 +167,7 @@ fn measure(subject: &Subject) -> Result<Findings, Failure> {
         ("success_first", json!(rate(own, |a| a.first))),
         ("success", json!(rate(own, |a| a.touched))),
         ("error_mm", json!(error(own, |a| a.error))),
-        ("aim_mm", json!(error(own, |a| a.aim))),
+        ("felt_mm", json!(error(own, |a| a.felt))),
         ("true_kinematics_success", json!(rate(real, |a| a.touched))),
         ("success_ratio", json!(ratio)),
         ("unintended", json!(rate(own, |a| a.unintended > 0))),
@@ -229,7 +229,7 @@ fn in_air(
     let limbs = arm.iter().skip(1).flat_map(|joint| truth.own.hand_of(joint + 1)).collect::<Vec<_>>();
     let receptors = truth.own.receptors_on(&limbs);
     let Some(&receptor) = receptors.choose(rng) else { return Ok(None) };
-    actor.scene.place(&posture)?;
+    actor.place(&posture)?;
     let (point, normal) = actor.feels_at(receptor);
     let x_wr = actor.scene.root_pose();
     let (point, normal) = (x_wr * Point3::from(point), x_wr * normal);
@@ -256,7 +256,7 @@ fn feel(subject: &Subject, own: &Knowledge, put: &Put, seed: u64) -> Result<Opti
     let found = match &put.arm {
         Some(posture) => {
             // A partner has put the arm there and holds the thing against it.
-            actor.scene.place(posture)?;
+            actor.place(posture)?;
             let felt = actor.wait(0.01)?;
             if felt.iter().any(|feeling| feeling.what != Touched::Thing(thing)) {
                 return Ok(None);
@@ -289,18 +289,16 @@ fn reachable(mut actor: Actor, felt: &Felt) -> bool {
 
 fn attempt(mut actor: Actor, felt: &Felt) -> Result<Attempt, Failure> {
     let hand = 1 - felt.hand;
-    let limb = actor.own.skin.receptors[felt.found.receptor].limb;
-    // Where the receptor really was, in the world.
-    let place = actor.own.place(felt.found.receptor);
-    let pose = actor.scene.body.limb_pose(&actor.scene.data, limb).unwrap_or_default();
-    let goal = pose * Point3::from(place.point);
+    // Both in the world: by the engine, and by the creature.
+    let really = actor.scene.thing_pose(felt.found.thing) * Point3::from(felt.at);
+    let believed = actor.scene.root_pose() * Point3::from(felt.found.point);
     actor.unintended = 0;
     let result = actor.touch(&felt.found, hand, false, 1);
     let mut attempt = Attempt {
         first: false,
         touched: false,
         error: f64::NAN,
-        aim: f64::NAN,
+        felt: (really - believed).norm(),
         unintended: actor.unintended,
         result: String::new(),
     };
@@ -312,9 +310,6 @@ fn attempt(mut actor: Actor, felt: &Felt) -> Result<Attempt, Failure> {
             if let Some(at) = actor.scene.touching_at(by, touching.found.thing) {
                 attempt.error = (at - felt.at).norm();
             }
-            let aimed = actor.own.place(touching.receptor);
-            let pose = actor.scene.body.limb_pose(&actor.scene.data, aimed.limb).unwrap_or_default();
-            attempt.aim = (pose * Point3::from(aimed.point) - goal).norm();
             attempt.result = "touched".into();
         }
         Ok(_) => attempt.result = "something else".into(),
