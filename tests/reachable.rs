@@ -2,7 +2,7 @@
 
 mod common;
 
-use bodyschema::babbling::{random_posture, wide_posture};
+use bodyschema::babbling::random_posture;
 use bodyschema::learning::Input;
 use bodyschema::peripersonal::{Level, OwnBody, ReachableMap};
 use bodyschema::skin::skin_of;
@@ -35,7 +35,7 @@ fn timing() {
         let mut rng = ChaCha8Rng::seed_from_u64(5);
         let (mut found, mut all) = (0, 0);
         for k in 0..200_000 {
-            let posture = if k % 2 == 0 { random_posture(&own.creature, &mut rng) } else { wide_posture(&own.creature, &mut rng) };
+            let _ = k; let posture = random_posture(&own.creature, &mut rng);
             let frames = own.frames(&posture);
             let p = map.frame.inverse_point(&frames[map.hand].point(&map.tip.point));
             all += 1;
