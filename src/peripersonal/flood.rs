@@ -16,8 +16,9 @@ use super::tip::{TipChain, Workspace};
 const DRAWN: usize = 4096;
 /// Such draws between looks at whether more are worth their while.
 const DRAWS: u64 = 16;
-/// Draws go on while at least this share of the postures find a voxel that was not reached before.
-const WORTH: f64 = 0.05;
+/// Draws go on while at least this share of the postures find a voxel that was not reached before: then they are the
+/// cheaper way.
+const WORTH: f64 = 0.3;
 /// The most rounds of draws.
 const MOST_ROUNDS: u64 = 16;
 /// The most steps from the posture in one voxel into the next.
@@ -132,27 +133,66 @@ impl Reached {
                 tries.extend(open.map(|index| (index as u32, number as u32)));
             }
             tries.sort_unstable();
-            let groups: Vec<&[(u32, u32)]> = tries.chunk_by(|a, b| a.0 == b.0).collect();
-            let found = groups.par_iter().map_init(
-                || (Workspace::default(), vec![0.0; chain.len()]),
-                |(workspace, coordinates), group| {
-                    let voxel = group[0].0;
-                    let middle: Vector3<f64> = self.lattice.middle(self.lattice.cell_at(voxel as usize));
-                    group.iter().find_map(|&(_, number)| {
-                        let start = self.coordinates_of(number as usize, chain.len());
-                        coordinates.iter_mut().zip(start).for_each(|(q, at)| *q = at);
-                        let half = self.lattice.half() - INSIDE;
-                        let outside = chain.seek(coordinates, &middle, half, STEPS, workspace);
-                        let kept = || coordinates.iter().map(|&q| q as f32).collect::<Vec<f32>>();
-                        (outside == 0.0).then(|| (voxel, kept()))
-                    })
-                },
-            );
-            let found: Vec<_> = found.collect();
             let begin = self.voxels.len();
-            found.iter().flatten().for_each(|(voxel, coordinates)| self.put(*voxel, coordinates));
+            self.nudge(chain, &tries);
+            tries.retain(|(voxel, _)| self.numbers[*voxel as usize] == 0);
+            self.seek(chain, &tries);
             front = begin..self.voxels.len();
         }
+    }
+
+    /// Goes into voxels by one step from the posture in a neighbour each, where the step is so short that the point is
+    /// bound to be inside after it: that need not be looked at.
+    fn nudge(&mut self, chain: &TipChain, tries: &[(u32, u32)]) {
+        let firsts = tries.chunk_by(|a, b| a.0 == b.0).filter_map(|group| group.first());
+        let mut firsts: Vec<(u32, u32)> = firsts.map(|&(voxel, number)| (number, voxel)).collect();
+        firsts.sort_unstable();
+        let groups: Vec<&[(u32, u32)]> = firsts.chunk_by(|a, b| a.0 == b.0).collect();
+        let half = self.lattice.half() - INSIDE;
+        let found = groups.par_iter().map_init(
+            || (Workspace::default(), vec![0.0; chain.len()], vec![0.0; chain.len()]),
+            |(workspace, start, coordinates), group| {
+                let from = self.coordinates_of(group[0].0 as usize, chain.len());
+                start.iter_mut().zip(from).for_each(|(q, at)| *q = at);
+                let point = chain.point(start, workspace);
+                chain.differentiate(start, &point, workspace);
+                let mut found: Vec<(u32, Vec<f32>)> = Vec::new();
+                for &(_, voxel) in *group {
+                    let middle = self.lattice.middle(self.lattice.cell_at(voxel as usize));
+                    coordinates.copy_from_slice(start);
+                    let way = TipChain::way_into(&point, &middle, half);
+                    let (gone, off) = chain.step(coordinates, &way, workspace);
+                    if (point + gone - middle).amax() + off <= half {
+                        found.push((voxel, coordinates.iter().map(|&q| q as f32).collect()));
+                    }
+                }
+                found
+            },
+        );
+        let found: Vec<_> = found.collect();
+        found.iter().flatten().for_each(|(voxel, coordinates)| self.put(*voxel, coordinates));
+    }
+
+    /// Goes into voxels by as many steps as it takes, from one neighbour after the other.
+    fn seek(&mut self, chain: &TipChain, tries: &[(u32, u32)]) {
+        let groups: Vec<&[(u32, u32)]> = tries.chunk_by(|a, b| a.0 == b.0).collect();
+        let half = self.lattice.half() - INSIDE;
+        let found = groups.par_iter().map_init(
+            || (Workspace::default(), vec![0.0; chain.len()]),
+            |(workspace, coordinates), group| {
+                let voxel = group[0].0;
+                let middle: Vector3<f64> = self.lattice.middle(self.lattice.cell_at(voxel as usize));
+                group.iter().find_map(|&(_, number)| {
+                    let start = self.coordinates_of(number as usize, chain.len());
+                    coordinates.iter_mut().zip(start).for_each(|(q, at)| *q = at);
+                    let outside = chain.seek(coordinates, &middle, half, STEPS, workspace);
+                    let kept = || coordinates.iter().map(|&q| q as f32).collect::<Vec<f32>>();
+                    (outside == 0.0).then(|| (voxel, kept()))
+                })
+            },
+        );
+        let found: Vec<_> = found.collect();
+        found.iter().flatten().for_each(|(voxel, coordinates)| self.put(*voxel, coordinates));
     }
 
     /// The same voxels in a box no larger than they need.

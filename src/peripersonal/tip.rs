@@ -47,13 +47,17 @@ pub struct TipChain {
     tip: Vector3<f64>,
     /// The place of each of its coordinates in a posture of the whole body.
     coordinates: Vec<usize>,
+    /// How far from its beginning the point can be, metres.
+    length: f64,
 }
 
 /// What a solution is worked out in; kept by the caller so that its buffers are used again.
 #[derive(Clone, Debug, Default)]
 pub struct Workspace {
     /// Per link, its axis in the frame and where it turns.
-    placed: Vec<(Vector3<f64>, Vector3<f64>, Matrix3<f64>)>,
+    placed: Vec<(Vector3<f64>, Vector3<f64>)>,
+    /// Per ball, the axes about which it turns.
+    turned: Vec<Matrix3<f64>>,
     /// Link, which axis of a ball, and how the point moves with it.
     columns: Vec<(usize, usize, Vector3<f64>)>,
     held: Vec<bool>,
@@ -73,7 +77,7 @@ impl TipChain {
         let (creature, schema) = (&own.creature, &own.schema);
         let origin = frame.inverse();
         let (mut offset, mut turned) = (origin.origin, origin.rotation);
-        let (mut links, mut coordinates, mut leaders) = (Vec::new(), Vec::new(), Vec::new());
+        let (mut links, mut coordinates, mut leaders): (Vec<Link>, _, _) = (Vec::new(), Vec::new(), Vec::new());
         let joints = own.joints_to(place.limb);
         let leads = |dof: usize| joints.iter().any(|&j| moves(j) && creature.joints()[j].dof_indices().contains(&dof));
         for &j in &joints {
@@ -112,7 +116,13 @@ impl TipChain {
                 leaders.iter().find(|(dof, _)| *dof == leader).map(|(_, at)| (*at, coupling))
             });
         }
-        TipChain { links, tip: offset + turned * place.point, coordinates }
+        let tip = offset + turned * place.point;
+        let tail = if links.is_empty() { 0.0 } else { tip.norm() };
+        let offsets = links.iter().skip(1).map(|link| link.offset.norm());
+        let slides = links.iter().filter(|link| link.kind == DofKind::Slide);
+        let shifts = slides.map(|link| link.range[0].abs().max(link.range[1].abs()));
+        let length = tail + offsets.sum::<f64>() + shifts.sum::<f64>();
+        TipChain { links, tip, coordinates, length }
     }
 
     /// How many numbers its coordinates are.
@@ -137,12 +147,7 @@ impl TipChain {
 
     /// Where it begins, and how far from there the point can be, metres.
     pub fn reach(&self) -> (Vector3<f64>, f64) {
-        let begin = self.links.first().map_or(self.tip, |link| link.offset);
-        let tail = if self.links.is_empty() { 0.0 } else { self.tip.norm() };
-        let offsets = self.links.iter().skip(1).map(|link| link.offset.norm());
-        let slides = self.links.iter().filter(|link| link.kind == DofKind::Slide);
-        let shifts = slides.map(|link| link.range[0].abs().max(link.range[1].abs()));
-        (begin, tail + offsets.sum::<f64>() + shifts.sum::<f64>())
+        (self.links.first().map_or(self.tip, |link| link.offset), self.length)
     }
 
     /// Puts every coordinate where what it follows has it, and within its range.
@@ -170,7 +175,7 @@ impl TipChain {
                 turn_ball(&mut q[link.at..], &(axis * angle), high);
             } else {
                 let share = number();
-                // Half of the numbers go to the outer fifths of the range where ends are favoured.
+                // More of the numbers go to the ends of the range where those are favoured.
                 let share = if wide { 0.5 - 0.5 * (std::f64::consts::PI * share).cos() } else { share };
                 q[link.at] = low + (high - low) * share;
             }
@@ -180,30 +185,34 @@ impl TipChain {
 
     /// Where the point is.
     pub fn point(&self, q: &[f64], workspace: &mut Workspace) -> Vector3<f64> {
-        let Workspace { placed, .. } = workspace;
+        let Workspace { placed, turned: balls, .. } = workspace;
         placed.clear();
+        balls.clear();
         let (mut turned, mut origin) = (Matrix3::identity(), Vector3::zeros());
         for link in &self.links {
-            origin += turned * link.offset;
-            let axis = turned * link.axis;
+            origin += turn(&turned, &link.offset);
+            let axis = turn(&turned, &link.axis);
+            placed.push((axis, origin));
             match link.kind {
                 DofKind::Hinge => {
-                    placed.push((axis, origin, Matrix3::identity()));
                     let (sine, cosine) = q[link.at].sin_cos();
-                    turned *= rotation(&link.axis, sine, 1.0 - cosine);
+                    turned = product(&turned, &rotation(&link.axis, sine, 1.0 - cosine));
                 }
-                DofKind::Slide => {
-                    placed.push((axis, origin, Matrix3::identity()));
-                    origin += axis * q[link.at];
-                }
+                DofKind::Slide => origin += axis * q[link.at],
                 DofKind::Ball => {
-                    placed.push((axis, origin, turned * link.turned));
                     let by = ball(&q[link.at..]).to_rotation_matrix().into_inner();
+                    balls.push(turned * link.turned);
                     turned *= link.turned * by * link.turned.transpose();
                 }
             }
         }
-        origin + turned * self.tip
+        origin + turn(&turned, &self.tip)
+    }
+
+    /// The way into a box about `middle`, `half` metres to each side: to the middle half of it.
+    pub(super) fn way_into(point: &Vector3<f64>, middle: &Vector3<f64>, half: f64) -> Vector3<f64> {
+        let offset = point - middle;
+        offset.map(|x| x.clamp(-INNER * half, INNER * half)) - offset
     }
 
     /// Brings the point into a box about `middle`, `half` metres to each side, in so many steps at the most, from the
@@ -234,21 +243,24 @@ impl TipChain {
             } else {
                 left = way.norm();
             }
-            self.step(q, &point, &aim(share), workspace);
+            self.differentiate(q, &point, workspace);
+            self.step(q, &aim(share), workspace);
         }
         f64::INFINITY
     }
 
-    /// One damped step of the point by `way`, within the ranges.
-    fn step(&self, q: &mut [f64], point: &Vector3<f64>, way: &Vector3<f64>, workspace: &mut Workspace) {
-        let Workspace { placed, columns, held, steps } = workspace;
+    /// How the point moves with each coordinate, from where [`TipChain::point`] found it.
+    pub(super) fn differentiate(&self, q: &[f64], point: &Vector3<f64>, workspace: &mut Workspace) {
+        let Workspace { placed, turned, columns, .. } = workspace;
         columns.clear();
-        for (k, (link, (axis, origin, turned))) in self.links.iter().zip(placed.iter()).enumerate() {
+        let mut balls = turned.iter();
+        for (k, (link, (axis, origin))) in self.links.iter().zip(placed.iter()).enumerate() {
             match link.kind {
                 DofKind::Hinge => columns.push((k, 0, axis.cross(&(point - origin)))),
                 DofKind::Slide => columns.push((k, 0, *axis)),
                 DofKind::Ball => {
-                    let column = |i: usize| (k, i, turned.column(i).cross(&(point - origin)));
+                    let axes = balls.next().copied().unwrap_or_else(Matrix3::identity);
+                    let column = |i: usize| (k, i, axes.column(i).cross(&(point - origin)));
                     columns.extend([0, 1, 2].map(column));
                 }
             }
@@ -263,18 +275,27 @@ impl TipChain {
                 led.2 += moved;
             }
         }
+    }
+
+    /// One damped step of the point by `way`, within the ranges, by what [`TipChain::differentiate`] found. Tells by
+    /// what way the point goes to first order, and how far off that is at the most, metres.
+    pub(super) fn step(
+        &self,
+        q: &mut [f64],
+        way: &Vector3<f64>,
+        workspace: &mut Workspace,
+    ) -> (Vector3<f64>, f64) {
+        let Workspace { columns, held, steps, .. } = workspace;
         held.clear();
         held.resize(columns.len(), false);
         steps.clear();
         steps.resize(columns.len(), 0.0);
         // Three rounds are enough for coordinates at their limits to be found out.
         for _ in 0..3 {
-            let mut normal = Matrix3::identity() * (DAMPING * DAMPING);
-            for ((.., column), _) in columns.iter().zip(held.iter()).filter(|(_, held)| !**held) {
-                normal += column * column.transpose();
-            }
-            let Some(inverse) = normal.try_inverse() else { return };
-            let dual = inverse * way;
+            let mut normal = Normal::default();
+            let free = columns.iter().zip(held.iter()).filter(|(_, held)| !**held);
+            free.for_each(|((.., column), _)| normal.add(column));
+            let dual = normal.solve(way);
             let mut stopped = false;
             for (c, (k, _, column)) in columns.iter().enumerate() {
                 if held[c] {
@@ -295,18 +316,83 @@ impl TipChain {
         }
         let longest = steps.iter().fold(0.0f64, |most, step| most.max(step.abs()));
         let scale = if longest > LONGEST_STEP { LONGEST_STEP / longest } else { 1.0 };
-        let mut turn = Vector3::zeros();
-        for ((k, i, _), step) in columns.iter().zip(steps.iter()) {
+        let (mut ball_turn, mut gone) = (Vector3::zeros(), Vector3::zeros());
+        let (mut turns, mut shifts) = (0.0, 0.0);
+        for ((k, i, column), step) in columns.iter().zip(steps.iter()) {
             let link = &self.links[*k];
-            if link.kind != DofKind::Ball {
-                q[link.at] += step * scale;
-            } else {
-                turn[*i] = step * scale;
+            let mut by = step * scale;
+            if link.kind == DofKind::Ball {
+                ball_turn[*i] = by;
                 if *i == 2 {
-                    turn_ball(&mut q[link.at..], &turn, link.range[1]);
+                    turn_ball(&mut q[link.at..], &ball_turn, link.range[1]);
                 }
+            } else {
+                let to = (q[link.at] + by).clamp(link.range[0], link.range[1]);
+                by = to - q[link.at];
+                q[link.at] = to;
             }
+            gone += column * by;
+            *(if link.kind == DofKind::Slide { &mut shifts } else { &mut turns }) += by.abs();
         }
         self.settle(q);
+        // Taylor's remainder: no second derivative by two angles is longer than the whole chain, none by an angle and a
+        // shift longer than 1. What follows others, or a ball that came to its end, goes another way.
+        let plain = self.links.iter().all(|link| link.follows.is_none() && link.kind != DofKind::Ball);
+        let off = 0.5 * self.length * turns * turns + turns * shifts;
+        (gone, if plain { off } else { f64::INFINITY })
     }
+}
+
+/// `J Jᵀ + λ² I` of three rows.
+struct Normal([f64; 6]);
+
+impl Default for Normal {
+    fn default() -> Normal {
+        let square = DAMPING * DAMPING;
+        Normal([square, 0.0, 0.0, square, 0.0, square])
+    }
+}
+
+impl Normal {
+    #[inline]
+    fn add(&mut self, c: &Vector3<f64>) {
+        let more = [c.x * c.x, c.x * c.y, c.x * c.z, c.y * c.y, c.y * c.z, c.z * c.z];
+        self.0.iter_mut().zip(more).for_each(|(sum, more)| *sum += more);
+    }
+
+    /// By Cramer's rule: the damping keeps the determinant from 0.
+    #[inline]
+    fn solve(&self, b: &Vector3<f64>) -> Vector3<f64> {
+        let [xx, xy, xz, yy, yz, zz] = self.0;
+        let rows = [Vector3::new(xx, xy, xz), Vector3::new(xy, yy, yz), Vector3::new(xz, yz, zz)];
+        let inverse = [rows[1].cross(&rows[2]), rows[2].cross(&rows[0]), rows[0].cross(&rows[1])];
+        let determinant = rows[0].dot(&inverse[0]);
+        (inverse[0] * b.x + inverse[1] * b.y + inverse[2] * b.z) / determinant
+    }
+}
+
+/// A rotation's product with a vector, written out: this is the innermost loop of every map.
+#[inline]
+fn turn(r: &Matrix3<f64>, v: &Vector3<f64>) -> Vector3<f64> {
+    Vector3::new(
+        r.m11 * v.x + r.m12 * v.y + r.m13 * v.z,
+        r.m21 * v.x + r.m22 * v.y + r.m23 * v.z,
+        r.m31 * v.x + r.m32 * v.y + r.m33 * v.z,
+    )
+}
+
+/// A rotation's product with another, written out as well.
+#[inline]
+fn product(a: &Matrix3<f64>, b: &Matrix3<f64>) -> Matrix3<f64> {
+    Matrix3::new(
+        a.m11 * b.m11 + a.m12 * b.m21 + a.m13 * b.m31,
+        a.m11 * b.m12 + a.m12 * b.m22 + a.m13 * b.m32,
+        a.m11 * b.m13 + a.m12 * b.m23 + a.m13 * b.m33,
+        a.m21 * b.m11 + a.m22 * b.m21 + a.m23 * b.m31,
+        a.m21 * b.m12 + a.m22 * b.m22 + a.m23 * b.m32,
+        a.m21 * b.m13 + a.m22 * b.m23 + a.m23 * b.m33,
+        a.m31 * b.m11 + a.m32 * b.m21 + a.m33 * b.m31,
+        a.m31 * b.m12 + a.m32 * b.m22 + a.m33 * b.m32,
+        a.m31 * b.m13 + a.m32 * b.m23 + a.m33 * b.m33,
+    )
 }

@@ -14,6 +14,7 @@ mod growth;
 mod learners;
 mod plot;
 mod policies;
+mod reachable;
 mod self_touch;
 mod sensations;
 mod subject;
@@ -34,7 +35,7 @@ use subject::Subject;
 use table::Table;
 
 /// The studies, in the order in which they are named to the user.
-const STUDIES: [&Study; 10] = [
+const STUDIES: [&Study; 11] = [
     &learners::STUDY,
     &policies::STUDY,
     &coverage::STUDY,
@@ -45,6 +46,7 @@ const STUDIES: [&Study; 10] = [
     &sensations::STUDY,
     &approach::STUDY,
     &self_touch::STUDY,
+    &reachable::STUDY,
 ];
 
 /// The model that is studied where none is named.
@@ -107,6 +109,9 @@ pub struct Args {
     /// [default: torso where the model names it, else all]
     #[arg(long)]
     joints: Option<JointSelection>,
+    /// A session whose schema is taken in place of one that is learned in each trial, where a study can do with one
+    #[arg(long, value_name = "SESSION")]
+    schema: Option<PathBuf>,
     /// Threads that babble; they change nothing but the time [default: one per core]
     #[arg(long, value_parser = clap::value_parser!(u16).range(1..=1024))]
     jobs: Option<u16>,
@@ -148,7 +153,8 @@ pub fn run(args: &Args) -> Outcome {
     let last = args.seed.checked_add(u64::from(args.trials) - 1);
     let last = last.ok_or("the last trial's seed would be too great: give a smaller --seed")?;
     let seeds: Vec<u64> = (args.seed..=last).collect();
-    let subject = Subject::new(&args.model, &selection, args.touches, seeds, threads(args.jobs))?;
+    let mut subject = Subject::new(&args.model, &selection, args.touches, seeds, threads(args.jobs))?;
+    subject.schema = args.schema.clone();
     let folder = study_folder(args.out.as_deref(), study.name)?;
     let began = Instant::now();
     let findings = (study.measure)(&subject)?;
@@ -170,6 +176,7 @@ pub fn run(args: &Args) -> Outcome {
             "trials": args.trials,
             "seed": args.seed,
             "joints": selection.to_string(),
+            "schema": args.schema,
         },
         "seeds": subject.seeds,
         "seconds": seconds,

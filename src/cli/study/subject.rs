@@ -16,8 +16,10 @@ use crate::creature::{Body, JointSelection};
 use crate::evaluation::{Evaluation, evaluate_learned};
 use crate::ground_truth::GroundTruth;
 use crate::interaction::World;
-use crate::learning::{Learned, Verdict};
+use crate::learning::{Input, Learned, Verdict};
 use crate::mujoco::Model;
+use crate::peripersonal::OwnBody;
+use crate::record::{SCHEMA_FILE, Session, TOUCHES_FILE, read_schema, read_touches};
 use crate::senses::Touch;
 use crate::skin::Skin;
 
@@ -36,6 +38,8 @@ pub struct Subject {
     pub touches: usize,
     /// One seed per trial: of its touches, its disturbances and its onsets.
     pub seeds: Vec<u64>,
+    /// A session whose schema is taken in place of one that is learned.
+    pub schema: Option<PathBuf>,
     model: PathBuf,
     joints: JointSelection,
     jobs: usize,
@@ -83,6 +87,7 @@ impl Subject {
             truth,
             touches,
             seeds,
+            schema: None,
             model,
             joints,
             jobs,
@@ -169,6 +174,31 @@ impl Subject {
         let seconds = began.elapsed().as_secs_f64();
         let evaluation = evaluate_learned(creature, skin, truth, &learned);
         Attempt { learned, seconds, evaluation }
+    }
+
+    /// What the creature knows of its body: the schema of the session that is named, else what it learns from a
+    /// trial's touches.
+    pub fn own_body(&self, seed: u64) -> Result<OwnBody, Failure> {
+        let (creature, skin) = (&self.body.creature, &self.skin);
+        if let Some(folder) = &self.schema {
+            let session = Session::read(folder)?;
+            if session.creature != *creature {
+                return Err(Failure(format!(
+                    "{}: its creature is not that of {}: name the model and the joints that it was babbled with",
+                    folder.display(),
+                    self.model.display()
+                )));
+            }
+            let log = read_touches(&folder.join(TOUCHES_FILE), creature, &session.skin)?;
+            let schema = read_schema(&folder.join(SCHEMA_FILE), creature)?;
+            return Ok(OwnBody::new(creature, &session.skin, schema, &log.touches, Input::Receptor));
+        }
+        let touches = self.babble(seed)?;
+        self.tell(seed, "learning");
+        let options = LearnOptions::default();
+        let mut learner = options.learner(creature, skin, seed);
+        touches.iter().for_each(|touch| learner.touch(touch));
+        Ok(OwnBody::new(creature, skin, learner.learn().schema, &touches, Input::Receptor))
     }
 
     /// The creature in a model made from its own.
