@@ -40,7 +40,7 @@ fn space(criterion: &mut Criterion) {
     criterion.bench_function("query: level, distance out of reach, posture", |bencher| {
         bencher.iter(|| {
             let point = next.next().expect("the cycle has no end");
-            black_box((map.level(point), map.beyond(point), map.posture_near(point)))
+            black_box(map.whereabouts(point))
         });
     });
     let cells: Vec<[i32; 3]> = map.voxels().map(|(cell, _)| cell).step_by(37).collect();

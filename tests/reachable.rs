@@ -92,14 +92,14 @@ fn a_folded_chain_puts_the_tip_where_the_whole_body_has_it() {
             for _ in 0..50 {
                 let mut posture = base.clone();
                 let drawn = chain.of_posture(&random_posture(&own.creature, &mut rng));
-                chain.put_into(&drawn, &mut posture);
+                chain.put_into(drawn.clone(), &mut posture);
                 let expected = frame.inverse_point(&own.frames(&posture)[limb].point(&place.point));
                 let found = chain.point(&drawn, &mut workspace);
                 assert!((found - expected).norm() < ROUNDING, "{found} {expected}");
                 // And it gets back there from another posture.
                 let mut coordinates = chain.of_posture(&base);
                 if chain.seek(&mut coordinates, &found, 1e-3, 100, &mut workspace) == 0.0 {
-                    chain.put_into(&coordinates, &mut posture);
+                    chain.put_into(coordinates, &mut posture);
                     own.creature.couple(&mut posture);
                     let arrived = frame.inverse_point(&own.frames(&posture)[limb].point(&place.point));
                     assert!((arrived - found).amax() <= 1e-3 + ROUNDING);
@@ -132,7 +132,12 @@ fn random_postures_are_on_the_map_and_every_voxel_has_a_posture_in_it() {
             assert!((tip(&own, &map, &posture) - middle).amax() <= map.lattice().half() + KEPT);
             for (q, dof) in own.creature.dofs_in_posture() {
                 let within = dof.range[0] - KEPT..=dof.range[1] + KEPT;
-                assert!(dof.kind.coordinates() > 1 || within.contains(&posture[q]), "{} {}", dof.name, posture[q]);
+                assert!(
+                    dof.kind.coordinates() > 1 || within.contains(&posture[q]),
+                    "{} {}",
+                    dof.name,
+                    posture[q]
+                );
             }
             for joint in trunk.iter().map(|&joint| &own.creature.joints()[joint]) {
                 let q = joint.first_coordinate();
@@ -159,7 +164,8 @@ fn levels_distances_and_postures_agree() {
         let (level, beyond) = (map.level(&point), map.beyond(&point));
         assert_eq!(level == Level::OutOfReach, beyond > 0.0, "{level:?} by {beyond}");
         // No voxel is nearer than the nearest.
-        let nearest = map.voxels().map(|(cell, _)| map.lattice().distance(cell, &point)).fold(f64::INFINITY, f64::min);
+        let nearest =
+            map.voxels().map(|(cell, _)| map.lattice().distance(cell, &point)).fold(f64::INFINITY, f64::min);
         assert_eq!(beyond, nearest);
         levels.push(level);
     }

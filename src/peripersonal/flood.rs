@@ -109,7 +109,10 @@ impl Reached {
                 let inside = self.lattice.distance_to_side(cell, &point) > INSIDE;
                 match self.lattice.index(cell) {
                     Some(index) if inside && self.numbers[index] == 0 => {
-                        found.push((index as u32, coordinates.iter().map(|&q| q as f32).collect::<Vec<f32>>()));
+                        found.push((
+                            index as u32,
+                            coordinates.iter().map(|&q| q as f32).collect::<Vec<f32>>(),
+                        ));
                     }
                     _ => {}
                 }
@@ -204,7 +207,8 @@ impl Reached {
                 (first[k], last[k]) = (first[k].min(cell[k]), last[k].max(cell[k]));
             }
         }
-        let counts = [0, 1, 2].map(|k| usize::try_from(i64::from(last[k]) - i64::from(first[k]) + 1).unwrap_or(0));
+        let counts =
+            [0, 1, 2].map(|k| usize::try_from(i64::from(last[k]) - i64::from(first[k]) + 1).unwrap_or(0));
         let lattice = Lattice { first, counts, ..self.lattice.clone() };
         let mut numbers = vec![0; lattice.len()];
         let mut voxels = Vec::with_capacity(self.voxels.len());

@@ -33,6 +33,6 @@ pub use lattice::Lattice;
 pub use own_body::{Doubt, OwnBody, TRUSTED};
 pub use path::{Way, find_way};
 pub use prediction::{Meeting, Predicted};
-pub use reachable::{Level, ReachableMap, Unmappable};
+pub use reachable::{Level, ReachableMap, Unmappable, Whereabouts};
 pub use reaching::{Aim, Approach, OutOfReach, Reaching};
 pub use tip::{TipChain, Workspace};

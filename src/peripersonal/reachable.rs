@@ -54,6 +54,17 @@ impl Level {
     }
 }
 
+/// What a map tells of a point.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Whereabouts {
+    /// How far away it is.
+    pub level: Level,
+    /// How far it is from the nearest voxel that can be reached, metres: 0 where it can.
+    pub beyond: f64,
+    /// A posture with the tip in its voxel, or in that nearest one.
+    pub posture: Vec<f64>,
+}
+
 /// Why there is no map of a limb.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Unmappable {
@@ -66,8 +77,12 @@ pub enum Unmappable {
 impl fmt::Display for Unmappable {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Unmappable::NoSkin(limb) => write!(f, "{limb} has no receptors that could reach for anything: name another limb"),
-            Unmappable::Voxel(side) => write!(f, "voxels of {side} m cannot be counted: give a side like 0.02"),
+            Unmappable::NoSkin(limb) => {
+                write!(f, "{limb} has no receptors that could reach for anything: name another limb")
+            }
+            Unmappable::Voxel(side) => {
+                write!(f, "voxels of {side} m cannot be counted: give a side like 0.02")
+            }
         }
     }
 }
@@ -107,7 +122,8 @@ impl OwnBody {
                 return others.iter().all(|&other| carried[other]);
             }
             let own_line = ancestors(first);
-            let beside = |limb: usize| carried[limb] && !self.carried_by(first)[limb] && !own_line.contains(&limb);
+            let beside =
+                |limb: usize| carried[limb] && !self.carried_by(first)[limb] && !own_line.contains(&limb);
             ancestor != first && (0..self.creature.limbs().len()).any(beside)
         };
         ancestors(first).into_iter().find(|&ancestor| carries(ancestor)).unwrap_or(0)
@@ -166,8 +182,8 @@ impl ReachableMap {
         let mut posture = at_ease.clone();
         let mut coordinates = Vec::with_capacity(near * chains[1].len());
         for number in 0..near {
-            let arm: Vec<f64> = reached.coordinates_of(number, chains[0].len()).collect();
-            chains[0].put_into(&arm, &mut posture);
+            let arm = reached.coordinates_of(number, chains[0].len());
+            chains[0].put_into(arm, &mut posture);
             coordinates.extend(chains[1].of_posture(&posture).into_iter().map(|q| q as f32));
         }
         reached.coordinates = coordinates;
@@ -211,17 +227,24 @@ impl ReachableMap {
         self.shell.nearest(point).map_or(f64::INFINITY, |(_, distance)| distance)
     }
 
+    /// All that the map tells of a point in its frame.
+    pub fn whereabouts(&self, point: &Vector3<f64>) -> Whereabouts {
+        let cell = self.reached.lattice.cell(point);
+        let (level, number) = (self.level_of(cell), self.number(cell));
+        let nearest = if number.is_none() { self.shell.nearest(point) } else { Some((cell, 0.0)) };
+        let beyond = nearest.map_or(f64::INFINITY, |(_, distance)| distance);
+        let mut posture = self.at_ease.clone();
+        if let Some(number) = number.or_else(|| self.number(nearest?.0)) {
+            let coordinates = self.reached.coordinates_of(number, self.chains[1].len());
+            self.chains[1].put_into(coordinates, &mut posture);
+        }
+        Whereabouts { level, beyond, posture }
+    }
+
     /// A posture of the whole body with the tip in the voxel of a point in the map's frame; where none can be, in the
     /// nearest voxel to it.
     pub fn posture_near(&self, point: &Vector3<f64>) -> Vec<f64> {
-        let cell = self.reached.lattice.cell(point);
-        let number = self.number(cell).or_else(|| self.number(self.shell.nearest(point)?.0));
-        let mut posture = self.at_ease.clone();
-        if let Some(number) = number {
-            let coordinates: Vec<f64> = self.reached.coordinates_of(number, self.chains[1].len()).collect();
-            self.chains[1].put_into(&coordinates, &mut posture);
-        }
-        posture
+        self.whereabouts(point).posture
     }
 
     /// A posture of the whole body with the tip at a point in the map's frame, as near as it gets from
@@ -239,7 +262,7 @@ impl ReachableMap {
         let mut workspace = Workspace::default();
         chain.seek(&mut coordinates, point, EXACT, STEPS, &mut workspace);
         let miss = (chain.point(&coordinates, &mut workspace) - point).norm();
-        chain.put_into(&coordinates, &mut posture);
+        chain.put_into(coordinates, &mut posture);
         (posture, miss)
     }
 
@@ -276,7 +299,8 @@ impl ReachableMap {
     /// The outermost voxels beyond all that are reached: those that share a side with one and are not reached.
     pub fn just_beyond(&self) -> Vec<[i32; 3]> {
         let around = self.voxels().flat_map(|(cell, _)| super::flood::SIDES.map(|way| beside(cell, &way)));
-        let mut beyond: Vec<[i32; 3]> = around.filter(|&cell| self.level_of(cell) == Level::OutOfReach).collect();
+        let mut beyond: Vec<[i32; 3]> =
+            around.filter(|&cell| self.level_of(cell) == Level::OutOfReach).collect();
         beyond.sort_unstable();
         beyond.dedup();
         beyond

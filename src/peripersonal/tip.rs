@@ -77,9 +77,12 @@ impl TipChain {
         let (creature, schema) = (&own.creature, &own.schema);
         let origin = frame.inverse();
         let (mut offset, mut turned) = (origin.origin, origin.rotation);
-        let (mut links, mut coordinates, mut leaders): (Vec<Link>, _, _) = (Vec::new(), Vec::new(), Vec::new());
+        let (mut links, mut coordinates, mut leaders): (Vec<Link>, _, _) =
+            (Vec::new(), Vec::new(), Vec::new());
         let joints = own.joints_to(place.limb);
-        let leads = |dof: usize| joints.iter().any(|&j| moves(j) && creature.joints()[j].dof_indices().contains(&dof));
+        let leads = |dof: usize| {
+            joints.iter().any(|&j| moves(j) && creature.joints()[j].dof_indices().contains(&dof))
+        };
         for &j in &joints {
             let joint = &creature.joints()[j];
             offset += turned * schema.positions[j];
@@ -141,8 +144,8 @@ impl TipChain {
     }
 
     /// Puts its coordinates into a posture of the whole body.
-    pub fn put_into(&self, coordinates: &[f64], posture: &mut [f64]) {
-        self.coordinates.iter().zip(coordinates).for_each(|(&q, value)| posture[q] = *value);
+    pub fn put_into(&self, coordinates: impl IntoIterator<Item = f64>, posture: &mut [f64]) {
+        self.coordinates.iter().zip(coordinates).for_each(|(&q, value)| posture[q] = value);
     }
 
     /// Where it begins, and how far from there the point can be, metres.

@@ -65,22 +65,23 @@ fn own_body(folder: &Path) -> Result<OwnBody, Failure> {
 /// The limbs that reach: those that are named, else all with receptors whose names end in hand.
 pub(super) fn hands(own: &OwnBody, names: &[String]) -> Result<Vec<usize>, Failure> {
     let limbs = own.creature.limbs();
-    let touching: Vec<String> = (1..limbs.len())
-        .filter(|&limb| own.tip_of(limb).is_some())
-        .map(|limb| limbs[limb].clone())
-        .collect();
+    let touching: Vec<String> =
+        (1..limbs.len()).filter(|&limb| own.tip_of(limb).is_some()).map(|limb| limbs[limb].clone()).collect();
     let named = |name: &String| {
         let limb = own.creature.limb(name).filter(|limb| touching.contains(&limbs[*limb]));
         let choice = output::names(&touching);
-        limb.ok_or_else(|| Failure(format!("--hand {name}: there is no such limb with receptors: choose one of {choice}")))
+        limb.ok_or_else(|| {
+            Failure(format!("--hand {name}: there is no such limb with receptors: choose one of {choice}"))
+        })
     };
     if !names.is_empty() {
         let mut hands = names.iter().map(named).collect::<Result<Vec<usize>, Failure>>()?;
         hands.dedup();
         return Ok(hands);
     }
-    let hands: Vec<usize> =
-        (1..limbs.len()).filter(|&limb| limbs[limb].ends_with("hand") && is_hand(&own.creature, limb)).collect();
+    let hands: Vec<usize> = (1..limbs.len())
+        .filter(|&limb| limbs[limb].ends_with("hand") && is_hand(&own.creature, limb))
+        .collect();
     let hands: Vec<usize> = hands.into_iter().filter(|&limb| touching.contains(&limbs[limb])).collect();
     if hands.is_empty() {
         return Err(Failure(format!(
@@ -131,20 +132,23 @@ pub fn run(args: &Args) -> Outcome {
     let began = Instant::now();
     let mut maps = Vec::with_capacity(hands.len());
     for &hand in &hands {
-        maps.push(ReachableMap::new(&own, hand, chest, args.voxel).map_err(|error| Failure(format!("{}: {error}", args.session.display())))?);
+        maps.push(
+            ReachableMap::new(&own, hand, chest, args.voxel)
+                .map_err(|error| Failure(format!("{}: {error}", args.session.display())))?,
+        );
     }
     let seconds = began.elapsed().as_secs_f64();
     if let Some(path) = &args.vtk {
         vtk::write(path, &own, &maps)?;
     }
     if let Some(path) = &args.picture {
-        let svg = picture::svg(&own, &maps).map_err(|error| {
-            Failure(format!("{}: it cannot be drawn: {error}", path.display()))
-        })?;
+        let svg = picture::svg(&own, &maps)
+            .map_err(|error| Failure(format!("{}: it cannot be drawn: {error}", path.display())))?;
         output::file(path, &svg)?;
     }
     let limbs = own.creature.limbs();
-    let answers: Vec<Answer> = args.at.iter().flat_map(|at| maps.iter().map(|map| Answer::new(&own, map, at))).collect();
+    let answers: Vec<Answer> =
+        args.at.iter().flat_map(|at| maps.iter().map(|map| Answer::new(&own, map, at))).collect();
     if args.json {
         let told = maps.iter().map(|map| {
             let [near, far] = map.volumes().map(|volume| 1e3 * volume);
@@ -173,7 +177,12 @@ pub fn run(args: &Args) -> Outcome {
             })),
         }));
     }
-    say!("{}: voxels of {} m in the frame of {}, worked out in {seconds:.2} s", args.session.display(), args.voxel, limbs[chest]);
+    say!(
+        "{}: voxels of {} m in the frame of {}, worked out in {seconds:.2} s",
+        args.session.display(),
+        args.voxel,
+        limbs[chest]
+    );
     say!("  {:<24}{:>12}{:>12}   x, m             y, m             z, m", "", "near, l", "far, l");
     for map in &maps {
         let [near, far] = map.volumes().map(|volume| 1e3 * volume);
@@ -223,9 +232,10 @@ impl Answer {
     }
 
     fn json(&self, own: &OwnBody) -> Value {
-        let names = own.creature.dofs_in_posture().map(|(q, dof)| {
-            (dof.name.clone(), json!(self.posture[q..q + dof.kind.coordinates()]))
-        });
+        let names = own
+            .creature
+            .dofs_in_posture()
+            .map(|(q, dof)| (dof.name.clone(), json!(self.posture[q..q + dof.kind.coordinates()])));
         json!({
             "hand": own.creature.limbs()[self.hand],
             "level": self.level.name(),

@@ -9,13 +9,16 @@ use crate::peripersonal::{Lattice, Level, OwnBody, ReachableMap};
 /// Near and far, by how many hands get there: one, or more.
 const NEAR: [RGBColor; 2] = [RGBColor(86, 180, 233), RGBColor(0, 114, 178)];
 const FAR: [RGBColor; 2] = [RGBColor(250, 224, 170), RGBColor(240, 190, 90)];
-const LIMB: RGBColor = RGBColor(82, 96, 109);
+const LIMB: RGBColor = RGBColor(20, 24, 28);
 const GRID: RGBColor = RGBColor(226, 229, 233);
 const TEXT: RGBColor = RGBColor(82, 96, 109);
 /// A metre, pixels.
 const SCALE: f64 = 220.0;
 /// Room about a slice: to the left, above, between and below, pixels.
 const ROOM: (f64, f64, f64, f64) = (56.0, 64.0, 64.0, 76.0);
+
+/// Room about what is drawn of a slice, metres.
+const MARGIN: f64 = 0.05;
 
 /// A slice: its name, the axes to the right and upwards with what they are called, and the axis across it.
 struct Slice {
@@ -32,7 +35,7 @@ const SLICES: [Slice; 3] = [
 ];
 const NAMES: [&str; 3] = ["x", "y", "z"];
 
-/// Where the slices cross: the middle of what all hands reach nearby, but across the body the chest's own middle.
+/// Where the slices cross: the middle of what is near to any hand.
 fn crossing(maps: &[ReachableMap]) -> Vector3<f64> {
     let mut middle = Vector3::zeros();
     let mut count = 0.0;
@@ -105,8 +108,14 @@ pub fn svg(own: &OwnBody, maps: &[ReachableMap]) -> Result<String, Box<dyn std::
     let lattice = about(maps);
     let half = lattice.half();
     let at = lattice.cell(&crossing(maps));
-    let low = lattice.middle(lattice.first).add_scalar(-half - 0.05);
-    let size = Vector3::from(lattice.counts.map(|count| count as f64 * lattice.voxel + 0.1));
+    // The box about the voxels and the limbs.
+    let last = Vector3::from(lattice.counts.map(|count| count.saturating_sub(1) as f64)) * lattice.voxel;
+    let (mut low, mut high) = (lattice.middle(lattice.first), lattice.middle(lattice.first) + last);
+    for point in SLICES.iter().flat_map(|slice| outlines(own, first, slice)).flatten() {
+        (low, high) = (low.inf(&point), high.sup(&point));
+    }
+    let low = low.add_scalar(-half - MARGIN);
+    let size = (high - low).add_scalar(half + MARGIN);
     let (left, top, between, below) = ROOM;
     let pixels = |metres: f64| metres * SCALE;
     let width: f64 = SLICES.iter().map(|slice| pixels(size[slice.axes[0]]) + between).sum::<f64>() + left;
@@ -116,17 +125,22 @@ pub fn svg(own: &OwnBody, maps: &[ReachableMap]) -> Result<String, Box<dyn std::
         area.fill(&WHITE)?;
         let text = |size: u32| ("sans-serif", size).into_font().color(&TEXT);
         let hands: Vec<&str> = maps.iter().map(|map| own.creature.limbs()[map.hand].as_str()).collect();
-        let title = format!("{}: where {} can get to, in the frame of {}", own.creature.name(), hands.join(" and "), own.creature.limbs()[first.chest]);
+        let title = format!(
+            "{}: where {} can get to, in the frame of {}",
+            own.creature.name(),
+            hands.join(" and "),
+            own.creature.limbs()[first.chest]
+        );
         area.draw(&Text::new(title, (left as i32, 14), text(15)))?;
         let mut begin = left;
         for slice in &SLICES {
             let [a, b] = slice.axes;
-            // What is seen from above or from the front has the body's left, y, on the side where it is seen.
             let (from, to) = (begin, begin + pixels(size[a]));
             let bottom = top + pixels(size[b]);
-            let mirrored = a == 1;
+            // From above, the body faces up the page, and its left is to the left.
+            let mirrored = slice.across == 2;
             let place = |u: f64, v: f64| {
-                let along = if mirrored && slice.across == 2 { low[a] + size[a] - u } else { u - low[a] };
+                let along = if mirrored { low[a] + size[a] - u } else { u - low[a] };
                 ((from + pixels(along)).round() as i32, (bottom - pixels(v - low[b])).round() as i32)
             };
             for (cell, length, colour) in runs(maps, &lattice, slice, at[slice.across]) {
@@ -151,12 +165,17 @@ pub fn svg(own: &OwnBody, maps: &[ReachableMap]) -> Result<String, Box<dyn std::
             }
             for outline in outlines(own, first, slice) {
                 let points: Vec<(i32, i32)> = outline.iter().map(|p| place(p[a], p[b])).collect();
-                area.draw(&PathElement::new(points, LIMB.mix(0.55)))?;
+                area.draw(&PathElement::new(points, LIMB.mix(0.8)))?;
             }
             let across = f64::from(at[slice.across]) * lattice.voxel;
             let caption = format!("{}, {} = {across:.2} m", slice.name, NAMES[slice.across]);
             area.draw(&Text::new(caption, (from as i32, (top - 20.0) as i32), text(13)))?;
-            let axes = format!("{} to the {}, {} upwards, m", NAMES[a], if mirrored && slice.across == 2 { "left" } else { "right" }, NAMES[b]);
+            let axes = format!(
+                "{} to the {}, {} upwards, m",
+                NAMES[a],
+                if mirrored { "left" } else { "right" },
+                NAMES[b]
+            );
             area.draw(&Text::new(axes, (from as i32, (bottom + 22.0) as i32), text(12)))?;
             begin = to + between;
         }

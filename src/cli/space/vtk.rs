@@ -10,8 +10,9 @@ use crate::peripersonal::{Lattice, OwnBody, ReachableMap};
 
 /// Writes the maps: per hand 2 near, 1 far and 0 out of reach, in the box about all of them.
 pub fn write(path: &Path, own: &OwnBody, maps: &[ReachableMap]) -> Outcome {
-    std::fs::write(path, bytes(own, maps))
-        .map_err(|error| Failure(format!("cannot write {}: {error}: give another file with --vtk", path.display())))
+    std::fs::write(path, bytes(own, maps)).map_err(|error| {
+        Failure(format!("cannot write {}: {error}: give another file with --vtk", path.display()))
+    })
 }
 
 /// The box about the boxes of all maps.
@@ -29,11 +30,12 @@ fn bytes(own: &OwnBody, maps: &[ReachableMap]) -> Vec<u8> {
     let origin = lattice.middle(lattice.first);
     let chest = maps.first().map_or("", |map| &own.creature.limbs()[map.chest]);
     // The second line is a title of at most 255 characters.
-    let title: String = format!("{}: 2 near, 1 far, 0 out of reach; metres in the frame of {chest}", own.creature.name())
-        .chars()
-        .filter(|c| c.is_ascii_graphic() || *c == ' ')
-        .take(250)
-        .collect();
+    let title: String =
+        format!("{}: 2 near, 1 far, 0 out of reach; metres in the frame of {chest}", own.creature.name())
+            .chars()
+            .filter(|c| c.is_ascii_graphic() || *c == ' ')
+            .take(250)
+            .collect();
     let mut file = format!(
         "# vtk DataFile Version 3.0\n{title}\nBINARY\nDATASET STRUCTURED_POINTS\nDIMENSIONS {nx} {ny} {nz}\nORIGIN {} {} {}\n\
          SPACING {v} {v} {v}\nPOINT_DATA {}\n",
