@@ -30,6 +30,7 @@ fn moving(joints: &JointSelection) -> (Body, Skin) {
 }
 
 /// The first touches of seed 1, made by one thread, and what they cost.
+#[allow(dead_code, reason = "not every benchmark needs touches")]
 pub fn babble(babbler: &Babbler, touches: usize) -> (Vec<Touch>, Effort) {
     let mut made = Vec::with_capacity(touches);
     let receive = |touch: &Touch| {

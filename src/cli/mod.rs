@@ -21,6 +21,7 @@ mod open;
 mod output;
 mod progress;
 mod skin;
+mod space;
 mod study;
 mod talk;
 mod touches;
@@ -54,6 +55,7 @@ type Outcome = Result<(), Failure>;
   bodyschema skin creature.xml --output with_skin.xml    grow a skin on another creature
   bodyschema learn sessions/max --learner hersch         learn again from a session's touches
   bodyschema learn --creature robot.json --log touches.csv   learn from a recording of a real body
+  bodyschema space sessions/max --picture space.svg      where its hands can get to
   bodyschema export sessions/max --urdf                  the learned body for other programs
   bodyschema study learners --trials 5                   compare the learners over five seeds"
 )]
@@ -72,6 +74,8 @@ enum Command {
     Evaluate(evaluate::Args),
     /// Tell what a session's touches determine, how well, and what they leave open
     Observe(observe::Args),
+    /// Tell where a creature's hands can get to, by the schema of a session
+    Space(space::Args),
     /// Write a session's learned body as MJCF or URDF
     Export(export::Args),
     /// Tell a model's tree, degrees of freedom, limbs and receptors
@@ -96,6 +100,7 @@ pub fn run() -> ExitCode {
         Command::Learn(args) => learn::run(&args),
         Command::Evaluate(args) => evaluate::run(&args),
         Command::Observe(args) => observe::run(&args),
+        Command::Space(args) => space::run(&args),
         Command::Export(args) => export::run(&args),
         Command::Inspect(args) => inspect::run(&args),
         Command::Skin(args) => skin::run(&args),

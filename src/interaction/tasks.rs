@@ -583,17 +583,8 @@ impl Actor {
 
     /// How far a point of the root's frame is from the surface of every limb that has one, metres.
     pub fn distances(&self, point: &Vector3<f64>) -> Vec<(usize, f64)> {
-        let frames = self.frames();
-        let mut distances: Vec<(usize, f64)> = Vec::new();
-        for surface in &self.own.skin.surfaces {
-            let local = frames[surface.limb].inverse_point(point);
-            let Some((distance, _)) = surface.signed_distance(&local) else { continue };
-            match distances.iter_mut().find(|(limb, _)| *limb == surface.limb) {
-                Some((_, least)) => *least = least.min(distance),
-                None => distances.push((surface.limb, distance)),
-            }
-        }
-        distances
+        let distances = self.own.distances(&self.frames(), point);
+        distances.into_iter().enumerate().filter_map(|(limb, distance)| Some((limb, distance?))).collect()
     }
 
     /// Carries what a receptor holds to a spot: up, over, and down until it is felt to stand; then lets go and comes

@@ -51,7 +51,7 @@ struct Trial {
 }
 
 fn measure(subject: &Subject) -> Result<Findings, Failure> {
-    let learned = Knowledge::new(subject.own_body()?);
+    let learned = Knowledge::new(subject.own_body(subject.seeds[0])?);
     let truth = Knowledge::new(learned.own.with_schema(subject.truth.schema.clone()));
     let mut measurements = Table::new(MEASUREMENTS);
     let mut trials: [Vec<Trial>; 2] = Default::default();

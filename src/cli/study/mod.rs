@@ -17,6 +17,7 @@ mod learners;
 mod other_hand;
 mod plot;
 mod policies;
+mod reachable;
 mod self_touch;
 mod sensations;
 mod subject;
@@ -37,7 +38,7 @@ use subject::Subject;
 use table::Table;
 
 /// The studies, in the order in which they are named to the user.
-const STUDIES: [&Study; 12] = [
+const STUDIES: [&Study; 13] = [
     &learners::STUDY,
     &policies::STUDY,
     &coverage::STUDY,
@@ -50,6 +51,7 @@ const STUDIES: [&Study; 12] = [
     &self_touch::STUDY,
     &other_hand::STUDY,
     &farthest::STUDY,
+    &reachable::STUDY,
 ];
 
 /// The model that is studied where none is named.
@@ -179,6 +181,7 @@ pub fn run(args: &Args) -> Outcome {
             "trials": args.trials,
             "seed": args.seed,
             "joints": selection.to_string(),
+            "schema": args.schema,
         },
         "seeds": subject.seeds,
         "seconds": seconds,

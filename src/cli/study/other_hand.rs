@@ -72,7 +72,7 @@ struct Felt {
 }
 
 fn measure(subject: &Subject) -> Result<Findings, Failure> {
-    let learned = Knowledge::new(subject.own_body()?);
+    let learned = Knowledge::new(subject.own_body(subject.seeds[0])?);
     let truth = Knowledge::new(learned.own.with_schema(subject.truth.schema.clone()));
     let mut measurements = Table::new(MEASUREMENTS);
     let mut attempts: [Vec<Attempt>; 2] = Default::default();

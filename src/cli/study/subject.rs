@@ -175,8 +175,8 @@ impl Subject {
         Attempt { learned, seconds, evaluation }
     }
 
-    /// What the creature knows of itself: by the session that was named, or after babbling by the first seed.
-    pub fn own_body(&self) -> Result<OwnBody, Failure> {
+    /// What the creature knows of itself: by the session that was named, or after babbling by a seed.
+    pub fn own_body(&self, seed: u64) -> Result<OwnBody, Failure> {
         if let Some(folder) = &self.schema {
             let (session, own) = own_body(folder)?;
             if session.creature != self.body.creature {
@@ -190,7 +190,7 @@ impl Subject {
             }
             return Ok(own);
         }
-        let (creature, seed) = (&self.body.creature, self.seeds[0]);
+        let creature = &self.body.creature;
         let touches = self.babble(seed)?;
         self.tell(seed, "learning");
         let learned = self.learn(&LearnOptions::default(), &touches, seed).learned;

@@ -1,0 +1,308 @@
+//! Where a hand can get to: a map of voxels in the chest's frame, near, far and out of reach.
+//!
+//! The point of a hand is its tip: the place of its skin that is farthest from the joint that carries it. A voxel is
+//! near where the tip can be somewhere in it by the joints from the chest outwards, and far where the joints that carry
+//! the chest, the spine's, must lean as well. Only the joints' ranges count: whether limbs would be in each other, or in
+//! something that is known to be there, is not regarded; [`Clearance`](super::Clearance) tells it of the postures.
+
+use std::fmt;
+
+use nalgebra::Vector3;
+
+use super::flood::{Reached, beside};
+use super::lattice::Lattice;
+use super::own_body::OwnBody;
+use super::shell::Shell;
+use super::tip::{TipChain, Workspace};
+use crate::kinematics::{Frame, Place};
+
+/// The most voxels that a map may have about a hand, reached or not.
+const MOST_VOXELS: usize = 1 << 27;
+/// How near to the point a posture that reaches for it ends, metres, for each coordinate.
+const EXACT: f64 = 1e-4;
+/// The most steps of a posture that reaches for a point.
+const STEPS: usize = 60;
+
+/// How far away a place is, by what it takes to get there.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Level {
+    /// The arm alone reaches it.
+    Near,
+    /// The arm reaches it when the trunk leans.
+    Far,
+    /// Nothing does.
+    OutOfReach,
+}
+
+impl Level {
+    /// The number that stands for it in a file: 2 near, 1 far, 0 out of reach.
+    pub fn number(self) -> u8 {
+        match self {
+            Level::Near => 2,
+            Level::Far => 1,
+            Level::OutOfReach => 0,
+        }
+    }
+
+    /// Its name.
+    pub fn name(self) -> &'static str {
+        match self {
+            Level::Near => "near",
+            Level::Far => "far",
+            Level::OutOfReach => "out of reach",
+        }
+    }
+}
+
+/// What a map tells of a point.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Whereabouts {
+    /// How far away it is.
+    pub level: Level,
+    /// How far it is from the nearest voxel that can be reached, metres: 0 where it can.
+    pub beyond: f64,
+    /// A posture with the tip in its voxel, or in that nearest one.
+    pub posture: Vec<f64>,
+}
+
+/// Why there is no map of a limb.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Unmappable {
+    /// It has no receptors, hence no tip.
+    NoSkin(String),
+    /// Voxels of this side, metres, are none, or more than can be counted.
+    Voxel(f64),
+}
+
+impl fmt::Display for Unmappable {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Unmappable::NoSkin(limb) => {
+                write!(f, "{limb} has no receptors that could reach for anything: name another limb")
+            }
+            Unmappable::Voxel(side) => {
+                write!(f, "voxels of {side} m cannot be counted: give a side like 0.02")
+            }
+        }
+    }
+}
+
+impl std::error::Error for Unmappable {}
+
+/// The reachable space of one limb.
+#[derive(Clone, Debug)]
+pub struct ReachableMap {
+    /// The limb that reaches.
+    pub hand: usize,
+    /// The limb in whose frame the map is told: the chest.
+    pub chest: usize,
+    /// `X_RC`: the chest in the root's frame with the body at ease. It stays there while the chest leans.
+    pub frame: Frame,
+    /// The point of the hand.
+    pub tip: Place,
+    reached: Reached,
+    near: usize,
+    /// The joints that move: from the chest outwards, and all.
+    chains: [TipChain; 2],
+    shell: Shell,
+    at_ease: Vec<f64>,
+}
+
+impl OwnBody {
+    /// The limb that carries all of some limbs: their last common ancestor; for a single one, the last that carries
+    /// another part of the body as well.
+    pub fn carrier_of(&self, limbs: &[usize]) -> usize {
+        let ancestors = |limb: usize| {
+            std::iter::successors(Some(limb), |&limb| self.creature.parent_of(limb)).collect::<Vec<_>>()
+        };
+        let Some((&first, others)) = limbs.split_first() else { return 0 };
+        let carries = |ancestor: usize| {
+            let carried = self.carried_by(ancestor);
+            if !others.is_empty() {
+                return others.iter().all(|&other| carried[other]);
+            }
+            let own_line = ancestors(first);
+            let beside =
+                |limb: usize| carried[limb] && !self.carried_by(first)[limb] && !own_line.contains(&limb);
+            ancestor != first && (0..self.creature.limbs().len()).any(beside)
+        };
+        ancestors(first).into_iter().find(|&ancestor| carries(ancestor)).unwrap_or(0)
+    }
+
+    /// The place of a limb's skin that is farthest from the joint that carries it; none where it has no receptors.
+    pub fn tip_of(&self, limb: usize) -> Option<Place> {
+        let pose = self.creature.joint_of(limb).and_then(|joint| self.schema.limb_poses.get(joint));
+        let far = |place: &Place| pose.map_or(place.point, |pose| pose.point(&place.point)).norm();
+        let places = self.receptors_on(&[limb]).into_iter().map(|receptor| self.place(receptor));
+        places.max_by(|a, b| far(a).total_cmp(&far(b)))
+    }
+
+    /// How far a point in the root's frame is from every limb's surface, metres, negative inside: `frames` are the
+    /// limbs' poses. From receptors where a surface is not known; none for a limb without either.
+    pub fn distances(&self, frames: &[Frame], point: &Vector3<f64>) -> Vec<Option<f64>> {
+        let mut distances: Vec<Option<f64>> = vec![None; frames.len()];
+        let mut nearer = |limb: usize, distance: f64| {
+            let least = &mut distances[limb];
+            *least = Some(least.map_or(distance, |least| least.min(distance)));
+        };
+        let mut unknown = vec![true; frames.len()];
+        for surface in &self.skin.surfaces {
+            if let Some((distance, _)) = surface.signed_distance(&frames[surface.limb].inverse_point(point)) {
+                nearer(surface.limb, distance);
+                unknown[surface.limb] = false;
+            }
+        }
+        for receptor in self.skin.receptors.iter().filter(|receptor| unknown[receptor.limb]) {
+            nearer(receptor.limb, (frames[receptor.limb].point(&receptor.position) - point).norm());
+        }
+        distances
+    }
+}
+
+impl ReachableMap {
+    /// Works out where the tip of `hand` can get to, in the frame of `chest` with the body at ease, by voxels of a
+    /// side in metres. The threads of the pool it runs in change nothing but the time.
+    ///
+    /// # Errors
+    /// Where the hand has no skin, or voxels are too many or none.
+    pub fn new(own: &OwnBody, hand: usize, chest: usize, voxel: f64) -> Result<ReachableMap, Unmappable> {
+        let tip = own.tip_of(hand).ok_or_else(|| Unmappable::NoSkin(own.creature.limbs()[hand].clone()))?;
+        let at_ease = own.at_ease();
+        let frame = own.frames(&at_ease)[chest];
+        let carries_chest = own.joints_to(chest);
+        let chain = |moves: &dyn Fn(usize) -> bool| TipChain::new(own, &tip, &frame, &at_ease, moves);
+        let chains = [chain(&|joint| !carries_chest.contains(&joint)), chain(&|_| true)];
+        let (begin, reach) = chains[1].reach();
+        let countable = voxel > 0.0 && voxel.is_finite();
+        let lattice = countable.then(|| Lattice::around(&begin, reach, voxel, MOST_VOXELS)).flatten();
+        let mut reached = Reached::new(lattice.ok_or(Unmappable::Voxel(voxel))?);
+        reached.fill(&chains[0], &chains[0].of_posture(&at_ease), 0);
+        let near = reached.voxels.len();
+        // From here on every voxel keeps all coordinates: those of the arm, and the trunk's at ease.
+        let mut posture = at_ease.clone();
+        let mut coordinates = Vec::with_capacity(near * chains[1].len());
+        for number in 0..near {
+            let arm = reached.coordinates_of(number, chains[0].len());
+            chains[0].put_into(arm, &mut posture);
+            coordinates.extend(chains[1].of_posture(&posture).into_iter().map(|q| q as f32));
+        }
+        reached.coordinates = coordinates;
+        if chains[1].len() > chains[0].len() {
+            reached.fill(&chains[1], &chains[1].of_posture(&at_ease), 1 << 32);
+        }
+        let reached = reached.cropped();
+        let shell = Shell::new(&reached);
+        Ok(ReachableMap { hand, chest, frame, tip, reached, near, chains, shell, at_ease })
+    }
+
+    /// The voxels of the box about all that is reached.
+    pub fn lattice(&self) -> &Lattice {
+        &self.reached.lattice
+    }
+
+    /// How far away a voxel is, counted from the origin.
+    pub fn level_of(&self, cell: [i32; 3]) -> Level {
+        match self.number(cell) {
+            None => Level::OutOfReach,
+            Some(number) if number < self.near => Level::Near,
+            Some(_) => Level::Far,
+        }
+    }
+
+    fn number(&self, cell: [i32; 3]) -> Option<usize> {
+        let index = self.reached.lattice.index(cell)?;
+        (self.reached.numbers[index] as usize).checked_sub(1)
+    }
+
+    /// How far away a point is, in the map's frame: that of its voxel.
+    pub fn level(&self, point: &Vector3<f64>) -> Level {
+        self.level_of(self.reached.lattice.cell(point))
+    }
+
+    /// How far a point in the map's frame is from the nearest voxel that can be reached, metres: 0 where it can.
+    pub fn beyond(&self, point: &Vector3<f64>) -> f64 {
+        if self.level(point) != Level::OutOfReach {
+            return 0.0;
+        }
+        self.shell.nearest(point).map_or(f64::INFINITY, |(_, distance)| distance)
+    }
+
+    /// All that the map tells of a point in its frame.
+    pub fn whereabouts(&self, point: &Vector3<f64>) -> Whereabouts {
+        let cell = self.reached.lattice.cell(point);
+        let (level, number) = (self.level_of(cell), self.number(cell));
+        let nearest = if number.is_none() { self.shell.nearest(point) } else { Some((cell, 0.0)) };
+        let beyond = nearest.map_or(f64::INFINITY, |(_, distance)| distance);
+        let mut posture = self.at_ease.clone();
+        if let Some(number) = number.or_else(|| self.number(nearest?.0)) {
+            let coordinates = self.reached.coordinates_of(number, self.chains[1].len());
+            self.chains[1].put_into(coordinates, &mut posture);
+        }
+        Whereabouts { level, beyond, posture }
+    }
+
+    /// A posture of the whole body with the tip in the voxel of a point in the map's frame; where none can be, in the
+    /// nearest voxel to it.
+    pub fn posture_near(&self, point: &Vector3<f64>) -> Vec<f64> {
+        self.whereabouts(point).posture
+    }
+
+    /// A posture of the whole body with the tip at a point in the map's frame, as near as it gets from
+    /// [`posture_near`](ReachableMap::posture_near), and how far off it stays, metres. What is near is reached for
+    /// without leaning.
+    pub fn reach(&self, point: &Vector3<f64>) -> (Vec<f64>, f64) {
+        self.reach_from(point, &self.posture_near(point))
+    }
+
+    /// The same from another posture.
+    pub fn reach_from(&self, point: &Vector3<f64>, start: &[f64]) -> (Vec<f64>, f64) {
+        let chain = &self.chains[usize::from(self.level(point) != Level::Near)];
+        let mut posture = start.to_vec();
+        let mut coordinates = chain.of_posture(start);
+        let mut workspace = Workspace::default();
+        chain.seek(&mut coordinates, point, EXACT, STEPS, &mut workspace);
+        let miss = (chain.point(&coordinates, &mut workspace) - point).norm();
+        chain.put_into(coordinates, &mut posture);
+        (posture, miss)
+    }
+
+    /// The voxels that are reached, counted from the origin, with how far away they are.
+    pub fn voxels(&self) -> impl Iterator<Item = ([i32; 3], Level)> + '_ {
+        let level = |number: usize| if number < self.near { Level::Near } else { Level::Far };
+        let cells = self.reached.voxels.iter().map(|&voxel| self.reached.lattice.cell_at(voxel as usize));
+        cells.enumerate().map(move |(number, cell)| (cell, level(number)))
+    }
+
+    /// The volumes of what is near and of what is far, m³.
+    pub fn volumes(&self) -> [f64; 2] {
+        let far = self.reached.voxels.len() - self.near;
+        [self.near, far].map(|count| count as f64 * self.reached.lattice.voxel.powi(3))
+    }
+
+    /// How well two maps of the same voxels agree, of what is near and of all that is reached: the share of the voxels
+    /// of either that both have; 1 where neither has any.
+    pub fn overlap(&self, other: &ReachableMap) -> [f64; 2] {
+        let share = |reached: fn(Level) -> bool| {
+            let ours = self.voxels().filter(|(_, level)| reached(*level));
+            let (mut all, mut both) = (0usize, 0usize);
+            for (cell, _) in ours {
+                all += 1;
+                both += usize::from(reached(other.level_of(cell)));
+            }
+            let theirs = other.voxels().filter(|(_, level)| reached(*level)).count();
+            let either = all + theirs - both;
+            if either == 0 { 1.0 } else { both as f64 / either as f64 }
+        };
+        [share(|level| level == Level::Near), share(|level| level != Level::OutOfReach)]
+    }
+
+    /// The outermost voxels beyond all that are reached: those that share a side with one and are not reached.
+    pub fn just_beyond(&self) -> Vec<[i32; 3]> {
+        let around = self.voxels().flat_map(|(cell, _)| super::flood::SIDES.map(|way| beside(cell, &way)));
+        let mut beyond: Vec<[i32; 3]> =
+            around.filter(|&cell| self.level_of(cell) == Level::OutOfReach).collect();
+        beyond.sort_unstable();
+        beyond.dedup();
+        beyond
+    }
+}
