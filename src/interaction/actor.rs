@@ -83,6 +83,8 @@ pub struct Actor {
     pub front: Vector3<f64>,
     /// The height of the table's top along `up` in the root's frame, once it has been felt, metres.
     pub table: Option<f64>,
+    /// Whether it feels where on a receptor it is touched, not only on which.
+    pub fine_touch: bool,
     /// Contacts that no motion was meant to bring about.
     pub unintended: usize,
     /// The postures of the last motion, step by step.
@@ -166,7 +168,19 @@ impl Actor {
         };
         let hands = [hand(0)?, hand(1)?];
         let (table, unintended) = (None, 0);
-        Ok(Actor { own, scene, clearance, hands, up, front, table, unintended, trail: VecDeque::new(), seed })
+        Ok(Actor {
+            own,
+            scene,
+            clearance,
+            hands,
+            up,
+            front,
+            table,
+            unintended,
+            fine_touch: false,
+            trail: VecDeque::new(),
+            seed,
+        })
     }
 
     /// The posture that it is in.
@@ -322,9 +336,12 @@ impl Actor {
         let place = self.own.place(receptor);
         let before = self.trail.len().checked_sub(LATELY).map(|k| self.own.frames(&self.trail[k])[limb]);
         let moved = before.map(|before| frame.point(&place.point) - before.point(&place.point));
-        let place = match moved.and_then(|moved| moved.try_normalize(1e-4)) {
-            Some(ahead) => self.own.leading(receptor, &frame.rotation.tr_mul(&ahead)),
-            None => place,
+        let fine = self.fine_touch.then(|| self.scene.felt_point(feeling)).flatten();
+        let ahead = moved.and_then(|moved| moved.try_normalize(1e-4));
+        let place = match (fine.and_then(|point| self.own.on_surface(receptor, &point)), ahead) {
+            (Some(exact), _) => exact,
+            (None, Some(ahead)) => self.own.leading(receptor, &frame.rotation.tr_mul(&ahead)),
+            (None, None) => place,
         };
         let (point, direction) = (frame.point(&place.point), frame.rotation * place.direction);
         Some(Found { receptor, thing, posture: self.posture(), point, direction })

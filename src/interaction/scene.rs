@@ -12,6 +12,7 @@ use std::sync::Arc;
 use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion, Vector3};
 
 use super::world::{ProbePath, WorldError};
+use crate::babbling::SelfContact;
 use crate::creature::{Body, JointSelection, body_name};
 use crate::mjcf_xml::{element, exact};
 use crate::mujoco::{self, Contact, Data, JointKind, LONGEST_STEP, Model};
@@ -95,7 +96,8 @@ pub struct Scene {
     /// Steps since they were looked at, and the engine's coordinates then.
     watched: usize,
     before: Vec<f64>,
-    /// Geoms that overlap where the creature stands at ease: neighbours, and feet in a floor.
+    /// Geoms that do not feel each other: those of the creature that overlap by construction, and what it stands in at
+    /// ease, as feet in a floor; the lesser number first.
     overlapping: BTreeSet<[usize; 2]>,
 }
 
@@ -124,6 +126,7 @@ impl Scene {
             own_qpos[joint.qposadr..joint.qposadr + joint.kind.nq()].fill(true);
             own_dof[joint.dofadr..joint.dofadr + joint.kind.nv()].fill(true);
         }
+        let left_out = SelfContact::new(&body)?.left_out;
         let step = declared.timestep().min(LONGEST_STEP);
         body.model = Arc::new(declared.simulated(step, &own_dof)?.touching_with(&touchable)?);
         let reader = ContactReader::new(&body, &skin);
@@ -142,13 +145,14 @@ impl Scene {
             asleep: false,
             watched: 0,
             before: vec![f64::INFINITY; declared.nq()],
-            overlapping: BTreeSet::new(),
+            overlapping: left_out,
         };
         let at_ease = scene.posture.clone();
         scene.place(&at_ease)?;
         let creature = |geoms: [usize; 2]| geoms.iter().any(|&g| scene.body.limb_of_geom(g).is_some());
-        scene.overlapping =
-            scene.data.contacts().map(|contact| contact.geoms).filter(|geoms| creature(*geoms)).collect();
+        let overlapping = scene.data.contacts().map(|contact| sorted(contact.geoms));
+        let overlapping: BTreeSet<_> = overlapping.filter(|geoms| creature(*geoms)).collect();
+        scene.overlapping.extend(overlapping);
         Ok(scene)
     }
 
@@ -274,6 +278,16 @@ impl Scene {
         let turn = self.data.body_pose(thing).rotation;
         self.carried.retain(|carried| carried.body != thing);
         self.carried.push(Carried { body: thing, qposadr, dofadr, by: Carrier::Path(path, turn) });
+    }
+
+    /// Where on its limb a thing touches it, in the limb's frame, metres: what a sense of touch tells that is finer than
+    /// its receptors.
+    pub fn felt_point(&self, feeling: &Feeling) -> Option<Vector3<f64>> {
+        let Touched::Thing(thing) = feeling.what else { return None };
+        let limb = self.skin.receptors[feeling.receptor].limb;
+        let at = self.touching_at(limb, thing)?;
+        let world = self.data.body_pose(thing) * nalgebra::Point3::from(at);
+        Some(self.body.limb_pose(&self.data, limb)?.inverse_transform_point(&world).coords)
     }
 
     /// Where a limb and a thing really touch, in the frame of the thing, metres: for those who measure.
@@ -408,10 +422,15 @@ impl Scene {
     }
 }
 
+/// Two geoms, the one with the lesser number first.
+fn sorted([a, b]: [usize; 2]) -> [usize; 2] {
+    [a.min(b), a.max(b)]
+}
+
 /// Whether two geoms act on each other: not where they always overlap, nor a limb that carries the other, nor what is
 /// held and the limbs about it.
 fn meets(body: &Body, overlapping: &BTreeSet<[usize; 2]>, carried: &[Carried], geoms: [usize; 2]) -> bool {
-    if overlapping.contains(&geoms) {
+    if overlapping.contains(&sorted(geoms)) {
         return false;
     }
     match geoms.map(|geom| body.limb_of_geom(geom)) {

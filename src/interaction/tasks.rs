@@ -7,6 +7,7 @@ use rand_chacha::ChaCha8Rng;
 
 use super::actor::{Actor, CAREFUL, Found, Hand, SWIFT, Stop};
 use super::scene::{Feeling, Touched};
+use crate::creature::DofKind;
 use crate::kinematics::{Facing, InverseKinematics, Place, REACHED};
 use crate::mujoco;
 use crate::peripersonal::{Aim, Obstacle, OutOfReach, Reaching, Way, find_way, straight};
@@ -21,7 +22,11 @@ const STRIDE: f64 = 0.02;
 const MARGIN: f64 = 0.006;
 /// Radii of the room that a thing is given that was felt, metres, of which not more is known than where it begins: the
 /// greatest that leaves a way.
-const ROOMS: [f64; 3] = [0.11, 0.06, 0.03];
+const ROOMS: [f64; 4] = [0.15, 0.1, 0.06, 0.03];
+/// How clear of everything a hand waits, metres …
+const WAITING: f64 = 0.006;
+/// … and how high, the first of these that leaves it clear: in lengths of the arm above the joint that carries it.
+const READY_HEIGHTS: [f64; 4] = [-0.35, -0.25, -0.15, 0.0];
 /// How high a thing is lifted, metres: the highest of these that its way allows.
 const LIFTS: [f64; 3] = [0.12, 0.08, 0.05];
 /// How far a hand is raised off what it let go, metres.
@@ -97,7 +102,7 @@ impl Actor {
         frames[self.hands[hand].limb].origin.dot(&self.left()).signum()
     }
 
-    /// The posture in which both hands wait in front of the trunk, well above where they would touch a table.
+    /// The posture in which both hands wait in front of the trunk, clear of a table where one is known.
     pub fn ready(&mut self) -> Vec<f64> {
         let mut posture = self.own.at_ease();
         let frames = self.own.frames(&posture);
@@ -105,30 +110,30 @@ impl Actor {
             let Hand { arm, tip, limb, .. } = &self.hands[hand].clone();
             let root = frames[arm[0] + 1].origin;
             let length = (frames[*limb].origin - root).norm();
-            let point = self.front * (root.dot(&self.front) + 0.55 * length)
-                + self.left() * (root.dot(&self.left()) + self.side(hand) * 0.35 * length)
-                + self.up * (root.dot(&self.up) - 0.5 * length);
-            let target = Place { limb: 0, point, direction: Vector3::zeros() };
-            let ends = [Place { direction: Vector3::zeros(), ..self.own.place(*tip) }, target];
-            let solver = InverseKinematics::new(&self.own.creature, &self.own.schema, ends);
-            let mut solver = solver.moving(|joint| arm.contains(&joint)).at_ease(&posture.clone());
-            let mut start = posture.clone();
+            // What is near each other at ease is so for good.
+            let clearance =
+                self.clearance.moved_by(&self.own, arm).eased_at(std::slice::from_ref(&frames), WAITING);
+            let mut bent = posture.clone();
             // Bent joints make for an arm that does not reach down.
             for &joint in arm.iter().skip(1) {
                 let joint = &self.own.creature.joints()[joint];
-                for (k, dof) in joint
-                    .dofs
-                    .iter()
-                    .enumerate()
-                    .filter(|(_, dof)| dof.kind != crate::creature::DofKind::Ball)
-                {
-                    start[joint.first_coordinate() + k] = 0.5 * (dof.range[0] + dof.range[1]);
+                for (k, dof) in joint.dofs.iter().enumerate().filter(|(_, dof)| dof.kind != DofKind::Ball) {
+                    bent[joint.first_coordinate() + k] = 0.5 * (dof.range[0] + dof.range[1]);
                 }
             }
-            let found = [start, posture.clone()]
-                .iter()
-                .map(|start| solver.solve(start))
-                .find(|reach| reach.reached() && self.clearance.untangled(&self.own.frames(&reach.posture)));
+            let at = |height: f64| {
+                let point = self.front * (root.dot(&self.front) + 0.55 * length)
+                    + self.left() * (root.dot(&self.left()) + self.side(hand) * 0.35 * length)
+                    + self.up * (root.dot(&self.up) + height * length);
+                let target = Place { limb: 0, point, direction: Vector3::zeros() };
+                let ends = [Place { direction: Vector3::zeros(), ..self.own.place(*tip) }, target];
+                let solver = InverseKinematics::new(&self.own.creature, &self.own.schema, ends);
+                let mut solver = solver.moving(|joint| arm.contains(&joint)).at_ease(&posture);
+                [&bent, &posture].map(|start| solver.solve(start))
+            };
+            let waits = |posture: &[f64]| clearance.free(&self.own.frames(posture), WAITING);
+            let found =
+                READY_HEIGHTS.into_iter().flat_map(at).find(|reach| reach.reached() && waits(&reach.posture));
             if let Some(reach) = found {
                 posture = reach.posture;
             }
@@ -472,7 +477,7 @@ impl Actor {
             target[q.clone()].copy_from_slice(&ready[q]);
         }
         let aim = Aim { point: found.point, direction: found.direction };
-        self.clearance.obstacles.push(room_of(&aim, ROOMS[1]));
+        self.clearance.obstacles.push(room_of(&aim, ROOMS[2]));
         let went = self.go_by(&back, &target, &arm);
         self.clearance.obstacles.pop();
         went

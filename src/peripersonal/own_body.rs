@@ -109,13 +109,7 @@ impl OwnBody {
     /// A place of a limb's skin under a receptor's middle: on the surface itself, where the patch is but flat.
     pub fn place(&self, receptor: usize) -> Place {
         let place = self.skin.receptors[receptor].place(0.0);
-        let surface = self.skin.receptors[receptor].surface.map(|surface| &self.skin.surfaces[surface]);
-        match surface.and_then(|surface| surface.signed_distance(&place.point)) {
-            Some((distance, normal)) => {
-                Place { point: place.point - normal * distance, direction: normal, ..place }
-            }
-            None => place,
-        }
+        self.on_surface(receptor, &place.point).unwrap_or(place)
     }
 
     /// The place of a receptor's patch that leads when its limb moves in a direction, in the limb's frame: where a patch
@@ -141,13 +135,15 @@ impl OwnBody {
                 }
             }
         }
-        let on_surface = (weight > 1e-9).then(|| surface.signed_distance(&(point / weight))).flatten();
-        match on_surface {
-            Some((distance, normal)) => {
-                Place { limb: found.limb, point: point / weight - normal * distance, direction: normal }
-            }
-            None => self.place(receptor),
-        }
+        let leads = (weight > 1e-9).then(|| self.on_surface(receptor, &(point / weight))).flatten();
+        leads.unwrap_or_else(|| self.place(receptor))
+    }
+
+    /// The place of the surface under a receptor that is nearest to a point of the limb; none where it is not known.
+    pub fn on_surface(&self, receptor: usize, p_l: &Vector3<f64>) -> Option<Place> {
+        let found = &self.skin.receptors[receptor];
+        let (distance, normal) = self.skin.surfaces[found.surface?].signed_distance(p_l)?;
+        Some(Place { limb: found.limb, point: p_l - normal * distance, direction: normal })
     }
 
     /// The limbs of an aura limb by its name, or the limb of this name.

@@ -25,11 +25,15 @@ const STARTS: usize = 3;
 /// Candidates, the best first, for which a way is looked for.
 const CANDIDATES: usize = 12;
 /// What it is worth, in squared shares of the joints' ranges, that a receptor faces where it goes.
-const FACING: f64 = 1.5;
+const FACING: f64 = 0.7;
 /// What a metre is worth that other skin is ahead of the receptor.
-const PROTRUDING: f64 = 100.0;
-/// How far about a place other skin could touch the same thing, metres.
-const ABOUT: f64 = 0.1;
+const PROTRUDING: f64 = 120.0;
+/// How far aside of a place other skin could touch the same thing first, metres: from …
+const BESIDE: f64 = 0.012;
+/// … to.
+const ABOUT: f64 = 0.12;
+/// How far behind the place other skin had better be, metres.
+const BEHIND: f64 = 0.02;
 
 /// A place in space that is to be touched.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -87,6 +91,7 @@ pub struct Reaching<'a> {
 /// A posture that touches, before a way to it is known.
 struct Candidate {
     receptor: usize,
+    place: Place,
     reach: Reach,
     cost: f64,
 }
@@ -128,10 +133,17 @@ impl<'a> Reaching<'a> {
             for start in &starts {
                 let reach = self.solve(place, aim, start);
                 nearest = nearest.min(reach.miss);
+                if reach.miss > REACHED || reach.facing <= 0.0 {
+                    continue;
+                }
+                // What touches is the part of the patch that leads.
+                let ahead = self.own.frames(&reach.posture)[place.limb].rotation.tr_mul(&aim.direction);
+                let place = self.own.leading(receptor, &ahead);
+                let reach = self.solve(place, aim, &reach.posture);
                 if reach.miss <= REACHED && reach.facing > 0.0 {
                     let cost = self.effort(from, &reach.posture) - FACING * reach.facing
                         + PROTRUDING * self.protrusion(place.limb, &reach.posture, aim);
-                    candidates.push(Candidate { receptor, reach, cost });
+                    candidates.push(Candidate { receptor, place, reach, cost });
                 }
             }
         }
@@ -143,7 +155,7 @@ impl<'a> Reaching<'a> {
         }
         candidates.sort_by(|a, b| a.cost.total_cmp(&b.cost));
         let first = &candidates[0];
-        let place = self.own.place(first.receptor);
+        let place = first.place;
         self.own.trusts(&first.reach.posture, [place.limb, 0], &place.point).map_err(OutOfReach::Unknown)?;
         let mut looked_at = 0;
         for candidate in &candidates {
@@ -171,8 +183,8 @@ impl<'a> Reaching<'a> {
         Err(OutOfReach::Barred)
     }
 
-    /// How far other skin of the limb that touches, or of the one that carries it, is ahead of the place, metres: it would
-    /// touch first.
+    /// By how much other skin of the limb that touches, or of the one that carries it, fails to be well behind the place,
+    /// metres: it might touch first.
     fn protrusion(&self, limb: usize, posture: &[f64], aim: &Aim) -> f64 {
         let frames = self.own.frames(posture);
         let near =
@@ -181,14 +193,15 @@ impl<'a> Reaching<'a> {
             let frame = &frames[surface.limb];
             let point = frame.point(&surface.support(&frame.rotation.tr_mul(&aim.direction))?) - aim.point;
             let along = point.dot(&aim.direction);
-            ((point - aim.direction * along).norm() < ABOUT).then_some(along)
+            let aside = (point - aim.direction * along).norm();
+            (aside > BESIDE && aside < ABOUT).then_some(along + BEHIND)
         });
         ahead.fold(0.0, f64::max)
     }
 
     /// The straight approach to a place, from before it to beyond it.
     fn straight(&self, candidate: &Candidate, aim: &Aim) -> Way {
-        let place = self.own.place(candidate.receptor);
+        let place = candidate.place;
         let at = |along: f64, near: &[f64]| {
             let aim = Aim { point: aim.point + aim.direction * along, ..*aim };
             self.solver(place, &aim, near)

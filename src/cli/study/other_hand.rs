@@ -26,6 +26,9 @@ pub const STUDY: Study = Study {
 /// Draws of a thing until there is one that a hand feels and the other could truly reach.
 const DRAWS: usize = 60;
 
+/// By which schema it acts, and whether it feels points or only receptors.
+const CONDITIONS: [(&str, bool); 3] = [("learned", false), ("true", false), ("learned, feels points", true)];
+
 const MEASUREMENTS: &[Column] = &[
     Column { name: "seed", heading: "seed" },
     Column { name: "place", heading: "place" },
@@ -75,7 +78,7 @@ fn measure(subject: &Subject) -> Result<Findings, Failure> {
     let learned = Knowledge::new(subject.own_body(subject.seeds[0])?);
     let truth = Knowledge::new(learned.own.with_schema(subject.truth.schema.clone()));
     let mut measurements = Table::new(MEASUREMENTS);
-    let mut attempts: [Vec<Attempt>; 2] = Default::default();
+    let mut attempts: [Vec<Attempt>; 3] = Default::default();
     let mut passed_over = 0;
     for &seed in &subject.seeds {
         for (stream, place) in ["table", "air"].into_iter().enumerate() {
@@ -96,7 +99,7 @@ fn measure(subject: &Subject) -> Result<Findings, Failure> {
                 };
                 let Some(put) = put else { continue };
                 // Whether it is felt, and whether the other hand could truly reach it, is asked of the truth.
-                let Some((actor, felt)) = feel(subject, &truth, &put, seed)? else { continue };
+                let Some((actor, felt)) = feel(subject, &truth, &put, seed, false)? else { continue };
                 if reachable(actor, &felt) {
                     drawn = Some(put);
                     break;
@@ -104,8 +107,9 @@ fn measure(subject: &Subject) -> Result<Findings, Failure> {
                 passed_over += 1;
             }
             let Some(put) = drawn else { continue };
-            for (k, (name, own)) in [("learned", &learned), ("true", &truth)].into_iter().enumerate() {
-                let (limb, attempt) = match feel(subject, own, &put, seed)? {
+            for (k, (name, fine)) in CONDITIONS.into_iter().enumerate() {
+                let own = if name.starts_with("true") { &truth } else { &learned };
+                let (limb, attempt) = match feel(subject, own, &put, seed, fine)? {
                     Some((actor, felt)) => {
                         let limb = own.own.creature.limbs()[felt.limb].clone();
                         (limb, attempt(actor, &felt)?)
@@ -144,7 +148,7 @@ fn measure(subject: &Subject) -> Result<Findings, Failure> {
     let error = |attempts: &[Attempt], of: fn(&Attempt) -> f64| {
         1e3 * median(attempts.iter().filter(|a| a.touched).map(of).filter(|x| x.is_finite()))
     };
-    for (name, attempts) in ["learned", "true"].into_iter().zip(&attempts) {
+    for ((name, _), attempts) in CONDITIONS.into_iter().zip(&attempts) {
         summary.row([
             name.into(),
             attempts.len().into(),
@@ -155,7 +159,7 @@ fn measure(subject: &Subject) -> Result<Findings, Failure> {
             Cell::from(rate(attempts, |a| a.unintended > 0)),
         ]);
     }
-    let [own, real] = &attempts;
+    let [own, real, fine] = &attempts;
     let ratio = rate(own, |a| a.touched) / rate(real, |a| a.touched);
     let notes = vec![
         "error: from where the arm touched the thing to where the hand touched it, on the thing itself; felt: from where \
@@ -168,19 +172,24 @@ fn measure(subject: &Subject) -> Result<Findings, Failure> {
         ("success", json!(rate(own, |a| a.touched))),
         ("error_mm", json!(error(own, |a| a.error))),
         ("felt_mm", json!(error(own, |a| a.felt))),
+        ("fine_error_mm", json!(error(fine, |a| a.error))),
+        ("fine_success_first", json!(rate(fine, |a| a.first))),
+        ("fine_success", json!(rate(fine, |a| a.touched))),
         ("true_kinematics_success", json!(rate(real, |a| a.touched))),
         ("success_ratio", json!(ratio)),
         ("unintended", json!(rate(own, |a| a.unintended > 0))),
     ];
-    let series =
-        ["learned", "true"].into_iter().zip(&attempts).enumerate().map(|(k, (name, attempts))| Series {
-            name: name.to_string(),
-            line: Vec::new(),
-            dots: attempts.iter().map(|attempt| (1e3 * attempt.error, k as f64)).collect(),
-        });
+    let series = CONDITIONS.iter().zip(&attempts).enumerate().map(|(k, ((name, _), attempts))| Series {
+        name: name.to_string(),
+        line: Vec::new(),
+        dots: attempts.iter().map(|attempt| (1e3 * attempt.error, k as f64)).collect(),
+    });
     let plot = Plot {
         x: Axis { title: "from where it was felt to where it was touched, mm", scale: Scale::Logarithmic },
-        y: Axis { title: "", scale: Scale::Names(vec!["learned".into(), "true".into()]) },
+        y: Axis {
+            title: "",
+            scale: Scale::Names(CONDITIONS.iter().map(|(name, _)| (*name).into()).collect()),
+        },
         series: series.collect(),
     };
     Ok(Findings { measurements, summary, notes, plot, numbers })
@@ -230,7 +239,15 @@ fn in_air(
     let receptors = truth.own.receptors_on(&limbs);
     let Some(&receptor) = receptors.choose(rng) else { return Ok(None) };
     actor.place(&posture)?;
-    let (point, normal) = actor.feels_at(receptor);
+    // Anywhere on its patch.
+    let found = &truth.own.skin.receptors[receptor];
+    let mut along = |half: f64| rng.random_range(-half..half);
+    let flat = found.position
+        + found.tangent * along(found.half_extents[0])
+        + found.bitangent() * along(found.half_extents[1]);
+    let place = truth.own.on_surface(receptor, &flat).unwrap_or_else(|| truth.own.place(receptor));
+    let frame = actor.frames()[place.limb];
+    let (point, normal) = (frame.point(&place.point), frame.rotation * place.direction);
     let x_wr = actor.scene.root_pose();
     let (point, normal) = (x_wr * Point3::from(point), x_wr * normal);
     let shape = shape(rng);
@@ -243,8 +260,15 @@ fn in_air(
 }
 
 /// Lets the creature feel the thing; none where it does not, or feels more than it should.
-fn feel(subject: &Subject, own: &Knowledge, put: &Put, seed: u64) -> Result<Option<(Actor, Felt)>, Failure> {
+fn feel(
+    subject: &Subject,
+    own: &Knowledge,
+    put: &Put,
+    seed: u64,
+    fine: bool,
+) -> Result<Option<(Actor, Felt)>, Failure> {
     let mut actor = at_table(subject, own, std::slice::from_ref(&put.thing), seed)?;
+    actor.fine_touch = fine;
     let thing = actor.scene.thing(THING).ok_or("the thing is not in the scene")?;
     if actor.wait(0.01)?.iter().any(|feeling| feeling.what == Touched::Thing(thing)) && put.arm.is_none() {
         return Ok(None);

@@ -1,0 +1,184 @@
+//! A creature that acts in a scene by what it learned: a conversation at a table, and what it says where it knows too
+//! little.
+
+mod common;
+
+use std::io::Write;
+use std::process::{Command, Stdio};
+
+use bodyschema::creature::JointSelection;
+use bodyschema::interaction::{Actor, Conversation, Intent, Scene, Stop, Thing, Touched};
+use bodyschema::learning::{Input, Learner, SecondOrder};
+use bodyschema::peripersonal::{OwnBody, Way};
+use bodyschema::skin::{Shape, skin_of};
+use common::{babble, max, repository, truth};
+use nalgebra::{Isometry3, Vector3};
+
+/// The height of the table's top in the world, metres.
+const TOP: f64 = 0.98;
+
+/// Max after learning from touches.
+fn learned_max(touches: usize) -> OwnBody {
+    let body = max("torso");
+    let skin = skin_of(&body);
+    let touches = babble(&body, &skin, touches, 3, 2);
+    let mut learner = SecondOrder::new(&body.creature, &skin, Input::Contact, 3);
+    touches.iter().for_each(|touch| learner.touch(touch));
+    let learned = learner.learn();
+    OwnBody::new(&body.creature, &skin, learned.schema, &touches, Input::Contact)
+}
+
+fn at_table(own: OwnBody) -> Conversation {
+    let scene = Scene::new(&repository("mjcf/max/table.xml"), &JointSelection::default(), None, &[]).unwrap();
+    let actor = Actor::new(own, scene, ["left_hand", "right_hand"], 1).unwrap();
+    Conversation::new(actor).unwrap()
+}
+
+#[test]
+fn a_conversation_ends_with_things_where_they_were_wanted() {
+    let mut talk = at_table(learned_max(400));
+    let place = |talk: &Conversation, thing: usize| talk.actor.scene.thing_pose(thing).translation.vector;
+    let mut say = |talk: &mut Conversation, request: &str| {
+        let reply = talk.hear(request).unwrap();
+        eprintln!("> {request}\n{}", reply.said);
+        reply
+    };
+
+    let reply = say(&mut talk, "where do you feel something?");
+    assert!(reply.said.contains("do not feel"), "{}", reply.said);
+    let reply = say(&mut talk, "touch it");
+    assert_eq!(reply.done, Some(false), "there is no it yet");
+
+    let reply = say(&mut talk, "Is there something in front of you?");
+    assert_eq!((reply.intent, reply.done), (Intent::Explore, Some(true)));
+    assert_eq!(reply.felt.len(), 1, "{}", reply.said);
+    let thing = reply.felt[0]["thing"].as_u64().unwrap() as usize;
+    let name = talk.actor.scene.thing_name(thing);
+    assert!(["box", "can", "brick", "bottle"].contains(&name.as_str()), "{name}");
+    // What he says of where it is, in his root's frame, is where it is.
+    let at = reply.felt[0]["at"].as_array().unwrap().iter().map(|x| x.as_f64().unwrap());
+    let at = talk.actor.scene.root_pose() * nalgebra::Point3::from(Vector3::from_iterator(at));
+    assert!((at.coords - place(&talk, thing)).norm() < 0.1, "{at} and {}", place(&talk, thing));
+
+    let reply = say(&mut talk, "where do you feel this?");
+    assert!(reply.said.contains("receptor"), "{}", reply.said);
+    let reply = say(&mut talk, "touch it with your other hand");
+    assert_eq!(reply.done, Some(true), "{}", reply.said);
+    let reply = say(&mut talk, "how far is it?");
+    assert!(reply.said.contains("cm"), "{}", reply.said);
+
+    let before = place(&talk, thing);
+    let reply = say(&mut talk, "put it as far away as possible");
+    assert_eq!(reply.done, Some(true), "{}", reply.said);
+    let far = place(&talk, thing);
+    assert!(far.x > before.x + 0.02 && far.z > TOP, "from {before} to {far}");
+
+    let reply = say(&mut talk, "lean forward and try again");
+    assert_eq!((reply.intent, reply.done), (Intent::PutFar, Some(true)), "{}", reply.said);
+    let farther = place(&talk, thing);
+    assert!(farther.x > far.x + 0.05 && farther.z > TOP, "from {far} to {farther}");
+
+    let reply = say(&mut talk, "sing a song");
+    assert!(reply.intent == Intent::Unknown && reply.said.contains("I can"), "{}", reply.said);
+}
+
+#[test]
+fn who_has_hardly_touched_itself_says_what_it_lacks() {
+    let little = learned_max(8);
+    let mut talk = at_table(little);
+    let before = talk.actor.posture();
+    let reply = talk.hear("is there something in front of you?").unwrap();
+    assert_eq!(reply.done, Some(false));
+    assert!(reply.said.contains("do not know my body well enough"), "{}", reply.said);
+    assert_eq!(talk.actor.posture(), before, "and does not move");
+}
+
+#[test]
+fn a_motion_ends_where_something_is_felt_and_what_is_held_goes_with_the_hand() {
+    let body = max("torso");
+    let skin = skin_of(&body);
+    let touches = babble(&body, &skin, 300, 1, 2);
+    let own = OwnBody::new(&body.creature, &skin, truth(&body), &touches, Input::Contact);
+    let ball = |x: f64, fixed: bool| Thing {
+        name: "ball".into(),
+        shape: Shape::Sphere { radius: 0.04 },
+        pose: Isometry3::translation(x, 0.0, 1.2),
+        fixed,
+    };
+    let start = own.at_ease();
+    let tip = |own: &OwnBody, actor: &Actor| {
+        own.frames(&start)[actor.hands[0].limb].point(&own.place(actor.hands[0].tip).point)
+    };
+    let scene = |thing: &Thing| {
+        Scene::new(
+            &repository("mjcf/max/max.xml"),
+            &JointSelection::default(),
+            None,
+            std::slice::from_ref(thing),
+        )
+        .unwrap()
+    };
+    let mut actor = Actor::new(own.clone(), scene(&ball(3.0, true)), ["left_hand", "right_hand"], 1).unwrap();
+    // A ball in the way of the left hand's tip, ahead of where it hangs.
+    let at =
+        actor.scene.root_pose() * nalgebra::Point3::from(tip(&own, &actor) + Vector3::new(0.1, 0.0, 0.0));
+    let placed = Thing { pose: Isometry3::translation(at.x, at.y, at.z), fixed: false, ..ball(0.0, false) };
+    actor.scene = scene(&placed);
+    actor.scene.place(&start).unwrap();
+    let mut raised = start.clone();
+    let shoulder =
+        own.creature.dofs_in_posture().find(|(_, dof)| dof.name == "left_shoulder_flexion").unwrap().0;
+    raised[shoulder] += 0.8;
+    let thing = actor.scene.thing("ball").unwrap();
+    let stop = actor.follow(&Way(vec![raised.clone()]), 0.8, |_, _| true).unwrap();
+    let Stop::Felt(feelings) = stop else { panic!("the ball is in the way") };
+    assert_eq!(feelings[0].what, Touched::Thing(thing));
+    assert!(actor.posture()[shoulder] < raised[shoulder] - 0.1, "it stopped");
+    let found = actor.found(&feelings[0]).unwrap();
+    let really = actor.scene.thing_pose(thing).translation.vector;
+    let believed = actor.scene.root_pose() * nalgebra::Point3::from(found.point);
+    assert!((believed.coords - really).norm() < 0.04 + 0.03, "{believed} and {really}");
+
+    assert!(actor.scene.hold(found.receptor));
+    let grip = |actor: &Actor| {
+        let hand = actor.frames()[actor.hands[0].limb];
+        let thing = actor
+            .scene
+            .root_pose()
+            .inverse_transform_point(&actor.scene.thing_pose(thing).translation.vector.into());
+        hand.inverse_point(&thing.coords)
+    };
+    let before = grip(&actor);
+    assert_eq!(actor.follow(&Way(vec![start]), 0.5, |_, _| true).unwrap(), Stop::Arrived);
+    assert!((grip(&actor) - before).norm() < 2e-3, "{before} and {}", grip(&actor));
+    actor.scene.let_go();
+    let height = actor.scene.thing_pose(thing).translation.vector.z;
+    actor.wait(0.3).unwrap();
+    assert!(actor.scene.thing_pose(thing).translation.vector.z < height - 0.2, "what is let go falls");
+}
+
+#[test]
+fn talk_tells_of_wrong_files_in_a_sentence() {
+    let place = tempfile::tempdir().unwrap();
+    let talk = |arguments: &[&str]| {
+        let mut child = Command::new(env!("CARGO_BIN_EXE_bodyschema"))
+            .arg("talk")
+            .args(arguments)
+            .current_dir(place.path())
+            .stdin(Stdio::piped())
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .unwrap();
+        let _ = child.stdin.take().unwrap().write_all(b"help\n");
+        let output = child.wait_with_output().unwrap();
+        (output.status.code(), String::from_utf8_lossy(&output.stderr).into_owned())
+    };
+    let (code, said) = talk(&["nowhere.xml", "--schema", "nothing"]);
+    assert_eq!(code, Some(1));
+    assert!(said.contains("nowhere.xml"), "{said}");
+    let scene = repository("mjcf/max/table.xml");
+    let (code, said) = talk(&[scene.to_str().unwrap(), "--schema", "nothing"]);
+    assert_eq!(code, Some(1));
+    assert!(said.contains("nothing"), "{said}");
+}
