@@ -16,6 +16,7 @@ mod feel;
 mod inspect;
 mod learn;
 mod learn_options;
+mod map;
 mod observe;
 mod open;
 mod output;
@@ -79,6 +80,8 @@ enum Command {
     Skin(skin::Args),
     /// Touch a creature and tell what it feels
     Feel(feel::Args),
+    /// Learn which receptors are neighbours from strokes alone
+    Map(map::Args),
     /// Repeat a measurement over several seeds: a table, its data and a plot
     Study(study::Args),
     #[command(hide = true)]
@@ -97,6 +100,7 @@ pub fn run() -> ExitCode {
         Command::Inspect(args) => inspect::run(&args),
         Command::Skin(args) => skin::run(&args),
         Command::Feel(args) => feel::run(&args),
+        Command::Map(args) => map::run(&args),
         Command::Study(args) => study::run(&args),
         Command::Rehearse(args) => open::run(&args),
     };

@@ -219,9 +219,18 @@ impl World {
     /// # Errors
     /// Where the engine fails.
     pub fn step(&mut self) -> mujoco::Result<(f64, Vec<TouchEvent>)> {
+        self.step_contacts().map(|(time, _, events)| (time, events))
+    }
+
+    /// The same, with the contacts that the touch sensor made them of.
+    ///
+    /// # Errors
+    /// Where the engine fails.
+    pub fn step_contacts(&mut self) -> mujoco::Result<(f64, Vec<SkinContact>, Vec<TouchEvent>)> {
         let time = self.physics()?;
         let contacts = self.skin_contacts();
-        Ok((time, self.sensor.step(time, &contacts)))
+        let events = self.sensor.step(time, &contacts);
+        Ok((time, contacts, events))
     }
 }
 

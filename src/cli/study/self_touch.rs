@@ -18,6 +18,7 @@ use crate::senses::{Kind, Touch, TouchEvent};
 pub const STUDY: Study = Study {
     name: "self-touch",
     about: "whether self-touch and being touched are ever confused; a trial is one contact",
+    touches: false,
     measure,
 };
 
