@@ -46,6 +46,8 @@ const SUMMARY: &[Column] = &[
     Column { name: "agreement", heading: "agreement" },
 ];
 
+/// One of the measures of agreement.
+type Measure = fn(&MapAgreement) -> f64;
 /// What a map came to: strokes, share of receptors visited, and agreement.
 type Learned = (usize, f64, MapAgreement);
 
@@ -107,7 +109,7 @@ fn measure(subject: &Subject) -> Result<Findings, Failure> {
         ]);
     }
     let last = &found[MINUTES.len() - 1];
-    let of = |measure: fn(&MapAgreement) -> f64| median(last.iter().map(|(.., of)| measure(of)));
+    let of = |measure: Measure| median(last.iter().map(|(.., of)| measure(of)));
     let numbers = vec![
         ("recall", json!(of(MapAgreement::recall))),
         ("precision", json!(of(MapAgreement::precision))),
@@ -119,7 +121,7 @@ fn measure(subject: &Subject) -> Result<Findings, Failure> {
          learned pairs that are the geometry's. Agreement: their harmonic mean."
             .to_string(),
     ];
-    let measures: [(&str, fn(&MapAgreement) -> f64); 3] = [
+    let measures: [(&str, Measure); 3] = [
         ("recall", MapAgreement::recall),
         ("precision", MapAgreement::precision),
         ("agreement", MapAgreement::agreement),
