@@ -137,6 +137,15 @@ fn learning_the_schema_and_its_use_name_neither_the_model_nor_the_measures() {
 }
 
 #[test]
+fn the_map_is_learned_without_knowing_where_receptors_are() {
+    let file = repository("src/senses/learned_map.rs");
+    let places = ["Skin", "Receptor", "Body", "Model", "mujoco", "nalgebra", "position", "normal", "point"];
+    assert!(!names(&file, &["Firing"]).is_empty(), "the learner of the map has gone: amend this test");
+    let found = names(&file, &places);
+    assert!(found.is_empty(), "{} names {found:?}", file.display());
+}
+
+#[test]
 fn policies_name_neither_the_model_nor_the_measures() {
     let files = rust_files(&repository("src/babbling/policy"));
     assert!(!files.is_empty(), "the policies have gone: amend this test");

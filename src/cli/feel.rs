@@ -1,16 +1,20 @@
 //! `bodyschema feel`: what a creature feels when it is touched.
 
+use std::fs::File;
+use std::io::{BufWriter, Write};
 use std::path::PathBuf;
 
 use rand::SeedableRng;
 use rand::seq::IndexedRandom;
 use rand_chacha::ChaCha8Rng;
 
+use super::babble::session_folder;
 use super::open::{ModelOptions, open_body};
 use super::{Failure, Outcome};
 use crate::creature::JointSelection;
-use crate::interaction::{Script, Strokes, World, aura_event_json, event_json};
-use crate::senses::{Aura, Kind};
+use crate::interaction::{Script, Strokes, World, aura_event_json, event_json, stroke_for};
+use crate::record::{FiringWriter, PROGRAM, SENSATIONS_FILE, Session, SessionOptions, model_hash};
+use crate::senses::{Aura, FiringRecorder, Kind, TouchEvent};
 
 /// How long the creature is watched after all is done to it, seconds.
 const AFTER: f64 = 0.1;
@@ -27,10 +31,15 @@ const AFTER: f64 = 0.1;
 /// A waypoint is a time in seconds and a place: a receptor, with how far above it the probe's surface is (below 0
 /// it presses, with 400 N for each metre), or "at", the probe's middle in the world's frame. Without a script
 /// the creature is touched at random.
+///
+/// With --strokes it is stroked all over for so many minutes, and what it feels goes into a session's folder:
+/// firings.jsonl has which receptor fired and when, sensations.jsonl what the touch sensor made of it. `bodyschema map`
+/// learns from the former which receptors are neighbours.
 #[derive(clap::Args)]
 #[command(after_help = "Examples:
   bodyschema feel mjcf/max/max.xml
-  bodyschema feel mjcf/max/max.xml --script touches.json")]
+  bodyschema feel mjcf/max/max.xml --script touches.json
+  bodyschema feel mjcf/max/max.xml --strokes 20 --out sessions/stroked")]
 pub struct Args {
     /// The MJCF file of a creature
     model: PathBuf,
@@ -40,6 +49,12 @@ pub struct Args {
     /// How often it is touched at random
     #[arg(long, default_value_t = 5)]
     stimulations: u32,
+    /// Stroke it at random for so many simulated minutes, and write a session
+    #[arg(long, value_name = "MINUTES", value_parser = minutes, conflicts_with_all = ["script", "stimulations"])]
+    strokes: Option<f64>,
+    /// The session's folder, with --strokes [default: the first free of sessions/CREATURE-1, -2, …]
+    #[arg(long, value_name = "DIR", requires = "strokes")]
+    out: Option<PathBuf>,
     /// Seed of the random touches
     #[arg(long, default_value_t = 1)]
     seed: u64,
@@ -58,6 +73,9 @@ pub fn run(args: &Args) -> Outcome {
     if world.skin.receptors.is_empty() {
         return Err(Failure(format!("{}: nothing of this creature can be touched", args.model.display())));
     }
+    if let Some(minutes) = args.strokes {
+        return strokes(args, &mut world, minutes);
+    }
     let mut aura = Aura::new(&world.body, &world.skin, &world.data);
     let Some(script) = script else { return at_random(args, &mut world, &mut aura) };
     let paths = script.paths(&world).map_err(|clause| {
@@ -69,6 +87,69 @@ pub fn run(args: &Args) -> Outcome {
         world.send(probe, path)?;
     }
     watch(&mut world, &mut aura, end)
+}
+
+fn minutes(text: &str) -> Result<f64, String> {
+    let minutes: f64 = text.parse().map_err(|_| "give a number of minutes".to_string())?;
+    if minutes > 0.0 && minutes <= 1e4 {
+        Ok(minutes)
+    } else {
+        Err("give minutes above 0, up to 10000".into())
+    }
+}
+
+/// Strokes the creature all over, and writes a session of what it feels.
+fn strokes(args: &Args, world: &mut World, minutes: f64) -> Outcome {
+    let creature = world.body.creature.clone();
+    let skin = world.skin.clone();
+    let folder = session_folder(args.out.as_deref(), creature.name())?;
+    let options =
+        SessionOptions { joints: "all".to_string(), root: args.root.clone(), ..SessionOptions::default() };
+    Session {
+        program: PROGRAM.to_string(),
+        engine: world.body.model.version().to_string(),
+        model: args.model.display().to_string(),
+        model_hash: model_hash(&args.model)?,
+        recording: None,
+        seed: args.seed,
+        options,
+        effort: None,
+        creature: creature.clone(),
+        skin: skin.clone(),
+    }
+    .write(&folder)?;
+    let mut firings = FiringWriter::create(&folder, creature.name(), &skin)?;
+    let path = folder.join(SENSATIONS_FILE);
+    let unwritable =
+        |error| Failure(format!("cannot write {}: {error}: give another folder with --out", path.display()));
+    let mut sensations = BufWriter::new(File::create(&path).map_err(unwritable)?);
+    let (mut recorder, mut fired, mut sensed) = (FiringRecorder::default(), 0u64, 0u64);
+    let mut rng = ChaCha8Rng::seed_from_u64(args.seed);
+    let room = stroke_for(world, 60.0 * minutes, &mut rng, |world, time, contacts, events| {
+        for firing in recorder.step(time, contacts) {
+            firings.write(&firing)?;
+            fired += 1;
+        }
+        for event in events.iter().filter(|event| matches!(event, TouchEvent::Sensed { .. })) {
+            writeln!(sensations, "{}", event_json(world, time, event)).map_err(unwritable)?;
+            sensed += 1;
+        }
+        Ok::<(), Failure>(())
+    })?;
+    for firing in recorder.rest() {
+        firings.write(&firing)?;
+        fired += 1;
+    }
+    firings.finish()?;
+    sensations.flush().map_err(unwritable)?;
+    if !room {
+        return Err(Failure(format!("{}: there is no room to stroke this creature", args.model.display())));
+    }
+    say!(
+        "{sensed} sensations and {fired} firings in {minutes} minutes; the session is in {}",
+        folder.display()
+    );
+    Ok(())
 }
 
 /// Touches the creature at random, one touch after the other.

@@ -16,6 +16,7 @@ mod feel;
 mod inspect;
 mod learn;
 mod learn_options;
+mod map;
 mod observe;
 mod open;
 mod output;
@@ -86,6 +87,8 @@ enum Command {
     Feel(feel::Args),
     /// Talk to a creature among things
     Talk(talk::Args),
+    /// Learn which receptors are neighbours from strokes alone
+    Map(map::Args),
     /// Repeat a measurement over several seeds: a table, its data and a plot
     Study(study::Args),
     #[command(hide = true)]
@@ -106,6 +109,7 @@ pub fn run() -> ExitCode {
         Command::Skin(args) => skin::run(&args),
         Command::Feel(args) => feel::run(&args),
         Command::Talk(args) => talk::run(&args),
+        Command::Map(args) => map::run(&args),
         Command::Study(args) => study::run(&args),
         Command::Rehearse(args) => open::run(&args),
     };

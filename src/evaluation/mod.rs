@@ -6,10 +6,12 @@
 //! joints; and the touches themselves.
 
 pub mod coverage;
+mod map_agreement;
 mod measures;
 mod own_account;
 pub mod report;
 
+pub use map_agreement::MapAgreement;
 pub use measures::{
     AxisErrors, Bound, HELD_OUT_POSTURES, HeldOutError, HeldOutPoint, Summary, axis_errors, held_out,
     held_out_points, touch_misses,

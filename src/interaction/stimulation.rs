@@ -2,6 +2,8 @@
 //!
 //! They are made from where the skin really is, for they are done to the creature, not by it.
 
+use std::f64::consts::TAU;
+
 use nalgebra::Vector3;
 use rand::RngExt;
 use rand::seq::IndexedRandom;
@@ -16,9 +18,9 @@ const ABOVE: f64 = 0.04;
 /// How far a probe keeps from all other limbs, metres.
 const CLEAR: f64 = 0.004;
 /// Steps in which a way over the skin is laid, metres.
-const STEP: f64 = 0.002;
+pub(super) const STEP: f64 = 0.002;
 /// Places tried for one stimulation.
-const TRIES: usize = 2000;
+pub(super) const TRIES: usize = 2000;
 
 /// A stimulation that is done to the creature.
 #[derive(Clone, Debug, PartialEq)]
@@ -35,13 +37,13 @@ pub struct Stimulation {
 
 /// The skin of a creature in its posture, as ways over it need it.
 pub struct Strokes<'a> {
-    world: &'a World,
+    pub(super) world: &'a World,
     /// Per limb, `X_WL`.
-    frames: Vec<Frame>,
+    pub(super) frames: Vec<Frame>,
 }
 
 /// A point above the skin at a probe's radius, and the outward normal.
-type Spot = (Vector3<f64>, Vector3<f64>);
+pub(super) type Spot = (Vector3<f64>, Vector3<f64>);
 
 impl<'a> Strokes<'a> {
     /// Looks at the creature where the world's last step left it.
@@ -78,7 +80,7 @@ impl<'a> Strokes<'a> {
         let p_l = receptor.position
             + receptor.tangent * place(receptor.half_extents[0], rng)
             + receptor.bitangent() * place(receptor.half_extents[1], rng);
-        let angle = rng.random_range(0.0..std::f64::consts::TAU);
+        let angle = rng.random_range(0.0..TAU);
         let along = receptor.tangent * angle.cos() + receptor.bitangent() * angle.sin();
         let way = self.way(limb, &p_l, &along, length)?;
         let force = match kind {
@@ -131,6 +133,12 @@ impl<'a> Strokes<'a> {
         Some(Stimulation { kind, limb, force, path: ProbePath(path) })
     }
 
+    /// A step on over a limb's skin; none over an edge or into a fold, where the way would jump.
+    pub(super) fn next(&self, limb: usize, (p, normal): &Spot, along: &Vector3<f64>) -> Option<Spot> {
+        let next = self.onto(limb, &(p - normal * PROBE_RADIUS + along * STEP))?;
+        ((next.0 - p).norm() <= 5.0 * STEP && next.1.dot(normal) >= 0.7).then_some(next)
+    }
+
     /// A way over a limb's skin of a length, metres, from a point near it in a direction, both in the limb's frame; in
     /// the world's frame. None where it leaves the limb or comes near another.
     fn way(&self, limb: usize, p_l: &Vector3<f64>, along_l: &Vector3<f64>, length: f64) -> Option<Vec<Spot>> {
@@ -141,15 +149,10 @@ impl<'a> Strokes<'a> {
         let steps = (length / STEP).ceil() as usize;
         for _ in 0..steps {
             along = (along - p.1 * along.dot(&p.1)).try_normalize(1e-6)?;
-            let next = self.onto(limb, &(p.0 - p.1 * PROBE_RADIUS + along * STEP))?;
-            // Over an edge or into a fold the way would jump.
-            if (next.0 - p.0).norm() > 5.0 * STEP || next.1.dot(&p.1) < 0.7 {
-                return None;
-            }
-            p = next;
+            p = self.next(limb, &p, &along)?;
             way.push(p);
         }
-        let free = way.iter().all(|spot| self.is_free(limb, spot));
+        let free = way.iter().all(|spot| self.is_free(limb, spot, ABOVE, CLEAR));
         free.then_some(way)
     }
 
@@ -165,7 +168,7 @@ impl<'a> Strokes<'a> {
 
     /// Where a probe that touches the limb nearest to a point has its middle, and the normal there; none where the
     /// limb is covered by another, or has no receptor.
-    fn onto(&self, limb: usize, p: &Vector3<f64>) -> Option<Spot> {
+    pub(super) fn onto(&self, limb: usize, p: &Vector3<f64>) -> Option<Spot> {
         let mut p = *p;
         let mut normal = Vector3::zeros();
         for _ in 0..20 {
@@ -177,15 +180,16 @@ impl<'a> Strokes<'a> {
         ((distance - PROBE_RADIUS).abs() < 1e-5).then_some((p, normal))
     }
 
-    /// Whether a probe gets to a spot without touching any other limb.
-    fn is_free(&self, limb: usize, (p, normal): &Spot) -> bool {
-        let others = 0..self.frames.len();
-        let mut heights = [0.0, 0.25, 0.5, 0.75, 1.0].into_iter().map(|share| share * ABOVE);
-        heights.all(|height| {
-            let p = p + normal * height;
-            others.clone().filter(|&other| other != limb).all(|other| {
-                self.distance(other, &p).is_none_or(|(distance, _)| distance > PROBE_RADIUS + CLEAR)
-            })
-        })
+    /// Whether a probe gets to a spot from so far above it, metres, farther than a distance from any other limb.
+    pub(super) fn is_free(&self, limb: usize, (p, normal): &Spot, above: f64, clear: f64) -> bool {
+        let mut heights = [0.0, 0.25, 0.5, 0.75, 1.0].into_iter().map(|share| share * above);
+        heights.all(|height| self.has_room(limb, &(p + normal * height), clear))
+    }
+
+    /// Whether a probe there is farther than a distance from any other limb, metres.
+    pub(super) fn has_room(&self, limb: usize, p: &Vector3<f64>, clear: f64) -> bool {
+        (0..self.frames.len())
+            .filter(|&other| other != limb)
+            .all(|other| self.distance(other, p).is_none_or(|(distance, _)| distance > PROBE_RADIUS + clear))
     }
 }

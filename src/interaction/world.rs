@@ -73,6 +73,9 @@ pub struct World {
     sensor: TouchSensor,
     probes: Vec<Probe>,
     held: Vec<f64>,
+    /// What looks for contacts of the creature with itself, too, until it is needed: in the posture that the creature
+    /// came with, what is in each other is so for good, and looking for it is dear.
+    with_self_touch: Option<Data>,
     /// Geoms that overlap for good: what is in each other where the creature stands at ease.
     overlapping: BTreeSet<[usize; 2]>,
 }
@@ -109,22 +112,28 @@ impl World {
             rigid[joint.dofadr..joint.dofadr + joint.kind.nv()].fill(false);
         }
         let step = declared.timestep().min(LONGEST_STEP);
-        body.model = Arc::new(declared.simulated(step, &rigid)?.touching_with(&touchable)?);
+        let simulated = declared.simulated(step, &rigid)?;
+        body.model = Arc::new(simulated.touching_with(&touchable)?);
         let probes = bodies.iter().map(|&at| {
             let first = body.model.joints().find(|joint| joint.body == at).expect("a probe has slides");
             let path = ProbePath::default();
             Probe { body: at, qposadr: first.qposadr, dofadr: first.dofadr, path }
         });
         let probes: Vec<Probe> = probes.collect();
-        let data = Data::new(body.model.clone())?;
+        // While the creature holds the posture that it came with, contacts of its own are not even looked for.
+        let own: Vec<bool> = (0..declared.ngeom()).map(|g| !probe_geom(g)).collect();
+        let data = Data::new(Arc::new(simulated.touching_others(&touchable, &own)?))?;
+        let mut with_self_touch = Data::new(body.model.clone())?;
+        with_self_touch.forward()?;
+        let overlapping = with_self_touch.contacts().map(|contact| contact.geoms).collect();
+        let with_self_touch = Some(with_self_touch);
         let reader = ContactReader::new(&body, &skin);
         let sensor = TouchSensor::new(SomatotopicMap::new(&skin));
         let held = data.qpos().to_vec();
-        let overlapping = BTreeSet::new();
-        let mut world = World { body, skin, data, reader, sensor, probes, held, overlapping };
+        let mut world =
+            World { body, skin, data, reader, sensor, probes, held, with_self_touch, overlapping };
         (0..world.probes.len()).try_for_each(|probe| world.withdraw(probe))?;
         world.data.forward()?;
-        world.overlapping = world.data.contacts().map(|contact| contact.geoms).collect();
         Ok(world)
     }
 
@@ -162,13 +171,22 @@ impl World {
     /// Lets the creature hold the engine's coordinates of its model without probes from now on: radians, metres and
     /// quaternions as there, and no more of them than there.
     ///
+    /// # Errors
+    /// Where the engine fails.
+    ///
     /// # Panics
     /// Where there are more of them than the creature has.
-    pub fn hold_qpos(&mut self, qpos: &[f64]) {
+    pub fn hold_qpos(&mut self, qpos: &[f64]) -> mujoco::Result<()> {
         // Probes are added behind all else that is in the world.
         let own = self.probes.iter().map(|probe| probe.qposadr).min().unwrap_or(self.held.len());
         assert!(qpos.len() <= own, "{} coordinates, but the creature has {own}", qpos.len());
         self.held[..qpos.len()].copy_from_slice(qpos);
+        if let Some(mut data) = self.with_self_touch.take() {
+            data.take_state(&self.data)?;
+            data.forward()?;
+            self.data = data;
+        }
+        Ok(())
     }
 
     /// Simulates one step of the physics: what the skin feels in it, and its time, seconds.
@@ -219,9 +237,18 @@ impl World {
     /// # Errors
     /// Where the engine fails.
     pub fn step(&mut self) -> mujoco::Result<(f64, Vec<TouchEvent>)> {
+        self.step_contacts().map(|(time, _, events)| (time, events))
+    }
+
+    /// The same, with the contacts that the touch sensor made them of.
+    ///
+    /// # Errors
+    /// Where the engine fails.
+    pub fn step_contacts(&mut self) -> mujoco::Result<(f64, Vec<SkinContact>, Vec<TouchEvent>)> {
         let time = self.physics()?;
         let contacts = self.skin_contacts();
-        Ok((time, self.sensor.step(time, &contacts)))
+        let events = self.sensor.step(time, &contacts);
+        Ok((time, contacts, events))
     }
 }
 

@@ -95,6 +95,18 @@ impl Data {
         self.write("qpos", at, self.model.nq(), qpos)
     }
 
+    /// Takes over the time, posture and velocities of other data of as many coordinates; nothing is computed.
+    ///
+    /// # Errors
+    /// As [`Data::set_qpos`].
+    pub fn take_state(&mut self, other: &Data) -> Result<()> {
+        self.set_qpos(other.qpos())?;
+        self.set_qvel(other.qvel())?;
+        // SAFETY: valid until drop, and borrowed exclusively.
+        unsafe { self.raw.as_mut() }.time = other.time();
+        Ok(())
+    }
+
     /// Back to the reference posture, nothing computed; dear, never per posture.
     ///
     /// # Errors

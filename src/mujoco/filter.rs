@@ -51,14 +51,30 @@ impl Model {
     /// # Errors
     /// [`Error::Engine`](super::Error::Engine) where the engine has no memory for it.
     pub fn touching_with(&self, touchable: &[bool]) -> Result<Model> {
+        self.with_contact_bits(|g| if touchable.get(g) == Some(&true) { (1, 1) } else { (0, 0) })
+    }
+
+    /// The same, but that the geoms marked as `own` do not collide with one another, only with the rest.
+    ///
+    /// # Errors
+    /// As [`Model::touching_with`].
+    pub fn touching_others(&self, touchable: &[bool], own: &[bool]) -> Result<Model> {
+        self.with_contact_bits(|g| match (touchable.get(g) == Some(&true), own.get(g) == Some(&true)) {
+            (false, _) => (0, 0),
+            (true, true) => (1, 2),
+            (true, false) => (3, 1),
+        })
+    }
+
+    /// A copy in which geoms have these types and affinities, and no other filter.
+    fn with_contact_bits(&self, bits: impl Fn(usize) -> (i32, i32)) -> Result<Model> {
         let mut copy = self.copy()?;
         let raw = copy.raw_mut();
         // SAFETY: the copy is not shared yet; the arrays hold a number per geom, and so many geoms there are
         // in both models. Counts of zero leave arrays unread whose memory belongs to the model's one buffer.
         unsafe {
-            for (g, &touchable) in touchable.iter().enumerate().take(self.ngeom()) {
-                *(*raw).geom_contype.add(g) = i32::from(touchable);
-                *(*raw).geom_conaffinity.add(g) = i32::from(touchable);
+            for g in 0..self.ngeom() {
+                (*(*raw).geom_contype.add(g), *(*raw).geom_conaffinity.add(g)) = bits(g);
                 *(*raw).geom_margin.add(g) = 0.0;
                 *(*raw).geom_gap.add(g) = 0.0;
             }

@@ -129,16 +129,20 @@ impl<'a> Reaching<'a> {
         let mut starts = vec![from.to_vec(), between(&self.own.creature, from, &at_ease, 0.5)];
         starts.resize_with(STARTS, || self.own.random_posture(from, &self.joints, &mut rng));
         for &receptor in receptors {
-            let place = self.own.place(receptor);
-            for start in &starts {
-                let reach = self.solve(place, aim, start);
+            let flat = self.own.place(receptor);
+            // A palm touches with its face, a finger with what points away from the limb's joint.
+            let pointing = flat.point.try_normalize(1e-3).unwrap_or(flat.direction);
+            let ways =
+                [flat.direction, pointing].into_iter().flat_map(|d| starts.iter().map(move |s| (d, s)));
+            for (direction, start) in ways {
+                let reach = self.solve(Place { direction, ..flat }, aim, start);
                 nearest = nearest.min(reach.miss);
                 if reach.miss > REACHED || reach.facing <= 0.0 {
                     continue;
                 }
                 // What touches is the part of the patch that leads.
-                let ahead = self.own.frames(&reach.posture)[place.limb].rotation.tr_mul(&aim.direction);
-                let place = self.own.leading(receptor, &ahead);
+                let ahead = self.own.frames(&reach.posture)[flat.limb].rotation.tr_mul(&aim.direction);
+                let place = Place { direction, ..self.own.leading(receptor, &ahead) };
                 let reach = self.solve(place, aim, &reach.posture);
                 if reach.miss <= REACHED && reach.facing > 0.0 {
                     let cost = self.effort(from, &reach.posture) - FACING * reach.facing

@@ -7,6 +7,7 @@
 
 mod error;
 mod files;
+mod firing_log;
 mod known;
 mod learning_table;
 mod model_hash;
@@ -19,6 +20,7 @@ mod touch_reader;
 mod touch_writer;
 
 pub use error::{Action, RecordError};
+pub use firing_log::{FiringWriter, read_firings};
 pub use known::read_known;
 pub use learning_table::LearningTable;
 pub use model_hash::model_hash;
@@ -32,6 +34,10 @@ pub use touch_writer::TouchWriter;
 pub const SESSION_FILE: &str = "session.json";
 /// The log of touches, in a session's folder.
 pub const TOUCHES_FILE: &str = "touches.jsonl";
+/// The log of firing receptors, in the folder of a session of strokes.
+pub const FIRINGS_FILE: &str = "firings.jsonl";
+/// What the touch sensor made of them, in the same folder: a sensation a line.
+pub const SENSATIONS_FILE: &str = "sensations.jsonl";
 /// The learned body schema, in a session's folder.
 pub const SCHEMA_FILE: &str = "schema.json";
 /// The table of checkpoints of learning, in a session's folder.

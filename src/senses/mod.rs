@@ -4,6 +4,8 @@
 pub mod aura;
 mod contact_reader;
 mod disturbance;
+mod firing;
+mod learned_map;
 mod own_frames;
 mod touch;
 pub mod touch_sensor;
@@ -11,6 +13,8 @@ pub mod touch_sensor;
 pub use aura::{Approach, Aura, AuraEvent};
 pub use contact_reader::{ContactReader, Reading};
 pub use disturbance::{Disturbances, Felt};
+pub use firing::{Firing, FiringRecorder};
+pub use learned_map::{LearnedMap, learn_map};
 pub use own_frames::OwnFrames;
 pub use touch::{Moment, Touch, TouchEnd};
 pub use touch_sensor::{Kind, Sensation, SkinContact, TouchEvent, TouchSensor, skin_contacts};

@@ -23,7 +23,6 @@ impl SomatotopicMap {
     pub fn new(skin: &Skin) -> SomatotopicMap {
         let receptors = &skin.receptors;
         let size = |r: &Receptor| r.half_extents[0].hypot(r.half_extents[1]);
-        let mut neighbours = vec![Vec::new(); receptors.len()];
         let mut links = Vec::new();
         for (i, a) in receptors.iter().enumerate() {
             for (j, b) in receptors.iter().enumerate().skip(i + 1) {
@@ -35,7 +34,14 @@ impl SomatotopicMap {
             }
         }
         links.sort_by(|a, b| a.0.total_cmp(&b.0).then((a.1, a.2).cmp(&(b.1, b.2))));
-        for (_, i, j) in links {
+        SomatotopicMap::of_links(receptors.len(), links.into_iter().map(|(_, i, j)| [i, j]))
+    }
+
+    /// The map of so many receptors that has as many of these links as there is room for, the first ones first: no
+    /// receptor has more than [`MOST_NEIGHBOURS`].
+    pub fn of_links(receptors: usize, links: impl IntoIterator<Item = [usize; 2]>) -> SomatotopicMap {
+        let mut neighbours: Vec<Vec<usize>> = vec![Vec::new(); receptors];
+        for [i, j] in links {
             if neighbours[i].len() < MOST_NEIGHBOURS && neighbours[j].len() < MOST_NEIGHBOURS {
                 neighbours[i].push(j);
                 neighbours[j].push(i);
@@ -47,6 +53,16 @@ impl SomatotopicMap {
     /// Whether two receptors are neighbours, or one.
     pub fn adjacent(&self, a: usize, b: usize) -> bool {
         a == b || self.neighbours(a).contains(&b)
+    }
+
+    /// All pairs of neighbours, each once, the earlier receptor first.
+    pub fn pairs(&self) -> impl Iterator<Item = [usize; 2]> {
+        let later = |(i, of): (usize, &'_ Vec<usize>)| {
+            let mut later: Vec<[usize; 2]> = of.iter().filter(|&&j| i < j).map(|&j| [i, j]).collect();
+            later.sort_unstable();
+            later
+        };
+        self.neighbours.iter().enumerate().flat_map(later)
     }
 
     /// The neighbours of a receptor, nearest first.

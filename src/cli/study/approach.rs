@@ -18,6 +18,7 @@ use crate::senses::{Approach, Aura, AuraEvent, TouchEvent};
 pub const STUDY: Study = Study {
     name: "approach",
     about: "how well the aura foretells which limb is hit, and where; a trial is an approach, a pass and a retreat",
+    touches: false,
     measure,
 };
 

@@ -15,6 +15,7 @@ use crate::senses::Touch;
 pub const STUDY: Study = Study {
     name: "coverage",
     about: "how near lm gets to the least possible error, and how often its intervals hold the truth",
+    touches: true,
     measure,
 };
 

@@ -8,8 +8,12 @@ use crate::cli::disturbance_options::DisturbanceOptions;
 use crate::cli::learn_options::LearnOptions;
 
 /// The study `disturbances`.
-pub const STUDY: Study =
-    Study { name: "disturbances", about: "what it costs lm when the senses are wrong", measure };
+pub const STUDY: Study = Study {
+    name: "disturbances",
+    about: "what it costs lm when the senses are wrong",
+    touches: true,
+    measure,
+};
 
 /// Joint noise in degrees, receptor noise in millimetres, share of false touches. The first is the one that
 /// all others are compared with.

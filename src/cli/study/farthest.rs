@@ -16,6 +16,7 @@ use crate::interaction::{Actor, Spot, Trouble};
 pub const STUDY: Study = Study {
     name: "farthest",
     about: "how far away it puts what it holds, of what is truly possible, with and without leaning",
+    touches: true,
     measure,
 };
 

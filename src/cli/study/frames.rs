@@ -10,8 +10,12 @@ use crate::ground_truth::GroundTruth;
 use crate::senses::OwnFrames;
 
 /// The study `frames`.
-pub const STUDY: Study =
-    Study { name: "frames", about: "whether lm learns limbs whose own frames are anywhere on them", measure };
+pub const STUDY: Study = Study {
+    name: "frames",
+    about: "whether lm learns limbs whose own frames are anywhere on them",
+    touches: true,
+    measure,
+};
 
 const MEASUREMENTS: &[Column] = &[
     Column { name: "frames", heading: "frames" },

@@ -15,8 +15,12 @@ use crate::learning::{Learner, Online};
 use crate::senses::Touch;
 
 /// The study `growth`.
-pub const STUDY: Study =
-    Study { name: "growth", about: "how soon lm knows a limb that has grown, a stick in the hand", measure };
+pub const STUDY: Study = Study {
+    name: "growth",
+    about: "how soon lm knows a limb that has grown, a stick in the hand",
+    touches: true,
+    measure,
+};
 
 /// By how much the limb grows, metres.
 const GROWTH: f64 = 0.05;

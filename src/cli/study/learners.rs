@@ -7,8 +7,12 @@ use super::{Failure, Findings, Study};
 use crate::cli::learn_options::{LearnOptions, LearnerName, SkinName};
 
 /// The study `learners`.
-pub const STUDY: Study =
-    Study { name: "learners", about: "which learner gets how far with how many touches", measure };
+pub const STUDY: Study = Study {
+    name: "learners",
+    about: "which learner gets how far with how many touches",
+    touches: true,
+    measure,
+};
 
 /// Errors that the summary says how many touches are needed for, millimetres.
 const LEVELS_MM: [f64; 3] = [10.0, 1.0, 0.1];

@@ -14,6 +14,7 @@ mod farthest;
 mod frames;
 mod growth;
 mod learners;
+mod map;
 mod other_hand;
 mod plot;
 mod policies;
@@ -38,7 +39,7 @@ use subject::Subject;
 use table::Table;
 
 /// The studies, in the order in which they are named to the user.
-const STUDIES: [&Study; 13] = [
+const STUDIES: [&Study; 14] = [
     &learners::STUDY,
     &policies::STUDY,
     &coverage::STUDY,
@@ -49,6 +50,7 @@ const STUDIES: [&Study; 13] = [
     &sensations::STUDY,
     &approach::STUDY,
     &self_touch::STUDY,
+    &map::STUDY,
     &other_hand::STUDY,
     &farthest::STUDY,
     &reachable::STUDY,
@@ -56,6 +58,8 @@ const STUDIES: [&Study; 13] = [
 
 /// The model that is studied where none is named.
 const DEFAULT_MODEL: &str = "mjcf/max/max.xml";
+/// Touches of a trial where none are asked for.
+const TOUCHES: usize = 1000;
 /// What was asked and what came out, in the study's folder.
 const STUDY_FILE: &str = "study.json";
 /// The measurements, in the study's folder.
@@ -69,6 +73,8 @@ pub struct Study {
     pub name: &'static str,
     /// The question in a line.
     pub about: &'static str,
+    /// Whether it learns from babbled touches, so many a trial.
+    pub touches: bool,
     /// Measures. A trial that does not succeed is a finding; only what cannot be measured fails.
     pub measure: fn(&Subject) -> Result<Findings, Failure>,
 }
@@ -107,9 +113,9 @@ pub struct Args {
     /// Seed of the first trial; the next ones count on from it
     #[arg(long, default_value_t = 1)]
     seed: u64,
-    /// Touches of a trial
-    #[arg(long, default_value_t = 1000, value_parser = touch_count)]
-    touches: usize,
+    /// Touches of a trial, of studies that babble them [default: 1000]
+    #[arg(long, value_parser = touch_count)]
+    touches: Option<usize>,
     /// The joints that move: a set that the model names (torso), all, or names separated by commas
     /// [default: torso where the model names it, else all]
     #[arg(long)]
@@ -154,11 +160,18 @@ pub fn run(args: &Args) -> Outcome {
             study.name
         )));
     }
+    if args.touches.is_some() && !study.touches {
+        return Err(Failure(format!(
+            "study {} does not learn from babbled touches: leave out --touches, its trials are counted by --trials",
+            study.name
+        )));
+    }
+    let touches = args.touches.unwrap_or(TOUCHES);
     let selection = args.joints.clone().unwrap_or_default();
     let last = args.seed.checked_add(u64::from(args.trials) - 1);
     let last = last.ok_or("the last trial's seed would be too great: give a smaller --seed")?;
     let seeds: Vec<u64> = (args.seed..=last).collect();
-    let mut subject = Subject::new(&args.model, &selection, args.touches, seeds, threads(args.jobs))?;
+    let mut subject = Subject::new(&args.model, &selection, touches, seeds, threads(args.jobs))?;
     subject.schema.clone_from(&args.schema);
     let folder = study_folder(args.out.as_deref(), study.name)?;
     let began = Instant::now();
@@ -177,7 +190,7 @@ pub fn run(args: &Args) -> Outcome {
         "options": {
             "model": args.model,
             "model_hash": model_hash(&args.model)?,
-            "touches": args.touches,
+            "touches": study.touches.then_some(touches),
             "trials": args.trials,
             "seed": args.seed,
             "joints": selection.to_string(),
@@ -205,7 +218,8 @@ pub fn run(args: &Args) -> Outcome {
         args.model.display()
     );
     let trials = if args.trials == 1 { "trial" } else { "trials" };
-    say!("{} {trials} of {} touches, seeds {}\n", args.trials, args.touches, seeds.join(" "));
+    let of = if study.touches { format!(" of {touches} touches") } else { String::new() };
+    say!("{} {trials}{of}, seeds {}\n", args.trials, seeds.join(" "));
     findings.summary.print();
     say!("");
     findings.notes.iter().for_each(|note| say!("{note}"));

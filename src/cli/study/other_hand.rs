@@ -20,6 +20,7 @@ use crate::peripersonal::Aim;
 pub const STUDY: Study = Study {
     name: "other-hand",
     about: "whether one hand finds what the other arm felt, on a table and in the air; a trial is one of either",
+    touches: true,
     measure,
 };
 

@@ -10,8 +10,12 @@ use crate::babbling::PolicyName;
 use crate::cli::learn_options::LearnOptions;
 
 /// The study `policies`.
-pub const STUDY: Study =
-    Study { name: "policies", about: "how few touches and motions lm needs by each policy", measure };
+pub const STUDY: Study = Study {
+    name: "policies",
+    about: "how few touches and motions lm needs by each policy",
+    touches: true,
+    measure,
+};
 
 /// Errors that touches and motions are counted to, millimetres, the greatest first.
 const LEVELS_MM: [f64; 2] = [10.0, 1.0];

@@ -22,6 +22,7 @@ use crate::peripersonal::{Level, OwnBody, ReachableMap};
 pub const STUDY: Study = Study {
     name: "reachable",
     about: "how well the learned body knows where its hands can get to, and how fast it tells",
+    touches: true,
     measure,
 };
 

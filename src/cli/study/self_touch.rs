@@ -18,6 +18,7 @@ use crate::senses::{Kind, Touch, TouchEvent};
 pub const STUDY: Study = Study {
     name: "self-touch",
     about: "whether self-touch and being touched are ever confused; a trial is one contact",
+    touches: false,
     measure,
 };
 
@@ -217,7 +218,7 @@ fn trial(
     rng: &mut ChaCha8Rng,
 ) -> Result<Told, Failure> {
     let mut told = Told::default();
-    world.hold_qpos(posture);
+    world.hold_qpos(posture)?;
     // The way of a probe is laid over the skin where a step has put it.
     let (began, events) = world.step()?;
     events.iter().for_each(|event| told.take(event));
@@ -232,7 +233,7 @@ fn trial(
     // The creature moves now, and must not run into the probe.
     let now = world.data.time();
     world.withdraw(0)?;
-    world.hold_qpos(reference);
+    world.hold_qpos(reference)?;
     watch(world, now + AFTER, &mut told)?;
     Ok(told)
 }

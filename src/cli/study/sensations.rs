@@ -15,6 +15,7 @@ use crate::senses::{Kind, Sensation, TouchEvent};
 pub const STUDY: Study = Study {
     name: "sensations",
     about: "how well taps, presses, strokes and rubs are told apart; a trial is one of each kind",
+    touches: false,
     measure,
 };
 

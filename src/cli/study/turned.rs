@@ -19,6 +19,7 @@ use crate::mujoco::{self, Model};
 pub const STUDY: Study = Study {
     name: "turned",
     about: "how well lm learns the body with every axis turned at random, by 25° to 90°",
+    touches: true,
     measure,
 };
 

@@ -1,0 +1,129 @@
+//! `bodyschema map`: which receptors are neighbours, learned from touch alone.
+
+use std::path::{Path, PathBuf};
+
+use serde_json::{Value, json};
+
+use super::{Failure, Outcome, output};
+use crate::evaluation::MapAgreement;
+use crate::record::{FIRINGS_FILE, Session, read_firings};
+use crate::senses::{LearnedMap, learn_map};
+
+/// Learn which receptors are neighbours from nothing but when they fired.
+///
+/// Receptors that fire one after the other under strokes are neighbours. The log of a session that
+/// `bodyschema feel --strokes` wrote is read, the map is learned, and it is compared with the one that the places of
+/// the receptors give: how many of its pairs were learned (recall), and how many of the learned pairs it has (precision).
+#[derive(clap::Args)]
+#[command(after_help = "Examples:
+  bodyschema feel mjcf/max/max.xml --strokes 20 --out sessions/stroked
+  bodyschema map --from sessions/stroked
+  bodyschema map --from sessions/stroked --out map.json --json")]
+pub struct Args {
+    /// The session's folder
+    #[arg(long, value_name = "DIR")]
+    from: PathBuf,
+    /// Where to write the learned map, as JSON
+    #[arg(long, value_name = "FILE")]
+    out: Option<PathBuf>,
+    /// Print one JSON object
+    #[arg(long)]
+    json: bool,
+}
+
+pub fn run(args: &Args) -> Outcome {
+    let session = Session::read(&args.from)?;
+    let (creature, skin) = (&session.creature, &session.skin);
+    let log = args.from.join(FIRINGS_FILE);
+    if !log.exists() {
+        return Err(Failure(format!(
+            "{}: there is no such file: record one with `bodyschema feel MODEL --strokes MINUTES --out DIR`",
+            log.display()
+        )));
+    }
+    let firings = read_firings(&log, creature.name(), skin)?;
+    let limbs: Vec<usize> = skin.receptors.iter().map(|receptor| receptor.limb).collect();
+    let learned = learn_map(&limbs, &firings);
+    let by_limb = MapAgreement::by_limb(&learned.map, skin, creature.limbs().len());
+    let all = MapAgreement::of_all(&by_limb);
+    if let Some(path) = &args.out {
+        write_map(path, &session, &learned)?;
+    }
+    let on = |limb: usize| limbs.iter().enumerate().filter(move |(_, on)| **on == limb);
+    let receptors = |limb: usize| on(limb).count();
+    let visited = |limb: usize| on(limb).filter(|(receptor, _)| learned.firings[*receptor] > 0).count();
+    let felt: Vec<usize> = (0..creature.limbs().len()).filter(|&limb| receptors(limb) > 0).collect();
+    let all_visited = learned.firings.iter().filter(|count| **count > 0).count();
+    if args.json {
+        let row = |limb: &usize| {
+            json!({
+                "limb": creature.limbs()[*limb],
+                "receptors": receptors(*limb),
+                "visited": visited(*limb),
+                "learned": by_limb[*limb].learned,
+                "geometric": by_limb[*limb].geometric,
+                "shared": by_limb[*limb].shared,
+            })
+        };
+        return output::json(&json!({
+            "session": args.from,
+            "creature": creature.name(),
+            "strokes": learned.strokes,
+            "firings": firings.len(),
+            "receptors": limbs.len(),
+            "visited": all_visited,
+            "learned": all.learned,
+            "geometric": all.geometric,
+            "shared": all.shared,
+            "recall": all.recall(),
+            "precision": all.precision(),
+            "agreement": all.agreement(),
+            "limbs": felt.iter().map(row).collect::<Vec<_>>(),
+        }));
+    }
+    say!(
+        "{}: {} firings of {all_visited} of {} receptors in {} strokes\n",
+        creature.name(),
+        firings.len(),
+        limbs.len(),
+        learned.strokes
+    );
+    let line = |name: &str, receptors: usize, visited: usize, of: &MapAgreement| {
+        let [learned, geometric, shared] = [of.learned, of.geometric, of.shared];
+        say!("{name:<28} {receptors:>9} {visited:>8} {learned:>8} {geometric:>9} {shared:>7}");
+    };
+    say!(
+        "{:<28} {:>9} {:>8} {:>8} {:>9} {:>7}",
+        "limb",
+        "receptors",
+        "visited",
+        "learned",
+        "geometric",
+        "shared"
+    );
+    for &limb in &felt {
+        line(&creature.limbs()[limb], receptors(limb), visited(limb), &by_limb[limb]);
+    }
+    line("all", limbs.len(), all_visited, &all);
+    say!(
+        "\nof the pairs of the geometry {} were learned, of the learned pairs {} are the geometry's: agreement {}",
+        output::number(all.recall()),
+        output::number(all.precision()),
+        output::number(all.agreement())
+    );
+    Ok(())
+}
+
+/// Writes the neighbours of every receptor, by their ids, nearest first.
+fn write_map(path: &Path, session: &Session, learned: &LearnedMap) -> Outcome {
+    let receptors = &session.skin.receptors;
+    let neighbours: serde_json::Map<String, Value> = (0..receptors.len())
+        .map(|receptor| {
+            let ids = learned.map.neighbours(receptor).iter().map(|&other| receptors[other].id.as_str());
+            (receptors[receptor].id.clone(), json!(ids.collect::<Vec<_>>()))
+        })
+        .collect();
+    let map = json!({"creature": session.creature.name(), "neighbours": neighbours});
+    std::fs::write(path, serde_json::to_string_pretty(&map)? + "\n")
+        .map_err(|error| Failure(format!("cannot write {}: {error}: give another --out", path.display())))
+}

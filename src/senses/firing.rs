@@ -1,0 +1,40 @@
+//! Which receptors fire, and when: all that is left of touches where nobody knows where receptors are.
+
+use super::SkinContact;
+
+/// How long a receptor must be silent before it has ceased to fire, seconds: a probe that bounces comes back sooner.
+const SILENCE: f64 = 0.03;
+
+/// A receptor that fired without a pause.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Firing {
+    /// The receptor.
+    pub receptor: usize,
+    /// When it fired first and last, seconds.
+    pub span: [f64; 2],
+}
+
+/// Follows which receptors fire.
+#[derive(Clone, Debug, Default)]
+pub struct FiringRecorder {
+    firing: Vec<Firing>,
+}
+
+impl FiringRecorder {
+    /// Takes in the contacts of one step at `time`, seconds, later than the last one: what has ceased to fire.
+    pub fn step(&mut self, time: f64, contacts: &[SkinContact]) -> Vec<Firing> {
+        for place in contacts.iter().flat_map(SkinContact::places) {
+            match self.firing.iter_mut().find(|firing| firing.receptor == place.receptor) {
+                Some(firing) if time - firing.span[1] <= SILENCE => firing.span[1] = time,
+                // What fired before that is told below.
+                _ => self.firing.push(Firing { receptor: place.receptor, span: [time; 2] }),
+            }
+        }
+        self.firing.extract_if(.., |firing| time - firing.span[1] > SILENCE).collect()
+    }
+
+    /// What still fires, where nothing comes after it.
+    pub fn rest(self) -> Vec<Firing> {
+        self.firing
+    }
+}

@@ -1,0 +1,201 @@
+//! The somatotopic map from experience: receptors that fire one after the other under strokes are neighbours.
+//!
+//! What is known is which limb each receptor is on and when it fired; places, sizes and speeds are not. A stroke is
+//! what fires on a limb without a pause. Strokes differ in how fast they are, so each is given a pace, under which a
+//! receptor takes the same time in all of them: then times between receptors are as good as distances along the
+//! skin. The nearest are linked, at most eight to each, as the geometry would.
+
+use std::collections::BTreeMap;
+
+use super::Firing;
+use crate::skin::SomatotopicMap;
+
+/// How long a limb must be silent before a stroke has ended, seconds.
+const PAUSE: f64 = 0.06;
+/// Firings that are shorter say nothing about a stroke's pace, seconds: the probe cut a corner.
+const PASSING: f64 = 0.01;
+/// Rounds in which paces and widths are made to agree.
+const ROUNDS: usize = 30;
+/// How many receptors of the limb's mean width a receptor, or a stroke, is taken to have been before it was.
+const PRIOR: f64 = 2.0;
+/// How many receptors later in a stroke one is still related to.
+const WITHIN: usize = 6;
+/// Of the distances of two receptors in several strokes, this share is shorter than the one that counts: ways may be
+/// round about, and none is shorter than the straight one.
+const SHARE: f64 = 0.35;
+/// Receptors are linked up to this many times the limb's mean distance between those that fired in succession. On squares
+/// these are 0.8 sides apart by the measure here and diagonal ones 1.26: it reaches nearly that far, as the geometry does.
+const REACH: f64 = 1.55;
+/// So much nearer, in the same unit, two receptors are taken to be when one has fired right after the other.
+const SUCCESSION: f64 = 0.6;
+
+/// A map that was learned, and from how much.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LearnedMap {
+    /// The neighbours.
+    pub map: SomatotopicMap,
+    /// Per receptor, how often it fired.
+    pub firings: Vec<usize>,
+    /// Strokes, each on one limb.
+    pub strokes: usize,
+}
+
+/// A stroke: firings of one limb in the order of their middles.
+struct Stroke {
+    firings: Vec<Firing>,
+    /// Width of skin that it passes in a second, in a unit of its limb.
+    pace: f64,
+}
+
+/// Learns the map of receptors, each on its limb, from firings in any order. Firings of receptors that there are not
+/// are left out.
+pub fn learn_map(limbs: &[usize], firings: &[Firing]) -> LearnedMap {
+    let mut fired = vec![0; limbs.len()];
+    let mut by_limb: BTreeMap<usize, Vec<Firing>> = BTreeMap::new();
+    for firing in firings.iter().filter(|firing| firing.receptor < limbs.len()) {
+        fired[firing.receptor] += 1;
+        by_limb.entry(limbs[firing.receptor]).or_default().push(*firing);
+    }
+    let mut strokes_made = 0;
+    let mut links = Vec::new();
+    for firings in by_limb.into_values() {
+        let mut strokes = strokes_of(firings);
+        strokes_made += strokes.len();
+        agree(&mut strokes, limbs.len());
+        links.extend(links_of(&strokes, limbs.len()));
+    }
+    links.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+    let map = SomatotopicMap::of_links(limbs.len(), links.into_iter().map(|(_, pair)| pair));
+    LearnedMap { map, firings: fired, strokes: strokes_made }
+}
+
+/// Parts the firings of a limb where it is silent.
+fn strokes_of(mut firings: Vec<Firing>) -> Vec<Stroke> {
+    firings.sort_by(|a, b| a.span[0].total_cmp(&b.span[0]).then(a.receptor.cmp(&b.receptor)));
+    let mut strokes: Vec<Stroke> = Vec::new();
+    let mut last = f64::NEG_INFINITY;
+    for firing in firings {
+        match strokes.last_mut() {
+            Some(stroke) if firing.span[0] - last <= PAUSE => stroke.firings.push(firing),
+            _ => strokes.push(Stroke { firings: vec![firing], pace: 1.0 }),
+        }
+        last = last.max(firing.span[1]);
+    }
+    for stroke in &mut strokes {
+        stroke.firings.sort_by(|a, b| middle(a).total_cmp(&middle(b)).then(a.receptor.cmp(&b.receptor)));
+    }
+    strokes
+}
+
+fn middle(firing: &Firing) -> f64 {
+    0.5 * (firing.span[0] + firing.span[1])
+}
+
+fn lasted(firing: &Firing) -> f64 {
+    firing.span[1] - firing.span[0]
+}
+
+impl Stroke {
+    /// Firings that were begun and ended by the stroke's way, not by its own beginning and end.
+    fn crossings(&self) -> impl Iterator<Item = &Firing> {
+        let inner = self.firings.get(1..self.firings.len().saturating_sub(1)).unwrap_or_default();
+        inner.iter().filter(|firing| lasted(firing) > PASSING)
+    }
+}
+
+/// Gives strokes of one limb their paces: a receptor is as wide in every stroke.
+fn agree(strokes: &mut [Stroke], receptors: usize) {
+    for _ in 0..ROUNDS {
+        let (mut sums, mut counts) = (vec![0.0; receptors], vec![0.0; receptors]);
+        for stroke in strokes.iter() {
+            for firing in stroke.crossings() {
+                sums[firing.receptor] += stroke.pace * lasted(firing);
+                counts[firing.receptor] += 1.0;
+            }
+        }
+        let count: f64 = counts.iter().sum();
+        if count == 0.0 {
+            return;
+        }
+        let mean = sums.iter().sum::<f64>() / count;
+        let width = |receptor: usize| (sums[receptor] + PRIOR * mean) / (counts[receptor] + PRIOR);
+        let mut paces: Vec<f64> = strokes.iter().map(|stroke| stroke.pace).collect();
+        paces.sort_by(f64::total_cmp);
+        let usual = paces[paces.len() / 2];
+        for stroke in strokes.iter_mut() {
+            let seconds: f64 = stroke.crossings().map(lasted).sum();
+            let passed: f64 = stroke.crossings().map(|firing| width(firing.receptor)).sum();
+            stroke.pace = (passed + PRIOR * mean) / (seconds + PRIOR * mean / usual);
+        }
+        // Only ratios can be told.
+        let logs: f64 = strokes.iter().map(|stroke| stroke.pace.ln()).sum();
+        let unit = (logs / strokes.len() as f64).exp();
+        strokes.iter_mut().for_each(|stroke| stroke.pace /= unit);
+    }
+}
+
+/// What strokes tell of two receptors of a limb.
+#[derive(Default)]
+struct Pair {
+    /// Distances, each with how much of both receptors the stroke passed, up to 1.
+    distances: Vec<(f64, f64)>,
+    /// Whether one fired right after the other.
+    succession: bool,
+}
+
+impl Pair {
+    /// The distance below which [`SHARE`] of the distances are.
+    fn distance(&mut self) -> f64 {
+        self.distances.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let all: f64 = self.distances.iter().map(|(_, weight)| weight).sum();
+        let mut below = 0.0;
+        let found = self.distances.iter().find(|(_, weight)| {
+            below += weight;
+            below >= SHARE * all
+        });
+        found.map_or(f64::INFINITY, |(distance, _)| *distance)
+    }
+}
+
+fn sorted([a, b]: [usize; 2]) -> [usize; 2] {
+    [a.min(b), a.max(b)]
+}
+
+/// Receptors of one limb near enough to be neighbours, and how far apart, in the limb's own unit.
+fn links_of(strokes: &[Stroke], receptors: usize) -> Vec<(f64, [usize; 2])> {
+    let (mut sums, mut counts) = (vec![0.0; receptors], vec![0.0; receptors]);
+    for (stroke, firing) in strokes.iter().flat_map(|s| s.firings.iter().map(move |f| (s, f))) {
+        sums[firing.receptor] += stroke.pace * lasted(firing);
+        counts[firing.receptor] += 1.0;
+    }
+    let mut pairs: BTreeMap<[usize; 2], Pair> = BTreeMap::new();
+    for stroke in strokes {
+        let passed = |firing: &Firing| {
+            let usual = sums[firing.receptor] / counts[firing.receptor];
+            if usual > 0.0 { (stroke.pace * lasted(firing) / usual).min(1.0) } else { 1.0 }
+        };
+        for (k, from) in stroke.firings.iter().enumerate() {
+            let mut seen = vec![from.receptor];
+            for (steps, to) in stroke.firings[k + 1..].iter().take(WITHIN).enumerate() {
+                // Back where it was: all that follows was nearer then.
+                if to.receptor == from.receptor {
+                    break;
+                }
+                if seen.contains(&to.receptor) {
+                    continue;
+                }
+                seen.push(to.receptor);
+                let pair = pairs.entry(sorted([from.receptor, to.receptor])).or_default();
+                pair.succession |= steps == 0;
+                pair.distances.push((stroke.pace * (middle(to) - middle(from)), passed(from) * passed(to)));
+            }
+        }
+    }
+    let told: Vec<([usize; 2], f64, bool)> =
+        pairs.into_iter().map(|(at, mut pair)| (at, pair.distance(), pair.succession)).collect();
+    let next: Vec<f64> = told.iter().filter(|(.., succession)| *succession).map(|told| told.1).collect();
+    let unit = next.iter().sum::<f64>() / next.len() as f64;
+    let far = |distance: f64, succession: bool| distance / unit - if succession { SUCCESSION } else { 0.0 };
+    let links = told.into_iter().map(|(at, distance, succession)| (far(distance, succession), at));
+    links.filter(|(far, _)| *far <= REACH).collect()
+}
