@@ -1,6 +1,7 @@
 //! The creature among other things: scenes with probes that touch it, and what it feels of them.
 
 mod actor;
+mod avoiding;
 mod conversation;
 mod event;
 mod scene;
@@ -10,6 +11,7 @@ mod tasks;
 mod world;
 
 pub use actor::{Actor, CAREFUL, Found, Hand, SWIFT, Stop};
+pub use avoiding::{Avoiding, QUICK};
 pub use conversation::{Conversation, Intent, Reply, understood};
 pub use event::{aura_event_json, event_json};
 pub use scene::{Feeling, Scene, Thing, Touched};

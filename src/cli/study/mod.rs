@@ -7,6 +7,7 @@
 
 mod approach;
 mod at_table;
+mod avoid;
 mod changed_body;
 mod coverage;
 mod disturbances;
@@ -38,7 +39,7 @@ use subject::Subject;
 use table::Table;
 
 /// The studies, in the order in which they are named to the user.
-const STUDIES: [&Study; 13] = [
+const STUDIES: [&Study; 14] = [
     &learners::STUDY,
     &policies::STUDY,
     &coverage::STUDY,
@@ -51,6 +52,7 @@ const STUDIES: [&Study; 13] = [
     &self_touch::STUDY,
     &other_hand::STUDY,
     &farthest::STUDY,
+    &avoid::STUDY,
     &reachable::STUDY,
 ];
 
