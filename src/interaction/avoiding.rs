@@ -76,7 +76,6 @@ struct Course {
 
 /// Joints that move together to get out of the way.
 struct Group {
-    joints: Vec<usize>,
     /// Whether a limb moves with them.
     carried: Vec<bool>,
     /// All but the things that move.
@@ -165,7 +164,7 @@ impl Group {
         for &joint in joints {
             own.carried_by(joint + 1).into_iter().zip(&mut carried).for_each(|(by, any)| *any |= by);
         }
-        Group { joints: joints.to_vec(), carried, clearance: clearance.moved_by(own, joints) }
+        Group { carried, clearance: clearance.moved_by(own, joints) }
     }
 
     /// How far the limbs that move are from an obstacle, up to `below`, metres.

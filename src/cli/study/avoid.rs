@@ -1,5 +1,7 @@
 //! Whether a creature gets out of the way of what comes near, and keeps still what is not in its way.
 
+use std::collections::BTreeSet;
+
 use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
 use rand::seq::IndexedRandom;
 use rand::{RngExt, SeedableRng};
@@ -12,7 +14,7 @@ use super::subject::{Subject, median, share};
 use super::table::{Column, Table};
 use super::{Findings, Study};
 use crate::cli::Failure;
-use crate::interaction::{Actor, Avoiding, ProbePath, Scene, Thing, Touched};
+use crate::interaction::{Actor, Avoiding, Feeling, ProbePath, Scene, Thing, Touched};
 use crate::skin::Shape;
 
 pub const STUDY: Study = Study {
@@ -29,6 +31,8 @@ const TRIED: f64 = 1.5;
 const BEYOND: f64 = 0.5;
 /// A limb that moves less than this keeps still, metres.
 const STILL: f64 = 0.01;
+/// How far limbs are apart at first, metres.
+const APART: f64 = 0.015;
 /// Every how many steps the limbs are measured.
 const EVERY: usize = 10;
 
@@ -194,7 +198,17 @@ fn attempt(
     let end = path.end();
     actor.scene.send(thing, path);
     actor.place(&coming.posture)?;
-    actor.scene.step(&coming.posture)?;
+    // What touches already before anything comes is no consequence.
+    let own_touches = |actor: &Actor, felt: &[Feeling]| -> BTreeSet<[usize; 2]> {
+        let limb = |receptor: usize| actor.own.skin.receptors[receptor].limb;
+        let pair = |feeling: &Feeling| match feeling.what {
+            Touched::Own(other) => Some([limb(feeling.receptor), limb(other)]),
+            _ => None,
+        };
+        felt.iter().filter_map(pair).collect()
+    };
+    let felt = actor.scene.step(&coming.posture)?;
+    let touching = own_touches(actor, &felt);
     let mut avoiding = Avoiding::new(actor)?;
     let creature = actor.own.creature.clone();
     let aimed = &creature.aura_limbs()[coming.aimed].limbs;
@@ -223,15 +237,10 @@ fn attempt(
     let mut steps = 0;
     while actor.scene.time() < end {
         let felt = avoiding.step(actor)?;
-        for feeling in &felt {
-            let limb = actor.own.skin.receptors[feeling.receptor].limb;
-            match feeling.what {
-                Touched::Thing(other) if other == thing && outcome.touched.is_none() => {
-                    outcome.touched = Some(limb);
-                }
-                Touched::Own(_) => outcome.itself = true,
-                _ => {}
-            }
+        outcome.itself |= own_touches(actor, &felt).iter().any(|pair| !touching.contains(pair));
+        if outcome.touched.is_none() {
+            let by = felt.iter().find(|feeling| feeling.what == Touched::Thing(thing));
+            outcome.touched = by.map(|feeling| actor.own.skin.receptors[feeling.receptor].limb);
         }
         if steps % EVERY == 0 {
             for ((r, now), then) in actor.own.skin.receptors.iter().zip(skin(actor)).zip(&before) {
@@ -273,9 +282,11 @@ fn measure(subject: &Subject) -> Result<Findings, Failure> {
         let postures: Vec<Vec<f64>> = if raised {
             vec![ready]
         } else {
+            let at_ease = [truth.own.frames(&truth.own.at_ease())];
+            let clearance = truth.clearance.moved_by(&truth.own, &joints).eased_at(&at_ease, APART);
             (0..2000)
                 .map(|_| truth.own.random_posture(&ready, &joints, &mut rng))
-                .filter(|posture| truth.clearance.free(&truth.own.frames(posture), 0.015))
+                .filter(|posture| clearance.free(&truth.own.frames(posture), APART))
                 .take(20)
                 .collect()
         };
