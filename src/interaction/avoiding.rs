@@ -289,9 +289,7 @@ impl Avoiding {
                     None => Some((vec![joints], threatened.and_then(|(_, place)| place))),
                 }
             }
-            None => {
-                foreseen(actor, approach, &course, &now).map(|(limb, place)| (tiers(actor, limb), place))
-            }
+            None => foreseen(actor, approach, &course, &now).map(|(limb, place)| (tiers(actor, limb), place)),
         };
         let Some((tiers, place)) = tiers else { return };
         self.again = time + PATIENCE;
@@ -428,8 +426,7 @@ fn foreseen(
     (0..steps).find_map(|k| {
         let from = STEP * k as f64;
         let there = course.swept(from, from + STEP, CORE);
-        let met =
-            |limb: &usize| actor.clearance.to_obstacle(&frames, *limb, &there, CORE) < 0.0;
+        let met = |limb: &usize| actor.clearance.to_obstacle(&frames, *limb, &there, CORE) < 0.0;
         (0..frames.len()).find(met).map(|limb| (limb, None))
     })
 }
@@ -470,8 +467,8 @@ fn pushes(
     for length in [0.04, 0.12, 0.25] {
         for k in 0..8 {
             let angle = TAU * f64::from(k) / 8.0;
-            let point = passed
-                + (aside * angle.cos() + other * angle.sin()) * (course.radius + WANTED + length);
+            let point =
+                passed + (aside * angle.cos() + other * angle.sin()) * (course.radius + WANTED + length);
             let target = Place { limb: 0, point, direction: Vector3::zeros() };
             let mut solver = InverseKinematics::new(&own.creature, &own.schema, [place, target])
                 .with_facing(Facing::Parallel)

@@ -236,8 +236,7 @@ impl Aura {
             let (velocity, acceleration) = followed.motion();
             let before = nearest(&at(place - velocity * 1e-3));
             let speed = before.map_or(0.0, |before| (before.distance - distance) / 1e-3);
-            let (point, toward) =
-                (frames[limb].inverse_point(&point), frames[limb].rotation.tr_mul(&toward));
+            let (point, toward) = (frames[limb].inverse_point(&point), frames[limb].rotation.tr_mul(&toward));
             let contact =
                 foresee(&nearest, &at, place, velocity, acceleration).map(|(seconds, limb, point)| {
                     let receptors = likeliest(skin, limb, &frames[limb].inverse_point(&point));
