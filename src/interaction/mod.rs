@@ -1,6 +1,7 @@
 //! The creature among other things: scenes with probes that touch it, and what it feels of them.
 
 mod actor;
+mod avoiding;
 mod caress;
 mod conversation;
 mod event;
@@ -11,6 +12,7 @@ mod tasks;
 mod world;
 
 pub use actor::{Actor, CAREFUL, Found, Hand, SWIFT, Stop};
+pub use avoiding::{Avoiding, QUICK};
 pub use caress::stroke_for;
 pub use conversation::{Conversation, Intent, Reply, understood};
 pub use event::{aura_event_json, event_json};

@@ -21,7 +21,7 @@ pub const HORIZON: f64 = 0.6;
 /// Receptors named for a contact that is foreseen.
 pub const RECEPTORS_NAMED: usize = 5;
 /// Every how many seconds what is near is looked at.
-const PERIOD: f64 = 0.01;
+pub const LOOK_PERIOD: f64 = 0.01;
 /// Looks from which the motion of an object is told.
 const LOOKS: usize = 5;
 /// An object this near counts as there, metres.
@@ -100,7 +100,11 @@ pub struct Approach {
     pub limb: usize,
     /// How far its surface is from the limb's, metres.
     pub distance: f64,
-    /// How fast that becomes less, metres a second; below 0 where the object recedes.
+    /// The point of the limb's surface that is nearest, in the limb's frame, metres.
+    pub point: Vector3<f64>,
+    /// The unit direction from there to the object, in the limb's frame.
+    pub toward: Vector3<f64>,
+    /// How fast the distance becomes less, metres a second; below 0 where the object recedes.
     pub speed: f64,
     /// The contact that is foreseen, if the object goes on as it does and the creature stays as it is.
     pub contact: Option<Foreseen>,
@@ -141,8 +145,17 @@ pub struct Aura {
     next: f64,
 }
 
-/// The distance of an object to the nearest limb, metres, which limb that is, and where on it, in the world.
-type Nearest = (f64, usize, Vector3<f64>);
+/// The limb that is nearest to an object.
+#[derive(Clone, Copy)]
+struct Nearest {
+    /// Metres.
+    distance: f64,
+    limb: usize,
+    /// Where on it, in the world.
+    point: Vector3<f64>,
+    /// The unit direction from there to the object, in the world.
+    toward: Vector3<f64>,
+}
 
 /// An object that is followed.
 #[derive(Clone, Debug, Default)]
@@ -181,7 +194,7 @@ impl Aura {
         if time < self.next {
             return events;
         }
-        self.next = time + PERIOD - 1e-9;
+        self.next = time + LOOK_PERIOD - 1e-9;
         let mut frames: Option<Vec<Frame>> = None;
         for (&object, surfaces) in &self.objects {
             let pose = data.body_pose(object);
@@ -219,17 +232,18 @@ impl Aura {
                 .copied()
                 .collect();
             let nearest = |frame: &Frame| nearest_limb(skin, frames, &limbs, surfaces, frame);
-            let Some((distance, limb, _)) = nearest(&at(place)) else { continue };
+            let Some(Nearest { distance, limb, point, toward }) = nearest(&at(place)) else { continue };
             let (velocity, acceleration) = followed.motion();
             let before = nearest(&at(place - velocity * 1e-3));
-            let speed = before.map_or(0.0, |(before, ..)| (before - distance) / 1e-3);
+            let speed = before.map_or(0.0, |before| (before.distance - distance) / 1e-3);
+            let (point, toward) = (frames[limb].inverse_point(&point), frames[limb].rotation.tr_mul(&toward));
             let contact =
                 foresee(&nearest, &at, place, velocity, acceleration).map(|(seconds, limb, point)| {
                     let receptors = likeliest(skin, limb, &frames[limb].inverse_point(&point));
                     Foreseen { limb, seconds, receptors }
                 });
             let aura_limb = body.creature.aura_of(limb).unwrap_or(within[0].aura_limb);
-            let approach = Approach { object, aura_limb, limb, distance, speed, contact };
+            let approach = Approach { object, aura_limb, limb, distance, point, toward, speed, contact };
             if !std::mem::replace(&mut followed.within, true) {
                 events.push(AuraEvent::Entered(approach.clone()));
             }
@@ -262,7 +276,7 @@ impl Followed {
     }
 }
 
-/// The distance of an object in a frame `X_WO` to the nearest of some limbs, which one, and where on it, in the world.
+/// The nearest of some limbs to an object in a frame `X_WO`.
 fn nearest_limb(
     skin: &Skin,
     frames: &[Frame],
@@ -275,22 +289,29 @@ fn nearest_limb(
         let frame = &frames[surface.limb];
         for part in object {
             let found = between(surface, frame, part, x_wo);
-            if let Some((distance, point)) = found
-                && best.is_none_or(|(least, ..)| distance < least)
+            if let Some((distance, point, toward)) = found
+                && best.is_none_or(|best| distance < best.distance)
             {
-                best = Some((distance, surface.limb, point));
+                best = Some(Nearest { distance, limb: surface.limb, point, toward });
             }
         }
     }
     best
 }
 
-/// The distance of two surfaces in their frames, and the nearest point of the first, in the world.
-fn between(surface: &Surface, frame: &Frame, part: &Surface, x_wo: &Frame) -> Option<(f64, Vector3<f64>)> {
+/// The distance of two surfaces in their frames, the nearest point of the first and the unit direction from there to
+/// the second, in the world.
+fn between(
+    surface: &Surface,
+    frame: &Frame,
+    part: &Surface,
+    x_wo: &Frame,
+) -> Option<(f64, Vector3<f64>, Vector3<f64>)> {
     if let crate::skin::Shape::Sphere { radius } = part.shape {
         let middle = x_wo.point(&part.origin);
         let (distance, normal) = surface.signed_distance(&frame.inverse_point(&middle))?;
-        return Some((distance - radius, middle - frame.rotation * normal * distance));
+        let normal = frame.rotation * normal;
+        return Some((distance - radius, middle - normal * distance, normal));
     }
     let first =
         |d: &Vector3<f64>| frame.point(&surface.support(&frame.rotation.tr_mul(d)).unwrap_or_default());
@@ -298,18 +319,18 @@ fn between(surface: &Surface, frame: &Frame, part: &Surface, x_wo: &Frame) -> Op
     let way = frame.point(&surface.origin) - x_wo.point(&part.origin);
     let guess = way.try_normalize(1e-9).unwrap_or(Vector3::z());
     let found = closest([&first, &second], &guess);
-    Some((found.distance, found.points[0]))
+    Some((found.distance, found.points[0], -found.normal))
 }
 
-/// When an object that goes on as it does first meets a limb, which, and where: it goes forward as far as nothing
-/// is near, for nothing can be hit sooner.
+/// When, in seconds, an object that goes on as it does first meets a limb, which, and where, in the world: it goes
+/// forward as far as nothing is near, for nothing can be hit sooner.
 fn foresee(
     nearest: &dyn Fn(&Frame) -> Option<Nearest>,
     at: &dyn Fn(Vector3<f64>) -> Frame,
     place: Vector3<f64>,
     velocity: Vector3<f64>,
     acceleration: Vector3<f64>,
-) -> Option<Nearest> {
+) -> Option<(f64, usize, Vector3<f64>)> {
     let fastest = velocity.norm() + acceleration.norm() * HORIZON;
     if fastest < 1e-3 {
         return None;
@@ -317,7 +338,7 @@ fn foresee(
     let mut seconds = 0.0;
     for _ in 0..200 {
         let there = place + velocity * seconds + acceleration * (0.5 * seconds * seconds);
-        let (distance, limb, point) = nearest(&at(there))?;
+        let Nearest { distance, limb, point, .. } = nearest(&at(there))?;
         let closing = velocity + acceleration * seconds;
         // Something that lies on the skin and leaves it is no danger.
         let leaves = (there - point).dot(&closing) >= 0.0;

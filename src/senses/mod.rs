@@ -10,7 +10,7 @@ mod own_frames;
 mod touch;
 pub mod touch_sensor;
 
-pub use aura::{Approach, Aura, AuraEvent};
+pub use aura::{Approach, Aura, AuraEvent, LOOK_PERIOD};
 pub use contact_reader::{ContactReader, Reading};
 pub use disturbance::{Disturbances, Felt};
 pub use firing::{Firing, FiringRecorder};

@@ -7,6 +7,7 @@
 
 mod approach;
 mod at_table;
+mod avoid;
 mod changed_body;
 mod coverage;
 mod disturbances;
@@ -39,7 +40,7 @@ use subject::Subject;
 use table::Table;
 
 /// The studies, in the order in which they are named to the user.
-const STUDIES: [&Study; 14] = [
+const STUDIES: [&Study; 15] = [
     &learners::STUDY,
     &policies::STUDY,
     &coverage::STUDY,
@@ -53,6 +54,7 @@ const STUDIES: [&Study; 14] = [
     &map::STUDY,
     &other_hand::STUDY,
     &farthest::STUDY,
+    &avoid::STUDY,
     &reachable::STUDY,
 ];
 

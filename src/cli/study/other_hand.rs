@@ -16,6 +16,7 @@ use crate::cli::Failure;
 use crate::interaction::{Actor, Found, Hand, Thing, Touched, Trouble};
 use crate::kinematics::REACHED;
 use crate::peripersonal::Aim;
+use crate::skin::Surface;
 
 pub const STUDY: Study = Study {
     name: "other-hand",
@@ -39,6 +40,7 @@ const MEASUREMENTS: &[Column] = &[
     Column { name: "first", heading: "at the first go" },
     Column { name: "touched", heading: "touched" },
     Column { name: "error_mm", heading: "error, mm" },
+    Column { name: "contact_mm", heading: "contacts apart, mm" },
     Column { name: "felt_mm", heading: "felt, mm" },
     Column { name: "unintended", heading: "unintended" },
     Column { name: "result", heading: "result" },
@@ -50,6 +52,7 @@ const SUMMARY: &[Column] = &[
     Column { name: "first", heading: "at the first go" },
     Column { name: "touched", heading: "with one correction" },
     Column { name: "error_mm", heading: "error, mm" },
+    Column { name: "contact_mm", heading: "contacts apart, mm" },
     Column { name: "felt_mm", heading: "felt, mm" },
     Column { name: "unintended", heading: "unintended, share" },
 ];
@@ -58,8 +61,10 @@ const SUMMARY: &[Column] = &[
 struct Attempt {
     first: bool,
     touched: bool,
-    /// From where the thing was felt to where it was touched, on the thing, metres.
+    /// From where the thing was touched by the arm to the nearest skin of the hand when it touches, metres.
     error: f64,
+    /// From where the arm touched the thing to where the hand does, on the thing, metres.
+    contact: f64,
     /// From where the arm took itself to be touched to where it was, metres.
     felt: f64,
     unintended: usize,
@@ -121,6 +126,7 @@ fn measure(subject: &Subject) -> Result<Findings, Failure> {
                             first: false,
                             touched: false,
                             error: f64::NAN,
+                            contact: f64::NAN,
                             felt: f64::NAN,
                             unintended: 0,
                             result: "not felt".into(),
@@ -136,6 +142,7 @@ fn measure(subject: &Subject) -> Result<Findings, Failure> {
                     attempt.first.into(),
                     attempt.touched.into(),
                     (1e3 * attempt.error).into(),
+                    (1e3 * attempt.contact).into(),
                     (1e3 * attempt.felt).into(),
                     attempt.unintended.into(),
                     attempt.result.clone().into(),
@@ -156,6 +163,7 @@ fn measure(subject: &Subject) -> Result<Findings, Failure> {
             rate(attempts, |a| a.first).into(),
             rate(attempts, |a| a.touched).into(),
             error(attempts, |a| a.error).into(),
+            error(attempts, |a| a.contact).into(),
             error(attempts, |a| a.felt).into(),
             Cell::from(rate(attempts, |a| a.unintended > 0)),
         ]);
@@ -163,8 +171,9 @@ fn measure(subject: &Subject) -> Result<Findings, Failure> {
     let [own, real, fine] = &attempts;
     let ratio = rate(own, |a| a.touched) / rate(real, |a| a.touched);
     let notes = vec![
-        "error: from where the arm touched the thing to where the hand touched it, on the thing itself; felt: from where \
-         the arm, whose receptors have an extent, took itself to be touched to where it was."
+        "error: from where the arm touched the thing to the nearest skin of the hand when it touches; contacts apart: to \
+         where the hand touches, on the thing, which may be another side of it; felt: from where the arm, whose receptors \
+         have an extent, took itself to be touched to where it was. Medians over what was touched."
             .to_string(),
         format!("Successes with the learned schema over those with the true one: {ratio:.3}. {passed_over} things were drawn that the other hand could truly not have reached."),
     ];
@@ -172,6 +181,7 @@ fn measure(subject: &Subject) -> Result<Findings, Failure> {
         ("success_first", json!(rate(own, |a| a.first))),
         ("success", json!(rate(own, |a| a.touched))),
         ("error_mm", json!(error(own, |a| a.error))),
+        ("contact_mm", json!(error(own, |a| a.contact))),
         ("felt_mm", json!(error(own, |a| a.felt))),
         ("fine_error_mm", json!(error(fine, |a| a.error))),
         ("fine_success_first", json!(rate(fine, |a| a.first))),
@@ -323,6 +333,7 @@ fn attempt(mut actor: Actor, felt: &Felt) -> Result<Attempt, Failure> {
         first: false,
         touched: false,
         error: f64::NAN,
+        contact: f64::NAN,
         felt: (really - believed).norm(),
         unintended: actor.unintended,
         result: String::new(),
@@ -333,7 +344,21 @@ fn attempt(mut actor: Actor, felt: &Felt) -> Result<Attempt, Failure> {
             attempt.touched = true;
             attempt.first = touching.corrections == 0;
             if let Some(at) = actor.scene.touching_at(by, touching.found.thing) {
-                attempt.error = (at - felt.at).norm();
+                attempt.contact = (at - felt.at).norm();
+            }
+            // The thing may have been moved a little: where it was touched went with it.
+            let place = actor.scene.thing_pose(touching.found.thing) * Point3::from(felt.at);
+            let surfaces = actor.scene.skin.surfaces.iter().filter(|surface| {
+                actor.hands[hand].limb == surface.limb
+                    || actor.own.carried_by(actor.hands[hand].limb)[surface.limb]
+            });
+            let gap = |surface: &Surface| {
+                let pose = actor.scene.body.limb_pose(&actor.scene.data, surface.limb)?;
+                Some(surface.signed_distance(&pose.inverse_transform_point(&place).coords)?.0.abs())
+            };
+            let nearest = surfaces.filter_map(gap).fold(f64::INFINITY, f64::min);
+            if nearest.is_finite() {
+                attempt.error = nearest;
             }
             attempt.result = "touched".into();
         }
