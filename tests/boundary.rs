@@ -145,6 +145,27 @@ fn the_map_is_learned_without_knowing_where_receptors_are() {
     assert!(found.is_empty(), "{} names {found:?}", file.display());
 }
 
+/// Where things and limbs really are in a scene: for those who measure, not for the one who acts.
+const REALLY: [&str; 8] = [
+    "thing_pose",
+    "root_pose",
+    "touching_at",
+    "limb_pose",
+    "limb_frames",
+    "body_pose",
+    "geom_pose",
+    "GroundTruth",
+];
+
+#[test]
+fn who_acts_in_a_scene_does_not_look_where_things_really_are() {
+    for name in ["actor", "avoiding", "conversation", "tasks"] {
+        let file = repository("src/interaction").join(format!("{name}.rs"));
+        let found = names(&file, &REALLY);
+        assert!(found.is_empty(), "{} names {found:?}", file.display());
+    }
+}
+
 #[test]
 fn policies_name_neither_the_model_nor_the_measures() {
     let files = rust_files(&repository("src/babbling/policy"));

@@ -7,7 +7,7 @@ use std::io::Write;
 use std::process::{Command, Stdio};
 
 use bodyschema::creature::JointSelection;
-use bodyschema::interaction::{Actor, Conversation, Intent, Scene, Stop, Thing, Touched};
+use bodyschema::interaction::{Actor, Conversation, Intent, ProbePath, Scene, Stop, Thing, Touched};
 use bodyschema::learning::{Input, Learner, SecondOrder};
 use bodyschema::peripersonal::{OwnBody, Way};
 use bodyschema::skin::{Shape, skin_of};
@@ -38,7 +38,7 @@ fn at_table(own: OwnBody) -> Conversation {
 fn a_conversation_ends_with_things_where_they_were_wanted() {
     let mut talk = at_table(learned_max(400));
     let place = |talk: &Conversation, thing: usize| talk.actor.scene.thing_pose(thing).translation.vector;
-    let mut say = |talk: &mut Conversation, request: &str| {
+    let say = |talk: &mut Conversation, request: &str| {
         let reply = talk.hear(request).unwrap();
         eprintln!("> {request}\n{}", reply.said);
         reply
@@ -125,11 +125,13 @@ fn a_motion_ends_where_something_is_felt_and_what_is_held_goes_with_the_hand() {
     let placed = Thing { pose: Isometry3::translation(at.x, at.y, at.z), fixed: false, ..ball(0.0, false) };
     actor.scene = scene(&placed);
     actor.scene.place(&start).unwrap();
+    // Somebody holds it there.
+    let thing = actor.scene.thing("ball").unwrap();
+    actor.scene.send(thing, ProbePath(vec![(0.0, at.coords)]));
     let mut raised = start.clone();
     let shoulder =
         own.creature.dofs_in_posture().find(|(_, dof)| dof.name == "left_shoulder_flexion").unwrap().0;
     raised[shoulder] += 0.8;
-    let thing = actor.scene.thing("ball").unwrap();
     let stop = actor.follow(&Way(vec![raised.clone()]), 0.8, |_, _| true).unwrap();
     let Stop::Felt(feelings) = stop else { panic!("the ball is in the way") };
     assert_eq!(feelings[0].what, Touched::Thing(thing));
@@ -148,9 +150,11 @@ fn a_motion_ends_where_something_is_felt_and_what_is_held_goes_with_the_hand() {
             .inverse_transform_point(&actor.scene.thing_pose(thing).translation.vector.into());
         hand.inverse_point(&thing.coords)
     };
+    actor.wait(0.01).unwrap();
     let before = grip(&actor);
     assert_eq!(actor.follow(&Way(vec![start]), 0.5, |_, _| true).unwrap(), Stop::Arrived);
-    assert!((grip(&actor) - before).norm() < 2e-3, "{before} and {}", grip(&actor));
+    actor.wait(0.01).unwrap();
+    assert!((grip(&actor) - before).norm() < 1e-4, "{before} and {}", grip(&actor));
     actor.scene.let_go();
     let height = actor.scene.thing_pose(thing).translation.vector.z;
     actor.wait(0.3).unwrap();
