@@ -289,6 +289,16 @@ impl Conversation {
         })
     }
 
+    /// What went wrong, in words.
+    fn in_words(&self, trouble: &Trouble) -> String {
+        match trouble {
+            Trouble::Hit(feelings) if !feelings.is_empty() => {
+                format!("I ran into something with my {}", self.limb_in_words(feelings[0].receptor))
+            }
+            trouble => trouble.to_string(),
+        }
+    }
+
     /// What it says where it does not know its body well enough; none where it does.
     fn doubt(&self) -> Option<String> {
         let actor = &self.actor;
@@ -334,7 +344,7 @@ impl Conversation {
             () if has("second") || has("last") || has("latter") => self.things.len().checked_sub(1),
             () if has("left") && !by_hand => most(&|known| known.at.dot(&left)),
             () if has("right") && !by_hand => most(&|known| -known.at.dot(&left)),
-            () if has("nearest") || has("nearer") || has("near") => most(&|known| -known.at.dot(&front)),
+            () if has("nearest") || has("nearer") => most(&|known| -known.at.dot(&front)),
             () if has("farthest") || has("farther") => most(&|known| known.at.dot(&front)),
             () => None,
         }
@@ -493,7 +503,7 @@ impl Conversation {
                     Trouble::Reach(OutOfReach::TooFar(_)) if !lean => "; I could lean forward and try again",
                     _ => "",
                 };
-                let said = format!("I cannot touch it with my {name}: {trouble}{hint}");
+                let said = format!("I cannot touch it with my {name}: {}{hint}", self.in_words(&trouble));
                 Ok(self.reply(Intent::Touch, said, Some(false), false))
             }
         }
@@ -556,7 +566,7 @@ impl Conversation {
             Err(Trouble::Engine(error)) => Err(error),
             Err(trouble) => {
                 self.actor.scene.let_go();
-                let said = format!("I held it, but did not get it there: {trouble}");
+                let said = format!("I held it, but did not get it there: {}", self.in_words(&trouble));
                 Ok(self.reply(intent, said, Some(false), false))
             }
         }

@@ -1,4 +1,5 @@
-//! The creature among other things: scenes with probes that touch it, and what it feels of them.
+//! The creature among other things: probes that touch it and what it feels of them; scenes in which it acts by what it
+//! learned, alone or asked by a partner.
 
 mod actor;
 mod avoiding;

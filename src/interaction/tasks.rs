@@ -7,6 +7,7 @@ use rand_chacha::ChaCha8Rng;
 
 use super::actor::{Actor, CAREFUL, Found, Hand, SWIFT, Stop};
 use super::scene::{Feeling, Touched};
+use crate::babbling::between;
 use crate::creature::DofKind;
 use crate::kinematics::{Facing, InverseKinematics, Place, REACHED};
 use crate::mujoco;
@@ -23,6 +24,12 @@ const MARGIN: f64 = 0.006;
 /// Radii of the room that a thing is given that was felt, metres, of which not more is known than where it begins: the
 /// greatest that leaves a way.
 const ROOMS: [f64; 4] = [0.15, 0.1, 0.06, 0.03];
+/// Steps to the side in which the farthest spot is looked for, how many to either side, and how finely forward, metres.
+const ASIDE: f64 = 0.05;
+const LATERAL: u32 = 11;
+const FINEST: f64 = 1e-3;
+/// How far skin goes back from what it touched before anything else, metres.
+const BACK: f64 = 0.05;
 /// How clear of everything a hand waits, metres …
 const WAITING: f64 = 0.006;
 /// … and how high, the first of these that leaves it clear: in lengths of the arm above the joint that carries it.
@@ -321,7 +328,15 @@ impl Actor {
         corrections: usize,
     ) -> Result<Touching, Trouble> {
         let ready = self.ready();
-        self.withdraw(found, &ready)?;
+        match self.withdraw(found, &ready) {
+            // It touches something where it is: it stays there, a little back, and the other hand finds its way.
+            Err(Trouble::Hit(feelings)) => {
+                if let Some(way) = feelings.first().and_then(|f| self.back_by(f.receptor, BACK)) {
+                    self.follow(&way, SWIFT, |_, _| false)?;
+                }
+            }
+            went => went?,
+        }
         self.touch_again(found, hand, lean, corrections)
     }
 
@@ -368,12 +383,12 @@ impl Actor {
                     continue;
                 }
             };
-            match self.try_touch(&plan.way, &plan.straight, hand)? {
-                Some(found) => {
+            match self.try_touch(&plan.way, &plan.straight, hand) {
+                Ok(Some(found)) => {
                     return Ok(Touching { found, receptor: plan.receptor, corrections: corrected });
                 }
-                None if corrected < corrections => {
-                    if let Some(found) = self.search(plan.receptor, &aim, &joints, hand)? {
+                Ok(None) if corrected < corrections => {
+                    if let Ok(Some(found)) = self.search(plan.receptor, &aim, &joints, hand) {
                         return Ok(Touching { found, receptor: plan.receptor, corrections: corrected + 1 });
                     }
                     corrected += 1;
@@ -381,13 +396,25 @@ impl Actor {
                     let back = plan.straight.0[0].clone();
                     let _ = self.retreat(&back);
                 }
-                None => return Err(Trouble::Nothing),
+                Err(Trouble::Hit(feelings)) if corrected < corrections => {
+                    // Back the way that it came, and another way.
+                    corrected += 1;
+                    if let Some(way) = feelings.first().and_then(|f| self.back_by(f.receptor, BACK)) {
+                        self.follow(&way, SWIFT, |_, _| false)?;
+                    }
+                    trouble = Trouble::Hit(feelings);
+                }
+                Ok(None) => return Err(Trouble::Nothing),
+                Err(trouble) => return Err(trouble),
             }
         }
         Err(trouble)
     }
 
-    /// Goes along a way and then straight on; what the hand feels there, if it does and nothing else is felt before.
+    /// Goes along a way and then straight on; what the hand feels there, or none where it feels nothing.
+    ///
+    /// # Errors
+    /// [`Trouble::Hit`] where something else is felt before.
     fn try_touch(&mut self, way: &Way, straight: &Way, hand: usize) -> Result<Option<Found>, Trouble> {
         let receptors = self.hands[hand].receptors.clone();
         let stop = match self.follow(way, SWIFT, |_, _| true)? {
@@ -405,7 +432,7 @@ impl Actor {
             Some(found) => Ok(Some(found)),
             None => {
                 self.unintended += 1;
-                Ok(None)
+                Err(Trouble::Hit(feelings))
             }
         }
     }
@@ -452,7 +479,7 @@ impl Actor {
     pub(super) fn withdraw(&mut self, found: &Found, ready: &[f64]) -> Result<(), Trouble> {
         let Some(hand) = self.arm_of(found.receptor) else { return Ok(()) };
         let arm = self.hands[hand].arm.clone();
-        let back = match self.back_by(found.receptor, 0.05) {
+        let back = match self.back_by(found.receptor, BACK) {
             Some(way) => {
                 let back = way.end().map(<[f64]>::to_vec);
                 self.pass(&way, SWIFT)?;
@@ -460,9 +487,10 @@ impl Actor {
             }
             // It has not come here by itself: away from the thing.
             None => {
-                let place = Place { direction: Vector3::zeros(), ..self.own.place(found.receptor) };
+                let place = self.own.place(found.receptor);
                 let from = self.posture();
-                let away = Aim { point: found.point - found.direction * 0.05, direction: Vector3::zeros() };
+                let (point, direction) = self.feels_at(found.receptor);
+                let away = Aim { point: point - direction * BACK, direction };
                 let back = self.reaching(arm.clone()).solve(place, &away, &from).posture;
                 self.retreat(&back)?;
                 back
@@ -477,9 +505,15 @@ impl Actor {
             target[q.clone()].copy_from_slice(&ready[q]);
         }
         let aim = Aim { point: found.point, direction: found.direction };
-        self.clearance.obstacles.push(room_of(&aim, ROOMS[2]));
-        let went = self.go_by(&back, &target, &arm);
-        self.clearance.obstacles.pop();
+        let mut went = Err(OutOfReach::Barred.into());
+        for room in ROOMS {
+            self.clearance.obstacles.push(room_of(&aim, room));
+            went = self.go_by(&back, &target, &arm);
+            self.clearance.obstacles.pop();
+            if !matches!(went, Err(Trouble::Reach(OutOfReach::Barred))) {
+                break;
+            }
+        }
         went
     }
 
@@ -501,7 +535,30 @@ impl Actor {
         let own = &self.own;
         let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
         let mut starts = vec![from.clone(), own.at_ease()];
-        starts.resize_with(2 + effort, || own.random_posture(&from, &joints, &mut rng));
+        if lean {
+            // Bent as far to the front as the trunk goes, joint by joint from the hips.
+            let mut bent = from.clone();
+            for &joint in joints.iter().filter(|joint| !self.hands[hand].arm.contains(joint)) {
+                let joint = &own.creature.joints()[joint];
+                for (k, dof) in joint.dofs.iter().enumerate().filter(|(_, dof)| dof.kind != DofKind::Ball) {
+                    let q = joint.first_coordinate() + k;
+                    let forward = |value: f64| {
+                        let mut posture = bent.clone();
+                        posture[q] = value;
+                        own.frames(&posture)[place.limb].point(&place.point).dot(&front)
+                    };
+                    bent[q] = dof
+                        .range
+                        .into_iter()
+                        .max_by(|a, b| forward(*a).total_cmp(&forward(*b)))
+                        .unwrap_or(bent[q]);
+                }
+            }
+            own.creature.couple(&mut bent);
+            starts.insert(0, between(&own.creature, &from, &bent, 0.7));
+            starts.insert(0, bent);
+        }
+        starts.resize_with(starts.len() + effort, || own.random_posture(&from, &joints, &mut rng));
         let solve = |forward: f64, across: f64, start: &[f64]| {
             let point = front * forward + left * across + up * height;
             let ends = [place, Place { limb: 0, point, direction: up }];
@@ -516,39 +573,34 @@ impl Actor {
                 && self.clearance.free(&own.frames(&reach.posture), 0.002);
             fits.then_some(reach.posture)
         };
+        // From where it is, sideways in steps, and from each forward as far as there is a posture.
+        let here = self.feels_at(receptor).0;
+        let (near, middle) = (here.dot(&front), here.dot(&left));
+        let anew = |forward: f64, across: f64| starts.iter().find_map(|start| solve(forward, across, start));
         let mut best: Option<(f64, Spot)> = None;
-        for k in 0..19 {
-            let across = side * (-0.2 + 0.04 * f64::from(k));
-            // What is nearer is easier: from one posture to the next, out to where there is none.
-            let near = starts
-                .iter()
-                .find_map(|start| solve(0.32, across, start).or_else(|| solve(0.45, across, start)));
-            let mut posture = match (near, &best) {
-                (Some(posture), _) => posture,
-                (None, Some((_, spot))) => spot.posture.clone(),
-                (None, None) => continue,
-            };
-            let (mut low, mut high) = (0.2, 1.6);
-            let mut found = None;
-            while high - low > 5e-4 {
-                let middle = 0.5 * (low + high);
-                let reached = solve(middle, across, &posture)
-                    .or_else(|| best.as_ref().and_then(|(_, spot)| solve(middle, across, &spot.posture)))
-                    .or_else(|| starts.iter().find_map(|start| solve(middle, across, start)));
-                match reached {
-                    Some(reached) => {
-                        low = middle;
-                        posture.clone_from(&reached);
-                        found = Some(reached);
+        for sideways in [side, -side] {
+            let mut beside = from.clone();
+            for k in 0..LATERAL {
+                let across = middle + sideways * ASIDE * f64::from(k);
+                let Some(begin) = solve(near, across, &beside).or_else(|| anew(near, across)) else { break };
+                beside.clone_from(&begin);
+                let (mut forward, mut posture, mut step) = (near, begin, 2.0 * ASIDE);
+                while step > FINEST {
+                    let further = forward + step;
+                    let reached = solve(further, across, &posture).or_else(|| {
+                        let farthest =
+                            best.as_ref().and_then(|(_, spot)| solve(further, across, &spot.posture));
+                        farthest.or_else(|| anew(further, across))
+                    });
+                    match reached {
+                        Some(reached) => (forward, posture) = (further, reached),
+                        None => step *= 0.5,
                     }
-                    None => high = middle,
                 }
-            }
-            if let Some(posture) = found
-                && best.as_ref().is_none_or(|(forward, _)| low > *forward)
-            {
-                let point = front * low + left * across + up * height;
-                best = Some((low, Spot { point, posture }));
+                if best.as_ref().is_none_or(|(before, _)| forward > *before) {
+                    let point = front * forward + left * across + up * height;
+                    best = Some((forward, Spot { point, posture }));
+                }
             }
         }
         best.map(|(_, spot)| spot)
