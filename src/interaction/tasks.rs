@@ -199,6 +199,11 @@ impl Actor {
         }
         let stop = self.follow(&Way(way.clone()), CAREFUL, |_, _| true)?;
         let Stop::Felt(feelings) = stop else { return Err(Trouble::Nothing) };
+        if feelings.iter().any(|feeling| matches!(feeling.what, Touched::Own(_))) {
+            // Its own leg is no table.
+            let _ = self.retreat(&start);
+            return Err(Trouble::Nothing);
+        }
         let heights = feelings.iter().map(|feeling| {
             let place = self.own.place(feeling.receptor);
             // The lowest point of the surface that felt it.
