@@ -435,6 +435,8 @@ fn session() -> Session {
         model: "mjcf/tot/scene.xml".into(),
         model_hash: "sha256:0".into(),
         recording: None,
+        command: ["bodyschema", "babble", "my model.xml"].map(String::from).to_vec(),
+        host: Some(Host { cpu: "a processor".into(), cores: 2, os: "an operating system".into() }),
         seed: u64::MAX,
         options: SessionOptions {
             strip: true,

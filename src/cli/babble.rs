@@ -12,7 +12,7 @@ use crate::babbling::{BabblingOptions, MotionName, PolicyName};
 use crate::creature::JointSelection;
 use crate::ground_truth::GroundTruth;
 use crate::record::{
-    BabblingEffort, PROGRAM, SESSION_FILE, Session, SessionOptions, TouchWriter, model_hash,
+    BabblingEffort, Host, PROGRAM, SESSION_FILE, Session, SessionOptions, TouchWriter, model_hash,
 };
 
 /// Babble, touch, learn the body schema, and measure it.
@@ -77,6 +77,8 @@ pub fn run(args: &Args) -> Outcome {
         model: args.model.display().to_string(),
         model_hash: model_hash(&args.model)?,
         recording: None,
+        command: output::command_line(),
+        host: Some(Host::here()),
         seed: args.seed,
         options: SessionOptions {
             touches: args.touches,

@@ -13,7 +13,7 @@ use super::open::{ModelOptions, open_body};
 use super::{Failure, Outcome};
 use crate::creature::JointSelection;
 use crate::interaction::{Script, Strokes, World, aura_event_json, event_json, stroke_for};
-use crate::record::{FiringWriter, PROGRAM, SENSATIONS_FILE, Session, SessionOptions, model_hash};
+use crate::record::{FiringWriter, Host, PROGRAM, SENSATIONS_FILE, Session, SessionOptions, model_hash};
 use crate::senses::{Aura, FiringRecorder, Kind, TouchEvent};
 
 /// How long the creature is watched after all is done to it, seconds.
@@ -111,6 +111,8 @@ fn strokes(args: &Args, world: &mut World, minutes: f64) -> Outcome {
         model: args.model.display().to_string(),
         model_hash: model_hash(&args.model)?,
         recording: None,
+        command: super::output::command_line(),
+        host: Some(Host::here()),
         seed: args.seed,
         options,
         effort: None,

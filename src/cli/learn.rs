@@ -10,7 +10,7 @@ use super::{Failure, Outcome, output};
 use crate::ground_truth::GroundTruth;
 use crate::learning::Input;
 use crate::record::{
-    PROGRAM, RecordingFiles, Session, SessionOptions, TOUCHES_FILE, TouchWriter, read_creature,
+    Host, PROGRAM, RecordingFiles, Session, SessionOptions, TOUCHES_FILE, TouchWriter, read_creature,
     read_recording, read_touches,
 };
 use crate::senses::Touch;
@@ -130,6 +130,8 @@ fn from_recording(args: &Args, creature: &Path, log: &Path) -> Result<Learnable,
             creature: creature.display().to_string(),
             log: log.display().to_string(),
         }),
+        command: output::command_line(),
+        host: Some(Host::here()),
         seed: args.seed.or(described.seed).unwrap_or(1),
         options: SessionOptions {
             touches: touches.len(),

@@ -33,6 +33,12 @@ pub fn make_folder(folder: &Path) -> Outcome {
     })
 }
 
+/// The command line that this program was called with, word by word, the program by its name alone.
+pub fn command_line() -> Vec<String> {
+    let words = std::env::args_os().skip(1).map(|word| word.to_string_lossy().into_owned());
+    std::iter::once(env!("CARGO_PKG_NAME").to_string()).chain(words).collect()
+}
+
 /// Writes a file of results.
 pub fn file(path: &Path, text: &str) -> Outcome {
     std::fs::write(path, text).map_err(|error| {

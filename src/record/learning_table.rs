@@ -60,3 +60,51 @@ impl LearningTable {
         self.file.write_all(line.as_bytes()).map_err(RecordError::io(&self.path, Action::Write))
     }
 }
+
+/// What the learner foretold of one touch.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Prediction {
+    /// The touch, counted from 1.
+    pub touch: usize,
+    /// How far apart the schema put what touched, millimetres.
+    pub gap: f64,
+    /// The standard deviation that it expected of that, millimetres.
+    pub deviation: f64,
+}
+
+/// Reads from [`LEARNING_FILE`] of a session's folder what the learner foretold of touches; nothing where there is
+/// no such file, or no such columns.
+///
+/// # Errors
+/// [`RecordError::Io`] where it cannot be read, [`RecordError::Format`] where a number is none.
+pub fn read_predictions(folder: &Path) -> Result<Vec<Prediction>, RecordError> {
+    let path = folder.join(LEARNING_FILE);
+    if !path.exists() {
+        return Ok(Vec::new());
+    }
+    let bytes = files::read(&path)?;
+    let text = String::from_utf8_lossy(&bytes);
+    let mut lines = text.lines();
+    let names: Vec<&str> = lines.next().unwrap_or_default().split(',').collect();
+    let column = |name: &str| names.iter().position(|found| *found == name);
+    let columns = ["touches", "predicted_gap_mm", "predicted_deviation_mm"].map(column);
+    let [Some(touch), Some(gap), Some(deviation)] = columns else { return Ok(Vec::new()) };
+    let mut predictions = Vec::new();
+    for (n, line) in lines.enumerate() {
+        let cells: Vec<&str> = line.split(',').collect();
+        let number = |column: usize| match cells.get(column).copied().unwrap_or_default() {
+            "" => Ok(None),
+            cell => cell.parse::<f64>().map(Some).map_err(|_| {
+                let message = format!(
+                    "\"{cell}\" is no number: learn again with `bodyschema learn`, which writes the table anew"
+                );
+                RecordError::format(&path, Some(n + 2), message)
+            }),
+        };
+        if let (Some(touch), Some(gap), Some(deviation)) = (number(touch)?, number(gap)?, number(deviation)?)
+        {
+            predictions.push(Prediction { touch: touch as usize, gap, deviation });
+        }
+    }
+    Ok(predictions)
+}

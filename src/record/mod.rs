@@ -8,12 +8,15 @@
 mod error;
 mod files;
 mod firing_log;
+mod host;
 mod known;
+mod learning_record;
 mod learning_table;
 mod model_hash;
 mod recording;
 mod schema;
 mod session;
+mod space_record;
 mod stamp;
 mod touch_line;
 mod touch_reader;
@@ -21,12 +24,15 @@ mod touch_writer;
 
 pub use error::{Action, RecordError};
 pub use firing_log::{FiringWriter, read_firings};
+pub use host::Host;
 pub use known::read_known;
-pub use learning_table::LearningTable;
+pub use learning_record::{Checkpoint, LearningRecord};
+pub use learning_table::{LearningTable, Prediction, read_predictions};
 pub use model_hash::model_hash;
 pub use recording::{CreatureFile, Recording, read_creature, read_recording};
-pub use schema::{read_schema, write_schema, write_schema_with_std};
+pub use schema::{read_schema, read_schema_with_std, write_schema, write_schema_with_std};
 pub use session::{BabblingEffort, RecordingFiles, Session, SessionOptions};
+pub use space_record::{SpaceRecord, SpaceSlice};
 pub use touch_reader::{TouchLog, read_touches};
 pub use touch_writer::TouchWriter;
 
@@ -42,6 +48,10 @@ pub const SENSATIONS_FILE: &str = "sensations.jsonl";
 pub const SCHEMA_FILE: &str = "schema.json";
 /// The table of checkpoints of learning, in a session's folder.
 pub const LEARNING_FILE: &str = "learning.csv";
+/// What learning came to and how it got there, in a session's folder.
+pub const LEARNED_RECORD_FILE: &str = "learning.json";
+/// Slices of where the hands can get to, in a session's folder.
+pub const SPACE_FILE: &str = "space.json";
 
 /// This program and its version, as a session names what made it.
 pub const PROGRAM: &str = concat!(env!("CARGO_PKG_NAME"), " ", env!("CARGO_PKG_VERSION"));

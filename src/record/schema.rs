@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use nalgebra::{Matrix3, Quaternion, Rotation3, UnitQuaternion, Vector3};
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Deserializer, Serialize};
 
 use super::stamp::Stamp;
 use super::{RecordError, UNIT_LENGTH, files};
@@ -24,14 +24,14 @@ struct Content {
 /// One joint.
 #[derive(Deserialize, Serialize)]
 #[serde(expecting = "an object")]
-struct JointEntry {
+pub(super) struct JointEntry {
     joint: String,
     /// The name of the limb it is mounted on.
     parent: String,
     /// `l_P`: its position in the parent limb's frame, metres.
     position: [f64; 3],
     /// Standard deviation of each of its coordinates, metres; null where nothing determines it.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     position_std: Option<[Option<f64>; 3]>,
     axes: Vec<AxisEntry>,
     /// `c`: the origin of the frame of the limb that it carries, in the frame of the joint, metres. Only where
@@ -56,8 +56,13 @@ struct AxisEntry {
     axis: Option<[f64; 3]>,
     /// Standard deviation of each of the two coordinates of the axis across its direction, radians; null
     /// where nothing determines it.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(default, deserialize_with = "present", skip_serializing_if = "Option::is_none")]
     axis_std: Option<Option<f64>>,
+}
+
+/// A field that is there, if only as a null.
+fn present<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<Option<f64>>, D::Error> {
+    Option::deserialize(deserializer).map(Some)
 }
 
 /// Writes a creature's schema to the file `path`, whole or not at all; its folder is made if missing.
@@ -87,7 +92,20 @@ pub fn write_schema_with_std(
         return Err(RecordError::format(path, None, message));
     }
     check(creature, schema).map_err(|message| RecordError::format(path, None, message))?;
-    let joints = creature.joints().iter().enumerate().map(|(j, joint)| {
+    let content = Content { creature: creature.name().into(), joints: joint_entries(creature, schema, std) };
+    if let Some(folder) = path.parent() {
+        files::make_folder(folder)?;
+    }
+    files::write_json(path, &STAMP.on(&content))
+}
+
+/// The joints of a schema by name, in the creature's order.
+pub(super) fn joint_entries(
+    creature: &Creature,
+    schema: &BodySchema,
+    std: Option<&SchemaStd>,
+) -> Vec<JointEntry> {
+    let entry = |(j, joint): (usize, &Joint)| {
         let axes = joint.dof_indices().zip(&joint.dofs).map(|(k, dof)| AxisEntry {
             dof: dof.name.clone(),
             kind: Some(dof.kind),
@@ -105,12 +123,8 @@ pub fn write_schema_with_std(
             position_std: std.map(|std| std.positions[j]),
             axes: axes.collect(),
         }
-    });
-    let content = Content { creature: creature.name().into(), joints: joints.collect() };
-    if let Some(folder) = path.parent() {
-        files::make_folder(folder)?;
-    }
-    files::write_json(path, &STAMP.on(&content))
+    };
+    creature.joints().iter().enumerate().map(entry).collect()
 }
 
 /// Reads a creature's schema from the file `path`.
@@ -120,33 +134,58 @@ pub fn write_schema_with_std(
 /// one of a newer version, where its names are not the creature's, and where an axis is not of unit
 /// length.
 pub fn read_schema(path: &Path, creature: &Creature) -> Result<BodySchema, RecordError> {
+    Ok(read_schema_with_std(path, creature)?.0)
+}
+
+/// Like [`read_schema`], with the standard deviations of the positions and axes where the file has them.
+///
+/// # Errors
+/// Those of [`read_schema`].
+pub fn read_schema_with_std(
+    path: &Path,
+    creature: &Creature,
+) -> Result<(BodySchema, Option<SchemaStd>), RecordError> {
     let json = files::read(path)?;
     STAMP.check(path, None, &json)?;
     let content: Content =
         serde_json::from_slice(&json).map_err(|error| RecordError::json(path, "body schema", &error))?;
-    schema_of(&content, creature)
-        .and_then(|schema| check(creature, &schema).map(|()| schema))
-        .map_err(|message| RecordError::format(path, None, message))
+    let schema =
+        schema_of(&content, creature).map_err(|message| RecordError::format(path, None, message))?;
+    Ok((schema, std_of(&content.joints)))
 }
 
+/// The standard deviations of joints; none where the file has none.
+fn std_of(joints: &[JointEntry]) -> Option<SchemaStd> {
+    let positions: Option<Vec<_>> = joints.iter().map(|joint| joint.position_std).collect();
+    // A ball has no axis, hence no deviation of one.
+    let axes = joints.iter().flat_map(|joint| &joint.axes).map(|axis| axis.axis_std.flatten());
+    Some(SchemaStd { positions: positions?, axes: axes.collect() })
+}
+
+const MEND: &str = "give a schema that was learned with the same model and joints";
+
 fn schema_of(content: &Content, creature: &Creature) -> Result<BodySchema, String> {
-    const MEND: &str = "give a schema that was learned with the same model and joints";
     if content.creature != creature.name() {
         return Err(format!("it is of \"{}\", not of \"{}\": {MEND}", content.creature, creature.name()));
     }
-    if content.joints.len() != creature.joints().len() {
+    schema_of_joints(&content.joints, creature)
+}
+
+/// The schema of joints that are a creature's.
+pub(super) fn schema_of_joints(joints: &[JointEntry], creature: &Creature) -> Result<BodySchema, String> {
+    if joints.len() != creature.joints().len() {
         return Err(format!(
             "it has {} joints, but {} has {}: {MEND}",
-            content.joints.len(),
+            joints.len(),
             creature.name(),
             creature.joints().len()
         ));
     }
     let mut schema = BodySchema::zero(creature);
-    if content.joints.iter().any(|entry| entry.limb_position.is_some() || entry.limb_quaternion.is_some()) {
+    if joints.iter().any(|entry| entry.limb_position.is_some() || entry.limb_quaternion.is_some()) {
         schema = schema.with_limb_poses();
     }
-    for (i, (entry, joint)) in content.joints.iter().zip(creature.joints()).enumerate() {
+    for (i, (entry, joint)) in joints.iter().zip(creature.joints()).enumerate() {
         let parent = &creature.limbs()[joint.parent];
         if (&entry.joint, &entry.parent) != (&joint.name, parent) {
             return Err(format!(
@@ -164,7 +203,7 @@ fn schema_of(content: &Content, creature: &Creature) -> Result<BodySchema, Strin
             *pose = read_pose(entry).map_err(|problem| format!("joint \"{}\" {problem}", joint.name))?;
         }
     }
-    Ok(schema)
+    check(creature, &schema).map(|()| schema)
 }
 
 /// The pose of a joint's limb; that of the joint where none is given.

@@ -7,7 +7,7 @@ use std::time::Duration;
 use serde::{Deserialize, Serialize};
 
 use super::stamp::Stamp;
-use super::{RecordError, SESSION_FILE, files};
+use super::{Host, RecordError, SESSION_FILE, files};
 use crate::babbling::Effort;
 use crate::creature::Creature;
 use crate::skin::Skin;
@@ -34,6 +34,12 @@ pub struct Session {
     /// The files it was made of, where it was recorded and not simulated.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub recording: Option<RecordingFiles>,
+    /// The command line that made it, word by word; empty where it was not kept.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub command: Vec<String>,
+    /// The computer it was made on; none where it was not kept.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub host: Option<Host>,
     /// Seed of all random streams.
     pub seed: u64,
     /// What was asked for.

@@ -1,0 +1,140 @@
+//! What learning came to and how it got there: the verdict, and the schema as it stood at checkpoints.
+
+use std::path::Path;
+
+use serde::{Deserialize, Serialize};
+
+use super::schema::{JointEntry, joint_entries, schema_of_joints};
+use super::stamp::Stamp;
+use super::{Host, LEARNED_RECORD_FILE, RecordError, files};
+use crate::creature::Creature;
+use crate::schema::BodySchema;
+
+const STAMP: Stamp = Stamp { format: "bodyschema learning", version: 1 };
+
+/// What learning from a session's touches came to.
+///
+/// In the file, the format's name and version come before these fields.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(expecting = "an object")]
+pub struct LearningRecord {
+    /// The program and its version: [`PROGRAM`](super::PROGRAM).
+    pub program: String,
+    /// The command line that it was learned by, word by word.
+    pub command: Vec<String>,
+    /// The computer it was learned on.
+    pub host: Option<Host>,
+    /// The seed of the onsets.
+    pub seed: u64,
+    /// How many of the session's touches it was learned from.
+    pub touches: usize,
+    /// How it was learned and what is worth telling of it: name and value, in the order to be told.
+    pub facts: Vec<(String, String)>,
+    /// Whether the schema explains touches that it was not fitted to.
+    pub converged: bool,
+    /// The verdict in a sentence.
+    pub verdict: String,
+    /// The joints that the touches do not determine, by name.
+    pub undetermined: Vec<String>,
+    /// The limbs whose own frames they do not determine, by name.
+    pub undetermined_limbs: Vec<String>,
+    /// Every direction in which the schema could change without any touch feeling it, in words.
+    pub open_directions: Vec<String>,
+    /// The schema on the way, from the onset on, as far as there was one.
+    #[serde(skip)]
+    pub checkpoints: Vec<Checkpoint>,
+}
+
+/// A schema on the way.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Checkpoint {
+    /// After so many touches; 0 is the onset, what was believed before the first.
+    pub touches: usize,
+    /// What was believed.
+    pub schema: BodySchema,
+    /// Its held-out error over what the touches determine in the end, a root mean square, millimetres; none where
+    /// the truth was not known.
+    pub error_rms: Option<f64>,
+    /// The Cramér-Rao bound of the same from so many touches, millimetres; none where it was not known.
+    pub bound_rms: Option<f64>,
+}
+
+/// A checkpoint as it is written.
+#[derive(Serialize, Deserialize)]
+#[serde(expecting = "an object")]
+struct CheckpointEntry {
+    touches: usize,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    error_rms_mm: Option<f64>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    bound_rms_mm: Option<f64>,
+    joints: Vec<JointEntry>,
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(expecting = "an object")]
+struct Content {
+    #[serde(flatten)]
+    record: LearningRecord,
+    creature: String,
+    checkpoints: Vec<CheckpointEntry>,
+}
+
+impl LearningRecord {
+    /// Writes [`LEARNED_RECORD_FILE`] into `folder`, which is made if missing; whole or not at all.
+    ///
+    /// # Errors
+    /// [`RecordError::Io`] where the folder or the file cannot be written.
+    pub fn write(&self, folder: &Path, creature: &Creature) -> Result<(), RecordError> {
+        let entry = |checkpoint: &Checkpoint| CheckpointEntry {
+            touches: checkpoint.touches,
+            error_rms_mm: checkpoint.error_rms.filter(|error| error.is_finite()),
+            bound_rms_mm: checkpoint.bound_rms.filter(|bound| bound.is_finite()),
+            joints: joint_entries(creature, &checkpoint.schema, None),
+        };
+        let content = Content {
+            record: self.clone(),
+            creature: creature.name().to_string(),
+            checkpoints: self.checkpoints.iter().map(entry).collect(),
+        };
+        files::make_folder(folder)?;
+        files::write_json(&folder.join(LEARNED_RECORD_FILE), &STAMP.on(&content))
+    }
+
+    /// Reads [`LEARNED_RECORD_FILE`] of `folder`; none where there is no such file, as in sessions from before
+    /// there was one.
+    ///
+    /// # Errors
+    /// [`RecordError::Io`] where it cannot be read, [`RecordError::Format`] where it is no such record, one of a
+    /// newer version, or of another creature.
+    pub fn read(folder: &Path, creature: &Creature) -> Result<Option<LearningRecord>, RecordError> {
+        let path = folder.join(LEARNED_RECORD_FILE);
+        if !path.exists() {
+            return Ok(None);
+        }
+        let json = files::read(&path)?;
+        STAMP.check(&path, None, &json)?;
+        let content: Content = serde_json::from_slice(&json)
+            .map_err(|error| RecordError::json(&path, "record of learning", &error))?;
+        let refuse = |message: String| RecordError::format(&path, None, message);
+        if content.creature != creature.name() {
+            return Err(refuse(format!(
+                "it is of \"{}\", not of \"{}\": learn again with `bodyschema learn`",
+                content.creature,
+                creature.name()
+            )));
+        }
+        let mut record = content.record;
+        for (i, entry) in content.checkpoints.iter().enumerate() {
+            let schema = schema_of_joints(&entry.joints, creature)
+                .map_err(|message| refuse(format!("its checkpoint {}: {message}", i + 1)))?;
+            record.checkpoints.push(Checkpoint {
+                touches: entry.touches,
+                schema,
+                error_rms: entry.error_rms_mm,
+                bound_rms: entry.bound_rms_mm,
+            });
+        }
+        Ok(Some(record))
+    }
+}

@@ -1,0 +1,85 @@
+//! Slices of where a creature's hands can get to, as a session keeps them for its report.
+
+use std::path::Path;
+
+use serde::{Deserialize, Serialize};
+
+use super::stamp::Stamp;
+use super::{RecordError, SPACE_FILE, files};
+
+const STAMP: Stamp = Stamp { format: "bodyschema space", version: 1 };
+
+/// Three slices through the maps of the hands, in the frame of the chest at ease.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(expecting = "an object")]
+pub struct SpaceRecord {
+    /// The limb in whose frame the map is told.
+    pub chest: String,
+    /// The limbs that reach.
+    pub hands: Vec<String>,
+    /// The side of a voxel, metres.
+    pub voxel: f64,
+    /// Per hand, the volumes of what is near and of what is far, litres.
+    pub litres: Vec<[f64; 2]>,
+    /// The slices.
+    pub slices: Vec<SpaceSlice>,
+}
+
+/// One slice, seen with an axis to the right and one upwards.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(expecting = "an object")]
+pub struct SpaceSlice {
+    /// What it is called.
+    pub name: String,
+    /// The axes to the right and upwards: 0 is x, 1 is y, 2 is z.
+    pub axes: [usize; 2],
+    /// Where it cuts the third axis, metres.
+    pub at: f64,
+    /// The middle of the first voxel along both axes, metres.
+    pub first: [f64; 2],
+    /// A row of voxels each, the lowest first, a digit per voxel: 0 out of reach, 1 far for one hand, 2 far for
+    /// more, 3 near for one hand, 4 near for more.
+    pub rows: Vec<String>,
+    /// Outlines of the limbs at ease along both axes, metres.
+    pub outlines: Vec<Vec<[f64; 2]>>,
+}
+
+impl SpaceRecord {
+    /// Writes [`SPACE_FILE`] into `folder`, which is made if missing; whole or not at all.
+    ///
+    /// # Errors
+    /// [`RecordError::Io`] where the folder or the file cannot be written.
+    pub fn write(&self, folder: &Path) -> Result<(), RecordError> {
+        files::make_folder(folder)?;
+        files::write_json(&folder.join(SPACE_FILE), &STAMP.on(self))
+    }
+
+    /// Reads [`SPACE_FILE`] of `folder`; none where there is no such file.
+    ///
+    /// # Errors
+    /// [`RecordError::Io`] where it cannot be read, [`RecordError::Format`] where it holds no such slices or is of
+    /// a newer version.
+    pub fn read(folder: &Path) -> Result<Option<SpaceRecord>, RecordError> {
+        let path = folder.join(SPACE_FILE);
+        if !path.exists() {
+            return Ok(None);
+        }
+        let json = files::read(&path)?;
+        STAMP.check(&path, None, &json)?;
+        let record: SpaceRecord =
+            serde_json::from_slice(&json).map_err(|error| RecordError::json(&path, "space", &error))?;
+        for (i, slice) in record.slices.iter().enumerate() {
+            let digits = |row: &String| row.bytes().all(|digit| (b'0'..=b'4').contains(&digit));
+            let [a, b] = slice.axes;
+            if a > 2 || b > 2 || a == b || !slice.rows.iter().all(digits) {
+                let message = format!(
+                    "its slice {} has other axes than two of 0 to 2, or other digits than 0 to 4: make it anew with \
+                     `bodyschema space`",
+                    i + 1
+                );
+                return Err(RecordError::format(&path, None, message));
+            }
+        }
+        Ok(Some(record))
+    }
+}
