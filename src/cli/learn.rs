@@ -4,10 +4,10 @@ use std::path::{Path, PathBuf};
 
 use super::babble::session_folder;
 use super::learn_options::{
-    InputName, KNOWN_HELP, LearnOptions, learn_session, print_table, session_truth, to_json, warn_truncated,
+    InputName, KNOWN_HELP, LearnOptions, learn_session, print_table, to_json, warn_truncated,
 };
+use super::report::known_truth;
 use super::{Failure, Outcome, output};
-use crate::ground_truth::GroundTruth;
 use crate::learning::Input;
 use crate::record::{
     Host, PROGRAM, RecordingFiles, Session, SessionOptions, TOUCHES_FILE, TouchWriter, read_creature,
@@ -79,7 +79,7 @@ pub fn run(args: &Args) -> Outcome {
         // The parser sees to it that there is one or the other.
         _ => return Err("give a session's folder, or --creature and --log".into()),
     };
-    let truth = truth(args, &session)?;
+    let truth = known_truth(&session, args.model.as_deref())?;
     let result = learn_session(&folder, &session, &touches, &learn, truth.as_ref())?;
     if args.json {
         return output::json(&to_json(&folder, &session, &touches, &learn, &result));
@@ -158,19 +158,4 @@ fn from_recording(args: &Args, creature: &Path, log: &Path) -> Result<Learnable,
 
 fn most(args: &Args) -> usize {
     args.touches.map_or(usize::MAX, |n| usize::try_from(n).unwrap_or(usize::MAX))
-}
-
-/// The truth, where a model is at hand; a recording has one only if it is named.
-fn truth(args: &Args, session: &Session) -> Result<Option<GroundTruth>, Failure> {
-    if session.model.is_empty() && args.model.is_none() {
-        return Ok(None);
-    }
-    match session_truth(session, args.model.as_deref()) {
-        Ok(truth) => Ok(Some(truth)),
-        Err(error) if args.model.is_some() => Err(error),
-        Err(Failure(sentence)) => {
-            eprintln!("bodyschema: not measured: {sentence}");
-            Ok(None)
-        }
-    }
 }

@@ -11,11 +11,13 @@ use serde_json::{Value, json};
 
 use super::disturbance_options::DisturbanceOptions;
 use super::open::{ModelOptions, body_of, open_body, open_model};
+use super::report::write_report;
 use super::{Failure, output, progress};
 use crate::babbling::MotionName;
 use crate::creature::{Creature, DofKind, JointSelection};
-use crate::evaluation::report::{self, ReportInput};
-use crate::evaluation::{Bound, Evaluation, OwnAccount, Summary, evaluate, evaluate_learned};
+use crate::evaluation::{
+    Bound, Evaluation, OwnAccount, Progress, Summary, evaluate, evaluate_learned,
+};
 use crate::ground_truth::GroundTruth;
 use crate::learning::onset::random_onset;
 use crate::learning::{
@@ -23,16 +25,15 @@ use crate::learning::{
     SecondOrder, SkinKnowledge, Verdict, What,
 };
 use crate::record::{
-    LearningTable, SCHEMA_FILE, Session, SessionOptions, TouchLog, model_hash, read_known,
-    write_schema_with_std,
+    Checkpoint, Host, LearningRecord, LearningTable, PROGRAM, SCHEMA_FILE, Session, SessionOptions, TouchLog,
+    model_hash, read_known, write_schema_with_std,
 };
-use crate::senses::Touch;
+use crate::schema::BodySchema;
+use crate::senses::{Felt, Touch};
 use crate::skin::{Receptor, Skin};
 
 /// The learned body as a model, in a session's folder.
 pub const LEARNED_FILE: &str = "learned.xml";
-/// The report, in a session's folder.
-pub const REPORT_FILE: &str = "report.html";
 
 /// Options of learning.
 #[derive(clap::Args, Clone, Debug, Default)]
@@ -246,22 +247,33 @@ impl LearnOptions {
                 Box::new(RelaxedGradient::new(creature, skin, self.input(), onset(), seed))
             }
             LearnerName::Lm => {
-                let knowledge = match self.skin {
-                    SkinName::Surface => SkinKnowledge::Surface,
-                    SkinName::Centres => SkinKnowledge::Centres,
-                };
                 let known = Known::nothing(creature, skin).with(&self.known_joints);
                 if self.learns_online() {
                     return Box::new(Online::new(creature, skin, seed).with_known(known));
                 }
-                let frames = match self.frames {
-                    FramesName::Joint => LimbFrames::Joint,
-                    FramesName::Limb => LimbFrames::Limb,
-                };
-                let learner = SecondOrder::new(creature, skin, self.input(), seed).with_frames(frames);
-                Box::new(learner.with_skin(knowledge).with_known(known))
+                Box::new(self.second_order(creature, skin, seed).with_known(known))
             }
         }
+    }
+
+    /// What is believed before the first touch: the onset of a learner that has but one, else one like those that
+    /// it starts from.
+    fn onset(&self, creature: &Creature, seed: u64) -> BodySchema {
+        let onset = random_onset(creature, &mut ChaCha8Rng::seed_from_u64(seed));
+        if self.frames == FramesName::Limb { onset.with_limb_poses() } else { onset }
+    }
+
+    /// The learner of all touches at once, with this input and this knowledge of skin and frames.
+    fn second_order<'a>(&self, creature: &'a Creature, skin: &'a Skin, seed: u64) -> SecondOrder<'a> {
+        let knowledge = match self.skin {
+            SkinName::Surface => SkinKnowledge::Surface,
+            SkinName::Centres => SkinKnowledge::Centres,
+        };
+        let frames = match self.frames {
+            FramesName::Joint => LimbFrames::Joint,
+            FramesName::Limb => LimbFrames::Limb,
+        };
+        SecondOrder::new(creature, skin, self.input(), seed).with_frames(frames).with_skin(knowledge)
     }
 
     /// Whether the learner goes touch by touch and predicts each before it learns from it.
@@ -361,10 +373,10 @@ pub fn learn_session(
         columns.extend(["heldout_mean_mm", "heldout_p95_mm", "hand_mean_mm", "axis_median_deg"]);
     }
     let mut table = LearningTable::create(folder, &columns)?;
-    let mut curve = Vec::new();
     let disturbances = options.disturbances.disturbances();
     let felt = disturbances.felt(creature, skin, touches, session.seed);
     let mut learner = options.learner(creature, &felt.skin, session.seed);
+    let mut passed = vec![(0, options.onset(creature, session.seed))];
     let mut result = None;
     let mut seconds = 0.0;
     // Without the truth a fit on the way tells nothing that the last does not.
@@ -375,7 +387,9 @@ pub fn learn_session(
     for (n, touch) in felt.touches.iter().enumerate() {
         let began = Instant::now();
         learner.touch(touch);
-        let due = checkpoints.contains(&(n + 1));
+        // The first schema is worth a look, whenever it comes.
+        let first = expects && passed.len() == 1 && learner.schema().is_some();
+        let due = first || checkpoints.contains(&(n + 1));
         let last = n + 1 == touches.len();
         // Learning for a row of the table alone is not what learning takes.
         let learned = (last || (due && !expects)).then(|| learner.learn());
@@ -396,6 +410,9 @@ pub fn learn_session(
         ];
         let undetermined = learned.as_ref().map_or(&[][..], |learned| &learned.undetermined);
         let schema = learned.as_ref().map(|learned| &learned.schema).or_else(|| learner.schema());
+        if let Some(schema) = schema.filter(|_| due || last) {
+            passed.push((n + 1, schema.clone()));
+        }
         let measured = truth.zip(schema).filter(|_| due || last);
         let evaluation = measured.map(|(truth, schema)| match &learned {
             Some(learned) => evaluate_learned(creature, skin, truth, learned),
@@ -406,9 +423,6 @@ pub fn learn_session(
                 let hand = e.hand_mm.map_or(f64::NAN, |hand| hand.mean);
                 [e.heldout_mm.mean, e.heldout_mm.p95, hand, e.axis_deg.median]
             }));
-        }
-        if let Some(evaluation) = &evaluation {
-            curve.push((n + 1, evaluation.heldout_mm.mean));
         }
         table.row(&row)?;
         if last {
@@ -449,35 +463,29 @@ pub fn learn_session(
         undetermined_limbs,
         undisturbed_heldout_mm,
     };
-    let report = ReportInput {
-        creature,
-        skin,
-        schema: &result.learned.schema,
-        std: std.as_ref(),
-        truth: truth.map(|truth| &truth.schema),
-        evaluation: result.evaluation.as_ref(),
-        touches,
-        learning_curve: &curve,
+    let record = LearningRecord {
+        program: PROGRAM.to_string(),
+        command: output::command_line(),
+        host: Some(Host::here()),
         seed: session.seed,
+        touches: touches.len(),
         facts: facts(session, options, &result),
+        converged: result.learned.verdict.converged(),
         verdict: sentence(creature, &result.learned),
-        undetermined: &result.learned.undetermined,
+        undetermined: result.undetermined.clone(),
+        undetermined_limbs: result.undetermined_limbs.clone(),
+        open_directions: open_directions(creature, &result.learned),
+        bound: result.evaluation.as_ref().and_then(|evaluation| evaluation.bound_mm),
+        checkpoints: checkpoints_of(passed, session, &felt, options, truth, &result),
     };
-    output::file(&folder.join(REPORT_FILE), &report::html(&report))?;
+    record.write(folder, creature)?;
+    write_report(folder, session, touches, truth)?;
     Ok(result)
 }
 
-/// What the report says of how the session came about.
+/// What the report says of how it was learned.
 fn facts(session: &Session, options: &LearnOptions, result: &SessionLearning) -> Vec<(String, String)> {
-    let mut facts = match &session.recording {
-        Some(recording) => vec![("creature", recording.creature.clone()), ("log", recording.log.clone())],
-        None => vec![("model", session.model.clone()), ("engine", format!("MuJoCo {}", session.engine))],
-    };
-    if let Some(effort) = &session.effort {
-        facts.push(("motions", effort.motions.to_string()));
-        facts.push(("babbling", format!("{:.2} s", effort.babbling_s)));
-        facts.extend(effort.simulated_s.map(|seconds| ("simulated", format!("{seconds:.0} s"))));
-    }
+    let mut facts = Vec::new();
     facts.push(("learner", options.learner.to_string()));
     facts.push(("knowledge", options.knowledge().to_string()));
     if options.frames == FramesName::Limb {
@@ -493,6 +501,45 @@ fn facts(session: &Session, options: &LearnOptions, result: &SessionLearning) ->
     facts.push(("learning", format!("{:.2} s", result.seconds)));
     facts.extend(changes(&session.creature, &result.learned).into_iter().map(|change| ("change", change)));
     facts.into_iter().map(|(name, value)| (name.to_string(), value)).collect()
+}
+
+/// Every direction in which the schema could change without any touch feeling it, in words.
+fn open_directions(creature: &Creature, learned: &Learned) -> Vec<String> {
+    learned
+        .observability
+        .as_ref()
+        .map_or(Vec::new(), |observability| observability.undetermined(creature, &learned.schema))
+}
+
+/// The schemas on the way with their errors and the bounds of these, where the truth is at hand.
+fn checkpoints_of(
+    passed: Vec<(usize, BodySchema)>,
+    session: &Session,
+    felt: &Felt,
+    options: &LearnOptions,
+    truth: Option<&GroundTruth>,
+    result: &SessionLearning,
+) -> Vec<Checkpoint> {
+    let creature = &session.creature;
+    let learned = &result.learned;
+    let progress = truth.map(|truth| Progress::new(creature, &session.skin, truth, learned));
+    // What touches determine is judged at what was learned in the end: at a wrong schema it says nothing.
+    let mut learner = options.second_order(creature, &felt.skin, session.seed);
+    let mut touches = felt.touches.iter();
+    let bounded = options.learner == LearnerName::Lm && learned.verdict.converged();
+    let checkpoint = |(count, schema): (usize, BodySchema)| {
+        touches.by_ref().take(count - learner.touches().len()).for_each(|touch| learner.touch(touch));
+        let progress = progress.as_ref();
+        let bound_rms = progress.filter(|_| bounded && count > 0).and_then(|progress| {
+            if count == felt.touches.len() {
+                return result.evaluation.as_ref()?.bound_mm.map(|bound| bound.bound_rms);
+            }
+            progress.bound_rms(&learner.observe(&learned.schema).0)
+        });
+        let error_rms = progress.and_then(|progress| progress.error_rms(&schema));
+        Checkpoint { touches: count, schema, error_rms, bound_rms }
+    };
+    passed.into_iter().map(checkpoint).collect()
 }
 
 /// How the body changed as the learner understood it, in sentences.
@@ -536,10 +583,13 @@ fn sentence(creature: &Creature, learned: &Learned) -> String {
 /// need only be looked at, and contact points are learned in an instant.
 fn checkpoints(options: &LearnOptions, touches: usize) -> Vec<usize> {
     let doubling = |from: usize| (0..40).map(move |k| from << k).take_while(move |&n| n < touches);
+    // Roughly evenly spaced where touches are counted in powers of ten.
+    let round = [50, 70, 100, 150, 200, 300, 500, 700].into_iter();
+    let round = (0..).flat_map(move |k| round.clone().map(move |n| n * 10usize.pow(k)));
     match (options.learner, options.input_name()) {
+        _ if options.learns_online() => round.take_while(|&n| n < touches).collect(),
         (LearnerName::Hersch, _) => doubling(10).collect(),
         (LearnerName::Lm, InputName::Contact) if touches <= 4000 => doubling(125).collect(),
-        _ if options.learns_online() => doubling(125).collect(),
         (LearnerName::Lm | LearnerName::Gradient, _) => Vec::new(),
     }
 }

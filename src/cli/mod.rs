@@ -21,6 +21,7 @@ mod observe;
 mod open;
 mod output;
 mod progress;
+mod report;
 mod skin;
 mod space;
 mod study;
@@ -75,6 +76,8 @@ enum Command {
     Evaluate(evaluate::Args),
     /// Tell what a session's touches determine, how well, and what they leave open
     Observe(observe::Args),
+    /// Write a session's report anew: one page to look at
+    Report(report::Args),
     /// Tell where a creature's hands can get to, by the schema of a session
     Space(space::Args),
     /// Write a session's learned body as MJCF or URDF
@@ -103,6 +106,7 @@ pub fn run() -> ExitCode {
         Command::Learn(args) => learn::run(&args),
         Command::Evaluate(args) => evaluate::run(&args),
         Command::Observe(args) => observe::run(&args),
+        Command::Report(args) => report::run(&args),
         Command::Space(args) => space::run(&args),
         Command::Export(args) => export::run(&args),
         Command::Inspect(args) => inspect::run(&args),

@@ -9,6 +9,7 @@ pub mod coverage;
 mod map_agreement;
 mod measures;
 mod own_account;
+mod progress;
 pub mod report;
 
 pub use map_agreement::MapAgreement;
@@ -18,6 +19,7 @@ pub use measures::{
 };
 
 pub use own_account::OwnAccount;
+pub use progress::Progress;
 use serde::{Deserialize, Serialize};
 
 use crate::creature::Creature;
@@ -56,6 +58,18 @@ pub fn evaluate(
     let unplaced = |limb: &usize| !schema.places(creature, *limb);
     let unplaced: Vec<usize> = (0..creature.limbs().len()).filter(unplaced).collect();
     measure(creature, skin, truth, schema, [undetermined, &unplaced], None)
+}
+
+/// Measures a schema of which it is known what the touches leave undetermined: joints, and limbs' own frames.
+pub fn evaluate_claims(
+    creature: &Creature,
+    skin: &Skin,
+    truth: &GroundTruth,
+    schema: &BodySchema,
+    undetermined: &[usize],
+    undetermined_limbs: &[usize],
+) -> Evaluation {
+    measure(creature, skin, truth, schema, [undetermined, undetermined_limbs], None)
 }
 
 /// Measures what a learner came to, beside the bound of what its touches determine.

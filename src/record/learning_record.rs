@@ -8,6 +8,7 @@ use super::schema::{JointEntry, joint_entries, schema_of_joints};
 use super::stamp::Stamp;
 use super::{Host, LEARNED_RECORD_FILE, RecordError, files};
 use crate::creature::Creature;
+use crate::evaluation::Bound;
 use crate::schema::BodySchema;
 
 const STAMP: Stamp = Stamp { format: "bodyschema learning", version: 1 };
@@ -40,6 +41,9 @@ pub struct LearningRecord {
     pub undetermined_limbs: Vec<String>,
     /// Every direction in which the schema could change without any touch feeling it, in words.
     pub open_directions: Vec<String>,
+    /// The held-out error beside its bound; none where either is not known.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub bound: Option<Bound>,
     /// The schema on the way, from the onset on, as far as there was one.
     #[serde(skip)]
     pub checkpoints: Vec<Checkpoint>,
@@ -92,8 +96,9 @@ impl LearningRecord {
             bound_rms_mm: checkpoint.bound_rms.filter(|bound| bound.is_finite()),
             joints: joint_entries(creature, &checkpoint.schema, None),
         };
+        let finite = |bound: &Bound| [bound.bound_rms, bound.error_rms, bound.ratio].iter().all(|x| x.is_finite());
         let content = Content {
-            record: self.clone(),
+            record: LearningRecord { bound: self.bound.filter(finite), ..self.clone() },
             creature: creature.name().to_string(),
             checkpoints: self.checkpoints.iter().map(entry).collect(),
         };

@@ -1,6 +1,7 @@
 //! `bodyschema space`: where a creature's hands can get to, by the schema of a session.
 
 mod picture;
+mod slices;
 mod vtk;
 
 use std::path::{Path, PathBuf};
@@ -19,6 +20,7 @@ use crate::record::{SCHEMA_FILE, Session, read_schema};
 ///
 /// A map of voxels in the frame of the chest at ease: near is what the tip of a hand reaches by the arm alone, far what
 /// it reaches when the trunk leans. Joints' ranges alone count; whether limbs are in each other's way is not regarded.
+/// Three slices of it are kept in the session, for `bodyschema report`.
 #[derive(clap::Args)]
 #[command(after_help = "Examples:
   bodyschema space sessions/max-1
@@ -138,6 +140,7 @@ pub fn run(args: &Args) -> Outcome {
         );
     }
     let seconds = began.elapsed().as_secs_f64();
+    slices::record(&own, &maps).write(&args.session)?;
     if let Some(path) = &args.vtk {
         vtk::write(path, &own, &maps)?;
     }

@@ -21,14 +21,14 @@ const ROOM: (f64, f64, f64, f64) = (56.0, 64.0, 64.0, 76.0);
 const MARGIN: f64 = 0.05;
 
 /// A slice: its name, the axes to the right and upwards with what they are called, and the axis across it.
-struct Slice {
-    name: &'static str,
-    axes: [usize; 2],
-    across: usize,
+pub(super) struct Slice {
+    pub name: &'static str,
+    pub axes: [usize; 2],
+    pub across: usize,
 }
 
 /// Axes as MJCF has them for a body that stands: x ahead, y to the left, z up.
-const SLICES: [Slice; 3] = [
+pub(super) const SLICES: [Slice; 3] = [
     Slice { name: "from above", axes: [1, 0], across: 2 },
     Slice { name: "from the side", axes: [0, 2], across: 1 },
     Slice { name: "from the front", axes: [1, 2], across: 0 },
@@ -36,7 +36,7 @@ const SLICES: [Slice; 3] = [
 const NAMES: [&str; 3] = ["x", "y", "z"];
 
 /// Where the slices cross: the middle of what is near to any hand.
-fn crossing(maps: &[ReachableMap]) -> Vector3<f64> {
+pub(super) fn crossing(maps: &[ReachableMap]) -> Vector3<f64> {
     let mut middle = Vector3::zeros();
     let mut count = 0.0;
     for map in maps {
@@ -81,7 +81,7 @@ fn runs(maps: &[ReachableMap], lattice: &Lattice, slice: &Slice, at: i32) -> Vec
 }
 
 /// Points of the outline of a limb's pieces, seen along an axis, in the map's frame.
-fn outlines(own: &OwnBody, map: &ReachableMap, slice: &Slice) -> Vec<Vec<Vector3<f64>>> {
+pub(super) fn outlines(own: &OwnBody, map: &ReachableMap, slice: &Slice) -> Vec<Vec<Vector3<f64>>> {
     let frames = own.frames(&own.at_ease());
     let to_map = map.frame.inverse();
     let [a, b] = slice.axes;

@@ -3,7 +3,7 @@
 use plotters::coord::ranged1d::{DefaultFormatting, KeyPointHint};
 use plotters::prelude::*;
 
-use crate::evaluation::report::curve::{tick_label, ticks};
+use crate::evaluation::report::text::{tick_label, ticks};
 
 /// Colours that people with any colour vision tell apart (Okabe and Ito), one per series.
 const COLOURS: [RGBColor; 7] = [

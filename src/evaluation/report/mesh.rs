@@ -11,6 +11,8 @@ const LATITUDES: [f64; 6] = [-1.05, -0.52, -0.0, 0.0, 0.52, 1.05];
 const AROUND: usize = 12;
 /// How high above the skin a receptor is drawn, metres: it would be half in it otherwise.
 const LIFT: f64 = 0.0015;
+/// How much of a receptor is drawn along each side: neighbours would run into each other otherwise.
+const DRAWN: f64 = 0.86;
 
 /// Triangles on limbs.
 #[derive(Clone, Debug, Default)]
@@ -43,7 +45,7 @@ impl Mesh {
     pub fn of_receptors(receptors: &[Receptor]) -> Mesh {
         let mut mesh = Mesh::default();
         for receptor in receptors {
-            let [u, v] = receptor.half_extents;
+            let [u, v] = receptor.half_extents.map(|half| DRAWN * half);
             let middle = receptor.position + receptor.normal * LIFT;
             let corner = |a: f64, b: f64| {
                 (receptor.limb, middle + receptor.tangent * (a * u) + receptor.bitangent() * (b * v))

@@ -1,22 +1,29 @@
 //! A session as one page to read: what was done, what was learned, and how far it can be trusted.
 //!
-//! The page stands alone: its style and drawings are written into it, it fetches nothing and runs nothing.
+//! The page stands alone: its style, its data and the library that draws them (plotly.js) are written into it, and
+//! it fetches nothing. It is light or dark as the reader's screen is, and can be printed.
 
-pub(crate) mod curve;
-mod figure;
-mod heat_map;
-mod text;
+mod body;
+mod curve;
+mod joint_errors;
+mod mesh;
+mod picture;
+mod reachable;
+mod residuals;
+mod tables;
+pub(crate) mod text;
+mod touch_matrix;
+mod uncertainty;
 
-use std::collections::BTreeSet;
-
-use super::{AxisErrors, Bound, Evaluation, Summary, axis_errors};
-use crate::creature::{Creature, DofKind};
-use crate::ground_truth::GroundTruth;
-use crate::kinematics::Chain;
+use super::Evaluation;
+use crate::creature::Creature;
+use crate::learning::Input;
+use crate::record::{Checkpoint, Prediction, SpaceRecord};
 use crate::schema::{BodySchema, SchemaStd};
 use crate::senses::Touch;
 use crate::skin::Skin;
-use text::{degrees_and_millimetres as number, escape, plural};
+use residuals::Residuals;
+use text::escape;
 
 /// All that a report tells, as plain data.
 #[derive(Clone, Debug)]
@@ -35,10 +42,18 @@ pub struct ReportInput<'a> {
     pub evaluation: Option<&'a Evaluation>,
     /// The touches that were learned from.
     pub touches: &'a [Touch],
-    /// The learning curve: a number of touches and the error after them, millimetres.
-    pub learning_curve: &'a [(usize, f64)],
+    /// What a touch reports.
+    pub input: Input,
+    /// The schema on the way, from the onset on; every schema must fit the creature.
+    pub checkpoints: &'a [Checkpoint],
+    /// What the learner foretold of touches.
+    pub predictions: &'a [Prediction],
+    /// Where the hands can get to, once that was worked out.
+    pub space: Option<&'a SpaceRecord>,
     /// The session's seed.
     pub seed: u64,
+    /// The command lines that made the session, each with what it did in a word or two.
+    pub commands: Vec<(String, String)>,
     /// What else was done, name and value in the order to be shown: motions, learner, input, times, engine
     /// version. Joints, receptors, touches and limb pairs need no mention: they are counted here.
     pub facts: Vec<(String, String)>,
@@ -46,19 +61,29 @@ pub struct ReportInput<'a> {
     pub verdict: String,
     /// The joints that the touches did not determine.
     pub undetermined: &'a [usize],
+    /// The limbs whose own frames they did not determine, by name.
+    pub undetermined_limbs: &'a [String],
+    /// Every direction in which the schema could change without any touch feeling it, in words.
+    pub open_directions: &'a [String],
 }
 
-/// The whole page.
+/// The whole page: HTML of some five megabytes, most of which is plotly.js.
 pub fn html(input: &ReportInput) -> String {
     let name = escape(input.creature.name());
     let seed = input.seed;
+    let residuals = Residuals::new(input);
     let sections = [
-        ("What was done", facts(input)),
-        ("How well it was learned", errors(input)),
-        ("The learned body", figure::figures(input)),
-        ("Learning curve", curve::figure(input.learning_curve)),
-        ("Who touched whom", heat_map::figure(input.creature, input.skin, input.touches)),
-        ("Joint by joint", joints(input)),
+        ("The learned body", body::body(input)),
+        ("What was done", tables::facts(input)),
+        ("How well it was learned", tables::errors(input)),
+        ("Learning curve", curve::figure_of(input)),
+        ("Error per joint", joint_errors::figure_of(input, &residuals)),
+        ("Residuals", residuals::figure_of(&residuals)),
+        ("How sure the learner is", uncertainty::figure_of(input)),
+        ("What stays undetermined", tables::undetermined(input)),
+        ("Who touched whom", touch_matrix::figure_of(input)),
+        ("Where the hands can get to", reachable::figure_of(input.space)),
+        ("Joint by joint", tables::joints(input)),
     ];
     let sections: String = sections
         .iter()
@@ -67,191 +92,14 @@ pub fn html(input: &ReportInput) -> String {
     format!(
         "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\"/>\n\
          <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"/>\n\
+         <meta name=\"color-scheme\" content=\"light dark\"/>\n<link rel=\"icon\" href=\"data:,\"/>\n\
          <title>{name}, seed {seed}: a learned body schema</title>\n<style>\n{style}</style>\n</head>\n\
          <body>\n<header>\n<h1>{name}</h1>\n<p>A body schema learned from self-touch, seed {seed}</p>\n\
-         </header>\n<p class=\"verdict\">{verdict}</p>\n{sections}</body>\n</html>\n",
+         </header>\n<p class=\"verdict\">{verdict}</p>\n{sections}{library}\n<script>\n{script}</script>\n\
+         </body>\n</html>\n",
         style = include_str!("style.css"),
         verdict = escape(&input.verdict),
+        library = picture::library(),
+        script = include_str!("page.js"),
     )
-}
-
-/// The numbers of the session, counted and told.
-fn facts(input: &ReportInput) -> String {
-    let creature = input.creature;
-    let auras = |touch: &Touch| {
-        let mut pair = touch.ends.map(|end| creature.aura_of(input.skin.receptors[end.receptor].limb));
-        pair.sort();
-        pair
-    };
-    let pairs: BTreeSet<_> = input.touches.iter().map(auras).collect();
-    let joints = plural(creature.joints().len(), "joint");
-    let counted = [
-        ("Body", format!("{joints} with {} degrees of freedom", creature.dof())),
-        ("Skin", plural(input.skin.receptors.len(), "receptor")),
-        (
-            "Touches",
-            format!("{}, between {}", input.touches.len(), plural(pairs.len(), "pair of aura limbs")),
-        ),
-    ];
-    let counted = counted.map(|(name, value)| (name.to_string(), value));
-    let seed = [("Seed".to_string(), input.seed.to_string())];
-    let row = |(name, value): &(String, String)| {
-        format!("<div><dt>{}</dt><dd>{}</dd></div>\n", escape(name), escape(value))
-    };
-    let rows: String = counted.iter().chain(&input.facts).chain(&seed).map(row).collect();
-    format!("<dl>\n{rows}</dl>\n")
-}
-
-/// The table of error measures.
-fn errors(input: &ReportInput) -> String {
-    let open = undetermined(input);
-    let Some(evaluation) = input.evaluation else {
-        return format!("<p>The truth is not known, so no error could be measured.</p>\n{open}");
-    };
-    let rows = [
-        ("Skin of any limb, in any other limb's frame", "mm", Some(evaluation.heldout_mm)),
-        ("the same, over determined joints only", "mm", Some(evaluation.determined_mm)),
-        ("the same, with a hand as one of the two", "mm", evaluation.hand_mm),
-        ("Direction of determined axes", "°", Some(evaluation.axis_deg)),
-        ("Place of determined axes", "mm", Some(evaluation.axis_line_mm)),
-    ];
-    let row = |(name, unit, summary): (&str, &str, Option<Summary>)| {
-        let summary = summary?;
-        let cells: String = [summary.mean, summary.median, summary.p95, summary.max]
-            .iter()
-            .map(|&value| format!("<td class=\"number\">{}</td>", number(value)))
-            .collect();
-        Some(format!("<tr><th scope=\"row\">{name}</th><td>{unit}</td>{cells}</tr>\n"))
-    };
-    let rows: String = rows.into_iter().filter_map(row).collect();
-    let bound = evaluation.bound_mm.as_ref().map_or(String::new(), bound);
-    format!(
-        "<table class=\"errors\">\n<thead><tr><th>Error against the truth</th><th>Unit</th>\
-         <th class=\"number\">Mean</th><th class=\"number\">Median</th><th class=\"number\">95 %</th>\
-         <th class=\"number\">Greatest</th></tr></thead>\n<tbody>\n{rows}</tbody>\n</table>\n\
-         <p class=\"note\">The skin is compared at random postures that were not babbled. 95 % of the \
-         values are no greater than the column says.</p>\n{bound}{open}"
-    )
-}
-
-/// The error beside the least that there could be.
-fn bound(bound: &Bound) -> String {
-    format!(
-        "<p class=\"bound\">Over determined joints the error is {} mm as a root mean square: {} times the \
-         Cramér-Rao bound of {} mm, the least that any unbiased learner could leave on average after these touches, \
-         were their noise what the learner takes it to be.</p>\n",
-        number(bound.error_rms),
-        number(bound.ratio),
-        number(bound.bound_rms)
-    )
-}
-
-/// A sentence that names what the touches leave open.
-fn undetermined(input: &ReportInput) -> String {
-    let joints = input.creature.joints();
-    let names: Vec<String> =
-        input.undetermined.iter().filter_map(|&j| joints.get(j)).map(|j| escape(&j.name)).collect();
-    if names.is_empty() {
-        return "<p class=\"note\">The learner found no joint undetermined.</p>\n".into();
-    }
-    if names.len() == joints.len() {
-        return "<p class=\"note\">Of no joint is it known that the touches determine it.</p>\n".into();
-    }
-    format!(
-        "<p class=\"note\">The touches do not determine {} of {}: {}. Where these lie is a guess.</p>\n",
-        names.len(),
-        plural(joints.len(), "joint"),
-        names.join(", ")
-    )
-}
-
-/// The table of joints.
-fn joints(input: &ReportInput) -> String {
-    let creature = input.creature;
-    let mut involved = vec![0usize; creature.joints().len()];
-    for touch in input.touches {
-        let [a, b] = touch.ends.map(|end| input.skin.receptors[end.receptor].limb);
-        Chain::between(creature, a, b).joints().for_each(|j| involved[j] += 1);
-    }
-    let truth = input.truth.map(|schema| GroundTruth { schema: schema.clone() });
-    let errors = truth.map(|truth| axis_errors(creature, &truth, input.schema, input.undetermined, &[]));
-    let mut groups = String::new();
-    for (j, joint) in creature.joints().iter().enumerate() {
-        let determined = !input.undetermined.contains(&j);
-        let lines = joint.dofs.len().max(1);
-        let cell =
-            |class: &str, content: &str| format!("<td rowspan=\"{lines}\" class=\"{class}\">{content}</td>");
-        let position: String =
-            input.schema.positions[j].iter().map(|x| cell("number", &coordinate(1e3 * x, 1))).collect();
-        let position_std = input.std.map_or(String::new(), |std| {
-            let millimetres = std.positions[j].map(|m| number(1e3 * m.unwrap_or(f64::NAN)));
-            millimetres.iter().map(|std| cell("number", std)).collect()
-        });
-        let mut row = format!(
-            "<th rowspan=\"{lines}\" scope=\"rowgroup\">{}</th>{}{}{}{position}{position_std}",
-            escape(&joint.name),
-            cell("", &escape(&creature.limbs()[joint.parent])),
-            cell("number", &involved[j].to_string()),
-            cell(if determined { "" } else { "open" }, if determined { "yes" } else { "no" }),
-        );
-        groups.push_str("<tbody>\n");
-        for (dof, k) in joint.dofs.iter().zip(joint.dof_indices()) {
-            let axis: String = match dof.kind {
-                DofKind::Ball => "<td colspan=\"3\" class=\"ball\">turns freely</td>".into(),
-                _ => input.schema.axes[k]
-                    .iter()
-                    .map(|x| format!("<td class=\"number\">{}</td>", coordinate(*x, 3)))
-                    .collect(),
-            };
-            let short = dof.name.strip_prefix(&format!("{}_", joint.name)).unwrap_or(&dof.name);
-            let name = if lines == 1 { String::new() } else { escape(short) };
-            let axis_std = input.std.map_or(String::new(), |std| {
-                let degrees = std.axes[k].map_or(f64::NAN, f64::to_degrees);
-                format!("<td class=\"number\">{}</td>", number(degrees))
-            });
-            let error = errors.as_ref().map_or(String::new(), |errors| error_cells(errors, k));
-            groups.push_str(&format!("<tr>{row}<td>{name}</td>{axis}{axis_std}{error}</tr>\n"));
-            row.clear();
-        }
-        groups.push_str("</tbody>\n");
-    }
-    let columns = if errors.is_some() {
-        "<th class=\"number\">off by, °</th><th class=\"number\">off by, mm</th>"
-    } else {
-        ""
-    };
-    let (position_std, axis_std, std_note) = match input.std {
-        Some(_) => (
-            "<th colspan=\"3\" class=\"number\">± x y z, mm</th>",
-            "<th class=\"number\">±, °</th>",
-            " ± is one standard deviation by the learner's own account, of an axis that of each coordinate \
-             across it; a dash stands where nothing determines it.",
-        ),
-        None => ("", "", ""),
-    };
-    format!(
-        "<div class=\"wide\"><table class=\"joints\">\n<thead><tr><th>Joint</th><th>On limb</th><th class=\"number\">Touches</th>\
-         <th>Determined</th><th colspan=\"3\" class=\"number\">Position x y z, mm</th>{position_std}<th></th>\
-         <th colspan=\"3\" class=\"number\">Axis x y z</th>{axis_std}{columns}</tr></thead>\n{groups}</table></div>\n\
-         <p class=\"note\">Positions and axes are in the frame of the limb that the joint is on. Touches are \
-         those between limbs with the joint on the way from one to the other. A position may slide along \
-         its axis unfelt: what counts is how far the axis turns off (°) and passes by (mm).{std_note}</p>\n"
-    )
-}
-
-/// The errors of one axis; dashes where it has none that mean anything.
-fn error_cells(errors: &[AxisErrors], dof: usize) -> String {
-    let found = errors.iter().find(|error| error.dof == dof);
-    let values = [found.map(|e| e.degrees), found.and_then(|e| e.line_millimetres)];
-    values.map(|value| format!("<td class=\"number\">{}</td>", number(value.unwrap_or(f64::NAN)))).concat()
-}
-
-/// A coordinate with a true minus sign, and no sign before zero.
-fn coordinate(value: f64, digits: usize) -> String {
-    let text = format!("{value:.digits$}");
-    match text.strip_prefix('-') {
-        Some(zero) if zero.chars().all(|c| c == '0' || c == '.') => zero.to_string(),
-        Some(positive) => format!("−{positive}"),
-        None => text,
-    }
 }

@@ -1,5 +1,8 @@
 //! Names and numbers as a page shows them.
 
+/// Slack for powers of ten that are not exact.
+const ROUNDING: f64 = 1e-9;
+
 /// Text made safe for element content and for attributes.
 pub(super) fn escape(text: &str) -> String {
     let mut safe = String::with_capacity(text.len());
@@ -36,12 +39,38 @@ pub(super) fn degrees_and_millimetres(value: f64) -> String {
 }
 
 /// `10⁻³`, in plain characters.
-pub(super) fn power_of_ten(exponent: i32) -> String {
+fn power_of_ten(exponent: i32) -> String {
     let raised = |c: char| match c.to_digit(10) {
         Some(digit) => ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹'][digit as usize],
         None => '⁻',
     };
     format!("10{}", exponent.to_string().chars().map(raised).collect::<String>())
+}
+
+/// Where to label a logarithmic axis: at powers of ten, and with room also at 2 and 5 times them.
+pub(crate) fn ticks(range: &std::ops::Range<f64>) -> Vec<f64> {
+    let (first, last) = (range.start.log10().floor() as i32, range.end.log10().ceil() as i32);
+    let span = (range.end / range.start).log10();
+    let multiples: &[f64] = if span <= 3.1 { &[1.0, 2.0, 5.0] } else { &[1.0] };
+    let step = (span / 8.0).ceil().max(1.0) as usize;
+    (first..=last)
+        .step_by(step)
+        .flat_map(|decade| multiples.iter().map(move |multiple| multiple * 10f64.powi(decade)))
+        .filter(|tick| (range.start * (1.0 - ROUNDING)..=range.end * (1.0 + ROUNDING)).contains(tick))
+        .collect()
+}
+
+/// A label of a logarithmic axis: a plain number, or a power of ten where that is shorter.
+pub(crate) fn tick_label(error: f64) -> String {
+    let exponent = (error.log10() + ROUNDING).floor() as i32;
+    match exponent {
+        -3..=3 => format!("{error:.digits$}", digits = (-exponent).max(0) as usize),
+        _ => {
+            let multiple = (error / 10f64.powi(exponent)).round();
+            let power = power_of_ten(exponent);
+            if multiple == 1.0 { power } else { format!("{multiple}·{power}") }
+        }
+    }
 }
 
 /// `1 joint`, `2 joints`; in a phrase the first word takes the s.
@@ -75,5 +104,12 @@ mod tests {
     fn counts_agree_with_their_nouns() {
         assert_eq!(plural(1, "joint"), "1 joint");
         assert_eq!(plural(3, "pair of limbs"), "3 pairs of limbs");
+    }
+
+    #[test]
+    fn ticks_fill_short_axes_and_thin_out_on_long_ones() {
+        assert_eq!(ticks(&(20.0..600.0)), [20.0, 50.0, 100.0, 200.0, 500.0]);
+        assert!((2..=9).contains(&ticks(&(1e-12..1e3)).len()));
+        assert_eq!([0.02, 1.0, 500.0, 1e-9, 2e-6].map(tick_label), ["0.02", "1", "500", "10⁻⁹", "2·10⁻⁶"]);
     }
 }

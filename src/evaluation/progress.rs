@@ -1,0 +1,68 @@
+//! The error on the way to what was learned, and its bound.
+
+use super::{Bound, HeldOutPoint, held_out, held_out_points};
+use crate::creature::Creature;
+use crate::ground_truth::GroundTruth;
+use crate::kinematics::Chain;
+use crate::learning::Learned;
+use crate::learning::observability::Observability;
+use crate::schema::BodySchema;
+use crate::skin::Skin;
+
+/// The least share of the points that a bound must be over to be one of them all.
+const MOST_OF_THEM: f64 = 0.95;
+
+/// Measures schemas at the same points: those that the touches determine in the end.
+#[derive(Debug)]
+pub struct Progress<'a> {
+    creature: &'a Creature,
+    truth: &'a GroundTruth,
+    learned: &'a Learned,
+    points: Vec<HeldOutPoint>,
+}
+
+impl<'a> Progress<'a> {
+    /// For schemas on the way to what was learned.
+    pub fn new(
+        creature: &'a Creature,
+        skin: &Skin,
+        truth: &'a GroundTruth,
+        learned: &'a Learned,
+    ) -> Progress<'a> {
+        let determined = |point: &HeldOutPoint| {
+            let [a, b] = point.limbs;
+            Chain::between(creature, a, b).joints().all(|joint| !learned.undetermined.contains(&joint))
+                && !point.limbs.iter().any(|limb| learned.undetermined_limbs.contains(limb))
+        };
+        let mut points = held_out_points(creature, skin);
+        // Where nothing is determined, or the learner cannot tell, all count.
+        if points.iter().any(determined) {
+            points.retain(determined);
+        }
+        Progress { creature, truth, learned, points }
+    }
+
+    /// Root mean square of a schema's held-out errors, millimetres; none where there is no point.
+    pub fn error_rms(&self, schema: &BodySchema) -> Option<f64> {
+        let errors = held_out(self.creature, self.truth, schema, &self.points);
+        let squares: f64 = errors.iter().map(|error| error.millimetres.powi(2)).sum();
+        (!errors.is_empty()).then(|| (squares / errors.len() as f64).sqrt())
+    }
+
+    /// The Cramér-Rao bound of the same from touches that determine so much, millimetres; none where they leave
+    /// some of it open.
+    pub fn bound_rms(&self, observability: &Observability) -> Option<f64> {
+        let (creature, learned) = (self.creature, self.learned);
+        let errors = held_out(creature, self.truth, &learned.schema, &self.points);
+        let bound = Bound::new(
+            creature,
+            &learned.schema,
+            observability,
+            &self.points,
+            &errors,
+            &learned.undetermined,
+        )?;
+        let most = bound.points as f64 >= MOST_OF_THEM * self.points.len() as f64;
+        Some(bound.bound_rms).filter(|rms| most && rms.is_finite())
+    }
+}
