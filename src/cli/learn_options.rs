@@ -15,9 +15,7 @@ use super::report::write_report;
 use super::{Failure, output, progress};
 use crate::babbling::MotionName;
 use crate::creature::{Creature, DofKind, JointSelection};
-use crate::evaluation::{
-    Bound, Evaluation, OwnAccount, Progress, Summary, evaluate, evaluate_learned,
-};
+use crate::evaluation::{Bound, Evaluation, OwnAccount, Progress, Summary, evaluate, evaluate_learned};
 use crate::ground_truth::GroundTruth;
 use crate::learning::onset::random_onset;
 use crate::learning::{

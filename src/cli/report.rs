@@ -97,7 +97,8 @@ pub(super) fn write_report(
     });
     let options = LearnOptions::default().for_session(session)?;
     let points = session.options.input.as_deref() == Some(&InputName::Contact.to_string());
-    let input = if points || options.input_name() == InputName::Contact { Input::Contact } else { Input::Receptor };
+    let input =
+        if points || options.input_name() == InputName::Contact { Input::Contact } else { Input::Receptor };
     let predictions = read_predictions(folder)?;
     let space = SpaceRecord::read(folder)?;
     let report = ReportInput {

@@ -96,7 +96,8 @@ impl LearningRecord {
             bound_rms_mm: checkpoint.bound_rms.filter(|bound| bound.is_finite()),
             joints: joint_entries(creature, &checkpoint.schema, None),
         };
-        let finite = |bound: &Bound| [bound.bound_rms, bound.error_rms, bound.ratio].iter().all(|x| x.is_finite());
+        let finite =
+            |bound: &Bound| [bound.bound_rms, bound.error_rms, bound.ratio].iter().all(|x| x.is_finite());
         let content = Content {
             record: LearningRecord { bound: self.bound.filter(finite), ..self.clone() },
             creature: creature.name().to_string(),

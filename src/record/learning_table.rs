@@ -92,7 +92,8 @@ pub fn read_predictions(folder: &Path) -> Result<Vec<Prediction>, RecordError> {
     let mut predictions = Vec::new();
     for (n, line) in lines.enumerate() {
         let cells: Vec<&str> = line.split(',').collect();
-        let number = |column: usize| match cells.get(column).copied().unwrap_or_default() {
+        let number = |column: usize| {
+            match cells.get(column).copied().unwrap_or_default() {
             "" => Ok(None),
             cell => cell.parse::<f64>().map(Some).map_err(|_| {
                 let message = format!(
@@ -100,6 +101,7 @@ pub fn read_predictions(folder: &Path) -> Result<Vec<Prediction>, RecordError> {
                 );
                 RecordError::format(&path, Some(n + 2), message)
             }),
+        }
         };
         if let (Some(touch), Some(gap), Some(deviation)) = (number(touch)?, number(gap)?, number(deviation)?)
         {

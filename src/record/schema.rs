@@ -149,8 +149,7 @@ pub fn read_schema_with_std(
     STAMP.check(path, None, &json)?;
     let content: Content =
         serde_json::from_slice(&json).map_err(|error| RecordError::json(path, "body schema", &error))?;
-    let schema =
-        schema_of(&content, creature).map_err(|message| RecordError::format(path, None, message))?;
+    let schema = schema_of(&content, creature).map_err(|message| RecordError::format(path, None, message))?;
     Ok((schema, std_of(&content.joints)))
 }
 

@@ -43,6 +43,9 @@ fn slice_of(own: &OwnBody, maps: &[ReachableMap], slice: &Slice) -> SpaceSlice {
         at: f64::from(at) * lattice.voxel,
         first: slice.axes.map(|axis| f64::from(lattice.first[axis]) * lattice.voxel),
         rows: (0..lattice.counts[b]).map(row).collect(),
-        outlines: outlines.iter().map(|line| line.iter().map(|p| [p[a], p[b]]).collect()).collect(),
+        outlines: outlines
+            .iter()
+            .map(|line| line.iter().map(|p| [a, b].map(|k| (1e4 * p[k]).round() / 1e4)).collect())
+            .collect(),
     }
 }

@@ -1,13 +1,13 @@
 //! The learned body over the true one, to be turned with the mouse, from the onset to the end.
 
 use nalgebra::Vector3;
-use plotly::common::{Anchor, ColorBar, ColorScale, ColorScaleElement, HoverInfo, Line, Marker, Mode, Pad, Title};
+use plotly::common::{
+    Anchor, ColorBar, ColorScale, ColorScaleElement, Font, HoverInfo, Line, Marker, Mode, Pad, Title,
+};
+use plotly::layout::update_menu::{Button, ButtonMethod, UpdateMenu, UpdateMenuDirection, UpdateMenuType};
 use plotly::layout::{
     AspectMode, Axis, Camera, DragMode3D, LayoutScene, Margin, Slider, SliderCurrentValue, SliderMethod,
     SliderStep,
-};
-use plotly::layout::update_menu::{
-    Button, ButtonMethod, UpdateMenu, UpdateMenuDirection, UpdateMenuType,
 };
 use plotly::mesh3d::Lighting;
 use plotly::{Mesh3D, Scatter3D, Trace};
@@ -29,7 +29,9 @@ const MOST_CORNERS: usize = 110_000;
 const EXACT: f64 = 1e-4;
 /// The colours of limbs and of joints.
 const LIMB: &str = "#b9c7d3";
-const JOINT: &str = "#0b3c66";
+const JOINT: &str = "#1f6fb2";
+/// Letters of buttons, to be read on both of the grounds that plotly.js gives them.
+const BUTTON: &str = "#6f8496";
 /// Receptors from never touched to touched most often.
 const TOUCHED: [(f64, &str); 5] =
     [(0.0, "#93a1ad"), (0.25, "#f6d573"), (0.55, "#f28e3c"), (0.8, "#d7301f"), (1.0, "#7f0018")];
@@ -39,7 +41,7 @@ const SEE_THROUGH: [f64; 2] = [0.2, 0.45];
 /// Where the body is looked at from, with x ahead, y to the left and z up, and how many of its greatest extents
 /// away.
 const VIEW: [f64; 3] = [0.8, 0.5, 0.18];
-const DISTANCE: f64 = 1.25;
+const DISTANCE: f64 = 1.5;
 
 /// Coordinates of points, one list per axis.
 type Coordinates = [Vec<Option<f64>>; 3];
@@ -87,8 +89,7 @@ impl Pose {
         }
         for (limb, frame) in self.frames.iter().enumerate() {
             let carries = creature.joints().iter().any(|joint| joint.parent == limb);
-            let own: Vec<_> =
-                skin.receptors.iter().filter(|r| r.limb == limb).map(|r| r.position).collect();
+            let own: Vec<_> = skin.receptors.iter().filter(|r| r.limb == limb).map(|r| r.position).collect();
             if !carries && !own.is_empty() {
                 let middle = own.iter().sum::<Vector3<f64>>() / own.len() as f64;
                 points.extend([Some(self.begins[limb]), Some(frame.point(&middle)), None]);
@@ -118,10 +119,8 @@ impl Drawn {
 
 /// The picture; a sentence where there is nothing to draw.
 pub(super) fn body(input: &ReportInput) -> String {
-    let drawn = Drawn {
-        limbs: Mesh::of_surfaces(input.skin),
-        receptors: Mesh::of_receptors(&input.skin.receptors),
-    };
+    let drawn =
+        Drawn { limbs: Mesh::of_surfaces(input.skin), receptors: Mesh::of_receptors(&input.skin.receptors) };
     let last = drawn.lists(input, input.schema);
     let steps = steps(input, &drawn, &last);
     let truth = input.truth.map(|truth| {
@@ -148,7 +147,11 @@ pub(super) fn body(input: &ReportInput) -> String {
         "The learned body{over}, at ease. Turn it with the mouse, zoom with the wheel, click a name to hide it. \
          Patches are receptors, coloured by how often they were touched; orange joints are those that the touches \
          do not determine.{}",
-        if steps.len() > 1 { " The slider goes from a random onset to what was learned in the end." } else { "" }
+        if steps.len() > 1 {
+            " The slider goes from a random onset to what was learned in the end."
+        } else {
+            ""
+        }
     );
     figure("body", &format!("The learned body{over} in three dimensions"), 660, traces, layout, &caption)
 }
@@ -198,6 +201,7 @@ fn buttons() -> UpdateMenu {
         .direction(UpdateMenuDirection::Down)
         .buttons(vec![button("see through", SEE_THROUGH), button("skin", [1.0; 2])])
         .active(0)
+        .font(Font::new().color(BUTTON))
         .x(0.0)
         .x_anchor(Anchor::Left)
         .y(1.0)

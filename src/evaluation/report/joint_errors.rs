@@ -32,7 +32,9 @@ pub(super) fn figure_of(input: &ReportInput, residuals: &Residuals) -> String {
         }
         None => {
             for ([a, b], residual) in &residuals.values {
-                Chain::between(creature, *a, *b).joints().for_each(|joint| values[joint].push(residual.abs()));
+                Chain::between(creature, *a, *b)
+                    .joints()
+                    .for_each(|joint| values[joint].push(residual.abs()));
             }
             "residual, mm"
         }

@@ -56,11 +56,7 @@ impl Mesh {
         mesh
     }
 
-    fn push(
-        &mut self,
-        corners: impl IntoIterator<Item = (usize, Vector3<f64>)>,
-        triangles: &[[usize; 3]],
-    ) {
+    fn push(&mut self, corners: impl IntoIterator<Item = (usize, Vector3<f64>)>, triangles: &[[usize; 3]]) {
         let first = self.corners.len();
         self.corners.extend(corners);
         self.triangles.extend(triangles.iter().map(|triangle| triangle.map(|corner| first + corner)));

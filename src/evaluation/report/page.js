@@ -32,12 +32,15 @@
     const place = document.getElementById(data.dataset.plot);
     const plot = JSON.parse(data.textContent);
     plot.layout.template = template();
-    Plotly.newPlot(place, plot.data, plot.layout, plot.config);
-    drawn.push(place);
+    drawn.push(Plotly.newPlot(place, plot.data, plot.layout, plot.config));
   }
-  const redraw = (size) => drawn.forEach((place) => Plotly.relayout(place, { template: template(), ...size }));
+  const redraw = (size) =>
+    document.querySelectorAll(".plot").forEach((place) => Plotly.relayout(place, { template: template(), ...size }));
   dark.addEventListener("change", () => redraw({}));
   addEventListener("beforeprint", () => redraw({ width: PAPER, autosize: false }));
   addEventListener("afterprint", () => redraw({ width: null, autosize: true }));
-  document.documentElement.dataset.drawn = drawn.length;
+  Promise.all(drawn).then(() => {
+    performance.mark("drawn");
+    document.documentElement.dataset.drawn = drawn.length;
+  });
 })();

@@ -32,7 +32,9 @@ pub(super) fn figure(
     let mut plot = Plot::new();
     plot.add_traces(traces);
     plot.set_layout(layout.height(height).auto_size(true));
-    plot.set_configuration(Configuration::new().responsive(true).display_logo(false).display_mode_bar(DisplayModeBar::Hover));
+    plot.set_configuration(
+        Configuration::new().responsive(true).display_logo(false).display_mode_bar(DisplayModeBar::Hover),
+    );
     // No character may end the script or begin an element of the page.
     let data = plot.to_json().replace('&', "\\u0026").replace('<', "\\u003c").replace('>', "\\u003e");
     format!(
@@ -51,7 +53,7 @@ pub(super) fn layout() -> Layout {
         .y(1.02)
         .x_anchor(Anchor::Left)
         .y_anchor(Anchor::Bottom);
-    Layout::new().legend(legend).margin(Margin::new().left(72).right(16).top(40).bottom(56))
+    Layout::new().legend(legend).margin(Margin::new().left(88).right(16).top(40).bottom(56))
 }
 
 /// An axis with a title.

@@ -1,8 +1,6 @@
 //! Where the hands can get to: slices of the reachable map.
 
-use plotly::common::{
-    Anchor, ColorBar, ColorScale, ColorScaleElement, Font, HoverInfo, Line, Mode,
-};
+use plotly::common::{Anchor, ColorBar, ColorScale, ColorScaleElement, Font, HoverInfo, Line, Mode};
 use plotly::layout::{Annotation, Axis, Margin};
 use plotly::{HeatMap, Layout, Scatter, Trace};
 
@@ -26,7 +24,8 @@ pub(super) fn figure_of(space: Option<&SpaceRecord>) -> String {
     };
     let several = space.hands.len() > 1;
     let mut traces: Vec<Box<dyn Trace>> = Vec::new();
-    let mut layout = Layout::new().show_legend(false).margin(Margin::new().left(56).right(16).top(44).bottom(56));
+    let mut layout =
+        Layout::new().show_legend(false).margin(Margin::new().left(56).right(16).top(44).bottom(56));
     let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
     for slice in &space.slices {
         for (k, &axis) in slice.axes.iter().enumerate() {
@@ -107,7 +106,8 @@ fn extent(slice: &SpaceSlice, voxel: f64, k: usize) -> [f64; 2] {
     let count = if k == 0 { slice.rows.iter().map(String::len).max().unwrap_or(0) } else { slice.rows.len() };
     let from = slice.first[k] - 0.5 * voxel;
     let places = slice.outlines.iter().flatten().map(|point| point[k]);
-    let (low, high) = places.fold((from, from + voxel * count as f64), |(low, high), x| (low.min(x), high.max(x)));
+    let (low, high) =
+        places.fold((from, from + voxel * count as f64), |(low, high), x| (low.min(x), high.max(x)));
     [low - 0.04, high + 0.04]
 }
 
@@ -118,11 +118,13 @@ fn map(
     with_scale: bool,
     (x_axis, y_axis): (&str, &str),
 ) -> Box<dyn Trace> {
-    let places =
-        |k: usize, count: usize| (0..count).map(|n| significant(slice.first[k] + voxel * n as f64, 6)).collect();
+    let places = |k: usize, count: usize| {
+        (0..count).map(|n| significant(slice.first[k] + voxel * n as f64, 6)).collect()
+    };
     let columns = slice.rows.iter().map(String::len).max().unwrap_or(0);
     let level = |digit: u8| (digit > b'0').then(|| f64::from(digit - b'0'));
-    let cells: Vec<Vec<Option<f64>>> = slice.rows.iter().map(|row| row.bytes().map(level).collect()).collect();
+    let cells: Vec<Vec<Option<f64>>> =
+        slice.rows.iter().map(|row| row.bytes().map(level).collect()).collect();
     let (x, y): (Vec<f64>, Vec<f64>) = (places(0, columns), places(1, slice.rows.len()));
     let steps = COLOURS.iter().enumerate().flat_map(|(n, colour)| {
         [n, n + 1].map(|edge| ColorScaleElement(0.2 * edge as f64, colour.to_string()))

@@ -64,7 +64,8 @@ pub(super) fn figure_of(residuals: &Residuals) -> String {
     let count = all.len();
     let drawn: Vec<f64> = all.into_iter().filter(|value| value.abs() <= limit).collect();
     let beyond = count - drawn.len();
-    let drawn: Vec<f64> = thinned(drawn, MOST).into_iter().map(|value| significant(scale * value, 4)).collect();
+    let drawn: Vec<f64> =
+        thinned(drawn, MOST).into_iter().map(|value| significant(scale * value, 4)).collect();
     let what = if residuals.gaps {
         format!("gap between the two surfaces, {unit}")
     } else {
@@ -73,10 +74,10 @@ pub(super) fn figure_of(residuals: &Residuals) -> String {
     let bars: Box<dyn Trace> = Histogram::new(drawn).n_bins_x(60).marker(Marker::new().color(BLUE));
     let layout = layout().x_axis(axis(&what)).y_axis(axis("touches")).bar_gap(0.05).show_legend(false);
     let mut caption = format!(
-        "Every touch under the learned schema; {} mm on the median, {} mm at 95 %, {} mm at most.",
-        number(sizes.median),
-        number(sizes.p95),
-        number(sizes.max)
+        "Every touch under the learned schema; {} {unit} on the median, {} {unit} at 95 %, {} {unit} at most.",
+        number(scale * sizes.median),
+        number(scale * sizes.p95),
+        number(scale * sizes.max)
     );
     if residuals.gaps {
         caption.push_str(" Below zero the two overlap.");

@@ -95,7 +95,9 @@ pub(super) fn undetermined(input: &ReportInput) -> String {
         input.open_directions.iter().map(|words| format!("<li>{}</li>\n", escape(words))).collect();
     let directions = match directions.as_str() {
         "" => String::new(),
-        items => format!("<p>No touch would feel it if the schema changed in these directions:</p>\n<ul>\n{items}</ul>\n"),
+        items => format!(
+            "<p>No touch would feel it if the schema changed in these directions:</p>\n<ul>\n{items}</ul>\n"
+        ),
     };
     format!("{}{limbs}{directions}", undetermined_joints(input))
 }

@@ -17,8 +17,7 @@ const ROOM: usize = 24;
 /// The lower half of the matrix of aura limbs × aura limbs.
 pub(super) fn figure_of(input: &ReportInput) -> String {
     let label = |name: &str| escape(&name.replace('_', " "));
-    let names: Vec<String> =
-        input.creature.aura_limbs().iter().map(|aura| label(&aura.name)).collect();
+    let names: Vec<String> = input.creature.aura_limbs().iter().map(|aura| label(&aura.name)).collect();
     let counts = counts(input.creature, input.skin, input.touches);
     let most = counts.iter().flatten().copied().max().unwrap_or(0);
     if most == 0 {
@@ -27,9 +26,8 @@ pub(super) fn figure_of(input: &ReportInput) -> String {
     let n = names.len();
     let places: Vec<f64> = (0..n).map(|k| k as f64).collect();
     let shade = |count: usize| (count > 0).then(|| (count as f64).ln_1p());
-    let cells: Vec<Vec<Option<f64>>> = (0..n)
-        .map(|i| (0..n).map(|j| if j <= i { shade(counts[i][j]) } else { None }).collect())
-        .collect();
+    let cells: Vec<Vec<Option<f64>>> =
+        (0..n).map(|i| (0..n).map(|j| if j <= i { shade(counts[i][j]) } else { None }).collect()).collect();
     let hover: Vec<Vec<String>> = (0..n)
         .map(|i| (0..n).map(|j| format!("{}, {}: {}", names[i], names[j], touches(counts[i][j]))).collect())
         .collect();
@@ -68,7 +66,12 @@ pub(super) fn figure_of(input: &ReportInput) -> String {
         }
     }
     let axis = || {
-        Axis::new().tick_values(places.clone()).tick_text(names.clone()).show_grid(false).zero_line(false).auto_margin(true)
+        Axis::new()
+            .tick_values(places.clone())
+            .tick_text(names.clone())
+            .show_grid(false)
+            .zero_line(false)
+            .auto_margin(true)
     };
     let end = n as f64 - 0.5;
     let layout = Layout::new()
@@ -78,7 +81,8 @@ pub(super) fn figure_of(input: &ReportInput) -> String {
         .y_axis(axis().range(vec![end, -0.5]));
     let height = (26 * n + 150).clamp(300, 900);
     let traces: Vec<Box<dyn Trace>> = vec![map];
-    let caption = "Touches per pair of limbs, darker for more (logarithmic). Empty: never touched each other.";
+    let caption =
+        "Touches per pair of limbs, darker for more (logarithmic). Empty: never touched each other.";
     figure("touch-matrix", "Touches per pair of limbs", height, traces, layout, caption)
 }
 

@@ -44,9 +44,10 @@ pub(super) fn figure_of(input: &ReportInput) -> String {
         .y_axis2(log_axis("axis, °", sharpest, upper(&axes, axes_top, bluntest)).domain(&[0.0, 0.45]))
         .show_legend(true);
     let known = positions.iter().filter(|(_, _, value)| *value == Some(0.0)).count();
-    let mut caption = "One standard deviation by the learner's own account: of each coordinate of a joint's position, \
+    let mut caption =
+        "One standard deviation by the learner's own account: of each coordinate of a joint's position, \
                        and of each axis across its direction. Crosses stand for what no touch determines."
-        .to_string();
+            .to_string();
     if known > 0 {
         caption.push_str(" What was known exactly beforehand is not shown.");
     }
@@ -79,8 +80,10 @@ fn dots(
     top: f64,
 ) -> Vec<Box<dyn Trace>> {
     let mut traces: Vec<Box<dyn Trace>> = Vec::new();
-    let known: Vec<_> =
-        list.iter().filter_map(|(joint, name, value)| Some((joint, name, value.filter(|v| *v > 0.0)?))).collect();
+    let known: Vec<_> = list
+        .iter()
+        .filter_map(|(joint, name, value)| Some((joint, name, value.filter(|v| *v > 0.0)?)))
+        .collect();
     if !known.is_empty() {
         let hover = known.iter().map(|(_, name, value)| format!("{name}: {} {unit}", number(*value)));
         traces.push(
