@@ -41,7 +41,7 @@ const SEE_THROUGH: [f64; 2] = [0.2, 0.45];
 /// Where the body is looked at from, with x ahead, y to the left and z up, and how many of its greatest extents
 /// away.
 const VIEW: [f64; 3] = [0.8, 0.5, 0.18];
-const DISTANCE: f64 = 1.5;
+const DISTANCE: f64 = 1.4;
 
 /// Coordinates of points, one list per axis.
 type Coordinates = [Vec<Option<f64>>; 3];
