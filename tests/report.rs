@@ -233,7 +233,7 @@ fn the_body_is_drawn_over_the_true_one_and_from_the_onset_on() {
     assert_eq!(labels, ["onset", "1", "2", "3"]);
     // Two capsules and a box of corners, and four corners a receptor, coloured by its touches.
     let (limbs, receptors) = (&body["data"][0], &body["data"][1]);
-    assert_eq!(limbs["x"].as_array().unwrap().len(), 2 * 74 + 8);
+    assert_eq!(limbs["x"].as_array().unwrap().len(), 2 * 42 + 8);
     let shades: Vec<f64> =
         receptors["intensity"].as_array().unwrap().iter().map(|shade| shade.as_f64().unwrap()).collect();
     assert_eq!(shades[0], 2f64.ln_1p(), "the chest was touched twice");

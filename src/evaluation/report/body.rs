@@ -24,7 +24,7 @@ use crate::schema::BodySchema;
 use crate::skin::Skin;
 
 /// Most corners of all checkpoints together: each takes some twenty bytes of the page.
-const MOST_CORNERS: usize = 110_000;
+const MOST_CORNERS: usize = 90_000;
 /// Places are told to this, metres.
 const EXACT: f64 = 1e-4;
 /// The colours of limbs and of joints.

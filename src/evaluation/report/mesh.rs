@@ -6,9 +6,9 @@ use crate::skin::{Receptor, Shape, Skin};
 
 /// Angles of latitude at which a round shape is cut, radians. The equator is cut on both sides: a capsule is
 /// straight between the two.
-const LATITUDES: [f64; 6] = [-1.05, -0.52, -0.0, 0.0, 0.52, 1.05];
+const LATITUDES: [f64; 4] = [-0.75, -0.0, 0.0, 0.75];
 /// Corners of each cut.
-const AROUND: usize = 12;
+const AROUND: usize = 10;
 /// How high above the skin a receptor is drawn, metres: it would be half in it otherwise.
 const LIFT: f64 = 0.0015;
 /// How much of a receptor is drawn along each side: neighbours would run into each other otherwise.
@@ -129,7 +129,7 @@ mod tests {
             };
             let mesh = Mesh::of_surfaces(&Skin { receptors: Vec::new(), surfaces: vec![surface] });
             let share = volume(&mesh) / exact;
-            assert!((0.8..1.0 + 1e-9).contains(&share), "{shape:?}: {share}");
+            assert!((0.7..1.0 + 1e-9).contains(&share), "{shape:?}: {share}");
         }
     }
 }

@@ -32,6 +32,8 @@
     const place = document.getElementById(data.dataset.plot);
     const plot = JSON.parse(data.textContent);
     plot.layout.template = template();
+    // As sharp as the screen is, and no more: without a graphics card every pixel takes its time.
+    plot.config.plotGlPixelRatio = Math.max(1, Math.min(2, devicePixelRatio));
     drawn.push(Plotly.newPlot(place, plot.data, plot.layout, plot.config));
   }
   const redraw = (size) =>
