@@ -13,7 +13,7 @@ use std::time::Duration;
 use common::repository;
 use headless_chrome::browser::default_executable;
 use headless_chrome::protocol::cdp::types::Event;
-use headless_chrome::protocol::cdp::{Emulation, Network};
+use headless_chrome::protocol::cdp::{Emulation, Log::LogEntryLevel, Network};
 use headless_chrome::{Browser, LaunchOptions, Tab};
 use serde_json::Value;
 
@@ -93,7 +93,10 @@ fn open(browser: &Browser, page: &Path) -> (Arc<Tab>, Heard) {
             Event::NetworkRequestWillBeSent(sent) => heard.requests.push(sent.params.request.url.clone()),
             Event::RuntimeExceptionThrown(thrown) => heard.complaints.push(format!("{:?}", thrown.params)),
             Event::RuntimeConsoleAPICalled(called) => heard.complaints.push(format!("{:?}", called.params)),
-            Event::LogEntryAdded(added) => heard.complaints.push(added.params.entry.text.clone()),
+            // Browsers also log advice on speed, which is no complaint.
+            Event::LogEntryAdded(added) if added.params.entry.level == LogEntryLevel::Error => {
+                heard.complaints.push(added.params.entry.text.clone());
+            }
             _ => {}
         }
     };
@@ -103,8 +106,6 @@ fn open(browser: &Browser, page: &Path) -> (Arc<Tab>, Heard) {
     tab.wait_for_element("html[data-drawn]").unwrap();
     let mut heard = std::mem::take(&mut *heard.lock().unwrap());
     heard.requests.retain(|request| *request != address && !request.starts_with("data:"));
-    // Software drawing is slow to read pixels back, and the browser says so; that is no fault of the page.
-    heard.complaints.retain(|complaint| !complaint.contains("GPU stall due to ReadPixels"));
     (tab, heard)
 }
 
