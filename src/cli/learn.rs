@@ -112,7 +112,7 @@ fn from_recording(args: &Args, creature: &Path, log: &Path) -> Result<Learnable,
     let described = read_creature(creature)?;
     let recording = read_recording(log, &described.creature, &described.skin)?;
     for note in &recording.notes {
-        eprintln!("bodyschema: {}: {note}", log.display());
+        tell!("{}: {note}", log.display());
     }
     let mut touches = recording.touches;
     touches.truncate(most(args));
@@ -167,7 +167,7 @@ fn truth(args: &Args, session: &Session) -> Result<Option<GroundTruth>, Failure>
         Ok(truth) => Ok(Some(truth)),
         Err(error) if args.model.is_some() => Err(error),
         Err(Failure(sentence)) => {
-            eprintln!("bodyschema: not measured: {sentence}");
+            tell!("not measured: {sentence}");
             Ok(None)
         }
     }

@@ -716,8 +716,8 @@ fn print_bound(bound: &Bound) {
 /// Says on standard error when a log ends in the middle of a line.
 pub fn warn_truncated(log: &TouchLog, folder: &Path) {
     if let Some(line) = log.truncated {
-        eprintln!(
-            "bodyschema: the log in {} ends in the middle of line {line}: that touch is left out, all before it are used",
+        tell!(
+            "the log in {} ends in the middle of line {line}: that touch is left out, all before it are used",
             folder.display()
         );
     }

@@ -8,6 +8,12 @@ macro_rules! say {
     ($($text:tt)*) => { $crate::cli::output::line(format_args!($($text)*)) };
 }
 
+/// Tells a message on standard error; see [`message::line`].
+macro_rules! tell {
+    ($($text:tt)*) => { $crate::cli::message::line(format_args!($($text)*)) };
+}
+
+mod arguments;
 mod babble;
 mod disturbance_options;
 mod evaluate;
@@ -17,10 +23,12 @@ mod inspect;
 mod learn;
 mod learn_options;
 mod map;
+mod message;
 mod observe;
 mod open;
 mod output;
 mod progress;
+mod resume;
 mod skin;
 mod space;
 mod study;
@@ -30,7 +38,9 @@ mod touches;
 use std::fmt::Display;
 use std::process::ExitCode;
 
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
+
+use arguments::{Arguments, effective};
 
 /// What a command fails with: one sentence that names the file, the place and the mend.
 #[derive(Debug)]
@@ -63,6 +73,9 @@ type Outcome = Result<(), Failure>;
 struct Cli {
     #[command(subcommand)]
     command: Command,
+    /// No progress and no messages, but errors
+    #[arg(short, long, global = true)]
+    quiet: bool,
 }
 
 #[derive(Subcommand)]
@@ -95,11 +108,34 @@ enum Command {
     Rehearse(open::RehearseArgs),
 }
 
+/// What may be given beside `--resume`, and itself.
+const BESIDE_RESUME: [&str; 5] = ["resume", "jobs", "json", "quiet", "config"];
+
+/// The options in effect of the command that is run. Ends the program where options are given beside `--resume`.
+fn given(program: &mut clap::Command, matches: &clap::ArgMatches) -> Arguments {
+    let Some((name, matches)) = matches.subcommand() else { return Arguments::default() };
+    let Some(command) = program.find_subcommand_mut(name) else { return Arguments::default() };
+    let given = arguments::given(command, matches);
+    let is = |argument: &clap::Arg, ids: &[&str]| ids.contains(&argument.get_id().as_str());
+    let other = given.iter().find(|argument| !is(argument, &BESIDE_RESUME)).map(ToString::to_string);
+    if let Some(other) = other.filter(|_| given.iter().any(|argument| is(argument, &["resume"]))) {
+        let words = format!("--resume takes all options from the session: leave out {other}");
+        command.error(clap::error::ErrorKind::ArgumentConflict, words).exit();
+    }
+    effective(command, matches)
+}
+
 /// Runs the program with the process' arguments.
 pub fn run() -> ExitCode {
-    let cli = Cli::parse();
+    let mut program = Cli::command();
+    let matches = program.get_matches_mut();
+    let cli = Cli::from_arg_matches(&matches).unwrap_or_else(|error| error.exit());
+    if cli.quiet {
+        message::be_quiet();
+    }
+    let given = || given(&mut program.clone(), &matches);
     let outcome = match cli.command {
-        Command::Babble(args) => babble::run(&args),
+        Command::Babble(args) => babble::run(&args, given()),
         Command::Learn(args) => learn::run(&args),
         Command::Evaluate(args) => evaluate::run(&args),
         Command::Observe(args) => observe::run(&args),

@@ -1,19 +1,40 @@
-//! Progress on standard error; silent where that is no terminal.
+//! Progress on standard error; silent where that is no terminal, and with `--quiet`.
+//!
+//! Colours are indicatif's, which leaves them out where `NO_COLOR` is set.
 
 use std::time::Duration;
 
-use indicatif::{ProgressBar, ProgressStyle};
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
-/// A bar that counts touches.
-pub fn touches(total: usize) -> ProgressBar {
-    let style = ProgressStyle::with_template("babbling {bar:32} {pos}/{len} touches  {per_sec}  {eta} left")
-        .expect("the template is right");
-    ProgressBar::new(total as u64).with_style(style)
+use super::message::quiet;
+
+/// How often a bar is drawn anew where nothing happens.
+const TICK: Duration = Duration::from_millis(100);
+
+fn bar(total: Option<u64>, template: &str) -> ProgressBar {
+    let target = if quiet() { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr() };
+    let style = ProgressStyle::with_template(template).expect("the templates are right");
+    let bar = ProgressBar::with_draw_target(total, target).with_style(style);
+    if !bar.is_hidden() {
+        bar.enable_steady_tick(TICK);
+    }
+    bar
 }
 
-/// A spinner beside a sentence.
+/// A bar that counts, with rate and time left.
+pub fn counted(doing: &str, total: u64, what: &str) -> ProgressBar {
+    let template = format!(
+        "{doing} {{bar:32.cyan/blue}} {{human_pos}}/{{human_len}} {what}  {{per_sec:.dim}}  {{eta}} left"
+    );
+    bar(Some(total), &template)
+}
+
+/// A bar of few long steps, each of which says what it is.
+pub fn steps(total: u64) -> ProgressBar {
+    bar(Some(total), "{bar:32.cyan/blue} {msg}  {elapsed:.dim}, {eta} left")
+}
+
+/// A spinner beside a sentence, for what cannot be counted.
 pub fn spinner(message: &str) -> ProgressBar {
-    let spinner = ProgressBar::new_spinner().with_message(message.to_string());
-    spinner.enable_steady_tick(Duration::from_millis(100));
-    spinner
+    bar(None, "{spinner:.cyan} {msg}  {elapsed:.dim}").with_message(message.to_string())
 }

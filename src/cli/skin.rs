@@ -72,7 +72,7 @@ pub fn run(args: &Args) -> Outcome {
                 0 => String::new(),
                 kept => format!(", {kept} touch sensors kept"),
             };
-            eprintln!("{} receptors written to {}{kept}", grown.receptors, path.display());
+            tell!("{} receptors written to {}{kept}", grown.receptors, path.display());
         }
     }
     Ok(())
@@ -89,7 +89,7 @@ pub fn skin_for(model: &Path, body: &Body) -> Result<Skin, Failure> {
         grow(body, &GrowOptions::default()).map_err(|error| format!("{}: {error}", model.display()))?;
     if !skin.receptors.is_empty() {
         let count = skin.receptors.len();
-        eprintln!("{} has no touch sensors: {count} receptors were grown on it in memory", model.display());
+        tell!("{} has no touch sensors: {count} receptors were grown on it in memory", model.display());
     }
     Ok(skin)
 }

@@ -56,9 +56,9 @@ pub fn run(args: &Args) -> Outcome {
     let mut conversation = Conversation::new(actor)?;
     let terminal = std::io::stdin().is_terminal();
     if terminal {
-        eprintln!("{} listens. An empty line or end of file ends the conversation.", session.creature.name());
+        tell!("{} listens. An empty line or end of file ends the conversation.", session.creature.name());
     }
-    for line in prompted(terminal) {
+    for line in prompted(terminal && !super::message::quiet()) {
         let line = line.map_err(|error| Failure(format!("standard input cannot be read: {error}")))?;
         let request = line.trim();
         if request.is_empty() && terminal {

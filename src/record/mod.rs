@@ -11,6 +11,7 @@ mod firing_log;
 mod known;
 mod learning_table;
 mod model_hash;
+mod progress;
 mod recording;
 mod schema;
 mod session;
@@ -24,6 +25,7 @@ pub use firing_log::{FiringWriter, read_firings};
 pub use known::read_known;
 pub use learning_table::LearningTable;
 pub use model_hash::model_hash;
+pub use progress::BabblingProgress;
 pub use recording::{CreatureFile, Recording, read_creature, read_recording};
 pub use schema::{read_schema, write_schema, write_schema_with_std};
 pub use session::{BabblingEffort, RecordingFiles, Session, SessionOptions};
@@ -34,6 +36,8 @@ pub use touch_writer::TouchWriter;
 pub const SESSION_FILE: &str = "session.json";
 /// The log of touches, in a session's folder.
 pub const TOUCHES_FILE: &str = "touches.jsonl";
+/// How far babbling has come, in a session's folder while it babbles.
+pub const PROGRESS_FILE: &str = "babbling.json";
 /// The log of firing receptors, in the folder of a session of strokes.
 pub const FIRINGS_FILE: &str = "firings.jsonl";
 /// What the touch sensor made of them, in the same folder: a sensation a line.
