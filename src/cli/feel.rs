@@ -10,7 +10,7 @@ use rand_chacha::ChaCha8Rng;
 
 use super::babble::session_folder;
 use super::open::{ModelOptions, open_body};
-use super::{Failure, Outcome};
+use super::{Failure, Outcome, progress};
 use crate::creature::JointSelection;
 use crate::interaction::{Script, Strokes, World, aura_event_json, event_json, stroke_for};
 use crate::record::{FiringWriter, PROGRAM, SENSATIONS_FILE, Session, SessionOptions, model_hash};
@@ -125,7 +125,9 @@ fn strokes(args: &Args, world: &mut World, minutes: f64) -> Outcome {
     let mut sensations = BufWriter::new(File::create(&path).map_err(unwritable)?);
     let (mut recorder, mut fired, mut sensed) = (FiringRecorder::default(), 0u64, 0u64);
     let mut rng = ChaCha8Rng::seed_from_u64(args.seed);
+    let bar = progress::counted("stroking", (60.0 * minutes).ceil() as u64, "simulated seconds");
     let room = stroke_for(world, 60.0 * minutes, &mut rng, |world, time, contacts, events| {
+        bar.set_position(time as u64);
         for firing in recorder.step(time, contacts) {
             firings.write(&firing)?;
             fired += 1;
@@ -136,6 +138,7 @@ fn strokes(args: &Args, world: &mut World, minutes: f64) -> Outcome {
         }
         Ok::<(), Failure>(())
     })?;
+    bar.finish_and_clear();
     for firing in recorder.rest() {
         firings.write(&firing)?;
         fired += 1;

@@ -4,7 +4,7 @@
 
 use std::time::Duration;
 
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressFinish, ProgressStyle};
 
 use super::message::quiet;
 
@@ -15,6 +15,8 @@ fn bar(total: Option<u64>, template: &str) -> ProgressBar {
     let target = if quiet() { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr() };
     let style = ProgressStyle::with_template(template).expect("the templates are right");
     let bar = ProgressBar::with_draw_target(total, target).with_style(style);
+    // A failure's sentence stands on a line of its own.
+    let bar = bar.with_finish(ProgressFinish::AndClear);
     if !bar.is_hidden() {
         bar.enable_steady_tick(TICK);
     }
@@ -23,10 +25,9 @@ fn bar(total: Option<u64>, template: &str) -> ProgressBar {
 
 /// A bar that counts, with rate and time left.
 pub fn counted(doing: &str, total: u64, what: &str) -> ProgressBar {
-    let template = format!(
-        "{doing} {{bar:32.cyan/blue}} {{human_pos}}/{{human_len}} {what}  {{per_sec:.dim}}  {{eta}} left"
-    );
-    bar(Some(total), &template)
+    let counts = "{msg} {bar:32.cyan/blue} {human_pos}/{human_len}";
+    bar(Some(total), &format!("{counts} {what}  {{per_sec:.dim}}  {{eta}} left"))
+        .with_message(doing.to_string())
 }
 
 /// A bar of few long steps, each of which says what it is.

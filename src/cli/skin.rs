@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use super::{Failure, Outcome, output};
+use super::{Failure, Outcome, output, progress};
 use crate::creature::Body;
 use crate::skin::{GrowOptions, PatchSize, Skin, grow, grow_skin, skin_of};
 
@@ -60,7 +60,9 @@ pub fn run(args: &Args) -> Outcome {
         (.., Some(area)) => PatchSize::Area(area * 1e-4),
         _ => PatchSize::OfCreature,
     };
+    let spinner = progress::spinner("growing a skin");
     let grown = grow_skin(&args.model, &GrowOptions { size, denser: args.denser.clone() })?;
+    spinner.finish_and_clear();
     match &args.output {
         None => output::line(format_args!("{}", grown.text(None)?.trim_end_matches('\n'))),
         Some(path) => {
