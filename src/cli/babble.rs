@@ -30,9 +30,9 @@ const KEPT_EVERY: Duration = Duration::from_secs(1);
 #[command(after_help = format!("Examples:
   bodyschema babble mjcf/max/max.xml
   bodyschema babble mjcf/max/max.xml --touches 500 --input contact --seed 7
-  bodyschema babble mjcf/max/max.xml --joints all --touches 5000 --jobs 4
-  bodyschema babble mjcf/max/max.xml --touches 250 --policy informative
-  bodyschema babble mjcf/max/max.xml --touches 300 --motion dynamic
+  bodyschema babble mjcf/max/max.xml --joints all --touches 5000 --jobs 4    # takes minutes
+  bodyschema babble mjcf/max/max.xml --touches 250 --policy informative      # takes minutes
+  bodyschema babble mjcf/max/max.xml --touches 300 --motion dynamic          # takes minutes
   bodyschema babble mjcf/max/max.xml --learner hersch --json
   bodyschema babble --resume sessions/max-1
   bodyschema babble mjcf/max/max.xml --touches 60 --known known.json\n\n{KNOWN_HELP}"))]

@@ -16,7 +16,7 @@ use crate::senses::{LearnedMap, learn_map};
 /// the receptors give: how many of its pairs were learned (recall), and how many of the learned pairs it has (precision).
 #[derive(clap::Args)]
 #[command(after_help = "Examples:
-  bodyschema feel mjcf/max/max.xml --strokes 20 --out sessions/stroked
+  bodyschema feel mjcf/max/max.xml --strokes 20 --out sessions/stroked     # takes minutes
   bodyschema map --from sessions/stroked
   bodyschema map --from sessions/stroked --out map.json --json")]
 pub struct Args {

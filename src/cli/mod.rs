@@ -15,6 +15,9 @@ macro_rules! tell {
 
 mod arguments;
 mod babble;
+mod completions;
+mod config;
+mod convert;
 mod disturbance_options;
 mod evaluate;
 mod export;
@@ -60,15 +63,20 @@ type Outcome = Result<(), Failure>;
     version,
     about = "A creature in MuJoCo learns where its joints are from nothing but touching itself",
     after_help = "Examples:
-  bodyschema babble mjcf/max/max.xml                     babble, learn, and measure
-  bodyschema babble mjcf/max/max.xml --joints all --touches 5000
-  bodyschema inspect mjcf/max/max.xml                    what the agent is given
-  bodyschema skin creature.xml --output with_skin.xml    grow a skin on another creature
-  bodyschema learn sessions/max --learner hersch         learn again from a session's touches
-  bodyschema learn --creature robot.json --log touches.csv   learn from a recording of a real body
-  bodyschema space sessions/max --picture space.svg      where its hands can get to
-  bodyschema export sessions/max --urdf                  the learned body for other programs
-  bodyschema study learners --trials 5                   compare the learners over five seeds"
+  bodyschema babble mjcf/max/max.xml                         # babble, learn, and measure
+  bodyschema inspect mjcf/max/max.xml                        # what the agent is given
+  bodyschema skin creature.xml --output with_skin.xml        # grow a skin on another creature
+  bodyschema learn sessions/max-1 --learner hersch           # learn again from a session's touches
+  bodyschema learn --creature robot.json --log touches.csv   # learn from a recording of a real body
+  bodyschema space sessions/max-1 --picture space.svg        # where its hands can get to
+  bodyschema export sessions/max-1 --urdf                    # the learned body for other programs
+  bodyschema study learners --trials 5                       # compare learners; takes minutes
+
+A file for --config:
+  quiet = true
+  [babble]
+  touches = 2000
+  joint-noise = 0.1"
 )]
 struct Cli {
     #[command(subcommand)]
@@ -76,6 +84,10 @@ struct Cli {
     /// No progress and no messages, but errors
     #[arg(short, long, global = true)]
     quiet: bool,
+    /// Options from a TOML file: a table per command, as in [babble], with keys as its long options; what the
+    /// command line says counts for more
+    #[arg(long, global = true, value_name = "FILE")]
+    config: Option<std::path::PathBuf>,
 }
 
 #[derive(Subcommand)]
@@ -92,6 +104,8 @@ enum Command {
     Space(space::Args),
     /// Write a session's learned body as MJCF or URDF
     Export(export::Args),
+    /// Write a session's touches as a table for other programs
+    Convert(convert::Args),
     /// Tell a model's tree, degrees of freedom, limbs and receptors
     Inspect(inspect::Args),
     /// Grow a skin of touch receptors on a model
@@ -104,8 +118,20 @@ enum Command {
     Map(map::Args),
     /// Repeat a measurement over several seeds: a table, its data and a plot
     Study(study::Args),
+    /// Print a script by which a shell completes the commands
+    Completions(completions::Args),
     #[command(hide = true)]
     Rehearse(open::RehearseArgs),
+}
+
+/// Whether a command line, the program's own name first, is right usage; nothing is carried out.
+///
+/// # Errors
+/// What is wrong with it, as a person would be told; the help counts as wrong.
+pub fn check_usage<S: Into<std::ffi::OsString> + Clone>(
+    line: impl IntoIterator<Item = S>,
+) -> Result<(), String> {
+    Cli::try_parse_from(line).map(drop).map_err(|error| error.to_string())
 }
 
 /// What may be given beside `--resume`, and itself.
@@ -127,33 +153,45 @@ fn given(program: &mut clap::Command, matches: &clap::ArgMatches) -> Arguments {
 
 /// Runs the program with the process' arguments.
 pub fn run() -> ExitCode {
-    let mut program = Cli::command();
-    let matches = program.get_matches_mut();
-    let cli = Cli::from_arg_matches(&matches).unwrap_or_else(|error| error.exit());
-    if cli.quiet {
-        message::be_quiet();
-    }
-    let given = || given(&mut program.clone(), &matches);
-    let outcome = match cli.command {
-        Command::Babble(args) => babble::run(&args, given()),
-        Command::Learn(args) => learn::run(&args),
-        Command::Evaluate(args) => evaluate::run(&args),
-        Command::Observe(args) => observe::run(&args),
-        Command::Space(args) => space::run(&args),
-        Command::Export(args) => export::run(&args),
-        Command::Inspect(args) => inspect::run(&args),
-        Command::Skin(args) => skin::run(&args),
-        Command::Feel(args) => feel::run(&args),
-        Command::Talk(args) => talk::run(&args),
-        Command::Map(args) => map::run(&args),
-        Command::Study(args) => study::run(&args),
-        Command::Rehearse(args) => open::run(&args),
-    };
-    match outcome {
+    match carry_out() {
         Ok(()) => ExitCode::SUCCESS,
         Err(Failure(sentence)) => {
             eprintln!("bodyschema: {sentence}");
             ExitCode::FAILURE
         }
+    }
+}
+
+fn carry_out() -> Outcome {
+    let mut program = Cli::command();
+    // Groups and global options are there only then.
+    program.build();
+    let line = config::CommandLine::new(&program, std::env::args_os().collect())?;
+    let parsed = program.try_get_matches_from_mut(&line.arguments);
+    let matches = match parsed {
+        Ok(matches) => matches,
+        Err(error) => return Err(line.blame(&error).unwrap_or_else(|| error.exit())),
+    };
+    let cli = Cli::from_arg_matches(&matches).unwrap_or_else(|error| error.exit());
+    if cli.quiet {
+        message::be_quiet();
+    }
+    let given = || given(&mut program.clone(), &matches);
+    match cli.command {
+        Command::Babble(args) => babble::run(&args, given()),
+        Command::Learn(args) => learn::run(&args, given()),
+        Command::Evaluate(args) => evaluate::run(&args),
+        Command::Observe(args) => observe::run(&args),
+        Command::Space(args) => space::run(&args),
+        Command::Export(args) => export::run(&args),
+        Command::Convert(args) => convert::run(&args),
+        Command::Inspect(args) => inspect::run(&args),
+        Command::Skin(args) => skin::run(&args),
+        Command::Feel(args) => feel::run(&args, given()),
+        Command::Talk(args) => talk::run(&args),
+        Command::Map(args) => map::run(&args),
+        Command::Study(args) => study::run(&args),
+        Command::Completions(args) => completions::run(&args, Cli::command()),
+        Command::Rehearse(args) => open::run(&args),
     }
 }

@@ -2,18 +2,27 @@
 //!
 //! Colours are indicatif's, which leaves them out where `NO_COLOR` is set.
 
+use std::fmt::Write;
 use std::time::Duration;
 
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressFinish, ProgressStyle};
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressFinish, ProgressState, ProgressStyle};
 
 use super::message::quiet;
 
 /// How often a bar is drawn anew where nothing happens.
 const TICK: Duration = Duration::from_millis(100);
 
+/// Steps a second, as exact as a person reads them.
+fn rate(state: &ProgressState, text: &mut dyn Write) {
+    let rate = state.per_sec();
+    // A rate that cannot be told is none to wait for.
+    let _ = if rate < 10.0 { write!(text, "{rate:.1}/s") } else { write!(text, "{rate:.0}/s") };
+}
+
 fn bar(total: Option<u64>, template: &str) -> ProgressBar {
     let target = if quiet() { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr() };
-    let style = ProgressStyle::with_template(template).expect("the templates are right");
+    let style =
+        ProgressStyle::with_template(template).expect("the templates are right").with_key("rate", rate);
     let bar = ProgressBar::with_draw_target(total, target).with_style(style);
     // A failure's sentence stands on a line of its own.
     let bar = bar.with_finish(ProgressFinish::AndClear);
@@ -25,9 +34,8 @@ fn bar(total: Option<u64>, template: &str) -> ProgressBar {
 
 /// A bar that counts, with rate and time left.
 pub fn counted(doing: &str, total: u64, what: &str) -> ProgressBar {
-    let counts = "{msg} {bar:32.cyan/blue} {human_pos}/{human_len}";
-    bar(Some(total), &format!("{counts} {what}  {{per_sec:.dim}}  {{eta}} left"))
-        .with_message(doing.to_string())
+    let counts = "{msg} {bar:24.cyan/blue} {human_pos}/{human_len}";
+    bar(Some(total), &format!("{counts} {what}  {{rate:.dim}}  {{eta}} left")).with_message(doing.to_string())
 }
 
 /// A bar of few long steps, each of which says what it is.

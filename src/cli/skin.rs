@@ -15,8 +15,8 @@ use crate::skin::{GrowOptions, PatchSize, Skin, grow, grow_skin, skin_of};
 /// 250 cover the creature, however large it is.
 #[derive(clap::Args)]
 #[command(after_help = "Examples:
-  bodyschema skin mjcf/max/body.xml --output mjcf/max/max.xml
-  bodyschema skin spider.xml --receptors 400 --denser left_foot=3 --output spider_with_skin.xml
+  bodyschema skin mjcf/max/body.xml --output max_with_skin.xml
+  bodyschema skin mjcf/hexapod/hexapod.xml --receptors 400 --denser left_front_tibia=3 --output hexapod_with_skin.xml
   bodyschema skin robot.xml --spacing 0.02 --output robot_with_skin.xml")]
 pub struct Args {
     /// The MJCF file of a creature

@@ -11,6 +11,8 @@ mod firing_log;
 mod known;
 mod learning_table;
 mod model_hash;
+#[cfg(feature = "parquet")]
+mod parquet;
 mod progress;
 mod recording;
 mod schema;
@@ -25,6 +27,8 @@ pub use firing_log::{FiringWriter, read_firings};
 pub use known::read_known;
 pub use learning_table::LearningTable;
 pub use model_hash::model_hash;
+#[cfg(feature = "parquet")]
+pub use parquet::write_parquet;
 pub use progress::BabblingProgress;
 pub use recording::{CreatureFile, Recording, read_creature, read_recording};
 pub use schema::{read_schema, write_schema, write_schema_with_std};
