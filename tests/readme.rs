@@ -7,7 +7,7 @@ use std::fs;
 use std::path::Path;
 
 use common::repository;
-use common::shell::{Line, copy_models, run};
+use common::shell::{Line, copy_models};
 
 /// The documents, in the order in which they are read; what one leaves is there for the next.
 const DOCUMENTS: [&str; 10] = [

@@ -1,5 +1,6 @@
 //! `bodyschema completions`: what a shell needs to complete its command lines.
 
+use clap::Command;
 use clap_complete::Shell;
 
 use super::Outcome;
@@ -18,9 +19,15 @@ pub struct Args {
     shell: Shell,
 }
 
-pub fn run(args: &Args, mut program: clap::Command) -> Outcome {
+pub fn run(args: &Args, program: &Command) -> Outcome {
+    // Some of the generators would name hidden commands, too.
+    let visible = program.get_subcommands().filter(|command| !command.is_hide_set()).cloned();
+    let mut visible = Command::new("bodyschema")
+        .version(env!("CARGO_PKG_VERSION"))
+        .args(program.get_arguments().cloned())
+        .subcommands(visible);
     let mut script = Vec::new();
-    clap_complete::generate(args.shell, &mut program, "bodyschema", &mut script);
+    clap_complete::generate(args.shell, &mut visible, "bodyschema", &mut script);
     say!("{}", String::from_utf8_lossy(&script).trim_end());
     Ok(())
 }

@@ -191,7 +191,7 @@ fn carry_out() -> Outcome {
         Command::Talk(args) => talk::run(&args),
         Command::Map(args) => map::run(&args),
         Command::Study(args) => study::run(&args),
-        Command::Completions(args) => completions::run(&args, Cli::command()),
+        Command::Completions(args) => completions::run(&args, &Cli::command()),
         Command::Rehearse(args) => open::run(&args),
     }
 }
