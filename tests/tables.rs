@@ -6,7 +6,6 @@
 mod common;
 
 use std::fs;
-use std::path::Path;
 use std::process::Command;
 
 use common::repository;
@@ -81,6 +80,8 @@ fn without_parquet_the_mend_is_told() {
 
 #[cfg(feature = "parquet")]
 mod parquet_file {
+    use std::path::Path;
+
     use bodyschema::record::{Session, TOUCHES_FILE, read_touches};
     use parquet::file::reader::{FileReader, SerializedFileReader};
     use parquet::record::{Field, Row};
