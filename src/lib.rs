@@ -22,6 +22,56 @@
 //!
 //! Metres, radians, seconds and newtons everywhere; millimetres and degrees only in what a person reads.
 //! MuJoCo's quaternions are w x y z, nalgebra's x y z w: they are converted at the boundary only.
+//! # From touches to acting
+//! Babble, learn, evaluate, act: Max touches himself, and then knows a posture that brings his hand to a point.
+//!
+//! ```
+//! use std::{convert::Infallible, path::Path, sync::Arc};
+//!
+//! use bodyschema::babbling::{Babbler, BabblingOptions};
+//! use bodyschema::creature::{Body, JointSelection};
+//! use bodyschema::evaluation::evaluate;
+//! use bodyschema::ground_truth::GroundTruth;
+//! use bodyschema::learning::{Input, Learner, SecondOrder};
+//! use bodyschema::mujoco::Model;
+//! use bodyschema::peripersonal::{OwnBody, ReachableMap};
+//! use bodyschema::skin::skin_of;
+//!
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! let model = Model::from_path(Path::new("mjcf/max/max.xml"))?;
+//! let body = Body::new(Arc::new(model), &JointSelection::Default)?;
+//! let skin = skin_of(&body);
+//!
+//! // Babble: the same seed gives the same touches.
+//! let mut touches = Vec::new();
+//! let options = BabblingOptions { touches: 400, seed: 1, jobs: 2 };
+//! Babbler::new::<Infallible>(&body, &skin)?.babble(&options, |touch| {
+//!     touches.push(touch.clone());
+//!     Ok::<(), Infallible>(())
+//! })?;
+//!
+//! // Learn, here from the points of contact.
+//! let mut learner = SecondOrder::new(&body.creature, &skin, Input::Contact, 1);
+//! touches.iter().for_each(|touch| learner.touch(touch));
+//! let learned = learner.learn();
+//! assert!(learned.verdict.converged());
+//!
+//! // Evaluate: only here does the truth come in.
+//! let truth = GroundTruth::new(&body)?;
+//! let evaluation = evaluate(&body.creature, &skin, &truth, &learned.schema, &learned.undetermined);
+//! assert!(evaluation.heldout_mm.mean < 1e-6);
+//!
+//! // Act: where the left hand gets to, in the chest's frame, and how it gets there.
+//! let own = OwnBody::new(&body.creature, &skin, learned.schema, &touches, Input::Contact);
+//! let hand = body.creature.limb("left_hand").ok_or("Max has a left hand")?;
+//! let map = ReachableMap::new(&own, hand, own.carrier_of(&[hand]), 0.08).map_err(|error| error.to_string())?;
+//! let (posture, miss) = map.reach(&[0.3, 0.2, 0.1].into());
+//! assert!(miss < 1e-3 && posture.len() == body.creature.coordinates());
+//! # Ok(())
+//! # }
+//! ```
+//!
+//! The same from the command line: [`cli`]; sessions on disk: [`record`].
 #![deny(unsafe_code)]
 #![warn(missing_docs)]
 

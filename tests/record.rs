@@ -448,6 +448,9 @@ fn session() -> Session {
             known: None,
             policy: Some("steered".into()),
             motion: Some("dynamic".into()),
+            arguments: [("touches", "40"), ("joint-noise", "0.1")]
+                .map(|(name, value)| (name.to_string(), vec![value.to_string()]))
+                .into(),
         },
         effort: Some(BabblingEffort::new(&effort, Duration::from_nanos(1_234_567_891))),
         creature: creature(),

@@ -394,8 +394,8 @@ fn deviations_are_weights() {
 
 #[test]
 fn the_example_of_the_documentation_is_read() {
-    let readme = fs::read_to_string(repository("README.md")).unwrap();
-    let section = readme.split("## From a robot's own recordings").nth(1).expect("the section is there");
+    let document = fs::read_to_string(repository("docs/recordings.md")).unwrap();
+    let section = document.split("## From a robot's own recordings").nth(1).expect("the section is there");
     let block = |language: &str| {
         let (_, rest) = section.split_once(&format!("```{language}\n")).expect("a block");
         rest.split_once("```").unwrap().0.to_string()

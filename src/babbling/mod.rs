@@ -3,6 +3,7 @@
 //! Work goes in bouts. Each starts from the same posture with its own random stream, so that a session's
 //! touches depend on its seed alone, not on how many threads share the bouts.
 
+mod bouts;
 mod clearance;
 mod dynamic;
 mod motion;
@@ -10,13 +11,13 @@ pub mod policy;
 mod posture;
 mod self_contact;
 
-use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::mpsc;
 
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
+pub use bouts::{BoutsDone, Made};
 pub use clearance::Clearance;
 pub use dynamic::DynamicMover;
 pub use motion::{DEEPEST, Effort, Ending, Motion, MotionName, Mover};
@@ -25,6 +26,7 @@ pub(crate) use posture::between;
 pub use posture::{random_posture, start_posture};
 pub use self_contact::{LimbPair, Relation, SelfContact};
 
+use crate::babbling::bouts::{Bout, gather};
 use crate::babbling::dynamic::Physics;
 use crate::babbling::policy::Random;
 use crate::creature::Body;
@@ -94,12 +96,6 @@ pub struct Babbler<'a> {
     start: Vec<f64>,
     /// What simulations share; none where motions are without forces.
     physics: Option<Physics>,
-}
-
-/// The touches and the effort of one bout.
-struct Bout {
-    touches: Vec<(Touch, Effort)>,
-    effort: Effort,
 }
 
 impl<'a> Babbler<'a> {
@@ -176,7 +172,25 @@ impl<'a> Babbler<'a> {
         options: &BabblingOptions,
         mut receive: impl FnMut(&Touch) -> Result<(), E>,
     ) -> Result<Effort, BabblingError<E>> {
-        let (next_bout, done) = (AtomicU64::new(0), AtomicBool::new(false));
+        self.babble_on(BoutsDone::default(), options, |made| match made {
+            Made::Touch(touch) => receive(touch),
+            Made::Bout(_) => Ok(()),
+        })
+    }
+
+    /// Goes on from where babbling was interrupted: like [`Babbler::babble`], but the bouts in `from` are not made
+    /// again. `receive` is also told of every bout that is done, so that it can be gone on from there. The touches are
+    /// those of a session that was never interrupted, from number `from.touches` on; the effort is that of all.
+    ///
+    /// # Errors
+    /// See [`BabblingError`]; touches handed on before stay handed on.
+    pub fn babble_on<E>(
+        &self,
+        from: BoutsDone,
+        options: &BabblingOptions,
+        mut receive: impl FnMut(Made) -> Result<(), E>,
+    ) -> Result<Effort, BabblingError<E>> {
+        let (next_bout, done) = (AtomicU64::new(from.bouts), AtomicBool::new(false));
         let jobs = options.jobs.max(1);
         // A bounded channel keeps the threads from running far ahead of the receiver.
         let (sender, receiver) = mpsc::sync_channel::<(u64, mujoco::Result<Bout>)>(2 * jobs);
@@ -199,7 +213,7 @@ impl<'a> Babbler<'a> {
                 });
             }
             drop(sender);
-            let result = gather(&receiver, options.touches, self.fruitless_bouts(), &mut receive);
+            let result = gather(&receiver, from, options.touches, self.fruitless_bouts(), &mut receive);
             done.store(true, Ordering::Relaxed);
             // Unblocks threads that wait to send.
             drop(receiver);
@@ -294,37 +308,4 @@ pub fn motions_until(touches: &[Touch]) -> Vec<u64> {
         motions.push(before + touch.motion);
     }
     motions
-}
-
-/// Puts the bouts back into order and hands their touches on.
-fn gather<E>(
-    bouts: &mpsc::Receiver<(u64, mujoco::Result<Bout>)>,
-    wanted: usize,
-    fruitless_bouts: u64,
-    receive: &mut impl FnMut(&Touch) -> Result<(), E>,
-) -> Result<Effort, BabblingError<E>> {
-    let mut waiting = BTreeMap::new();
-    let (mut turn, mut received) = (0, 0);
-    let mut effort = Effort::default();
-    while received < wanted {
-        let Ok((number, bout)) = bouts.recv() else { break };
-        waiting.insert(number, bout);
-        while let Some(bout) = waiting.remove(&turn) {
-            let bout = bout.map_err(BabblingError::Engine)?;
-            turn += 1;
-            for (touch, so_far) in &bout.touches {
-                receive(touch).map_err(BabblingError::Receiver)?;
-                received += 1;
-                if received == wanted {
-                    effort += *so_far;
-                    return Ok(effort);
-                }
-            }
-            effort += bout.effort;
-            if received == 0 && turn >= fruitless_bouts {
-                return Err(BabblingError::NoTouch { motions: effort.motions, bare: effort.bare });
-            }
-        }
-    }
-    Ok(effort)
 }

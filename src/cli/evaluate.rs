@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use serde_json::json;
 
 use super::learn_options::{print_evaluation, session_truth, warn_truncated};
-use super::{Outcome, output};
+use super::{Outcome, output, progress};
 use crate::evaluation::{evaluate, touch_misses};
 use crate::record::{SCHEMA_FILE, Session, TOUCHES_FILE, read_schema, read_touches};
 
@@ -39,8 +39,10 @@ pub fn run(args: &Args) -> Outcome {
         return Err(format!("{folder} is of a recording, which has no model to measure against: name one with --model, or use `bodyschema observe {folder}`").into());
     }
     let truth = session_truth(&session, args.model.as_deref())?;
+    let spinner = progress::spinner("measuring");
     let evaluation = evaluate(&session.creature, &session.skin, &truth, &schema, &[]);
     let misses = touch_misses(&session.creature, &session.skin, &schema, &log.touches);
+    spinner.finish_and_clear();
     if args.json {
         return output::json(&json!({
             "session": args.session,

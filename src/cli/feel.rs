@@ -8,9 +8,10 @@ use rand::SeedableRng;
 use rand::seq::IndexedRandom;
 use rand_chacha::ChaCha8Rng;
 
+use super::arguments::Arguments;
 use super::babble::session_folder;
 use super::open::{ModelOptions, open_body};
-use super::{Failure, Outcome};
+use super::{Failure, Outcome, progress};
 use crate::creature::JointSelection;
 use crate::interaction::{Script, Strokes, World, aura_event_json, event_json, stroke_for};
 use crate::record::{FiringWriter, Host, PROGRAM, SENSATIONS_FILE, Session, SessionOptions, model_hash};
@@ -39,7 +40,7 @@ const AFTER: f64 = 0.1;
 #[command(after_help = "Examples:
   bodyschema feel mjcf/max/max.xml
   bodyschema feel mjcf/max/max.xml --script touches.json
-  bodyschema feel mjcf/max/max.xml --strokes 20 --out sessions/stroked")]
+  bodyschema feel mjcf/max/max.xml --strokes 20 --out sessions/stroked     # takes minutes")]
 pub struct Args {
     /// The MJCF file of a creature
     model: PathBuf,
@@ -63,7 +64,7 @@ pub struct Args {
     root: Option<String>,
 }
 
-pub fn run(args: &Args) -> Outcome {
+pub fn run(args: &Args, given: Arguments) -> Outcome {
     let options = ModelOptions { strip: false, root: args.root.clone() };
     let body = open_body(&args.model, &JointSelection::All, &options)?;
     let script = args.script.as_deref().map(Script::read).transpose().map_err(Failure)?;
@@ -74,7 +75,7 @@ pub fn run(args: &Args) -> Outcome {
         return Err(Failure(format!("{}: nothing of this creature can be touched", args.model.display())));
     }
     if let Some(minutes) = args.strokes {
-        return strokes(args, &mut world, minutes);
+        return strokes(args, &mut world, minutes, given);
     }
     let mut aura = Aura::new(&world.body, &world.skin, &world.data);
     let Some(script) = script else { return at_random(args, &mut world, &mut aura) };
@@ -99,12 +100,16 @@ fn minutes(text: &str) -> Result<f64, String> {
 }
 
 /// Strokes the creature all over, and writes a session of what it feels.
-fn strokes(args: &Args, world: &mut World, minutes: f64) -> Outcome {
+fn strokes(args: &Args, world: &mut World, minutes: f64, arguments: Arguments) -> Outcome {
     let creature = world.body.creature.clone();
     let skin = world.skin.clone();
     let folder = session_folder(args.out.as_deref(), creature.name())?;
-    let options =
-        SessionOptions { joints: "all".to_string(), root: args.root.clone(), ..SessionOptions::default() };
+    let options = SessionOptions {
+        joints: "all".to_string(),
+        root: args.root.clone(),
+        arguments,
+        ..SessionOptions::default()
+    };
     Session {
         program: PROGRAM.to_string(),
         engine: world.body.model.version().to_string(),
@@ -127,7 +132,9 @@ fn strokes(args: &Args, world: &mut World, minutes: f64) -> Outcome {
     let mut sensations = BufWriter::new(File::create(&path).map_err(unwritable)?);
     let (mut recorder, mut fired, mut sensed) = (FiringRecorder::default(), 0u64, 0u64);
     let mut rng = ChaCha8Rng::seed_from_u64(args.seed);
+    let bar = progress::counted("stroking", (60.0 * minutes).ceil() as u64, "simulated seconds");
     let room = stroke_for(world, 60.0 * minutes, &mut rng, |world, time, contacts, events| {
+        bar.set_position(time as u64);
         for firing in recorder.step(time, contacts) {
             firings.write(&firing)?;
             fired += 1;
@@ -138,6 +145,7 @@ fn strokes(args: &Args, world: &mut World, minutes: f64) -> Outcome {
         }
         Ok::<(), Failure>(())
     })?;
+    bar.finish_and_clear();
     for firing in recorder.rest() {
         firings.write(&firing)?;
         fired += 1;

@@ -7,8 +7,8 @@ use serde_json::json;
 
 use super::Outcome;
 use super::open::{ModelOptions, body_of, open_model};
-use super::output;
 use super::skin::skin_for;
+use super::{output, progress};
 use crate::babbling::{LimbPair, Relation, SelfContact};
 use crate::creature::{Body, Creature, DofKind, JointSelection};
 use crate::mujoco::Equality;
@@ -30,12 +30,14 @@ pub struct Args {
 }
 
 pub fn run(args: &Args) -> Outcome {
+    let spinner = progress::spinner("looking at the model");
     let model = Arc::new(open_model(&args.model, args.open.strip)?);
     let open = |joints| body_of(model.clone(), &args.model, &joints, &args.open);
     let (body, learned) = (open(JointSelection::All)?, open(JointSelection::Default)?);
     let contact = SelfContact::new(&learned)?;
     let skin = skin_for(&args.model, &body)?;
     let map = SomatotopicMap::new(&skin);
+    spinner.finish_and_clear();
     let creature = &body.creature;
     let mut by_limb: Vec<(String, usize)> =
         creature.aura_limbs().iter().map(|a| (a.name.clone(), 0)).collect();

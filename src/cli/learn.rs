@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use super::arguments::Arguments;
 use super::babble::session_folder;
 use super::learn_options::{
     InputName, KNOWN_HELP, LearnOptions, learn_session, print_table, to_json, warn_truncated,
@@ -72,10 +73,10 @@ const RECORDING_HELP: &str = r#"Example of a recording: an elbow, and two touche
   coordinates, metres: a_std,b_std; without them noise is estimated. As JSON, a line a touch:
   {"posture": {"elbow_pitch": 0.75}, "limbs": ["base", "forearm"], "contacts": [[0.08, 0.01, 0.02], [0.21, 0.0, 0.01]]}"#;
 
-pub fn run(args: &Args) -> Outcome {
+pub fn run(args: &Args, given: Arguments) -> Outcome {
     let Learnable { folder, session, touches, learn } = match (&args.session, &args.creature, &args.log) {
         (Some(folder), ..) => from_session(args, folder)?,
-        (None, Some(creature), Some(log)) => from_recording(args, creature, log)?,
+        (None, Some(creature), Some(log)) => from_recording(args, creature, log, given)?,
         // The parser sees to it that there is one or the other.
         _ => return Err("give a session's folder, or --creature and --log".into()),
     };
@@ -108,11 +109,16 @@ fn from_session(args: &Args, folder: &Path) -> Result<Learnable, Failure> {
 }
 
 /// Makes a session of a recording.
-fn from_recording(args: &Args, creature: &Path, log: &Path) -> Result<Learnable, Failure> {
+fn from_recording(
+    args: &Args,
+    creature: &Path,
+    log: &Path,
+    arguments: Arguments,
+) -> Result<Learnable, Failure> {
     let described = read_creature(creature)?;
     let recording = read_recording(log, &described.creature, &described.skin)?;
     for note in &recording.notes {
-        eprintln!("bodyschema: {}: {note}", log.display());
+        tell!("{}: {note}", log.display());
     }
     let mut touches = recording.touches;
     touches.truncate(most(args));
@@ -139,6 +145,7 @@ fn from_recording(args: &Args, creature: &Path, log: &Path) -> Result<Learnable,
             input: Some(asked.input.unwrap_or(input).to_string()),
             learner: Some(asked.learner.to_string()),
             known: asked.known.as_ref().map(|path| path.display().to_string()),
+            arguments,
             ..SessionOptions::default()
         },
         effort: None,

@@ -363,9 +363,12 @@ pub fn learn_session(
     truth: Option<&GroundTruth>,
 ) -> Result<SessionLearning, Failure> {
     let (creature, skin) = (&session.creature, &session.skin);
-    let spinner = progress::spinner(&format!("learning from {} touches", touches.len()));
     // Whoever expects nothing of a touch has a row per checkpoint alone.
     let expects = options.learns_online();
+    let bar = match expects || options.learner == LearnerName::Hersch {
+        true => progress::counted("learning", touches.len() as u64, "touches"),
+        false => progress::spinner(&format!("learning from {} touches", touches.len())),
+    };
     let mut columns = vec!["touches", "predicted_gap_mm", "predicted_deviation_mm", "converged", "fresh_rms"];
     if truth.is_some() {
         columns.extend(["heldout_mean_mm", "heldout_p95_mm", "hand_mean_mm", "axis_median_deg"]);
@@ -391,6 +394,7 @@ pub fn learn_session(
         let last = n + 1 == touches.len();
         // Learning for a row of the table alone is not what learning takes.
         let learned = (last || (due && !expects)).then(|| learner.learn());
+        bar.inc(1);
         if last || !due || expects || options.learner == LearnerName::Hersch {
             seconds += began.elapsed().as_secs_f64();
         }
@@ -429,13 +433,13 @@ pub fn learn_session(
     }
     let (learned, evaluation) = result.ok_or("there is no touch to learn from: babble some first")?;
     let undisturbed_heldout_mm = truth.filter(|_| !disturbances.is_none()).map(|truth| {
-        spinner.set_message("learning without the disturbances, for comparison");
+        bar.set_message("learning without the disturbances, for comparison");
         let mut learner = options.learner(creature, skin, session.seed);
         touches.iter().for_each(|touch| learner.touch(touch));
         let learned = learner.learn();
         evaluate_learned(creature, skin, truth, &learned).heldout_mm
     });
-    spinner.finish_and_clear();
+    bar.finish_and_clear();
     let std = learned.schema_std(creature);
     write_schema_with_std(&folder.join(SCHEMA_FILE), creature, &learned.schema, std.as_ref())?;
     let model = crate::schema::to_mjcf(creature, skin, &learned.schema);
@@ -764,8 +768,8 @@ fn print_bound(bound: &Bound) {
 /// Says on standard error when a log ends in the middle of a line.
 pub fn warn_truncated(log: &TouchLog, folder: &Path) {
     if let Some(line) = log.truncated {
-        eprintln!(
-            "bodyschema: the log in {} ends in the middle of line {line}: that touch is left out, all before it are used",
+        tell!(
+            "the log in {} ends in the middle of line {line}: that touch is left out, all before it are used",
             folder.display()
         );
     }

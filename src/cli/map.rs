@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use serde_json::{Value, json};
 
-use super::{Failure, Outcome, output};
+use super::{Failure, Outcome, output, progress};
 use crate::evaluation::MapAgreement;
 use crate::record::{FIRINGS_FILE, Session, read_firings};
 use crate::senses::{LearnedMap, learn_map};
@@ -16,7 +16,7 @@ use crate::senses::{LearnedMap, learn_map};
 /// the receptors give: how many of its pairs were learned (recall), and how many of the learned pairs it has (precision).
 #[derive(clap::Args)]
 #[command(after_help = "Examples:
-  bodyschema feel mjcf/max/max.xml --strokes 20 --out sessions/stroked
+  bodyschema feel mjcf/max/max.xml --strokes 20 --out sessions/stroked     # takes minutes
   bodyschema map --from sessions/stroked
   bodyschema map --from sessions/stroked --out map.json --json")]
 pub struct Args {
@@ -43,9 +43,11 @@ pub fn run(args: &Args) -> Outcome {
     }
     let firings = read_firings(&log, creature.name(), skin)?;
     let limbs: Vec<usize> = skin.receptors.iter().map(|receptor| receptor.limb).collect();
+    let spinner = progress::spinner(&format!("learning from {} firings", firings.len()));
     let learned = learn_map(&limbs, &firings);
     let by_limb = MapAgreement::by_limb(&learned.map, skin, creature.limbs().len());
     let all = MapAgreement::of_all(&by_limb);
+    spinner.finish_and_clear();
     if let Some(path) = &args.out {
         write_map(path, &session, &learned)?;
     }

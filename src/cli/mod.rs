@@ -8,7 +8,16 @@ macro_rules! say {
     ($($text:tt)*) => { $crate::cli::output::line(format_args!($($text)*)) };
 }
 
+/// Tells a message on standard error; see [`message::line`].
+macro_rules! tell {
+    ($($text:tt)*) => { $crate::cli::message::line(format_args!($($text)*)) };
+}
+
+mod arguments;
 mod babble;
+mod completions;
+mod config;
+mod convert;
 mod disturbance_options;
 mod evaluate;
 mod export;
@@ -17,11 +26,13 @@ mod inspect;
 mod learn;
 mod learn_options;
 mod map;
+mod message;
 mod observe;
 mod open;
 mod output;
 mod progress;
 mod report;
+mod resume;
 mod skin;
 mod space;
 mod study;
@@ -31,7 +42,9 @@ mod touches;
 use std::fmt::Display;
 use std::process::ExitCode;
 
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
+
+use arguments::{Arguments, effective};
 
 /// What a command fails with: one sentence that names the file, the place and the mend.
 #[derive(Debug)]
@@ -51,19 +64,31 @@ type Outcome = Result<(), Failure>;
     version,
     about = "A creature in MuJoCo learns where its joints are from nothing but touching itself",
     after_help = "Examples:
-  bodyschema babble mjcf/max/max.xml                     babble, learn, and measure
-  bodyschema babble mjcf/max/max.xml --joints all --touches 5000
-  bodyschema inspect mjcf/max/max.xml                    what the agent is given
-  bodyschema skin creature.xml --output with_skin.xml    grow a skin on another creature
-  bodyschema learn sessions/max --learner hersch         learn again from a session's touches
-  bodyschema learn --creature robot.json --log touches.csv   learn from a recording of a real body
-  bodyschema space sessions/max --picture space.svg      where its hands can get to
-  bodyschema export sessions/max --urdf                  the learned body for other programs
-  bodyschema study learners --trials 5                   compare the learners over five seeds"
+  bodyschema babble mjcf/max/max.xml                         # babble, learn, and measure
+  bodyschema inspect mjcf/max/max.xml                        # what the agent is given
+  bodyschema skin creature.xml --output with_skin.xml        # grow a skin on another creature
+  bodyschema learn sessions/max-1 --learner hersch           # learn again from a session's touches
+  bodyschema learn --creature robot.json --log touches.csv   # learn from a recording of a real body
+  bodyschema space sessions/max-1 --picture space.svg        # where its hands can get to
+  bodyschema export sessions/max-1 --urdf                    # the learned body for other programs
+  bodyschema study learners --trials 5                       # compare learners; takes minutes
+
+A file for --config:
+  quiet = true
+  [babble]
+  touches = 2000
+  joint-noise = 0.1"
 )]
 struct Cli {
     #[command(subcommand)]
     command: Command,
+    /// No progress and no messages, but errors
+    #[arg(short, long, global = true)]
+    quiet: bool,
+    /// Options from a TOML file: a table per command, as in [babble], with keys as its long options; what the
+    /// command line says counts for more
+    #[arg(long, global = true, value_name = "FILE")]
+    config: Option<std::path::PathBuf>,
 }
 
 #[derive(Subcommand)]
@@ -82,6 +107,8 @@ enum Command {
     Space(space::Args),
     /// Write a session's learned body as MJCF or URDF
     Export(export::Args),
+    /// Write a session's touches as a table for other programs
+    Convert(convert::Args),
     /// Tell a model's tree, degrees of freedom, limbs and receptors
     Inspect(inspect::Args),
     /// Grow a skin of touch receptors on a model
@@ -94,34 +121,81 @@ enum Command {
     Map(map::Args),
     /// Repeat a measurement over several seeds: a table, its data and a plot
     Study(study::Args),
+    /// Print a script by which a shell completes the commands
+    Completions(completions::Args),
     #[command(hide = true)]
     Rehearse(open::RehearseArgs),
 }
 
+/// Whether a command line, the program's own name first, is right usage; nothing is carried out.
+///
+/// # Errors
+/// What is wrong with it, as a person would be told; the help counts as wrong.
+pub fn check_usage<S: Into<std::ffi::OsString> + Clone>(
+    line: impl IntoIterator<Item = S>,
+) -> Result<(), String> {
+    Cli::try_parse_from(line).map(drop).map_err(|error| error.to_string())
+}
+
+/// What may be given beside `--resume`, and itself.
+const BESIDE_RESUME: [&str; 5] = ["resume", "jobs", "json", "quiet", "config"];
+
+/// The options in effect of the command that is run. Ends the program where options are given beside `--resume`.
+fn given(program: &mut clap::Command, matches: &clap::ArgMatches) -> Arguments {
+    let Some((name, matches)) = matches.subcommand() else { return Arguments::default() };
+    let Some(command) = program.find_subcommand_mut(name) else { return Arguments::default() };
+    let given = arguments::given(command, matches);
+    let is = |argument: &clap::Arg, ids: &[&str]| ids.contains(&argument.get_id().as_str());
+    let other = given.iter().find(|argument| !is(argument, &BESIDE_RESUME)).map(ToString::to_string);
+    if let Some(other) = other.filter(|_| given.iter().any(|argument| is(argument, &["resume"]))) {
+        let words = format!("--resume takes all options from the session: leave out {other}");
+        command.error(clap::error::ErrorKind::ArgumentConflict, words).exit();
+    }
+    effective(command, matches)
+}
+
 /// Runs the program with the process' arguments.
 pub fn run() -> ExitCode {
-    let cli = Cli::parse();
-    let outcome = match cli.command {
-        Command::Babble(args) => babble::run(&args),
-        Command::Learn(args) => learn::run(&args),
-        Command::Evaluate(args) => evaluate::run(&args),
-        Command::Observe(args) => observe::run(&args),
-        Command::Report(args) => report::run(&args),
-        Command::Space(args) => space::run(&args),
-        Command::Export(args) => export::run(&args),
-        Command::Inspect(args) => inspect::run(&args),
-        Command::Skin(args) => skin::run(&args),
-        Command::Feel(args) => feel::run(&args),
-        Command::Talk(args) => talk::run(&args),
-        Command::Map(args) => map::run(&args),
-        Command::Study(args) => study::run(&args),
-        Command::Rehearse(args) => open::run(&args),
-    };
-    match outcome {
+    match carry_out() {
         Ok(()) => ExitCode::SUCCESS,
         Err(Failure(sentence)) => {
             eprintln!("bodyschema: {sentence}");
             ExitCode::FAILURE
         }
+    }
+}
+
+fn carry_out() -> Outcome {
+    let mut program = Cli::command();
+    // Groups and global options are there only then.
+    program.build();
+    let line = config::CommandLine::new(&program, std::env::args_os().collect())?;
+    let parsed = program.try_get_matches_from_mut(&line.arguments);
+    let matches = match parsed {
+        Ok(matches) => matches,
+        Err(error) => return Err(line.blame(&error).unwrap_or_else(|| error.exit())),
+    };
+    let cli = Cli::from_arg_matches(&matches).unwrap_or_else(|error| error.exit());
+    if cli.quiet {
+        message::be_quiet();
+    }
+    let given = || given(&mut program.clone(), &matches);
+    match cli.command {
+        Command::Babble(args) => babble::run(&args, given()),
+        Command::Learn(args) => learn::run(&args, given()),
+        Command::Evaluate(args) => evaluate::run(&args),
+        Command::Observe(args) => observe::run(&args),
+        Command::Report(args) => report::run(&args),
+        Command::Space(args) => space::run(&args),
+        Command::Export(args) => export::run(&args),
+        Command::Convert(args) => convert::run(&args),
+        Command::Inspect(args) => inspect::run(&args),
+        Command::Skin(args) => skin::run(&args),
+        Command::Feel(args) => feel::run(&args, given()),
+        Command::Talk(args) => talk::run(&args),
+        Command::Map(args) => map::run(&args),
+        Command::Study(args) => study::run(&args),
+        Command::Completions(args) => completions::run(&args, &Cli::command()),
+        Command::Rehearse(args) => open::run(&args),
     }
 }

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use serde_json::json;
 
 use super::learn_options::{InputName, LearnOptions, warn_truncated};
-use super::{Outcome, output};
+use super::{Outcome, output, progress};
 use crate::creature::DofKind;
 use crate::learning::{Input, Learner, LimbFrames, SecondOrder};
 use crate::record::{SCHEMA_FILE, Session, TOUCHES_FILE, read_schema, read_touches};
@@ -43,7 +43,9 @@ pub fn run(args: &Args) -> Outcome {
     let input = if points || own_frames { Input::Contact } else { Input::Receptor };
     let mut learner = SecondOrder::new(creature, skin, input, session.seed).with_frames(frames);
     log.touches.iter().for_each(|touch| learner.touch(touch));
+    let spinner = progress::spinner(&format!("looking at {} touches", log.touches.len()));
     let (found, deviation) = learner.observe(&schema);
+    spinner.finish_and_clear();
     let indices = found.indices();
     let undetermined = found.undetermined(creature, &schema);
     let millimetres = |joint: usize| found.position_std(joint).map(|metres| metres.map(|m| 1e3 * m));

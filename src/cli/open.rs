@@ -67,7 +67,7 @@ pub fn open_model(path: &Path, strip: bool) -> Result<Model, Failure> {
             1 => what.clone(),
             count => format!("{what} ({count} times)"),
         });
-        eprintln!("bodyschema: left out of {}: {}", path.display(), entries.collect::<Vec<_>>().join(", "));
+        tell!("left out of {}: {}", path.display(), entries.collect::<Vec<_>>().join(", "));
     }
     Ok(model)
 }

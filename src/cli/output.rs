@@ -39,9 +39,9 @@ pub fn command_line() -> Vec<String> {
     std::iter::once(env!("CARGO_PKG_NAME").to_string()).chain(words).collect()
 }
 
-/// Writes a file of results.
+/// Writes a file of results, whole or not at all.
 pub fn file(path: &Path, text: &str) -> Outcome {
-    std::fs::write(path, text).map_err(|error| {
+    crate::record::write_whole(path, text.as_bytes()).map_err(|error| {
         Failure(format!("cannot write {}: {error}: give another folder with --out", path.display()))
     })
 }

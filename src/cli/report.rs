@@ -58,7 +58,7 @@ pub(super) fn known_truth(session: &Session, model: Option<&Path>) -> Result<Opt
         Ok(truth) => Ok(Some(truth)),
         Err(error) if model.is_some() => Err(error),
         Err(Failure(sentence)) => {
-            eprintln!("bodyschema: not measured: {sentence}");
+            tell!("not measured: {sentence}");
             Ok(None)
         }
     }

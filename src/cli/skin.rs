@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use super::{Failure, Outcome, output};
+use super::{Failure, Outcome, output, progress};
 use crate::creature::Body;
 use crate::skin::{GrowOptions, PatchSize, Skin, grow, grow_skin, skin_of};
 
@@ -15,8 +15,8 @@ use crate::skin::{GrowOptions, PatchSize, Skin, grow, grow_skin, skin_of};
 /// 250 cover the creature, however large it is.
 #[derive(clap::Args)]
 #[command(after_help = "Examples:
-  bodyschema skin mjcf/max/body.xml --output mjcf/max/max.xml
-  bodyschema skin spider.xml --receptors 400 --denser left_foot=3 --output spider_with_skin.xml
+  bodyschema skin mjcf/max/body.xml --output max_with_skin.xml
+  bodyschema skin mjcf/hexapod/hexapod.xml --receptors 400 --denser left_front_tibia=3 --output hexapod_with_skin.xml
   bodyschema skin robot.xml --spacing 0.02 --output robot_with_skin.xml")]
 pub struct Args {
     /// The MJCF file of a creature
@@ -60,7 +60,9 @@ pub fn run(args: &Args) -> Outcome {
         (.., Some(area)) => PatchSize::Area(area * 1e-4),
         _ => PatchSize::OfCreature,
     };
+    let spinner = progress::spinner("growing a skin");
     let grown = grow_skin(&args.model, &GrowOptions { size, denser: args.denser.clone() })?;
+    spinner.finish_and_clear();
     match &args.output {
         None => output::line(format_args!("{}", grown.text(None)?.trim_end_matches('\n'))),
         Some(path) => {
@@ -72,7 +74,7 @@ pub fn run(args: &Args) -> Outcome {
                 0 => String::new(),
                 kept => format!(", {kept} touch sensors kept"),
             };
-            eprintln!("{} receptors written to {}{kept}", grown.receptors, path.display());
+            tell!("{} receptors written to {}{kept}", grown.receptors, path.display());
         }
     }
     Ok(())
@@ -89,7 +91,7 @@ pub fn skin_for(model: &Path, body: &Body) -> Result<Skin, Failure> {
         grow(body, &GrowOptions::default()).map_err(|error| format!("{}: {error}", model.display()))?;
     if !skin.receptors.is_empty() {
         let count = skin.receptors.len();
-        eprintln!("{} has no touch sensors: {count} receptors were grown on it in memory", model.display());
+        tell!("{} has no touch sensors: {count} receptors were grown on it in memory", model.display());
     }
     Ok(skin)
 }

@@ -4,7 +4,7 @@ use std::io::{BufRead, IsTerminal, Write};
 use std::path::PathBuf;
 
 use super::open::own_body;
-use super::{Failure, Outcome, output};
+use super::{Failure, Outcome, output, progress};
 use crate::creature::JointSelection;
 use crate::interaction::{Actor, Conversation, Scene};
 use crate::record::model_hash;
@@ -47,6 +47,7 @@ pub fn run(args: &Args) -> Outcome {
     let place = args.scene.display();
     // A file that is not there is told of as such, before anything is simulated.
     model_hash(&args.scene)?;
+    let spinner = progress::spinner("getting ready");
     let (session, own) = own_body(&args.schema)?;
     let selection: JointSelection = session.options.joints.parse().unwrap_or_default();
     let scene = Scene::new(&args.scene, &selection, session.options.root.as_deref(), &[]);
@@ -54,11 +55,12 @@ pub fn run(args: &Args) -> Outcome {
     let actor = Actor::new(own, scene, [first, second], args.seed);
     let actor = actor.map_err(|clause| Failure(format!("{place}: {clause}")))?;
     let mut conversation = Conversation::new(actor)?;
+    spinner.finish_and_clear();
     let terminal = std::io::stdin().is_terminal();
     if terminal {
-        eprintln!("{} listens. An empty line or end of file ends the conversation.", session.creature.name());
+        tell!("{} listens. An empty line or end of file ends the conversation.", session.creature.name());
     }
-    for line in prompted(terminal) {
+    for line in prompted(terminal && !super::message::quiet()) {
         let line = line.map_err(|error| Failure(format!("standard input cannot be read: {error}")))?;
         let request = line.trim();
         if request.is_empty() && terminal {

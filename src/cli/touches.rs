@@ -3,7 +3,9 @@
 use std::path::Path;
 
 use super::Failure;
-use crate::babbling::{Babbler, BabblingError, BabblingOptions, Effort, MotionName, PolicyName};
+use crate::babbling::{
+    Babbler, BabblingError, BabblingOptions, BoutsDone, Effort, Made, MotionName, PolicyName,
+};
 use crate::creature::Body;
 use crate::record::RecordError;
 use crate::senses::Touch;
@@ -34,15 +36,38 @@ pub fn babbler<'a>(
     babbler.moved(motion).map_err(|error| failure(model, BabblingError::Engine(error)))
 }
 
-/// Babbles and hands on every touch; errors name the file of the `model`.
+/// Babbles and hands on every touch, from where the bouts in `from` end; errors name the file of the `model`.
+///
+/// Policies other than random have no bouts, and begin at the beginning.
 pub fn make_touches(
     model: &Path,
     babbler: &Babbler,
     policy: PolicyName,
+    from: BoutsDone,
     options: &BabblingOptions,
-    receive: impl FnMut(&Touch) -> Result<(), RecordError>,
+    mut receive: impl FnMut(Made) -> Result<(), RecordError>,
 ) -> Result<Effort, Failure> {
-    babbler.babble_by(policy, options, receive).map_err(|error| failure(model, error))
+    let effort = match policy {
+        PolicyName::Random => babbler.babble_on(from, options, receive),
+        _ => babbler.babble_by(policy, options, |touch| receive(Made::Touch(touch))),
+    };
+    effort.map_err(|error| failure(model, error))
+}
+
+/// The touches alone, from the first on.
+pub fn all_touches(
+    model: &Path,
+    babbler: &Babbler,
+    policy: PolicyName,
+    options: &BabblingOptions,
+    mut receive: impl FnMut(&Touch),
+) -> Result<Effort, Failure> {
+    make_touches(model, babbler, policy, BoutsDone::default(), options, |made| {
+        if let Made::Touch(touch) = made {
+            receive(touch);
+        }
+        Ok(())
+    })
 }
 
 fn failure(model: &Path, error: BabblingError<RecordError>) -> Failure {

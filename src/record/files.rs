@@ -31,7 +31,7 @@ pub(super) fn write_json(path: &Path, value: &impl Serialize) -> Result<(), Reco
 }
 
 /// Writes a new file beside `path` and puts it in its place, so that no reader sees a part of it.
-fn write_whole(path: &Path, bytes: &[u8]) -> io::Result<()> {
+pub(crate) fn write_whole(path: &Path, bytes: &[u8]) -> io::Result<()> {
     // What is no file, such as a pipe, is never replaced.
     if fs::metadata(path).is_ok_and(|about| !about.is_file() && !about.is_dir()) {
         return fs::write(path, bytes);

@@ -13,6 +13,9 @@ mod known;
 mod learning_record;
 mod learning_table;
 mod model_hash;
+#[cfg(feature = "parquet")]
+mod parquet;
+mod progress;
 mod recording;
 mod schema;
 mod session;
@@ -23,12 +26,16 @@ mod touch_reader;
 mod touch_writer;
 
 pub use error::{Action, RecordError};
+pub(crate) use files::write_whole;
 pub use firing_log::{FiringWriter, read_firings};
 pub use host::Host;
 pub use known::read_known;
 pub use learning_record::{Checkpoint, LearningRecord};
 pub use learning_table::{LearningTable, Prediction, read_predictions};
 pub use model_hash::model_hash;
+#[cfg(feature = "parquet")]
+pub use parquet::write_parquet;
+pub use progress::BabblingProgress;
 pub use recording::{CreatureFile, Recording, read_creature, read_recording};
 pub use schema::{read_schema, read_schema_with_std, write_schema, write_schema_with_std};
 pub use session::{BabblingEffort, RecordingFiles, Session, SessionOptions};
@@ -40,6 +47,8 @@ pub use touch_writer::TouchWriter;
 pub const SESSION_FILE: &str = "session.json";
 /// The log of touches, in a session's folder.
 pub const TOUCHES_FILE: &str = "touches.jsonl";
+/// How far babbling has come, in a session's folder while it babbles.
+pub const PROGRESS_FILE: &str = "babbling.json";
 /// The log of firing receptors, in the folder of a session of strokes.
 pub const FIRINGS_FILE: &str = "firings.jsonl";
 /// What the touch sensor made of them, in the same folder: a sensation a line.

@@ -1,6 +1,6 @@
 //! How a session came about: everything needed to repeat it or to read its touches.
 
-use std::collections::HashSet;
+use std::collections::{BTreeMap, HashSet};
 use std::path::Path;
 use std::time::Duration;
 
@@ -89,6 +89,10 @@ pub struct SessionOptions {
     /// How the body was moved; none where it was without forces.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub motion: Option<String>,
+    /// All options that were in effect when the session was begun, by their names on the command line, defaults
+    /// and those of a configuration file included; empty in sessions of versions that did not write them.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub arguments: BTreeMap<String, Vec<String>>,
 }
 
 /// What babbling cost: [`Effort`], and its time.
@@ -123,6 +127,19 @@ impl BabblingEffort {
             again: effort.again,
             babbling_s: babbling.as_secs_f64(),
             simulated_s: Some(effort.simulated_s).filter(|simulated| *simulated > 0.0),
+        }
+    }
+
+    /// The effort without its time; how often gaps were looked at is not kept.
+    pub fn effort(&self) -> Effort {
+        Effort {
+            motions: self.motions,
+            engine_checks: self.engine_checks,
+            gap_checks: 0,
+            bare: self.bare,
+            neighbours: self.neighbours,
+            again: self.again,
+            simulated_s: self.simulated_s.unwrap_or_default(),
         }
     }
 }

@@ -1,7 +1,7 @@
 //! Writing the log of touches while they are made.
 
-use std::fs::File;
-use std::io::Write;
+use std::fs::{File, OpenOptions, TryLockError};
+use std::io::{BufRead, BufReader, Write};
 use std::path::{Path, PathBuf};
 
 use super::touch_line::{Header, Line, STAMP, UNITS, check, limb_name};
@@ -14,7 +14,8 @@ use crate::skin::Skin;
 ///
 /// Every touch is handed to the system in one piece as soon as it is written: where the process is
 /// killed, at most the last line is incomplete, and [`read_touches`](super::read_touches) leaves that
-/// one out. After a [`RecordError::Io`] the writer is of no more use.
+/// one out, and [`TouchWriter::resume`] goes on in the middle of it. While a writer lives it holds the system's lock on
+/// the file, so that no second one writes to it. After an error the writer is of no more use.
 #[derive(Debug)]
 pub struct TouchWriter<'a> {
     path: PathBuf,
@@ -24,6 +25,8 @@ pub struct TouchWriter<'a> {
     /// Lines written, the header included.
     lines: usize,
     buffer: Vec<u8>,
+    /// What an interrupted writer left, from the next line on; none where the next line is to be written.
+    left: Option<BufReader<File>>,
 }
 
 impl<'a> TouchWriter<'a> {
@@ -39,22 +42,67 @@ impl<'a> TouchWriter<'a> {
         files::make_folder(folder)?;
         let path = folder.join(TOUCHES_FILE);
         let file = File::create(&path).map_err(RecordError::io(&path, Action::Write))?;
-        let mut writer = TouchWriter { path, file, creature, skin, lines: 0, buffer: Vec::new() };
-        let header = Header {
-            creature: creature.name().into(),
-            coordinates: creature.coordinates(),
-            units: UNITS.into(),
-        };
-        writer.write_line(&STAMP.on(&header))?;
+        // Where there are no locks, nobody else can be kept away.
+        let _ = file.try_lock();
+        let mut writer = TouchWriter { path, file, creature, skin, lines: 0, buffer: Vec::new(), left: None };
+        writer.write_header()?;
         Ok(writer)
+    }
+
+    /// Goes on with the log that an interrupted writer left in `folder`, if any. What is there stays: the touches that
+    /// are written to it must be the same once more, from the first one on or after [`TouchWriter::skip`], and an
+    /// incomplete last line is completed. Only what comes after is added.
+    ///
+    /// # Errors
+    /// [`RecordError::Io`] where the log cannot be read and written. [`RecordError::Format`] where another process is
+    /// writing it, or where it is not of this creature.
+    pub fn resume(
+        folder: &Path,
+        creature: &'a Creature,
+        skin: &'a Skin,
+    ) -> Result<TouchWriter<'a>, RecordError> {
+        let path = folder.join(TOUCHES_FILE);
+        let opened = OpenOptions::new().append(true).create(true).open(&path);
+        let file = opened.map_err(RecordError::io(&path, Action::Write))?;
+        if let Err(TryLockError::WouldBlock) = file.try_lock() {
+            return Err(RecordError::format(
+                &path,
+                None,
+                "another process is writing it: wait for its end, or end it",
+            ));
+        }
+        let left = File::open(&path).map_err(RecordError::io(&path, Action::Read))?;
+        let left = Some(BufReader::new(left));
+        let mut writer = TouchWriter { path, file, creature, skin, lines: 0, buffer: Vec::new(), left };
+        writer.write_header()?;
+        Ok(writer)
+    }
+
+    /// Passes over touches that an interrupted writer left, at most `touches`, without looking at them; how many whole
+    /// ones there were.
+    ///
+    /// # Errors
+    /// [`RecordError::Io`] where the log cannot be read.
+    pub fn skip(&mut self, touches: usize) -> Result<usize, RecordError> {
+        for skipped in 0..touches {
+            match self.next_left()? {
+                Some(line) if line.ends_with(b"\n") => self.lines += 1,
+                Some(_) => {
+                    let message = "it is no whole line: delete it";
+                    return Err(RecordError::format(&self.path, Some(self.lines + 1), message));
+                }
+                None => return Ok(skipped),
+            }
+        }
+        Ok(touches)
     }
 
     /// Adds a touch.
     ///
     /// # Errors
     /// [`RecordError::Io`] where writing fails, [`RecordError::Format`] for a touch that could not be
-    /// read again: of another creature or skin, or with numbers that are not finite. Such a touch is
-    /// not written.
+    /// read again: of another creature or skin, or with numbers that are not finite; and for one that is not
+    /// what an interrupted writer left here. Such a touch is not written.
     pub fn write(&mut self, touch: &Touch) -> Result<(), RecordError> {
         let refuse = |message| RecordError::format(&self.path, Some(self.lines + 1), message);
         check(touch, self.creature, self.skin).map_err(refuse)?;
@@ -80,8 +128,14 @@ impl<'a> TouchWriter<'a> {
     /// Ends the log and waits until it is on the disk.
     ///
     /// # Errors
-    /// [`RecordError::Io`] where the system cannot store it.
-    pub fn finish(self) -> Result<(), RecordError> {
+    /// [`RecordError::Io`] where the system cannot store it, [`RecordError::Format`] where an interrupted writer left
+    /// more than was written now.
+    pub fn finish(mut self) -> Result<(), RecordError> {
+        if self.next_left()?.is_some() {
+            let message =
+                "there are more touches than the session is of: delete this line and those after it";
+            return Err(RecordError::format(&self.path, Some(self.lines + 1), message));
+        }
         match self.file.sync_all() {
             // What is no file, such as a pipe, has nothing to wait for.
             Err(error) if error.kind() == std::io::ErrorKind::InvalidInput => Ok(()),
@@ -89,12 +143,47 @@ impl<'a> TouchWriter<'a> {
         }
     }
 
+    fn write_header(&mut self) -> Result<(), RecordError> {
+        self.write_line(&STAMP.on(&Header {
+            creature: self.creature.name().into(),
+            coordinates: self.creature.coordinates(),
+            units: UNITS.into(),
+        }))
+    }
+
+    /// The next line that an interrupted writer left.
+    fn next_left(&mut self) -> Result<Option<Vec<u8>>, RecordError> {
+        let Some(left) = &mut self.left else { return Ok(None) };
+        let mut line = Vec::new();
+        left.read_until(b'\n', &mut line).map_err(RecordError::io(&self.path, Action::Read))?;
+        if line.is_empty() {
+            self.left = None;
+            return Ok(None);
+        }
+        Ok(Some(line))
+    }
+
     fn write_line(&mut self, content: &impl serde::Serialize) -> Result<(), RecordError> {
         self.buffer.clear();
         serde_json::to_writer(&mut self.buffer, content)
             .map_err(|error| RecordError::io(&self.path, Action::Write)(error.into()))?;
         self.buffer.push(b'\n');
-        self.file.write_all(&self.buffer).map_err(RecordError::io(&self.path, Action::Write))?;
+        // A line without its end is the last one, and the beginning of this one.
+        let there = self.next_left()?.unwrap_or_default();
+        if !there.ends_with(b"\n") {
+            self.left = None;
+        }
+        if !self.buffer.starts_with(&there) {
+            return Err(RecordError::format(
+                &self.path,
+                Some(self.lines + 1),
+                "it is not what is babbled here: it was changed, or made by another version of bodyschema; \
+                 babble anew into another folder with --out",
+            ));
+        }
+        self.file
+            .write_all(&self.buffer[there.len()..])
+            .map_err(RecordError::io(&self.path, Action::Write))?;
         self.lines += 1;
         Ok(())
     }

@@ -10,7 +10,7 @@ use std::time::Instant;
 use nalgebra::Vector3;
 use serde_json::{Value, json};
 
-use super::{Failure, Outcome, output};
+use super::{Failure, Outcome, output, progress};
 use crate::evaluation::is_hand;
 use crate::learning::Input;
 use crate::peripersonal::{Level, OwnBody, ReachableMap};
@@ -133,12 +133,16 @@ pub fn run(args: &Args) -> Outcome {
     let chest = own.carrier_of(&hands);
     let began = Instant::now();
     let mut maps = Vec::with_capacity(hands.len());
+    let bar = progress::steps(hands.len() as u64);
     for &hand in &hands {
+        bar.set_message(format!("where the {} gets to", own.creature.limbs()[hand].replace('_', " ")));
         maps.push(
             ReachableMap::new(&own, hand, chest, args.voxel)
                 .map_err(|error| Failure(format!("{}: {error}", args.session.display())))?,
         );
+        bar.inc(1);
     }
+    bar.finish_and_clear();
     let seconds = began.elapsed().as_secs_f64();
     slices::record(&own, &maps).write(&args.session)?;
     if let Some(path) = &args.vtk {

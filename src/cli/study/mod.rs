@@ -147,8 +147,8 @@ fn studies_help() -> String {
     let studies: Vec<String> =
         STUDIES.iter().map(|study| format!("  {:<14}{}", study.name, study.about)).collect();
     format!(
-        "Studies:\n{}\n\nExamples:\n  bodyschema study learners --trials 5\n  \
-         bodyschema study disturbances creature.xml --touches 500 --seed 7 --json",
+        "Studies:\n{}\n\nExamples:\n  bodyschema study learners --trials 5                                # takes minutes\n  \
+         bodyschema study disturbances creature.xml --touches 500 --seed 7 --json  # takes minutes",
         studies.join("\n")
     )
 }

@@ -9,7 +9,7 @@ use indicatif::ProgressBar;
 use super::super::learn_options::LearnOptions;
 use super::super::open::{ModelOptions, body_of, open_body, own_body};
 use super::super::skin::skin_for;
-use super::super::touches::{babbler, make_touches};
+use super::super::touches::{all_touches, babbler};
 use super::super::{Failure, progress};
 use crate::babbling::{BabblingOptions, MotionName, PolicyName, motions_until};
 use crate::creature::{Body, JointSelection};
@@ -80,6 +80,7 @@ impl Subject {
         babbler(model, &body, &skin, MotionName::default())?;
         let model = model.to_path_buf();
         let joints = joints.clone();
+        let trials = seeds.len() as u64;
         Ok(Subject {
             body,
             skin,
@@ -90,7 +91,7 @@ impl Subject {
             model,
             joints,
             jobs,
-            progress: progress::spinner(""),
+            progress: progress::steps(trials),
         })
     }
 
@@ -127,10 +128,7 @@ impl Subject {
         let options = BabblingOptions { touches, seed, jobs: self.jobs };
         let mut made = Vec::with_capacity(touches);
         let babbler = babbler(&self.model, body, skin, MotionName::default())?;
-        make_touches(&self.model, &babbler, PolicyName::Random, &options, |touch| {
-            made.push(touch.clone());
-            Ok(())
-        })?;
+        all_touches(&self.model, &babbler, PolicyName::Random, &options, |touch| made.push(touch.clone()))?;
         Ok(made)
     }
 
@@ -141,10 +139,9 @@ impl Subject {
         let (mut touches, mut seconds) = (Vec::new(), Vec::new());
         let babbler = babbler(&self.model, &self.body, &self.skin, MotionName::default())?;
         let began = Instant::now();
-        make_touches(&self.model, &babbler, policy, &options, |touch| {
+        all_touches(&self.model, &babbler, policy, &options, |touch| {
             touches.push(touch.clone());
             seconds.push(began.elapsed().as_secs_f64());
-            Ok(())
         })?;
         let motions = motions_until(&touches);
         Ok(Babbled { touches, motions, seconds })
@@ -205,6 +202,7 @@ impl Subject {
     /// Says on standard error what a trial is at.
     pub fn tell(&self, seed: u64, what: &str) {
         let trial = self.seeds.iter().position(|&other| other == seed).map_or(0, |k| k + 1);
+        self.progress.set_position(trial.saturating_sub(1) as u64);
         self.progress.set_message(format!("trial {trial} of {}: {what}", self.seeds.len()));
     }
 

@@ -1,0 +1,33 @@
+//! `bodyschema completions`: what a shell needs to complete its command lines.
+
+use clap::Command;
+use clap_complete::Shell;
+
+use super::Outcome;
+
+/// Print a script by which a shell completes bodyschema's commands, options and values.
+#[derive(clap::Args)]
+#[command(after_help = "Examples:
+  bodyschema completions bash > bodyschema.bash
+  bodyschema completions zsh > _bodyschema
+  bodyschema completions fish > bodyschema.fish
+
+Where it goes: bash ~/.local/share/bash-completion/completions/bodyschema, zsh a folder of $fpath,
+fish ~/.config/fish/completions/bodyschema.fish.")]
+pub struct Args {
+    /// The shell
+    shell: Shell,
+}
+
+pub fn run(args: &Args, program: &Command) -> Outcome {
+    // Some of the generators would name hidden commands, too.
+    let visible = program.get_subcommands().filter(|command| !command.is_hide_set()).cloned();
+    let mut visible = Command::new("bodyschema")
+        .version(env!("CARGO_PKG_VERSION"))
+        .args(program.get_arguments().cloned())
+        .subcommands(visible);
+    let mut script = Vec::new();
+    clap_complete::generate(args.shell, &mut visible, "bodyschema", &mut script);
+    say!("{}", String::from_utf8_lossy(&script).trim_end());
+    Ok(())
+}

@@ -1,0 +1,58 @@
+//! How far babbling has come, for a session that is interrupted.
+
+use std::path::Path;
+use std::time::Duration;
+
+use serde::{Deserialize, Serialize};
+
+use super::stamp::Stamp;
+use super::{BabblingEffort, PROGRESS_FILE, RecordError, files};
+use crate::babbling::BoutsDone;
+
+const STAMP: Stamp = Stamp { format: "bodyschema babbling", version: 1 };
+
+/// The bouts that are done, and what they cost. In a session's folder as long as it babbles.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct BabblingProgress {
+    /// Bouts done.
+    pub bouts: u64,
+    /// Touches made in them.
+    pub touches: usize,
+    /// What they cost.
+    pub effort: BabblingEffort,
+}
+
+impl BabblingProgress {
+    /// The progress of bouts that took `babbling` in all.
+    pub fn new(done: &BoutsDone, babbling: Duration) -> BabblingProgress {
+        let effort = BabblingEffort::new(&done.effort, babbling);
+        BabblingProgress { bouts: done.bouts, touches: done.touches, effort }
+    }
+
+    /// The bouts done; how often gaps were looked at is not kept.
+    pub fn done(&self) -> BoutsDone {
+        BoutsDone { bouts: self.bouts, touches: self.touches, effort: self.effort.effort() }
+    }
+
+    /// Writes [`PROGRESS_FILE`] into `folder`, whole or not at all.
+    ///
+    /// # Errors
+    /// [`RecordError::Io`] where the file cannot be written.
+    pub fn write(&self, folder: &Path) -> Result<(), RecordError> {
+        files::write_json(&folder.join(PROGRESS_FILE), &STAMP.on(self))
+    }
+
+    /// Reads [`PROGRESS_FILE`] of `folder`; none where there is none that can be used.
+    pub fn read(folder: &Path) -> Option<BabblingProgress> {
+        let path = folder.join(PROGRESS_FILE);
+        let json = files::read(&path).ok()?;
+        STAMP.check(&path, None, &json).ok()?;
+        serde_json::from_slice(&json).ok()
+    }
+
+    /// Removes [`PROGRESS_FILE`] from `folder`, where babbling is done.
+    pub fn remove(folder: &Path) {
+        // Left behind, it does no harm.
+        let _ = std::fs::remove_file(folder.join(PROGRESS_FILE));
+    }
+}
