@@ -72,7 +72,7 @@ struct Heard {
     complaints: Vec<String>,
 }
 
-/// Opens a page and waits until its pictures are drawn.
+/// Opens a page and waits until the pictures that it begins with are drawn.
 fn open(browser: &Browser, page: &Path) -> (Arc<Tab>, Heard) {
     let tab = browser.new_tab().unwrap();
     tab.set_default_timeout(PATIENCE);
@@ -164,6 +164,8 @@ fn every_picture_is_drawn_and_nothing_is_fetched() {
         let script = format!(
             r##"await (async () => {{
                 const place = document.getElementById("{picture}");
+                place.scrollIntoView();
+                while (place.dataset.drawn === undefined) await new Promise((done) => setTimeout(done, 20));
                 const size = (t) => Math.max(...["x", "y", "z"].map((k) => (t[k] ? t[k].length : 0)));
                 return [place.data.map(size), place.querySelectorAll("svg.main-svg").length,
                         place.scrollWidth <= place.clientWidth];

@@ -10,6 +10,7 @@ mod mesh;
 mod picture;
 mod reachable;
 mod residuals;
+mod still;
 mod tables;
 pub(crate) mod text;
 mod touch_matrix;
