@@ -173,7 +173,8 @@ fn every_picture_is_drawn_and_nothing_is_fetched() {
         );
         let found = evaluate(&tab, &script);
         let points: Vec<u64> = found[0].as_array().unwrap().iter().map(|n| n.as_u64().unwrap()).collect();
-        assert!(points.iter().sum::<u64>() >= 10, "{picture}: {points:?}");
+        // A hundred touches are learned from at two checkpoints.
+        assert!(points.iter().sum::<u64>() >= 4, "{picture}: {points:?}");
         assert!(found[1].as_u64().unwrap() >= 1, "{picture} is not drawn");
         assert_eq!(found[2], Value::Bool(true), "{picture} is wider than its place");
         let (share, colours) = pixels(&tab, picture);

@@ -32,7 +32,8 @@ pub(super) fn still(pieces: &[Piece], over: &Over, eye: &Vector3<f64>) -> String
     let right = Vector3::z().cross(&eye).normalize();
     let up = eye.cross(&right);
     // Millimetres, downwards as SVG has it.
-    let place = |p: &Vector3<f64>| [(p.dot(&right) * 1e3).round(), (-p.dot(&up) * 1e3).round()];
+    // Adding nothing makes a zero of what is a negative one.
+    let place = |p: &Vector3<f64>| [p.dot(&right), -p.dot(&up)].map(|metres| (metres * 1e3).round() + 0.0);
     let light = (eye + right * 0.25 + up * 0.6).normalize();
     let mut seen: Vec<(f64, &Piece, f64)> = pieces
         .iter()
