@@ -6,10 +6,10 @@ mod common;
 
 use std::ffi::OsStr;
 use std::path::Path;
-use std::process::Command;
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
+use common::program::succeeds;
 use common::repository;
 use headless_chrome::browser::default_executable;
 use headless_chrome::protocol::cdp::types::Event;
@@ -55,12 +55,6 @@ fn browser() -> Option<Browser> {
         .build()
         .unwrap();
     Some(Browser::new(options).unwrap())
-}
-
-fn bodyschema(place: &Path, arguments: &[&str]) {
-    let output =
-        Command::new(env!("CARGO_BIN_EXE_bodyschema")).args(arguments).current_dir(place).output().unwrap();
-    assert!(output.status.success(), "{arguments:?}: {}", String::from_utf8_lossy(&output.stderr));
 }
 
 /// What a page said while it was opened.
@@ -149,9 +143,9 @@ fn every_picture_is_drawn_and_nothing_is_fetched() {
     let place = tempfile::tempdir().unwrap();
     let model = repository("mjcf/max/max.xml");
     let model = model.to_str().unwrap();
-    bodyschema(place.path(), &["babble", model, "--touches", "100", "--input", "contact", "--out", "max"]);
-    bodyschema(place.path(), &["space", "max", "--voxel", "0.08"]);
-    bodyschema(place.path(), &["report", "max"]);
+    succeeds(place.path(), &["babble", model, "--touches", "100", "--input", "contact", "--out", "max"]);
+    succeeds(place.path(), &["space", "max", "--voxel", "0.08"]);
+    succeeds(place.path(), &["report", "max"]);
     let page = place.path().join("max/report.html");
     let bytes = std::fs::metadata(&page).unwrap().len();
     assert!(bytes <= MOST_BYTES, "{bytes} bytes");
@@ -240,10 +234,10 @@ fn a_recording_has_a_page_without_the_truth() {
     let model = model.to_str().unwrap();
     let babble =
         ["babble", model, "--touches", "60", "--input", "contact", "--learner", "hersch", "--out", "made"];
-    bodyschema(place.path(), &babble);
+    succeeds(place.path(), &babble);
     let learn =
         ["learn", "--creature", "made/session.json", "--log", "made/touches.jsonl", "--out", "recorded"];
-    bodyschema(place.path(), &learn);
+    succeeds(place.path(), &learn);
     let (tab, heard) = open(&browser, &place.path().join("recorded/report.html"));
     assert_eq!((heard.requests, heard.complaints), Default::default());
     let names = evaluate(&tab, r#"document.getElementById("body").data.map((trace) => trace.name || "")"#);
