@@ -136,6 +136,23 @@ impl Clearance {
         moved
     }
 
+    /// The same without the obstacles that a point is on, within `near` metres, and those.
+    pub fn but_at(&self, point: &Vector3<f64>, near: f64) -> (Clearance, Vec<Obstacle>) {
+        let mut others = self.clone();
+        others.eased.clear();
+        let (at, obstacles) = others.obstacles.into_iter().partition(|obstacle| match obstacle {
+            Obstacle::Capsule { ends, radius } => {
+                let [p, q] = closest_points(&[*point, *point], ends);
+                (p - q).norm() - radius <= near
+            }
+            Obstacle::Table { up, height, front, edge } => {
+                point.dot(front) >= *edge && point.dot(up) - height <= near
+            }
+        });
+        others.obstacles = obstacles;
+        (others, at)
+    }
+
     /// The same where some poses are taken for harmless, by their limbs' frames: what is nearer there than `margin` need
     /// not be farther apart elsewhere.
     pub fn eased_at(&self, poses: &[Vec<Frame>], margin: f64) -> Clearance {
