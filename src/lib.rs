@@ -86,6 +86,7 @@ pub mod learning;
 mod mjcf_xml;
 pub mod mujoco;
 pub mod peripersonal;
+pub mod picture;
 pub mod record;
 pub mod schema;
 pub mod senses;

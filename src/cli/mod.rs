@@ -31,6 +31,7 @@ mod observe;
 mod open;
 mod output;
 mod progress;
+mod render;
 mod report;
 mod resume;
 mod skin;
@@ -103,6 +104,8 @@ enum Command {
     Observe(observe::Args),
     /// Write a session's report anew: one page to look at
     Report(report::Args),
+    /// Draw a posture of a model, or a session's touches and learning, as a picture or a film
+    Render(render::Args),
     /// Tell where a creature's hands can get to, by the schema of a session
     Space(space::Args),
     /// Write a session's learned body as MJCF or URDF
@@ -186,6 +189,7 @@ fn carry_out() -> Outcome {
         Command::Evaluate(args) => evaluate::run(&args),
         Command::Observe(args) => observe::run(&args),
         Command::Report(args) => report::run(&args),
+        Command::Render(args) => render::run(&args),
         Command::Space(args) => space::run(&args),
         Command::Export(args) => export::run(&args),
         Command::Convert(args) => convert::run(&args),
