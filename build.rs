@@ -21,7 +21,7 @@ const FUNCTIONS: &str = "mj_(version|versionString|loadXML|printSchema|saveLastX
 |mjr_(defaultContext|makeContext|freeContext|setBuffer|render|readPixels)";
 /// Enumerations of which constants are compared with plain integers of the model.
 const TYPES: &str = "mjModel_?|mjData_?|mjContact_?|mjVFS_?\
-|mjt(Joint|Geom|Obj|Sensor|Warning|Collision|DisableBit|Integrator|Eq|Camera|CatBit|RndFlag|VisFlag|Framebuffer)_?";
+|mjt(Joint|Geom|Obj|Sensor|Warning|Collision|DisableBit|Integrator|Eq|Camera|Texture|CatBit|RndFlag|VisFlag|Framebuffer)_?";
 const VARIABLES: &str = "mju_user_(error|warning)|mjVERSION_HEADER|mjMAXVAL|mjNEQDATA";
 
 /// How every complaint about MuJoCo itself ends.

@@ -3,7 +3,7 @@
 mod posture;
 mod session;
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::Arc;
 
 use nalgebra::Point3;
@@ -209,7 +209,7 @@ fn model(args: &Args, film: bool) -> Result<(Subject, Plan), Failure> {
         body.write_qpos(&posture, &mut qpos);
     }
     let subject = Subject { place, model, body, alone: false };
-    Ok((subject, Plan::still(Shot { qpos, marks: Vec::new() }, false)))
+    Ok((subject, Plan::still(Shot { qpos, marks: Vec::new(), lit: Vec::new() }, false)))
 }
 
 /// The camera that is asked for, or one that holds all that is shown.

@@ -84,24 +84,6 @@ impl OffscreenContext {
         }
         Err(Error::OpenGl { reason: "its context cannot be used in this thread".into() })
     }
-
-    /// The colour that pictures of this context begin with: red, green and blue, 0 to 1. MuJoCo has no word for it.
-    pub fn set_clear_colour(&mut self, colour: [f32; 3]) {
-        type ClearColour = unsafe extern "C" fn(f32, f32, f32, f32);
-        let function = match &self.handle {
-            // SAFETY: the name ends in a zero byte.
-            ContextHandle::Egl { egl, .. } => unsafe { (egl.function)(c"glClearColor".as_ptr()) },
-            // SAFETY: as above.
-            ContextHandle::OsMesa { osmesa, .. } => unsafe { (osmesa.function)(c"glClearColor".as_ptr()) },
-        };
-        if let Some(function) = function {
-            // SAFETY: OpenGL's glClearColor takes four floats and returns nothing; the context is current.
-            unsafe {
-                let clear_colour = std::mem::transmute::<Function, ClearColour>(function);
-                clear_colour(colour[0], colour[1], colour[2], 1.0);
-            }
-        }
-    }
 }
 
 impl Drop for OffscreenContext {
@@ -304,7 +286,6 @@ struct OsMesa {
     create_context: unsafe extern "C" fn(c_uint, c_int, c_int, c_int, Handle) -> Handle,
     make_current: unsafe extern "C" fn(Handle, Handle, c_uint, c_int, c_int) -> u8,
     destroy_context: unsafe extern "C" fn(Handle),
-    function: unsafe extern "C" fn(*const c_char) -> Option<Function>,
 }
 
 impl OsMesa {
@@ -316,7 +297,6 @@ impl OsMesa {
                 create_context: symbol(&library, c"OSMesaCreateContextExt")?,
                 make_current: symbol(&library, c"OSMesaMakeCurrent")?,
                 destroy_context: symbol(&library, c"OSMesaDestroyContext")?,
-                function: symbol(&library, c"OSMesaGetProcAddress")?,
             }
         };
         // The functions stay good for as long as the process lives.

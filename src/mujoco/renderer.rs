@@ -81,7 +81,6 @@ impl Mark {
     /// A rod with round ends.
     pub fn capsule(ends: [Point3<f64>; 2], radius: f64, rgba: [f32; 4]) -> Mark {
         let along = ends[1] - ends[0];
-        let half_turn = || UnitQuaternion::from_axis_angle(&Vector3::x_axis(), std::f64::consts::PI);
         let rotation = UnitQuaternion::rotation_between(&Vector3::z(), &along).unwrap_or_else(half_turn);
         let middle = nalgebra::center(&ends[0], &ends[1]);
         let pose = Isometry3::from_parts(Translation3::from(middle.coords), rotation);
@@ -96,8 +95,8 @@ pub struct View<'a> {
     pub camera: Camera,
     /// What is drawn besides the model.
     pub marks: &'a [Mark],
-    /// What is behind everything in models without a sky: red, green and blue, 0 to 1.
-    pub background: [f32; 3],
+    /// Whether white is behind everything even where the model has a sky.
+    pub plain: bool,
     /// The colour and opacity of geoms that are not to look as the model has it.
     pub repaint: &'a dyn Fn(usize) -> Option<[f32; 4]>,
 }
@@ -186,7 +185,6 @@ impl Renderer {
         self.data.set_qpos(qpos)?;
         self.data.place()?;
         self.context.make_current()?;
-        self.context.set_clear_colour(view.background);
         self.scene.update(&mut self.data, &self.option, view)?;
         let viewport =
             ffi::mjrRect { left: 0, bottom: 0, width: self.width as i32, height: self.height as i32 };
@@ -299,8 +297,10 @@ impl Scene {
                 geom.rgba = rgba;
             }
         }
-        assert!(view.marks.len() <= MOST_MARKS && filled + view.marks.len() <= room, "too many marks");
-        for (k, mark) in view.marks.iter().enumerate() {
+        assert!(view.marks.len() <= MOST_MARKS && filled + view.marks.len() < room, "too many marks");
+        let wall = (view.plain || !model.has_sky()).then(|| wall(&scene.camera[0]));
+        let count = wall.iter().len() + view.marks.len();
+        for (k, mark) in wall.iter().chain(view.marks).enumerate() {
             let kind = mark.kind.to_raw().expect("a mark of a shape that stands alone");
             let rotation = mark.pose.rotation.to_rotation_matrix();
             let rows: Rotation3<f64> = rotation.transpose();
@@ -317,9 +317,12 @@ impl Scene {
                     mark.rgba.as_ptr(),
                 );
                 (*geom).emission = mark.emission;
+                if mark.emission >= 1.0 {
+                    (*geom).specular = 0.0;
+                }
             }
         }
-        scene.ngeom = (filled + view.marks.len()) as i32;
+        scene.ngeom = (filled + count) as i32;
         Ok(())
     }
 }
@@ -329,6 +332,24 @@ impl Drop for Scene {
         // SAFETY: made or set to its defaults by the engine, and freed once.
         unsafe { ffi::mjv_freeScene(&raw mut *self.0) }
     }
+}
+
+/// A white wall that fills all that a camera sees, behind everything: MuJoCo paints black where a model has no sky.
+fn wall(camera: &ffi::mjvGLCamera) -> Mark {
+    const NEARER_THAN_FAR: f32 = 0.9;
+    let far = f64::from(NEARER_THAN_FAR * camera.frustum_far);
+    let [ahead, eye] = [camera.forward, camera.pos].map(|v| Vector3::from(v).cast::<f64>());
+    // Wide enough for any lens and picture.
+    let size = [4.0 * far, 4.0 * far, 1e-3 * far];
+    let rotation = UnitQuaternion::rotation_between(&Vector3::z(), &ahead).unwrap_or_else(half_turn);
+    let pose = Isometry3::from_parts(Translation3::from(eye + ahead * far), rotation);
+    // With any light on it, it is as white as can be.
+    Mark { kind: GeomKind::Box, size, pose, rgba: [1.0; 4], emission: 1.0 }
+}
+
+/// The rotation that turns z upside down.
+fn half_turn() -> UnitQuaternion<f64> {
+    UnitQuaternion::from_axis_angle(&Vector3::x_axis(), std::f64::consts::PI)
 }
 
 /// A camera as the engine has it.

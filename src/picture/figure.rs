@@ -6,19 +6,24 @@ use crate::creature::Creature;
 use crate::kinematics::{Frame, limb_frames};
 use crate::mujoco::{GeomKind, Mark};
 use crate::schema::BodySchema;
-use crate::skin::{Shape, Skin};
+use crate::skin::{Receptor, Shape, Skin};
 
 /// The learned body's skin, …
-const SKIN: [f32; 4] = [0.96, 0.55, 0.16, 0.55];
+const SKIN: [f32; 4] = [0.98, 0.55, 0.12, 0.34];
 /// … its joints, and what lies between them.
 const JOINT: [f32; 4] = [0.12, 0.28, 0.6, 1.0];
 const BONE: [f32; 4] = [0.2, 0.36, 0.66, 1.0];
-/// The two places that touch.
-const TOUCHING: [[f32; 4]; 2] = [[1.0, 0.1, 0.1, 1.0], [1.0, 0.75, 0.0, 1.0]];
-/// Radii by the size of a body: of a joint, of what lies between joints, and of a place that is touched.
+/// The two receptors that touch, the point where they do, and the glow about it: without any blue.
+const FIRING: [f32; 4] = [1.0, 0.45, 0.0, 1.0];
+const POINT: [f32; 4] = [0.95, 0.0, 0.0, 1.0];
+const GLOW: [f32; 4] = [1.0, 0.25, 0.0, 0.3];
+/// Radii by the size of a body: of a joint, of what lies between joints, of a point that is touched and of its glow,
+/// and how thick a receptor is.
 const JOINT_RADIUS: f64 = 0.011;
 const BONE_RADIUS: f64 = 0.0045;
-const TOUCHING_RADIUS: f64 = 0.022;
+const POINT_RADIUS: f64 = 0.012;
+const GLOW_RADIUS: f64 = 0.03;
+const THICKNESS: f64 = 0.003;
 
 /// A rigid frame as nalgebra has it; what is no rotation for rounding is made one.
 fn pose(rotation: &Matrix3<f64>, origin: &Vector3<f64>) -> Isometry3<f64> {
@@ -76,16 +81,34 @@ pub fn learned_body(
     marks
 }
 
-/// The two places of a touch in the world, as bright as `strength` of 0 to 1; `size` is the body's, metres.
-pub fn touching_places(places: [Point3<f64>; 2], strength: f64, size: f64) -> Vec<Mark> {
+/// A touch in the world, as bright as `strength` of 0 to 1: the two receptors with `X_WL` of their limbs, and the point.
+/// `size` is the body's, metres.
+pub fn lit_touch(
+    receptors: [(&Receptor, Isometry3<f64>); 2],
+    point: &Point3<f64>,
+    strength: f64,
+    size: f64,
+) -> Vec<Mark> {
     if strength <= 0.0 {
         return Vec::new();
     }
-    let mark = |(place, colour): (&Point3<f64>, [f32; 4])| {
-        let radius = TOUCHING_RADIUS * size * (0.4 + 0.6 * strength);
-        Mark { emission: 0.7 * strength as f32, ..Mark::sphere(place, radius, colour) }
+    let shining = |mark: Mark, opacity: f32| Mark {
+        rgba: [mark.rgba[0], mark.rgba[1], mark.rgba[2], opacity * strength as f32],
+        emission: 1.0,
+        ..mark
     };
-    places.iter().zip(TOUCHING).map(mark).collect()
+    let patch = |(receptor, limb): &(&Receptor, Isometry3<f64>)| {
+        let axes = Matrix3::from_columns(&[receptor.tangent, receptor.bitangent(), receptor.normal]);
+        let [a, b] = receptor.half_extents;
+        let pose = limb * pose(&axes, &receptor.position);
+        let size = [a, b, THICKNESS * size];
+        shining(Mark { kind: GeomKind::Box, size, pose, rgba: FIRING, emission: 1.0 }, FIRING[3])
+    };
+    let mut marks: Vec<Mark> = receptors.iter().map(patch).collect();
+    for (radius, colour) in [(POINT_RADIUS, POINT), (GLOW_RADIUS, GLOW)] {
+        marks.push(shining(Mark::sphere(point, radius * size * (0.5 + 0.5 * strength), colour), colour[3]));
+    }
+    marks
 }
 
 /// Marks on their way from some to as many others, at 0 to 1 of it.

@@ -1,6 +1,6 @@
 //! Pictures and films of bodies: what MuJoCo's renderer is to draw, from where, and into which file.
 //!
-//! A [`Shot`] is what one picture shows; [`frame`] finds a camera that holds it all; [`learned_body`] and [`touching_places`] are marks of what is
+//! A [`Shot`] is what one picture shows; [`frame`] finds a camera that holds it all; [`learned_body`] and [`lit_touch`] are marks of what is
 //! no part of a model, as a learned body and the places of a touch; [`png`] and [`Film`] are what files hold.
 
 mod figure;
@@ -10,15 +10,15 @@ mod still;
 
 use crate::mujoco::{self, Camera, Image, Mark, Renderer, View};
 
-pub use figure::{between, learned_body, touching_places};
+pub use figure::{between, learned_body, lit_touch};
 pub use film::{Film, FilmError, is_film};
 pub use framing::{Direction, corners_of, extent, frame, outline};
 pub use still::png;
 
-/// What is behind a body in models without a sky.
-const BACKGROUND: [f32; 3] = [0.93, 0.94, 0.95];
 /// A body that another is drawn over.
 const SHADE: [f32; 4] = [0.45, 0.5, 0.55, 0.16];
+/// How strongly what is lit shines through what hides it.
+const THROUGH: f32 = 0.55;
 
 /// What one picture shows.
 #[derive(Clone, Debug, PartialEq)]
@@ -27,6 +27,8 @@ pub struct Shot {
     pub qpos: Vec<f64>,
     /// What is drawn besides.
     pub marks: Vec<Mark>,
+    /// What is drawn besides and shines through whatever is before it: marks without any blue.
+    pub lit: Vec<Mark>,
 }
 
 /// Draws a shot. Geoms that are `shaded` are drawn as a mere shade.
@@ -40,6 +42,21 @@ pub fn draw(
     shaded: &dyn Fn(usize) -> bool,
 ) -> mujoco::Result<Image> {
     let repaint = |geom: usize| shaded(geom).then_some(SHADE);
-    let view = View { camera, marks: &shot.marks, background: BACKGROUND, repaint: &repaint };
-    renderer.render(&shot.qpos, &view)
+    let marks = [&shot.marks[..], &shot.lit].concat();
+    let mut image =
+        renderer.render(&shot.qpos, &View { camera, marks: &marks, plain: false, repaint: &repaint })?;
+    if shot.lit.is_empty() {
+        return Ok(image);
+    }
+    let vanished = |_: usize| Some([0.0; 4]);
+    let lit =
+        renderer.render(&shot.qpos, &View { camera, marks: &shot.lit, plain: true, repaint: &vanished })?;
+    for (pixel, lit) in image.rgb.chunks_exact_mut(3).zip(lit.rgb.chunks_exact(3)) {
+        // What is lit has no blue, and all else is white.
+        let share = THROUGH * (1.0 - f32::from(lit[2]) / 255.0);
+        for (seen, lit) in pixel.iter_mut().zip(lit) {
+            *seen = (f32::from(*seen) * (1.0 - share) + f32::from(*lit) * share).round() as u8;
+        }
+    }
+    Ok(image)
 }

@@ -13,7 +13,7 @@ use crate::babbling::start_posture;
 use crate::creature::{Body, Creature, DofKind, JointSelection};
 use crate::kinematics::ball;
 use crate::mujoco::{Mark, Model};
-use crate::picture::{Shot, between, extent, learned_body, outline, touching_places};
+use crate::picture::{Shot, between, extent, learned_body, outline, lit_touch};
 use crate::record::{LearningRecord, SCHEMA_FILE, Session, TOUCHES_FILE, read_schema, read_touches};
 use crate::schema::{BodySchema, to_mjcf};
 use crate::senses::Touch;
@@ -111,24 +111,27 @@ impl Drawn<'_> {
         Ok(self.body.limb_pose(&self.body.reference_data()?, 0).unwrap_or_default())
     }
 
-    /// Where the two places of a touch are in the world when the body is in some posture.
-    fn places(&self, touch: &Touch, posture: &[f64]) -> Result<[Point3<f64>; 2], Failure> {
+    /// The places of a touch, lit, when the body is in some posture.
+    fn lit(&self, touch: &Touch, strength: f64, posture: &[f64]) -> Result<Vec<Mark>, Failure> {
         let mut data = self.body.reference_data()?;
         data.set_qpos(&self.qpos(posture))?;
         data.kinematics()?;
-        let place = |end: &crate::senses::TouchEnd| {
-            let limb = self.skin.receptors[end.receptor].limb;
-            self.body.limb_pose(&data, limb).unwrap_or_default() * Point3::from(end.contact)
+        let receptor = |end: usize| {
+            let receptor = &self.skin.receptors[touch.ends[end].receptor];
+            (receptor, self.body.limb_pose(&data, receptor.limb).unwrap_or_default())
         };
-        Ok([place(&touch.ends[0]), place(&touch.ends[1])])
+        let receptors = [receptor(0), receptor(1)];
+        // Unless the body is on its way the two points are one.
+        let [a, b] = [0, 1].map(|end| receptors[end].1 * Point3::from(touch.ends[end].contact));
+        Ok(lit_touch(receptors, &nalgebra::center(&a, &b), strength, self.size))
     }
 
     fn shot(&self, posture: &[f64], lit: &[(&Touch, f64)]) -> Result<Shot, Failure> {
-        let mut marks = self.learned(posture)?;
+        let mut marks = Vec::new();
         for (touch, strength) in lit.iter().filter(|(_, strength)| *strength > 0.0) {
-            marks.extend(touching_places(self.places(touch, posture)?, *strength, self.size));
+            marks.extend(self.lit(touch, *strength, posture)?);
         }
-        Ok(Shot { qpos: self.qpos(posture), marks })
+        Ok(Shot { qpos: self.qpos(posture), marks: self.learned(posture)?, lit: marks })
     }
 
     fn still(&self, session: &Session) -> Result<Plan, Failure> {
@@ -216,14 +219,14 @@ impl Drawn<'_> {
         let (mut shots, mut held) = (Vec::new(), Vec::new());
         let mut stay = |shots: &mut Vec<Shot>, marks: &Vec<Mark>, count: usize| {
             held.push(shots.len());
-            shots.extend(std::iter::repeat_n(Shot { qpos: qpos.clone(), marks: marks.clone() }, count));
+            shots.extend(std::iter::repeat_n(Shot { qpos: qpos.clone(), marks: marks.clone(), lit: Vec::new() }, count));
         };
         stay(&mut shots, &figures[0], self.frames(ONSET));
         for pair in figures.windows(2) {
             let count = self.frames(STEP);
             for k in 0..count {
                 let share = eased(k as f64 / count as f64);
-                shots.push(Shot { qpos: qpos.clone(), marks: between(&pair[0], &pair[1], share) });
+                shots.push(Shot { qpos: qpos.clone(), marks: between(&pair[0], &pair[1], share), lit: Vec::new() });
             }
             stay(&mut shots, &pair[1], 1);
         }
