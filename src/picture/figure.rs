@@ -67,7 +67,7 @@ pub fn learned_body(
             }
             Shape::Mesh => continue,
         };
-        marks.push(Mark { kind, size, pose: root * pose(&rotation, &origin) * within, rgba: SKIN, emission: 0.1 });
+        marks.push(Mark { kind, size, pose: root * pose(&rotation, &origin) * within, rgba: SKIN, emission: 0.3 });
     }
     let joints = creature.joints().iter().zip(&schema.positions);
     let begins: Vec<Point3<f64>> = std::iter::once(frames[0].origin)

@@ -25,10 +25,13 @@ const MOTION: f64 = 0.9;
 const PAUSE: f64 = 0.6;
 /// The part of a motion in which the places of a touch light up, and the last ones go out.
 const LIGHTING: f64 = 0.2;
-/// Seconds for which the onset is looked at, from one checkpoint to the next, and for the end.
-const ONSET: f64 = 0.8;
-const STEP: f64 = 0.7;
+/// Seconds for which the onset is looked at and the end, …
+const ONSET: f64 = 1.0;
 const END: f64 = 1.5;
+/// … and from one checkpoint to the next: as long where little moves, and by so much longer where as much as the body
+/// is large.
+const STEP: f64 = 0.2;
+const LONGER: f64 = 3.0;
 
 /// A range of touches from the command line.
 pub fn touch_range(text: &str) -> Result<[usize; 2], String> {
@@ -223,7 +226,11 @@ impl Drawn<'_> {
         };
         stay(&mut shots, &figures[0], self.frames(ONSET));
         for pair in figures.windows(2) {
-            let count = self.frames(STEP);
+            let way = |(from, to): (&Mark, &Mark)| {
+                (from.pose.translation.vector - to.pose.translation.vector).norm() / self.size
+            };
+            let moved = pair[0].iter().zip(&pair[1]).map(way).fold(0.0, f64::max).min(1.0);
+            let count = self.frames(STEP + LONGER * moved.sqrt());
             for k in 0..count {
                 let share = eased(k as f64 / count as f64);
                 shots.push(Shot { qpos: qpos.clone(), marks: between(&pair[0], &pair[1], share), lit: Vec::new() });
