@@ -12,7 +12,7 @@ use super::open::{ModelOptions, body_of, open_model};
 use super::{Failure, Outcome, progress};
 use crate::babbling::start_posture;
 use crate::creature::{Body, BodyError, JointSelection};
-use crate::mujoco::{Camera, Data, Model, PICTURE_SIDES, Renderer};
+use crate::mujoco::{Camera, Data, Image, Model, PICTURE_SIDES, Renderer};
 use crate::picture::{Direction, Film, Shot, draw, frame, is_film, outline, png};
 use crate::record::{SESSION_FILE, model_hash, write_whole};
 
@@ -76,7 +76,8 @@ pub struct Args {
 
 /// Width and height from the command line.
 fn size(text: &str) -> Result<[usize; 2], String> {
-    let sides = text.split_once('x').and_then(|(width, height)| Some([width.parse().ok()?, height.parse().ok()?]));
+    let sides =
+        text.split_once('x').and_then(|(width, height)| Some([width.parse().ok()?, height.parse().ok()?]));
     sides.filter(|sides| sides.iter().all(|side| PICTURE_SIDES.contains(side))).ok_or_else(|| {
         let (least, most) = (PICTURE_SIDES.start(), PICTURE_SIDES.end());
         format!("give two numbers from {least} to {most}, as in 1280x960")
@@ -155,7 +156,9 @@ pub fn run(args: &Args) -> Outcome {
     let shaded = |geom: usize| plan.shaded && subject.is_own(geom);
     let mut picture = |shot: &Shot| draw(&mut renderer, shot, camera, &shaded);
     let folder = args.out.parent().filter(|folder| !folder.as_os_str().is_empty());
-    let cannot = |error| Failure(format!("cannot write {}: {error}: give another file with --out", args.out.display()));
+    let cannot = |error| {
+        Failure(format!("cannot write {}: {error}: give another file with --out", args.out.display()))
+    };
     folder.map_or(Ok(()), std::fs::create_dir_all).map_err(cannot)?;
     if !film {
         write_whole(&args.out, &png(&picture(&plan.shots[0])?)).map_err(cannot)?;
@@ -164,8 +167,15 @@ pub fn run(args: &Args) -> Outcome {
     }
     let mut film = Film::begin(&args.out, args.size, args.frames_per_second)?;
     let bar = progress::counted("drawing", plan.shots.len() as u64, "frames");
+    let mut drawn: Option<(&Shot, Image)> = None;
     for shot in &plan.shots {
-        film.add(&picture(shot)?)?;
+        // What stands still is drawn once.
+        let image = match drawn.take().filter(|(before, _)| *before == shot) {
+            Some((_, image)) => image,
+            None => picture(shot)?,
+        };
+        film.add(&image)?;
+        drawn = Some((shot, image));
         bar.inc(1);
     }
     bar.finish_and_clear();
@@ -190,7 +200,9 @@ fn model(args: &Args, film: bool) -> Result<(Subject, Plan), Failure> {
         return Err(Failure(format!("{place} is no session, and {option} is of a session: {mend}")));
     }
     if args.what.is_dir() {
-        return Err(Failure(format!("{place}: there is no {SESSION_FILE} in it: give an MJCF file or a session's folder")));
+        return Err(Failure(format!(
+            "{place}: there is no {SESSION_FILE} in it: give an MJCF file or a session's folder"
+        )));
     }
     // A file that is not there is told of as such, before anything else.
     model_hash(&args.what)?;

@@ -118,7 +118,9 @@ fn library() -> Result<&'static Platform> {
             };
             // MuJoCo would take the functions of a library that stayed in the process.
             if is_loaded(EGL) {
-                return Err(format!("{first}; {OPENGL_VARIABLE}=osmesa draws without it, if libosmesa6 is there"));
+                return Err(format!(
+                    "{first}; {OPENGL_VARIABLE}=osmesa draws without it, if libosmesa6 is there"
+                ));
             }
             OsMesa::load().map(Platform::OsMesa).map_err(|second| format!("{first}, {second}"))
         }
@@ -266,8 +268,7 @@ impl Egl {
         unsafe {
             // It is bound per thread.
             (self.bind_api)(egl::OPENGL_API);
-            let context =
-                (self.create_context)(self.display, self.config, null_mut(), egl::NOTHING.as_ptr());
+            let context = (self.create_context)(self.display, self.config, null_mut(), egl::NOTHING.as_ptr());
             if context.is_null() {
                 return Err("EGL gives no context of OpenGL".into());
             }

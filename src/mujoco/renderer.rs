@@ -95,8 +95,8 @@ pub struct View<'a> {
     pub camera: Camera,
     /// What is drawn besides the model.
     pub marks: &'a [Mark],
-    /// Whether white is behind everything even where the model has a sky.
-    pub plain: bool,
+    /// Whether nothing of the model is drawn, neither its sky: the marks alone, and white behind them.
+    pub marks_alone: bool,
     /// The colour and opacity of geoms that are not to look as the model has it.
     pub repaint: &'a dyn Fn(usize) -> Option<[f32; 4]>,
 }
@@ -201,7 +201,7 @@ impl Renderer {
         })?;
         warned("mjr_render")?;
         // OpenGL's rows go upwards.
-        let rgb = upwards.chunks_exact(row).rev().flatten().copied().collect();
+        let rgb = upwards.chunks_exact(row).rev().collect::<Vec<_>>().concat();
         Ok(Image { width: self.width, height: self.height, rgb })
     }
 }
@@ -276,6 +276,7 @@ impl Scene {
         guarded("mjv_updateScene", || {
             // SAFETY: the data are of the model and borrowed exclusively, and all else is set as the engine wants it.
             unsafe {
+                scene.flags[ffi::mjRND_SKYBOX as usize] = (!view.marks_alone).into();
                 ffi::mjv_defaultPerturb(perturbation.as_mut_ptr());
                 ffi::mjv_updateScene(
                     model.raw(),
@@ -289,7 +290,8 @@ impl Scene {
             }
         })?;
         warned("mjv_updateScene")?;
-        let (filled, room) = (scene.ngeom as usize, scene.maxgeom as usize);
+        let filled = if view.marks_alone { 0 } else { scene.ngeom as usize };
+        let room = scene.maxgeom as usize;
         // SAFETY: the engine has made room for `maxgeom` of them and filled in `ngeom`.
         let geoms = unsafe { std::slice::from_raw_parts_mut(scene.geoms, filled) };
         for geom in geoms.iter_mut().filter(|geom| geom.objtype == ffi::mjOBJ_GEOM as i32) {
@@ -298,7 +300,7 @@ impl Scene {
             }
         }
         assert!(view.marks.len() <= MOST_MARKS && filled + view.marks.len() < room, "too many marks");
-        let wall = (view.plain || !model.has_sky()).then(|| wall(&scene.camera[0]));
+        let wall = (view.marks_alone || !model.has_sky()).then(|| wall(&scene.camera[0]));
         let count = wall.iter().len() + view.marks.len();
         for (k, mark) in wall.iter().chain(view.marks).enumerate() {
             let kind = mark.kind.to_raw().expect("a mark of a shape that stands alone");

@@ -67,7 +67,13 @@ pub fn learned_body(
             }
             Shape::Mesh => continue,
         };
-        marks.push(Mark { kind, size, pose: root * pose(&rotation, &origin) * within, rgba: SKIN, emission: 0.3 });
+        marks.push(Mark {
+            kind,
+            size,
+            pose: root * pose(&rotation, &origin) * within,
+            rgba: SKIN,
+            emission: 0.3,
+        });
     }
     let joints = creature.joints().iter().zip(&schema.positions);
     let begins: Vec<Point3<f64>> = std::iter::once(frames[0].origin)
@@ -117,10 +123,8 @@ pub fn between(from: &[Mark], to: &[Mark], share: f64) -> Vec<Mark> {
         let nearer = if share < 0.5 { from } else { to };
         let rotation = from.pose.rotation.try_slerp(&to.pose.rotation, share, 1e-9);
         let translation = from.pose.translation.vector.lerp(&to.pose.translation.vector, share);
-        let pose = Isometry3::from_parts(
-            Translation3::from(translation),
-            rotation.unwrap_or(nearer.pose.rotation),
-        );
+        let pose =
+            Isometry3::from_parts(Translation3::from(translation), rotation.unwrap_or(nearer.pose.rotation));
         let size = std::array::from_fn(|k| from.size[k] + share * (to.size[k] - from.size[k]));
         Mark { pose, size, ..*nearer }
     };

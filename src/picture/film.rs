@@ -94,7 +94,11 @@ pub struct Film {
 enum Kind {
     Pictures(Numbered),
     /// The program, and the file that it writes until all is done.
-    Ffmpeg { child: Child, part: PathBuf, done: bool },
+    Ffmpeg {
+        child: Child,
+        part: PathBuf,
+        done: bool,
+    },
 }
 
 impl Drop for Kind {
@@ -136,9 +140,7 @@ impl Film {
             Err(error) if error.kind() == io::ErrorKind::NotFound => {
                 Err(FilmError::NoFfmpeg { path: path.to_path_buf() })
             }
-            Err(error) => {
-                Err(FilmError::Ffmpeg { path: path.to_path_buf(), message: error.to_string() })
-            }
+            Err(error) => Err(FilmError::Ffmpeg { path: path.to_path_buf(), message: error.to_string() }),
         }
     }
 

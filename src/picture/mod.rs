@@ -43,14 +43,12 @@ pub fn draw(
 ) -> mujoco::Result<Image> {
     let repaint = |geom: usize| shaded(geom).then_some(SHADE);
     let marks = [&shot.marks[..], &shot.lit].concat();
-    let mut image =
-        renderer.render(&shot.qpos, &View { camera, marks: &marks, plain: false, repaint: &repaint })?;
+    let view = View { camera, marks: &marks, marks_alone: false, repaint: &repaint };
+    let mut image = renderer.render(&shot.qpos, &view)?;
     if shot.lit.is_empty() {
         return Ok(image);
     }
-    let vanished = |_: usize| Some([0.0; 4]);
-    let lit =
-        renderer.render(&shot.qpos, &View { camera, marks: &shot.lit, plain: true, repaint: &vanished })?;
+    let lit = renderer.render(&shot.qpos, &View { marks: &shot.lit, marks_alone: true, ..view })?;
     for (pixel, lit) in image.rgb.chunks_exact_mut(3).zip(lit.rgb.chunks_exact(3)) {
         // What is lit has no blue, and all else is white.
         let share = THROUGH * (1.0 - f32::from(lit[2]) / 255.0);

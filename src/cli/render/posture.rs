@@ -55,7 +55,9 @@ fn from_file(path: &Path, creature: &Creature) -> Result<Vec<f64>, Failure> {
         Failure(format!("{place}: {error}: give NAME=DEGREES,… or a JSON file with --posture"))
     })?;
     let entries: BTreeMap<String, Coordinates> = serde_json::from_str(&text).map_err(|error| {
-        Failure(format!("{place}: {error}: give an object of names with radians or metres, as in {{\"elbow\": 0.5}}"))
+        Failure(format!(
+            "{place}: {error}: give an object of names with radians or metres, as in {{\"elbow\": 0.5}}"
+        ))
     })?;
     let mut posture = start_posture(creature);
     for (name, coordinates) in &entries {
@@ -65,13 +67,17 @@ fn from_file(path: &Path, creature: &Creature) -> Result<Vec<f64>, Failure> {
             (Coordinates::Quaternion(q), DofKind::Ball) => {
                 let length = q.iter().map(|x| x * x).sum::<f64>().sqrt();
                 if (length - 1.0).abs() > 1e-3 {
-                    return Err(Failure(format!("{place}, {name}: the quaternion's length is {length:.3}: make it 1")));
+                    return Err(Failure(format!(
+                        "{place}, {name}: the quaternion's length is {length:.3}: make it 1"
+                    )));
                 }
                 posture[at..at + 4].copy_from_slice(&q.map(|x| x / length));
             }
             (Coordinates::One(x), DofKind::Hinge | DofKind::Slide) => posture[at] = *x,
             (_, DofKind::Ball) => {
-                return Err(Failure(format!("{place}, {name}: it is a ball: give a quaternion [w, x, y, z]")));
+                return Err(Failure(format!(
+                    "{place}, {name}: it is a ball: give a quaternion [w, x, y, z]"
+                )));
             }
             _ => return Err(Failure(format!("{place}, {name}: it is no ball: give one number"))),
         }

@@ -5,15 +5,15 @@ use std::sync::Arc;
 
 use nalgebra::{Isometry3, Point3};
 
+use super::super::Failure;
 use super::super::learn_options::{same_tree, session_body, warn_truncated};
 use super::super::open::{ModelOptions, body_of};
-use super::super::Failure;
 use super::{Args, Plan, Subject, posture};
 use crate::babbling::start_posture;
 use crate::creature::{Body, Creature, DofKind, JointSelection};
 use crate::kinematics::ball;
 use crate::mujoco::{Mark, Model};
-use crate::picture::{Shot, between, extent, learned_body, outline, lit_touch};
+use crate::picture::{Shot, between, extent, learned_body, lit_touch, outline};
 use crate::record::{LearningRecord, SCHEMA_FILE, Session, TOUCHES_FILE, read_schema, read_touches};
 use crate::schema::{BodySchema, to_mjcf};
 use crate::senses::Touch;
@@ -153,7 +153,8 @@ impl Drawn<'_> {
 
     fn no_touch(&self, number: usize, count: usize) -> Failure {
         let log = self.args.what.join(TOUCHES_FILE);
-        let mend = if count == 0 { "babble some first".into() } else { format!("give one from 1 to {count}") };
+        let mend =
+            if count == 0 { "babble some first".into() } else { format!("give one from 1 to {count}") };
         Failure(format!("{}: there is no touch {number} in it: {mend}", log.display()))
     }
 
@@ -195,7 +196,8 @@ impl Drawn<'_> {
 
     /// A posture on the way from one to another, at 0 to 1 of it.
     fn on_the_way(&self, from: &[f64], to: &[f64], share: f64) -> Vec<f64> {
-        let mut posture: Vec<f64> = from.iter().zip(to).map(|(from, to)| from + share * (to - from)).collect();
+        let mut posture: Vec<f64> =
+            from.iter().zip(to).map(|(from, to)| from + share * (to - from)).collect();
         for (q, _) in self.creature.dofs_in_posture().filter(|(_, dof)| dof.kind == DofKind::Ball) {
             let turned = ball(&from[q..]).try_slerp(&ball(&to[q..]), share, 1e-9).unwrap_or(ball(&to[q..]));
             posture[q..q + 4].copy_from_slice(&[turned.w, turned.i, turned.j, turned.k]);
@@ -207,12 +209,13 @@ impl Drawn<'_> {
     fn learning(&self) -> Result<Plan, Failure> {
         let folder = &self.args.what;
         let record = LearningRecord::read(folder, self.creature)?;
-        let checkpoints = record.map(|record| record.checkpoints).filter(|all| all.len() > 1).ok_or_else(|| {
-            Failure(format!(
-                "{}: it has no checkpoints of learning: learn from it again with `bodyschema learn {0}`",
-                folder.display()
-            ))
-        })?;
+        let checkpoints =
+            record.map(|record| record.checkpoints).filter(|all| all.len() > 1).ok_or_else(|| {
+                Failure(format!(
+                    "{}: it has no checkpoints of learning: learn from it again with `bodyschema learn {0}`",
+                    folder.display()
+                ))
+            })?;
         let (posture, root) = (start_posture(self.creature), self.root()?);
         let qpos = self.qpos(&posture);
         let figures: Vec<Vec<Mark>> = checkpoints
@@ -222,7 +225,10 @@ impl Drawn<'_> {
         let (mut shots, mut held) = (Vec::new(), Vec::new());
         let mut stay = |shots: &mut Vec<Shot>, marks: &Vec<Mark>, count: usize| {
             held.push(shots.len());
-            shots.extend(std::iter::repeat_n(Shot { qpos: qpos.clone(), marks: marks.clone(), lit: Vec::new() }, count));
+            shots.extend(std::iter::repeat_n(
+                Shot { qpos: qpos.clone(), marks: marks.clone(), lit: Vec::new() },
+                count,
+            ));
         };
         stay(&mut shots, &figures[0], self.frames(ONSET));
         for pair in figures.windows(2) {
@@ -233,7 +239,11 @@ impl Drawn<'_> {
             let count = self.frames(STEP + LONGER * moved.sqrt());
             for k in 0..count {
                 let share = eased(k as f64 / count as f64);
-                shots.push(Shot { qpos: qpos.clone(), marks: between(&pair[0], &pair[1], share), lit: Vec::new() });
+                shots.push(Shot {
+                    qpos: qpos.clone(),
+                    marks: between(&pair[0], &pair[1], share),
+                    lit: Vec::new(),
+                });
             }
             stay(&mut shots, &pair[1], 1);
         }
