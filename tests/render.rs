@@ -256,7 +256,8 @@ fn what_cannot_be_drawn_is_refused_in_a_sentence() {
     let (model, table) = (max(), repository("mjcf/max/table.xml").display().to_string());
     fs::write(place.join("odd.json"), r#"{"left_elbow_flexion": 9.0}"#).unwrap();
     fs::write(place.join("text.json"), r#"{"left_elbow_flexion": "bent"}"#).unwrap();
-    let cases: [(&[&str], &str); 14] = [
+    let cases: [(&[&str], &str); 15] = [
+        (&["session", "--strip"], "leave out --strip"),
         (&[&model, "--posture", "left_elbow=90"], "it has left_elbow_flexion, left_elbow_pronation"),
         (&[&model, "--posture", "left_elbow_flexion=390"], "390° is beyond its range of -6° to 140°"),
         (&[&model, "--posture", "left_elbow_flexion=bent"], "give a name, = and a number"),
@@ -278,6 +279,8 @@ fn what_cannot_be_drawn_is_refused_in_a_sentence() {
     }
     let said = refused(place, 1, &["render", &model, "--out", "refused.jpg"]);
     assert!(said.contains("end it in .png"), "{said}");
+    let said = refused(place, 1, &["render", "session", "--touch", "1", "--out", "refused.mp4"]);
+    assert!(said.contains("--touch makes a picture"), "{said}");
     let said = refused(place, 1, &["render", "session", "--touches", "299..301", "--out", "refused-%d.png"]);
     assert!(said.contains("there is no touch 301"), "{said}");
     for (option, value) in
@@ -347,4 +350,11 @@ fn rows_go_from_the_top_and_marks_are_where_they_are_put() {
     assert!(green.len() > 10 && green.iter().all(|[row, column]| *row > 35 && *column > 50), "{green:?}");
     assert!(matches!(render(Camera::Fixed(0)), Err(Error::Engine { .. })));
     assert!(matches!(Renderer::new(&model, 10, 60), Err(Error::Size { .. })));
+    // Two in one thread do not disturb each other.
+    let again = |renderer: &mut Renderer| {
+        let view = View { camera, marks: &marks, marks_alone: false, repaint: &|_| None };
+        renderer.render(&[], &view).unwrap()
+    };
+    drop(Renderer::new(&model, 50, 50).unwrap());
+    assert_eq!(again(&mut renderer), image);
 }

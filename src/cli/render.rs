@@ -27,8 +27,8 @@ use crate::record::{SESSION_FILE, model_hash, write_whole};
   bodyschema render mjcf/max/max.xml --out max.png
   bodyschema render mjcf/max/table.xml --posture left_elbow_flexion=90 --camera 140,-20 --out table.png
   bodyschema render sessions/max-1 --touch 3 --schema --out touch.png
-  bodyschema render sessions/max-1 --touches 1..5 --out touches.mp4                    # needs ffmpeg
-  bodyschema render sessions/max-1 --learning --size 640x640 --out learning.mp4        # needs ffmpeg
+  bodyschema render sessions/max-1 --touches 1..5 --size 640x480 --out touches.mp4    # needs ffmpeg
+  bodyschema render sessions/max-1 --learning --frames-per-second 12 --out learning.mp4
   bodyschema render sessions/max-1 --touches 2..2 --frames-per-second 4 --size 320x320 --out frame-%03d.png
 
 Without OpenGL it says so. The environment variable BODYSCHEMA_GL says which library draws: egl, osmesa, or none;
@@ -41,7 +41,7 @@ pub struct Args {
     /// frame-%04d.png)
     #[arg(long, short, value_name = "FILE")]
     out: PathBuf,
-    /// The posture: names of degrees of freedom with degrees or millimetres, as in left_elbow_flexion=90,neck_yaw=-20,
+    /// The posture: names of degrees of freedom with degrees or millimetres, as in left_elbow_flexion=90,right_elbow_flexion=20,
     /// or a JSON file of names with radians, metres or w x y z; what is not named is at ease
     #[arg(long, value_name = "NAME=DEG,…|FILE", allow_hyphen_values = true)]
     posture: Option<String>,
@@ -137,13 +137,18 @@ pub fn run(args: &Args) -> Outcome {
             args.out.display()
         )));
     }
-    for (given, option) in [(args.touches.is_some(), "--touches"), (args.learning, "--learning")] {
-        if given && !film {
-            return Err(Failure(format!(
-                "{}: {option} makes a film: end its name in .mp4, or give a name such as frame-%04d.png",
-                args.out.display()
-            )));
-        }
+    let makes = |what: &str, given: bool, option: &str, mend: &str| match given {
+        true => Err(Failure(format!("{}: {option} makes a {what}: {mend}", args.out.display()))),
+        false => Ok(()),
+    };
+    if film {
+        let mend = "end the file's name in .png";
+        makes("picture", args.touch.is_some(), "--touch", mend)?;
+        makes("picture", args.posture.is_some(), "--posture", mend)?;
+    } else {
+        let mend = "end the file's name in .mp4, or give one such as frame-%04d.png";
+        makes("film", args.touches.is_some(), "--touches", mend)?;
+        makes("film", args.learning, "--learning", mend)?;
     }
     let spinner = progress::spinner("getting ready");
     let (subject, plan) =

@@ -206,6 +206,13 @@ impl Renderer {
     }
 }
 
+impl Drop for Renderer {
+    fn drop(&mut self) {
+        // What is freed belongs to this context, whichever was used last in this thread.
+        let _ = self.context.make_current();
+    }
+}
+
 /// The engine's warning in the last call, as an error.
 fn warned(call: &'static str) -> Result<()> {
     engine::take_warning().map_or(Ok(()), |message| Err(Error::Warning { call, message }))
@@ -233,7 +240,8 @@ impl Buffers {
                 ffi::mjr_setBuffer(ffi::mjFB_OFFSCREEN as i32, raw);
             }
         })?;
-        warned("mjr_makeContext")?;
+        // It warns of what it does without, and pictures are drawn all the same.
+        engine::take_warning();
         if raw.currentBuffer != ffi::mjFB_OFFSCREEN as i32 {
             let message = "it has no buffer to draw on off-screen".to_string();
             return Err(Error::Engine { call: "mjr_makeContext", message });

@@ -54,6 +54,15 @@ struct Drawn<'a> {
 /// What is drawn of a session.
 pub fn plan(args: &Args, film: bool) -> Result<(Subject, Plan), Failure> {
     let session = Session::read(&args.what)?;
+    let ModelOptions { strip, root } = &args.options;
+    for (given, option) in [(*strip, "--strip"), (root.is_some(), "--root")] {
+        if given {
+            return Err(Failure(format!(
+                "{}: a session knows how its model is read: leave out {option}",
+                args.what.display()
+            )));
+        }
+    }
     let (creature, skin) = (&session.creature, &session.skin);
     let read_schema = || read_schema(&args.what.join(SCHEMA_FILE), creature);
     let body = if session.model.is_empty() && args.model.is_none() {
