@@ -41,8 +41,8 @@ pub struct Args {
     /// frame-%04d.png)
     #[arg(long, short, value_name = "FILE")]
     out: PathBuf,
-    /// The posture: names of degrees of freedom with degrees or millimetres, as in left_elbow_flexion=90,right_elbow_flexion=20,
-    /// or a JSON file of names with radians, metres or w x y z; what is not named is at ease
+    /// The posture: names of degrees of freedom with degrees or millimetres, as in
+    /// left_elbow_flexion=90,right_elbow_flexion=20, or a JSON file of names with radians, metres or w x y z; what is not named is at ease
     #[arg(long, value_name = "NAME=DEG,…|FILE", allow_hyphen_values = true)]
     posture: Option<String>,
     /// Of a session, the posture of a touch, counted from 1, its places lit
@@ -52,7 +52,8 @@ pub struct Args {
     #[arg(long)]
     schema: bool,
     /// Of a session, a film of the touches from one to another, counted from 1 [default: 1..8]
-    #[arg(long, value_name = "N..M", value_parser = session::touch_range, conflicts_with_all = ["posture", "touch", "learning"])]
+    #[arg(long, value_name = "N..M", value_parser = session::touch_range,
+        conflicts_with_all = ["posture", "touch", "learning"])]
     touches: Option<[usize; 2]>,
     /// Of a session, a film of the learned body from the onset on
     #[arg(long, conflicts_with_all = ["posture", "touch"])]

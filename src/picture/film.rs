@@ -183,7 +183,7 @@ impl Film {
         let lines: Vec<&str> = said.lines().map(str::trim).filter(|line| !line.is_empty()).collect();
         match child.wait() {
             Ok(status) if status.success() => {
-                std::fs::rename(&part, &path).map_err(|error| FilmError::Write { path, error })?;
+                std::fs::rename(part, &path).map_err(|error| FilmError::Write { path, error })?;
                 *done = true;
                 Ok(())
             }
