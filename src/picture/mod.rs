@@ -1,7 +1,7 @@
 //! Pictures and films of bodies: what MuJoCo's renderer is to draw, from where, and into which file.
 //!
 //! A [`Shot`] is what one picture shows, and [`frame`] finds a camera that holds it all. [`learned_body`] and [`lit_touch`]
-//! make marks of what is no part of a model. [`png`] and [`Film`] are what files hold.
+//! make marks of what is no part of a model. [`png()`] and [`Film`] are what files hold.
 
 mod figure;
 mod film;
