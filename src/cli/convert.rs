@@ -1,26 +1,39 @@
-//! `bodyschema convert`: a session's touches for programs that read tables.
+//! `bodyschema convert`: a session for programs that read tables, or that show what happened over time.
 
 use std::path::{Path, PathBuf};
 
 use super::learn_options::warn_truncated;
 use super::{Outcome, progress};
 use crate::record::{Session, TOUCHES_FILE, read_touches};
+use crate::senses::Touch;
 
-/// Write a session's touches as a table for other programs.
+/// Write a session for other programs: its touches as a table, or bodies, touches and errors over time.
 ///
 /// A Parquet file has a row per touch and a column per number, names beside them: for long sessions, which it stores in
-/// a fraction of the space, and of which data frames read single columns.
+/// a fraction of the space, and of which data frames read single columns. A Rerun file has the true body and the learned
+/// one in the posture of every touch, the two receptors and the place, and the errors of learning.csv.
 #[derive(clap::Args)]
-#[command(after_help = "Examples:
+#[command(
+    group = clap::ArgGroup::new("form").required(true).args(["parquet", "rrd"]),
+    after_help = "Examples:
   bodyschema convert sessions/max-1 --parquet
-  bodyschema convert sessions/max-1 --parquet --out touches.parquet")]
+  bodyschema convert sessions/max-1 --parquet --out touches.parquet
+  bodyschema convert sessions/max-1 --rrd
+  bodyschema convert sessions/max-1 --rrd --model mjcf/max/max.xml --out max.rrd"
+)]
 pub struct Args {
     /// The session's folder
     session: PathBuf,
     /// Parquet, which pandas, Polars, DuckDB and Arrow read
-    #[arg(long, required = true)]
+    #[arg(long)]
     parquet: bool,
-    /// The file to write [default: touches.parquet in the session's folder]
+    /// Rerun, for its viewer
+    #[arg(long)]
+    rrd: bool,
+    /// The model with the true body, where it is not at the path in the session
+    #[arg(long, conflicts_with = "parquet")]
+    model: Option<PathBuf>,
+    /// The file to write [default: touches.parquet or session.rrd in the session's folder]
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
 }
@@ -29,23 +42,72 @@ pub fn run(args: &Args) -> Outcome {
     let session = Session::read(&args.session)?;
     let log = read_touches(&args.session.join(TOUCHES_FILE), &session.creature, &session.skin)?;
     warn_truncated(&log, &args.session);
-    let path = args.out.clone().unwrap_or_else(|| args.session.join("touches.parquet"));
+    let name = if args.rrd { "session.rrd" } else { "touches.parquet" };
+    let path = args.out.clone().unwrap_or_else(|| args.session.join(name));
     let spinner = progress::spinner("writing");
-    write(&path, &session, &log.touches)?;
+    if args.rrd {
+        write_rrd(args, &path, &session, &log.touches)?;
+    } else {
+        write_parquet(&path, &session, &log.touches)?;
+    }
     spinner.finish_and_clear();
     say!("{}: {} touches", path.display(), log.touches.len());
     Ok(())
 }
 
 #[cfg(feature = "parquet")]
-fn write(path: &Path, session: &Session, touches: &[crate::senses::Touch]) -> Outcome {
+fn write_parquet(path: &Path, session: &Session, touches: &[Touch]) -> Outcome {
     Ok(crate::record::write_parquet(path, &session.creature, &session.skin, touches)?)
 }
 
 #[cfg(not(feature = "parquet"))]
-fn write(path: &Path, _: &Session, _: &[crate::senses::Touch]) -> Outcome {
+fn write_parquet(path: &Path, _: &Session, _: &[Touch]) -> Outcome {
     Err(super::Failure(format!(
         "{}: this bodyschema was built without Parquet: install it with `cargo install --path . --features parquet`",
+        path.display()
+    )))
+}
+
+#[cfg(feature = "rerun")]
+fn write_rrd(args: &Args, path: &Path, session: &Session, touches: &[Touch]) -> Outcome {
+    use super::Failure;
+    use crate::evaluation::{RerunInput, write_rrd};
+    use crate::record::{Checkpoint, LearningRecord, SCHEMA_FILE, read_learning_table, read_schema};
+
+    let (folder, creature) = (&args.session, &session.creature);
+    let truth = super::report::known_truth(session, args.model.as_deref())?;
+    let record = LearningRecord::read(folder, creature)?;
+    let mut checkpoints = record.map_or(Vec::new(), |record| record.checkpoints);
+    // Sessions from before there were checkpoints have what was learned in the end.
+    if checkpoints.is_empty() && folder.join(SCHEMA_FILE).exists() {
+        let schema = read_schema(&folder.join(SCHEMA_FILE), creature)?;
+        checkpoints.push(Checkpoint { touches: touches.len(), schema, error_rms: None, bound_rms: None });
+    }
+    if truth.is_none() && checkpoints.is_empty() {
+        return Err(Failure(format!(
+            "{}: there is neither a true body nor a learned one to show: learn with `bodyschema learn`, or name the \
+             creature's model with --model",
+            folder.display()
+        )));
+    }
+    let table = read_learning_table(folder)?;
+    let input = RerunInput {
+        creature,
+        skin: &session.skin,
+        truth: truth.as_ref().map(|truth| &truth.schema),
+        touches,
+        checkpoints: &checkpoints,
+        table: &table,
+    };
+    write_rrd(path, &input).map_err(|error| {
+        Failure(format!("cannot write {}: {error}: give another file with --out", path.display()))
+    })
+}
+
+#[cfg(not(feature = "rerun"))]
+fn write_rrd(_: &Args, path: &Path, _: &Session, _: &[Touch]) -> Outcome {
+    Err(super::Failure(format!(
+        "{}: this bodyschema was built without Rerun: install it with `cargo install --path . --features rerun`",
         path.display()
     )))
 }

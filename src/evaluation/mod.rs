@@ -11,6 +11,8 @@ mod measures;
 mod own_account;
 mod progress;
 pub mod report;
+#[cfg(feature = "rerun")]
+mod rerun;
 
 pub use map_agreement::MapAgreement;
 pub use measures::{
@@ -20,6 +22,8 @@ pub use measures::{
 
 pub use own_account::OwnAccount;
 pub use progress::Progress;
+#[cfg(feature = "rerun")]
+pub use rerun::{RerunInput, write_rrd};
 use serde::{Deserialize, Serialize};
 
 use crate::creature::Creature;

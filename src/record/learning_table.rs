@@ -72,41 +72,57 @@ pub struct Prediction {
     pub deviation: f64,
 }
 
+/// [`LEARNING_FILE`] as it was read.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct LearningRows {
+    /// The columns' names, which end in their unit.
+    pub columns: Vec<String>,
+    /// Per row a number per column; none where its cell is empty.
+    pub rows: Vec<Vec<Option<f64>>>,
+}
+
+/// Reads [`LEARNING_FILE`] of a session's folder; nothing where there is no such file.
+///
+/// # Errors
+/// [`RecordError::Io`] where it cannot be read, [`RecordError::Format`] where a number is none.
+pub fn read_learning_table(folder: &Path) -> Result<LearningRows, RecordError> {
+    let path = folder.join(LEARNING_FILE);
+    if !path.exists() {
+        return Ok(LearningRows::default());
+    }
+    let bytes = files::read(&path)?;
+    let text = String::from_utf8_lossy(&bytes);
+    let mut lines = text.lines();
+    let columns: Vec<String> = lines.next().unwrap_or_default().split(',').map(String::from).collect();
+    let number = |n: usize, cell: &str| match cell {
+        "" => Ok(None),
+        cell => cell.parse::<f64>().map(Some).map_err(|_| {
+            let message = format!(
+                "\"{cell}\" is no number: learn again with `bodyschema learn`, which writes the table anew"
+            );
+            RecordError::format(&path, Some(n + 2), message)
+        }),
+    };
+    let row = |(n, line): (usize, &str)| {
+        let cells = line.split(',').chain(std::iter::repeat(""));
+        cells.take(columns.len()).map(|cell| number(n, cell)).collect::<Result<Vec<_>, _>>()
+    };
+    let rows = lines.enumerate().map(row).collect::<Result<_, _>>()?;
+    Ok(LearningRows { columns, rows })
+}
+
 /// Reads from [`LEARNING_FILE`] of a session's folder what the learner foretold of touches; nothing where there is
 /// no such file, or no such columns.
 ///
 /// # Errors
 /// [`RecordError::Io`] where it cannot be read, [`RecordError::Format`] where a number is none.
 pub fn read_predictions(folder: &Path) -> Result<Vec<Prediction>, RecordError> {
-    let path = folder.join(LEARNING_FILE);
-    if !path.exists() {
-        return Ok(Vec::new());
-    }
-    let bytes = files::read(&path)?;
-    let text = String::from_utf8_lossy(&bytes);
-    let mut lines = text.lines();
-    let names: Vec<&str> = lines.next().unwrap_or_default().split(',').collect();
-    let column = |name: &str| names.iter().position(|found| *found == name);
-    let columns = ["touches", "predicted_gap_mm", "predicted_deviation_mm"].map(column);
-    let [Some(touch), Some(gap), Some(deviation)] = columns else { return Ok(Vec::new()) };
-    let mut predictions = Vec::new();
-    for (n, line) in lines.enumerate() {
-        let cells: Vec<&str> = line.split(',').collect();
-        let number = |column: usize| {
-            match cells.get(column).copied().unwrap_or_default() {
-            "" => Ok(None),
-            cell => cell.parse::<f64>().map(Some).map_err(|_| {
-                let message = format!(
-                    "\"{cell}\" is no number: learn again with `bodyschema learn`, which writes the table anew"
-                );
-                RecordError::format(&path, Some(n + 2), message)
-            }),
-        }
-        };
-        if let (Some(touch), Some(gap), Some(deviation)) = (number(touch)?, number(gap)?, number(deviation)?)
-        {
-            predictions.push(Prediction { touch: touch as usize, gap, deviation });
-        }
-    }
-    Ok(predictions)
+    let LearningRows { columns, rows } = read_learning_table(folder)?;
+    let column = |name: &str| columns.iter().position(|found| found == name);
+    let found = ["touches", "predicted_gap_mm", "predicted_deviation_mm"].map(column);
+    let [Some(touch), Some(gap), Some(deviation)] = found else { return Ok(Vec::new()) };
+    let prediction = |row: &Vec<Option<f64>>| {
+        Some(Prediction { touch: row[touch]? as usize, gap: row[gap]?, deviation: row[deviation]? })
+    };
+    Ok(rows.iter().filter_map(prediction).collect())
 }

@@ -32,7 +32,7 @@ pub use firing_log::{FiringWriter, read_firings};
 pub use host::Host;
 pub use known::read_known;
 pub use learning_record::{Checkpoint, LearningRecord};
-pub use learning_table::{LearningTable, Prediction, read_predictions};
+pub use learning_table::{LearningRows, LearningTable, Prediction, read_learning_table, read_predictions};
 pub use model_hash::model_hash;
 #[cfg(feature = "parquet")]
 pub use parquet::write_parquet;

@@ -25,10 +25,11 @@ impl Line {
         Line { text: text.trim().to_string(), slow: SLOW.iter().any(|slow| comment.contains(slow)) }
     }
 
-    /// Whether this machine or this build lacks what the line needs: Parquet, OpenGL or ffmpeg.
+    /// Whether this machine or this build lacks what the line needs: Parquet, Rerun, OpenGL or ffmpeg.
     pub fn lacks_something(&self) -> bool {
         let draws = self.text.contains("bodyschema render");
         (self.text.contains("--parquet") && cfg!(not(feature = "parquet")))
+            || (self.text.contains("--rrd") && cfg!(not(feature = "rerun")))
             || (draws && !drawing::opengl())
             || (draws && self.text.contains(".mp4") && !drawing::ffmpeg())
     }

@@ -59,16 +59,23 @@ fn coordinates(points: impl IntoIterator<Item = Option<Vector3<f64>>>) -> Coordi
     lists
 }
 
-/// One schema laid out in the root limb's frame, at ease.
-struct Pose {
-    frames: Vec<Frame>,
+/// One schema laid out in the root limb's frame, metres.
+pub(in crate::evaluation) struct Pose {
+    /// `X_RL` of every limb.
+    pub frames: Vec<Frame>,
     /// Where each limb begins: at its joint, wherever its own frame is.
-    begins: Vec<Vector3<f64>>,
+    pub begins: Vec<Vector3<f64>>,
 }
 
 impl Pose {
+    /// At ease.
     fn new(creature: &Creature, schema: &BodySchema) -> Pose {
-        let frames = limb_frames(creature, schema, &creature.reference_posture());
+        Pose::at(creature, schema, &creature.reference_posture())
+    }
+
+    /// In a posture.
+    pub fn at(creature: &Creature, schema: &BodySchema, posture: &[f64]) -> Pose {
+        let frames = limb_frames(creature, schema, posture);
         let placed = creature.joints().iter().zip(&schema.positions);
         let begins = std::iter::once(frames[0].origin)
             .chain(placed.map(|(joint, position)| frames[joint.parent].point(position)))
@@ -95,7 +102,7 @@ impl Pose {
     }
 
     /// The ends of each bone.
-    fn lines(&self, creature: &Creature, skin: &Skin) -> Vec<[Vector3<f64>; 2]> {
+    pub fn lines(&self, creature: &Creature, skin: &Skin) -> Vec<[Vector3<f64>; 2]> {
         let mut lines = Vec::new();
         for (joint, end) in creature.joints().iter().zip(&self.begins[1..]) {
             lines.push([self.begins[joint.parent], *end]);

@@ -16,6 +16,9 @@ pub(crate) mod text;
 mod touch_matrix;
 mod uncertainty;
 
+#[cfg(feature = "rerun")]
+pub(super) use body::Pose;
+
 use super::Evaluation;
 use crate::creature::Creature;
 use crate::learning::Input;
