@@ -25,7 +25,7 @@ use crate::schema::BodySchema;
 use crate::senses::Touch;
 use crate::skin::Skin;
 
-/// Most touches of which the bodies are shown: each takes some two kilobytes.
+/// Most touches of which the bodies are shown: of Max each takes some three kilobytes.
 const MOST_SHOWN: usize = 10_000;
 /// Rows that a viewer loads at a time.
 const ROWS: usize = 1024;
@@ -257,16 +257,15 @@ impl Recording {
             let error = name.ends_with("_mm") || name.ends_with("_deg");
             self.numbers(&[if error { "error" } else { "learning" }, name], rows.iter().filter_map(number))?;
         }
-        let of_checkpoints: [(&str, fn(&Checkpoint) -> Option<f64>); 2] =
-            [("error_rms_mm", |at| at.error_rms), ("bound_rms_mm", |at| at.bound_rms)];
-        for (name, value) in of_checkpoints {
+        let mut of_checkpoints = |name: &str, value: fn(&Checkpoint) -> Option<f64>| {
             let number = |at: &Checkpoint| {
                 let value = value(at).filter(|value| value.is_finite())?;
                 Some((moments.at(at.touches), Scalars::new([value])))
             };
-            self.numbers(&["error", name], input.checkpoints.iter().filter_map(number))?;
-        }
-        Ok(())
+            self.numbers(&["error", name], input.checkpoints.iter().filter_map(number))
+        };
+        of_checkpoints("error_rms_mm", |at| at.error_rms)?;
+        of_checkpoints("bound_rms_mm", |at| at.bound_rms)
     }
 
     /// A curve by the name of the last part of its entity, unless it is empty.
