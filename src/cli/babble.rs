@@ -4,8 +4,8 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use super::arguments::Arguments;
-use super::live::{Live, LiveOptions};
 use super::learn_options::{KNOWN_HELP, LearnOptions, learn_session, print_table, to_json};
+use super::live::{Live, LiveOptions};
 use super::open::{ModelOptions, open_body};
 use super::skin::skin_for;
 use super::touches::{babbler, make_touches, threads, touch_count};
@@ -37,7 +37,7 @@ const KEPT_EVERY: Duration = Duration::from_secs(1);
   bodyschema babble mjcf/max/max.xml --touches 250 --policy informative      # takes minutes
   bodyschema babble mjcf/max/max.xml --touches 300 --motion dynamic          # takes minutes
   bodyschema babble mjcf/max/max.xml --learner hersch --json
-  bodyschema babble mjcf/max/max.xml --touches 5000 --live                   # watch it in a browser
+  bodyschema babble mjcf/max/max.xml --touches 2000 --live                   # watch it in a browser
   bodyschema babble --resume sessions/max-1
   bodyschema babble mjcf/max/max.xml --touches 60 --known known.json\n\n{KNOWN_HELP}"))]
 pub struct Args {
@@ -180,7 +180,8 @@ impl Plan {
         let babbler = babbler(model, &self.body, &self.skin, args.motion)?;
         let options = BabblingOptions { touches: args.touches, seed: args.seed, jobs: threads(args.jobs) };
         let live = self.live(args, made.len())?;
-        let learner = live.as_ref().map(|live| live.begin(&self.body.creature, &self.skin, args.seed)).transpose()?;
+        let learner =
+            live.as_ref().map(|live| live.begin(&self.body.creature, &self.skin, args.seed)).transpose()?;
         let bar = progress::counted("babbling", args.touches as u64, "touches");
         bar.set_position(made.len() as u64);
         let began = Instant::now();

@@ -98,10 +98,7 @@ enum Heard {
     End,
 }
 
-/// A conversation on a page, and on standard input as well.
-///
-/// It ends with standard input where that is a terminal, and with the process where it is not: then all is said on
-/// the page.
+/// A conversation on a page and on standard input, with which it ends.
 pub fn talk(mut conversation: Conversation, address: SocketAddr, name: &str, json: bool) -> Outcome {
     let (ask, asked) = mpsc::channel();
     let view = Arc::new(TableView::new(&conversation.actor.scene, &conversation.actor.own.skin, ask));
@@ -129,9 +126,7 @@ pub fn talk(mut conversation: Conversation, address: SocketAddr, name: &str, jso
                 return;
             }
         }
-        if std::io::stdin().is_terminal() {
-            let _ = typed.send(Heard::End);
-        }
+        let _ = typed.send(Heard::End);
     });
     std::thread::spawn(move || asked.iter().try_for_each(|asked| hear.send(Heard::Asked(asked))));
     tell!("{name} listens, on the page and here");

@@ -166,7 +166,15 @@ impl Conversation {
         let ready = actor.ready();
         actor.place(&ready)?;
         actor.wait(0.5)?;
-        Ok(Conversation { actor, things: Vec::new(), it: None, pending: None, last: None, ready, at_spot: false })
+        Ok(Conversation {
+            actor,
+            things: Vec::new(),
+            it: None,
+            pending: None,
+            last: None,
+            ready,
+            at_spot: false,
+        })
     }
 
     /// Hears a request, does what it can, and answers.

@@ -64,7 +64,8 @@ impl Actor {
         let spot = &skin[receptor];
         let touches = feelings.iter().filter_map(|feeling| {
             let Touched::Own(felt) = feeling.what else { return None };
-            let meant = self.hands[hand].receptors.contains(&feeling.receptor) && skin[felt].limb == spot.limb;
+            let meant =
+                self.hands[hand].receptors.contains(&feeling.receptor) && skin[felt].limb == spot.limb;
             let off = (skin[felt].position - spot.position).norm();
             meant.then_some(OwnTouch { hand, by: feeling.receptor, felt, off })
         });

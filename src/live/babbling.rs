@@ -156,7 +156,13 @@ impl BabblingView {
 
     /// What was learned from so many touches, the last of which is told where it is to be shown; and how far apart the
     /// schema had put the surfaces that touched then, metres.
-    pub fn learned(&self, from: usize, touch: Option<&Touch>, schema: Option<&BodySchema>, missed: Option<f64>) {
+    pub fn learned(
+        &self,
+        from: usize,
+        touch: Option<&Touch>,
+        schema: Option<&BodySchema>,
+        missed: Option<f64>,
+    ) {
         let mut state = self.state();
         state.learned_from = from;
         if let Some(touch) = touch {
@@ -184,7 +190,7 @@ impl BabblingView {
 
     /// The learned body stands aside of the simulated one, by so much along y, metres.
     fn aside(&self) -> f64 {
-        -1.15 * self.extent
+        1.15 * self.extent
     }
 
     fn frames(&self, schema: &BodySchema, posture: &[f64], aside: f64) -> Vec<Frame> {
@@ -212,27 +218,14 @@ fn halve(points: &mut Vec<[f64; 2]>) {
 
 impl View for BabblingView {
     fn page(&self) -> String {
-        let (wanted, posture) = {
-            let state = self.state();
-            (state.wanted, state.posture.clone())
-        };
-        let own = self.frames(&self.simulated, &posture, 0.0);
-        let learned = self.frames(&BodySchema::zero(&self.creature), &posture, self.aside());
-        let moving = |name: &str, poses: &'static str, mesh, receptors, colour, opacity| Moving {
-            name: name.into(),
-            poses,
-            mesh,
-            receptors,
-            colour,
-            opacity,
-        };
+        let wanted = self.state().wanted;
         let meshes = [
-            (moving("body", "own", &self.limbs, false, "#b9c7d3", 1.0), &own[..]),
-            (moving("receptors", "own", &self.receptors, true, "", 1.0), &own[..]),
-            (moving("what is learned", "learned", &self.limbs, false, "#5aa5d6", 1.0), &learned[..]),
+            Moving { name: "body", poses: "own", mesh: &self.limbs, colour: Some("#b9c7d3") },
+            Moving { name: "receptors", poses: "own", mesh: &self.receptors, colour: None },
+            Moving { name: "what is learned", poses: "learned", mesh: &self.limbs, colour: Some("#5aa5d6") },
         ];
         let r = ROOM * self.extent;
-        let room = [Vector3::new(-r, self.aside() - r, -r), Vector3::new(r, r, r)];
+        let room = [Vector3::new(-r, -r, -r), Vector3::new(r, self.aside() + r, r)];
         let caption = "Left as it touches itself, right the body that it has learned so far, in the same posture. \
                        Receptors light up where they are touched. Turn it with the mouse.";
         let body = figure("The body and what is learned of it", 520, &meshes, room, caption);
@@ -246,7 +239,8 @@ impl View for BabblingView {
                 .mode(Mode::Markers)
                 .marker(Marker::new().size(4).color(picture::GREY)),
         ];
-        let small = || layout().show_legend(false).margin(Margin::new().left(70).right(12).top(12).bottom(48));
+        let small =
+            || layout().show_legend(false).margin(Margin::new().left(70).right(12).top(12).bottom(48));
         let made = picture::figure(
             "made",
             "Touches over time",
@@ -269,7 +263,11 @@ impl View for BabblingView {
             "<p class=\"verdict\" id=\"doing\" aria-live=\"polite\"></p>\n<section>\n{body}</section>\n\
              <section class=\"beside\">\n{made}{missed}</section>\n"
         );
-        page(self.creature.name(), &format!("It touches itself {wanted} times and learns its body from that"), &content)
+        page(
+            self.creature.name(),
+            &format!("It touches itself {wanted} times and learns its body from that"),
+            &content,
+        )
     }
 
     fn newest(&self) -> String {

@@ -33,7 +33,12 @@ impl LiveLearner {
     ///
     /// # Errors
     /// Where the system refuses a thread.
-    pub fn new(view: Arc<BabblingView>, creature: &Creature, skin: &Skin, seed: u64) -> std::io::Result<LiveLearner> {
+    pub fn new(
+        view: Arc<BabblingView>,
+        creature: &Creature,
+        skin: &Skin,
+        seed: u64,
+    ) -> std::io::Result<LiveLearner> {
         let done = Arc::new(AtomicBool::new(false));
         let ended = done.clone();
         let (creature, skin) = (creature.clone(), skin.clone());

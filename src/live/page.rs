@@ -17,12 +17,13 @@ pub fn page(title: &str, about: &str, content: &str) -> String {
          <meta name=\"color-scheme\" content=\"light dark\"/>\n<link rel=\"icon\" href=\"data:,\"/>\n\
          <title>{title}, live</title>\n<style>\n{style}{own_style}</style>\n</head>\n<body>\n\
          <header>\n<h1>{title}</h1>\n<p>{about}</p>\n</header>\n{content}\
-         <script src=\"plotly.js\"></script>\n<script>\n{script}{own_script}</script>\n</body>\n</html>\n",
+         <script src=\"plotly.js\"></script>\n<script>\n{script}{body}{own_script}</script>\n</body>\n</html>\n",
         title = escape(title),
         about = escape(about),
         style = crate::evaluation::report::STYLE,
         own_style = include_str!("live.css"),
         script = crate::evaluation::report::SCRIPT,
+        body = include_str!("body.js"),
         own_script = include_str!("live.js"),
     )
 }

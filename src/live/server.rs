@@ -160,7 +160,9 @@ fn ours(headers: &HeaderMap) -> bool {
     };
     let name = name.trim_start_matches('[').trim_end_matches(']');
     let here = name == "localhost" || name.parse::<IpAddr>().is_ok();
-    here && headers.get(header::ORIGIN).is_none_or(|origin| origin.as_bytes() == format!("http://{host}").as_bytes())
+    here && headers
+        .get(header::ORIGIN)
+        .is_none_or(|origin| origin.as_bytes() == format!("http://{host}").as_bytes())
 }
 
 async fn library() -> impl IntoResponse {
@@ -181,7 +183,8 @@ async fn report(State(shared): State<Shared>) -> Response {
     let page = shared.view.report().and_then(|path| std::fs::read_to_string(path).ok());
     match page {
         Some(page) => Html(page).into_response(),
-        None => (StatusCode::NOT_FOUND, "there is no report yet: it is written once all is learned").into_response(),
+        None => (StatusCode::NOT_FOUND, "there is no report yet: it is written once all is learned")
+            .into_response(),
     }
 }
 

@@ -101,7 +101,8 @@ impl TableView {
     /// Shows where all is now, and which receptors feel something.
     pub fn shows(&self, scene: &Scene, felt: &[Feeling]) {
         let limbs = 0..scene.body.creature.limbs().len();
-        let own = limbs.map(|limb| frame(&scene.body.limb_pose(&scene.data, limb).unwrap_or_default())).collect();
+        let own =
+            limbs.map(|limb| frame(&scene.body.limb_pose(&scene.data, limb).unwrap_or_default())).collect();
         let things = self.bodies.iter().map(|&body| frame(&scene.thing_pose(body))).collect();
         let mut state = self.state();
         (state.own, state.things) = (own, things);
@@ -131,27 +132,19 @@ impl TableView {
 
 impl View for TableView {
     fn page(&self) -> String {
+        let mut meshes = vec![
+            Moving { name: "body", poses: "own", mesh: &self.limbs, colour: Some("#b9c7d3") },
+            Moving { name: "receptors", poses: "own", mesh: &self.receptors, colour: None },
+        ];
+        for (k, (name, mesh)) in self.things.iter().enumerate() {
+            meshes.push(Moving { name, poses: "things", mesh, colour: Some(COLOURS[k % COLOURS.len()]) });
+        }
         let (own, things) = {
             let state = self.state();
             (state.own.clone(), state.things.clone())
         };
-        let moving = |name: &str, poses: &'static str, mesh, receptors, colour, opacity| Moving {
-            name: name.into(),
-            poses,
-            mesh,
-            receptors,
-            colour,
-            opacity,
-        };
-        let mut meshes = vec![
-            (moving("body", "own", &self.limbs, false, "#b9c7d3", 1.0), &own[..]),
-            (moving("receptors", "own", &self.receptors, true, "", 1.0), &own[..]),
-        ];
-        for (k, (name, mesh)) in self.things.iter().enumerate() {
-            let colour = COLOURS[k % COLOURS.len()];
-            meshes.push((moving(name, "things", mesh, false, colour, 1.0), &things[..]));
-        }
-        let places = meshes.iter().flat_map(|(moving, at)| {
+        let places = meshes.iter().flat_map(|moving| {
+            let at = if moving.poses == "own" { &own } else { &things };
             moving.mesh.corners.iter().map(|(part, p)| at.get(*part).map_or(*p, |frame| frame.point(p)))
         });
         let mut room = [Vector3::repeat(f64::INFINITY), Vector3::repeat(f64::NEG_INFINITY)];
@@ -159,7 +152,8 @@ impl View for TableView {
             room = [room[0].inf(&place), room[1].sup(&place)];
         }
         let room = [room[0] - Vector3::repeat(ROOM), room[1] + Vector3::repeat(ROOM)];
-        let caption = "Click on its skin to touch it there. Turn it with the mouse; receptors light up where it feels.";
+        let caption =
+            "Click on its skin to touch it there. Turn it with the mouse; receptors light up where it feels.";
         let body = figure("The creature and what is about it", 620, &meshes, room, caption);
         let content = format!(
             "<section class=\"talk\">\n<div>{body}</div>\n<div class=\"dialogue\">\n\
@@ -168,12 +162,17 @@ impl View for TableView {
              aria-label=\"What you say\" placeholder=\"Is there something in front of you?\"/>\
              <button>Say</button></form>\n</div>\n</section>\n"
         );
-        page(&self.name, "It is blindfolded: it knows its body from touching itself, and the scene from what it feels", &content)
+        page(
+            &self.name,
+            "It is blindfolded: it knows its body from touching itself, and the scene from what it feels",
+            &content,
+        )
     }
 
     fn newest(&self) -> String {
         let state = self.state();
-        let lines: Vec<[&str; 2]> = state.lines.iter().map(|line| [line.who.as_str(), line.said.as_str()]).collect();
+        let lines: Vec<[&str; 2]> =
+            state.lines.iter().map(|line| [line.who.as_str(), line.said.as_str()]).collect();
         let doing = match (state.over, state.busy) {
             (true, _) => "The conversation is over.",
             (_, true) => "…",
