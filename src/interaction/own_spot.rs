@@ -5,6 +5,10 @@ use super::scene::{Feeling, Touched};
 use super::tasks::Trouble;
 use crate::peripersonal::{Aim, OutOfReach};
 
+/// How high over the skin a hand is aimed, metres: where it meets the skin it would count as tangled with it. The
+/// straight approach goes on beyond.
+const ABOVE: f64 = 0.015;
+
 /// A spot that was touched with a hand.
 #[derive(Clone, Debug, PartialEq)]
 pub struct OwnTouch {
@@ -32,7 +36,7 @@ impl Actor {
         };
         let mut trouble = Trouble::Reach(OutOfReach::Barred);
         for hand in hands {
-            let aim = Aim { point, direction: -normal };
+            let aim = Aim { point: point + normal * ABOVE, direction: -normal };
             let (arm, receptors) = (self.hands[hand].arm.clone(), self.hands[hand].receptors.clone());
             let from = self.posture();
             let plan = match self.reaching(arm).approach(&from, &receptors, &aim) {
