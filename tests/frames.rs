@@ -4,7 +4,6 @@ mod common;
 
 use std::fs;
 use std::path::Path;
-use std::process::{Command, Output};
 use std::sync::Arc;
 
 use bodyschema::babbling::random_posture;
@@ -18,6 +17,7 @@ use bodyschema::record::{read_schema, write_schema};
 use bodyschema::schema::{nearest_rotation, to_mjcf};
 use bodyschema::senses::{OwnFrames, Touch};
 use bodyschema::skin::{Skin, skin_of};
+use common::program::run;
 use common::{babble, creature, max, two_arms};
 use nalgebra::{DVector, Matrix3, Rotation3, Vector3};
 use rand::{RngExt, SeedableRng};
@@ -361,11 +361,6 @@ const HINGES: &str = r#"<mujoco model="hinges">
   </worldbody>
   <sensor><touch site="base_r"/><touch site="first_r"/><touch site="second_r"/></sensor>
 </mujoco>"#;
-
-fn run(place: &Path, arguments: &[&str]) -> Output {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_bodyschema"));
-    command.args(arguments).current_dir(place).env("RUST_BACKTRACE", "0").output().unwrap()
-}
 
 fn json(place: &Path, arguments: &[&str]) -> Value {
     let output = run(place, arguments);

@@ -4,12 +4,12 @@ mod common;
 
 use std::fs;
 use std::path::Path;
-use std::process::{Command, Output};
 
 use bodyschema::evaluation::MapAgreement;
 use bodyschema::senses::touch_sensor::Place;
 use bodyschema::senses::{Firing, FiringRecorder, SkinContact, learn_map};
 use bodyschema::skin::{Receptor, Skin, SomatotopicMap};
+use common::program::{refused, succeeds};
 use common::repository;
 use nalgebra::Vector3;
 use rand::{RngExt, SeedableRng};
@@ -123,25 +123,6 @@ fn a_receptor_fires_on_over_a_bounce_and_anew_after_silence() {
     }
     ended.extend(recorder.rest());
     assert_eq!(ended, [[0.0, 0.02], [0.07, 0.07]].map(|span| Firing { receptor: 7, span }));
-}
-
-fn run(place: &Path, arguments: &[&str]) -> Output {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_bodyschema"));
-    command.args(arguments).current_dir(place).env("RUST_BACKTRACE", "0").output().unwrap()
-}
-
-fn succeeds(place: &Path, arguments: &[&str]) -> String {
-    let output = run(place, arguments);
-    assert_eq!(output.status.code(), Some(0), "{arguments:?}: {}", String::from_utf8_lossy(&output.stderr));
-    String::from_utf8(output.stdout).unwrap()
-}
-
-fn refused(place: &Path, code: i32, arguments: &[&str]) -> String {
-    let output = run(place, arguments);
-    let message = String::from_utf8(output.stderr).unwrap();
-    assert_eq!(output.status.code(), Some(code), "{arguments:?}: {message}");
-    assert!(output.stdout.is_empty() && !message.contains("panicked"), "{arguments:?}: {message}");
-    message
 }
 
 #[test]

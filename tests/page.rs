@@ -7,10 +7,10 @@ mod browser;
 mod common;
 
 use std::path::Path;
-use std::process::Command;
 use std::sync::{Arc, Mutex};
 
 use browser::{PATIENCE, browser, evaluate};
+use common::program::succeeds;
 use common::repository;
 use headless_chrome::protocol::cdp::types::Event;
 use headless_chrome::protocol::cdp::{Emulation, Log::LogEntryLevel, Network};
@@ -22,11 +22,6 @@ const PICTURES: [&str; 7] =
     ["body", "curve", "joint-errors", "residuals", "uncertainty", "touch-matrix", "reachable"];
 /// The most bytes of a page.
 const MOST_BYTES: u64 = 8_000_000;
-fn bodyschema(place: &Path, arguments: &[&str]) {
-    let output =
-        Command::new(env!("CARGO_BIN_EXE_bodyschema")).args(arguments).current_dir(place).output().unwrap();
-    assert!(output.status.success(), "{arguments:?}: {}", String::from_utf8_lossy(&output.stderr));
-}
 
 /// What a page said while it was opened.
 #[derive(Default)]
@@ -37,7 +32,7 @@ struct Heard {
     complaints: Vec<String>,
 }
 
-/// Opens a page and waits until its pictures are drawn.
+/// Opens a page and waits until the pictures that it begins with are drawn.
 fn open(browser: &Browser, page: &Path) -> (Arc<Tab>, Heard) {
     let tab = browser.new_tab().unwrap();
     tab.set_default_timeout(PATIENCE);
@@ -107,9 +102,9 @@ fn every_picture_is_drawn_and_nothing_is_fetched() {
     let place = tempfile::tempdir().unwrap();
     let model = repository("mjcf/max/max.xml");
     let model = model.to_str().unwrap();
-    bodyschema(place.path(), &["babble", model, "--touches", "100", "--input", "contact", "--out", "max"]);
-    bodyschema(place.path(), &["space", "max", "--voxel", "0.08"]);
-    bodyschema(place.path(), &["report", "max"]);
+    succeeds(place.path(), &["babble", model, "--touches", "100", "--input", "contact", "--out", "max"]);
+    succeeds(place.path(), &["space", "max", "--voxel", "0.08"]);
+    succeeds(place.path(), &["report", "max"]);
     let page = place.path().join("max/report.html");
     let bytes = std::fs::metadata(&page).unwrap().len();
     assert!(bytes <= MOST_BYTES, "{bytes} bytes");
@@ -122,6 +117,8 @@ fn every_picture_is_drawn_and_nothing_is_fetched() {
         let script = format!(
             r##"await (async () => {{
                 const place = document.getElementById("{picture}");
+                place.scrollIntoView();
+                while (place.dataset.drawn === undefined) await new Promise((done) => setTimeout(done, 20));
                 const size = (t) => Math.max(...["x", "y", "z"].map((k) => (t[k] ? t[k].length : 0)));
                 return [place.data.map(size), place.querySelectorAll("svg.main-svg").length,
                         place.scrollWidth <= place.clientWidth];
@@ -129,7 +126,8 @@ fn every_picture_is_drawn_and_nothing_is_fetched() {
         );
         let found = evaluate(&tab, &script);
         let points: Vec<u64> = found[0].as_array().unwrap().iter().map(|n| n.as_u64().unwrap()).collect();
-        assert!(points.iter().sum::<u64>() >= 10, "{picture}: {points:?}");
+        // A hundred touches are learned from at two checkpoints.
+        assert!(points.iter().sum::<u64>() >= 4, "{picture}: {points:?}");
         assert!(found[1].as_u64().unwrap() >= 1, "{picture} is not drawn");
         assert_eq!(found[2], Value::Bool(true), "{picture} is wider than its place");
         let (share, colours) = pixels(&tab, picture);
@@ -195,10 +193,10 @@ fn a_recording_has_a_page_without_the_truth() {
     let model = model.to_str().unwrap();
     let babble =
         ["babble", model, "--touches", "60", "--input", "contact", "--learner", "hersch", "--out", "made"];
-    bodyschema(place.path(), &babble);
+    succeeds(place.path(), &babble);
     let learn =
         ["learn", "--creature", "made/session.json", "--log", "made/touches.jsonl", "--out", "recorded"];
-    bodyschema(place.path(), &learn);
+    succeeds(place.path(), &learn);
     let (tab, heard) = open(&browser, &place.path().join("recorded/report.html"));
     assert_eq!((heard.requests, heard.complaints), Default::default());
     let names = evaluate(&tab, r#"document.getElementById("body").data.map((trace) => trace.name || "")"#);

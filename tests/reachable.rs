@@ -3,8 +3,6 @@
 mod common;
 
 use std::fs;
-use std::path::Path;
-use std::process::{Command, Output};
 
 use bodyschema::babbling::random_posture;
 use bodyschema::creature::Body;
@@ -12,6 +10,7 @@ use bodyschema::kinematics::REACHED;
 use bodyschema::learning::Input;
 use bodyschema::peripersonal::{Level, OwnBody, ReachableMap, TipChain, Unmappable, Workspace};
 use bodyschema::skin::skin_of;
+use common::program::run;
 use common::{creature, max, truth, two_arms};
 use nalgebra::Vector3;
 use rand::SeedableRng;
@@ -214,11 +213,6 @@ fn what_cannot_be_mapped_is_told() {
     }
     // Voxels larger than the body are no mistake.
     assert_eq!(ReachableMap::new(&own, fore, 0, 50.0).unwrap().voxels().count(), 1);
-}
-
-fn run(place: &Path, arguments: &[&str]) -> Output {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_bodyschema"));
-    command.args(arguments).current_dir(place).env("RUST_BACKTRACE", "0").output().unwrap()
 }
 
 #[test]

@@ -489,7 +489,7 @@ fn a_wrong_session_is_named() {
     };
     assert!(complaint("bodyschema session", "x", None).contains("\"x\""));
     assert!(complaint("\"version\": 1", "\"version\": 2", None).contains("newer version"));
-    assert!(complaint("\"seed\": 18446744073709551615", "\"seed\": -1", Some(8)).contains("invalid value"));
+    assert!(complaint("\"seed\": 18446744073709551615", "\"seed\": -1", Some(14)).contains("invalid value"));
     assert!(complaint("head_01", "head_00", None).contains("\"head_00\" occurs twice"));
     assert!(complaint("\"limb\": 3", "\"limb\": 4", None).contains("\"head_00\" is on a limb"));
     assert!(complaint("\"surface\": 0", "\"surface\": 1", None).contains("\"trunk_00\" is on a surface"));

@@ -75,12 +75,14 @@ impl Place {
         fs::read(self.path(session).join("touches.jsonl")).unwrap()
     }
 
-    /// What a session says of itself, but for the time that babbling took.
+    /// What a session says of itself, but for the time that babbling took, and the command, which names the folder.
     fn about(&self, session: &str) -> Value {
         let text = fs::read_to_string(self.path(session).join("session.json")).unwrap();
         let mut about: Value = serde_json::from_str(&text).unwrap();
         assert!(about["effort"]["babbling_s"].as_f64().unwrap() > 0.0, "{about}");
         about["effort"]["babbling_s"] = Value::Null;
+        assert_eq!(about["command"][1], "babble");
+        about["command"] = Value::Null;
         about
     }
 

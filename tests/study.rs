@@ -4,8 +4,8 @@ mod common;
 
 use std::fs;
 use std::path::Path;
-use std::process::{Command, Output};
 
+use common::program::{refused, succeeds};
 use common::two_arms;
 use serde_json::Value;
 use tempfile::TempDir;
@@ -18,28 +18,9 @@ fn place() -> TempDir {
     place
 }
 
-fn run(place: &Path, arguments: &[&str]) -> Output {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_bodyschema"));
-    command.args(arguments).current_dir(place).env("RUST_BACKTRACE", "0").output().unwrap()
-}
-
-fn succeeds(place: &Path, arguments: &[&str]) -> String {
-    let output = run(place, arguments);
-    assert_eq!(output.status.code(), Some(0), "{arguments:?}: {}", String::from_utf8_lossy(&output.stderr));
-    String::from_utf8(output.stdout).unwrap()
-}
-
 fn json(place: &Path, arguments: &[&str]) -> Value {
     let text = succeeds(place, arguments);
     serde_json::from_str(&text).unwrap_or_else(|error| panic!("{error}: {text}"))
-}
-
-fn refused(place: &Path, code: i32, arguments: &[&str]) -> String {
-    let output = run(place, arguments);
-    let message = String::from_utf8(output.stderr).unwrap();
-    assert_eq!(output.status.code(), Some(code), "{arguments:?}: {message}");
-    assert!(output.stdout.is_empty() && !message.contains("panicked"), "{arguments:?}: {message}");
-    message
 }
 
 #[test]

@@ -28,7 +28,8 @@ pub const REPORT_FILE: &str = "report.html";
 #[derive(clap::Args)]
 #[command(after_help = "Examples:
   bodyschema report sessions/max-1
-  bodyschema space sessions/max-1 && bodyschema report sessions/max-1
+  bodyschema space sessions/max-1
+  bodyschema report sessions/max-1
   bodyschema report sessions/max-1 --model mjcf/max/max.xml")]
 pub struct Args {
     /// The session's folder

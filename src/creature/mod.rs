@@ -82,6 +82,12 @@ impl Joint {
         self.first_dof..self.first_dof + self.dofs.len()
     }
 
+    /// Its coordinates in a posture.
+    pub fn coordinates(&self) -> std::ops::Range<usize> {
+        let count: usize = self.dofs.iter().map(|dof| dof.kind.coordinates()).sum();
+        self.first_coordinate..self.first_coordinate + count
+    }
+
     /// Index of its first coordinate in a posture.
     pub fn first_coordinate(&self) -> usize {
         self.first_coordinate

@@ -11,7 +11,7 @@ use super::scene::{Feeling, Scene, Touched};
 use crate::babbling::between;
 use crate::kinematics::Frame;
 use crate::mujoco;
-use crate::peripersonal::{Clearance, Obstacle, OwnBody, Reaching, Way};
+use crate::peripersonal::{Clearance, Obstacle, OwnBody, Reaching, Way, distance};
 
 /// How fast the tips of the hands go where nothing is expected, metres a second …
 pub const SWIFT: f64 = 0.6;
@@ -41,6 +41,13 @@ pub struct Hand {
     pub receptors: Vec<usize>,
     /// The one farthest from its wrist.
     pub tip: usize,
+}
+
+impl Hand {
+    /// The joints that move it: all of them where it may lean, else its arm's alone.
+    pub fn joints(&self, lean: bool) -> &[usize] {
+        if lean { &self.leaning } else { &self.arm }
+    }
 }
 
 /// How a motion ended.
@@ -144,13 +151,10 @@ impl Actor {
         let hand = |k: usize| {
             let (limb, other) = (limbs[k], limbs[1 - k]);
             let receptors = own.receptors_on(&own.hand_of(limb));
-            let far = |r: &usize| {
-                own.frames(&own.at_ease())[limb]
-                    .inverse_point(&{
-                        let place = own.place(*r);
-                        own.frames(&own.at_ease())[place.limb].point(&place.point)
-                    })
-                    .norm()
+            let frames = own.frames(&own.at_ease());
+            let far = |&receptor: &usize| {
+                let place = own.place(receptor);
+                (frames[place.limb].point(&place.point) - frames[limb].origin).norm()
             };
             let tip = receptors.iter().copied().max_by(|a, b| far(a).total_cmp(&far(b)));
             let tip =
@@ -240,9 +244,9 @@ impl Actor {
     /// How far forward the trunk reaches at a height: no table is nearer than this, metres along `front`.
     pub fn trunk_front(&self, height: f64) -> f64 {
         let frames = self.own.frames(&self.own.at_ease());
-        let mut trunk = self.own.skin.surfaces.iter().filter(|surface| !self.on_arm(surface.limb));
+        let trunk = self.own.skin.surfaces.iter().filter(|surface| !self.on_arm(surface.limb));
         // What is far above or below has the table in front of it or over it.
-        let front = trunk.by_ref().filter_map(|surface| {
+        let front = trunk.filter_map(|surface| {
             let frame = &frames[surface.limb];
             let point = frame.point(&surface.support(&frame.rotation.tr_mul(&self.front))?);
             ((point.dot(&self.up) - height).abs() < 0.25).then_some(point.dot(&self.front))
@@ -272,7 +276,7 @@ impl Actor {
         let step = self.scene.timestep();
         for target in &way.0 {
             let start = self.posture();
-            let joints = start.iter().zip(target).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+            let joints = distance(&start, target);
             let tips = |frames: &[Frame]| {
                 self.hands.each_ref().map(|hand| frames[hand.limb].point(&self.own.place(hand.tip).point))
             };

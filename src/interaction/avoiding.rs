@@ -16,7 +16,7 @@ use crate::babbling::between;
 use crate::creature::DofKind;
 use crate::kinematics::{Facing, Frame, InverseKinematics, Place};
 use crate::mujoco;
-use crate::peripersonal::{Clearance, Obstacle, OwnBody};
+use crate::peripersonal::{Clearance, Obstacle, OwnBody, distance};
 use crate::senses::{Approach, Aura, LOOK_PERIOD};
 
 /// The fastest that a joint turns when it gets out of the way, radians a second.
@@ -160,11 +160,7 @@ impl Course {
 
 impl Group {
     fn new(own: &OwnBody, clearance: &Clearance, joints: &[usize]) -> Group {
-        let mut carried = vec![false; own.creature.limbs().len()];
-        for &joint in joints {
-            own.carried_by(joint + 1).into_iter().zip(&mut carried).for_each(|(by, any)| *any |= by);
-        }
-        Group { carried, clearance: clearance.moved_by(own, joints) }
+        Group { carried: own.moved_by(joints), clearance: clearance.moved_by(own, joints) }
     }
 
     /// How far the limbs that move are from an obstacle, up to `below`, metres.
@@ -182,7 +178,7 @@ impl Group {
         [from, to]: [&[f64]; 2],
         course: &Course,
     ) -> Option<f64> {
-        let far = farthest(from, to);
+        let far = distance(from, to);
         let steps = (far / FINE).ceil().max(1.0) as usize;
         let seconds = far / QUICK;
         let mut least = WANTED;
@@ -199,11 +195,6 @@ impl Group {
         }
         Some(least)
     }
-}
-
-/// The farthest that a coordinate has to go.
-fn farthest(from: &[f64], to: &[f64]) -> f64 {
-    from.iter().zip(to).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
 }
 
 impl Avoiding {
@@ -237,7 +228,7 @@ impl Avoiding {
         let target = match &self.escape {
             None => from.clone(),
             Some(escape) => {
-                let far = farthest(&from, &escape.posture);
+                let far = distance(&from, &escape.posture);
                 let share = (QUICK * actor.scene.timestep() / far.max(f64::MIN_POSITIVE)).min(1.0);
                 between(&actor.own.creature, &from, &escape.posture, share)
             }
@@ -339,9 +330,7 @@ impl Avoiding {
         // These joints begin from where they are.
         let mut start = base.to_vec();
         for &joint in joints {
-            let joint = &own.creature.joints()[joint];
-            let count: usize = joint.dofs.iter().map(|dof| dof.kind.coordinates()).sum();
-            let q = joint.first_coordinate()..joint.first_coordinate() + count;
+            let q = own.creature.joints()[joint].coordinates();
             start[q.clone()].copy_from_slice(&now[q]);
         }
         let mut postures = vec![start.clone()];
@@ -354,7 +343,7 @@ impl Avoiding {
         }
         let clear = |posture: &[f64], enough: f64| {
             let frames = own.frames(posture);
-            let seconds = farthest(now, posture) / QUICK;
+            let seconds = distance(now, posture) / QUICK;
             let there = course.swept(seconds, course.ahead().max(seconds), course.radius);
             let gap = group.gap(&eased, &frames, &there, WANTED);
             (gap > enough && eased.free(&frames, MARGIN)).then_some(gap)
@@ -362,7 +351,7 @@ impl Avoiding {
         let mut rated: Vec<(f64, f64, Vec<f64>)> = Vec::new();
         for posture in postures {
             if let Some(gap) = clear(&posture, f64::NEG_INFINITY) {
-                rated.push((gap, farthest(now, &posture), posture));
+                rated.push((gap, distance(now, &posture), posture));
             }
         }
         let better = |a: &(f64, f64, Vec<f64>), b: &(f64, f64, Vec<f64>)| {
@@ -375,7 +364,7 @@ impl Avoiding {
                 let trial = nudged(own, joints, &posture, radius, &mut rng);
                 if let Some(found) = clear(&trial, gap) {
                     (gap, posture) = (found, trial);
-                    rated.push((gap, farthest(now, &posture), posture.clone()));
+                    rated.push((gap, distance(now, &posture), posture.clone()));
                     if gap >= WANTED {
                         break;
                     }

@@ -128,15 +128,11 @@ impl Clearance {
     /// The same for motions of some joints alone: what they cannot change is left out.
     pub fn moved_by(&self, own: &OwnBody, joints: &[usize]) -> Clearance {
         let mut moved = self.clone();
-        let mut carried = vec![false; self.parts.len()];
-        for &joint in joints {
-            own.carried_by(joint + 1).into_iter().zip(&mut carried).for_each(|(by, any)| *any |= by);
-        }
         moved.pairs.retain(|pair| {
             let [a, b] = pair.limbs;
             Chain::between(&own.creature, a, b).joints().any(|joint| joints.contains(&joint))
         });
-        moved.exposed.iter_mut().zip(carried).for_each(|(exposed, carried)| *exposed &= carried);
+        moved.exposed.iter_mut().zip(own.moved_by(joints)).for_each(|(exposed, carried)| *exposed &= carried);
         moved
     }
 

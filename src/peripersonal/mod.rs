@@ -31,7 +31,7 @@ mod tip;
 pub use clearance::{Clearance, Obstacle};
 pub use lattice::Lattice;
 pub use own_body::{Doubt, OwnBody, TRUSTED};
-pub use path::{Way, find_way, straight};
+pub use path::{Way, distance, find_way, straight};
 pub use prediction::{Meeting, Predicted};
 pub use reachable::{Level, ReachableMap, Unmappable, Whereabouts};
 pub use reaching::{Aim, Approach, OutOfReach, Reaching};

@@ -174,6 +174,15 @@ impl OwnBody {
         carried
     }
 
+    /// The limbs that move with some joints.
+    pub fn moved_by(&self, joints: &[usize]) -> Vec<bool> {
+        let mut moved = vec![false; self.creature.limbs().len()];
+        for &joint in joints {
+            self.carried_by(joint + 1).into_iter().zip(&mut moved).for_each(|(by, any)| *any |= by);
+        }
+        moved
+    }
+
     /// The joints between the root and a limb, root's side first.
     pub fn joints_to(&self, limb: usize) -> Vec<usize> {
         Chain::between(&self.creature, 0, limb).sides[1].clone()

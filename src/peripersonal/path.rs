@@ -28,7 +28,7 @@ impl Way {
 }
 
 /// How far apart two postures are: the greatest difference of a coordinate.
-pub(super) fn distance(a: &[f64], b: &[f64]) -> f64 {
+pub fn distance(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(x, y)| (x - y).abs()).fold(0.0, f64::max)
 }
 

@@ -8,8 +8,8 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 
 use super::error::json_reason;
+use super::json_lines::read_lines;
 use super::stamp::Stamp;
-use super::touch_reader::incomplete;
 use super::{Action, FIRINGS_FILE, RecordError, files};
 use crate::senses::Firing;
 use crate::skin::Skin;
@@ -116,28 +116,10 @@ pub fn read_firings(path: &Path, creature: &str, skin: &Skin) -> Result<Vec<Firi
         }
     }
     let mut firings = Vec::new();
-    for line in 2.. {
-        json.clear();
-        file.read_until(b'\n', &mut json).map_err(io())?;
-        let last = file.fill_buf().map_err(io())?.is_empty();
-        if last && json.trim_ascii().is_empty() {
-            break;
-        }
-        match serde_json::from_slice::<Line<String>>(&json) {
-            Ok(found) => match firing(&found, &receptors) {
-                Ok(firing) => firings.push(firing),
-                Err(message) => return refuse(line, message),
-            },
-            Err(error) if last && incomplete(&json, &error) => break,
-            Err(error) => {
-                let reason = json_reason(&error);
-                return refuse(line, format!("it is no firing ({reason}): mend the line or delete it"));
-            }
-        }
-        if last {
-            break;
-        }
-    }
+    read_lines(path, &mut file, "firing", |found| {
+        firings.push(firing(&found, &receptors)?);
+        Ok(())
+    })?;
     Ok(firings)
 }
 

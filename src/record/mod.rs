@@ -9,6 +9,7 @@ mod error;
 mod files;
 mod firing_log;
 mod host;
+mod json_lines;
 mod known;
 mod learning_record;
 mod learning_table;

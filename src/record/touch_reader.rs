@@ -8,6 +8,7 @@ use std::path::Path;
 use nalgebra::Vector3;
 
 use super::error::json_reason;
+use super::json_lines::read_lines;
 use super::touch_line::{Header, Line, STAMP, UNITS, check, limb_name};
 use super::{Action, RecordError};
 use crate::creature::Creature;
@@ -45,35 +46,11 @@ pub fn read_touches(path: &Path, creature: &Creature, skin: &Skin) -> Result<Tou
     file.read_until(b'\n', &mut json).map_err(io())?;
     check_header(path, &json, 1, creature)?;
     let mut log = TouchLog::default();
-    for line in 2.. {
-        json.clear();
-        file.read_until(b'\n', &mut json).map_err(io())?;
-        let last = file.fill_buf().map_err(io())?.is_empty();
-        if last && json.trim_ascii().is_empty() {
-            break;
-        }
-        match serde_json::from_slice::<FoundLine>(&json) {
-            Ok(found) => {
-                let touch = touch(found, creature, skin, &receptors)
-                    .map_err(|message| RecordError::format(path, Some(line), message))?;
-                log.touches.push(touch);
-            }
-            Err(error) if last && incomplete(&json, &error) => log.truncated = Some(line),
-            Err(error) => {
-                let message = format!("it is no touch ({}): mend the line or delete it", json_reason(&error));
-                return Err(RecordError::format(path, Some(line), message));
-            }
-        }
-        if last {
-            break;
-        }
-    }
+    log.truncated = read_lines(path, &mut file, "touch", |found: FoundLine| {
+        log.touches.push(touch(found, creature, skin, &receptors)?);
+        Ok(())
+    })?;
     Ok(log)
-}
-
-/// Whether a last line that is no touch is the beginning of one.
-pub(super) fn incomplete(json: &[u8], error: &serde_json::Error) -> bool {
-    error.is_eof() || (error.is_syntax() && !json.ends_with(b"\n"))
 }
 
 /// Checks the header, which stands on a line of the log.

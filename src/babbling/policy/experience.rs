@@ -236,11 +236,6 @@ impl<'a> Experience<'a> {
     }
 
     fn coordinates_of<'s>(&'s self, joints: &'s [usize]) -> impl Iterator<Item = usize> + 's {
-        joints.iter().flat_map(|&j| {
-            let joint = &self.creature.joints()[j];
-            let first = joint.first_coordinate();
-            let count: usize = joint.dofs.iter().map(|dof| dof.kind.coordinates()).sum();
-            first..first + count
-        })
+        joints.iter().flat_map(|&joint| self.creature.joints()[joint].coordinates())
     }
 }

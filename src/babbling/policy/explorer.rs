@@ -155,9 +155,7 @@ impl<'a> Explorer<'a> {
         // What is not between the limbs stays near where it is, so that it gets less in the way.
         let mut start = between(self.creature, posture, &random, 0.3);
         for j in Chain::between(self.creature, limbs[0], limbs[1]).joints() {
-            let joint = &self.creature.joints()[j];
-            let count: usize = joint.dofs.iter().map(|dof| dof.kind.coordinates()).sum();
-            let at = joint.first_coordinate()..joint.first_coordinate() + count;
+            let at = self.creature.joints()[j].coordinates();
             start[at.clone()].copy_from_slice(&random[at]);
         }
         start

@@ -15,7 +15,8 @@ use serde_json::json;
 
 use super::ReportInput;
 use super::mesh::Mesh;
-use super::picture::{GREY, ORANGE, figure, layout};
+use super::picture::{GREY, ORANGE, figure_over, layout};
+use super::still::{Over, Piece, still};
 use super::text::{escape, plural};
 use crate::creature::Creature;
 use crate::kinematics::{Frame, limb_frames};
@@ -37,6 +38,8 @@ const TOUCHED: [(f64, &str); 5] =
     [(0.0, "#93a1ad"), (0.25, "#f6d573"), (0.55, "#f28e3c"), (0.8, "#d7301f"), (1.0, "#7f0018")];
 /// How opaque limbs and receptors are where joints are to be seen inside them.
 const SEE_THROUGH: [f64; 2] = [0.2, 0.45];
+/// How much nearer than it is a receptor counts in the still, metres: the surface below is cut more coarsely.
+const LIFT: f64 = 0.05;
 
 /// Where the body is looked at from, with x ahead, y to the left and z up, and how many of its greatest extents
 /// away.
@@ -77,25 +80,35 @@ impl Pose {
         coordinates(mesh.corners.iter().map(|(limb, p_l)| Some(self.frames[*limb].point(p_l))))
     }
 
+    fn points(&self, mesh: &Mesh) -> Vec<Vector3<f64>> {
+        mesh.corners.iter().map(|(limb, p_l)| self.frames[*limb].point(p_l)).collect()
+    }
+
     fn joints(&self) -> Coordinates {
         coordinates(self.begins[1..].iter().map(|p| Some(*p)))
     }
 
     /// A line from joint to joint, and to the middle of the skin of limbs that carry no other.
     fn bones(&self, creature: &Creature, skin: &Skin) -> Coordinates {
-        let mut points = Vec::new();
+        let lines = self.lines(creature, skin);
+        coordinates(lines.into_iter().flat_map(|[from, to]| [Some(from), Some(to), None]))
+    }
+
+    /// The ends of each bone.
+    fn lines(&self, creature: &Creature, skin: &Skin) -> Vec<[Vector3<f64>; 2]> {
+        let mut lines = Vec::new();
         for (joint, end) in creature.joints().iter().zip(&self.begins[1..]) {
-            points.extend([Some(self.begins[joint.parent]), Some(*end), None]);
+            lines.push([self.begins[joint.parent], *end]);
         }
         for (limb, frame) in self.frames.iter().enumerate() {
             let carries = creature.joints().iter().any(|joint| joint.parent == limb);
             let own: Vec<_> = skin.receptors.iter().filter(|r| r.limb == limb).map(|r| r.position).collect();
             if !carries && !own.is_empty() {
                 let middle = own.iter().sum::<Vector3<f64>>() / own.len() as f64;
-                points.extend([Some(self.begins[limb]), Some(frame.point(&middle)), None]);
+                lines.push([self.begins[limb], frame.point(&middle)]);
             }
         }
-        coordinates(points)
+        lines
     }
 }
 
@@ -153,7 +166,54 @@ pub(super) fn body(input: &ReportInput) -> String {
             ""
         }
     );
-    figure("body", &format!("The learned body{over} in three dimensions"), 660, traces, layout, &caption)
+    let says = format!("The learned body{over} in three dimensions");
+    figure_over("body", &says, 660, traces, layout, &caption, &still_of(input, &drawn))
+}
+
+/// What is to be seen of the learned body before it can be turned.
+fn still_of(input: &ReportInput, drawn: &Drawn) -> String {
+    let pose = Pose::new(input.creature, input.schema);
+    let places = pose.points(&drawn.limbs);
+    let limbs = drawn.limbs.triangles.iter().map(|triangle| Piece {
+        corners: triangle.map(|corner| places[corner]).to_vec(),
+        colour: red_green_blue(LIMB),
+        lift: 0.0,
+    });
+    let counts = counts(input);
+    let most = (counts.iter().copied().max().unwrap_or(0).max(1) as f64).ln_1p();
+    let places = pose.points(&drawn.receptors);
+    let receptors = places.chunks(4).zip(&counts).map(|(corners, count)| Piece {
+        corners: corners.to_vec(),
+        colour: between(&TOUCHED, (*count as f64).ln_1p() / most),
+        lift: LIFT,
+    });
+    let pieces: Vec<Piece> = limbs.chain(receptors).collect();
+    let joints = pose.begins[1..].iter().enumerate();
+    let over = Over {
+        lines: pose.lines(input.creature, input.skin),
+        line_colour: JOINT,
+        points: joints.map(|(joint, place)| (*place, colour_of(input, joint))).collect(),
+    };
+    still(&pieces, &over, &Vector3::from(VIEW))
+}
+
+/// Orange where the touches do not determine a joint.
+fn colour_of(input: &ReportInput, joint: usize) -> &'static str {
+    if input.undetermined.contains(&joint) { ORANGE } else { JOINT }
+}
+
+/// A colour written as #rrggbb.
+fn red_green_blue(colour: &str) -> [f64; 3] {
+    [1, 3, 5].map(|at| u8::from_str_radix(&colour[at..at + 2], 16).map_or(0.0, f64::from))
+}
+
+/// The colour at `share` of a scale.
+fn between(scale: &[(f64, &str)], share: f64) -> [f64; 3] {
+    let above = scale.iter().position(|(at, _)| share <= *at).unwrap_or(scale.len() - 1).max(1);
+    let ((low, from), (high, to)) = (scale[above - 1], scale[above]);
+    let part = ((share - low) / (high - low)).clamp(0.0, 1.0);
+    let (from, to) = (red_green_blue(from), red_green_blue(to));
+    [0, 1, 2].map(|k| from[k] + part * (to[k] - from[k]))
 }
 
 /// The checkpoints that there is room for, the first and the last at any rate: what each is called and the lists
@@ -276,7 +336,7 @@ fn learned(input: &ReportInput, drawn: &Drawn, lists: [Coordinates; 4]) -> Vec<B
         .line(Line::new().color(JOINT).width(7.0))
         .hover_info(HoverInfo::Skip);
     let [x, y, z] = joints;
-    let colour = |joint: usize| if input.undetermined.contains(&joint) { ORANGE } else { JOINT };
+    let colour = |joint: usize| colour_of(input, joint);
     let names = input.creature.joints().iter().map(|joint| escape(&joint.name));
     let joints = Scatter3D::new(x, y, z)
         .name("joints")

@@ -10,6 +10,7 @@ pub(crate) mod mesh;
 pub(crate) mod picture;
 mod reachable;
 mod residuals;
+mod still;
 mod tables;
 pub(crate) mod text;
 mod touch_matrix;

@@ -13,11 +13,14 @@ pub(crate) const ORANGE: &str = "#e08214";
 pub(crate) const GREY: &str = "#8a939c";
 pub(crate) const GREEN: &str = "#2aa57c";
 
+/// What draws the pictures, as text that a script of the page hands to the browser when the first is to be drawn.
+///
 /// The first script of what the library embeds is plotly.js; what follows draws formulas, of which there are none.
 pub(crate) fn library() -> String {
     let scripts = Plot::offline_js_sources();
-    let end = "</script>";
-    scripts.find(end).map_or(String::new(), |at| scripts[..at + end.len()].to_string())
+    let source = scripts.split_once('>').and_then(|(_, rest)| rest.split_once("</script>"));
+    let source = source.map_or("", |(source, _)| source);
+    format!("<script type=\"text/plain\" id=\"library\">{source}</script>")
 }
 
 /// The place of a picture, its data and its caption, which is HTML.
@@ -29,6 +32,19 @@ pub(crate) fn figure(
     layout: Layout,
     caption: &str,
 ) -> String {
+    figure_over(id, says, height, traces, layout, caption, "")
+}
+
+/// A [`figure`] with a still in its place, which is SVG, until it is drawn.
+pub(super) fn figure_over(
+    id: &str,
+    says: &str,
+    height: usize,
+    traces: Vec<Box<dyn Trace>>,
+    layout: Layout,
+    caption: &str,
+    still: &str,
+) -> String {
     let mut plot = Plot::new();
     plot.add_traces(traces);
     plot.set_layout(layout.height(height).auto_size(true));
@@ -37,7 +53,7 @@ pub(crate) fn figure(
     );
     let data = harmless(&plot.to_json());
     format!(
-        "<figure>\n<div class=\"plot\" id=\"{id}\" role=\"img\" aria-label=\"{}\" style=\"height:{height}px\"></div>\n\
+        "<figure>\n<div class=\"plot\" id=\"{id}\" role=\"img\" aria-label=\"{}\" style=\"height:{height}px\">{still}</div>\n\
          <script type=\"application/json\" data-plot=\"{id}\">{data}</script>\n\
          <figcaption>{caption}</figcaption>\n</figure>\n",
         escape(says)

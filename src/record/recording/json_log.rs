@@ -11,7 +11,8 @@ use super::raw::{RawEnd, RawTouch};
 use crate::creature::{Creature, DofKind};
 use crate::record::RecordError;
 use crate::record::error::json_reason;
-use crate::record::touch_reader::{check_header, incomplete};
+use crate::record::json_lines::incomplete;
+use crate::record::touch_reader::check_header;
 
 /// A line. JSON has no other way to say "not a finite number" than null.
 #[derive(Deserialize)]

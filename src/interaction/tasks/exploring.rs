@@ -1,0 +1,133 @@
+//! Exploring a table blind: a hand is lowered until it feels it, then sweeps over it until something is felt.
+
+use nalgebra::Vector3;
+
+use super::{MARGIN, Trouble};
+use crate::interaction::actor::{Actor, CAREFUL, Found, Hand, Stop};
+use crate::interaction::scene::Touched;
+use crate::kinematics::{Place, REACHED};
+use crate::peripersonal::{Aim, Reaching, Way, straight};
+
+/// How fast the tips of the hands go in a sweep, metres a second.
+const SWEEPING: f64 = 2.0 * CAREFUL;
+/// How high over the table the tip of a sweeping hand goes, metres: things lower than this are not found.
+const SWEEP_HEIGHT: f64 = 0.03;
+/// How far apart the lanes of a sweep are, metres.
+const LANE: f64 = 0.06;
+/// Steps along a lane, metres.
+const STRIDE: f64 = 0.02;
+
+impl Actor {
+    /// Lowers a hand in front of it until it feels something, and takes that for the table.
+    ///
+    /// # Errors
+    /// [`Trouble`]; [`Trouble::Nothing`] where there is no table.
+    pub fn feel_table(&mut self, hand: usize) -> Result<f64, Trouble> {
+        let Hand { arm, tip, .. } = self.hands[hand].clone();
+        let place = self.own.place(tip);
+        let start = self.posture();
+        let (point, _) = self.feels_at(tip);
+        let (mut posture, mut way) = (start.clone(), Vec::new());
+        let up = self.up;
+        let reaching = self.reaching(arm);
+        for k in 1..200 {
+            let aim = Aim { point: point - up * (0.005 * f64::from(k)), direction: Vector3::zeros() };
+            let reach = reaching.solve(Place { direction: Vector3::zeros(), ..place }, &aim, &posture);
+            if reach.miss > REACHED {
+                break;
+            }
+            posture.clone_from(&reach.posture);
+            way.push(reach.posture);
+        }
+        let stop = self.follow(&Way(way), CAREFUL, |_, _| true)?;
+        let Stop::Felt(feelings) = stop else { return Err(Trouble::Nothing) };
+        if feelings.iter().any(|feeling| matches!(feeling.what, Touched::Own(_))) {
+            // Its own leg is no table.
+            let _ = self.retreat(&start);
+            return Err(Trouble::Nothing);
+        }
+        let heights = feelings.iter().map(|feeling| {
+            let place = self.own.place(feeling.receptor);
+            // The lowest point of the surface that felt it.
+            let surface = self.own.skin.receptors[feeling.receptor].surface;
+            let frame = self.frames()[place.limb];
+            let lowest = surface
+                .and_then(|s| self.own.skin.surfaces[s].support(&frame.rotation.tr_mul(&-self.up)))
+                .unwrap_or(place.point);
+            frame.point(&lowest).dot(&self.up)
+        });
+        let height = heights.fold(f64::INFINITY, f64::min);
+        self.know_table(height);
+        self.retreat(&start)?;
+        Ok(height)
+    }
+
+    /// The lanes of a sweep over the table with a hand: postures, lane by lane, nearest first.
+    fn lanes(&mut self, hand: usize) -> Vec<Way> {
+        let Some(height) = self.table else { return Vec::new() };
+        let Hand { arm, tip, .. } = self.hands[hand].clone();
+        let (front, left, up, side) = (self.front, self.left(), self.up, self.side(hand));
+        let edge = self.trunk_front(height);
+        let place = Place { direction: Vector3::zeros(), ..self.own.place(tip) };
+        let mut posture = self.ready();
+        let mut lanes = Vec::new();
+        let own = &self.own;
+        let clearance = &self.clearance.moved_by(own, &arm);
+        let reaching = Reaching::new(own, clearance, arm, 0);
+        for lane in 0..12 {
+            let forward = edge + 0.08 + LANE * f64::from(lane);
+            let mut found: Vec<Vec<f64>> = Vec::new();
+            let mut longest: Vec<Vec<f64>> = Vec::new();
+            for k in 0..44 {
+                // From its own side inwards, and back on the next lane.
+                let share = if lane % 2 == 0 { 43 - k } else { k };
+                let across = side * (-0.2 + STRIDE * f64::from(share));
+                let point = front * forward + left * across + up * (height + SWEEP_HEIGHT);
+                let reach = reaching.solve(place, &Aim { point, direction: Vector3::zeros() }, &posture);
+                let free = reach.miss <= REACHED && clearance.free(&own.frames(&reach.posture), MARGIN);
+                let near = found
+                    .last()
+                    .is_none_or(|before| straight(own, clearance, before, &reach.posture, 0.5 * MARGIN));
+                if free && near {
+                    posture.clone_from(&reach.posture);
+                    found.push(reach.posture);
+                } else if found.len() > longest.len() {
+                    longest = std::mem::take(&mut found);
+                } else {
+                    found.clear();
+                }
+            }
+            if found.len() > longest.len() {
+                longest = found;
+            }
+            if longest.len() > 3 {
+                lanes.push(Way(longest));
+            }
+        }
+        lanes
+    }
+
+    /// Sweeps the table with a hand until something is felt, by whatever part of the arm. None where all that it reaches
+    /// is empty. The table must be known.
+    ///
+    /// # Errors
+    /// [`Trouble`].
+    pub fn explore(&mut self, hand: usize) -> Result<Option<Found>, Trouble> {
+        let lanes = self.lanes(hand);
+        let arm = self.hands[hand].arm.clone();
+        for lane in lanes {
+            let from = self.posture();
+            let first = lane.0.first().expect("lanes are not empty").clone();
+            let Ok(way) = self.find_way([&from, &first], &arm) else { continue };
+            for way in [way, lane] {
+                let stop = self.follow(&way, SWEEPING, |actor, feeling| !actor.is_table(feeling))?;
+                if let Stop::Felt(feelings) = stop
+                    && let Some(found) = feelings.iter().find_map(|feeling| self.found(feeling))
+                {
+                    return Ok(Some(found));
+                }
+            }
+        }
+        Ok(None)
+    }
+}

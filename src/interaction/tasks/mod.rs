@@ -1,0 +1,163 @@
+//! What a creature does about what it feels: explores a table blind, touches with the other hand what it felt, holds it,
+//! puts it far away or near (IVA 2009, section 4).
+
+mod exploring;
+mod putting;
+mod touching;
+
+use nalgebra::Vector3;
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+
+pub use putting::Spot;
+pub use touching::Touching;
+
+use super::actor::{Actor, Hand, SWIFT, Stop};
+use super::scene::Feeling;
+use crate::creature::DofKind;
+use crate::kinematics::{InverseKinematics, Place};
+use crate::mujoco;
+use crate::peripersonal::{OutOfReach, Way, find_way};
+
+/// How clear ways keep of everything, metres.
+const MARGIN: f64 = 0.006;
+/// How far skin goes back from what it touched before anything else, metres.
+const BACK: f64 = 0.05;
+/// How clear of everything a hand waits, metres …
+const WAITING: f64 = 0.006;
+/// … and how high, the first of these that leaves it clear: in lengths of the arm above the joint that carries it.
+const READY_HEIGHTS: [f64; 4] = [-0.35, -0.25, -0.15, 0.0];
+
+/// Why something could not be done.
+#[derive(Debug)]
+pub enum Trouble {
+    /// A place cannot be touched.
+    Reach(OutOfReach),
+    /// Nothing was felt where something was expected.
+    Nothing,
+    /// Something else was in the way.
+    Hit(Vec<Feeling>),
+    /// The engine failed.
+    Engine(mujoco::Error),
+}
+
+impl From<mujoco::Error> for Trouble {
+    fn from(error: mujoco::Error) -> Trouble {
+        Trouble::Engine(error)
+    }
+}
+
+impl From<OutOfReach> for Trouble {
+    fn from(reason: OutOfReach) -> Trouble {
+        Trouble::Reach(reason)
+    }
+}
+
+impl std::fmt::Display for Trouble {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Trouble::Reach(reason) => reason.fmt(f),
+            Trouble::Nothing => write!(f, "I felt nothing where I expected something"),
+            Trouble::Hit(_) => write!(f, "I ran into something on the way"),
+            Trouble::Engine(error) => error.fmt(f),
+        }
+    }
+}
+
+impl Actor {
+    /// To its left, horizontally, in the root's frame.
+    pub fn left(&self) -> Vector3<f64> {
+        self.up.cross(&self.front)
+    }
+
+    /// On which side of it a hand is: 1 where it is on the left, −1 on the right.
+    pub fn side(&self, hand: usize) -> f64 {
+        let frames = self.own.frames(&self.own.at_ease());
+        frames[self.hands[hand].limb].origin.dot(&self.left()).signum()
+    }
+
+    /// The posture in which both hands wait in front of the trunk, clear of a table where one is known.
+    pub fn ready(&mut self) -> Vec<f64> {
+        let mut posture = self.own.at_ease();
+        let frames = self.own.frames(&posture);
+        for hand in 0..2 {
+            let Hand { arm, tip, limb, .. } = &self.hands[hand].clone();
+            let root = frames[arm[0] + 1].origin;
+            let length = (frames[*limb].origin - root).norm();
+            // What is near each other at ease is so for good.
+            let clearance =
+                self.clearance.moved_by(&self.own, arm).eased_at(std::slice::from_ref(&frames), WAITING);
+            let mut bent = posture.clone();
+            // Bent joints make for an arm that does not reach down.
+            for &joint in arm.iter().skip(1) {
+                let joint = &self.own.creature.joints()[joint];
+                for (k, dof) in joint.dofs.iter().enumerate().filter(|(_, dof)| dof.kind != DofKind::Ball) {
+                    bent[joint.first_coordinate() + k] = 0.5 * (dof.range[0] + dof.range[1]);
+                }
+            }
+            let at = |height: f64| {
+                let point = self.front * (root.dot(&self.front) + 0.55 * length)
+                    + self.left() * (root.dot(&self.left()) + self.side(hand) * 0.35 * length)
+                    + self.up * (root.dot(&self.up) + height * length);
+                let target = Place { limb: 0, point, direction: Vector3::zeros() };
+                let ends = [Place { direction: Vector3::zeros(), ..self.own.place(*tip) }, target];
+                let solver = InverseKinematics::new(&self.own.creature, &self.own.schema, ends);
+                let mut solver = solver.moving(|joint| arm.contains(&joint)).at_ease(&posture);
+                [&bent, &posture].map(|start| solver.solve(start))
+            };
+            let waits = |posture: &[f64]| clearance.free(&self.own.frames(posture), WAITING);
+            let found =
+                READY_HEIGHTS.into_iter().flat_map(at).find(|reach| reach.reached() && waits(&reach.posture));
+            if let Some(reach) = found {
+                posture = reach.posture;
+            }
+        }
+        posture
+    }
+
+    /// Goes to a posture, moving both arms and what carries them, on a way that keeps clear.
+    ///
+    /// # Errors
+    /// [`Trouble`] where there is no way or something is felt on it.
+    pub fn go(&mut self, target: &[f64]) -> Result<(), Trouble> {
+        let from = self.posture();
+        let joints: Vec<usize> = self.hands.iter().flat_map(|hand| hand.leaning.clone()).collect();
+        self.go_by(&from, target, &joints)
+    }
+
+    fn go_by(&mut self, from: &[f64], target: &[f64], joints: &[usize]) -> Result<(), Trouble> {
+        let way = self.find_way([from, target], joints)?;
+        self.pass(&way, SWIFT)
+    }
+
+    /// A way between two postures that moves some joints and keeps clear; a new random stream with each.
+    fn find_way(&mut self, ends: [&[f64]; 2], joints: &[usize]) -> Result<Way, OutOfReach> {
+        self.seed = self.seed.wrapping_add(1);
+        let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
+        find_way(&self.own, &self.clearance, ends, joints, MARGIN, &mut rng).ok_or(OutOfReach::Barred)
+    }
+
+    /// Goes back the way that it came from what was met on it.
+    fn back_off(&mut self, feelings: &[Feeling]) -> Result<(), Trouble> {
+        if let Some(way) = feelings.first().and_then(|feeling| self.back_by(feeling.receptor, BACK)) {
+            self.follow(&way, SWIFT, |_, _| false)?;
+        }
+        Ok(())
+    }
+
+    /// Follows a way on which nothing is expected.
+    pub(super) fn pass(&mut self, way: &Way, speed: f64) -> Result<(), Trouble> {
+        match self.follow(way, speed, |_, _| true)? {
+            Stop::Arrived => Ok(()),
+            Stop::Felt(feelings) => {
+                self.unintended += 1;
+                Err(Trouble::Hit(feelings))
+            }
+        }
+    }
+
+    /// Goes back straight to a posture that it has just come from.
+    fn retreat(&mut self, to: &[f64]) -> Result<(), Trouble> {
+        self.pass(&Way(vec![to.to_vec()]), SWIFT)
+    }
+}

@@ -1,0 +1,55 @@
+//! The lines of a log after its header, each JSON of its own.
+
+use std::io::BufRead;
+use std::path::Path;
+
+use serde::de::DeserializeOwned;
+
+use super::error::json_reason;
+use super::{Action, RecordError};
+
+/// Hands on what each line of `file` holds from the second on, up to its end. The number of the last line where it is
+/// incomplete, as a killed process leaves it; it is left out. `what` names what a line holds.
+///
+/// # Errors
+/// [`RecordError::Io`] where the file cannot be read, [`RecordError::Format`], with the line, where one holds something
+/// else or `take` refuses it.
+pub(super) fn read_lines<T: DeserializeOwned>(
+    path: &Path,
+    file: &mut impl BufRead,
+    what: &str,
+    mut take: impl FnMut(T) -> Result<(), String>,
+) -> Result<Option<usize>, RecordError> {
+    let io = || RecordError::io(path, Action::Read);
+    let refuse = |line: usize, message: String| Err(RecordError::format(path, Some(line), message));
+    let mut json = Vec::new();
+    for line in 2.. {
+        json.clear();
+        file.read_until(b'\n', &mut json).map_err(io())?;
+        let last = file.fill_buf().map_err(io())?.is_empty();
+        if last && json.trim_ascii().is_empty() {
+            break;
+        }
+        match serde_json::from_slice(&json) {
+            Ok(found) => {
+                if let Err(message) = take(found) {
+                    return refuse(line, message);
+                }
+            }
+            Err(error) if last && incomplete(&json, &error) => return Ok(Some(line)),
+            Err(error) => {
+                let reason = json_reason(&error);
+                return refuse(line, format!("it is no {what} ({reason}): mend the line or delete it"));
+            }
+        }
+        if last {
+            break;
+        }
+    }
+    Ok(None)
+}
+
+/// Whether a last line that is not understood is the beginning of one.
+pub(super) fn incomplete(json: &[u8], error: &serde_json::Error) -> bool {
+    error.is_eof() || (error.is_syntax() && !json.ends_with(b"\n"))
+}
