@@ -14,11 +14,14 @@ use std::sync::{Arc, Mutex};
 const FUNCTIONS: &str = "mj_(version|versionString|loadXML|printSchema|saveLastXML|copyModel|deleteModel|makeData|deleteData|resetData\
 |kinematics|comPos|collision|makeConstraint|projectConstraint|referenceConstraint|forward|step|step1|step2|mulM\
 |contactForce|id2name|name2id\
+|camlight|tendon\
 |defaultVFS|deleteVFS|makeEmptyFileVFS|findFileVFS|addBufferVFS)\
-|mju_(error|warning|warningText)";
+|mju_(error|warning|warningText)\
+|mjv_(defaultCamera|defaultOption|defaultPerturb|defaultScene|makeScene|freeScene|updateScene|initGeom)\
+|mjr_(defaultContext|makeContext|freeContext|setBuffer|render|readPixels)";
 /// Enumerations of which constants are compared with plain integers of the model.
 const TYPES: &str = "mjModel_?|mjData_?|mjContact_?|mjVFS_?\
-|mjt(Joint|Geom|Obj|Sensor|Warning|Collision|DisableBit|Integrator|Eq)_?";
+|mjt(Joint|Geom|Obj|Sensor|Warning|Collision|DisableBit|Integrator|Eq|Camera|Texture|CatBit|RndFlag|VisFlag|Framebuffer)_?";
 const VARIABLES: &str = "mju_user_(error|warning)|mjVERSION_HEADER|mjMAXVAL|mjNEQDATA";
 
 /// How every complaint about MuJoCo itself ends.

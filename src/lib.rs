@@ -9,6 +9,7 @@
 //! touches ─ record (the session on disk; or recordings of a real body, with no MJCF at all)
 //! touches ─ (senses: disturbances) ─ learning (Hersch's rule; its repair; second order, then online) ─ schema
 //! schema + ground_truth ─ evaluation ─ report
+//! model + posture + marks ─ picture (a still or a film, by MuJoCo's renderer)
 //! schema + skin + touch ─ peripersonal (what is where about the body, how to touch it) ─ interaction
 //! ```
 //!
@@ -87,6 +88,7 @@ mod live;
 mod mjcf_xml;
 pub mod mujoco;
 pub mod peripersonal;
+pub mod picture;
 pub mod record;
 pub mod schema;
 pub mod senses;

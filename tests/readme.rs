@@ -80,7 +80,7 @@ fn follow(folder: &Path, document: &str) -> (usize, usize) {
     for block in blocks.iter().filter(|block| block.language == "sh") {
         for line in block.text.lines().filter_map(command) {
             let line = Line::new(&line);
-            if line.text.contains("--parquet") && cfg!(not(feature = "parquet")) {
+            if line.lacks_something() {
                 line.check();
             } else if line.run(folder) {
                 ran += 1;

@@ -14,7 +14,7 @@ use super::open::{ModelOptions, body_of, open_body, open_model};
 use super::report::{REPORT_FILE, write_report};
 use super::{Failure, output, progress};
 use crate::babbling::MotionName;
-use crate::creature::{Creature, DofKind, JointSelection};
+use crate::creature::{Body, Creature, DofKind, JointSelection};
 use crate::evaluation::{Bound, Evaluation, OwnAccount, Progress, Summary, evaluate, evaluate_learned};
 use crate::ground_truth::GroundTruth;
 use crate::learning::onset::random_onset;
@@ -312,6 +312,11 @@ pub struct SessionLearning {
 
 /// The truth of a session's creature, from its model.
 pub fn session_truth(session: &Session, model: Option<&Path>) -> Result<GroundTruth, Failure> {
+    Ok(GroundTruth::new(&session_body(session, model)?)?)
+}
+
+/// A session's creature in its model, or in another that is named.
+pub fn session_body(session: &Session, model: Option<&Path>) -> Result<Body, Failure> {
     let path = model.map_or_else(|| PathBuf::from(&session.model), Path::to_path_buf);
     if session.recording.is_some() {
         // Which joints of a model a recording has is not known by the name of a set.
@@ -319,7 +324,7 @@ pub fn session_truth(session: &Session, model: Option<&Path>) -> Result<GroundTr
         for selection in [JointSelection::Default, JointSelection::All] {
             let body = body_of(model.clone(), &path, &selection, &open)?;
             if same_tree(&body.creature, &session.creature) {
-                return Ok(GroundTruth::new(&body)?);
+                return Ok(body);
             }
         }
         return Err(Failure(format!(
@@ -339,11 +344,11 @@ pub fn session_truth(session: &Session, model: Option<&Path>) -> Result<GroundTr
             path.display()
         )));
     }
-    Ok(GroundTruth::new(&body)?)
+    Ok(body)
 }
 
 /// Whether two creatures have the same limbs, joints and kinds of degrees of freedom.
-fn same_tree(a: &Creature, b: &Creature) -> bool {
+pub fn same_tree(a: &Creature, b: &Creature) -> bool {
     let joints = |creature: &Creature| {
         let parents: Vec<usize> = creature.joints().iter().map(|joint| joint.parent).collect();
         let dofs: Vec<_> = creature.dofs().map(|dof| (dof.name.clone(), dof.kind)).collect();

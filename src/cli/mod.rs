@@ -32,6 +32,7 @@ mod observe;
 mod open;
 mod output;
 mod progress;
+mod render;
 mod report;
 mod resume;
 mod skin;
@@ -70,6 +71,7 @@ type Outcome = Result<(), Failure>;
   bodyschema skin creature.xml --output with_skin.xml        # grow a skin on another creature
   bodyschema learn sessions/max-1 --learner hersch           # learn again from a session's touches
   bodyschema learn --creature robot.json --log touches.csv   # learn from a recording of a real body
+  bodyschema render sessions/max-1 --touch 3 --out touch.png # what a touch looks like
   bodyschema space sessions/max-1 --picture space.svg        # where its hands can get to
   bodyschema export sessions/max-1 --urdf                    # the learned body for other programs
   bodyschema study learners --trials 5                       # compare learners; takes minutes
@@ -104,6 +106,8 @@ enum Command {
     Observe(observe::Args),
     /// Write a session's report anew: one page to look at
     Report(report::Args),
+    /// Draw a posture of a model, or a session's touches and learning, as a picture or a film
+    Render(render::Args),
     /// Tell where a creature's hands can get to, by the schema of a session
     Space(space::Args),
     /// Write a session's learned body as MJCF or URDF
@@ -187,6 +191,7 @@ fn carry_out() -> Outcome {
         Command::Evaluate(args) => evaluate::run(&args),
         Command::Observe(args) => observe::run(&args),
         Command::Report(args) => report::run(&args),
+        Command::Render(args) => render::run(&args),
         Command::Space(args) => space::run(&args),
         Command::Export(args) => export::run(&args),
         Command::Convert(args) => convert::run(&args),

@@ -11,7 +11,7 @@ use super::scene::{Feeling, Scene, Touched};
 use crate::babbling::between;
 use crate::kinematics::Frame;
 use crate::mujoco;
-use crate::peripersonal::{Clearance, Obstacle, OwnBody, Reaching, Way, distance};
+use crate::peripersonal::{Aim, Clearance, Obstacle, OwnBody, Reaching, Way, distance};
 
 /// How fast the tips of the hands go where nothing is expected, metres a second …
 pub const SWIFT: f64 = 0.6;
@@ -72,6 +72,13 @@ pub struct Found {
     pub point: Vector3<f64>,
     /// The unit direction into the thing, in the root's frame.
     pub direction: Vector3<f64>,
+}
+
+impl Found {
+    /// Where it was, and the way into the thing.
+    pub fn aim(&self) -> Aim {
+        Aim { point: self.point, direction: self.direction }
+    }
 }
 
 /// A creature that acts.

@@ -587,6 +587,14 @@ impl Conversation {
             return Ok(self.reply(intent, "It slipped away: I no longer feel it".into(), Some(false), false));
         }
         let actor = &mut self.actor;
+        if far && lean {
+            // Where the other arm cannot make way, what is left is found all the same.
+            if let Some(Err(Trouble::Engine(error))) =
+                actor.arm_of(receptor).map(|hand| actor.make_way_to_lean(hand))
+            {
+                return Err(error);
+            }
+        }
         let limb = actor.own.place(receptor).limb;
         let (point, _) = actor.feels_at(receptor);
         let upright = actor.frames()[limb].rotation.tr_mul(&actor.up);

@@ -5,10 +5,6 @@ use super::scene::{Feeling, Touched};
 use super::tasks::Trouble;
 use crate::peripersonal::{Aim, OutOfReach};
 
-/// How high over the skin a hand is aimed, metres: where it meets the skin it would count as tangled with it. The
-/// straight approach goes on beyond.
-const ABOVE: f64 = 0.015;
-
 /// A spot that was touched with a hand.
 #[derive(Clone, Debug, PartialEq)]
 pub struct OwnTouch {
@@ -29,6 +25,7 @@ impl Actor {
     /// [`Trouble`] of the last hand that was tried.
     pub fn touch_own(&mut self, receptor: usize) -> Result<OwnTouch, Trouble> {
         let (point, normal) = self.feels_at(receptor);
+        let limb = self.own.skin.receptors[receptor].limb;
         let own_side = usize::from(self.side(0) * point.dot(&self.left()) < 0.0);
         let hands = match self.arm_of(receptor) {
             Some(arm) => vec![1 - arm],
@@ -36,10 +33,10 @@ impl Actor {
         };
         let mut trouble = Trouble::Reach(OutOfReach::Barred);
         for hand in hands {
-            let aim = Aim { point: point + normal * ABOVE, direction: -normal };
+            let aim = Aim { point, direction: -normal };
             let (arm, receptors) = (self.hands[hand].arm.clone(), self.hands[hand].receptors.clone());
             let from = self.posture();
-            let plan = match self.reaching(arm).approach(&from, &receptors, &aim) {
+            let plan = match self.reaching(arm).meeting(limb).approach(&from, &receptors, &aim) {
                 Ok(plan) => plan,
                 Err(reason) => {
                     trouble = reason.into();

@@ -28,7 +28,7 @@
   const curves = async (state) => {
     for (const name of ["made", "missed"]) {
       const points = state[name];
-      if (!points) continue;
+      if (!points || !element(name).data) continue;
       await Plotly.restyle(name, { x: [points.map((p) => p[0])], y: [points.map((p) => p[1])] }, [0]);
     }
   };

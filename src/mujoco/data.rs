@@ -273,6 +273,19 @@ impl Data {
         self.run("mj_kinematics", ffi::mj_kinematics)
     }
 
+    /// Computes all that a picture shows: poses, centres of mass, cameras, lights and tendons.
+    pub(super) fn place(&mut self) -> Result<()> {
+        self.kinematics()?;
+        self.com_pos()?;
+        self.run("mj_camlight", ffi::mj_camlight)?;
+        self.run("mj_tendon", ffi::mj_tendon)
+    }
+
+    /// For calls of the engine that take the data as theirs.
+    pub(super) fn raw_mut(&mut self) -> *mut ffi::mjData {
+        self.raw.as_ptr()
+    }
+
     /// Computes centres of mass and what Jacobians need; after [`Data::kinematics`].
     ///
     /// # Errors

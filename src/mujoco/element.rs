@@ -159,6 +159,19 @@ impl GeomKind {
             _ => Self::Other(raw),
         }
     }
+
+    /// The engine's number of a shape that its sizes say all of; none of others.
+    pub(super) fn to_raw(self) -> Option<i32> {
+        let number = match self {
+            Self::Sphere => ffi::mjGEOM_SPHERE,
+            Self::Capsule => ffi::mjGEOM_CAPSULE,
+            Self::Ellipsoid => ffi::mjGEOM_ELLIPSOID,
+            Self::Cylinder => ffi::mjGEOM_CYLINDER,
+            Self::Box => ffi::mjGEOM_BOX,
+            Self::Plane | Self::HeightField | Self::Mesh | Self::Other(_) => return None,
+        };
+        Some(number as i32)
+    }
 }
 
 /// A constraint that couples parts of the model.
@@ -251,6 +264,8 @@ pub enum ObjectKind {
     Sensor,
     /// A tuple.
     Tuple,
+    /// A camera.
+    Camera,
     /// An element that the crate has no word for, by MuJoCo's number.
     Other(i32),
 }
@@ -264,6 +279,7 @@ impl ObjectKind {
             ffi::mjOBJ_SITE => Self::Site,
             ffi::mjOBJ_SENSOR => Self::Sensor,
             ffi::mjOBJ_TUPLE => Self::Tuple,
+            ffi::mjOBJ_CAMERA => Self::Camera,
             _ => Self::Other(raw),
         }
     }
@@ -276,6 +292,7 @@ impl ObjectKind {
             Self::Site => ffi::mjOBJ_SITE as i32,
             Self::Sensor => ffi::mjOBJ_SENSOR as i32,
             Self::Tuple => ffi::mjOBJ_TUPLE as i32,
+            Self::Camera => ffi::mjOBJ_CAMERA as i32,
             Self::Other(raw) => raw,
         }
     }

@@ -54,6 +54,14 @@ pub enum Error {
         /// The engine's own words.
         message: String,
     },
+    /// Nothing can be drawn.
+    #[error(
+        "there is no OpenGL to draw with ({reason}): install Debian's packages libegl1 and libgl1-mesa-dri, or libosmesa6"
+    )]
+    OpenGl {
+        /// What was tried, and what it lacked.
+        reason: String,
+    },
     /// A number that the engine would take in silence and compute nonsense from.
     #[error("{what}[{index}] is not a number below 1e10: give a finite one")]
     NotFinite {

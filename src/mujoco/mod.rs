@@ -5,6 +5,8 @@
 //! and newtons throughout. MuJoCo writes quaternions as w x y z; they become nalgebra's unit
 //! quaternions here and nowhere else, except in the raw `qpos` vector.
 //!
+//! Pictures are drawn by a [`Renderer`], where there is an OpenGL: none is linked.
+//!
 //! No error of the engine ends the process or writes a log file: see [`Error`].
 #![allow(unsafe_code)]
 #![deny(unsafe_op_in_unsafe_fn)]
@@ -18,6 +20,8 @@ mod ffi;
 mod filter;
 mod limits;
 mod model;
+mod opengl;
+mod renderer;
 mod simulated;
 mod vfs;
 
@@ -29,4 +33,6 @@ pub use element::{
 pub use engine::{Version, check, compare, schema};
 pub use error::{Error, Result};
 pub use model::Model;
+pub use opengl::OPENGL_VARIABLE;
+pub use renderer::{Camera, Image, Mark, PICTURE_SIDES, Renderer, View};
 pub use simulated::LONGEST_STEP;

@@ -326,6 +326,17 @@ impl Model {
         self.raw().nsensor as usize
     }
 
+    /// Whether the model has a sky.
+    pub(super) fn has_sky(&self) -> bool {
+        array!(self, tex_type[ntex]).contains(&(ffi::mjTEXTURE_SKYBOX as i32))
+    }
+
+    /// The names of the cameras, empty where one has none.
+    pub fn cameras(&self) -> Vec<&str> {
+        let count = self.raw().ncam as usize;
+        (0..count).map(|i| self.name(ObjectKind::Camera, i).unwrap_or_default()).collect()
+    }
+
     /// The reference posture: `nq` coordinates in radians and metres, quaternions w x y z.
     pub fn qpos0(&self) -> &[f64] {
         array!(self, qpos0[nq])

@@ -1,5 +1,7 @@
 //! How far the body's surfaces are from each other and from what is known to be there, by the schema.
 
+use std::collections::BTreeSet;
+
 use nalgebra::Vector3;
 
 use super::own_body::OwnBody;
@@ -134,6 +136,32 @@ impl Clearance {
         });
         moved.exposed.iter_mut().zip(own.moved_by(joints)).for_each(|(exposed, carried)| *exposed &= carried);
         moved
+    }
+
+    /// The same without the obstacles that a point is on, within `near` metres, and those.
+    pub fn but_at(&self, point: &Vector3<f64>, near: f64) -> (Clearance, Vec<Obstacle>) {
+        let mut others = self.clone();
+        others.eased.clear();
+        let (at, obstacles) = others.obstacles.into_iter().partition(|obstacle| match obstacle {
+            Obstacle::Capsule { ends, radius } => {
+                let [p, q] = closest_points(&[*point, *point], ends);
+                (p - q).norm() - radius <= near
+            }
+            Obstacle::Table { up, height, front, edge } => {
+                point.dot(front) >= *edge && point.dot(up) - height <= near
+            }
+        });
+        others.obstacles = obstacles;
+        (others, at)
+    }
+
+    /// The same where a limb may be met by some others.
+    pub fn but_between(&self, limb: usize, others: &BTreeSet<usize>) -> Clearance {
+        let mut rest = self.clone();
+        rest.pairs.retain(|Pair { limbs: [a, b], .. }| {
+            !(*a == limb && others.contains(b) || *b == limb && others.contains(a))
+        });
+        rest
     }
 
     /// The same where some poses are taken for harmless, by their limbs' frames: what is nearer there than `margin` need

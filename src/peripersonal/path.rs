@@ -8,7 +8,7 @@ use super::own_body::OwnBody;
 use crate::babbling::between;
 
 /// The farthest that a coordinate goes between two postures that are looked at, radians (or metres times three).
-const FINE: f64 = 0.03;
+const FINE: f64 = 0.02;
 /// The longest branch of a tree, in the same measure.
 const BRANCH: f64 = 0.3;
 /// Most branches tried.

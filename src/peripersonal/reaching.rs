@@ -1,27 +1,35 @@
 //! Reaching: a posture in which skin touches a place in space, and a way there that keeps clear until the last.
 
+use std::collections::BTreeSet;
+
 use nalgebra::Vector3;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
 use super::clearance::Clearance;
 use super::own_body::{Doubt, OwnBody};
-use super::path::{Way, distance, find_way};
+use super::path::{Way, distance, find_way, straight as straight_to};
 use crate::babbling::between;
 use crate::creature::DofKind;
-use crate::kinematics::{Facing, InverseKinematics, Place, REACHED, Reach};
+use crate::kinematics::{Facing, Frame, InverseKinematics, Place, REACHED, Reach};
 use crate::skin::Surface;
 
 /// From how far a place is approached straight, metres.
 const BEFORE: f64 = 0.06;
 /// How far beyond a place the approach goes on where nothing is felt, metres.
-const BEYOND: f64 = 0.03;
+const BEYOND: f64 = 0.05;
 /// Length of a step of the straight approach, metres.
 const STEP: f64 = 0.005;
 /// How clear of everything a way keeps, metres.
 const MARGIN: f64 = 0.008;
-/// Postures that solutions start from, for each receptor.
-const STARTS: usize = 3;
+/// How clear of all but what is to be touched the last straight piece keeps, metres.
+const SCRAPING: f64 = 0.002;
+/// Postures near the place that keep clear and are started from, …
+const STARTS: usize = 4;
+/// … of so many drawn at random for each, …
+const DRAWN: usize = 75;
+/// … which differ by this much, in radians (or metres times three).
+const DIFFERENT: f64 = 0.5;
 /// Candidates, the best first, for which a way is looked for.
 const CANDIDATES: usize = 12;
 /// What it is worth, in squared shares of the joints' ranges, that a receptor faces where it goes.
@@ -85,6 +93,8 @@ pub struct Reaching<'a> {
     clearance: &'a Clearance,
     /// The joints that may move, by index.
     pub joints: Vec<usize>,
+    /// The limb of one's own that is to be touched, where it is one.
+    meeting: Option<usize>,
     seed: u64,
 }
 
@@ -99,7 +109,12 @@ struct Candidate {
 impl<'a> Reaching<'a> {
     /// A body that reaches by moving `joints`. Whatever is drawn at random is drawn by the seed.
     pub fn new(own: &'a OwnBody, clearance: &'a Clearance, joints: Vec<usize>, seed: u64) -> Reaching<'a> {
-        Reaching { own, clearance, joints, seed }
+        Reaching { own, clearance, joints, meeting: None, seed }
+    }
+
+    /// The same where the place is on the skin of a limb, which the straight approach may therefore meet.
+    pub fn meeting(self, limb: usize) -> Reaching<'a> {
+        Reaching { meeting: Some(limb), ..self }
     }
 
     /// The posture, moving the joints from `start`, in which a place of the body is nearest to a place in space, and
@@ -126,8 +141,16 @@ impl<'a> Reaching<'a> {
             self.clearance.moved_by(self.own, &self.joints).eased_at(&[self.own.frames(from)], MARGIN);
         let at_ease = self.own.at_ease();
         let (mut candidates, mut nearest) = (Vec::new(), f64::INFINITY);
-        let mut starts = vec![from.to_vec(), between(&self.own.creature, from, &at_ease, 0.5)];
-        starts.resize_with(STARTS, || self.own.random_posture(from, &self.joints, &mut rng));
+        // Halfway to ease, in the joints that may move alone.
+        let mut halfway = between(&self.own.creature, from, &at_ease, 0.5);
+        for (index, joint) in self.own.creature.joints().iter().enumerate() {
+            if !self.joints.contains(&index) {
+                let q = joint.coordinates();
+                halfway[q.clone()].copy_from_slice(&from[q]);
+            }
+        }
+        let mut starts = vec![from.to_vec(), halfway];
+        starts.extend(self.clear_starts(from, receptors, aim, &clearance, STARTS, &mut rng));
         for &receptor in receptors {
             let flat = self.own.place(receptor);
             // A palm touches with its face, a finger with what points away from the limb's joint.
@@ -162,20 +185,42 @@ impl<'a> Reaching<'a> {
         let place = first.place;
         self.own.trusts(&first.reach.posture, [place.limb, 0], &place.point).map_err(OutOfReach::Unknown)?;
         let mut looked_at = 0;
+        // What is to be touched is in the way of all but the limbs that are to touch it.
+        let (mut others, target) = clearance.but_at(&aim.point, 1e-3);
+        if let Some(limb) = self.meeting {
+            let touching: BTreeSet<usize> = receptors.iter().map(|&r| self.own.skin.receptors[r].limb).collect();
+            others = others.but_between(limb, &touching);
+        }
+        let others = others.eased_at(&[self.own.frames(from)], MARGIN);
+        let moved = self.own.moved_by(&self.joints);
+        let touches = |limb: usize| receptors.iter().any(|&r| self.own.skin.receptors[r].limb == limb);
+        let behind: Vec<usize> = (0..moved.len()).filter(|&limb| moved[limb] && !touches(limb)).collect();
+        let comes_clear = |posture: &Vec<f64>| {
+            let frames = self.own.frames(posture);
+            let off = |limb: &usize| {
+                target.iter().all(|o| self.clearance.to_obstacle(&frames, *limb, o, SCRAPING) >= SCRAPING)
+            };
+            others.free(&frames, SCRAPING) && behind.iter().all(off)
+        };
+        let touching = (BEFORE / STEP).round() as usize + 1;
         for candidate in &candidates {
-            let straight = self.straight(candidate, aim);
+            let mut straight = self.straight(candidate, aim);
             // What is felt may have any size: only the way up to it is known to be free.
-            let before = straight.0.first().expect("a way has a beginning");
-            if !clearance.free(&self.own.frames(before), 0.5 * MARGIN) {
+            let before = straight.0.first().expect("a way has a beginning").clone();
+            if !clearance.free(&self.own.frames(&before), 0.5 * MARGIN) {
                 continue;
             }
-            let touching = self.own.frames(&candidate.reach.posture);
-            if !clearance.untangled(&touching) {
+            let clear = |two: &[Vec<f64>]| straight_to(self.own, &others, &two[0], &two[1], SCRAPING);
+            if !straight.0[..touching].iter().all(comes_clear)
+                || !straight.0[..touching].windows(2).all(clear)
+            {
                 continue;
             }
+            let further = straight.0[touching - 1..].windows(2).take_while(|two| clear(two)).count();
+            straight.0.truncate(touching + further);
             looked_at += 1;
             if let Some(way) =
-                find_way(self.own, self.clearance, [from, before], &self.joints, MARGIN, &mut rng)
+                find_way(self.own, self.clearance, [from, &before], &self.joints, MARGIN, &mut rng)
             {
                 let touching = candidate.reach.posture.clone();
                 return Ok(Approach { receptor: candidate.receptor, touching, way, straight });
@@ -185,6 +230,60 @@ impl<'a> Reaching<'a> {
             }
         }
         Err(OutOfReach::Barred)
+    }
+
+    /// Whether there is a posture in which one of some receptors is at a place, facing it, and no limb is in another or in what
+    /// is known to be about; looked for from `starts` postures that keep clear.
+    pub fn can_be_at(&self, from: &[f64], receptors: &[usize], aim: &Aim, starts: usize) -> bool {
+        let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
+        let clearance = self.clearance.moved_by(self.own, &self.joints);
+        let mut from_here = vec![from.to_vec()];
+        from_here.extend(self.clear_starts(from, receptors, aim, &clearance, starts, &mut rng));
+        receptors.iter().any(|&receptor| {
+            from_here.iter().any(|start| {
+                let reach = self.solve(self.own.place(receptor), aim, start);
+                reach.miss <= REACHED
+                    && reach.facing > 0.0
+                    && clearance.free(&self.own.frames(&reach.posture), 0.0)
+            })
+        })
+    }
+
+    /// Random postures that keep clear, in which some receptor is near the place, the nearest first: a solution stays on the
+    /// side of the trunk on which it starts.
+    fn clear_starts(
+        &self,
+        from: &[f64],
+        receptors: &[usize],
+        aim: &Aim,
+        clearance: &Clearance,
+        count: usize,
+        rng: &mut ChaCha8Rng,
+    ) -> Vec<Vec<f64>> {
+        let near = |frames: &[Frame]| {
+            let away = receptors.iter().map(|&receptor| {
+                let found = &self.own.skin.receptors[receptor];
+                (frames[found.limb].point(&found.position) - aim.point).norm()
+            });
+            away.fold(f64::INFINITY, f64::min)
+        };
+        let drawn = (0..DRAWN * count).filter_map(|_| {
+            let posture = self.own.random_posture(from, &self.joints, rng);
+            let frames = self.own.frames(&posture);
+            clearance.free(&frames, MARGIN).then(|| (near(&frames), posture))
+        });
+        let mut drawn: Vec<_> = drawn.collect();
+        drawn.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let mut starts: Vec<Vec<f64>> = Vec::new();
+        for (_, posture) in drawn {
+            if starts.iter().all(|other| distance(other, &posture) > DIFFERENT) {
+                starts.push(posture);
+            }
+            if starts.len() == count {
+                break;
+            }
+        }
+        starts
     }
 
     /// By how much other skin of the limb that touches, or of the one that carries it, fails to be well behind the place,

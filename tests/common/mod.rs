@@ -1,6 +1,7 @@
 //! Creatures and small helpers that several test files share.
 #![allow(dead_code, reason = "every test file compiles this module and uses a part of it")]
 
+pub mod drawing;
 pub mod program;
 pub mod shell;
 

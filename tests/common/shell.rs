@@ -4,7 +4,7 @@ use std::fs;
 use std::path::Path;
 use std::process::{Command, Stdio};
 
-use super::repository;
+use super::{drawing, repository};
 
 /// What a line says of itself where it takes too long for a test: then only its usage is checked.
 const SLOW: [&str; 2] = ["takes minutes", "takes hours"];
@@ -23,6 +23,14 @@ impl Line {
     pub fn new(line: &str) -> Line {
         let (text, comment) = line.split_once(" #").unwrap_or((line, ""));
         Line { text: text.trim().to_string(), slow: SLOW.iter().any(|slow| comment.contains(slow)) }
+    }
+
+    /// Whether this machine or this build lacks what the line needs: Parquet, OpenGL or ffmpeg.
+    pub fn lacks_something(&self) -> bool {
+        let draws = self.text.contains("bodyschema render");
+        (self.text.contains("--parquet") && cfg!(not(feature = "parquet")))
+            || (draws && !drawing::opengl())
+            || (draws && self.text.contains(".mp4") && !drawing::ffmpeg())
     }
 
     /// Checks the usage of what the line has bodyschema do, without doing it.

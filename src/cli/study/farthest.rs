@@ -68,6 +68,12 @@ fn measure(subject: &Subject) -> Result<Findings, Failure> {
                 }
             }
             let Some((mut actor, receptor)) = held else { continue };
+            if lean && let Some(hand) = actor.arm_of(receptor) {
+                // The other arm makes way as far as it can.
+                if let Err(Trouble::Engine(error)) = actor.make_way_to_lean(hand) {
+                    return Err(error.into());
+                }
+            }
             let limb = actor.own.place(receptor).limb;
             let upright = actor.frames()[limb].rotation.tr_mul(&actor.up);
             let height = actor.feels_at(receptor).0.dot(&actor.up);

@@ -310,16 +310,16 @@ fn feel(
     Ok(Some((actor, felt)))
 }
 
-/// Whether some skin of the other hand can be where the thing was felt, by the schema of the one who felt it.
+/// Postures that a true reach is looked for from.
+const THOROUGH: usize = 20;
+
+/// Whether some skin of the other hand can be where the thing was felt with no limb in another or in the table, by the
+/// schema of the one who felt it.
 fn reachable(mut actor: Actor, felt: &Felt) -> bool {
     let hand = actor.hands[1 - felt.hand].clone();
-    let (from, own) = (actor.ready(), actor.own.clone());
+    let from = actor.ready();
     let aim = Aim { point: felt.found.point, direction: felt.found.direction };
-    let reaching = actor.reaching(hand.arm);
-    hand.receptors.iter().any(|&receptor| {
-        let reach = reaching.solve(own.place(receptor), &aim, &from);
-        reach.miss <= REACHED && reach.facing > 0.0
-    })
+    actor.reaching(hand.arm).can_be_at(&from, &hand.receptors, &aim, THOROUGH)
 }
 
 fn attempt(mut actor: Actor, felt: &Felt) -> Result<Attempt, Failure> {
@@ -328,7 +328,7 @@ fn attempt(mut actor: Actor, felt: &Felt) -> Result<Attempt, Failure> {
     let really = actor.scene.thing_pose(felt.found.thing) * Point3::from(felt.at);
     let believed = actor.scene.root_pose() * Point3::from(felt.found.point);
     actor.unintended = 0;
-    let result = actor.touch(&felt.found, hand, false, 1);
+    let result = actor.touch(&felt.found, hand, true, 1);
     let mut attempt = Attempt {
         first: false,
         touched: false,

@@ -7,7 +7,7 @@ use rand_chacha::ChaCha8Rng;
 use super::Trouble;
 use crate::babbling::between;
 use crate::creature::DofKind;
-use crate::interaction::actor::{Actor, CAREFUL, SWIFT};
+use crate::interaction::actor::{Actor, CAREFUL, Hand, SWIFT};
 use crate::interaction::scene::{Feeling, Touched};
 use crate::kinematics::{Facing, InverseKinematics, Place, REACHED};
 use crate::peripersonal::{OutOfReach, OwnBody, Way};
@@ -22,6 +22,12 @@ const LIFTS: [f64; 3] = [0.12, 0.08, 0.05];
 const LIFT: f64 = 0.05;
 /// Least size of a thing's height, metres: the table is not felt through what is lower.
 const SETTLE: f64 = 0.002;
+/// How clear an arm stays of everything while the trunk leans, metres, …
+const CLEAR: f64 = 0.03;
+/// … at so many steps of leaning; …
+const LEANINGS: u32 = 5;
+/// … postures drawn for it.
+const IDLE_POSTURES: usize = 400;
 /// What a radian is worth in metres where a grip is to stay upright, at first and at the last.
 const UPRIGHT: [f64; 2] = [0.05, 0.02];
 
@@ -54,25 +60,7 @@ impl Actor {
         let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
         let mut starts = vec![from.clone(), own.at_ease()];
         if lean {
-            // Bent as far to the front as the trunk goes, joint by joint from the hips.
-            let mut bent = from.clone();
-            for &joint in joints.iter().filter(|joint| !self.hands[hand].arm.contains(joint)) {
-                let joint = &own.creature.joints()[joint];
-                for (k, dof) in joint.dofs.iter().enumerate().filter(|(_, dof)| dof.kind != DofKind::Ball) {
-                    let q = joint.first_coordinate() + k;
-                    let forward = |value: f64| {
-                        let mut posture = bent.clone();
-                        posture[q] = value;
-                        own.frames(&posture)[place.limb].point(&place.point).dot(&front)
-                    };
-                    bent[q] = dof
-                        .range
-                        .into_iter()
-                        .max_by(|a, b| forward(*a).total_cmp(&forward(*b)))
-                        .unwrap_or(bent[q]);
-                }
-            }
-            own.creature.couple(&mut bent);
+            let bent = self.bent_forward(hand, &place, &from);
             starts.insert(0, between(&own.creature, &from, &bent, 0.7));
             starts.insert(0, bent);
         }
@@ -117,6 +105,73 @@ impl Actor {
             }
         }
         best.map(|(_, spot)| spot)
+    }
+
+    /// A posture bent as far to the front as the trunk that carries a hand goes, joint by joint from the hips, for a place
+    /// of the hand.
+    fn bent_forward(&self, hand: usize, place: &Place, from: &[f64]) -> Vec<f64> {
+        let own = &self.own;
+        let Hand { arm, leaning, .. } = &self.hands[hand];
+        let mut bent = from.to_vec();
+        for &joint in leaning.iter().filter(|joint| !arm.contains(joint)) {
+            let joint = &own.creature.joints()[joint];
+            for (k, dof) in joint.dofs.iter().enumerate().filter(|(_, dof)| dof.kind != DofKind::Ball) {
+                let q = joint.first_coordinate() + k;
+                let forward = |value: f64| {
+                    let mut posture = bent.clone();
+                    posture[q] = value;
+                    own.frames(&posture)[place.limb].point(&place.point).dot(&self.front)
+                };
+                let farthest = dof.range.into_iter().max_by(|a, b| forward(*a).total_cmp(&forward(*b)));
+                bent[q] = farthest.unwrap_or(bent[q]);
+            }
+        }
+        own.creature.couple(&mut bent);
+        bent
+    }
+
+    /// Takes the arm of the hand that does not act to where it stays clear of the table and the body however far the trunk
+    /// leans; where none is clear all the way, to where it is clearest.
+    ///
+    /// # Errors
+    /// [`Trouble`].
+    pub fn make_way_to_lean(&mut self, hand: usize) -> Result<(), Trouble> {
+        let idle = self.hands[1 - hand].arm.clone();
+        let from = self.posture();
+        let place = self.own.place(self.hands[hand].tip);
+        let bent = self.bent_forward(hand, &place, &from);
+        let clearance = self.clearance.moved_by(&self.own, &idle);
+        let creature = &self.own.creature;
+        let with_arm = |posture: &[f64], arm: &[f64]| {
+            let mut posture = posture.to_vec();
+            for &joint in &idle {
+                let q = creature.joints()[joint].coordinates();
+                posture[q.clone()].copy_from_slice(&arm[q]);
+            }
+            posture
+        };
+        let clear = |arm: &[f64]| {
+            let gaps = (0..=LEANINGS).map(|k| {
+                let leaning = between(creature, &from, &bent, f64::from(k) / f64::from(LEANINGS));
+                clearance.least(&self.own.frames(&with_arm(&leaning, arm)), CLEAR)
+            });
+            gaps.fold(f64::INFINITY, f64::min)
+        };
+        self.seed = self.seed.wrapping_add(1);
+        let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
+        let drawn = (0..IDLE_POSTURES).map(|_| self.own.random_posture(&from, &idle, &mut rng));
+        let mut best = (clear(&from), from.clone());
+        for arm in std::iter::once(self.own.at_ease()).chain(drawn) {
+            if best.0 >= CLEAR {
+                break;
+            }
+            let gap = clear(&arm);
+            if gap > best.0 {
+                best = (gap, arm);
+            }
+        }
+        let target = with_arm(&from, &best.1);
+        self.go_by(&from, &target, &idle)
     }
 
     /// The spot at a place over the table, forward and to the hand's own side, at which the receptor that grips is upright

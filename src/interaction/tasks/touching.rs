@@ -1,18 +1,33 @@
 //! Touching with the other hand what an arm has felt (IVA 2009, section 4).
 
+use std::collections::VecDeque;
 use std::f64::consts::TAU;
 
-use nalgebra::Rotation3;
+use nalgebra::{Rotation3, Vector3};
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
 
-use super::{BACK, Trouble};
+use super::{BACK, MARGIN, Trouble};
+use crate::babbling::between;
 use crate::interaction::actor::{Actor, CAREFUL, Found, SWIFT, Stop};
 use crate::interaction::scene::Touched;
-use crate::kinematics::REACHED;
-use crate::peripersonal::{Aim, Obstacle, OutOfReach, Reaching, Way};
+use crate::kinematics::{Place, REACHED};
+use crate::peripersonal::{
+    Aim, Obstacle, OutOfReach, OwnBody, Reaching, Way, distance, straight as straight_to,
+};
 
 /// Radii of the room that a thing is given that was felt, metres, of which not more is known than where it begins: the
 /// greatest that leaves a way.
 const ROOMS: [f64; 4] = [0.15, 0.1, 0.06, 0.03];
+
+/// How much lower than where it was felt a thing is met that stands on a table, in shares of the height over the table.
+const LOWER: f64 = 0.3;
+/// How often an arm that withdraws may meet a thing on its way.
+const WITHDRAWALS: usize = 3;
+/// Steps of a straight way off a thing …
+const STEPS_OFF: u32 = 10;
+/// … and others that are tried, one of which may be clear of it.
+const WAYS_OFF: usize = 150;
 
 /// How something was touched.
 #[derive(Clone, Debug, PartialEq)]
@@ -33,8 +48,10 @@ impl Actor {
         let mut aims = Vec::new();
         let resting = self.table.is_some_and(|height| (point.dot(&self.up) - height).abs() < 0.12);
         match level {
-            // What stands on a table is met level.
+            // What stands on a table is met level, and lower than the patch that felt it, which may stand out above it.
             Some(level) if resting => {
+                let above = point.dot(&self.up) - self.table.unwrap_or_default();
+                let point = point - self.up * (LOWER * above.max(0.0));
                 aims.push(Aim { point, direction: level });
                 aims.push(Aim { point: point + level * 0.015 + self.up * 0.01, direction: -self.up });
             }
@@ -81,12 +98,19 @@ impl Actor {
         lean: bool,
         corrections: usize,
     ) -> Result<Touching, Trouble> {
-        let joints = self.hands[hand].joints(lean).to_vec();
         let receptors = self.hands[hand].receptors.clone();
         let (mut corrected, mut trouble) = (0, Trouble::Nothing);
-        for aim in self.aims(found) {
+        // With the arm alone first, then with the trunk.
+        let helps = if lean { vec![false, true] } else { vec![false] };
+        let aims = self.aims(found);
+        let mut goes: VecDeque<(bool, Aim)> =
+            helps.into_iter().flat_map(|lean| aims.iter().map(move |aim| (lean, *aim))).collect();
+        let mut met = Vec::new();
+        while let Some((lean, aim)) = goes.pop_front() {
+            let joints = self.hands[hand].joints(lean).to_vec();
             let from = self.posture();
-            let planned = self.making_room(&aim, |actor| {
+            let places: Vec<Aim> = met.iter().copied().chain([aim]).collect();
+            let planned = self.making_room(&places, |actor| {
                 Ok(actor.reaching(joints.clone()).approach(&from, &receptors, &aim)?)
             });
             let plan = match planned {
@@ -124,7 +148,11 @@ impl Actor {
                     let _ = self.retreat(&back);
                 }
                 Err(Trouble::Hit(feelings)) => {
-                    // Back the way that it came, and another way.
+                    // Back the way that it came, and another way, about what it met.
+                    met.extend(
+                        feelings.iter().filter_map(|feeling| self.found(feeling)).map(|found| found.aim()),
+                    );
+                    goes.push_front((lean, aim));
                     self.back_off(&feelings)?;
                     trouble = Trouble::Hit(feelings);
                 }
@@ -134,19 +162,21 @@ impl Actor {
         Err(trouble)
     }
 
-    /// Does something with room left for a thing that begins at a place: as much as leaves a way.
+    /// Does something with room left for a thing that was met at some places: as much as leaves a way.
     fn making_room<T>(
         &mut self,
-        aim: &Aim,
+        met: &[Aim],
         mut act: impl FnMut(&mut Actor) -> Result<T, Trouble>,
     ) -> Result<T, Trouble> {
         let mut outcome = Err(OutOfReach::Barred.into());
         for radius in ROOMS {
+            let known = self.clearance.obstacles.len();
             // A ball that the place is on.
-            let ends = [aim.point + aim.direction * radius; 2];
-            self.clearance.obstacles.push(Obstacle::Capsule { ends, radius });
+            let ball =
+                |aim: &Aim| Obstacle::Capsule { ends: [aim.point + aim.direction * radius; 2], radius };
+            self.clearance.obstacles.extend(met.iter().map(ball));
             outcome = act(self);
-            self.clearance.obstacles.pop();
+            self.clearance.obstacles.truncate(known);
             if !matches!(outcome, Err(Trouble::Reach(OutOfReach::Barred))) {
                 break;
             }
@@ -192,8 +222,7 @@ impl Actor {
         let across = aim.direction.cross(&self.up).try_normalize(1e-3).unwrap_or_else(|| self.left());
         let along = aim.direction.cross(&across);
         let (mut posture, mut way) = (self.posture(), Vec::new());
-        let (own, clearance) = (&self.own, &self.clearance);
-        let limbs = 1..own.creature.limbs().len();
+        let (own, clearance) = (&self.own, &self.clearance.moved_by(&self.own, joints));
         let reaching = Reaching::new(own, clearance, joints.to_vec(), self.seed);
         for (radius, depth) in [(0.015, 0.005), (0.03, 0.005), (0.045, 0.005)] {
             for k in 0..=12 {
@@ -201,11 +230,8 @@ impl Actor {
                 let offset = across * (radius * angle.cos()) + along * (radius * angle.sin());
                 let point = aim.point + aim.direction * depth + offset;
                 let reach = reaching.solve(place, &Aim { point, ..*aim }, &posture);
-                let frames = own.frames(&reach.posture);
-                let above = clearance.obstacles.iter().all(|obstacle| {
-                    limbs.clone().all(|limb| clearance.to_obstacle(&frames, limb, obstacle, 0.003) >= 0.003)
-                });
-                if reach.miss <= REACHED && above {
+                let free = clearance.free(&own.frames(&reach.posture), 0.003);
+                if reach.miss <= REACHED && free {
                     posture.clone_from(&reach.posture);
                     way.push(reach.posture);
                 }
@@ -227,15 +253,11 @@ impl Actor {
                 self.pass(&way, SWIFT)?;
                 back.unwrap_or_else(|| self.posture())
             }
-            // It has not come here by itself: away from the thing.
+            // It has not come here by itself.
             None => {
-                let place = self.own.place(found.receptor);
-                let from = self.posture();
-                let (point, direction) = self.feels_at(found.receptor);
-                let away = Aim { point: point - direction * BACK, direction };
-                let back = self.reaching(arm.clone()).solve(place, &away, &from).posture;
-                self.retreat(&back)?;
-                back
+                let way = self.way_off(found, &arm)?;
+                self.pass(&way, SWIFT)?;
+                self.posture()
             }
         };
         // Only this arm moves: the other is where it is wanted.
@@ -244,7 +266,76 @@ impl Actor {
             let q = self.own.creature.joints()[joint].coordinates();
             target[q.clone()].copy_from_slice(&ready[q]);
         }
-        let aim = Aim { point: found.point, direction: found.direction };
-        self.making_room(&aim, |actor| actor.go_by(&back, &target, &arm))
+        let mut met = vec![found.aim()];
+        for _ in 0..WITHDRAWALS {
+            let from = self.posture();
+            let Err(trouble) = self.making_room(&met, |actor| actor.go_by(&from, &target, &arm)) else {
+                return Ok(());
+            };
+            let Trouble::Hit(feelings) = trouble else { return Err(trouble) };
+            // It is larger than thought: back, and about what it met as well.
+            met.extend(feelings.iter().filter_map(|feeling| self.found(feeling)).map(|found| found.aim()));
+            self.back_off(&feelings)?;
+        }
+        Err(OutOfReach::Barred.into())
+    }
+
+    /// A way on which an arm takes skin off a thing that it touches, as straight as it can without meeting the thing with
+    /// other skin, or the table, or the body.
+    fn way_off(&mut self, found: &Found, arm: &[usize]) -> Result<Way, Trouble> {
+        let from = self.posture();
+        let place = self.own.place(found.receptor);
+        let (here, outward) = self.feels_at(found.receptor);
+        let direction = found.direction;
+        let off = |own: &OwnBody, posture: &[f64]| {
+            (here - own.frames(posture)[place.limb].point(&place.point)).dot(&direction)
+        };
+        // Straight, facing as it does and as it may …
+        let mut ways = Vec::new();
+        for facing in [outward, Vector3::zeros()] {
+            let place =
+                Place { direction: if facing == outward { place.direction } else { facing }, ..place };
+            let reaching = self.reaching(arm.to_vec());
+            let mut way = vec![from.clone()];
+            for k in 1..=STEPS_OFF {
+                let point = here - direction * (BACK * f64::from(k) / f64::from(STEPS_OFF));
+                way.push(
+                    reaching.solve(place, &Aim { point, direction: facing }, &way[way.len() - 1]).posture,
+                );
+            }
+            ways.push(way);
+        }
+        // … and by all joints of the arm at once, as it comes.
+        self.seed = self.seed.wrapping_add(1);
+        let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
+        let mut others = Vec::new();
+        for _ in 0..WAYS_OFF {
+            let target = self.own.random_posture(&from, arm, &mut rng);
+            let mut way = vec![from.clone()];
+            for k in 1..=50 {
+                way.push(between(&self.own.creature, &from, &target, 0.02 * f64::from(k)));
+                if off(&self.own, &way[way.len() - 1]) >= BACK {
+                    others.push(way);
+                    break;
+                }
+            }
+        }
+        let far = |way: &Vec<Vec<f64>>| distance(&way[0], &way[way.len() - 1]);
+        others.sort_by(|a, b| far(a).total_cmp(&far(b)));
+        ways.extend(others);
+        let straight = ways[0].clone();
+        let aim = found.aim();
+        let found = self.making_room(&[aim], |actor| {
+            let clearance = actor.clearance.moved_by(&actor.own, arm);
+            let clearance = clearance.eased_at(&[actor.own.frames(&from)], MARGIN);
+            let clear = |way: &Vec<Vec<f64>>| {
+                let off = off(&actor.own, &way[way.len() - 1]) > 0.5 * BACK;
+                off && way.windows(2).all(|two| straight_to(&actor.own, &clearance, &two[0], &two[1], MARGIN))
+            };
+            let way = ways.iter().find(|way| clear(way)).cloned();
+            Ok(Way(way.ok_or(OutOfReach::Barred)?))
+        });
+        // With no way that is clear for certain it tries the straight one.
+        Ok(found.unwrap_or(Way(straight)))
     }
 }

@@ -1,0 +1,279 @@
+//! `bodyschema render`: pictures and films, by MuJoCo's own renderer.
+
+mod posture;
+mod session;
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use nalgebra::Point3;
+
+use super::open::{ModelOptions, body_of, open_model};
+use super::{Failure, Outcome, progress};
+use crate::babbling::start_posture;
+use crate::creature::{Body, BodyError, JointSelection};
+use crate::mujoco::{Camera, Data, Image, Model, PICTURE_SIDES, Renderer};
+use crate::picture::{Direction, Film, Shot, draw, frame, is_film, outline, png};
+use crate::record::{SESSION_FILE, model_hash, write_whole};
+
+/// Draw a model in a posture, or what a session is about, as a picture or a film.
+///
+/// MuJoCo's renderer draws it, without a screen, by EGL or OSMesa. Of a model and of a session the posture at ease is
+/// drawn, or the one that --posture gives; of a session with --touch that of a touch, its two places lit, and with
+/// --schema the learned body over the true one, which becomes a shade. A film goes from touch to touch, or with
+/// --learning through the schema's checkpoints, from the onset on. Films need ffmpeg.
+#[derive(clap::Args)]
+#[command(after_help = "Examples:
+  bodyschema render mjcf/max/max.xml --out max.png
+  bodyschema render mjcf/max/table.xml --posture left_elbow_flexion=90 --camera 140,-20 --out table.png
+  bodyschema render sessions/max-1 --touch 3 --schema --out touch.png
+  bodyschema render sessions/max-1 --touches 1..5 --size 640x480 --out touches.mp4    # needs ffmpeg
+  bodyschema render sessions/max-1 --learning --frames-per-second 12 --out learning.mp4
+  bodyschema render sessions/max-1 --touches 2..2 --frames-per-second 4 --size 320x320 --out frame-%03d.png
+
+Without OpenGL it says so. The environment variable BODYSCHEMA_GL says which library draws: egl, osmesa, or none;
+without it EGL is tried, then OSMesa.")]
+pub struct Args {
+    /// An MJCF file, or a session's folder
+    #[arg(value_name = "MODEL|SESSION")]
+    what: PathBuf,
+    /// The file to write: a picture (.png), or a film (.mp4, .webm, .mkv, .mov, .gif, or a picture a frame, as in
+    /// frame-%04d.png)
+    #[arg(long, short, value_name = "FILE")]
+    out: PathBuf,
+    /// The posture: names of degrees of freedom with degrees or millimetres, as in
+    /// left_elbow_flexion=90,right_elbow_flexion=20, or a JSON file of names with radians, metres or w x y z; what is not named is at ease
+    #[arg(long, value_name = "NAME=DEG,…|FILE", allow_hyphen_values = true)]
+    posture: Option<String>,
+    /// Of a session, the posture of a touch, counted from 1, its places lit
+    #[arg(long, value_name = "N", conflicts_with = "posture")]
+    touch: Option<usize>,
+    /// Of a session, the learned body over the true one
+    #[arg(long)]
+    schema: bool,
+    /// Of a session, a film of the touches from one to another, counted from 1 [default: 1..8]
+    #[arg(long, value_name = "N..M", value_parser = session::touch_range,
+        conflicts_with_all = ["posture", "touch", "learning"])]
+    touches: Option<[usize; 2]>,
+    /// Of a session, a film of the learned body from the onset on
+    #[arg(long, conflicts_with_all = ["posture", "touch"])]
+    learning: bool,
+    /// Of a session, the model, where it is not at the path in the session
+    #[arg(long)]
+    model: Option<PathBuf>,
+    /// Width and height, pixels
+    #[arg(long, value_name = "WxH", value_parser = size, default_value = "1280x960")]
+    size: [usize; 2],
+    /// Where it is looked at from: azimuth and elevation in degrees, as MuJoCo's viewer has them, with a distance in
+    /// metres if it is not to fill the picture; or the name of a camera in the model [default: 205,-12]
+    #[arg(long, value_name = "AZIMUTH,ELEVATION[,METRES]|NAME", allow_hyphen_values = true)]
+    camera: Option<String>,
+    /// Pictures a second of a film
+    #[arg(long, value_name = "N", value_parser = frames_per_second, default_value = "25")]
+    frames_per_second: f64,
+    #[command(flatten)]
+    options: ModelOptions,
+}
+
+/// Width and height from the command line.
+fn size(text: &str) -> Result<[usize; 2], String> {
+    let sides =
+        text.split_once('x').and_then(|(width, height)| Some([width.parse().ok()?, height.parse().ok()?]));
+    sides.filter(|sides| sides.iter().all(|side| PICTURE_SIDES.contains(side))).ok_or_else(|| {
+        let (least, most) = (PICTURE_SIDES.start(), PICTURE_SIDES.end());
+        format!("give two numbers from {least} to {most}, as in 1280x960")
+    })
+}
+
+fn frames_per_second(text: &str) -> Result<f64, String> {
+    let number = text.parse().ok().filter(|number| (1.0..=240.0).contains(number));
+    number.ok_or_else(|| "give a number from 1 to 240".into())
+}
+
+/// What is drawn: a model, and what moves in it.
+struct Subject {
+    /// The file, for what is said of it.
+    place: String,
+    model: Arc<Model>,
+    body: Option<Body>,
+    /// Whether only the creature is to fill the picture, and not all that is about it.
+    alone: bool,
+}
+
+/// What a picture or a film shows.
+struct Plan {
+    shots: Vec<Shot>,
+    /// Those that a camera has to hold.
+    held: Vec<usize>,
+    /// Whether the creature itself is but a shade.
+    shaded: bool,
+}
+
+impl Plan {
+    fn still(shot: Shot, shaded: bool) -> Plan {
+        Plan { shots: vec![shot], held: vec![0], shaded }
+    }
+}
+
+impl Subject {
+    /// Data in a posture, poses computed.
+    fn data(&self, qpos: &[f64]) -> Result<Data, Failure> {
+        let mut data = Data::new(self.model.clone())?;
+        data.set_qpos(qpos)?;
+        data.kinematics()?;
+        Ok(data)
+    }
+
+    /// Whether a geom is the creature's.
+    fn is_own(&self, geom: usize) -> bool {
+        self.body.as_ref().is_some_and(|body| body.limb_of_geom(geom).is_some())
+    }
+}
+
+pub fn run(args: &Args) -> Outcome {
+    let film = is_film(&args.out);
+    if !film && !args.out.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("png")) {
+        return Err(Failure(format!(
+            "{}: its name does not say what to write: end it in .png for a picture, in .mp4 or .webm for a film",
+            args.out.display()
+        )));
+    }
+    let makes = |what: &str, given: bool, option: &str, mend: &str| match given {
+        true => Err(Failure(format!("{}: {option} makes a {what}: {mend}", args.out.display()))),
+        false => Ok(()),
+    };
+    if film {
+        let mend = "end the file's name in .png";
+        makes("picture", args.touch.is_some(), "--touch", mend)?;
+        makes("picture", args.posture.is_some(), "--posture", mend)?;
+    } else {
+        let mend = "end the file's name in .mp4, or give one such as frame-%04d.png";
+        makes("film", args.touches.is_some(), "--touches", mend)?;
+        makes("film", args.learning, "--learning", mend)?;
+    }
+    let spinner = progress::spinner("getting ready");
+    let (subject, plan) =
+        if args.what.join(SESSION_FILE).exists() { session::plan(args, film)? } else { model(args, film)? };
+    let [width, height] = args.size;
+    let mut renderer = Renderer::new(&subject.model, width, height)
+        .map_err(|error| Failure(format!("{}: {error}", args.out.display())))?;
+    let camera = camera(args, &subject, &plan, &renderer)?;
+    spinner.finish_and_clear();
+    let shaded = |geom: usize| plan.shaded && subject.is_own(geom);
+    let mut picture = |shot: &Shot| draw(&mut renderer, shot, camera, &shaded);
+    let folder = args.out.parent().filter(|folder| !folder.as_os_str().is_empty());
+    let cannot = |error| {
+        Failure(format!("cannot write {}: {error}: give another file with --out", args.out.display()))
+    };
+    folder.map_or(Ok(()), std::fs::create_dir_all).map_err(cannot)?;
+    if !film {
+        write_whole(&args.out, &png(&picture(&plan.shots[0])?)).map_err(cannot)?;
+        say!("{}", args.out.display());
+        return Ok(());
+    }
+    let mut film = Film::begin(&args.out, args.size, args.frames_per_second)?;
+    let bar = progress::counted("drawing", plan.shots.len() as u64, "frames");
+    let mut drawn: Option<(&Shot, Image)> = None;
+    for shot in &plan.shots {
+        // What stands still is drawn once.
+        let image = match drawn.take().filter(|(before, _)| *before == shot) {
+            Some((_, image)) => image,
+            None => picture(shot)?,
+        };
+        film.add(&image)?;
+        drawn = Some((shot, image));
+        bar.inc(1);
+    }
+    bar.finish_and_clear();
+    let frames = film.finish()?;
+    say!("{}: {frames} frames, {:.1} s", args.out.display(), frames as f64 / args.frames_per_second);
+    Ok(())
+}
+
+/// A model in a posture.
+fn model(args: &Args, film: bool) -> Result<(Subject, Plan), Failure> {
+    let place = args.what.display().to_string();
+    let of_session = [
+        (args.touch.is_some(), "--touch"),
+        (args.touches.is_some(), "--touches"),
+        (args.schema, "--schema"),
+        (args.learning, "--learning"),
+        (args.model.is_some(), "--model"),
+        (film, "a film"),
+    ];
+    if let Some((_, option)) = of_session.iter().find(|(given, _)| *given) {
+        let mend = "give the folder of one, as `bodyschema babble` writes it";
+        return Err(Failure(format!("{place} is no session, and {option} is of a session: {mend}")));
+    }
+    if args.what.is_dir() {
+        return Err(Failure(format!(
+            "{place}: there is no {SESSION_FILE} in it: give an MJCF file or a session's folder"
+        )));
+    }
+    // A file that is not there is told of as such, before anything else.
+    model_hash(&args.what)?;
+    let model = Arc::new(open_model(&args.what, args.options.strip)?);
+    let body = match Body::rooted(model.clone(), &JointSelection::All, args.options.root.as_deref()) {
+        // What cannot move can be looked at.
+        Err(BodyError::NoJoints) if args.posture.is_none() => None,
+        _ => Some(body_of(model.clone(), &args.what, &JointSelection::All, &args.options)?),
+    };
+    let mut qpos = model.qpos0().to_vec();
+    if let Some(body) = &body {
+        let posture = match &args.posture {
+            Some(text) => posture::read(text, &body.creature)?,
+            None => start_posture(&body.creature),
+        };
+        body.write_qpos(&posture, &mut qpos);
+    }
+    let subject = Subject { place, model, body, alone: false };
+    Ok((subject, Plan::still(Shot { qpos, marks: Vec::new(), lit: Vec::new() }, false)))
+}
+
+/// The camera that is asked for, or one that holds all that is shown.
+fn camera(args: &Args, subject: &Subject, plan: &Plan, renderer: &Renderer) -> Result<Camera, Failure> {
+    let mut direction = Direction::default();
+    let mut distance = None;
+    if let Some(text) = &args.camera {
+        let numbers: Option<Vec<f64>> = text.split(',').map(|number| number.trim().parse().ok()).collect();
+        match numbers.as_deref() {
+            Some(&[azimuth, elevation, ref rest @ ..])
+                if rest.len() <= 1
+                    && azimuth.is_finite()
+                    && (-90.0..=90.0).contains(&elevation)
+                    && rest.iter().all(|metres| *metres > 0.0 && metres.is_finite()) =>
+            {
+                direction = Direction { azimuth: azimuth.to_radians(), elevation: elevation.to_radians() };
+                distance = rest.first().copied();
+            }
+            Some(_) => {
+                return Err(Failure(format!(
+                    "--camera {text}: give azimuth, elevation from -90 to 90 and, if wanted, a distance above 0, as in \
+                     205,-12,3"
+                )));
+            }
+            None => return named_camera(text, subject),
+        }
+    }
+    let shown = |geom: usize| renderer.shows(geom) && (!subject.alone || subject.is_own(geom));
+    let mut points: Vec<Point3<f64>> = Vec::new();
+    for &held in &plan.held {
+        let shot = &plan.shots[held];
+        points.extend(outline(&subject.data(&shot.qpos)?, &shown));
+        points.extend(shot.marks.iter().flat_map(crate::picture::corners_of));
+    }
+    Ok(frame(points, direction, renderer.lens(), distance))
+}
+
+fn named_camera(name: &str, subject: &Subject) -> Result<Camera, Failure> {
+    let cameras = subject.model.cameras();
+    if let Some(number) = cameras.iter().position(|camera| *camera == name) {
+        return Ok(Camera::Fixed(number));
+    }
+    let named: Vec<&str> = cameras.into_iter().filter(|camera| !camera.is_empty()).collect();
+    let there = if named.is_empty() { "none with a name".into() } else { named.join(", ") };
+    Err(Failure(format!(
+        "{}: it has no camera named {name}, it has {there}: give one of these, or azimuth and elevation as in 205,-12",
+        subject.place
+    )))
+}

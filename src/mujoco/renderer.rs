@@ -1,0 +1,390 @@
+//! Pictures by MuJoCo's own renderer, drawn off-screen.
+
+use std::mem::MaybeUninit;
+use std::sync::{Arc, Mutex, PoisonError};
+
+use nalgebra::{Isometry3, Point3, Rotation3, Translation3, UnitQuaternion, Vector3};
+
+use super::data::Data;
+use super::element::GeomKind;
+use super::engine::{self, guarded};
+use super::error::{Error, Result};
+use super::ffi;
+use super::model::Model;
+use super::opengl::OffscreenContext;
+
+/// Most marks of a picture.
+const MOST_MARKS: usize = 10_000;
+/// Sides of a picture, pixels: a buffer of the largest takes half a gigabyte.
+pub const PICTURE_SIDES: std::ops::RangeInclusive<usize> = 16..=4096;
+/// MuJoCo's head light where a model says nothing of it: ambient, diffuse and specular, …
+const PLAIN_LIGHT: [f32; 3] = [0.1, 0.4, 0.5];
+/// … which is dim where there is no other light; what it is replaced by.
+const BRIGHT_LIGHT: [f32; 3] = [0.42, 0.56, 0.08];
+/// Visibility groups of geoms that a viewer shows unless told otherwise; shapes for collision are by custom in others.
+const SHOWN_GROUPS: usize = 3;
+
+/// MuJoCo asks OpenGL for its functions the first time only, and guards that by nothing.
+static MAKING_CONTEXT: Mutex<()> = Mutex::new(());
+
+/// A picture: rows from the top, three bytes a pixel, red, green and blue.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Image {
+    /// Pixels in a row.
+    pub width: usize,
+    /// Rows.
+    pub height: usize,
+    /// `height * width * 3` bytes.
+    pub rgb: Vec<u8>,
+}
+
+/// Where a picture is taken from.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Camera {
+    /// An eye that looks at a point, upright.
+    Free {
+        /// The point, in the world, metres.
+        lookat: Point3<f64>,
+        /// How far the eye is from it, metres.
+        distance: f64,
+        /// The direction in which it looks, about the world's z from x, radians.
+        azimuth: f64,
+        /// How far it looks up, radians; below zero it looks down.
+        elevation: f64,
+    },
+    /// A camera of the model, by its number.
+    Fixed(usize),
+}
+
+/// Something that is drawn and is no part of the model.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Mark {
+    /// Its shape; no plane, mesh or height field.
+    pub kind: GeomKind,
+    /// As of a [`Geom`](super::Geom), metres.
+    pub size: [f64; 3],
+    /// `X_WM`: where it is in the world.
+    pub pose: Isometry3<f64>,
+    /// Red, green, blue and opacity, 0 to 1.
+    pub rgba: [f32; 4],
+    /// How much it shines by itself, 0 to 1.
+    pub emission: f32,
+}
+
+impl Mark {
+    /// A ball.
+    pub fn sphere(centre: &Point3<f64>, radius: f64, rgba: [f32; 4]) -> Mark {
+        let pose = Isometry3::from_parts(Translation3::from(centre.coords), UnitQuaternion::identity());
+        Mark { kind: GeomKind::Sphere, size: [radius; 3], pose, rgba, emission: 0.0 }
+    }
+
+    /// A rod with round ends.
+    pub fn capsule(ends: [Point3<f64>; 2], radius: f64, rgba: [f32; 4]) -> Mark {
+        let along = ends[1] - ends[0];
+        let rotation = UnitQuaternion::rotation_between(&Vector3::z(), &along).unwrap_or_else(half_turn);
+        let middle = nalgebra::center(&ends[0], &ends[1]);
+        let pose = Isometry3::from_parts(Translation3::from(middle.coords), rotation);
+        let size = [radius, 0.5 * along.norm(), 0.0];
+        Mark { kind: GeomKind::Capsule, size, pose, rgba, emission: 0.0 }
+    }
+}
+
+/// How a picture is drawn.
+pub struct View<'a> {
+    /// Where it is taken from.
+    pub camera: Camera,
+    /// What is drawn besides the model.
+    pub marks: &'a [Mark],
+    /// Whether nothing of the model is drawn, neither its sky: the marks alone, and white behind them.
+    pub marks_alone: bool,
+    /// The colour and opacity of geoms that are not to look as the model has it.
+    pub repaint: &'a dyn Fn(usize) -> Option<[f32; 4]>,
+}
+
+/// Draws a model in any posture, with MuJoCo's renderer, into memory. It stays in its thread.
+pub struct Renderer {
+    // What OpenGL holds for MuJoCo goes before the context of OpenGL does.
+    buffers: Buffers,
+    scene: Scene,
+    context: OffscreenContext,
+    option: ffi::mjvOption,
+    data: Data,
+    width: usize,
+    height: usize,
+}
+
+impl Renderer {
+    /// A renderer of a model, for pictures of a size in pixels within [`PICTURE_SIDES`].
+    ///
+    /// # Errors
+    /// [`Error::OpenGl`] where there is none; [`Error::Size`] for a size beyond the bounds; [`Error::Engine`] where
+    /// MuJoCo cannot draw with the OpenGL there is, or lacks memory.
+    pub fn new(model: &Model, width: usize, height: usize) -> Result<Renderer> {
+        for (what, side) in [("the picture's width", width), ("the picture's height", height)] {
+            if !PICTURE_SIDES.contains(&side) {
+                let nearest = side.clamp(*PICTURE_SIDES.start(), *PICTURE_SIDES.end());
+                return Err(Error::Size { what, expected: nearest, found: side });
+            }
+        }
+        let mut copy = model.copy()?;
+        // SAFETY: the copy is not shared yet.
+        unsafe {
+            let visual = &raw mut (*copy.raw_mut()).vis;
+            (*visual).global.offwidth = width as i32;
+            (*visual).global.offheight = height as i32;
+            let light = &raw mut (*visual).headlight;
+            if [(*light).ambient, (*light).diffuse, (*light).specular] == PLAIN_LIGHT.map(|x| [x; 3]) {
+                [(*light).ambient, (*light).diffuse, (*light).specular] = BRIGHT_LIGHT.map(|x| [x; 3]);
+            }
+        }
+        let copy = Arc::new(copy);
+        let context = OffscreenContext::new()?;
+        let buffers = Buffers::new(&copy)?;
+        let scene = Scene::new(&copy)?;
+        let mut option = MaybeUninit::zeroed();
+        // SAFETY: the engine fills in what it is given; all zeros are valid before.
+        let mut option: ffi::mjvOption = unsafe {
+            ffi::mjv_defaultOption(option.as_mut_ptr());
+            option.assume_init()
+        };
+        // Receptors cover all of a skin: over the body's own looks they would be all that is seen.
+        option.sitegroup.fill(0);
+        if !copy.geoms().any(|geom| geom.body != 0 && (0..SHOWN_GROUPS as i32).contains(&geom.group)) {
+            option.geomgroup.fill(1);
+        }
+        let data = Data::new(copy)?;
+        Ok(Renderer { buffers, scene, context, option, data, width, height })
+    }
+
+    /// Whether a geom of the model is drawn at all: it is not where its group is one that viewers hide.
+    pub fn shows(&self, geom: usize) -> bool {
+        let group = self.data.model().geom(geom).group;
+        usize::try_from(group).is_ok_and(|group| self.option.geomgroup.get(group).is_some_and(|on| *on != 0))
+    }
+
+    /// The height that a free camera sees at a distance of one, as an angle, radians; and a row's length by height.
+    pub fn lens(&self) -> (f64, f64) {
+        let degrees: f64 = self.data.model().raw().vis.global.fovy.into();
+        (degrees.to_radians(), self.width as f64 / self.height as f64)
+    }
+
+    /// The data of the last picture, for whoever wants to know where things are in it.
+    pub fn data(&self) -> &Data {
+        &self.data
+    }
+
+    /// The model in a posture: `nq` coordinates in radians and metres, quaternions w x y z.
+    ///
+    /// # Errors
+    /// As [`Data::set_qpos`] and [`Data::kinematics`]; [`Error::Engine`] for a camera that the model does not have,
+    /// and where OpenGL fails.
+    ///
+    /// # Panics
+    /// Where there are more than 10,000 marks, or one is a plane, mesh or height field.
+    pub fn render(&mut self, qpos: &[f64], view: &View) -> Result<Image> {
+        self.data.set_qpos(qpos)?;
+        self.data.place()?;
+        self.context.make_current()?;
+        self.scene.update(&mut self.data, &self.option, view)?;
+        let viewport =
+            ffi::mjrRect { left: 0, bottom: 0, width: self.width as i32, height: self.height as i32 };
+        let row = 3 * self.width;
+        let mut upwards = vec![0u8; row * self.height];
+        let (scene, buffers) = (&mut *self.scene.0, &*self.buffers.0);
+        guarded("mjr_render", || {
+            // SAFETY: scene and buffers are the engine's own and made for this context of OpenGL, which is current; the
+            // bytes are as many as the engine writes for a viewport of this size.
+            unsafe {
+                ffi::mjr_render(viewport, scene, buffers);
+                ffi::mjr_readPixels(upwards.as_mut_ptr(), std::ptr::null_mut(), viewport, buffers);
+            }
+        })?;
+        warned("mjr_render")?;
+        // OpenGL's rows go upwards.
+        let rgb = upwards.chunks_exact(row).rev().collect::<Vec<_>>().concat();
+        Ok(Image { width: self.width, height: self.height, rgb })
+    }
+}
+
+impl Drop for Renderer {
+    fn drop(&mut self) {
+        // What is freed belongs to this context, whichever was used last in this thread.
+        let _ = self.context.make_current();
+    }
+}
+
+/// The engine's warning in the last call, as an error.
+fn warned(call: &'static str) -> Result<()> {
+    engine::take_warning().map_or(Ok(()), |message| Err(Error::Warning { call, message }))
+}
+
+/// What MuJoCo keeps in OpenGL.
+struct Buffers(Box<ffi::mjrContext>);
+
+impl Buffers {
+    /// Those of a model, for drawing off-screen; a context of OpenGL is current.
+    fn new(model: &Model) -> Result<Buffers> {
+        let _one_at_a_time = MAKING_CONTEXT.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut buffers = Box::new(MaybeUninit::zeroed());
+        // SAFETY: the engine fills in what it is given; all zeros are valid before.
+        let mut buffers = Buffers(unsafe {
+            ffi::mjr_defaultContext(buffers.as_mut_ptr());
+            buffers.assume_init()
+        });
+        const FONT: u32 = 100;
+        let raw = &mut *buffers.0;
+        guarded("mjr_makeContext", || {
+            // SAFETY: the model is valid, the buffers are set to their defaults, and a context is current.
+            unsafe {
+                ffi::mjr_makeContext(model.raw(), raw, FONT as _);
+                ffi::mjr_setBuffer(ffi::mjFB_OFFSCREEN as i32, raw);
+            }
+        })?;
+        // It warns of what it does without, and pictures are drawn all the same.
+        engine::take_warning();
+        if raw.currentBuffer != ffi::mjFB_OFFSCREEN as i32 {
+            let message = "it has no buffer to draw on off-screen".to_string();
+            return Err(Error::Engine { call: "mjr_makeContext", message });
+        }
+        Ok(buffers)
+    }
+}
+
+impl Drop for Buffers {
+    fn drop(&mut self) {
+        // SAFETY: made or set to its defaults by the engine, freed once, while its context is still there. An error in
+        // it, which leaves things in OpenGL, has nobody to go to.
+        let _ = guarded("mjr_freeContext", || unsafe { ffi::mjr_freeContext(&raw mut *self.0) });
+    }
+}
+
+/// What is to be drawn, as the engine lists it.
+struct Scene(Box<ffi::mjvScene>);
+
+impl Scene {
+    fn new(model: &Model) -> Result<Scene> {
+        let mut scene = Box::new(MaybeUninit::zeroed());
+        // SAFETY: the engine fills in what it is given; all zeros are valid before.
+        let mut scene = Scene(unsafe {
+            ffi::mjv_defaultScene(scene.as_mut_ptr());
+            scene.assume_init()
+        });
+        let room = 2 * (model.ngeom() + model.nsite() + model.nbody()) + MOST_MARKS;
+        let raw = &mut *scene.0;
+        // SAFETY: the model is valid and the scene is set to its defaults.
+        guarded("mjv_makeScene", || unsafe { ffi::mjv_makeScene(model.raw(), raw, room as i32) })?;
+        Ok(scene)
+    }
+
+    fn update(&mut self, data: &mut Data, option: &ffi::mjvOption, view: &View) -> Result<()> {
+        let model = data.model().clone();
+        let mut camera = camera(&view.camera, &model)?;
+        let scene = &mut *self.0;
+        let mut perturbation = MaybeUninit::zeroed();
+        guarded("mjv_updateScene", || {
+            // SAFETY: the data are of the model and borrowed exclusively, and all else is set as the engine wants it.
+            unsafe {
+                scene.flags[ffi::mjRND_SKYBOX as usize] = (!view.marks_alone).into();
+                ffi::mjv_defaultPerturb(perturbation.as_mut_ptr());
+                ffi::mjv_updateScene(
+                    model.raw(),
+                    data.raw_mut(),
+                    option,
+                    perturbation.as_ptr(),
+                    &raw mut camera,
+                    ffi::mjCAT_ALL as i32,
+                    scene,
+                );
+            }
+        })?;
+        warned("mjv_updateScene")?;
+        let filled = if view.marks_alone { 0 } else { scene.ngeom as usize };
+        let room = scene.maxgeom as usize;
+        // SAFETY: the engine has made room for `maxgeom` of them and filled in `ngeom`.
+        let geoms = unsafe { std::slice::from_raw_parts_mut(scene.geoms, filled) };
+        for geom in geoms.iter_mut().filter(|geom| geom.objtype == ffi::mjOBJ_GEOM as i32) {
+            if let Some(rgba) = usize::try_from(geom.objid).ok().and_then(view.repaint) {
+                geom.rgba = rgba;
+            }
+        }
+        assert!(view.marks.len() <= MOST_MARKS && filled + view.marks.len() < room, "too many marks");
+        let wall = (view.marks_alone || !model.has_sky()).then(|| wall(&scene.camera[0]));
+        let count = wall.iter().len() + view.marks.len();
+        for (k, mark) in wall.iter().chain(view.marks).enumerate() {
+            let kind = mark.kind.to_raw().expect("a mark of a shape that stands alone");
+            let rotation = mark.pose.rotation.to_rotation_matrix();
+            let rows: Rotation3<f64> = rotation.transpose();
+            // SAFETY: there is room for it; sizes and position are three numbers, the matrix nine by rows, the colour
+            // four.
+            unsafe {
+                let geom = scene.geoms.add(filled + k);
+                ffi::mjv_initGeom(
+                    geom,
+                    kind,
+                    mark.size.as_ptr(),
+                    mark.pose.translation.vector.as_ptr(),
+                    rows.matrix().as_ptr(),
+                    mark.rgba.as_ptr(),
+                );
+                (*geom).emission = mark.emission;
+                if mark.emission >= 1.0 {
+                    (*geom).specular = 0.0;
+                }
+            }
+        }
+        scene.ngeom = (filled + count) as i32;
+        Ok(())
+    }
+}
+
+impl Drop for Scene {
+    fn drop(&mut self) {
+        // SAFETY: made or set to its defaults by the engine, and freed once.
+        unsafe { ffi::mjv_freeScene(&raw mut *self.0) }
+    }
+}
+
+/// A white wall that fills all that a camera sees, behind everything: MuJoCo paints black where a model has no sky.
+fn wall(camera: &ffi::mjvGLCamera) -> Mark {
+    const NEARER_THAN_FAR: f32 = 0.9;
+    let far = f64::from(NEARER_THAN_FAR * camera.frustum_far);
+    let [ahead, eye] = [camera.forward, camera.pos].map(|v| Vector3::from(v).cast::<f64>());
+    // Wide enough for any lens and picture.
+    let size = [4.0 * far, 4.0 * far, 1e-3 * far];
+    let rotation = UnitQuaternion::rotation_between(&Vector3::z(), &ahead).unwrap_or_else(half_turn);
+    let pose = Isometry3::from_parts(Translation3::from(eye + ahead * far), rotation);
+    // With any light on it, it is as white as can be.
+    Mark { kind: GeomKind::Box, size, pose, rgba: [1.0; 4], emission: 1.0 }
+}
+
+/// The rotation that turns z upside down.
+fn half_turn() -> UnitQuaternion<f64> {
+    UnitQuaternion::from_axis_angle(&Vector3::x_axis(), std::f64::consts::PI)
+}
+
+/// A camera as the engine has it.
+fn camera(camera: &Camera, model: &Model) -> Result<ffi::mjvCamera> {
+    let mut raw = MaybeUninit::zeroed();
+    // SAFETY: the engine fills in what it is given; all zeros are valid before.
+    let mut raw: ffi::mjvCamera = unsafe {
+        ffi::mjv_defaultCamera(raw.as_mut_ptr());
+        raw.assume_init()
+    };
+    match *camera {
+        Camera::Free { lookat, distance, azimuth, elevation } => {
+            raw.type_ = ffi::mjCAMERA_FREE as i32;
+            raw.lookat = [lookat.x, lookat.y, lookat.z];
+            raw.distance = distance;
+            (raw.azimuth, raw.elevation) = (azimuth.to_degrees(), elevation.to_degrees());
+        }
+        Camera::Fixed(i) if i < model.cameras().len() => {
+            raw.type_ = ffi::mjCAMERA_FIXED as i32;
+            raw.fixedcamid = i as i32;
+        }
+        Camera::Fixed(i) => {
+            let message = format!("the model has no camera {i}");
+            return Err(Error::Engine { call: "mjv_updateScene", message });
+        }
+    }
+    Ok(raw)
+}
