@@ -1,20 +1,24 @@
-// Draws meshes flat, from behind to the front: a browser without a graphics card does so many times a second.
+// Draws meshes into the picture's own pixels, the nearest of each kept: a browser without a graphics card does so many
+// times a second.
 const Body = (place, { meshes, room }) => {
   // Receptors from untouched to touched just now.
   const GLOW = [[147, 161, 173], [246, 213, 115], [242, 142, 60], [215, 48, 31]];
-  // Receptors lie on the skin: they are drawn after what is no farther behind them, metres.
-  const LIFT = 0.025;
+  // Receptors lie on the skin: they hide what is no farther before them, metres.
+  const LIFT = 0.01;
   // How far a mouse may go that only clicks, pixels.
   const CLICK = 4;
-  const context = place.getContext("2d");
+  // What a pixel shows where it is no receptor: nothing, or a mesh, counted on from here downwards.
+  const NOTHING = -1;
+  const context = place.getContext("2d", { willReadFrequently: true });
   const view = { turn: 0.5, tilt: 0.28, zoom: 1 };
   const middle = [0, 1, 2].map((k) => (room[0][k] + room[1][k]) / 2);
   const colours = meshes.map(({ colour }) => colour && [1, 3, 5].map((k) => parseInt(colour.slice(k, k + 2), 16)));
   const places = meshes.map(() => null);
   let glow = [];
-  let faces = [];
+  let picture = null;
+  // Where the receptors that face who looks are in the picture.
+  let receptors = new Map();
 
-  const shaded = ([r, g, b], light) => `rgb(${(r * light) | 0},${(g * light) | 0},${(b * light) | 0})`;
   const glowing = (light) => {
     const at = Math.min(Math.max(light, 0), 0.999) * (GLOW.length - 1);
     const k = Math.floor(at);
@@ -27,86 +31,100 @@ const Body = (place, { meshes, room }) => {
     return [[-st, ct, 0], [-ct * si, -st * si, ci], [ct * ci, st * ci, si]];
   };
 
+  const resized = (ratio) => {
+    const [width, height] = [place.clientWidth, place.clientHeight].map((x) => Math.max(1, Math.round(x * ratio)));
+    if (!picture || place.width !== width || place.height !== height) {
+      [place.width, place.height] = [width, height];
+      const image = context.createImageData(width, height);
+      picture = {
+        image,
+        ratio,
+        pixels: new Uint32Array(image.data.buffer),
+        depth: new Float32Array(width * height),
+        shown: new Int32Array(width * height),
+      };
+    }
+    picture.pixels.fill(0);
+    picture.depth.fill(-Infinity);
+    picture.shown.fill(NOTHING);
+    return [width, height];
+  };
+
+  // Fills the pixels of a triangle whose corners are given in pixels, with their depth towards who looks.
+  const fill = ([ax, ay, az], [bx, by, bz], [cx, cy, cz], colour, shows, width, height) => {
+    const area = (bx - ax) * (cy - ay) - (by - ay) * (cx - ax);
+    const [left, right] = [Math.max(0, Math.floor(Math.min(ax, bx, cx))), Math.min(width - 1, Math.ceil(Math.max(ax, bx, cx)))];
+    const [top, low] = [Math.max(0, Math.floor(Math.min(ay, by, cy))), Math.min(height - 1, Math.ceil(Math.max(ay, by, cy)))];
+    const { pixels, depth, shown } = picture;
+    for (let y = top; y <= low; y += 1) {
+      for (let x = left; x <= right; x += 1) {
+        const b = ((x - ax) * (cy - ay) - (y - ay) * (cx - ax)) / area;
+        const c = ((bx - ax) * (y - ay) - (by - ay) * (x - ax)) / area;
+        if (b < 0 || c < 0 || b + c > 1) continue;
+        const z = az + b * (bz - az) + c * (cz - az);
+        const at = y * width + x;
+        if (z > depth[at]) [depth[at], pixels[at], shown[at]] = [z, colour, shows];
+      }
+    }
+  };
+
   const draw = () => {
     const ratio = Math.min(devicePixelRatio, 1.5);
-    const [width, height] = [place.clientWidth, place.clientHeight];
-    if (place.width !== Math.round(width * ratio) || place.height !== Math.round(height * ratio)) {
-      [place.width, place.height] = [Math.round(width * ratio), Math.round(height * ratio)];
-    }
+    const [width, height] = resized(ratio);
     const [right, up, ahead] = axes();
     const half = [0, 1, 2].map((k) => (room[1][k] - room[0][k]) / 2);
     const spread = (axis) => axis.reduce((sum, x, k) => sum + Math.abs(x) * half[k], 0);
     const scale = view.zoom * Math.min(width / (2 * spread(right)), height / (2 * spread(up)));
-    faces = [];
+    receptors = new Map();
     meshes.forEach((mesh, m) => {
       const at = places[m];
       if (!at) return;
-      const n = at.length / 3;
-      const [x, y, z] = [new Float32Array(n), new Float32Array(n), new Float32Array(n)];
-      for (let k = 0; k < n; k += 1) {
-        const [a, b, c] = [at[3 * k] - middle[0], at[3 * k + 1] - middle[1], at[3 * k + 2] - middle[2]];
-        x[k] = width / 2 + scale * (right[0] * a + right[1] * b + right[2] * c);
-        y[k] = height / 2 - scale * (up[0] * a + up[1] * b + up[2] * c);
-        z[k] = ahead[0] * a + ahead[1] * b + ahead[2] * c;
-      }
-      const face = (corners, receptor) => {
-        const [i, j, k] = corners;
-        const [ux, uy, uz] = [x[j] - x[i], y[j] - y[i], (z[j] - z[i]) * scale];
-        const [vx, vy, vz] = [x[k] - x[i], y[k] - y[i], (z[k] - z[i]) * scale];
+      const seen = (k) => {
+        const p = [0, 1, 2].map((i) => at[3 * k + i] - middle[i]);
+        const along = (axis) => axis[0] * p[0] + axis[1] * p[1] + axis[2] * p[2];
+        return [width / 2 + scale * along(right), height / 2 - scale * along(up), along(ahead) + (mesh.triangles ? 0 : LIFT)];
+      };
+      const corners = Array.from({ length: at.length / 3 }, (_, k) => seen(k));
+      const face = ([a, b, c], rgb, shows) => {
+        const [ux, uy, uz] = [b[0] - a[0], b[1] - a[1], (b[2] - a[2]) * scale];
+        const [vx, vy, vz] = [c[0] - a[0], c[1] - a[1], (c[2] - a[2]) * scale];
         // Pixels go down: what faces who looks turns the other way round.
         const toward = uy * vx - ux * vy;
-        if (toward <= 0) return;
-        const [nx, ny] = [uy * vz - uz * vy, uz * vx - ux * vz];
-        const facing = toward / Math.hypot(nx, ny, toward);
-        const depth = corners.reduce((sum, c) => sum + z[c], 0) / corners.length;
-        faces.push({
-          depth: depth + (receptor >= 0 ? LIFT : 0),
-          at: corners.map((c) => [x[c], y[c]]),
-          light: 0.5 + 0.5 * Math.round(12 * facing) / 12,
-          mesh: m,
-          receptor,
-        });
+        if (toward <= 0) return false;
+        const light = 0.5 + (0.5 * toward) / Math.hypot(uy * vz - uz * vy, uz * vx - ux * vz, toward);
+        const [red, green, blue] = rgb.map((x) => (x * light) | 0);
+        fill(a, b, c, ((255 << 24) | (blue << 16) | (green << 8) | red) >>> 0, shows, width, height);
+        return true;
       };
-      if (mesh.triangles) mesh.triangles.forEach((triangle) => face(triangle, -1));
-      else for (let r = 0; 4 * r < n; r += 1) face([4 * r, 4 * r + 1, 4 * r + 2, 4 * r + 3], r);
-    });
-    faces.sort((a, b) => a.depth - b.depth);
-    context.setTransform(ratio, 0, 0, ratio, 0, 0);
-    context.clearRect(0, 0, width, height);
-    for (const { at, light, mesh, receptor } of faces) {
-      const colour = shaded(receptor < 0 ? colours[mesh] : glowing(glow[receptor] || 0), light);
-      context.fillStyle = colour;
-      context.beginPath();
-      at.forEach(([a, b], k) => (k ? context.lineTo(a, b) : context.moveTo(a, b)));
-      context.closePath();
-      context.fill();
-      if (receptor < 0) {
-        // No ground shows between triangles.
-        context.strokeStyle = colour;
-        context.stroke();
+      if (mesh.triangles) {
+        mesh.triangles.forEach((triangle) => face(triangle.map((k) => corners[k]), colours[m], NOTHING - 1 - m));
+        return;
       }
-    }
+      for (let r = 0; 4 * r < corners.length; r += 1) {
+        const [a, b, c, d] = corners.slice(4 * r, 4 * r + 4);
+        const rgb = glowing(glow[r] || 0);
+        const sides = [face([a, b, c], rgb, r), face([a, c, d], rgb, r)];
+        if (sides.some((side) => side)) receptors.set(r, [0, 1].map((k) => (a[k] + b[k] + c[k] + d[k]) / 4 / ratio));
+      }
+    });
+    context.putImageData(picture.image, 0, 0);
   };
 
-  const inside = ([px, py], at) => {
-    let within = false;
-    for (let i = 0, j = at.length - 1; i < at.length; j = i, i += 1) {
-      const [[ax, ay], [bx, by]] = [at[i], at[j]];
-      if (ay > py !== by > py && px < ((bx - ax) * (py - ay)) / (by - ay) + ax) within = !within;
-    }
-    return within;
+  const shownAt = ([x, y]) => {
+    const [column, row] = [x, y].map((p) => Math.round(p * picture.ratio));
+    const inside = column >= 0 && row >= 0 && column < place.width && row < place.height;
+    return inside ? picture.shown[row * place.width + column] : NOTHING;
   };
-  const centre = ({ at }) => [0, 1].map((k) => at.reduce((sum, p) => sum + p[k], 0) / at.length);
 
   // The receptor at a point of the picture: the one that is seen there, or the nearest one in sight on skin beside it.
   const receptorAt = (point) => {
-    const hit = faces.findLast((face) => inside(point, face.at));
-    if (!hit || hit.receptor >= 0) return hit ? hit.receptor : -1;
+    const shown = shownAt(point);
+    if (shown >= NOTHING) return shown;
     const skin = meshes.findIndex((mesh) => !mesh.triangles);
-    if (skin < 0 || meshes[hit.mesh].poses !== meshes[skin].poses) return -1;
-    const far = (face) => Math.hypot(centre(face)[0] - point[0], centre(face)[1] - point[1]);
-    const seen = faces.filter((face) => face.receptor >= 0);
-    return seen.length ? seen.reduce((best, face) => (far(face) < far(best) ? face : best)).receptor : -1;
+    if (skin < 0 || meshes[NOTHING - 1 - shown].poses !== meshes[skin].poses) return NOTHING;
+    const far = ([, at]) => Math.hypot(at[0] - point[0], at[1] - point[1]);
+    const seen = [...receptors].filter(([receptor, at]) => shownAt(at) === receptor);
+    return seen.length ? seen.reduce((best, other) => (far(other) < far(best) ? other : best))[0] : NOTHING;
   };
 
   let held = null;
@@ -156,8 +174,8 @@ const Body = (place, { meshes, room }) => {
     onReceptor(listener) { clicked = listener; },
     // Where a receptor is in the picture; none where it is not in sight.
     whereIs(receptor) {
-      const face = faces.find((face) => face.receptor === receptor);
-      return face && receptorAt(centre(face)) === receptor ? centre(face) : null;
+      const at = receptors.get(receptor);
+      return at && shownAt(at) === receptor ? at : null;
     },
   };
 };

@@ -1,7 +1,7 @@
 //! What moves in a live view: meshes on parts whose poses the page is told anew.
 //!
-//! The report's pictures in three dimensions take a browser without a graphics card half a second each, so these are
-//! drawn flat, by `body.js`.
+//! The report's pictures in three dimensions are too slow to move in a browser without a graphics card: `body.js` draws these,
+//! pixel by pixel.
 
 use nalgebra::{Isometry3, Matrix3, Vector3};
 use serde_json::{Value, json};
