@@ -84,6 +84,7 @@ pub mod ground_truth;
 pub mod interaction;
 pub mod kinematics;
 pub mod learning;
+mod live;
 mod mjcf_xml;
 pub mod mujoco;
 pub mod peripersonal;

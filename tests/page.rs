@@ -2,60 +2,26 @@
 //!
 //! It takes Chromium. Where there is none the tests say so and are skipped, unless `BODYSCHEMA_BROWSER=required`.
 
+#[path = "common/browser.rs"]
+mod browser;
 mod common;
 
-use std::ffi::OsStr;
 use std::path::Path;
 use std::sync::{Arc, Mutex};
-use std::time::Duration;
 
+use browser::{PATIENCE, browser, evaluate};
 use common::program::succeeds;
 use common::repository;
-use headless_chrome::browser::default_executable;
 use headless_chrome::protocol::cdp::types::Event;
 use headless_chrome::protocol::cdp::{Emulation, Log::LogEntryLevel, Network};
-use headless_chrome::{Browser, LaunchOptions, Tab};
+use headless_chrome::{Browser, Tab};
 use serde_json::Value;
 
-/// The variable that forbids to skip these tests.
-const REQUIRED: &str = "BODYSCHEMA_BROWSER";
 /// Every picture of a page with all there is to show.
 const PICTURES: [&str; 7] =
     ["body", "curve", "joint-errors", "residuals", "uncertainty", "touch-matrix", "reachable"];
 /// The most bytes of a page.
 const MOST_BYTES: u64 = 8_000_000;
-/// How long a browser without a graphics card may take on a busy machine.
-const PATIENCE: Duration = Duration::from_secs(60);
-
-/// A browser without a window; none where there is none and none is required.
-fn browser() -> Option<Browser> {
-    let path = match default_executable() {
-        Ok(path) => path,
-        Err(_) => {
-            let required = std::env::var(REQUIRED).is_ok_and(|value| value == "required");
-            assert!(!required, "no browser was found: install chromium, or unset {REQUIRED}");
-            eprintln!("skipped: no browser was found; `apt-get install chromium` brings one");
-            return None;
-        }
-    };
-    // Drawing in three dimensions goes on without a graphics card, and containers have little shared memory.
-    let arguments = [
-        "--use-gl=angle",
-        "--use-angle=swiftshader",
-        "--enable-unsafe-swiftshader",
-        "--disable-dev-shm-usage",
-    ];
-    let options = LaunchOptions::default_builder()
-        .path(Some(path))
-        .sandbox(false)
-        .enable_gpu(true)
-        .window_size(Some((1100, 900)))
-        .idle_browser_timeout(PATIENCE)
-        .args(arguments.iter().map(OsStr::new).collect())
-        .build()
-        .unwrap();
-    Some(Browser::new(options).unwrap())
-}
 
 /// What a page said while it was opened.
 #[derive(Default)]
@@ -101,13 +67,6 @@ fn open(browser: &Browser, page: &Path) -> (Arc<Tab>, Heard) {
     let mut heard = std::mem::take(&mut *heard.lock().unwrap());
     heard.requests.retain(|request| *request != address && !request.starts_with("data:"));
     (tab, heard)
-}
-
-/// What a script of the page comes to, as JSON.
-fn evaluate(tab: &Tab, script: &str) -> Value {
-    let found = tab.evaluate(&format!("(async () => JSON.stringify({script}))()"), true).unwrap();
-    let text = found.value.unwrap_or_else(|| panic!("{script} gave nothing: {:?}", found.description));
-    serde_json::from_str(text.as_str().unwrap()).unwrap()
 }
 
 /// The share of a picture that is drawn on, and how many colours it has, a pixel of three.

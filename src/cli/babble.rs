@@ -5,6 +5,7 @@ use std::time::{Duration, Instant};
 
 use super::arguments::Arguments;
 use super::learn_options::{KNOWN_HELP, LearnOptions, learn_session, print_table, to_json};
+use super::live::{Live, LiveOptions};
 use super::open::{ModelOptions, open_body};
 use super::skin::skin_for;
 use super::touches::{babbler, make_touches, threads, touch_count};
@@ -12,6 +13,7 @@ use super::{Failure, Outcome, output, progress};
 use crate::babbling::{BabblingOptions, BoutsDone, Made, MotionName, PolicyName};
 use crate::creature::{Body, JointSelection};
 use crate::ground_truth::GroundTruth;
+use crate::live::BabblingView;
 use crate::record::{
     BabblingEffort, BabblingProgress, Host, PROGRAM, SESSION_FILE, Session, SessionOptions, TouchWriter,
     model_hash,
@@ -35,6 +37,7 @@ const KEPT_EVERY: Duration = Duration::from_secs(1);
   bodyschema babble mjcf/max/max.xml --touches 250 --policy informative      # takes minutes
   bodyschema babble mjcf/max/max.xml --touches 300 --motion dynamic          # takes minutes
   bodyschema babble mjcf/max/max.xml --learner hersch --json
+  bodyschema babble mjcf/max/max.xml --touches 2000 --live                   # watch it in a browser
   bodyschema babble --resume sessions/max-1
   bodyschema babble mjcf/max/max.xml --touches 60 --known known.json\n\n{KNOWN_HELP}"))]
 pub struct Args {
@@ -68,12 +71,14 @@ pub struct Args {
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
     /// Go on with a session that was interrupted, with the options that are in its session.json: its touches become
-    /// what they would have been. Takes --jobs and --json beside it
+    /// what they would have been. Takes --jobs, --json and --live beside it
     #[arg(long, value_name = "DIR")]
     resume: Option<PathBuf>,
     /// Print one JSON object
     #[arg(long)]
     pub(super) json: bool,
+    #[command(flatten)]
+    pub(super) live: LiveOptions,
 }
 
 impl Args {
@@ -174,6 +179,9 @@ impl Plan {
         let model = args.model()?;
         let babbler = babbler(model, &self.body, &self.skin, args.motion)?;
         let options = BabblingOptions { touches: args.touches, seed: args.seed, jobs: threads(args.jobs) };
+        let live = self.live(args, made.len())?;
+        let learner =
+            live.as_ref().map(|live| live.begin(&self.body.creature, &self.skin, args.seed)).transpose()?;
         let bar = progress::counted("babbling", args.touches as u64, "touches");
         bar.set_position(made.len() as u64);
         let began = Instant::now();
@@ -182,6 +190,9 @@ impl Plan {
             match news {
                 Made::Touch(touch) => {
                     log.write(touch)?;
+                    if let Some(live) = &live {
+                        live.view.touched(touch);
+                    }
                     made.push(touch.clone());
                     bar.inc(1);
                 }
@@ -194,22 +205,42 @@ impl Plan {
             }
             Ok(())
         })?;
+        drop(learner);
         session.effort = Some(BabblingEffort::new(&effort, spent + began.elapsed()));
         log.finish()?;
         bar.finish_and_clear();
         session.write(&folder)?;
         BabblingProgress::remove(&folder);
-        self.learn(args, &folder, &session, &made)
+        self.learn(args, &folder, &session, &made, live.as_ref())
+    }
+
+    /// The page to watch it on, where one is asked for.
+    pub fn live(&self, args: &Args, made: usize) -> Result<Option<Live>, Failure> {
+        let simulated = || self.truth.schema.clone();
+        let view = || BabblingView::new(&self.body.creature, &self.skin, simulated(), args.touches, made);
+        args.live.address().map(|address| Live::new(address, view())).transpose()
     }
 
     /// Learns from all touches, and prints the result.
-    pub fn learn(&self, args: &Args, folder: &Path, session: &Session, made: &[Touch]) -> Outcome {
+    pub fn learn(
+        &self,
+        args: &Args,
+        folder: &Path,
+        session: &Session,
+        made: &[Touch],
+        live: Option<&Live>,
+    ) -> Outcome {
         let learn = &self.learn;
-        let result = learn_session(folder, session, made, learn, Some(&self.truth))?;
+        let view = live.map(|live| &*live.view);
+        let result = learn_session(folder, session, made, learn, Some(&self.truth), view)?;
         if args.json {
-            return output::json(&to_json(folder, session, made, learn, &result));
+            output::json(&to_json(folder, session, made, learn, &result))?;
+        } else {
+            print_table(folder, session, made, learn, &result);
         }
-        print_table(folder, session, made, learn, &result);
+        if let Some(live) = live {
+            live.rest();
+        }
         Ok(())
     }
 }

@@ -81,7 +81,7 @@ pub fn run(args: &Args, given: Arguments) -> Outcome {
         _ => return Err("give a session's folder, or --creature and --log".into()),
     };
     let truth = known_truth(&session, args.model.as_deref())?;
-    let result = learn_session(&folder, &session, &touches, &learn, truth.as_ref())?;
+    let result = learn_session(&folder, &session, &touches, &learn, truth.as_ref(), None)?;
     if args.json {
         return output::json(&to_json(&folder, &session, &touches, &learn, &result));
     }

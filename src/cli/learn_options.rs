@@ -11,7 +11,7 @@ use serde_json::{Value, json};
 
 use super::disturbance_options::DisturbanceOptions;
 use super::open::{ModelOptions, body_of, open_body, open_model};
-use super::report::write_report;
+use super::report::{REPORT_FILE, write_report};
 use super::{Failure, output, progress};
 use crate::babbling::MotionName;
 use crate::creature::{Body, Creature, DofKind, JointSelection};
@@ -22,6 +22,7 @@ use crate::learning::{
     Change, Hersch, Input, Known, KnownJoint, Learned, Learner, LimbFrames, Online, RelaxedGradient,
     SecondOrder, SkinKnowledge, Verdict, What,
 };
+use crate::live::BabblingView;
 use crate::record::{
     Checkpoint, Host, LearningRecord, LearningTable, PROGRAM, SCHEMA_FILE, Session, SessionOptions, TouchLog,
     model_hash, read_known, write_schema_with_std,
@@ -366,7 +367,11 @@ pub fn learn_session(
     touches: &[Touch],
     options: &LearnOptions,
     truth: Option<&GroundTruth>,
+    view: Option<&BabblingView>,
 ) -> Result<SessionLearning, Failure> {
+    if let Some(view) = view {
+        view.now("learning");
+    }
     let (creature, skin) = (&session.creature, &session.skin);
     // Whoever expects nothing of a touch has a row per checkpoint alone.
     let expects = options.learns_online();
@@ -419,6 +424,9 @@ pub fn learn_session(
         let schema = learned.as_ref().map(|learned| &learned.schema).or_else(|| learner.schema());
         if let Some(schema) = schema.filter(|_| due || last) {
             passed.push((n + 1, schema.clone()));
+        }
+        if let Some(view) = view {
+            view.learned(n + 1, Some(touch), schema, expected.map(|expected| expected.gap));
         }
         let measured = truth.zip(schema).filter(|_| due || last);
         let evaluation = measured.map(|(truth, schema)| match &learned {
@@ -487,6 +495,9 @@ pub fn learn_session(
     };
     record.write(folder, creature)?;
     write_report(folder, session, touches, truth)?;
+    if let Some(view) = view {
+        view.done(&record.verdict, &result.learned.schema, folder.join(REPORT_FILE));
+    }
     Ok(result)
 }
 

@@ -25,6 +25,7 @@ mod feel;
 mod inspect;
 mod learn;
 mod learn_options;
+mod live;
 mod map;
 mod message;
 mod observe;
@@ -142,7 +143,7 @@ pub fn check_usage<S: Into<std::ffi::OsString> + Clone>(
 }
 
 /// What may be given beside `--resume`, and itself.
-const BESIDE_RESUME: [&str; 5] = ["resume", "jobs", "json", "quiet", "config"];
+const BESIDE_RESUME: [&str; 6] = ["resume", "jobs", "json", "live", "quiet", "config"];
 
 /// The options in effect of the command that is run. Ends the program where options are given beside `--resume`.
 fn given(program: &mut clap::Command, matches: &clap::ArgMatches) -> Arguments {

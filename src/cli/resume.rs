@@ -33,7 +33,8 @@ pub fn run(folder: &Path, given: &Args) -> Outcome {
         }
         if !folder.join(REPORT_FILE).exists() {
             tell!("{}: all {} touches are there; learning from them", folder.display(), made.len());
-            return plan.learn(&args, folder, &session, &made);
+            let live = plan.live(&args, made.len())?;
+            return plan.learn(&args, folder, &session, &made, live.as_ref());
         }
         tell!("{} is complete: nothing is left to do", folder.display());
         if args.json {
@@ -91,7 +92,7 @@ fn args_of(session: &Session, folder: &Path, given: &Args) -> Result<Args, Failu
         let text = error.to_string();
         refuse(text.lines().next().unwrap_or_default().trim_start_matches("error: ").to_string())
     })?;
-    (args.jobs, args.json) = (given.jobs, given.json);
+    (args.jobs, args.json, args.live) = (given.jobs, given.json, given.live);
     Ok(args)
 }
 

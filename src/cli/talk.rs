@@ -3,6 +3,7 @@
 use std::io::{BufRead, IsTerminal, Write};
 use std::path::PathBuf;
 
+use super::live::LiveOptions;
 use super::open::own_body;
 use super::{Failure, Outcome, output, progress};
 use crate::creature::JointSelection;
@@ -14,12 +15,14 @@ use crate::record::model_hash;
 /// It is blindfolded: all that it knows of its body is the schema of a session, and all that it knows of the scene it
 /// has felt. Ask it in plain words, from a terminal or through a pipe: whether there is something in front of it, to
 /// touch it with a hand, how far it is, where it feels it, to put it as far away as possible, to bring it near, to lean
-/// forward and try again. What a hand touches it can hold: it is welded to the hand until it is put down.
+/// forward and try again. What a hand touches it can hold: it is welded to the hand until it is put down. With --live
+/// there is a page beside that shows it all as fast as it would really move, on which you can also touch its skin.
 #[derive(clap::Args)]
 #[command(after_help = "Examples:
   bodyschema babble mjcf/max/max.xml --out sessions/max
   bodyschema talk mjcf/max/table.xml --schema sessions/max
-  echo 'is there something in front of you?' | bodyschema talk mjcf/max/table.xml --schema sessions/max --json")]
+  echo 'is there something in front of you?' | bodyschema talk mjcf/max/table.xml --schema sessions/max --json
+  bodyschema talk mjcf/max/table.xml --schema sessions/max --live    # talk to it in a browser")]
 pub struct Args {
     /// The MJCF file of the scene: the creature that learned the schema, a table before it, things on the table
     scene: PathBuf,
@@ -35,6 +38,8 @@ pub struct Args {
     /// Print one JSON object per answer: heard, intent, said, done, asks, felt
     #[arg(long)]
     json: bool,
+    #[command(flatten)]
+    live: LiveOptions,
 }
 
 pub fn run(args: &Args) -> Outcome {
@@ -56,6 +61,9 @@ pub fn run(args: &Args) -> Outcome {
     let actor = actor.map_err(|clause| Failure(format!("{place}: {clause}")))?;
     let mut conversation = Conversation::new(actor)?;
     spinner.finish_and_clear();
+    if let Some(address) = args.live.address() {
+        return super::live::talk(conversation, address, session.creature.name(), args.json);
+    }
     let terminal = std::io::stdin().is_terminal();
     if terminal {
         tell!("{} listens. An empty line or end of file ends the conversation.", session.creature.name());

@@ -36,6 +36,8 @@ pub enum Intent {
     WhereFelt,
     /// That it goes back to rest.
     Rest,
+    /// To know what it feels where it is touched, and that it puts a hand there.
+    FeelTouch,
     /// To know what it can do.
     Help,
     /// None of these.
@@ -99,6 +101,8 @@ pub struct Conversation {
     pending: Option<Request>,
     last: Option<Request>,
     ready: Vec<f64>,
+    /// Whether a hand is where it was touched.
+    at_spot: bool,
 }
 
 /// What it can do, as it says it.
@@ -162,7 +166,15 @@ impl Conversation {
         let ready = actor.ready();
         actor.place(&ready)?;
         actor.wait(0.5)?;
-        Ok(Conversation { actor, things: Vec::new(), it: None, pending: None, last: None, ready })
+        Ok(Conversation {
+            actor,
+            things: Vec::new(),
+            it: None,
+            pending: None,
+            last: None,
+            ready,
+            at_spot: false,
+        })
     }
 
     /// Hears a request, does what it can, and answers.
@@ -170,6 +182,7 @@ impl Conversation {
     /// # Errors
     /// Where the engine fails; all else is said in the reply.
     pub fn hear(&mut self, request: &str) -> Result<Reply, crate::mujoco::Error> {
+        self.leave_spot();
         let mut intent = understood(request);
         let text = request.to_lowercase();
         // An answer to its own question.
@@ -215,6 +228,48 @@ impl Conversation {
             self.it = Some(which);
         }
         self.act(Request { intent, hand, lean })
+    }
+
+    /// Is touched by its partner where a receptor is: says what it feels, and puts a hand there.
+    ///
+    /// The touch itself is not simulated: the receptor feels it.
+    ///
+    /// # Errors
+    /// Where the engine fails; all else is said in the reply.
+    pub fn touched(&mut self, receptor: usize) -> Result<Reply, crate::mujoco::Error> {
+        let id = &self.actor.own.skin.receptors[receptor].id;
+        let feels = format!("I feel you touch my {} (receptor {id})", self.limb_in_words(receptor));
+        if let Some(doubt) = self.doubt() {
+            return Ok(self.reply(Intent::FeelTouch, format!("{feels}. {doubt}"), Some(false), false));
+        }
+        self.leave_spot();
+        self.let_be();
+        let (said, done) = match self.actor.touch_own(receptor) {
+            Ok(touch) => {
+                self.at_spot = true;
+                let name = self.actor.hands[touch.hand].name.replace('_', " ");
+                let there = match touch.off {
+                    off if off < 0.005 => "there".to_string(),
+                    off => format!("{:.0} cm from there", (100.0 * off).max(1.0)),
+                };
+                (format!("{feels}, and put my {name} {there}"), true)
+            }
+            Err(Trouble::Engine(error)) => return Err(error),
+            Err(trouble) => {
+                self.at_spot = true;
+                (format!("{feels}, but cannot put a hand there: {}", self.in_words(&trouble)), false)
+            }
+        };
+        Ok(self.reply(Intent::FeelTouch, said, Some(done), false))
+    }
+
+    /// Takes a hand back from where it was touched.
+    fn leave_spot(&mut self) {
+        if std::mem::take(&mut self.at_spot) {
+            let ready = self.ready.clone();
+            // Where it cannot, the next motion says so.
+            self.settle(&ready);
+        }
     }
 
     fn act(&mut self, request: Request) -> Result<Reply, crate::mujoco::Error> {
@@ -263,7 +318,7 @@ impl Conversation {
                 ))
             }
             Intent::Help => Ok(self.reply(intent, format!("{ABILITIES}."), None, false)),
-            Intent::LeanAndRetry | Intent::Unknown => Ok(self.reply(
+            Intent::LeanAndRetry | Intent::FeelTouch | Intent::Unknown => Ok(self.reply(
                 Intent::Unknown,
                 format!("I did not understand that. {ABILITIES}."),
                 None,

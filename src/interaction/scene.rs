@@ -99,7 +99,11 @@ pub struct Scene {
     /// Geoms that do not feel each other: those of the creature that overlap by construction, and what it stands in at
     /// ease, as feet in a floor; the lesser number first.
     overlapping: BTreeSet<[usize; 2]>,
+    watcher: Option<Watcher>,
 }
+
+/// Who looks on: is told of every step, and of what the creature feels in it.
+pub type Watcher = Box<dyn FnMut(&Scene, &[Feeling])>;
 
 impl Scene {
     /// The creature of a file, or of `root` in it, among what else is there and some things more.
@@ -146,6 +150,7 @@ impl Scene {
             watched: 0,
             before: vec![f64::INFINITY; declared.nq()],
             overlapping: left_out,
+            watcher: None,
         };
         let at_ease = scene.posture.clone();
         scene.place(&at_ease)?;
@@ -187,11 +192,25 @@ impl Scene {
         self.time
     }
 
+    /// Lets somebody look on from now on. What is simulated stays the same.
+    pub fn watched_by(&mut self, watcher: Watcher) {
+        self.watcher = Some(watcher);
+    }
+
     /// Goes on by one step, the creature towards a posture at its end, and tells what it feels.
     ///
     /// # Errors
     /// Where the engine fails.
     pub fn step(&mut self, towards: &[f64]) -> mujoco::Result<Vec<Feeling>> {
+        let felt = self.go_on(towards)?;
+        if let Some(mut watcher) = self.watcher.take() {
+            watcher(self, &felt);
+            self.watcher = Some(watcher);
+        }
+        Ok(felt)
+    }
+
+    fn go_on(&mut self, towards: &[f64]) -> mujoco::Result<Vec<Feeling>> {
         let step = self.timestep();
         self.time += step;
         if self.asleep && self.carried.is_empty() {

@@ -1,5 +1,7 @@
 //! How far the body's surfaces are from each other and from what is known to be there, by the schema.
 
+use std::collections::BTreeSet;
+
 use nalgebra::Vector3;
 
 use super::own_body::OwnBody;
@@ -151,6 +153,15 @@ impl Clearance {
         });
         others.obstacles = obstacles;
         (others, at)
+    }
+
+    /// The same where a limb may be met by some others.
+    pub fn but_between(&self, limb: usize, others: &BTreeSet<usize>) -> Clearance {
+        let mut rest = self.clone();
+        rest.pairs.retain(|Pair { limbs: [a, b], .. }| {
+            !(*a == limb && others.contains(b) || *b == limb && others.contains(a))
+        });
+        rest
     }
 
     /// The same where some poses are taken for harmless, by their limbs' frames: what is nearer there than `margin` need

@@ -1,5 +1,7 @@
 //! Reaching: a posture in which skin touches a place in space, and a way there that keeps clear until the last.
 
+use std::collections::BTreeSet;
+
 use nalgebra::Vector3;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -91,6 +93,8 @@ pub struct Reaching<'a> {
     clearance: &'a Clearance,
     /// The joints that may move, by index.
     pub joints: Vec<usize>,
+    /// The limb of one's own that is to be touched, where it is one.
+    meeting: Option<usize>,
     seed: u64,
 }
 
@@ -105,7 +109,12 @@ struct Candidate {
 impl<'a> Reaching<'a> {
     /// A body that reaches by moving `joints`. Whatever is drawn at random is drawn by the seed.
     pub fn new(own: &'a OwnBody, clearance: &'a Clearance, joints: Vec<usize>, seed: u64) -> Reaching<'a> {
-        Reaching { own, clearance, joints, seed }
+        Reaching { own, clearance, joints, meeting: None, seed }
+    }
+
+    /// The same where the place is on the skin of a limb, which the straight approach may therefore meet.
+    pub fn meeting(self, limb: usize) -> Reaching<'a> {
+        Reaching { meeting: Some(limb), ..self }
     }
 
     /// The posture, moving the joints from `start`, in which a place of the body is nearest to a place in space, and
@@ -177,7 +186,11 @@ impl<'a> Reaching<'a> {
         self.own.trusts(&first.reach.posture, [place.limb, 0], &place.point).map_err(OutOfReach::Unknown)?;
         let mut looked_at = 0;
         // What is to be touched is in the way of all but the limbs that are to touch it.
-        let (others, target) = clearance.but_at(&aim.point, 1e-3);
+        let (mut others, target) = clearance.but_at(&aim.point, 1e-3);
+        if let Some(limb) = self.meeting {
+            let touching: BTreeSet<usize> = receptors.iter().map(|&r| self.own.skin.receptors[r].limb).collect();
+            others = others.but_between(limb, &touching);
+        }
         let others = others.eased_at(&[self.own.frames(from)], MARGIN);
         let moved = self.own.moved_by(&self.joints);
         let touches = |limb: usize| receptors.iter().any(|&r| self.own.skin.receptors[r].limb == limb);

@@ -16,7 +16,7 @@ const DRAWN: f64 = 0.86;
 
 /// Triangles on limbs.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Mesh {
+pub(crate) struct Mesh {
     /// Per corner its limb and `p_L`, its place in that limb's frame, metres.
     pub corners: Vec<(usize, Vector3<f64>)>,
     /// Three corners each.

@@ -6,8 +6,8 @@
 mod body;
 mod curve;
 mod joint_errors;
-mod mesh;
-mod picture;
+pub(crate) mod mesh;
+pub(crate) mod picture;
 mod reachable;
 mod residuals;
 mod still;
@@ -28,6 +28,11 @@ use crate::senses::Touch;
 use crate::skin::Skin;
 use residuals::Residuals;
 use text::escape;
+
+/// How pages look.
+pub(crate) const STYLE: &str = include_str!("style.css");
+/// What draws the pictures of a page.
+pub(crate) const SCRIPT: &str = include_str!("page.js");
 
 /// All that a report tells, as plain data.
 #[derive(Clone, Debug)]
@@ -101,9 +106,9 @@ pub fn html(input: &ReportInput) -> String {
          <body>\n<header>\n<h1>{name}</h1>\n<p>A body schema learned from self-touch, seed {seed}</p>\n\
          </header>\n<p class=\"verdict\">{verdict}</p>\n{sections}{library}\n<script>\n{script}</script>\n\
          </body>\n</html>\n",
-        style = include_str!("style.css"),
+        style = STYLE,
         verdict = escape(&input.verdict),
         library = picture::library(),
-        script = include_str!("page.js"),
+        script = SCRIPT,
     )
 }

@@ -8,15 +8,15 @@ use plotly::{Configuration, Layout, Plot, Trace};
 use super::text::{escape, tick_label, ticks};
 
 /// Colours that people with any colour vision tell apart, on white and on black (after Okabe and Ito).
-pub(super) const BLUE: &str = "#3a8fc4";
-pub(super) const ORANGE: &str = "#e08214";
-pub(super) const GREY: &str = "#8a939c";
-pub(super) const GREEN: &str = "#2aa57c";
+pub(crate) const BLUE: &str = "#3a8fc4";
+pub(crate) const ORANGE: &str = "#e08214";
+pub(crate) const GREY: &str = "#8a939c";
+pub(crate) const GREEN: &str = "#2aa57c";
 
 /// What draws the pictures, as text that a script of the page hands to the browser when the first is to be drawn.
 ///
 /// The first script of what the library embeds is plotly.js; what follows draws formulas, of which there are none.
-pub(super) fn library() -> String {
+pub(crate) fn library() -> String {
     let scripts = Plot::offline_js_sources();
     let source = scripts.split_once('>').and_then(|(_, rest)| rest.split_once("</script>"));
     let source = source.map_or("", |(source, _)| source);
@@ -24,7 +24,7 @@ pub(super) fn library() -> String {
 }
 
 /// The place of a picture, its data and its caption, which is HTML.
-pub(super) fn figure(
+pub(crate) fn figure(
     id: &str,
     says: &str,
     height: usize,
@@ -51,8 +51,7 @@ pub(super) fn figure_over(
     plot.set_configuration(
         Configuration::new().responsive(true).display_logo(false).display_mode_bar(DisplayModeBar::Hover),
     );
-    // No character may end the script or begin an element of the page.
-    let data = plot.to_json().replace('&', "\\u0026").replace('<', "\\u003c").replace('>', "\\u003e");
+    let data = harmless(&plot.to_json());
     format!(
         "<figure>\n<div class=\"plot\" id=\"{id}\" role=\"img\" aria-label=\"{}\" style=\"height:{height}px\">{still}</div>\n\
          <script type=\"application/json\" data-plot=\"{id}\">{data}</script>\n\
@@ -61,8 +60,13 @@ pub(super) fn figure_over(
     )
 }
 
+/// JSON in a script of a page: no character may end the script or begin an element.
+pub(crate) fn harmless(json: &str) -> String {
+    json.replace('&', "\\u0026").replace('<', "\\u003c").replace('>', "\\u003e")
+}
+
 /// A layout with its legend above.
-pub(super) fn layout() -> Layout {
+pub(crate) fn layout() -> Layout {
     let legend = Legend::new()
         .orientation(Orientation::Horizontal)
         .x(0.0)
@@ -73,12 +77,12 @@ pub(super) fn layout() -> Layout {
 }
 
 /// An axis with a title.
-pub(super) fn axis(title: &str) -> Axis {
+pub(crate) fn axis(title: &str) -> Axis {
     Axis::new().title(title).auto_margin(true).exponent_format(ExponentFormat::Power)
 }
 
 /// A logarithmic axis with a title, labelled with plain numbers where these are short.
-pub(super) fn log_axis(title: &str, least: f64, greatest: f64) -> Axis {
+pub(crate) fn log_axis(title: &str, least: f64, greatest: f64) -> Axis {
     let decades = (greatest / least).log10();
     // Room at both ends, and never less than about a decade.
     let room = (0.05 * decades).max(0.4 * (1.0 - decades)).max(0.04);
@@ -92,12 +96,12 @@ pub(super) fn log_axis(title: &str, least: f64, greatest: f64) -> Axis {
 }
 
 /// Small print of a picture.
-pub(super) fn small() -> Font {
+pub(crate) fn small() -> Font {
     Font::new().size(11)
 }
 
 /// The least and the greatest of positive numbers; none where there is none.
-pub(super) fn bounds(values: impl IntoIterator<Item = f64>) -> Option<(f64, f64)> {
+pub(crate) fn bounds(values: impl IntoIterator<Item = f64>) -> Option<(f64, f64)> {
     let positive = values.into_iter().filter(|value| value.is_finite() && *value > 0.0);
     positive.fold(None, |bounds, value| {
         let (least, greatest) = bounds.unwrap_or((value, value));
@@ -106,12 +110,12 @@ pub(super) fn bounds(values: impl IntoIterator<Item = f64>) -> Option<(f64, f64)
 }
 
 /// A number to so many significant digits: a page needs no more, and each costs a byte.
-pub(super) fn significant(value: f64, digits: usize) -> f64 {
+pub(crate) fn significant(value: f64, digits: usize) -> f64 {
     format!("{value:.digits$e}", digits = digits - 1).parse().unwrap_or(value)
 }
 
 /// At most `most` of a list, evenly taken.
-pub(super) fn thinned<T>(list: Vec<T>, most: usize) -> Vec<T> {
+pub(crate) fn thinned<T>(list: Vec<T>, most: usize) -> Vec<T> {
     let every = list.len().div_ceil(most.max(1)).max(1);
     list.into_iter().step_by(every).collect()
 }

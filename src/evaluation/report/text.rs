@@ -4,7 +4,7 @@
 const ROUNDING: f64 = 1e-9;
 
 /// Text made safe for element content and for attributes.
-pub(super) fn escape(text: &str) -> String {
+pub(crate) fn escape(text: &str) -> String {
     let mut safe = String::with_capacity(text.len());
     for c in text.chars() {
         match c {

@@ -1,0 +1,181 @@
+//! `--live`: a page to watch what is done while it is done, or to take part in it.
+
+use std::io::{BufRead, ErrorKind, IsTerminal};
+use std::net::{IpAddr, Ipv4Addr, SocketAddr, TcpListener};
+use std::sync::{Arc, mpsc};
+use std::time::{Duration, Instant};
+
+use super::{Failure, Outcome, output};
+use crate::creature::Creature;
+use crate::interaction::{Conversation, Reply};
+use crate::live::{Asked, BabblingView, LiveLearner, Server, TableView, View};
+use crate::skin::Skin;
+
+/// Where a page is served unless told otherwise; where that port is taken, at a free one.
+const HERE: SocketAddr = SocketAddr::new(IpAddr::V4(Ipv4Addr::LOCALHOST), 8042);
+const HERE_TEXT: &str = "127.0.0.1:8042";
+/// How often a page that shows a scene is told of it.
+const SHOWN_EVERY: Duration = Duration::from_millis(30);
+/// How long a touch is seen before anything is done about it.
+const SEEN: Duration = Duration::from_millis(300);
+/// How late simulated time may be to be caught up with: what is later has stood still to think.
+const LATE: Duration = Duration::from_millis(100);
+
+/// Whether there is a page, and where.
+#[derive(clap::Args, Clone, Copy, Debug, Default)]
+pub struct LiveOptions {
+    /// Serve a page to watch it live in a browser, for this machine alone unless another address is given
+    #[arg(long, value_name = "ADDRESS", num_args = 0..=1, default_missing_value = HERE_TEXT, value_parser = address)]
+    live: Option<SocketAddr>,
+}
+
+impl LiveOptions {
+    /// Where a page is to be served, where one is.
+    pub fn address(&self) -> Option<SocketAddr> {
+        self.live
+    }
+}
+
+fn address(text: &str) -> Result<SocketAddr, String> {
+    let alone = || text.parse::<IpAddr>().map(|address| SocketAddr::new(address, HERE.port()));
+    text.parse().or_else(|_| alone()).map_err(|_| {
+        format!("give an address and a port, as in {HERE_TEXT}, or put --live last to have the page there")
+    })
+}
+
+/// A page that is served.
+pub struct Live {
+    /// What it shows.
+    pub view: Arc<BabblingView>,
+    server: Server,
+}
+
+impl Live {
+    /// Serves a page about babbling, and tells where.
+    pub fn new(address: SocketAddr, view: BabblingView) -> Result<Live, Failure> {
+        let view = Arc::new(view);
+        let server = serve(address, view.clone())?;
+        Ok(Live { view, server })
+    }
+
+    /// Babbling begins; the learner on the way ends when it is dropped.
+    pub fn begin(&self, creature: &Creature, skin: &Skin, seed: u64) -> Result<LiveLearner, Failure> {
+        self.view.begin();
+        Ok(LiveLearner::new(self.view.clone(), creature, skin, seed)?)
+    }
+
+    /// All is done: who sits before a terminal can go on looking until they end it.
+    pub fn rest(&self) {
+        if std::io::stdin().is_terminal() && std::io::stderr().is_terminal() {
+            tell!("done; http://{}/ stays until Enter or Ctrl-C", self.server.address());
+            let _ = std::io::stdin().lock().read_line(&mut String::new());
+        }
+    }
+}
+
+fn serve(address: SocketAddr, view: Arc<dyn View>) -> Result<Server, Failure> {
+    let listener = match TcpListener::bind(address) {
+        Err(error) if error.kind() == ErrorKind::AddrInUse && address == HERE => {
+            TcpListener::bind(SocketAddr::new(HERE.ip(), 0))
+        }
+        bound => bound,
+    };
+    let refused = |error: std::io::Error| {
+        Failure(format!("no page can be served at {address} ({error}): give another address with --live"))
+    };
+    let server = Server::new(listener.map_err(refused)?, view).map_err(refused)?;
+    tell!("live at http://{}/", server.address());
+    if !address.ip().is_loopback() {
+        tell!("whoever reaches that address can see the page, and talk there if it is of a conversation");
+    }
+    Ok(server)
+}
+
+/// What is heard of a partner.
+enum Heard {
+    Asked(Asked),
+    /// Standard input has ended.
+    End,
+}
+
+/// A conversation on a page and on standard input, with which it ends.
+pub fn talk(mut conversation: Conversation, address: SocketAddr, name: &str, json: bool) -> Outcome {
+    let (ask, asked) = mpsc::channel();
+    let view = Arc::new(TableView::new(&conversation.actor.scene, &conversation.actor.own.skin, ask));
+    let server = serve(address, view.clone())?;
+    let (looked_on, mut shown) = (view.clone(), Instant::now());
+    let (mut clock, mut simulated) = (Instant::now(), conversation.actor.scene.time());
+    conversation.actor.scene.watched_by(Box::new(move |scene, felt| {
+        // No faster than it would really be.
+        let (really, here) = (clock.elapsed(), Duration::from_secs_f64((scene.time() - simulated).max(0.0)));
+        if really > here + LATE {
+            (clock, simulated) = (Instant::now(), scene.time());
+        }
+        std::thread::sleep(here.saturating_sub(really));
+        if shown.elapsed() >= SHOWN_EVERY {
+            looked_on.shows(scene, felt);
+            shown = Instant::now();
+        }
+    }));
+    let (hear, heard) = mpsc::channel();
+    let typed = hear.clone();
+    std::thread::spawn(move || {
+        for line in std::io::stdin().lock().lines().map_while(Result::ok) {
+            let line = line.trim().to_string();
+            if !line.is_empty() && typed.send(Heard::Asked(Asked::Say(line))).is_err() {
+                return;
+            }
+        }
+        let _ = typed.send(Heard::End);
+    });
+    std::thread::spawn(move || asked.iter().try_for_each(|asked| hear.send(Heard::Asked(asked))));
+    tell!("{name} listens, on the page and here");
+    while let Ok(Heard::Asked(asked)) = heard.recv() {
+        let (request, reply) = answered(&mut conversation, &view, asked)?;
+        view.shows(&conversation.actor.scene, &[]);
+        view.says(name, &reply.said, false);
+        if json {
+            output::line(format_args!("{}", reply.to_json(&request)));
+        } else {
+            say!("> {request}\n{}", reply.said);
+        }
+    }
+    view.ends();
+    drop(server);
+    Ok(())
+}
+
+/// What is asked in words, and the answer once it is done.
+fn answered(
+    conversation: &mut Conversation,
+    view: &TableView,
+    asked: Asked,
+) -> Result<(String, Reply), Failure> {
+    match asked {
+        Asked::Say(text) => {
+            view.says("you", &text, true);
+            Ok((text.clone(), conversation.hear(&text)?))
+        }
+        Asked::Touch(receptor) => {
+            let id = &conversation.actor.own.skin.receptors[receptor].id;
+            let text = format!("(touches {id})");
+            view.says("you", &text, true);
+            view.feels(&[receptor]);
+            std::thread::sleep(SEEN);
+            Ok((text, conversation.touched(receptor)?))
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn addresses_are_taken_with_and_without_a_port() {
+        assert_eq!(address(HERE_TEXT), Ok(HERE));
+        assert_eq!(address("127.0.0.1"), Ok(HERE));
+        assert_eq!(address("[::1]:80").map(|address| address.port()), Ok(80));
+        assert!(address("mjcf/max/max.xml").is_err_and(|error| error.contains("--live")));
+    }
+}

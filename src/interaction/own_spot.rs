@@ -1,0 +1,75 @@
+//! Putting a hand to a spot of one's own skin.
+
+use super::actor::{Actor, CAREFUL, SWIFT, Stop};
+use super::scene::{Feeling, Touched};
+use super::tasks::Trouble;
+use crate::peripersonal::{Aim, OutOfReach};
+
+/// A spot that was touched with a hand.
+#[derive(Clone, Debug, PartialEq)]
+pub struct OwnTouch {
+    /// The hand, an index into [`Actor::hands`].
+    pub hand: usize,
+    /// The receptor of the hand that touches.
+    pub by: usize,
+    /// The receptor that feels it.
+    pub felt: usize,
+    /// How far that one's centre is from the spot that was meant, metres.
+    pub off: f64,
+}
+
+impl Actor {
+    /// Puts a hand to a receptor: never the hand of the arm that it is on; where both can, the one on its side.
+    ///
+    /// # Errors
+    /// [`Trouble`] of the last hand that was tried.
+    pub fn touch_own(&mut self, receptor: usize) -> Result<OwnTouch, Trouble> {
+        let (point, normal) = self.feels_at(receptor);
+        let limb = self.own.skin.receptors[receptor].limb;
+        let own_side = usize::from(self.side(0) * point.dot(&self.left()) < 0.0);
+        let hands = match self.arm_of(receptor) {
+            Some(arm) => vec![1 - arm],
+            None => vec![own_side, 1 - own_side],
+        };
+        let mut trouble = Trouble::Reach(OutOfReach::Barred);
+        for hand in hands {
+            let aim = Aim { point, direction: -normal };
+            let (arm, receptors) = (self.hands[hand].arm.clone(), self.hands[hand].receptors.clone());
+            let from = self.posture();
+            let plan = match self.reaching(arm).meeting(limb).approach(&from, &receptors, &aim) {
+                Ok(plan) => plan,
+                Err(reason) => {
+                    trouble = reason.into();
+                    continue;
+                }
+            };
+            let stop = match self.follow(&plan.way, SWIFT, |_, _| true)? {
+                Stop::Arrived => self.follow(&plan.straight, CAREFUL, |_, _| true)?,
+                felt => felt,
+            };
+            let Stop::Felt(feelings) = stop else {
+                trouble = Trouble::Nothing;
+                continue;
+            };
+            match self.met(&feelings, hand, receptor) {
+                Some(touch) => return Ok(touch),
+                None => trouble = Trouble::Hit(feelings),
+            }
+        }
+        Err(trouble)
+    }
+
+    /// What of a hand's touches of one's own skin is nearest to a spot on the same limb.
+    fn met(&self, feelings: &[Feeling], hand: usize, receptor: usize) -> Option<OwnTouch> {
+        let skin = &self.own.skin.receptors;
+        let spot = &skin[receptor];
+        let touches = feelings.iter().filter_map(|feeling| {
+            let Touched::Own(felt) = feeling.what else { return None };
+            let meant =
+                self.hands[hand].receptors.contains(&feeling.receptor) && skin[felt].limb == spot.limb;
+            let off = (skin[felt].position - spot.position).norm();
+            meant.then_some(OwnTouch { hand, by: feeling.receptor, felt, off })
+        });
+        touches.min_by(|a, b| a.off.total_cmp(&b.off))
+    }
+}
