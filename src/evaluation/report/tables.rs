@@ -64,9 +64,9 @@ pub(super) fn errors(input: &ReportInput) -> String {
     let rows: String = rows.into_iter().filter_map(row).collect();
     let bound = evaluation.bound_mm.as_ref().map_or(String::new(), bound);
     format!(
-        "<table class=\"errors\">\n<thead><tr><th>Error against the truth</th><th>Unit</th>\
+        "<div class=\"wide\"><table class=\"errors\">\n<thead><tr><th>Error against the truth</th><th>Unit</th>\
          <th class=\"number\">Mean</th><th class=\"number\">Median</th><th class=\"number\">95 %</th>\
-         <th class=\"number\">Greatest</th></tr></thead>\n<tbody>\n{rows}</tbody>\n</table>\n\
+         <th class=\"number\">Greatest</th></tr></thead>\n<tbody>\n{rows}</tbody>\n</table></div>\n\
          <p class=\"note\">The skin is compared at random postures that were not babbled. 95 % of the \
          values are no greater than the column says.</p>\n{bound}"
     )
