@@ -188,7 +188,8 @@ impl<'a> Reaching<'a> {
         // What is to be touched is in the way of all but the limbs that are to touch it.
         let (mut others, target) = clearance.but_at(&aim.point, 1e-3);
         if let Some(limb) = self.meeting {
-            let touching: BTreeSet<usize> = receptors.iter().map(|&r| self.own.skin.receptors[r].limb).collect();
+            let touching: BTreeSet<usize> =
+                receptors.iter().map(|&r| self.own.skin.receptors[r].limb).collect();
             others = others.but_between(limb, &touching);
         }
         let others = others.eased_at(&[self.own.frames(from)], MARGIN);
