@@ -552,7 +552,7 @@ fn babbling_that_is_killed_half_way_leaves_a_session_to_learn_from() {
 /// The examples in a help text: lines that begin with the program's name, without their remarks.
 fn examples(help: &str) -> Vec<Vec<String>> {
     let lines = help.lines().map(str::trim).filter_map(|line| line.strip_prefix("bodyschema "));
-    let command = |line: &str| line.split("   ").next().unwrap_or(line).to_string();
+    let command = |line: &str| line.split(" #").next().unwrap_or(line).to_string();
     lines.map(|line| command(line).split_whitespace().map(str::to_string).collect()).collect()
 }
 
