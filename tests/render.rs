@@ -110,7 +110,10 @@ fn a_scene_has_its_sky_its_floor_and_its_cameras() {
     let front = picture(place.path(), &[&table, "--size", "320x240", "--camera", "front"]);
     for drawn in [&free, &front] {
         assert!(drawn.share(is_white) < 0.01);
-        let wood = |p: &[u8; 3]| p[0] > 120 && p[0] > p[1] + 20 && p[1] > p[2] + 20;
+        let wood = |p: &[u8; 3]| {
+            let [red, green, blue] = p.map(i32::from);
+            red > 120 && red > green + 20 && green > blue + 20
+        };
         assert!(drawn.share(wood) > 0.05, "there is no table");
     }
     assert!(free.pixels != front.pixels);
