@@ -600,7 +600,7 @@ impl Conversation {
         let upright = actor.frames()[limb].rotation.tr_mul(&actor.up);
         let height = point.dot(&actor.up);
         let spot = match far {
-            true => actor.farthest(receptor, height, upright, lean, 12),
+            true => actor.farthest(receptor, height, upright, lean, 2),
             false => {
                 let edge = actor.trunk_front(actor.table.unwrap_or(height));
                 actor.spot_at(receptor, edge + NEAR, 0.15, height, upright)

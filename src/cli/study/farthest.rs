@@ -23,7 +23,7 @@ pub const STUDY: Study = Study {
 /// Draws of a thing until there is one that a hand finds and holds.
 const DRAWS: usize = 20;
 /// Random postures that the truth's search begins with beside those of the creature's.
-const EFFORT: usize = 24;
+const EFFORT: usize = 9;
 
 const MEASUREMENTS: &[Column] = &[
     Column { name: "seed", heading: "seed" },
@@ -77,7 +77,7 @@ fn measure(subject: &Subject) -> Result<Findings, Failure> {
             let limb = actor.own.place(receptor).limb;
             let upright = actor.frames()[limb].rotation.tr_mul(&actor.up);
             let height = actor.feels_at(receptor).0.dot(&actor.up);
-            let Some(spot) = actor.farthest(receptor, height, upright, lean, 12) else { continue };
+            let Some(spot) = actor.farthest(receptor, height, upright, lean, 3) else { continue };
             // The same question to the truth, with more starts and what was found for one of them.
             actor.own = truth.own.clone();
             let maximum = actor.farthest(receptor, height, upright, lean, EFFORT);

@@ -22,8 +22,6 @@ const LIFTS: [f64; 3] = [0.12, 0.08, 0.05];
 const LIFT: f64 = 0.05;
 /// Least size of a thing's height, metres: the table is not felt through what is lower.
 const SETTLE: f64 = 0.002;
-/// How far the trunk leans in postures that a search begins with, in shares of its most.
-const LEANING_SHARES: [f64; 5] = [1.0, 0.85, 0.7, 0.5, 0.3];
 /// How clear an arm stays of everything while the trunk leans, metres, …
 const CLEAR: f64 = 0.03;
 /// … at so many steps of leaning; …
@@ -63,17 +61,8 @@ impl Actor {
         let mut starts = vec![from.clone(), own.at_ease()];
         if lean {
             let bent = self.bent_forward(hand, &place, &from);
-            let arm = &self.hands[hand].arm;
-            let trunk = |share: f64| between(&own.creature, &from, &bent, share);
-            starts.splice(0..0, LEANING_SHARES.map(trunk));
-            // And with the arm anyhow, as far as that keeps clear.
-            let clearance = self.clearance.moved_by(own, arm);
-            let drawn = (0..20 * effort).map(|k| {
-                let share = LEANING_SHARES[k % LEANING_SHARES.len()];
-                own.random_posture(&trunk(share), arm, &mut rng)
-            });
-            let clear = drawn.filter(|posture| clearance.free(&own.frames(posture), 0.0));
-            starts.extend(clear.take(effort).collect::<Vec<_>>());
+            starts.insert(0, between(&own.creature, &from, &bent, 0.7));
+            starts.insert(0, bent);
         }
         starts.resize_with(starts.len() + effort, || own.random_posture(&from, &joints, &mut rng));
         let solve = |forward: f64, across: f64, start: &[f64]| {
