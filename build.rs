@@ -13,7 +13,7 @@ use std::sync::{Arc, Mutex};
 /// The calls that `src/mujoco` makes; with them bindgen takes along the types that they need.
 const FUNCTIONS: &str = "mj_(version|versionString|loadXML|printSchema|saveLastXML|copyModel|deleteModel|makeData|deleteData|resetData\
 |kinematics|comPos|collision|makeConstraint|projectConstraint|referenceConstraint|forward|step|step1|step2|mulM\
-|contactForce|id2name|name2id\
+|contactForce|sensorPos|id2name|name2id\
 |camlight|tendon\
 |defaultVFS|deleteVFS|makeEmptyFileVFS|findFileVFS|addBufferVFS)\
 |mju_(error|warning|warningText)\
@@ -21,7 +21,7 @@ const FUNCTIONS: &str = "mj_(version|versionString|loadXML|printSchema|saveLastX
 |mjr_(defaultContext|makeContext|freeContext|setBuffer|render|readPixels)";
 /// Enumerations of which constants are compared with plain integers of the model.
 const TYPES: &str = "mjModel_?|mjData_?|mjContact_?|mjVFS_?\
-|mjt(Joint|Geom|Obj|Sensor|Warning|Collision|DisableBit|Integrator|Eq|Camera|Texture|CatBit|RndFlag|VisFlag|Framebuffer)_?";
+|mjt(Joint|Geom|Obj|Sensor|Warning|Collision|DisableBit|EnableBit|Integrator|Eq|Camera|Texture|CatBit|RndFlag|VisFlag|Framebuffer)_?";
 const VARIABLES: &str = "mju_user_(error|warning)|mjVERSION_HEADER|mjMAXVAL|mjNEQDATA";
 
 /// How every complaint about MuJoCo itself ends.
@@ -40,6 +40,7 @@ fn main() {
     println!("cargo::rustc-check-cfg=cfg(mujoco_collision_option)");
     println!("cargo::rustc-check-cfg=cfg(mujoco_signature_from_one)");
     println!("cargo::rustc-check-cfg=cfg(mujoco_eq_active0)");
+    println!("cargo::rustc-check-cfg=cfg(mujoco_sensornoise)");
     if let Err(sentence) = build() {
         println!("cargo::error={sentence}");
     }
@@ -67,6 +68,7 @@ fn build() -> Result<(), String> {
         ("pub nstack:", "mujoco_nstack"),
         ("pub collision:", "mujoco_collision_option"),
         ("pub eq_active0:", "mujoco_eq_active0"),
+        ("const mjENBL_SENSORNOISE", "mujoco_sensornoise"),
     ] {
         if bindings.contains(needle) {
             println!("cargo::rustc-cfg={name}");

@@ -2,12 +2,13 @@
 
 mod max;
 
-use std::convert::Infallible;
 use std::hint::black_box;
 use std::time::Duration;
 
-use bodyschema::babbling::{Babbler, random_posture};
+use bodyschema::babbling::Babbler;
+use bodyschema::creature::Posture;
 use bodyschema::mujoco::Data;
+use bodyschema::simulation::{MotionName, Movers};
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -24,7 +25,7 @@ fn posture_check(criterion: &mut Criterion) {
     let postures: Vec<Vec<f64>> = (0..POSTURES)
         .map(|_| {
             let mut qpos = vec![0.0; body.model.nq()];
-            body.write_qpos(&random_posture(&body.creature, &mut rng), &mut qpos);
+            body.write_qpos(&Posture::random(&body.creature, &mut rng), &mut qpos);
             qpos
         })
         .collect();
@@ -42,8 +43,8 @@ fn posture_check(criterion: &mut Criterion) {
 
 /// From a motion to a touch, per touch.
 fn touch(criterion: &mut Criterion) {
-    let (body, skin) = max::torso();
-    let babbler = Babbler::new::<Infallible>(&body, &skin).expect("Max can babble");
+    let (body, agent) = max::torso();
+    let babbler = Babbler::new(Movers::new(&body, &agent, MotionName::Kinematic).expect("Max can babble"));
     let (_, effort) = max::babble(&babbler, TOUCHES);
     let per_touch = |count: u64| count as f64 / TOUCHES as f64;
     println!(

@@ -2,10 +2,10 @@
 
 mod max;
 
-use std::convert::Infallible;
 use std::hint::black_box;
 use std::time::Duration;
 
+use bodyschema::agent::Agent;
 use bodyschema::babbling::Babbler;
 use bodyschema::creature::Creature;
 use bodyschema::ground_truth::GroundTruth;
@@ -17,7 +17,7 @@ use bodyschema::learning::touch_set::{LimbTouch, TouchProblem, TouchSet};
 use bodyschema::learning::{AxisModel, Hersch, Input, Learner, Parameters, SecondOrder};
 use bodyschema::schema::BodySchema;
 use bodyschema::senses::Touch;
-use bodyschema::skin::Skin;
+use bodyschema::simulation::{MotionName, Movers};
 use criterion::{BatchSize, Criterion, criterion_group, criterion_main};
 use nalgebra::Matrix3;
 use rand::{RngExt, SeedableRng};
@@ -35,9 +35,9 @@ const GAP_DEVIATION: f64 = 1e-3;
 const ONE_ITERATION: Stopping = Stopping { iterations: 1, relative_cost: 0.0, cost: 0.0 };
 
 /// Touches of exact points on `creature`, made ready for a solver.
-fn prepare(creature: &Creature, skin: &Skin, touches: &[Touch]) -> TouchSet {
+fn prepare(agent: &Agent, touches: &[Touch]) -> TouchSet {
     let prepared = touches.iter().map(|touch| {
-        let limbs = touch.ends.map(|end| skin.receptors[end.receptor].limb);
+        let limbs = touch.ends.map(|end| agent.skin().receptors[end.receptor].limb);
         let ends = touch.ends.map(|end| Observation {
             receptor: end.receptor,
             position: end.contact,
@@ -45,7 +45,7 @@ fn prepare(creature: &Creature, skin: &Skin, touches: &[Touch]) -> TouchSet {
         });
         LimbTouch { limbs, posture: &touch.posture, ends }
     });
-    TouchSet::new(creature, prepared)
+    TouchSet::new(agent.creature(), prepared)
 }
 
 /// The truth, moved a little: where an iteration has work to do and its step is accepted.
@@ -60,14 +60,14 @@ fn displaced(truth: &BodySchema) -> BodySchema {
 }
 
 fn learning(criterion: &mut Criterion) {
-    let (body, skin) = max::torso();
+    let (body, agent) = max::torso();
     let creature = &body.creature;
-    let babbler = Babbler::new::<Infallible>(&body, &skin).expect("Max can babble");
+    let babbler = Babbler::new(Movers::new(&body, &agent, MotionName::Kinematic).expect("Max can babble"));
     let (touches, _) = max::babble(&babbler, MOST_TOUCHES);
     let truth = GroundTruth::new(&body).expect("the engine computes poses").schema;
 
     let onset = random_onset(creature, &mut ChaCha8Rng::seed_from_u64(1));
-    let mut hersch = Hersch::new(creature, &skin, Input::Receptor, onset);
+    let mut hersch = Hersch::new(&agent, Input::Receptor, onset);
     let mut rounds = touches.iter().cycle();
     criterion.bench_function("Hersch update, both directions of a touch", |bencher| {
         bencher.iter(|| hersch.touch(rounds.next().expect("the cycle has no end")));
@@ -75,8 +75,8 @@ fn learning(criterion: &mut Criterion) {
 
     let start = displaced(&truth);
     for count in [1_000, 10_000] {
-        let set = prepare(creature, &skin, &touches[..count]);
-        let gap = SurfaceGap { skin: &skin, gap_deviation: GAP_DEVIATION, patch_deviation: 1.0 };
+        let set = prepare(&agent, &touches[..count]);
+        let gap = SurfaceGap { skin: agent.skin(), gap_deviation: GAP_DEVIATION, patch_deviation: 1.0 };
         lm_iteration(
             criterion,
             creature,
@@ -92,7 +92,7 @@ fn learning(criterion: &mut Criterion) {
     group.sample_size(10).measurement_time(Duration::from_secs(10));
     group.bench_function("learned from 500 contact touches", |bencher| {
         let learner = || {
-            let mut learner = SecondOrder::new(creature, &skin, Input::Contact, 1);
+            let mut learner = SecondOrder::new(&agent, Input::Contact, 1);
             touches[..500].iter().for_each(|touch| learner.touch(touch));
             learner
         };

@@ -11,7 +11,6 @@
 
 mod max;
 
-use std::convert::Infallible;
 use std::time::Instant;
 
 use bodyschema::babbling::Babbler;
@@ -23,8 +22,9 @@ use bodyschema::learning::online::Belief;
 use bodyschema::learning::onset::random_direction;
 use bodyschema::learning::surface_gap::SurfaceGap;
 use bodyschema::learning::touch_set::{TouchProblem, TouchSet};
-use bodyschema::learning::{AxisModel, Input, Known, Learner, Online, Parameters, SecondOrder};
+use bodyschema::learning::{AxisModel, Input, Learner, Online, Parameters, PriorKnowledge, SecondOrder};
 use bodyschema::schema::BodySchema;
+use bodyschema::simulation::{MotionName, Movers};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -58,15 +58,16 @@ fn measure() {
         "| joints | touches | global fit, s | µs a touch | update, µs | stream, s | µs a touch | held-out, mm |"
     );
     println!("|---|---|---|---|---|---|---|---|");
-    for (name, (body, skin), streams) in [("torso, 16", max::torso(), true), ("all 57", max::all(), false)] {
+    for (name, (body, agent), streams) in [("torso, 16", max::torso(), true), ("all 57", max::all(), false)] {
         let creature = &body.creature;
-        let babbler = Babbler::new::<Infallible>(&body, &skin).expect("Max can babble");
+        let babbler =
+            Babbler::new(Movers::new(&body, &agent, MotionName::Kinematic).expect("Max can babble"));
         let truth = GroundTruth::new(&body).expect("the engine computes poses");
         let counts = [1_000, 10_000, 100_000].into_iter().filter(|&count| count <= most);
         let (touches, _) = max::babble(&babbler, counts.clone().max().unwrap_or(1_000));
         for count in counts {
             let touches = &touches[..count];
-            let mut learner = SecondOrder::new(creature, &skin, Input::Receptor, 1);
+            let mut learner = SecondOrder::new(&agent, Input::Receptor, 1);
             touches.iter().for_each(|touch| learner.touch(touch));
             let start = displaced(&truth.schema);
             let began = Instant::now();
@@ -78,19 +79,19 @@ fn measure() {
                 first.push_prepared(creature, *limbs, touch.clone());
             }
             let parameters = touched(creature, &first);
-            let prior = Known::nothing(creature, &skin).prior;
-            let model = SurfaceGap::new(&skin, DEVIATION);
+            let prior = PriorKnowledge::nothing(&agent).prior;
+            let model = SurfaceGap::new(agent.skin(), DEVIATION);
             let mut problem = TouchProblem::new(creature, &first, &parameters, model).with_prior(&prior);
             let information = problem.linearize(&fitted.schema).hessian;
             let belief = Belief::new(fitted.schema.clone(), parameters, information, DEVIATION);
             let mut belief = belief.expect("the touches determine something");
             let began = Instant::now();
             for (_, touch) in &prepared {
-                belief.expect(&skin, touch);
+                belief.expect(agent.skin(), touch);
                 belief.learn(1.0);
             }
             let update_us = 1e6 * began.elapsed().as_secs_f64() / count as f64;
-            let mut online = Online::new(creature, &skin, 1);
+            let mut online = Online::new(&agent, 1);
             let began = Instant::now();
             let streamed = streams.then(|| {
                 touches.iter().for_each(|touch| online.touch(touch));
@@ -98,7 +99,7 @@ fn measure() {
             });
             let stream_s = began.elapsed().as_secs_f64();
             let learned = streamed.as_ref().unwrap_or(&fitted);
-            let evaluation = evaluate(creature, &skin, &truth, &learned.schema, &learned.undetermined);
+            let evaluation = evaluate(&agent, &truth, &learned.schema, &learned.undetermined);
             let per_touch = |seconds: f64| 1e6 * seconds / count as f64;
             let stream = match streamed {
                 Some(_) => format!("{stream_s:.2} | {:.0}", per_touch(stream_s)),

@@ -3,13 +3,12 @@
 //! Bare steps and steps with the touch sensor and the aura take turns in one run, and their ratio is printed.
 
 use std::path::Path;
-use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use bodyschema::creature::{Body, JointSelection};
-use bodyschema::interaction::{Strokes, World};
-use bodyschema::mujoco::Model;
-use bodyschema::senses::{Aura, Kind};
+use bodyschema::creature::JointSelection;
+use bodyschema::senses::TouchKind;
+use bodyschema::simulation::partner::Strokes;
+use bodyschema::simulation::{Stage, StageOptions};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
@@ -18,28 +17,31 @@ const STROKES: u64 = 40;
 
 fn main() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("mjcf/max/max.xml");
-    let model = Model::from_path(&path).expect("Max is a model");
-    let max = Body::new(Arc::new(model), &JointSelection::All).expect("Max is a creature");
-    let mut world = World::new(&path, &max, &["probe".to_string()]).expect("Max is a creature");
-    let mut aura = Aura::new(&world.body, &world.skin, &world.data);
+    let options = StageOptions {
+        joints: JointSelection::All,
+        probes: vec!["probe".to_string()],
+        ..StageOptions::default()
+    };
+    let stage = Stage::new(&path, &options).expect("Max is a creature");
+    stage.grow_aura();
     let (mut bare, mut felt) = (Duration::ZERO, Duration::ZERO);
     let (mut steps, mut simulated, mut events) = (0u64, 0.0, 0usize);
     for seed in 0..STROKES {
         for senses in [false, true] {
             let mut rng = ChaCha8Rng::seed_from_u64(seed);
-            let begin = world.data.time();
-            let stroke = Strokes::new(&world).random(Kind::Stroke, begin, &mut rng).expect("Max has room");
+            let begin = stage.time();
+            let stroke =
+                Strokes::new(&stage).random(TouchKind::Stroke, begin, &mut rng).expect("Max has room");
             let end = stroke.path.end();
-            world.send(0, stroke.path).expect("the probe can go there");
+            stage.send_probe(0, stroke.path).expect("the probe can go there");
             let began = Instant::now();
-            while world.data.time() < end {
+            while stage.time() < end {
                 if senses {
-                    let (time, touches) = world.step().expect("the engine steps");
-                    events += touches.len();
-                    events += aura.step(time, &world.body, &world.skin, &world.data).len();
+                    let senses = stage.step().expect("the engine steps");
+                    events += senses.touches.len() + senses.near.len();
                     steps += 1;
                 } else {
-                    world.physics().expect("the engine steps");
+                    stage.step_unfelt().expect("the engine steps");
                 }
             }
             *(if senses { &mut felt } else { &mut bare }) += began.elapsed();

@@ -6,7 +6,7 @@ use std::hint::black_box;
 use std::time::Duration;
 
 use bodyschema::ground_truth::GroundTruth;
-use bodyschema::learning::Input;
+use bodyschema::learning::Certainty;
 use bodyschema::peripersonal::{OwnBody, ReachableMap};
 use criterion::{Criterion, criterion_group, criterion_main};
 use nalgebra::Vector3;
@@ -19,10 +19,10 @@ const VOXEL: f64 = 0.02;
 const POINTS: usize = 10_000;
 
 fn space(criterion: &mut Criterion) {
-    let (body, skin) = max::torso();
+    let (body, agent) = max::torso();
     let schema = GroundTruth::new(&body).expect("Max has joints").schema;
-    let own = OwnBody::new(&body.creature, &skin, schema, &[], Input::Receptor);
-    let hand = own.creature.limb("left_hand").expect("Max has hands");
+    let own = OwnBody::new(&agent, schema, Certainty::Exact, &[]);
+    let hand = own.creature().limb("left_hand").expect("Max has hands");
     let chest = own.carrier_of(&[hand]);
     let build = || ReachableMap::new(&own, hand, chest, VOXEL).expect("a hand has skin");
     let mut group = criterion.benchmark_group("space");

@@ -3,37 +3,20 @@
 //! Run with `cargo run --release --example act_at_table`.
 
 use std::path::Path;
-use std::sync::Arc;
 
-use bodyschema::babbling::{Babbler, BabblingOptions};
-use bodyschema::creature::{Body, JointSelection};
-use bodyschema::interaction::{Actor, Conversation, Scene};
-use bodyschema::learning::{Input, Learner, SecondOrder};
-use bodyschema::mujoco::Model;
-use bodyschema::peripersonal::OwnBody;
-use bodyschema::record::RecordError;
-use bodyschema::skin::skin_of;
+use bodyschema::agent::Agent;
+use bodyschema::interaction::{Actor, Conversation};
+use bodyschema::simulation::{Stage, StageOptions};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     // Babble and learn; a session that was recorded does as well.
-    let joints = JointSelection::default();
-    let body = Body::new(Arc::new(Model::from_path("mjcf/max/max.xml")?), &joints)?;
-    let skin = skin_of(&body);
-    let mut touches = Vec::new();
-    let babbler = Babbler::new::<RecordError>(&body, &skin)?;
-    babbler.babble(&BabblingOptions { touches: 600, seed: 1, jobs: 2 }, |touch| {
-        touches.push(touch.clone());
-        Ok::<(), RecordError>(())
-    })?;
-    let mut learner = SecondOrder::new(&body.creature, &skin, Input::Receptor, 1);
-    touches.iter().for_each(|touch| learner.touch(touch));
-    let own = OwnBody::new(&body.creature, &skin, learner.learn().schema, &touches, Input::Receptor);
+    let max = Agent::from_mjcf("mjcf/max/max.xml")?.babble(600)?.learn()?;
 
-    // From here on he knows of his body what he learned, and of the scene what he feels.
-    let scene = Scene::new(Path::new("mjcf/max/table.xml"), &joints, None, &[])?;
-    let mut actor = Actor::new(own, scene, ["left_hand", "right_hand"], 1)?;
-    let ready = actor.ready();
-    actor.place(&ready)?;
+    // From here on he knows of his body what he learned, and of the table what he feels: where things are stays with the
+    // stage, of which he has no more than a handle.
+    let stage = Stage::new(Path::new("mjcf/max/table.xml"), &StageOptions::default())?;
+    let mut actor = Actor::new(max.own_body(), stage.handle(), ["left_hand", "right_hand"], 1)?;
+    stage.place(&actor.ready())?;
 
     // The tasks themselves: each tells what was felt, or why it could not be done.
     match actor.feel_table(1) {

@@ -1,6 +1,6 @@
-//! Where the joints really are, in the learner's own convention. Only the evaluation may see it.
+//! Where the joints really are, in the learner's own convention. Only who simulates and who measures may see it.
 
-use crate::creature::Body;
+use crate::creature::{Body, DofKind};
 use crate::mujoco;
 use crate::schema::BodySchema;
 
@@ -17,6 +17,20 @@ impl GroundTruth {
     /// # Errors
     /// Where the engine fails.
     pub fn new(body: &Body) -> mujoco::Result<GroundTruth> {
-        Ok(GroundTruth { schema: body.kinematics()? })
+        let data = body.reference_data()?;
+        let frames = body.reference_frames(&data);
+        let mut schema = BodySchema::zero(&body.creature);
+        for (j, (joint, segment)) in body.creature.joints().iter().zip(&body.segments).enumerate() {
+            let parent = &frames[joint.parent];
+            let anchor = frames[j + 1].translation.vector;
+            schema.positions[j] = parent.inverse_transform_point(&anchor.into()).coords;
+            for ((k, dof), &mujoco_joint) in joint.dof_indices().zip(&joint.dofs).zip(&segment.joints) {
+                if dof.kind != DofKind::Ball {
+                    let axis = data.joint_axis(mujoco_joint);
+                    schema.axes[k] = parent.inverse_transform_vector(&axis);
+                }
+            }
+        }
+        Ok(GroundTruth { schema })
     }
 }

@@ -4,29 +4,30 @@ use std::convert::Infallible;
 use std::path::Path;
 use std::sync::Arc;
 
-use bodyschema::babbling::{Babbler, BabblingOptions, Effort};
+use bodyschema::agent::Agent;
+use bodyschema::babbling::{Babbler, BabblingOptions};
 use bodyschema::creature::{Body, JointSelection};
 use bodyschema::mujoco::Model;
 use bodyschema::senses::Touch;
-use bodyschema::skin::{Skin, skin_of};
+use bodyschema::simulation::Effort;
 
-/// Max with the joints of his torso (16 joints, 42 degrees of freedom), and his skin.
-pub fn torso() -> (Body, Skin) {
+/// Max with the joints of his torso (16 joints, 42 degrees of freedom), and the agent in it.
+pub fn torso() -> (Body, Agent) {
     moving(&JointSelection::Default)
 }
 
-/// Max with all his joints (57 joints, 103 degrees of freedom), and his skin.
+/// Max with all his joints (57 joints, 103 degrees of freedom), and the agent in it.
 #[allow(dead_code, reason = "only one of the benchmarks moves them all")]
-pub fn all() -> (Body, Skin) {
+pub fn all() -> (Body, Agent) {
     moving(&JointSelection::All)
 }
 
-fn moving(joints: &JointSelection) -> (Body, Skin) {
+fn moving(joints: &JointSelection) -> (Body, Agent) {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("mjcf/max/max.xml");
     let model = Model::from_path(&path).expect("Max loads");
     let body = Body::new(Arc::new(model), joints).expect("Max has joints");
-    let skin = skin_of(&body);
-    (body, skin)
+    let agent = Agent::of(&body).expect("his receptors have names");
+    (body, agent)
 }
 
 /// The first touches of seed 1, made by one thread, and what they cost.

@@ -3,9 +3,9 @@
 use std::collections::BTreeMap;
 use std::sync::mpsc;
 
-use super::{BabblingError, Effort};
-use crate::mujoco;
+use super::BabblingError;
 use crate::senses::Touch;
+use crate::simulation::{Effort, EngineResult};
 
 /// How far a session has come: whole bouts that need not be made again to go on from there.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -38,7 +38,7 @@ pub(super) struct Bout {
 /// Puts the bouts that follow on `done` back into order and hands their touches on, until so many are there in all.
 /// Returns what they cost up to the last of them, with those before.
 pub(super) fn gather<E>(
-    bouts: &mpsc::Receiver<(u64, mujoco::Result<Bout>)>,
+    bouts: &mpsc::Receiver<(u64, EngineResult<Bout>)>,
     mut done: BoutsDone,
     wanted: usize,
     fruitless_bouts: u64,

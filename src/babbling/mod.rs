@@ -4,12 +4,7 @@
 //! touches depend on its seed alone, not on how many threads share the bouts.
 
 mod bouts;
-mod clearance;
-mod dynamic;
-mod motion;
 pub mod policy;
-mod posture;
-mod self_contact;
 
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::mpsc;
@@ -18,21 +13,12 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
 pub use bouts::{BoutsDone, Made};
-pub use clearance::Clearance;
-pub use dynamic::DynamicMover;
-pub use motion::{DEEPEST, Effort, Ending, Motion, MotionName, Mover};
 pub use policy::{Policy, PolicyName};
-pub(crate) use posture::between;
-pub use posture::{random_posture, start_posture};
-pub use self_contact::{LimbPair, Relation, SelfContact};
 
 use crate::babbling::bouts::{Bout, gather};
-use crate::babbling::dynamic::Physics;
 use crate::babbling::policy::Random;
-use crate::creature::Body;
-use crate::mujoco;
-use crate::senses::{ContactReader, Touch};
-use crate::skin::Skin;
+use crate::senses::Touch;
+use crate::simulation::{Effort, Ending, EngineError, EngineResult, MotionUntilTouch, Movers};
 
 /// Touches after which a bout ends.
 const TOUCHES_PER_BOUT: usize = 25;
@@ -42,6 +28,9 @@ const MOTIONS_PER_BOUT: u64 = 1000;
 const FRUITLESS_BOUTS: u64 = 20;
 /// … and with physics, where a motion takes a thousand times as long.
 const FRUITLESS_DYNAMIC_BOUTS: u64 = 1;
+/// Marks the random streams of a seed that noise of the senses is drawn from.
+const NOISE_STREAMS: u64 = 1 << 62;
+
 /// What to babble.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct BabblingOptions {
@@ -58,22 +47,10 @@ pub struct BabblingOptions {
 pub enum BabblingError<E> {
     /// The engine failed.
     #[error(transparent)]
-    Engine(mujoco::Error),
+    Engine(EngineError),
     /// The receiver of touches failed.
     #[error(transparent)]
     Receiver(E),
-    /// Nothing has skin.
-    #[error("the model has no touch sensors: grow a skin with `bodyschema skin MODEL --output NEW`")]
-    NoSkin,
-    /// No two limbs can meet.
-    #[error(
-        "no two of its limbs can touch: all that bear surface carry one another or overlap for good \
-         (`bodyschema inspect` has the table), so no touch can determine {joints}; give limbs that reach each other"
-    )]
-    NoPairs {
-        /// All joints, by name.
-        joints: String,
-    },
     /// Nothing was touched.
     #[error(
         "no touch in {motions} motions ({bare} met bare geometry): the limbs that move cannot reach each \
@@ -87,79 +64,25 @@ pub enum BabblingError<E> {
     },
 }
 
-/// A body made ready for babbling.
+/// An agent that babbles.
 pub struct Babbler<'a> {
-    body: &'a Body,
-    skin: &'a Skin,
-    reader: ContactReader,
-    clearance: Clearance,
-    start: Vec<f64>,
-    /// What simulations share; none where motions are without forces.
-    physics: Option<Physics>,
+    movers: Movers<'a>,
 }
 
 impl<'a> Babbler<'a> {
-    /// Prepares a body: geoms that overlap by construction are left out for good.
-    ///
-    /// # Errors
-    /// Where the engine fails, where there is no skin, or where no two limbs can meet.
-    pub fn new<E>(body: &'a Body, skin: &'a Skin) -> Result<Babbler<'a>, BabblingError<E>> {
-        if skin.receptors.is_empty() {
-            return Err(BabblingError::NoSkin);
-        }
-        let SelfContact { left_out, start, .. } = SelfContact::new(body).map_err(BabblingError::Engine)?;
-        let reader = ContactReader::new(body, skin);
-        let clearance = Clearance::new(body, &left_out).map_err(BabblingError::Engine)?;
-        if clearance.is_empty() {
-            let joints: Vec<&str> = body.creature.joints().iter().map(|joint| joint.name.as_str()).collect();
-            return Err(BabblingError::NoPairs { joints: joints.join(", ") });
-        }
-        Ok(Babbler { body, skin, reader, clearance, start, physics: None })
+    /// An agent that babbles by these movers of its body.
+    pub fn new(movers: Movers<'a>) -> Babbler<'a> {
+        Babbler { movers }
     }
 
-    /// The babbler whose motions are of another kind; new ones are kinematic.
-    ///
-    /// # Errors
-    /// Where the engine fails.
-    pub fn moved(self, motion: MotionName) -> mujoco::Result<Babbler<'a>> {
-        let physics = match motion {
-            MotionName::Kinematic => None,
-            MotionName::Dynamic => Some(Physics::new(self.body)?),
-        };
-        Ok(Babbler { physics, ..self })
-    }
-
-    /// A mover in the start posture.
-    ///
-    /// # Errors
-    /// Where the engine fails.
-    pub fn mover(&self) -> mujoco::Result<Mover<'_>> {
-        Mover::new(self.body, self.skin, &self.reader, self.clearance.clone(), self.start.clone())
-    }
-
-    /// A mover with forces in the start posture; none unless motions are [`MotionName::Dynamic`].
-    ///
-    /// # Errors
-    /// Where the engine fails.
-    pub fn dynamic_mover(&self) -> mujoco::Result<Option<DynamicMover<'_>>> {
-        let mover = |physics: &Physics| {
-            let clearance = self.clearance.clone();
-            DynamicMover::new(self.body, self.skin, &self.reader, clearance, physics, &self.start)
-        };
-        self.physics.as_ref().map(mover).transpose()
-    }
-
-    /// A mover of the babbler's kind in the start posture.
-    fn any_mover(&self) -> mujoco::Result<Box<dyn Motion + '_>> {
-        Ok(match self.dynamic_mover()? {
-            Some(mover) => Box::new(mover),
-            None => Box::new(self.mover()?),
-        })
+    /// What moves its body.
+    pub fn movers(&self) -> &Movers<'a> {
+        &self.movers
     }
 
     /// Bouts without a single touch after which babbling is given up.
     fn fruitless_bouts(&self) -> u64 {
-        if self.physics.is_some() { FRUITLESS_DYNAMIC_BOUTS } else { FRUITLESS_BOUTS }
+        if self.movers.is_dynamic() { FRUITLESS_DYNAMIC_BOUTS } else { FRUITLESS_BOUTS }
     }
 
     /// Babbles until `options.touches` touches are made, handing on each as soon as all before it are.
@@ -193,13 +116,13 @@ impl<'a> Babbler<'a> {
         let (next_bout, done) = (AtomicU64::new(from.bouts), AtomicBool::new(false));
         let jobs = options.jobs.max(1);
         // A bounded channel keeps the threads from running far ahead of the receiver.
-        let (sender, receiver) = mpsc::sync_channel::<(u64, mujoco::Result<Bout>)>(2 * jobs);
+        let (sender, receiver) = mpsc::sync_channel::<(u64, EngineResult<Bout>)>(2 * jobs);
         std::thread::scope(|scope| {
             for _ in 0..jobs {
                 let sender = sender.clone();
                 let (next_bout, done) = (&next_bout, &done);
                 scope.spawn(move || {
-                    let mut mover = self.any_mover();
+                    let mut mover = self.movers.mover();
                     while !done.load(Ordering::Relaxed) {
                         let bout = next_bout.fetch_add(1, Ordering::Relaxed);
                         let made = match &mut mover {
@@ -234,21 +157,23 @@ impl<'a> Babbler<'a> {
         mut receive: impl FnMut(&Touch) -> Result<(), E>,
     ) -> Result<Effort, BabblingError<E>> {
         let mut rng = ChaCha8Rng::seed_from_u64(options.seed);
-        let mut mover = self.any_mover().map_err(BabblingError::Engine)?;
+        let mut mover = self.movers.mover().map_err(BabblingError::Engine)?;
+        mover.draw_noise_from(noise_of(options.seed, 0));
         let fruitless_motions = self.fruitless_bouts() * MOTIONS_PER_BOUT;
         let (mut received, mut last) = (0, 0);
         while received < options.touches {
-            let target = policy.next_target(mover.posture(), &mut rng);
+            let posture = mover.felt_posture().map_err(BabblingError::Engine)?;
+            let target = policy.next_target(&posture, &mut rng);
             let ending = mover.advance(&target).map_err(BabblingError::Engine)?;
             let effort = mover.effort();
             let motion = effort.motions;
             if let Ending::Touch(ends) = ending {
-                let touch = mover.touch(0, ends);
+                let touch = mover.touch(0, ends).map_err(BabblingError::Engine)?;
                 policy.touched(&touch);
                 receive(&touch).map_err(BabblingError::Receiver)?;
                 (received, last) = (received + 1, motion);
             } else {
-                policy.missed(&ending, mover.posture());
+                policy.missed(&ending, &mover.felt_posture().map_err(BabblingError::Engine)?);
                 if motion - last >= fruitless_motions {
                     return Err(BabblingError::NoTouch { motions: motion, bare: effort.bare });
                 }
@@ -271,25 +196,33 @@ impl<'a> Babbler<'a> {
         if policy == PolicyName::Random {
             return self.babble(options, receive);
         }
-        let mut policy = policy.policy(&self.body.creature, self.skin, options.seed);
+        let mut policy = policy.policy(self.movers.agent(), options.seed);
         self.babble_with(policy.as_mut(), options, receive)
     }
 
     /// One bout, the same whoever makes it and when.
-    fn bout(&self, mover: &mut dyn Motion, seed: u64, bout: u64) -> mujoco::Result<Bout> {
+    fn bout(&self, mover: &mut dyn MotionUntilTouch, seed: u64, bout: u64) -> EngineResult<Bout> {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         rng.set_stream(bout);
-        mover.reset(&self.start)?;
-        let mut policy = Random::new(&self.body.creature);
+        mover.reset(self.movers.start())?;
+        mover.draw_noise_from(noise_of(seed, bout));
+        let mut policy = Random::new(self.movers.agent().creature());
         let mut touches = Vec::new();
         while touches.len() < TOUCHES_PER_BOUT && mover.effort().motions < MOTIONS_PER_BOUT {
-            let target = policy.next_target(mover.posture(), &mut rng);
+            let target = policy.next_target(&mover.felt_posture()?, &mut rng);
             if let Ending::Touch(ends) = mover.advance(&target)? {
-                touches.push((mover.touch(bout, ends), mover.effort()));
+                touches.push((mover.touch(bout, ends)?, mover.effort()));
             }
         }
         Ok(Bout { touches, effort: mover.effort() })
     }
+}
+
+/// The random stream that the noise of the senses is drawn from in a bout: none that targets are drawn from.
+fn noise_of(seed: u64, bout: u64) -> ChaCha8Rng {
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    rng.set_stream(NOISE_STREAMS | bout);
+    rng
 }
 
 /// Per touch of a session, in their order, the motions made up to it, in all bouts before it too.

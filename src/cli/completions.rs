@@ -14,12 +14,12 @@ use super::Outcome;
 
 Where it goes: bash ~/.local/share/bash-completion/completions/bodyschema, zsh a folder of $fpath,
 fish ~/.config/fish/completions/bodyschema.fish.")]
-pub struct Args {
+pub struct CompletionsArguments {
     /// The shell
     shell: Shell,
 }
 
-pub fn run(args: &Args, program: &Command) -> Outcome {
+pub fn run(args: &CompletionsArguments, program: &Command) -> Outcome {
     // Some of the generators would name hidden commands, too.
     let visible = program.get_subcommands().filter(|command| !command.is_hide_set()).cloned();
     let mut visible = Command::new("bodyschema")

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use super::learn_options::warn_truncated;
+use super::learned::warn_truncated;
 use super::{Outcome, progress};
 use crate::record::{Session, TOUCHES_FILE, read_touches};
 use crate::senses::Touch;
@@ -21,7 +21,7 @@ use crate::senses::Touch;
   bodyschema convert sessions/max-1 --rrd
   bodyschema convert sessions/max-1 --rrd --model mjcf/max/max.xml --out max.rrd"
 )]
-pub struct Args {
+pub struct ConvertArguments {
     /// The session's folder
     session: PathBuf,
     /// Parquet, which pandas, Polars, DuckDB and Arrow read
@@ -34,13 +34,13 @@ pub struct Args {
     #[arg(long, conflicts_with = "parquet")]
     model: Option<PathBuf>,
     /// The file to write [default: touches.parquet or session.rrd in the session's folder]
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, short, value_name = "FILE", help_heading = "Output")]
     out: Option<PathBuf>,
 }
 
-pub fn run(args: &Args) -> Outcome {
+pub fn run(args: &ConvertArguments) -> Outcome {
     let session = Session::read(&args.session)?;
-    let log = read_touches(&args.session.join(TOUCHES_FILE), &session.creature, &session.skin)?;
+    let log = read_touches(&args.session.join(TOUCHES_FILE), &session.agent)?;
     warn_truncated(&log, &args.session);
     let name = if args.rrd { "session.rrd" } else { "touches.parquet" };
     let path = args.out.clone().unwrap_or_else(|| args.session.join(name));
@@ -57,7 +57,7 @@ pub fn run(args: &Args) -> Outcome {
 
 #[cfg(feature = "parquet")]
 fn write_parquet(path: &Path, session: &Session, touches: &[Touch]) -> Outcome {
-    Ok(crate::record::write_parquet(path, &session.creature, &session.skin, touches)?)
+    Ok(crate::record::write_parquet(path, &session.agent, touches)?)
 }
 
 #[cfg(not(feature = "parquet"))]
@@ -69,13 +69,13 @@ fn write_parquet(path: &Path, _: &Session, _: &[Touch]) -> Outcome {
 }
 
 #[cfg(feature = "rerun")]
-fn write_rrd(args: &Args, path: &Path, session: &Session, touches: &[Touch]) -> Outcome {
+fn write_rrd(args: &ConvertArguments, path: &Path, session: &Session, touches: &[Touch]) -> Outcome {
     use super::Failure;
-    use crate::evaluation::{RerunInput, write_rrd};
     use crate::record::{Checkpoint, LearningRecord, SCHEMA_FILE, read_learning_table, read_schema};
+    use crate::view::{RerunInput, write_rrd};
 
-    let (folder, creature) = (&args.session, &session.creature);
-    let truth = super::report::known_truth(session, args.model.as_deref())?;
+    let (folder, creature) = (&args.session, session.agent.creature());
+    let truth = super::open::known_truth(session, args.model.as_deref())?;
     let record = LearningRecord::read(folder, creature)?;
     let mut checkpoints = record.map_or(Vec::new(), |record| record.checkpoints);
     // Sessions from before there were checkpoints have what was learned in the end.
@@ -92,8 +92,7 @@ fn write_rrd(args: &Args, path: &Path, session: &Session, touches: &[Touch]) -> 
     }
     let table = read_learning_table(folder)?;
     let input = RerunInput {
-        creature,
-        skin: &session.skin,
+        agent: &session.agent,
         truth: truth.as_ref().map(|truth| &truth.schema),
         touches,
         checkpoints: &checkpoints,
@@ -105,7 +104,7 @@ fn write_rrd(args: &Args, path: &Path, session: &Session, touches: &[Touch]) -> 
 }
 
 #[cfg(not(feature = "rerun"))]
-fn write_rrd(_: &Args, path: &Path, _: &Session, _: &[Touch]) -> Outcome {
+fn write_rrd(_: &ConvertArguments, path: &Path, _: &Session, _: &[Touch]) -> Outcome {
     Err(super::Failure(format!(
         "{}: this bodyschema was built without Rerun: install it with `cargo install --path . --features rerun`",
         path.display()

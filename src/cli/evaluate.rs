@@ -4,7 +4,8 @@ use std::path::PathBuf;
 
 use serde_json::json;
 
-use super::learn_options::{print_evaluation, session_truth, warn_truncated};
+use super::learned::{print_evaluation, warn_truncated};
+use super::open::session_truth;
 use super::{Outcome, output, progress};
 use crate::evaluation::{evaluate, touch_misses};
 use crate::record::{SCHEMA_FILE, Session, TOUCHES_FILE, read_schema, read_touches};
@@ -18,35 +19,35 @@ use crate::record::{SCHEMA_FILE, Session, TOUCHES_FILE, read_schema, read_touche
 #[command(after_help = "Examples:
   bodyschema evaluate sessions/max-1
   bodyschema evaluate sessions/max-1 --model mjcf/max/max.xml --json")]
-pub struct Args {
+pub struct EvaluateArguments {
     /// The session's folder
     session: PathBuf,
     /// The model, where it is not at the path in the session
     #[arg(long)]
     model: Option<PathBuf>,
     /// Print one JSON object
-    #[arg(long)]
+    #[arg(long, help_heading = "Output")]
     json: bool,
 }
 
-pub fn run(args: &Args) -> Outcome {
+pub fn run(args: &EvaluateArguments) -> Outcome {
     let session = Session::read(&args.session)?;
-    let log = read_touches(&args.session.join(TOUCHES_FILE), &session.creature, &session.skin)?;
+    let log = read_touches(&args.session.join(TOUCHES_FILE), &session.agent)?;
     warn_truncated(&log, &args.session);
-    let schema = read_schema(&args.session.join(SCHEMA_FILE), &session.creature)?;
+    let schema = read_schema(&args.session.join(SCHEMA_FILE), session.agent.creature())?;
     if session.model.is_empty() && args.model.is_none() {
         let folder = args.session.display();
         return Err(format!("{folder} is of a recording, which has no model to measure against: name one with --model, or use `bodyschema observe {folder}`").into());
     }
     let truth = session_truth(&session, args.model.as_deref())?;
     let spinner = progress::spinner("measuring");
-    let evaluation = evaluate(&session.creature, &session.skin, &truth, &schema, &[]);
-    let misses = touch_misses(&session.creature, &session.skin, &schema, &log.touches);
+    let evaluation = evaluate(&session.agent, &truth, &schema, &[]);
+    let misses = touch_misses(&session.agent, &schema, &log.touches);
     spinner.finish_and_clear();
     if args.json {
         return output::json(&json!({
             "session": args.session,
-            "creature": session.creature.name(),
+            "creature": session.agent.creature().name(),
             "touches": log.touches.len(),
             "heldout_mm": evaluation.heldout_mm,
             "hand_mm": evaluation.hand_mm,
@@ -55,7 +56,7 @@ pub fn run(args: &Args) -> Outcome {
             "touch_mm": misses,
         }));
     }
-    say!("{}: schema of {}", args.session.display(), session.creature.name());
+    say!("{}: schema of {}", args.session.display(), session.agent.creature().name());
     print_evaluation(&evaluation);
     output::row("what touched, apart", "mm", &misses);
     Ok(())

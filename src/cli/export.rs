@@ -2,10 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
-use super::learn_options::LEARNED_FILE;
 use super::{Failure, Outcome};
-use crate::record::{SCHEMA_FILE, Session, read_schema};
-use crate::schema::{Urdf, to_mjcf, to_urdf};
+use crate::export::{Urdf, to_mjcf, to_urdf};
+use crate::record::{LEARNED_FILE, SCHEMA_FILE, Session, read_schema};
 
 /// Write a session's learned body as a model for other programs.
 ///
@@ -16,15 +15,15 @@ use crate::schema::{Urdf, to_mjcf, to_urdf};
 #[derive(clap::Args)]
 #[command(after_help = "Examples:
   bodyschema export sessions/max-1 --mjcf
-  bodyschema export sessions/max-1 --urdf --output max.urdf")]
-pub struct Args {
+  bodyschema export sessions/max-1 --urdf --out max.urdf")]
+pub struct ExportArguments {
     /// The session's folder
     session: PathBuf,
     #[command(flatten)]
     format: Format,
     /// The file to write [default: learned.xml or learned.urdf in the session's folder]
-    #[arg(long, short, value_name = "FILE")]
-    output: Option<PathBuf>,
+    #[arg(long, short, value_name = "FILE", help_heading = "Output")]
+    out: Option<PathBuf>,
 }
 
 #[derive(clap::Args)]
@@ -38,21 +37,22 @@ struct Format {
     urdf: bool,
 }
 
-pub fn run(args: &Args) -> Outcome {
+pub fn run(args: &ExportArguments) -> Outcome {
     let session = Session::read(&args.session)?;
-    let (creature, skin) = (&session.creature, &session.skin);
+    let agent = &session.agent;
+    let creature = agent.creature();
     let schema = read_schema(&args.session.join(SCHEMA_FILE), creature)?;
-    let file = |name: &str| args.output.clone().unwrap_or_else(|| args.session.join(name));
+    let file = |name: &str| args.out.clone().unwrap_or_else(|| args.session.join(name));
     if args.format.mjcf {
         let path = file(LEARNED_FILE);
-        write(&path, to_mjcf(creature, skin, &schema).as_bytes())?;
+        write(&path, to_mjcf(agent, &schema).as_bytes())?;
         say!("{}", path.display());
         return Ok(());
     }
     let path = file("learned.urdf");
     let stem = path.file_stem().unwrap_or_default().to_string_lossy();
     let mesh_name = format!("{stem}_ellipsoid.stl");
-    let Urdf { xml, mesh } = to_urdf(creature, skin, &schema, &mesh_name);
+    let Urdf { xml, mesh } = to_urdf(agent, &schema, &mesh_name);
     write(&path, xml.as_bytes())?;
     say!("{}", path.display());
     if let Some(mesh) = mesh {
@@ -67,6 +67,6 @@ fn write(path: &Path, bytes: &[u8]) -> Outcome {
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
     let made = folder.map_or(Ok(()), std::fs::create_dir_all);
     made.and_then(|()| std::fs::write(path, bytes)).map_err(|error| {
-        Failure(format!("cannot write {}: {error}: give another file with --output", path.display()))
+        Failure(format!("cannot write {}: {error}: give another file with --out", path.display()))
     })
 }

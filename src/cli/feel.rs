@@ -9,13 +9,16 @@ use rand::seq::IndexedRandom;
 use rand_chacha::ChaCha8Rng;
 
 use super::arguments::Arguments;
-use super::babble::session_folder;
-use super::open::{ModelOptions, open_body};
+use super::folders::session_folder;
+use super::open::open_body;
 use super::{Failure, Outcome, progress};
+use crate::agent::Agent;
 use crate::creature::JointSelection;
-use crate::interaction::{Script, Strokes, World, aura_event_json, event_json, stroke_for};
+use crate::experiment::ModelSource;
 use crate::record::{FiringWriter, Host, PROGRAM, SENSATIONS_FILE, Session, SessionOptions, model_hash};
-use crate::senses::{Aura, FiringRecorder, Kind, TouchEvent};
+use crate::senses::{FiringRecorder, TouchEvent, TouchKind};
+use crate::simulation::partner::{Script, Strokes, stroke_for};
+use crate::simulation::{Stage, StageOptions, StepSenses, aura_event_json, event_json};
 
 /// How long the creature is watched after all is done to it, seconds.
 const AFTER: f64 = 0.1;
@@ -41,7 +44,7 @@ const AFTER: f64 = 0.1;
   bodyschema feel mjcf/max/max.xml
   bodyschema feel mjcf/max/max.xml --script touches.json
   bodyschema feel mjcf/max/max.xml --strokes 20 --out sessions/stroked     # takes minutes")]
-pub struct Args {
+pub struct FeelArguments {
     /// The MJCF file of a creature
     model: PathBuf,
     /// What is done to the creature
@@ -54,7 +57,7 @@ pub struct Args {
     #[arg(long, value_name = "MINUTES", value_parser = minutes, conflicts_with_all = ["script", "stimulations"])]
     strokes: Option<f64>,
     /// The session's folder, with --strokes [default: the first free of sessions/CREATURE-1, -2, …]
-    #[arg(long, value_name = "DIR", requires = "strokes")]
+    #[arg(long, short, value_name = "DIR", requires = "strokes", help_heading = "Output")]
     out: Option<PathBuf>,
     /// Seed of the random touches
     #[arg(long, default_value_t = 1)]
@@ -64,30 +67,33 @@ pub struct Args {
     root: Option<String>,
 }
 
-pub fn run(args: &Args, given: Arguments) -> Outcome {
-    let options = ModelOptions { strip: false, root: args.root.clone() };
-    let body = open_body(&args.model, &JointSelection::All, &options)?;
-    let script = args.script.as_deref().map(Script::read).transpose().map_err(Failure)?;
+pub fn run(args: &FeelArguments, given: Arguments) -> Outcome {
+    let source = ModelSource::new(&args.model).with_joints(JointSelection::All);
+    let body = open_body(&ModelSource { root: args.root.clone(), ..source })?;
+    let script =
+        args.script.as_deref().map(Script::read).transpose().map_err(|error| Failure(error.to_string()))?;
     let probes = script.as_ref().map_or_else(|| vec!["probe".to_string()], Script::probes);
-    let world = World::new(&args.model, &body, &probes);
-    let mut world = world.map_err(|error| Failure(format!("{}: {error}", args.model.display())))?;
-    if world.skin.receptors.is_empty() {
+    let root = body.root_name().map(str::to_string);
+    let options = StageOptions { joints: JointSelection::All, root, probes, ..StageOptions::default() };
+    let stage = Stage::new(&args.model, &options);
+    let stage = stage.map_err(|error| Failure(format!("{}: {error}", args.model.display())))?;
+    if stage.skin().receptors.is_empty() {
         return Err(Failure(format!("{}: nothing of this creature can be touched", args.model.display())));
     }
     if let Some(minutes) = args.strokes {
-        return strokes(args, &mut world, minutes, given);
+        return strokes(args, &stage, minutes, given);
     }
-    let mut aura = Aura::new(&world.body, &world.skin, &world.data);
-    let Some(script) = script else { return at_random(args, &mut world, &mut aura) };
-    let paths = script.paths(&world).map_err(|clause| {
+    stage.grow_aura();
+    let Some(script) = script else { return at_random(args, &stage) };
+    let paths = script.paths(&stage).map_err(|clause| {
         let file = args.script.as_deref().unwrap_or(&args.model);
         Failure(format!("{}: {clause}: see `bodyschema inspect` for its receptors", file.display()))
     })?;
     let end = paths.iter().map(|path| path.end()).fold(0.0, f64::max);
     for (probe, path) in paths.into_iter().enumerate() {
-        world.send(probe, path)?;
+        stage.send_probe(probe, path)?;
     }
-    watch(&mut world, &mut aura, end)
+    watch(&stage, end)
 }
 
 fn minutes(text: &str) -> Result<f64, String> {
@@ -100,9 +106,9 @@ fn minutes(text: &str) -> Result<f64, String> {
 }
 
 /// Strokes the creature all over, and writes a session of what it feels.
-fn strokes(args: &Args, world: &mut World, minutes: f64, arguments: Arguments) -> Outcome {
-    let creature = world.body.creature.clone();
-    let skin = world.skin.clone();
+fn strokes(args: &FeelArguments, stage: &Stage, minutes: f64, arguments: Arguments) -> Outcome {
+    let creature = stage.agent().creature().clone();
+    let skin = stage.skin().clone();
     let folder = session_folder(args.out.as_deref(), creature.name())?;
     let options = SessionOptions {
         joints: "all".to_string(),
@@ -112,7 +118,7 @@ fn strokes(args: &Args, world: &mut World, minutes: f64, arguments: Arguments) -
     };
     Session {
         program: PROGRAM.to_string(),
-        engine: world.body.model.version().to_string(),
+        engine: stage.body().model.version().to_string(),
         model: args.model.display().to_string(),
         model_hash: model_hash(&args.model)?,
         recording: None,
@@ -121,8 +127,7 @@ fn strokes(args: &Args, world: &mut World, minutes: f64, arguments: Arguments) -
         seed: args.seed,
         options,
         effort: None,
-        creature: creature.clone(),
-        skin: skin.clone(),
+        agent: Agent::new(creature.clone(), skin.clone())?,
     }
     .write(&folder)?;
     let mut firings = FiringWriter::create(&folder, creature.name(), &skin)?;
@@ -133,14 +138,14 @@ fn strokes(args: &Args, world: &mut World, minutes: f64, arguments: Arguments) -
     let (mut recorder, mut fired, mut sensed) = (FiringRecorder::default(), 0u64, 0u64);
     let mut rng = ChaCha8Rng::seed_from_u64(args.seed);
     let bar = progress::counted("stroking", (60.0 * minutes).ceil() as u64, "simulated seconds");
-    let room = stroke_for(world, 60.0 * minutes, &mut rng, |world, time, contacts, events| {
+    let room = stroke_for(stage, 60.0 * minutes, &mut rng, |stage, time, contacts, events| {
         bar.set_position(time as u64);
         for firing in recorder.step(time, contacts) {
             firings.write(&firing)?;
             fired += 1;
         }
         for event in events.iter().filter(|event| matches!(event, TouchEvent::Sensed { .. })) {
-            writeln!(sensations, "{}", event_json(world, time, event)).map_err(unwritable)?;
+            writeln!(sensations, "{}", event_json(stage, time, event)).map_err(unwritable)?;
             sensed += 1;
         }
         Ok::<(), Failure>(())
@@ -163,28 +168,28 @@ fn strokes(args: &Args, world: &mut World, minutes: f64, arguments: Arguments) -
 }
 
 /// Touches the creature at random, one touch after the other.
-fn at_random(args: &Args, world: &mut World, aura: &mut Aura) -> Outcome {
+fn at_random(args: &FeelArguments, stage: &Stage) -> Outcome {
     let mut rng = ChaCha8Rng::seed_from_u64(args.seed);
     for _ in 0..args.stimulations {
-        let kind = *Kind::ALL.choose(&mut rng).expect("there are kinds");
-        let stimulation = Strokes::new(world).random(kind, world.data.time(), &mut rng);
+        let kind = *TouchKind::ALL.choose(&mut rng).expect("there are kinds");
+        let stimulation = Strokes::new(stage).random(kind, stage.time(), &mut rng);
         let Some(stimulation) = stimulation else { continue };
         let end = stimulation.path.end();
-        world.send(0, stimulation.path)?;
-        watch(world, aura, end)?;
+        stage.send_probe(0, stimulation.path)?;
+        watch(stage, end)?;
     }
     Ok(())
 }
 
 /// Simulates to a time and a little longer, and prints what is felt.
-fn watch(world: &mut World, aura: &mut Aura, end: f64) -> Outcome {
+fn watch(stage: &Stage, end: f64) -> Outcome {
     loop {
-        let (time, events) = world.step()?;
-        for event in aura.step(time, &world.body, &world.skin, &world.data) {
-            say!("{}", aura_event_json(world, time, &event));
+        let StepSenses { time, near, touches, .. } = stage.step()?;
+        for event in near {
+            say!("{}", aura_event_json(stage, time, &event));
         }
-        for event in events {
-            say!("{}", event_json(world, time, &event));
+        for event in touches {
+            say!("{}", event_json(stage, time, &event));
         }
         if time > end + AFTER {
             return Ok(());

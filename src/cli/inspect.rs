@@ -6,12 +6,14 @@ use std::sync::Arc;
 use serde_json::json;
 
 use super::Outcome;
-use super::open::{ModelOptions, body_of, open_model};
-use super::skin::skin_for;
+use super::open::{ModelArguments, open_model};
+use super::progress::Bars;
 use super::{output, progress};
-use crate::babbling::{LimbPair, Relation, SelfContact};
 use crate::creature::{Body, Creature, DofKind, JointSelection};
+use crate::experiment::skin_for;
 use crate::mujoco::Equality;
+use crate::senses::{JointSensor, joint_sensors};
+use crate::simulation::{LimbPair, Relation, SelfContact};
 use crate::skin::SomatotopicMap;
 
 /// Tell a model's tree, degrees of freedom, limbs and receptors.
@@ -19,24 +21,26 @@ use crate::skin::SomatotopicMap;
 #[command(after_help = "Examples:
   bodyschema inspect mjcf/max/max.xml
   bodyschema inspect mjcf/max/max.xml --json")]
-pub struct Args {
+pub struct InspectArguments {
     /// The MJCF file of a creature
     model: PathBuf,
     #[command(flatten)]
-    open: ModelOptions,
+    open: ModelArguments,
     /// Print one JSON object
-    #[arg(long)]
+    #[arg(long, help_heading = "Output")]
     json: bool,
 }
 
-pub fn run(args: &Args) -> Outcome {
+pub fn run(args: &InspectArguments) -> Outcome {
     let spinner = progress::spinner("looking at the model");
-    let model = Arc::new(open_model(&args.model, args.open.strip)?);
-    let open = |joints| body_of(model.clone(), &args.model, &joints, &args.open);
+    let source = |joints| args.open.source(&args.model, joints);
+    let model = Arc::new(open_model(&source(JointSelection::All))?);
+    let open = |joints| source(joints).body_in(model.clone());
     let (body, learned) = (open(JointSelection::All)?, open(JointSelection::Default)?);
     let contact = SelfContact::new(&learned)?;
-    let skin = skin_for(&args.model, &body)?;
+    let skin = skin_for(&args.model, &body, &Bars::default())?;
     let map = SomatotopicMap::new(&skin);
+    let sensors = joint_sensors(&body);
     spinner.finish_and_clear();
     let creature = &body.creature;
     let mut by_limb: Vec<(String, usize)> =
@@ -61,6 +65,7 @@ pub fn run(args: &Args) -> Outcome {
             "aura_limbs": creature.aura_limbs().len(),
             "receptors": skin.receptors.len(),
             "receptors_by_limb": receptors_by_limb,
+            "joint_sensors": sensors_json(creature, &sensors),
             "constraints_not_heeded": not_heeded(&body),
             "limb_pairs": contact.pairs.iter().map(|pair| json!({
                 "limbs": pair.limbs.map(|limb| &learned.creature.limbs()[limb]),
@@ -92,6 +97,7 @@ pub fn run(args: &Args) -> Outcome {
         learned.creature.dof()
     );
     print_tree(creature, &learned.creature, 0, 0);
+    say!("\n{}", sensors_text(&sensors));
     let constraints = not_heeded(&body);
     if constraints > 0 {
         say!("\n{constraints} constraints that close the tree or couple tendons are not heeded");
@@ -102,13 +108,47 @@ pub fn run(args: &Args) -> Outcome {
         say!("{name:<24} {count:>9}");
     }
     if skin.receptors.is_empty() {
-        say!("\nno touch sensors: grow a skin with `bodyschema skin {} --output NEW`", args.model.display());
+        say!("\nno touch sensors: grow a skin with `bodyschema skin {} --out NEW`", args.model.display());
     } else {
         let links: usize = (0..skin.receptors.len()).map(|r| map.neighbours(r).len()).sum();
         let mean = links as f64 / skin.receptors.len() as f64;
         say!("\neach receptor has {mean:.1} neighbours on the mean");
     }
     Ok(())
+}
+
+/// What tells the joint angles: per degree of freedom with a sensor its bound and its noise, and who has none.
+fn sensors_json(creature: &Creature, sensors: &[Option<JointSensor>]) -> serde_json::Value {
+    let dofs = || creature.dofs().zip(sensors);
+    let sensed = dofs().filter_map(|(dof, sensor)| {
+        let sensor = sensor.as_ref()?;
+        Some(json!({"dof": dof.name, "cutoff": sensor.cutoff, "noise": sensor.noise}))
+    });
+    let unsensed = dofs().filter(|(_, sensor)| sensor.is_none()).map(|(dof, _)| &dof.name);
+    json!({"sensed": sensed.collect::<Vec<_>>(), "posture_itself": unsensed.collect::<Vec<_>>()})
+}
+
+/// The same in a sentence.
+fn sensors_text(sensors: &[Option<JointSensor>]) -> String {
+    let sensed: Vec<&JointSensor> = sensors.iter().flatten().collect();
+    let all = sensors.len();
+    let mut text = match sensed.len() {
+        0 => return "posture: no joint has a sensor, so every angle is read exactly as it is".to_string(),
+        count if count == all => format!("posture: read from {count} joint sensors"),
+        count => format!(
+            "posture: read from {count} joint sensors; the other {} angles exactly as they are",
+            all - count
+        ),
+    };
+    let cut_off = sensed.iter().filter(|sensor| sensor.cutoff.is_some()).count();
+    if cut_off > 0 {
+        text += &format!("; {cut_off} of them read no farther than a cutoff");
+    }
+    let noisy = sensed.iter().filter(|sensor| sensor.noise > 0.0).count();
+    if noisy > 0 {
+        text += &format!("; {noisy} of them are noisy");
+    }
+    text
 }
 
 /// The number of constraints that postures do not keep.

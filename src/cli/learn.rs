@@ -3,17 +3,14 @@
 use std::path::{Path, PathBuf};
 
 use super::arguments::Arguments;
-use super::babble::session_folder;
-use super::learn_options::{
-    InputName, KNOWN_HELP, LearnOptions, learn_session, print_table, to_json, warn_truncated,
-};
-use super::report::known_truth;
+use super::folders::session_folder;
+use super::learned::{learn_and_report, print_learned, warn_truncated};
+use super::learning_arguments::{KNOWN_HELP, LearningArguments};
+use super::open::known_truth;
+use super::progress::Bars;
 use super::{Failure, Outcome, output};
-use crate::learning::Input;
-use crate::record::{
-    Host, PROGRAM, RecordingFiles, Session, SessionOptions, TOUCHES_FILE, TouchWriter, read_creature,
-    read_recording, read_touches,
-};
+use crate::experiment::{LearningOptions, Provenance, RecordedSession, RecordingSource};
+use crate::record::{Session, TOUCHES_FILE, read_touches};
 use crate::senses::Touch;
 
 /// Learn again from the touches of a session, or from a recording of a real body.
@@ -32,19 +29,19 @@ use crate::senses::Touch;
   bodyschema learn sessions/max-1 --touches 60 --known known.json
   bodyschema learn --creature robot.json --log touches.csv
   bodyschema learn --creature robot.json --log touches.jsonl --out sessions/robot-monday\n\n{RECORDING_HELP}\n\n{KNOWN_HELP}"))]
-pub struct Args {
+pub struct LearnArguments {
     /// The session's folder
     #[arg(required_unless_present = "creature", conflicts_with_all = ["creature", "log", "out"])]
     session: Option<PathBuf>,
     /// The description of a recorded creature in JSON: the creature of a session.json, with its skin if it has
     /// one, or a whole session.json
-    #[arg(long, value_name = "FILE", requires = "log")]
+    #[arg(long, value_name = "FILE", requires = "log", help_heading = "A recording")]
     creature: Option<PathBuf>,
     /// The recorded touches: comma-separated values where the name ends in .csv, else lines of JSON
-    #[arg(long, value_name = "FILE", requires = "creature")]
+    #[arg(long, value_name = "FILE", requires = "creature", help_heading = "A recording")]
     log: Option<PathBuf>,
     /// The folder of the recording's session [default: the first free of sessions/CREATURE-1, -2, …]
-    #[arg(long, value_name = "DIR")]
+    #[arg(long, short, value_name = "DIR", help_heading = "Output")]
     out: Option<PathBuf>,
     /// Use only the first touches of the log
     #[arg(long, value_parser = clap::value_parser!(u64).range(1..))]
@@ -53,12 +50,12 @@ pub struct Args {
     #[arg(long)]
     seed: Option<u64>,
     #[command(flatten)]
-    learn: LearnOptions,
+    learning: LearningArguments,
     /// The model to measure against, where it is not at the path in the session
     #[arg(long)]
     model: Option<PathBuf>,
     /// Print one JSON object
-    #[arg(long)]
+    #[arg(long, help_heading = "Output")]
     json: bool,
 }
 
@@ -73,20 +70,20 @@ const RECORDING_HELP: &str = r#"Example of a recording: an elbow, and two touche
   coordinates, metres: a_std,b_std; without them noise is estimated. As JSON, a line a touch:
   {"posture": {"elbow_pitch": 0.75}, "limbs": ["base", "forearm"], "contacts": [[0.08, 0.01, 0.02], [0.21, 0.0, 0.01]]}"#;
 
-pub fn run(args: &Args, given: Arguments) -> Outcome {
-    let Learnable { folder, session, touches, learn } = match (&args.session, &args.creature, &args.log) {
+pub fn run(args: &LearnArguments, given: Arguments) -> Outcome {
+    let Learnable { folder, session, touches, learning } = match (&args.session, &args.creature, &args.log) {
         (Some(folder), ..) => from_session(args, folder)?,
-        (None, Some(creature), Some(log)) => from_recording(args, creature, log, given)?,
+        (None, Some(creature), Some(log)) => {
+            let source = RecordingSource { creature: creature.clone(), log: log.clone() };
+            from_recording(args, &source, given)?
+        }
         // The parser sees to it that there is one or the other.
         _ => return Err("give a session's folder, or --creature and --log".into()),
     };
     let truth = known_truth(&session, args.model.as_deref())?;
-    let result = learn_session(&folder, &session, &touches, &learn, truth.as_ref(), None)?;
-    if args.json {
-        return output::json(&to_json(&folder, &session, &touches, &learn, &result));
-    }
-    print_table(&folder, &session, &touches, &learn, &result);
-    Ok(())
+    let bars = Bars::default();
+    let result = learn_and_report(&folder, &session, &touches, &learning, truth.as_ref(), &bars)?;
+    print_learned(&folder, &session, &touches, &learning, &result, args.json)
 }
 
 /// A session with the touches to learn from, and how.
@@ -94,75 +91,37 @@ struct Learnable {
     folder: PathBuf,
     session: Session,
     touches: Vec<Touch>,
-    learn: LearnOptions,
+    learning: LearningOptions,
 }
 
-fn from_session(args: &Args, folder: &Path) -> Result<Learnable, Failure> {
+fn from_session(args: &LearnArguments, folder: &Path) -> Result<Learnable, Failure> {
     let mut session = Session::read(folder)?;
-    let log = read_touches(&folder.join(TOUCHES_FILE), &session.creature, &session.skin)?;
+    let log = read_touches(&folder.join(TOUCHES_FILE), &session.agent)?;
     warn_truncated(&log, folder);
     let mut touches = log.touches;
     touches.truncate(most(args));
-    let learn = args.learn.for_session(&session)?.checked(&session.creature)?;
+    let learning = args.learning.options_for(&session)?;
     session.seed = args.seed.unwrap_or(session.seed);
-    Ok(Learnable { folder: folder.to_path_buf(), session, touches, learn })
+    Ok(Learnable { folder: folder.to_path_buf(), session, touches, learning })
 }
 
 /// Makes a session of a recording.
 fn from_recording(
-    args: &Args,
-    creature: &Path,
-    log: &Path,
+    args: &LearnArguments,
+    source: &RecordingSource,
     arguments: Arguments,
 ) -> Result<Learnable, Failure> {
-    let described = read_creature(creature)?;
-    let recording = read_recording(log, &described.creature, &described.skin)?;
-    for note in &recording.notes {
-        tell!("{}: {note}", log.display());
-    }
-    let mut touches = recording.touches;
-    touches.truncate(most(args));
-    let input = match recording.input {
-        Input::Receptor => InputName::Receptor,
-        Input::Contact => InputName::Contact,
-    };
-    let asked = &args.learn;
-    let session = Session {
-        program: PROGRAM.to_string(),
-        engine: String::new(),
-        model: String::new(),
-        model_hash: String::new(),
-        recording: Some(RecordingFiles {
-            creature: creature.display().to_string(),
-            log: log.display().to_string(),
-        }),
-        command: output::command_line(),
-        host: Some(Host::here()),
-        seed: args.seed.or(described.seed).unwrap_or(1),
-        options: SessionOptions {
-            touches: touches.len(),
-            joints: "all".to_string(),
-            input: Some(asked.input.unwrap_or(input).to_string()),
-            learner: Some(asked.learner.to_string()),
-            known: asked.known.as_ref().map(|path| path.display().to_string()),
-            arguments,
-            ..SessionOptions::default()
-        },
-        effort: None,
-        creature: described.creature,
-        skin: recording.skin,
-    };
-    let learn = asked.for_session(&session)?.checked(&session.creature)?;
-    let folder = session_folder(args.out.as_deref(), session.creature.name())?;
-    session.write(&folder)?;
-    let mut writer = TouchWriter::create(&folder, &session.creature, &session.skin)?;
-    for touch in &touches {
-        writer.write(touch)?;
-    }
-    writer.finish()?;
-    Ok(Learnable { folder, session, touches, learn })
+    let provenance = Provenance { command: output::command_line(), arguments };
+    let asked = args.learning.bare();
+    let recorded =
+        RecordedSession::read(source, most(args), args.seed, &asked, provenance, &Bars::default())?;
+    let learning = args.learning.options_for(&recorded.session)?;
+    let folder = session_folder(args.out.as_deref(), recorded.session.agent.creature().name())?;
+    recorded.write(&folder)?;
+    let RecordedSession { session, touches } = recorded;
+    Ok(Learnable { folder, session, touches, learning })
 }
 
-fn most(args: &Args) -> usize {
+fn most(args: &LearnArguments) -> usize {
     args.touches.map_or(usize::MAX, |n| usize::try_from(n).unwrap_or(usize::MAX))
 }

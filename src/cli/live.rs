@@ -1,15 +1,21 @@
 //! `--live`: a page to watch what is done while it is done, or to take part in it.
 
+use std::cell::RefCell;
 use std::io::{BufRead, ErrorKind, IsTerminal};
 use std::net::{IpAddr, Ipv4Addr, SocketAddr, TcpListener};
+use std::path::Path;
 use std::sync::{Arc, mpsc};
 use std::time::{Duration, Instant};
 
 use super::{Failure, Outcome, output};
-use crate::creature::Creature;
+use crate::agent::Agent;
+use crate::babbling::BabblingOptions;
+use crate::experiment::{Embodied, LearnedSession, LearningStep, Observer, Phase};
 use crate::interaction::{Conversation, Reply};
-use crate::live::{Asked, BabblingView, LiveLearner, Server, TableView, View};
-use crate::skin::Skin;
+use crate::senses::Touch;
+use crate::simulation::Stage;
+use crate::view::live::{Asked, BabblingView, LiveLearner, LivePage, Server, TableView};
+use crate::view::report::REPORT_FILE;
 
 /// Where a page is served unless told otherwise; where that port is taken, at a free one.
 const HERE: SocketAddr = SocketAddr::new(IpAddr::V4(Ipv4Addr::LOCALHOST), 8042);
@@ -22,10 +28,10 @@ const SEEN: Duration = Duration::from_millis(300);
 const LATE: Duration = Duration::from_millis(100);
 
 /// Whether there is a page, and where.
-#[derive(clap::Args, Clone, Copy, Debug, Default)]
+#[derive(clap::Args, Clone, Debug, Default)]
 pub struct LiveOptions {
     /// Serve a page to watch it live in a browser, for this machine alone unless another address is given
-    #[arg(long, value_name = "ADDRESS", num_args = 0..=1, default_missing_value = HERE_TEXT, value_parser = address)]
+    #[arg(long, value_name = "ADDRESS", num_args = 0..=1, default_missing_value = HERE_TEXT, value_parser = address, help_heading = "Output")]
     live: Option<SocketAddr>,
 }
 
@@ -43,25 +49,34 @@ fn address(text: &str) -> Result<SocketAddr, String> {
     })
 }
 
-/// A page that is served.
+/// A page that is served, on which a session is watched.
 pub struct Live {
-    /// What it shows.
-    pub view: Arc<BabblingView>,
+    view: Arc<BabblingView>,
+    /// Who learns while babbling goes on.
+    learner: RefCell<Option<LiveLearner>>,
+    agent: Agent,
+    seed: u64,
     server: Server,
 }
 
 impl Live {
-    /// Serves a page about babbling, and tells where.
-    pub fn new(address: SocketAddr, view: BabblingView) -> Result<Live, Failure> {
-        let view = Arc::new(view);
+    /// Serves a page about babbling, of which some touches are made already, and tells where.
+    pub fn new(
+        address: SocketAddr,
+        embodied: &Embodied,
+        babbling: &BabblingOptions,
+        made: usize,
+    ) -> Result<Live, Failure> {
+        let agent = embodied.agent().clone();
+        let simulated = embodied.truth().schema.clone();
+        let view = Arc::new(BabblingView::new(&agent, simulated, babbling.touches, made));
         let server = serve(address, view.clone())?;
-        Ok(Live { view, server })
+        Ok(Live { view, learner: RefCell::new(None), agent, seed: babbling.seed, server })
     }
 
-    /// Babbling begins; the learner on the way ends when it is dropped.
-    pub fn begin(&self, creature: &Creature, skin: &Skin, seed: u64) -> Result<LiveLearner, Failure> {
-        self.view.begin();
-        Ok(LiveLearner::new(self.view.clone(), creature, skin, seed)?)
+    /// All is learned and written down.
+    pub fn done(&self, folder: &Path, learned: &LearnedSession) {
+        self.view.done(&learned.verdict, &learned.learned.schema, folder.join(REPORT_FILE));
     }
 
     /// All is done: who sits before a terminal can go on looking until they end it.
@@ -73,7 +88,34 @@ impl Live {
     }
 }
 
-fn serve(address: SocketAddr, view: Arc<dyn View>) -> Result<Server, Failure> {
+impl Observer for Live {
+    fn phase(&self, phase: Phase) {
+        // The learner on the way ends when it is dropped.
+        self.learner.replace(None);
+        match phase {
+            Phase::Babbling { .. } => {
+                self.view.begin();
+                // Without a thread for it nothing is learned on the way, and the session goes on.
+                let learner = LiveLearner::new(self.view.clone(), &self.agent, self.seed);
+                self.learner.replace(learner.ok());
+            }
+            Phase::Learning { .. } => self.view.now("learning"),
+            _ => {}
+        }
+    }
+
+    fn touched(&self, touch: &Touch) {
+        self.view.touched(touch);
+    }
+
+    fn learned(&self, step: &LearningStep) {
+        if step.schema.is_some() || step.predicted_gap.is_some() {
+            self.view.learned(step.touches, Some(step.touch), step.schema, step.predicted_gap);
+        }
+    }
+}
+
+fn serve(address: SocketAddr, view: Arc<dyn LivePage>) -> Result<Server, Failure> {
     let listener = match TcpListener::bind(address) {
         Err(error) if error.kind() == ErrorKind::AddrInUse && address == HERE => {
             TcpListener::bind(SocketAddr::new(HERE.ip(), 0))
@@ -99,21 +141,27 @@ enum Heard {
 }
 
 /// A conversation on a page and on standard input, with which it ends.
-pub fn talk(mut conversation: Conversation, address: SocketAddr, name: &str, json: bool) -> Outcome {
+pub fn talk(
+    mut conversation: Conversation,
+    stage: &Stage,
+    address: SocketAddr,
+    name: &str,
+    json: bool,
+) -> Outcome {
     let (ask, asked) = mpsc::channel();
-    let view = Arc::new(TableView::new(&conversation.actor.scene, &conversation.actor.own.skin, ask));
+    let view = Arc::new(TableView::new(stage, ask));
     let server = serve(address, view.clone())?;
     let (looked_on, mut shown) = (view.clone(), Instant::now());
-    let (mut clock, mut simulated) = (Instant::now(), conversation.actor.scene.time());
-    conversation.actor.scene.watched_by(Box::new(move |scene, felt| {
+    let (mut clock, mut simulated) = (Instant::now(), stage.time());
+    stage.watched_by(Box::new(move |stage, felt| {
         // No faster than it would really be.
-        let (really, here) = (clock.elapsed(), Duration::from_secs_f64((scene.time() - simulated).max(0.0)));
+        let (really, here) = (clock.elapsed(), Duration::from_secs_f64((stage.time() - simulated).max(0.0)));
         if really > here + LATE {
-            (clock, simulated) = (Instant::now(), scene.time());
+            (clock, simulated) = (Instant::now(), stage.time());
         }
         std::thread::sleep(here.saturating_sub(really));
         if shown.elapsed() >= SHOWN_EVERY {
-            looked_on.shows(scene, felt);
+            looked_on.shows(stage, felt);
             shown = Instant::now();
         }
     }));
@@ -132,7 +180,7 @@ pub fn talk(mut conversation: Conversation, address: SocketAddr, name: &str, jso
     tell!("{name} listens, on the page and here");
     while let Ok(Heard::Asked(asked)) = heard.recv() {
         let (request, reply) = answered(&mut conversation, &view, asked)?;
-        view.shows(&conversation.actor.scene, &[]);
+        view.shows(stage, &[]);
         view.says(name, &reply.said, false);
         if json {
             output::line(format_args!("{}", reply.to_json(&request)));
@@ -157,7 +205,7 @@ fn answered(
             Ok((text.clone(), conversation.hear(&text)?))
         }
         Asked::Touch(receptor) => {
-            let id = &conversation.actor.own.skin.receptors[receptor].id;
+            let id = &conversation.actor.own.skin().receptors[receptor].id;
             let text = format!("(touches {id})");
             view.says("you", &text, true);
             view.feels(&[receptor]);

@@ -17,35 +17,35 @@ use crate::senses::{LearnedMap, learn_map};
 #[derive(clap::Args)]
 #[command(after_help = "Examples:
   bodyschema feel mjcf/max/max.xml --strokes 20 --out sessions/stroked     # takes minutes
-  bodyschema map --from sessions/stroked
-  bodyschema map --from sessions/stroked --out map.json --json")]
-pub struct Args {
+  bodyschema map sessions/stroked
+  bodyschema map sessions/stroked --out map.json --json")]
+pub struct MapArguments {
     /// The session's folder
-    #[arg(long, value_name = "DIR")]
-    from: PathBuf,
+    session: PathBuf,
     /// Where to write the learned map, as JSON
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, short, value_name = "FILE", help_heading = "Output")]
     out: Option<PathBuf>,
     /// Print one JSON object
-    #[arg(long)]
+    #[arg(long, help_heading = "Output")]
     json: bool,
 }
 
-pub fn run(args: &Args) -> Outcome {
-    let session = Session::read(&args.from)?;
-    let (creature, skin) = (&session.creature, &session.skin);
-    let log = args.from.join(FIRINGS_FILE);
+pub fn run(args: &MapArguments) -> Outcome {
+    let session = Session::read(&args.session)?;
+    let agent = &session.agent;
+    let creature = agent.creature();
+    let log = args.session.join(FIRINGS_FILE);
     if !log.exists() {
         return Err(Failure(format!(
             "{}: there is no such file: record one with `bodyschema feel MODEL --strokes MINUTES --out DIR`",
             log.display()
         )));
     }
-    let firings = read_firings(&log, creature.name(), skin)?;
-    let limbs: Vec<usize> = skin.receptors.iter().map(|receptor| receptor.limb).collect();
+    let firings = read_firings(&log, creature.name(), agent.skin())?;
+    let limbs: Vec<usize> = agent.skin().receptors.iter().map(|receptor| receptor.limb).collect();
     let spinner = progress::spinner(&format!("learning from {} firings", firings.len()));
     let learned = learn_map(&limbs, &firings);
-    let by_limb = MapAgreement::by_limb(&learned.map, skin, creature.limbs().len());
+    let by_limb = MapAgreement::by_limb(&learned.map, agent.skin(), creature.limbs().len());
     let all = MapAgreement::of_all(&by_limb);
     spinner.finish_and_clear();
     if let Some(path) = &args.out {
@@ -68,7 +68,7 @@ pub fn run(args: &Args) -> Outcome {
             })
         };
         return output::json(&json!({
-            "session": args.from,
+            "session": args.session,
             "creature": creature.name(),
             "strokes": learned.strokes,
             "firings": firings.len(),
@@ -118,14 +118,14 @@ pub fn run(args: &Args) -> Outcome {
 
 /// Writes the neighbours of every receptor, by their ids, nearest first.
 fn write_map(path: &Path, session: &Session, learned: &LearnedMap) -> Outcome {
-    let receptors = &session.skin.receptors;
+    let receptors = &session.agent.skin().receptors;
     let neighbours: serde_json::Map<String, Value> = (0..receptors.len())
         .map(|receptor| {
             let ids = learned.map.neighbours(receptor).iter().map(|&other| receptors[other].id.as_str());
             (receptors[receptor].id.clone(), json!(ids.collect::<Vec<_>>()))
         })
         .collect();
-    let map = json!({"creature": session.creature.name(), "neighbours": neighbours});
+    let map = json!({"creature": session.agent.creature().name(), "neighbours": neighbours});
     std::fs::write(path, serde_json::to_string_pretty(&map)? + "\n")
         .map_err(|error| Failure(format!("cannot write {}: {error}: give another --out", path.display())))
 }

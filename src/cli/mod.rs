@@ -15,16 +15,20 @@ macro_rules! tell {
 
 mod arguments;
 mod babble;
+mod babbling;
 mod completions;
 mod config;
 mod convert;
-mod disturbance_options;
+mod counts;
 mod evaluate;
 mod export;
 mod feel;
+mod folders;
 mod inspect;
 mod learn;
-mod learn_options;
+mod learned;
+mod learning_arguments;
+#[cfg_attr(not(feature = "live"), path = "no_live.rs")]
 mod live;
 mod map;
 mod message;
@@ -32,6 +36,7 @@ mod observe;
 mod open;
 mod output;
 mod progress;
+#[cfg(feature = "render")]
 mod render;
 mod report;
 mod resume;
@@ -39,7 +44,6 @@ mod skin;
 mod space;
 mod study;
 mod talk;
-mod touches;
 
 use std::fmt::Display;
 use std::process::ExitCode;
@@ -68,11 +72,11 @@ type Outcome = Result<(), Failure>;
     after_help = "Examples:
   bodyschema babble mjcf/max/max.xml                         # babble, learn, and measure
   bodyschema inspect mjcf/max/max.xml                        # what the agent is given
-  bodyschema skin creature.xml --output with_skin.xml        # grow a skin on another creature
+  bodyschema skin creature.xml --out with_skin.xml        # grow a skin on another creature
   bodyschema learn sessions/max-1 --learner hersch           # learn again from a session's touches
   bodyschema learn --creature robot.json --log touches.csv   # learn from a recording of a real body
   bodyschema render sessions/max-1 --touch 3 --out touch.png # what a touch looks like
-  bodyschema space sessions/max-1 --picture space.svg        # where its hands can get to
+  bodyschema space sessions/max-1                            # where its hands can get to
   bodyschema export sessions/max-1 --urdf                    # the learned body for other programs
   bodyschema study learners --trials 5                       # compare learners; takes minutes
 
@@ -97,37 +101,38 @@ struct Cli {
 #[derive(Subcommand)]
 enum Command {
     /// Babble, touch, learn the body schema, and measure it
-    Babble(babble::Args),
+    Babble(babbling::BabbleArguments),
     /// Learn again from the touches of a session, or from a recording of a real body
-    Learn(learn::Args),
+    Learn(learn::LearnArguments),
     /// Measure a session's schema against the model it was babbled on
-    Evaluate(evaluate::Args),
+    Evaluate(evaluate::EvaluateArguments),
     /// Tell what a session's touches determine, how well, and what they leave open
-    Observe(observe::Args),
+    Observe(observe::ObserveArguments),
     /// Write a session's report anew: one page to look at
-    Report(report::Args),
+    Report(report::ReportArguments),
     /// Draw a posture of a model, or a session's touches and learning, as a picture or a film
-    Render(render::Args),
+    #[cfg(feature = "render")]
+    Render(render::RenderArguments),
     /// Tell where a creature's hands can get to, by the schema of a session
-    Space(space::Args),
+    Space(space::SpaceArguments),
     /// Write a session's learned body as MJCF or URDF
-    Export(export::Args),
+    Export(export::ExportArguments),
     /// Write a session's touches as a table for other programs
-    Convert(convert::Args),
+    Convert(convert::ConvertArguments),
     /// Tell a model's tree, degrees of freedom, limbs and receptors
-    Inspect(inspect::Args),
+    Inspect(inspect::InspectArguments),
     /// Grow a skin of touch receptors on a model
-    Skin(skin::Args),
+    Skin(skin::SkinArguments),
     /// Touch a creature and tell what it feels
-    Feel(feel::Args),
+    Feel(feel::FeelArguments),
     /// Talk to a creature among things
-    Talk(talk::Args),
+    Talk(talk::TalkArguments),
     /// Learn which receptors are neighbours from strokes alone
-    Map(map::Args),
+    Map(map::MapArguments),
     /// Repeat a measurement over several seeds: a table, its data and a plot
-    Study(study::Args),
+    Study(study::StudyArguments),
     /// Print a script by which a shell completes the commands
-    Completions(completions::Args),
+    Completions(completions::CompletionsArguments),
     #[command(hide = true)]
     Rehearse(open::RehearseArgs),
 }
@@ -191,6 +196,7 @@ fn carry_out() -> Outcome {
         Command::Evaluate(args) => evaluate::run(&args),
         Command::Observe(args) => observe::run(&args),
         Command::Report(args) => report::run(&args),
+        #[cfg(feature = "render")]
         Command::Render(args) => render::run(&args),
         Command::Space(args) => space::run(&args),
         Command::Export(args) => export::run(&args),

@@ -1,14 +1,18 @@
 //! `bodyschema observe`: what a session's touches determine.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use serde_json::json;
 
-use super::learn_options::{InputName, LearnOptions, warn_truncated};
-use super::{Outcome, output, progress};
+use super::learned::warn_truncated;
+use super::{Failure, Outcome, output, progress};
 use crate::creature::DofKind;
+use crate::experiment::LearningOptions;
+use crate::learning::observability::Observability;
 use crate::learning::{Input, Learner, LimbFrames, SecondOrder};
-use crate::record::{SCHEMA_FILE, Session, TOUCHES_FILE, read_schema, read_touches};
+use crate::record::{Account, LearningRecord, SCHEMA_FILE, Session, TOUCHES_FILE, read_schema, read_touches};
+use crate::schema::BodySchema;
+use crate::senses::Touch;
 
 /// Tell what a session's touches determine, how well, and what they leave open.
 ///
@@ -19,32 +23,27 @@ use crate::record::{SCHEMA_FILE, Session, TOUCHES_FILE, read_schema, read_touche
 #[command(after_help = "Examples:
   bodyschema observe sessions/max-1
   bodyschema observe sessions/max-1 --json")]
-pub struct Args {
+pub struct ObserveArguments {
     /// The session's folder
     session: PathBuf,
     /// Print one JSON object
-    #[arg(long)]
+    #[arg(long, help_heading = "Output")]
     json: bool,
 }
 
-pub fn run(args: &Args) -> Outcome {
+pub fn run(args: &ObserveArguments) -> Outcome {
     let session = Session::read(&args.session)?;
-    let (creature, skin) = (&session.creature, &session.skin);
-    let log = read_touches(&args.session.join(TOUCHES_FILE), creature, skin)?;
+    let agent = &session.agent;
+    let creature = agent.creature();
+    let log = read_touches(&args.session.join(TOUCHES_FILE), agent)?;
     warn_truncated(&log, &args.session);
     let schema = read_schema(&args.session.join(SCHEMA_FILE), creature)?;
     if log.touches.is_empty() {
         return Err("there is no touch to look at: babble some first".into());
     }
-    // Limbs in frames of their own are learned from contact points, which alone can tell these.
-    let own_frames = !schema.limb_poses.is_empty();
-    let frames = if own_frames { LimbFrames::Limb } else { LimbFrames::Joint };
-    let points = LearnOptions::default().for_session(&session)?.input_name() == InputName::Contact;
-    let input = if points || own_frames { Input::Contact } else { Input::Receptor };
-    let mut learner = SecondOrder::new(creature, skin, input, session.seed).with_frames(frames);
-    log.touches.iter().for_each(|touch| learner.touch(touch));
     let spinner = progress::spinner(&format!("looking at {} touches", log.touches.len()));
-    let (found, deviation) = learner.observe(&schema);
+    let Observed { found, deviation, touches, points } =
+        observed(&args.session, &session, &schema, &log.touches)?;
     spinner.finish_and_clear();
     let indices = found.indices();
     let undetermined = found.undetermined(creature, &schema);
@@ -60,7 +59,7 @@ pub fn run(args: &Args) -> Outcome {
         });
         return output::json(&json!({
             "session": args.session,
-            "touches": log.touches.len(),
+            "touches": touches,
             "touch_deviation_mm": 1e3 * deviation,
             "parameters": found.singular_values.len(),
             "rank": found.rank,
@@ -74,7 +73,7 @@ pub fn run(args: &Args) -> Outcome {
     say!(
         "{}: {} touches determine {} of {} parameters; condition number {:.0}",
         args.session.display(),
-        log.touches.len(),
+        touches,
         found.rank,
         found.singular_values.len(),
         found.condition()
@@ -110,4 +109,46 @@ pub fn run(args: &Args) -> Outcome {
         say!("undetermined: {words}");
     }
     Ok(())
+}
+
+/// What touches determine.
+struct Observed {
+    found: Observability,
+    /// Standard deviation of a touch, metres.
+    deviation: f64,
+    /// The touches that it rests on.
+    touches: usize,
+    /// Whether these told points of contact.
+    points: bool,
+}
+
+/// What the learner of a session said of it; of one that said nothing, what its touches determine at its schema.
+fn observed(
+    folder: &Path,
+    session: &Session,
+    schema: &BodySchema,
+    touches: &[Touch],
+) -> Result<Observed, Failure> {
+    let agent = &session.agent;
+    let record = LearningRecord::read(folder, agent.creature())?;
+    let count = record.as_ref().map_or(touches.len(), |record| record.touches.min(touches.len()));
+    let account = record.and_then(|record| record.account);
+    let (input, frames) = match &account {
+        Some(account) => (account.basis.input, account.basis.frames),
+        // Sessions from before there was an account: limbs in frames of their own are learned from contact points.
+        None => {
+            let own_frames = !schema.limb_poses.is_empty();
+            let points = LearningOptions::default().for_session(session)?.input() == Input::Contact;
+            let input = if points || own_frames { Input::Contact } else { Input::Receptor };
+            (input, if own_frames { LimbFrames::Limb } else { LimbFrames::Joint })
+        }
+    };
+    let points = input == Input::Contact;
+    if let Some(Account { deviation: Some(deviation), observability: Some(found), .. }) = account {
+        return Ok(Observed { found, deviation, touches: count, points });
+    }
+    let mut learner = SecondOrder::new(agent, input, session.seed).with_frames(frames);
+    touches[..count].iter().for_each(|touch| learner.touch(touch));
+    let (found, deviation) = learner.observe(schema);
+    Ok(Observed { found, deviation, touches: count, points })
 }

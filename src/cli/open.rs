@@ -5,13 +5,13 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, ExitStatus, Stdio};
 use std::sync::Arc;
 
-use super::learn_options::{InputName, LearnOptions};
+use super::progress::Bars;
 use super::{Failure, Outcome};
 use crate::creature::{Body, JointSelection};
-use crate::learning::Input;
+use crate::experiment::{self, Embodied, ModelSource};
+use crate::ground_truth::GroundTruth;
 use crate::mujoco::{Data, Model};
-use crate::peripersonal::OwnBody;
-use crate::record::{SCHEMA_FILE, Session, TOUCHES_FILE, read_schema, read_touches};
+use crate::record::Session;
 
 /// Processor time that a file may take to load, seconds.
 const TIME: u64 = 20;
@@ -20,7 +20,8 @@ const MEMORY: u64 = 8 << 30;
 
 /// How a foreign file is read.
 #[derive(clap::Args, Clone, Debug, Default)]
-pub struct ModelOptions {
+#[command(next_help_heading = "Reading the model")]
+pub struct ModelArguments {
     /// Read bodies, joints, geoms, meshes and touch sensors alone, and list what is left out: for files that
     /// MuJoCo refuses for other parts
     #[arg(long)]
@@ -30,50 +31,68 @@ pub struct ModelOptions {
     pub root: Option<String>,
 }
 
-/// Reads a model and the creature in it.
-pub fn open_body(path: &Path, joints: &JointSelection, options: &ModelOptions) -> Result<Body, Failure> {
-    let model = Arc::new(open_model(path, options.strip)?);
-    body_of(model, path, joints, options)
+impl ModelArguments {
+    /// A model's file, read like this.
+    pub fn source(&self, model: &Path, joints: JointSelection) -> ModelSource {
+        ModelSource { model: model.to_path_buf(), joints, strip: self.strip, root: self.root.clone() }
+    }
 }
 
-/// The creature in a model of the file at `path`.
-pub fn body_of(
-    model: Arc<Model>,
-    path: &Path,
-    joints: &JointSelection,
-    options: &ModelOptions,
-) -> Result<Body, Failure> {
-    Body::rooted(model, joints, options.root.as_deref()).map_err(|error| match error {
-        // Engine errors name the file themselves.
-        crate::creature::BodyError::Engine(error) => Failure::from(error),
-        other => Failure(format!("{}: {other}", path.display())),
-    })
+/// Reads a creature in its model with its skin, after another process has shown that the engine survives it.
+pub fn embodied(source: ModelSource) -> Result<Embodied, Failure> {
+    rehearse(&source.model, source.strip)?;
+    Ok(Embodied::open(source, &Bars::default())?)
+}
+
+/// Reads a model and the creature in it, after another process has shown that the engine survives it.
+pub fn open_body(source: &ModelSource) -> Result<Body, Failure> {
+    rehearse(&source.model, source.strip)?;
+    Ok(source.body(&Bars::default())?)
 }
 
 /// Reads a model, after another process has shown that the engine survives it.
-pub fn open_model(path: &Path, strip: bool) -> Result<Model, Failure> {
-    if let Err(Failure(sentence)) = rehearse(path, strip) {
-        let helps = !strip && path.is_file() && rehearse(path, true).is_ok();
-        let hint =
-            if helps { "; or give --strip to read its bodies, joints, geoms and meshes alone" } else { "" };
-        return Err(Failure(format!("{sentence}{hint}")));
+pub fn open_model(source: &ModelSource) -> Result<Model, Failure> {
+    rehearse(&source.model, source.strip)?;
+    Ok(source.read(&Bars::default())?)
+}
+
+/// A session's creature in its model, or in another that is named.
+pub fn session_body(session: &Session, model: Option<&Path>) -> Result<Body, Failure> {
+    rehearse(model.unwrap_or(Path::new(&session.model)), session.options.strip)?;
+    Ok(experiment::session_body(session, model, &Bars::default())?)
+}
+
+/// The truth, where a model is at hand; a recording has one only if it is named.
+pub fn known_truth(session: &Session, model: Option<&Path>) -> Result<Option<GroundTruth>, Failure> {
+    if session.model.is_empty() && model.is_none() {
+        return Ok(None);
     }
-    if !strip {
-        return Ok(Model::from_path(path)?);
+    match session_truth(session, model) {
+        Ok(truth) => Ok(Some(truth)),
+        Err(error) if model.is_some() => Err(error),
+        Err(Failure(sentence)) => {
+            tell!("not measured: {sentence}");
+            Ok(None)
+        }
     }
-    let (model, left_out) = Model::stripped(path)?;
-    if !left_out.is_empty() {
-        let entries = left_out.iter().map(|(what, count)| match count {
-            1 => what.clone(),
-            count => format!("{what} ({count} times)"),
-        });
-        tell!("left out of {}: {}", path.display(), entries.collect::<Vec<_>>().join(", "));
-    }
-    Ok(model)
+}
+
+/// The truth of a session's creature, from its model.
+pub fn session_truth(session: &Session, model: Option<&Path>) -> Result<GroundTruth, Failure> {
+    Ok(GroundTruth::new(&session_body(session, model)?)?)
+}
+
+/// Whether the engine survives a model, as another process shows.
+pub fn rehearse(path: &Path, strip: bool) -> Outcome {
+    let Err(Failure(sentence)) = rehearse_as_it_is(path, strip) else { return Ok(()) };
+    let helps = !strip && path.is_file() && rehearse_as_it_is(path, true).is_ok();
+    let hint =
+        if helps { "; or give --strip to read its bodies, joints, geoms and meshes alone" } else { "" };
+    Err(Failure(format!("{sentence}{hint}")))
 }
 
 /// Lets a process of its own read the model: a foreign file can crash the engine's compiler, or keep it busy for ever.
-fn rehearse(path: &Path, strip: bool) -> Outcome {
+fn rehearse_as_it_is(path: &Path, strip: bool) -> Outcome {
     // Where this program cannot be run again there is no harm in going on without a rehearsal.
     let Ok(program) = std::env::current_exe() else { return Ok(()) };
     let mut command = Command::new(program);
@@ -106,24 +125,6 @@ pub struct RehearseArgs {
     model: PathBuf,
     #[arg(long)]
     strip: bool,
-}
-
-/// A session and what its creature knows of its body after it.
-///
-/// # Errors
-/// Where a file of it cannot be read, or nothing was touched or learned in it.
-pub fn own_body(folder: &Path) -> Result<(Session, OwnBody), Failure> {
-    let session = Session::read(folder)?;
-    let (creature, skin) = (&session.creature, &session.skin);
-    let log = read_touches(&folder.join(TOUCHES_FILE), creature, skin)?;
-    let schema = read_schema(&folder.join(SCHEMA_FILE), creature)?;
-    if log.touches.is_empty() {
-        return Err(Failure(format!("{}: there is no touch in it: babble some first", folder.display())));
-    }
-    let points = LearnOptions::default().for_session(&session)?.input_name() == InputName::Contact;
-    let input = if points || !schema.limb_poses.is_empty() { Input::Contact } else { Input::Receptor };
-    let own = OwnBody::new(creature, skin, schema, &log.touches, input);
-    Ok((session, own))
 }
 
 /// Reads a model and computes one posture.

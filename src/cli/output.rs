@@ -72,13 +72,3 @@ pub fn row(name: &str, unit: &str, summary: &Summary) {
 pub fn head() {
     say!("  {:<34}{:>9} {:>9} {:>9} {:>9}", "", "mean", "median", "95 %", "max");
 }
-
-/// Names in a row, or a word where there are none; long lists are cut.
-pub fn names(names: &[String]) -> String {
-    const SHOWN: usize = 8;
-    match names.len() {
-        0 => "none".to_string(),
-        n if n <= SHOWN => names.join(", "),
-        n => format!("{} and {} more", names[..SHOWN].join(", "), n - SHOWN),
-    }
-}

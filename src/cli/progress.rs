@@ -2,12 +2,15 @@
 //!
 //! Colours are indicatif's, which leaves them out where `NO_COLOR` is set.
 
+use std::cell::RefCell;
 use std::fmt::Write;
 use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressFinish, ProgressState, ProgressStyle};
 
 use super::message::quiet;
+use crate::experiment::{LearningStep, Observer, Phase};
+use crate::senses::Touch;
 
 /// How often a bar is drawn anew where nothing happens.
 const TICK: Duration = Duration::from_millis(100);
@@ -46,4 +49,64 @@ pub fn steps(total: u64) -> ProgressBar {
 /// A spinner beside a sentence, for what cannot be counted.
 pub fn spinner(message: &str) -> ProgressBar {
     bar(None, "{spinner:.cyan} {msg}  {elapsed:.dim}").with_message(message.to_string())
+}
+
+/// Messages, and a bar for every phase of an experiment.
+#[derive(Default)]
+pub struct Bars {
+    bar: RefCell<Option<ProgressBar>>,
+}
+
+impl Bars {
+    fn advance(&self) {
+        if let Some(bar) = &*self.bar.borrow() {
+            bar.inc(1);
+        }
+    }
+}
+
+impl Observer for Bars {
+    fn note(&self, sentence: &str) {
+        tell!("{sentence}");
+    }
+
+    fn phase(&self, phase: Phase) {
+        let mut bar = self.bar.borrow_mut();
+        match (phase, &*bar) {
+            (Phase::LearningUndisturbed, Some(bar)) => {
+                bar.set_message("learning without the disturbances, for comparison");
+            }
+            (Phase::Trial { trial, trials, doing }, found) => {
+                let steps = found.clone().unwrap_or_else(|| steps(trials as u64));
+                steps.set_position(trial.saturating_sub(1) as u64);
+                steps.set_message(format!("trial {trial} of {trials}: {doing}"));
+                *bar = Some(steps);
+            }
+            (phase, found) => {
+                found.iter().for_each(ProgressBar::finish_and_clear);
+                *bar = match phase {
+                    Phase::Babbling { made, touches } => {
+                        let bar = counted("babbling", touches as u64, "touches");
+                        bar.set_position(made as u64);
+                        Some(bar)
+                    }
+                    Phase::Learning { touches, each: true } => {
+                        Some(counted("learning", touches as u64, "touches"))
+                    }
+                    Phase::Learning { touches, each: false } => {
+                        Some(spinner(&format!("learning from {touches} touches")))
+                    }
+                    Phase::LearningUndisturbed | Phase::Trial { .. } | Phase::Done => None,
+                };
+            }
+        }
+    }
+
+    fn touched(&self, _: &Touch) {
+        self.advance();
+    }
+
+    fn learned(&self, _: &LearningStep) {
+        self.advance();
+    }
 }

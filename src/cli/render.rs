@@ -8,13 +8,12 @@ use std::sync::Arc;
 
 use nalgebra::Point3;
 
-use super::open::{ModelOptions, body_of, open_model};
+use super::open::{ModelArguments, open_model};
 use super::{Failure, Outcome, progress};
-use crate::babbling::start_posture;
-use crate::creature::{Body, BodyError, JointSelection};
+use crate::creature::{Body, BodyError, JointSelection, Posture};
 use crate::mujoco::{Camera, Data, Image, Model, PICTURE_SIDES, Renderer};
-use crate::picture::{Direction, Film, Shot, draw, frame, is_film, outline, png};
 use crate::record::{SESSION_FILE, model_hash, write_whole};
+use crate::view::picture::{Direction, Film, Shot, draw, frame, is_film, outline, png};
 
 /// Draw a model in a posture, or what a session is about, as a picture or a film.
 ///
@@ -27,52 +26,57 @@ use crate::record::{SESSION_FILE, model_hash, write_whole};
   bodyschema render mjcf/max/max.xml --out max.png
   bodyschema render mjcf/max/table.xml --posture left_elbow_flexion=90 --camera 140,-20 --out table.png
   bodyschema render sessions/max-1 --touch 3 --schema --out touch.png
-  bodyschema render sessions/max-1 --touches 1..5 --size 640x480 --out touches.mp4    # needs ffmpeg
-  bodyschema render sessions/max-1 --learning --frames-per-second 12 --out learning.mp4
+  bodyschema render sessions/max-1 --touches 1..2 --size 320x240 --out touches.mp4    # needs ffmpeg
+  bodyschema render sessions/max-1 --learning --size 320x320 --out learning.mp4
   bodyschema render sessions/max-1 --touches 2..2 --frames-per-second 4 --size 320x320 --out frame-%03d.png
 
 Without OpenGL it says so. The environment variable BODYSCHEMA_GL says which library draws: egl, osmesa, or none;
 without it EGL is tried, then OSMesa.")]
-pub struct Args {
+pub struct RenderArguments {
     /// An MJCF file, or a session's folder
     #[arg(value_name = "MODEL|SESSION")]
     what: PathBuf,
     /// The file to write: a picture (.png), or a film (.mp4, .webm, .mkv, .mov, .gif, or a picture a frame, as in
     /// frame-%04d.png)
-    #[arg(long, short, value_name = "FILE")]
+    #[arg(long, short, value_name = "FILE", help_heading = "Output")]
     out: PathBuf,
     /// The posture: names of degrees of freedom with degrees or millimetres, as in
     /// left_elbow_flexion=90,right_elbow_flexion=20, or a JSON file of names with radians, metres or w x y z; what is not named is at ease
-    #[arg(long, value_name = "NAME=DEG,…|FILE", allow_hyphen_values = true)]
+    #[arg(long, value_name = "NAME=DEG,…|FILE", allow_hyphen_values = true, help_heading = "What is drawn")]
     posture: Option<String>,
     /// Of a session, the posture of a touch, counted from 1, its places lit
-    #[arg(long, value_name = "N", conflicts_with = "posture")]
+    #[arg(long, value_name = "N", conflicts_with = "posture", help_heading = "What is drawn")]
     touch: Option<usize>,
     /// Of a session, the learned body over the true one
-    #[arg(long)]
+    #[arg(long, help_heading = "What is drawn")]
     schema: bool,
     /// Of a session, a film of the touches from one to another, counted from 1 [default: 1..8]
     #[arg(long, value_name = "N..M", value_parser = session::touch_range,
-        conflicts_with_all = ["posture", "touch", "learning"])]
+        conflicts_with_all = ["posture", "touch", "learning"], help_heading = "What is drawn")]
     touches: Option<[usize; 2]>,
     /// Of a session, a film of the learned body from the onset on
-    #[arg(long, conflicts_with_all = ["posture", "touch"])]
+    #[arg(long, conflicts_with_all = ["posture", "touch"], help_heading = "What is drawn")]
     learning: bool,
     /// Of a session, the model, where it is not at the path in the session
     #[arg(long)]
     model: Option<PathBuf>,
     /// Width and height, pixels
-    #[arg(long, value_name = "WxH", value_parser = size, default_value = "1280x960")]
+    #[arg(long, value_name = "WxH", value_parser = size, default_value = "1280x960", help_heading = "Output")]
     size: [usize; 2],
     /// Where it is looked at from: azimuth and elevation in degrees, as MuJoCo's viewer has them, with a distance in
     /// metres if it is not to fill the picture; or the name of a camera in the model [default: 205,-12]
-    #[arg(long, value_name = "AZIMUTH,ELEVATION[,METRES]|NAME", allow_hyphen_values = true)]
+    #[arg(
+        long,
+        value_name = "AZIMUTH,ELEVATION[,METRES]|NAME",
+        allow_hyphen_values = true,
+        help_heading = "What is drawn"
+    )]
     camera: Option<String>,
     /// Pictures a second of a film
-    #[arg(long, value_name = "N", value_parser = frames_per_second, default_value = "25")]
+    #[arg(long, value_name = "N", value_parser = frames_per_second, default_value = "25", help_heading = "Output")]
     frames_per_second: f64,
     #[command(flatten)]
-    options: ModelOptions,
+    options: ModelArguments,
 }
 
 /// Width and height from the command line.
@@ -91,7 +95,7 @@ fn frames_per_second(text: &str) -> Result<f64, String> {
 }
 
 /// What is drawn: a model, and what moves in it.
-struct Subject {
+struct RenderSubject {
     /// The file, for what is said of it.
     place: String,
     model: Arc<Model>,
@@ -115,7 +119,7 @@ impl Plan {
     }
 }
 
-impl Subject {
+impl RenderSubject {
     /// Data in a posture, poses computed.
     fn data(&self, qpos: &[f64]) -> Result<Data, Failure> {
         let mut data = Data::new(self.model.clone())?;
@@ -130,7 +134,7 @@ impl Subject {
     }
 }
 
-pub fn run(args: &Args) -> Outcome {
+pub fn run(args: &RenderArguments) -> Outcome {
     let film = is_film(&args.out);
     if !film && !args.out.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("png")) {
         return Err(Failure(format!(
@@ -191,7 +195,7 @@ pub fn run(args: &Args) -> Outcome {
 }
 
 /// A model in a posture.
-fn model(args: &Args, film: bool) -> Result<(Subject, Plan), Failure> {
+fn model(args: &RenderArguments, film: bool) -> Result<(RenderSubject, Plan), Failure> {
     let place = args.what.display().to_string();
     let of_session = [
         (args.touch.is_some(), "--touch"),
@@ -212,26 +216,32 @@ fn model(args: &Args, film: bool) -> Result<(Subject, Plan), Failure> {
     }
     // A file that is not there is told of as such, before anything else.
     model_hash(&args.what)?;
-    let model = Arc::new(open_model(&args.what, args.options.strip)?);
+    let source = args.options.source(&args.what, JointSelection::All);
+    let model = Arc::new(open_model(&source)?);
     let body = match Body::rooted(model.clone(), &JointSelection::All, args.options.root.as_deref()) {
         // What cannot move can be looked at.
         Err(BodyError::NoJoints) if args.posture.is_none() => None,
-        _ => Some(body_of(model.clone(), &args.what, &JointSelection::All, &args.options)?),
+        _ => Some(source.body_in(model.clone())?),
     };
     let mut qpos = model.qpos0().to_vec();
     if let Some(body) = &body {
         let posture = match &args.posture {
             Some(text) => posture::read(text, &body.creature)?,
-            None => start_posture(&body.creature),
+            None => Posture::start(&body.creature),
         };
         body.write_qpos(&posture, &mut qpos);
     }
-    let subject = Subject { place, model, body, alone: false };
+    let subject = RenderSubject { place, model, body, alone: false };
     Ok((subject, Plan::still(Shot { qpos, marks: Vec::new(), lit: Vec::new() }, false)))
 }
 
 /// The camera that is asked for, or one that holds all that is shown.
-fn camera(args: &Args, subject: &Subject, plan: &Plan, renderer: &Renderer) -> Result<Camera, Failure> {
+fn camera(
+    args: &RenderArguments,
+    subject: &RenderSubject,
+    plan: &Plan,
+    renderer: &Renderer,
+) -> Result<Camera, Failure> {
     let mut direction = Direction::default();
     let mut distance = None;
     if let Some(text) = &args.camera {
@@ -260,12 +270,12 @@ fn camera(args: &Args, subject: &Subject, plan: &Plan, renderer: &Renderer) -> R
     for &held in &plan.held {
         let shot = &plan.shots[held];
         points.extend(outline(&subject.data(&shot.qpos)?, &shown));
-        points.extend(shot.marks.iter().flat_map(crate::picture::corners_of));
+        points.extend(shot.marks.iter().flat_map(crate::view::picture::corners_of));
     }
     Ok(frame(points, direction, renderer.lens(), distance))
 }
 
-fn named_camera(name: &str, subject: &Subject) -> Result<Camera, Failure> {
+fn named_camera(name: &str, subject: &RenderSubject) -> Result<Camera, Failure> {
     let cameras = subject.model.cameras();
     if let Some(number) = cameras.iter().position(|camera| *camera == name) {
         return Ok(Camera::Fixed(number));

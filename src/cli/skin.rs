@@ -1,10 +1,9 @@
 //! `bodyschema skin`: grow receptors on a model; and the skin that other commands work with.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
-use super::{Failure, Outcome, output, progress};
-use crate::creature::Body;
-use crate::skin::{GrowOptions, PatchSize, Skin, grow, grow_skin, skin_of};
+use super::{Outcome, output, progress};
+use crate::skin::{GrowOptions, PatchSize, grow_skin};
 
 /// Grow a skin of touch receptors on a model.
 ///
@@ -15,15 +14,15 @@ use crate::skin::{GrowOptions, PatchSize, Skin, grow, grow_skin, skin_of};
 /// 250 cover the creature, however large it is.
 #[derive(clap::Args)]
 #[command(after_help = "Examples:
-  bodyschema skin mjcf/max/body.xml --output max_with_skin.xml
-  bodyschema skin mjcf/hexapod/hexapod.xml --receptors 400 --denser left_front_tibia=3 --output hexapod_with_skin.xml
-  bodyschema skin robot.xml --spacing 0.02 --output robot_with_skin.xml")]
-pub struct Args {
+  bodyschema skin mjcf/max/body.xml --out max_with_skin.xml
+  bodyschema skin mjcf/hexapod/hexapod.xml --receptors 400 --denser left_front_tibia=3 --out hexapod_with_skin.xml
+  bodyschema skin robot.xml --spacing 0.02 --out robot_with_skin.xml")]
+pub struct SkinArguments {
     /// The MJCF file of a creature
     model: PathBuf,
     /// Where to write the model with its skin; standard output if left out
-    #[arg(short, long)]
-    output: Option<PathBuf>,
+    #[arg(long, short, value_name = "FILE", help_heading = "Output")]
+    out: Option<PathBuf>,
     /// How many receptors to grow; more where a surface needs more to be covered
     #[arg(long, value_name = "N", group = "size", value_parser = clap::value_parser!(u32).range(1..=20_000))]
     receptors: Option<u32>,
@@ -53,7 +52,7 @@ fn denser(text: &str) -> Result<(String, f64), String> {
     Ok((limb.to_string(), positive(factor)?))
 }
 
-pub fn run(args: &Args) -> Outcome {
+pub fn run(args: &SkinArguments) -> Outcome {
     let size = match (args.receptors, args.spacing, args.area) {
         (Some(count), ..) => PatchSize::Count(count as usize),
         (_, Some(side), _) => PatchSize::Spacing(side),
@@ -63,13 +62,12 @@ pub fn run(args: &Args) -> Outcome {
     let spinner = progress::spinner("growing a skin");
     let grown = grow_skin(&args.model, &GrowOptions { size, denser: args.denser.clone() })?;
     spinner.finish_and_clear();
-    match &args.output {
+    match &args.out {
         None => output::line(format_args!("{}", grown.text(None)?.trim_end_matches('\n'))),
         Some(path) => {
             let text = grown.text(path.parent())?;
-            std::fs::write(path, text).map_err(|error| {
-                format!("cannot write {}: {error}: give another --output", path.display())
-            })?;
+            std::fs::write(path, text)
+                .map_err(|error| format!("cannot write {}: {error}: give another --out", path.display()))?;
             let kept = match grown.kept {
                 0 => String::new(),
                 kept => format!(", {kept} touch sensors kept"),
@@ -78,20 +76,4 @@ pub fn run(args: &Args) -> Outcome {
         }
     }
     Ok(())
-}
-
-/// The skin of a creature: the receptors in its model, or where it has none, receptors grown in memory, of
-/// which it tells on standard error.
-pub fn skin_for(model: &Path, body: &Body) -> Result<Skin, Failure> {
-    let skin = skin_of(body);
-    if !skin.receptors.is_empty() {
-        return Ok(skin);
-    }
-    let skin =
-        grow(body, &GrowOptions::default()).map_err(|error| format!("{}: {error}", model.display()))?;
-    if !skin.receptors.is_empty() {
-        let count = skin.receptors.len();
-        tell!("{} has no touch sensors: {count} receptors were grown on it in memory", model.display());
-    }
-    Ok(skin)
 }

@@ -4,11 +4,12 @@ use std::io::{BufRead, IsTerminal, Write};
 use std::path::PathBuf;
 
 use super::live::LiveOptions;
-use super::open::own_body;
 use super::{Failure, Outcome, output, progress};
 use crate::creature::JointSelection;
-use crate::interaction::{Actor, Conversation, Scene};
+use crate::experiment::own_body;
+use crate::interaction::{Actor, Conversation};
 use crate::record::model_hash;
+use crate::simulation::{Stage, StageOptions};
 
 /// Talk to a creature among things: it answers what a partner asks of it, line by line.
 ///
@@ -19,54 +20,59 @@ use crate::record::model_hash;
 /// there is a page beside that shows it all as fast as it would really move, on which you can also touch its skin.
 #[derive(clap::Args)]
 #[command(after_help = "Examples:
-  bodyschema babble mjcf/max/max.xml --out sessions/max
-  bodyschema talk mjcf/max/table.xml --schema sessions/max
-  echo 'is there something in front of you?' | bodyschema talk mjcf/max/table.xml --schema sessions/max --json
-  bodyschema talk mjcf/max/table.xml --schema sessions/max --live    # talk to it in a browser")]
-pub struct Args {
+  bodyschema babble mjcf/max/max.xml
+  bodyschema talk mjcf/max/table.xml sessions/max-1
+  echo 'is there something in front of you?' | bodyschema talk mjcf/max/table.xml sessions/max-1 --json
+  bodyschema talk mjcf/max/table.xml sessions/max-1 --live  # talk to it in a browser")]
+pub struct TalkArguments {
     /// The MJCF file of the scene: the creature that learned the schema, a table before it, things on the table
     scene: PathBuf,
     /// The session whose schema it acts by
-    #[arg(long, value_name = "SESSION")]
-    schema: PathBuf,
-    /// The two limbs that it acts with
-    #[arg(long, value_name = "LIMB,LIMB", default_value = "left_hand,right_hand", value_delimiter = ',')]
-    hands: Vec<String>,
+    session: PathBuf,
+    /// A limb that it acts with; given twice, for there are two
+    #[arg(long, value_name = "LIMB", default_values = ["left_hand", "right_hand"])]
+    hand: Vec<String>,
     /// Seed of the ways that it tries
     #[arg(long, default_value_t = 1)]
     seed: u64,
     /// Print one JSON object per answer: heard, intent, said, done, asks, felt
-    #[arg(long)]
+    #[arg(long, help_heading = "Output")]
     json: bool,
     #[command(flatten)]
     live: LiveOptions,
 }
 
-pub fn run(args: &Args) -> Outcome {
-    let [first, second] = args.hands.as_slice() else {
+pub fn run(args: &TalkArguments) -> Outcome {
+    let [first, second] = args.hand.as_slice() else {
         return Err(Failure(format!(
-            "--hands names {} limbs: name two, as in left_hand,right_hand",
-            args.hands.len()
+            "--hand names {} of the limbs: name two, as in --hand left_hand --hand right_hand",
+            args.hand.len()
         )));
     };
     let place = args.scene.display();
     // A file that is not there is told of as such, before anything is simulated.
     model_hash(&args.scene)?;
     let spinner = progress::spinner("getting ready");
-    let (session, own) = own_body(&args.schema)?;
+    let (session, own) = own_body(&args.session)?;
     let selection: JointSelection = session.options.joints.parse().unwrap_or_default();
-    let scene = Scene::new(&args.scene, &selection, session.options.root.as_deref(), &[]);
-    let scene = scene.map_err(|error| Failure(format!("{place}: {error}")))?;
-    let actor = Actor::new(own, scene, [first, second], args.seed);
-    let actor = actor.map_err(|clause| Failure(format!("{place}: {clause}")))?;
+    let root = session.options.root.clone();
+    let options = StageOptions { joints: selection, root, ..StageOptions::default() };
+    let stage = Stage::new(&args.scene, &options);
+    let stage = stage.map_err(|error| Failure(format!("{place}: {error}")))?;
+    let actor = Actor::new(own, stage.handle(), [first, second], args.seed);
+    let mut actor = actor.map_err(|error| Failure(format!("{place}: {error}")))?;
+    stage.place(&actor.ready())?;
     let mut conversation = Conversation::new(actor)?;
     spinner.finish_and_clear();
     if let Some(address) = args.live.address() {
-        return super::live::talk(conversation, address, session.creature.name(), args.json);
+        return super::live::talk(conversation, &stage, address, session.agent.creature().name(), args.json);
     }
     let terminal = std::io::stdin().is_terminal();
     if terminal {
-        tell!("{} listens. An empty line or end of file ends the conversation.", session.creature.name());
+        tell!(
+            "{} listens. An empty line or end of file ends the conversation.",
+            session.agent.creature().name()
+        );
     }
     for line in prompted(terminal && !super::message::quiet()) {
         let line = line.map_err(|error| Failure(format!("standard input cannot be read: {error}")))?;

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Creature, Dof, DofKind};
+use super::{Creature, Dof};
 use crate::mujoco::{Equality, Model};
 
 /// Places at which a leader's range is tried against its follower's.
@@ -81,11 +81,11 @@ impl Creature {
         if self.dofs().all(|dof| dof.follows.is_none()) {
             return;
         }
-        let places: Vec<usize> = self.dofs_in_posture().map(|(place, _)| place).collect();
-        for (place, dof) in self.dofs_in_posture().filter(|(_, dof)| dof.kind != DofKind::Ball) {
-            if let Some(coupling) = dof.follows {
-                posture[place] =
-                    coupling.follow(posture[places[coupling.leader]]).clamp(dof.range[0], dof.range[1]);
+        let places: Vec<usize> = self.elements().map(|element| element.coordinate()).collect();
+        for at in self.elements().filter(|at| !at.is_ball()) {
+            if let Some(coupling) = at.follows {
+                let followed = coupling.follow(posture[places[coupling.leader]]);
+                posture[at.coordinate()] = followed.clamp(at.range[0], at.range[1]);
             }
         }
     }

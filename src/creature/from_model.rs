@@ -8,10 +8,10 @@ use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 use super::coupling::couple;
 use super::selection::{JointSelection, Tree, select};
 use super::surface::surface;
-use super::{AuraLimb, Creature, Dof, DofKind, Joint};
-use crate::kinematics::Frame;
+use super::{AuraLimb, Creature, CreatureError, Dof, DofKind, Joint};
+use crate::creature::Posture;
+use crate::geometry::Frame;
 use crate::mujoco::{self, Data, JointKind, Model, ObjectKind};
-use crate::schema::BodySchema;
 
 /// Tuples of a model whose name starts with this list the bodies of one aura limb.
 pub(crate) const LIMB_TUPLE: &str = "limb/";
@@ -47,7 +47,7 @@ pub enum BodyError {
     },
     /// The tree could not be put together.
     #[error("the model's tree cannot be read: {0}")]
-    Tree(String),
+    Tree(#[from] CreatureError),
 }
 
 /// One joint of the creature in the model: consecutive MuJoCo joints of a body that share an anchor.
@@ -133,9 +133,8 @@ impl Body {
             }
             let info = model.body(body);
             let parent = if info.parent == 0 { Some(0) } else { limb_of_body[info.parent] };
-            let mut limb = parent.ok_or_else(|| {
-                BodyError::Tree(format!("body {} comes before its parent", body_name(&model, body)))
-            })?;
+            let mut limb =
+                parent.ok_or_else(|| BodyError::Tree(CreatureError::BodyOrder(body_name(&model, body))))?;
             let groups = group_by_anchor(&model, info.joints.filter(|&j| chosen(j)));
             let count = groups.len();
             for (k, joints) in groups.into_iter().enumerate() {
@@ -247,29 +246,6 @@ impl Body {
         frames
     }
 
-    /// Where the joints are in the simulated body, in the frames of a schema: what moves its limbs.
-    /// The agent must not see it; see [`crate::ground_truth`].
-    ///
-    /// # Errors
-    /// Where the engine fails.
-    pub(crate) fn kinematics(&self) -> mujoco::Result<BodySchema> {
-        let data = self.reference_data()?;
-        let frames = self.reference_frames(&data);
-        let mut schema = BodySchema::zero(&self.creature);
-        for (j, (joint, segment)) in self.creature.joints().iter().zip(&self.segments).enumerate() {
-            let parent = &frames[joint.parent];
-            let anchor = frames[j + 1].translation.vector;
-            schema.positions[j] = parent.inverse_transform_point(&anchor.into()).coords;
-            for ((k, dof), &mujoco_joint) in joint.dof_indices().zip(&joint.dofs).zip(&segment.joints) {
-                if dof.kind != DofKind::Ball {
-                    let axis = data.joint_axis(mujoco_joint);
-                    schema.axes[k] = parent.inverse_transform_vector(&axis);
-                }
-            }
-        }
-        Ok(schema)
-    }
-
     fn place_bodies(&self) -> mujoco::Result<Vec<Isometry3<f64>>> {
         let data = self.reference_data()?;
         let frames = self.reference_frames(&data);
@@ -294,7 +270,7 @@ impl Body {
     }
 
     /// The posture of the creature in a `qpos` vector: the inverse of [`Body::write_qpos`].
-    pub fn read_posture(&self, qpos: &[f64]) -> Vec<f64> {
+    pub fn read_posture(&self, qpos: &[f64]) -> Posture {
         let mut qpos = qpos.to_vec();
         for (address, orientation) in &self.balls {
             let axis = &mut qpos[address + 1..address + 4];
@@ -302,6 +278,18 @@ impl Body {
             axis.copy_from_slice(turned.as_slice());
         }
         self.addresses.iter().map(|&(address, zero)| qpos[address] - zero).collect()
+    }
+
+    /// The name of the first body of the creature; none where it has none.
+    pub fn root_name(&self) -> Option<&str> {
+        let first = || self.limb_of_body.iter().position(|limb| limb.is_some_and(|limb| limb > 0));
+        let root = if self.root > 0 { Some(self.root) } else { first() };
+        root.and_then(|body| self.model.body(body).name)
+    }
+
+    /// Where a coordinate of a posture is in the engine's `qpos`.
+    pub fn qpos_address(&self, coordinate: usize) -> usize {
+        self.addresses[coordinate].0
     }
 
     /// Whether a geom is surface that can be touched: one of the creature that collides with anything or that

@@ -3,6 +3,7 @@
 
 mod coupling;
 mod from_model;
+mod posture;
 mod selection;
 mod surface;
 
@@ -11,6 +12,7 @@ use serde::{Deserialize, Serialize};
 pub use coupling::Coupling;
 pub use from_model::{Body, BodyError, Segment};
 pub(crate) use from_model::{LIMB_TUPLE, UNLIMITED_SLIDE, body_name, matrix};
+pub use posture::{DofElement, Posture, ball, turn_ball};
 pub use selection::JointSelection;
 
 /// The kind of one degree of freedom (a ball counts three, but moves as one).
@@ -88,9 +90,15 @@ impl Joint {
         self.first_coordinate..self.first_coordinate + count
     }
 
-    /// Index of its first coordinate in a posture.
-    pub fn first_coordinate(&self) -> usize {
-        self.first_coordinate
+    /// Its degrees of freedom, parent's side first, with where they stand in a schema and in a posture.
+    pub fn elements(&self) -> impl Iterator<Item = DofElement<'_>> + Clone {
+        let (mut axis, mut coordinate) = (self.first_dof, self.first_coordinate);
+        self.dofs.iter().map(move |dof| {
+            let element = DofElement::new(dof, axis, coordinate);
+            axis += 1;
+            coordinate += dof.kind.coordinates();
+            element
+        })
     }
 }
 
@@ -128,10 +136,38 @@ impl From<Creature> for Parts {
     }
 }
 
-impl TryFrom<Parts> for Creature {
-    type Error = String;
+/// Why limbs and joints make no creature.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum CreatureError {
+    /// There is not one joint per limb but the root.
+    #[error("a creature of {limbs} limbs needs one joint fewer, not {joints}")]
+    Joints {
+        /// The limbs.
+        limbs: usize,
+        /// The joints.
+        joints: usize,
+    },
+    /// A joint's parent does not come before it.
+    #[error("joint {0} comes before the limb that carries it")]
+    Order(String),
+    /// A body of a model does not come after the one that carries it.
+    #[error("body {0} comes before its parent")]
+    BodyOrder(String),
+    /// A range is not two finite numbers in order.
+    #[error("the range of {0} is not two numbers in order")]
+    Range(String),
+    /// What a degree of freedom follows does not move by itself.
+    #[error("{0} follows what is no hinge or slide that moves by itself")]
+    Leader(String),
+    /// An aura names a limb that does not exist.
+    #[error("aura limb {0} names a limb that does not exist")]
+    AuraLimb(String),
+}
 
-    fn try_from(parts: Parts) -> Result<Creature, String> {
+impl TryFrom<Parts> for Creature {
+    type Error = CreatureError;
+
+    fn try_from(parts: Parts) -> Result<Creature, CreatureError> {
         Creature::new(parts.name, parts.limbs, parts.joints, parts.aura_limbs)
     }
 }
@@ -140,7 +176,7 @@ impl Creature {
     /// Puts a creature together.
     ///
     /// # Errors
-    /// A sentence when there is not one joint per limb but the root, when a joint's parent does not come
+    /// When there is not one joint per limb but the root, when a joint's parent does not come
     /// before it, when a range is not two finite numbers in order, when what a degree of freedom follows does
     /// not move by itself, or when an aura names a limb that does not exist.
     pub fn new(
@@ -148,24 +184,20 @@ impl Creature {
         limbs: Vec<String>,
         mut joints: Vec<Joint>,
         aura_limbs: Vec<AuraLimb>,
-    ) -> Result<Creature, String> {
+    ) -> Result<Creature, CreatureError> {
         if limbs.len() != joints.len() + 1 {
-            return Err(format!(
-                "a creature of {} limbs needs one joint fewer, not {}",
-                limbs.len(),
-                joints.len()
-            ));
+            return Err(CreatureError::Joints { limbs: limbs.len(), joints: joints.len() });
         }
         let (mut elements, mut coordinates) = (0, 0);
         for (i, joint) in joints.iter_mut().enumerate() {
             if joint.parent > i {
-                return Err(format!("joint {} comes before the limb that carries it", joint.name));
+                return Err(CreatureError::Order(joint.name.clone()));
             }
             (joint.first_dof, joint.first_coordinate) = (elements, coordinates);
             for dof in &joint.dofs {
                 let [low, high] = dof.range;
                 if !(low.is_finite() && high.is_finite() && low <= high) {
-                    return Err(format!("the range of {} is not two numbers in order", dof.name));
+                    return Err(CreatureError::Range(dof.name.clone()));
                 }
                 elements += 1;
                 coordinates += dof.kind.coordinates();
@@ -177,10 +209,10 @@ impl Creature {
         };
         let mut followers = joints.iter().flat_map(|joint| &joint.dofs);
         if let Some(dof) = followers.find(|dof| dof.follows.is_some_and(|c| !leads(c.leader))) {
-            return Err(format!("{} follows what is no hinge or slide that moves by itself", dof.name));
+            return Err(CreatureError::Leader(dof.name.clone()));
         }
         if let Some(aura) = aura_limbs.iter().find(|a| a.limbs.iter().any(|&l| l >= limbs.len())) {
-            return Err(format!("aura limb {} names a limb that does not exist", aura.name));
+            return Err(CreatureError::AuraLimb(aura.name.clone()));
         }
         let parts = Parts { name, limbs, joints, aura_limbs };
         Ok(Creature { parts, coordinates, elements })
@@ -211,13 +243,9 @@ impl Creature {
         self.joints().iter().flat_map(|joint| &joint.dofs)
     }
 
-    /// The degrees of freedom with the place of their first coordinate in a posture.
-    pub fn dofs_in_posture(&self) -> impl Iterator<Item = (usize, &Dof)> {
-        self.dofs().scan(0, |next, dof| {
-            let place = *next;
-            *next += dof.kind.coordinates();
-            Some((place, dof))
-        })
+    /// All degrees of freedom in the order of their axes, with where they stand in a schema and in a posture.
+    pub fn elements(&self) -> impl Iterator<Item = DofElement<'_>> + Clone {
+        self.joints().iter().flat_map(Joint::elements)
     }
 
     /// The number of hinges, slides and balls: the number of axes in a schema.
@@ -236,14 +264,8 @@ impl Creature {
     }
 
     /// The reference posture: every angle and distance zero.
-    pub fn reference_posture(&self) -> Vec<f64> {
-        self.dofs()
-            .flat_map(|dof| {
-                let quaternion: &[f64] = &[1.0, 0.0, 0.0, 0.0];
-                if dof.kind == DofKind::Ball { quaternion } else { &[0.0] }
-            })
-            .copied()
-            .collect()
+    pub fn reference_posture(&self) -> Posture {
+        Posture::reference(self)
     }
 
     /// The joint that carries a limb; none for the root.

@@ -2,18 +2,15 @@
 
 use std::collections::BTreeMap;
 
-use crate::mujoco::{GeomKind, Model};
+use crate::geometry::Shape;
+use crate::mujoco::Model;
 
 /// Per geom, whether it can be touched: a geom of the creature that collides with anything; and where nothing
 /// of a rigid part does, all of that part's geoms, for many models leave self-contact off.
 ///
 /// `holds` says which bodies are the creature's. What the joints selected are does not matter.
 pub(super) fn surface(model: &Model, holds: &[bool]) -> Vec<bool> {
-    let solid = |kind| {
-        use GeomKind::{Box, Capsule, Cylinder, Ellipsoid, Mesh, Sphere};
-        matches!(kind, Sphere | Capsule | Ellipsoid | Cylinder | Box | Mesh)
-    };
-    let own: Vec<_> = model.geoms().map(|geom| holds[geom.body] && solid(geom.kind)).collect();
+    let own: Vec<_> = model.geoms().map(|geom| holds[geom.body] && Shape::is_of_kind(geom.kind)).collect();
     let collides = |g: usize| {
         let geom = model.geom(g);
         geom.contype != 0 || geom.conaffinity != 0

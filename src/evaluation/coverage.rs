@@ -9,7 +9,8 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
 use super::measures::HeldOutPoint;
-use crate::creature::{Creature, DofKind};
+use crate::agent::Agent;
+use crate::creature::{Creature, DofKind, Posture};
 use crate::ground_truth::GroundTruth;
 use crate::kinematics::{Chain, ChainSide, tangent_basis};
 use crate::learning::observability::Observability;
@@ -17,7 +18,6 @@ use crate::learning::observation::Observation;
 use crate::learning::surface_gap::SurfaceGap;
 use crate::schema::BodySchema;
 use crate::senses::Touch;
-use crate::skin::Skin;
 
 /// Standard deviations within which 95 % of a normal distribution lies.
 pub const Z95: f64 = 1.959964;
@@ -37,8 +37,7 @@ const DIFFERENCE: f64 = 1e-5;
 /// until the gap is the one that was drawn. Receptors stay as they were felt. Touches whose gap cannot be
 /// changed by any joint are left out. The same seed gives the same noise.
 pub fn with_gap_noise(
-    creature: &Creature,
-    skin: &Skin,
+    agent: &Agent,
     truth: &GroundTruth,
     touches: &[Touch],
     deviation: f64,
@@ -48,8 +47,7 @@ pub fn with_gap_noise(
     rng.set_stream(STREAM);
     let noisy = touches.iter().filter_map(|touch| {
         let standard: f64 = StandardNormal.sample(&mut rng);
-        let posture =
-            posture_of_gap(creature, skin, truth, touch, deviation * standard, REACHED * deviation)?;
+        let posture = posture_of_gap(agent, truth, touch, deviation * standard, REACHED * deviation)?;
         Some(Touch { posture, ..touch.clone() })
     });
     noisy.collect()
@@ -57,24 +55,23 @@ pub fn with_gap_noise(
 
 /// The posture near a touch's own at which the true surfaces are `gap` apart; none where it is not found.
 fn posture_of_gap(
-    creature: &Creature,
-    skin: &Skin,
+    agent: &Agent,
     truth: &GroundTruth,
     touch: &Touch,
     gap: f64,
     tolerance: f64,
-) -> Option<Vec<f64>> {
-    let limbs = touch.ends.map(|end| skin.receptors[end.receptor].limb);
-    let chain = Chain::between(creature, limbs[0], limbs[1]);
-    let gap_at = |posture: &[f64]| true_gap(creature, skin, truth, touch, posture);
-    let ways = ways_to_move(creature, &chain);
+) -> Option<Posture> {
+    let limbs = touch.ends.map(|end| agent.skin().receptors[end.receptor].limb);
+    let chain = Chain::between(agent.creature(), limbs[0], limbs[1]);
+    let gap_at = |posture: &[f64]| true_gap(agent, truth, touch, posture);
+    let ways = ways_to_move(agent.creature(), &chain);
     let mut posture = touch.posture.clone();
     for _ in 0..STEPS {
         let miss = gap - gap_at(&posture);
         if miss.abs() <= tolerance {
             return Some(posture);
         }
-        let slope = |way: &Way| {
+        let slope = |way: &PostureDirection| {
             let at = |step: f64| {
                 let mut moved = posture.clone();
                 way.step(&mut moved, step);
@@ -93,31 +90,27 @@ fn posture_of_gap(
 }
 
 /// The gap of a touch's surfaces at a posture of the true body, metres.
-pub fn true_gap(
-    creature: &Creature,
-    skin: &Skin,
-    truth: &GroundTruth,
-    touch: &Touch,
-    posture: &[f64],
-) -> f64 {
+pub fn true_gap(agent: &Agent, truth: &GroundTruth, touch: &Touch, posture: &[f64]) -> f64 {
+    let skin = agent.skin();
     let limbs = touch.ends.map(|end| skin.receptors[end.receptor].limb);
-    let chain = Chain::between(creature, limbs[0], limbs[1]);
-    let frames = [0, 1].map(|k| ChainSide::new(creature, &chain.sides[k], posture).frame(&truth.schema));
+    let chain = Chain::between(agent.creature(), limbs[0], limbs[1]);
+    let frames =
+        [0, 1].map(|k| ChainSide::new(agent.creature(), &chain.sides[k], posture).frame(&truth.schema));
     let ends = touch.ends.map(|end| Observation {
         receptor: end.receptor,
         position: skin.receptors[end.receptor].position,
         covariance: nalgebra::Matrix3::identity(),
     });
-    SurfaceGap::new(skin, 1.0).meeting(&ends, &frames).gap
+    SurfaceGap::new(skin, 1.0).gap(&ends, &frames).distance
 }
 
 /// One way in which a posture can change: a coordinate, or a ball's turn about one of three directions.
-struct Way {
+struct PostureDirection {
     coordinate: usize,
     turn: Option<Vector3<f64>>,
 }
 
-impl Way {
+impl PostureDirection {
     /// Changes a posture by `step`, radians or metres.
     fn step(&self, posture: &mut [f64], step: f64) {
         let coordinates = &mut posture[self.coordinate..];
@@ -133,19 +126,18 @@ impl Way {
     }
 }
 
-fn ways_to_move(creature: &Creature, chain: &Chain) -> Vec<Way> {
+fn ways_to_move(creature: &Creature, chain: &Chain) -> Vec<PostureDirection> {
     let mut ways = Vec::new();
     for joint in chain.joints().map(|joint| &creature.joints()[joint]) {
-        let mut coordinate = joint.first_coordinate();
-        for dof in &joint.dofs {
-            match dof.kind {
-                DofKind::Hinge | DofKind::Slide => ways.push(Way { coordinate, turn: None }),
+        for at in joint.elements() {
+            let coordinate = at.coordinate();
+            match at.kind {
+                DofKind::Hinge | DofKind::Slide => ways.push(PostureDirection { coordinate, turn: None }),
                 DofKind::Ball => ways.extend(
                     [Vector3::x(), Vector3::y(), Vector3::z()]
-                        .map(|turn| Way { coordinate, turn: Some(turn) }),
+                        .map(|turn| PostureDirection { coordinate, turn: Some(turn) }),
                 ),
             }
-            coordinate += dof.kind.coordinates();
         }
     }
     ways

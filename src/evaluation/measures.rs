@@ -5,14 +5,14 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use serde::{Deserialize, Serialize};
 
-use crate::babbling::random_posture;
-use crate::creature::{Creature, DofKind};
+use crate::agent::Agent;
+use crate::creature::{Creature, DofKind, Posture};
+use crate::geometry::Frame;
 use crate::ground_truth::GroundTruth;
-use crate::kinematics::{Chain, ChainSide, Frame, limb_frames};
+use crate::kinematics::{Chain, ChainSide, limb_frames};
 use crate::learning::observability::Observability;
 use crate::schema::BodySchema;
 use crate::senses::Touch;
-use crate::skin::Skin;
 
 /// Postures at which the held-out error is taken.
 pub const HELD_OUT_POSTURES: usize = 2000;
@@ -59,7 +59,7 @@ impl Summary {
 #[derive(Clone, Debug)]
 pub struct HeldOutPoint {
     /// Posture coordinates, in the creature's order.
-    pub posture: Vec<f64>,
+    pub posture: Posture,
     /// The limb of the skin point, and the limb in whose frame it is expressed.
     pub limbs: [usize; 2],
     /// The skin point in its own limb's frame, metres.
@@ -79,10 +79,10 @@ pub struct HeldOutError {
 
 /// At [`HELD_OUT_POSTURES`] random postures, a random skin point of a random limb, to be expressed in the
 /// frame of another random limb. Always the same of one creature and skin.
-pub fn held_out_points(creature: &Creature, skin: &Skin) -> Vec<HeldOutPoint> {
+pub fn held_out_points(agent: &Agent) -> Vec<HeldOutPoint> {
     let mut rng = ChaCha8Rng::seed_from_u64(HELD_OUT_SEED);
-    let mut on_limb = vec![Vec::new(); creature.limbs().len()];
-    for (r, receptor) in skin.receptors.iter().enumerate() {
+    let mut on_limb = vec![Vec::new(); agent.creature().limbs().len()];
+    for (r, receptor) in agent.skin().receptors.iter().enumerate() {
         on_limb[receptor.limb].push(r);
     }
     let limbs: Vec<usize> = (0..on_limb.len()).filter(|&limb| !on_limb[limb].is_empty()).collect();
@@ -91,11 +91,11 @@ pub fn held_out_points(creature: &Creature, skin: &Skin) -> Vec<HeldOutPoint> {
     }
     let mut points = Vec::with_capacity(HELD_OUT_POSTURES);
     for _ in 0..HELD_OUT_POSTURES {
-        let posture = random_posture(creature, &mut rng);
+        let posture = Posture::random(agent.creature(), &mut rng);
         let from = rng.random_range(0..limbs.len());
         let to = (from + rng.random_range(1..limbs.len())) % limbs.len();
         let (a, b) = (limbs[from], limbs[to]);
-        let receptor = &skin.receptors[on_limb[a][rng.random_range(0..on_limb[a].len())]];
+        let receptor = &agent.skin().receptors[on_limb[a][rng.random_range(0..on_limb[a].len())]];
         let [u, v] = receptor.half_extents.map(|half| half * rng.random_range(-1.0..1.0));
         let p_a = receptor.position + receptor.tangent * u + receptor.bitangent() * v;
         points.push(HeldOutPoint { posture, limbs: [a, b], p_a });
@@ -134,7 +134,7 @@ pub fn held_out(
 /// Fundamentals of Statistical Signal Processing: Estimation Theory, 1993, section 3.8). Its trace bounds
 /// the mean *square* of the error: the two are compared as root mean squares, never with the mean error.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Bound {
+pub struct CramerRaoBound {
     /// Root of the mean over the points of the bound of the squared error, millimetres.
     pub bound_rms: f64,
     /// Root mean square of the errors at the same points, millimetres.
@@ -145,7 +145,7 @@ pub struct Bound {
     pub points: usize,
 }
 
-impl Bound {
+impl CramerRaoBound {
     /// Puts errors beside their bounds: `errors` are those at `points`. None where no point is determined.
     pub fn new(
         creature: &Creature,
@@ -154,7 +154,7 @@ impl Bound {
         points: &[HeldOutPoint],
         errors: &[HeldOutError],
         undetermined: &[usize],
-    ) -> Option<Bound> {
+    ) -> Option<CramerRaoBound> {
         let (mut bounds, mut squares, mut count) = (0.0, 0.0, 0);
         for (point, error) in points.iter().zip(errors) {
             if error.joints.iter().any(|joint| undetermined.contains(joint)) {
@@ -171,7 +171,12 @@ impl Bound {
         }
         let rms = |sum: f64| (sum / count as f64).sqrt();
         let (bound_rms, error_rms) = (rms(bounds), rms(squares));
-        (count > 0).then_some(Bound { bound_rms, error_rms, ratio: error_rms / bound_rms, points: count })
+        (count > 0).then_some(CramerRaoBound {
+            bound_rms,
+            error_rms,
+            ratio: error_rms / bound_rms,
+            points: count,
+        })
     }
 }
 
@@ -249,10 +254,11 @@ fn line_distance(offset: &Vector3<f64>, a: &Vector3<f64>, b: &Vector3<f64>) -> f
 }
 
 /// How far apart a schema puts the exact contact points of touches, millimetres.
-pub fn touch_misses(creature: &Creature, skin: &Skin, schema: &BodySchema, touches: &[Touch]) -> Summary {
+pub fn touch_misses(agent: &Agent, schema: &BodySchema, touches: &[Touch]) -> Summary {
     let miss = |touch: &Touch| {
-        let frames = limb_frames(creature, schema, &touch.posture);
-        let [a, b] = touch.ends.map(|end| frames[skin.receptors[end.receptor].limb].point(&end.contact));
+        let frames = limb_frames(agent.creature(), schema, &touch.posture);
+        let [a, b] =
+            touch.ends.map(|end| frames[agent.skin().receptors[end.receptor].limb].point(&end.contact));
         1e3 * (a - b).norm()
     };
     Summary::of(touches.iter().map(miss))

@@ -10,28 +10,23 @@ mod map_agreement;
 mod measures;
 mod own_account;
 mod progress;
-pub mod report;
-#[cfg(feature = "rerun")]
-mod rerun;
 
 pub use map_agreement::MapAgreement;
 pub use measures::{
-    AxisErrors, Bound, HELD_OUT_POSTURES, HeldOutError, HeldOutPoint, Summary, axis_errors, held_out,
-    held_out_points, touch_misses,
+    AxisErrors, CramerRaoBound, HELD_OUT_POSTURES, HeldOutError, HeldOutPoint, Summary, axis_errors,
+    held_out, held_out_points, touch_misses,
 };
 
 pub use own_account::OwnAccount;
 pub use progress::Progress;
-#[cfg(feature = "rerun")]
-pub use rerun::{RerunInput, write_rrd};
 use serde::{Deserialize, Serialize};
 
+use crate::agent::Agent;
 use crate::creature::Creature;
 use crate::ground_truth::GroundTruth;
 use crate::learning::Learned;
 use crate::learning::observability::Observability;
 use crate::schema::BodySchema;
-use crate::skin::Skin;
 
 /// All error measures of one schema.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -42,7 +37,7 @@ pub struct Evaluation {
     pub determined_mm: Summary,
     /// The same beside its Cramér-Rao bound; none where what the touches determine is not known.
     #[serde(default)]
-    pub bound_mm: Option<Bound>,
+    pub bound_mm: Option<CramerRaoBound>,
     /// The same with a hand as one of the two, millimetres; none where the creature has no hands.
     pub hand_mm: Option<Summary>,
     /// Angle between learned and true axes of determined joints, degrees.
@@ -53,53 +48,47 @@ pub struct Evaluation {
 
 /// Measures a schema. `undetermined` names the joints that the touches did not determine.
 pub fn evaluate(
-    creature: &Creature,
-    skin: &Skin,
+    agent: &Agent,
     truth: &GroundTruth,
     schema: &BodySchema,
     undetermined: &[usize],
 ) -> Evaluation {
+    let creature = agent.creature();
     let unplaced = |limb: &usize| !schema.places(creature, *limb);
     let unplaced: Vec<usize> = (0..creature.limbs().len()).filter(unplaced).collect();
-    measure(creature, skin, truth, schema, [undetermined, &unplaced], None)
+    measure(agent, truth, schema, [undetermined, &unplaced], None)
 }
 
 /// Measures a schema of which it is known what the touches leave undetermined: joints, and limbs' own frames.
 pub fn evaluate_claims(
-    creature: &Creature,
-    skin: &Skin,
+    agent: &Agent,
     truth: &GroundTruth,
     schema: &BodySchema,
     undetermined: &[usize],
     undetermined_limbs: &[usize],
 ) -> Evaluation {
-    measure(creature, skin, truth, schema, [undetermined, undetermined_limbs], None)
+    measure(agent, truth, schema, [undetermined, undetermined_limbs], None)
 }
 
 /// Measures what a learner came to, beside the bound of what its touches determine.
-pub fn evaluate_learned(
-    creature: &Creature,
-    skin: &Skin,
-    truth: &GroundTruth,
-    learned: &Learned,
-) -> Evaluation {
+pub fn evaluate_learned(agent: &Agent, truth: &GroundTruth, learned: &Learned) -> Evaluation {
     let observability = learned.observability.as_ref();
     let undetermined = [&learned.undetermined[..], &learned.undetermined_limbs];
-    measure(creature, skin, truth, &learned.schema, undetermined, observability)
+    measure(agent, truth, &learned.schema, undetermined, observability)
 }
 
 fn measure(
-    creature: &Creature,
-    skin: &Skin,
+    agent: &Agent,
     truth: &GroundTruth,
     schema: &BodySchema,
     [undetermined, undetermined_limbs]: [&[usize]; 2],
     observability: Option<&Observability>,
 ) -> Evaluation {
-    let points = held_out_points(creature, skin);
+    let creature = agent.creature();
+    let points = held_out_points(agent);
     let errors = held_out(creature, truth, schema, &points);
-    let bound_mm =
-        observability.and_then(|found| Bound::new(creature, schema, found, &points, &errors, undetermined));
+    let bound_mm = observability
+        .and_then(|found| CramerRaoBound::new(creature, schema, found, &points, &errors, undetermined));
     let all = errors.iter().map(|e| e.millimetres);
     let determined = errors.iter().filter(|e| {
         !e.joints.iter().any(|j| undetermined.contains(j))

@@ -2,13 +2,12 @@
 //! touched in touches that it was not fitted to.
 
 use super::{Summary, held_out_points};
-use crate::creature::Creature;
+use crate::agent::Agent;
 use crate::kinematics::Chain;
 use crate::learning::annealing::gaps;
 use crate::learning::touch_set::TouchSet;
 use crate::learning::{Input, Learned, Learner, SecondOrder};
 use crate::senses::Touch;
-use crate::skin::Skin;
 
 /// Every how many touches one is held out.
 const HELD_OUT: usize = 5;
@@ -28,13 +27,8 @@ pub struct OwnAccount {
 
 impl OwnAccount {
     /// The account of what the learner `lm` came to; none where it can give none.
-    pub fn new(
-        creature: &Creature,
-        skin: &Skin,
-        input: Input,
-        touches: &[Touch],
-        learned: &Learned,
-    ) -> Option<OwnAccount> {
+    pub fn new(agent: &Agent, touches: &[Touch], learned: &Learned) -> Option<OwnAccount> {
+        let (creature, input) = (agent.creature(), learned.basis.input);
         if !learned.verdict.converged() {
             return None;
         }
@@ -43,7 +37,7 @@ impl OwnAccount {
             Chain::between(creature, a, b).joints().all(|joint| !learned.undetermined.contains(&joint))
         };
         let (mut squares, mut count) = (0.0, 0);
-        for point in held_out_points(creature, skin) {
+        for point in held_out_points(agent) {
             let [a, b] = point.limbs;
             let deviation =
                 observability.point_deviation(creature, &learned.schema, &point.posture, [a, b], &point.p_a);
@@ -56,8 +50,8 @@ impl OwnAccount {
 
         let known =
             (0..creature.joints().len()).map(|joint| !learned.undetermined.contains(&joint)).collect();
-        let mut fitted = SecondOrder::new(creature, skin, input, 0);
-        let mut fresh = SecondOrder::new(creature, skin, input, 0);
+        let mut fitted = SecondOrder::new(agent, input, 0);
+        let mut fresh = SecondOrder::new(agent, input, 0);
         for (i, touch) in touches.iter().enumerate() {
             let held_out = i % HELD_OUT == HELD_OUT - 1;
             if held_out { &mut fresh } else { &mut fitted }.touch(touch);
@@ -68,7 +62,7 @@ impl OwnAccount {
             set.push_prepared(creature, limbs, touch);
         }
         let misses = match input {
-            Input::Receptor => gaps(skin, &set, &schema),
+            Input::Receptor => gaps(agent.skin(), &set, &schema),
             Input::Contact => {
                 let touches = set.touches();
                 touches.map(|touch| touch.miss(&schema).norm()).collect()

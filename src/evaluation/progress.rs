@@ -1,13 +1,12 @@
 //! The error on the way to what was learned, and its bound.
 
-use super::{Bound, HeldOutPoint, held_out, held_out_points};
-use crate::creature::Creature;
+use super::{CramerRaoBound, HeldOutPoint, held_out, held_out_points};
+use crate::agent::Agent;
 use crate::ground_truth::GroundTruth;
 use crate::kinematics::Chain;
 use crate::learning::Learned;
 use crate::learning::observability::Observability;
 use crate::schema::BodySchema;
-use crate::skin::Skin;
 
 /// The least share of the points that a bound must be over to be one of them all.
 const MOST_OF_THEM: f64 = 0.95;
@@ -15,7 +14,7 @@ const MOST_OF_THEM: f64 = 0.95;
 /// Measures schemas at the same points: those that the touches determine in the end.
 #[derive(Debug)]
 pub struct Progress<'a> {
-    creature: &'a Creature,
+    agent: &'a Agent,
     truth: &'a GroundTruth,
     learned: &'a Learned,
     points: Vec<HeldOutPoint>,
@@ -23,28 +22,25 @@ pub struct Progress<'a> {
 
 impl<'a> Progress<'a> {
     /// For schemas on the way to what was learned.
-    pub fn new(
-        creature: &'a Creature,
-        skin: &Skin,
-        truth: &'a GroundTruth,
-        learned: &'a Learned,
-    ) -> Progress<'a> {
+    pub fn new(agent: &'a Agent, truth: &'a GroundTruth, learned: &'a Learned) -> Progress<'a> {
         let determined = |point: &HeldOutPoint| {
             let [a, b] = point.limbs;
-            Chain::between(creature, a, b).joints().all(|joint| !learned.undetermined.contains(&joint))
+            Chain::between(agent.creature(), a, b)
+                .joints()
+                .all(|joint| !learned.undetermined.contains(&joint))
                 && !point.limbs.iter().any(|limb| learned.undetermined_limbs.contains(limb))
         };
-        let mut points = held_out_points(creature, skin);
+        let mut points = held_out_points(agent);
         // Where nothing is determined, or the learner cannot tell, all count.
         if points.iter().any(determined) {
             points.retain(determined);
         }
-        Progress { creature, truth, learned, points }
+        Progress { agent, truth, learned, points }
     }
 
     /// Root mean square of a schema's held-out errors, millimetres; none where there is no point.
     pub fn error_rms(&self, schema: &BodySchema) -> Option<f64> {
-        let errors = held_out(self.creature, self.truth, schema, &self.points);
+        let errors = held_out(self.agent.creature(), self.truth, schema, &self.points);
         let squares: f64 = errors.iter().map(|error| error.millimetres.powi(2)).sum();
         (!errors.is_empty()).then(|| (squares / errors.len() as f64).sqrt())
     }
@@ -52,9 +48,9 @@ impl<'a> Progress<'a> {
     /// The Cramér-Rao bound of the same from touches that determine so much, millimetres; none where they leave
     /// some of it open.
     pub fn bound_rms(&self, observability: &Observability) -> Option<f64> {
-        let (creature, learned) = (self.creature, self.learned);
+        let (creature, learned) = (self.agent.creature(), self.learned);
         let errors = held_out(creature, self.truth, &learned.schema, &self.points);
-        let bound = Bound::new(
+        let bound = CramerRaoBound::new(
             creature,
             &learned.schema,
             observability,

@@ -1,17 +1,19 @@
 //! A creature that acts by its schema: it moves, feels, and stops at what it feels.
 //!
-//! All that it knows of its body is an [`OwnBody`]; all that it knows of the world it has felt. Of the scene it uses
+//! All that it knows of its body is an [`OwnBody`]; all that it knows of the world it has felt. By its handle it has
 //! its joint angles, its sense of balance, and what its receptors feel.
 
 use std::collections::{BTreeSet, VecDeque};
 
 use nalgebra::Vector3;
 
-use super::scene::{Feeling, Scene, Touched};
-use crate::babbling::between;
-use crate::kinematics::Frame;
-use crate::mujoco;
-use crate::peripersonal::{Aim, Clearance, Obstacle, OwnBody, Reaching, Way, distance};
+use crate::creature::{Creature, Posture};
+use crate::geometry::Frame;
+use crate::peripersonal::{
+    CollisionChecker, Obstacle, OwnBody, PosturePath, ReachTarget, Reaching, distance,
+};
+use crate::senses::{SkinContact, Toucher};
+use crate::simulation::{AgentHandle, EngineResult};
 
 /// How fast the tips of the hands go where nothing is expected, metres a second …
 pub const SWIFT: f64 = 0.6;
@@ -56,39 +58,78 @@ pub enum Stop {
     /// Where it was to go.
     Arrived,
     /// At something that was felt.
-    Felt(Vec<Feeling>),
+    Felt(Vec<SkinContact>),
 }
 
 /// Something that was felt, and where that was.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Found {
+pub struct FoundThing {
     /// The receptor that felt it.
     pub receptor: usize,
     /// The number of the thing.
     pub thing: usize,
     /// The posture in which it did.
-    pub posture: Vec<f64>,
+    pub posture: Posture,
     /// Where that was in the root's frame, by the schema, metres.
     pub point: Vector3<f64>,
     /// The unit direction into the thing, in the root's frame.
     pub direction: Vector3<f64>,
 }
 
-impl Found {
+impl FoundThing {
     /// Where it was, and the way into the thing.
-    pub fn aim(&self) -> Aim {
-        Aim { point: self.point, direction: self.direction }
+    pub fn aim(&self) -> ReachTarget {
+        ReachTarget { point: self.point, direction: self.direction }
     }
+}
+
+/// Why a creature cannot act.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum ActorError {
+    /// The one on the stage is another: name and number of joints of either.
+    #[error(
+        "the schema is of {} with {} joints, the scene has {} with {}: give the scene of the creature that learned it",
+        known.0, known.1, there.0, there.1
+    )]
+    Creature {
+        /// The one that learned the schema.
+        known: (String, usize),
+        /// The one on the stage.
+        there: (String, usize),
+    },
+    /// It has another skin there.
+    #[error("the scene's creature has other receptors than the one that learned the schema")]
+    Skin,
+    /// It has no limb of a name.
+    #[error("there is no limb called {name}: give two of {limbs}")]
+    NoLimb {
+        /// The name.
+        name: String,
+        /// The limbs there are.
+        limbs: String,
+    },
+    /// Nothing can be felt with a limb.
+    #[error("{limb} has no receptors: nothing can be felt with it")]
+    NoReceptors {
+        /// The limb.
+        limb: String,
+    },
+    /// A limb cannot move without the other.
+    #[error("nothing moves {} but what moves {}: give two other limbs", limbs[0], limbs[1])]
+    OneArm {
+        /// The limb, and the other.
+        limbs: [String; 2],
+    },
 }
 
 /// A creature that acts.
 pub struct Actor {
     /// What it knows of its body.
     pub own: OwnBody,
-    /// Where it is.
-    pub scene: Scene,
+    /// All that it has of where it is.
+    pub(super) handle: AgentHandle,
     /// Its surfaces and what it knows to be about it, the table first once it has been felt.
-    pub clearance: Clearance,
+    pub clearance: CollisionChecker,
     /// The limbs that act.
     pub hands: [Hand; 2],
     /// Against gravity, in the root's frame.
@@ -102,18 +143,18 @@ pub struct Actor {
     /// Contacts that no motion was meant to bring about.
     pub unintended: usize,
     /// The postures of the last motion, step by step.
-    trail: VecDeque<Vec<f64>>,
+    trail: VecDeque<Posture>,
     pub(super) seed: u64,
 }
 
 impl Actor {
-    /// A creature in a scene that acts with two limbs, by their names, and faces along x of its root.
+    /// A creature on a stage that acts with two limbs, by their names, and faces along x of its root.
     ///
     /// # Errors
-    /// A clause that says what does not fit.
-    pub fn new(own: OwnBody, scene: Scene, hands: [&str; 2], seed: u64) -> Result<Actor, String> {
-        let clearance = Clearance::new(&own);
-        Actor::with_clearance(own, clearance, scene, hands, seed)
+    /// See [`ActorError`].
+    pub fn new(own: OwnBody, handle: AgentHandle, hands: [&str; 2], seed: u64) -> Result<Actor, ActorError> {
+        let clearance = CollisionChecker::new(&own);
+        Actor::with_clearance(own, clearance, handle, hands, seed)
     }
 
     /// The same with the clearance of the body, which takes a while to work out, at hand.
@@ -122,36 +163,29 @@ impl Actor {
     /// As [`Actor::new`].
     pub fn with_clearance(
         own: OwnBody,
-        clearance: Clearance,
-        scene: Scene,
+        clearance: CollisionChecker,
+        handle: AgentHandle,
         hands: [&str; 2],
         seed: u64,
-    ) -> Result<Actor, String> {
-        let known = (own.creature.limbs(), own.creature.joints().len(), own.creature.coordinates());
-        let there = &scene.body.creature;
+    ) -> Result<Actor, ActorError> {
+        let known = (own.creature().limbs(), own.creature().joints().len(), own.creature().coordinates());
+        let there = handle.agent().creature();
         if known != (there.limbs(), there.joints().len(), there.coordinates()) {
-            return Err(format!(
-                "the schema is of {} with {} joints, the scene has {} with {}: give the scene of the creature that learned it",
-                own.creature.name(),
-                own.creature.joints().len(),
-                there.name(),
-                there.joints().len()
-            ));
+            let told = |creature: &Creature| (creature.name().to_string(), creature.joints().len());
+            return Err(ActorError::Creature { known: told(own.creature()), there: told(there) });
         }
         let skin = |skin: &crate::skin::Skin| {
             skin.receptors.iter().map(|receptor| receptor.id.clone()).collect::<Vec<_>>()
         };
-        if skin(&own.skin) != skin(&scene.skin) {
-            return Err(
-                "the scene's creature has other receptors than the one that learned the schema".into()
-            );
+        if skin(own.skin()) != skin(handle.agent().skin()) {
+            return Err(ActorError::Skin);
         }
         let limb = |name: &str| {
-            let limb = own.creature.limb(name);
-            limb.ok_or_else(|| format!("there is no limb called {name}: give two of {}", known.0.join(", ")))
+            let limb = own.creature().limb(name);
+            limb.ok_or_else(|| ActorError::NoLimb { name: name.to_string(), limbs: known.0.join(", ") })
         };
         let limbs = [limb(hands[0])?, limb(hands[1])?];
-        let up = scene.up();
+        let up = handle.up();
         // A creature that lies has no front along x; any horizontal direction is as good.
         let level = |v: Vector3<f64>| (v - up * v.dot(&up)).try_normalize(1e-3);
         let front = level(Vector3::x()).or(level(Vector3::y())).unwrap_or_else(Vector3::x);
@@ -164,15 +198,10 @@ impl Actor {
                 (frames[place.limb].point(&place.point) - frames[limb].origin).norm()
             };
             let tip = receptors.iter().copied().max_by(|a, b| far(a).total_cmp(&far(b)));
-            let tip =
-                tip.ok_or_else(|| format!("{} has no receptors: nothing can be felt with it", hands[k]))?;
+            let tip = tip.ok_or_else(|| ActorError::NoReceptors { limb: hands[k].to_string() })?;
             let arm = own.joints_of(limb, &[other]);
             if arm.is_empty() {
-                return Err(format!(
-                    "nothing moves {} but what moves {}: give two other limbs",
-                    hands[k],
-                    hands[1 - k]
-                ));
+                return Err(ActorError::OneArm { limbs: [hands[k], hands[1 - k]].map(str::to_string) });
             }
             let leaning = own.joints_to(limb);
             Ok(Hand { name: hands[k].to_string(), limb, arm, leaning, receptors, tip })
@@ -181,7 +210,7 @@ impl Actor {
         let (table, unintended) = (None, 0);
         Ok(Actor {
             own,
-            scene,
+            handle,
             clearance,
             hands,
             up,
@@ -194,14 +223,14 @@ impl Actor {
         })
     }
 
-    /// The posture that it is in.
-    pub fn posture(&self) -> Vec<f64> {
-        self.scene.posture().to_vec()
+    /// The posture that it feels itself in.
+    pub fn posture(&self) -> Posture {
+        self.handle.posture()
     }
 
     /// Its limbs' poses in the root's frame as the schema has them.
     pub fn frames(&self) -> Vec<Frame> {
-        self.own.frames(self.scene.posture())
+        self.own.frames(&self.handle.posture())
     }
 
     /// A body that reaches with some joints; a new random stream with each.
@@ -212,8 +241,8 @@ impl Actor {
 
     /// Which hand a receptor's limb belongs to or carries: the arm that felt.
     pub fn arm_of(&self, receptor: usize) -> Option<usize> {
-        let limb = self.own.skin.receptors[receptor].limb;
-        let joint = self.own.creature.joint_of(limb)?;
+        let limb = self.own.skin().receptors[receptor].limb;
+        let joint = self.own.creature().joint_of(limb)?;
         let on_arm = |hand: &Hand| hand.arm.contains(&joint) || self.own.carried_by(hand.limb)[limb];
         self.hands.iter().position(on_arm)
     }
@@ -231,11 +260,11 @@ impl Actor {
     }
 
     /// Whether what is felt is the table, as far as it is known where that is.
-    pub fn is_table(&self, feeling: &Feeling) -> bool {
-        let (point, normal) = self.feels_at(feeling.receptor);
+    pub fn is_table(&self, contact: &SkinContact) -> bool {
+        let (point, normal) = self.feels_at(contact.spot.receptor);
         let down = normal.dot(&self.up) < -0.2;
-        match (self.table, feeling.what) {
-            (Some(height), Touched::Thing(_)) => down && (point.dot(&self.up) - height).abs() < TABLE,
+        match (self.table, contact.by) {
+            (Some(height), Toucher::Thing(_)) => down && (point.dot(&self.up) - height).abs() < TABLE,
             _ => false,
         }
     }
@@ -251,7 +280,7 @@ impl Actor {
     /// How far forward the trunk reaches at a height: no table is nearer than this, metres along `front`.
     pub fn trunk_front(&self, height: f64) -> f64 {
         let frames = self.own.frames(&self.own.at_ease());
-        let trunk = self.own.skin.surfaces.iter().filter(|surface| !self.on_arm(surface.limb));
+        let trunk = self.own.skin().surfaces.iter().filter(|surface| !self.on_arm(surface.limb));
         // What is far above or below has the table in front of it or over it.
         let front = trunk.filter_map(|surface| {
             let frame = &frames[surface.limb];
@@ -268,19 +297,12 @@ impl Actor {
     /// Where the engine fails.
     pub fn follow(
         &mut self,
-        way: &Way,
+        way: &PosturePath,
         speed: f64,
-        heeded: impl Fn(&Actor, &Feeling) -> bool,
-    ) -> mujoco::Result<Stop> {
-        let party = |actor: &Actor, feeling: &Feeling| {
-            let what = match feeling.what {
-                Touched::Own(other) => Touched::Own(actor.own.skin.receptors[other].limb),
-                what => what,
-            };
-            (actor.own.skin.receptors[feeling.receptor].limb, what)
-        };
-        let mut parting: Option<BTreeSet<(usize, Touched)>> = None;
-        let step = self.scene.timestep();
+        heeded: impl Fn(&Actor, &SkinContact) -> bool,
+    ) -> EngineResult<Stop> {
+        let mut parting: Option<BTreeSet<_>> = None;
+        let step = self.handle.timestep();
         for target in &way.0 {
             let start = self.posture();
             let joints = distance(&start, target);
@@ -292,20 +314,20 @@ impl Actor {
             let seconds = (joints / FASTEST_JOINT).max(tips / speed);
             let steps = (seconds / step).ceil().max(1.0) as usize;
             for k in 1..=steps {
-                let posture = between(&self.own.creature, &start, target, k as f64 / steps as f64);
-                let felt = self.scene.step(&posture)?;
+                let posture = Posture::between(self.own.creature(), &start, target, k as f64 / steps as f64);
+                let felt = self.handle.step(&posture)?;
                 self.trail.push_back(posture);
                 if self.trail.len() > TRAIL {
                     self.trail.pop_front();
                 }
-                let present: BTreeSet<_> = felt.iter().map(|feeling| party(self, feeling)).collect();
+                let present: BTreeSet<_> = felt.iter().map(SkinContact::parties).collect();
                 // What touches at the start is being left; once it is left it counts anew.
                 let left = match &parting {
                     None => present.clone(),
                     Some(before) => before.intersection(&present).copied().collect(),
                 };
-                let news: Vec<Feeling> =
-                    felt.into_iter().filter(|f| !left.contains(&party(self, f)) && heeded(self, f)).collect();
+                let news: Vec<SkinContact> =
+                    felt.into_iter().filter(|f| !left.contains(&f.parties()) && heeded(self, f)).collect();
                 parting = Some(left);
                 if !news.is_empty() {
                     return Ok(Stop::Felt(news));
@@ -315,39 +337,53 @@ impl Actor {
         Ok(Stop::Arrived)
     }
 
-    /// Is put into a posture by a partner: nothing is felt on the way, and nothing is remembered of it.
+    /// Has been put into a posture by a partner: nothing is remembered of how it came there.
+    pub fn was_placed(&mut self) {
+        self.trail.clear();
+    }
+
+    /// Goes on by one step, at whose end it is in a posture, and tells what touches it.
     ///
     /// # Errors
     /// Where the engine fails.
-    pub fn place(&mut self, posture: &[f64]) -> mujoco::Result<()> {
-        self.trail.clear();
-        self.scene.place(posture)
+    pub fn step(&mut self, towards: &[f64]) -> EngineResult<Vec<SkinContact>> {
+        self.handle.step(towards)
+    }
+
+    /// Holds what the limb of a receptor touches, until it is let go; whether there was something that can be held.
+    pub fn hold(&mut self, receptor: usize) -> bool {
+        self.handle.hold(receptor)
+    }
+
+    /// Lets go of all that it holds.
+    pub fn let_go(&mut self) {
+        self.handle.let_go();
     }
 
     /// Stays as it is for some time.
     ///
     /// # Errors
     /// Where the engine fails.
-    pub fn wait(&mut self, seconds: f64) -> mujoco::Result<Vec<Feeling>> {
+    pub fn wait(&mut self, seconds: f64) -> EngineResult<Vec<SkinContact>> {
         let posture = self.posture();
-        let steps = (seconds / self.scene.timestep()).ceil().max(1.0) as usize;
+        let steps = (seconds / self.handle.timestep()).ceil().max(1.0) as usize;
         let mut felt = Vec::new();
         for _ in 0..steps {
-            felt = self.scene.step(&posture)?;
+            felt = self.handle.step(&posture)?;
         }
         Ok(felt)
     }
 
-    /// What a feeling of a thing tells, in the present posture; none where it is one's own skin.
-    pub fn found(&self, feeling: &Feeling) -> Option<Found> {
-        let Touched::Thing(thing) = feeling.what else { return None };
-        let receptor = feeling.receptor;
-        let limb = self.own.skin.receptors[receptor].limb;
+    /// What a contact of a thing tells, in the present posture; none where it is one's own skin.
+    pub fn found(&self, contact: &SkinContact) -> Option<FoundThing> {
+        let Toucher::Thing(thing) = contact.by else { return None };
+        let receptor = contact.spot.receptor;
+        let limb = self.own.skin().receptors[receptor].limb;
         let frame = self.frames()[limb];
         let place = self.own.place(receptor);
         let before = self.trail.len().checked_sub(LATELY).map(|k| self.own.frames(&self.trail[k])[limb]);
         let moved = before.map(|before| frame.point(&place.point) - before.point(&place.point));
-        let fine = self.fine_touch.then(|| self.scene.felt_point(feeling)).flatten();
+        let fine = self.fine_touch.then_some(contact.spot.point);
         let ahead = moved.and_then(|moved| moved.try_normalize(1e-4));
         let place = match (fine.and_then(|point| self.own.on_surface(receptor, &point)), ahead) {
             (Some(exact), _) => exact,
@@ -355,11 +391,11 @@ impl Actor {
             (None, None) => place,
         };
         let (point, direction) = (frame.point(&place.point), frame.rotation * place.direction);
-        Some(Found { receptor, thing, posture: self.posture(), point, direction })
+        Some(FoundThing { receptor, thing, posture: self.posture(), point, direction })
     }
 
     /// The way back on which the skin of a receptor came here, `far` metres of it; none where it has not moved.
-    pub fn back_by(&self, receptor: usize, far: f64) -> Option<Way> {
+    pub fn back_by(&self, receptor: usize, far: f64) -> Option<PosturePath> {
         let place = self.own.place(receptor);
         let at = |posture: &[f64]| self.own.frames(posture)[place.limb].point(&place.point);
         let here = at(self.trail.back()?);
@@ -367,9 +403,9 @@ impl Actor {
         for posture in self.trail.iter().rev().step_by(5) {
             way.push(posture.clone());
             if (at(posture) - here).norm() > far {
-                return Some(Way(way));
+                return Some(PosturePath(way));
             }
         }
-        (way.len() > 2).then_some(Way(way))
+        (way.len() > 2).then_some(PosturePath(way))
     }
 }

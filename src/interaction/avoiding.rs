@@ -11,13 +11,12 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 use super::actor::Actor;
-use super::scene::Feeling;
-use crate::babbling::between;
-use crate::creature::DofKind;
-use crate::kinematics::{Facing, Frame, InverseKinematics, Place};
-use crate::mujoco;
-use crate::peripersonal::{Clearance, Obstacle, OwnBody, distance};
-use crate::senses::{Approach, Aura, LOOK_PERIOD};
+use crate::creature::Posture;
+use crate::geometry::{Capsule, Frame};
+use crate::kinematics::{Facing, InverseKinematics, Place};
+use crate::peripersonal::{CollisionChecker, Obstacle, OwnBody, distance};
+use crate::senses::{Approach, LOOK_PERIOD, SkinContact};
+use crate::simulation::EngineResult;
 
 /// The fastest that a joint turns when it gets out of the way, radians a second.
 pub const QUICK: f64 = 3.0;
@@ -59,7 +58,7 @@ const FINE: f64 = 0.08;
 
 /// What is seen of a thing.
 #[derive(Clone, Debug, Default)]
-struct Track {
+struct SeenThing {
     /// When and where its middle is taken to have been.
     middles: VecDeque<(f64, Vector3<f64>)>,
     /// When and where its nearest points were.
@@ -68,7 +67,7 @@ struct Track {
 
 /// Where a thing is and where it goes, in the root's frame.
 #[derive(Clone, Copy, Debug)]
-struct Course {
+struct ThingCourse {
     middle: Vector3<f64>,
     velocity: Vector3<f64>,
     radius: f64,
@@ -79,20 +78,19 @@ struct Group {
     /// Whether a limb moves with them.
     carried: Vec<bool>,
     /// All but the things that move.
-    clearance: Clearance,
+    clearance: CollisionChecker,
 }
 
 /// Where it goes to get out of the way.
 struct Escape {
-    posture: Vec<f64>,
+    posture: Posture,
     group: Vec<usize>,
     gap: f64,
 }
 
 /// A creature that watches what comes near, step by step.
 pub struct Avoiding {
-    aura: Aura,
-    tracks: BTreeMap<usize, Track>,
+    tracks: BTreeMap<usize, SeenThing>,
     groups: BTreeMap<Vec<usize>, Group>,
     escape: Option<Escape>,
     /// When the aura looks again, and from when on a plan may be made anew, seconds.
@@ -103,7 +101,7 @@ pub struct Avoiding {
     rng: ChaCha8Rng,
 }
 
-impl Track {
+impl SeenThing {
     /// Takes in where the nearest point is, and the unit direction to it from the skin.
     fn look(&mut self, time: f64, nearest: Vector3<f64>, toward: Vector3<f64>) {
         let middle = nearest + toward * BEHIND;
@@ -136,20 +134,20 @@ impl Track {
         Some((place + velocity * (last - time), last, velocity))
     }
 
-    fn course(&self) -> Option<Course> {
+    fn course(&self) -> Option<ThingCourse> {
         let (middle, now, velocity) = self.motion()?;
         // All points of it that were seen, as they have gone on since.
         let reach = self.outline.iter().map(|(time, p)| (p + velocity * (now - time) - middle).norm());
         let radius = reach.fold(GIRTH, f64::max).min(GREATEST);
-        (velocity.norm() > SLOWEST).then_some(Course { middle, velocity, radius })
+        (velocity.norm() > SLOWEST).then_some(ThingCourse { middle, velocity, radius })
     }
 }
 
-impl Course {
+impl ThingCourse {
     /// Where it is from one time on, seconds from now, until it has gone as far as is foreseen.
     fn swept(&self, from: f64, until: f64, radius: f64) -> Obstacle {
         let ends = [from, until].map(|seconds| self.middle + self.velocity * seconds);
-        Obstacle::Capsule { ends, radius }
+        Obstacle::Capsule(Capsule { ends, radius })
     }
 
     /// How far ahead it is foreseen, seconds.
@@ -159,12 +157,12 @@ impl Course {
 }
 
 impl Group {
-    fn new(own: &OwnBody, clearance: &Clearance, joints: &[usize]) -> Group {
+    fn new(own: &OwnBody, clearance: &CollisionChecker, joints: &[usize]) -> Group {
         Group { carried: own.moved_by(joints), clearance: clearance.moved_by(own, joints) }
     }
 
     /// How far the limbs that move are from an obstacle, up to `below`, metres.
-    fn gap(&self, clearance: &Clearance, frames: &[Frame], obstacle: &Obstacle, below: f64) -> f64 {
+    fn gap(&self, clearance: &CollisionChecker, frames: &[Frame], obstacle: &Obstacle, below: f64) -> f64 {
         let limbs = (0..self.carried.len()).filter(|&limb| self.carried[limb]);
         limbs.fold(below, |least, limb| least.min(clearance.to_obstacle(frames, limb, obstacle, least)))
     }
@@ -174,9 +172,9 @@ impl Group {
     fn way(
         &self,
         own: &OwnBody,
-        clearance: &Clearance,
+        clearance: &CollisionChecker,
         [from, to]: [&[f64]; 2],
-        course: &Course,
+        course: &ThingCourse,
     ) -> Option<f64> {
         let far = distance(from, to);
         let steps = (far / FINE).ceil().max(1.0) as usize;
@@ -184,7 +182,7 @@ impl Group {
         let mut least = WANTED;
         for k in (1..=steps).rev() {
             let share = k as f64 / steps as f64;
-            let frames = own.frames(&between(&own.creature, from, to, share));
+            let frames = own.frames(&Posture::between(own.creature(), from, to, share));
             if !clearance.free(&frames, MARGIN) {
                 return None;
             }
@@ -199,16 +197,9 @@ impl Group {
 
 impl Avoiding {
     /// A creature that watches from now on.
-    ///
-    /// # Errors
-    /// Where the engine fails.
-    pub fn new(actor: &mut Actor) -> mujoco::Result<Avoiding> {
-        let (posture, at_ease) = (actor.posture(), actor.own.at_ease());
-        actor.scene.place(&at_ease)?;
-        let aura = Aura::new(&actor.scene.body, &actor.scene.skin, &actor.scene.data);
-        actor.scene.place(&posture)?;
-        Ok(Avoiding {
-            aura,
+    pub fn new(actor: &mut Actor) -> Avoiding {
+        actor.handle.watch_out();
+        Avoiding {
             tracks: BTreeMap::new(),
             groups: BTreeMap::new(),
             escape: None,
@@ -216,32 +207,29 @@ impl Avoiding {
             again: f64::NEG_INFINITY,
             plans: 0,
             rng: ChaCha8Rng::seed_from_u64(actor.seed),
-        })
+        }
     }
 
-    /// Goes on by one step of the scene, out of the way of what comes near, and tells what is felt.
+    /// Goes on by one step, out of the way of what comes near, and tells what is felt.
     ///
     /// # Errors
     /// Where the engine fails.
-    pub fn step(&mut self, actor: &mut Actor) -> mujoco::Result<Vec<Feeling>> {
+    pub fn step(&mut self, actor: &mut Actor) -> EngineResult<Vec<SkinContact>> {
         let from = actor.posture();
         let target = match &self.escape {
             None => from.clone(),
             Some(escape) => {
                 let far = distance(&from, &escape.posture);
-                let share = (QUICK * actor.scene.timestep() / far.max(f64::MIN_POSITIVE)).min(1.0);
-                between(&actor.own.creature, &from, &escape.posture, share)
+                let share = (QUICK * actor.handle.timestep() / far.max(f64::MIN_POSITIVE)).min(1.0);
+                Posture::between(actor.own.creature(), &from, &escape.posture, share)
             }
         };
-        let felt = actor.scene.step(&target)?;
-        let time = actor.scene.time();
+        let felt = actor.handle.step(&target)?;
+        let time = actor.handle.time();
         if time >= self.next {
             self.next = time + LOOK_PERIOD - 1e-9;
-            let Actor { scene, .. } = &*actor;
-            self.aura.step(time, &scene.body, &scene.skin, &scene.data);
-            // What the step computed is of the posture that it began with.
-            let frames = actor.own.frames(&from);
-            let seen: Vec<Approach> = self.aura.approaches().cloned().collect();
+            let frames = actor.frames();
+            let seen = actor.handle.approaches();
             self.tracks.retain(|object, _| seen.iter().any(|approach| approach.object == *object));
             for approach in &seen {
                 let frame = &frames[approach.limb];
@@ -259,7 +247,7 @@ impl Avoiding {
 
     /// Plans a way out where one is needed.
     fn heed(&mut self, actor: &Actor, approach: &Approach, time: f64) {
-        let Some(course) = self.tracks.get(&approach.object).and_then(Track::course) else { return };
+        let Some(course) = self.tracks.get(&approach.object).and_then(SeenThing::course) else { return };
         if time < self.again {
             return;
         }
@@ -320,22 +308,22 @@ impl Avoiding {
         actor: &Actor,
         joints: &[usize],
         [now, base]: [&[f64]; 2],
-        course: &Course,
+        course: &ThingCourse,
         place: Option<Place>,
-    ) -> Option<(Vec<f64>, f64)> {
+    ) -> Option<(Posture, f64)> {
         let mut rng = self.rng.clone();
         let own = &actor.own;
         let group = self.group(actor, joints);
         let eased = group.eased(own, now);
         // These joints begin from where they are.
-        let mut start = base.to_vec();
+        let mut start = Posture::from(base);
         for &joint in joints {
-            let q = own.creature.joints()[joint].coordinates();
+            let q = own.creature().joints()[joint].coordinates();
             start[q.clone()].copy_from_slice(&now[q]);
         }
         let mut postures = vec![start.clone()];
-        if base != start {
-            postures.push(base.to_vec());
+        if *base != *start {
+            postures.push(Posture::from(base));
         }
         postures.extend(pushes(own, joints, &start, course, place));
         for radius in RADII {
@@ -348,15 +336,14 @@ impl Avoiding {
             let gap = group.gap(&eased, &frames, &there, WANTED);
             (gap > enough && eased.free(&frames, MARGIN)).then_some(gap)
         };
-        let mut rated: Vec<(f64, f64, Vec<f64>)> = Vec::new();
+        let mut rated: Vec<(f64, f64, Posture)> = Vec::new();
         for posture in postures {
             if let Some(gap) = clear(&posture, f64::NEG_INFINITY) {
                 rated.push((gap, distance(now, &posture), posture));
             }
         }
-        let better = |a: &(f64, f64, Vec<f64>), b: &(f64, f64, Vec<f64>)| {
-            b.0.total_cmp(&a.0).then(a.1.total_cmp(&b.1))
-        };
+        let better =
+            |a: &(f64, f64, Posture), b: &(f64, f64, Posture)| b.0.total_cmp(&a.0).then(a.1.total_cmp(&b.1));
         rated.sort_by(better);
         if let Some((mut gap, _, mut posture)) = rated.first().cloned().filter(|best| best.0 < WANTED) {
             for k in 0..BETTERED {
@@ -372,7 +359,7 @@ impl Avoiding {
             }
             rated.sort_by(better);
         }
-        let mut best: Option<(Vec<f64>, f64)> = None;
+        let mut best: Option<(Posture, f64)> = None;
         for (gap, _, posture) in rated.into_iter().take(CANDIDATES) {
             if best.as_ref().is_some_and(|best| gap <= best.1) {
                 break;
@@ -392,7 +379,7 @@ impl Avoiding {
 
 impl Group {
     /// Its clearance where what is near now need not be farther away.
-    fn eased(&self, own: &OwnBody, now: &[f64]) -> Clearance {
+    fn eased(&self, own: &OwnBody, now: &[f64]) -> CollisionChecker {
         self.clearance.eased_at(&[own.frames(now)], MARGIN)
     }
 }
@@ -401,7 +388,7 @@ impl Group {
 fn foreseen(
     actor: &Actor,
     approach: &Approach,
-    course: &Course,
+    course: &ThingCourse,
     now: &[f64],
 ) -> Option<(usize, Option<Place>)> {
     if let Some(contact) = &approach.contact {
@@ -441,9 +428,9 @@ fn pushes(
     own: &OwnBody,
     joints: &[usize],
     start: &[f64],
-    course: &Course,
+    course: &ThingCourse,
     place: Option<Place>,
-) -> Vec<Vec<f64>> {
+) -> Vec<Posture> {
     let Some(place) = place else { return Vec::new() };
     let place = Place { direction: Vector3::zeros(), ..place };
     let here = own.frames(start)[place.limb].point(&place.point);
@@ -459,7 +446,7 @@ fn pushes(
             let point =
                 passed + (aside * angle.cos() + other * angle.sin()) * (course.radius + WANTED + length);
             let target = Place { limb: 0, point, direction: Vector3::zeros() };
-            let mut solver = InverseKinematics::new(&own.creature, &own.schema, [place, target])
+            let mut solver = InverseKinematics::new(own.creature(), &own.schema, [place, target])
                 .with_facing(Facing::Parallel)
                 .moving(|joint| joints.contains(&joint))
                 .at_ease(start);
@@ -470,20 +457,18 @@ fn pushes(
 }
 
 /// A posture that differs in some joints by at most `radius`, radians.
-fn nudged(own: &OwnBody, joints: &[usize], from: &[f64], radius: f64, rng: &mut ChaCha8Rng) -> Vec<f64> {
-    let mut posture = from.to_vec();
+fn nudged(own: &OwnBody, joints: &[usize], from: &[f64], radius: f64, rng: &mut ChaCha8Rng) -> Posture {
+    let mut posture = Posture::from(from);
     for &joint in joints {
-        let joint = &own.creature.joints()[joint];
-        let mut q = joint.first_coordinate();
-        for dof in &joint.dofs {
-            let [low, high] = dof.range;
-            if dof.kind != DofKind::Ball && dof.follows.is_none() && high > low {
+        let joint = &own.creature().joints()[joint];
+        for at in joint.elements().filter(|at| !at.is_ball() && at.follows.is_none()) {
+            let ([low, high], q) = (at.range, at.coordinate());
+            if high > low {
                 posture[q] = (posture[q] + rng.random_range(-radius..radius)).clamp(low, high);
             }
-            q += dof.kind.coordinates();
         }
     }
-    own.creature.couple(&mut posture);
+    own.creature().couple(&mut posture);
     posture
 }
 
@@ -492,14 +477,12 @@ impl Actor {
     ///
     /// # Errors
     /// Where the engine fails.
-    pub fn avoid(&mut self, avoiding: &mut Avoiding, seconds: f64) -> mujoco::Result<Vec<Feeling>> {
-        let steps = (seconds / self.scene.timestep()).ceil().max(1.0) as usize;
+    pub fn avoid(&mut self, avoiding: &mut Avoiding, seconds: f64) -> EngineResult<Vec<SkinContact>> {
+        let steps = (seconds / self.handle.timestep()).ceil().max(1.0) as usize;
         let mut felt = Vec::new();
         for _ in 0..steps {
             felt.extend(avoiding.step(self)?);
         }
-        felt.sort_unstable();
-        felt.dedup();
         Ok(felt)
     }
 }

@@ -7,9 +7,12 @@ use nalgebra::Vector3;
 use serde::Serialize;
 use serde_json::{Value, json};
 
-use super::actor::{Actor, Found};
+use super::actor::{Actor, FoundThing};
 use super::tasks::Trouble;
+use crate::creature::Posture;
+use crate::geometry::Capsule;
 use crate::peripersonal::{Obstacle, OutOfReach};
+use crate::simulation::EngineError;
 
 /// Two things felt nearer than this to each other are one, metres.
 const SAME: f64 = 0.09;
@@ -75,8 +78,8 @@ impl Reply {
 
 /// What it remembers of a thing.
 #[derive(Clone, Debug)]
-struct Known {
-    found: Found,
+struct KnownThing {
+    found: FoundThing,
     /// Where it is, in the root's frame, metres.
     at: Vector3<f64>,
     /// The receptor of a hand that touches it, while one does.
@@ -95,12 +98,12 @@ struct Request {
 pub struct Conversation {
     /// Who talks.
     pub actor: Actor,
-    things: Vec<Known>,
+    things: Vec<KnownThing>,
     /// Which thing "it" is.
     it: Option<usize>,
     pending: Option<Request>,
     last: Option<Request>,
-    ready: Vec<f64>,
+    ready: Posture,
     /// Whether a hand is where it was touched.
     at_spot: bool,
 }
@@ -158,13 +161,17 @@ pub fn understood(request: &str) -> Intent {
 }
 
 impl Conversation {
-    /// A creature that stands ready; its hands go up to where they wait.
+    /// A creature that is where its hands wait, or goes there as far as it can; see [`Actor::ready`].
     ///
     /// # Errors
     /// Where the engine fails.
-    pub fn new(mut actor: Actor) -> Result<Conversation, crate::mujoco::Error> {
+    pub fn new(mut actor: Actor) -> Result<Conversation, EngineError> {
         let ready = actor.ready();
-        actor.place(&ready)?;
+        if actor.posture().distance(&ready) > 0.0
+            && let Err(Trouble::Engine(error)) = actor.go(&ready)
+        {
+            return Err(error);
+        }
         actor.wait(0.5)?;
         Ok(Conversation {
             actor,
@@ -181,7 +188,7 @@ impl Conversation {
     ///
     /// # Errors
     /// Where the engine fails; all else is said in the reply.
-    pub fn hear(&mut self, request: &str) -> Result<Reply, crate::mujoco::Error> {
+    pub fn hear(&mut self, request: &str) -> Result<Reply, EngineError> {
         self.leave_spot();
         let mut intent = understood(request);
         let text = request.to_lowercase();
@@ -236,8 +243,8 @@ impl Conversation {
     ///
     /// # Errors
     /// Where the engine fails; all else is said in the reply.
-    pub fn touched(&mut self, receptor: usize) -> Result<Reply, crate::mujoco::Error> {
-        let id = &self.actor.own.skin.receptors[receptor].id;
+    pub fn touched(&mut self, receptor: usize) -> Result<Reply, EngineError> {
+        let id = &self.actor.own.skin().receptors[receptor].id;
         let feels = format!("I feel you touch my {} (receptor {id})", self.limb_in_words(receptor));
         if let Some(doubt) = self.doubt() {
             return Ok(self.reply(Intent::FeelTouch, format!("{feels}. {doubt}"), Some(false), false));
@@ -272,7 +279,7 @@ impl Conversation {
         }
     }
 
-    fn act(&mut self, request: Request) -> Result<Reply, crate::mujoco::Error> {
+    fn act(&mut self, request: Request) -> Result<Reply, EngineError> {
         let Request { intent, hand, lean } = request;
         let needs_body =
             matches!(intent, Intent::Explore | Intent::Touch | Intent::PutFar | Intent::BringNear);
@@ -302,7 +309,7 @@ impl Conversation {
             Intent::HowFar => Ok(self.how_far()),
             Intent::WhereFelt => Ok(self.where_felt()),
             Intent::Rest => {
-                self.actor.scene.let_go();
+                self.actor.let_go();
                 let ready = self.ready.clone();
                 let went = self.settle(&ready);
                 Ok(self.reply(
@@ -333,11 +340,11 @@ impl Conversation {
         Reply { intent, said, done, asks, felt }
     }
 
-    fn known_json(&self, known: &Known) -> Value {
-        let receptor = &self.actor.own.skin.receptors[known.found.receptor];
+    fn known_json(&self, known: &KnownThing) -> Value {
+        let receptor = &self.actor.own.skin().receptors[known.found.receptor];
         json!({
             "thing": known.found.thing,
-            "felt_by": self.actor.own.creature.limbs()[receptor.limb],
+            "felt_by": self.actor.own.creature().limbs()[receptor.limb],
             "receptor": receptor.id,
             "at": known.at.as_slice(),
             "in_touch": known.in_touch.is_some(),
@@ -347,8 +354,8 @@ impl Conversation {
     /// What went wrong, in words.
     fn in_words(&self, trouble: &Trouble) -> String {
         match trouble {
-            Trouble::Hit(feelings) if !feelings.is_empty() => {
-                format!("I ran into something with my {}", self.limb_in_words(feelings[0].receptor))
+            Trouble::Hit(contacts) if !contacts.is_empty() => {
+                format!("I ran into something with my {}", self.limb_in_words(contacts[0].spot.receptor))
             }
             trouble => trouble.to_string(),
         }
@@ -358,8 +365,8 @@ impl Conversation {
     fn doubt(&self) -> Option<String> {
         let actor = &self.actor;
         let [a, b] = actor.hands.each_ref().map(|hand| actor.own.place(hand.tip));
-        let posture = actor.scene.posture();
-        let doubt = actor.own.trusts(posture, [a.limb, b.limb], &a.point).err()?;
+        let posture = actor.posture();
+        let doubt = actor.own.trusts(&posture, [a.limb, b.limb], &a.point).err()?;
         Some(format!(
             "I do not know my body well enough for this: {doubt}. I should babble and touch myself more first"
         ))
@@ -390,7 +397,7 @@ impl Conversation {
         let has = |word: &str| words.contains(&word);
         let left = self.actor.left();
         let front = self.actor.front;
-        let most = |value: &dyn Fn(&Known) -> f64| {
+        let most = |value: &dyn Fn(&KnownThing) -> f64| {
             (0..self.things.len()).max_by(|&i, &j| value(&self.things[i]).total_cmp(&value(&self.things[j])))
         };
         let by_hand = text.contains("hand") || text.contains("arm");
@@ -422,10 +429,10 @@ impl Conversation {
         format!("{:.0} cm in front of me, {side}", 100.0 * at.dot(&self.actor.front))
     }
 
-    fn remember(&mut self, found: &Found, in_touch: Option<usize>) -> usize {
+    fn remember(&mut self, found: &FoundThing, in_touch: Option<usize>) -> usize {
         let at = found.point + found.direction * 0.02;
-        let known = Known { found: found.clone(), at, in_touch };
-        let same = |other: &Known| (other.at - known.at).norm() < SAME;
+        let known = KnownThing { found: found.clone(), at, in_touch };
+        let same = |other: &KnownThing| (other.at - known.at).norm() < SAME;
         match self.things.iter().position(same) {
             Some(i) => {
                 self.things[i] = known;
@@ -462,7 +469,7 @@ impl Conversation {
         }
     }
 
-    fn explore(&mut self, hand: Option<usize>) -> Result<Reply, crate::mujoco::Error> {
+    fn explore(&mut self, hand: Option<usize>) -> Result<Reply, EngineError> {
         self.let_be();
         if self.actor.table.is_none() {
             let heights: Vec<f64> = (0..2).filter_map(|hand| self.actor.feel_table(hand).ok()).collect();
@@ -475,7 +482,7 @@ impl Conversation {
         // What is known already is kept clear of.
         let table = self.actor.clearance.obstacles.clone();
         for known in &self.things {
-            self.actor.clearance.obstacles.push(Obstacle::Capsule { ends: [known.at; 2], radius: 0.07 });
+            self.actor.clearance.obstacles.push(Obstacle::Capsule(Capsule::ball(known.at, 0.07)));
         }
         let first = hand.unwrap_or(1);
         let mut found = None;
@@ -511,12 +518,12 @@ impl Conversation {
 
     fn limb_in_words(&self, receptor: usize) -> String {
         let own = &self.actor.own;
-        let limb = own.skin.receptors[receptor].limb;
-        let aura = own.creature.aura_of(limb).map(|aura| own.creature.aura_limbs()[aura].name.clone());
-        aura.unwrap_or_else(|| own.creature.limbs()[limb].clone()).replace('_', " ")
+        let limb = own.skin().receptors[receptor].limb;
+        let aura = own.creature().aura_of(limb).map(|aura| own.creature().aura_limbs()[aura].name.clone());
+        aura.unwrap_or_else(|| own.creature().limbs()[limb].clone()).replace('_', " ")
     }
 
-    fn touch(&mut self, hand: Option<usize>, lean: bool) -> Result<Reply, crate::mujoco::Error> {
+    fn touch(&mut self, hand: Option<usize>, lean: bool) -> Result<Reply, EngineError> {
         let i = self.it.expect("it is known which");
         let found = self.things[i].found.clone();
         let touching = self.things[i].in_touch.and_then(|receptor| self.actor.arm_of(receptor));
@@ -564,7 +571,7 @@ impl Conversation {
         }
     }
 
-    fn put(&mut self, far: bool, hand: Option<usize>, lean: bool) -> Result<Reply, crate::mujoco::Error> {
+    fn put(&mut self, far: bool, hand: Option<usize>, lean: bool) -> Result<Reply, EngineError> {
         let intent = if far { Intent::PutFar } else { Intent::BringNear };
         let i = self.it.expect("it is known which");
         let by_hand = |receptor: &usize| {
@@ -582,7 +589,7 @@ impl Conversation {
             }
         }
         let receptor = self.things[i].in_touch.expect("a hand touches it");
-        if !self.actor.scene.hold(receptor) {
+        if !self.actor.hold(receptor) {
             self.things[i].in_touch = None;
             return Ok(self.reply(intent, "It slipped away: I no longer feel it".into(), Some(false), false));
         }
@@ -607,7 +614,7 @@ impl Conversation {
             }
         };
         let Some(spot) = spot else {
-            actor.scene.let_go();
+            actor.let_go();
             return Ok(self.reply(intent, "I find no place for it that I reach".into(), Some(false), false));
         };
         let moved = spot.point - point;
@@ -628,7 +635,7 @@ impl Conversation {
             }
             Err(Trouble::Engine(error)) => Err(error),
             Err(trouble) => {
-                self.actor.scene.let_go();
+                self.actor.let_go();
                 let said = format!("I held it, but did not get it there: {}", self.in_words(&trouble));
                 Ok(self.reply(intent, said, Some(false), false))
             }
@@ -650,7 +657,7 @@ impl Conversation {
             format!("{:.0} cm from my {}", 100.0 * distance.max(0.0), hand.name.replace('_', " "))
         });
         let near = nearest.map_or(String::new(), |(limb, distance)| {
-            let limb = self.actor.own.creature.limbs()[*limb].replace('_', " ");
+            let limb = self.actor.own.creature().limbs()[*limb].replace('_', " ");
             format!("; the nearest to it is my {limb}, {:.0} cm away", 100.0 * distance.max(0.0))
         });
         let said = format!("It is {}: {} and {}{near}", self.place(&known.at), hands[0], hands[1]);
@@ -662,7 +669,7 @@ impl Conversation {
             self.things.iter().filter_map(|known| known.in_touch.map(|receptor| (known, receptor)));
         let told: Vec<String> = touching
             .map(|(known, receptor)| {
-                let id = &self.actor.own.skin.receptors[receptor].id;
+                let id = &self.actor.own.skin().receptors[receptor].id;
                 format!(
                     "I feel it with my {} (receptor {id}), {}",
                     self.limb_in_words(receptor),

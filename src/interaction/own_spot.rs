@@ -1,9 +1,9 @@
 //! Putting a hand to a spot of one's own skin.
 
 use super::actor::{Actor, CAREFUL, SWIFT, Stop};
-use super::scene::{Feeling, Touched};
 use super::tasks::Trouble;
-use crate::peripersonal::{Aim, OutOfReach};
+use crate::peripersonal::{OutOfReach, ReachTarget};
+use crate::senses::SkinContact;
 
 /// A spot that was touched with a hand.
 #[derive(Clone, Debug, PartialEq)]
@@ -25,7 +25,7 @@ impl Actor {
     /// [`Trouble`] of the last hand that was tried.
     pub fn touch_own(&mut self, receptor: usize) -> Result<OwnTouch, Trouble> {
         let (point, normal) = self.feels_at(receptor);
-        let limb = self.own.skin.receptors[receptor].limb;
+        let limb = self.own.skin().receptors[receptor].limb;
         let own_side = usize::from(self.side(0) * point.dot(&self.left()) < 0.0);
         let hands = match self.arm_of(receptor) {
             Some(arm) => vec![1 - arm],
@@ -33,7 +33,7 @@ impl Actor {
         };
         let mut trouble = Trouble::Reach(OutOfReach::Barred);
         for hand in hands {
-            let aim = Aim { point, direction: -normal };
+            let aim = ReachTarget { point, direction: -normal };
             let (arm, receptors) = (self.hands[hand].arm.clone(), self.hands[hand].receptors.clone());
             let from = self.posture();
             let plan = match self.reaching(arm).meeting(limb).approach(&from, &receptors, &aim) {
@@ -47,28 +47,27 @@ impl Actor {
                 Stop::Arrived => self.follow(&plan.straight, CAREFUL, |_, _| true)?,
                 felt => felt,
             };
-            let Stop::Felt(feelings) = stop else {
+            let Stop::Felt(contacts) = stop else {
                 trouble = Trouble::Nothing;
                 continue;
             };
-            match self.met(&feelings, hand, receptor) {
+            match self.met(&contacts, hand, receptor) {
                 Some(touch) => return Ok(touch),
-                None => trouble = Trouble::Hit(feelings),
+                None => trouble = Trouble::Hit(contacts),
             }
         }
         Err(trouble)
     }
 
     /// What of a hand's touches of one's own skin is nearest to a spot on the same limb.
-    fn met(&self, feelings: &[Feeling], hand: usize, receptor: usize) -> Option<OwnTouch> {
-        let skin = &self.own.skin.receptors;
+    fn met(&self, contacts: &[SkinContact], hand: usize, receptor: usize) -> Option<OwnTouch> {
+        let skin = &self.own.skin().receptors;
         let spot = &skin[receptor];
-        let touches = feelings.iter().filter_map(|feeling| {
-            let Touched::Own(felt) = feeling.what else { return None };
-            let meant =
-                self.hands[hand].receptors.contains(&feeling.receptor) && skin[felt].limb == spot.limb;
-            let off = (skin[felt].position - spot.position).norm();
-            meant.then_some(OwnTouch { hand, by: feeling.receptor, felt, off })
+        let touches = contacts.iter().flat_map(SkinContact::felt).filter_map(|(by, toucher)| {
+            let felt = toucher.own()?;
+            let meant = self.hands[hand].receptors.contains(&by.receptor) && felt.limb == spot.limb;
+            let off = (skin[felt.receptor].position - spot.position).norm();
+            meant.then_some(OwnTouch { hand, by: by.receptor, felt: felt.receptor, off })
         });
         touches.min_by(|a, b| a.off.total_cmp(&b.off))
     }

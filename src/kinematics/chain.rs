@@ -4,22 +4,13 @@
 //! figures 3 and 5). All that a touch tells is symmetric in the two, so both points are carried up to C,
 //! where `p_CA = X_CA p_A` and `p_CB = X_CB p_B` must meet. Nothing is inverted: the chain stays valid,
 //! and its derivative polynomial, when the axes are relaxed from unit length.
-//!
-//! What every joint does is in [`ChainSide::frame`], the equation of a body schema:
-//!
-//! ```text
-//! p_P = l_P + R(a_1, θ_1) … R(a_k, θ_k) (Q p_L + c)
-//! ```
-//!
-//! where the limb's pose `(Q, c)` on its joint is the identity unless limbs have frames of their own.
 
-use std::ops::Mul;
+use nalgebra::{Matrix3, Vector3};
 
-use nalgebra::{Isometry3, Matrix3, Quaternion, UnitQuaternion, Vector3};
-use serde::{Deserialize, Serialize};
-
-use super::rotation::{axis_derivative, rotation};
-use crate::creature::{Creature, DofKind};
+use super::forward::{DofTransform, carry_through, joint_transforms};
+use super::rotation::axis_derivative;
+use crate::creature::Creature;
+use crate::geometry::Frame;
 use crate::schema::BodySchema;
 
 /// The joints between two limbs and their common ancestor.
@@ -56,27 +47,14 @@ impl Chain {
     }
 }
 
-/// One degree of freedom at one posture, with what does not depend on the schema worked out.
-#[derive(Clone, Debug)]
-enum Motion {
-    Hinge { sine: f64, versine: f64 },
-    Slide { distance: f64 },
-    Ball { rotation: Matrix3<f64> },
-}
-
-#[derive(Clone, Debug)]
-struct Step {
-    dof: usize,
-    motion: Motion,
-}
-
 /// One side of a chain at one posture: joints from the ancestor outwards, each a position and its
 /// degrees of freedom.
 #[derive(Clone, Debug, Default)]
 pub struct ChainSide {
     /// Joint and the number of its steps.
     joints: Vec<(usize, usize)>,
-    steps: Vec<Step>,
+    /// Degree of freedom, and what it does.
+    steps: Vec<(usize, DofTransform)>,
 }
 
 impl ChainSide {
@@ -86,38 +64,23 @@ impl ChainSide {
         for &j in joints {
             let joint = &creature.joints()[j];
             side.joints.push((j, joint.dofs.len()));
-            let mut coordinate = joint.first_coordinate();
-            for (k, dof) in joint.dofs.iter().enumerate() {
-                let q = &posture[coordinate..coordinate + dof.kind.coordinates()];
-                let motion = match dof.kind {
-                    DofKind::Hinge => Motion::Hinge { sine: q[0].sin(), versine: 1.0 - q[0].cos() },
-                    DofKind::Slide => Motion::Slide { distance: q[0] },
-                    DofKind::Ball => Motion::Ball { rotation: ball(q).to_rotation_matrix().into_inner() },
-                };
-                side.steps.push(Step { dof: joint.first_dof() + k, motion });
-                coordinate += dof.kind.coordinates();
-            }
+            side.steps.extend(joint_transforms(joint, posture));
         }
         side
     }
 
     /// `X_CL`: the pose of the limb at the end of the side in its ancestor.
     pub fn frame(&self, schema: &BodySchema) -> Frame {
+        self.walk(schema, |_, _, _| {})
+    }
+
+    /// The same, past every degree of freedom with the frame just before it.
+    #[inline]
+    fn walk(&self, schema: &BodySchema, mut visit: impl FnMut(usize, &DofTransform, &Frame)) -> Frame {
         let mut frame = Frame::identity();
-        let mut steps = self.steps.iter();
+        let mut steps = self.steps.iter().map(|(dof, transform)| (*dof, transform));
         for &(joint, count) in &self.joints {
-            frame.origin += frame.rotation * schema.positions[joint];
-            for step in steps.by_ref().take(count) {
-                let axis = &schema.axes[step.dof];
-                match &step.motion {
-                    Motion::Hinge { sine, versine } => frame.rotation *= rotation(axis, *sine, *versine),
-                    Motion::Slide { distance } => frame.origin += frame.rotation * axis * *distance,
-                    Motion::Ball { rotation } => frame.rotation *= rotation,
-                }
-            }
-            if let Some(pose) = schema.limb_poses.get(joint) {
-                frame = frame * *pose;
-            }
+            carry_through(schema, joint, steps.by_ref().take(count), &mut frame, &mut visit);
         }
         frame
     }
@@ -132,26 +95,12 @@ impl ChainSide {
     ) {
         let p_c = self.frame(schema).point(p_l);
         // The point as seen from each step on, in C: its offset from the joint, turned about the axis there.
-        let mut frame = Frame::identity();
-        let mut steps = self.steps.iter();
-        for &(joint, count) in &self.joints {
-            frame.origin += frame.rotation * schema.positions[joint];
-            for step in steps.by_ref().take(count) {
-                let axis = &schema.axes[step.dof];
-                match &step.motion {
-                    Motion::Hinge { sine, versine } => {
-                        let axis_c = frame.rotation * axis;
-                        derivatives.push((step.dof, axis_c.cross(&(p_c - frame.origin))));
-                        frame.rotation *= rotation(axis, *sine, *versine);
-                    }
-                    Motion::Slide { distance } => frame.origin += frame.rotation * axis * *distance,
-                    Motion::Ball { rotation } => frame.rotation *= rotation,
-                }
+        self.walk(schema, |dof, transform, frame| {
+            if let DofTransform::Hinge { .. } = transform {
+                let axis_c = frame.direction(&schema.axes[dof]);
+                derivatives.push((dof, axis_c.cross(&(p_c - frame.origin))));
             }
-            if let Some(pose) = schema.limb_poses.get(joint) {
-                frame = frame * *pose;
-            }
-        }
+        });
     }
 
     /// `p_C = X_CL p_L` and its derivatives by every position, axis and limb's pose of the side, into `jacobian`.
@@ -164,15 +113,9 @@ impl ChainSide {
         let mut map = Matrix3::identity();
         for &(joint, count) in &self.joints {
             jacobian.joints.push((joint, map));
-            for step in steps.by_ref().take(count) {
-                jacobian.dofs.push((step.dof, map));
-                match &step.motion {
-                    Motion::Hinge { sine, versine } => {
-                        map *= rotation(&schema.axes[step.dof], *sine, *versine);
-                    }
-                    Motion::Slide { .. } => {}
-                    Motion::Ball { rotation } => map *= rotation,
-                }
+            for (dof, transform) in steps.by_ref().take(count) {
+                jacobian.dofs.push((*dof, map));
+                map = transform.turned(&schema.axes[*dof], map);
             }
             if let Some(pose) = schema.limb_poses.get(joint) {
                 jacobian.poses.push(PoseJacobian { joint, map, point: Vector3::zeros() });
@@ -190,19 +133,20 @@ impl ChainSide {
             }
             for _ in 0..count {
                 k -= 1;
-                let axis = &schema.axes[self.steps[k].dof];
+                let (dof, transform) = &self.steps[k];
+                let axis = &schema.axes[*dof];
                 let derivative = &mut jacobian.dofs[k].1;
-                match &self.steps[k].motion {
-                    Motion::Hinge { sine, versine } => {
+                match transform {
+                    DofTransform::Hinge { sine, versine } => {
                         *derivative *= axis_derivative(axis, *sine, *versine, &p);
                         let cross = axis.cross(&p);
                         p += cross * *sine + axis.cross(&cross) * *versine;
                     }
-                    Motion::Slide { distance } => {
+                    DofTransform::Slide { distance } => {
                         *derivative *= *distance;
                         p += axis * *distance;
                     }
-                    Motion::Ball { rotation } => {
+                    DofTransform::Ball { rotation } => {
                         derivative.fill(0.0);
                         p = rotation * p;
                     }
@@ -239,66 +183,4 @@ pub struct PoseJacobian {
     pub map: Matrix3<f64>,
     /// The point in the limb's own frame, metres.
     pub point: Vector3<f64>,
-}
-
-/// A pose `X_AB`: where frame B is in frame A.
-///
-/// The rotation is a plain matrix, not an orthonormal type: with relaxed axes it need not be one.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Frame {
-    /// Rotation `R_AB`.
-    pub rotation: Matrix3<f64>,
-    /// Origin `p_AB_A` in metres.
-    pub origin: Vector3<f64>,
-}
-
-impl Frame {
-    /// The pose of a frame in itself.
-    pub fn identity() -> Frame {
-        Frame { rotation: Matrix3::identity(), origin: Vector3::zeros() }
-    }
-
-    /// `p_A = X_AB p_B`.
-    pub fn point(&self, p_b: &Vector3<f64>) -> Vector3<f64> {
-        self.rotation * p_b + self.origin
-    }
-
-    /// `p_B = X_AB⁻¹ p_A`, for an orthonormal rotation.
-    pub fn inverse_point(&self, p_a: &Vector3<f64>) -> Vector3<f64> {
-        self.rotation.tr_mul(&(p_a - self.origin))
-    }
-
-    /// `X_BA`, for an orthonormal rotation.
-    pub fn inverse(&self) -> Frame {
-        Frame { rotation: self.rotation.transpose(), origin: -self.rotation.tr_mul(&self.origin) }
-    }
-}
-
-impl From<Isometry3<f64>> for Frame {
-    fn from(pose: Isometry3<f64>) -> Frame {
-        Frame { rotation: pose.rotation.to_rotation_matrix().into_inner(), origin: pose.translation.vector }
-    }
-}
-
-/// `X_AC = X_AB X_BC`.
-impl Mul for Frame {
-    type Output = Frame;
-
-    fn mul(self, inner: Frame) -> Frame {
-        Frame { rotation: self.rotation * inner.rotation, origin: self.point(&inner.origin) }
-    }
-}
-
-/// `X_RL` of every limb in the root limb's frame, at `posture`.
-pub fn limb_frames(creature: &Creature, schema: &BodySchema, posture: &[f64]) -> Vec<Frame> {
-    let mut frames = vec![Frame::identity(); creature.limbs().len()];
-    for (j, joint) in creature.joints().iter().enumerate() {
-        frames[j + 1] = frames[joint.parent] * ChainSide::new(creature, &[j], posture).frame(schema);
-    }
-    frames
-}
-
-/// A ball joint's rotation from its posture coordinates w x y z.
-pub(crate) fn ball(q: &[f64]) -> UnitQuaternion<f64> {
-    UnitQuaternion::from_quaternion(Quaternion::new(q[0], q[1], q[2], q[3]))
 }

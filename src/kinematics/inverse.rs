@@ -5,11 +5,12 @@
 //! parallel to it. Coordinates stay within their ranges; one that is at its limit and would leave it is held for that
 //! step. What freedom is left may draw the posture towards one at ease (Liégeois 1977).
 
-use nalgebra::{Matrix3, Matrix6, UnitQuaternion, Vector3, Vector6};
+use nalgebra::{Matrix6, Vector3, Vector6};
 
-use super::chain::{Chain, Frame, ball};
-use super::rotation::rotation;
-use crate::creature::{Creature, DofKind};
+use super::chain::Chain;
+use super::forward::{DofTransform, carry_through};
+use crate::creature::{Creature, DofKind, Posture, turn_ball};
+use crate::geometry::Frame;
 use crate::schema::BodySchema;
 
 /// How far apart the two points may stay in a posture that counts as found, metres.
@@ -51,7 +52,7 @@ pub enum Facing {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Reach {
     /// The posture, within the joints' ranges.
-    pub posture: Vec<f64>,
+    pub posture: Posture,
     /// How far apart the two points stay, metres.
     pub miss: f64,
     /// Cosine between the two directions: −1 where they are opposed.
@@ -75,10 +76,6 @@ struct Element {
     range: [f64; 2],
     free: bool,
     joint: usize,
-    first: bool,
-    last: bool,
-    /// `R_CL` and origin in C just before the degree of freedom turns, metres.
-    before: (Matrix3<f64>, Vector3<f64>),
 }
 
 /// The problem of bringing two places together.
@@ -87,6 +84,8 @@ pub struct InverseKinematics<'a> {
     creature: &'a Creature,
     schema: &'a BodySchema,
     elements: Vec<Element>,
+    /// Per element, the limb's frame in C just before the degree of freedom turns.
+    before: Vec<Frame>,
     ends: [Place; 2],
     facing: Facing,
     direction_lengths: [f64; 2],
@@ -103,28 +102,24 @@ impl<'a> InverseKinematics<'a> {
         for (side, joints) in chain.sides.iter().enumerate() {
             for &j in joints {
                 let joint = &creature.joints()[j];
-                let mut coordinate = joint.first_coordinate();
                 // A joint without degrees of freedom never occurs: it would be no joint.
-                for (k, dof) in joint.dofs.iter().enumerate() {
+                for at in joint.elements() {
                     elements.push(Element {
                         side,
-                        kind: dof.kind,
-                        dof: joint.first_dof() + k,
-                        coordinate,
-                        range: dof.range,
-                        free: dof.follows.is_none(),
+                        kind: at.kind,
+                        dof: at.axis(),
+                        coordinate: at.coordinate(),
+                        range: at.range,
+                        free: at.follows.is_none(),
                         joint: j,
-                        first: k == 0,
-                        last: k + 1 == joint.dofs.len(),
-                        before: (Matrix3::identity(), Vector3::zeros()),
                     });
-                    coordinate += dof.kind.coordinates();
                 }
             }
         }
         InverseKinematics {
             creature,
             schema,
+            before: vec![Frame::identity(); elements.len()],
             elements,
             ends,
             facing: Facing::Opposed,
@@ -176,7 +171,7 @@ impl<'a> InverseKinematics<'a> {
 
     /// Solves from a start posture; coordinates outside the chain stay as they are there.
     pub fn solve(&mut self, start: &[f64]) -> Reach {
-        let mut posture = start.to_vec();
+        let mut posture = Posture::from(start);
         let last = self.steps.len() - 1;
         for (round, (steps, length)) in self.steps.into_iter().zip(self.direction_lengths).enumerate() {
             for _ in 0..steps {
@@ -204,24 +199,15 @@ impl<'a> InverseKinematics<'a> {
     /// The two points and directions in the common ancestor's frame.
     fn place(&mut self, posture: &[f64]) -> ([Vector3<f64>; 2], [Vector3<f64>; 2]) {
         let mut frames = [Frame::identity(); 2];
-        for element in &mut self.elements {
-            let frame = &mut frames[element.side];
-            if element.first {
-                frame.origin += frame.rotation * self.schema.positions[element.joint];
-            }
-            element.before = (frame.rotation, frame.origin);
-            let q = &posture[element.coordinate..];
-            let axis = &self.schema.axes[element.dof];
-            match element.kind {
-                DofKind::Hinge => frame.rotation *= rotation(axis, q[0].sin(), 1.0 - q[0].cos()),
-                DofKind::Slide => frame.origin += frame.rotation * axis * q[0],
-                DofKind::Ball => frame.rotation *= ball(q).to_rotation_matrix().into_inner(),
-            }
-            if element.last
-                && let Some(pose) = self.schema.limb_poses.get(element.joint)
-            {
-                *frame = *frame * *pose;
-            }
+        let mut before = self.before.iter_mut();
+        for of_joint in self.elements.chunk_by(|a, b| a.joint == b.joint) {
+            let at = |element: &Element| {
+                (element.dof, DofTransform::at(element.kind, &posture[element.coordinate..]))
+            };
+            let frame = &mut frames[of_joint[0].side];
+            carry_through(self.schema, of_joint[0].joint, of_joint.iter().map(at), frame, |_, _, frame| {
+                *before.next().expect("one for each element") = *frame;
+            });
         }
         let points = [0, 1].map(|k| frames[k].point(&self.ends[k].point));
         (points, [0, 1].map(|k| frames[k].rotation * self.ends[k].direction))
@@ -240,8 +226,8 @@ impl<'a> InverseKinematics<'a> {
         for (i, element) in self.elements.iter().enumerate().filter(|(_, element)| element.free) {
             let sign = if element.side == 0 { 1.0 } else { -1.0 };
             let tilted = if self.facing == Facing::Parallel { sign } else { 1.0 };
-            let (turn, origin) = element.before;
-            let arm = points[element.side] - origin;
+            let before = &self.before[i];
+            let arm = points[element.side] - before.origin;
             let mut push = |k: usize, axis: Vector3<f64>, turns: bool| {
                 let (moves, tilts) = match turns {
                     true => (axis.cross(&arm), axis.cross(&directions[element.side]) * (length * tilted)),
@@ -253,8 +239,8 @@ impl<'a> InverseKinematics<'a> {
                 columns.push((i, k, column));
             };
             match element.kind {
-                DofKind::Ball => (0..3).for_each(|k| push(k, turn.column(k).into_owned(), true)),
-                kind => push(0, turn * self.schema.axes[element.dof], kind == DofKind::Hinge),
+                DofKind::Ball => (0..3).for_each(|k| push(k, before.rotation.column(k).into_owned(), true)),
+                kind => push(0, before.direction(&self.schema.axes[element.dof]), kind == DofKind::Hinge),
             }
         }
         // What ease would have each coordinate do; balls have none.
@@ -321,14 +307,4 @@ impl<'a> InverseKinematics<'a> {
             self.creature.couple(posture);
         }
     }
-}
-
-/// Turns a ball's coordinates by a rotation vector in its parent's frame, up to its largest angle.
-pub(crate) fn turn_ball(q: &mut [f64], turn: &Vector3<f64>, most: f64) {
-    let turned = UnitQuaternion::from_scaled_axis(*turn) * ball(q);
-    let limited = match turned.axis_angle() {
-        Some((axis, angle)) if angle > most => UnitQuaternion::from_axis_angle(&axis, most),
-        _ => turned,
-    };
-    q[..4].copy_from_slice(&[limited.w, limited.i, limited.j, limited.k]);
 }

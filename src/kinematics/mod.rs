@@ -4,13 +4,12 @@
 //! serves the agent (with what it has learned) and the evaluation (with the truth) alike.
 
 mod chain;
+mod forward;
 mod inverse;
 mod rotation;
-mod segments;
 
-pub(crate) use chain::ball;
-pub use chain::{Chain, ChainSide, Frame, PoseJacobian, SideJacobian, limb_frames};
-pub(crate) use inverse::turn_ball;
+pub use chain::{Chain, ChainSide, PoseJacobian, SideJacobian};
+pub(crate) use forward::{DofTransform, limb_motions_into};
+pub use forward::{LimbMotion, axis_directions, limb_frames, limb_frames_into};
 pub use inverse::{Facing, InverseKinematics, Place, REACHED, Reach};
 pub use rotation::{axis_derivative, rotation, skew, tangent_basis};
-pub use segments::closest_points;

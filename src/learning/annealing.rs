@@ -5,7 +5,7 @@
 //! falls with them; every step is accepted on the robust cost. It stops falling at the noise that the gaps
 //! themselves show, so that noisy joints or false touches do not turn the fit into a vote of a few.
 
-use crate::creature::Creature;
+use crate::agent::Agent;
 use crate::learning::least_squares::{Stopping, levenberg_marquardt};
 use crate::learning::surface_gap::SurfaceGap;
 use crate::learning::touch_set::{TouchProblem, TouchSet};
@@ -52,7 +52,7 @@ pub fn gaps(skin: &Skin, touches: &TouchSet, schema: &BodySchema) -> Vec<f64> {
     let model = SurfaceGap::new(skin, 1.0);
     let touches = touches.touches();
     let mut gaps: Vec<f64> =
-        touches.map(|touch| model.meeting(&touch.ends, &touch.frames(schema)).gap.abs()).collect();
+        touches.map(|touch| model.gap(&touch.ends, &touch.frames(schema)).distance.abs()).collect();
     gaps.sort_by(f64::total_cmp);
     gaps
 }
@@ -73,30 +73,29 @@ pub fn quantile(sorted: &[f64], share: f64) -> f64 {
 
 /// Fits `parameters` to the surfaces of `touches` from a schema that is right to centimetres.
 pub fn anneal(
-    creature: &Creature,
-    skin: &Skin,
+    agent: &Agent,
     touches: &TouchSet,
     parameters: &Parameters,
     prior: &Prior,
     start: BodySchema,
 ) -> Annealed {
-    anneal_to(NARROWEST, creature, skin, touches, parameters, prior, start)
+    anneal_to(NARROWEST, agent, touches, parameters, prior, start)
 }
 
 /// Like [`anneal`], but never narrower than `narrowest`, metres.
 pub fn anneal_to(
     narrowest: f64,
-    creature: &Creature,
-    skin: &Skin,
+    agent: &Agent,
     touches: &TouchSet,
     parameters: &Parameters,
     prior: &Prior,
     start: BodySchema,
 ) -> Annealed {
+    let skin = agent.skin();
     let mut iterations = 0;
     let mut fit = |schema: BodySchema, deviation: f64, stopping: Stopping| {
         let model = SurfaceGap::new(skin, deviation);
-        let mut problem = TouchProblem::new(creature, touches, parameters, model).with_prior(prior);
+        let mut problem = TouchProblem::new(agent.creature(), touches, parameters, model).with_prior(prior);
         let solution = levenberg_marquardt(&mut problem, parameters, schema, stopping);
         iterations += solution.iterations;
         solution.schema

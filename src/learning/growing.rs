@@ -16,12 +16,12 @@
 
 use rand_chacha::ChaCha8Rng;
 
-use crate::creature::Creature;
+use crate::agent::Agent;
 use crate::learning::annealing::{NARROWEST, WIDEST, anneal_to, gaps, quantile};
 use crate::learning::least_squares::{Stopping, levenberg_marquardt};
 use crate::learning::observation::PointsMeet;
 use crate::learning::open_gaps::OpenGaps;
-use crate::learning::relaxed_gradient::{Doubt, descend};
+use crate::learning::relaxed_gradient::{MissWeights, descend};
 use crate::learning::touch_set::{PairTouches, PreparedTouch, TouchProblem, TouchSet};
 use crate::learning::{AxisModel, Parameters, Prior};
 use crate::schema::BodySchema;
@@ -98,7 +98,7 @@ impl Start {
 /// The ground on which starts are made.
 pub struct Nursery<'a> {
     /// The creature.
-    pub creature: &'a Creature,
+    pub agent: &'a Agent,
     /// The touches to explain.
     pub touches: &'a TouchSet,
     /// What the touches say.
@@ -177,10 +177,10 @@ impl Misfit {
 impl Nursery<'_> {
     /// One start from a random onset.
     pub fn start(&self, route: Route, rng: &mut ChaCha8Rng) -> Start {
-        let joints = self.creature.joints().len();
+        let joints = self.agent.creature().joints().len();
         let mut schema = self.prior.mean.clone();
         for joint in (0..joints).filter(|&joint| !self.frozen[joint]) {
-            self.prior.randomize_joint(self.creature, &mut schema, joint, rng);
+            self.prior.randomize_joint(self.agent.creature(), &mut schema, joint, rng);
         }
         let touches = self.without(&self.starved());
         let mut known = self.frozen.to_vec();
@@ -222,14 +222,14 @@ impl Nursery<'_> {
                 }
             }
         }
-        let placed = vec![true; self.creature.limbs().len()];
+        let placed = vec![true; self.agent.creature().limbs().len()];
         let mut start = Start { schema, known, placed, accepted: misfit.acceptable(), onsets };
-        if let Evidence::Surfaces(skin) = self.evidence
+        if let Evidence::Surfaces(_) = self.evidence
             && start.accepted
         {
-            self.repair(skin, &mut start, rng);
+            self.repair(&mut start, rng);
             if route == Route::Grown && !start.accepted {
-                self.give_up(skin, &mut start);
+                self.give_up(&mut start);
             }
         }
         start
@@ -253,7 +253,7 @@ impl Nursery<'_> {
 
     /// The joints with too few touches to solve them: each touch closes one gap, or brings a point together.
     pub fn starved(&self) -> Vec<bool> {
-        let mut starved = vec![false; self.creature.joints().len()];
+        let mut starved = vec![false; self.agent.creature().joints().len()];
         loop {
             let mut counts = vec![0; starved.len()];
             for pair in self.without(&starved).pairs {
@@ -273,7 +273,7 @@ impl Nursery<'_> {
 
     /// The numbers that a joint adds: its position, and a direction per axis.
     fn unknowns(&self, joint: usize) -> usize {
-        3 + 2 * self.creature.joints()[joint].dofs.len()
+        3 + 2 * self.agent.creature().joints()[joint].dofs.len()
     }
 
     /// The touches with none of some joints between their limbs.
@@ -282,10 +282,10 @@ impl Nursery<'_> {
     }
 
     /// Leaves out, one by one, the joints whose touches stay open: the others may be right.
-    fn give_up(&self, skin: &Skin, start: &mut Start) {
+    fn give_up(&self, start: &mut Start) {
         for _ in 0..start.known.len() / MOST_GIVEN_UP {
             let used = self.touches.filter(|pair| pair.chain.joints().all(|joint| start.known[joint]));
-            let open = OpenGaps::new(self.creature, skin, &used, &start.schema);
+            let open = OpenGaps::new(self.agent, &used, &start.schema);
             start.accepted = open.tolerable();
             let Some(worst) = open.worst_joint().filter(|_| !start.accepted) else { return };
             start.known[worst] = false;
@@ -293,14 +293,14 @@ impl Nursery<'_> {
     }
 
     fn parameters(&self, axis_model: AxisModel, free: &dyn Fn(usize) -> bool) -> Parameters {
-        Parameters::new(self.creature, axis_model, |joint| free(joint) && !self.frozen[joint])
+        Parameters::new(self.agent.creature(), axis_model, |joint| free(joint) && !self.frozen[joint])
     }
 
     /// Solves joints at fault anew by the surfaces, all others held, until few gaps stay open.
-    fn repair(&self, skin: &Skin, start: &mut Start, rng: &mut ChaCha8Rng) {
+    fn repair(&self, start: &mut Start, rng: &mut ChaCha8Rng) {
         let used = self.touches.filter(|pair| pair.chain.joints().all(|joint| start.known[joint]));
         let all = self.parameters(AxisModel::Unit, &|joint| start.known[joint]);
-        let mut open = OpenGaps::new(self.creature, skin, &used, &start.schema);
+        let mut open = OpenGaps::new(self.agent, &used, &start.schema);
         for round in 0..REPAIRS {
             start.accepted = open.tolerable();
             if start.accepted {
@@ -314,17 +314,17 @@ impl Nursery<'_> {
             if round > 0 {
                 for &joint in part.iter().filter(|&&joint| !self.frozen[joint]) {
                     let kept = trial.positions[joint];
-                    self.prior.randomize_joint(self.creature, &mut trial, joint, rng);
+                    self.prior.randomize_joint(self.agent.creature(), &mut trial, joint, rng);
                     trial.positions[joint] = kept;
                 }
             }
             let touches = used.filter(|pair| pair.chain.joints().any(in_part));
             for axis_model in [AxisModel::Relaxed, AxisModel::Unit] {
                 let parameters = self.parameters(axis_model, &in_part);
-                trial = self.close(skin, &touches, &parameters, trial).0;
+                trial = self.close(&touches, &parameters, trial).0;
             }
-            trial = self.close(skin, &used, &all, trial).0;
-            let found = OpenGaps::new(self.creature, skin, &used, &trial);
+            trial = self.close(&used, &all, trial).0;
+            let found = OpenGaps::new(self.agent, &used, &trial);
             if found.share < open.share {
                 (start.schema, open) = (trial, found);
             }
@@ -334,20 +334,14 @@ impl Nursery<'_> {
 
     /// Closes the gaps; the schema and the width that eight tenths of them stay below, metres. Relaxed axes
     /// are put back on the sphere.
-    fn close(
-        &self,
-        skin: &Skin,
-        touches: &TouchSet,
-        parameters: &Parameters,
-        start: BodySchema,
-    ) -> (BodySchema, f64) {
+    fn close(&self, touches: &TouchSet, parameters: &Parameters, start: BodySchema) -> (BodySchema, f64) {
         let narrowest = match parameters.axis_model {
             AxisModel::Relaxed => RELAXED_GAPS[self.turn % 2 + 2 * (self.turn / 4 % 2)],
             AxisModel::Unit => NARROWEST,
         };
-        let annealed = anneal_to(narrowest, self.creature, skin, touches, parameters, self.prior, start);
+        let annealed = anneal_to(narrowest, self.agent, touches, parameters, self.prior, start);
         let mut schema = annealed.schema;
-        schema.normalize_axes(self.creature);
+        schema.normalize_axes(self.agent.creature());
         (schema, annealed.p80_gap)
     }
 
@@ -370,8 +364,9 @@ impl Nursery<'_> {
         if route == Route::Whole || all.is_empty() {
             return (!all.is_empty()).then_some(all);
         }
-        let dof =
-            |part: &[usize]| -> usize { part.iter().map(|&j| self.creature.joints()[j].dofs.len()).sum() };
+        let dof = |part: &[usize]| -> usize {
+            part.iter().map(|&j| self.agent.creature().joints()[j].dofs.len()).sum()
+        };
         let touches_of = |part: &[usize]| -> usize {
             let closed = parts
                 .iter()
@@ -382,7 +377,7 @@ impl Nursery<'_> {
             // Points are sharp: a single pair of limbs will do.
             Evidence::Points { .. } => parts.iter().map(|(part, _)| part.clone()).collect(),
             // Receptors are coarse: all that touches within a limb's own subtree, a hand's fingers, say.
-            Evidence::Surfaces(_) => (0..self.creature.limbs().len())
+            Evidence::Surfaces(_) => (0..self.agent.creature().limbs().len())
                 .map(|limb| {
                     let within = |pair: &PairTouches| self.carries(limb, pair.chain.ancestor);
                     let mut inside = touches
@@ -422,7 +417,7 @@ impl Nursery<'_> {
             if here == limb {
                 return true;
             }
-            at = self.creature.parent_of(here);
+            at = self.agent.creature().parent_of(here);
         }
         false
     }
@@ -433,7 +428,7 @@ impl Nursery<'_> {
         if !matches!(self.evidence, Evidence::Points { .. }) {
             return Vec::new();
         }
-        let mut met = vec![[0; 2]; self.creature.limbs().len()];
+        let mut met = vec![[0; 2]; self.agent.creature().limbs().len()];
         for pair in &touches.pairs {
             let unknown = |joint: &usize| !known[*joint];
             if pair.chain.joints().filter(unknown).all(|joint| part.contains(&joint)) {
@@ -442,7 +437,7 @@ impl Nursery<'_> {
             }
         }
         let first = |limb: usize| met[limb][0] < FIXED_BY && met[limb][1] > 0;
-        let joints = self.creature.joints().iter().enumerate();
+        let joints = self.agent.creature().joints().iter().enumerate();
         let loose = joints.filter(|(j, joint)| known[*j] && (first(j + 1) || first(joint.parent)));
         loose.map(|(j, _)| j).filter(|&j| !self.frozen[j]).collect()
     }
@@ -467,21 +462,22 @@ impl Nursery<'_> {
         for onset in 0..most {
             *onsets += 1;
             let mut trial = schema.clone();
-            part.iter().for_each(|&joint| self.prior.randomize_joint(self.creature, &mut trial, joint, rng));
+            part.iter()
+                .for_each(|&joint| self.prior.randomize_joint(self.agent.creature(), &mut trial, joint, rng));
             let (trial, misfit) = match self.evidence {
                 // False places would spoil a fit to the places: the surfaces must do.
-                Evidence::Surfaces(skin) if self.doubts() => {
-                    let doubt = Doubt::FarMisses;
+                Evidence::Surfaces(_) if self.doubts() => {
+                    let doubt = MissWeights::FarMisses;
                     let trial = descend(&listed, trial, DOUBTING_DESCENT, &relaxed, doubt, rng);
-                    self.close_both(skin, touches, &unit, trial)
+                    self.close_both(touches, &unit, trial)
                 }
                 _ => {
                     if self.evidence.descends(onset + self.turn) {
-                        trial = descend(&listed, trial, DESCENT, &relaxed, Doubt::Nothing, rng);
+                        trial = descend(&listed, trial, DESCENT, &relaxed, MissWeights::Nothing, rng);
                     }
                     let rms;
                     (trial, rms) = self.solve(touches, &relaxed, trial, 100);
-                    trial.normalize_axes(self.creature);
+                    trial.normalize_axes(self.agent.creature());
                     match self.evidence {
                         Evidence::Surfaces(_) if rms > HOPELESS_RELAXED => {
                             (trial, Misfit(HOPELESS_MISFIT * rms))
@@ -527,25 +523,19 @@ impl Nursery<'_> {
                     if rms > HOPELESS {
                         return (start, Misfit(HOPELESS_MISFIT * rms));
                     }
-                    return self.close_both(skin, touches, parameters, start);
+                    return self.close_both(touches, parameters, start);
                 }
-                let (schema, p80_gap) = self.close(skin, touches, parameters, start);
+                let (schema, p80_gap) = self.close(touches, parameters, start);
                 (schema, Misfit(p80_gap / PART_GAP))
             }
         }
     }
 
     /// Closes the gaps with relaxed axes, then on the sphere.
-    fn close_both(
-        &self,
-        skin: &Skin,
-        touches: &TouchSet,
-        unit: &Parameters,
-        start: BodySchema,
-    ) -> (BodySchema, Misfit) {
+    fn close_both(&self, touches: &TouchSet, unit: &Parameters, start: BodySchema) -> (BodySchema, Misfit) {
         let relaxed = self.parameters(AxisModel::Relaxed, &|joint| unit.positions[joint].is_some());
-        let (schema, _) = self.close(skin, touches, &relaxed, start);
-        let (schema, p80_gap) = self.close(skin, touches, unit, schema);
+        let (schema, _) = self.close(touches, &relaxed, start);
+        let (schema, p80_gap) = self.close(touches, unit, schema);
         (schema, Misfit(p80_gap / PART_GAP))
     }
 
@@ -567,7 +557,7 @@ impl Nursery<'_> {
             (Evidence::Points { .. }, AxisModel::Unit) => PointsMeet::Shaped,
             _ => PointsMeet::Anyhow,
         };
-        let mut problem = TouchProblem::new(self.creature, touches, parameters, model);
+        let mut problem = TouchProblem::new(self.agent.creature(), touches, parameters, model);
         // Exact points are sharp enough to do without.
         if !self.evidence.exact() {
             problem = problem.with_prior(self.prior);

@@ -17,7 +17,7 @@ use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
 use crate::creature::Creature;
-use crate::kinematics::Frame;
+use crate::geometry::Frame;
 use crate::learning::growing::{EXACT, Start};
 use crate::learning::least_squares::{Stopping, levenberg_marquardt};
 use crate::learning::observation::PointsMeet;
@@ -66,7 +66,7 @@ struct Growth {
 }
 
 /// A part of the body that can be solved next.
-struct Part {
+struct LimbPart {
     /// Its unknown joints.
     joints: Vec<usize>,
     /// The touches that it closes.
@@ -163,7 +163,7 @@ impl LimbNursery<'_> {
     }
 
     /// The part to solve next; none where no touch brings a new joint that can be solved.
-    fn next_part(&self, growth: &Growth, failed: &[Vec<usize>], rng: &mut ChaCha8Rng) -> Option<Part> {
+    fn next_part(&self, growth: &Growth, failed: &[Vec<usize>], rng: &mut ChaCha8Rng) -> Option<LimbPart> {
         let framed: Vec<bool> = (0..growth.placed.len()).map(|limb| self.framed(growth, limb)).collect();
         let open: Vec<(&PairTouches, Vec<usize>)> = self
             .touches
@@ -177,7 +177,7 @@ impl LimbNursery<'_> {
             })
             .filter(|(_, unknown)| !unknown.is_empty())
             .collect();
-        let mut best: Option<(bool, f64, Part)> = None;
+        let mut best: Option<(bool, f64, LimbPart)> = None;
         let mut tried: Vec<&Vec<usize>> = failed.iter().collect();
         for (_, joints) in &open {
             if tried.contains(&joints) {
@@ -187,7 +187,7 @@ impl LimbNursery<'_> {
             let within = |other: &[usize]| other.iter().all(|joint| joints.contains(joint));
             let closed = open.iter().filter(|(_, other)| within(other)).map(|(pair, _)| (*pair).clone());
             let closed = TouchSet { pairs: closed.collect() };
-            let part = Part { joints: joints.clone(), touches: self.telling(&closed, &growth.placed) };
+            let part = LimbPart { joints: joints.clone(), touches: self.telling(&closed, &growth.placed) };
             // All of its joints must be in what is left.
             if !joints.iter().all(|joint| part.touches.joints().contains(joint)) {
                 continue;
@@ -223,7 +223,7 @@ impl LimbNursery<'_> {
     }
 
     /// Per joint, whether it belongs to the part and its limb has a frame that the part must find the pose of.
-    fn free_poses(&self, growth: &Growth, part: &Part) -> Vec<bool> {
+    fn free_poses(&self, growth: &Growth, part: &LimbPart) -> Vec<bool> {
         let touched = |limb: usize| part.touches.pairs.iter().any(|pair| pair.limbs.contains(&limb));
         let free = |j: usize| part.joints.contains(&j) && (touched(j + 1) || self.framed(growth, j + 1));
         (0..growth.known.len()).map(free).collect()
@@ -231,7 +231,7 @@ impl LimbNursery<'_> {
 
     /// The joint whose limb's rotation is a matter of choice in a part: where two new branches meet in a
     /// limb without a frame, one of them may be turned at will.
-    fn held_rotation(&self, growth: &Growth, part: &Part, free: &[bool]) -> Option<usize> {
+    fn held_rotation(&self, growth: &Growth, part: &LimbPart, free: &[bool]) -> Option<usize> {
         part.touches.pairs.iter().find_map(|pair| {
             let meeting = pair.chain.ancestor;
             let carried = self.creature.joint_of(meeting).is_some_and(|joint| part.joints.contains(&joint));
@@ -248,7 +248,7 @@ impl LimbNursery<'_> {
     fn solve_part(
         &self,
         growth: &Growth,
-        part: &Part,
+        part: &LimbPart,
         rng: &mut ChaCha8Rng,
         onsets: &mut usize,
     ) -> Option<Growth> {

@@ -15,21 +15,20 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use crate::creature::{Creature, DofKind};
+use crate::agent::Agent;
+use crate::creature::{DofKind, ball};
 use crate::kinematics::{Chain, axis_derivative, rotation};
 use crate::learning::observation::Input;
-use crate::learning::{Learned, Learner, Verdict};
+use crate::learning::{Basis, Learned, Learner, Verdict};
 use crate::schema::BodySchema;
 use crate::senses::Touch;
-use crate::skin::Skin;
 
 /// The small positive scalar ε of equations 1 and 2.
 pub const STEP: f64 = 0.05;
 
 /// A learner by Hersch's rule.
 pub struct Hersch<'a> {
-    creature: &'a Creature,
-    skin: &'a Skin,
+    agent: &'a Agent,
     input: Input,
     step: f64,
     schema: BodySchema,
@@ -37,7 +36,7 @@ pub struct Hersch<'a> {
 }
 
 /// One transform of the chain, as it is passed on the way from one limb to the other.
-enum Link {
+enum HerschLink {
     /// `T∘R` turned round or not, a whole degree of freedom: rotation and its derivative's ingredients.
     Turn { dof: usize, matrix: Matrix3<f64>, sine: f64, versine: f64 },
     /// A slide by a signed distance.
@@ -50,8 +49,8 @@ enum Link {
 
 impl<'a> Hersch<'a> {
     /// A learner that starts from an onset schema.
-    pub fn new(creature: &'a Creature, skin: &'a Skin, input: Input, onset: BodySchema) -> Hersch<'a> {
-        Hersch { creature, skin, input, step: STEP, schema: onset, touches: 0 }
+    pub fn new(agent: &'a Agent, input: Input, onset: BodySchema) -> Hersch<'a> {
+        Hersch { agent, input, step: STEP, schema: onset, touches: 0 }
     }
 
     /// Sets ε, [`STEP`] by default.
@@ -61,8 +60,8 @@ impl<'a> Hersch<'a> {
     }
 
     /// The links that carry a point of limb `from` into the frame of limb `to`, the last applied first.
-    fn links(&self, posture: &[f64], from: usize, to: usize) -> Vec<Link> {
-        let chain = Chain::between(self.creature, from, to);
+    fn links(&self, posture: &[f64], from: usize, to: usize) -> Vec<HerschLink> {
+        let chain = Chain::between(self.agent.creature(), from, to);
         let mut links = Vec::new();
         // Down to `to`: R⁻¹∘T⁻¹ per joint, the joint nearest to `to` outermost.
         for &joint in chain.sides[1].iter().rev() {
@@ -77,27 +76,24 @@ impl<'a> Hersch<'a> {
     }
 
     /// `T∘R_1∘…∘R_k` of a joint; with `sign` −1 each part is inverted, and the caller reverses them.
-    fn joint_links(&self, posture: &[f64], joint: usize, sign: f64) -> Vec<Link> {
-        let info = &self.creature.joints()[joint];
-        let mut links = vec![Link::Shift { joint, sign }];
-        let mut q = info.first_coordinate();
-        for (dof, kind) in info.dof_indices().zip(info.dofs.iter().map(|dof| dof.kind)) {
-            links.push(match kind {
+    fn joint_links(&self, posture: &[f64], joint: usize, sign: f64) -> Vec<HerschLink> {
+        let info = &self.agent.creature().joints()[joint];
+        let mut links = vec![HerschLink::Shift { joint, sign }];
+        for at in info.elements() {
+            let (dof, q) = (at.axis(), at.coordinate());
+            links.push(match at.kind {
                 DofKind::Hinge => {
                     let (sine, cosine) = (sign * posture[q]).sin_cos();
                     let matrix = rotation(&self.schema.axes[dof], sine, 1.0 - cosine);
-                    Link::Turn { dof, matrix, sine, versine: 1.0 - cosine }
+                    HerschLink::Turn { dof, matrix, sine, versine: 1.0 - cosine }
                 }
-                DofKind::Slide => Link::Slide { dof, distance: sign * posture[q] },
+                DofKind::Slide => HerschLink::Slide { dof, distance: sign * posture[q] },
                 DofKind::Ball => {
-                    let quaternion =
-                        nalgebra::Quaternion::new(posture[q], posture[q + 1], posture[q + 2], posture[q + 3]);
-                    let turned = nalgebra::UnitQuaternion::from_quaternion(quaternion);
+                    let turned = ball(at.of(posture));
                     let turned = if sign < 0.0 { turned.inverse() } else { turned };
-                    Link::Ball(turned.to_rotation_matrix().into_inner())
+                    HerschLink::Ball(turned.to_rotation_matrix().into_inner())
                 }
             });
-            q += kind.coordinates();
         }
         links
     }
@@ -112,28 +108,28 @@ impl<'a> Hersch<'a> {
         for (link, enters) in links.iter().zip(&mut entering).rev() {
             *enters = p;
             p = match link {
-                Link::Turn { matrix, .. } | Link::Ball(matrix) => matrix * p,
-                Link::Slide { dof, distance } => p + self.schema.axes[*dof] * *distance,
-                Link::Shift { joint, sign } => p + self.schema.positions[*joint] * *sign,
+                HerschLink::Turn { matrix, .. } | HerschLink::Ball(matrix) => matrix * p,
+                HerschLink::Slide { dof, distance } => p + self.schema.axes[*dof] * *distance,
+                HerschLink::Shift { joint, sign } => p + self.schema.positions[*joint] * *sign,
             };
         }
         // (v' − T(v))ᵀ ∏ R_j, carried inwards as a column.
         let mut error = (target - p) * self.step;
         for (link, enters) in links.iter().zip(&entering) {
             match link {
-                Link::Turn { dof, matrix, sine, versine } => {
+                HerschLink::Turn { dof, matrix, sine, versine } => {
                     let axis = &mut self.schema.axes[*dof];
                     let moved = *axis + axis_derivative(axis, *sine, *versine, enters).tr_mul(&error);
                     *axis = moved.try_normalize(1e-9).unwrap_or(*axis);
                     error = matrix.tr_mul(&error);
                 }
-                Link::Slide { dof, distance } => {
+                HerschLink::Slide { dof, distance } => {
                     let axis = &mut self.schema.axes[*dof];
                     let moved = *axis + error * *distance;
                     *axis = moved.try_normalize(1e-9).unwrap_or(*axis);
                 }
-                Link::Ball(matrix) => error = matrix.tr_mul(&error),
-                Link::Shift { joint, sign } => self.schema.positions[*joint] += error * *sign,
+                HerschLink::Ball(matrix) => error = matrix.tr_mul(&error),
+                HerschLink::Shift { joint, sign } => self.schema.positions[*joint] += error * *sign,
             }
         }
     }
@@ -141,8 +137,8 @@ impl<'a> Hersch<'a> {
 
 impl Learner for Hersch<'_> {
     fn touch(&mut self, touch: &Touch) {
-        let limbs = touch.ends.map(|end| self.skin.receptors[end.receptor].limb);
-        let places = touch.ends.map(|end| self.input.position(self.skin, &end));
+        let limbs = touch.ends.map(|end| self.agent.skin().receptors[end.receptor].limb);
+        let places = touch.ends.map(|end| self.input.position(self.agent.skin(), &end));
         self.pass(&touch.posture, limbs, places[0], places[1]);
         // The double use of a touch: the same chain retraced (Algorithm 1, lines 18-22).
         self.pass(&touch.posture, [limbs[1], limbs[0]], places[1], places[0]);
@@ -154,6 +150,7 @@ impl Learner for Hersch<'_> {
             Verdict::Unjudged("Hersch's rule has no test of its own: look at the held-out error".to_string());
         Learned {
             schema: self.schema.clone(),
+            basis: Basis::points(self.input),
             verdict,
             onsets: 1,
             fresh_rms: f64::NAN,

@@ -32,14 +32,14 @@ pub fn scales(skin: &Skin, touches: &TouchSet, schema: &BodySchema) -> Option<Ve
     let (mut gaps, mut slopes) = (Vec::new(), Vec::new());
     for touch in touches.touches() {
         let frames = touch.frames(schema);
-        let meeting = model.meeting(&touch.ends, &frames);
+        let found = model.gap(&touch.ends, &frames);
         let mut squares = 0.0;
         for (side, frame) in touch.sides.iter().zip(&frames) {
             derivatives.clear();
-            side.angle_derivatives(schema, &frame.inverse_point(&meeting.point), &mut derivatives);
-            squares += derivatives.iter().map(|(_, d)| meeting.normal.dot(d).powi(2)).sum::<f64>();
+            side.angle_derivatives(schema, &frame.inverse_point(&found.middle()), &mut derivatives);
+            squares += derivatives.iter().map(|(_, d)| found.normal.dot(d).powi(2)).sum::<f64>();
         }
-        gaps.push(meeting.gap);
+        gaps.push(found.distance);
         slopes.push(squares);
     }
     let mut sorted = slopes.clone();

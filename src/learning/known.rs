@@ -2,9 +2,8 @@
 
 use nalgebra::Vector3;
 
-use crate::creature::Creature;
+use crate::agent::Agent;
 use crate::learning::Prior;
-use crate::skin::Skin;
 
 /// How far from a limb's skin the joints on it may be, in units of the skin's own extent. Wide: it keeps
 /// joints that few touches involve from running away, and weighs nothing against touches.
@@ -30,7 +29,7 @@ pub struct KnownJoint {
 
 /// Joints that are known before the first touch: some exactly, some nearly, most not at all.
 #[derive(Clone, Debug)]
-pub struct Known {
+pub struct PriorKnowledge {
     /// Positions and axes with their deviations, given or guessed from where the skin is.
     pub prior: Prior,
     /// The same without what is guessed: what counts as evidence beside the touches.
@@ -39,18 +38,18 @@ pub struct Known {
     pub frozen: Vec<bool>,
 }
 
-impl Known {
+impl PriorKnowledge {
     /// Nothing but where the skin is.
-    pub fn nothing(creature: &Creature, skin: &Skin) -> Known {
-        Known {
-            prior: Prior::skin(creature, skin, SPREAD),
-            given: Prior::size(creature, f64::INFINITY),
-            frozen: vec![false; creature.joints().len()],
+    pub fn nothing(agent: &Agent) -> PriorKnowledge {
+        PriorKnowledge {
+            prior: Prior::skin(agent, SPREAD),
+            given: Prior::size(agent.creature(), f64::INFINITY),
+            frozen: vec![false; agent.creature().joints().len()],
         }
     }
 
     /// Adds what is known of joints.
-    pub fn with(mut self, joints: &[KnownJoint]) -> Known {
+    pub fn with(mut self, joints: &[KnownJoint]) -> PriorKnowledge {
         for known in joints {
             self.frozen[known.joint] = known.exact;
             for prior in [&mut self.prior, &mut self.given] {

@@ -4,11 +4,13 @@
 //! ranges) and its skin (where each receptor is on its own limb), and nothing of where the joints are.
 
 pub mod annealing;
+mod certainty;
 mod growing;
 mod growing_limbs;
 mod hersch;
 mod joint_noise;
 mod known;
+pub mod learners;
 pub mod least_squares;
 pub mod observability;
 pub mod observation;
@@ -24,10 +26,11 @@ mod second_order;
 pub mod surface_gap;
 pub mod touch_set;
 
+pub use certainty::{Basis, Certainty};
 pub use hersch::{Hersch, STEP};
-pub use known::{Known, KnownJoint, LEAST_DEVIATION};
+pub use known::{KnownJoint, LEAST_DEVIATION, PriorKnowledge};
 pub use observation::{Input, LimbFrames, SkinKnowledge};
-pub use online::{Change, Expectation, Online, Tool, What};
+pub use online::{BodyChange, Expectation, Online, Tool, What};
 pub use parameters::{AxisModel, Parameters};
 pub use prior::{Beforehand, Prior};
 pub use relaxed_gradient::{RelaxedGradient, STEPS};
@@ -59,6 +62,8 @@ pub trait Learner {
 pub struct Learned {
     /// The schema.
     pub schema: BodySchema,
+    /// With what it was learned.
+    pub basis: Basis,
     /// Whether it stands up to touches it was not fitted to.
     pub verdict: Verdict,
     /// Random onsets used.
@@ -74,7 +79,7 @@ pub struct Learned {
     /// Standard deviation of what the learner compares, as the touches themselves show it, metres.
     pub deviation: Option<f64>,
     /// How the body changed while it was learned, as far as the learner understood.
-    pub changes: Vec<Change>,
+    pub changes: Vec<BodyChange>,
 }
 
 /// The learner's own judgement.
@@ -89,6 +94,14 @@ pub enum Verdict {
 }
 
 impl Learned {
+    /// How sure the schema is: as sure as the touches make it where it stands up to fresh ones, unknown elsewhere.
+    pub fn certainty(&self) -> Certainty {
+        match &self.observability {
+            Some(found) if self.verdict.converged() => Certainty::Estimated(Box::new(found.clone())),
+            _ => Certainty::Unknown,
+        }
+    }
+
     /// Standard deviations of the positions and axes; none where the learner cannot tell.
     pub fn schema_std(&self, creature: &Creature) -> Option<SchemaStd> {
         self.observability.as_ref().map(|found| found.schema_std(creature))

@@ -13,8 +13,8 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use serde::Serialize;
 
-use crate::babbling::random_posture;
-use crate::creature::{Creature, DofKind};
+use crate::agent::Agent;
+use crate::creature::{Creature, DofKind, Posture};
 use crate::kinematics::{Chain, ChainSide, SideJacobian, limb_frames, skew, tangent_basis};
 use crate::learning::Parameters;
 use crate::schema::{BodySchema, SchemaStd};
@@ -49,6 +49,8 @@ pub struct Observability {
     /// Orthonormal undetermined directions, one a column, in scaled parameters.
     pub null_space: DMatrix<f64>,
     unscaled_null_space: DMatrix<f64>,
+    /// The information `JᵀWJ` over the parameters, from which all of this follows.
+    information: DMatrix<f64>,
     /// Per joint, whether it was known exactly before the first touch and is no parameter.
     known: Vec<bool>,
     /// Per limb, whether it is known at all where points in its frame are on it.
@@ -81,6 +83,7 @@ impl Observability {
     ) -> Observability {
         let n = parameters.len();
         hessian.fill_upper_triangle_with_lower_triangle();
+        let information = hessian.clone();
         let mut scale = DVector::from_element(n, 1.0);
         for offset in parameters.positions.iter().chain(&parameters.limb_origins).flatten() {
             scale.rows_mut(*offset, 3).fill(CHARACTERISTIC_LENGTH);
@@ -104,6 +107,7 @@ impl Observability {
                 covariance: DMatrix::zeros(0, 0),
                 null_space: DMatrix::zeros(0, 0),
                 unscaled_null_space: DMatrix::zeros(0, 0),
+                information,
                 known: known.to_vec(),
                 placed: vec![true; creature.limbs().len()],
                 residuals,
@@ -132,10 +136,31 @@ impl Observability {
             covariance,
             null_space,
             unscaled_null_space,
+            information,
             known: known.to_vec(),
             placed: vec![true; creature.limbs().len()],
             residuals,
         }
+    }
+
+    /// The information `JᵀWJ` over the parameters; [`Observability::new`] makes all of this of it again.
+    pub fn information(&self) -> &DMatrix<f64> {
+        &self.information
+    }
+
+    /// The number of residuals that the information is of.
+    pub fn residuals(&self) -> usize {
+        self.residuals
+    }
+
+    /// Per joint, whether it was known exactly before the first touch and is no parameter.
+    pub fn known(&self) -> &[bool] {
+        &self.known
+    }
+
+    /// Per limb, whether it is known at all where points in its frame are on it.
+    pub fn placed(&self) -> &[bool] {
+        &self.placed
     }
 
     /// Sets of each limb whether it is known at all where points in its frame are on it; all are by default.
@@ -270,21 +295,16 @@ impl Observability {
 
     /// The joints that the touches leave undetermined: those through which no skin point of any limb can be
     /// put into another limb's frame to [`DETERMINED`]. Postures are drawn at random.
-    pub fn undetermined_joints(&self, creature: &Creature, skin: &Skin, schema: &BodySchema) -> Vec<usize> {
-        self.joints_not_placed_to(DETERMINED, creature, skin, schema)
+    pub fn undetermined_joints(&self, agent: &Agent, schema: &BodySchema) -> Vec<usize> {
+        self.joints_not_placed_to(DETERMINED, agent, schema)
     }
 
     /// The same for another standard deviation than [`DETERMINED`], metres.
-    pub fn joints_not_placed_to(
-        &self,
-        sharpness: f64,
-        creature: &Creature,
-        skin: &Skin,
-        schema: &BodySchema,
-    ) -> Vec<usize> {
+    pub fn joints_not_placed_to(&self, sharpness: f64, agent: &Agent, schema: &BodySchema) -> Vec<usize> {
+        let creature = agent.creature();
         let mut rng = ChaCha8Rng::seed_from_u64(0);
         let mut best = vec![f64::INFINITY; creature.joints().len()];
-        let on_limb = |limb: usize| skin.receptors.iter().find(|receptor| receptor.limb == limb);
+        let on_limb = |limb: usize| agent.skin().receptors.iter().find(|receptor| receptor.limb == limb);
         let limbs: Vec<usize> = (0..creature.limbs().len()).filter(|&l| on_limb(l).is_some()).collect();
         // Every pair of limbs once; of very many, enough that each joint is met often.
         let pairs = limbs.iter().flat_map(|&a| limbs.iter().map(move |&b| [a, b])).filter(|[a, b]| a < b);
@@ -292,7 +312,7 @@ impl Observability {
         let every = (pairs.len() / 600).max(1);
         for [a, b] in pairs.into_iter().step_by(every) {
             let Some(receptor) = on_limb(a) else { continue };
-            let posture = random_posture(creature, &mut rng);
+            let posture = Posture::random(creature, &mut rng);
             let deviation = self.point_deviation(creature, schema, &posture, [a, b], &receptor.position);
             for joint in Chain::between(creature, a, b).joints() {
                 best[joint] = best[joint].min(deviation);
@@ -304,18 +324,19 @@ impl Observability {
     /// The limbs with skin whose own frames the touches do not tell: those of which no three receptors far
     /// apart can all be put into another limb's frame to [`DETERMINED`]. None where no limb's pose is learned.
     /// Postures are drawn at random.
-    pub fn undetermined_limbs(&self, creature: &Creature, skin: &Skin, schema: &BodySchema) -> Vec<usize> {
+    pub fn undetermined_limbs(&self, agent: &Agent, schema: &BodySchema) -> Vec<usize> {
         if schema.limb_poses.is_empty() {
             return Vec::new();
         }
+        let creature = agent.creature();
         let mut rng = ChaCha8Rng::seed_from_u64(0);
         let far_apart: Vec<Vec<Vector3<f64>>> =
-            (0..creature.limbs().len()).map(|limb| three_far_apart(skin, limb)).collect();
+            (0..creature.limbs().len()).map(|limb| three_far_apart(agent.skin(), limb)).collect();
         let with_skin: Vec<usize> =
             (0..far_apart.len()).filter(|&limb| !far_apart[limb].is_empty()).collect();
         let told = |limb: usize, rng: &mut ChaCha8Rng| {
             with_skin.iter().filter(|&&other| other != limb).any(|&other| {
-                let posture = random_posture(creature, rng);
+                let posture = Posture::random(creature, rng);
                 far_apart[limb].iter().all(|point| {
                     let limbs = [limb, other];
                     self.point_deviation(creature, schema, &posture, limbs, point) <= DETERMINED

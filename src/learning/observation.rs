@@ -1,38 +1,55 @@
 //! What a touch says: from two felt places to residuals.
 
 use nalgebra::{Matrix3, Vector3};
+use serde::{Deserialize, Serialize};
 
-use crate::kinematics::Frame;
+use crate::geometry::Frame;
+use crate::named::named;
 use crate::senses::TouchEnd;
 use crate::skin::Skin;
 
 /// What a touch reports of where it happened.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 pub enum Input {
     /// The receptors' centres: what a skin reports, the paper's input.
+    #[default]
     Receptor,
     /// The exact points of contact: what no skin reports, for comparison.
     Contact,
 }
 
+named!(Input, "input", { Receptor => "receptor", Contact => "contact" });
+
 /// What the agent knows of its skin.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 pub enum SkinKnowledge {
     /// The surfaces under the receptors, each in its limb's own frame.
+    #[default]
     Surface,
     /// The receptors' centres and extents alone.
     Centres,
 }
 
+named!(SkinKnowledge, "knowledge of the skin", { Surface => "surface", Centres => "centres" });
+
 /// Which frames points on limbs are given in.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 pub enum LimbFrames {
     /// Those of the joints that carry the limbs: with their origins there and, in the reference posture,
     /// parallel to their parents'.
+    #[default]
     Joint,
     /// A frame of its own for every limb, fixed to it, nobody knows where: its pose on the joint is learned.
     Limb,
 }
+
+named!(LimbFrames, "frames", { Joint => "joint", Limb => "limb" });
 
 impl Input {
     /// `p_LR` of one end of a touch under this input, metres.
@@ -60,22 +77,22 @@ pub struct Observation {
 /// Every residual moves with the miss of one pair of points: its derivative is
 /// `direction · (∂p_CA − ∂p_CB)`, with `points` the material points on the two limbs.
 #[derive(Clone, Copy, Debug)]
-pub struct Residuals {
+pub struct TouchResiduals {
     /// The points in their limbs' frames, metres.
     pub points: [Vector3<f64>; 2],
-    directions: [Vector3<f64>; Residuals::MOST],
-    values: [f64; Residuals::MOST],
+    directions: [Vector3<f64>; TouchResiduals::MOST],
+    values: [f64; TouchResiduals::MOST],
     count: usize,
 }
 
-impl Residuals {
+impl TouchResiduals {
     /// The most residuals that one touch can have.
     pub const MOST: usize = 5;
 
     /// No residuals yet, for a pair of points.
-    pub fn new(points: [Vector3<f64>; 2]) -> Residuals {
-        let directions = [Vector3::zeros(); Residuals::MOST];
-        Residuals { points, directions, values: [0.0; Residuals::MOST], count: 0 }
+    pub fn new(points: [Vector3<f64>; 2]) -> TouchResiduals {
+        let directions = [Vector3::zeros(); TouchResiduals::MOST];
+        TouchResiduals { points, directions, values: [0.0; TouchResiduals::MOST], count: 0 }
     }
 
     /// Adds a residual.
@@ -101,7 +118,12 @@ pub trait ObservationModel {
     /// The whitening of a touch at its present frames `X_CA` and `X_CB`; fixed during a step.
     fn whitening(&self, ends: &[Observation; 2], frames: &[Frame; 2]) -> Matrix3<f64>;
     /// The whitened residuals.
-    fn residuals(&self, ends: &[Observation; 2], frames: &[Frame; 2], whitening: &Matrix3<f64>) -> Residuals;
+    fn residuals(
+        &self,
+        ends: &[Observation; 2],
+        frames: &[Frame; 2],
+        whitening: &Matrix3<f64>,
+    ) -> TouchResiduals;
     /// The touch's share of the cost.
     fn cost(&self, ends: &[Observation; 2], frames: &[Frame; 2], whitening: &Matrix3<f64>) -> f64;
 }
@@ -140,9 +162,14 @@ impl ObservationModel for PointsMeet {
             .unwrap_or_else(|| Matrix3::identity() / variance.sqrt())
     }
 
-    fn residuals(&self, ends: &[Observation; 2], frames: &[Frame; 2], whitening: &Matrix3<f64>) -> Residuals {
+    fn residuals(
+        &self,
+        ends: &[Observation; 2],
+        frames: &[Frame; 2],
+        whitening: &Matrix3<f64>,
+    ) -> TouchResiduals {
         let values = whitening * PointsMeet::miss(ends, frames);
-        let mut residuals = Residuals::new([ends[0].position, ends[1].position]);
+        let mut residuals = TouchResiduals::new([ends[0].position, ends[1].position]);
         for (row, value) in values.iter().enumerate() {
             residuals.push(whitening.row(row).transpose(), *value);
         }

@@ -4,13 +4,12 @@
 //! receptor centres are too coarse to tell the two apart. The surfaces are not: where most gaps are
 //! closed and some stay open, the joints that the open ones share are at fault.
 
-use crate::creature::Creature;
+use crate::agent::Agent;
 use crate::kinematics::Chain;
 use crate::learning::annealing::{gaps, typical_gap};
 use crate::learning::surface_gap::SurfaceGap;
 use crate::learning::touch_set::TouchSet;
 use crate::schema::BodySchema;
-use crate::skin::Skin;
 
 /// A gap is open when it is wider than this, metres, and than [`DEVIATIONS`].
 const OPEN: f64 = 5e-5;
@@ -30,17 +29,17 @@ const FEW: f64 = 6.0;
 /// Two fingers may touch each other a hundred times and the rest of the body five. A schema in which they fit each
 /// other and not the body leaves few gaps open of either's, but most of those with both a finger and the wrist.
 #[derive(Clone, Debug)]
-pub struct Tally {
+pub struct GapTally {
     joints: usize,
     counts: Vec<[f64; 2]>,
     /// Open ones and all.
     pub all: [f64; 2],
 }
 
-impl Tally {
+impl GapTally {
     /// Nothing counted yet.
-    pub fn new(joints: usize) -> Tally {
-        Tally { joints, counts: vec![[0.0; 2]; joints * joints], all: [0.0; 2] }
+    pub fn new(joints: usize) -> GapTally {
+        GapTally { joints, counts: vec![[0.0; 2]; joints * joints], all: [0.0; 2] }
     }
 
     /// Counts a touch with a chain of joints.
@@ -64,10 +63,11 @@ impl Tally {
     }
 
     /// What false touches would bring that come from any two receptors alike.
-    fn of_chance(creature: &Creature, skin: &Skin) -> Tally {
+    fn of_chance(agent: &Agent) -> GapTally {
+        let creature = agent.creature();
         let mut on_limb = vec![0.0; creature.limbs().len()];
-        skin.receptors.iter().for_each(|receptor| on_limb[receptor.limb] += 1.0);
-        let mut found = Tally::new(creature.joints().len());
+        agent.skin().receptors.iter().for_each(|receptor| on_limb[receptor.limb] += 1.0);
+        let mut found = GapTally::new(creature.joints().len());
         for first in 0..on_limb.len() {
             for second in first + 1..on_limb.len() {
                 let ways = on_limb[first] * on_limb[second];
@@ -82,7 +82,7 @@ impl Tally {
     /// The most open touches that have any two joints, in units of those that false touches may make up there by
     /// `chance`: as many of them as touches elsewhere show, and what luck may add. Where nearly all others close, a
     /// handful that share two joints are no coincidence.
-    fn crowded(&self, chance: &Tally) -> f64 {
+    fn crowded(&self, chance: &GapTally) -> f64 {
         let excess = |(counts, ways): (&[f64; 2], &[f64; 2])| {
             let share = ways[0] / chance.all[0].max(1.0);
             let expected = (self.all[0] - counts[0]) * share / (1.0 - share).max(0.1);
@@ -110,15 +110,15 @@ pub struct OpenGaps {
 
 impl OpenGaps {
     /// Counts the open gaps of a schema.
-    pub fn new(creature: &Creature, skin: &Skin, touches: &TouchSet, schema: &BodySchema) -> OpenGaps {
-        let model = SurfaceGap::new(skin, 1.0);
-        let noise = typical_gap(&gaps(skin, touches, schema));
+    pub fn new(agent: &Agent, touches: &TouchSet, schema: &BodySchema) -> OpenGaps {
+        let model = SurfaceGap::new(agent.skin(), 1.0);
+        let noise = typical_gap(&gaps(agent.skin(), touches, schema));
         let limit = OPEN.max(DEVIATIONS * noise);
-        let joints = creature.joints().len();
-        let mut found = Tally::new(joints);
+        let joints = agent.creature().joints().len();
+        let mut found = GapTally::new(joints);
         for pair in &touches.pairs {
             for touch in &pair.touches {
-                let gap = model.meeting(&touch.ends, &touch.frames(schema)).gap.abs();
+                let gap = model.gap(&touch.ends, &touch.frames(schema)).distance.abs();
                 found.add(&pair.chain, gap > limit);
             }
         }
@@ -127,7 +127,7 @@ impl OpenGaps {
             let chance = (FALSE_SHARE * (1.0 - FALSE_SHARE) / counts[1].max(FEW)).sqrt();
             share(counts) / (FALSE_SHARE + CHANCE * chance)
         };
-        let crowded = found.crowded(&Tally::of_chance(creature, skin));
+        let crowded = found.crowded(&GapTally::of_chance(agent));
         let worst = found.of_all().map(excess).fold(crowded, f64::max);
         let [open, all] = found.all;
         let by_joint = (0..joints).map(|joint| share(found.of(joint, joint))).collect();

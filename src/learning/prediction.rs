@@ -6,7 +6,7 @@
 
 use nalgebra::{DMatrix, Matrix3x2, Vector3};
 
-use crate::creature::Creature;
+use crate::agent::Agent;
 use crate::kinematics::{SideJacobian, tangent_basis};
 use crate::learning::least_squares::LeastSquares;
 use crate::learning::surface_gap::SurfaceGap;
@@ -29,14 +29,14 @@ impl GapRow {
     /// Sets the row to a touch at a schema. Buffers are used again.
     pub fn set(&mut self, skin: &Skin, parameters: &Parameters, schema: &BodySchema, touch: &PreparedTouch) {
         let frames = touch.frames(schema);
-        let meeting = SurfaceGap::new(skin, 1.0).meeting(&touch.ends, &frames);
-        self.gap = meeting.gap;
+        let found = SurfaceGap::new(skin, 1.0).gap(&touch.ends, &frames);
+        self.gap = found.distance;
         self.entries.clear();
         for (k, sign) in [(0, 1.0), (1, -1.0)] {
-            let point = frames[k].inverse_point(&meeting.point);
+            let point = frames[k].inverse_point(&found.middle());
             let side = &mut self.sides[k];
             touch.sides[k].point_jacobian(schema, &point, side);
-            let direction: Vector3<f64> = meeting.normal * sign;
+            let direction: Vector3<f64> = found.normal * sign;
             for (joint, map) in &side.joints {
                 if let Some(offset) = parameters.positions[*joint] {
                     let slope = map.tr_mul(&direction);
@@ -66,16 +66,15 @@ impl GapRow {
 /// The covariance of all parameters that touches of a gap deviation (metres) and a prior leave at a
 /// schema; none where rounding makes it unusable.
 pub fn covariance(
-    creature: &Creature,
-    skin: &Skin,
+    agent: &Agent,
     touches: &TouchSet,
     parameters: &Parameters,
     prior: &Prior,
     schema: &BodySchema,
     deviation: f64,
 ) -> Option<DMatrix<f64>> {
-    let model = SurfaceGap::new(skin, deviation);
-    let mut problem = TouchProblem::new(creature, touches, parameters, model).with_prior(prior);
+    let model = SurfaceGap::new(agent.skin(), deviation);
+    let mut problem = TouchProblem::new(agent.creature(), touches, parameters, model).with_prior(prior);
     information_inverse(problem.linearize(schema).hessian, parameters)
 }
 

@@ -7,13 +7,13 @@ use nalgebra::{DMatrix, Vector2, Vector3};
 use rand::Rng;
 use rand_distr::{Distribution, StandardNormal};
 
+use crate::agent::Agent;
 use crate::creature::Creature;
 use crate::kinematics::tangent_basis;
 use crate::learning::least_squares::Linearization;
 use crate::learning::onset::randomize_joint;
 use crate::learning::{AxisModel, Parameters};
 use crate::schema::BodySchema;
-use crate::skin::Skin;
 
 /// Independent Gaussians about the positions and axes of a schema.
 #[derive(Clone, Debug)]
@@ -39,11 +39,12 @@ impl Prior {
 
     /// That a joint is not far from the skin of the limb that it is on: within `spread` times as far from
     /// the middle of that skin as the skin itself is. On limbs without skin, as on the average limb.
-    pub fn skin(creature: &Creature, skin: &Skin, spread: f64) -> Prior {
+    pub fn skin(agent: &Agent, spread: f64) -> Prior {
+        let creature = agent.creature();
         let limbs = creature.limbs().len();
         let (mut middles, mut squares) = (vec![Vector3::zeros(); limbs], vec![0.0; limbs]);
         let mut counts = vec![0.0_f64; limbs];
-        for receptor in &skin.receptors {
+        for receptor in &agent.skin().receptors {
             middles[receptor.limb] += receptor.position;
             squares[receptor.limb] += receptor.position.norm_squared();
             counts[receptor.limb] += 1.0;

@@ -28,21 +28,20 @@
 //! `−w (|a|² − 1) a`, in which w rises from 0 to [`LAST_PULL`].
 //!
 //! What it cannot do: every touch counts alike, and on Max's torso one false touch in fifty undid the others.
-//! [`Doubt`] mends that at a price.
+//! [`MissWeights`] mends that at a price.
 
 use nalgebra::{Matrix3, Vector3};
 use rand::SeedableRng;
 use rand::seq::SliceRandom;
 use rand_chacha::ChaCha8Rng;
 
-use crate::creature::Creature;
+use crate::agent::Agent;
 use crate::kinematics::{Chain, ChainSide, SideJacobian};
 use crate::learning::observation::{Input, Observation};
 use crate::learning::touch_set::PreparedTouch;
-use crate::learning::{AxisModel, Learned, Learner, Parameters, Verdict};
+use crate::learning::{AxisModel, Basis, Learned, Learner, Parameters, Verdict};
 use crate::schema::BodySchema;
 use crate::senses::Touch;
-use crate::skin::Skin;
 
 /// The share ε of a touch's miss that a step closes: half, where 1 lets the last touch undo all others.
 pub const SHARE: f64 = 0.5;
@@ -65,8 +64,7 @@ const ORDER_STREAM: u64 = 1;
 
 /// The learner `gradient`.
 pub struct RelaxedGradient<'a> {
-    creature: &'a Creature,
-    skin: &'a Skin,
+    agent: &'a Agent,
     input: Input,
     onset: BodySchema,
     seed: u64,
@@ -76,14 +74,8 @@ pub struct RelaxedGradient<'a> {
 
 impl<'a> RelaxedGradient<'a> {
     /// A learner that starts from an onset schema and takes its touches in an order drawn from `seed`.
-    pub fn new(
-        creature: &'a Creature,
-        skin: &'a Skin,
-        input: Input,
-        onset: BodySchema,
-        seed: u64,
-    ) -> RelaxedGradient<'a> {
-        RelaxedGradient { creature, skin, input, onset, seed, steps: STEPS, touches: Vec::new() }
+    pub fn new(agent: &'a Agent, input: Input, onset: BodySchema, seed: u64) -> RelaxedGradient<'a> {
+        RelaxedGradient { agent, input, onset, seed, steps: STEPS, touches: Vec::new() }
     }
 
     /// Sets the number of steps in all, [`STEPS`] by default; every touch is used once at the least.
@@ -100,7 +92,7 @@ pub fn descend(
     onset: BodySchema,
     steps: usize,
     parameters: &Parameters,
-    doubt: Doubt,
+    doubt: MissWeights,
     rng: &mut ChaCha8Rng,
 ) -> BodySchema {
     let mut schema = onset;
@@ -117,7 +109,7 @@ pub fn descend(
         for &touch in &order {
             misses.push(step(&mut schema, touches[touch], weights, parameters, limit, &mut sides));
         }
-        if doubt == Doubt::FarMisses && !misses.is_empty() {
+        if doubt == MissWeights::FarMisses && !misses.is_empty() {
             let middle = misses.len() / 2;
             limit = *misses.select_nth_unstable_by(middle, f64::total_cmp).1;
         }
@@ -127,7 +119,7 @@ pub fn descend(
 
 /// Which touches a descent takes to be true.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Doubt {
+pub enum MissWeights {
     /// All.
     Nothing,
     /// A touch that misses as far as the middle one did in the last pass counts half, one that misses further
@@ -184,15 +176,15 @@ fn step(
 
 impl Learner for RelaxedGradient<'_> {
     fn touch(&mut self, touch: &Touch) {
-        let [a, b] = touch.ends.map(|end| self.skin.receptors[end.receptor].limb);
-        let chain = Chain::between(self.creature, a, b);
-        let sides = [0, 1].map(|k| ChainSide::new(self.creature, &chain.sides[k], &touch.posture));
+        let [a, b] = touch.ends.map(|end| self.agent.skin().receptors[end.receptor].limb);
+        let chain = Chain::between(self.agent.creature(), a, b);
+        let sides = [0, 1].map(|k| ChainSide::new(self.agent.creature(), &chain.sides[k], &touch.posture));
         let ends = touch.ends.map(|end| Observation {
             receptor: end.receptor,
-            position: self.input.position(self.skin, &end),
+            position: self.input.position(self.agent.skin(), &end),
             covariance: match self.input {
                 Input::Contact => Matrix3::identity() * (0.5 * CONTACT_DEVIATION * CONTACT_DEVIATION),
-                Input::Receptor => self.skin.receptors[end.receptor].covariance(NORMAL_DEVIATION),
+                Input::Receptor => self.agent.skin().receptors[end.receptor].covariance(NORMAL_DEVIATION),
             },
         });
         self.touches.push(PreparedTouch { sides, ends });
@@ -202,16 +194,18 @@ impl Learner for RelaxedGradient<'_> {
         let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
         rng.set_stream(ORDER_STREAM);
         let touches: Vec<&PreparedTouch> = self.touches.iter().collect();
-        let all = Parameters::new(self.creature, AxisModel::Relaxed, |_| true);
-        let mut schema = descend(&touches, self.onset.clone(), self.steps, &all, Doubt::Nothing, &mut rng);
+        let all = Parameters::new(self.agent.creature(), AxisModel::Relaxed, |_| true);
+        let mut schema =
+            descend(&touches, self.onset.clone(), self.steps, &all, MissWeights::Nothing, &mut rng);
         let mut why = "the gradient has no test of its own: look at the held-out error";
-        if !schema.fits(self.creature) {
+        if !schema.fits(self.agent.creature()) {
             schema = self.onset.clone();
             why = "the gradient diverged and its onset is left: try more touches (--touches) or --learner lm";
         }
-        schema.normalize_axes(self.creature);
+        schema.normalize_axes(self.agent.creature());
         Learned {
             schema,
+            basis: Basis::points(self.input),
             verdict: Verdict::Unjudged(why.to_string()),
             onsets: 1,
             fresh_rms: f64::NAN,

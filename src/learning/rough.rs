@@ -10,15 +10,15 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 
-use crate::creature::Creature;
+use crate::agent::Agent;
 use crate::learning::annealing::{NARROWEST, anneal_to, quantile};
 use crate::learning::least_squares::{LeastSquares, Stopping, levenberg_marquardt};
 use crate::learning::observation::{Observation, ObservationModel, PointsMeet};
 use crate::learning::onset::{random_onset, randomize_joint};
-use crate::learning::relaxed_gradient::{Doubt, descend};
+use crate::learning::relaxed_gradient::{MissWeights, descend};
 use crate::learning::surface_gap::SurfaceGap;
 use crate::learning::touch_set::{LimbTouch, PreparedTouch, TouchProblem, TouchSet};
-use crate::learning::{AxisModel, Known, Learned, Learner, Parameters, Prior, Verdict};
+use crate::learning::{AxisModel, Basis, Learned, Learner, Parameters, Prior, PriorKnowledge, Verdict};
 use crate::schema::BodySchema;
 use crate::senses::Touch;
 use crate::skin::Skin;
@@ -41,8 +41,7 @@ const FORETOLD_GAP: f64 = 2e-3;
 
 /// The learner of rough schemas: receptor input and known surfaces.
 pub struct RoughFit<'a> {
-    creature: &'a Creature,
-    skin: &'a Skin,
+    agent: &'a Agent,
     prior: Prior,
     rng: ChaCha8Rng,
     touches: Vec<Touch>,
@@ -51,7 +50,7 @@ pub struct RoughFit<'a> {
 }
 
 /// How one start begins.
-enum Onset {
+enum RoughStart {
     /// From a schema that is nearly right: unit axes, by the surfaces.
     Continued(BodySchema),
     /// From a schema, axes relaxed, by the receptors' centres first.
@@ -62,11 +61,10 @@ enum Onset {
 
 impl<'a> RoughFit<'a> {
     /// A learner whose onsets are drawn from `seed`.
-    pub fn new(creature: &'a Creature, skin: &'a Skin, seed: u64) -> RoughFit<'a> {
+    pub fn new(agent: &'a Agent, seed: u64) -> RoughFit<'a> {
         RoughFit {
-            creature,
-            skin,
-            prior: Known::nothing(creature, skin).prior,
+            agent,
+            prior: PriorKnowledge::nothing(agent).prior,
             rng: ChaCha8Rng::seed_from_u64(seed),
             touches: Vec::new(),
             last: None,
@@ -81,40 +79,39 @@ impl<'a> RoughFit<'a> {
         start: BodySchema,
         iterations: usize,
     ) -> BodySchema {
-        let parameters = Parameters::new(self.creature, axis_model, |_| true);
+        let parameters = Parameters::new(self.agent.creature(), axis_model, |_| true);
         let mut problem =
-            TouchProblem::new(self.creature, touches, &parameters, model).with_prior(&self.prior);
+            TouchProblem::new(self.agent.creature(), touches, &parameters, model).with_prior(&self.prior);
         let stopping = Stopping { iterations, relative_cost: 1e-3, cost: 0.0 };
         levenberg_marquardt(&mut problem, &parameters, start, stopping).schema
     }
 
     /// By the surfaces; relaxed axes are put back on the sphere.
     fn close(&self, touches: &TouchSet, axis_model: AxisModel, start: BodySchema) -> BodySchema {
-        let parameters = Parameters::new(self.creature, axis_model, |_| true);
+        let parameters = Parameters::new(self.agent.creature(), axis_model, |_| true);
         let narrowest = if axis_model == AxisModel::Relaxed { RELAXED_GAP } else { NARROWEST };
-        let annealed =
-            anneal_to(narrowest, self.creature, self.skin, touches, &parameters, &self.prior, start);
+        let annealed = anneal_to(narrowest, self.agent, touches, &parameters, &self.prior, start);
         let mut schema = annealed.schema;
-        schema.normalize_axes(self.creature);
+        schema.normalize_axes(self.agent.creature());
         schema
     }
 
     /// One start: the misfit of the schema it reaches, and the schema.
-    fn start(&self, touches: &TouchSet, onset: Onset) -> (f64, BodySchema) {
+    fn start(&self, touches: &TouchSet, onset: RoughStart) -> (f64, BodySchema) {
         let (schema, known) = match onset {
-            Onset::Continued(schema) => (schema, true),
-            Onset::Loosened(schema) => (schema, false),
-            Onset::Random(schema, seed) => {
+            RoughStart::Continued(schema) => (schema, true),
+            RoughStart::Loosened(schema) => (schema, false),
+            RoughStart::Random(schema, seed) => {
                 let mut rng = ChaCha8Rng::seed_from_u64(seed);
-                let parameters = Parameters::new(self.creature, AxisModel::Relaxed, |_| true);
+                let parameters = Parameters::new(self.agent.creature(), AxisModel::Relaxed, |_| true);
                 let listed: Vec<&PreparedTouch> = touches.touches().collect();
-                (descend(&listed, schema, DESCENT, &parameters, Doubt::Nothing, &mut rng), false)
+                (descend(&listed, schema, DESCENT, &parameters, MissWeights::Nothing, &mut rng), false)
             }
         };
         let mut schema = schema;
         if !known {
             schema = self.solve(touches, AxisModel::Relaxed, PointsMeet::Anyhow, schema, 60);
-            schema.normalize_axes(self.creature);
+            schema.normalize_axes(self.agent.creature());
             schema = self.solve(touches, AxisModel::Unit, PointsMeet::Anyhow, schema, 30);
             schema = self.close(touches, AxisModel::Relaxed, schema);
         }
@@ -124,19 +121,21 @@ impl<'a> RoughFit<'a> {
 
     /// What explanations are compared by: the robust cost of gaps and patches, and the prior's.
     fn misfit(&self, touches: &TouchSet, schema: &BodySchema) -> f64 {
-        let parameters = Parameters::new(self.creature, AxisModel::Unit, |_| true);
-        let model = SurfaceGap::new(self.skin, COMPARED);
-        TouchProblem::new(self.creature, touches, &parameters, model).with_prior(&self.prior).cost(schema)
+        let parameters = Parameters::new(self.agent.creature(), AxisModel::Unit, |_| true);
+        let model = SurfaceGap::new(self.agent.skin(), COMPARED);
+        TouchProblem::new(self.agent.creature(), touches, &parameters, model)
+            .with_prior(&self.prior)
+            .cost(schema)
     }
 
     /// Per joint, how much the touches with it in their chain miss, metres.
     fn blame(&self, touches: &TouchSet, schema: &BodySchema) -> Vec<f64> {
-        let joints = self.creature.joints().len();
+        let joints = self.agent.creature().joints().len();
         let (mut sum, mut count) = (vec![0.0; joints], vec![1e-9; joints]);
-        let model = SurfaceGap::new(self.skin, 1.0);
+        let model = SurfaceGap::new(self.agent.skin(), 1.0);
         for pair in &touches.pairs {
             for touch in &pair.touches {
-                let gap = model.meeting(&touch.ends, &touch.frames(schema)).gap.abs();
+                let gap = model.gap(&touch.ends, &touch.frames(schema)).distance.abs();
                 // The surfaces tell most; where they all meet the centres tell a little.
                 let miss = gap.min(0.05) + 0.1 * touch.miss(schema).norm().min(0.2);
                 for joint in pair.chain.joints() {
@@ -158,7 +157,7 @@ impl<'a> RoughFit<'a> {
                 left <= 0.0
             });
             let joint = drawn.unwrap_or(0);
-            randomize_joint(self.creature, &mut redrawn, joint, &mut self.rng);
+            randomize_joint(self.agent.creature(), &mut redrawn, joint, &mut self.rng);
             redrawn.positions[joint] = schema.positions[joint];
         }
         redrawn
@@ -167,8 +166,8 @@ impl<'a> RoughFit<'a> {
     /// The gaps, sorted, at which the last schema puts the touches since, metres; none without any.
     fn foretold(&self) -> Option<Vec<f64>> {
         let (schema, fitted) = self.last.as_ref()?;
-        let fresh = prepare(self.creature, self.skin, &self.touches[*fitted..]);
-        let found = crate::learning::annealing::gaps(self.skin, &fresh, schema);
+        let fresh = prepare(self.agent, &self.touches[*fitted..]);
+        let found = crate::learning::annealing::gaps(self.agent.skin(), &fresh, schema);
         (!found.is_empty()).then_some(found)
     }
 }
@@ -179,26 +178,26 @@ impl Learner for RoughFit<'_> {
     }
 
     fn learn(&mut self) -> Learned {
-        let touches = prepare(self.creature, self.skin, &self.touches);
+        let touches = prepare(self.agent, &self.touches);
         // The only honest measure of a schema is what it foretells.
         let foretold = self.foretold();
         let wide = foretold.as_ref().map_or(f64::INFINITY, |gaps| quantile(gaps, 0.8));
         let found = wide < FORETOLD_GAP && foretold.as_ref().is_some_and(|gaps| gaps.len() >= FORETOLD);
         let mut onsets = Vec::new();
         if let Some((schema, _)) = self.last.clone() {
-            onsets.push(Onset::Continued(schema.clone()));
+            onsets.push(RoughStart::Continued(schema.clone()));
             if !found {
-                onsets.push(Onset::Loosened(schema.clone()));
+                onsets.push(RoughStart::Loosened(schema.clone()));
                 let blame = self.blame(&touches, &schema);
                 for many in 1..=SUSPECTED {
-                    onsets.push(Onset::Loosened(self.redrawn(&schema, &blame, many)));
+                    onsets.push(RoughStart::Loosened(self.redrawn(&schema, &blame, many)));
                 }
             }
         }
         if !found {
             for _ in 0..ONSETS {
-                let onset = random_onset(self.creature, &mut self.rng);
-                onsets.push(Onset::Random(onset, self.rng.random()));
+                let onset = random_onset(self.agent.creature(), &mut self.rng);
+                onsets.push(RoughStart::Random(onset, self.rng.random()));
             }
         }
         let count = onsets.len();
@@ -210,6 +209,7 @@ impl Learner for RoughFit<'_> {
         let why = "a rough schema: it does not foretell the touches yet";
         Learned {
             schema,
+            basis: Basis::SURFACES,
             verdict: if found { Verdict::Converged } else { Verdict::Failed(why.to_string()) },
             onsets: count,
             fresh_rms: wide / FORETOLD_GAP,
@@ -223,16 +223,12 @@ impl Learner for RoughFit<'_> {
 }
 
 /// Touches made ready for a solver: receptors' centres with the shape of their patches.
-pub fn prepare<'t>(
-    creature: &Creature,
-    skin: &Skin,
-    touches: impl IntoIterator<Item = &'t Touch>,
-) -> TouchSet {
+pub fn prepare<'t>(agent: &Agent, touches: impl IntoIterator<Item = &'t Touch>) -> TouchSet {
     let prepared = touches.into_iter().map(|touch| {
         let receptors = touch.ends.map(|end| end.receptor);
-        imagined(skin, receptors, &touch.posture)
+        imagined(agent.skin(), receptors, &touch.posture)
     });
-    TouchSet::new(creature, prepared)
+    TouchSet::new(agent.creature(), prepared)
 }
 
 /// A touch of two receptors in a posture, made or only imagined.

@@ -11,8 +11,8 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 
-use crate::creature::Creature;
-use crate::kinematics::Frame;
+use crate::agent::Agent;
+use crate::geometry::Frame;
 use crate::learning::annealing::{NARROWEST, anneal, gaps, quantile, typical_gap};
 use crate::learning::growing::{EXACT, Evidence, Nursery, Start, WHOLE_DOF};
 use crate::learning::growing_limbs::LimbNursery;
@@ -20,11 +20,11 @@ use crate::learning::joint_noise;
 use crate::learning::least_squares::{LeastSquares, Stopping, levenberg_marquardt};
 use crate::learning::observability::{DETERMINED, Observability};
 use crate::learning::observation::{Input, Observation, ObservationModel, PointsMeet, SkinKnowledge};
-use crate::learning::open_gaps::Tally;
+use crate::learning::open_gaps::GapTally;
 use crate::learning::prediction::{GapRow, covariance, information_inverse};
 use crate::learning::surface_gap::{MEAN_WEIGHT, SurfaceGap, TAIL, gap_scale};
 use crate::learning::touch_set::{LimbTouch, PairTouches, PreparedTouch, TouchProblem, TouchSet};
-use crate::learning::{AxisModel, Known, Learned, Learner, LimbFrames, Parameters, Verdict};
+use crate::learning::{AxisModel, Basis, Learned, Learner, LimbFrames, Parameters, PriorKnowledge, Verdict};
 use crate::schema::{BodySchema, unfelt_shifts};
 use crate::senses::Touch;
 use crate::skin::Skin;
@@ -101,23 +101,22 @@ const LAST_RELATIVE_COST: f64 = 1e-9;
 
 /// The learner `lm`.
 pub struct SecondOrder<'a> {
-    creature: &'a Creature,
-    skin: &'a Skin,
+    agent: &'a Agent,
     input: Input,
     knowledge: SkinKnowledge,
     frames: LimbFrames,
     seed: u64,
-    known: Known,
+    known: PriorKnowledge,
     touches: Vec<Touch>,
 }
 
 impl<'a> SecondOrder<'a> {
     /// A learner whose onsets are drawn from `seed`.
-    pub fn new(creature: &'a Creature, skin: &'a Skin, input: Input, seed: u64) -> SecondOrder<'a> {
-        let known = Known::nothing(creature, skin);
+    pub fn new(agent: &'a Agent, input: Input, seed: u64) -> SecondOrder<'a> {
+        let known = PriorKnowledge::nothing(agent);
         let knowledge = SkinKnowledge::Surface;
         let frames = LimbFrames::Joint;
-        SecondOrder { creature, skin, input, knowledge, frames, seed, known, touches: Vec::new() }
+        SecondOrder { agent, input, knowledge, frames, seed, known, touches: Vec::new() }
     }
 
     /// Sets what the agent knows of its skin, its surfaces by default. Contact points need no skin.
@@ -134,9 +133,13 @@ impl<'a> SecondOrder<'a> {
     }
 
     /// Sets what is known of the joints already.
-    pub fn with_known(mut self, known: Known) -> SecondOrder<'a> {
+    pub fn with_known(mut self, known: PriorKnowledge) -> SecondOrder<'a> {
         self.known = known;
         self
+    }
+
+    fn basis(&self) -> Basis {
+        Basis { input: self.input, skin: self.knowledge, frames: self.frames }
     }
 
     fn evidence(&self) -> Evidence<'a> {
@@ -145,7 +148,7 @@ impl<'a> SecondOrder<'a> {
             (Input::Receptor, SkinKnowledge::Centres) => {
                 Evidence::Points { acceptance: BIASED, patches: true }
             }
-            (Input::Receptor, SkinKnowledge::Surface) => Evidence::Surfaces(self.skin),
+            (Input::Receptor, SkinKnowledge::Surface) => Evidence::Surfaces(self.agent.skin()),
         }
     }
 
@@ -166,23 +169,23 @@ impl<'a> SecondOrder<'a> {
 
     /// The limbs, the earlier one first, and a touch ready for a solver.
     pub fn prepare_one(&self, touch: &Touch) -> ([usize; 2], PreparedTouch) {
-        self.limb_touch(touch).prepare(self.creature)
+        self.limb_touch(touch).prepare(self.agent.creature())
     }
 
     fn prepare<'t>(&self, touches: impl Iterator<Item = &'t Touch>) -> TouchSet {
-        TouchSet::new(self.creature, touches.map(|touch| self.limb_touch(touch)))
+        TouchSet::new(self.agent.creature(), touches.map(|touch| self.limb_touch(touch)))
     }
 
     fn limb_touch<'t>(&self, touch: &'t Touch) -> LimbTouch<'t> {
         let ends = touch.ends.map(|end| Observation {
             receptor: end.receptor,
-            position: self.input.position(self.skin, &end),
+            position: self.input.position(self.agent.skin(), &end),
             covariance: match self.input {
                 Input::Contact => Matrix3::identity() * contact_variance(end.deviation),
-                Input::Receptor => self.skin.receptors[end.receptor].covariance(NORMAL_DEVIATION),
+                Input::Receptor => self.agent.skin().receptors[end.receptor].covariance(NORMAL_DEVIATION),
             },
         });
-        let limbs = touch.ends.map(|end| self.skin.receptors[end.receptor].limb);
+        let limbs = touch.ends.map(|end| self.agent.skin().receptors[end.receptor].limb);
         LimbTouch { limbs, posture: &touch.posture, ends }
     }
 
@@ -190,7 +193,7 @@ impl<'a> SecondOrder<'a> {
     fn fitted(&self) -> Vec<&Touch> {
         let mut per_pair = BTreeMap::new();
         let few_of_a_pair = |touch: &&Touch| {
-            let limbs = touch.ends.map(|end| self.skin.receptors[end.receptor].limb);
+            let limbs = touch.ends.map(|end| self.agent.skin().receptors[end.receptor].limb);
             let count = per_pair.entry(limbs).or_insert(0);
             *count += 1;
             *count <= TOUCHES_PER_PAIR
@@ -201,7 +204,7 @@ impl<'a> SecondOrder<'a> {
 
     /// How badly a start misses touches it was not fitted to, 1 is just acceptable; and the noise of the
     /// touches that it was fitted to, metres.
-    fn judge(&self, search: &Search, fitted: &TouchSet, fresh: &TouchSet, start: &Start) -> (f64, f64) {
+    fn judge(&self, search: &StartSearch, fitted: &TouchSet, fresh: &TouchSet, start: &Start) -> (f64, f64) {
         let used = fresh.filter(|pair| start.covers(pair));
         if used.is_empty() {
             return (f64::INFINITY, f64::INFINITY);
@@ -216,7 +219,7 @@ impl<'a> SecondOrder<'a> {
                 let known = fitted.filter(|pair| start.covers(pair));
                 let noise = point_misfit(&known, &start.schema);
                 let free = |joint: usize| start.known[joint] && !self.known.frozen[joint];
-                let unknowns = Parameters::new(self.creature, AxisModel::Unit, free).len() as f64;
+                let unknowns = Parameters::new(self.agent.creature(), AxisModel::Unit, free).len() as f64;
                 // Of `n` equations with `p` unknowns the mean square is `1 − p/n` of the noise's, of fresh ones
                 // about `1 + p/n`.
                 let share = (unknowns / (3 * known.len()).max(1) as f64).min(0.9);
@@ -240,19 +243,19 @@ impl<'a> SecondOrder<'a> {
     /// chance predicts better than it does; one that few touches leave open predicts badly, and is right.
     fn judge_gaps(&self, fitted: &TouchSet, fresh: &TouchSet, start: &Start) -> (f64, f64) {
         let free = |joint: usize| start.known[joint] && !self.known.frozen[joint];
-        let parameters = Parameters::new(self.creature, AxisModel::Unit, free);
-        let noise = noise(self.skin, fitted, &parameters, &start.schema);
+        let parameters = Parameters::new(self.agent.creature(), AxisModel::Unit, free);
+        let noise = noise(self.agent.skin(), fitted, &parameters, &start.schema);
         let schema = &start.schema;
         let prior = &self.known.prior;
-        let covariance = covariance(self.creature, self.skin, fitted, &parameters, prior, schema, noise);
+        let covariance = covariance(self.agent, fitted, &parameters, prior, schema, noise);
         let Some(covariance) = covariance else { return (f64::INFINITY, noise) };
-        let mut found = Tally::new(self.creature.joints().len());
+        let mut found = GapTally::new(self.agent.creature().joints().len());
         let mut normalized = Vec::with_capacity(fresh.len());
         let mut tested = 0;
         let mut row = GapRow::default();
         for pair in &fresh.pairs {
             for touch in &pair.touches {
-                row.set(self.skin, &parameters, schema, touch);
+                row.set(self.agent.skin(), &parameters, schema, touch);
                 let variance = noise * noise + row.variance(&covariance) + CLOSE_ENOUGH * CLOSE_ENOUGH;
                 let deviations = row.gap.abs() / variance.sqrt();
                 normalized.push(deviations);
@@ -278,12 +281,12 @@ impl<'a> SecondOrder<'a> {
         for joint in 0..schema.limb_poses.len() {
             if !placed[joint + 1] {
                 let pose = schema.limb_poses[joint].inverse();
-                schema.reframe(self.creature, joint + 1, &pose);
+                schema.reframe(self.agent.creature(), joint + 1, &pose);
                 // Free of the last digit.
                 schema.limb_poses[joint] = Frame::identity();
             }
         }
-        schema.settle_positions(self.creature);
+        schema.settle_positions(self.agent.creature());
         schema
     }
 
@@ -296,9 +299,12 @@ impl<'a> SecondOrder<'a> {
         match self.evidence() {
             Evidence::Points { .. } => {
                 let mut problem =
-                    TouchProblem::new(self.creature, &used, &parameters, PointsMeet::Shaped).with_prior(
-                        if self.input == Input::Contact { &self.known.given } else { &self.known.prior },
-                    );
+                    TouchProblem::new(self.agent.creature(), &used, &parameters, PointsMeet::Shaped)
+                        .with_prior(if self.input == Input::Contact {
+                            &self.known.given
+                        } else {
+                            &self.known.prior
+                        });
                 let stopping = Stopping { iterations: 60, relative_cost: 1e-9, cost: 0.0 };
                 let schema = levenberg_marquardt(&mut problem, &parameters, schema, stopping).schema;
                 let schema = self.settled(schema, &start.placed);
@@ -306,7 +312,7 @@ impl<'a> SecondOrder<'a> {
                 (schema, observability, deviation)
             }
             Evidence::Surfaces(skin) => {
-                let annealed = anneal(self.creature, skin, &used, &parameters, &self.known.prior, schema);
+                let annealed = anneal(self.agent, &used, &parameters, &self.known.prior, schema);
                 let mut schema = annealed.schema;
                 let mut scales = None;
                 let noisy = annealed.gap_deviation > CERTAIN_NOISE;
@@ -316,7 +322,7 @@ impl<'a> SecondOrder<'a> {
                     }
                     let deviation = self.gap_deviation(skin, &used, &parameters, &schema, scales.as_deref());
                     let model = SurfaceGap::new(skin, deviation).with_biased_places();
-                    let mut problem = TouchProblem::new(self.creature, &used, &parameters, model)
+                    let mut problem = TouchProblem::new(self.agent.creature(), &used, &parameters, model)
                         .with_prior(&self.known.prior)
                         .with_scales(scales.as_deref());
                     let stopping = Stopping {
@@ -336,7 +342,9 @@ impl<'a> SecondOrder<'a> {
     /// may change its last digit.
     fn with_frozen(&self, schema: &BodySchema) -> BodySchema {
         let mut schema = schema.clone();
-        for (j, joint) in self.creature.joints().iter().enumerate().filter(|(j, _)| self.known.frozen[*j]) {
+        for (j, joint) in
+            self.agent.creature().joints().iter().enumerate().filter(|(j, _)| self.known.frozen[*j])
+        {
             schema.positions[j] = self.known.prior.mean.positions[j];
             for k in joint.dof_indices() {
                 schema.axes[k] = self.known.prior.mean.axes[k];
@@ -348,17 +356,18 @@ impl<'a> SecondOrder<'a> {
     /// Fits all touches so far from a schema that is nearly right, without any onset or judgement: the last
     /// step of [`Learner::learn`] alone.
     pub fn refine(&self, schema: &BodySchema) -> Learned {
-        self.refine_known(schema, vec![true; self.creature.joints().len()])
+        self.refine_known(schema, vec![true; self.agent.creature().joints().len()])
     }
 
     /// The same for the joints that are `known` at all, and the touches with only such joints between limbs.
     pub(crate) fn refine_known(&self, schema: &BodySchema, known: Vec<bool>) -> Learned {
-        let placed = vec![true; self.creature.limbs().len()];
+        let placed = vec![true; self.agent.creature().limbs().len()];
         let start = Start { schema: schema.clone(), known, placed, accepted: true, onsets: 0 };
         let (schema, observability, deviation) = self.polish(&start);
         let undetermined = self.undetermined(&observability, &schema, deviation);
         Learned {
             schema,
+            basis: self.basis(),
             verdict: Verdict::Unjudged("it was refined from a given schema".to_string()),
             onsets: 0,
             fresh_rms: f64::NAN,
@@ -374,25 +383,27 @@ impl<'a> SecondOrder<'a> {
     /// millimetre, nor as well as points that have noise tell where they are.
     fn undetermined(&self, found: &Observability, schema: &BodySchema, deviation: f64) -> Vec<usize> {
         let sharpness = if self.input == Input::Contact { DETERMINED.max(deviation) } else { DETERMINED };
-        found.joints_not_placed_to(sharpness, self.creature, self.skin, schema)
+        found.joints_not_placed_to(sharpness, self.agent, schema)
     }
 
     /// What all touches so far determine at a schema, and the deviation of a touch that they show, metres.
     pub fn observe(&self, schema: &BodySchema) -> (Observability, f64) {
         let all = self.prepare(self.touches.iter());
-        let placed = |pair: &PairTouches| pair.limbs.iter().all(|&limb| schema.places(self.creature, limb));
+        let placed =
+            |pair: &PairTouches| pair.limbs.iter().all(|&limb| schema.places(self.agent.creature(), limb));
         self.observe_touches(&all.filter(placed), schema)
     }
 
     fn observe_touches(&self, used: &TouchSet, schema: &BodySchema) -> (Observability, f64) {
-        let mut touched = vec![false; self.creature.joints().len()];
+        let mut touched = vec![false; self.agent.creature().joints().len()];
         used.pairs.iter().flat_map(|pair| pair.chain.joints()).for_each(|joint| touched[joint] = true);
-        let mut placed = vec![self.frames == LimbFrames::Joint; self.creature.limbs().len()];
+        let mut placed = vec![self.frames == LimbFrames::Joint; self.agent.creature().limbs().len()];
         used.pairs.iter().flat_map(|pair| pair.limbs).for_each(|limb| placed[limb] = true);
         let parameters = self.parameters(&touched, &placed);
         let (mut hessian, rows, deviation) = match self.evidence() {
             Evidence::Points { .. } => {
-                let mut problem = TouchProblem::new(self.creature, used, &parameters, PointsMeet::Shaped);
+                let mut problem =
+                    TouchProblem::new(self.agent.creature(), used, &parameters, PointsMeet::Shaped);
                 let model = problem.linearize(schema);
                 let spare = (3 * used.len()).saturating_sub(parameters.len()).max(1);
                 let misses = (2.0 * model.cost / spare as f64).sqrt();
@@ -409,7 +420,7 @@ impl<'a> SecondOrder<'a> {
                 }
                 let model = SurfaceGap::new(skin, deviation).with_biased_places();
                 let information = |touches: &TouchSet, scales: Option<&[f64]>| {
-                    let problem = TouchProblem::new(self.creature, touches, &parameters, model);
+                    let problem = TouchProblem::new(self.agent.creature(), touches, &parameters, model);
                     problem.with_scales(scales).linearize(schema).hessian / MEAN_WEIGHT
                 };
                 let hessian = information(used, scales.as_deref());
@@ -423,17 +434,18 @@ impl<'a> SecondOrder<'a> {
         };
         self.known.given.add_information(&parameters, &mut hessian);
         self.fix_choices(&parameters, schema, &mut hessian);
-        let found = Observability::new(self.creature, parameters, &self.known.frozen, hessian, rows);
+        let found = Observability::new(self.agent.creature(), parameters, &self.known.frozen, hessian, rows);
         (found.with_placed(placed), deviation)
     }
 
     /// Adds to normal equations (lower triangle) that limbs' origins do not shift where their joints cannot feel
     /// it, for that is a matter of choice: see [`BodySchema::settle_positions`].
     fn fix_choices(&self, parameters: &Parameters, schema: &BodySchema, hessian: &mut DMatrix<f64>) {
-        for (joint, offset) in self.creature.joints().iter().zip(&parameters.limb_origins) {
+        for (joint, offset) in self.agent.creature().joints().iter().zip(&parameters.limb_origins) {
             if let Some(offset) = *offset {
                 let mut block = hessian.fixed_view_mut::<3, 3>(offset, offset);
-                block += unfelt_shifts(self.creature, joint, &schema.axes) * CONTACT_DEVIATION.powi(-2);
+                block +=
+                    unfelt_shifts(self.agent.creature(), joint, &schema.axes) * CONTACT_DEVIATION.powi(-2);
             }
         }
     }
@@ -441,7 +453,7 @@ impl<'a> SecondOrder<'a> {
     /// What may be fitted of joints that are known at all and limbs that are placed.
     fn parameters(&self, known: &[bool], placed: &[bool]) -> Parameters {
         let free = |joint: usize| known[joint] && !self.known.frozen[joint];
-        let parameters = Parameters::new(self.creature, AxisModel::Unit, free);
+        let parameters = Parameters::new(self.agent.creature(), AxisModel::Unit, free);
         match self.frames {
             LimbFrames::Joint => parameters,
             LimbFrames::Limb => parameters.with_limb_poses(|joint| known[joint] && placed[joint + 1], None),
@@ -458,9 +470,10 @@ impl<'a> SecondOrder<'a> {
         scales: Option<&[f64]>,
     ) -> f64 {
         let start = noise(skin, touches, parameters, schema);
-        let mut problem = TouchProblem::new(self.creature, touches, parameters, SurfaceGap::new(skin, start))
-            .with_prior(&self.known.prior)
-            .with_scales(scales);
+        let mut problem =
+            TouchProblem::new(self.agent.creature(), touches, parameters, SurfaceGap::new(skin, start))
+                .with_prior(&self.known.prior)
+                .with_scales(scales);
         let Some(covariance) = information_inverse(problem.linearize(schema).hessian, parameters) else {
             return start;
         };
@@ -554,7 +567,7 @@ fn point_misfit(touches: &TouchSet, schema: &BodySchema) -> f64 {
 }
 
 /// How to look for an answer.
-struct Search<'a> {
+struct StartSearch<'a> {
     /// What the touches say, and how well an answer has to explain it.
     evidence: Evidence<'a>,
     /// Whether two starts must agree on how much noise there is.
@@ -564,7 +577,7 @@ struct Search<'a> {
 }
 
 /// What a search found.
-struct Found {
+struct SearchResult {
     best: Judged,
     /// Random onsets used.
     onsets: usize,
@@ -624,14 +637,15 @@ impl<'a> SecondOrder<'a> {
         let solvable = match self.frames {
             LimbFrames::Joint => {
                 let starved = self.nursery(self.evidence(), &touches, 0).starved();
-                starved.iter().filter(|&&starved| !starved).count() + self.creature.limbs().len()
+                starved.iter().filter(|&&starved| !starved).count() + self.agent.creature().limbs().len()
             }
             LimbFrames::Limb => self.limb_nursery(&touches, 0).solvable(),
         };
         let mut onsets = 0;
         let mut found: Option<Judged> = None;
         for search in self.searches(&touches, starts) {
-            let Found { best, onsets: tried, settled } = self.search(&search, solvable, &touches, &fresh);
+            let SearchResult { best, onsets: tried, settled } =
+                self.search(&search, solvable, &touches, &fresh);
             onsets += tried;
             // Where starts agree on an answer that fresh touches do not bear out, more noise is no excuse.
             let done = settled || (best.start.accepted && best.known() >= solvable);
@@ -646,39 +660,45 @@ impl<'a> SecondOrder<'a> {
     }
 
     fn nursery<'t>(&'t self, evidence: Evidence<'t>, touches: &'t TouchSet, turn: usize) -> Nursery<'t> {
-        let Known { prior, frozen, .. } = &self.known;
-        Nursery { creature: self.creature, touches, evidence, prior, frozen, turn }
+        let PriorKnowledge { prior, frozen, .. } = &self.known;
+        Nursery { agent: self.agent, touches, evidence, prior, frozen, turn }
     }
 
     fn limb_nursery<'t>(&'t self, touches: &'t TouchSet, turn: usize) -> LimbNursery<'t> {
-        LimbNursery { creature: self.creature, touches, turn }
+        LimbNursery { creature: self.agent.creature(), touches, turn }
     }
 
     /// The searches to try one after the other until one finds an answer. There is one, but for points with
     /// noise of which nobody knows how much it is.
-    fn searches(&self, touches: &TouchSet, starts: usize) -> Vec<Search<'a>> {
+    fn searches(&self, touches: &TouchSet, starts: usize) -> Vec<StartSearch<'a>> {
         let evidence = self.evidence();
         if self.input != Input::Contact || self.frames == LimbFrames::Limb {
-            return vec![Search { evidence, noisy: !evidence.exact(), starts }];
+            return vec![StartSearch { evidence, noisy: !evidence.exact(), starts }];
         }
         let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
         rng.set_stream(NOISE_STREAM);
         let noise = self.nursery(evidence, touches, 0).point_noise(&mut rng).unwrap_or(0.0);
         let most = MOST_NOISE / taken_deviation(touches);
         if noise <= VISIBLE_NOISE || noise > most {
-            return vec![Search { evidence, noisy: false, starts }];
+            return vec![StartSearch { evidence, noisy: false, starts }];
         }
         let acceptances = WIDER.map(|wider| (wider * NOISE_MARGIN * noise).clamp(EXACT, most.max(EXACT)));
         let search = |acceptance| {
             let evidence = Evidence::Points { acceptance, patches: false };
-            Search { evidence, noisy: true, starts: starts.min(NOISY_STARTS) }
+            StartSearch { evidence, noisy: true, starts: starts.min(NOISY_STARTS) }
         };
         acceptances.into_iter().map(search).collect()
     }
 
     /// Makes the starts of a search, as many as it takes.
-    fn search(&self, search: &Search<'a>, solvable: usize, touches: &TouchSet, fresh: &TouchSet) -> Found {
-        let dof = self.creature.dof();
+    fn search(
+        &self,
+        search: &StartSearch<'a>,
+        solvable: usize,
+        touches: &TouchSet,
+        fresh: &TouchSet,
+    ) -> SearchResult {
+        let dof = self.agent.creature().dof();
         let incomplete_starts = match self.frames {
             LimbFrames::Joint => INCOMPLETE_STARTS,
             LimbFrames::Limb => INCOMPLETE_LIMB_STARTS,
@@ -743,7 +763,7 @@ impl<'a> SecondOrder<'a> {
         // Noise that no second start finds may be a wrong minimum as well.
         let agreeing = noises.iter().filter(|&&noise| noise <= (1.0 + self.agreement()) * best.noise).count();
         best.start.accepted &= best.noise <= CERTAIN_NOISE || agreeing >= 2;
-        Found { best, onsets, settled }
+        SearchResult { best, onsets, settled }
     }
 
     /// Fits what was found to all touches, or says why nothing was.
@@ -752,9 +772,10 @@ impl<'a> SecondOrder<'a> {
         if start.accepted {
             let (schema, observability, deviation) = self.polish(&start);
             let undetermined = self.undetermined(&observability, &schema, deviation);
-            let undetermined_limbs = observability.undetermined_limbs(self.creature, self.skin, &schema);
+            let undetermined_limbs = observability.undetermined_limbs(self.agent, &schema);
             return Learned {
                 schema,
+                basis: self.basis(),
                 verdict: Verdict::Converged,
                 onsets,
                 fresh_rms: judged,
@@ -776,16 +797,18 @@ impl<'a> SecondOrder<'a> {
         };
         Learned {
             schema: self.with_frozen(&start.schema),
+            basis: self.basis(),
             verdict: Verdict::Failed(why),
             onsets,
             fresh_rms: judged,
-            undetermined: (0..self.creature.joints().len()).collect(),
+            undetermined: (0..self.agent.creature().joints().len()).collect(),
             undetermined_limbs: match self.frames {
                 LimbFrames::Joint => Vec::new(),
                 LimbFrames::Limb => {
-                    let felt =
-                        |limb: &usize| self.skin.receptors.iter().any(|receptor| receptor.limb == *limb);
-                    (0..self.creature.limbs().len()).filter(felt).collect()
+                    let felt = |limb: &usize| {
+                        self.agent.skin().receptors.iter().any(|receptor| receptor.limb == *limb)
+                    };
+                    (0..self.agent.creature().limbs().len()).filter(felt).collect()
                 }
             },
             observability: None,

@@ -8,9 +8,9 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use crate::kinematics::Frame;
-use crate::learning::observation::{Observation, ObservationModel, Residuals};
-use crate::skin::{Shape, Skin, Surface, closest};
+use crate::geometry::{ConvexBody, Frame, Gap, PlacedShape, Precision, gap_from};
+use crate::learning::observation::{Observation, ObservationModel, TouchResiduals};
+use crate::skin::Skin;
 
 /// Residuals beyond this many deviations count ever less (Cauchy weights).
 pub const TAIL: f64 = 3.0;
@@ -41,17 +41,6 @@ pub struct SurfaceGap<'a> {
     pub patch_deviation: f64,
 }
 
-/// Where two surfaces come closest.
-#[derive(Clone, Copy, Debug)]
-pub struct Meeting {
-    /// Distance between the surfaces, negative where they overlap, metres.
-    pub gap: f64,
-    /// Unit normal from the second surface to the first, in the ancestor's frame.
-    pub normal: Vector3<f64>,
-    /// The middle between the closest points, in the ancestor's frame, metres.
-    pub point: Vector3<f64>,
-}
-
 impl<'a> SurfaceGap<'a> {
     /// The model with a deviation of the gap, metres, and uniform places in the patches.
     pub fn new(skin: &'a Skin, gap_deviation: f64) -> SurfaceGap<'a> {
@@ -63,132 +52,32 @@ impl<'a> SurfaceGap<'a> {
         SurfaceGap { patch_deviation: BIASED_PLACES, ..self }
     }
 
-    /// Where the surfaces under two receptors come closest, given their limbs' frames `X_CA`, `X_CB`.
-    pub fn meeting(&self, ends: &[Observation; 2], frames: &[Frame; 2]) -> Meeting {
-        let surfaces =
-            [0, 1].map(|k| self.skin.receptors[ends[k].receptor].surface.map(|s| &self.skin.surfaces[s]));
-        if let [Some(a), Some(b)] = surfaces
-            && let (Some(first), Some(second)) = (segment(a, &frames[0]), segment(b, &frames[1]))
-        {
-            return swept_segments(&first, &second);
-        }
+    /// Where the surfaces under two receptors come closest, given their limbs' frames `X_CA`, `X_CB`. A surface that is
+    /// known only by its receptors is flat under each of them.
+    pub fn gap(&self, ends: &[Observation; 2], frames: &[Frame; 2]) -> Gap {
         let receptors = [0, 1].map(|k| &self.skin.receptors[ends[k].receptor]);
-        let distance = |k: usize, p_c: &Vector3<f64>| {
-            let local = frames[k].inverse_point(p_c);
-            // A surface that is known only by its receptors is flat under each of them.
-            let (gap, normal) = surfaces[k]
-                .and_then(|surface| surface.signed_distance(&local))
-                .unwrap_or_else(|| (receptors[k].patch_coordinates(&local).z, receptors[k].normal));
-            (gap, frames[k].rotation * normal)
+        let solid = |k: usize| self.skin.surfaces[receptors[k].surface?].placed(&frames[k]);
+        let normal = |k: usize| frames[k].rotation * receptors[k].normal;
+        // The solid's lowest point over the flat patch.
+        let over_patch = |solid: PlacedShape, k: usize| {
+            let normal = normal(k);
+            let lowest = solid.support(&-normal);
+            let distance = receptors[k].patch_coordinates(&frames[k].inverse_point(&lowest)).z;
+            Gap { distance, normal, points: [lowest, lowest - normal * distance] }
         };
-        // A sphere or capsule against anything else: its axis' nearest point is all there is to find.
-        for k in [0, 1] {
-            if let Some(swept) = surfaces[k].and_then(|surface| segment(surface, &frames[k])) {
-                return swept_segment(&swept, |p_c| distance(1 - k, p_c)).seen_from(k);
-            }
-        }
-        let centres = [0, 1].map(|k| frames[k].point(&receptors[k].position));
-        let normals = [0, 1].map(|k| frames[k].rotation * receptors[k].normal);
-        let support = |k: usize, d: &Vector3<f64>| {
-            Some(frames[k].point(&surfaces[k]?.support(&frames[k].rotation.tr_mul(d))?))
-        };
-        match [0, 1].map(|k| support(k, &normals[k]).is_some()) {
-            [true, true] => {
-                let solid = |k: usize, d: &Vector3<f64>| support(k, d).expect("it has a farthest point");
-                let found = closest([&|d| solid(0, d), &|d| solid(1, d)], &normals[1]);
-                let point = 0.5 * (found.points[0] + found.points[1]);
-                Meeting { gap: found.distance, normal: found.normal, point }
-            }
+        match [solid(0), solid(1)] {
+            [Some(a), Some(b)] => gap_from(&a, &b, Precision::Exact, &normal(1)),
+            [Some(a), None] => over_patch(a, 1),
+            [None, Some(b)] => over_patch(b, 0).reversed(),
             // Two flat patches say little more than that their centres are near.
-            [false, false] => {
-                let normal = (normals[1] - normals[0]).try_normalize(1e-9).unwrap_or(normals[1]);
-                let gap = normal.dot(&(centres[0] - centres[1]));
-                Meeting { gap, normal, point: 0.5 * (centres[0] + centres[1]) }
-            }
-            [first, _] => {
-                // The solid's lowest point over the flat patch.
-                let k = usize::from(!first);
-                let normal = normals[1 - k];
-                let lowest = support(k, &-normal).expect("it has a farthest point");
-                let gap = distance(1 - k, &lowest).0;
-                Meeting { gap, normal, point: lowest - normal * (0.5 * gap) }.seen_from(k)
+            [None, None] => {
+                let points = [0, 1].map(|k| frames[k].point(&receptors[k].position));
+                let (first, second) = (normal(0), normal(1));
+                let normal = (second - first).try_normalize(1e-9).unwrap_or(second);
+                Gap { distance: normal.dot(&(points[0] - points[1])), normal, points }
             }
         }
     }
-}
-
-impl Meeting {
-    /// A meeting whose normal leads to the `k`-th of two surfaces, with one that leads to the first.
-    fn seen_from(self, k: usize) -> Meeting {
-        Meeting { normal: if k == 0 { self.normal } else { -self.normal }, ..self }
-    }
-}
-
-/// A sphere or capsule as a segment and a radius, in the ancestor's frame.
-struct Swept {
-    ends: [Vector3<f64>; 2],
-    radius: f64,
-}
-
-fn segment(surface: &Surface, frame: &Frame) -> Option<Swept> {
-    let (radius, half_length) = match surface.shape {
-        Shape::Sphere { radius } => (radius, 0.0),
-        Shape::Capsule { radius, half_length } => (radius, half_length),
-        _ => return None,
-    };
-    let along: Vector3<f64> = surface.rotation.column(2) * half_length;
-    let ends = [surface.origin - along, surface.origin + along].map(|end| frame.point(&end));
-    Some(Swept { ends, radius })
-}
-
-fn swept_segments(a: &Swept, b: &Swept) -> Meeting {
-    let [p, q] = crate::kinematics::closest_points(&a.ends, &b.ends);
-    let between = p - q;
-    let distance = between.norm();
-    let normal = if distance > 1e-12 { between / distance } else { Vector3::z() };
-    let point = 0.5 * (p - normal * a.radius + q + normal * b.radius);
-    Meeting { gap: distance - a.radius - b.radius, normal, point }
-}
-
-/// A swept segment against a convex surface given by its signed distance: along the segment the distance is
-/// convex, and its least is the gap. The normal is outward of the surface.
-fn swept_segment(a: &Swept, distance: impl Fn(&Vector3<f64>) -> (f64, Vector3<f64>)) -> Meeting {
-    let along = a.ends[1] - a.ends[0];
-    let at = |t: f64| {
-        let p = a.ends[0] + along * t;
-        let (distance, normal) = distance(&p);
-        (p, distance, normal, normal.dot(&along))
-    };
-    let (first, second) = (at(0.0), at(1.0));
-    let found = if first.3 >= 0.0 {
-        first
-    } else if second.3 <= 0.0 {
-        second
-    } else {
-        // The root of the slope, by regula falsi with the Illinois rule: it cannot leave its bracket.
-        let (mut low, mut high) = ((0.0, first.3), (1.0, second.3));
-        let mut found = first;
-        let mut kept = 0;
-        for _ in 0..60 {
-            let t = (low.0 * high.1 - high.0 * low.1) / (high.1 - low.1);
-            found = at(t);
-            if found.3.abs() * (high.0 - low.0) < 1e-13 {
-                break;
-            }
-            if found.3 < 0.0 {
-                low = (t, found.3);
-                high.1 *= if kept < 0 { 0.5 } else { 1.0 };
-                kept = -1;
-            } else {
-                high = (t, found.3);
-                low.1 *= if kept > 0 { 0.5 } else { 1.0 };
-                kept = 1;
-            }
-        }
-        found
-    };
-    let (p, distance, normal, _) = found;
-    Meeting { gap: distance - a.radius, normal, point: p - normal * (0.5 * (distance + a.radius)) }
 }
 
 impl ObservationModel for SurfaceGap<'_> {
@@ -196,15 +85,21 @@ impl ObservationModel for SurfaceGap<'_> {
         Matrix3::identity()
     }
 
-    fn residuals(&self, ends: &[Observation; 2], frames: &[Frame; 2], whitening: &Matrix3<f64>) -> Residuals {
-        let meeting = self.meeting(ends, frames);
-        let points = [0, 1].map(|k| frames[k].inverse_point(&meeting.point));
-        let mut residuals = Residuals::new(points);
+    fn residuals(
+        &self,
+        ends: &[Observation; 2],
+        frames: &[Frame; 2],
+        whitening: &Matrix3<f64>,
+    ) -> TouchResiduals {
+        let found = self.gap(ends, frames);
+        let middle = found.middle();
+        let points = [0, 1].map(|k| frames[k].inverse_point(&middle));
+        let mut residuals = TouchResiduals::new(points);
         // One over how much wider than another's the touch's gap may be.
         let gap_deviation = self.gap_deviation / whitening[(0, 0)];
-        let gap = meeting.gap / gap_deviation;
+        let gap = found.distance / gap_deviation;
         let weight = 1.0 / (1.0 + (gap / TAIL).powi(2)).sqrt();
-        residuals.push(meeting.normal * (weight / gap_deviation), gap * weight);
+        residuals.push(found.normal * (weight / gap_deviation), gap * weight);
         for (k, offset, deviation, direction) in self.offsets(ends, &points) {
             let value = offset / deviation;
             let weight = 1.0 / (1.0 + (value / TAIL).powi(2)).sqrt();
@@ -216,9 +111,10 @@ impl ObservationModel for SurfaceGap<'_> {
     }
 
     fn cost(&self, ends: &[Observation; 2], frames: &[Frame; 2], whitening: &Matrix3<f64>) -> f64 {
-        let meeting = self.meeting(ends, frames);
-        let points = [0, 1].map(|k| frames[k].inverse_point(&meeting.point));
-        let mut cost = tailed(meeting.gap / self.gap_deviation * whitening[(0, 0)]);
+        let found = self.gap(ends, frames);
+        let middle = found.middle();
+        let points = [0, 1].map(|k| frames[k].inverse_point(&middle));
+        let mut cost = tailed(found.distance / self.gap_deviation * whitening[(0, 0)]);
         for (_, offset, deviation, _) in self.offsets(ends, &points) {
             cost += tailed(offset / deviation);
         }
@@ -306,34 +202,5 @@ mod tests {
         assert!((scale / 1e-4 - 1.0).abs() < 0.02, "{scale} with false touches");
         assert_eq!(gap_scale(&[], 1e-6), 1e-6);
         assert_eq!(gap_scale(&[(0.0, 0.0)], 1e-6), 1e-6);
-    }
-
-    #[test]
-    fn the_gap_over_a_convex_surface_is_that_of_the_balls_that_they_are() {
-        let mut rng = ChaCha8Rng::seed_from_u64(2);
-        for gap in [-1e-3, -1e-4, 0.0, 1e-6, 1e-4, 1e-3, 0.01] {
-            let direction = Vector3::from_fn(|_, _| normal(&mut rng)).normalize();
-            let middle = direction * (0.08 + gap);
-            let shape = Shape::Ellipsoid { semi_axes: [0.05; 3] };
-            let swept = Swept { ends: [middle; 2], radius: 0.03 };
-            let found = swept_segment(&swept, |p| shape.signed_distance(p).unwrap());
-            assert!((found.gap - gap).abs() < 1e-8, "{} in place of {gap}", found.gap);
-            assert!((found.normal - direction).norm() < 1e-9);
-        }
-    }
-
-    #[test]
-    fn a_capsule_over_an_ellipsoid_is_as_near_as_its_nearest_point() {
-        let mut rng = ChaCha8Rng::seed_from_u64(3);
-        let shape = Shape::Ellipsoid { semi_axes: [0.2, 0.03, 0.05] };
-        for _ in 0..50 {
-            let ends = [0, 1].map(|_| Vector3::from_fn(|_, _| 0.3 * normal(&mut rng)));
-            let swept = Swept { ends, radius: 0.02 };
-            let found = swept_segment(&swept, |p| shape.signed_distance(p).unwrap());
-            let along = |k: usize| ends[0] + (ends[1] - ends[0]) * (k as f64 / 1000.0);
-            let sampled = (0..=1000).map(|k| shape.signed_distance(&along(k)).unwrap().0 - 0.02);
-            let least = sampled.fold(f64::INFINITY, f64::min);
-            assert!(found.gap <= least + 1e-9 && found.gap > least - 1e-3, "{} and {least}", found.gap);
-        }
     }
 }

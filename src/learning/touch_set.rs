@@ -5,10 +5,11 @@ use std::collections::BTreeSet;
 use nalgebra::{DMatrix, DVector, Matrix3, Matrix3x2, Vector3};
 
 use crate::creature::Creature;
-use crate::kinematics::{Chain, ChainSide, Frame, SideJacobian, tangent_basis};
+use crate::geometry::Frame;
+use crate::kinematics::{Chain, ChainSide, SideJacobian, tangent_basis};
 use crate::learning::least_squares::LeastSquares;
 use crate::learning::least_squares::Linearization;
-use crate::learning::observation::{Observation, ObservationModel, Residuals};
+use crate::learning::observation::{Observation, ObservationModel, TouchResiduals};
 use crate::learning::prior::Beforehand;
 use crate::learning::{AxisModel, Parameters};
 use crate::schema::BodySchema;
@@ -131,7 +132,7 @@ impl PreparedTouch {
 }
 
 /// The columns of a pair's Jacobian: which parameters its chain moves.
-struct Columns {
+struct ChainColumns {
     /// Offset in the parameter vector of each local block, and its width.
     blocks: Vec<(usize, usize)>,
     /// Local offset of every joint's position and every degree of freedom's axis.
@@ -143,9 +144,9 @@ struct Columns {
     len: usize,
 }
 
-impl Columns {
-    fn new(creature: &Creature, chain: &Chain, parameters: &Parameters) -> Columns {
-        let mut columns = Columns {
+impl ChainColumns {
+    fn new(creature: &Creature, chain: &Chain, parameters: &Parameters) -> ChainColumns {
+        let mut columns = ChainColumns {
             blocks: Vec::new(),
             positions: vec![None; creature.joints().len()],
             axes: vec![None; creature.dof_elements()],
@@ -182,7 +183,7 @@ pub struct TouchProblem<'a, M> {
     model: M,
     prior: Option<&'a dyn Beforehand>,
     scales: Option<&'a [f64]>,
-    columns: Vec<Columns>,
+    columns: Vec<ChainColumns>,
     /// Per touch, in the order of the set, the whitening that the last linearization fixed.
     whitenings: Vec<Matrix3<f64>>,
 }
@@ -196,7 +197,7 @@ impl<'a, M: ObservationModel> TouchProblem<'a, M> {
         model: M,
     ) -> TouchProblem<'a, M> {
         let columns =
-            touches.pairs.iter().map(|pair| Columns::new(creature, &pair.chain, parameters)).collect();
+            touches.pairs.iter().map(|pair| ChainColumns::new(creature, &pair.chain, parameters)).collect();
         let whitenings = vec![Matrix3::identity(); touches.len()];
         TouchProblem { creature, touches, parameters, model, prior: None, scales: None, columns, whitenings }
     }
@@ -227,7 +228,7 @@ impl<M: ObservationModel> LeastSquares for TouchProblem<'_, M> {
         let mut whitenings = self.whitenings.iter_mut().enumerate();
         let mut sides = [SideJacobian::default(), SideJacobian::default()];
         for (pair, columns) in self.touches.pairs.iter().zip(&self.columns) {
-            let most_rows = pair.touches.len() * Residuals::MOST;
+            let most_rows = pair.touches.len() * TouchResiduals::MOST;
             // Transposed, so that a touch writes adjacent memory.
             let mut jacobian = DMatrix::zeros(columns.len, most_rows);
             let mut residuals = DVector::zeros(most_rows);
@@ -293,7 +294,7 @@ impl PreparedTouch {
     }
 }
 
-impl Columns {
+impl ChainColumns {
     /// Adds a pair's normal equations to those of all parameters.
     fn scatter(&self, hessian: &DMatrix<f64>, gradient: &DVector<f64>, total: &mut Linearization) {
         let places = || {
@@ -320,7 +321,7 @@ fn write_row(
     row: usize,
     direction: &Vector3<f64>,
     side: &SideJacobian,
-    columns: &Columns,
+    columns: &ChainColumns,
     bases: &[Matrix3x2<f64>],
 ) {
     for (joint, map) in &side.joints {
@@ -344,7 +345,7 @@ fn write_poses(
     row: usize,
     direction: &Vector3<f64>,
     side: &SideJacobian,
-    columns: &Columns,
+    columns: &ChainColumns,
     parameters: &Parameters,
     schema: &BodySchema,
 ) {

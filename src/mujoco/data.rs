@@ -273,6 +273,7 @@ impl Data {
         self.run("mj_kinematics", ffi::mj_kinematics)
     }
 
+    #[cfg(feature = "render")]
     /// Computes all that a picture shows: poses, centres of mass, cameras, lights and tendons.
     pub(super) fn place(&mut self) -> Result<()> {
         self.kinematics()?;
@@ -281,6 +282,7 @@ impl Data {
         self.run("mj_tendon", ffi::mj_tendon)
     }
 
+    #[cfg(feature = "render")]
     /// For calls of the engine that take the data as theirs.
     pub(super) fn raw_mut(&mut self) -> *mut ffi::mjData {
         self.raw.as_ptr()
@@ -309,6 +311,15 @@ impl Data {
     /// As [`Data::collision`].
     pub fn forward(&mut self) -> Result<()> {
         self.run("mj_forward", ffi::mj_forward)
+    }
+
+    /// Computes the sensors that depend on the posture alone; those of anything but joints are right after
+    /// [`Data::forward`] only.
+    ///
+    /// # Errors
+    /// As [`Data::kinematics`].
+    pub fn sense_positions(&mut self) -> Result<()> {
+        self.run("mj_sensorPos", ffi::mj_sensorPos)
     }
 
     fn run(&mut self, call: &'static str, stage: Stage) -> Result<()> {
@@ -372,7 +383,8 @@ impl Data {
         vector(&wrench)
     }
 
-    /// The sensors' numbers of the last [`Data::forward`]; see [`Sensor`](super::Sensor).
+    /// The sensors' numbers of the last [`Data::forward`], [`Data::step2`] or [`Data::sense_positions`]; see
+    /// [`Sensor`](super::Sensor).
     pub fn sensordata(&self) -> &[f64] {
         array!(self, sensordata[nsensordata])
     }

@@ -160,6 +160,7 @@ impl GeomKind {
         }
     }
 
+    #[cfg(feature = "render")]
     /// The engine's number of a shape that its sizes say all of; none of others.
     pub(super) fn to_raw(self) -> Option<i32> {
         let number = match self {
@@ -223,6 +224,10 @@ pub struct Sensor<'m> {
     pub adr: usize,
     /// How many numbers it gives.
     pub dim: usize,
+    /// The greatest amount that it tells, in the unit of its numbers; 0 where there is no such bound.
+    pub cutoff: f64,
+    /// The standard deviation of its noise, in the unit of its numbers.
+    pub noise: f64,
 }
 
 /// What a sensor measures.

@@ -46,7 +46,8 @@ impl Model {
     }
 
     /// A copy in which the geoms marked collide with one another and nothing else collides: their filters are
-    /// opened, excludes, explicit pairs and contact margins are gone. Parent and child still do not meet.
+    /// opened, excludes, explicit pairs and contact margins are gone. Parent and child still do not meet. The engine
+    /// adds no noise to its sensors.
     ///
     /// # Errors
     /// [`Error::Engine`](super::Error::Engine) where the engine has no memory for it.
@@ -81,6 +82,11 @@ impl Model {
             (*raw).nexclude = 0;
             (*raw).npair = 0;
             (*raw).opt.disableflags &= !((ffi::mjDSBL_CONSTRAINT | ffi::mjDSBL_CONTACT) as i32);
+            // The engine draws noise from the process's one generator: with threads it is never the same twice.
+            #[cfg(mujoco_sensornoise)]
+            {
+                (*raw).opt.enableflags &= !(ffi::mjENBL_SENSORNOISE as i32);
+            }
             #[cfg(mujoco_collision_option)]
             {
                 (*raw).opt.collision = ffi::mjCOL_DYNAMIC as i32;

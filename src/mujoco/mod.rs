@@ -5,7 +5,7 @@
 //! and newtons throughout. MuJoCo writes quaternions as w x y z; they become nalgebra's unit
 //! quaternions here and nowhere else, except in the raw `qpos` vector.
 //!
-//! Pictures are drawn by a [`Renderer`], where there is an OpenGL: none is linked.
+//! With the feature `render` pictures are drawn by a `Renderer`, where there is an OpenGL: none is linked.
 //!
 //! No error of the engine ends the process or writes a log file: see [`Error`].
 #![allow(unsafe_code)]
@@ -20,7 +20,9 @@ mod ffi;
 mod filter;
 mod limits;
 mod model;
+#[cfg(feature = "render")]
 mod opengl;
+#[cfg(feature = "render")]
 mod renderer;
 mod simulated;
 mod vfs;
@@ -33,6 +35,8 @@ pub use element::{
 pub use engine::{Version, check, compare, schema};
 pub use error::{Error, Result};
 pub use model::Model;
+#[cfg(feature = "render")]
 pub use opengl::OPENGL_VARIABLE;
+#[cfg(feature = "render")]
 pub use renderer::{Camera, Image, Mark, PICTURE_SIDES, Renderer, View};
 pub use simulated::LONGEST_STEP;

@@ -326,6 +326,7 @@ impl Model {
         self.raw().nsensor as usize
     }
 
+    #[cfg(feature = "render")]
     /// Whether the model has a sky.
     pub(super) fn has_sky(&self) -> bool {
         array!(self, tex_type[ntex]).contains(&(ffi::mjTEXTURE_SKYBOX as i32))
@@ -489,7 +490,26 @@ impl Model {
             id: usize::try_from(array!(self, sensor_objid[nsensor])[i]).ok(),
             adr: array!(self, sensor_adr[nsensor])[i] as usize,
             dim: array!(self, sensor_dim[nsensor])[i] as usize,
+            cutoff: array!(self, sensor_cutoff[nsensor])[i],
+            noise: array!(self, sensor_noise[nsensor])[i],
         }
+    }
+
+    /// Whether sensors are computed at all: a file may disable them.
+    pub fn has_sensors_enabled(&self) -> bool {
+        self.raw().opt.disableflags as u32 & ffi::mjDSBL_SENSOR == 0
+    }
+
+    /// Whether the file asks for the noise of its sensors.
+    #[cfg(mujoco_sensornoise)]
+    pub fn has_sensor_noise(&self) -> bool {
+        self.raw().opt.enableflags as u32 & ffi::mjENBL_SENSORNOISE != 0
+    }
+
+    /// Newer engines know of no such wish: never.
+    #[cfg(not(mujoco_sensornoise))]
+    pub fn has_sensor_noise(&self) -> bool {
+        false
     }
 
     /// The active equality constraints, in the file's order.

@@ -2,13 +2,14 @@
 //!
 //! Neither is linked, so that the program runs where there is none. MuJoCo takes its OpenGL functions from whichever of
 //! the two libraries it finds in the process, once and for all: so a process that has drawn stays with the one it began
-//! with, and the library is never unloaded.
+//! with, and the library is never unloaded. EGL is spoken to through khronos-egl; for OSMesa there is no crate.
 
-use std::ffi::{CStr, c_char, c_int, c_uint, c_void};
+use std::ffi::{CStr, c_int, c_uint, c_void};
 use std::marker::PhantomData;
 use std::ptr::{null, null_mut};
 use std::sync::OnceLock;
 
+use khronos_egl as egl;
 use libloading::Library;
 
 use super::error::{Error, Result};
@@ -26,8 +27,6 @@ const OSMESA: &[&str] = &["libOSMesa.so.8", "libOSMesa.so.6", "libOSMesa.so"];
 const SIDE: c_int = 16;
 
 type Handle = *mut c_void;
-type Attributes = *const c_int;
-type Function = unsafe extern "C" fn();
 
 /// A context of OpenGL, current in the thread that made it until it is dropped, and bound to that thread.
 pub(super) struct OffscreenContext {
@@ -37,7 +36,7 @@ pub(super) struct OffscreenContext {
 }
 
 enum ContextHandle {
-    Egl { egl: &'static Egl, context: Handle, surface: Handle },
+    Egl { egl: &'static Egl, context: egl::Context, surface: egl::Surface },
     OsMesa { osmesa: &'static OsMesa, context: Handle, buffer: Vec<u8> },
 }
 
@@ -49,7 +48,8 @@ impl OffscreenContext {
     pub fn new() -> Result<OffscreenContext> {
         let handle = match library()? {
             Platform::Egl(egl) => {
-                let (context, surface) = egl.context().map_err(|reason| Error::OpenGl { reason })?;
+                let made = context(&egl.instance, egl.display, egl.config);
+                let (context, surface) = made.map_err(|reason| Error::OpenGl { reason })?;
                 ContextHandle::Egl { egl, context, surface }
             }
             Platform::OsMesa(osmesa) => {
@@ -69,10 +69,10 @@ impl OffscreenContext {
     /// [`Error::OpenGl`] where the library refuses.
     pub fn make_current(&mut self) -> Result<()> {
         let done = match &mut self.handle {
-            // SAFETY: display, surface and context are of one EGL and live as long as `self`.
-            ContextHandle::Egl { egl, context, surface } => unsafe {
-                (egl.make_current)(egl.display, *surface, *surface, *context) != 0
-            },
+            ContextHandle::Egl { egl: Egl { instance, display, .. }, context, surface } => {
+                let surface = Some(*surface);
+                instance.make_current(*display, surface, surface, Some(*context)).is_ok()
+            }
             // SAFETY: the context lives as long as `self`, as does the buffer, which holds four bytes a pixel.
             ContextHandle::OsMesa { osmesa, context, buffer } => unsafe {
                 const UNSIGNED_BYTE: c_uint = 0x1401;
@@ -89,12 +89,12 @@ impl OffscreenContext {
 impl Drop for OffscreenContext {
     fn drop(&mut self) {
         match &self.handle {
-            // SAFETY: both are this value's alone and freed once; no context is current afterwards.
-            ContextHandle::Egl { egl, context, surface } => unsafe {
-                (egl.make_current)(egl.display, null_mut(), null_mut(), null_mut());
-                (egl.destroy_surface)(egl.display, *surface);
-                (egl.destroy_context)(egl.display, *context);
-            },
+            ContextHandle::Egl { egl: Egl { instance, display, .. }, context, surface } => {
+                // What cannot be freed is left to the end of the process.
+                let _ = instance.make_current(*display, None, None, None);
+                let _ = instance.destroy_surface(*display, *surface);
+                let _ = instance.destroy_context(*display, *context);
+            }
             // SAFETY: this value's alone and freed once.
             ContextHandle::OsMesa { osmesa, context, .. } => unsafe { (osmesa.destroy_context)(*context) },
         }
@@ -102,7 +102,7 @@ impl Drop for OffscreenContext {
 }
 
 enum Platform {
-    Egl(Egl),
+    Egl(Box<Egl>),
     OsMesa(OsMesa),
 }
 
@@ -113,7 +113,7 @@ fn library() -> Result<&'static Platform> {
     let found = FOUND.get_or_init(|| match wanted.as_str() {
         "" => {
             let first = match Egl::load() {
-                Ok(egl) => return Ok(Platform::Egl(egl)),
+                Ok(egl) => return Ok(Platform::Egl(Box::new(egl))),
                 Err(reason) => reason,
             };
             // MuJoCo would take the functions of a library that stayed in the process.
@@ -124,7 +124,7 @@ fn library() -> Result<&'static Platform> {
             }
             OsMesa::load().map(Platform::OsMesa).map_err(|second| format!("{first}, {second}"))
         }
-        "egl" => Egl::load().map(Platform::Egl),
+        "egl" => Egl::load().map(|egl| Platform::Egl(Box::new(egl))),
         "osmesa" => OsMesa::load().map(Platform::OsMesa),
         "none" => Err(format!("{OPENGL_VARIABLE}=none keeps it out")),
         other => Err(format!("{OPENGL_VARIABLE} is {other}: set it to egl, osmesa or none")),
@@ -159,15 +159,9 @@ unsafe fn symbol<T: Copy>(library: &Library, name: &CStr) -> std::result::Result
 
 /// EGL: one display of it, on which contexts are made.
 struct Egl {
-    display: Handle,
-    config: Handle,
-    create_context: unsafe extern "C" fn(Handle, Handle, Handle, Attributes) -> Handle,
-    create_surface: unsafe extern "C" fn(Handle, Handle, Attributes) -> Handle,
-    make_current: unsafe extern "C" fn(Handle, Handle, Handle, Handle) -> c_uint,
-    destroy_context: unsafe extern "C" fn(Handle, Handle) -> c_uint,
-    destroy_surface: unsafe extern "C" fn(Handle, Handle) -> c_uint,
-    bind_api: unsafe extern "C" fn(c_uint) -> c_uint,
-    function: unsafe extern "C" fn(*const c_char) -> Option<Function>,
+    instance: egl::DynamicInstance<egl::EGL1_4>,
+    display: egl::Display,
+    config: egl::Config,
 }
 
 // SAFETY: EGL's functions may be called from any thread, with a display that all of them share.
@@ -175,111 +169,93 @@ unsafe impl Send for Egl {}
 // SAFETY: as above.
 unsafe impl Sync for Egl {}
 
-/// EGL's numbers, as its headers have them.
-mod egl {
-    use std::ffi::{c_int, c_uint};
-
-    pub const OPENGL_API: c_uint = 0x30A2;
-    pub const PLATFORM_SURFACELESS: c_uint = 0x31DD;
-    pub const PLATFORM_DEVICE: c_uint = 0x313F;
-    const NONE: c_int = 0x3038;
-    /// Red, green, blue, depth and stencil bits; surfaces that nobody sees; OpenGL.
-    pub const CONFIG: [c_int; 15] =
-        [0x3024, 8, 0x3023, 8, 0x3022, 8, 0x3025, 24, 0x3026, 8, 0x3033, 1, 0x3040, 8, NONE];
-    /// Width and height.
-    pub const SURFACE: [c_int; 5] = [0x3057, super::SIDE, 0x3056, super::SIDE, NONE];
-    pub const NOTHING: [c_int; 1] = [NONE];
-}
+/// Platforms of displays without a screen, which EGL 1.4 has as extensions.
+const PLATFORM_SURFACELESS: c_uint = 0x31DD;
+const PLATFORM_DEVICE: c_uint = 0x313F;
+/// What a context wants: colours, depth and stencil bits, surfaces that nobody sees, OpenGL.
+const CONFIG: [egl::Int; 15] = [
+    egl::RED_SIZE,
+    8,
+    egl::GREEN_SIZE,
+    8,
+    egl::BLUE_SIZE,
+    8,
+    egl::DEPTH_SIZE,
+    24,
+    egl::STENCIL_SIZE,
+    8,
+    egl::SURFACE_TYPE,
+    egl::PBUFFER_BIT,
+    egl::RENDERABLE_TYPE,
+    egl::OPENGL_BIT,
+    egl::NONE,
+];
+const SURFACE: [egl::Int; 5] = [egl::WIDTH, SIDE, egl::HEIGHT, SIDE, egl::NONE];
 
 impl Egl {
     fn load() -> std::result::Result<Egl, String> {
         let library = open(EGL)?;
-        // SAFETY: the types are those of EGL 1.4's functions.
-        unsafe {
-            type GetDisplay = unsafe extern "C" fn(Handle) -> Handle;
-            type Initialise = unsafe extern "C" fn(Handle, *mut c_int, *mut c_int) -> c_uint;
-            type ChooseConfig =
-                unsafe extern "C" fn(Handle, Attributes, *mut Handle, c_int, *mut c_int) -> c_uint;
-            let default_display: GetDisplay = symbol(&library, c"eglGetDisplay")?;
-            let initialise: Initialise = symbol(&library, c"eglInitialize")?;
-            let choose: ChooseConfig = symbol(&library, c"eglChooseConfig")?;
-            let mut egl = Egl {
-                display: null_mut(),
-                config: null_mut(),
-                create_context: symbol(&library, c"eglCreateContext")?,
-                create_surface: symbol(&library, c"eglCreatePbufferSurface")?,
-                make_current: symbol(&library, c"eglMakeCurrent")?,
-                destroy_context: symbol(&library, c"eglDestroyContext")?,
-                destroy_surface: symbol(&library, c"eglDestroySurface")?,
-                bind_api: symbol(&library, c"eglBindAPI")?,
-                function: symbol(&library, c"eglGetProcAddress")?,
-            };
-            let mut displays = egl.displays_without_screen();
-            displays.push(default_display(null_mut()));
-            for display in displays.into_iter().filter(|display| !display.is_null()) {
-                let mut count = 0;
-                egl.display = display;
-                if initialise(display, null_mut(), null_mut()) != 0
-                    && choose(display, egl::CONFIG.as_ptr(), &raw mut egl.config, 1, &raw mut count) != 0
-                    && count > 0
-                    && let Ok((context, surface)) = egl.context()
-                {
-                    (egl.destroy_surface)(display, surface);
-                    (egl.destroy_context)(display, context);
-                    // The functions stay good for as long as the process lives.
-                    std::mem::forget(library);
-                    return Ok(egl);
-                }
+        // SAFETY: it is EGL's library, whose functions have the types of EGL.
+        let instance = unsafe { egl::DynamicInstance::<egl::EGL1_4>::load_required_from(library) };
+        let instance = instance.map_err(|error| format!("EGL is too old: {error:?}"))?;
+        let mut displays = displays_without_screen(&instance);
+        // SAFETY: the default display is one of every platform.
+        displays.extend(unsafe { instance.get_display(egl::DEFAULT_DISPLAY) });
+        for display in displays {
+            let config =
+                instance.initialize(display).and_then(|_| instance.choose_first_config(display, &CONFIG));
+            let Ok(Some(config)) = config else { continue };
+            if let Ok((context, surface)) = context(&instance, display, config) {
+                let _ = instance.destroy_surface(display, surface);
+                let _ = instance.destroy_context(display, context);
+                return Ok(Egl { instance, display, config });
             }
         }
         Err("EGL has no driver that draws OpenGL".into())
     }
+}
 
-    /// The displays of all graphics cards, and that of no card at all.
-    ///
-    /// # Safety
-    /// The functions are those of a loaded EGL.
-    unsafe fn displays_without_screen(&self) -> Vec<Handle> {
-        type QueryDevices = unsafe extern "C" fn(c_int, *mut Handle, *mut c_int) -> c_uint;
-        type GetPlatformDisplay = unsafe extern "C" fn(c_uint, Handle, Attributes) -> Handle;
-        const MOST: usize = 16;
-        let mut displays = Vec::new();
-        // SAFETY: the names end in zero bytes, the types are those of EGL_EXT_platform_base and
-        // EGL_EXT_device_enumeration, and at most as many devices are written as there is room for.
-        unsafe {
-            let Some(get) = (self.function)(c"eglGetPlatformDisplayEXT".as_ptr()) else { return displays };
-            let get = std::mem::transmute::<Function, GetPlatformDisplay>(get);
-            if let Some(query) = (self.function)(c"eglQueryDevicesEXT".as_ptr()) {
-                let query = std::mem::transmute::<Function, QueryDevices>(query);
-                let (mut devices, mut count) = ([null_mut(); MOST], 0);
-                if query(MOST as c_int, devices.as_mut_ptr(), &raw mut count) != 0 {
-                    let known = devices.iter().take(count.max(0) as usize);
-                    displays.extend(known.map(|device| get(egl::PLATFORM_DEVICE, *device, null())));
-                }
+/// The displays of all graphics cards, and that of no card at all.
+fn displays_without_screen(instance: &egl::DynamicInstance<egl::EGL1_4>) -> Vec<egl::Display> {
+    type QueryDevices = unsafe extern "system" fn(egl::Int, *mut Handle, *mut egl::Int) -> egl::Boolean;
+    type GetPlatformDisplay = unsafe extern "system" fn(c_uint, Handle, *const egl::Int) -> Handle;
+    const MOST: usize = 16;
+    let Some(get) = instance.get_proc_address("eglGetPlatformDisplayEXT") else { return Vec::new() };
+    let mut displays = Vec::new();
+    // SAFETY: the types are those of EGL_EXT_platform_base and EGL_EXT_device_enumeration, and at most as many devices
+    // are written as there is room for.
+    unsafe {
+        let get = std::mem::transmute::<extern "system" fn(), GetPlatformDisplay>(get);
+        if let Some(query) = instance.get_proc_address("eglQueryDevicesEXT") {
+            let query = std::mem::transmute::<extern "system" fn(), QueryDevices>(query);
+            let (mut devices, mut count) = ([null_mut(); MOST], 0);
+            if query(MOST as egl::Int, devices.as_mut_ptr(), &raw mut count) == egl::TRUE {
+                let known = devices.iter().take(count.max(0) as usize);
+                displays.extend(known.map(|device| get(PLATFORM_DEVICE, *device, null())));
             }
-            displays.push(get(egl::PLATFORM_SURFACELESS, null_mut(), null()));
         }
-        displays
+        displays.push(get(PLATFORM_SURFACELESS, null_mut(), null()));
+        let there = displays.into_iter().filter(|display| !display.is_null());
+        there.map(|display| egl::Display::from_ptr(display)).collect()
     }
+}
 
-    /// A new context with a surface of its own.
-    fn context(&self) -> std::result::Result<(Handle, Handle), String> {
-        // SAFETY: display and configuration are EGL's own, and the lists end as EGL wants them to.
-        unsafe {
-            // It is bound per thread.
-            (self.bind_api)(egl::OPENGL_API);
-            let context = (self.create_context)(self.display, self.config, null_mut(), egl::NOTHING.as_ptr());
-            if context.is_null() {
-                return Err("EGL gives no context of OpenGL".into());
-            }
-            let surface = (self.create_surface)(self.display, self.config, egl::SURFACE.as_ptr());
-            if surface.is_null() {
-                (self.destroy_context)(self.display, context);
-                return Err("EGL gives no surface to draw on".into());
-            }
-            Ok((context, surface))
-        }
-    }
+/// A new context with a surface of its own.
+fn context(
+    instance: &egl::DynamicInstance<egl::EGL1_4>,
+    display: egl::Display,
+    config: egl::Config,
+) -> std::result::Result<(egl::Context, egl::Surface), String> {
+    // It is bound per thread.
+    let bound = instance.bind_api(egl::OPENGL_API);
+    let context = bound.and_then(|()| instance.create_context(display, config, None, &[egl::NONE]));
+    let context = context.map_err(|error| format!("EGL gives no context of OpenGL: {error}"))?;
+    instance.create_pbuffer_surface(display, config, &SURFACE).map(|surface| (context, surface)).map_err(
+        |error| {
+            let _ = instance.destroy_context(display, context);
+            format!("EGL gives no surface to draw on: {error}")
+        },
+    )
 }
 
 /// OSMesa, which draws in memory.

@@ -105,7 +105,7 @@ pub struct View<'a> {
 pub struct Renderer {
     // What OpenGL holds for MuJoCo goes before the context of OpenGL does.
     buffers: Buffers,
-    scene: Scene,
+    scene: EngineScene,
     context: OffscreenContext,
     option: ffi::mjvOption,
     data: Data,
@@ -140,7 +140,7 @@ impl Renderer {
         let copy = Arc::new(copy);
         let context = OffscreenContext::new()?;
         let buffers = Buffers::new(&copy)?;
-        let scene = Scene::new(&copy)?;
+        let scene = EngineScene::new(&copy)?;
         let mut option = MaybeUninit::zeroed();
         // SAFETY: the engine fills in what it is given; all zeros are valid before.
         let mut option: ffi::mjvOption = unsafe {
@@ -259,13 +259,13 @@ impl Drop for Buffers {
 }
 
 /// What is to be drawn, as the engine lists it.
-struct Scene(Box<ffi::mjvScene>);
+struct EngineScene(Box<ffi::mjvScene>);
 
-impl Scene {
-    fn new(model: &Model) -> Result<Scene> {
+impl EngineScene {
+    fn new(model: &Model) -> Result<EngineScene> {
         let mut scene = Box::new(MaybeUninit::zeroed());
         // SAFETY: the engine fills in what it is given; all zeros are valid before.
-        let mut scene = Scene(unsafe {
+        let mut scene = EngineScene(unsafe {
             ffi::mjv_defaultScene(scene.as_mut_ptr());
             scene.assume_init()
         });
@@ -337,7 +337,7 @@ impl Scene {
     }
 }
 
-impl Drop for Scene {
+impl Drop for EngineScene {
     fn drop(&mut self) {
         // SAFETY: made or set to its defaults by the engine, and freed once.
         unsafe { ffi::mjv_freeScene(&raw mut *self.0) }

@@ -15,13 +15,14 @@ const RIGID: f64 = 1e6;
 const LEAST_ROWS: i32 = 1000;
 
 impl Model {
-    /// A copy that forces from outside move, in steps of `timestep` seconds: without actuators, dampers of joints and
-    /// sensors, with no equality but those that couple joints; degrees of freedom marked in `rigid` as good as stand still.
+    /// A copy that forces from outside move, in steps of `timestep` seconds: without actuators and dampers of joints, with
+    /// no equality but those that couple joints; degrees of freedom marked in `rigid` as good as stand still. Its sensors
+    /// are computed only where `sensing` says so, and the file does not disable them.
     ///
     /// # Errors
     /// [`Error::Size`] where there is not one mark per degree of freedom, [`Error::NotFinite`] for a time step that
     /// is not above zero, [`Error::Engine`] where there is no memory for it.
-    pub fn simulated(&self, timestep: f64, rigid: &[bool]) -> Result<Model> {
+    pub fn simulated(&self, timestep: f64, rigid: &[bool], sensing: bool) -> Result<Model> {
         if rigid.len() != self.nv() {
             return Err(Error::Size { what: "dof_armature", expected: self.nv(), found: rigid.len() });
         }
@@ -35,7 +36,10 @@ impl Model {
             let option = &raw mut (*raw).opt;
             (*option).timestep = timestep;
             (*option).integrator = ffi::mjINT_EULER as i32;
-            (*option).disableflags |= (ffi::mjDSBL_ACTUATION | ffi::mjDSBL_SENSOR) as i32;
+            (*option).disableflags |= ffi::mjDSBL_ACTUATION as i32;
+            if !sensing {
+                (*option).disableflags |= ffi::mjDSBL_SENSOR as i32;
+            }
             // Dampers would have the engine factorise its inertia matrix twice a step.
             for dof in 0..rigid.len() {
                 *(*raw).dof_damping.add(dof) = 0.0;

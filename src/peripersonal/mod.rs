@@ -8,18 +8,19 @@
 //!
 //! ```text
 //! schema + skin + touches ─ own_body ─┬─ prediction   where a receptor is in another limb's frame, how surely
-//!                                     ├─ clearance    how far surfaces are from each other and from what was felt
-//!                                     ├─ path         ways through postures that keep clear
-//!                                     ├─ reaching     postures and ways that touch a place, or how far it is out of reach
+//!                                     ├─ collision    how far surfaces are from each other and from what was felt
+//!                                     ├─ path         paths through postures that keep clear
+//!                                     ├─ reaching     postures and paths that touch a place, or how far it is out of reach
 //!                                     └─ reachable    the voxels that a hand can get to: tip, flood, shell, lattice
 //! ```
 //!
 //! Frames: space is told in the root limb's frame `R`, which stays where it is while the creature acts; a map of what is
 //! reachable in the chest's frame `C` as it is at ease.
 
-mod clearance;
+mod collision;
 mod flood;
 mod lattice;
+mod obstacle;
 mod own_body;
 mod path;
 mod prediction;
@@ -28,11 +29,12 @@ mod reaching;
 mod shell;
 mod tip;
 
-pub use clearance::{Clearance, Obstacle};
+pub use collision::CollisionChecker;
 pub use lattice::Lattice;
+pub use obstacle::Obstacle;
 pub use own_body::{Doubt, OwnBody, TRUSTED};
-pub use path::{Way, distance, find_way, straight};
-pub use prediction::{Meeting, Predicted};
+pub use path::{PosturePath, distance, find_path, straight};
+pub use prediction::{PossibleTouch, Predicted};
 pub use reachable::{Level, ReachableMap, Unmappable, Whereabouts};
-pub use reaching::{Aim, Approach, OutOfReach, Reaching};
+pub use reaching::{OutOfReach, ReachPlan, ReachTarget, Reaching};
 pub use tip::{TipChain, Workspace};

@@ -6,11 +6,11 @@ use std::fmt;
 use nalgebra::{Matrix3, Vector3};
 use rand::{Rng, RngExt};
 
-use crate::babbling::start_posture;
-use crate::creature::{Creature, DofKind};
-use crate::kinematics::{Chain, Frame, Place, limb_frames};
-use crate::learning::observability::Observability;
-use crate::learning::{Input, Learner, SecondOrder};
+use crate::agent::Agent;
+use crate::creature::{Creature, Posture};
+use crate::geometry::Frame;
+use crate::kinematics::{Chain, Place, limb_frames};
+use crate::learning::{Certainty, Learned};
 use crate::schema::BodySchema;
 use crate::senses::Touch;
 use crate::skin::Skin;
@@ -21,94 +21,117 @@ pub const TRUSTED: f64 = 0.008;
 /// A creature's knowledge of its body.
 #[derive(Clone, Debug)]
 pub struct OwnBody {
-    /// The tree of joints, and the limbs.
-    pub creature: Creature,
-    /// Receptors and surfaces of the limbs.
-    pub skin: Skin,
+    agent: Agent,
     /// Where the joints are and how they turn.
     pub schema: BodySchema,
-    /// What the touches make sure; none where nobody asks.
-    pub certainty: Option<Observability>,
+    /// How sure that is.
+    certainty: Certainty,
     /// Postures that it was in without harm: those of its touches.
-    pub experienced: Vec<Vec<f64>>,
+    pub experienced: Vec<Posture>,
 }
 
 /// Why a creature does not trust its schema.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Doubt {
-    /// The joints whose place or axis is not known well enough, or the whole chain where none stands out.
-    pub joints: Vec<usize>,
-    /// How far off skin beyond them may be, metres: one standard deviation; none where nothing bounds it.
-    pub deviation: Option<f64>,
-    names: Vec<String>,
+pub enum Doubt {
+    /// Nothing tells how far off it is.
+    Unknown,
+    /// The touches do not tell where skin is. Named are the joints whose place or axis they do not bound.
+    Undetermined(Vec<String>),
+    /// Skin may be too far off. Named are the joints whose place or axis is not known well enough.
+    Inexact {
+        /// The joints, or none where no single one stands out.
+        joints: Vec<String>,
+        /// One standard deviation, metres.
+        deviation: f64,
+    },
 }
 
 impl fmt::Display for Doubt {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let joints = match self.names.as_slice() {
+        let list = |joints: &[String]| match joints {
             [] => "the joints between".to_string(),
             [one] => one.clone(),
             [first @ .., last] => format!("{} and {last}", first.join(", ")),
         };
-        match self.deviation {
-            Some(metres) => write!(f, "I may be {:.0} mm off, for I hardly know {joints}", 1e3 * metres),
-            None => write!(f, "I have not found out where {joints} is and how it turns"),
+        match self {
+            Doubt::Unknown => {
+                write!(
+                    f,
+                    "nothing tells me how far off I may be, for no fresh touch has borne out what I learned"
+                )
+            }
+            Doubt::Inexact { joints, deviation } => {
+                write!(f, "I may be {:.0} mm off, for I hardly know {}", 1e3 * deviation, list(joints))
+            }
+            Doubt::Undetermined(joints) => match joints.as_slice() {
+                [one] => write!(f, "I have not found out where {one} is and how it turns"),
+                joints => write!(f, "I have not found out where {} are and how they turn", list(joints)),
+            },
         }
     }
 }
 
 impl OwnBody {
-    /// What is known after learning `schema` from touches of a kind.
-    pub fn new(
-        creature: &Creature,
-        skin: &Skin,
-        schema: BodySchema,
-        touches: &[Touch],
-        input: Input,
-    ) -> OwnBody {
-        let mut learner = SecondOrder::new(creature, skin, input, 0);
-        touches.iter().for_each(|touch| learner.touch(touch));
-        let certainty = (!touches.is_empty()).then(|| learner.observe(&schema).0);
+    /// A schema, how sure it is, and the touches that it was learned from.
+    pub fn new(agent: &Agent, schema: BodySchema, certainty: Certainty, touches: &[Touch]) -> OwnBody {
         let experienced = touches.iter().map(|touch| touch.posture.clone()).collect();
-        OwnBody { creature: creature.clone(), skin: skin.clone(), schema, certainty, experienced }
+        OwnBody { agent: agent.clone(), schema, certainty, experienced }
+    }
+
+    /// What is known after learning from touches.
+    pub fn of(agent: &Agent, learned: &Learned, touches: &[Touch]) -> OwnBody {
+        OwnBody::new(agent, learned.schema.clone(), learned.certainty(), touches)
+    }
+
+    /// Who it is.
+    pub fn agent(&self) -> &Agent {
+        &self.agent
+    }
+
+    /// The tree of joints, and the limbs.
+    pub fn creature(&self) -> &Creature {
+        self.agent.creature()
+    }
+
+    /// Receptors and surfaces of the limbs.
+    pub fn skin(&self) -> &Skin {
+        self.agent.skin()
     }
 
     /// The same body with another schema, taken as it is.
     pub fn with_schema(&self, schema: BodySchema) -> OwnBody {
-        OwnBody { schema, certainty: None, ..self.clone() }
+        OwnBody { schema, certainty: Certainty::Exact, ..self.clone() }
     }
 
     /// `X_RL` of every limb in the root's frame.
     pub fn frames(&self, posture: &[f64]) -> Vec<Frame> {
-        limb_frames(&self.creature, &self.schema, posture)
+        limb_frames(self.creature(), &self.schema, posture)
     }
 
     /// The posture at ease: that of the reference, or as near to it as ranges allow.
-    pub fn at_ease(&self) -> Vec<f64> {
-        start_posture(&self.creature)
+    pub fn at_ease(&self) -> Posture {
+        Posture::start(self.creature())
     }
 
     /// A posture drawn from the ranges of some joints; the others, and balls, stay as they are in `base`.
-    pub fn random_posture(&self, base: &[f64], joints: &[usize], rng: &mut impl Rng) -> Vec<f64> {
-        let mut posture = base.to_vec();
+    pub fn random_posture(&self, base: &[f64], joints: &[usize], rng: &mut impl Rng) -> Posture {
+        let mut posture = Posture::from(base);
         for &joint in joints {
-            let joint = &self.creature.joints()[joint];
-            let mut q = joint.first_coordinate();
-            for dof in &joint.dofs {
-                let [low, high] = dof.range;
-                if dof.kind != DofKind::Ball && dof.follows.is_none() && high > low {
-                    posture[q] = rng.random_range(low..high);
+            let joint = &self.creature().joints()[joint];
+            for at in joint.elements().filter(|at| !at.is_ball() && at.follows.is_none()) {
+                let [low, high] = at.range;
+                if high > low {
+                    posture[at.coordinate()] = rng.random_range(low..high);
                 }
-                q += dof.kind.coordinates();
             }
         }
-        self.creature.couple(&mut posture);
+        self.creature().couple(&mut posture);
         posture
     }
 
     /// A place of a limb's skin under a receptor's middle: on the surface itself, where the patch is but flat.
     pub fn place(&self, receptor: usize) -> Place {
-        let place = self.skin.receptors[receptor].place(0.0);
+        let place = self.skin().receptors[receptor].place(0.0);
         self.on_surface(receptor, &place.point).unwrap_or(place)
     }
 
@@ -117,8 +140,8 @@ impl OwnBody {
     pub fn leading(&self, receptor: usize, ahead: &Vector3<f64>) -> Place {
         const SAMPLES: i32 = 4;
         const SHARPNESS: i32 = 8;
-        let found = &self.skin.receptors[receptor];
-        let Some(surface) = found.surface.map(|surface| &self.skin.surfaces[surface]) else {
+        let found = &self.skin().receptors[receptor];
+        let Some(surface) = found.surface.map(|surface| &self.skin().surfaces[surface]) else {
             return self.place(receptor);
         };
         let (mut point, mut weight) = (Vector3::zeros(), 0.0);
@@ -141,20 +164,20 @@ impl OwnBody {
 
     /// The place of the surface under a receptor that is nearest to a point of the limb; none where it is not known.
     pub fn on_surface(&self, receptor: usize, p_l: &Vector3<f64>) -> Option<Place> {
-        let found = &self.skin.receptors[receptor];
-        let (distance, normal) = self.skin.surfaces[found.surface?].signed_distance(p_l)?;
+        let found = &self.skin().receptors[receptor];
+        let (distance, normal) = self.skin().surfaces[found.surface?].signed_distance(p_l)?;
         Some(Place { limb: found.limb, point: p_l - normal * distance, direction: normal })
     }
 
     /// The limbs of an aura limb by its name, or the limb of this name.
     pub fn limbs_called(&self, name: &str) -> Option<Vec<usize>> {
-        let aura = self.creature.aura_limbs().iter().find(|aura| aura.name == name);
-        aura.map(|aura| aura.limbs.clone()).or_else(|| Some(vec![self.creature.limb(name)?]))
+        let aura = self.creature().aura_limbs().iter().find(|aura| aura.name == name);
+        aura.map(|aura| aura.limbs.clone()).or_else(|| Some(vec![self.creature().limb(name)?]))
     }
 
     /// The receptors on some limbs.
     pub fn receptors_on(&self, limbs: &[usize]) -> Vec<usize> {
-        let receptors = self.skin.receptors.iter().enumerate();
+        let receptors = self.skin().receptors.iter().enumerate();
         receptors.filter(|(_, receptor)| limbs.contains(&receptor.limb)).map(|(r, _)| r).collect()
     }
 
@@ -166,9 +189,9 @@ impl OwnBody {
 
     /// The limbs that one limb carries, itself among them.
     pub fn carried_by(&self, limb: usize) -> Vec<bool> {
-        let mut carried = vec![false; self.creature.limbs().len()];
+        let mut carried = vec![false; self.creature().limbs().len()];
         carried[limb] = true;
-        for (j, joint) in self.creature.joints().iter().enumerate() {
+        for (j, joint) in self.creature().joints().iter().enumerate() {
             carried[j + 1] |= carried[joint.parent];
         }
         carried
@@ -176,7 +199,7 @@ impl OwnBody {
 
     /// The limbs that move with some joints.
     pub fn moved_by(&self, joints: &[usize]) -> Vec<bool> {
-        let mut moved = vec![false; self.creature.limbs().len()];
+        let mut moved = vec![false; self.creature().limbs().len()];
         for &joint in joints {
             self.carried_by(joint + 1).into_iter().zip(&mut moved).for_each(|(by, any)| *any |= by);
         }
@@ -185,7 +208,7 @@ impl OwnBody {
 
     /// The joints between the root and a limb, root's side first.
     pub fn joints_to(&self, limb: usize) -> Vec<usize> {
-        Chain::between(&self.creature, 0, limb).sides[1].clone()
+        Chain::between(self.creature(), 0, limb).sides[1].clone()
     }
 
     /// The joints that carry this limb and none of `others`: those that move it alone, root's side first.
@@ -198,8 +221,11 @@ impl OwnBody {
     /// nothing bounds it. All zero where a schema is taken as it is.
     pub fn covariance(&self, posture: &[f64], limbs: [usize; 2], p_a: &Vector3<f64>) -> Option<Matrix3<f64>> {
         match &self.certainty {
-            None => Some(Matrix3::zeros()),
-            Some(found) => found.point_covariance(&self.creature, &self.schema, posture, limbs, p_a),
+            Certainty::Exact => Some(Matrix3::zeros()),
+            Certainty::Estimated(found) => {
+                found.point_covariance(self.creature(), &self.schema, posture, limbs, p_a)
+            }
+            Certainty::Unknown => None,
         }
     }
 
@@ -208,22 +234,29 @@ impl OwnBody {
     /// # Errors
     /// What is lacking, where it cannot.
     pub fn trusts(&self, posture: &[f64], limbs: [usize; 2], p_a: &Vector3<f64>) -> Result<(), Doubt> {
-        let Some(found) = &self.certainty else { return Ok(()) };
+        let found = match &self.certainty {
+            Certainty::Exact => return Ok(()),
+            Certainty::Estimated(found) => found,
+            Certainty::Unknown => return Err(Doubt::Unknown),
+        };
         let deviation = self.covariance(posture, limbs, p_a).map(|c| c.trace().max(0.0).sqrt());
         if deviation.is_some_and(|metres| metres <= TRUSTED) {
             return Ok(());
         }
         let unsure = |&joint: &usize| {
             let position = found.position_std(joint);
-            let axes = self.creature.joints()[joint].dof_indices();
+            let axes = self.creature().joints()[joint].dof_indices();
             position.iter().any(|std| std.is_none_or(|metres| metres > 0.5 * TRUSTED))
                 || axes
                     .into_iter()
-                    .any(|dof| found.axis_std(&self.creature, dof).is_none_or(|std| std > 0.02))
+                    .any(|dof| found.axis_std(self.creature(), dof).is_none_or(|std| std > 0.02))
         };
-        let chain = Chain::between(&self.creature, limbs[0], limbs[1]);
-        let joints: Vec<usize> = chain.joints().filter(unsure).collect();
-        let names = joints.iter().map(|&joint| self.creature.joints()[joint].name.clone()).collect();
-        Err(Doubt { joints, deviation, names })
+        let chain = Chain::between(self.creature(), limbs[0], limbs[1]);
+        let name = |joint: usize| self.creature().joints()[joint].name.clone();
+        let joints: Vec<String> = chain.joints().filter(unsure).map(name).collect();
+        Err(match deviation {
+            Some(deviation) => Doubt::Inexact { joints, deviation },
+            None => Doubt::Undetermined(joints),
+        })
     }
 }

@@ -1,11 +1,11 @@
 //! Ways through postures that keep clear, by the schema: two trees that grow towards each other (RRT-Connect, Kuffner
 //! and LaValle 2000), then shortened.
 
+use crate::creature::Posture;
 use rand::{Rng, RngExt};
 
-use super::clearance::Clearance;
+use super::collision::CollisionChecker;
 use super::own_body::OwnBody;
-use crate::babbling::between;
 
 /// The farthest that a coordinate goes between two postures that are looked at, radians (or metres times three).
 const FINE: f64 = 0.02;
@@ -18,12 +18,12 @@ const SHORTCUTS: usize = 40;
 
 /// Postures to go through, straight from each to the next; the first is where one is.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Way(pub Vec<Vec<f64>>);
+pub struct PosturePath(pub Vec<Posture>);
 
-impl Way {
+impl PosturePath {
     /// Its end; none for a way of no posture.
     pub fn end(&self) -> Option<&[f64]> {
-        self.0.last().map(Vec::as_slice)
+        self.0.last().map(|posture| &posture[..])
     }
 }
 
@@ -33,11 +33,11 @@ pub fn distance(a: &[f64], b: &[f64]) -> f64 {
 }
 
 /// Whether all postures straight between two keep clear by `margin`; the first is not looked at.
-pub fn straight(own: &OwnBody, clearance: &Clearance, from: &[f64], to: &[f64], margin: f64) -> bool {
+pub fn straight(own: &OwnBody, clearance: &CollisionChecker, from: &[f64], to: &[f64], margin: f64) -> bool {
     let steps = (distance(from, to) / FINE).ceil().max(1.0) as usize;
     // The far end is the likeliest to be refused, then the middle.
     let free = |k: usize| {
-        let posture = between(&own.creature, from, to, k as f64 / steps as f64);
+        let posture = Posture::between(own.creature(), from, to, k as f64 / steps as f64);
         clearance.free(&own.frames(&posture), margin)
     };
     free(steps) && (1..steps).all(free)
@@ -45,20 +45,20 @@ pub fn straight(own: &OwnBody, clearance: &Clearance, from: &[f64], to: &[f64], 
 
 /// A way from one posture to another that moves only `joints` and keeps clear by `margin`; what is nearer at its ends
 /// may be as near on the way. None where none is found.
-pub fn find_way(
+pub fn find_path(
     own: &OwnBody,
-    clearance: &Clearance,
+    clearance: &CollisionChecker,
     [from, to]: [&[f64]; 2],
     joints: &[usize],
     margin: f64,
     rng: &mut impl Rng,
-) -> Option<Way> {
+) -> Option<PosturePath> {
     let ends = [from, to].map(|posture| own.frames(posture));
     let clearance = &clearance.moved_by(own, joints).eased_at(&ends, margin);
     if straight(own, clearance, from, to, margin) {
-        return Some(Way(vec![from.to_vec(), to.to_vec()]));
+        return Some(PosturePath(vec![Posture::from(from), Posture::from(to)]));
     }
-    let mut trees = [vec![(from.to_vec(), 0)], vec![(to.to_vec(), 0)]];
+    let mut trees = [vec![(Posture::from(from), 0)], vec![(Posture::from(to), 0)]];
     for tried in 0..MOST {
         let (grown, other) = (tried % 2, 1 - tried % 2);
         let target = own.random_posture(from, joints, rng);
@@ -81,7 +81,7 @@ pub fn find_way(
             way.reverse();
             way.append(&mut rest);
             shorten(own, clearance, &mut way, margin, rng);
-            return Some(Way(way));
+            return Some(PosturePath(way));
         }
     }
     None
@@ -90,8 +90,8 @@ pub fn find_way(
 /// Grows a tree towards a posture by a branch; none where the way is barred or it is there already.
 fn grow(
     own: &OwnBody,
-    clearance: &Clearance,
-    tree: &mut Vec<(Vec<f64>, usize)>,
+    clearance: &CollisionChecker,
+    tree: &mut Vec<(Posture, usize)>,
     target: &[f64],
     margin: f64,
 ) -> Option<usize> {
@@ -101,7 +101,7 @@ fn grow(
     if far < 1e-9 {
         return None;
     }
-    let reached = between(&own.creature, &tree[nearest].0, target, (BRANCH / far).min(1.0));
+    let reached = Posture::between(own.creature(), &tree[nearest].0, target, (BRANCH / far).min(1.0));
     if !straight(own, clearance, &tree[nearest].0, &reached, margin) {
         return None;
     }
@@ -110,7 +110,7 @@ fn grow(
 }
 
 /// From a branch back to the root of its tree.
-fn trace(tree: &[(Vec<f64>, usize)], mut branch: usize) -> Vec<Vec<f64>> {
+fn trace(tree: &[(Posture, usize)], mut branch: usize) -> Vec<Posture> {
     let mut way = vec![tree[branch].0.clone()];
     while branch != 0 {
         branch = tree[branch].1;
@@ -119,7 +119,13 @@ fn trace(tree: &[(Vec<f64>, usize)], mut branch: usize) -> Vec<Vec<f64>> {
     way
 }
 
-fn shorten(own: &OwnBody, clearance: &Clearance, way: &mut Vec<Vec<f64>>, margin: f64, rng: &mut impl Rng) {
+fn shorten(
+    own: &OwnBody,
+    clearance: &CollisionChecker,
+    way: &mut Vec<Posture>,
+    margin: f64,
+    rng: &mut impl Rng,
+) {
     way.dedup();
     for _ in 0..SHORTCUTS {
         if way.len() < 3 {

@@ -6,8 +6,9 @@ use nalgebra::{Matrix3, Vector3};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
-use super::clearance::Clearance;
+use super::collision::CollisionChecker;
 use super::own_body::OwnBody;
+use crate::creature::Posture;
 use crate::kinematics::{Chain, InverseKinematics, Reach};
 
 /// Postures that solutions start from, for each receptor: the present one, then random ones.
@@ -26,7 +27,7 @@ pub struct Predicted {
 
 /// A receptor that could meet another, and how.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Meeting {
+pub struct PossibleTouch {
     /// The receptor.
     pub receptor: usize,
     /// The posture in which it does, and how well.
@@ -54,27 +55,28 @@ impl OwnBody {
         receptor: usize,
         limb: usize,
         posture: &[f64],
-        clearance: Option<&Clearance>,
-    ) -> Vec<Meeting> {
+        clearance: Option<&CollisionChecker>,
+    ) -> Vec<PossibleTouch> {
         let felt = self.place(receptor);
-        let mut meetings: Vec<Meeting> = Vec::new();
+        let mut meetings: Vec<PossibleTouch> = Vec::new();
         if felt.limb == limb {
             return meetings;
         }
         let mut rng = ChaCha8Rng::seed_from_u64(0);
-        let mut starts = vec![posture.to_vec()];
-        let between: Vec<usize> = Chain::between(&self.creature, limb, felt.limb).joints().collect();
+        let mut starts = vec![Posture::from(posture)];
+        let between: Vec<usize> = Chain::between(self.creature(), limb, felt.limb).joints().collect();
         starts.resize_with(STARTS, || self.random_posture(posture, &between, &mut rng));
         let met = [limb, felt.limb];
         for other in self.receptors_on(&[limb]) {
             let ends = [self.place(other), felt];
-            let mut solver = InverseKinematics::new(&self.creature, &self.schema, ends).at_ease(posture);
+            let mut solver = InverseKinematics::new(self.creature(), &self.schema, ends).at_ease(posture);
             let found = starts.iter().map(|start| solver.solve(start)).find(|reach| {
-                let parted =
-                    |clearance: &Clearance| clearance.free_but(&self.frames(&reach.posture), 0.0, &[met]);
+                let parted = |clearance: &CollisionChecker| {
+                    clearance.free_but(&self.frames(&reach.posture), 0.0, &[met])
+                };
                 reach.reached() && reach.facing < 0.0 && clearance.is_none_or(parted)
             });
-            meetings.extend(found.map(|reach| Meeting { receptor: other, reach }));
+            meetings.extend(found.map(|reach| PossibleTouch { receptor: other, reach }));
         }
         meetings.sort_by(|a, b| a.reach.facing.total_cmp(&b.reach.facing));
         meetings

@@ -3,7 +3,7 @@
 //! The point of a hand is its tip: the place of its skin that is farthest from the joint that carries it. A voxel is
 //! near where the tip can be somewhere in it by the joints from the chest outwards, and far where the joints that carry
 //! the chest, the spine's, must lean as well. Only the joints' ranges count: whether limbs would be in each other, or in
-//! something that is known to be there, is not regarded; [`Clearance`](super::Clearance) tells it of the postures.
+//! something that is known to be there, is not regarded; [`CollisionChecker`](super::CollisionChecker) tells it of the postures.
 
 use std::fmt;
 
@@ -14,7 +14,9 @@ use super::lattice::Lattice;
 use super::own_body::OwnBody;
 use super::shell::Shell;
 use super::tip::{TipChain, Workspace};
-use crate::kinematics::{Frame, Place};
+use crate::creature::Posture;
+use crate::geometry::Frame;
+use crate::kinematics::Place;
 
 /// The most voxels that a map may have about a hand, reached or not.
 const MOST_VOXELS: usize = 1 << 27;
@@ -62,7 +64,7 @@ pub struct Whereabouts {
     /// How far it is from the nearest voxel that can be reached, metres: 0 where it can.
     pub beyond: f64,
     /// A posture with the tip in its voxel, or in that nearest one.
-    pub posture: Vec<f64>,
+    pub posture: Posture,
 }
 
 /// Why there is no map of a limb.
@@ -105,7 +107,7 @@ pub struct ReachableMap {
     /// The joints that move: from the chest outwards, and all.
     chains: [TipChain; 2],
     shell: Shell,
-    at_ease: Vec<f64>,
+    at_ease: Posture,
 }
 
 impl OwnBody {
@@ -113,7 +115,7 @@ impl OwnBody {
     /// another part of the body as well.
     pub fn carrier_of(&self, limbs: &[usize]) -> usize {
         let ancestors = |limb: usize| {
-            std::iter::successors(Some(limb), |&limb| self.creature.parent_of(limb)).collect::<Vec<_>>()
+            std::iter::successors(Some(limb), |&limb| self.creature().parent_of(limb)).collect::<Vec<_>>()
         };
         let Some((&first, others)) = limbs.split_first() else { return 0 };
         let carries = |ancestor: usize| {
@@ -124,14 +126,14 @@ impl OwnBody {
             let own_line = ancestors(first);
             let beside =
                 |limb: usize| carried[limb] && !self.carried_by(first)[limb] && !own_line.contains(&limb);
-            ancestor != first && (0..self.creature.limbs().len()).any(beside)
+            ancestor != first && (0..self.creature().limbs().len()).any(beside)
         };
         ancestors(first).into_iter().find(|&ancestor| carries(ancestor)).unwrap_or(0)
     }
 
     /// The place of a limb's skin that is farthest from the joint that carries it; none where it has no receptors.
     pub fn tip_of(&self, limb: usize) -> Option<Place> {
-        let pose = self.creature.joint_of(limb).and_then(|joint| self.schema.limb_poses.get(joint));
+        let pose = self.creature().joint_of(limb).and_then(|joint| self.schema.limb_poses.get(joint));
         let far = |place: &Place| pose.map_or(place.point, |pose| pose.point(&place.point)).norm();
         let places = self.receptors_on(&[limb]).into_iter().map(|receptor| self.place(receptor));
         places.max_by(|a, b| far(a).total_cmp(&far(b)))
@@ -146,13 +148,13 @@ impl OwnBody {
             *least = Some(least.map_or(distance, |least| least.min(distance)));
         };
         let mut unknown = vec![true; frames.len()];
-        for surface in &self.skin.surfaces {
+        for surface in &self.skin().surfaces {
             if let Some((distance, _)) = surface.signed_distance(&frames[surface.limb].inverse_point(point)) {
                 nearer(surface.limb, distance);
                 unknown[surface.limb] = false;
             }
         }
-        for receptor in self.skin.receptors.iter().filter(|receptor| unknown[receptor.limb]) {
+        for receptor in self.skin().receptors.iter().filter(|receptor| unknown[receptor.limb]) {
             nearer(receptor.limb, (frames[receptor.limb].point(&receptor.position) - point).norm());
         }
         distances
@@ -166,7 +168,7 @@ impl ReachableMap {
     /// # Errors
     /// Where the hand has no skin, or voxels are too many or none.
     pub fn new(own: &OwnBody, hand: usize, chest: usize, voxel: f64) -> Result<ReachableMap, Unmappable> {
-        let tip = own.tip_of(hand).ok_or_else(|| Unmappable::NoSkin(own.creature.limbs()[hand].clone()))?;
+        let tip = own.tip_of(hand).ok_or_else(|| Unmappable::NoSkin(own.creature().limbs()[hand].clone()))?;
         let at_ease = own.at_ease();
         let frame = own.frames(&at_ease)[chest];
         let carries_chest = own.joints_to(chest);
@@ -243,21 +245,21 @@ impl ReachableMap {
 
     /// A posture of the whole body with the tip in the voxel of a point in the map's frame; where none can be, in the
     /// nearest voxel to it.
-    pub fn posture_near(&self, point: &Vector3<f64>) -> Vec<f64> {
+    pub fn posture_near(&self, point: &Vector3<f64>) -> Posture {
         self.whereabouts(point).posture
     }
 
     /// A posture of the whole body with the tip at a point in the map's frame, as near as it gets from
     /// [`posture_near`](ReachableMap::posture_near), and how far off it stays, metres. What is near is reached for
     /// without leaning.
-    pub fn reach(&self, point: &Vector3<f64>) -> (Vec<f64>, f64) {
+    pub fn reach(&self, point: &Vector3<f64>) -> (Posture, f64) {
         self.reach_from(point, &self.posture_near(point))
     }
 
     /// The same from another posture.
-    pub fn reach_from(&self, point: &Vector3<f64>, start: &[f64]) -> (Vec<f64>, f64) {
+    pub fn reach_from(&self, point: &Vector3<f64>, start: &[f64]) -> (Posture, f64) {
         let chain = &self.chains[usize::from(self.level(point) != Level::Near)];
-        let mut posture = start.to_vec();
+        let mut posture = Posture::from(start);
         let mut coordinates = chain.of_posture(start);
         let mut workspace = Workspace::default();
         chain.seek(&mut coordinates, point, EXACT, STEPS, &mut workspace);

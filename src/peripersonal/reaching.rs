@@ -6,12 +6,12 @@ use nalgebra::Vector3;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
-use super::clearance::Clearance;
+use super::collision::CollisionChecker;
 use super::own_body::{Doubt, OwnBody};
-use super::path::{Way, distance, find_way, straight as straight_to};
-use crate::babbling::between;
-use crate::creature::DofKind;
-use crate::kinematics::{Facing, Frame, InverseKinematics, Place, REACHED, Reach};
+use super::path::{PosturePath, distance, find_path, straight as straight_to};
+use crate::creature::Posture;
+use crate::geometry::Frame;
+use crate::kinematics::{Facing, InverseKinematics, Place, REACHED, Reach};
 use crate::skin::Surface;
 
 /// From how far a place is approached straight, metres.
@@ -45,7 +45,7 @@ const BEHIND: f64 = 0.02;
 
 /// A place in space that is to be touched.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Aim {
+pub struct ReachTarget {
     /// The place in the root's frame, metres.
     pub point: Vector3<f64>,
     /// The unit direction in which the skin goes at the last.
@@ -54,15 +54,15 @@ pub struct Aim {
 
 /// How to touch a place.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Approach {
+pub struct ReachPlan {
     /// The receptor that is to touch it.
     pub receptor: usize,
     /// The posture in which it does.
-    pub touching: Vec<f64>,
+    pub touching: Posture,
     /// A way from where one is to shortly before the place.
-    pub way: Way,
+    pub way: PosturePath,
     /// From there straight to the place and a little beyond, to be ended by the touch.
-    pub straight: Way,
+    pub straight: PosturePath,
 }
 
 /// Why a place cannot be touched.
@@ -90,7 +90,7 @@ impl std::fmt::Display for OutOfReach {
 #[derive(Clone, Debug)]
 pub struct Reaching<'a> {
     own: &'a OwnBody,
-    clearance: &'a Clearance,
+    clearance: &'a CollisionChecker,
     /// The joints that may move, by index.
     pub joints: Vec<usize>,
     /// The limb of one's own that is to be touched, where it is one.
@@ -108,7 +108,12 @@ struct Candidate {
 
 impl<'a> Reaching<'a> {
     /// A body that reaches by moving `joints`. Whatever is drawn at random is drawn by the seed.
-    pub fn new(own: &'a OwnBody, clearance: &'a Clearance, joints: Vec<usize>, seed: u64) -> Reaching<'a> {
+    pub fn new(
+        own: &'a OwnBody,
+        clearance: &'a CollisionChecker,
+        joints: Vec<usize>,
+        seed: u64,
+    ) -> Reaching<'a> {
         Reaching { own, clearance, joints, meeting: None, seed }
     }
 
@@ -119,13 +124,13 @@ impl<'a> Reaching<'a> {
 
     /// The posture, moving the joints from `start`, in which a place of the body is nearest to a place in space, and
     /// how near.
-    pub fn solve(&self, place: Place, aim: &Aim, start: &[f64]) -> Reach {
+    pub fn solve(&self, place: Place, aim: &ReachTarget, start: &[f64]) -> Reach {
         self.solver(place, aim, start).solve(start)
     }
 
-    fn solver(&self, place: Place, aim: &Aim, at_ease: &[f64]) -> InverseKinematics<'a> {
+    fn solver(&self, place: Place, aim: &ReachTarget, at_ease: &[f64]) -> InverseKinematics<'a> {
         let ends = [place, Place { limb: 0, point: aim.point, direction: aim.direction }];
-        InverseKinematics::new(&self.own.creature, &self.own.schema, ends)
+        InverseKinematics::new(self.own.creature(), &self.own.schema, ends)
             .with_facing(Facing::Parallel)
             .moving(|joint| self.joints.contains(&joint))
             .at_ease(at_ease)
@@ -135,21 +140,26 @@ impl<'a> Reaching<'a> {
     ///
     /// # Errors
     /// [`OutOfReach`].
-    pub fn approach(&self, from: &[f64], receptors: &[usize], aim: &Aim) -> Result<Approach, OutOfReach> {
+    pub fn approach(
+        &self,
+        from: &[f64],
+        receptors: &[usize],
+        aim: &ReachTarget,
+    ) -> Result<ReachPlan, OutOfReach> {
         let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
         let clearance =
             self.clearance.moved_by(self.own, &self.joints).eased_at(&[self.own.frames(from)], MARGIN);
         let at_ease = self.own.at_ease();
         let (mut candidates, mut nearest) = (Vec::new(), f64::INFINITY);
         // Halfway to ease, in the joints that may move alone.
-        let mut halfway = between(&self.own.creature, from, &at_ease, 0.5);
-        for (index, joint) in self.own.creature.joints().iter().enumerate() {
+        let mut halfway = Posture::between(self.own.creature(), from, &at_ease, 0.5);
+        for (index, joint) in self.own.creature().joints().iter().enumerate() {
             if !self.joints.contains(&index) {
                 let q = joint.coordinates();
                 halfway[q.clone()].copy_from_slice(&from[q]);
             }
         }
-        let mut starts = vec![from.to_vec(), halfway];
+        let mut starts = vec![Posture::from(from), halfway];
         starts.extend(self.clear_starts(from, receptors, aim, &clearance, STARTS, &mut rng));
         for &receptor in receptors {
             let flat = self.own.place(receptor);
@@ -189,14 +199,14 @@ impl<'a> Reaching<'a> {
         let (mut others, target) = clearance.but_at(&aim.point, 1e-3);
         if let Some(limb) = self.meeting {
             let touching: BTreeSet<usize> =
-                receptors.iter().map(|&r| self.own.skin.receptors[r].limb).collect();
+                receptors.iter().map(|&r| self.own.skin().receptors[r].limb).collect();
             others = others.but_between(limb, &touching);
         }
         let others = others.eased_at(&[self.own.frames(from)], MARGIN);
         let moved = self.own.moved_by(&self.joints);
-        let touches = |limb: usize| receptors.iter().any(|&r| self.own.skin.receptors[r].limb == limb);
+        let touches = |limb: usize| receptors.iter().any(|&r| self.own.skin().receptors[r].limb == limb);
         let behind: Vec<usize> = (0..moved.len()).filter(|&limb| moved[limb] && !touches(limb)).collect();
-        let comes_clear = |posture: &Vec<f64>| {
+        let comes_clear = |posture: &Posture| {
             let frames = self.own.frames(posture);
             let off = |limb: &usize| {
                 target.iter().all(|o| self.clearance.to_obstacle(&frames, *limb, o, SCRAPING) >= SCRAPING)
@@ -211,7 +221,7 @@ impl<'a> Reaching<'a> {
             if !clearance.free(&self.own.frames(&before), 0.5 * MARGIN) {
                 continue;
             }
-            let clear = |two: &[Vec<f64>]| straight_to(self.own, &others, &two[0], &two[1], SCRAPING);
+            let clear = |two: &[Posture]| straight_to(self.own, &others, &two[0], &two[1], SCRAPING);
             if !straight.0[..touching].iter().all(comes_clear)
                 || !straight.0[..touching].windows(2).all(clear)
             {
@@ -221,10 +231,10 @@ impl<'a> Reaching<'a> {
             straight.0.truncate(touching + further);
             looked_at += 1;
             if let Some(way) =
-                find_way(self.own, self.clearance, [from, &before], &self.joints, MARGIN, &mut rng)
+                find_path(self.own, self.clearance, [from, &before], &self.joints, MARGIN, &mut rng)
             {
                 let touching = candidate.reach.posture.clone();
-                return Ok(Approach { receptor: candidate.receptor, touching, way, straight });
+                return Ok(ReachPlan { receptor: candidate.receptor, touching, way, straight });
             }
             if looked_at == CANDIDATES {
                 break;
@@ -235,10 +245,10 @@ impl<'a> Reaching<'a> {
 
     /// Whether there is a posture in which one of some receptors is at a place, facing it, and no limb is in another or in what
     /// is known to be about; looked for from `starts` postures that keep clear.
-    pub fn can_be_at(&self, from: &[f64], receptors: &[usize], aim: &Aim, starts: usize) -> bool {
+    pub fn can_be_at(&self, from: &[f64], receptors: &[usize], aim: &ReachTarget, starts: usize) -> bool {
         let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
         let clearance = self.clearance.moved_by(self.own, &self.joints);
-        let mut from_here = vec![from.to_vec()];
+        let mut from_here = vec![Posture::from(from)];
         from_here.extend(self.clear_starts(from, receptors, aim, &clearance, starts, &mut rng));
         receptors.iter().any(|&receptor| {
             from_here.iter().any(|start| {
@@ -256,14 +266,14 @@ impl<'a> Reaching<'a> {
         &self,
         from: &[f64],
         receptors: &[usize],
-        aim: &Aim,
-        clearance: &Clearance,
+        aim: &ReachTarget,
+        clearance: &CollisionChecker,
         count: usize,
         rng: &mut ChaCha8Rng,
-    ) -> Vec<Vec<f64>> {
+    ) -> Vec<Posture> {
         let near = |frames: &[Frame]| {
             let away = receptors.iter().map(|&receptor| {
-                let found = &self.own.skin.receptors[receptor];
+                let found = &self.own.skin().receptors[receptor];
                 (frames[found.limb].point(&found.position) - aim.point).norm()
             });
             away.fold(f64::INFINITY, f64::min)
@@ -275,7 +285,7 @@ impl<'a> Reaching<'a> {
         });
         let mut drawn: Vec<_> = drawn.collect();
         drawn.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let mut starts: Vec<Vec<f64>> = Vec::new();
+        let mut starts: Vec<Posture> = Vec::new();
         for (_, posture) in drawn {
             if starts.iter().all(|other| distance(other, &posture) > DIFFERENT) {
                 starts.push(posture);
@@ -289,11 +299,11 @@ impl<'a> Reaching<'a> {
 
     /// By how much other skin of the limb that touches, or of the one that carries it, fails to be well behind the place,
     /// metres: it might touch first.
-    fn protrusion(&self, limb: usize, posture: &[f64], aim: &Aim) -> f64 {
+    fn protrusion(&self, limb: usize, posture: &[f64], aim: &ReachTarget) -> f64 {
         let frames = self.own.frames(posture);
         let near =
-            |surface: &&Surface| surface.limb == limb || self.own.creature.neighbouring(surface.limb, limb);
-        let ahead = self.own.skin.surfaces.iter().filter(near).filter_map(|surface| {
+            |surface: &&Surface| surface.limb == limb || self.own.creature().neighbouring(surface.limb, limb);
+        let ahead = self.own.skin().surfaces.iter().filter(near).filter_map(|surface| {
             let frame = &frames[surface.limb];
             let point = frame.point(&surface.support(&frame.rotation.tr_mul(&aim.direction))?) - aim.point;
             let along = point.dot(&aim.direction);
@@ -304,17 +314,17 @@ impl<'a> Reaching<'a> {
     }
 
     /// The straight approach to a place, from before it to beyond it.
-    fn straight(&self, candidate: &Candidate, aim: &Aim) -> Way {
+    fn straight(&self, candidate: &Candidate, aim: &ReachTarget) -> PosturePath {
         let place = candidate.place;
         let at = |along: f64, near: &[f64]| {
-            let aim = Aim { point: aim.point + aim.direction * along, ..*aim };
+            let aim = ReachTarget { point: aim.point + aim.direction * along, ..*aim };
             self.solver(place, &aim, near)
                 .with_steps([2, 6])
                 .with_direction_lengths([5e-4; 2])
                 .solve(near)
                 .posture
         };
-        let mut way: Vec<Vec<f64>> = Vec::new();
+        let mut way: Vec<Posture> = Vec::new();
         let mut posture = candidate.reach.posture.clone();
         let back = (BEFORE / STEP).round() as usize;
         for k in 1..=back {
@@ -328,22 +338,20 @@ impl<'a> Reaching<'a> {
             posture = at(STEP * k as f64, &posture);
             way.push(posture.clone());
         }
-        Way(way)
+        PosturePath(way)
     }
 
     /// What a posture costs: how far its joints are from their middles, and how far one has to move.
     fn effort(&self, from: &[f64], posture: &[f64]) -> f64 {
         let mut effort = 0.1 * distance(from, posture);
         for &joint in &self.joints {
-            let joint = &self.own.creature.joints()[joint];
-            let mut q = joint.first_coordinate();
-            for dof in &joint.dofs {
-                let [low, high] = dof.range;
-                if dof.kind != DofKind::Ball && high > low {
-                    let share = (posture[q] - 0.5 * (low + high)) / (0.5 * (high - low));
+            let joint = &self.own.creature().joints()[joint];
+            for at in joint.elements().filter(|at| !at.is_ball()) {
+                let [low, high] = at.range;
+                if high > low {
+                    let share = (posture[at.coordinate()] - 0.5 * (low + high)) / (0.5 * (high - low));
                     effort += 0.1 * share.powi(4);
                 }
-                q += dof.kind.coordinates();
             }
         }
         effort

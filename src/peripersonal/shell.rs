@@ -42,14 +42,14 @@ impl Shell {
     /// The nearest voxel to a point outside the region, and how far off it is, metres; none where there is none.
     pub fn nearest(&self, point: &Vector3<f64>) -> Option<([i32; 3], f64)> {
         // In voxels, so that those need not be put into metres.
-        let mut search = Search { point: point / self.lattice.voxel, best: None, least: f64::INFINITY };
+        let mut search = ShellSearch { point: point / self.lattice.voxel, best: None, least: f64::INFINITY };
         search.look(&self.cells, 0);
         search.best.map(|cell| (cell, self.lattice.distance(cell, point)))
     }
 }
 
 /// A search for the nearest voxel.
-struct Search {
+struct ShellSearch {
     /// In voxels.
     point: Vector3<f64>,
     best: Option<[i32; 3]>,
@@ -57,7 +57,7 @@ struct Search {
     least: f64,
 }
 
-impl Search {
+impl ShellSearch {
     fn look(&mut self, cells: &[[i32; 3]], axis: usize) {
         if cells.len() <= LEAF {
             cells.iter().for_each(|cell| self.consider(cell));

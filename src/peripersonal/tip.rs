@@ -9,8 +9,9 @@
 use nalgebra::{Matrix3, Vector3};
 
 use super::own_body::OwnBody;
-use crate::creature::{Coupling, DofKind};
-use crate::kinematics::{Frame, Place, ball, rotation, turn_ball};
+use crate::creature::{Coupling, DofKind, turn_ball};
+use crate::geometry::Frame;
+use crate::kinematics::{DofTransform, Place};
 
 /// Damping, metres per radian.
 const DAMPING: f64 = 0.005;
@@ -25,7 +26,7 @@ const STOPPED: f64 = 0.9;
 
 /// One degree of freedom of a chain.
 #[derive(Clone, Debug)]
-struct Link {
+struct TipLink {
     kind: DofKind,
     /// Its first coordinate among those of the chain.
     at: usize,
@@ -42,7 +43,7 @@ struct Link {
 /// The joints that carry a point from the root, some of which move.
 #[derive(Clone, Debug)]
 pub struct TipChain {
-    links: Vec<Link>,
+    links: Vec<TipLink>,
     /// From the last link, metres.
     tip: Vector3<f64>,
     /// The place of each of its coordinates in a posture of the whole body.
@@ -58,7 +59,7 @@ pub struct Workspace {
     placed: Vec<(Vector3<f64>, Vector3<f64>)>,
     /// Per ball, the axes about which it turns.
     turned: Vec<Matrix3<f64>>,
-    /// Link, which axis of a ball, and how the point moves with it.
+    /// TipLink, which axis of a ball, and how the point moves with it.
     columns: Vec<(usize, usize, Vector3<f64>)>,
     held: Vec<bool>,
     steps: Vec<f64>,
@@ -74,10 +75,10 @@ impl TipChain {
         posture: &[f64],
         moves: impl Fn(usize) -> bool,
     ) -> TipChain {
-        let (creature, schema) = (&own.creature, &own.schema);
-        let origin = frame.inverse();
-        let (mut offset, mut turned) = (origin.origin, origin.rotation);
-        let (mut links, mut coordinates, mut leaders): (Vec<Link>, _, _) =
+        let (creature, schema) = (own.creature(), &own.schema);
+        // From the frame, or the last link: what stays still is carried along.
+        let mut still = frame.inverse();
+        let (mut links, mut coordinates, mut leaders): (Vec<TipLink>, _, _) =
             (Vec::new(), Vec::new(), Vec::new());
         let joints = own.joints_to(place.limb);
         let leads = |dof: usize| {
@@ -85,32 +86,26 @@ impl TipChain {
         };
         for &j in &joints {
             let joint = &creature.joints()[j];
-            offset += turned * schema.positions[j];
-            let mut q = joint.first_coordinate();
-            for (dof, index) in joint.dofs.iter().zip(joint.dof_indices()) {
+            still.origin += still.direction(&schema.positions[j]);
+            for element in joint.elements() {
+                let (dof, index) = (element.dof(), element.axis());
                 let axis = &schema.axes[index];
                 let leader = dof.follows.map(|coupling| coupling.leader);
                 if moves(j) && dof.range[1] > dof.range[0] && leader.is_none_or(leads) {
                     let at = coordinates.len();
-                    coordinates.extend(q..q + dof.kind.coordinates());
+                    coordinates.extend(element.coordinates());
                     leaders.push((index, at));
-                    let turned_axes = if dof.kind == DofKind::Ball { turned } else { Matrix3::identity() };
+                    let turned = if dof.kind == DofKind::Ball { still.rotation } else { Matrix3::identity() };
                     let follows = dof.follows.map(|coupling| (coupling.leader, coupling));
-                    let (kind, range, axis) = (dof.kind, dof.range, turned * axis);
-                    links.push(Link { kind, at, offset, axis, turned: turned_axes, range, follows });
-                    offset = Vector3::zeros();
+                    let (kind, range, axis) = (dof.kind, dof.range, still.direction(axis));
+                    let offset = std::mem::replace(&mut still.origin, Vector3::zeros());
+                    links.push(TipLink { kind, at, offset, axis, turned, range, follows });
                 } else {
-                    match dof.kind {
-                        DofKind::Hinge => turned *= rotation(axis, posture[q].sin(), 1.0 - posture[q].cos()),
-                        DofKind::Slide => offset += turned * axis * posture[q],
-                        DofKind::Ball => turned *= ball(&posture[q..]).to_rotation_matrix().into_inner(),
-                    }
+                    DofTransform::at(dof.kind, element.of(posture)).carry(axis, &mut still);
                 }
-                q += dof.kind.coordinates();
             }
             if let Some(pose) = schema.limb_poses.get(j) {
-                offset += turned * pose.origin;
-                turned *= pose.rotation;
+                still = still * *pose;
             }
         }
         // A leader may come after what follows it.
@@ -119,7 +114,7 @@ impl TipChain {
                 leaders.iter().find(|(dof, _)| *dof == leader).map(|(_, at)| (*at, coupling))
             });
         }
-        let tip = offset + turned * place.point;
+        let tip = still.point(&place.point);
         let tail = if links.is_empty() { 0.0 } else { tip.norm() };
         let offsets = links.iter().skip(1).map(|link| link.offset.norm());
         let slides = links.iter().filter(|link| link.kind == DofKind::Slide);
@@ -191,25 +186,19 @@ impl TipChain {
         let Workspace { placed, turned: balls, .. } = workspace;
         placed.clear();
         balls.clear();
-        let (mut turned, mut origin) = (Matrix3::identity(), Vector3::zeros());
+        let mut frame = Frame::identity();
         for link in &self.links {
-            origin += turn(&turned, &link.offset);
-            let axis = turn(&turned, &link.axis);
-            placed.push((axis, origin));
-            match link.kind {
-                DofKind::Hinge => {
-                    let (sine, cosine) = q[link.at].sin_cos();
-                    turned = product(&turned, &rotation(&link.axis, sine, 1.0 - cosine));
+            frame.origin += frame.direction(&link.offset);
+            placed.push((frame.direction(&link.axis), frame.origin));
+            match DofTransform::at(link.kind, &q[link.at..]) {
+                DofTransform::Ball { rotation } => {
+                    balls.push(frame.rotation * link.turned);
+                    frame.rotation *= link.turned * rotation * link.turned.transpose();
                 }
-                DofKind::Slide => origin += axis * q[link.at],
-                DofKind::Ball => {
-                    let by = ball(&q[link.at..]).to_rotation_matrix().into_inner();
-                    balls.push(turned * link.turned);
-                    turned *= link.turned * by * link.turned.transpose();
-                }
+                transform => transform.carry(&link.axis, &mut frame),
             }
         }
-        origin + turn(&turned, &self.tip)
+        frame.point(&self.tip)
     }
 
     /// The way into a box about `middle`, `half` metres to each side: to the middle half of it.
@@ -372,30 +361,4 @@ impl Normal {
         let determinant = rows[0].dot(&inverse[0]);
         (inverse[0] * b.x + inverse[1] * b.y + inverse[2] * b.z) / determinant
     }
-}
-
-/// A rotation's product with a vector, written out: this is the innermost loop of every map.
-#[inline]
-fn turn(r: &Matrix3<f64>, v: &Vector3<f64>) -> Vector3<f64> {
-    Vector3::new(
-        r.m11 * v.x + r.m12 * v.y + r.m13 * v.z,
-        r.m21 * v.x + r.m22 * v.y + r.m23 * v.z,
-        r.m31 * v.x + r.m32 * v.y + r.m33 * v.z,
-    )
-}
-
-/// A rotation's product with another, written out as well.
-#[inline]
-fn product(a: &Matrix3<f64>, b: &Matrix3<f64>) -> Matrix3<f64> {
-    Matrix3::new(
-        a.m11 * b.m11 + a.m12 * b.m21 + a.m13 * b.m31,
-        a.m11 * b.m12 + a.m12 * b.m22 + a.m13 * b.m32,
-        a.m11 * b.m13 + a.m12 * b.m23 + a.m13 * b.m33,
-        a.m21 * b.m11 + a.m22 * b.m21 + a.m23 * b.m31,
-        a.m21 * b.m12 + a.m22 * b.m22 + a.m23 * b.m32,
-        a.m21 * b.m13 + a.m22 * b.m23 + a.m23 * b.m33,
-        a.m31 * b.m11 + a.m32 * b.m21 + a.m33 * b.m31,
-        a.m31 * b.m12 + a.m32 * b.m22 + a.m33 * b.m32,
-        a.m31 * b.m13 + a.m32 * b.m23 + a.m33 * b.m33,
-    )
 }

@@ -46,6 +46,30 @@ pub enum RecordError {
     },
 }
 
+/// What is wrong with the content of a file, and the mend: the message of a [`RecordError::Format`] before it is known
+/// of which file and line.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{0}")]
+pub(super) struct ContentFault(String);
+
+impl From<String> for ContentFault {
+    fn from(sentence: String) -> ContentFault {
+        ContentFault(sentence)
+    }
+}
+
+impl From<&str> for ContentFault {
+    fn from(sentence: &str) -> ContentFault {
+        ContentFault(sentence.to_string())
+    }
+}
+
+impl From<ContentFault> for String {
+    fn from(fault: ContentFault) -> String {
+        fault.0
+    }
+}
+
 impl RecordError {
     /// Makes an error of what the system said about `path`.
     pub(super) fn io(path: &Path, action: Action) -> impl FnOnce(io::Error) -> RecordError {

@@ -11,6 +11,7 @@ use super::error::json_reason;
 use super::json_lines::read_lines;
 use super::stamp::Stamp;
 use super::{Action, FIRINGS_FILE, RecordError, files};
+use crate::record::error::ContentFault;
 use crate::senses::Firing;
 use crate::skin::Skin;
 
@@ -19,7 +20,7 @@ const STAMP: Stamp = Stamp { format: "bodyschema firings", version: 1 };
 /// What the header says beside its stamp.
 #[derive(Serialize, Deserialize)]
 #[serde(expecting = "an object")]
-struct Header {
+struct FiringHeader {
     /// The creature's name.
     creature: String,
 }
@@ -27,7 +28,7 @@ struct Header {
 /// A firing as a line has it; times are seconds.
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields, expecting = "an object")]
-struct Line<Id> {
+struct FiringLine<Id> {
     receptor: Id,
     first: f64,
     last: f64,
@@ -51,7 +52,7 @@ impl<'a> FiringWriter<'a> {
         let path = folder.join(FIRINGS_FILE);
         let file = File::create(&path).map_err(RecordError::io(&path, Action::Write))?;
         let mut writer = FiringWriter { path, file: BufWriter::new(file), skin };
-        writer.line(&STAMP.on(&Header { creature: creature.to_string() }))?;
+        writer.line(&STAMP.on(&FiringHeader { creature: creature.to_string() }))?;
         Ok(writer)
     }
 
@@ -62,7 +63,7 @@ impl<'a> FiringWriter<'a> {
     pub fn write(&mut self, firing: &Firing) -> Result<(), RecordError> {
         let [first, last] = firing.span;
         let receptor = self.skin.receptors[firing.receptor].id.as_str();
-        self.line(&Line { receptor, first, last })
+        self.line(&FiringLine { receptor, first, last })
     }
 
     /// Ends the log.
@@ -98,7 +99,7 @@ pub fn read_firings(path: &Path, creature: &str, skin: &Skin) -> Result<Vec<Firi
         return refuse(1, "there is no header: give a log of firings, or record again".into());
     }
     STAMP.check(path, Some(1), &json)?;
-    match serde_json::from_slice::<Header>(&json) {
+    match serde_json::from_slice::<FiringHeader>(&json) {
         Ok(header) if header.creature == creature => {}
         Ok(header) => {
             let found = header.creature;
@@ -123,7 +124,7 @@ pub fn read_firings(path: &Path, creature: &str, skin: &Skin) -> Result<Vec<Firi
     Ok(firings)
 }
 
-fn firing(line: &Line<String>, receptors: &HashMap<&str, usize>) -> Result<Firing, String> {
+fn firing(line: &FiringLine<String>, receptors: &HashMap<&str, usize>) -> Result<Firing, ContentFault> {
     let id = &line.receptor;
     let &receptor = receptors.get(id.as_str()).ok_or_else(|| {
         format!("the skin has no receptor \"{id}\": mend the line, or give the session it was recorded in")
@@ -133,7 +134,7 @@ fn firing(line: &Line<String>, receptors: &HashMap<&str, usize>) -> Result<Firin
         return Err(format!(
             "receptor \"{id}\" cannot have fired from {} to {} s: give times in their order, or delete the line",
             span[0], span[1]
-        ));
+        ).into());
     }
     Ok(Firing { receptor, span })
 }

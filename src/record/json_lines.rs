@@ -5,7 +5,7 @@ use std::path::Path;
 
 use serde::de::DeserializeOwned;
 
-use super::error::json_reason;
+use super::error::{ContentFault, json_reason};
 use super::{Action, RecordError};
 
 /// Hands on what each line of `file` holds from the second on, up to its end. The number of the last line where it is
@@ -18,10 +18,10 @@ pub(super) fn read_lines<T: DeserializeOwned>(
     path: &Path,
     file: &mut impl BufRead,
     what: &str,
-    mut take: impl FnMut(T) -> Result<(), String>,
+    mut take: impl FnMut(T) -> Result<(), ContentFault>,
 ) -> Result<Option<usize>, RecordError> {
     let io = || RecordError::io(path, Action::Read);
-    let refuse = |line: usize, message: String| Err(RecordError::format(path, Some(line), message));
+    let refuse = |line: usize, fault: ContentFault| Err(RecordError::format(path, Some(line), fault));
     let mut json = Vec::new();
     for line in 2.. {
         json.clear();
@@ -32,14 +32,17 @@ pub(super) fn read_lines<T: DeserializeOwned>(
         }
         match serde_json::from_slice(&json) {
             Ok(found) => {
-                if let Err(message) = take(found) {
-                    return refuse(line, message);
+                if let Err(fault) = take(found) {
+                    return refuse(line, fault);
                 }
             }
             Err(error) if last && incomplete(&json, &error) => return Ok(Some(line)),
             Err(error) => {
                 let reason = json_reason(&error);
-                return refuse(line, format!("it is no {what} ({reason}): mend the line or delete it"));
+                return refuse(
+                    line,
+                    format!("it is no {what} ({reason}): mend the line or delete it").into(),
+                );
             }
         }
         if last {

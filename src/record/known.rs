@@ -10,6 +10,7 @@ use super::schema::STAMP;
 use super::{RecordError, UNIT_LENGTH, files};
 use crate::creature::{Creature, DofKind, Joint};
 use crate::learning::KnownJoint;
+use crate::record::error::ContentFault;
 
 /// What the file should be, in the sentence of one that is not.
 const CONTENT: &str = "object of known joints";
@@ -17,21 +18,21 @@ const CONTENT: &str = "object of known joints";
 /// The file. A learned schema is one, too; fields that it has besides are passed over.
 #[derive(Deserialize)]
 #[serde(expecting = "an object")]
-struct Content {
+struct KnownJointsFile {
     format: Option<String>,
     creature: Option<String>,
-    joints: Vec<Entry>,
+    joints: Vec<KnownJointEntry>,
 }
 
 /// One joint.
 #[derive(Deserialize)]
 #[serde(expecting = "an object")]
-struct Entry {
+struct KnownJointEntry {
     joint: String,
     parent: Option<String>,
     position: Option<[f64; 3]>,
     position_std: Option<PositionStd>,
-    axes: Option<Vec<Axis>>,
+    axes: Option<Vec<KnownAxisEntry>>,
     limb_position: Option<IgnoredAny>,
     limb_quaternion: Option<IgnoredAny>,
 }
@@ -49,7 +50,7 @@ enum PositionStd {
 /// One axis.
 #[derive(Deserialize)]
 #[serde(expecting = "an object")]
-struct Axis {
+struct KnownAxisEntry {
     dof: Option<String>,
     axis: Option<[f64; 3]>,
     /// Absent where the axis is exact, null where nothing is known of it.
@@ -74,7 +75,7 @@ fn present<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<Option<f
 /// names what the creature has not, or gives numbers that cannot be.
 pub fn read_known(path: &Path, creature: &Creature) -> Result<Vec<KnownJoint>, RecordError> {
     let json = files::read(path)?;
-    let content: Content =
+    let content: KnownJointsFile =
         serde_json::from_slice(&json).map_err(|error| RecordError::json(path, CONTENT, &error))?;
     if content.format.is_some() {
         STAMP.check(path, None, &json)?;
@@ -82,12 +83,13 @@ pub fn read_known(path: &Path, creature: &Creature) -> Result<Vec<KnownJoint>, R
     known_joints(&content, creature).map_err(|message| RecordError::format(path, None, message))
 }
 
-fn known_joints(content: &Content, creature: &Creature) -> Result<Vec<KnownJoint>, String> {
+fn known_joints(content: &KnownJointsFile, creature: &Creature) -> Result<Vec<KnownJoint>, ContentFault> {
     if let Some(other) = content.creature.as_ref().filter(|name| *name != creature.name()) {
         return Err(format!(
             "it is of \"{other}\", not of \"{}\": give what is known of that one",
             creature.name()
-        ));
+        )
+        .into());
     }
     let mut known: Vec<KnownJoint> = Vec::new();
     for (i, entry) in content.joints.iter().enumerate() {
@@ -98,10 +100,10 @@ fn known_joints(content: &Content, creature: &Creature) -> Result<Vec<KnownJoint
                 i + 1,
                 entry.joint,
                 creature.name()
-            ));
+            ).into());
         };
         if known.iter().any(|other| other.joint == joint) {
-            return Err(format!("joint \"{}\" occurs twice: leave one of them out", entry.joint));
+            return Err(format!("joint \"{}\" occurs twice: leave one of them out", entry.joint).into());
         }
         let found = known_joint(entry, creature, joint)
             .map_err(|problem| format!("joint \"{}\" {problem}", entry.joint))?;
@@ -111,7 +113,11 @@ fn known_joints(content: &Content, creature: &Creature) -> Result<Vec<KnownJoint
 }
 
 /// What is known of one joint; none where the file says only that nothing is.
-fn known_joint(entry: &Entry, creature: &Creature, index: usize) -> Result<Option<KnownJoint>, String> {
+fn known_joint(
+    entry: &KnownJointEntry,
+    creature: &Creature,
+    index: usize,
+) -> Result<Option<KnownJoint>, ContentFault> {
     let joint = &creature.joints()[index];
     let parent = &creature.limbs()[joint.parent];
     if entry.limb_position.is_some() || entry.limb_quaternion.is_some() {
@@ -122,7 +128,9 @@ fn known_joint(entry: &Entry, creature: &Creature, index: usize) -> Result<Optio
         );
     }
     if let Some(other) = entry.parent.as_ref().filter(|other| *other != parent) {
-        return Err(format!("is on \"{parent}\", not on \"{other}\": give it in the frame of \"{parent}\""));
+        return Err(
+            format!("is on \"{parent}\", not on \"{other}\": give it in the frame of \"{parent}\"").into()
+        );
     }
     let position = position(entry)?;
     let axes = match &entry.axes {
@@ -148,7 +156,8 @@ fn known_joint(entry: &Entry, creature: &Creature, index: usize) -> Result<Optio
         return Err(format!(
             "has no {missing}, and only a whole joint can be known exactly: give all of it, or deviations \
              (position_std, axis_std) of what is given"
-        ));
+        )
+        .into());
     }
     if !exact && deviations().any(|std| std == 0.0) {
         return Err(
@@ -164,7 +173,7 @@ fn known_joint(entry: &Entry, creature: &Creature, index: usize) -> Result<Optio
 }
 
 /// The position and its deviations, zero where it is exact and infinite where nothing is known.
-fn position(entry: &Entry) -> Result<Option<[Vector3<f64>; 2]>, String> {
+fn position(entry: &KnownJointEntry) -> Result<Option<[Vector3<f64>; 2]>, String> {
     let Some(position) = entry.position else {
         return match entry.position_std {
             None => Ok(None),
@@ -184,7 +193,7 @@ fn position(entry: &Entry) -> Result<Option<[Vector3<f64>; 2]>, String> {
 
 /// Degree of freedom, axis and deviation of every axis, zero where it is exact and infinite where nothing
 /// is known.
-fn read_axes(axes: &[Axis], joint: &Joint) -> Result<Vec<(usize, Vector3<f64>, f64)>, String> {
+fn read_axes(axes: &[KnownAxisEntry], joint: &Joint) -> Result<Vec<(usize, Vector3<f64>, f64)>, String> {
     if axes.len() != joint.dofs.len() {
         return Err(format!(
             "has {} axes in place of {}: give one for each degree of freedom, in their order",
@@ -205,7 +214,9 @@ fn read_axes(axes: &[Axis], joint: &Joint) -> Result<Vec<(usize, Vector3<f64>, f
             (Some(_), DofKind::Ball) => {
                 return Err(format!("has an axis of \"{}\", which is a ball: leave it out", dof.name));
             }
-            (None, _) => return Err(format!("has no axis of \"{}\": give it, or no axes at all", dof.name)),
+            (None, _) => {
+                return Err(format!("has no axis of \"{}\": give it, or no axes at all", dof.name));
+            }
             (Some(axis), _) => axis.into(),
         };
         let length = axis.norm();

@@ -4,11 +4,13 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
+use super::account::{Account, AccountEntry};
 use super::schema::{JointEntry, joint_entries, schema_of_joints};
 use super::stamp::Stamp;
 use super::{Host, LEARNED_RECORD_FILE, RecordError, files};
 use crate::creature::Creature;
-use crate::evaluation::Bound;
+use crate::evaluation::CramerRaoBound;
+use crate::learning::Certainty;
 use crate::schema::BodySchema;
 
 const STAMP: Stamp = Stamp { format: "bodyschema learning", version: 1 };
@@ -16,7 +18,7 @@ const STAMP: Stamp = Stamp { format: "bodyschema learning", version: 1 };
 /// What learning from a session's touches came to.
 ///
 /// In the file, the format's name and version come before these fields.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 #[serde(expecting = "an object")]
 pub struct LearningRecord {
     /// The program and its version: [`PROGRAM`](super::PROGRAM).
@@ -43,7 +45,10 @@ pub struct LearningRecord {
     pub open_directions: Vec<String>,
     /// The held-out error beside its bound; none where either is not known.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub bound: Option<Bound>,
+    pub bound: Option<CramerRaoBound>,
+    /// How sure the schema is; none in records from before it was kept.
+    #[serde(skip)]
+    pub account: Option<Account>,
     /// The schema on the way, from the onset on, as far as there was one.
     #[serde(skip)]
     pub checkpoints: Vec<Checkpoint>,
@@ -77,14 +82,24 @@ struct CheckpointEntry {
 
 #[derive(Serialize, Deserialize)]
 #[serde(expecting = "an object")]
-struct Content {
+struct LearningFile {
     #[serde(flatten)]
     record: LearningRecord,
     creature: String,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    account: Option<AccountEntry>,
     checkpoints: Vec<CheckpointEntry>,
 }
 
 impl LearningRecord {
+    /// How sure the schema is: unknown where it did not stand up to fresh touches, and in records from before this
+    /// was kept.
+    pub fn certainty(&self) -> Certainty {
+        let account = self.account.as_ref().filter(|_| self.converged);
+        let found = account.and_then(|account| account.observability.clone());
+        found.map_or(Certainty::Unknown, |found| Certainty::Estimated(Box::new(found)))
+    }
+
     /// Writes [`LEARNED_RECORD_FILE`] into `folder`, which is made if missing; whole or not at all.
     ///
     /// # Errors
@@ -96,11 +111,13 @@ impl LearningRecord {
             bound_rms_mm: checkpoint.bound_rms.filter(|bound| bound.is_finite()),
             joints: joint_entries(creature, &checkpoint.schema, None),
         };
-        let finite =
-            |bound: &Bound| [bound.bound_rms, bound.error_rms, bound.ratio].iter().all(|x| x.is_finite());
-        let content = Content {
+        let finite = |bound: &CramerRaoBound| {
+            [bound.bound_rms, bound.error_rms, bound.ratio].iter().all(|x| x.is_finite())
+        };
+        let content = LearningFile {
             record: LearningRecord { bound: self.bound.filter(finite), ..self.clone() },
             creature: creature.name().to_string(),
+            account: self.account.as_ref().map(|account| AccountEntry::new(account, creature)),
             checkpoints: self.checkpoints.iter().map(entry).collect(),
         };
         files::make_folder(folder)?;
@@ -120,7 +137,7 @@ impl LearningRecord {
         }
         let json = files::read(&path)?;
         STAMP.check(&path, None, &json)?;
-        let content: Content = serde_json::from_slice(&json)
+        let content: LearningFile = serde_json::from_slice(&json)
             .map_err(|error| RecordError::json(&path, "record of learning", &error))?;
         let refuse = |message: String| RecordError::format(&path, None, message);
         if content.creature != creature.name() {
@@ -131,6 +148,8 @@ impl LearningRecord {
             )));
         }
         let mut record = content.record;
+        let account = content.account.map(|entry| entry.account(creature)).transpose();
+        record.account = account.map_err(|fault| refuse(fault.into()))?;
         for (i, entry) in content.checkpoints.iter().enumerate() {
             let schema = schema_of_joints(&entry.joints, creature)
                 .map_err(|message| refuse(format!("its checkpoint {}: {message}", i + 1)))?;

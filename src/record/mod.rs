@@ -5,6 +5,7 @@
 //! [`LEARNING_FILE`] how learning went. Metres and radians throughout; names, not indices, between
 //! files. Numbers are written in the shortest form that reads back to the same bits.
 
+mod account;
 mod error;
 mod files;
 mod firing_log;
@@ -26,6 +27,7 @@ mod touch_line;
 mod touch_reader;
 mod touch_writer;
 
+pub use account::Account;
 pub use error::{Action, RecordError};
 pub(crate) use files::write_whole;
 pub use firing_log::{FiringWriter, read_firings};
@@ -56,6 +58,8 @@ pub const FIRINGS_FILE: &str = "firings.jsonl";
 pub const SENSATIONS_FILE: &str = "sensations.jsonl";
 /// The learned body schema, in a session's folder.
 pub const SCHEMA_FILE: &str = "schema.json";
+/// The learned body as a model, in a session's folder.
+pub const LEARNED_FILE: &str = "learned.xml";
 /// The table of checkpoints of learning, in a session's folder.
 pub const LEARNING_FILE: &str = "learning.csv";
 /// What learning came to and how it got there, in a session's folder.

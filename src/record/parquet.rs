@@ -12,9 +12,9 @@ use parquet::file::writer::{SerializedFileWriter, SerializedRowGroupWriter};
 use parquet::schema::types::Type;
 
 use super::{Action, PROGRAM, RecordError};
+use crate::agent::Agent;
 use crate::creature::{Creature, DofKind};
 use crate::senses::Touch;
-use crate::skin::Skin;
 
 /// Touches that are written at a time, so that columns of a long log need little memory.
 const ROWS: usize = 65_536;
@@ -29,7 +29,7 @@ enum Values {
 }
 
 /// A column: its name, and its values for touches.
-type Column<'a> = (String, Box<dyn Fn(&[Touch]) -> Values + 'a>);
+type ParquetColumn<'a> = (String, Box<dyn Fn(&[Touch]) -> Values + 'a>);
 
 /// Writes touches to a Parquet file, a row a touch.
 ///
@@ -41,15 +41,10 @@ type Column<'a> = (String, Box<dyn Fn(&[Touch]) -> Values + 'a>);
 ///
 /// # Errors
 /// [`RecordError::Io`] where the file cannot be written.
-pub fn write_parquet(
-    path: &Path,
-    creature: &Creature,
-    skin: &Skin,
-    touches: &[Touch],
-) -> Result<(), RecordError> {
+pub fn write_parquet(path: &Path, agent: &Agent, touches: &[Touch]) -> Result<(), RecordError> {
     let failed = |error: ParquetError| RecordError::io(path, Action::Write)(std::io::Error::other(error));
     let file = File::create(path).map_err(RecordError::io(path, Action::Write))?;
-    let columns = columns(creature, skin);
+    let columns = columns(agent);
     let schema = Arc::new(schema(&columns).map_err(failed)?);
     let about = Arc::new(WriterProperties::builder().set_created_by(PROGRAM.to_string()).build());
     let mut writer = SerializedFileWriter::new(file, schema, about).map_err(failed)?;
@@ -64,14 +59,14 @@ pub fn write_parquet(
     Ok(())
 }
 
-fn columns<'a>(creature: &'a Creature, skin: &'a Skin) -> Vec<Column<'a>> {
-    let mut columns: Vec<Column> = vec![
+fn columns<'a>(agent: &'a Agent) -> Vec<ParquetColumn<'a>> {
+    let mut columns: Vec<ParquetColumn> = vec![
         ("bout".into(), Box::new(|t| Values::Counts(t.iter().map(|t| t.bout.cast_signed()).collect()))),
         ("motion".into(), Box::new(|t| Values::Counts(t.iter().map(|t| t.motion.cast_signed()).collect()))),
     ];
     for (k, side) in ["a", "b"].into_iter().enumerate() {
-        let receptor = move |touch: &Touch| &skin.receptors[touch.ends[k].receptor];
-        let limb = move |touch: &Touch| creature.limbs()[receptor(touch).limb].clone();
+        let receptor = move |touch: &Touch| &agent.skin().receptors[touch.ends[k].receptor];
+        let limb = move |touch: &Touch| agent.creature().limbs()[receptor(touch).limb].clone();
         columns.push((format!("limb_{side}"), Box::new(move |t| names(t, limb))));
         columns.push((format!("receptor_{side}"), Box::new(move |t| names(t, |t| receptor(t).id.clone()))));
         for (axis, name) in ["x", "y", "z"].into_iter().enumerate() {
@@ -81,7 +76,8 @@ fn columns<'a>(creature: &'a Creature, skin: &'a Skin) -> Vec<Column<'a>> {
         let deviation = move |touch: &Touch| touch.ends[k].deviation;
         columns.push((format!("{side}_std"), Box::new(move |t| sometimes(t, deviation))));
     }
-    for (place, dof) in creature.dofs_in_posture() {
+    for at in agent.creature().elements() {
+        let (place, dof) = (at.coordinate(), at.dof());
         let endings = if dof.kind == DofKind::Ball { &["_w", "_x", "_y", "_z"][..] } else { &[""] };
         for (k, ending) in endings.iter().enumerate() {
             let coordinate = move |touch: &Touch| touch.posture[place + k];
@@ -106,8 +102,8 @@ fn sometimes(touches: &[Touch], number: impl Fn(&Touch) -> Option<f64>) -> Value
     Values::Sometimes(touches.iter().map(number).collect())
 }
 
-fn schema(columns: &[Column]) -> Result<Type, ParquetError> {
-    let field = |(name, values): &Column| {
+fn schema(columns: &[ParquetColumn]) -> Result<Type, ParquetError> {
+    let field = |(name, values): &ParquetColumn| {
         let (physical, meaning, repetition) = match values(&[]) {
             Values::Counts(_) => (Physical::INT64, None, Repetition::REQUIRED),
             Values::Names(_) => (Physical::BYTE_ARRAY, Some(LogicalType::String), Repetition::REQUIRED),

@@ -2,13 +2,14 @@
 
 use std::path::Path;
 
-use nalgebra::{Matrix3, Quaternion, Rotation3, UnitQuaternion, Vector3};
+use nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3};
 use serde::{Deserialize, Deserializer, Serialize};
 
 use super::stamp::Stamp;
 use super::{RecordError, UNIT_LENGTH, files};
 use crate::creature::{Creature, DofKind, Joint};
-use crate::kinematics::Frame;
+use crate::geometry::Frame;
+use crate::record::error::ContentFault;
 use crate::schema::{BodySchema, SchemaStd};
 
 pub(super) const STAMP: Stamp = Stamp { format: "bodyschema schema", version: 1 };
@@ -16,7 +17,7 @@ pub(super) const STAMP: Stamp = Stamp { format: "bodyschema schema", version: 1 
 /// The file, behind its stamp. Fields that it has besides are passed over.
 #[derive(Deserialize, Serialize)]
 #[serde(expecting = "an object")]
-struct Content {
+struct SchemaFile {
     creature: String,
     joints: Vec<JointEntry>,
 }
@@ -92,7 +93,8 @@ pub fn write_schema_with_std(
         return Err(RecordError::format(path, None, message));
     }
     check(creature, schema).map_err(|message| RecordError::format(path, None, message))?;
-    let content = Content { creature: creature.name().into(), joints: joint_entries(creature, schema, std) };
+    let content =
+        SchemaFile { creature: creature.name().into(), joints: joint_entries(creature, schema, std) };
     if let Some(folder) = path.parent() {
         files::make_folder(folder)?;
     }
@@ -116,7 +118,7 @@ pub(super) fn joint_entries(
         let pose = schema.limb_poses.get(j).filter(|pose| **pose != Frame::identity());
         JointEntry {
             limb_position: pose.map(|pose| pose.origin.into()),
-            limb_quaternion: pose.map(|pose| quaternion(&pose.rotation)),
+            limb_quaternion: pose.map(Frame::wxyz),
             joint: joint.name.clone(),
             parent: creature.limbs()[joint.parent].clone(),
             position: schema.positions[j].into(),
@@ -147,7 +149,7 @@ pub fn read_schema_with_std(
 ) -> Result<(BodySchema, Option<SchemaStd>), RecordError> {
     let json = files::read(path)?;
     STAMP.check(path, None, &json)?;
-    let content: Content =
+    let content: SchemaFile =
         serde_json::from_slice(&json).map_err(|error| RecordError::json(path, "body schema", &error))?;
     let schema = schema_of(&content, creature).map_err(|message| RecordError::format(path, None, message))?;
     Ok((schema, std_of(&content.joints)))
@@ -163,22 +165,28 @@ fn std_of(joints: &[JointEntry]) -> Option<SchemaStd> {
 
 const MEND: &str = "give a schema that was learned with the same model and joints";
 
-fn schema_of(content: &Content, creature: &Creature) -> Result<BodySchema, String> {
+fn schema_of(content: &SchemaFile, creature: &Creature) -> Result<BodySchema, ContentFault> {
     if content.creature != creature.name() {
-        return Err(format!("it is of \"{}\", not of \"{}\": {MEND}", content.creature, creature.name()));
+        return Err(
+            format!("it is of \"{}\", not of \"{}\": {MEND}", content.creature, creature.name()).into()
+        );
     }
     schema_of_joints(&content.joints, creature)
 }
 
 /// The schema of joints that are a creature's.
-pub(super) fn schema_of_joints(joints: &[JointEntry], creature: &Creature) -> Result<BodySchema, String> {
+pub(super) fn schema_of_joints(
+    joints: &[JointEntry],
+    creature: &Creature,
+) -> Result<BodySchema, ContentFault> {
     if joints.len() != creature.joints().len() {
         return Err(format!(
             "it has {} joints, but {} has {}: {MEND}",
             joints.len(),
             creature.name(),
             creature.joints().len()
-        ));
+        )
+        .into());
     }
     let mut schema = BodySchema::zero(creature);
     if joints.iter().any(|entry| entry.limb_position.is_some() || entry.limb_quaternion.is_some()) {
@@ -193,7 +201,8 @@ pub(super) fn schema_of_joints(joints: &[JointEntry], creature: &Creature) -> Re
                 entry.joint,
                 entry.parent,
                 joint.name
-            ));
+            )
+            .into());
         }
         schema.positions[i] = entry.position.into();
         read_axes(entry, joint, &mut schema.axes[joint.dof_indices()])
@@ -206,14 +215,16 @@ pub(super) fn schema_of_joints(joints: &[JointEntry], creature: &Creature) -> Re
 }
 
 /// The pose of a joint's limb; that of the joint where none is given.
-fn read_pose(entry: &JointEntry) -> Result<Frame, String> {
+fn read_pose(entry: &JointEntry) -> Result<Frame, ContentFault> {
     match (entry.limb_position, entry.limb_quaternion) {
         (None, None) => Ok(Frame::identity()),
         (Some(position), Some([w, x, y, z])) => {
             let quaternion = Quaternion::new(w, x, y, z);
             let length = quaternion.norm();
             if length.is_nan() || (length - 1.0).abs() > UNIT_LENGTH {
-                return Err(format!("has a limb_quaternion of length {length}: divide it by its length"));
+                return Err(
+                    format!("has a limb_quaternion of length {length}: divide it by its length").into()
+                );
             }
             let rotation = UnitQuaternion::from_quaternion(quaternion).to_rotation_matrix().into_inner();
             Ok(Frame { rotation, origin: position.into() })
@@ -222,45 +233,44 @@ fn read_pose(entry: &JointEntry) -> Result<Frame, String> {
     }
 }
 
-/// A rotation as a unit quaternion w x y z.
-fn quaternion(rotation: &Matrix3<f64>) -> [f64; 4] {
-    let q = UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(*rotation));
-    [q.w, q.i, q.j, q.k]
-}
-
-fn read_axes(entry: &JointEntry, joint: &Joint, axes: &mut [Vector3<f64>]) -> Result<(), String> {
+fn read_axes(entry: &JointEntry, joint: &Joint, axes: &mut [Vector3<f64>]) -> Result<(), ContentFault> {
     if entry.axes.len() != joint.dofs.len() {
-        return Err(format!("has {} axes in place of {}", entry.axes.len(), joint.dofs.len()));
+        return Err(format!("has {} axes in place of {}", entry.axes.len(), joint.dofs.len()).into());
     }
     for ((found, dof), axis) in entry.axes.iter().zip(&joint.dofs).zip(axes) {
         if found.dof != dof.name {
-            return Err(format!("has \"{}\" in place of \"{}\"", found.dof, dof.name));
+            return Err(format!("has \"{}\" in place of \"{}\"", found.dof, dof.name).into());
         }
         if found.kind.is_some_and(|kind| kind != dof.kind) {
-            return Err(format!("has another kind of \"{}\"", dof.name));
+            return Err(format!("has another kind of \"{}\"", dof.name).into());
         }
         match found.axis {
             Some(found) if dof.kind != DofKind::Ball => *axis = found.into(),
-            None if dof.kind != DofKind::Ball => return Err(format!("has no axis of \"{}\"", dof.name)),
+            None if dof.kind != DofKind::Ball => {
+                return Err(format!("has no axis of \"{}\"", dof.name).into());
+            }
             _ => {}
         }
     }
     Ok(())
 }
 
-fn check(creature: &Creature, schema: &BodySchema) -> Result<(), String> {
+fn check(creature: &Creature, schema: &BodySchema) -> Result<(), ContentFault> {
     if !schema.fits(creature) {
         return Err(format!(
             "the schema has not {} positions and {} axes of finite numbers: give one of {}",
             creature.joints().len(),
             creature.dof_elements(),
             creature.name()
-        ));
+        )
+        .into());
     }
     for (joint, pose) in creature.joints().iter().zip(&schema.limb_poses) {
         let turned = pose.rotation.tr_mul(&pose.rotation) - Matrix3::identity();
         if turned.amax() > UNIT_LENGTH || pose.rotation.determinant() < 0.0 {
-            return Err(format!("the pose of the limb on \"{}\" has no rotation: give one", joint.name));
+            return Err(
+                format!("the pose of the limb on \"{}\" has no rotation: give one", joint.name).into()
+            );
         }
     }
     for (dof, axis) in creature.dofs().zip(&schema.axes) {
@@ -269,7 +279,8 @@ fn check(creature: &Creature, schema: &BodySchema) -> Result<(), String> {
                 "the axis of \"{}\" has length {}: divide it by its length",
                 dof.name,
                 axis.norm()
-            ));
+            )
+            .into());
         }
     }
     Ok(())

@@ -1,6 +1,6 @@
 //! How a session came about: everything needed to repeat it or to read its touches.
 
-use std::collections::{BTreeMap, HashSet};
+use std::collections::BTreeMap;
 use std::path::Path;
 use std::time::Duration;
 
@@ -8,8 +8,9 @@ use serde::{Deserialize, Serialize};
 
 use super::stamp::Stamp;
 use super::{Host, RecordError, SESSION_FILE, files};
-use crate::babbling::Effort;
+use crate::agent::{Agent, AgentError};
 use crate::creature::Creature;
+use crate::simulation::Effort;
 use crate::skin::Skin;
 
 const STAMP: Stamp = Stamp { format: "bodyschema session", version: 1 };
@@ -17,28 +18,21 @@ const STAMP: Stamp = Stamp { format: "bodyschema session", version: 1 };
 /// A session: who babbled, in which model, how, and what it cost.
 ///
 /// In the file, the format's name and version come before these fields.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(expecting = "an object")]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Session {
     /// The program and its version: [`PROGRAM`](super::PROGRAM).
     pub program: String,
     /// The version of MuJoCo that simulated it; empty where it was recorded and not simulated.
-    #[serde(default, skip_serializing_if = "String::is_empty")]
     pub engine: String,
     /// The model's path as it was given; empty where there is none.
-    #[serde(default, skip_serializing_if = "String::is_empty")]
     pub model: String,
     /// The model's content: [`model_hash`](super::model_hash); empty where there is none.
-    #[serde(default, skip_serializing_if = "String::is_empty")]
     pub model_hash: String,
     /// The files it was made of, where it was recorded and not simulated.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub recording: Option<RecordingFiles>,
     /// The command line that made it, word by word; empty where it was not kept.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub command: Vec<String>,
     /// The computer it was made on; none where it was not kept.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub host: Option<Host>,
     /// Seed of all random streams.
     pub seed: u64,
@@ -46,10 +40,100 @@ pub struct Session {
     pub options: SessionOptions,
     /// What babbling cost; none until it is done.
     pub effort: Option<BabblingEffort>,
-    /// The creature that babbled.
-    pub creature: Creature,
-    /// Its skin.
-    pub skin: Skin,
+    /// The creature that babbled, and its skin.
+    pub agent: Agent,
+}
+
+/// A session as its file has it.
+#[derive(Deserialize, Serialize)]
+#[serde(expecting = "an object")]
+struct SessionFile {
+    program: String,
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    engine: String,
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    model: String,
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    model_hash: String,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    recording: Option<RecordingFiles>,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    command: Vec<String>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    host: Option<Host>,
+    seed: u64,
+    options: SessionOptions,
+    effort: Option<BabblingEffort>,
+    creature: Creature,
+    skin: Skin,
+}
+
+impl From<Session> for SessionFile {
+    fn from(session: Session) -> SessionFile {
+        let Session {
+            program,
+            engine,
+            model,
+            model_hash,
+            recording,
+            command,
+            host,
+            seed,
+            options,
+            effort,
+            agent,
+        } = session;
+        let (creature, skin) = (agent.creature().clone(), agent.skin().clone());
+        SessionFile {
+            program,
+            engine,
+            model,
+            model_hash,
+            recording,
+            command,
+            host,
+            seed,
+            options,
+            effort,
+            creature,
+            skin,
+        }
+    }
+}
+
+impl TryFrom<SessionFile> for Session {
+    type Error = AgentError;
+
+    fn try_from(file: SessionFile) -> Result<Session, AgentError> {
+        let SessionFile {
+            program,
+            engine,
+            model,
+            model_hash,
+            recording,
+            command,
+            host,
+            seed,
+            options,
+            effort,
+            creature,
+            skin,
+        } = file;
+        let agent = Agent::new(creature, skin)?;
+        Ok(Session {
+            program,
+            engine,
+            model,
+            model_hash,
+            recording,
+            command,
+            host,
+            seed,
+            options,
+            effort,
+            agent,
+        })
+    }
 }
 
 /// The files of a recording, by their paths as they were given.
@@ -148,13 +232,11 @@ impl Session {
     /// Writes [`SESSION_FILE`] into `folder`, which is made if missing; whole or not at all.
     ///
     /// # Errors
-    /// [`RecordError::Io`] where the folder or the file cannot be written, [`RecordError::Format`]
-    /// for a skin that does not fit the creature.
+    /// [`RecordError::Io`] where the folder or the file cannot be written.
     pub fn write(&self, folder: &Path) -> Result<(), RecordError> {
         let path = folder.join(SESSION_FILE);
-        self.check().map_err(|message| RecordError::format(&path, None, message))?;
         files::make_folder(folder)?;
-        files::write_json(&path, &STAMP.on(self))
+        files::write_json(&path, &STAMP.on(&SessionFile::from(self.clone())))
     }
 
     /// Reads [`SESSION_FILE`] of `folder`.
@@ -166,43 +248,8 @@ impl Session {
         let path = folder.join(SESSION_FILE);
         let json = files::read(&path)?;
         STAMP.check(&path, None, &json)?;
-        let session: Session =
+        let session: SessionFile =
             serde_json::from_slice(&json).map_err(|error| RecordError::json(&path, "session", &error))?;
-        session.check().map_err(|message| RecordError::format(&path, None, message))?;
-        Ok(session)
-    }
-
-    fn check(&self) -> Result<(), String> {
-        check_skin(&self.creature, &self.skin)
-    }
-}
-
-/// Checks that every receptor has a limb, a surface, finite numbers and an id of its own.
-pub(super) fn check_skin(creature: &Creature, skin: &Skin) -> Result<(), String> {
-    let limbs = creature.limbs().len();
-    let mut ids = HashSet::new();
-    for receptor in &skin.receptors {
-        let refuse = |what: &str, mend: &str| Err(format!("receptor \"{}\" {what}: {mend}", receptor.id));
-        if !ids.insert(&receptor.id) {
-            return refuse("occurs twice", "give each an id of its own");
-        }
-        if receptor.limb >= limbs {
-            return refuse("is on a limb that does not exist", "give it one of the creature's limbs");
-        }
-        if receptor.surface.is_some_and(|surface| surface >= skin.surfaces.len()) {
-            return refuse("is on a surface that does not exist", "give it one of the skin's surfaces");
-        }
-        let vectors = [&receptor.position, &receptor.normal, &receptor.tangent];
-        let mut numbers = vectors.into_iter().flatten().chain(&receptor.half_extents);
-        if !numbers.all(|number| number.is_finite()) {
-            return refuse("has a number that is not finite", "give a finite one");
-        }
-    }
-    match skin.surfaces.iter().position(|surface| surface.limb >= limbs) {
-        Some(i) => Err(format!(
-            "surface {i} (from 0) of the skin is on a limb that does not exist: give it one of the \
-             creature's limbs"
-        )),
-        None => Ok(()),
+        Session::try_from(session).map_err(|error| RecordError::format(&path, None, error.to_string()))
     }
 }

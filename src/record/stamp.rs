@@ -28,7 +28,7 @@ pub(super) struct Stamped<'a, T> {
 /// As much of a file as every format has.
 #[derive(Deserialize)]
 #[serde(expecting = "an object")]
-struct Found {
+struct StatedFormat {
     format: Option<String>,
     version: Option<u64>,
 }
@@ -47,7 +47,7 @@ impl Stamp {
     pub fn check(self, path: &Path, line: Option<usize>, json: &[u8]) -> Result<(), RecordError> {
         let Stamp { format, version } = self;
         let mend = format!("give a file that begins with \"format\":\"{format}\",\"version\":{version}");
-        let found: Found = serde_json::from_slice(json).map_err(|error| {
+        let found: StatedFormat = serde_json::from_slice(json).map_err(|error| {
             let line = line.or(Some(error.line()).filter(|&line| line > 0));
             let message = format!("it states no format that can be read ({}): {mend}", json_reason(&error));
             RecordError::format(path, line, message)

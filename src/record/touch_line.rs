@@ -4,9 +4,10 @@ use serde::{Deserialize, Serialize};
 
 use super::UNIT_LENGTH;
 use super::stamp::Stamp;
-use crate::creature::{Creature, DofKind};
+use crate::agent::Agent;
+use crate::creature::DofKind;
+use crate::record::error::ContentFault;
 use crate::senses::{Moment, Touch};
-use crate::skin::Skin;
 
 pub(super) const STAMP: Stamp = Stamp { format: "bodyschema touches", version: 1 };
 /// The units of a log: of positions and distances, and of angles.
@@ -15,7 +16,7 @@ pub(super) const UNITS: &str = "m rad";
 /// The header, behind its stamp.
 #[derive(Deserialize, Serialize)]
 #[serde(expecting = "an object")]
-pub(super) struct Header {
+pub(super) struct TouchHeader {
     /// The creature's name.
     pub creature: String,
     /// How many numbers a posture has.
@@ -29,7 +30,7 @@ pub(super) struct Header {
 /// Limbs and positions follow from the receptors; they are told so that a log can be read alone.
 #[derive(Deserialize, Serialize)]
 #[serde(expecting = "an object")]
-pub(super) struct Line<S, P, V> {
+pub(super) struct TouchLine<S, P, V> {
     pub bout: u64,
     pub motion: u64,
     pub posture: P,
@@ -56,13 +57,14 @@ pub(super) struct Line<S, P, V> {
 }
 
 /// The name of the limb a receptor is on.
-pub(super) fn limb_name<'a>(creature: &'a Creature, skin: &Skin, receptor: usize) -> Result<&'a str, String> {
-    let receptor = skin
+pub(super) fn limb_name(agent: &Agent, receptor: usize) -> Result<&str, ContentFault> {
+    let receptor = agent
+        .skin()
         .receptors
         .get(receptor)
         .ok_or_else(|| format!("receptor {receptor} (from 0) is not in the skin: give one that is"))?;
-    let limb = creature.limbs().get(receptor.limb).ok_or_else(|| {
-        format!("receptor \"{}\" is on a limb that does not exist: mend the skin", receptor.id)
+    let limb = agent.creature().limbs().get(receptor.limb).ok_or_else(|| {
+        format!("receptor \"{}\" is on a limb that does not exist: mend the agent.skin()", receptor.id)
     })?;
     Ok(limb)
 }
@@ -71,56 +73,58 @@ pub(super) fn limb_name<'a>(creature: &'a Creature, skin: &Skin, receptor: usize
 ///
 /// # Errors
 /// A sentence that names what is wrong and its mend.
-pub(super) fn check(touch: &Touch, creature: &Creature, skin: &Skin) -> Result<(), String> {
+pub(super) fn check(touch: &Touch, agent: &Agent) -> Result<(), ContentFault> {
+    let creature = agent.creature();
     if touch.posture.len() != creature.coordinates() {
         return Err(format!(
             "its posture has {} numbers but {} has {} coordinates: give as many, or leave the touch out",
             touch.posture.len(),
             creature.name(),
             creature.coordinates()
-        ));
+        )
+        .into());
     }
-    let mut rest = touch.posture.as_slice();
-    for dof in creature.dofs() {
-        let (coordinates, after) = rest.split_at(dof.kind.coordinates());
-        rest = after;
+    for dof in creature.elements() {
+        let coordinates = dof.of(&touch.posture);
         if !coordinates.iter().all(|x| x.is_finite()) {
             return Err(format!(
                 "the posture's {} is not a finite number: give one, or leave the touch out",
                 dof.name
-            ));
+            )
+            .into());
         }
         let length = coordinates.iter().map(|x| x * x).sum::<f64>().sqrt();
         if dof.kind == DofKind::Ball && (length - 1.0).abs() > UNIT_LENGTH {
             return Err(format!(
                 "the posture's quaternion of {} has length {length}: divide it by its length",
                 dof.name
-            ));
+            )
+            .into());
         }
     }
-    let limbs = [
-        limb_name(creature, skin, touch.ends[0].receptor)?,
-        limb_name(creature, skin, touch.ends[1].receptor)?,
-    ];
-    let [a, b] = touch.ends.map(|end| &skin.receptors[end.receptor]);
+    let limbs = [limb_name(agent, touch.ends[0].receptor)?, limb_name(agent, touch.ends[1].receptor)?];
+    let [a, b] = touch.ends.map(|end| &agent.skin().receptors[end.receptor]);
     if a.limb == b.limb {
         return Err(format!(
             "both \"{}\" and \"{}\" are on limb {}, but a touch needs two limbs: leave it out",
             a.id, b.id, limbs[0]
-        ));
+        )
+        .into());
     }
     for (end, receptor) in touch.ends.iter().zip([a, b]) {
         if !end.contact.iter().all(|x| x.is_finite()) {
             return Err(format!(
                 "the contact at \"{}\" is not three finite numbers: give them, or leave the touch out",
                 receptor.id
-            ));
+            )
+            .into());
         }
         if let Some(wrong) = end.deviation.filter(|deviation| !(deviation.is_finite() && *deviation >= 0.0)) {
             return Err(format!(
                 "the contact's deviation at \"{}\" is {wrong}: give metres that are not negative, or null",
                 receptor.id
-            ));
+            )
+            .into());
         }
     }
     if let Some(Moment { time, force, depth }) = touch.moment {
@@ -128,7 +132,7 @@ pub(super) fn check(touch: &Touch, creature: &Creature, skin: &Skin) -> Result<(
             if !(wrong.is_finite() && wrong >= 0.0) {
                 return Err(format!(
                     "its {what} is {wrong}: give a number that is not negative, or none of time, force and depth"
-                ));
+                ).into());
             }
         }
     }

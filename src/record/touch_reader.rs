@@ -9,11 +9,12 @@ use nalgebra::Vector3;
 
 use super::error::json_reason;
 use super::json_lines::read_lines;
-use super::touch_line::{Header, Line, STAMP, UNITS, check, limb_name};
+use super::touch_line::{STAMP, TouchHeader, TouchLine, UNITS, check, limb_name};
 use super::{Action, RecordError};
+use crate::agent::Agent;
 use crate::creature::Creature;
+use crate::record::error::ContentFault;
 use crate::senses::{Moment, Touch, TouchEnd};
-use crate::skin::Skin;
 
 /// How far a receptor's position in a log may be from the skin's, metres.
 const SAME_POSITION: f64 = 1e-9;
@@ -28,7 +29,7 @@ pub struct TouchLog {
 }
 
 /// A line as it is read; JSON has no other way to say "not a finite number" than null.
-type FoundLine = Line<String, Vec<Option<f64>>, [Option<f64>; 3]>;
+type FoundLine = TouchLine<String, Vec<Option<f64>>, [Option<f64>; 3]>;
 
 /// Reads the touches of a creature and its skin from the log `path`.
 ///
@@ -36,18 +37,18 @@ type FoundLine = Line<String, Vec<Option<f64>>, [Option<f64>; 3]>;
 /// [`RecordError::Io`] where the file cannot be read. [`RecordError::Format`], with the line, where it
 /// is no log of touches or one of a newer version, where it belongs to another creature or skin, and
 /// for any line that is no touch; only the last one may be incomplete.
-pub fn read_touches(path: &Path, creature: &Creature, skin: &Skin) -> Result<TouchLog, RecordError> {
+pub fn read_touches(path: &Path, agent: &Agent) -> Result<TouchLog, RecordError> {
     let io = || RecordError::io(path, Action::Read);
     let mut file = BufReader::new(File::open(path).map_err(io())?);
     let receptors: HashMap<&str, usize> =
-        skin.receptors.iter().enumerate().map(|(r, receptor)| (receptor.id.as_str(), r)).collect();
+        agent.skin().receptors.iter().enumerate().map(|(r, receptor)| (receptor.id.as_str(), r)).collect();
 
     let mut json = Vec::new();
     file.read_until(b'\n', &mut json).map_err(io())?;
-    check_header(path, &json, 1, creature)?;
+    check_header(path, &json, 1, agent.creature())?;
     let mut log = TouchLog::default();
     log.truncated = read_lines(path, &mut file, "touch", |found: FoundLine| {
-        log.touches.push(touch(found, creature, skin, &receptors)?);
+        log.touches.push(touch(found, agent, &receptors)?);
         Ok(())
     })?;
     Ok(log)
@@ -65,7 +66,7 @@ pub(super) fn check_header(
         return refuse("there is no header: give a log of touches, or record again".into());
     }
     STAMP.check(path, Some(line), json)?;
-    let header: Header = match serde_json::from_slice(json) {
+    let header: TouchHeader = match serde_json::from_slice(json) {
         Ok(header) => header,
         Err(error) => {
             return refuse(format!(
@@ -94,31 +95,29 @@ pub(super) fn check_header(
 }
 
 /// The touch that a line tells of.
-fn touch(
-    found: FoundLine,
-    creature: &Creature,
-    skin: &Skin,
-    receptors: &HashMap<&str, usize>,
-) -> Result<Touch, String> {
-    let end = |k: usize| {
+fn touch(found: FoundLine, agent: &Agent, receptors: &HashMap<&str, usize>) -> Result<Touch, ContentFault> {
+    let skin = agent.skin();
+    let end = |k: usize| -> Result<TouchEnd, ContentFault> {
         let id = &found.receptors[k];
         let &receptor = receptors.get(id.as_str()).ok_or_else(|| {
             format!("the skin has no receptor \"{id}\": give the skin that the touches were recorded with")
         })?;
-        let limb = limb_name(creature, skin, receptor)?;
+        let limb = limb_name(agent, receptor)?;
         if found.limbs[k] != limb {
             return Err(format!(
                 "receptor \"{id}\" is on limb {limb}, not on \"{}\": give the skin that the touches were \
                  recorded with, or mend the line",
                 found.limbs[k]
-            ));
+            )
+            .into());
         }
         let away = (vector(&found.positions[k]) - skin.receptors[receptor].position).norm();
         if away.is_nan() || away > SAME_POSITION {
             return Err(format!(
                 "the position of receptor \"{id}\" is not the skin's: give the skin that the touches were \
                  recorded with, or mend the line"
-            ));
+            )
+            .into());
         }
         Ok(TouchEnd {
             receptor,
@@ -134,7 +133,7 @@ fn touch(
         _ => return Err("it has some of time, force and depth: give all three or none".into()),
     };
     let touch = Touch { bout: found.bout, motion: found.motion, posture, ends, moment };
-    check(&touch, creature, skin)?;
+    check(&touch, agent)?;
     Ok(touch)
 }
 

@@ -4,11 +4,10 @@ use std::fs::{File, OpenOptions, TryLockError};
 use std::io::{BufRead, BufReader, Write};
 use std::path::{Path, PathBuf};
 
-use super::touch_line::{Header, Line, STAMP, UNITS, check, limb_name};
+use super::touch_line::{STAMP, TouchHeader, TouchLine, UNITS, check, limb_name};
 use super::{Action, RecordError, TOUCHES_FILE, files};
-use crate::creature::Creature;
+use crate::agent::Agent;
 use crate::senses::Touch;
-use crate::skin::Skin;
 
 /// Writes [`TOUCHES_FILE`], a line a touch.
 ///
@@ -20,8 +19,7 @@ use crate::skin::Skin;
 pub struct TouchWriter<'a> {
     path: PathBuf,
     file: File,
-    creature: &'a Creature,
-    skin: &'a Skin,
+    agent: &'a Agent,
     /// Lines written, the header included.
     lines: usize,
     buffer: Vec<u8>,
@@ -34,17 +32,13 @@ impl<'a> TouchWriter<'a> {
     ///
     /// # Errors
     /// [`RecordError::Io`] where the folder or the file cannot be made.
-    pub fn create(
-        folder: &Path,
-        creature: &'a Creature,
-        skin: &'a Skin,
-    ) -> Result<TouchWriter<'a>, RecordError> {
+    pub fn create(folder: &Path, agent: &'a Agent) -> Result<TouchWriter<'a>, RecordError> {
         files::make_folder(folder)?;
         let path = folder.join(TOUCHES_FILE);
         let file = File::create(&path).map_err(RecordError::io(&path, Action::Write))?;
         // Where there are no locks, nobody else can be kept away.
         let _ = file.try_lock();
-        let mut writer = TouchWriter { path, file, creature, skin, lines: 0, buffer: Vec::new(), left: None };
+        let mut writer = TouchWriter { path, file, agent, lines: 0, buffer: Vec::new(), left: None };
         writer.write_header()?;
         Ok(writer)
     }
@@ -56,11 +50,7 @@ impl<'a> TouchWriter<'a> {
     /// # Errors
     /// [`RecordError::Io`] where the log cannot be read and written. [`RecordError::Format`] where another process is
     /// writing it, or where it is not of this creature.
-    pub fn resume(
-        folder: &Path,
-        creature: &'a Creature,
-        skin: &'a Skin,
-    ) -> Result<TouchWriter<'a>, RecordError> {
+    pub fn resume(folder: &Path, agent: &'a Agent) -> Result<TouchWriter<'a>, RecordError> {
         let path = folder.join(TOUCHES_FILE);
         let opened = OpenOptions::new().append(true).create(true).open(&path);
         let file = opened.map_err(RecordError::io(&path, Action::Write))?;
@@ -73,7 +63,7 @@ impl<'a> TouchWriter<'a> {
         }
         let left = File::open(&path).map_err(RecordError::io(&path, Action::Read))?;
         let left = Some(BufReader::new(left));
-        let mut writer = TouchWriter { path, file, creature, skin, lines: 0, buffer: Vec::new(), left };
+        let mut writer = TouchWriter { path, file, agent, lines: 0, buffer: Vec::new(), left };
         writer.write_header()?;
         Ok(writer)
     }
@@ -105,14 +95,14 @@ impl<'a> TouchWriter<'a> {
     /// what an interrupted writer left here. Such a touch is not written.
     pub fn write(&mut self, touch: &Touch) -> Result<(), RecordError> {
         let refuse = |message| RecordError::format(&self.path, Some(self.lines + 1), message);
-        check(touch, self.creature, self.skin).map_err(refuse)?;
-        let limb = |k: usize| limb_name(self.creature, self.skin, touch.ends[k].receptor).map_err(refuse);
+        check(touch, self.agent).map_err(refuse)?;
+        let limb = |k: usize| limb_name(self.agent, touch.ends[k].receptor).map_err(refuse);
         let limbs = [limb(0)?, limb(1)?];
-        let receptors = touch.ends.map(|end| &self.skin.receptors[end.receptor]);
-        self.write_line(&Line {
+        let receptors = touch.ends.map(|end| &self.agent.skin().receptors[end.receptor]);
+        self.write_line(&TouchLine {
             bout: touch.bout,
             motion: touch.motion,
-            posture: touch.posture.as_slice(),
+            posture: &touch.posture[..],
             receptors: receptors.map(|receptor| receptor.id.as_str()),
             limbs,
             positions: receptors.map(|receptor| <[f64; 3]>::from(receptor.position)),
@@ -144,9 +134,9 @@ impl<'a> TouchWriter<'a> {
     }
 
     fn write_header(&mut self) -> Result<(), RecordError> {
-        self.write_line(&STAMP.on(&Header {
-            creature: self.creature.name().into(),
-            coordinates: self.creature.coordinates(),
+        self.write_line(&STAMP.on(&TouchHeader {
+            creature: self.agent.creature().name().into(),
+            coordinates: self.agent.creature().coordinates(),
             units: UNITS.into(),
         }))
     }

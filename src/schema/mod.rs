@@ -1,16 +1,10 @@
 //! The body schema: what is learned of a body.
 
-mod export;
-mod urdf;
-
-pub use export::to_mjcf;
-pub use urdf::{Urdf, to_urdf};
-
 use nalgebra::{Matrix3, Vector3};
 use serde::{Deserialize, Serialize};
 
 use crate::creature::{Creature, DofKind, Joint};
-use crate::kinematics::Frame;
+use crate::geometry::Frame;
 
 /// Joint positions and axes of a creature, in the order of its joints and degrees of freedom.
 ///

@@ -7,12 +7,12 @@
 
 use std::collections::{BTreeMap, VecDeque};
 
-use nalgebra::{Matrix3, Point3, SymmetricEigen, Vector3};
+use nalgebra::{Point3, Vector3};
 
 use crate::creature::Body;
-use crate::kinematics::Frame;
+use crate::geometry::{Ball, Capsule, Frame, Precision, gap};
 use crate::mujoco::Data;
-use crate::skin::{Skin, Surface, closest, surface_of_body};
+use crate::skin::{Skin, Surface, surface_of_body};
 
 /// How far an aura reaches beyond its limb, metres: an object of 1 m/s is noticed a third of a second before.
 pub const REACH: f64 = 0.35;
@@ -34,19 +34,14 @@ pub struct ProximityGeometry {
     pub aura_limb: usize,
     /// The limb that carries it.
     pub limb: usize,
-    /// The ends of the capsule's axis in that limb's frame, metres.
-    pub ends: [Vector3<f64>; 2],
-    /// Its radius, metres, its reach beyond the limb included.
-    pub radius: f64,
+    /// The capsule in that limb's frame, its reach beyond the limb included.
+    pub capsule: Capsule,
 }
 
 impl ProximityGeometry {
-    /// Whether a ball, in the frame of [`ProximityGeometry::limb`], metres, is partly inside.
-    fn holds(&self, p_l: &Vector3<f64>, radius: f64) -> bool {
-        let along = self.ends[1] - self.ends[0];
-        let share = (p_l - self.ends[0]).dot(&along) / along.norm_squared().max(f64::MIN_POSITIVE);
-        let nearest = self.ends[0] + along * share.clamp(0.0, 1.0);
-        (p_l - nearest).norm() < self.radius + radius
+    /// Whether a ball, in the frame of [`ProximityGeometry::limb`], is partly inside.
+    fn holds(&self, ball: &Ball) -> bool {
+        self.capsule.distance_to(ball) < 0.0
     }
 }
 
@@ -64,27 +59,9 @@ pub fn grow_aura(body: &Body, skin: &Skin, frames: &[Frame]) -> Vec<ProximityGeo
             let farthest = directions.iter().filter_map(|direction| surface.support(direction));
             points.extend(farthest.map(|p| frames[limb].inverse_point(&frames[surface.limb].point(&p))));
         }
-        let count = points.len() as f64;
-        let middle = points.iter().sum::<Vector3<f64>>() / count;
-        let spread: Matrix3<f64> = points.iter().map(|p| (p - middle) * (p - middle).transpose()).sum();
-        let eigen = SymmetricEigen::new(spread);
-        let axis: Vector3<f64> = eigen.eigenvectors.column(eigen.eigenvalues.imax()).into();
-        let places: Vec<(f64, f64)> = points
-            .iter()
-            .map(|p| {
-                let along = (p - middle).dot(&axis);
-                (along, (p - middle - axis * along).norm())
-            })
-            .collect();
-        let radius = places.iter().map(|place| place.1).fold(0.0, f64::max);
-        // How far the axis must go for the caps to cover what is at its ends.
-        let needed = |sign: f64| {
-            let of =
-                |&(along, off): &(f64, f64)| sign * along - (radius * radius - off * off).max(0.0).sqrt();
-            places.iter().map(of).fold(0.0, f64::max)
-        };
-        let ends = [middle - axis * needed(-1.0), middle + axis * needed(1.0)];
-        (!points.is_empty()).then_some(ProximityGeometry { aura_limb, limb, ends, radius: radius + REACH })
+        let limbs = Capsule::about_points(&points)?;
+        let capsule = Capsule { radius: limbs.radius + REACH, ..limbs };
+        Some(ProximityGeometry { aura_limb, limb, capsule })
     };
     body.creature.aura_limbs().iter().enumerate().filter_map(geometry).collect()
 }
@@ -147,7 +124,7 @@ pub struct Aura {
 
 /// The limb that is nearest to an object.
 #[derive(Clone, Copy)]
-struct Nearest {
+struct NearestLimb {
     /// Metres.
     distance: f64,
     limb: usize,
@@ -168,10 +145,10 @@ struct Followed {
 }
 
 impl Aura {
-    /// The aura of a creature that stands in its reference posture in `data`, with the bodies that are no part of it
+    /// The aura of a creature whose limbs are at `X_WL` in its reference posture, with the bodies that are no part of it
     /// for objects.
-    pub fn new(body: &Body, skin: &Skin, data: &Data) -> Aura {
-        let geometries = grow_aura(body, skin, &body.limb_frames(data));
+    pub fn new(body: &Body, skin: &Skin, frames: &[Frame]) -> Aura {
+        let geometries = grow_aura(body, skin, frames);
         let mut objects: BTreeMap<usize, Vec<Surface>> = BTreeMap::new();
         let foreign = |b: &usize| body.limb_of_body[*b].is_none() && body.model.weld(*b) != 0;
         for object in (1..body.model.nbody()).filter(foreign) {
@@ -204,7 +181,8 @@ impl Aura {
             let within: Vec<&ProximityGeometry> = {
                 let near = |geometry: &&ProximityGeometry| {
                     let carrier = body.limb_pose(data, geometry.limb).unwrap_or_default();
-                    geometry.holds(&carrier.inverse_transform_point(&Point3::from(place)).coords, extent)
+                    let centre = carrier.inverse_transform_point(&Point3::from(place)).coords;
+                    geometry.holds(&Ball { centre, radius: extent })
                 };
                 self.geometries.iter().filter(near).collect()
             };
@@ -232,7 +210,7 @@ impl Aura {
                 .copied()
                 .collect();
             let nearest = |frame: &Frame| nearest_limb(skin, frames, &limbs, surfaces, frame);
-            let Some(Nearest { distance, limb, point, toward }) = nearest(&at(place)) else { continue };
+            let Some(NearestLimb { distance, limb, point, toward }) = nearest(&at(place)) else { continue };
             let (velocity, acceleration) = followed.motion();
             let before = nearest(&at(place - velocity * 1e-3));
             let speed = before.map_or(0.0, |before| (before.distance - distance) / 1e-3);
@@ -283,49 +261,25 @@ fn nearest_limb(
     limbs: &[usize],
     object: &[Surface],
     x_wo: &Frame,
-) -> Option<Nearest> {
-    let mut best: Option<Nearest> = None;
+) -> Option<NearestLimb> {
+    let mut best: Option<NearestLimb> = None;
     for surface in skin.surfaces.iter().filter(|surface| limbs.contains(&surface.limb)) {
-        let frame = &frames[surface.limb];
-        for part in object {
-            let found = between(surface, frame, part, x_wo);
-            if let Some((distance, point, toward)) = found
-                && best.is_none_or(|best| distance < best.distance)
-            {
-                best = Some(Nearest { distance, limb: surface.limb, point, toward });
+        let Some(first) = surface.placed(&frames[surface.limb]) else { continue };
+        for second in object.iter().filter_map(|part| part.placed(x_wo)) {
+            let found = gap(&first, &second, Precision::Exact);
+            if best.is_none_or(|best| found.distance < best.distance) {
+                let (point, toward) = (found.points[0], -found.normal);
+                best = Some(NearestLimb { distance: found.distance, limb: surface.limb, point, toward });
             }
         }
     }
     best
 }
 
-/// The distance of two surfaces in their frames, the nearest point of the first and the unit direction from there to
-/// the second, in the world.
-fn between(
-    surface: &Surface,
-    frame: &Frame,
-    part: &Surface,
-    x_wo: &Frame,
-) -> Option<(f64, Vector3<f64>, Vector3<f64>)> {
-    if let crate::skin::Shape::Sphere { radius } = part.shape {
-        let middle = x_wo.point(&part.origin);
-        let (distance, normal) = surface.signed_distance(&frame.inverse_point(&middle))?;
-        let normal = frame.rotation * normal;
-        return Some((distance - radius, middle - normal * distance, normal));
-    }
-    let first =
-        |d: &Vector3<f64>| frame.point(&surface.support(&frame.rotation.tr_mul(d)).unwrap_or_default());
-    let second = |d: &Vector3<f64>| x_wo.point(&part.support(&x_wo.rotation.tr_mul(d)).unwrap_or_default());
-    let way = frame.point(&surface.origin) - x_wo.point(&part.origin);
-    let guess = way.try_normalize(1e-9).unwrap_or(Vector3::z());
-    let found = closest([&first, &second], &guess);
-    Some((found.distance, found.points[0], -found.normal))
-}
-
 /// When, in seconds, an object that goes on as it does first meets a limb, which, and where, in the world: it goes
 /// forward as far as nothing is near, for nothing can be hit sooner.
 fn foresee(
-    nearest: &dyn Fn(&Frame) -> Option<Nearest>,
+    nearest: &dyn Fn(&Frame) -> Option<NearestLimb>,
     at: &dyn Fn(Vector3<f64>) -> Frame,
     place: Vector3<f64>,
     velocity: Vector3<f64>,
@@ -338,7 +292,7 @@ fn foresee(
     let mut seconds = 0.0;
     for _ in 0..200 {
         let there = place + velocity * seconds + acceleration * (0.5 * seconds * seconds);
-        let Nearest { distance, limb, point, .. } = nearest(&at(there))?;
+        let NearestLimb { distance, limb, point, .. } = nearest(&at(there))?;
         let closing = velocity + acceleration * seconds;
         // Something that lies on the skin and leaves it is no danger.
         let leaves = (there - point).dot(&closing) >= 0.0;

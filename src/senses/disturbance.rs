@@ -4,12 +4,13 @@
 //! Babbling is exact and so is its log. Disturbances come between the two and the learner: they turn the
 //! touches that were made into those that the agent feels, and its skin into the skin that it believes in.
 
-use nalgebra::{Quaternion, UnitQuaternion, Vector3};
+use nalgebra::{UnitQuaternion, Vector3};
 use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
-use crate::creature::{Creature, DofKind};
+use crate::agent::Agent;
+use crate::creature::{Creature, DofKind, ball};
 use crate::senses::{Touch, TouchEnd};
 use crate::skin::Skin;
 
@@ -39,11 +40,12 @@ pub struct Disturbances {
 
 /// What an agent with disturbed senses has to learn from.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Felt {
+pub struct DisturbedSenses {
     /// The touches as it feels them, in the order in which they were made.
     pub touches: Vec<Touch>,
-    /// The skin that it believes in: the same receptors in the same order, displaced.
-    pub skin: Skin,
+    /// The agent that feels them, with the skin that it believes in: the same receptors in the same order,
+    /// displaced.
+    pub agent: Agent,
 }
 
 impl Disturbances {
@@ -54,23 +56,28 @@ impl Disturbances {
 
     /// What the agent feels of `touches` and believes of its `skin`; the same for the same seed, and the
     /// first touches are felt alike however many come after them.
-    pub fn felt(&self, creature: &Creature, skin: &Skin, touches: &[Touch], seed: u64) -> Felt {
+    pub fn felt(&self, agent: &Agent, touches: &[Touch], seed: u64) -> DisturbedSenses {
         let stream = |number: u64| {
             let mut rng = ChaCha8Rng::seed_from_u64(seed);
             rng.set_stream(number);
             rng
         };
-        let mut felt = Felt { touches: touches.to_vec(), skin: skin.clone() };
+        let mut felt = DisturbedSenses { touches: touches.to_vec(), agent: agent.clone() };
         if self.false_touches > 0.0 {
             let mut rng = stream(FALSE_TOUCH_STREAM);
-            felt.touches.iter_mut().for_each(|touch| self.confuse(skin, touch, &mut rng));
+            felt.touches.iter_mut().for_each(|touch| self.confuse(agent.skin(), touch, &mut rng));
         }
         if self.joint_noise > 0.0 {
             let mut rng = stream(JOINT_STREAM);
-            felt.touches.iter_mut().for_each(|touch| self.misread(creature, &mut touch.posture, &mut rng));
+            felt.touches
+                .iter_mut()
+                .for_each(|touch| self.misread(agent.creature(), &mut touch.posture, &mut rng));
         }
         if self.receptor_noise > 0.0 {
-            let displacements = self.displace(&mut felt.skin, &mut stream(RECEPTOR_STREAM));
+            let mut skin = agent.skin().clone();
+            let displacements = self.displace(&mut skin, &mut stream(RECEPTOR_STREAM));
+            felt.agent =
+                agent.with_skin(skin).expect("displaced receptors are on the limbs that they were on");
             for end in felt.touches.iter_mut().flat_map(|touch| &mut touch.ends) {
                 end.contact += displacements[end.receptor];
             }
@@ -86,20 +93,17 @@ impl Disturbances {
 
     /// Adds noise to the angles of a posture.
     fn misread(&self, creature: &Creature, posture: &mut [f64], rng: &mut impl Rng) {
-        let mut rest = posture;
-        for dof in creature.dofs() {
-            let (coordinates, after) = rest.split_at_mut(dof.kind.coordinates());
-            match dof.kind {
+        for at in creature.elements() {
+            let coordinates = at.of_mut(posture);
+            match at.kind {
                 DofKind::Hinge => coordinates[0] += normal(self.joint_noise, rng),
                 DofKind::Slide => {}
                 DofKind::Ball => {
-                    let [w, x, y, z] = [coordinates[0], coordinates[1], coordinates[2], coordinates[3]];
-                    let read = UnitQuaternion::from_quaternion(Quaternion::new(w, x, y, z));
-                    let turned = read * UnitQuaternion::from_scaled_axis(vector(self.joint_noise, rng));
+                    let turned =
+                        ball(coordinates) * UnitQuaternion::from_scaled_axis(vector(self.joint_noise, rng));
                     coordinates.copy_from_slice(&[turned.w, turned.i, turned.j, turned.k]);
                 }
             }
-            rest = after;
         }
     }
 

@@ -23,11 +23,11 @@ pub struct FiringRecorder {
 impl FiringRecorder {
     /// Takes in the contacts of one step at `time`, seconds, later than the last one: what has ceased to fire.
     pub fn step(&mut self, time: f64, contacts: &[SkinContact]) -> Vec<Firing> {
-        for place in contacts.iter().flat_map(SkinContact::places) {
-            match self.firing.iter_mut().find(|firing| firing.receptor == place.receptor) {
+        for spot in contacts.iter().flat_map(SkinContact::spots) {
+            match self.firing.iter_mut().find(|firing| firing.receptor == spot.receptor) {
                 Some(firing) if time - firing.span[1] <= SILENCE => firing.span[1] = time,
                 // What fired before that is told below.
-                _ => self.firing.push(Firing { receptor: place.receptor, span: [time; 2] }),
+                _ => self.firing.push(Firing { receptor: spot.receptor, span: [time; 2] }),
             }
         }
         self.firing.extract_if(.., |firing| time - firing.span[1] > SILENCE).collect()

@@ -1,5 +1,12 @@
-//! The senses: contacts read as touches of the skin, what may be wrong with them, and other frames to tell
-//! them in.
+//! The senses: contacts read as touches of the skin, posture, what is near; what may be wrong with them, and other frames
+//! to tell them in.
+//!
+//! "Something was felt" has these levels, each made of the one before:
+//! - [`Reading`]: what one contact of the engine is, two places of skin, or bare, or foreign.
+//! - [`SkinContact`]: what presses on the skin in one step, where ([`SkinSpot`]) and by whom ([`Toucher`], [`Party`]).
+//! - [`TouchEvent`]: that something begins to touch, and afterwards the [`Sensation`] that it was, limb by limb.
+//! - [`Firing`]: of all that, only which receptor fired and when.
+//! - [`Touch`]: a self-touch that a motion ended in, with the posture and its two [`TouchEnd`]s: what is learned from.
 
 pub mod aura;
 mod contact_reader;
@@ -7,14 +14,18 @@ mod disturbance;
 mod firing;
 mod learned_map;
 mod own_frames;
+mod proprioception;
+mod skin_contact;
 mod touch;
 pub mod touch_sensor;
 
 pub use aura::{Approach, Aura, AuraEvent, LOOK_PERIOD};
-pub use contact_reader::{ContactReader, Reading};
-pub use disturbance::{Disturbances, Felt};
+pub use contact_reader::{ContactReader, FAINT, Reading};
+pub use disturbance::{Disturbances, DisturbedSenses};
 pub use firing::{Firing, FiringRecorder};
 pub use learned_map::{LearnedMap, learn_map};
 pub use own_frames::OwnFrames;
+pub use proprioception::{JointSensor, Proprioception, joint_sensors};
+pub use skin_contact::{Party, SkinContact, SkinSpot, Toucher};
 pub use touch::{Moment, Touch, TouchEnd};
-pub use touch_sensor::{Kind, Sensation, SkinContact, TouchEvent, TouchSensor, skin_contacts};
+pub use touch_sensor::{LimbSensation, Sensation, TouchEvent, TouchKind, TouchSensor};

@@ -10,7 +10,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
 use crate::creature::Creature;
-use crate::kinematics::Frame;
+use crate::geometry::Frame;
 use crate::schema::BodySchema;
 use crate::senses::Touch;
 use crate::skin::Skin;

@@ -1,5 +1,9 @@
 //! A touch: two receptors that met, and the posture they met in.
 
+use crate::creature::Posture;
+
+use super::SkinSpot;
+
 /// One end of a touch.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TouchEnd {
@@ -11,6 +15,12 @@ pub struct TouchEnd {
     /// Standard deviation of each coordinate of that point, metres; none where nobody gave it: the learner
     /// then goes by how far the points miss each other.
     pub deviation: Option<f64>,
+}
+
+impl From<SkinSpot> for TouchEnd {
+    fn from(spot: SkinSpot) -> TouchEnd {
+        TouchEnd { receptor: spot.receptor, contact: spot.point, deviation: None }
+    }
 }
 
 /// When and how hard limbs met that were moved by forces.
@@ -32,7 +42,7 @@ pub struct Touch {
     /// The motions made in that bout until it, this one included.
     pub motion: u64,
     /// Posture coordinates in the creature's order: radians, metres, quaternions.
-    pub posture: Vec<f64>,
+    pub posture: Posture,
     /// The two ends; the one on the earlier limb first.
     pub ends: [TouchEnd; 2],
     /// When and how hard it was; none where no forces were at work.

@@ -10,16 +10,12 @@
 use nalgebra::Vector3;
 use serde::Serialize;
 
-use crate::creature::Body;
-use crate::mujoco::Data;
-use crate::senses::{ContactReader, Reading, TouchEnd};
-use crate::skin::{Skin, SomatotopicMap};
+use crate::senses::{Party, SkinContact, SkinSpot, Toucher};
+use crate::skin::SomatotopicMap;
 
 /// How long nothing must touch before a sensation has ended, seconds: a fingertip that bounces over an edge comes
 /// back sooner.
 pub const RELEASE: f64 = 0.03;
-/// Contacts weaker than this are not felt, newtons.
-pub const FAINT: f64 = 1e-3;
 /// A touch without a way along the skin that is shorter than this is a tap, seconds.
 const TAP: f64 = 0.25;
 /// Way along the skin from which on a touch moves, metres: the point of contact of something soft shifts as it presses.
@@ -34,7 +30,7 @@ const NEAR: f64 = 0.03;
 /// What kind of touch it was.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Kind {
+pub enum TouchKind {
     /// Short, and at one place.
     Tap,
     /// Longer, and at one place.
@@ -45,84 +41,24 @@ pub enum Kind {
     Rub,
 }
 
-impl Kind {
+impl TouchKind {
     /// All kinds.
-    pub const ALL: [Kind; 4] = [Kind::Tap, Kind::Press, Kind::Stroke, Kind::Rub];
+    pub const ALL: [TouchKind; 4] = [TouchKind::Tap, TouchKind::Press, TouchKind::Stroke, TouchKind::Rub];
 
     /// Its name in files.
     pub fn name(self) -> &'static str {
         match self {
-            Kind::Tap => "tap",
-            Kind::Press => "press",
-            Kind::Stroke => "stroke",
-            Kind::Rub => "rub",
+            TouchKind::Tap => "tap",
+            TouchKind::Press => "press",
+            TouchKind::Stroke => "stroke",
+            TouchKind::Rub => "rub",
         }
     }
-}
-
-/// One side of a contact: a place on the skin.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Place {
-    /// The limb.
-    pub limb: usize,
-    /// The receptor that holds the point.
-    pub receptor: usize,
-    /// The point in the limb's frame, metres.
-    pub point: Vector3<f64>,
-}
-
-/// A contact with the skin in one step.
-#[derive(Clone, Debug, PartialEq)]
-pub struct SkinContact {
-    /// The place on the skin; the one on the earlier limb of a self-touch.
-    pub place: Place,
-    /// The other place of a self-touch.
-    pub other: Option<Place>,
-    /// The model's body that touches, where it is not the creature's own.
-    pub object: Option<usize>,
-    /// Normal force, newtons.
-    pub force: f64,
-}
-
-impl SkinContact {
-    /// Its places on the skin: one, or the two of a self-touch.
-    pub fn places(&self) -> impl Iterator<Item = Place> {
-        std::iter::once(self.place).chain(self.other)
-    }
-}
-
-/// The contacts of the skin in the step that `data` has just made, between limbs that are not neighbours and with
-/// everything else.
-pub fn skin_contacts(body: &Body, skin: &Skin, reader: &ContactReader, data: &Data) -> Vec<SkinContact> {
-    let mut found = Vec::new();
-    for (contact, force) in data.pressing().filter(|(_, force)| *force >= FAINT) {
-        let place = |end: TouchEnd| Place {
-            limb: skin.receptors[end.receptor].limb,
-            receptor: end.receptor,
-            point: end.contact,
-        };
-        match reader.read(body, skin, data, &contact) {
-            Reading::Touch([a, b]) => {
-                found.push(SkinContact { place: place(a), other: Some(place(b)), object: None, force });
-            }
-            Reading::Foreign => {
-                // The side that has skin is the creature's.
-                let ends = reader.ends(body, skin, data, &contact).into_iter().zip([1, 0]);
-                found.extend(ends.filter_map(|(end, other)| {
-                    let object = Some(body.model.geom_body(contact.geoms[other]));
-                    Some(SkinContact { place: place(end?), other: None, object, force })
-                }));
-            }
-            // Bare on one side of a self-touch: the other side alone cannot tell whom it feels.
-            Reading::Bare | Reading::Neighbours => {}
-        }
-    }
-    found
 }
 
 /// One side of a sensation: what a limb felt.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Side {
+pub struct LimbSensation {
     /// The limb.
     pub limb: usize,
     /// The receptors that fired, in the order in which they did first, and when they did first and last, seconds.
@@ -145,11 +81,11 @@ pub struct Sensation {
     /// When it touched last, seconds.
     pub ended: f64,
     /// What kind of touch it was.
-    pub kind: Kind,
-    /// The model's body that touched; none where the creature touched itself.
-    pub object: Option<usize>,
+    pub kind: TouchKind,
+    /// Who touched.
+    pub by: Party,
     /// One side, or the two of a self-touch.
-    pub sides: Vec<Side>,
+    pub sides: Vec<LimbSensation>,
     /// Greatest normal force, newtons.
     pub peak_force: f64,
     /// Mean normal force, newtons.
@@ -179,26 +115,29 @@ pub enum TouchEvent {
 #[derive(Clone, Debug)]
 pub struct TouchSensor {
     map: SomatotopicMap,
-    tracks: Vec<Track>,
+    tracks: Vec<FollowedTouch>,
     count: u64,
+    /// When the last step was, seconds.
+    now: f64,
 }
 
 impl TouchSensor {
     /// A sensor that feels nothing yet.
     pub fn new(map: SomatotopicMap) -> TouchSensor {
-        TouchSensor { map, tracks: Vec::new(), count: 0 }
+        TouchSensor { map, tracks: Vec::new(), count: 0, now: f64::NEG_INFINITY }
     }
 
     /// Takes in the contacts of one step at `time`, seconds, later than the last one.
     pub fn step(&mut self, time: f64, contacts: &[SkinContact]) -> Vec<TouchEvent> {
         let mut events = Vec::new();
+        self.now = time;
         for cluster in self.clusters(contacts) {
             let found = self.tracks.iter().position(|track| track.goes_on(&cluster, &self.map));
             match found {
                 Some(found) => self.tracks[found].add(time, &cluster),
                 None => {
                     events.push(TouchEvent::Began { number: self.count, contact: cluster.clone() });
-                    self.tracks.push(Track::new(self.count, time, &cluster));
+                    self.tracks.push(FollowedTouch::new(self.count, time, &cluster));
                     self.count += 1;
                 }
             }
@@ -213,6 +152,11 @@ impl TouchSensor {
             }
         }
         events
+    }
+
+    /// What touches in the last step, the contacts of one party on one patch of skin as one; what began first, first.
+    pub fn present(&self) -> impl Iterator<Item = &SkinContact> {
+        self.tracks.iter().filter(|track| track.last == self.now).map(|track| &track.contact)
     }
 
     /// Contacts of one party and of one patch of skin as one: forces add up, places are their mean by force.
@@ -230,35 +174,33 @@ impl TouchSensor {
     }
 
     fn adjacent(&self, a: &SkinContact, b: &SkinContact) -> bool {
-        let near = |a: &Place, b: &Place| self.map.adjacent(a.receptor, b.receptor);
-        near(&a.place, &b.place)
-            && match (&a.other, &b.other) {
-                (Some(a), Some(b)) => near(a, b),
+        let near = |a: &SkinSpot, b: &SkinSpot| self.map.adjacent(a.receptor, b.receptor);
+        near(&a.spot, &b.spot)
+            && match (&a.by, &b.by) {
+                (Toucher::Own(a), Toucher::Own(b)) => near(a, b),
                 _ => true,
             }
     }
 }
 
 fn same_party(a: &SkinContact, b: &SkinContact) -> bool {
-    let limbs = |contact: &SkinContact| (contact.place.limb, contact.other.map(|place| place.limb));
-    a.object == b.object && limbs(a) == limbs(b)
+    a.parties() == b.parties()
 }
 
 fn fused(cluster: &[&SkinContact]) -> SkinContact {
     let strongest =
         cluster.iter().max_by(|a, b| a.force.total_cmp(&b.force)).expect("a cluster has contacts");
     let force: f64 = cluster.iter().map(|contact| contact.force).sum();
-    let mean = |place: &dyn Fn(&SkinContact) -> Option<Place>| {
+    let mean = |strongest: SkinSpot, spot: &dyn Fn(&SkinContact) -> Option<SkinSpot>| {
         let sum: Vector3<f64> =
-            cluster.iter().filter_map(|contact| Some(place(contact)?.point * contact.force)).sum();
-        place(strongest).map(|place| Place { point: sum / force, ..place })
+            cluster.iter().filter_map(|contact| Some(spot(contact)?.point * contact.force)).sum();
+        SkinSpot { point: sum / force, ..strongest }
     };
-    SkinContact {
-        place: mean(&|contact| Some(contact.place)).expect("it has a place"),
-        other: mean(&|contact| contact.other),
-        object: strongest.object,
-        force,
-    }
+    let by = match strongest.by {
+        Toucher::Own(other) => Toucher::Own(mean(other, &|contact| contact.by.own())),
+        thing => thing,
+    };
+    SkinContact { spot: mean(strongest.spot, &|contact| Some(contact.spot)), by, force }
 }
 
 /// One side of what is being followed.
@@ -276,25 +218,25 @@ struct Trail {
 }
 
 impl Trail {
-    fn new(time: f64, place: &Place) -> Trail {
+    fn new(time: f64, spot: &SkinSpot) -> Trail {
         Trail {
-            limb: place.limb,
-            receptors: vec![(place.receptor, [time; 2])],
-            start: place.point,
-            now: place.point,
-            anchor: place.point,
+            limb: spot.limb,
+            receptors: vec![(spot.receptor, [time; 2])],
+            start: spot.point,
+            now: spot.point,
+            anchor: spot.point,
             heading: None,
             path: 0.0,
             turns: 0,
         }
     }
 
-    fn add(&mut self, time: f64, place: &Place) {
-        match self.receptors.iter_mut().find(|(receptor, _)| *receptor == place.receptor) {
+    fn add(&mut self, time: f64, spot: &SkinSpot) {
+        match self.receptors.iter_mut().find(|(receptor, _)| *receptor == spot.receptor) {
             Some((_, span)) => span[1] = time,
-            None => self.receptors.push((place.receptor, [time; 2])),
+            None => self.receptors.push((spot.receptor, [time; 2])),
         }
-        self.now = place.point;
+        self.now = spot.point;
         let stride = self.now - self.anchor;
         let length = stride.norm();
         if length < STRIDE {
@@ -313,19 +255,19 @@ impl Trail {
         self.path >= MOVES
     }
 
-    fn side(&self, duration: f64) -> Side {
+    fn side(&self, duration: f64) -> LimbSensation {
         let way = self.now - self.start;
         let direction =
             if self.moves() { way.try_normalize(1e-9).unwrap_or_default() } else { Vector3::zeros() };
         let speed = if self.moves() && duration > 0.0 { self.path / duration } else { 0.0 };
         let receptors = self.receptors.clone();
-        Side { limb: self.limb, receptors, point: self.start, path: self.path, direction, speed }
+        LimbSensation { limb: self.limb, receptors, point: self.start, path: self.path, direction, speed }
     }
 }
 
 /// Something that touches, followed from step to step.
 #[derive(Clone, Debug)]
-struct Track {
+struct FollowedTouch {
     number: u64,
     began: f64,
     last: f64,
@@ -336,14 +278,14 @@ struct Track {
     steps: usize,
 }
 
-impl Track {
-    fn new(number: u64, time: f64, contact: &SkinContact) -> Track {
-        Track {
+impl FollowedTouch {
+    fn new(number: u64, time: f64, contact: &SkinContact) -> FollowedTouch {
+        FollowedTouch {
             number,
             began: time,
             last: time,
             contact: contact.clone(),
-            trails: contact.places().map(|place| Trail::new(time, &place)).collect(),
+            trails: contact.spots().map(|spot| Trail::new(time, &spot)).collect(),
             peak: contact.force,
             sum: contact.force,
             steps: 1,
@@ -351,7 +293,7 @@ impl Track {
     }
 
     fn goes_on(&self, contact: &SkinContact, map: &SomatotopicMap) -> bool {
-        let (before, now) = (&self.contact.place, &contact.place);
+        let (before, now) = (&self.contact.spot, &contact.spot);
         let near = || (before.point - now.point).norm() < NEAR;
         same_party(&self.contact, contact) && (map.adjacent(before.receptor, now.receptor) || near())
     }
@@ -359,7 +301,7 @@ impl Track {
     fn add(&mut self, time: f64, contact: &SkinContact) {
         self.last = time;
         self.contact = contact.clone();
-        self.trails.iter_mut().zip(contact.places()).for_each(|(trail, place)| trail.add(time, &place));
+        self.trails.iter_mut().zip(contact.spots()).for_each(|(trail, spot)| trail.add(time, &spot));
         self.peak = self.peak.max(contact.force);
         self.sum += contact.force;
         self.steps += 1;
@@ -370,16 +312,16 @@ impl Track {
         let moving = self.trails.iter().filter(|trail| trail.moves());
         let turns = moving.map(|trail| trail.turns).max();
         let kind = match turns {
-            Some(turns) if turns >= TURNS_OF_RUB => Kind::Rub,
-            Some(_) => Kind::Stroke,
-            None if duration < TAP => Kind::Tap,
-            None => Kind::Press,
+            Some(turns) if turns >= TURNS_OF_RUB => TouchKind::Rub,
+            Some(_) => TouchKind::Stroke,
+            None if duration < TAP => TouchKind::Tap,
+            None => TouchKind::Press,
         };
         Sensation {
             began: self.began,
             ended: self.last,
             kind,
-            object: self.contact.object,
+            by: self.contact.by.party(),
             sides: self.trails.iter().map(|trail| trail.side(duration)).collect(),
             peak_force: self.peak,
             mean_force: self.sum / self.steps as f64,

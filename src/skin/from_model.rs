@@ -4,8 +4,9 @@ use std::collections::BTreeSet;
 
 use nalgebra::{Isometry3, Vector3};
 
-use super::{Hull, Receptor, Shape, Skin, Surface};
+use super::{Receptor, Skin, Surface};
 use crate::creature::{Body, matrix};
+use crate::geometry::Shape;
 use crate::mujoco::{GeomKind, Model, ObjectKind, Sensor, SensorKind, Site};
 
 /// A box site at least this many times wider than thick is a patch; its z axis is the normal.
@@ -39,7 +40,7 @@ pub fn skin_of(body: &Body) -> Skin {
 
 /// The surface that a geom is on its limb; none for what no limb is made of.
 pub(crate) fn surface_of_geom(body: &Body, geom: usize) -> Option<Surface> {
-    let (limb, shape) = (body.limb_of_geom(geom)?, shape(&body.model, geom)?);
+    let (limb, shape) = (body.limb_of_geom(geom)?, Shape::of_geom(&body.model, geom)?);
     let info = body.model.geom(geom);
     let pose = body.pose_in_limb[info.body] * Isometry3::from_parts(info.pos.into(), info.quat);
     let (origin, rotation) = (pose.translation.vector, matrix(&pose.rotation));
@@ -50,7 +51,7 @@ pub(crate) fn surface_of_geom(body: &Body, geom: usize) -> Option<Surface> {
 pub(crate) fn surface_of_body(model: &Model, body: usize) -> Vec<Surface> {
     let geoms = (0..model.ngeom()).filter(|&geom| model.geom_body(geom) == body);
     let surface = |geom: usize| {
-        let (info, shape) = (model.geom(geom), shape(model, geom)?);
+        let (info, shape) = (model.geom(geom), Shape::of_geom(model, geom)?);
         Some(Surface { limb: 0, origin: info.pos, rotation: matrix(&info.quat), shape, geom })
     };
     geoms.filter_map(surface).collect()
@@ -70,29 +71,11 @@ pub(super) fn geom_under(body: &Body, site: usize) -> Option<usize> {
         let geom = body.model.geom(g);
         let pose = Isometry3::from_parts(geom.pos.into(), geom.quat);
         let centre = pose.inverse_transform_point(&site.pos.into()).coords;
-        Some(shape(&body.model, g)?.signed_distance(&centre)?.0.abs())
+        Some(Shape::of_geom(&body.model, g)?.signed_distance(&centre)?.0.abs())
     };
     let geoms = body.model.body(site.body).geoms.filter(|&g| body.feels(g));
     let measured = geoms.filter_map(|g| Some((g, distance(g)?)));
     measured.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(g, _)| g)
-}
-
-/// The surface shape of a geom; none for what no limb is made of.
-pub(super) fn shape(model: &Model, geom: usize) -> Option<Shape> {
-    let info = model.geom(geom);
-    let [x, y, z] = info.size;
-    Some(match info.kind {
-        GeomKind::Sphere => Shape::Sphere { radius: x },
-        GeomKind::Capsule => Shape::Capsule { radius: x, half_length: y },
-        GeomKind::Ellipsoid => Shape::Ellipsoid { semi_axes: [x, y, z] },
-        GeomKind::Cylinder => Shape::Cylinder { radius: x, half_length: y },
-        GeomKind::Box => Shape::Box { half_extents: [x, y, z] },
-        GeomKind::Mesh => {
-            let hull = model.mesh_hull(geom).and_then(|(corners, faces)| Hull::new(corners, faces));
-            hull.map_or(Shape::Mesh, Shape::Hull)
-        }
-        _ => return None,
-    })
 }
 
 fn receptor(
@@ -108,20 +91,17 @@ fn receptor(
     let (x_axis, z_axis): (Vector3<f64>, Vector3<f64>) = (axes.column(0).into(), axes.column(2).into());
     let measured = |&s: &usize| surfaces[s].signed_distance(&centre).map(|(d, normal)| (s, d, normal));
     let nearest = on_body.iter().filter_map(measured).min_by(|a, b| a.1.abs().total_cmp(&b.1.abs()));
-    let mesh = || on_body.iter().copied().find(|&s| matches!(surfaces[s].shape, Shape::Mesh));
+    let mesh = || on_body.iter().copied().find(|&s| !surfaces[s].shape.is_solid());
     let flat = site.kind == GeomKind::Box && FLATNESS * site.size[2] <= site.size[0].min(site.size[1]);
-    let half = match site.kind {
-        GeomKind::Box | GeomKind::Ellipsoid => [site.size[0], site.size[1]],
-        GeomKind::Capsule | GeomKind::Cylinder => [site.size[0]; 2],
-        _ => [site.size[0]; 2],
-    };
+    let half =
+        Shape::primitive(site.kind, site.size).map_or(Vector3::repeat(site.size[0]), |s| s.half_bounds());
     let mut found = Receptor {
         id,
         limb,
         position: centre,
         normal: z_axis,
         tangent: x_axis,
-        half_extents: half,
+        half_extents: [half.x, half.y],
         surface: nearest.map(|(s, ..)| s).or_else(mesh),
     };
     let Some((_, distance, normal)) = nearest else { return found };

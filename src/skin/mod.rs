@@ -1,9 +1,7 @@
 //! The skin: receptors on the limbs, and which of them are neighbours.
 
-mod convex;
 mod from_model;
 mod growing;
-mod hull;
 mod somatotopic_map;
 mod surface;
 
@@ -12,13 +10,11 @@ use serde::{Deserialize, Serialize};
 
 use crate::kinematics::Place;
 
-pub use convex::{Closest, Support, closest, separation};
 pub use from_model::skin_of;
 pub(crate) use from_model::{surface_of_body, surface_of_geom};
 pub use growing::{GrowError, GrowOptions, Grown, PatchSize, grow, grow_skin};
-pub use hull::Hull;
 pub use somatotopic_map::{MOST_NEIGHBOURS, SomatotopicMap};
-pub use surface::{Shape, Surface};
+pub use surface::Surface;
 
 /// One touch receptor: a flat quadrangle on a limb's surface.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

@@ -10,11 +10,12 @@ use nalgebra::Vector3;
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
-use crate::babbling::posture::wide_posture;
-use crate::creature::{Creature, DofKind};
-use crate::kinematics::{Chain, turn_ball};
+use super::wide::wide_posture;
+use crate::agent::Agent;
+use crate::creature::turn_ball;
+use crate::creature::{DofKind, Posture};
+use crate::kinematics::Chain;
 use crate::senses::Touch;
-use crate::skin::Skin;
 
 /// How far beyond a touch its revisit aims, in the coordinate that moves most: radians or metres.
 const BEYOND: f64 = 0.15;
@@ -53,15 +54,14 @@ struct Remembered {
     /// The joints between the limbs.
     joints: Vec<usize>,
     /// The posture a little beyond the touch.
-    beyond: Vec<f64>,
+    beyond: Posture,
     /// The direction of the motion that led there, per coordinate.
     approach: Vec<f64>,
 }
 
 /// All that was touched.
 pub struct Experience<'a> {
-    creature: &'a Creature,
-    skin: &'a Skin,
+    agent: &'a Agent,
     /// Per pair of limbs that both have skin and do not carry one another, the lesser first.
     pub pairs: BTreeMap<[usize; 2], PairTally>,
     /// Per joint, the touches with it between the limbs.
@@ -73,7 +73,7 @@ pub struct Experience<'a> {
     remembered: Vec<Remembered>,
     scatter: f64,
     /// Where the present motion began, and which touch it revisits.
-    start: Vec<f64>,
+    start: Posture,
     revisited: Option<usize>,
     /// Whether it stands where it last touched.
     in_contact: bool,
@@ -81,9 +81,10 @@ pub struct Experience<'a> {
 
 impl<'a> Experience<'a> {
     /// No experience yet.
-    pub fn new(creature: &'a Creature, skin: &'a Skin) -> Experience<'a> {
+    pub fn new(agent: &'a Agent) -> Experience<'a> {
+        let creature = agent.creature();
         let mut receptors = vec![Vec::new(); creature.limbs().len()];
-        for (r, receptor) in skin.receptors.iter().enumerate() {
+        for (r, receptor) in agent.skin().receptors.iter().enumerate() {
             receptors[receptor.limb].push(r);
         }
         let mut pairs = BTreeMap::new();
@@ -96,15 +97,14 @@ impl<'a> Experience<'a> {
             }
         }
         Experience {
-            creature,
-            skin,
+            agent,
             pairs,
             joint_touches: vec![0.0; creature.joints().len()],
-            receptor_touches: vec![0; skin.receptors.len()],
+            receptor_touches: vec![0; agent.skin().receptors.len()],
             receptors,
             remembered: Vec::new(),
             scatter: SCATTER[0],
-            start: Vec::new(),
+            start: Posture::default(),
             revisited: None,
             in_contact: false,
         }
@@ -112,17 +112,17 @@ impl<'a> Experience<'a> {
 
     /// Says that a motion begins in `posture`.
     pub fn begin(&mut self, posture: &[f64]) {
-        self.start = posture.to_vec();
+        self.start = posture.into();
         self.revisited = None;
     }
 
     /// A target that finds a remembered touch again, roughly; a random posture while there is none.
     /// Call [`Experience::begin`] before.
-    pub fn revisit(&mut self, rng: &mut ChaCha8Rng) -> Vec<f64> {
+    pub fn revisit(&mut self, rng: &mut ChaCha8Rng) -> Posture {
         if self.remembered.is_empty() {
-            return wide_posture(self.creature, rng);
+            return wide_posture(self.agent.creature(), rng);
         }
-        let mut best: Option<(f64, usize, Vec<f64>)> = None;
+        let mut best: Option<(f64, usize, Posture)> = None;
         for _ in 0..CANDIDATES {
             let (index, target) = self.draw(rng);
             let parting = self.parting(&target);
@@ -141,14 +141,14 @@ impl<'a> Experience<'a> {
     /// each joint's own degrees of freedom to its touches. It needs no schema, and evens out what the
     /// joints get; where it is even, a right schema is found from the fewest touches.
     pub fn need(&self, joints: &[usize]) -> f64 {
-        let dofs = |j: usize| self.creature.joints()[j].dofs.len() as f64;
+        let dofs = |j: usize| self.agent.creature().joints()[j].dofs.len() as f64;
         let all = joints.iter().map(|&j| dofs(j)).sum::<f64>();
         joints.iter().map(|&j| dofs(j) * dofs(j) / (self.joint_touches[j] + 1.0)).sum::<f64>() / all.max(1.0)
     }
 
     /// The same of the chain between two limbs.
     pub fn need_between(&self, limbs: [usize; 2]) -> f64 {
-        let joints: Vec<usize> = Chain::between(self.creature, limbs[0], limbs[1]).joints().collect();
+        let joints: Vec<usize> = Chain::between(self.agent.creature(), limbs[0], limbs[1]).joints().collect();
         self.need(&joints)
     }
 
@@ -159,28 +159,26 @@ impl<'a> Experience<'a> {
         coordinates.map(|q| -(target[q] - self.start[q]) * last.approach[q]).sum()
     }
 
-    fn draw(&self, rng: &mut ChaCha8Rng) -> (usize, Vec<f64>) {
+    fn draw(&self, rng: &mut ChaCha8Rng) -> (usize, Posture) {
         let index = rng.random_range(0..self.remembered.len());
         let touch = &self.remembered[index];
-        let mut target = wide_posture(self.creature, rng);
+        let mut target = wide_posture(self.agent.creature(), rng);
         for &j in &touch.joints {
-            let joint = &self.creature.joints()[j];
-            let mut q = joint.first_coordinate();
-            for dof in &joint.dofs {
-                let [low, high] = dof.range;
-                match dof.kind {
+            let joint = &self.agent.creature().joints()[j];
+            for at in joint.elements() {
+                let ([low, high], q) = (at.range, at.coordinate());
+                match at.kind {
                     DofKind::Ball => {
-                        target[q..q + 4].copy_from_slice(&touch.beyond[q..q + 4]);
+                        at.of_mut(&mut target).copy_from_slice(at.of(&touch.beyond));
                         let scatter = self.scatter * high.min(1.0);
                         let turn = Vector3::from_fn(|_, _| rng.random_range(-scatter..=scatter));
-                        turn_ball(&mut target[q..], &turn, high);
+                        turn_ball(at.of_mut(&mut target), &turn, high);
                     }
                     DofKind::Hinge | DofKind::Slide => {
                         let scatter = self.scatter * (high - low);
                         target[q] = (touch.beyond[q] + rng.random_range(-scatter..=scatter)).clamp(low, high);
                     }
                 }
-                q += dof.kind.coordinates();
             }
         }
         (index, target)
@@ -194,14 +192,14 @@ impl<'a> Experience<'a> {
         }
         let Some(touch) = touch else { return };
         self.in_contact = true;
-        let limbs = touch.ends.map(|end| self.skin.receptors[end.receptor].limb);
+        let limbs = touch.ends.map(|end| self.agent.skin().receptors[end.receptor].limb);
         for end in &touch.ends {
             self.receptor_touches[end.receptor] += 1;
         }
         if let Some(tally) = self.pairs.get_mut(&limbs) {
             tally.touches += 1.0;
         }
-        let joints: Vec<usize> = Chain::between(self.creature, limbs[0], limbs[1]).joints().collect();
+        let joints: Vec<usize> = Chain::between(self.agent.creature(), limbs[0], limbs[1]).joints().collect();
         joints.iter().for_each(|&j| self.joint_touches[j] += 1.0);
         let mut approach = vec![0.0; touch.posture.len()];
         let mut longest = 1e-9f64;
@@ -212,14 +210,11 @@ impl<'a> Experience<'a> {
         }
         let mut beyond = touch.posture.clone();
         for &j in &joints {
-            let joint = &self.creature.joints()[j];
-            let mut q = joint.first_coordinate();
-            for dof in &joint.dofs {
-                if dof.kind != DofKind::Ball {
-                    let further = beyond[q] + approach[q] * (BEYOND / longest);
-                    beyond[q] = further.clamp(dof.range[0], dof.range[1]);
-                }
-                q += dof.kind.coordinates();
+            let joint = &self.agent.creature().joints()[j];
+            for at in joint.elements().filter(|at| !at.is_ball()) {
+                let q = at.coordinate();
+                let further = beyond[q] + approach[q] * (BEYOND / longest);
+                beyond[q] = further.clamp(at.range[0], at.range[1]);
             }
         }
         self.remembered.push(Remembered { joints, beyond, approach });
@@ -236,6 +231,6 @@ impl<'a> Experience<'a> {
     }
 
     fn coordinates_of<'s>(&'s self, joints: &'s [usize]) -> impl Iterator<Item = usize> + 's {
-        joints.iter().flat_map(|&joint| self.creature.joints()[joint].coordinates())
+        joints.iter().flat_map(|&joint| self.agent.creature().joints()[joint].coordinates())
     }
 }

@@ -6,13 +6,13 @@ use rand_chacha::ChaCha8Rng;
 
 use super::experience::Experience;
 use super::information::one;
+use super::wide::wide_posture;
 use super::working_schema::WorkingSchema;
-use crate::babbling::posture::{between, wide_posture};
-use crate::creature::Creature;
+use crate::agent::Agent;
+use crate::creature::Posture;
 use crate::kinematics::{Chain, InverseKinematics};
 use crate::learning::surface_gap::SurfaceGap;
 use crate::senses::Touch;
-use crate::skin::Skin;
 
 /// The least and the most that an aim goes into the limbs, metres.
 const DEPTH: [f64; 2] = [0.01, 0.05];
@@ -39,7 +39,7 @@ pub struct Aim {
     /// The receptors on them.
     pub receptors: [usize; 2],
     /// The target.
-    pub posture: Vec<f64>,
+    pub posture: Posture,
 }
 
 /// How the present motion was chosen.
@@ -52,8 +52,7 @@ enum Choice {
 
 /// A creature that remembers, believes, and aims.
 pub struct Explorer<'a> {
-    creature: &'a Creature,
-    skin: &'a Skin,
+    agent: &'a Agent,
     /// What was touched.
     pub experience: Experience<'a>,
     /// What is believed.
@@ -69,11 +68,10 @@ pub struct Explorer<'a> {
 
 impl<'a> Explorer<'a> {
     /// A creature without experience.
-    pub fn new(creature: &'a Creature, skin: &'a Skin, working: WorkingSchema<'a>) -> Explorer<'a> {
+    pub fn new(agent: &'a Agent, working: WorkingSchema<'a>) -> Explorer<'a> {
         Explorer {
-            creature,
-            skin,
-            experience: Experience::new(creature, skin),
+            agent,
+            experience: Experience::new(agent),
             working,
             choice: Choice::Random,
             aimed: 1.0,
@@ -94,13 +92,13 @@ impl<'a> Explorer<'a> {
     }
 
     /// A random target.
-    pub fn random(&mut self, rng: &mut ChaCha8Rng) -> Vec<f64> {
+    pub fn random(&mut self, rng: &mut ChaCha8Rng) -> Posture {
         self.choice = Choice::Random;
-        wide_posture(self.creature, rng)
+        wide_posture(self.agent.creature(), rng)
     }
 
     /// A target that needs no schema: near a touch that was made, where that brings new ones.
-    pub fn revisit(&mut self, rng: &mut ChaCha8Rng) -> Vec<f64> {
+    pub fn revisit(&mut self, rng: &mut ChaCha8Rng) -> Posture {
         if self.fruitless >= STUCK {
             return self.random(rng);
         }
@@ -109,7 +107,7 @@ impl<'a> Explorer<'a> {
     }
 
     /// Takes an aim for the present motion.
-    pub fn take(&mut self, aim: Aim) -> Vec<f64> {
+    pub fn take(&mut self, aim: Aim) -> Posture {
         self.choice = Choice::Aim(aim.limbs);
         aim.posture
     }
@@ -134,8 +132,8 @@ impl<'a> Explorer<'a> {
             let start = self.start(posture, limbs, rng);
             let schema = self.working.schema()?;
             // So far inside both limbs that a schema that is wrong by as much still makes contact.
-            let ends = receptors.map(|r| self.skin.receptors[r].place(-0.5 * depth));
-            let mut solver = InverseKinematics::new(self.creature, schema, ends);
+            let ends = receptors.map(|r| self.agent.skin().receptors[r].place(-0.5 * depth));
+            let mut solver = InverseKinematics::new(self.agent.creature(), schema, ends);
             let reach = solver.solve(&start);
             if reach.reached() && reach.facing < 0.3 && self.parts(posture, &reach.posture) {
                 return Some(Aim { limbs, receptors, posture: reach.posture });
@@ -147,15 +145,15 @@ impl<'a> Explorer<'a> {
     }
 
     /// The posture that a solution starts from.
-    fn start(&self, posture: &[f64], limbs: [usize; 2], rng: &mut ChaCha8Rng) -> Vec<f64> {
-        let random = wide_posture(self.creature, rng);
+    fn start(&self, posture: &[f64], limbs: [usize; 2], rng: &mut ChaCha8Rng) -> Posture {
+        let random = wide_posture(self.agent.creature(), rng);
         if rng.random::<f64>() >= AFRESH {
-            return between(self.creature, posture, &random, 0.1);
+            return Posture::between(self.agent.creature(), posture, &random, 0.1);
         }
         // What is not between the limbs stays near where it is, so that it gets less in the way.
-        let mut start = between(self.creature, posture, &random, 0.3);
-        for j in Chain::between(self.creature, limbs[0], limbs[1]).joints() {
-            let at = self.creature.joints()[j].coordinates();
+        let mut start = Posture::between(self.agent.creature(), posture, &random, 0.3);
+        for j in Chain::between(self.agent.creature(), limbs[0], limbs[1]).joints() {
+            let at = self.agent.creature().joints()[j].coordinates();
             start[at.clone()].copy_from_slice(&random[at]);
         }
         start
@@ -172,10 +170,10 @@ impl<'a> Explorer<'a> {
     /// Whether a motion parts what touches now, by the schema.
     fn parts(&self, posture: &[f64], target: &[f64]) -> bool {
         let (Some(schema), Some(receptors)) = (self.working.schema(), self.contact) else { return true };
-        let soon = between(self.creature, posture, target, PARTED);
+        let soon = Posture::between(self.agent.creature(), posture, target, PARTED);
         let gap = |posture: &[f64]| {
-            let touch = one(self.creature, self.skin, receptors, posture);
-            SurfaceGap::new(self.skin, 1.0).meeting(&touch.ends, &touch.frames(schema)).gap
+            let touch = one(self.agent, receptors, posture);
+            SurfaceGap::new(self.agent.skin(), 1.0).gap(&touch.ends, &touch.frames(schema)).distance
         };
         let [now, then] = [posture, &soon].map(gap);
         then > now + 1e-4
@@ -200,7 +198,7 @@ impl<'a> Explorer<'a> {
     }
 
     fn account(&mut self, touch: Option<&Touch>) {
-        let met = touch.map(|touch| touch.ends.map(|end| self.skin.receptors[end.receptor].limb));
+        let met = touch.map(|touch| touch.ends.map(|end| self.agent.skin().receptors[end.receptor].limb));
         let share = match self.choice {
             Choice::Random => None,
             Choice::Revisit => Some(&mut self.revisiting),

@@ -5,19 +5,17 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use crate::creature::Creature;
+use crate::agent::Agent;
 use crate::learning::prediction::{GapRow, covariance};
 use crate::learning::rough::{imagined, prepare};
 use crate::learning::touch_set::{PreparedTouch, TouchSet};
-use crate::learning::{AxisModel, Known, Parameters, Prior};
+use crate::learning::{AxisModel, Parameters, Prior, PriorKnowledge};
 use crate::schema::BodySchema;
 use crate::senses::Touch;
-use crate::skin::Skin;
 
 /// The covariance of all positions and axes given the touches so far.
 pub struct Information<'a> {
-    creature: &'a Creature,
-    skin: &'a Skin,
+    agent: &'a Agent,
     prior: Prior,
     parameters: Parameters,
     covariance: Option<DMatrix<f64>>,
@@ -26,25 +24,24 @@ pub struct Information<'a> {
 
 impl<'a> Information<'a> {
     /// Nothing is known yet, not even a schema to say what would tell more.
-    pub fn new(creature: &'a Creature, skin: &'a Skin) -> Information<'a> {
-        let parameters = Parameters::new(creature, AxisModel::Unit, |_| true);
-        let prior = Known::nothing(creature, skin).prior;
-        Information { creature, skin, prior, parameters, covariance: None, deviation: 1.0 }
+    pub fn new(agent: &'a Agent) -> Information<'a> {
+        let parameters = Parameters::new(agent.creature(), AxisModel::Unit, |_| true);
+        let prior = PriorKnowledge::nothing(agent).prior;
+        Information { agent, prior, parameters, covariance: None, deviation: 1.0 }
     }
 
     /// Works the covariance out anew at a schema, with a standard deviation of the gap in metres.
     pub fn rebuild(&mut self, schema: &BodySchema, touches: &[Touch], deviation: f64) {
-        let set = prepare(self.creature, self.skin, touches);
-        let (creature, parameters) = (self.creature, &self.parameters);
-        self.covariance = covariance(creature, self.skin, &set, parameters, &self.prior, schema, deviation);
+        let set = prepare(self.agent, touches);
+        self.covariance = covariance(self.agent, &set, &self.parameters, &self.prior, schema, deviation);
         self.deviation = deviation;
     }
 
     /// The gap between two receptors' surfaces in a posture and its derivative by all parameters.
     pub fn row(&self, schema: &BodySchema, receptors: [usize; 2], posture: &[f64]) -> GapRow {
         let mut row = GapRow::default();
-        let touch = one(self.creature, self.skin, receptors, posture);
-        row.set(self.skin, &self.parameters, schema, &touch);
+        let touch = one(self.agent, receptors, posture);
+        row.set(self.agent.skin(), &self.parameters, schema, &touch);
         row
     }
 
@@ -67,8 +64,8 @@ impl<'a> Information<'a> {
 }
 
 /// A touch of two receptors in a posture, the lesser limb's receptor first, made ready.
-pub fn one(creature: &Creature, skin: &Skin, receptors: [usize; 2], posture: &[f64]) -> PreparedTouch {
-    let set = TouchSet::new(creature, [imagined(skin, receptors, posture)]);
+pub fn one(agent: &Agent, receptors: [usize; 2], posture: &[f64]) -> PreparedTouch {
+    let set = TouchSet::new(agent.creature(), [imagined(agent.skin(), receptors, posture)]);
     let pair = set.pairs.into_iter().next().expect("one touch makes one pair");
     pair.touches.into_iter().next().expect("and stands in it")
 }

@@ -6,10 +6,10 @@ use super::Policy;
 use super::explorer::Explorer;
 use super::information::Information;
 use super::working_schema::WorkingSchema;
-use crate::babbling::Ending;
-use crate::creature::Creature;
+use crate::agent::Agent;
+use crate::creature::Posture;
 use crate::senses::Touch;
-use crate::skin::Skin;
+use crate::simulation::Ending;
 
 /// Touches imagined before each motion.
 const IMAGINED: usize = 16;
@@ -29,10 +29,10 @@ pub struct Informative<'a> {
 
 impl<'a> Informative<'a> {
     /// The policy of a creature with a skin, imagining touches by a working schema.
-    pub fn new(creature: &'a Creature, skin: &'a Skin, working: WorkingSchema<'a>) -> Informative<'a> {
+    pub fn new(agent: &'a Agent, working: WorkingSchema<'a>) -> Informative<'a> {
         let mut informative = Informative {
-            explorer: Explorer::new(creature, skin, working),
-            information: Information::new(creature, skin),
+            explorer: Explorer::new(agent, working),
+            information: Information::new(agent),
             touches: Vec::new(),
         };
         informative.rebuild();
@@ -49,7 +49,7 @@ impl<'a> Informative<'a> {
 }
 
 impl Policy for Informative<'_> {
-    fn next_target(&mut self, posture: &[f64], rng: &mut ChaCha8Rng) -> Vec<f64> {
+    fn next_target(&mut self, posture: &[f64], rng: &mut ChaCha8Rng) -> Posture {
         if self.explorer.aims(posture, rng) {
             let mut best = None;
             let mut imagined = 0;

@@ -9,6 +9,7 @@ mod information;
 mod informative;
 mod random;
 mod steered;
+mod wide;
 mod working_schema;
 
 use rand_chacha::ChaCha8Rng;
@@ -18,16 +19,17 @@ pub use random::Random;
 pub use steered::Steered;
 pub use working_schema::WorkingSchema;
 
-use crate::babbling::Ending;
-use crate::creature::Creature;
+use crate::agent::Agent;
+use crate::creature::Posture;
 use crate::learning::RoughFit;
+use crate::named::named;
 use crate::senses::Touch;
-use crate::skin::Skin;
+use crate::simulation::Ending;
 
 /// How the next motion is chosen.
 pub trait Policy {
     /// The posture to move towards from `posture`. The motion stops at the first contact, whatever it is.
-    fn next_target(&mut self, posture: &[f64], rng: &mut ChaCha8Rng) -> Vec<f64>;
+    fn next_target(&mut self, posture: &[f64], rng: &mut ChaCha8Rng) -> Posture;
 
     /// Takes in the touch that the motion ended in.
     fn touched(&mut self, touch: &Touch);
@@ -36,36 +38,45 @@ pub trait Policy {
     fn missed(&mut self, _ending: &Ending, _posture: &[f64]) {}
 }
 
-/// The policies by name.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
-pub enum PolicyName {
+/// Names the policies: a line each, with what it is and how it is made for an agent, the seed of what it learns on the
+/// way, and the default first.
+macro_rules! policies {
+    ($($(#[$about:meta])* $policy:ident, $name:literal => $make:expr;)+) => {
+        /// The policies by name.
+        #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+        #[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
+        pub enum PolicyName {
+            $($(#[$about])* $policy),+
+        }
+
+        named!(PolicyName, "policy", { $($policy => $name),+ });
+
+        impl PolicyName {
+            /// The policy of an agent; what it learns by on the way starts from `seed`.
+            pub fn policy<'a>(self, agent: &'a Agent, seed: u64) -> Box<dyn Policy + 'a> {
+                match self {
+                    $(PolicyName::$policy => {
+                        let make: for<'b> fn(&'b Agent, u64) -> Box<dyn Policy + 'b> = $make;
+                        make(agent, seed)
+                    })+
+                }
+            }
+        }
+    };
+}
+
+// To add a policy, write a file beside this one and a line here.
+policies! {
     /// Uniformly random postures.
     #[default]
-    Random,
+    Random, "random" => |agent, _| Box::new(Random::new(agent.creature()));
     /// Towards limbs whose joints need touches, with few motions.
-    Steered,
+    Steered, "steered" => |agent, seed| Box::new(Steered::new(agent, working_schema(agent, seed)));
     /// Towards the touches that would tell most, whatever the motions.
-    Informative,
+    Informative, "informative" => |agent, seed| Box::new(Informative::new(agent, working_schema(agent, seed)));
 }
 
-impl std::fmt::Display for PolicyName {
-    fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
-        f.write_str(match self {
-            PolicyName::Random => "random",
-            PolicyName::Steered => "steered",
-            PolicyName::Informative => "informative",
-        })
-    }
-}
-
-impl PolicyName {
-    /// The policy of a creature with a skin; what it learns by on the way starts from `seed`.
-    pub fn policy<'a>(self, creature: &'a Creature, skin: &'a Skin, seed: u64) -> Box<dyn Policy + 'a> {
-        let working = || WorkingSchema::new(Box::new(RoughFit::new(creature, skin, seed)));
-        match self {
-            PolicyName::Random => Box::new(Random::new(creature)),
-            PolicyName::Steered => Box::new(Steered::new(creature, skin, working())),
-            PolicyName::Informative => Box::new(Informative::new(creature, skin, working())),
-        }
-    }
+/// The schema that a policy learns as it goes, from scratch.
+fn working_schema(agent: &Agent, seed: u64) -> WorkingSchema<'_> {
+    WorkingSchema::new(Box::new(RoughFit::new(agent, seed)))
 }

@@ -3,8 +3,7 @@
 use rand_chacha::ChaCha8Rng;
 
 use super::Policy;
-use crate::babbling::posture::random_posture;
-use crate::creature::Creature;
+use crate::creature::{Creature, Posture};
 use crate::senses::Touch;
 
 /// The policy `random`: it heeds neither its posture nor its touches.
@@ -20,8 +19,8 @@ impl<'a> Random<'a> {
 }
 
 impl Policy for Random<'_> {
-    fn next_target(&mut self, _: &[f64], rng: &mut ChaCha8Rng) -> Vec<f64> {
-        random_posture(self.creature, rng)
+    fn next_target(&mut self, _: &[f64], rng: &mut ChaCha8Rng) -> Posture {
+        Posture::random(self.creature, rng)
     }
 
     fn touched(&mut self, _: &Touch) {}

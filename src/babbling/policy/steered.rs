@@ -5,10 +5,10 @@ use rand_chacha::ChaCha8Rng;
 use super::Policy;
 use super::explorer::Explorer;
 use super::working_schema::WorkingSchema;
-use crate::babbling::Ending;
-use crate::creature::Creature;
+use crate::agent::Agent;
+use crate::creature::Posture;
 use crate::senses::Touch;
-use crate::skin::Skin;
+use crate::simulation::Ending;
 
 /// Pairs drawn before a motion goes unaimed.
 const DRAWS: usize = 12;
@@ -20,13 +20,13 @@ pub struct Steered<'a> {
 
 impl<'a> Steered<'a> {
     /// The policy of a creature with a skin, aiming by a working schema.
-    pub fn new(creature: &'a Creature, skin: &'a Skin, working: WorkingSchema<'a>) -> Steered<'a> {
-        Steered { explorer: Explorer::new(creature, skin, working) }
+    pub fn new(agent: &'a Agent, working: WorkingSchema<'a>) -> Steered<'a> {
+        Steered { explorer: Explorer::new(agent, working) }
     }
 }
 
 impl Policy for Steered<'_> {
-    fn next_target(&mut self, posture: &[f64], rng: &mut ChaCha8Rng) -> Vec<f64> {
+    fn next_target(&mut self, posture: &[f64], rng: &mut ChaCha8Rng) -> Posture {
         if self.explorer.aims(posture, rng)
             && let Some(aim) = (0..DRAWS).find_map(|_| self.explorer.draw(posture, 1.0, rng))
         {

@@ -5,9 +5,8 @@ use std::path::Path;
 
 use serde::Deserialize;
 
-use super::super::{Failure, output};
-use crate::babbling::start_posture;
-use crate::creature::{Creature, Dof, DofKind};
+use super::super::Failure;
+use crate::creature::{Creature, Dof, DofKind, Posture};
 
 /// How far a coordinate may be beyond its range, radians or metres: degrees are rounded.
 const PLAY: f64 = 1e-6;
@@ -24,12 +23,12 @@ enum Coordinates {
 ///
 /// # Errors
 /// A sentence that names the place and the mend, for a name that is not there and a number beyond its range.
-pub fn read(text: &str, creature: &Creature) -> Result<Vec<f64>, Failure> {
+pub fn read(text: &str, creature: &Creature) -> Result<Posture, Failure> {
     if text.contains('=') { from_words(text, creature) } else { from_file(Path::new(text), creature) }
 }
 
-fn from_words(text: &str, creature: &Creature) -> Result<Vec<f64>, Failure> {
-    let mut posture = start_posture(creature);
+fn from_words(text: &str, creature: &Creature) -> Result<Posture, Failure> {
+    let mut posture = Posture::start(creature);
     for word in text.split(',').map(str::trim).filter(|word| !word.is_empty()) {
         let refuse = |message: String| Failure(format!("--posture {word}: {message}"));
         let number = |number: &str| number.trim().parse::<f64>().ok().filter(|number| number.is_finite());
@@ -49,7 +48,7 @@ fn from_words(text: &str, creature: &Creature) -> Result<Vec<f64>, Failure> {
     Ok(posture)
 }
 
-fn from_file(path: &Path, creature: &Creature) -> Result<Vec<f64>, Failure> {
+fn from_file(path: &Path, creature: &Creature) -> Result<Posture, Failure> {
     let place = path.display();
     let text = std::fs::read_to_string(path).map_err(|error| {
         Failure(format!("{place}: {error}: give NAME=DEGREES,… or a JSON file with --posture"))
@@ -59,7 +58,7 @@ fn from_file(path: &Path, creature: &Creature) -> Result<Vec<f64>, Failure> {
             "{place}: {error}: give an object of names with radians or metres, as in {{\"elbow\": 0.5}}"
         ))
     })?;
-    let mut posture = start_posture(creature);
+    let mut posture = Posture::start(creature);
     for (name, coordinates) in &entries {
         let refuse = |message: String| Failure(format!("{place}, {name}: {message}"));
         let (at, dof) = find(name, creature).map_err(refuse)?;
@@ -89,20 +88,21 @@ fn from_file(path: &Path, creature: &Creature) -> Result<Vec<f64>, Failure> {
 
 /// A degree of freedom that moves by itself, and the place of its first coordinate.
 fn find<'a>(name: &str, creature: &'a Creature) -> Result<(usize, &'a Dof), String> {
-    let Some((place, dof)) = creature.dofs_in_posture().find(|(_, dof)| dof.name == name) else {
+    let Some(found) = creature.elements().find(|element| element.name == name) else {
         // Of many names those are worth telling that have a word of it.
         let words: Vec<&str> = name.split(['_', ' ', '-', '.']).filter(|word| word.len() > 2).collect();
         let shared = |dof: &&Dof| words.iter().filter(|word| dof.name.contains(**word)).count();
         let most = creature.dofs().map(|dof| shared(&dof)).max().unwrap_or(0);
         let alike = creature.dofs().filter(|dof| shared(dof) == most).map(|dof| dof.name.clone());
-        let names = output::names(&alike.collect::<Vec<_>>());
+        let names = crate::experiment::words::listed(&alike.collect::<Vec<_>>());
         return Err(format!("{} has no degree of freedom named {name}; it has {names}", creature.name()));
     };
+    let dof = found.dof();
     if let Some(coupling) = dof.follows {
         let leader = creature.dofs().nth(coupling.leader).map_or("", |dof| &dof.name);
         return Err(format!("{name} follows {leader}: set that one"));
     }
-    Ok((place, dof))
+    Ok((found.coordinate(), dof))
 }
 
 /// Whether the coordinates of a degree of freedom are within its range.

@@ -6,17 +6,18 @@ use std::sync::Arc;
 use nalgebra::{Isometry3, Point3};
 
 use super::super::Failure;
-use super::super::learn_options::{same_tree, session_body, warn_truncated};
-use super::super::open::{ModelOptions, body_of};
-use super::{Args, Plan, Subject, posture};
-use crate::babbling::start_posture;
-use crate::creature::{Body, Creature, DofKind, JointSelection};
-use crate::kinematics::ball;
+use super::super::learned::warn_truncated;
+use super::super::open::{ModelArguments, session_body};
+use super::{Plan, RenderArguments, RenderSubject, posture};
+use crate::agent::Agent;
+use crate::creature::{Body, JointSelection, Posture};
+use crate::experiment::{ModelSource, same_tree};
+use crate::export::to_mjcf;
 use crate::mujoco::{Mark, Model};
-use crate::picture::{Shot, between, extent, learned_body, lit_touch, outline};
 use crate::record::{LearningRecord, SCHEMA_FILE, Session, TOUCHES_FILE, read_schema, read_touches};
-use crate::schema::{BodySchema, to_mjcf};
+use crate::schema::BodySchema;
 use crate::senses::Touch;
+use crate::view::picture::{Shot, between, extent, learned_body, lit_touch, outline};
 
 /// Touches of a film that says nothing of them.
 const TOUCHES: [usize; 2] = [1, 8];
@@ -40,10 +41,9 @@ pub fn touch_range(text: &str) -> Result<[usize; 2], String> {
 }
 
 /// A session, and what is known of it for drawing.
-struct Drawn<'a> {
-    args: &'a Args,
-    creature: &'a Creature,
-    skin: &'a crate::skin::Skin,
+struct SessionDrawing<'a> {
+    args: &'a RenderArguments,
+    agent: &'a Agent,
     body: Body,
     /// The learned body, where it is to be seen.
     schema: Option<BodySchema>,
@@ -52,9 +52,9 @@ struct Drawn<'a> {
 }
 
 /// What is drawn of a session.
-pub fn plan(args: &Args, film: bool) -> Result<(Subject, Plan), Failure> {
+pub fn plan(args: &RenderArguments, film: bool) -> Result<(RenderSubject, Plan), Failure> {
     let session = Session::read(&args.what)?;
-    let ModelOptions { strip, root } = &args.options;
+    let ModelArguments { strip, root } = &args.options;
     for (given, option) in [(*strip, "--strip"), (root.is_some(), "--root")] {
         if given {
             return Err(Failure(format!(
@@ -63,7 +63,8 @@ pub fn plan(args: &Args, film: bool) -> Result<(Subject, Plan), Failure> {
             )));
         }
     }
-    let (creature, skin) = (&session.creature, &session.skin);
+    let agent = &session.agent;
+    let creature = agent.creature();
     let read_schema = || read_schema(&args.what.join(SCHEMA_FILE), creature);
     let body = if session.model.is_empty() && args.model.is_none() {
         // A recording has no true body: the learned one is all there is to see.
@@ -74,21 +75,21 @@ pub fn plan(args: &Args, film: bool) -> Result<(Subject, Plan), Failure> {
     let schema = if args.schema { Some(read_schema()?) } else { None };
     let at_ease = body.reference_data()?;
     let size = extent(&outline(&at_ease, &|geom| body.limb_of_geom(geom).is_some())).max(1e-3);
-    let drawn = Drawn { args, creature, skin, body, schema, size };
+    let drawn = SessionDrawing { args, agent, body, schema, size };
     let plan = match (film, args.learning) {
         (true, true) => drawn.learning()?,
         (true, false) => drawn.touches(&touches(args, &session)?)?,
         (false, _) => drawn.still(&session)?,
     };
     let (place, model) = (args.what.display().to_string(), drawn.body.declared.clone());
-    Ok((Subject { place, model, body: Some(drawn.body), alone: true }, plan))
+    Ok((RenderSubject { place, model, body: Some(drawn.body), alone: true }, plan))
 }
 
 /// The body of a session without a model, as it was learned.
 fn learned(session: &Session, schema: &BodySchema, folder: &Path) -> Result<Body, Failure> {
-    let model = Arc::new(Model::from_xml(&to_mjcf(&session.creature, &session.skin, schema))?);
-    let body = body_of(model, folder, &JointSelection::All, &ModelOptions::default())?;
-    if same_tree(&body.creature, &session.creature) {
+    let model = Arc::new(Model::from_xml(&to_mjcf(&session.agent, schema))?);
+    let body = ModelSource::new(folder).with_joints(JointSelection::All).body_in(model)?;
+    if same_tree(&body.creature, session.agent.creature()) {
         return Ok(body);
     }
     Err(Failure(format!(
@@ -97,13 +98,13 @@ fn learned(session: &Session, schema: &BodySchema, folder: &Path) -> Result<Body
     )))
 }
 
-fn touches(args: &Args, session: &Session) -> Result<Vec<Touch>, Failure> {
-    let log = read_touches(&args.what.join(TOUCHES_FILE), &session.creature, &session.skin)?;
+fn touches(args: &RenderArguments, session: &Session) -> Result<Vec<Touch>, Failure> {
+    let log = read_touches(&args.what.join(TOUCHES_FILE), &session.agent)?;
     warn_truncated(&log, &args.what);
     Ok(log.touches)
 }
 
-impl Drawn<'_> {
+impl SessionDrawing<'_> {
     /// The body in a posture, and where its root limb is.
     fn qpos(&self, posture: &[f64]) -> Vec<f64> {
         let mut qpos = vec![0.0; self.body.model.nq()];
@@ -115,7 +116,7 @@ impl Drawn<'_> {
     fn learned(&self, posture: &[f64]) -> Result<Vec<Mark>, Failure> {
         let Some(schema) = &self.schema else { return Ok(Vec::new()) };
         let root = self.root()?;
-        Ok(learned_body(self.creature, self.skin, schema, posture, &root, self.size))
+        Ok(learned_body(self.agent, schema, posture, &root, self.size))
     }
 
     /// `X_WR`, which no posture moves.
@@ -129,7 +130,7 @@ impl Drawn<'_> {
         data.set_qpos(&self.qpos(posture))?;
         data.kinematics()?;
         let receptor = |end: usize| {
-            let receptor = &self.skin.receptors[touch.ends[end].receptor];
+            let receptor = &self.agent.skin().receptors[touch.ends[end].receptor];
             (receptor, self.body.limb_pose(&data, receptor.limb).unwrap_or_default())
         };
         let receptors = [receptor(0), receptor(1)];
@@ -154,8 +155,8 @@ impl Drawn<'_> {
                 let touch = touch.ok_or_else(|| self.no_touch(number, touches.len()))?;
                 self.shot(&touch.posture, &[(touch, 1.0)])?
             }
-            (None, Some(text)) => self.shot(&posture::read(text, self.creature)?, &[])?,
-            (None, None) => self.shot(&start_posture(self.creature), &[])?,
+            (None, Some(text)) => self.shot(&posture::read(text, self.agent.creature())?, &[])?,
+            (None, None) => self.shot(&Posture::start(self.agent.creature()), &[])?,
         };
         Ok(Plan::still(shot, self.schema.is_some()))
     }
@@ -177,7 +178,7 @@ impl Drawn<'_> {
         let [first, last] = self.args.touches.unwrap_or([TOUCHES[0], TOUCHES[1].min(touches.len().max(1))]);
         let chosen = touches.get(first - 1..last).ok_or_else(|| self.no_touch(last, touches.len()))?;
         let (mut shots, mut held) = (Vec::new(), Vec::new());
-        let mut from = start_posture(self.creature);
+        let mut from = Posture::start(self.agent.creature());
         let mut before: Option<&Touch> = None;
         for touch in chosen {
             let count = self.frames(MOTION);
@@ -204,20 +205,14 @@ impl Drawn<'_> {
     }
 
     /// A posture on the way from one to another, at 0 to 1 of it.
-    fn on_the_way(&self, from: &[f64], to: &[f64], share: f64) -> Vec<f64> {
-        let mut posture: Vec<f64> =
-            from.iter().zip(to).map(|(from, to)| from + share * (to - from)).collect();
-        for (q, _) in self.creature.dofs_in_posture().filter(|(_, dof)| dof.kind == DofKind::Ball) {
-            let turned = ball(&from[q..]).try_slerp(&ball(&to[q..]), share, 1e-9).unwrap_or(ball(&to[q..]));
-            posture[q..q + 4].copy_from_slice(&[turned.w, turned.i, turned.j, turned.k]);
-        }
-        posture
+    fn on_the_way(&self, from: &[f64], to: &[f64], share: f64) -> Posture {
+        Posture::between(self.agent.creature(), from, to, share)
     }
 
     /// From checkpoint to checkpoint, the body at ease.
     fn learning(&self) -> Result<Plan, Failure> {
         let folder = &self.args.what;
-        let record = LearningRecord::read(folder, self.creature)?;
+        let record = LearningRecord::read(folder, self.agent.creature())?;
         let checkpoints =
             record.map(|record| record.checkpoints).filter(|all| all.len() > 1).ok_or_else(|| {
                 Failure(format!(
@@ -225,11 +220,11 @@ impl Drawn<'_> {
                     folder.display()
                 ))
             })?;
-        let (posture, root) = (start_posture(self.creature), self.root()?);
+        let (posture, root) = (Posture::start(self.agent.creature()), self.root()?);
         let qpos = self.qpos(&posture);
         let figures: Vec<Vec<Mark>> = checkpoints
             .iter()
-            .map(|at| learned_body(self.creature, self.skin, &at.schema, &posture, &root, self.size))
+            .map(|at| learned_body(self.agent, &at.schema, &posture, &root, self.size))
             .collect();
         let (mut shots, mut held) = (Vec::new(), Vec::new());
         let mut stay = |shots: &mut Vec<Shot>, marks: &Vec<Mark>, count: usize| {

@@ -1,62 +1,21 @@
 //! `bodyschema study`: one measurement repeated over several seeds.
-//!
-//! To add a study, write a file beside this one with a `pub const STUDY: Study`, and name it in [`STUDIES`].
-//! Its `measure` takes a [`Subject`], which babbles, learns and evaluates for it, and gives [`Findings`]: all
-//! measurements as one tidy table, a summary of them, and what to plot. Options, printing, JSON and the
-//! files are the same for all studies and are done here.
-
-mod approach;
-mod at_table;
-mod avoid;
-mod changed_body;
-mod coverage;
-mod disturbances;
-mod farthest;
-mod frames;
-mod growth;
-mod learners;
-mod map;
-mod other_hand;
-mod plot;
-mod policies;
-mod reachable;
-mod self_touch;
-mod sensations;
-mod subject;
-mod table;
-mod turned;
 
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use serde_json::{Value, json};
 
-use super::touches::{threads, touch_count};
+use super::counts::{threads, touch_count};
+use super::folders::free_folder;
+use super::open::embodied;
+use super::progress::Bars;
 use super::{Failure, Outcome, output};
 use crate::creature::JointSelection;
+use crate::experiment::study::{FoundTables, STUDIES, Study, Subject};
+use crate::experiment::{ModelSource, Observer, Phase};
 use crate::record::{PROGRAM, model_hash};
-use plot::Plot;
-use subject::Subject;
-use table::Table;
-
-/// The studies, in the order in which they are named to the user.
-const STUDIES: [&Study; 15] = [
-    &learners::STUDY,
-    &policies::STUDY,
-    &coverage::STUDY,
-    &disturbances::STUDY,
-    &growth::STUDY,
-    &turned::STUDY,
-    &frames::STUDY,
-    &sensations::STUDY,
-    &approach::STUDY,
-    &self_touch::STUDY,
-    &map::STUDY,
-    &other_hand::STUDY,
-    &farthest::STUDY,
-    &avoid::STUDY,
-    &reachable::STUDY,
-];
+use crate::view::charts::study_chart;
 
 /// The model that is studied where none is named.
 const DEFAULT_MODEL: &str = "mjcf/max/max.xml";
@@ -69,42 +28,18 @@ const TABLE_FILE: &str = "study.csv";
 /// The plot, in the study's folder.
 const PLOT_FILE: &str = "study.svg";
 
-/// A question that is answered by measuring over several seeds.
-pub struct Study {
-    /// The name on the command line.
-    pub name: &'static str,
-    /// The question in a line.
-    pub about: &'static str,
-    /// Whether it learns from babbled touches, so many a trial.
-    pub touches: bool,
-    /// Measures. A trial that does not succeed is a finding; only what cannot be measured fails.
-    pub measure: fn(&Subject) -> Result<Findings, Failure>,
-}
-
-/// What a study found.
-pub struct Findings {
-    /// All measurements, a row each: one kind of thing per column, so that it can be plotted as it is.
-    pub measurements: Table,
-    /// A row per condition over all trials: the table that a person reads.
-    pub summary: Table,
-    /// How to read the summary, in sentences.
-    pub notes: Vec<String>,
-    /// The plot.
-    pub plot: Plot,
-    /// What a program asks for by name, beside the summary.
-    pub numbers: Vec<(&'static str, Value)>,
-}
-
 /// Repeat a measurement over several seeds: a table, its data and a plot.
 ///
 /// Trial by trial the creature babbles with a seed of its own, learns under every condition of the study from
 /// the same touches, and is measured against the model. Everything goes into a folder: study.json with all
 /// options, seeds and numbers, study.csv with a row per measurement, study.svg.
 #[derive(clap::Args)]
-#[command(after_help = studies_help())]
-pub struct Args {
-    /// The study, by its name below
-    #[arg(value_parser = study)]
+#[command(after_help = "Examples:
+  bodyschema study learners --trials 5                                # takes minutes
+  bodyschema study disturbances creature.xml --touches 500 --seed 7 --json  # takes minutes")]
+pub struct StudyArguments {
+    /// The study
+    #[arg(value_parser = study())]
     name: &'static Study,
     /// The MJCF file of a creature with touch sensors
     #[arg(default_value = DEFAULT_MODEL)]
@@ -124,36 +59,26 @@ pub struct Args {
     joints: Option<JointSelection>,
     /// The session whose schema a study of action uses [default: it babbles and learns one, by the first seed]
     #[arg(long, value_name = "SESSION")]
-    schema: Option<PathBuf>,
+    session: Option<PathBuf>,
     /// Threads that babble; they change nothing but the time [default: one per core]
     #[arg(long, value_parser = clap::value_parser!(u16).range(1..=1024))]
     jobs: Option<u16>,
     /// The study's folder [default: studies/NAME, or the first free of studies/NAME-2, -3, …]
-    #[arg(long, value_name = "DIR")]
+    #[arg(long, short, value_name = "DIR", help_heading = "Output")]
     out: Option<PathBuf>,
     /// Print one JSON object
-    #[arg(long)]
+    #[arg(long, help_heading = "Output")]
     json: bool,
 }
 
-fn study(name: &str) -> Result<&'static Study, String> {
-    STUDIES.into_iter().find(|study| study.name == name).ok_or_else(|| {
-        let names: Vec<&str> = STUDIES.iter().map(|study| study.name).collect();
-        format!("there is no such study: choose one of {}", names.join(", "))
-    })
+/// A study by its name, which shells complete.
+fn study() -> impl TypedValueParser<Value = &'static Study> {
+    let choices = STUDIES.iter().map(|study| PossibleValue::new(study.name).help(study.about));
+    PossibleValuesParser::new(choices)
+        .try_map(|name| STUDIES.into_iter().find(|study| study.name == name).ok_or("there is no such study"))
 }
 
-fn studies_help() -> String {
-    let studies: Vec<String> =
-        STUDIES.iter().map(|study| format!("  {:<14}{}", study.name, study.about)).collect();
-    format!(
-        "Studies:\n{}\n\nExamples:\n  bodyschema study learners --trials 5                                # takes minutes\n  \
-         bodyschema study disturbances creature.xml --touches 500 --seed 7 --json  # takes minutes",
-        studies.join("\n")
-    )
-}
-
-pub fn run(args: &Args) -> Outcome {
+pub fn run(args: &StudyArguments) -> Outcome {
     let study = args.name;
     if !args.model.exists() && args.model == Path::new(DEFAULT_MODEL) {
         return Err(Failure(format!(
@@ -173,19 +98,25 @@ pub fn run(args: &Args) -> Outcome {
     let last = args.seed.checked_add(u64::from(args.trials) - 1);
     let last = last.ok_or("the last trial's seed would be too great: give a smaller --seed")?;
     let seeds: Vec<u64> = (args.seed..=last).collect();
-    let mut subject = Subject::new(&args.model, &selection, touches, seeds, threads(args.jobs))?;
-    subject.schema.clone_from(&args.schema);
-    let folder = study_folder(args.out.as_deref(), study.name)?;
+    let bars = Bars::default();
+    let source = ModelSource::new(&args.model).with_joints(selection.clone());
+    let mut subject = Subject::new(embodied(source)?, touches, seeds, threads(args.jobs), &bars)?;
+    subject.session.clone_from(&args.session);
+    let numbered = |k: u32| match k {
+        1 => Path::new("studies").join(study.name),
+        _ => Path::new("studies").join(format!("{}-{k}", study.name)),
+    };
+    let folder = free_folder(args.out.as_deref(), "study", STUDY_FILE, numbered)?;
     let began = Instant::now();
     let findings = (study.measure)(&subject)?;
     let seconds = began.elapsed().as_secs_f64();
-    subject.done();
-    let creature = &subject.body.creature;
+    bars.phase(Phase::Done);
+    let creature = &subject.body().creature;
     let mut result = json!({
         "study": study.name,
         "about": study.about,
         "program": PROGRAM,
-        "engine": subject.body.model.version().to_string(),
+        "engine": subject.body().model.version().to_string(),
         "creature": creature.name(),
         "joints": creature.joints().len(),
         "dof": creature.dof(),
@@ -196,7 +127,7 @@ pub fn run(args: &Args) -> Outcome {
             "trials": args.trials,
             "seed": args.seed,
             "joints": selection.to_string(),
-            "schema": args.schema,
+            "session": args.session,
         },
         "seeds": subject.seeds,
         "seconds": seconds,
@@ -222,41 +153,16 @@ pub fn run(args: &Args) -> Outcome {
     let trials = if args.trials == 1 { "trial" } else { "trials" };
     let of = if study.touches { format!(" of {touches} touches") } else { String::new() };
     say!("{} {trials}{of}, seeds {}\n", args.trials, seeds.join(" "));
-    findings.summary.print();
+    findings.summary.lines().iter().for_each(|line| say!("{line}"));
     say!("");
     findings.notes.iter().for_each(|note| say!("{note}"));
     say!("\n{seconds:.0} s; {TABLE_FILE}, {PLOT_FILE} and {STUDY_FILE} are in {}", folder.display());
     Ok(())
 }
 
-fn save(folder: &Path, study: &Study, result: &Value, findings: &Findings) -> Outcome {
+fn save(folder: &Path, study: &Study, result: &Value, findings: &FoundTables) -> Outcome {
     output::file(&folder.join(STUDY_FILE), &format!("{}\n", serde_json::to_string_pretty(result)?))?;
-    output::file(&folder.join(TABLE_FILE), &findings.measurements.to_csv())?;
+    output::file(&folder.join(TABLE_FILE), &findings.measurements.to_csv()?)?;
     let title = format!("{}: {}", study.name, study.about);
-    let svg = findings.plot.svg(&title).map_err(|error| {
-        Failure(format!("{}: it cannot be drawn: {error}", folder.join(PLOT_FILE).display()))
-    })?;
-    output::file(&folder.join(PLOT_FILE), &svg)
-}
-
-/// The folder to write to: never one that holds a study already.
-fn study_folder(out: Option<&Path>, name: &str) -> Result<PathBuf, Failure> {
-    let folder = match out {
-        Some(folder) if folder.join(STUDY_FILE).exists() => {
-            return Err(Failure(format!(
-                "{} holds a study already: give another folder with --out, or remove it",
-                folder.display()
-            )));
-        }
-        Some(folder) => folder.to_path_buf(),
-        None => {
-            let numbered = |k: u32| match k {
-                1 => Path::new("studies").join(name),
-                _ => Path::new("studies").join(format!("{name}-{k}")),
-            };
-            (1..).map(numbered).find(|folder| !folder.exists()).expect("some number is free")
-        }
-    };
-    output::make_folder(&folder)?;
-    Ok(folder)
+    output::file(&folder.join(PLOT_FILE), &study_chart(&findings.plot, &title).alone())
 }

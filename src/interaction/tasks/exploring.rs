@@ -3,10 +3,11 @@
 use nalgebra::Vector3;
 
 use super::{MARGIN, Trouble};
-use crate::interaction::actor::{Actor, CAREFUL, Found, Hand, Stop};
-use crate::interaction::scene::Touched;
+use crate::creature::Posture;
+use crate::interaction::actor::{Actor, CAREFUL, FoundThing, Hand, Stop};
 use crate::kinematics::{Place, REACHED};
-use crate::peripersonal::{Aim, Reaching, Way, straight};
+use crate::peripersonal::{PosturePath, ReachTarget, Reaching, straight};
+use crate::senses::Toucher;
 
 /// How fast the tips of the hands go in a sweep, metres a second.
 const SWEEPING: f64 = 2.0 * CAREFUL;
@@ -31,7 +32,7 @@ impl Actor {
         let up = self.up;
         let reaching = self.reaching(arm);
         for k in 1..200 {
-            let aim = Aim { point: point - up * (0.005 * f64::from(k)), direction: Vector3::zeros() };
+            let aim = ReachTarget { point: point - up * (0.005 * f64::from(k)), direction: Vector3::zeros() };
             let reach = reaching.solve(Place { direction: Vector3::zeros(), ..place }, &aim, &posture);
             if reach.miss > REACHED {
                 break;
@@ -39,20 +40,20 @@ impl Actor {
             posture.clone_from(&reach.posture);
             way.push(reach.posture);
         }
-        let stop = self.follow(&Way(way), CAREFUL, |_, _| true)?;
-        let Stop::Felt(feelings) = stop else { return Err(Trouble::Nothing) };
-        if feelings.iter().any(|feeling| matches!(feeling.what, Touched::Own(_))) {
+        let stop = self.follow(&PosturePath(way), CAREFUL, |_, _| true)?;
+        let Stop::Felt(contacts) = stop else { return Err(Trouble::Nothing) };
+        if contacts.iter().any(|contact| matches!(contact.by, Toucher::Own(_))) {
             // Its own leg is no table.
             let _ = self.retreat(&start);
             return Err(Trouble::Nothing);
         }
-        let heights = feelings.iter().map(|feeling| {
-            let place = self.own.place(feeling.receptor);
+        let heights = contacts.iter().map(|contact| {
+            let place = self.own.place(contact.spot.receptor);
             // The lowest point of the surface that felt it.
-            let surface = self.own.skin.receptors[feeling.receptor].surface;
+            let surface = self.own.skin().receptors[contact.spot.receptor].surface;
             let frame = self.frames()[place.limb];
             let lowest = surface
-                .and_then(|s| self.own.skin.surfaces[s].support(&frame.rotation.tr_mul(&-self.up)))
+                .and_then(|s| self.own.skin().surfaces[s].support(&frame.rotation.tr_mul(&-self.up)))
                 .unwrap_or(place.point);
             frame.point(&lowest).dot(&self.up)
         });
@@ -63,7 +64,7 @@ impl Actor {
     }
 
     /// The lanes of a sweep over the table with a hand: postures, lane by lane, nearest first.
-    fn lanes(&mut self, hand: usize) -> Vec<Way> {
+    fn lanes(&mut self, hand: usize) -> Vec<PosturePath> {
         let Some(height) = self.table else { return Vec::new() };
         let Hand { arm, tip, .. } = self.hands[hand].clone();
         let (front, left, up, side) = (self.front, self.left(), self.up, self.side(hand));
@@ -76,14 +77,15 @@ impl Actor {
         let reaching = Reaching::new(own, clearance, arm, 0);
         for lane in 0..12 {
             let forward = edge + 0.08 + LANE * f64::from(lane);
-            let mut found: Vec<Vec<f64>> = Vec::new();
-            let mut longest: Vec<Vec<f64>> = Vec::new();
+            let mut found: Vec<Posture> = Vec::new();
+            let mut longest: Vec<Posture> = Vec::new();
             for k in 0..44 {
                 // From its own side inwards, and back on the next lane.
                 let share = if lane % 2 == 0 { 43 - k } else { k };
                 let across = side * (-0.2 + STRIDE * f64::from(share));
                 let point = front * forward + left * across + up * (height + SWEEP_HEIGHT);
-                let reach = reaching.solve(place, &Aim { point, direction: Vector3::zeros() }, &posture);
+                let reach =
+                    reaching.solve(place, &ReachTarget { point, direction: Vector3::zeros() }, &posture);
                 let free = reach.miss <= REACHED && clearance.free(&own.frames(&reach.posture), MARGIN);
                 let near = found
                     .last()
@@ -101,7 +103,7 @@ impl Actor {
                 longest = found;
             }
             if longest.len() > 3 {
-                lanes.push(Way(longest));
+                lanes.push(PosturePath(longest));
             }
         }
         lanes
@@ -112,17 +114,17 @@ impl Actor {
     ///
     /// # Errors
     /// [`Trouble`].
-    pub fn explore(&mut self, hand: usize) -> Result<Option<Found>, Trouble> {
+    pub fn explore(&mut self, hand: usize) -> Result<Option<FoundThing>, Trouble> {
         let lanes = self.lanes(hand);
         let arm = self.hands[hand].arm.clone();
         for lane in lanes {
             let from = self.posture();
             let first = lane.0.first().expect("lanes are not empty").clone();
-            let Ok(way) = self.find_way([&from, &first], &arm) else { continue };
+            let Ok(way) = self.find_path([&from, &first], &arm) else { continue };
             for way in [way, lane] {
-                let stop = self.follow(&way, SWEEPING, |actor, feeling| !actor.is_table(feeling))?;
-                if let Stop::Felt(feelings) = stop
-                    && let Some(found) = feelings.iter().find_map(|feeling| self.found(feeling))
+                let stop = self.follow(&way, SWEEPING, |actor, contact| !actor.is_table(contact))?;
+                if let Stop::Felt(contacts) = stop
+                    && let Some(found) = contacts.iter().find_map(|contact| self.found(contact))
                 {
                     return Ok(Some(found));
                 }

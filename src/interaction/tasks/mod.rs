@@ -13,11 +13,11 @@ pub use putting::Spot;
 pub use touching::Touching;
 
 use super::actor::{Actor, Hand, SWIFT, Stop};
-use super::scene::Feeling;
-use crate::creature::DofKind;
+use crate::creature::Posture;
 use crate::kinematics::{InverseKinematics, Place};
-use crate::mujoco;
-use crate::peripersonal::{OutOfReach, Way, find_way};
+use crate::peripersonal::{OutOfReach, PosturePath, find_path};
+use crate::senses::SkinContact;
+use crate::simulation::EngineError;
 
 /// How clear ways keep of everything, metres.
 const MARGIN: f64 = 0.006;
@@ -36,13 +36,13 @@ pub enum Trouble {
     /// Nothing was felt where something was expected.
     Nothing,
     /// Something else was in the way.
-    Hit(Vec<Feeling>),
+    Hit(Vec<SkinContact>),
     /// The engine failed.
-    Engine(mujoco::Error),
+    Engine(EngineError),
 }
 
-impl From<mujoco::Error> for Trouble {
-    fn from(error: mujoco::Error) -> Trouble {
+impl From<EngineError> for Trouble {
+    fn from(error: EngineError) -> Trouble {
         Trouble::Engine(error)
     }
 }
@@ -77,7 +77,7 @@ impl Actor {
     }
 
     /// The posture in which both hands wait in front of the trunk, clear of a table where one is known.
-    pub fn ready(&mut self) -> Vec<f64> {
+    pub fn ready(&mut self) -> Posture {
         let mut posture = self.own.at_ease();
         let frames = self.own.frames(&posture);
         for hand in 0..2 {
@@ -90,9 +90,9 @@ impl Actor {
             let mut bent = posture.clone();
             // Bent joints make for an arm that does not reach down.
             for &joint in arm.iter().skip(1) {
-                let joint = &self.own.creature.joints()[joint];
-                for (k, dof) in joint.dofs.iter().enumerate().filter(|(_, dof)| dof.kind != DofKind::Ball) {
-                    bent[joint.first_coordinate() + k] = 0.5 * (dof.range[0] + dof.range[1]);
+                let joint = &self.own.creature().joints()[joint];
+                for at in joint.elements().filter(|at| !at.is_ball()) {
+                    bent[at.coordinate()] = 0.5 * (at.range[0] + at.range[1]);
                 }
             }
             let at = |height: f64| {
@@ -101,7 +101,7 @@ impl Actor {
                     + self.up * (root.dot(&self.up) + height * length);
                 let target = Place { limb: 0, point, direction: Vector3::zeros() };
                 let ends = [Place { direction: Vector3::zeros(), ..self.own.place(*tip) }, target];
-                let solver = InverseKinematics::new(&self.own.creature, &self.own.schema, ends);
+                let solver = InverseKinematics::new(self.own.creature(), &self.own.schema, ends);
                 let mut solver = solver.moving(|joint| arm.contains(&joint)).at_ease(&posture);
                 [&bent, &posture].map(|start| solver.solve(start))
             };
@@ -126,38 +126,38 @@ impl Actor {
     }
 
     fn go_by(&mut self, from: &[f64], target: &[f64], joints: &[usize]) -> Result<(), Trouble> {
-        let way = self.find_way([from, target], joints)?;
+        let way = self.find_path([from, target], joints)?;
         self.pass(&way, SWIFT)
     }
 
     /// A way between two postures that moves some joints and keeps clear; a new random stream with each.
-    fn find_way(&mut self, ends: [&[f64]; 2], joints: &[usize]) -> Result<Way, OutOfReach> {
+    fn find_path(&mut self, ends: [&[f64]; 2], joints: &[usize]) -> Result<PosturePath, OutOfReach> {
         self.seed = self.seed.wrapping_add(1);
         let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
-        find_way(&self.own, &self.clearance, ends, joints, MARGIN, &mut rng).ok_or(OutOfReach::Barred)
+        find_path(&self.own, &self.clearance, ends, joints, MARGIN, &mut rng).ok_or(OutOfReach::Barred)
     }
 
     /// Goes back the way that it came from what was met on it.
-    fn back_off(&mut self, feelings: &[Feeling]) -> Result<(), Trouble> {
-        if let Some(way) = feelings.first().and_then(|feeling| self.back_by(feeling.receptor, BACK)) {
+    fn back_off(&mut self, contacts: &[SkinContact]) -> Result<(), Trouble> {
+        if let Some(way) = contacts.first().and_then(|contact| self.back_by(contact.spot.receptor, BACK)) {
             self.follow(&way, SWIFT, |_, _| false)?;
         }
         Ok(())
     }
 
     /// Follows a way on which nothing is expected.
-    pub(super) fn pass(&mut self, way: &Way, speed: f64) -> Result<(), Trouble> {
+    pub(super) fn pass(&mut self, way: &PosturePath, speed: f64) -> Result<(), Trouble> {
         match self.follow(way, speed, |_, _| true)? {
             Stop::Arrived => Ok(()),
-            Stop::Felt(feelings) => {
+            Stop::Felt(contacts) => {
                 self.unintended += 1;
-                Err(Trouble::Hit(feelings))
+                Err(Trouble::Hit(contacts))
             }
         }
     }
 
     /// Goes back straight to a posture that it has just come from.
     fn retreat(&mut self, to: &[f64]) -> Result<(), Trouble> {
-        self.pass(&Way(vec![to.to_vec()]), SWIFT)
+        self.pass(&PosturePath(vec![Posture::from(to)]), SWIFT)
     }
 }

@@ -5,12 +5,11 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
 use super::Trouble;
-use crate::babbling::between;
-use crate::creature::DofKind;
+use crate::creature::Posture;
 use crate::interaction::actor::{Actor, CAREFUL, Hand, SWIFT};
-use crate::interaction::scene::{Feeling, Touched};
 use crate::kinematics::{Facing, InverseKinematics, Place, REACHED};
-use crate::peripersonal::{OutOfReach, OwnBody, Way};
+use crate::peripersonal::{OutOfReach, OwnBody, PosturePath};
+use crate::senses::{SkinContact, Toucher};
 
 /// Steps to the side in which the farthest spot is looked for, how many to either side, and how finely forward, metres.
 const ASIDE: f64 = 0.05;
@@ -37,7 +36,7 @@ pub struct Spot {
     /// Where the grip comes to be, in the root's frame, metres.
     pub point: Vector3<f64>,
     /// The posture.
-    pub posture: Vec<f64>,
+    pub posture: Posture,
 }
 
 impl Actor {
@@ -61,7 +60,7 @@ impl Actor {
         let mut starts = vec![from.clone(), own.at_ease()];
         if lean {
             let bent = self.bent_forward(hand, &place, &from);
-            starts.insert(0, between(&own.creature, &from, &bent, 0.7));
+            starts.insert(0, Posture::between(own.creature(), &from, &bent, 0.7));
             starts.insert(0, bent);
         }
         starts.resize_with(starts.len() + effort, || own.random_posture(&from, &joints, &mut rng));
@@ -109,24 +108,24 @@ impl Actor {
 
     /// A posture bent as far to the front as the trunk that carries a hand goes, joint by joint from the hips, for a place
     /// of the hand.
-    fn bent_forward(&self, hand: usize, place: &Place, from: &[f64]) -> Vec<f64> {
+    fn bent_forward(&self, hand: usize, place: &Place, from: &[f64]) -> Posture {
         let own = &self.own;
         let Hand { arm, leaning, .. } = &self.hands[hand];
-        let mut bent = from.to_vec();
+        let mut bent = Posture::from(from);
         for &joint in leaning.iter().filter(|joint| !arm.contains(joint)) {
-            let joint = &own.creature.joints()[joint];
-            for (k, dof) in joint.dofs.iter().enumerate().filter(|(_, dof)| dof.kind != DofKind::Ball) {
-                let q = joint.first_coordinate() + k;
+            let joint = &own.creature().joints()[joint];
+            for at in joint.elements().filter(|at| !at.is_ball()) {
+                let q = at.coordinate();
                 let forward = |value: f64| {
                     let mut posture = bent.clone();
                     posture[q] = value;
                     own.frames(&posture)[place.limb].point(&place.point).dot(&self.front)
                 };
-                let farthest = dof.range.into_iter().max_by(|a, b| forward(*a).total_cmp(&forward(*b)));
+                let farthest = at.range.into_iter().max_by(|a, b| forward(*a).total_cmp(&forward(*b)));
                 bent[q] = farthest.unwrap_or(bent[q]);
             }
         }
-        own.creature.couple(&mut bent);
+        own.creature().couple(&mut bent);
         bent
     }
 
@@ -141,9 +140,9 @@ impl Actor {
         let place = self.own.place(self.hands[hand].tip);
         let bent = self.bent_forward(hand, &place, &from);
         let clearance = self.clearance.moved_by(&self.own, &idle);
-        let creature = &self.own.creature;
+        let creature = self.own.creature();
         let with_arm = |posture: &[f64], arm: &[f64]| {
-            let mut posture = posture.to_vec();
+            let mut posture = Posture::from(posture);
             for &joint in &idle {
                 let q = creature.joints()[joint].coordinates();
                 posture[q.clone()].copy_from_slice(&arm[q]);
@@ -152,7 +151,7 @@ impl Actor {
         };
         let clear = |arm: &[f64]| {
             let gaps = (0..=LEANINGS).map(|k| {
-                let leaning = between(creature, &from, &bent, f64::from(k) / f64::from(LEANINGS));
+                let leaning = Posture::between(creature, &from, &bent, f64::from(k) / f64::from(LEANINGS));
                 clearance.least(&self.own.frames(&with_arm(&leaning, arm)), CLEAR)
             });
             gaps.fold(f64::INFINITY, f64::min)
@@ -240,9 +239,9 @@ impl Actor {
             return Err(OutOfReach::Barred.into());
         };
         // What is held may scrape over what it stands on: that is no surprise.
-        let expected = |_: &Actor, feeling: &Feeling| !matches!(feeling.what, Touched::Through(_));
-        self.follow(&Way(vec![raised.clone()]), CAREFUL, expected)?;
-        let way = self.find_way([&raised, &above], &joints)?;
+        let expected = |_: &Actor, contact: &SkinContact| !matches!(contact.by, Toucher::Through(_));
+        self.follow(&PosturePath(vec![raised.clone()]), CAREFUL, expected)?;
+        let way = self.find_path([&raised, &above], &joints)?;
         self.pass(&way, SWIFT)?;
         let mut down = Vec::new();
         let mut posture = above.clone();
@@ -254,20 +253,20 @@ impl Actor {
         }
         let sinking = lifted(self, spot.point - up * SETTLE, &posture);
         down.push(sinking);
-        self.follow(&Way(down), CAREFUL, |_, feeling| matches!(feeling.what, Touched::Through(_)))?;
-        self.scene.let_go();
+        self.follow(&PosturePath(down), CAREFUL, |_, contact| matches!(contact.by, Toucher::Through(_)))?;
+        self.let_go();
         let stay = self.posture();
         self.wait(0.2)?;
         let point = self.feels_at(receptor).0;
         let back = lifted(self, point + up * LIFT, &stay);
-        self.follow(&Way(vec![back]), CAREFUL, |_, _| false)?;
+        self.follow(&PosturePath(vec![back]), CAREFUL, |_, _| false)?;
         Ok(())
     }
 }
 
 /// Postures, moving some joints, in which a place of the body is at a target and keeps upright.
 fn upright_at<'a>(own: &'a OwnBody, joints: &[usize], ends: [Place; 2]) -> InverseKinematics<'a> {
-    InverseKinematics::new(&own.creature, &own.schema, ends)
+    InverseKinematics::new(own.creature(), &own.schema, ends)
         .with_facing(Facing::Parallel)
         .with_direction_lengths(UPRIGHT)
         .moving(|joint| joints.contains(&joint))

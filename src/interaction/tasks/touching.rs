@@ -8,13 +8,14 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
 use super::{BACK, MARGIN, Trouble};
-use crate::babbling::between;
-use crate::interaction::actor::{Actor, CAREFUL, Found, SWIFT, Stop};
-use crate::interaction::scene::Touched;
+use crate::creature::Posture;
+use crate::geometry::Capsule;
+use crate::interaction::actor::{Actor, CAREFUL, FoundThing, SWIFT, Stop};
 use crate::kinematics::{Place, REACHED};
 use crate::peripersonal::{
-    Aim, Obstacle, OutOfReach, OwnBody, Reaching, Way, distance, straight as straight_to,
+    Obstacle, OutOfReach, OwnBody, PosturePath, ReachTarget, Reaching, distance, straight as straight_to,
 };
+use crate::senses::Toucher;
 
 /// Radii of the room that a thing is given that was felt, metres, of which not more is known than where it begins: the
 /// greatest that leaves a way.
@@ -33,7 +34,7 @@ const WAYS_OFF: usize = 150;
 #[derive(Clone, Debug, PartialEq)]
 pub struct Touching {
     /// What was felt.
-    pub found: Found,
+    pub found: FoundThing,
     /// The receptor that was to touch.
     pub receptor: usize,
     /// How often it had to correct itself.
@@ -42,8 +43,8 @@ pub struct Touching {
 
 impl Actor {
     /// The aims at a thing that was felt at one place: on from where the skin went, then from above and from about it.
-    fn aims(&self, found: &Found) -> Vec<Aim> {
-        let Found { point, direction, .. } = *found;
+    fn aims(&self, found: &FoundThing) -> Vec<ReachTarget> {
+        let FoundThing { point, direction, .. } = *found;
         let level = (direction - self.up * direction.dot(&self.up)).try_normalize(0.3);
         let mut aims = Vec::new();
         let resting = self.table.is_some_and(|height| (point.dot(&self.up) - height).abs() < 0.12);
@@ -52,15 +53,15 @@ impl Actor {
             Some(level) if resting => {
                 let above = point.dot(&self.up) - self.table.unwrap_or_default();
                 let point = point - self.up * (LOWER * above.max(0.0));
-                aims.push(Aim { point, direction: level });
-                aims.push(Aim { point: point + level * 0.015 + self.up * 0.01, direction: -self.up });
+                aims.push(ReachTarget { point, direction: level });
+                aims.push(ReachTarget { point: point + level * 0.015 + self.up * 0.01, direction: -self.up });
             }
-            _ => aims.push(Aim { point, direction }),
+            _ => aims.push(ReachTarget { point, direction }),
         }
         for angle in [0.5, -0.5, 0.9, -0.9] {
             let axis = if level.is_some() { self.up } else { self.left() };
             let turn = Rotation3::new(axis * angle);
-            aims.push(Aim { point, direction: turn * aims[0].direction });
+            aims.push(ReachTarget { point, direction: turn * aims[0].direction });
         }
         aims
     }
@@ -73,7 +74,7 @@ impl Actor {
     /// [`Trouble`].
     pub fn touch(
         &mut self,
-        found: &Found,
+        found: &FoundThing,
         hand: usize,
         lean: bool,
         corrections: usize,
@@ -81,7 +82,7 @@ impl Actor {
         let ready = self.ready();
         match self.withdraw(found, &ready) {
             // It touches something where it is: it stays there, a little back, and the other hand finds its way.
-            Err(Trouble::Hit(feelings)) => self.back_off(&feelings)?,
+            Err(Trouble::Hit(contacts)) => self.back_off(&contacts)?,
             went => went?,
         }
         self.touch_again(found, hand, lean, corrections)
@@ -93,7 +94,7 @@ impl Actor {
     /// [`Trouble`].
     pub fn touch_again(
         &mut self,
-        found: &Found,
+        found: &FoundThing,
         hand: usize,
         lean: bool,
         corrections: usize,
@@ -103,13 +104,13 @@ impl Actor {
         // With the arm alone first, then with the trunk.
         let helps = if lean { vec![false, true] } else { vec![false] };
         let aims = self.aims(found);
-        let mut goes: VecDeque<(bool, Aim)> =
+        let mut goes: VecDeque<(bool, ReachTarget)> =
             helps.into_iter().flat_map(|lean| aims.iter().map(move |aim| (lean, *aim))).collect();
         let mut met = Vec::new();
         while let Some((lean, aim)) = goes.pop_front() {
             let joints = self.hands[hand].joints(lean).to_vec();
             let from = self.posture();
-            let places: Vec<Aim> = met.iter().copied().chain([aim]).collect();
+            let places: Vec<ReachTarget> = met.iter().copied().chain([aim]).collect();
             let planned = self.making_room(&places, |actor| {
                 Ok(actor.reaching(joints.clone()).approach(&from, &receptors, &aim)?)
             });
@@ -147,14 +148,14 @@ impl Actor {
                     let back = plan.straight.0[0].clone();
                     let _ = self.retreat(&back);
                 }
-                Err(Trouble::Hit(feelings)) => {
+                Err(Trouble::Hit(contacts)) => {
                     // Back the way that it came, and another way, about what it met.
                     met.extend(
-                        feelings.iter().filter_map(|feeling| self.found(feeling)).map(|found| found.aim()),
+                        contacts.iter().filter_map(|contact| self.found(contact)).map(|found| found.aim()),
                     );
                     goes.push_front((lean, aim));
-                    self.back_off(&feelings)?;
-                    trouble = Trouble::Hit(feelings);
+                    self.back_off(&contacts)?;
+                    trouble = Trouble::Hit(contacts);
                 }
                 Err(trouble) => return Err(trouble),
             }
@@ -165,15 +166,16 @@ impl Actor {
     /// Does something with room left for a thing that was met at some places: as much as leaves a way.
     fn making_room<T>(
         &mut self,
-        met: &[Aim],
+        met: &[ReachTarget],
         mut act: impl FnMut(&mut Actor) -> Result<T, Trouble>,
     ) -> Result<T, Trouble> {
         let mut outcome = Err(OutOfReach::Barred.into());
         for radius in ROOMS {
             let known = self.clearance.obstacles.len();
             // A ball that the place is on.
-            let ball =
-                |aim: &Aim| Obstacle::Capsule { ends: [aim.point + aim.direction * radius; 2], radius };
+            let ball = |aim: &ReachTarget| {
+                Obstacle::Capsule(Capsule::ball(aim.point + aim.direction * radius, radius))
+            };
             self.clearance.obstacles.extend(met.iter().map(ball));
             outcome = act(self);
             self.clearance.obstacles.truncate(known);
@@ -188,24 +190,28 @@ impl Actor {
     ///
     /// # Errors
     /// [`Trouble::Hit`] where something else is felt before.
-    fn try_touch(&mut self, [way, straight]: [&Way; 2], hand: usize) -> Result<Option<Found>, Trouble> {
+    fn try_touch(
+        &mut self,
+        [way, straight]: [&PosturePath; 2],
+        hand: usize,
+    ) -> Result<Option<FoundThing>, Trouble> {
         let receptors = self.hands[hand].receptors.clone();
         let stop = match self.follow(way, SWIFT, |_, _| true)? {
             Stop::Arrived => self.follow(straight, CAREFUL, |_, _| true)?,
             // Met sooner than thought: a thing may be larger than the room it was given.
             felt => felt,
         };
-        let Stop::Felt(feelings) = stop else { return Ok(None) };
-        let by_hand = feelings.iter().find(|feeling| {
-            receptors.contains(&feeling.receptor)
-                && matches!(feeling.what, Touched::Thing(_))
-                && !self.is_table(feeling)
+        let Stop::Felt(contacts) = stop else { return Ok(None) };
+        let by_hand = contacts.iter().find(|contact| {
+            receptors.contains(&contact.spot.receptor)
+                && matches!(contact.by, Toucher::Thing(_))
+                && !self.is_table(contact)
         });
-        match by_hand.and_then(|feeling| self.found(feeling)) {
+        match by_hand.and_then(|contact| self.found(contact)) {
             Some(found) => Ok(Some(found)),
             None => {
                 self.unintended += 1;
-                Err(Trouble::Hit(feelings))
+                Err(Trouble::Hit(contacts))
             }
         }
     }
@@ -214,10 +220,10 @@ impl Actor {
     fn search(
         &mut self,
         receptor: usize,
-        aim: &Aim,
+        aim: &ReachTarget,
         joints: &[usize],
         hand: usize,
-    ) -> Result<Option<Found>, Trouble> {
+    ) -> Result<Option<FoundThing>, Trouble> {
         let place = self.own.place(receptor);
         let across = aim.direction.cross(&self.up).try_normalize(1e-3).unwrap_or_else(|| self.left());
         let along = aim.direction.cross(&across);
@@ -229,7 +235,7 @@ impl Actor {
                 let angle = TAU * f64::from(k) / 12.0;
                 let offset = across * (radius * angle.cos()) + along * (radius * angle.sin());
                 let point = aim.point + aim.direction * depth + offset;
-                let reach = reaching.solve(place, &Aim { point, ..*aim }, &posture);
+                let reach = reaching.solve(place, &ReachTarget { point, ..*aim }, &posture);
                 let free = clearance.free(&own.frames(&reach.posture), 0.003);
                 if reach.miss <= REACHED && free {
                     posture.clone_from(&reach.posture);
@@ -240,16 +246,20 @@ impl Actor {
         if way.is_empty() {
             return Ok(None);
         }
-        self.try_touch([&Way(Vec::new()), &Way(way)], hand)
+        self.try_touch([&PosturePath(Vec::new()), &PosturePath(way)], hand)
     }
 
     /// Takes the arm that felt something back to where it was ready, away from the thing.
-    pub(in crate::interaction) fn withdraw(&mut self, found: &Found, ready: &[f64]) -> Result<(), Trouble> {
+    pub(in crate::interaction) fn withdraw(
+        &mut self,
+        found: &FoundThing,
+        ready: &[f64],
+    ) -> Result<(), Trouble> {
         let Some(hand) = self.arm_of(found.receptor) else { return Ok(()) };
         let arm = self.hands[hand].arm.clone();
         let back = match self.back_by(found.receptor, BACK) {
             Some(way) => {
-                let back = way.end().map(<[f64]>::to_vec);
+                let back = way.end().map(Posture::from);
                 self.pass(&way, SWIFT)?;
                 back.unwrap_or_else(|| self.posture())
             }
@@ -263,7 +273,7 @@ impl Actor {
         // Only this arm moves: the other is where it is wanted.
         let mut target = back.clone();
         for &joint in &arm {
-            let q = self.own.creature.joints()[joint].coordinates();
+            let q = self.own.creature().joints()[joint].coordinates();
             target[q.clone()].copy_from_slice(&ready[q]);
         }
         let mut met = vec![found.aim()];
@@ -272,17 +282,17 @@ impl Actor {
             let Err(trouble) = self.making_room(&met, |actor| actor.go_by(&from, &target, &arm)) else {
                 return Ok(());
             };
-            let Trouble::Hit(feelings) = trouble else { return Err(trouble) };
+            let Trouble::Hit(contacts) = trouble else { return Err(trouble) };
             // It is larger than thought: back, and about what it met as well.
-            met.extend(feelings.iter().filter_map(|feeling| self.found(feeling)).map(|found| found.aim()));
-            self.back_off(&feelings)?;
+            met.extend(contacts.iter().filter_map(|contact| self.found(contact)).map(|found| found.aim()));
+            self.back_off(&contacts)?;
         }
         Err(OutOfReach::Barred.into())
     }
 
     /// A way on which an arm takes skin off a thing that it touches, as straight as it can without meeting the thing with
     /// other skin, or the table, or the body.
-    fn way_off(&mut self, found: &Found, arm: &[usize]) -> Result<Way, Trouble> {
+    fn way_off(&mut self, found: &FoundThing, arm: &[usize]) -> Result<PosturePath, Trouble> {
         let from = self.posture();
         let place = self.own.place(found.receptor);
         let (here, outward) = self.feels_at(found.receptor);
@@ -300,7 +310,9 @@ impl Actor {
             for k in 1..=STEPS_OFF {
                 let point = here - direction * (BACK * f64::from(k) / f64::from(STEPS_OFF));
                 way.push(
-                    reaching.solve(place, &Aim { point, direction: facing }, &way[way.len() - 1]).posture,
+                    reaching
+                        .solve(place, &ReachTarget { point, direction: facing }, &way[way.len() - 1])
+                        .posture,
                 );
             }
             ways.push(way);
@@ -313,14 +325,14 @@ impl Actor {
             let target = self.own.random_posture(&from, arm, &mut rng);
             let mut way = vec![from.clone()];
             for k in 1..=50 {
-                way.push(between(&self.own.creature, &from, &target, 0.02 * f64::from(k)));
+                way.push(Posture::between(self.own.creature(), &from, &target, 0.02 * f64::from(k)));
                 if off(&self.own, &way[way.len() - 1]) >= BACK {
                     others.push(way);
                     break;
                 }
             }
         }
-        let far = |way: &Vec<Vec<f64>>| distance(&way[0], &way[way.len() - 1]);
+        let far = |way: &Vec<Posture>| distance(&way[0], &way[way.len() - 1]);
         others.sort_by(|a, b| far(a).total_cmp(&far(b)));
         ways.extend(others);
         let straight = ways[0].clone();
@@ -328,14 +340,14 @@ impl Actor {
         let found = self.making_room(&[aim], |actor| {
             let clearance = actor.clearance.moved_by(&actor.own, arm);
             let clearance = clearance.eased_at(&[actor.own.frames(&from)], MARGIN);
-            let clear = |way: &Vec<Vec<f64>>| {
+            let clear = |way: &Vec<Posture>| {
                 let off = off(&actor.own, &way[way.len() - 1]) > 0.5 * BACK;
                 off && way.windows(2).all(|two| straight_to(&actor.own, &clearance, &two[0], &two[1], MARGIN))
             };
             let way = ways.iter().find(|way| clear(way)).cloned();
-            Ok(Way(way.ok_or(OutOfReach::Barred)?))
+            Ok(PosturePath(way.ok_or(OutOfReach::Barred)?))
         });
         // With no way that is clear for certain it tries the straight one.
-        Ok(found.unwrap_or(Way(straight)))
+        Ok(found.unwrap_or(PosturePath(straight)))
     }
 }

@@ -13,7 +13,7 @@
 
 use nalgebra::{DMatrix, DVector, Matrix2};
 
-use crate::creature::Creature;
+use crate::agent::Agent;
 use crate::kinematics::tangent_basis;
 use crate::learning::Parameters;
 use crate::learning::annealing::{NARROWEST, WIDEST, gaps, quantile, typical_gap};
@@ -141,13 +141,8 @@ impl Belief {
 
     /// Fits all touches again from the present schema, to have every derivative where the schema is now.
     /// False where rounding forbids: nothing is changed then.
-    pub fn relinearize(
-        &mut self,
-        creature: &Creature,
-        skin: &Skin,
-        touches: &TouchSet,
-        beforehand: &dyn Beforehand,
-    ) -> bool {
+    pub fn relinearize(&mut self, agent: &Agent, touches: &TouchSet, beforehand: &dyn Beforehand) -> bool {
+        let skin = agent.skin();
         let spare = (touches.len() as f64 - 0.7 * self.parameters.len() as f64).max(1.0);
         let scatter = (touches.len() as f64 / spare).sqrt();
         let noise = |found: &[f64]| (scatter * typical_gap(found)).clamp(NARROWEST, WIDEST);
@@ -157,7 +152,7 @@ impl Belief {
         loop {
             let model = SurfaceGap::new(skin, deviation);
             let mut problem =
-                TouchProblem::new(creature, touches, &self.parameters, model).with_prior(beforehand);
+                TouchProblem::new(agent.creature(), touches, &self.parameters, model).with_prior(beforehand);
             let stopping = Stopping { iterations: ITERATIONS, relative_cost: 1e-3, cost: 0.0 };
             schema = levenberg_marquardt(&mut problem, &self.parameters, schema, stopping).schema;
             found = gaps(skin, touches, &schema);
@@ -170,7 +165,7 @@ impl Belief {
         let deviation = noise(&found);
         let model = SurfaceGap::new(skin, deviation);
         let mut problem =
-            TouchProblem::new(creature, touches, &self.parameters, model).with_prior(beforehand);
+            TouchProblem::new(agent.creature(), touches, &self.parameters, model).with_prior(beforehand);
         let information = problem.linearize(&schema).hessian;
         let Some(belief) = Belief::new(schema, self.parameters.clone(), information, deviation) else {
             return false;

@@ -7,6 +7,7 @@
 
 use std::collections::{BTreeMap, VecDeque};
 
+use crate::agent::Agent;
 use crate::creature::Creature;
 use crate::kinematics::Chain;
 use crate::learning::annealing::anneal;
@@ -119,16 +120,17 @@ impl Watch {
     pub fn explain(
         &self,
         onset: usize,
-        creature: &Creature,
-        skin: &Skin,
+        agent: &Agent,
         schema: &BodySchema,
         free: &Parameters,
         deviation: f64,
     ) -> Option<Explanation> {
+        let skin = agent.skin();
+        let creature = agent.creature();
         let close = CLOSE.max(DEVIATIONS * deviation);
         let model = SurfaceGap::new(skin, 1.0);
         let is_open =
-            |touch: &PreparedTouch| model.meeting(&touch.ends, &touch.frames(schema)).gap.abs() >= close;
+            |touch: &PreparedTouch| model.gap(&touch.ends, &touch.frames(schema)).distance.abs() >= close;
         let since: Vec<(&Watched, Chain, bool)> = self
             .since(onset)
             .map(|w| (w, Chain::between(creature, w.limbs[0], w.limbs[1]), is_open(&w.touch)))
@@ -157,7 +159,7 @@ impl Watch {
             let mut prior = Prior::size(creature, SHIFT);
             prior.mean = schema.clone();
             let position = Parameters::position(creature, joint);
-            let found = anneal(creature, skin, &touches, &position, &prior, schema.clone()).schema;
+            let found = anneal(agent, &touches, &position, &prior, schema.clone()).schema;
             let explained = (closed(skin, &touches, &found, close) * all as f64).round() as usize;
             if enough(explained, all) {
                 offer(explained.saturating_sub(all - open), Explanation::Moved(joint, found));
@@ -197,7 +199,7 @@ fn first_surprise(window: &VecDeque<(usize, bool)>) -> Option<usize> {
 pub fn closed(skin: &Skin, touches: &TouchSet, schema: &BodySchema, close: f64) -> f64 {
     let model = SurfaceGap::new(skin, 1.0);
     let all = touches.touches();
-    let gap = |touch: &PreparedTouch| model.meeting(&touch.ends, &touch.frames(schema)).gap.abs();
+    let gap = |touch: &PreparedTouch| model.gap(&touch.ends, &touch.frames(schema)).distance.abs();
     let count = all.filter(|touch| gap(touch) < close).count();
     count as f64 / touches.len().max(1) as f64
 }

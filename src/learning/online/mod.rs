@@ -12,17 +12,16 @@ pub mod belief;
 mod change;
 mod tool;
 
-use crate::creature::Creature;
+use crate::agent::Agent;
 use crate::kinematics::Chain;
 use crate::learning::growing::WHOLE_DOF;
 use crate::learning::least_squares::LeastSquares;
 use crate::learning::observability::Observability;
 use crate::learning::surface_gap::SurfaceGap;
 use crate::learning::touch_set::{PreparedTouch, TouchProblem, TouchSet};
-use crate::learning::{Known, Learned, Learner, SecondOrder, Verdict};
+use crate::learning::{Basis, Learned, Learner, PriorKnowledge, SecondOrder, Verdict};
 use crate::schema::BodySchema;
 use crate::senses::Touch;
-use crate::skin::Skin;
 pub use belief::{Anchor, Belief, Expectation};
 use change::{Explanation, Watch, Watched};
 pub use tool::Tool;
@@ -62,7 +61,7 @@ const EXPLAINS_ALL: f64 = 0.7;
 
 /// A change of the body, as the agent understood it.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Change {
+pub struct BodyChange {
     /// The number of the touch at which it was understood, from 0.
     pub touch: usize,
     /// The number of the first touch that it explains.
@@ -96,9 +95,8 @@ pub enum What {
 
 /// The learner `lm` on receptors and surfaces.
 pub struct Online<'a> {
-    creature: &'a Creature,
-    skin: &'a Skin,
-    known: Known,
+    agent: &'a Agent,
+    known: PriorKnowledge,
     batch: SecondOrder<'a>,
     /// Touches seen.
     seen: usize,
@@ -112,7 +110,7 @@ pub struct Online<'a> {
     surprises: Vec<bool>,
     /// How many of its predicted deviations each missed by.
     deviations: Vec<f64>,
-    changes: Vec<Change>,
+    changes: Vec<BodyChange>,
     tools: Vec<Tool>,
     /// Per tool, the touches that it explained and how many there will be when it is fitted again.
     by_tool: Vec<(Vec<PreparedTouch>, usize)>,
@@ -146,16 +144,15 @@ struct Locked {
 
 impl<'a> Online<'a> {
     /// A learner whose onsets are drawn from `seed`.
-    pub fn new(creature: &'a Creature, skin: &'a Skin, seed: u64) -> Online<'a> {
-        let known = Known::nothing(creature, skin);
-        let batch = SecondOrder::new(creature, skin, super::Input::Receptor, seed);
+    pub fn new(agent: &'a Agent, seed: u64) -> Online<'a> {
+        let known = PriorKnowledge::nothing(agent);
+        let batch = SecondOrder::new(agent, super::Input::Receptor, seed);
         Online {
-            creature,
-            skin,
+            agent,
             known,
             batch,
             seen: 0,
-            next_trial: if creature.dof() > WHOLE_DOF { usize::MAX } else { FIRST_TRIAL },
+            next_trial: if agent.creature().dof() > WHOLE_DOF { usize::MAX } else { FIRST_TRIAL },
             locked: None,
             onsets: 0,
             expectation: None,
@@ -169,7 +166,7 @@ impl<'a> Online<'a> {
     }
 
     /// Sets what is known of the joints already.
-    pub fn with_known(mut self, known: Known) -> Online<'a> {
+    pub fn with_known(mut self, known: PriorKnowledge) -> Online<'a> {
         self.batch = self.batch.with_known(known.clone());
         self.known = known;
         self
@@ -181,7 +178,7 @@ impl<'a> Online<'a> {
     }
 
     /// How the body changed, as far as the agent understood.
-    pub fn changes(&self) -> &[Change] {
+    pub fn changes(&self) -> &[BodyChange] {
         &self.changes
     }
 
@@ -208,22 +205,22 @@ impl<'a> Online<'a> {
         let mut touches = TouchSet::default();
         let mut beyond = 0;
         for (limbs, touch) in self.batch.prepared() {
-            let chain = Chain::between(self.creature, limbs[0], limbs[1]);
+            let chain = Chain::between(self.agent.creature(), limbs[0], limbs[1]);
             let mut joints = chain.joints();
             if joints.all(|j| self.known.frozen[j] || parameters.positions[j].is_some()) {
-                touches.push_prepared(self.creature, limbs, touch);
+                touches.push_prepared(self.agent.creature(), limbs, touch);
             } else {
                 beyond += 1;
             }
         }
-        let model = SurfaceGap::new(self.skin, deviation);
-        let mut problem =
-            TouchProblem::new(self.creature, &touches, &parameters, model).with_prior(&self.known.prior);
+        let model = SurfaceGap::new(self.agent.skin(), deviation);
+        let mut problem = TouchProblem::new(self.agent.creature(), &touches, &parameters, model)
+            .with_prior(&self.known.prior);
         let information = problem.linearize(&learned.schema).hessian;
         let belief = Belief::new(learned.schema.clone(), parameters, information, deviation);
         let Some(belief) = belief else { return };
         let next_fit = 2 * touches.len();
-        let watch = Watch::new(self.creature);
+        let watch = Watch::new(self.agent.creature());
         self.locked = Some(Locked { belief, anchor: None, touches, beyond, next_fit, watch });
     }
 
@@ -232,7 +229,7 @@ impl<'a> Online<'a> {
         let number = self.seen - 1;
         let (limbs, prepared) = self.batch.prepare_one(touch);
         let Some(locked) = self.locked.as_mut() else { return };
-        let chain = Chain::between(self.creature, limbs[0], limbs[1]);
+        let chain = Chain::between(self.agent.creature(), limbs[0], limbs[1]);
         if !locked.belief.knows(chain.joints(), &self.known.frozen) {
             locked.beyond += 1;
             if locked.beyond > locked.touches.len().min(FIRST_TRIAL) {
@@ -241,10 +238,10 @@ impl<'a> Online<'a> {
             }
             return;
         }
-        let mut expectation = locked.belief.expect(self.skin, &prepared);
+        let mut expectation = locked.belief.expect(self.agent.skin(), &prepared);
         let gaps = self.tools.iter().enumerate().filter(|(_, tool)| limbs.contains(&tool.limb));
         let by_tool = gaps
-            .filter_map(|(k, tool)| Some((k, tool.gap(self.skin, &locked.belief.schema, &prepared)?)))
+            .filter_map(|(k, tool)| Some((k, tool.gap(self.agent.skin(), &locked.belief.schema, &prepared)?)))
             .min_by(|a, b| a.1.abs().total_cmp(&b.1.abs()))
             .filter(|(_, gap)| gap.abs() < expectation.gap.abs());
         if let Some((k, gap)) = by_tool {
@@ -253,7 +250,8 @@ impl<'a> Online<'a> {
             touches.push(prepared.clone());
             if touches.len() >= *next_fit {
                 let all: Vec<&PreparedTouch> = touches.iter().collect();
-                self.tools[k] = self.tools[k].refitted(self.skin, &locked.belief.schema, &all, CLOSE_ENOUGH);
+                self.tools[k] =
+                    self.tools[k].refitted(self.agent.skin(), &locked.belief.schema, &all, CLOSE_ENOUGH);
                 *next_fit = touches.len() + touches.len() / 2;
             }
         }
@@ -268,7 +266,7 @@ impl<'a> Online<'a> {
             if !surprising {
                 locked.belief.learn((TAIL / deviations.max(TAIL)).powi(2));
             }
-            locked.touches.push_prepared(self.creature, limbs, prepared);
+            locked.touches.push_prepared(self.agent.creature(), limbs, prepared);
         }
         if let Some(onset) = changed {
             self.adapt(onset, number);
@@ -280,8 +278,8 @@ impl<'a> Online<'a> {
     fn fit_again(&mut self) {
         let Some(locked) = self.locked.as_mut() else { return };
         match &locked.anchor {
-            Some(anchor) => locked.belief.relinearize(self.creature, self.skin, &locked.touches, anchor),
-            None => locked.belief.relinearize(self.creature, self.skin, &locked.touches, &self.known.prior),
+            Some(anchor) => locked.belief.relinearize(self.agent, &locked.touches, anchor),
+            None => locked.belief.relinearize(self.agent, &locked.touches, &self.known.prior),
         };
         locked.next_fit = 2 * locked.touches.len();
     }
@@ -293,16 +291,16 @@ impl<'a> Online<'a> {
             let Before { locked, tools, by_tool, onset: first, .. } = *before;
             let watch = self.locked.take().map(|locked| locked.watch);
             self.locked =
-                Some(Locked { watch: watch.unwrap_or_else(|| Watch::new(self.creature)), ..locked });
+                Some(Locked { watch: watch.unwrap_or_else(|| Watch::new(self.agent.creature())), ..locked });
             (self.tools, self.by_tool) = (tools, by_tool);
             self.changes.pop();
             onset = first;
         }
         let Some(locked) = self.locked.as_mut() else { return };
-        let (creature, skin) = (self.creature, self.skin);
+        let agent = self.agent;
         let belief = &locked.belief;
         let explanation =
-            locked.watch.explain(onset, creature, skin, &belief.schema, &belief.parameters, belief.deviation);
+            locked.watch.explain(onset, agent, &belief.schema, &belief.parameters, belief.deviation);
         let since: Vec<Watched> = locked.watch.since(onset).cloned().collect();
         if explanation.is_some() {
             let (tools, by_tool) = (self.tools.clone(), self.by_tool.clone());
@@ -311,7 +309,7 @@ impl<'a> Online<'a> {
         match explanation {
             None if since.len() < PATIENCE => {}
             None => {
-                self.changes.push(Change { touch: number, since: onset, what: What::Beyond });
+                self.changes.push(BodyChange { touch: number, since: onset, what: What::Beyond });
                 self.batch.forget_before(since.len());
                 self.locked = None;
                 self.next_trial = self.seen;
@@ -319,7 +317,7 @@ impl<'a> Online<'a> {
             Some(Explanation::Holds(tool)) => {
                 let by_stick = since.iter().filter(|w| w.surprising && w.limbs.contains(&tool.limb));
                 let touches: Vec<&PreparedTouch> = by_stick.map(|watched| &watched.touch).collect();
-                let tool = tool.settled(skin, &belief.schema, &touches);
+                let tool = tool.settled(agent.skin(), &belief.schema, &touches);
                 let explained = touches.into_iter().cloned().collect::<Vec<_>>();
                 let next_fit = explained.len() + explained.len() / 2;
                 if let Some(k) = self.tools.iter().position(|other| other.limb == tool.limb) {
@@ -328,7 +326,7 @@ impl<'a> Online<'a> {
                 }
                 self.tools.push(tool);
                 self.by_tool.push((explained, next_fit));
-                self.changes.push(Change { touch: number, since: onset, what: What::Tool(tool) });
+                self.changes.push(BodyChange { touch: number, since: onset, what: What::Tool(tool) });
                 locked.watch.calm();
             }
             Some(Explanation::Moved(joint, schema)) => {
@@ -336,11 +334,11 @@ impl<'a> Online<'a> {
                 let with_joint = locked.touches.filter(|pair| pair.chain.joints().any(|j| j == joint));
                 let close = CLOSE_ENOUGH.max(SURPRISING * belief.deviation);
                 // Of the touches before, too: the body is the same, and had been learned wrongly.
-                let explains_all = change::closed(skin, &with_joint, &schema, close) > EXPLAINS_ALL;
+                let explains_all = change::closed(agent.skin(), &with_joint, &schema, close) > EXPLAINS_ALL;
                 if explains_all && locked.anchor.is_none() {
                     locked.belief.schema = schema;
                     let what = What::Corrected { joint, distance };
-                    self.changes.push(Change { touch: number, since: onset, what });
+                    self.changes.push(BodyChange { touch: number, since: onset, what });
                     locked.watch.calm();
                     self.fit_again();
                     return;
@@ -350,12 +348,12 @@ impl<'a> Online<'a> {
                 let Some(anchor) = locked.belief.anchor() else { return };
                 locked.touches = TouchSet::default();
                 for watched in since {
-                    locked.touches.push_prepared(creature, watched.limbs, watched.touch);
+                    locked.touches.push_prepared(agent.creature(), watched.limbs, watched.touch);
                 }
                 locked.anchor = Some(anchor);
                 locked.watch.calm();
                 let what = What::Joint { joint, distance };
-                self.changes.push(Change { touch: number, since: onset, what });
+                self.changes.push(BodyChange { touch: number, since: onset, what });
                 self.fit_again();
                 if let Some(locked) = self.locked.as_mut() {
                     locked.next_fit = locked.touches.len() + FEW_MORE;
@@ -391,7 +389,7 @@ impl<'a> Online<'a> {
         // The body never changed: all touches count alike, and the last fit is that of all at once.
         if locked.anchor.is_none() && self.changes.is_empty() {
             let known = |j: usize| self.known.frozen[j] || belief.parameters.positions[j].is_some();
-            let known = (0..self.creature.joints().len()).map(known).collect();
+            let known = (0..self.agent.creature().joints().len()).map(known).collect();
             let refined = self.batch.refine_known(&belief.schema, known);
             return Some(Learned {
                 verdict: Verdict::Converged,
@@ -401,23 +399,25 @@ impl<'a> Online<'a> {
                 ..refined
             });
         }
-        let model = SurfaceGap::new(self.skin, belief.deviation);
-        let mut problem = TouchProblem::new(self.creature, &locked.touches, &belief.parameters, model);
+        let model = SurfaceGap::new(self.agent.skin(), belief.deviation);
+        let mut problem =
+            TouchProblem::new(self.agent.creature(), &locked.touches, &belief.parameters, model);
         if let Some(anchor) = &locked.anchor {
             problem = problem.with_prior(anchor);
         }
         let information = problem.linearize(&belief.schema).hessian;
         let rows = 5 * locked.touches.len();
         let observability = Observability::new(
-            self.creature,
+            self.agent.creature(),
             belief.parameters.clone(),
             &self.known.frozen,
             information,
             rows,
         );
-        let undetermined = observability.undetermined_joints(self.creature, self.skin, &belief.schema);
+        let undetermined = observability.undetermined_joints(self.agent, &belief.schema);
         Some(Learned {
             schema: belief.schema.clone(),
+            basis: Basis::SURFACES,
             verdict: Verdict::Converged,
             onsets: self.onsets,
             fresh_rms,

@@ -9,11 +9,11 @@ use std::collections::BTreeMap;
 
 use nalgebra::{Matrix4, Vector3, Vector4};
 
-use crate::kinematics::Frame;
+use crate::geometry::{Capsule, Frame};
 use crate::learning::annealing::{NARROWEST, quantile};
 use crate::learning::touch_set::PreparedTouch;
 use crate::schema::BodySchema;
-use crate::skin::{Shape, Skin};
+use crate::skin::Skin;
 
 /// How far the tip may be at first, metres: an arm's length is tried, and half and a quarter of it.
 const REACH: f64 = 0.6;
@@ -47,17 +47,13 @@ impl Tool {
 
     fn gap_at(&self, skin: &Skin, touch: &PreparedTouch, side: usize, frames: &[Frame; 2]) -> Option<f64> {
         let surface = skin.receptors[touch.ends[1 - side].receptor].surface?;
-        let surface = &skin.surfaces[surface];
-        let (radius, half_length) = match surface.shape {
-            Shape::Sphere { radius } => (radius, 0.0),
-            Shape::Capsule { radius, half_length } => (radius, half_length),
-            _ => return None,
-        };
-        let along: Vector3<f64> = surface.rotation.column(2) * half_length;
-        let other = [surface.origin - along, surface.origin + along].map(|p| frames[1 - side].point(&p));
-        let own = [self.grip, self.tip].map(|p| frames[side].point(&p));
-        let [p, q] = crate::kinematics::closest_points(&own, &other);
-        Some((p - q).norm() - self.radius - radius)
+        let other = skin.surfaces[surface].as_capsule()?.placed(&frames[1 - side]);
+        Some(self.capsule().placed(&frames[side]).gap(&other).distance)
+    }
+
+    /// The tool in its limb's frame.
+    fn capsule(&self) -> Capsule {
+        Capsule { ends: [self.grip, self.tip], radius: self.radius }
     }
 
     /// The stick on a limb that explains most of the touches, and how many of them it explains to `close`,

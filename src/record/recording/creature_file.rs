@@ -6,18 +6,17 @@ use std::path::Path;
 
 use serde_json::{Map, Value, json};
 
+use crate::agent::Agent;
 use crate::creature::Creature;
-use crate::record::session::check_skin;
+use crate::record::error::ContentFault;
 use crate::record::{RecordError, files};
 use crate::skin::Skin;
 
 /// A creature's file, read.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CreatureFile {
-    /// The creature.
-    pub creature: Creature,
-    /// Its skin; empty where the file has none.
-    pub skin: Skin,
+    /// The creature and its skin, which is empty where the file has none.
+    pub agent: Agent,
     /// The seed of the session, where the file is a whole `session.json`.
     pub seed: Option<u64>,
 }
@@ -45,7 +44,7 @@ pub struct CreatureFile {
 /// the limb's frame, metres), `normal` and `tangent` (unit vectors), `half_extents` (metres along the tangent and
 /// along normal × tangent) and `surface` (an index into `surfaces`, or null); `surfaces` with `limb`, `origin` (in
 /// the limb's frame, metres), `rotation` (its columns are the shape's axes) and `shape`, as
-/// [`Shape`](crate::skin::Shape) says.
+/// [`Shape`](crate::geometry::Shape) says.
 ///
 /// # Errors
 /// [`RecordError::Io`] where the file cannot be read; [`RecordError::Format`], with the field, where it is no
@@ -58,7 +57,7 @@ pub fn read_creature(path: &Path) -> Result<CreatureFile, RecordError> {
     parse(value).map_err(|message| RecordError::format(path, None, message))
 }
 
-fn parse(value: Value) -> Result<CreatureFile, String> {
+fn parse(value: Value) -> Result<CreatureFile, ContentFault> {
     let Value::Object(mut file) = value else {
         return Err("it is no JSON object: give one with name, limbs and joints, or a session.json".into());
     };
@@ -83,26 +82,27 @@ fn parse(value: Value) -> Result<CreatureFile, String> {
             typed(skin, "skin.")?
         }
     };
-    check_skin(&creature, &skin)?;
-    Ok(CreatureFile { creature, skin, seed })
+    let agent = Agent::new(creature, skin).map_err(|error| error.to_string())?;
+    Ok(CreatureFile { agent, seed })
 }
 
 /// A value as a type, an error with the place.
-fn typed<T: serde::de::DeserializeOwned>(value: Value, at: &str) -> Result<T, String> {
+fn typed<T: serde::de::DeserializeOwned>(value: Value, at: &str) -> Result<T, ContentFault> {
     serde_path_to_error::deserialize(value).map_err(|error| {
         let path = error.path().to_string();
         let place = if path == "." { at.trim_end_matches('.').to_string() } else { format!("{at}{path}") };
         let mend = "mend it as the documentation of the creature's file says";
+        let inner = error.inner();
         if place.is_empty() {
-            format!("{}: {mend}", error.inner())
+            format!("{inner}: {mend}").into()
         } else {
-            format!("{place}: {}: {mend}", error.inner())
+            format!("{place}: {inner}: {mend}").into()
         }
     })
 }
 
 /// Fills in what may be left out, and turns limbs' names into indices; the limbs' names.
-fn prepare_creature(creature: &mut Value, at: &str) -> Result<Vec<String>, String> {
+fn prepare_creature(creature: &mut Value, at: &str) -> Result<Vec<String>, ContentFault> {
     let creature = object(creature, at.trim_end_matches('.'))?;
     known_fields(creature, at, &["name", "limbs", "joints", "aura_limbs"])?;
     creature.entry("aura_limbs").or_insert(json!([]));
@@ -123,7 +123,7 @@ fn prepare_creature(creature: &mut Value, at: &str) -> Result<Vec<String>, Strin
                 return Err(format!(
                     "{place}.limb is another than limb {} of the list, \"{name}\": put joints and limbs in one order",
                     j + 1
-                ));
+                ).into());
             }
         }
         for (d, dof) in list(joint, "dofs", &format!("{place}."))?.iter_mut().enumerate() {
@@ -134,7 +134,9 @@ fn prepare_creature(creature: &mut Value, at: &str) -> Result<Vec<String>, Strin
                 Some("hinge") => json!([-PI, PI]),
                 Some("ball") => json!([0.0, PI]),
                 Some("slide") if dof.get("range").is_none_or(Value::is_null) => {
-                    return Err(format!("{place} is a slide and has no range: give its ends in metres"));
+                    return Err(
+                        format!("{place} is a slide and has no range: give its ends in metres").into()
+                    );
                 }
                 _ => Value::Null,
             };
@@ -153,7 +155,7 @@ fn prepare_creature(creature: &mut Value, at: &str) -> Result<Vec<String>, Strin
     Ok(limbs)
 }
 
-fn prepare_skin(skin: &mut Value, limbs: &[String]) -> Result<(), String> {
+fn prepare_skin(skin: &mut Value, limbs: &[String]) -> Result<(), ContentFault> {
     let skin = object(skin, "skin")?;
     skin.entry("surfaces").or_insert(json!([]));
     for part in ["receptors", "surfaces"] {
@@ -166,23 +168,24 @@ fn prepare_skin(skin: &mut Value, limbs: &[String]) -> Result<(), String> {
 }
 
 /// What a creature from a simulator has by itself: names that tell things apart, and joints that move.
-fn check_creature(creature: &Creature) -> Result<(), String> {
+fn check_creature(creature: &Creature) -> Result<(), ContentFault> {
     let mut seen = BTreeSet::new();
     if let Some(twice) = creature.limbs().iter().find(|name| !seen.insert(name.as_str())) {
-        return Err(format!("two limbs are called \"{twice}\": give each a name of its own"));
+        return Err(format!("two limbs are called \"{twice}\": give each a name of its own").into());
     }
     let mut seen = BTreeSet::new();
     if let Some(twice) = creature.dofs().find(|dof| !seen.insert(dof.name.as_str())) {
         return Err(format!(
             "two degrees of freedom are called \"{}\": give each a name of its own",
             twice.name
-        ));
+        )
+        .into());
     }
     if let Some(fixed) = creature.joints().iter().find(|joint| joint.dofs.is_empty()) {
         return Err(format!(
             "joint \"{}\" has no degrees of freedom: what does not move is a part of its parent limb, leave it out",
             fixed.name
-        ));
+        ).into());
     }
     if creature.joints().is_empty() {
         return Err("it has no joint: give at least one".into());
@@ -190,22 +193,27 @@ fn check_creature(creature: &Creature) -> Result<(), String> {
     Ok(())
 }
 
-fn object<'a>(value: &'a mut Value, place: &str) -> Result<&'a mut Map<String, Value>, String> {
+fn object<'a>(value: &'a mut Value, place: &str) -> Result<&'a mut Map<String, Value>, ContentFault> {
     let place = if place.is_empty() { "it" } else { place };
-    value.as_object_mut().ok_or_else(|| format!("{place} is no object: give one"))
+    value.as_object_mut().ok_or_else(|| format!("{place} is no object: give one").into())
 }
 
-fn list<'a>(map: &'a mut Map<String, Value>, field: &str, at: &str) -> Result<&'a mut Vec<Value>, String> {
+fn list<'a>(
+    map: &'a mut Map<String, Value>,
+    field: &str,
+    at: &str,
+) -> Result<&'a mut Vec<Value>, ContentFault> {
     map.get_mut(field)
         .and_then(Value::as_array_mut)
-        .ok_or_else(|| format!("{at}{field} is missing or no list: give one"))
+        .ok_or_else(|| format!("{at}{field} is missing or no list: give one").into())
 }
 
-fn known_fields(map: &Map<String, Value>, at: &str, known: &[&str]) -> Result<(), String> {
+fn known_fields(map: &Map<String, Value>, at: &str, known: &[&str]) -> Result<(), ContentFault> {
     match map.keys().find(|key| !known.contains(&key.as_str())) {
         Some(unknown) => {
             let fields = known.join(", ");
-            Err(format!("{at}{unknown} is unknown: rename it or leave it out, the fields are {fields}"))
+            Err(format!("{at}{unknown} is unknown: rename it or leave it out, the fields are {fields}")
+                .into())
         }
         None => Ok(()),
     }
@@ -216,15 +224,17 @@ fn limb_index(
     field: &str,
     place: &str,
     limbs: &[String],
-) -> Result<(), String> {
+) -> Result<(), ContentFault> {
     let limb = map.get_mut(field).ok_or_else(|| format!("{place} has no {field}: name a limb"))?;
     name_to_index(limb, &format!("{place}.{field}"), limbs)
 }
 
-fn name_to_index(limb: &mut Value, place: &str, limbs: &[String]) -> Result<(), String> {
+fn name_to_index(limb: &mut Value, place: &str, limbs: &[String]) -> Result<(), ContentFault> {
     if let Value::String(name) = limb {
         let Some(index) = limbs.iter().position(|other| other == name) else {
-            return Err(format!("{place}: there is no limb \"{name}\" in limbs: add it, or name another"));
+            return Err(
+                format!("{place}: there is no limb \"{name}\" in limbs: add it, or name another").into()
+            );
         };
         *limb = json!(index);
     }

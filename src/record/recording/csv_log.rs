@@ -10,6 +10,7 @@ use super::posture::unit_quaternions;
 use super::raw::{RawEnd, RawTouch};
 use crate::creature::{Creature, DofKind};
 use crate::record::RecordError;
+use crate::record::error::ContentFault;
 
 /// The columns beside those of the degrees of freedom, end a then end b.
 const LIMBS: [&str; 2] = ["limb_a", "limb_b"];
@@ -45,7 +46,7 @@ pub(super) fn read(path: &Path, bytes: &[u8], creature: &Creature) -> Result<Vec
         .trim(csv::Trim::All)
         .from_reader(bytes);
     let mut record = StringRecord::new();
-    let mut columns: Option<Columns> = None;
+    let mut columns: Option<CsvColumns> = None;
     let mut touches = Vec::new();
     loop {
         match reader.read_record(&mut record) {
@@ -58,10 +59,13 @@ pub(super) fn read(path: &Path, bytes: &[u8], creature: &Creature) -> Result<Vec
         }
         let line = line_of(&record, bytes);
         match &columns {
-            None => columns = Some(Columns::new(&record, creature).map_err(|message| refuse(line, message))?),
+            None => {
+                columns =
+                    Some(CsvColumns::new(&record, creature).map_err(|fault| refuse(line, fault.into()))?)
+            }
             Some(columns) => {
                 let touch =
-                    columns.touch(&record, line, creature).map_err(|message| refuse(line, message))?;
+                    columns.touch(&record, line, creature).map_err(|fault| refuse(line, fault.into()))?;
                 touches.push(touch);
             }
         }
@@ -85,14 +89,14 @@ fn line_of(record: &StringRecord, bytes: &[u8]) -> u64 {
 }
 
 /// Which cell of a row holds what.
-struct Columns {
+struct CsvColumns {
     names: Vec<String>,
     posture: Vec<usize>,
     reserved: HashMap<&'static str, usize>,
 }
 
-impl Columns {
-    fn new(header: &StringRecord, creature: &Creature) -> Result<Columns, String> {
+impl CsvColumns {
+    fn new(header: &StringRecord, creature: &Creature) -> Result<CsvColumns, ContentFault> {
         let names: Vec<String> =
             header.iter().map(|name| name.trim_start_matches('\u{feff}').to_string()).collect();
         if let [only] = names.as_slice()
@@ -100,19 +104,19 @@ impl Columns {
         {
             return Err(format!(
                 "its columns are separated by {separator:?}: separate them by commas, and write decimals with a point"
-            ));
+            ).into());
         }
         let wanted = posture_columns(creature);
         if let Some(name) = wanted.iter().find(|name| reserved().any(|other| other == **name)) {
             return Err(format!(
                 "the degree of freedom \"{name}\" is called as a column of another meaning: rename it in the creature's \
                  file, or give the log as lines of JSON"
-            ));
+            ).into());
         }
         for (i, name) in names.iter().enumerate() {
             let column = i + 1;
             if names[..i].contains(name) {
-                return Err(format!("column {column}, {name}: it occurs twice: leave one of them out"));
+                return Err(format!("column {column}, {name}: it occurs twice: leave one of them out").into());
             }
             if !wanted.contains(name) && !reserved().any(|other| other == name) {
                 return Err(format!(
@@ -120,7 +124,7 @@ impl Columns {
                      leave it out",
                     creature.name(),
                     reserved().collect::<Vec<_>>().join(", ")
-                ));
+                ).into());
             }
         }
         let place = |name: &str| names.iter().position(|other| other == name);
@@ -136,7 +140,7 @@ impl Columns {
             let points = POINTS[side].iter().filter(|name| has(name)).count();
             if points != 0 && points != 3 {
                 let missing = POINTS[side].iter().find(|name| !has(name)).copied().unwrap_or_default();
-                return Err(format!("there is no column {missing}: a point has three coordinates"));
+                return Err(format!("there is no column {missing}: a point has three coordinates").into());
             }
             let told = has(receptor) || (has(limb) && points == 3);
             if !told {
@@ -144,33 +148,38 @@ impl Columns {
                 return Err(format!(
                     "there is no column {}: give {limb} with {x}, {y}, {z}, or {receptor}",
                     if has(limb) { x } else { limb }
-                ));
+                )
+                .into());
             }
         }
-        Ok(Columns { names, posture, reserved })
+        Ok(CsvColumns { names, posture, reserved })
     }
 
-    fn touch(&self, row: &StringRecord, line: u64, creature: &Creature) -> Result<RawTouch, String> {
+    fn touch(&self, row: &StringRecord, line: u64, creature: &Creature) -> Result<RawTouch, ContentFault> {
         if row.len() != self.names.len() {
             return Err(format!(
                 "it has {} cells in place of {}: give one for each column",
                 row.len(),
                 self.names.len()
-            ));
+            )
+            .into());
         }
         let place = |column: usize| format!("column {}, {}", column + 1, self.names[column]);
-        let number = |column: usize, unit: &str| -> Result<f64, String> {
+        let number = |column: usize, unit: &str| -> Result<f64, ContentFault> {
             let cell = &row[column];
             if cell.is_empty() {
-                return Err(format!("{}: it is empty: give {unit}, or leave the touch out", place(column)));
+                return Err(
+                    format!("{}: it is empty: give {unit}, or leave the touch out", place(column)).into()
+                );
             }
             match cell.parse::<f64>() {
                 Ok(value) if value.is_finite() => Ok(value),
                 Ok(_) => Err(format!(
                     "{}: {cell} is not finite: give {unit}, or leave the touch out",
                     place(column)
-                )),
-                Err(_) => Err(format!("{}: \"{cell}\" is no number: give {unit}", place(column))),
+                )
+                .into()),
+                Err(_) => Err(format!("{}: \"{cell}\" is no number: give {unit}", place(column)).into()),
             }
         };
         // A reserved column's cell, where there is such a column and it is not empty.
@@ -178,19 +187,19 @@ impl Columns {
             let column = *self.reserved.get(name)?;
             (!row[column].is_empty()).then_some(column)
         };
-        let count = |name: &str| -> Result<Option<u64>, String> {
+        let count = |name: &str| -> Result<Option<u64>, ContentFault> {
             let Some(column) = cell(name) else { return Ok(None) };
             let value = row[column].parse::<u64>();
-            value
-                .map(Some)
-                .map_err(|_| format!("{}: \"{}\" is no whole number: give one", place(column), &row[column]))
+            value.map(Some).map_err(|_| {
+                format!("{}: \"{}\" is no whole number: give one", place(column), &row[column]).into()
+            })
         };
         let mut posture = Vec::with_capacity(self.posture.len());
         for &column in &self.posture {
             posture.push(number(column, "radians, or metres of a slide")?);
         }
         unit_quaternions(creature, &mut posture);
-        let end = |side: usize| -> Result<RawEnd, String> {
+        let end = |side: usize| -> Result<RawEnd, ContentFault> {
             let point = match POINTS[side].map(cell) {
                 [None, None, None] => None,
                 _ => {
@@ -209,7 +218,8 @@ impl Columns {
                 return Err(format!(
                     "{}: {wrong} is negative: give metres, or leave it empty",
                     place(column)
-                ));
+                )
+                .into());
             }
             let text = |name: &str| cell(name).map(|column| row[column].to_string());
             Ok(RawEnd {
@@ -226,7 +236,7 @@ impl Columns {
             bout: count("bout")?,
             motion: count("motion")?,
             ends: [end(0)?, end(1)?],
-            posture,
+            posture: posture.into(),
         })
     }
 }

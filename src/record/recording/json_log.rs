@@ -8,8 +8,9 @@ use serde_json::Value;
 
 use super::posture::unit_quaternions;
 use super::raw::{RawEnd, RawTouch};
-use crate::creature::{Creature, DofKind};
+use crate::creature::{Creature, DofKind, Posture};
 use crate::record::RecordError;
+use crate::record::error::ContentFault;
 use crate::record::error::json_reason;
 use crate::record::json_lines::incomplete;
 use crate::record::touch_reader::check_header;
@@ -17,7 +18,7 @@ use crate::record::touch_reader::check_header;
 /// A line. JSON has no other way to say "not a finite number" than null.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields, expecting = "an object")]
-struct Line {
+struct JsonTouchLine {
     bout: Option<u64>,
     motion: Option<u64>,
     posture: Value,
@@ -49,7 +50,7 @@ pub(super) fn read(
             check_header(path, json, line, creature)?;
             continue;
         }
-        let found: Line = match serde_json::from_slice(json) {
+        let found: JsonTouchLine = match serde_json::from_slice(json) {
             Ok(found) => found,
             Err(error) if lines.peek().is_none() && !touches.is_empty() && incomplete(json, &error) => {
                 return Ok((touches, Some(line)));
@@ -65,10 +66,10 @@ pub(super) fn read(
     Ok((touches, None))
 }
 
-fn touch(found: Line, line: usize, creature: &Creature) -> Result<RawTouch, String> {
+fn touch(found: JsonTouchLine, line: usize, creature: &Creature) -> Result<RawTouch, ContentFault> {
     let mut posture = posture(&found.posture, creature)?;
     unit_quaternions(creature, &mut posture);
-    let end = |k: usize| -> Result<RawEnd, String> {
+    let end = |k: usize| -> Result<RawEnd, ContentFault> {
         let point = match found.contacts.map(|contacts| contacts[k]) {
             None => None,
             Some([Some(x), Some(y), Some(z)]) => Some(Vector3::new(x, y, z)),
@@ -76,12 +77,14 @@ fn touch(found: Line, line: usize, creature: &Creature) -> Result<RawTouch, Stri
                 return Err(format!(
                     "contacts[{k}] is not three finite numbers: give metres in the limb's frame, or leave the touch \
                      out"
-                ));
+                ).into());
             }
         };
         let deviation = found.deviations.and_then(|deviations| deviations[k]);
         if let Some(wrong) = deviation.filter(|deviation| !(deviation.is_finite() && *deviation >= 0.0)) {
-            return Err(format!("deviations[{k}] is {wrong}: give metres that are not negative, or null"));
+            return Err(
+                format!("deviations[{k}] is {wrong}: give metres that are not negative, or null").into()
+            );
         }
         Ok(RawEnd {
             limb: found.limbs.as_ref().map(|limbs| limbs[k].clone()),
@@ -96,7 +99,7 @@ fn touch(found: Line, line: usize, creature: &Creature) -> Result<RawTouch, Stri
 }
 
 /// A posture as a list in the creature's order, or as an object of names.
-fn posture(value: &Value, creature: &Creature) -> Result<Vec<f64>, String> {
+fn posture(value: &Value, creature: &Creature) -> Result<Posture, ContentFault> {
     let number = |value: &Value, place: &str| {
         value.as_f64().ok_or_else(|| {
             format!("posture: {place} is {value} and no finite number: give one, or leave the touch out")
@@ -117,21 +120,24 @@ fn posture(value: &Value, creature: &Creature) -> Result<Vec<f64>, String> {
                     values.len(),
                     creature.name(),
                     creature.coordinates()
-                ));
+                ).into());
             }
-            Ok(values)
+            Ok(values.into())
         }
         Value::Object(named) => {
             if let Some(unknown) = named.keys().find(|name| !creature.dofs().any(|dof| dof.name == **name)) {
                 return Err(format!(
                     "posture: {} has no degree of freedom \"{unknown}\": name those of the creature's file",
                     creature.name()
-                ));
+                )
+                .into());
             }
             let mut posture = Vec::new();
             for dof in creature.dofs() {
                 let Some(value) = named.get(&dof.name) else {
-                    return Err(format!("posture: {} is missing: give it, or leave the touch out", dof.name));
+                    return Err(
+                        format!("posture: {} is missing: give it, or leave the touch out", dof.name).into()
+                    );
                 };
                 match (dof.kind, value) {
                     (DofKind::Ball, Value::Array(values)) if values.len() == 4 => {
@@ -143,12 +149,13 @@ fn posture(value: &Value, creature: &Creature) -> Result<Vec<f64>, String> {
                         return Err(format!(
                             "posture: {} is a ball: give its quaternion [w, x, y, z]",
                             dof.name
-                        ));
+                        )
+                        .into());
                     }
                     _ => posture.push(number(value, &dof.name)?),
                 }
             }
-            Ok(posture)
+            Ok(posture.into())
         }
         _ => Err("posture is neither a list of numbers nor an object of names: give one of the two".into()),
     }

@@ -20,8 +20,9 @@ use raw::{RawEnd, RawTouch};
 
 use super::touch_line::check;
 use super::{RecordError, files};
-use crate::creature::Creature;
+use crate::agent::Agent;
 use crate::learning::Input;
+use crate::record::error::ContentFault;
 use crate::senses::{Touch, TouchEnd};
 use crate::skin::{Receptor, Skin};
 
@@ -31,8 +32,8 @@ const BARE_RECEPTORS: usize = 12;
 /// A log of touches, and the skin that they are on.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Recording {
-    /// The skin that was given, with bare receptors where limbs were touched that have none.
-    pub skin: Skin,
+    /// The agent that was given, with bare receptors where limbs were touched that have none.
+    pub agent: Agent,
     /// The touches in the log's order.
     pub touches: Vec<Touch>,
     /// What the touches report: points where every touch has them and one lacks receptors, else receptors.
@@ -47,7 +48,8 @@ pub struct Recording {
 /// # Errors
 /// [`RecordError::Io`] where the file cannot be read. [`RecordError::Format`], with line and column, for what is
 /// no touch of the creature; for a log without touches; and for one whose angles are in degrees by the look.
-pub fn read_recording(path: &Path, creature: &Creature, skin: &Skin) -> Result<Recording, RecordError> {
+pub fn read_recording(path: &Path, agent: &Agent) -> Result<Recording, RecordError> {
+    let creature = agent.creature();
     let bytes = files::read(path)?;
     let is_csv = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("csv"));
     let (raw, truncated) = if is_csv {
@@ -60,7 +62,7 @@ pub fn read_recording(path: &Path, creature: &Creature, skin: &Skin) -> Result<R
         return Err(RecordError::format(path, None, format!("it holds no touch: {mend}")));
     }
     posture::refuse_degrees(path, creature, &raw)?;
-    let mut recording = resolve(path, creature, skin, &raw)?;
+    let mut recording = resolve(path, agent, &raw)?;
     recording.notes = posture::notes(creature, &raw);
     recording.notes.extend(truncated.map(|line| {
         format!("it ends in the middle of line {line}: that touch is left out, all before it are used")
@@ -69,22 +71,19 @@ pub fn read_recording(path: &Path, creature: &Creature, skin: &Skin) -> Result<R
 }
 
 /// Gives every touch its limbs and receptors.
-fn resolve(
-    path: &Path,
-    creature: &Creature,
-    skin: &Skin,
-    raw: &[RawTouch],
-) -> Result<Recording, RecordError> {
+fn resolve(path: &Path, agent: &Agent, raw: &[RawTouch]) -> Result<Recording, RecordError> {
+    let skin = agent.skin();
+    let creature = agent.creature();
     let refuse = |touch: &RawTouch| {
         let line = touch.line;
-        move |message: String| RecordError::format(path, Some(line), message)
+        move |fault: ContentFault| RecordError::format(path, Some(line), fault)
     };
     let given = skin.receptors.len();
     let mut limbs = Vec::with_capacity(raw.len());
     for touch in raw {
         limbs.push([
-            limb_of(creature, skin, touch, 0).map_err(refuse(touch))?,
-            limb_of(creature, skin, touch, 1).map_err(refuse(touch))?,
+            limb_of(agent, touch, 0).map_err(refuse(touch))?,
+            limb_of(agent, touch, 1).map_err(refuse(touch))?,
         ]);
     }
     let mut points = vec![Vec::new(); creature.limbs().len()];
@@ -101,14 +100,16 @@ fn resolve(
             skin.receptors.extend(bare_receptors(&creature.limbs()[limb], limb, points));
         }
     }
+    let agent = agent.with_skin(skin).map_err(|error| RecordError::format(path, None, error.to_string()))?;
+    let skin = agent.skin();
     let mut all_points = true;
     let mut all_receptors = true;
     let mut touches = Vec::with_capacity(raw.len());
     for (number, (found, limbs)) in raw.iter().zip(&limbs).enumerate() {
         let end = |k: usize| {
             let end: &RawEnd = &found.ends[k];
-            let named = end.receptor(&skin).filter(|&receptor| receptor < given);
-            let receptor = named.or_else(|| nearest(&skin, limbs[k], &end.point?));
+            let named = end.receptor(skin).filter(|&receptor| receptor < given);
+            let receptor = named.or_else(|| nearest(skin, limbs[k], &end.point?));
             let receptor = receptor.expect("an end has a receptor or a point");
             let contact = end.point.unwrap_or(skin.receptors[receptor].position);
             (named, TouchEnd { receptor, contact, deviation: end.deviation })
@@ -122,7 +123,7 @@ fn resolve(
         }
         let (bout, motion) = (found.bout.unwrap_or(0), found.motion.unwrap_or(number as u64 + 1));
         let touch = Touch { bout, motion, posture: found.posture.clone(), ends, moment: None };
-        check(&touch, creature, &skin).map_err(refuse(found))?;
+        check(&touch, &agent).map_err(refuse(found))?;
         touches.push(touch);
     }
     if !all_receptors && !all_points {
@@ -133,11 +134,13 @@ fn resolve(
         return Err(RecordError::format(path, line, message));
     }
     let input = if all_receptors { Input::Receptor } else { Input::Contact };
-    Ok(Recording { skin, touches, input, notes: Vec::new() })
+    Ok(Recording { agent, touches, input, notes: Vec::new() })
 }
 
 /// The limb of one end of a touch: where its receptor is, or the one that is named.
-fn limb_of(creature: &Creature, skin: &Skin, touch: &RawTouch, k: usize) -> Result<usize, String> {
+fn limb_of(agent: &Agent, touch: &RawTouch, k: usize) -> Result<usize, ContentFault> {
+    let skin = agent.skin();
+    let creature = agent.creature();
     let end = &touch.ends[k];
     let side = ["a", "b"][k];
     let named = match &end.limb {
@@ -160,7 +163,9 @@ fn limb_of(creature: &Creature, skin: &Skin, touch: &RawTouch, k: usize) -> Resu
                 } else {
                     "give the skin that the touches were recorded with"
                 };
-                return Err(format!("{}: the skin has no receptor \"{id}\": {mend}", end.receptor_place));
+                return Err(
+                    format!("{}: the skin has no receptor \"{id}\": {mend}", end.receptor_place).into()
+                );
             }
             _ => None,
         },
@@ -172,13 +177,13 @@ fn limb_of(creature: &Creature, skin: &Skin, touch: &RawTouch, k: usize) -> Resu
             end.receptor.as_deref().unwrap_or_default(),
             creature.limbs()[felt],
             creature.limbs()[named]
-        )),
+        ).into()),
         (Some(limb), _) => Ok(limb),
         (None, Some(_)) if end.point.is_none() => Err(format!(
             "end {side} has a limb but no point on it: give the point of contact in the limb's frame, or a receptor"
-        )),
+        ).into()),
         (None, Some(limb)) => Ok(limb),
-        (None, None) => Err(format!("end {side} has no limb: name the limb, or a receptor of the skin")),
+        (None, None) => Err(format!("end {side} has no limb: name the limb, or a receptor of the skin").into()),
     }
 }
 

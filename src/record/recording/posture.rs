@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 use std::path::Path;
 
 use super::raw::RawTouch;
-use crate::creature::{Creature, Dof, DofKind};
+use crate::creature::{Creature, DofElement, DofKind};
 use crate::record::{RecordError, UNIT_LENGTH};
 
 /// How far from 1 the length of a quaternion may be that was written with few digits; it is then scaled.
@@ -18,8 +18,8 @@ const BEYOND: f64 = 0.02;
 
 /// Scales quaternions that were rounded when they were written; those that fit to the last digits stay.
 pub(super) fn unit_quaternions(creature: &Creature, posture: &mut [f64]) {
-    for (place, ball) in of_kind(creature, DofKind::Ball) {
-        let coordinates = &mut posture[place..place + ball.kind.coordinates()];
+    for ball in of_kind(creature, DofKind::Ball) {
+        let coordinates = ball.of_mut(posture);
         let length = coordinates.iter().map(|x| x * x).sum::<f64>().sqrt();
         let off = (length - 1.0).abs();
         if off > UNIT_LENGTH && off < ROUNDED {
@@ -28,9 +28,9 @@ pub(super) fn unit_quaternions(creature: &Creature, posture: &mut [f64]) {
     }
 }
 
-/// Every degree of freedom of a kind, and the place of its first coordinate in a posture.
-fn of_kind(creature: &Creature, kind: DofKind) -> impl Iterator<Item = (usize, &Dof)> {
-    creature.dofs_in_posture().filter(move |(_, dof)| dof.kind == kind)
+/// Every degree of freedom of a kind.
+fn of_kind(creature: &Creature, kind: DofKind) -> impl Iterator<Item = DofElement<'_>> {
+    creature.elements().filter(move |element| element.kind == kind)
 }
 
 /// Refuses angles that most of them are beyond a full turn, where no range allows for that.
@@ -41,8 +41,8 @@ pub(super) fn refuse_degrees(
 ) -> Result<(), RecordError> {
     let (mut beyond, mut all, mut example) = (0, 0, None);
     for touch in touches {
-        for (place, dof) in of_kind(creature, DofKind::Hinge) {
-            let angle = touch.posture[place];
+        for hinge in of_kind(creature, DofKind::Hinge) {
+            let (dof, angle) = (hinge.dof(), touch.posture[hinge.coordinate()]);
             let outside = angle.abs() > TAU && !(dof.range[0]..=dof.range[1]).contains(&angle);
             // Zero is zero in any unit.
             all += usize::from(angle != 0.0);
@@ -68,8 +68,8 @@ pub(super) fn refuse_degrees(
 pub(super) fn notes(creature: &Creature, touches: &[RawTouch]) -> Vec<String> {
     let mut notes = Vec::new();
     let dofs = of_kind(creature, DofKind::Hinge).chain(of_kind(creature, DofKind::Slide));
-    for (place, dof) in dofs {
-        let [low, high] = dof.range;
+    for at in dofs {
+        let (dof, place, [low, high]) = (at.dof(), at.coordinate(), at.range);
         let values = || touches.iter().map(|touch| touch.posture[place]);
         let beyond = values().filter(|x| *x < low - BEYOND || *x > high + BEYOND).count();
         if beyond as f64 > BEYOND_SHARE * touches.len() as f64 {

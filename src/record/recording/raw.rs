@@ -2,6 +2,7 @@
 
 use nalgebra::Vector3;
 
+use crate::creature::Posture;
 use crate::skin::Skin;
 
 /// One end of a touch; where a field came from, as an error names it.
@@ -34,6 +35,6 @@ pub(super) struct RawTouch {
     pub line: usize,
     pub bout: Option<u64>,
     pub motion: Option<u64>,
-    pub posture: Vec<f64>,
+    pub posture: Posture,
     pub ends: [RawEnd; 2],
 }

@@ -2,7 +2,7 @@
 
 use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
 
-use super::samples::Sample;
+use crate::geometry::SurfaceSample;
 
 /// Cells whose normals average to less than this face all ways and are split.
 const ONE_SIDED: f64 = 0.35;
@@ -33,7 +33,7 @@ pub struct Patch {
 
 /// The fewest cells that samples can be gathered in so that each has one outer side; with `edges`, so that
 /// none bends round one.
-pub fn fewest(samples: &[Sample], edges: bool, long_axis: &Vector3<f64>) -> usize {
+pub fn fewest(samples: &[SurfaceSample], edges: bool, long_axis: &Vector3<f64>) -> usize {
     let mean: Vector3<f64> = samples.iter().map(|s| s.1).sum::<Vector3<f64>>() / samples.len() as f64;
     let least = if mean.norm() < ONE_SIDED { 2 } else { 1 };
     let most = MOST_SIDES.min(samples.len());
@@ -54,7 +54,7 @@ pub fn fewest(samples: &[Sample], edges: bool, long_axis: &Vector3<f64>) -> usiz
 /// Large surfaces are cut in two across their longest side, and their halves again: the time that
 /// Lloyd's iteration takes grows with the samples and with the cells.
 pub fn cells(
-    samples: &[Sample],
+    samples: &[SurfaceSample],
     share: f64,
     area: f64,
     count: usize,
@@ -80,7 +80,7 @@ pub fn cells(
 
 /// The same without cutting.
 fn gathered(
-    samples: &[Sample],
+    samples: &[SurfaceSample],
     share: f64,
     area: f64,
     count: usize,
@@ -96,12 +96,12 @@ fn gathered(
         weight *= 4.0;
         (centres, owner) = lloyd(samples, weight, count, long_axis);
     }
-    let mut of_cell: Vec<Vec<&Sample>> = vec![Vec::new(); centres.len()];
+    let mut of_cell: Vec<Vec<&SurfaceSample>> = vec![Vec::new(); centres.len()];
     for (sample, &cell) in samples.iter().zip(&owner) {
         of_cell[cell].push(sample);
     }
     let rim = 0.5 * share.sqrt();
-    let patch = |(members, &centre): (&Vec<&Sample>, &usize)| {
+    let patch = |(members, &centre): (&Vec<&SurfaceSample>, &usize)| {
         let (position, normal) = samples[centre];
         let along = long_axis - normal * normal.dot(long_axis);
         let tangent = along
@@ -122,7 +122,7 @@ fn gathered(
 }
 
 /// Whether any cell bends round an edge.
-fn bends(samples: &[Sample], centres: &[usize], owner: &[usize]) -> bool {
+fn bends(samples: &[SurfaceSample], centres: &[usize], owner: &[usize]) -> bool {
     let mut turned = vec![(0usize, 0usize); centres.len()];
     for (sample, &cell) in samples.iter().zip(owner) {
         turned[cell].0 += usize::from(sample.1.dot(&samples[centres[cell]].1) < BENT);
@@ -134,7 +134,7 @@ fn bends(samples: &[Sample], centres: &[usize], owner: &[usize]) -> bool {
 /// The cells' middle samples, and per sample its cell: Lloyd's iteration on distance² + `weight` (1 − cosine of
 /// the normals).
 fn lloyd(
-    samples: &[Sample],
+    samples: &[SurfaceSample],
     weight: f64,
     count: usize,
     long_axis: &Vector3<f64>,
@@ -171,7 +171,7 @@ fn lloyd(
             let sum: &mut (Vector3<f64>, Vector3<f64>, usize) = &mut sums[cell];
             *sum = (sum.0 + sample.0, sum.1 + sample.1, sum.2 + 1);
         }
-        let means: Vec<Sample> = sums
+        let means: Vec<SurfaceSample> = sums
             .into_iter()
             .map(|(places, normals, number)| (places / number.max(1) as f64, normals / number.max(1) as f64))
             .collect();
@@ -198,7 +198,7 @@ fn lloyd(
 }
 
 /// The sample with the greatest value; the first of equals.
-fn farthest(samples: &[Sample], value: impl Fn(usize) -> f64) -> usize {
+fn farthest(samples: &[SurfaceSample], value: impl Fn(usize) -> f64) -> usize {
     let mut best = (0, f64::NEG_INFINITY);
     for k in 0..samples.len() {
         let found = value(k);

@@ -8,11 +8,10 @@ use std::collections::BTreeSet;
 
 use nalgebra::{Isometry3, Vector3};
 
-use super::samples::{Sample, samples};
 use crate::creature::{Body, UNLIMITED_SLIDE, matrix};
+use crate::geometry::{Shape, SurfaceSample};
 use crate::mujoco::{self, Data, JointKind};
-use crate::skin::from_model::shape;
-use crate::skin::{Shape, Surface};
+use crate::skin::Surface;
 
 /// A point this deep inside another geom is not exposed, metres, on a creature of a metre and more; on
 /// smaller ones less in proportion.
@@ -48,7 +47,7 @@ impl Exposure {
             let surface = |g: usize| {
                 // What the world itself is made of is no limb.
                 let on_limb = body.feels(g);
-                let shape = shape(model, g).filter(|shape| on_limb && *shape != Shape::Mesh)?;
+                let shape = Shape::of_geom(model, g).filter(|shape| on_limb && shape.is_solid())?;
                 let pose = &of_geoms[g];
                 let (origin, rotation) = (pose.translation.vector, matrix(&pose.rotation));
                 Some(Surface { limb: 0, origin, rotation, shape, geom: g })
@@ -94,9 +93,9 @@ impl Exposure {
 
     /// Samples of a geom's exposed surface in the reference posture, about one per `spacing` m², in the world's
     /// frame, and the area that each stands for.
-    pub fn samples(&self, geom: usize, spacing: f64) -> (Vec<Sample>, f64) {
+    pub fn samples(&self, geom: usize, spacing: f64) -> (Vec<SurfaceSample>, f64) {
         let Some(surface) = self.surface(geom) else { return (Vec::new(), 0.0) };
-        let mut samples = samples(&surface.shape, spacing);
+        let mut samples = surface.shape.samples(spacing);
         let share = surface.shape.area() / samples.len().max(1) as f64;
         for (point, normal) in &mut samples {
             *point = surface.rotation * *point + surface.origin;

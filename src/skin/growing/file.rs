@@ -8,10 +8,10 @@ use xmltree::{Element, XMLNode};
 
 use super::{GrowError, GrowOptions, Sprout, sprouts, wxyz};
 use crate::creature::{Body, BodyError, JointSelection, body_name};
+use crate::geometry::Shape;
 use crate::mjcf_xml::{HALF_THICKNESS, add_receptor_class, element, read, section, write};
 use crate::mujoco::{JointKind, Model, ObjectKind, SensorKind};
-use crate::skin::Shape;
-use crate::skin::from_model::{shape, touch_sites};
+use crate::skin::from_model::touch_sites;
 
 /// The default class of the receptors' sites.
 const CLASS: &str = "receptor";
@@ -64,7 +64,8 @@ pub fn grow_skin(path: &Path, options: &GrowOptions) -> Result<Grown, GrowError>
     })?;
     let kept = touch_sites(&model).count();
     if sprouts.is_empty() && kept == 0 {
-        let meshes = (0..model.ngeom()).any(|g| body.feels(g) && shape(&model, g) == Some(Shape::Mesh));
+        let meshes = (0..model.ngeom())
+            .any(|g| body.feels(g) && Shape::of_geom(&model, g).is_some_and(|shape| !shape.is_solid()));
         return Err(unsuitable(if meshes {
             "its moving bodies have flat meshes alone, on which no skin grows: give them capsules or boxes too"
                 .into()
@@ -72,7 +73,7 @@ pub fn grow_skin(path: &Path, options: &GrowOptions) -> Result<Grown, GrowError>
             "no geom of a moving body can touch anything: give it geoms".into()
         }));
     }
-    let sensors = add(&mut root, &body, &sprouts).map_err(unsuitable)?;
+    let sensors = add(&mut root, &body, &sprouts).map_err(|fault| unsuitable(fault.to_string()))?;
     if !sensors.is_empty() {
         let section = section(&mut root, "sensor");
         section.children.extend(sensors.into_iter().map(XMLNode::Element));
@@ -95,8 +96,13 @@ impl Grown {
     }
 }
 
+/// An attribute of the default for all sites that a class cannot undo.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("its default for all sites has {0}, which receptors cannot undo: move it into a class")]
+struct StickyDefault(&'static str);
+
 /// Adds the receptors' sites and returns their sensors, after those of the joints.
-fn add(root: &mut Element, body: &Body, sprouts: &[Sprout]) -> Result<Vec<Element>, String> {
+fn add(root: &mut Element, body: &Body, sprouts: &[Sprout]) -> Result<Vec<Element>, StickyDefault> {
     let model = &body.model;
     let mut sensors = Vec::new();
     let names = names(body);
@@ -150,16 +156,14 @@ fn add(root: &mut Element, body: &Body, sprouts: &[Sprout]) -> Result<Vec<Elemen
 }
 
 /// Makes the class of the receptors' sites, and returns its name.
-fn receptor_class(root: &mut Element) -> Result<String, String> {
+fn receptor_class(root: &mut Element) -> Result<String, StickyDefault> {
     let mut taken = BTreeSet::new();
     for default in root.children.iter().filter_map(XMLNode::as_element).filter(|e| e.name == "default") {
         // Every class inherits from the outermost.
         if let Some(site) = default.get_child("site")
             && let Some(sticky) = STICKY.iter().find(|&&name| site.attributes.contains_key(name))
         {
-            return Err(format!(
-                "its default for all sites has {sticky}, which receptors cannot undo: move it into a class"
-            ));
+            return Err(StickyDefault(sticky));
         }
         classes(default, &mut taken);
     }

@@ -13,7 +13,6 @@ mod cells;
 mod exposed;
 mod file;
 mod patch_size;
-mod samples;
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
@@ -22,8 +21,9 @@ use nalgebra::{UnitQuaternion, Vector3};
 use rayon::prelude::*;
 
 use super::from_model::{geom_under, skin_of, touch_sites};
-use super::{Receptor, Shape, Skin};
+use super::{Receptor, Skin};
 use crate::creature::{Body, body_name, matrix};
+use crate::geometry::SurfaceSample;
 use crate::mujoco;
 use cells::Patch;
 use exposed::Exposure;
@@ -130,16 +130,19 @@ fn sprouts(body: &Body, options: &GrowOptions) -> Result<Vec<Sprout>, GrowError>
             "that makes some {wanted:.0} receptors, more than {MOST_RECEPTORS}: ask for larger patches"
         )));
     }
-    let mut plots: Vec<Plot> =
-        geoms.par_iter().zip(&areas).filter_map(|(&geom, &area)| Plot::new(&exposure, geom, area)).collect();
+    let mut covers: Vec<GeomCover> = geoms
+        .par_iter()
+        .zip(&areas)
+        .filter_map(|(&geom, &area)| GeomCover::new(&exposure, geom, area))
+        .collect();
     if let PatchSize::Count(total) = options.size {
-        distribute(&mut plots, total);
+        distribute(&mut covers, total);
     }
-    let patches: Vec<Vec<Patch>> = plots.par_iter().map(Plot::patches).collect();
+    let patches: Vec<Vec<Patch>> = covers.par_iter().map(GeomCover::patches).collect();
     let mut ids = Ids::new(body);
     let mut sprouts = Vec::new();
-    for (plot, patches) in plots.iter().zip(patches) {
-        let at = model.geom_body(plot.geom);
+    for (cover, patches) in covers.iter().zip(patches) {
+        let at = model.geom_body(cover.geom);
         let pose = exposure.body_pose(at);
         for patch in patches {
             let outward = patch.orientation * Vector3::z();
@@ -148,16 +151,16 @@ fn sprouts(body: &Body, options: &GrowOptions) -> Result<Vec<Sprout>, GrowError>
                 orientation: pose.rotation.inverse() * patch.orientation,
                 half_extents: patch.half_extents,
             };
-            sprouts.push(Sprout { id: ids.next(at, &outward), geom: plot.geom, body: at, patch });
+            sprouts.push(Sprout { id: ids.next(at, &outward), geom: cover.geom, body: at, patch });
         }
     }
     Ok(sprouts)
 }
 
 /// The exposed part of one geom, to be divided among receptors.
-struct Plot {
+struct GeomCover {
     geom: usize,
-    samples: Vec<samples::Sample>,
+    samples: Vec<SurfaceSample>,
     /// The area that a sample stands for, m².
     share: f64,
     /// The area of a receptor, m².
@@ -168,20 +171,20 @@ struct Plot {
     long_axis: Vector3<f64>,
 }
 
-impl Plot {
+impl GeomCover {
     /// None where next to nothing is exposed.
-    fn new(exposure: &Exposure, geom: usize, area: f64) -> Option<Plot> {
+    fn new(exposure: &Exposure, geom: usize, area: f64) -> Option<GeomCover> {
         let surface = exposure.surface(geom)?;
         let (samples, share) = exposure.samples(geom, area / SAMPLES_PER_RECEPTOR);
         let exposed = samples.len() as f64 * share;
         if samples.is_empty() || exposed < (REMNANT * area).min(REMNANT_OF_GEOM * surface.shape.area()) {
             return None;
         }
-        let edges = matches!(surface.shape, Shape::Box { .. } | Shape::Cylinder { .. } | Shape::Hull(_));
+        let edges = surface.shape.has_edges();
         let long_axis: Vector3<f64> = surface.rotation.column(2).into();
         let fewest = cells::fewest(&samples, edges, &long_axis);
         let count = ((samples.len() as f64 * share / area).round() as usize).max(fewest).min(samples.len());
-        Some(Plot { geom, samples, share, area, count, fewest, edges, long_axis })
+        Some(GeomCover { geom, samples, share, area, count, fewest, edges, long_axis })
     }
 
     /// In the world's frame of the reference posture.
@@ -192,29 +195,29 @@ impl Plot {
 
 /// Shares out a number of receptors, in proportion to what each geom would have; none gets fewer than it needs
 /// to be covered, even if that makes more in all.
-fn distribute(plots: &mut [Plot], total: usize) {
-    let ideal: Vec<f64> = plots.iter().map(|p| p.samples.len() as f64 * p.share / p.area).collect();
-    let mut scarce = vec![false; plots.len()];
+fn distribute(covers: &mut [GeomCover], total: usize) {
+    let ideal: Vec<f64> = covers.iter().map(|p| p.samples.len() as f64 * p.share / p.area).collect();
+    let mut scarce = vec![false; covers.len()];
     loop {
-        let fixed: usize = plots.iter().zip(&scarce).filter(|(_, s)| **s).map(|(p, _)| p.fewest).sum();
+        let fixed: usize = covers.iter().zip(&scarce).filter(|(_, s)| **s).map(|(p, _)| p.fewest).sum();
         let free: f64 = ideal.iter().zip(&scarce).filter(|(_, s)| !**s).map(|(x, _)| x).sum();
         let scale = total.saturating_sub(fixed) as f64 / free;
-        let short = (0..plots.len()).filter(|&k| !scarce[k] && ideal[k] * scale < plots[k].fewest as f64);
+        let short = (0..covers.len()).filter(|&k| !scarce[k] && ideal[k] * scale < covers[k].fewest as f64);
         let short: Vec<usize> = short.collect();
         if short.is_empty() {
             let mut rest: Vec<(f64, usize)> = Vec::new();
-            for (k, plot) in plots.iter_mut().enumerate() {
-                let exact = if scarce[k] { plot.fewest as f64 } else { ideal[k] * scale };
-                plot.count = (exact.floor() as usize).min(plot.samples.len());
+            for (k, cover) in covers.iter_mut().enumerate() {
+                let exact = if scarce[k] { cover.fewest as f64 } else { ideal[k] * scale };
+                cover.count = (exact.floor() as usize).min(cover.samples.len());
                 rest.push((exact - exact.floor(), k));
             }
             rest.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
-            let left = total.saturating_sub(plots.iter().map(|p| p.count).sum());
+            let left = total.saturating_sub(covers.iter().map(|p| p.count).sum());
             for &(_, k) in rest.iter().filter(|(_, k)| !scarce[*k]).take(left) {
-                plots[k].count = (plots[k].count + 1).min(plots[k].samples.len());
+                covers[k].count = (covers[k].count + 1).min(covers[k].samples.len());
             }
-            for (plot, exact) in plots.iter_mut().zip(&ideal) {
-                plot.area *= exact / plot.count as f64;
+            for (cover, exact) in covers.iter_mut().zip(&ideal) {
+                cover.area *= exact / cover.count as f64;
             }
             return;
         }

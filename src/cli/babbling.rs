@@ -1,0 +1,136 @@
+//! What `bodyschema babble` is asked, and what a session that begins and one that goes on share.
+
+use std::path::{Path, PathBuf};
+
+use super::counts::{threads, touch_count};
+use super::learned::{learn_and_report, print_learned};
+use super::learning_arguments::{KNOWN_HELP, LearningArguments};
+use super::live::{Live, LiveOptions};
+use super::open::{ModelArguments, embodied};
+use super::progress::Bars;
+use super::{Failure, Outcome};
+use crate::babbling::{BabblingOptions, PolicyName};
+use crate::creature::JointSelection;
+use crate::experiment::{BabbledSession, BabblingSession, Embodied, Observer, SessionSetup};
+use crate::simulation::MotionName;
+
+/// Babble, touch, learn the body schema, and measure it.
+///
+/// The creature takes random postures one after the other and stops where its skin touches its skin. From the
+/// pairs of receptors and the joint angles alone it learns where its joints are and how they turn; the model's
+/// own kinematics serve only to measure the result. All goes into a session folder.
+#[derive(clap::Args)]
+#[command(after_help = format!("Examples:
+  bodyschema babble mjcf/max/max.xml
+  bodyschema babble mjcf/max/max.xml --touches 500 --input contact --json
+  bodyschema babble mjcf/max/max.xml --joints all --touches 5000 --jobs 4    # takes minutes
+  bodyschema babble mjcf/max/max.xml --touches 250 --policy informative      # takes minutes
+  bodyschema babble mjcf/max/max.xml --touches 300 --motion dynamic          # takes minutes
+  bodyschema babble mjcf/max/max.xml --learner hersch --json
+  bodyschema babble mjcf/max/max.xml --touches 500 --live                    # watch it in a browser
+  bodyschema babble --resume sessions/max-1
+  bodyschema babble mjcf/max/max.xml --touches 60 --known known.json\n\n{KNOWN_HELP}"))]
+pub struct BabbleArguments {
+    /// The MJCF file of a creature with touch sensors (grow them with `bodyschema skin`)
+    #[arg(required_unless_present = "resume")]
+    model: Option<PathBuf>,
+    /// Touches to make
+    #[arg(long, default_value_t = 1000, value_parser = touch_count, help_heading = "Babbling")]
+    pub touches: usize,
+    /// Seed of all random numbers: the same seed gives the same touches
+    #[arg(long, default_value_t = 1, help_heading = "Babbling")]
+    pub seed: u64,
+    /// The joints that move: a set that the model names (torso), all, or names separated by commas
+    /// [default: torso where the model names it, else all]
+    #[arg(long, help_heading = "Babbling")]
+    joints: Option<JointSelection>,
+    /// Threads; they change nothing but the time [default: one per core]
+    #[arg(long, value_parser = clap::value_parser!(u16).range(1..=1024), help_heading = "Babbling")]
+    pub jobs: Option<u16>,
+    /// How motions are chosen; all but random learn a schema on the way to choose by, on one thread
+    #[arg(long, value_enum, default_value_t, help_heading = "Babbling")]
+    pub policy: PolicyName,
+    /// How the body is moved: straight through its postures, or by servos in a simulation with gravity
+    #[arg(long, value_enum, default_value_t, help_heading = "Babbling")]
+    pub motion: MotionName,
+    #[command(flatten)]
+    open: ModelArguments,
+    #[command(flatten)]
+    learning: LearningArguments,
+    /// The session's folder [default: the first free of sessions/CREATURE-1, -2, …]
+    #[arg(long, short, value_name = "DIR", help_heading = "Output")]
+    pub out: Option<PathBuf>,
+    /// Go on with a session that was interrupted, with the options that are in its session.json: its touches become
+    /// what they would have been. Takes --jobs, --json and --live beside it
+    #[arg(long, value_name = "DIR", help_heading = "Output")]
+    pub resume: Option<PathBuf>,
+    /// Print one JSON object
+    #[arg(long, help_heading = "Output")]
+    pub json: bool,
+    #[command(flatten)]
+    pub live: LiveOptions,
+}
+
+/// All that is made ready before the first touch.
+pub struct Prepared {
+    pub embodied: Embodied,
+    pub setup: SessionSetup,
+}
+
+impl Prepared {
+    pub fn new(args: &BabbleArguments) -> Result<Prepared, Failure> {
+        // The parser sees to it that there is one.
+        let model = args.model.as_deref().ok_or(Failure("name the model's file".into()))?;
+        let embodied = embodied(args.open.source(model, args.joints.clone().unwrap_or_default()))?;
+        let learning = args.learning.options(embodied.creature())?;
+        // Whether the creature can babble at all is told before any folder is made.
+        embodied.babbler(args.motion)?;
+        let babbling = BabblingOptions { touches: args.touches, seed: args.seed, jobs: threads(args.jobs) };
+        let setup = SessionSetup { babbling, policy: args.policy, motion: args.motion, learning };
+        Ok(Prepared { embodied, setup })
+    }
+
+    /// Babbles what is missing, learns, and prints the result.
+    pub fn babble(&self, args: &BabbleArguments, folder: &Path, session: BabblingSession) -> Outcome {
+        let live = self.live(args, session.made())?;
+        let (bars, live) = (Bars::default(), live.as_ref());
+        let observers: &dyn Observer = &(&bars, live);
+        let babbled = session.babble(observers)?;
+        self.learn_with(args, folder, &babbled, observers, live)
+    }
+
+    /// Learns from all touches, and prints the result.
+    pub fn learn(&self, args: &BabbleArguments, folder: &Path, babbled: &BabbledSession) -> Outcome {
+        let live = self.live(args, babbled.touches.len())?;
+        let (bars, live) = (Bars::default(), live.as_ref());
+        self.learn_with(args, folder, babbled, &(&bars, live), live)
+    }
+
+    fn learn_with(
+        &self,
+        args: &BabbleArguments,
+        folder: &Path,
+        babbled: &BabbledSession,
+        observer: &dyn Observer,
+        live: Option<&Live>,
+    ) -> Outcome {
+        let BabbledSession { session, touches } = babbled;
+        let learning = &self.setup.learning;
+        let truth = Some(self.embodied.truth());
+        let result = learn_and_report(folder, session, touches, learning, truth, observer)?;
+        if let Some(live) = live {
+            live.done(folder, &result);
+        }
+        print_learned(folder, session, touches, learning, &result, args.json)?;
+        if let Some(live) = live {
+            live.rest();
+        }
+        Ok(())
+    }
+
+    /// The page to watch it on, where one is asked for.
+    fn live(&self, args: &BabbleArguments, made: usize) -> Result<Option<Live>, Failure> {
+        let address = args.live.address();
+        address.map(|address| Live::new(address, &self.embodied, &self.setup.babbling, made)).transpose()
+    }
+}

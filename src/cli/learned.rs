@@ -1,0 +1,227 @@
+//! What was learned, as `babble`, `learn` and `evaluate` print it.
+
+use std::path::Path;
+
+use serde_json::{Value, json};
+
+use super::{Failure, Outcome, output};
+use crate::evaluation::{CramerRaoBound, Evaluation, Summary};
+use crate::experiment::words::listed;
+use crate::experiment::{DisturbanceLevels, LearnedSession, LearningOptions, Observer, learn_session};
+use crate::ground_truth::GroundTruth;
+use crate::learning::{LimbFrames, Verdict};
+use crate::record::{Session, TouchLog};
+use crate::senses::Touch;
+use crate::simulation::MotionName;
+use crate::skin::Skin;
+use crate::view::report::write_report;
+
+/// Learns from a session's touches, and writes all that comes of it into its folder, the report as well.
+pub fn learn_and_report(
+    folder: &Path,
+    session: &Session,
+    touches: &[Touch],
+    options: &LearningOptions,
+    truth: Option<&GroundTruth>,
+    observer: &dyn Observer,
+) -> Result<LearnedSession, Failure> {
+    let command = output::command_line();
+    let result = learn_session(folder, session, touches, options, truth, &command, observer)?;
+    write_report(folder, session, touches, truth)?;
+    Ok(result)
+}
+
+/// Prints what was learned, as a table or one JSON object.
+pub fn print_learned(
+    folder: &Path,
+    session: &Session,
+    touches: &[Touch],
+    options: &LearningOptions,
+    result: &LearnedSession,
+    as_json: bool,
+) -> Outcome {
+    if as_json {
+        return output::json(&to_json(folder, session, touches, options, result));
+    }
+    print_table(folder, session, touches, options, result);
+    Ok(())
+}
+
+/// The number of limb pairs that touched.
+fn limb_pairs(skin: &Skin, touches: &[Touch]) -> usize {
+    let pair = |touch: &Touch| touch.ends.map(|end| skin.receptors[end.receptor].limb);
+    touches.iter().map(pair).collect::<std::collections::BTreeSet<_>>().len()
+}
+
+/// How deep limbs were in each other where motions with physics stopped, millimetres; none where no touch tells.
+fn depth_mm(touches: &[Touch]) -> Option<Summary> {
+    let depths = || touches.iter().filter_map(|touch| touch.moment).map(|moment| 1e3 * moment.depth);
+    depths().next().map(|_| Summary::of(depths()))
+}
+
+/// The one JSON object of `babble` and `learn`.
+fn to_json(
+    folder: &Path,
+    session: &Session,
+    touches: &[Touch],
+    options: &LearningOptions,
+    result: &LearnedSession,
+) -> Value {
+    let summary = |s: Option<Summary>| s.map_or(Value::Null, |s| json!(s));
+    let evaluation = result.evaluation.as_ref();
+    let (verdict, reason) = match &result.learned.verdict {
+        Verdict::Converged => (true, Value::Null),
+        Verdict::Failed(why) | Verdict::Unjudged(why) => (false, json!(why)),
+    };
+    json!({
+        "creature": session.agent.creature().name(),
+        "joints": session.agent.creature().joints().len(),
+        "dof": session.agent.creature().dof(),
+        "touches": touches.len(),
+        "motions": session.effort.map(|effort| effort.motions),
+        "limb_pairs": limb_pairs(session.agent.skin(), touches),
+        "babbling_s": session.effort.map(|effort| effort.babbling_s),
+        "motion": session.options.motion.clone().unwrap_or_else(|| MotionName::default().to_string()),
+        "simulated_s": session.effort.and_then(|effort| effort.simulated_s),
+        "depth_mm": summary(depth_mm(touches)),
+        "learning_s": result.seconds,
+        "seed": session.seed,
+        "policy": session.options.policy,
+        "learner": options.learner.name(),
+        "input": options.input().to_string(),
+        "knowledge": options.knowledge(),
+        "frames": options.frames.to_string(),
+        "known": options.known_json(session.agent.creature()),
+        "converged": verdict,
+        "reason": reason,
+        "onsets": result.learned.onsets,
+        "disturbances": options.disturbances,
+        "heldout_mm": summary(evaluation.map(|e| e.heldout_mm)),
+        "undisturbed_heldout_mm": summary(result.undisturbed_heldout_mm),
+        "determined_mm": summary(evaluation.map(|e| e.determined_mm)),
+        "bound_mm": evaluation.and_then(|e| e.bound_mm),
+        "hand_mm": summary(evaluation.and_then(|e| e.hand_mm)),
+        "axis_deg": summary(evaluation.map(|e| e.axis_deg)),
+        "axis_line_mm": summary(evaluation.map(|e| e.axis_line_mm)),
+        "expected_mm": result.own_account.and_then(|account| account.expected_mm),
+        "fresh_mm": summary(result.own_account.and_then(|account| account.fresh_mm)),
+        "undetermined": result.undetermined,
+        "undetermined_limbs": result.undetermined_limbs,
+        "changes": result.changes,
+        "session": folder,
+    })
+}
+
+/// The short table of what was learned.
+fn print_table(
+    folder: &Path,
+    session: &Session,
+    touches: &[Touch],
+    options: &LearningOptions,
+    result: &LearnedSession,
+) {
+    let creature = session.agent.creature();
+    say!(
+        "{}: {} joints, {} degrees of freedom, from {} touches of {} limb pairs",
+        creature.name(),
+        creature.joints().len(),
+        creature.dof(),
+        touches.len(),
+        limb_pairs(session.agent.skin(), touches)
+    );
+    if let Some(depth) = depth_mm(touches) {
+        let simulated = session.effort.and_then(|effort| effort.simulated_s);
+        say!(
+            "moved by servos{}: limbs {} mm deep in each other on the median, {} mm at 95 %",
+            simulated.map_or(String::new(), |seconds| format!(" for {seconds:.0} simulated seconds")),
+            output::number(depth.median),
+            output::number(depth.p95)
+        );
+    }
+    say!(
+        "learner {} on {}: {} random onset{}, {:.2} s",
+        options.learner.name(),
+        options.knowledge(),
+        result.learned.onsets,
+        if result.learned.onsets == 1 { "" } else { "s" },
+        result.seconds
+    );
+    if let Some(known) = options.known_words(creature) {
+        say!("joints known beforehand: {known}");
+    }
+    if options.disturbances != DisturbanceLevels::default() {
+        say!("disturbances: {}", options.disturbances);
+    }
+    say!("{}", result.verdict);
+    say!("undetermined joints: {}", listed(&result.undetermined));
+    if options.frames == LimbFrames::Limb {
+        say!("limbs whose own frames are undetermined: {}", listed(&result.undetermined_limbs));
+    }
+    result.changes.iter().for_each(|change| say!("{change}"));
+    say!("");
+    match &result.evaluation {
+        None => print_own_account(result),
+        Some(evaluation) => print_evaluation(evaluation),
+    }
+    if let Some(undisturbed) = &result.undisturbed_heldout_mm {
+        say!("without the disturbances: {} mm", output::number(undisturbed.mean));
+    }
+    say!("\nsession: {}", folder.display());
+}
+
+/// What can be told without the truth.
+fn print_own_account(result: &LearnedSession) {
+    if let Some(account) = &result.own_account {
+        if let Some(fresh) = &account.fresh_mm {
+            output::head();
+            output::row("touches not fitted to, apart", "mm", fresh);
+        }
+        if let Some(expected) = account.expected_mm {
+            say!(
+                "  by its own account skin is {} mm off in another limb's frame (root mean square)",
+                output::number(expected)
+            );
+        }
+        say!("");
+    }
+    say!(
+        "no model, so nothing is compared with the truth (--model names one); `bodyschema observe` tells more"
+    );
+}
+
+/// The error measures as a table.
+pub fn print_evaluation(evaluation: &Evaluation) {
+    output::head();
+    output::row("skin in another limb's frame", "mm", &evaluation.heldout_mm);
+    if evaluation.determined_mm.max < evaluation.heldout_mm.max {
+        output::row("with all between determined", "mm", &evaluation.determined_mm);
+    }
+    if let Some(hand) = &evaluation.hand_mm {
+        output::row("with a hand as one of the two", "mm", hand);
+    }
+    output::row("angle between axes", "°", &evaluation.axis_deg);
+    output::row("distance between axis lines", "mm", &evaluation.axis_line_mm);
+    if let Some(bound) = &evaluation.bound_mm {
+        print_bound(bound);
+    }
+}
+
+/// The error beside its bound, both as root mean squares.
+fn print_bound(bound: &CramerRaoBound) {
+    say!(
+        "\n  root mean square over determined joints: {:.2e} mm, {:.2} times the Cramér-Rao bound of {:.2e} mm",
+        bound.error_rms,
+        bound.ratio,
+        bound.bound_rms
+    );
+}
+
+/// Says on standard error when a log ends in the middle of a line.
+pub fn warn_truncated(log: &TouchLog, folder: &Path) {
+    if let Some(line) = log.truncated {
+        tell!(
+            "the log in {} ends in the middle of line {line}: that touch is left out, all before it are used",
+            folder.display()
+        );
+    }
+}

@@ -1,0 +1,131 @@
+//! How to learn, from the command line.
+
+use std::path::PathBuf;
+
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
+
+use super::Failure;
+use crate::creature::Creature;
+use crate::experiment::{DisturbanceLevels, LearningOptions};
+use crate::learning::learners::{LEARNERS, LearnerKind, learner_kind};
+use crate::learning::{Input, LimbFrames, SkinKnowledge};
+use crate::record::Session;
+
+/// Options of learning.
+#[derive(clap::Args, Clone, Debug)]
+#[command(next_help_heading = "Learning")]
+pub struct LearningArguments {
+    /// The learner
+    #[arg(long, default_value = LEARNERS[0].name(), value_parser = learners())]
+    learner: String,
+    /// What a touch reports [default: receptor; of a recording, what it holds]
+    #[arg(long, value_enum)]
+    pub input: Option<Input>,
+    /// What the agent knows of its skin
+    #[arg(long, value_enum, default_value_t)]
+    skin: SkinKnowledge,
+    /// Which frames points on limbs are given in: where each limb has one of its own its pose on the joint is learned
+    /// as well (for the learner lm and --input contact)
+    #[arg(long, value_enum, default_value_t)]
+    frames: LimbFrames,
+    /// What is known of joints before the first touch, for the learner lm: a schema.json, whole or with some
+    /// of its joints. A joint without deviations is known exactly and stays as it is; with position_std
+    /// (metres) and axis_std (radians) it is known nearly
+    #[arg(long, value_name = "FILE")]
+    pub known: Option<PathBuf>,
+    #[command(flatten)]
+    disturbances: DisturbanceArguments,
+}
+
+/// An example of a file of known joints, for the help of commands.
+pub const KNOWN_HELP: &str = r#"Example of a file for --known: the left elbow exactly, the right wrist's position to 5 mm.
+  {"joints": [
+    {"joint": "left_elbow", "position": [0.024, 0.089, -0.28],
+     "axes": [{"dof": "left_elbow_flexion", "axis": [-0.239924, -0.9466999, -0.2149319]},
+              {"dof": "left_elbow_pronation", "axis": [0.2399183, 0.2399183, -0.9406798]}]},
+    {"joint": "right_wrist", "position": [0.06, -0.06, -0.235], "position_std": 0.005}
+  ]}"#;
+
+fn learners() -> impl TypedValueParser<Value = String> {
+    let choices = LEARNERS.iter().map(|learner| PossibleValue::new(learner.name()).help(learner.about()));
+    PossibleValuesParser::new(choices)
+}
+
+impl LearningArguments {
+    /// The learner that is named.
+    fn kind(&self) -> &'static dyn LearnerKind {
+        // The parser sees to it that there is one of the name.
+        learner_kind(&self.learner).unwrap_or(LEARNERS[0])
+    }
+
+    /// The options for a creature, with the file of known joints read.
+    pub fn options(&self, creature: &Creature) -> Result<LearningOptions, Failure> {
+        self.with_known(self.bare(), creature)
+    }
+
+    /// The options for a session's touches: those of a recording report what the recording holds.
+    pub fn options_for(&self, session: &Session) -> Result<LearningOptions, Failure> {
+        self.with_known(self.bare().for_session(session)?, session.agent.creature())
+    }
+
+    /// The options without what is known.
+    pub fn bare(&self) -> LearningOptions {
+        LearningOptions {
+            learner: self.kind(),
+            input: self.input,
+            skin: self.skin,
+            frames: self.frames,
+            known: None,
+            disturbances: self.disturbances.levels(),
+        }
+    }
+
+    fn with_known(&self, options: LearningOptions, creature: &Creature) -> Result<LearningOptions, Failure> {
+        let options = match &self.known {
+            Some(path) => options.with_known(path, creature)?,
+            None => options,
+        };
+        options.check(creature)?;
+        Ok(options)
+    }
+}
+
+/// Options of disturbances.
+#[derive(clap::Args, Clone, Copy, Debug)]
+#[command(next_help_heading = "Disturbances, between the exact log and the learner")]
+struct DisturbanceArguments {
+    /// Standard deviation of every joint angle in every touch, degrees
+    #[arg(long, value_name = "DEG", default_value_t = 0.0, value_parser = deviation)]
+    joint_noise: f64,
+    /// Standard deviation, per coordinate, of where the agent believes each receptor, millimetres
+    #[arg(long, value_name = "MM", default_value_t = 0.0, value_parser = deviation)]
+    receptor_noise: f64,
+    /// Share of touches with a wrong receptor at one end, 0 to below 1
+    #[arg(long, value_name = "FRACTION", default_value_t = 0.0, value_parser = share)]
+    false_touches: f64,
+    /// Standard deviation, per coordinate, of both points of contact in every touch, millimetres; only
+    /// `--input contact` feels it
+    #[arg(long, value_name = "MM", default_value_t = 0.0, value_parser = deviation)]
+    point_noise: f64,
+}
+
+impl DisturbanceArguments {
+    fn levels(&self) -> DisturbanceLevels {
+        let DisturbanceArguments { joint_noise, receptor_noise, false_touches, point_noise } = *self;
+        DisturbanceLevels { joint_noise, receptor_noise, false_touches, point_noise }
+    }
+}
+
+fn deviation(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(value) if value.is_finite() && value >= 0.0 => Ok(value),
+        _ => Err("give a finite number that is not negative".into()),
+    }
+}
+
+fn share(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(value) if (0.0..1.0).contains(&value) => Ok(value),
+        _ => Err("give a number from 0 to below 1: 0.05 for one touch in twenty".into()),
+    }
+}

@@ -1,0 +1,53 @@
+//! `--live` where the program was built without it: it says so.
+
+use std::convert::Infallible;
+use std::path::Path;
+
+use super::{Failure, Outcome};
+use crate::babbling::BabblingOptions;
+use crate::experiment::{Embodied, LearnedSession, Observer};
+use crate::interaction::Conversation;
+use crate::simulation::Stage;
+
+const MISSING: &str = "this bodyschema was built without the live page: leave out --live, or install it with `cargo install \
+                       --path . --features live`";
+
+/// Whether a page is asked for.
+#[derive(clap::Args, Clone, Debug, Default)]
+pub struct LiveOptions {
+    /// Serve a page to watch it live in a browser: this program was built without it
+    #[arg(long, value_name = "ADDRESS", num_args = 0..=1, default_missing_value = "", help_heading = "Output")]
+    live: Option<String>,
+}
+
+impl LiveOptions {
+    /// Where a page is to be served, where one is.
+    pub fn address(&self) -> Option<&str> {
+        self.live.as_deref()
+    }
+}
+
+/// A page that is served: there is none.
+pub struct Live(Infallible);
+
+impl Live {
+    /// Refuses.
+    pub fn new(_: &str, _: &Embodied, _: &BabblingOptions, _: usize) -> Result<Live, Failure> {
+        Err(MISSING.into())
+    }
+
+    pub fn done(&self, _: &Path, _: &LearnedSession) {
+        match self.0 {}
+    }
+
+    pub fn rest(&self) {
+        match self.0 {}
+    }
+}
+
+impl Observer for Live {}
+
+/// Refuses.
+pub fn talk(_: Conversation, _: &Stage, _: &str, _: &str, _: bool) -> Outcome {
+    Err(MISSING.into())
+}

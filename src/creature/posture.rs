@@ -1,0 +1,240 @@
+//! Where every joint of a creature stands.
+
+use std::ops::{Deref, DerefMut, Range};
+
+use nalgebra::{Quaternion, Unit, UnitQuaternion, Vector3};
+use rand::{Rng, RngExt};
+use serde::{Deserialize, Serialize};
+
+use super::{Creature, Dof, DofKind};
+
+/// Where every joint of a creature stands: its coordinates in the creature's order. Of a hinge the angle in
+/// radians, of a slide the distance in metres, of a ball a unit quaternion w x y z.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(transparent)]
+pub struct Posture(Vec<f64>);
+
+/// A degree of freedom, with where its axis stands in a schema and its coordinates in a posture.
+#[derive(Clone, Copy, Debug)]
+pub struct DofElement<'a> {
+    dof: &'a Dof,
+    axis: usize,
+    coordinate: usize,
+}
+
+impl<'a> DofElement<'a> {
+    pub(super) fn new(dof: &'a Dof, axis: usize, coordinate: usize) -> DofElement<'a> {
+        DofElement { dof, axis, coordinate }
+    }
+
+    /// The degree of freedom.
+    pub fn dof(&self) -> &'a Dof {
+        self.dof
+    }
+
+    /// Index of its axis among the axes of all joints.
+    pub fn axis(&self) -> usize {
+        self.axis
+    }
+
+    /// Index of its coordinate in a posture; of a ball, of the first.
+    pub fn coordinate(&self) -> usize {
+        self.coordinate
+    }
+
+    /// Indices of its coordinates in a posture.
+    pub fn coordinates(&self) -> Range<usize> {
+        self.coordinate..self.coordinate + self.dof.kind.coordinates()
+    }
+
+    /// Its coordinates in a posture.
+    pub fn of<'p>(&self, posture: &'p [f64]) -> &'p [f64] {
+        &posture[self.coordinates()]
+    }
+
+    /// Its coordinates in a posture, to be changed.
+    pub fn of_mut<'p>(&self, posture: &'p mut [f64]) -> &'p mut [f64] {
+        &mut posture[self.coordinates()]
+    }
+
+    /// Whether it turns freely about a point.
+    pub fn is_ball(&self) -> bool {
+        self.dof.kind == DofKind::Ball
+    }
+}
+
+impl Deref for DofElement<'_> {
+    type Target = Dof;
+
+    fn deref(&self) -> &Dof {
+        self.dof
+    }
+}
+
+impl Posture {
+    /// The reference posture: every angle and distance zero.
+    pub fn reference(creature: &Creature) -> Posture {
+        let mut posture = Posture(vec![0.0; creature.coordinates()]);
+        for ball in creature.elements().filter(DofElement::is_ball) {
+            posture[ball.coordinate()] = 1.0;
+        }
+        posture
+    }
+
+    /// The posture that motion starts from: the reference posture, or as near to it as ranges allow.
+    pub fn start(creature: &Creature) -> Posture {
+        let mut posture = Posture::reference(creature);
+        posture.clamp(creature);
+        creature.couple(&mut posture);
+        posture
+    }
+
+    /// A posture drawn uniformly from the joints' ranges.
+    pub fn random(creature: &Creature, rng: &mut impl Rng) -> Posture {
+        let mut posture = Vec::with_capacity(creature.coordinates());
+        for dof in creature.dofs() {
+            let [low, high] = dof.range;
+            match dof.kind {
+                DofKind::Hinge | DofKind::Slide => posture.push(low + (high - low) * rng.random::<f64>()),
+                DofKind::Ball => {
+                    let axis = loop {
+                        let v = Vector3::from_fn(|_, _| rng.random_range(-1.0..1.0));
+                        let squared: f64 = v.norm_squared();
+                        if squared > 1e-4 && squared < 1.0 {
+                            break Unit::new_normalize(v);
+                        }
+                    };
+                    let q = UnitQuaternion::from_axis_angle(&axis, high * rng.random::<f64>());
+                    posture.extend(coordinates_of(&q));
+                }
+            }
+        }
+        creature.couple(&mut posture);
+        Posture(posture)
+    }
+
+    /// The posture a share of the path from one to another; balls turn about one axis.
+    pub fn between(creature: &Creature, from: &[f64], to: &[f64], share: f64) -> Posture {
+        let mut posture: Vec<f64> = from.iter().zip(to).map(|(a, b)| a + share * (b - a)).collect();
+        for at in creature.elements().filter(DofElement::is_ball) {
+            let (a, b) = (ball(at.of(from)), ball(at.of(to)));
+            let turned = UnitQuaternion::from_scaled_axis((b * a.inverse()).scaled_axis() * share) * a;
+            at.of_mut(&mut posture).copy_from_slice(&coordinates_of(&turned));
+        }
+        Posture(posture)
+    }
+
+    /// The target as far as every ball can go straight towards it: two rotations within a ball's range may
+    /// have none of the rotations between them within it, and there the ball goes up to its limit.
+    pub fn reachable(creature: &Creature, start: &[f64], target: &[f64]) -> Posture {
+        let mut reached = target.to_vec();
+        for at in creature.elements().filter(DofElement::is_ball) {
+            let (from, to) = (ball(at.of(start)), ball(at.of(target)));
+            if let Some((axis, angle)) = (to * from.inverse()).axis_angle() {
+                let share = within(&from, &axis, angle, at.range[1]);
+                if share < 1.0 {
+                    let limit = UnitQuaternion::from_axis_angle(&axis, share * angle) * from;
+                    at.of_mut(&mut reached).copy_from_slice(&coordinates_of(&limit));
+                }
+            }
+        }
+        Posture(reached)
+    }
+
+    /// Puts every hinge and slide within its range.
+    pub fn clamp(&mut self, creature: &Creature) {
+        for at in creature.elements().filter(|at| !at.is_ball()) {
+            let [low, high] = at.range;
+            self[at.coordinate()] = self[at.coordinate()].clamp(low, high);
+        }
+    }
+
+    /// The greatest difference of a coordinate from another posture's, radians or metres.
+    pub fn distance(&self, other: &[f64]) -> f64 {
+        self.iter().zip(other).fold(0.0, |most, (a, b)| f64::max(most, (a - b).abs()))
+    }
+}
+
+impl Deref for Posture {
+    type Target = [f64];
+
+    fn deref(&self) -> &[f64] {
+        &self.0
+    }
+}
+
+impl DerefMut for Posture {
+    fn deref_mut(&mut self) -> &mut [f64] {
+        &mut self.0
+    }
+}
+
+impl From<Vec<f64>> for Posture {
+    fn from(coordinates: Vec<f64>) -> Posture {
+        Posture(coordinates)
+    }
+}
+
+impl From<&[f64]> for Posture {
+    fn from(coordinates: &[f64]) -> Posture {
+        Posture(coordinates.to_vec())
+    }
+}
+
+impl From<Posture> for Vec<f64> {
+    fn from(posture: Posture) -> Vec<f64> {
+        posture.0
+    }
+}
+
+impl FromIterator<f64> for Posture {
+    fn from_iter<I: IntoIterator<Item = f64>>(coordinates: I) -> Posture {
+        Posture(coordinates.into_iter().collect())
+    }
+}
+
+impl<'a> IntoIterator for &'a Posture {
+    type Item = &'a f64;
+    type IntoIter = std::slice::Iter<'a, f64>;
+
+    fn into_iter(self) -> Self::IntoIter {
+        self.0.iter()
+    }
+}
+
+/// A ball's rotation from its posture coordinates w x y z.
+pub fn ball(q: &[f64]) -> UnitQuaternion<f64> {
+    UnitQuaternion::from_quaternion(Quaternion::new(q[0], q[1], q[2], q[3]))
+}
+
+/// Turns a ball's coordinates by a rotation vector in its parent's frame, up to its largest angle.
+pub fn turn_ball(q: &mut [f64], turn: &Vector3<f64>, most: f64) {
+    let turned = UnitQuaternion::from_scaled_axis(*turn) * ball(q);
+    let limited = match turned.axis_angle() {
+        Some((axis, angle)) if angle > most => UnitQuaternion::from_axis_angle(&axis, most),
+        _ => turned,
+    };
+    q[..4].copy_from_slice(&coordinates_of(&limited));
+}
+
+/// A rotation as a ball's posture coordinates w x y z.
+fn coordinates_of(rotation: &UnitQuaternion<f64>) -> [f64; 4] {
+    [rotation.w, rotation.i, rotation.j, rotation.k]
+}
+
+/// The share of a turn about `axis` by `angle` that stays within rotations by at most `most`.
+fn within(from: &UnitQuaternion<f64>, axis: &Unit<Vector3<f64>>, angle: f64, most: f64) -> f64 {
+    if most >= std::f64::consts::PI {
+        return 1.0;
+    }
+    // The cosine of half the whole angle runs as w cos(τ/2) − (axis · v) sin(τ/2) over the turn τ.
+    let (w, v) = if from.w < 0.0 { (-from.w, -from.imag()) } else { (from.w, from.imag()) };
+    let along = axis.dot(&v);
+    let height = w.hypot(along);
+    let least = (0.5 * most).cos();
+    if height <= least {
+        return 0.0;
+    }
+    let turn = 2.0 * ((least / height).acos() - along.atan2(w));
+    (turn / angle).clamp(0.0, 1.0)
+}

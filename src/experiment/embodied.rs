@@ -1,0 +1,173 @@
+//! A creature in its model, with its skin: it can babble.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use super::error::ExperimentError;
+use super::observer::Observer;
+use crate::agent::Agent;
+use crate::babbling::Babbler;
+use crate::creature::{Body, Creature, JointSelection};
+use crate::ground_truth::GroundTruth;
+use crate::mujoco::Model;
+use crate::simulation::{MotionName, Movers};
+use crate::skin::{GrowOptions, Skin, grow, skin_of};
+
+/// A model's file, and what of it is the creature.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ModelSource {
+    /// The MJCF file.
+    pub model: PathBuf,
+    /// The joints that move.
+    pub joints: JointSelection,
+    /// Whether bodies, joints, geoms, meshes and touch sensors alone are read: for files that MuJoCo refuses for other
+    /// parts.
+    pub strip: bool,
+    /// The body at which the creature begins; the first of the tree with most joints where it is left out.
+    pub root: Option<String>,
+}
+
+/// A creature in its model, with its skin and the truth that it is measured against.
+pub struct Embodied {
+    source: ModelSource,
+    body: Body,
+    agent: Agent,
+    truth: GroundTruth,
+}
+
+impl ModelSource {
+    /// A model's file, of which the joints move that are learned by default.
+    pub fn new(model: impl Into<PathBuf>) -> ModelSource {
+        ModelSource { model: model.into(), ..ModelSource::default() }
+    }
+
+    /// The same with other joints that move.
+    pub fn with_joints(self, joints: JointSelection) -> ModelSource {
+        ModelSource { joints, ..self }
+    }
+
+    /// Reads the model; the observer is told what is left out of it.
+    ///
+    /// # Errors
+    /// Where the file is not one that the engine takes.
+    pub fn read(&self, observer: &dyn Observer) -> Result<Model, ExperimentError> {
+        if !self.strip {
+            return Ok(Model::from_path(&self.model)?);
+        }
+        let (model, left_out) = Model::stripped(&self.model)?;
+        if !left_out.is_empty() {
+            let entries = left_out.iter().map(|(what, count)| match count {
+                1 => what.clone(),
+                count => format!("{what} ({count} times)"),
+            });
+            let entries = entries.collect::<Vec<_>>().join(", ");
+            observer.note(&format!("left out of {}: {entries}", self.model.display()));
+        }
+        Ok(model)
+    }
+
+    /// The creature in a model that was read.
+    ///
+    /// # Errors
+    /// Where there is none that can learn.
+    pub fn body_in(&self, model: Arc<Model>) -> Result<Body, ExperimentError> {
+        Body::rooted(model, &self.joints, self.root.as_deref()).map_err(ExperimentError::body(&self.model))
+    }
+
+    /// Reads the model and the creature in it.
+    ///
+    /// # Errors
+    /// See [`ModelSource::read`] and [`ModelSource::body_in`].
+    pub fn body(&self, observer: &dyn Observer) -> Result<Body, ExperimentError> {
+        self.body_in(Arc::new(self.read(observer)?))
+    }
+}
+
+impl Embodied {
+    /// Reads a model, its creature and its skin. Where the model has no touch sensors a skin is grown in memory, of which
+    /// the observer is told.
+    ///
+    /// # Errors
+    /// Where the file is not one that the engine takes, there is no creature in it that can learn, or no skin can be
+    /// grown on it.
+    pub fn open(source: ModelSource, observer: &dyn Observer) -> Result<Embodied, ExperimentError> {
+        let body = source.body(observer)?;
+        let skin = skin_for(&source.model, &body, observer)?;
+        let agent = Agent::new(body.creature.clone(), skin);
+        let agent = agent.map_err(|error| ExperimentError::unfit(&source.model, error.to_string()))?;
+        let truth = GroundTruth::new(&body)?;
+        Ok(Embodied { source, body, agent, truth })
+    }
+
+    /// Where it came from.
+    pub fn source(&self) -> &ModelSource {
+        &self.source
+    }
+
+    /// The model's file.
+    pub fn model(&self) -> &Path {
+        &self.source.model
+    }
+
+    /// The creature in its model.
+    pub fn body(&self) -> &Body {
+        &self.body
+    }
+
+    /// What the agent is given of its body.
+    pub fn creature(&self) -> &Creature {
+        &self.body.creature
+    }
+
+    /// What the agent is given of itself: its creature and skin.
+    pub fn agent(&self) -> &Agent {
+        &self.agent
+    }
+
+    /// Where its joints really are; for measures alone.
+    pub fn truth(&self) -> &GroundTruth {
+        &self.truth
+    }
+
+    /// Makes it ready to babble.
+    ///
+    /// # Errors
+    /// Where it has no skin, or no two of its limbs can meet.
+    pub fn babbler(&self, motion: MotionName) -> Result<Babbler<'_>, ExperimentError> {
+        babbler(&self.source.model, &self.body, &self.agent, motion)
+    }
+}
+
+/// The skin of a creature: the receptors in its model, or where it has none, receptors grown in memory, of which the
+/// observer is told.
+///
+/// # Errors
+/// Where none can be grown.
+pub fn skin_for(model: &Path, body: &Body, observer: &dyn Observer) -> Result<Skin, ExperimentError> {
+    let skin = skin_of(body);
+    if !skin.receptors.is_empty() {
+        return Ok(skin);
+    }
+    let skin = grow(body, &GrowOptions::default()).map_err(ExperimentError::skin(model))?;
+    if !skin.receptors.is_empty() {
+        let count = skin.receptors.len();
+        observer.note(&format!(
+            "{} has no touch sensors: {count} receptors were grown on it in memory",
+            model.display()
+        ));
+    }
+    Ok(skin)
+}
+
+/// Prepares a body for babbling.
+///
+/// # Errors
+/// Where it cannot babble; errors name the file of its `model`.
+pub(super) fn babbler<'a>(
+    model: &Path,
+    body: &'a Body,
+    agent: &'a Agent,
+    motion: MotionName,
+) -> Result<Babbler<'a>, ExperimentError> {
+    Movers::new(body, agent, motion).map(Babbler::new).map_err(ExperimentError::simulation(model))
+}

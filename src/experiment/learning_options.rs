@@ -1,0 +1,204 @@
+//! How to learn: the kind of learner, what a touch reports to it, what it knows, and what disturbs it.
+
+use std::path::{Path, PathBuf};
+
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use serde_json::{Value, json};
+
+use super::disturbance_levels::DisturbanceLevels;
+use super::error::ExperimentError;
+use super::words::listed;
+use crate::agent::Agent;
+use crate::creature::{Creature, DofKind};
+use crate::learning::learners::{LEARNERS, LearnerGivens, LearnerKind, LearnerUses};
+use crate::learning::onset::random_onset;
+use crate::learning::{Input, KnownJoint, Learner, LimbFrames, SecondOrder, SkinKnowledge};
+use crate::record::{Session, read_known};
+use crate::schema::BodySchema;
+use crate::skin::Receptor;
+
+/// How to learn.
+#[derive(Clone)]
+pub struct LearningOptions {
+    /// The kind of learner.
+    pub learner: &'static dyn LearnerKind,
+    /// What a touch reports; where it is left out receptors, or of a recording what it holds.
+    pub input: Option<Input>,
+    /// What the agent knows of its skin.
+    pub skin: SkinKnowledge,
+    /// Which frames points on limbs are given in.
+    pub frames: LimbFrames,
+    /// What is known of joints before the first touch.
+    pub known: Option<KnownFile>,
+    /// What is wrong with the agent's senses.
+    pub disturbances: DisturbanceLevels,
+}
+
+/// What is known of joints, and the file that says so.
+#[derive(Clone, Debug, PartialEq)]
+pub struct KnownFile {
+    /// The file.
+    pub path: PathBuf,
+    /// What it says of the joints of a creature.
+    pub joints: Vec<KnownJoint>,
+}
+
+impl Default for LearningOptions {
+    fn default() -> LearningOptions {
+        LearningOptions {
+            learner: LEARNERS[0],
+            input: None,
+            skin: SkinKnowledge::default(),
+            frames: LimbFrames::default(),
+            known: None,
+            disturbances: DisturbanceLevels::default(),
+        }
+    }
+}
+
+impl LearningOptions {
+    /// What touches report.
+    pub fn input(&self) -> Input {
+        self.input.unwrap_or_default()
+    }
+
+    /// What the learner is given beside a body.
+    pub fn givens(&self) -> LearnerGivens {
+        LearnerGivens {
+            input: self.input(),
+            skin: self.skin,
+            frames: self.frames,
+            known: self.known.as_ref().map_or(Vec::new(), |known| known.joints.clone()),
+        }
+    }
+
+    /// These options with what a file says of a creature's joints: a `schema.json`, whole or with some of them.
+    ///
+    /// # Errors
+    /// Where the file is not one for this creature, or the learner has no use for it.
+    pub fn with_known(self, path: &Path, creature: &Creature) -> Result<LearningOptions, ExperimentError> {
+        self.check_frames(creature, true)?;
+        if !self.learner.uses().known_joints {
+            return Err(ExperimentError::unfit(
+                path,
+                format!(
+                    "the learner {} knows nothing beforehand: use --learner {}, or leave out --known",
+                    self.learner.name(),
+                    learners_that(|uses| uses.known_joints)
+                ),
+            ));
+        }
+        let joints = read_known(path, creature)?;
+        Ok(LearningOptions { known: Some(KnownFile { path: path.to_path_buf(), joints }), ..self })
+    }
+
+    /// Whether a creature can be learned with these options.
+    ///
+    /// # Errors
+    /// Where limbs in frames of their own cannot be learned.
+    pub fn check(&self, creature: &Creature) -> Result<(), ExperimentError> {
+        self.check_frames(creature, self.known.is_some())
+    }
+
+    /// Whether the limbs' frames can be found, where joints are known beforehand or not.
+    fn check_frames(&self, creature: &Creature, known: bool) -> Result<(), ExperimentError> {
+        if self.frames == LimbFrames::Joint {
+            return Ok(());
+        }
+        let refuse = |why: &str| Err(ExperimentError::refused(format!("--frames limb: {why}")));
+        if !self.learner.uses().limb_frames {
+            let able = learners_that(|uses| uses.limb_frames);
+            return refuse(&format!("only the learner {able} finds the limbs' frames: use --learner {able}"));
+        }
+        if self.input() != Input::Contact {
+            return refuse(
+                "receptors are too coarse to tell how a round limb is turned in its frame: use --input contact",
+            );
+        }
+        if known {
+            return refuse("nothing can be known of joints beforehand: leave out --known");
+        }
+        match creature.dofs().find(|dof| dof.kind == DofKind::Ball) {
+            Some(ball) => refuse(&format!(
+                "{} is a ball, whose angles are told along the axes of the joint's frame: name hinges and slides \
+                 with --joints, or use --frames joint",
+                ball.name
+            )),
+            None => Ok(()),
+        }
+    }
+
+    /// These options for a session's touches: those of a recording report what the recording holds.
+    ///
+    /// # Errors
+    /// Where receptors are asked for and the recording has none.
+    pub fn for_session(&self, session: &Session) -> Result<LearningOptions, ExperimentError> {
+        let Some(recording) = &session.recording else { return Ok(self.clone()) };
+        let bare = |receptor: &Receptor| receptor.surface.is_none() && receptor.half_extents == [0.0; 2];
+        if self.input == Some(Input::Receptor) && session.agent.skin().receptors.iter().any(bare) {
+            return Err(ExperimentError::unfit(
+                Path::new(&recording.log),
+                "its touches are points on limbs without a skin: use --input contact, or leave out --input",
+            ));
+        }
+        let recorded = session.options.input.as_deref().and_then(|input| input.parse().ok());
+        Ok(LearningOptions { input: self.input.or(recorded), ..self.clone() })
+    }
+
+    /// The learner of a body, whose random numbers come from `seed`.
+    pub fn learner<'a>(&self, agent: &'a Agent, seed: u64) -> Box<dyn Learner + 'a> {
+        self.learner.learner(agent, &self.givens(), seed)
+    }
+
+    /// Whether the learner predicts each touch before it learns from it.
+    pub fn predicts(&self) -> bool {
+        self.learner.predicts(&self.givens())
+    }
+
+    /// What the learner was allowed to know, in words.
+    pub fn knowledge(&self) -> &'static str {
+        match (self.input(), self.skin) {
+            (Input::Contact, _) => "contact points",
+            (Input::Receptor, SkinKnowledge::Surface) if self.learner.uses().surfaces => {
+                "receptors and the surfaces under them"
+            }
+            (Input::Receptor, _) => "receptor centres",
+        }
+    }
+
+    /// What is believed before the first touch: the onset of a learner that has but one, else one like those that
+    /// it starts from.
+    pub(crate) fn onset(&self, creature: &Creature, seed: u64) -> BodySchema {
+        let onset = random_onset(creature, &mut ChaCha8Rng::seed_from_u64(seed));
+        if self.frames == LimbFrames::Limb { onset.with_limb_poses() } else { onset }
+    }
+
+    /// The learner of all touches at once, with this input and this knowledge of skin and frames.
+    pub(crate) fn second_order<'a>(&self, agent: &'a Agent, seed: u64) -> SecondOrder<'a> {
+        SecondOrder::new(agent, self.input(), seed).with_frames(self.frames).with_skin(self.skin)
+    }
+
+    /// What was known beforehand, in JSON: the file, and its joints with whether they were exact.
+    pub fn known_json(&self, creature: &Creature) -> Value {
+        let Some(known) = &self.known else { return Value::Null };
+        let joint = |known: &KnownJoint| json!({ "joint": creature.joints()[known.joint].name, "exact": known.exact });
+        json!({ "file": known.path, "joints": known.joints.iter().map(joint).collect::<Vec<_>>() })
+    }
+
+    /// The same in words.
+    pub fn known_words(&self, creature: &Creature) -> Option<String> {
+        let known = self.known.as_ref()?;
+        let named = |exact: bool| {
+            let joints = known.joints.iter().filter(|known| known.exact == exact);
+            listed(&joints.map(|known| creature.joints()[known.joint].name.clone()).collect::<Vec<_>>())
+        };
+        Some(format!("exactly {}; nearly {}", named(true), named(false)))
+    }
+}
+
+/// The names of the learners that can use something.
+fn learners_that(can: fn(LearnerUses) -> bool) -> String {
+    let names = LEARNERS.iter().filter(|learner| can(learner.uses())).map(|learner| learner.name());
+    names.collect::<Vec<_>>().join(" or ")
+}

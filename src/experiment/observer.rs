@@ -1,0 +1,127 @@
+//! Who looks on while an experiment runs: a progress bar, a live page, a table.
+
+use crate::schema::BodySchema;
+use crate::senses::Touch;
+
+/// Looks on while an experiment runs; every method does nothing unless it is given.
+///
+/// Nothing that an observer does changes what comes out.
+pub trait Observer {
+    /// Something that a person should know, in a sentence.
+    fn note(&self, _sentence: &str) {}
+    /// A phase begins; it lasts until the next one.
+    fn phase(&self, _phase: Phase) {}
+    /// A touch was made.
+    fn touched(&self, _touch: &Touch) {}
+    /// A touch was taken in by the learner.
+    fn learned(&self, _step: &LearningStep) {}
+}
+
+/// Nobody looks on.
+impl Observer for () {}
+
+impl<O: Observer + ?Sized> Observer for &O {
+    fn note(&self, sentence: &str) {
+        (**self).note(sentence);
+    }
+
+    fn phase(&self, phase: Phase) {
+        (**self).phase(phase);
+    }
+
+    fn touched(&self, touch: &Touch) {
+        (**self).touched(touch);
+    }
+
+    fn learned(&self, step: &LearningStep) {
+        (**self).learned(step);
+    }
+}
+
+/// Perhaps somebody looks on.
+impl<O: Observer> Observer for Option<O> {
+    fn note(&self, sentence: &str) {
+        self.iter().for_each(|observer| observer.note(sentence));
+    }
+
+    fn phase(&self, phase: Phase) {
+        self.iter().for_each(|observer| observer.phase(phase));
+    }
+
+    fn touched(&self, touch: &Touch) {
+        self.iter().for_each(|observer| observer.touched(touch));
+    }
+
+    fn learned(&self, step: &LearningStep) {
+        self.iter().for_each(|observer| observer.learned(step));
+    }
+}
+
+/// Two look on.
+impl<A: Observer, B: Observer> Observer for (A, B) {
+    fn note(&self, sentence: &str) {
+        self.0.note(sentence);
+        self.1.note(sentence);
+    }
+
+    fn phase(&self, phase: Phase) {
+        self.0.phase(phase);
+        self.1.phase(phase);
+    }
+
+    fn touched(&self, touch: &Touch) {
+        self.0.touched(touch);
+        self.1.touched(touch);
+    }
+
+    fn learned(&self, step: &LearningStep) {
+        self.0.learned(step);
+        self.1.learned(step);
+    }
+}
+
+/// A phase of an experiment.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Phase<'a> {
+    /// The creature babbles.
+    Babbling {
+        /// Touches that were there before.
+        made: usize,
+        /// Touches in all.
+        touches: usize,
+    },
+    /// A learner takes in touches.
+    Learning {
+        /// How many.
+        touches: usize,
+        /// Whether it learns from each as it comes, and not from all at the end.
+        each: bool,
+    },
+    /// A learner takes in the same touches without the disturbances, for comparison.
+    LearningUndisturbed,
+    /// A trial of a study.
+    Trial {
+        /// Its number, counted from 1.
+        trial: usize,
+        /// How many there are.
+        trials: usize,
+        /// What it is at.
+        doing: &'a str,
+    },
+    /// The last phase is over.
+    Done,
+}
+
+/// What a learner has come to with one more touch.
+#[derive(Clone, Copy, Debug)]
+pub struct LearningStep<'a> {
+    /// Touches that it has taken in.
+    pub touches: usize,
+    /// The last of them.
+    pub touch: &'a Touch,
+    /// The schema, where there is one at this point.
+    pub schema: Option<&'a BodySchema>,
+    /// How far apart the schema before had put the surfaces that touched, metres; none where the learner predicts
+    /// nothing.
+    pub predicted_gap: Option<f64>,
+}

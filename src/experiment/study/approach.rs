@@ -1,0 +1,220 @@
+//! How well the aura foretells what is going to touch, and where.
+
+use std::f64::consts::TAU;
+
+use nalgebra::Vector3;
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use serde_json::json;
+
+use super::plot::{AxisScale, PlotAxis, PlotSeries, StudyPlot};
+use super::subject::Subject;
+use super::table::row;
+use super::{Findings, Study};
+use crate::experiment::ExperimentError;
+use crate::senses::{Approach, AuraEvent, TouchEvent};
+use crate::simulation::{PROBE_RADIUS, ProbePath, Stage, StepSenses};
+
+/// The study `approach`.
+pub const STUDY: Study = Study {
+    name: "approach",
+    about: "how well the aura foretells which limb is hit, and where; a trial is an approach, a pass and a retreat",
+    touches: false,
+    measure: |subject| Ok(measure(subject)?.into()),
+};
+
+/// How long before a contact it is to be foretold, seconds.
+const AHEAD: f64 = 0.3;
+/// How long an object must have been seen, seconds.
+const SEEN: f64 = 0.05;
+/// How far from the skin objects set out, metres.
+const FAR: f64 = 0.9;
+
+row! {
+    /// A measurement of the study `approach`.
+    pub struct ApproachMeasurement {
+        way: String = "way",
+        seed: u64 = "seed",
+        speed_m_s: f64 = "speed, m/s",
+        hit_limb: String = "hit",
+        hit_receptor: String = "receptor",
+        foretold_limb: String = "foretold 0.3 s ahead",
+        limb_right: bool = "limb right",
+        receptor_named: bool = "receptor named",
+        alarms: usize = "alarms",
+        first_alarm_s: f64 = "first alarm, s ahead",
+    }
+}
+
+row! {
+    /// A row of the summary of the study `approach`.
+    pub struct ApproachSummary {
+        way: String = "way",
+        trials: usize = "trials",
+        hits: usize = "hit",
+        limb_accuracy: f64 = "limb right 0.3 s ahead",
+        receptor_accuracy: f64 = "receptor among five",
+        false_alarms: usize = "alarmed, not hit",
+    }
+}
+
+/// The ways that an object takes.
+const WAYS: [&str; 3] = ["approach", "pass", "retreat"];
+
+fn direction(rng: &mut ChaCha8Rng) -> Vector3<f64> {
+    let (z, angle) = (rng.random_range(-1.0..1.0_f64), rng.random_range(0.0..TAU));
+    let ring = (1.0 - z * z).sqrt();
+    Vector3::new(ring * angle.cos(), ring * angle.sin(), z)
+}
+
+/// A way past or to a random place of the skin, as fast as drawn, bent by a random acceleration.
+fn way(stage: &Stage, name: &str, time: f64, rng: &mut ChaCha8Rng) -> (ProbePath, f64) {
+    let skin = stage.skin();
+    let receptor = &skin.receptors[rng.random_range(0..skin.receptors.len())];
+    let pose = stage.limb_pose(receptor.limb);
+    let target = (pose * nalgebra::Point3::from(receptor.position)).coords;
+    let normal = pose.rotation * receptor.normal;
+    // From outside: what comes from within a body is no approach.
+    let from = loop {
+        let drawn = direction(rng);
+        if drawn.dot(&normal) > 0.2 {
+            break drawn;
+        }
+    };
+    let speed = rng.random_range(0.2..1.0);
+    let bend = from.cross(&direction(rng)) * rng.random_range(0.0..1.0);
+    let (reach, aside) = match name {
+        "approach" => (FAR + 0.05, Vector3::zeros()),
+        "pass" => (2.0 * FAR, from.cross(&direction(rng)).normalize() * rng.random_range(0.05..0.3)),
+        _ => (FAR, Vector3::zeros()),
+    };
+    let seconds = reach / speed;
+    // When it is at its target, straight ahead of where it set out but for the bend.
+    let arrival = if name == "retreat" { 0.0 } else { FAR / speed };
+    let at = |t: f64| {
+        let bent = bend * (0.5 * (t - arrival).powi(2));
+        match name {
+            "retreat" => target + normal * (PROBE_RADIUS + 0.03) + from * (speed * t) + bend * (0.5 * t * t),
+            _ => target + aside + from * (FAR - speed * t) + bent,
+        }
+    };
+    let count = (seconds / 0.004).ceil() as usize;
+    let points = (0..=count).map(|k| k as f64 * seconds / count as f64).map(|t| (time + t, at(t)));
+    (ProbePath(points.collect()), speed)
+}
+
+/// Measures; a trial that does not succeed is a finding.
+///
+/// # Errors
+/// Where something cannot be measured at all.
+pub fn measure(subject: &Subject) -> Result<Findings<ApproachMeasurement, ApproachSummary>, ExperimentError> {
+    let stage = subject.stage()?;
+    let mut measurements: Vec<ApproachMeasurement> = Vec::new();
+    // Per way: trials, hits, limbs right, receptors named, alarms without a hit.
+    let mut counts = [[0usize; 5]; 3];
+    let mut leads: [Vec<f64>; 3] = Default::default();
+    for &seed in &subject.seeds {
+        for (k, name) in WAYS.iter().enumerate() {
+            let mut rng = ChaCha8Rng::seed_from_u64(seed);
+            rng.set_stream(k as u64);
+            let (path, speed) = way(&stage, name, stage.time(), &mut rng);
+            let end = path.end();
+            stage.send_probe(0, path)?;
+            let mut told: Vec<(f64, Option<Approach>)> = Vec::new();
+            // Nothing was near before.
+            stage.grow_aura();
+            let mut alarms: Vec<f64> = Vec::new();
+            let mut hit = None;
+            while hit.is_none() && stage.time() < end {
+                let StepSenses { time, touches, near, .. } = stage.step()?;
+                let alarmed = near.iter().any(|event| matches!(event, AuraEvent::Alarm(_)));
+                alarms.extend(alarmed.then_some(time));
+                told.push((time, stage.approaches().into_iter().next()));
+                // What touched last may still be felt to leave.
+                hit = touches.iter().find_map(|event| match event {
+                    TouchEvent::Began { contact, .. } => Some((time, contact.spot)),
+                    TouchEvent::Sensed { .. } => None,
+                });
+            }
+            // What moves away from one limb may come to another: then it is no retreat but a pass. What met a limb
+            // before anybody could foretell it tells nothing.
+            let distances: Vec<f64> =
+                told.iter().filter_map(|(_, approach)| Some(approach.as_ref()?.distance)).collect();
+            let comes_near = distances.windows(2).any(|pair| pair[1] < pair[0] - 1e-4);
+            let k = if *name == "retreat" && (hit.is_some() || comes_near) { 1 } else { k };
+            let begun = told.first().map_or(0.0, |(time, _)| *time);
+            if hit.is_some_and(|(time, _)| time - AHEAD < begun + SEEN) {
+                continue;
+            }
+            let before = hit.map(|(time, _)| time - AHEAD);
+            let foretold = before.and_then(|before| {
+                let at = told.partition_point(|(time, _)| *time <= before);
+                told[..at].last()?.1.clone()?.contact
+            });
+            let limb_right = hit.is_some_and(|(_, spot)| {
+                foretold.as_ref().is_some_and(|foretold| foretold.limb == spot.limb)
+            });
+            let named = hit.is_some_and(|(_, spot)| {
+                foretold.as_ref().is_some_and(|foretold| foretold.receptors.contains(&spot.receptor))
+            });
+            let lead = hit.and_then(|(time, _)| Some(time - alarms.first()?));
+            leads[k].extend(lead);
+            let [trials, hits, right, receptors, false_alarms] = &mut counts[k];
+            *trials += 1;
+            *hits += usize::from(hit.is_some());
+            *right += usize::from(limb_right);
+            *receptors += usize::from(named);
+            *false_alarms += usize::from(hit.is_none() && !alarms.is_empty());
+            let limbs = stage.agent().creature().limbs();
+            measurements.push(ApproachMeasurement {
+                way: WAYS[k].into(),
+                seed,
+                speed_m_s: speed,
+                hit_limb: hit.map_or("none".to_string(), |(_, spot)| limbs[spot.limb].clone()),
+                hit_receptor: hit
+                    .map_or("none".to_string(), |(_, p)| stage.skin().receptors[p.receptor].id.clone()),
+                foretold_limb: foretold.map_or("none".to_string(), |foretold| limbs[foretold.limb].clone()),
+                limb_right,
+                receptor_named: named,
+                alarms: alarms.len(),
+                first_alarm_s: lead.unwrap_or(f64::NAN),
+            });
+        }
+    }
+    let mut summary: Vec<ApproachSummary> = Vec::new();
+    let share = |part: usize, of: usize| part as f64 / of as f64;
+    for (name, [trials, hits, right, receptors, false_alarms]) in WAYS.iter().zip(counts) {
+        summary.push(ApproachSummary {
+            way: (*name).into(),
+            trials,
+            hits,
+            limb_accuracy: share(right, hits),
+            receptor_accuracy: share(receptors, hits),
+            false_alarms,
+        });
+    }
+    let hits = counts.iter().map(|count| count[1]).sum();
+    let numbers = vec![
+        ("accuracy", json!(share(counts.iter().map(|count| count[2]).sum(), hits))),
+        ("receptor_accuracy", json!(share(counts.iter().map(|count| count[3]).sum(), hits))),
+        ("receding_alarms", json!(counts[2][4])),
+        ("hits", json!(hits)),
+    ];
+    let notes = vec![
+        "Balls of 16 mm on bent ways of 0.2 to 1 m/s: to a random place of the skin, past one by 5 to 30 cm, and away \
+         from 3 cm above one."
+            .to_string(),
+        "Hits are foretold from what the aura said 0.3 s before the first contact.".to_string(),
+    ];
+    let series = WAYS.iter().zip(&leads).enumerate().map(|(k, (name, leads))| PlotSeries {
+        name: (*name).to_string(),
+        line: Vec::new(),
+        dots: leads.iter().map(|lead| (*lead, k as f64)).collect(),
+    });
+    let plot = StudyPlot {
+        x: PlotAxis { title: "first alarm, s before the contact", scale: AxisScale::Logarithmic },
+        y: PlotAxis { title: "", scale: AxisScale::Names(WAYS.iter().map(|name| (*name).into()).collect()) },
+        series: series.collect(),
+    };
+    Ok(Findings { measurements, summary, notes, plot, numbers })
+}

@@ -1,0 +1,236 @@
+//! Whether the learner gets as near as it can, and knows how near that is.
+
+use std::time::Instant;
+
+use super::plot::{AxisScale, PlotAxis, PlotSeries, StudyPlot};
+use super::subject::{Subject, median, share};
+use super::table::row;
+use super::{Findings, Study};
+use crate::evaluation::coverage::{NormalizedErrors, covered, with_gap_noise};
+use crate::evaluation::{CramerRaoBound, held_out, held_out_points};
+use crate::experiment::ExperimentError;
+use crate::learning::{Input, Learned, Learner, SecondOrder, Verdict};
+use crate::senses::Touch;
+
+/// The study `coverage`.
+pub const STUDY: Study = Study {
+    name: "coverage",
+    about: "how near lm gets to the least possible error, and how often its intervals hold the truth",
+    touches: true,
+    measure: |subject| Ok(measure(subject)?.into()),
+};
+
+/// Where a fit begins.
+#[derive(Clone, Copy, PartialEq)]
+enum StartingPoint {
+    /// At the truth: what is found is the optimum, whatever the way there.
+    Truth,
+    /// At random, as always.
+    Random,
+}
+
+impl StartingPoint {
+    fn name(self) -> &'static str {
+        match self {
+            StartingPoint::Truth => "the truth",
+            StartingPoint::Random => "random",
+        }
+    }
+}
+
+/// Standard deviation of the gaps in millimetres, and where the fit begins.
+const CONDITIONS: [(f64, StartingPoint); 7] = [
+    (0.01, StartingPoint::Truth),
+    (0.03, StartingPoint::Truth),
+    (0.1, StartingPoint::Truth),
+    (0.3, StartingPoint::Truth),
+    (1.0, StartingPoint::Truth),
+    (0.03, StartingPoint::Random),
+    (0.1, StartingPoint::Random),
+];
+
+row! {
+    /// A measurement of the study `coverage`.
+    pub struct CoverageMeasurement {
+        onset: String = "onset",
+        noise_mm: f64 = "noise, mm",
+        seed: u64 = "seed",
+        touches: usize = "touches",
+        converged: bool = "converged",
+        noise_estimate_mm: f64 = "own noise estimate, mm",
+        bound_rms_mm: f64 = "bound, mm",
+        error_rms_mm: f64 = "error, mm",
+        ratio: f64 = "error / bound",
+        points_covered: f64 = "points covered",
+        positions_covered: f64 = "positions covered",
+        axes_covered: f64 = "axes covered",
+        seconds: f64 = "seconds",
+    }
+}
+
+row! {
+    /// A row of the summary of the study `coverage`.
+    pub struct CoverageSummary {
+        onset: String = "onset",
+        noise_mm: f64 = "noise, mm",
+        converged: f64 = "converged, share",
+        noise_estimate_mm: f64 = "own noise estimate, mm",
+        bound_rms_mm: f64 = "bound, mm",
+        error_rms_mm: f64 = "error, mm",
+        ratio: f64 = "error / bound",
+        points_covered: f64 = "points covered",
+        positions_covered: f64 = "positions",
+        axes_covered: f64 = "axes",
+        seconds: f64 = "seconds",
+    }
+}
+
+/// What one condition came to in one trial.
+struct CoverageTrial {
+    touches: usize,
+    converged: bool,
+    noise_estimate_mm: f64,
+    bound: Option<CramerRaoBound>,
+    /// Shares of placed points, positions and axes within their intervals.
+    covered: [f64; 3],
+    seconds: f64,
+}
+
+impl CoverageTrial {
+    fn of(&self, value: fn(&CramerRaoBound) -> f64) -> f64 {
+        self.bound.as_ref().map_or(f64::NAN, value)
+    }
+}
+
+/// Measures; a trial that does not succeed is a finding.
+///
+/// # Errors
+/// Where something cannot be measured at all.
+pub fn measure(subject: &Subject) -> Result<Findings<CoverageMeasurement, CoverageSummary>, ExperimentError> {
+    let mut measurements: Vec<CoverageMeasurement> = Vec::new();
+    let mut found: Vec<Vec<CoverageTrial>> = CONDITIONS.iter().map(|_| Vec::new()).collect();
+    for &seed in &subject.seeds {
+        let touches = subject.babble(seed)?;
+        for (k, &(noise_mm, onset)) in CONDITIONS.iter().enumerate() {
+            subject.tell(seed, &format!("noise of {noise_mm} mm, onset {}", onset.name()));
+            let trial = attempt(subject, &touches, noise_mm, onset, seed);
+            measurements.push(CoverageMeasurement {
+                onset: onset.name().into(),
+                noise_mm,
+                seed,
+                touches: trial.touches,
+                converged: trial.converged,
+                noise_estimate_mm: trial.noise_estimate_mm,
+                bound_rms_mm: trial.of(|bound| bound.bound_rms),
+                error_rms_mm: trial.of(|bound| bound.error_rms),
+                ratio: trial.of(|bound| bound.ratio),
+                points_covered: trial.covered[0],
+                positions_covered: trial.covered[1],
+                axes_covered: trial.covered[2],
+                seconds: trial.seconds,
+            });
+            found[k].push(trial);
+        }
+    }
+    let mut summary: Vec<CoverageSummary> = Vec::new();
+    for ((noise_mm, onset), trials) in CONDITIONS.iter().zip(&found) {
+        let judged = || trials.iter().filter(|trial| trial.converged && trial.bound.is_some());
+        let rms =
+            |value: fn(&CramerRaoBound) -> f64| mean(judged().map(|trial| trial.of(value).powi(2))).sqrt();
+        let (bound, error) = (rms(|bound| bound.bound_rms), rms(|bound| bound.error_rms));
+        let covered = |kind: usize| mean(judged().map(|trial| trial.covered[kind]));
+        summary.push(CoverageSummary {
+            onset: onset.name().into(),
+            noise_mm: *noise_mm,
+            converged: share(trials.iter().map(|trial| trial.converged)),
+            noise_estimate_mm: mean(judged().map(|trial| trial.noise_estimate_mm)),
+            bound_rms_mm: bound,
+            error_rms_mm: error,
+            ratio: error / bound,
+            points_covered: covered(0),
+            positions_covered: covered(1),
+            axes_covered: covered(2),
+            seconds: median(trials.iter().map(|trial| trial.seconds)),
+        });
+    }
+    let notes = vec![
+        "Errors and bounds are root mean squares over held-out points and trials; the bound is Cramér's and \
+         Rao's, from the touches and the noise as the learner itself sees them."
+            .to_string(),
+        "Covered: the share of errors, coordinate by coordinate, within the learner's own 95 % intervals; 0.95 is \
+         right. Only trials that converged are judged."
+            .to_string(),
+        "The noise is what the model assumes: every gap at the true body is drawn from a normal distribution, by \
+         moving the posture. The onset \"the truth\" shows the optimum and no way there."
+            .to_string(),
+    ];
+    let plot = StudyPlot {
+        x: PlotAxis { title: "Cramér-Rao bound, rms, mm", scale: AxisScale::Logarithmic },
+        y: PlotAxis { title: "held-out error, rms, mm (line: the bound)", scale: AxisScale::Logarithmic },
+        series: series(&found),
+    };
+    Ok(Findings { measurements, summary, notes, plot, numbers: Vec::new() })
+}
+
+/// One fit and its judgement.
+fn attempt(
+    subject: &Subject,
+    touches: &[Touch],
+    noise_mm: f64,
+    onset: StartingPoint,
+    seed: u64,
+) -> CoverageTrial {
+    let (agent, truth) = (subject.agent(), subject.truth());
+    let creature = agent.creature();
+    let noisy = with_gap_noise(agent, truth, touches, 1e-3 * noise_mm, seed);
+    let began = Instant::now();
+    let mut learner = SecondOrder::new(agent, Input::Receptor, seed);
+    noisy.iter().for_each(|touch| learner.touch(touch));
+    let learned: Learned = match onset {
+        StartingPoint::Truth => learner.refine(&truth.schema),
+        StartingPoint::Random => learner.learn(),
+    };
+    let seconds = began.elapsed().as_secs_f64();
+    let points = held_out_points(agent);
+    let schema = &learned.schema;
+    let (mut bound, mut shares) = (None, [f64::NAN; 3]);
+    if let Some(observability) = &learned.observability {
+        let errors = held_out(creature, truth, schema, &points);
+        bound = CramerRaoBound::new(creature, schema, observability, &points, &errors, &learned.undetermined);
+        let errors = NormalizedErrors::new(creature, truth, schema, observability, &points);
+        shares = [&errors.points, &errors.positions, &errors.axes].map(|errors| covered(errors));
+    }
+    CoverageTrial {
+        touches: noisy.len(),
+        converged: !matches!(learned.verdict, Verdict::Failed(_)),
+        noise_estimate_mm: learned.deviation.map_or(f64::NAN, |metres| 1e3 * metres),
+        bound,
+        covered: shares,
+        seconds,
+    }
+}
+
+/// The trials of each onset, the error over the bound; and the bound itself as a line.
+fn series(found: &[Vec<CoverageTrial>]) -> Vec<PlotSeries> {
+    let dots = |onset: StartingPoint| {
+        let trials = CONDITIONS.iter().zip(found).filter(|((_, other), _)| *other == onset);
+        let bounds = trials.flat_map(|(_, trials)| trials).filter_map(|trial| trial.bound);
+        bounds.map(|bound| (bound.bound_rms, bound.error_rms)).collect::<Vec<_>>()
+    };
+    let all: Vec<f64> = found.iter().flatten().filter_map(|trial| trial.bound).map(|b| b.bound_rms).collect();
+    let least = all.iter().copied().fold(f64::INFINITY, f64::min);
+    let greatest = all.iter().copied().fold(0.0, f64::max);
+    let line = if all.is_empty() { Vec::new() } else { vec![(least, least), (greatest, greatest)] };
+    let mut series = vec![PlotSeries { name: "bound".to_string(), line, dots: Vec::new() }];
+    for onset in [StartingPoint::Truth, StartingPoint::Random] {
+        let name = format!("onset: {}", onset.name());
+        series.push(PlotSeries { name, line: Vec::new(), dots: dots(onset) });
+    }
+    series
+}
+
+/// The arithmetic mean; NaN of nothing.
+fn mean(values: impl Iterator<Item = f64>) -> f64 {
+    let (sum, count) = values.fold((0.0, 0.0), |(sum, count), value| (sum + value, count + 1.0));
+    sum / count
+}

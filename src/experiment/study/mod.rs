@@ -1,0 +1,106 @@
+//! Studies: one measurement repeated over several seeds.
+//!
+//! To add a study, write a file beside this one with a `pub const STUDY: Study`, and name it in [`STUDIES`].
+//! Its `measure` takes a [`Subject`], which babbles, learns and evaluates for it, and gives [`Findings`]: all
+//! measurements as typed rows of one tidy table, a summary of them, and what to plot. The command line has it by its
+//! name; a program calls its `measure`.
+
+pub mod approach;
+mod at_table;
+pub mod avoid;
+mod changed_body;
+pub mod coverage;
+pub mod disturbances;
+pub mod farthest;
+pub mod frames;
+pub mod growth;
+pub mod learners;
+pub mod map;
+pub mod other_hand;
+mod plot;
+pub mod policies;
+pub mod reachable;
+pub mod self_touch;
+pub mod sensations;
+mod subject;
+mod table;
+pub mod turned;
+
+use serde_json::Value;
+
+use crate::experiment::ExperimentError;
+pub use plot::{AxisScale, PlotAxis, PlotSeries, StudyPlot};
+pub use subject::Subject;
+pub use table::{Cell, Column, StudyRow, Table};
+
+/// The studies, in the order in which they are named to the user.
+pub const STUDIES: [&Study; 15] = [
+    &learners::STUDY,
+    &policies::STUDY,
+    &coverage::STUDY,
+    &disturbances::STUDY,
+    &growth::STUDY,
+    &turned::STUDY,
+    &frames::STUDY,
+    &sensations::STUDY,
+    &approach::STUDY,
+    &self_touch::STUDY,
+    &map::STUDY,
+    &other_hand::STUDY,
+    &farthest::STUDY,
+    &avoid::STUDY,
+    &reachable::STUDY,
+];
+
+/// A question that is answered by measuring over several seeds.
+pub struct Study {
+    /// The name on the command line.
+    pub name: &'static str,
+    /// The question in a line.
+    pub about: &'static str,
+    /// Whether it learns from babbled touches, so many a trial.
+    pub touches: bool,
+    /// Measures. A trial that does not succeed is a finding; only what cannot be measured fails.
+    pub measure: fn(&Subject) -> Result<FoundTables, ExperimentError>,
+}
+
+/// What a study found, in rows of its own kinds.
+#[derive(Clone, Debug)]
+pub struct Findings<M, S> {
+    /// All measurements, a row each: one kind of thing per column, so that it can be plotted as it is.
+    pub measurements: Vec<M>,
+    /// A row per condition over all trials: the table that a person reads.
+    pub summary: Vec<S>,
+    /// How to read the summary, in sentences.
+    pub notes: Vec<String>,
+    /// The plot.
+    pub plot: StudyPlot,
+    /// What a program asks for by name, beside the summary.
+    pub numbers: Vec<(&'static str, Value)>,
+}
+
+/// What any study found, as tables.
+pub struct FoundTables {
+    /// All measurements, a row each.
+    pub measurements: Table,
+    /// A row per condition over all trials.
+    pub summary: Table,
+    /// How to read the summary, in sentences.
+    pub notes: Vec<String>,
+    /// The plot.
+    pub plot: StudyPlot,
+    /// What a program asks for by name, beside the summary.
+    pub numbers: Vec<(&'static str, Value)>,
+}
+
+impl<M: StudyRow, S: StudyRow> From<Findings<M, S>> for FoundTables {
+    fn from(found: Findings<M, S>) -> FoundTables {
+        FoundTables {
+            measurements: Table::of(&found.measurements),
+            summary: Table::of(&found.summary),
+            notes: found.notes,
+            plot: found.plot,
+            numbers: found.numbers,
+        }
+    }
+}

@@ -1,0 +1,150 @@
+//! Whether a body is learned whose axes are like nobody's.
+
+use std::sync::Arc;
+
+use nalgebra::{Unit, UnitQuaternion, Vector3};
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+
+use super::plot::{AxisScale, PlotAxis, PlotSeries, StudyPlot};
+use super::subject::{LearnerRun, Subject, median, share};
+use super::table::row;
+use super::{Findings, Study};
+use crate::experiment::ExperimentError;
+use crate::experiment::LearningOptions;
+use crate::ground_truth::GroundTruth;
+use crate::kinematics::tangent_basis;
+use crate::learning::Input;
+use crate::mujoco::{self, Model};
+
+/// The study `turned`.
+pub const STUDY: Study = Study {
+    name: "turned",
+    about: "how well lm learns the body with every axis turned at random, by 25° to 90°",
+    touches: true,
+    measure: |subject| Ok(measure(subject)?.into()),
+};
+
+/// How far axes are turned, radians.
+const LEAST: f64 = 25.0 * std::f64::consts::PI / 180.0;
+const MOST: f64 = std::f64::consts::FRAC_PI_2;
+
+row! {
+    /// A measurement of the study `turned`.
+    pub struct TurnedMeasurement {
+        input: String = "input",
+        seed: u64 = "seed",
+        touches: usize = "touches",
+        converged: bool = "converged",
+        heldout_mm: f64 = "held-out, mm",
+        undetermined: usize = "joints named",
+        onsets: usize = "onsets",
+        seconds: f64 = "seconds",
+    }
+}
+
+row! {
+    /// A row of the summary of the study `turned`.
+    pub struct TurnedSummary {
+        input: String = "input",
+        touches: usize = "touches",
+        converged: f64 = "converged, share",
+        wrong: usize = "of these wrong",
+        heldout_mm: f64 = "held-out, mm",
+        heldout_worst_mm: f64 = "worst, mm",
+        undetermined: f64 = "joints named, mean",
+        onsets: f64 = "onsets",
+        seconds: f64 = "seconds",
+    }
+}
+
+/// Mean error beyond which what is said to have converged is wrong, millimetres.
+const WRONG_MM: f64 = 0.5;
+
+/// Measures; a trial that does not succeed is a finding.
+///
+/// # Errors
+/// Where something cannot be measured at all.
+pub fn measure(subject: &Subject) -> Result<Findings<TurnedMeasurement, TurnedSummary>, ExperimentError> {
+    let half = subject.touches.div_ceil(2);
+    let conditions = [
+        ("contact", half, LearningOptions { input: Some(Input::Contact), ..LearningOptions::default() }),
+        ("receptor", subject.touches, LearningOptions::default()),
+    ];
+    let mut measurements: Vec<TurnedMeasurement> = Vec::new();
+    let mut found: [Vec<LearnerRun>; 2] = [Vec::new(), Vec::new()];
+    for &seed in &subject.seeds {
+        let model = with_turned_axes(&subject.body().declared, seed)?;
+        let body = subject.remade(Arc::new(model))?;
+        subject.tell(seed, "babbling");
+        let touches = subject.babble_body(&body, subject.agent(), subject.touches, seed)?;
+        let truth = GroundTruth::new(&body)?;
+        for ((name, most, options), found) in conditions.iter().zip(&mut found) {
+            subject.tell(seed, &format!("learning, {name}"));
+            let touches = &touches[..touches.len().min(*most)];
+            let attempt = subject.learn_with(options, subject.agent(), &truth, touches, seed);
+            measurements.push(TurnedMeasurement {
+                input: (*name).into(),
+                seed,
+                touches: touches.len(),
+                converged: attempt.converged(),
+                heldout_mm: attempt.determined_mm(),
+                undetermined: attempt.learned.undetermined.len(),
+                onsets: attempt.learned.onsets,
+                seconds: attempt.seconds,
+            });
+            found.push(attempt);
+        }
+    }
+    let mut summary: Vec<TurnedSummary> = Vec::new();
+    for ((name, most, _), attempts) in conditions.iter().zip(&found) {
+        let converged = || attempts.iter().filter(|attempt| attempt.converged());
+        let named = converged().map(|attempt| attempt.learned.undetermined.len() as f64).sum::<f64>();
+        summary.push(TurnedSummary {
+            input: (*name).into(),
+            touches: *most,
+            converged: share(attempts.iter().map(LearnerRun::converged)),
+            wrong: converged().filter(|attempt| attempt.determined_mm() > WRONG_MM).count(),
+            heldout_mm: median(converged().map(LearnerRun::determined_mm)),
+            heldout_worst_mm: converged().map(LearnerRun::determined_mm).fold(f64::NAN, f64::max),
+            undetermined: named / converged().count() as f64,
+            onsets: median(attempts.iter().map(|attempt| attempt.learned.onsets as f64)),
+            seconds: median(attempts.iter().map(|attempt| attempt.seconds)),
+        });
+    }
+    let notes = vec![
+        "Every axis of the body is turned by an angle drawn between 25° and 90°, about a direction drawn across it; \
+         shapes and ranges stay. Each trial is another body."
+            .to_string(),
+        format!(
+            "Held-out errors are means over what is not named as undetermined, in trials that converged; beyond \
+             {WRONG_MM} mm such a trial is wrong. Contact points are those of the first half of the touches."
+        ),
+    ];
+    let series = conditions.iter().zip(&found).enumerate().map(|(k, ((name, ..), attempts))| PlotSeries {
+        name: (*name).to_string(),
+        line: Vec::new(),
+        dots: attempts.iter().map(|attempt| (attempt.determined_mm(), k as f64)).collect(),
+    });
+    let names = conditions.iter().map(|(name, ..)| (*name).into()).collect();
+    let plot = StudyPlot {
+        x: PlotAxis { title: "mean held-out error, mm", scale: AxisScale::Logarithmic },
+        y: PlotAxis { title: "", scale: AxisScale::Names(names) },
+        series: series.collect(),
+    };
+    Ok(Findings { measurements, summary, notes, plot, numbers: Vec::new() })
+}
+
+/// The model with every axis turned.
+fn with_turned_axes(model: &Model, seed: u64) -> mujoco::Result<Model> {
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    let mut turned = |axis: Vector3<f64>| {
+        let across = tangent_basis(&axis);
+        let direction = std::f64::consts::TAU * rng.random::<f64>();
+        let about = across.column(0) * direction.cos() + across.column(1) * direction.sin();
+        let angle = LEAST + (MOST - LEAST) * rng.random::<f64>();
+        UnitQuaternion::from_axis_angle(&Unit::new_normalize(about), angle) * axis
+    };
+    let axes: Vec<Vector3<f64>> = model.joints().map(|joint| turned(joint.axis)).collect();
+    model.with_joint_axes(&axes)
+}

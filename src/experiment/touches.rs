@@ -1,0 +1,43 @@
+//! Making touches: what all experiments that babble share.
+
+use std::path::Path;
+
+use super::error::ExperimentError;
+use crate::babbling::{Babbler, BabblingOptions, BoutsDone, Made, PolicyName};
+use crate::record::RecordError;
+use crate::senses::Touch;
+use crate::simulation::Effort;
+
+/// Babbles and hands on every touch, from where the bouts in `from` end; errors name the file of the `model`.
+///
+/// Policies other than random have no bouts, and begin at the beginning.
+pub fn make_touches(
+    model: &Path,
+    babbler: &Babbler,
+    policy: PolicyName,
+    from: BoutsDone,
+    options: &BabblingOptions,
+    mut receive: impl FnMut(Made) -> Result<(), RecordError>,
+) -> Result<Effort, ExperimentError> {
+    let effort = match policy {
+        PolicyName::Random => babbler.babble_on(from, options, receive),
+        _ => babbler.babble_by(policy, options, |touch| receive(Made::Touch(touch))),
+    };
+    effort.map_err(ExperimentError::babbling(model))
+}
+
+/// The touches alone, from the first on.
+pub fn all_touches(
+    model: &Path,
+    babbler: &Babbler,
+    policy: PolicyName,
+    options: &BabblingOptions,
+    mut receive: impl FnMut(&Touch),
+) -> Result<Effort, ExperimentError> {
+    make_touches(model, babbler, policy, BoutsDone::default(), options, |made| {
+        if let Made::Touch(touch) = made {
+            receive(touch);
+        }
+        Ok(())
+    })
+}

@@ -1,0 +1,101 @@
+//! Poses: where a frame is in another.
+
+use std::ops::Mul;
+
+use nalgebra::{Isometry3, Matrix3, Rotation3, UnitQuaternion, Vector3};
+use serde::{Deserialize, Serialize};
+
+/// A pose `X_AB`: where frame B is in frame A.
+///
+/// The rotation is a plain matrix, not an orthonormal type: with relaxed axes it need not be one.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Frame {
+    /// Rotation `R_AB`.
+    pub rotation: Matrix3<f64>,
+    /// Origin `p_AB_A` in metres.
+    pub origin: Vector3<f64>,
+}
+
+impl Frame {
+    /// The pose of a frame in itself.
+    pub fn identity() -> Frame {
+        Frame { rotation: Matrix3::identity(), origin: Vector3::zeros() }
+    }
+
+    /// `p_A = X_AB p_B`.
+    #[inline]
+    pub fn point(&self, p_b: &Vector3<f64>) -> Vector3<f64> {
+        self.direction(p_b) + self.origin
+    }
+
+    /// A direction of B in A.
+    #[inline]
+    pub fn direction(&self, v_b: &Vector3<f64>) -> Vector3<f64> {
+        let (r, v) = (&self.rotation, v_b);
+        // Written out: this is the innermost loop of babbling, of learning and of every map.
+        Vector3::new(
+            r.m11 * v.x + r.m12 * v.y + r.m13 * v.z,
+            r.m21 * v.x + r.m22 * v.y + r.m23 * v.z,
+            r.m31 * v.x + r.m32 * v.y + r.m33 * v.z,
+        )
+    }
+
+    /// `p_B = X_AB⁻¹ p_A`, for an orthonormal rotation.
+    pub fn inverse_point(&self, p_a: &Vector3<f64>) -> Vector3<f64> {
+        self.rotation.tr_mul(&(p_a - self.origin))
+    }
+
+    /// The rotation as a unit quaternion, for an orthonormal rotation.
+    pub fn quaternion(&self) -> UnitQuaternion<f64> {
+        UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(self.rotation))
+    }
+
+    /// The same as MuJoCo writes it: w x y z.
+    pub fn wxyz(&self) -> [f64; 4] {
+        let q = self.quaternion();
+        [q.w, q.i, q.j, q.k]
+    }
+
+    /// `X_BA`, for an orthonormal rotation.
+    pub fn inverse(&self) -> Frame {
+        Frame { rotation: self.rotation.transpose(), origin: -self.rotation.tr_mul(&self.origin) }
+    }
+}
+
+impl From<Isometry3<f64>> for Frame {
+    fn from(pose: Isometry3<f64>) -> Frame {
+        Frame { rotation: pose.rotation.to_rotation_matrix().into_inner(), origin: pose.translation.vector }
+    }
+}
+
+/// A rotation matrix that is none for rounding becomes a rotation.
+impl From<Frame> for Isometry3<f64> {
+    fn from(frame: Frame) -> Isometry3<f64> {
+        Isometry3::from_parts(frame.origin.into(), frame.quaternion())
+    }
+}
+
+/// `X_AC = X_AB X_BC`.
+impl Mul for Frame {
+    type Output = Frame;
+
+    fn mul(self, inner: Frame) -> Frame {
+        Frame { rotation: product(&self.rotation, &inner.rotation), origin: self.point(&inner.origin) }
+    }
+}
+
+/// The product of two rotations, written out for the same reason.
+#[inline]
+pub(crate) fn product(a: &Matrix3<f64>, b: &Matrix3<f64>) -> Matrix3<f64> {
+    Matrix3::new(
+        a.m11 * b.m11 + a.m12 * b.m21 + a.m13 * b.m31,
+        a.m11 * b.m12 + a.m12 * b.m22 + a.m13 * b.m32,
+        a.m11 * b.m13 + a.m12 * b.m23 + a.m13 * b.m33,
+        a.m21 * b.m11 + a.m22 * b.m21 + a.m23 * b.m31,
+        a.m21 * b.m12 + a.m22 * b.m22 + a.m23 * b.m32,
+        a.m21 * b.m13 + a.m22 * b.m23 + a.m23 * b.m33,
+        a.m31 * b.m11 + a.m32 * b.m21 + a.m33 * b.m31,
+        a.m31 * b.m12 + a.m32 * b.m22 + a.m33 * b.m32,
+        a.m31 * b.m13 + a.m32 * b.m23 + a.m33 * b.m33,
+    )
+}

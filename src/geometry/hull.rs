@@ -1,0 +1,230 @@
+//! The convex hull of a mesh: what MuJoCo collides in the mesh's place.
+
+use nalgebra::Vector3;
+use serde::{Deserialize, Serialize};
+
+/// A vertex this far beyond a triangle's plane, by the hull's size, shows that the triangle is a sliver
+/// whose plane is all rounding: MuJoCo keeps vertices in single precision.
+const BEYOND: f64 = 1e-5;
+/// The triangles' area vectors of a closed surface add up to nothing: to this share of the area.
+const OPEN: f64 = 1e-3;
+
+/// A convex polyhedron with triangles for faces, in its mesh's axes; lengths in metres.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "Polyhedron", into = "Polyhedron")]
+pub struct Hull {
+    polyhedron: Polyhedron,
+    /// Per triangle, its outward unit normal and how far it is from the origin along it.
+    planes: Vec<(Vector3<f64>, f64)>,
+    areas: Vec<f64>,
+}
+
+/// A hull as it is written.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+struct Polyhedron {
+    vertices: Vec<Vector3<f64>>,
+    triangles: Vec<[usize; 3]>,
+}
+
+impl TryFrom<Polyhedron> for Hull {
+    type Error = &'static str;
+
+    fn try_from(read: Polyhedron) -> Result<Hull, Self::Error> {
+        Hull::new(read.vertices, read.triangles).ok_or("the triangles of a hull do not close a convex solid")
+    }
+}
+
+impl From<Hull> for Polyhedron {
+    fn from(hull: Hull) -> Polyhedron {
+        hull.polyhedron
+    }
+}
+
+impl Hull {
+    /// The convex solid with these faces, in whatever sense each goes round; none where they do not close
+    /// one.
+    pub fn new(vertices: Vec<Vector3<f64>>, triangles: Vec<[usize; 3]>) -> Option<Hull> {
+        let finite = vertices.iter().all(|v| v.iter().all(|x| x.is_finite()));
+        let known = triangles.iter().flatten().all(|&v| v < vertices.len());
+        if !finite || !known || vertices.len() < 4 {
+            return None;
+        }
+        let middle = vertices.iter().sum::<Vector3<f64>>() / vertices.len() as f64;
+        let size = vertices.iter().map(|v| (v - middle).norm()).fold(0.0, f64::max);
+        let mut hull = Hull {
+            polyhedron: Polyhedron { vertices, triangles: Vec::new() },
+            planes: Vec::new(),
+            areas: Vec::new(),
+        };
+        let mut sum = Vector3::zeros();
+        for [i, j, k] in triangles {
+            let [a, b, c] = [i, j, k].map(|v| hull.polyhedron.vertices[v]);
+            let cross = (b - a).cross(&(c - a));
+            let Some(normal) = cross.try_normalize(f64::MIN_POSITIVE) else { continue };
+            let outward = if normal.dot(&(a - middle)) < 0.0 { -normal } else { normal };
+            let offset = outward.dot(&a);
+            if hull.polyhedron.vertices.iter().any(|v| outward.dot(v) - offset > BEYOND * size) {
+                continue;
+            }
+            let area = 0.5 * cross.norm();
+            sum += outward * area;
+            hull.polyhedron.triangles.push(if outward == normal { [i, j, k] } else { [i, k, j] });
+            hull.planes.push((outward, offset));
+            hull.areas.push(area);
+        }
+        let thick = hull.inradius() > BEYOND * size;
+        (thick && sum.norm() <= OPEN * hull.area()).then_some(hull)
+    }
+
+    /// The corners, metres.
+    pub fn vertices(&self) -> &[Vector3<f64>] {
+        &self.polyhedron.vertices
+    }
+
+    /// The faces: three corners each, counterclockwise as seen from outside.
+    pub fn triangles(&self) -> &[[usize; 3]] {
+        &self.polyhedron.triangles
+    }
+
+    /// Per face, its corners, outward unit normal and area in m².
+    pub(super) fn faces(&self) -> impl Iterator<Item = ([Vector3<f64>; 3], Vector3<f64>, f64)> {
+        let faces = self.triangles().iter().zip(&self.planes).zip(&self.areas);
+        faces.map(|((corners, plane), area)| (corners.map(|v| self.vertices()[v]), plane.0, *area))
+    }
+
+    /// The area of the surface, m².
+    pub fn area(&self) -> f64 {
+        self.areas.iter().sum()
+    }
+
+    /// How far the middle of the corners is from the surface: the radius of a ball inside.
+    pub fn inradius(&self) -> f64 {
+        let vertices = self.vertices();
+        let middle = vertices.iter().sum::<Vector3<f64>>() / vertices.len() as f64;
+        let deep = self.planes.iter().map(|(normal, offset)| offset - normal.dot(&middle));
+        deep.fold(f64::INFINITY, f64::min).clamp(0.0, f64::MAX)
+    }
+
+    /// Half the sides of the box about the hull whose middle is the origin.
+    pub fn half_bounds(&self) -> Vector3<f64> {
+        self.vertices().iter().fold(Vector3::zeros(), |half, v| half.sup(&v.abs()))
+    }
+
+    /// Distance of a point to the surface, negative inside, and the outward unit normal there.
+    pub fn signed_distance(&self, p: &Vector3<f64>) -> (f64, Vector3<f64>) {
+        let beyond = |(normal, offset): &(Vector3<f64>, f64)| normal.dot(p) - offset;
+        let (mut farthest, mut most) = (0, f64::NEG_INFINITY);
+        for (k, plane) in self.planes.iter().enumerate() {
+            let distance = beyond(plane);
+            if distance > most {
+                (farthest, most) = (k, distance);
+            }
+        }
+        let normal = self.planes[farthest].0;
+        if most <= 0.0 {
+            return (most, normal);
+        }
+        let nearest_of = |k: usize| {
+            let [a, b, c] = self.triangles()[k].map(|v| self.vertices()[v]);
+            nearest_in_triangle(p, &a, &b, &c)
+        };
+        // No face is nearer than its plane, so the search starts where the plane is farthest: mostly it ends
+        // there as well.
+        let mut nearest = nearest_of(farthest);
+        let mut least = (p - nearest).norm();
+        for (k, plane) in self.planes.iter().enumerate() {
+            let bound = beyond(plane);
+            if bound > 0.0 && bound < least && least > most * (1.0 + 1e-12) {
+                let found = nearest_of(k);
+                let distance = (p - found).norm();
+                if distance < least {
+                    (nearest, least) = (found, distance);
+                }
+            }
+        }
+        (least, (p - nearest).try_normalize(1e-12).unwrap_or(normal))
+    }
+}
+
+/// The nearest point of a triangle (Ericson, Real-Time Collision Detection, 2005, section 5.1.5).
+fn nearest_in_triangle(
+    p: &Vector3<f64>,
+    a: &Vector3<f64>,
+    b: &Vector3<f64>,
+    c: &Vector3<f64>,
+) -> Vector3<f64> {
+    let (ab, ac) = (b - a, c - a);
+    let (ap, bp, cp) = (p - a, p - b, p - c);
+    let (d1, d2) = (ab.dot(&ap), ac.dot(&ap));
+    if d1 <= 0.0 && d2 <= 0.0 {
+        return *a;
+    }
+    let (d3, d4) = (ab.dot(&bp), ac.dot(&bp));
+    if d3 >= 0.0 && d4 <= d3 {
+        return *b;
+    }
+    let vc = d1 * d4 - d3 * d2;
+    if vc <= 0.0 && d1 >= 0.0 && d3 <= 0.0 {
+        return a + ab * (d1 / (d1 - d3));
+    }
+    let (d5, d6) = (ab.dot(&cp), ac.dot(&cp));
+    if d6 >= 0.0 && d5 <= d6 {
+        return *c;
+    }
+    let vb = d5 * d2 - d1 * d6;
+    if vb <= 0.0 && d2 >= 0.0 && d6 <= 0.0 {
+        return a + ac * (d2 / (d2 - d6));
+    }
+    let va = d3 * d6 - d5 * d4;
+    if va <= 0.0 && d4 - d3 >= 0.0 && d5 - d6 >= 0.0 {
+        return b + (c - b) * ((d4 - d3) / ((d4 - d3) + (d5 - d6)));
+    }
+    a + ab * (vb / (va + vb + vc)) + ac * (vc / (va + vb + vc))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::Shape;
+
+    /// A box's corners and its faces, each face as two triangles that go round as they happen to.
+    fn boxed(half: [f64; 3]) -> Hull {
+        let sign = |bit: usize| if bit == 0 { -1.0 } else { 1.0 };
+        let corner = |v: usize| Vector3::from_fn(|k, _| half[k] * sign(v >> k & 1));
+        let face = |axis: usize, side: usize| {
+            let [u, v] = [(axis + 1) % 3, (axis + 2) % 3].map(|k| 1 << k);
+            let base = side << axis;
+            [[base, base + u, base + v], [base + u, base + v, base + u + v]]
+        };
+        let triangles = (0..6).flat_map(|f| face(f / 2, f % 2)).collect();
+        Hull::new((0..8).map(corner).collect(), triangles).unwrap()
+    }
+
+    #[test]
+    fn the_hull_of_a_box_is_the_box() {
+        let half = [0.1, 0.2, 0.3];
+        let (hull, shape) = (boxed(half), Shape::Box { half_extents: half });
+        assert!((hull.area() - shape.area()).abs() < 1e-12);
+        assert_eq!((hull.half_bounds(), hull.inradius()), (shape.half_bounds(), 0.1));
+        for k in 0..2000 {
+            let turn = |step: f64| (k as f64 * step).fract() - 0.5;
+            let p = Vector3::new(turn(0.618_034), turn(0.414_214), turn(0.732_051));
+            let ((found, n), (expected, m)) = (hull.signed_distance(&p), shape.signed_distance(&p).unwrap());
+            assert!((found - expected).abs() < 1e-12, "{p:?}: {found} for {expected}");
+            assert!((n - m).norm() < 1e-9 || expected < 0.0, "{p:?}: {n} for {m}");
+        }
+    }
+
+    #[test]
+    fn what_closes_no_solid_is_no_hull() {
+        let hull = boxed([0.1; 3]);
+        let (vertices, triangles) = (hull.vertices().to_vec(), hull.triangles().to_vec());
+        assert!(Hull::new(vertices.clone(), triangles[1..].to_vec()).is_none(), "one face is missing");
+        assert!(Hull::new(vertices.clone(), vec![[0, 1, 99]]).is_none(), "there is no such corner");
+        let flat = vertices.iter().map(|v| Vector3::new(v.x, v.y, 0.0)).collect();
+        assert!(Hull::new(flat, triangles.clone()).is_none(), "it is flat");
+        let text = serde_json::to_string(&hull).unwrap();
+        assert_eq!(serde_json::from_str::<Hull>(&text).unwrap(), hull);
+        assert!(serde_json::from_str::<Hull>(&text.replace("[0,", "[99,")).is_err());
+    }
+}

@@ -1,0 +1,27 @@
+//! Shapes in space: poses, convex shapes, and how far apart two of them are.
+//!
+//! A [`Shape`] is matched here and nowhere else: whoever has one asks its methods. [`gap()`] is the one answer to how
+//! far apart two placed bodies are; [`Ball`] and [`Capsule`] bound what is too far away to be asked about.
+
+mod bounds;
+mod capsule;
+mod epa;
+mod formats;
+mod frame;
+mod gap;
+mod gjk;
+mod hull;
+mod samples;
+mod shape;
+mod simplex;
+
+pub use bounds::{Ball, Cluster, clusters};
+pub use capsule::{Capsule, closest_points};
+pub use formats::UrdfGeometry;
+pub use frame::Frame;
+pub(crate) use frame::product;
+pub use gap::{ConvexBody, Gap, PlacedShape, gap, gap_from};
+pub use gjk::Precision;
+pub use hull::Hull;
+pub use samples::SurfaceSample;
+pub use shape::Shape;

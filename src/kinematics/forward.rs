@@ -1,0 +1,182 @@
+//! Forward kinematics: where a schema has the limbs in a posture, and how they move.
+//!
+//! [`carry_through`] is what a joint does, the equation of a body schema:
+//!
+//! ```text
+//! p_P = l_P + R(a_1, θ_1) … R(a_k, θ_k) (Q p_L + c)
+//! ```
+//!
+//! where the limb's pose `(Q, c)` on its joint is the identity unless limbs have frames of their own. Whoever walks
+//! along joints does so by it.
+
+use std::borrow::Borrow;
+
+use nalgebra::{Matrix3, Vector3};
+
+use super::rotation::rotation;
+use crate::creature::{Creature, DofKind, Joint, ball};
+use crate::geometry::{Frame, product};
+use crate::schema::BodySchema;
+
+/// What one degree of freedom does at one value, with what does not depend on its axis worked out.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum DofTransform {
+    /// A turn about the axis by an angle θ: sin θ and 1 − cos θ.
+    Hinge { sine: f64, versine: f64 },
+    /// A shift along the axis, metres.
+    Slide { distance: f64 },
+    /// A turn about any axis.
+    Ball { rotation: Matrix3<f64> },
+}
+
+impl DofTransform {
+    /// At the coordinates of a posture that begin with the degree of freedom's own.
+    #[inline]
+    pub fn at(kind: DofKind, q: &[f64]) -> DofTransform {
+        match kind {
+            DofKind::Hinge => DofTransform::hinge(q[0]),
+            DofKind::Slide => DofTransform::Slide { distance: q[0] },
+            DofKind::Ball => DofTransform::Ball { rotation: ball(q).to_rotation_matrix().into_inner() },
+        }
+    }
+
+    /// A hinge at an angle, radians.
+    #[inline]
+    pub fn hinge(angle: f64) -> DofTransform {
+        let (sine, cosine) = angle.sin_cos();
+        DofTransform::Hinge { sine, versine: 1.0 - cosine }
+    }
+
+    /// Carries a frame on the parent's side of the degree of freedom to its other side.
+    #[inline]
+    pub fn carry(&self, axis: &Vector3<f64>, frame: &mut Frame) {
+        match self {
+            DofTransform::Slide { distance } => frame.origin += frame.direction(axis) * *distance,
+            _ => frame.rotation = self.turned(axis, frame.rotation),
+        }
+    }
+
+    /// Its rotation's part in the same: a rotation on the parent's side, carried to the other.
+    #[inline]
+    pub fn turned(&self, axis: &Vector3<f64>, before: Matrix3<f64>) -> Matrix3<f64> {
+        match self {
+            DofTransform::Hinge { sine, versine } => product(&before, &rotation(axis, *sine, *versine)),
+            DofTransform::Slide { .. } => before,
+            DofTransform::Ball { rotation } => product(&before, rotation),
+        }
+    }
+}
+
+/// Carries the frame of a joint's parent limb, `X_CP`, to that of the limb that it carries, `X_CL`. `dofs` are the
+/// joint's degrees of freedom in their order; `visit` sees each with the frame just before it.
+#[inline]
+pub(crate) fn carry_through(
+    schema: &BodySchema,
+    joint: usize,
+    dofs: impl IntoIterator<Item = (usize, impl Borrow<DofTransform>)>,
+    frame: &mut Frame,
+    mut visit: impl FnMut(usize, &DofTransform, &Frame),
+) {
+    frame.origin += frame.direction(&schema.positions[joint]);
+    for (dof, transform) in dofs {
+        let transform = transform.borrow();
+        visit(dof, transform, frame);
+        transform.carry(&schema.axes[dof], frame);
+    }
+    if let Some(pose) = schema.limb_poses.get(joint) {
+        *frame = *frame * *pose;
+    }
+}
+
+/// A joint's degrees of freedom at a posture.
+pub(crate) fn joint_transforms<'a>(
+    joint: &'a Joint,
+    posture: &'a [f64],
+) -> impl Iterator<Item = (usize, DofTransform)> + 'a {
+    joint.elements().map(|element| (element.axis(), DofTransform::at(element.kind, element.of(posture))))
+}
+
+/// `X_RL` of every limb in the root limb's frame, at `posture`.
+pub fn limb_frames(creature: &Creature, schema: &BodySchema, posture: &[f64]) -> Vec<Frame> {
+    let mut frames = Vec::with_capacity(creature.limbs().len());
+    limb_frames_into(creature, schema, posture, &mut frames);
+    frames
+}
+
+/// The same in a buffer of the caller's, whatever it held before.
+pub fn limb_frames_into(creature: &Creature, schema: &BodySchema, posture: &[f64], frames: &mut Vec<Frame>) {
+    frames.clear();
+    frames.push(Frame::identity());
+    for (j, joint) in creature.joints().iter().enumerate() {
+        let mut frame = frames[joint.parent];
+        carry_through(schema, j, joint_transforms(joint, posture), &mut frame, |_, _, _| {});
+        frames.push(frame);
+    }
+}
+
+/// Of each hinge and slide its joint and its axis in the root limb's frame, at `posture`, where the limbs are at
+/// `frames`.
+pub fn axis_directions(
+    creature: &Creature,
+    schema: &BodySchema,
+    posture: &[f64],
+    frames: &[Frame],
+) -> Vec<(usize, Vector3<f64>)> {
+    let mut found = Vec::new();
+    for (j, joint) in creature.joints().iter().enumerate() {
+        let mut frame = frames[joint.parent];
+        carry_through(schema, j, joint_transforms(joint, posture), &mut frame, |k, transform, before| {
+            if !matches!(transform, DofTransform::Ball { .. }) {
+                found.push((j, before.direction(&schema.axes[k])));
+            }
+        });
+    }
+    found
+}
+
+/// A limb's pose and motion in the root limb's frame.
+#[derive(Clone, Copy, Debug)]
+pub struct LimbMotion {
+    /// `X_RL`.
+    pub frame: Frame,
+    /// Angular velocity, radians per unit of time.
+    pub omega: Vector3<f64>,
+    /// Velocity of the point of the limb that is at the root frame's origin, metres per unit of time.
+    pub velocity: Vector3<f64>,
+}
+
+impl LimbMotion {
+    /// Of the root, which rests.
+    pub fn at_rest() -> LimbMotion {
+        LimbMotion { frame: Frame::identity(), omega: Vector3::zeros(), velocity: Vector3::zeros() }
+    }
+}
+
+/// Poses and motions of all limbs, given per degree of freedom what it does, and the axis and rate of its change in the
+/// frame before it: radians or metres per unit of time.
+pub(crate) fn limb_motions_into(
+    creature: &Creature,
+    schema: &BodySchema,
+    at: impl Fn(usize) -> DofTransform,
+    rate: impl Fn(usize) -> (Vector3<f64>, f64),
+    motions: &mut Vec<LimbMotion>,
+) {
+    motions.clear();
+    motions.push(LimbMotion::at_rest());
+    for (j, joint) in creature.joints().iter().enumerate() {
+        let LimbMotion { mut frame, mut omega, mut velocity } = motions[joint.parent];
+        let transforms = joint.dof_indices().map(|k| (k, at(k)));
+        carry_through(schema, j, transforms, &mut frame, |k, transform, before| {
+            let (axis, rate) = rate(k);
+            match transform {
+                DofTransform::Slide { .. } => velocity += before.direction(&axis) * rate,
+                DofTransform::Hinge { .. } | DofTransform::Ball { .. } => {
+                    let turning = before.direction(&(axis * rate));
+                    omega += turning;
+                    velocity -= turning.cross(&before.origin);
+                }
+            }
+        });
+        motions.push(LimbMotion { frame, omega, velocity });
+    }
+}

@@ -1,0 +1,28 @@
+//! `gradient`: Hersch's rule repaired.
+
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+
+use super::{LearnerGivens, LearnerKind};
+use crate::agent::Agent;
+use crate::learning::onset::random_onset;
+use crate::learning::{Learner, RelaxedGradient};
+
+/// Hersch's rule repaired: its gradient over all touches, relaxed.
+#[derive(Clone, Copy, Debug)]
+pub struct RepairedHersch;
+
+impl LearnerKind for RepairedHersch {
+    fn name(&self) -> &'static str {
+        "gradient"
+    }
+
+    fn about(&self) -> &'static str {
+        "Hersch's rule repaired"
+    }
+
+    fn learner<'a>(&self, agent: &'a Agent, given: &LearnerGivens, seed: u64) -> Box<dyn Learner + 'a> {
+        let onset = random_onset(agent.creature(), &mut ChaCha8Rng::seed_from_u64(seed));
+        Box::new(RelaxedGradient::new(agent, given.input, onset, seed))
+    }
+}

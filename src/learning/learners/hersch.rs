@@ -1,0 +1,36 @@
+//! `hersch`: Hersch's rule as the paper prints it.
+
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+
+use super::{LearnerGivens, LearnerKind, doubling};
+use crate::agent::Agent;
+use crate::learning::onset::random_onset;
+use crate::learning::{Hersch, Learner};
+
+/// Hersch's rule from one random onset.
+#[derive(Clone, Copy, Debug)]
+pub struct HerschsRule;
+
+impl LearnerKind for HerschsRule {
+    fn name(&self) -> &'static str {
+        "hersch"
+    }
+
+    fn about(&self) -> &'static str {
+        "Hersch's rule as the paper prints it"
+    }
+
+    fn learner<'a>(&self, agent: &'a Agent, given: &LearnerGivens, seed: u64) -> Box<dyn Learner + 'a> {
+        let onset = random_onset(agent.creature(), &mut ChaCha8Rng::seed_from_u64(seed));
+        Box::new(Hersch::new(agent, given.input, onset))
+    }
+
+    fn learns_each_touch(&self, _: &LearnerGivens) -> bool {
+        true
+    }
+
+    fn checkpoints(&self, _: &LearnerGivens, touches: usize) -> Vec<usize> {
+        doubling(10, touches)
+    }
+}

@@ -1,0 +1,52 @@
+//! `lm`: Levenberg-Marquardt from any onset.
+
+use super::{LearnerGivens, LearnerKind, LearnerUses, doubling};
+use crate::agent::Agent;
+use crate::learning::{Input, Learner, Online, PriorKnowledge, SecondOrder, SkinKnowledge};
+
+/// Most touches whose contact points are learned from in an instant.
+const MOST_INSTANT: usize = 4000;
+
+/// Levenberg-Marquardt from random onsets; from receptors with their surfaces, touch by touch.
+#[derive(Clone, Copy, Debug)]
+pub struct LevenbergMarquardt;
+
+impl LearnerKind for LevenbergMarquardt {
+    fn name(&self) -> &'static str {
+        "lm"
+    }
+
+    fn about(&self) -> &'static str {
+        "Levenberg-Marquardt from any onset"
+    }
+
+    fn uses(&self) -> LearnerUses {
+        LearnerUses { surfaces: true, known_joints: true, limb_frames: true }
+    }
+
+    fn learner<'a>(&self, agent: &'a Agent, given: &LearnerGivens, seed: u64) -> Box<dyn Learner + 'a> {
+        let known = PriorKnowledge::nothing(agent).with(&given.known);
+        if self.predicts(given) {
+            return Box::new(Online::new(agent, seed).with_known(known));
+        }
+        let learner = SecondOrder::new(agent, given.input, seed);
+        Box::new(learner.with_frames(given.frames).with_skin(given.skin).with_known(known))
+    }
+
+    fn predicts(&self, given: &LearnerGivens) -> bool {
+        (given.input, given.skin) == (Input::Receptor, SkinKnowledge::Surface)
+    }
+
+    fn checkpoints(&self, given: &LearnerGivens, touches: usize) -> Vec<usize> {
+        if self.predicts(given) {
+            // Roughly evenly spaced where touches are counted in powers of ten.
+            let round = [50, 70, 100, 150, 200, 300, 500, 700];
+            let round = (0..).flat_map(|k| round.map(|n| n * 10usize.pow(k)));
+            return round.take_while(|&n| n < touches).collect();
+        }
+        match given.input {
+            Input::Contact if touches <= MOST_INSTANT => doubling(125, touches),
+            _ => Vec::new(),
+        }
+    }
+}

@@ -1,0 +1,54 @@
+//! Enums whose values have names, in files and on the command line alike.
+
+/// A name that none of the choices has.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("there is no {what} {name}: choose one of {choices}")]
+pub struct UnknownName {
+    /// What is named.
+    pub what: &'static str,
+    /// The name.
+    pub name: String,
+    /// The names that there are.
+    pub choices: String,
+}
+
+impl UnknownName {
+    /// The error for a name of which there is none among the choices.
+    pub fn new(what: &'static str, name: &str, choices: &[&str]) -> UnknownName {
+        UnknownName { what, name: name.to_string(), choices: choices.join(", ") }
+    }
+}
+
+/// Gives the values of an enum their names: how they are printed and read.
+macro_rules! named {
+    ($type:ident, $what:literal, { $($variant:ident => $name:literal),+ $(,)? }) => {
+        impl $type {
+            /// All values, in the order in which they are named to the user.
+            pub const ALL: &[$type] = &[$($type::$variant),+];
+
+            /// Its name.
+            pub fn name(self) -> &'static str {
+                match self {
+                    $($type::$variant => $name),+
+                }
+            }
+        }
+
+        impl std::fmt::Display for $type {
+            fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
+                f.pad(self.name())
+            }
+        }
+
+        impl std::str::FromStr for $type {
+            type Err = $crate::named::UnknownName;
+
+            fn from_str(name: &str) -> Result<$type, $crate::named::UnknownName> {
+                let found = $type::ALL.iter().copied().find(|value| value.name() == name);
+                found.ok_or_else(|| $crate::named::UnknownName::new($what, name, &[$($name),+]))
+            }
+        }
+    };
+}
+
+pub(crate) use named;

@@ -1,0 +1,74 @@
+//! What is known to be about the body, and how far it is from a convex body.
+
+use nalgebra::Vector3;
+
+use crate::geometry::{Ball, Capsule, ConvexBody, Precision, gap};
+
+/// Something that is known to be there, in the root's frame.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Obstacle {
+    /// A capsule, or a ball.
+    Capsule(Capsule),
+    /// All that lies below a plane and in front of another, as a table does.
+    Table {
+        /// Unit vector against gravity.
+        up: Vector3<f64>,
+        /// The height of the top, along `up`, metres.
+        height: f64,
+        /// Horizontal unit vector that leads over the table.
+        front: Vector3<f64>,
+        /// Where the table begins, along `front`, metres.
+        edge: f64,
+    },
+}
+
+impl Obstacle {
+    /// Whether a point is on it, within `near` metres.
+    pub(super) fn is_at(&self, point: &Vector3<f64>, near: f64) -> bool {
+        match self {
+            Obstacle::Capsule(capsule) => capsule.distance_to(&Ball { centre: *point, radius: 0.0 }) <= near,
+            Obstacle::Table { up, height, front, edge } => {
+                point.dot(front) >= *edge && point.dot(up) - height <= near
+            }
+        }
+    }
+
+    /// No body inside a ball is nearer than this, metres.
+    pub(super) fn bound(&self, ball: &Ball) -> f64 {
+        match self {
+            Obstacle::Capsule(capsule) => capsule.distance_to(ball),
+            Obstacle::Table { .. } => f64::NEG_INFINITY,
+        }
+    }
+
+    /// The gap to a body, metres, below 0 where they overlap; a lower bound, no worse than 5 % below it, for a body that
+    /// is neither ball nor capsule. Of a table only its top counts, for what reaches over its edge.
+    pub(super) fn gap(&self, body: &dyn ConvexBody) -> f64 {
+        match self {
+            Obstacle::Capsule(capsule) => gap(body, capsule, Precision::LowerBound).distance,
+            Obstacle::Table { up, height, front, edge } => {
+                let lowest = match body.as_capsule() {
+                    Some(capsule) => lowest_over(&capsule, up, front, *edge),
+                    None => (body.support(front).dot(front) > *edge).then(|| body.support(&-up).dot(up)),
+                };
+                lowest.map_or(f64::INFINITY, |lowest| lowest - height)
+            }
+        }
+    }
+}
+
+/// The lowest point, along `up`, of the part of a capsule that may be beyond the edge of a table.
+fn lowest_over(capsule: &Capsule, up: &Vector3<f64>, front: &Vector3<f64>, edge: f64) -> Option<f64> {
+    let Capsule { ends, radius } = capsule;
+    let beyond = ends.map(|end| end.dot(front) - (edge - radius));
+    if beyond[0].max(beyond[1]) <= 0.0 {
+        return None;
+    }
+    // The part of the segment that is over the table ends where it crosses the edge.
+    let crossing = |from: usize, to: usize| {
+        let share = beyond[from] / (beyond[from] - beyond[to]);
+        ends[from] + (ends[to] - ends[from]) * share
+    };
+    let inside = [0, 1].map(|k| if beyond[k] >= 0.0 { ends[k] } else { crossing(1 - k, k) });
+    Some(inside[0].dot(up).min(inside[1].dot(up)) - radius)
+}

@@ -1,0 +1,135 @@
+//! Proprioception: the posture as the joint sensors of the model tell it.
+//!
+//! A `jointpos` or `ballquat` sensor tells its joint's coordinate, no farther than its `cutoff` and, where the file
+//! enables that, with its `noise`. A joint without one is felt as it is. The engine computes the readings; only the
+//! noise is drawn here, from a stream of its own, so that the same seed feels the same whatever else runs beside it.
+
+use nalgebra::{Quaternion, UnitQuaternion, Vector3};
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+
+use crate::creature::{Body, DofKind, Posture};
+use crate::mujoco::{self, Data, Sensor, SensorKind};
+
+/// Two readings of a ball joint nearer than this are one, per number of its quaternion: the engine normalises it anew.
+const ROUNDING: f64 = 1e-12;
+
+/// What tells the coordinate of one degree of freedom, a ball counting as one.
+#[derive(Clone, Debug, PartialEq)]
+pub struct JointSensor {
+    /// The greatest amount that it tells, radians or metres; none where it tells all.
+    pub cutoff: Option<f64>,
+    /// The standard deviation of its noise, radians or metres; 0 where it has none or the file does not enable it.
+    pub noise: f64,
+    /// Where its numbers start among those of all sensors.
+    address: usize,
+}
+
+/// Per degree of freedom of a body, its sensor; none where it has none.
+pub fn joint_sensors(body: &Body) -> Vec<Option<JointSensor>> {
+    let model = &body.declared;
+    let (enabled, noisy) = (model.has_sensors_enabled(), model.has_sensor_noise());
+    let sensors: Vec<Sensor> = model.sensors().filter(|_| enabled).collect();
+    let of_joint = |&joint: &usize| {
+        let tells = |sensor: &&Sensor| {
+            matches!(sensor.kind, SensorKind::JointPos | SensorKind::BallQuat) && sensor.id == Some(joint)
+        };
+        sensors.iter().find(tells).map(|sensor| JointSensor {
+            cutoff: (sensor.cutoff > 0.0 && sensor.kind == SensorKind::JointPos).then_some(sensor.cutoff),
+            noise: if noisy { sensor.noise } else { 0.0 },
+            address: sensor.adr,
+        })
+    };
+    body.segments.iter().flat_map(|segment| &segment.joints).map(of_joint).collect()
+}
+
+/// A degree of freedom that has a sensor.
+struct Channel {
+    /// Its first number in a posture.
+    coordinate: usize,
+    /// Its first number in the engine's `qpos`.
+    qpos: usize,
+    kind: DofKind,
+    sensor: JointSensor,
+}
+
+/// The sense of posture of a body: one per thread.
+pub struct Proprioception {
+    channels: Vec<Channel>,
+    /// The engine's data of this sense alone: coordinates and sensors, no poses.
+    data: Data,
+    qpos: Vec<f64>,
+    noise: ChaCha8Rng,
+}
+
+impl Proprioception {
+    /// The sense of a body, whose noise is drawn from a stream.
+    ///
+    /// # Errors
+    /// Where the engine fails.
+    pub fn new(body: &Body, noise: ChaCha8Rng) -> mujoco::Result<Proprioception> {
+        let dofs = joint_sensors(body).into_iter().zip(body.creature.elements());
+        let channels = dofs.filter_map(|(sensor, at)| {
+            let (coordinate, dof) = (at.coordinate(), at.dof());
+            Some(Channel { coordinate, qpos: body.qpos_address(coordinate), kind: dof.kind, sensor: sensor? })
+        });
+        let qpos = vec![0.0; body.model.nq()];
+        Ok(Proprioception { channels: channels.collect(), data: Data::new(body.model.clone())?, qpos, noise })
+    }
+
+    /// Draws its noise from another stream from now on.
+    pub fn draw_noise_from(&mut self, noise: ChaCha8Rng) {
+        self.noise = noise;
+    }
+
+    /// The posture as it is felt where the body really is in `posture`.
+    ///
+    /// # Errors
+    /// Where the engine fails.
+    pub fn read(&mut self, body: &Body, posture: &[f64]) -> mujoco::Result<Posture> {
+        let mut felt = Posture::from(posture);
+        body.write_qpos(posture, &mut self.qpos);
+        let exact = self.qpos.clone();
+        for channel in self.channels.iter().filter(|channel| channel.sensor.noise > 0.0) {
+            disturb(&mut self.qpos[channel.qpos..], channel.kind, channel.sensor.noise, &mut self.noise);
+        }
+        self.data.set_qpos(&self.qpos)?;
+        self.data.sense_positions()?;
+        let readings = self.data.sensordata();
+        let mut told = exact.clone();
+        for Channel { qpos, kind, sensor, .. } in &self.channels {
+            let count = kind.coordinates();
+            told[*qpos..qpos + count].copy_from_slice(&readings[sensor.address..sensor.address + count]);
+        }
+        if told == exact {
+            return Ok(felt);
+        }
+        let as_told = body.read_posture(&told);
+        for Channel { coordinate, qpos, kind, .. } in &self.channels {
+            let numbers = *qpos..qpos + kind.coordinates();
+            let off = numbers.map(|k| (told[k] - exact[k]).abs()).fold(0.0, f64::max);
+            // What the engine tells exactly stays as it is to the last bit.
+            match kind {
+                DofKind::Ball if off > ROUNDING => {
+                    felt[*coordinate..coordinate + 4].copy_from_slice(&as_told[*coordinate..coordinate + 4]);
+                }
+                DofKind::Ball => {}
+                DofKind::Hinge | DofKind::Slide => felt[*coordinate] += told[*qpos] - exact[*qpos],
+            }
+        }
+        Ok(felt)
+    }
+}
+
+/// Adds noise to the engine's coordinate of one degree of freedom; a ball is turned by a random rotation vector.
+fn disturb(coordinate: &mut [f64], kind: DofKind, deviation: f64, rng: &mut ChaCha8Rng) {
+    let mut draw = || deviation * Distribution::<f64>::sample(&StandardNormal, rng);
+    if kind != DofKind::Ball {
+        coordinate[0] += draw();
+        return;
+    }
+    let [w, x, y, z] = [coordinate[0], coordinate[1], coordinate[2], coordinate[3]];
+    let turn = UnitQuaternion::from_scaled_axis(Vector3::from_fn(|_, _| draw()));
+    let turned = UnitQuaternion::from_quaternion(Quaternion::new(w, x, y, z)) * turn;
+    coordinate[..4].copy_from_slice(&[turned.w, turned.i, turned.j, turned.k]);
+}

@@ -1,0 +1,382 @@
+//! How far a motion can go before anything can touch.
+//!
+//! Between two postures every coordinate changes at a constant rate, so the speed and the acceleration
+//! of each point of a limb against another limb are bounded by the joints between them. With the gap of
+//! two geoms and those bounds a motion jumps ahead to where they may meet at the earliest (conservative
+//! advancement), and needs no small steps. Geoms are bounded by capsules; for spheres and capsules the
+//! bound is exact and so is the gap.
+
+use std::collections::BTreeSet;
+
+use nalgebra::Vector3;
+
+use super::straight_motion::StraightMotion;
+use super::touchable::{ClusterPair, Encounter, LimbCluster, TouchablePairs};
+use crate::creature::{Body, Posture};
+use crate::geometry::{Capsule, Gap, Precision, gap_from};
+use crate::ground_truth::GroundTruth;
+use crate::kinematics::LimbMotion;
+use crate::mujoco;
+
+/// How far a creature's motions can go, by the gaps between its geoms along them.
+#[derive(Clone, Debug)]
+pub struct ConservativeAdvancement {
+    touchable: TouchablePairs,
+    motion: StraightMotion,
+    limbs: Vec<LimbMotion>,
+    /// Per bound, its capsule in the root's frame, where its cluster is placed.
+    world: Vec<Capsule>,
+    placed: Vec<bool>,
+    /// Per cluster, its ball's middle in the root's frame.
+    middles: Vec<Vector3<f64>>,
+    /// Per pair: greatest relative speed, greatest relative acceleration, and until when it is free.
+    speed: Vec<f64>,
+    acceleration: Vec<f64>,
+    free_until: Vec<f64>,
+    /// What the motion starts in contact with, until it has parted.
+    start_contact: Option<Encounter>,
+    /// Limb pairs looked at, for the statistics.
+    pub checks: u64,
+}
+
+/// Below this gap two geoms count as met, metres.
+const MET: f64 = 4e-7;
+/// The same for shapes of which only the engine can tell that they touch, metres: more than its own error.
+const NEARLY_MET: f64 = 4e-6;
+/// Beyond this gap two geoms that touched at the start of a motion have parted, metres.
+const PARTED: f64 = 1e-4;
+/// Way of the fastest point between looks at what is still parting, metres.
+const PARTING_STEP: f64 = 5e-7;
+/// Limbs farther apart than this are not looked at geom by geom, metres.
+const FAR: f64 = 0.03;
+/// Pairs that come up within this part of the motion are looked at together: placing the limbs costs
+/// more than a look.
+const SOON: f64 = 0.06;
+/// The least advance of a motion's parameter, so that no approach without contact stalls it.
+const LEAST_ADVANCE: f64 = 1e-6;
+
+impl ConservativeAdvancement {
+    /// The motions of a body whose geoms can touch: those that the engine would let collide, on limbs that are not
+    /// neighbours, but for the pairs `left_out`, the lesser index first.
+    ///
+    /// # Errors
+    /// Where the engine fails.
+    pub fn new(body: &Body, left_out: &BTreeSet<[usize; 2]>) -> mujoco::Result<ConservativeAdvancement> {
+        let schema = GroundTruth::new(body)?.schema;
+        let touchable = TouchablePairs::new(body, &schema, left_out);
+        let count = touchable.pairs.len();
+        Ok(ConservativeAdvancement {
+            motion: StraightMotion::new(body.creature.clone(), schema),
+            limbs: Vec::with_capacity(body.creature.limbs().len()),
+            world: touchable.bounds.iter().map(|bound| bound.capsule).collect(),
+            placed: vec![false; touchable.clusters.len()],
+            middles: vec![Vector3::zeros(); touchable.clusters.len()],
+            speed: vec![0.0; count],
+            acceleration: vec![0.0; count],
+            free_until: vec![0.0; count],
+            start_contact: None,
+            checks: 0,
+            touchable,
+        })
+    }
+
+    /// Whether any two geoms can touch at all.
+    pub fn is_empty(&self) -> bool {
+        self.touchable.pairs.is_empty()
+    }
+
+    /// Sets out from `start` to `target`, in contact at the start where `contact` says so.
+    pub fn begin(&mut self, start: &[f64], target: &[f64], contact: Option<Encounter>) {
+        self.motion.begin(start, target);
+        let speeds = self.motion.joint_speeds();
+        for (k, pair) in self.touchable.pairs.iter().enumerate() {
+            let (mut speed, mut acceleration) = (0.0, 0.0);
+            for side in &pair.levers {
+                // A point turned by joints i before j is accelerated by at most 2 ω_i ω_j r_j.
+                let mut inner = 0.0;
+                for lever in side {
+                    let (turn, shift) = speeds[lever.joint];
+                    let own = turn * lever.reach + shift;
+                    speed += own;
+                    acceleration += turn * turn * lever.reach + 2.0 * (inner * own + turn * shift);
+                    inner += turn;
+                }
+            }
+            self.speed[k] = speed;
+            self.acceleration[k] = acceleration;
+            self.free_until[k] = if speed > 0.0 { 0.0 } else { f64::INFINITY };
+        }
+        self.start_contact = contact;
+    }
+
+    /// The first encounter of the motion after `from`, as the fraction of the way at which it is about to
+    /// happen; none when the target is reached freely.
+    pub fn next(&mut self, from: f64) -> Option<(f64, Encounter)> {
+        let mut t = from;
+        loop {
+            let earliest = self.free_until.iter().copied().fold(f64::INFINITY, f64::min);
+            t = t.max(earliest);
+            if t >= 1.0 {
+                return None;
+            }
+            self.place_limbs(t);
+            // Pairs that come up soon after are looked at now: the limbs are placed already.
+            let soon = t + SOON;
+            let mut met: Option<Encounter> = None;
+            for k in 0..self.touchable.pairs.len() {
+                if self.free_until[k] > soon {
+                    continue;
+                }
+                let (advance, encounter) = self.look(k, 1.0 - t);
+                if let Some(encounter) = encounter.filter(|_| advance <= 0.0) {
+                    met = Some(encounter);
+                }
+                let parting = encounter.is_some() && encounter == self.start_contact && advance > 0.0;
+                let advance = if parting { advance } else { advance.max(LEAST_ADVANCE) };
+                self.free_until[k] = self.free_until[k].max(t + advance);
+            }
+            if let Some(encounter) = met {
+                return Some((t, encounter));
+            }
+        }
+    }
+
+    /// The encounter of two geoms, in either order; none where they cannot touch, or are joined.
+    pub fn encounter(&self, geoms: [usize; 2]) -> Option<Encounter> {
+        self.touchable.encounter(geoms)
+    }
+
+    /// Whether the encounter is what touched at the start and has not parted since.
+    pub fn parting(&self, encounter: &Encounter) -> bool {
+        self.start_contact == Some(*encounter)
+    }
+
+    /// Lets a pair pass until `t`: the engine found it free so far.
+    pub fn pass(&mut self, encounter: &Encounter, t: f64) {
+        self.free_until[encounter.pair] = t;
+    }
+
+    /// The greatest speed of the encounter's pair, metres per unit of the motion.
+    pub fn speed(&self, encounter: &Encounter) -> f64 {
+        self.speed[encounter.pair]
+    }
+
+    /// How far a motion may advance from `t` until a point in both bounds of an encounter has moved by
+    /// `length` metres between the limbs, at the most.
+    pub fn advance_by(&mut self, encounter: &Encounter, t: f64, length: f64) -> f64 {
+        self.place_limbs(t);
+        let pair = &self.touchable.pairs[encounter.pair];
+        // Any such point is in the lesser of the two.
+        let bound = |side: usize| &self.touchable.bounds[encounter.bounds[side] as usize];
+        let side = if bound(0).reach <= bound(1).reach { 0 } else { 1 };
+        let Capsule { ends, radius } = bound(side).capsule;
+        let turning = (self.limbs[pair.limbs[0]].omega - self.limbs[pair.limbs[1]].omega).norm();
+        let fastest = ends
+            .map(|end| self.limbs[pair.limbs[side]].frame.point(&end))
+            .map(|p| self.relative_velocity(pair, &[p, p]).norm())
+            .into_iter()
+            .fold(0.0, f64::max)
+            + turning * radius;
+        // Way in a time: fastest h + ½ acceleration h².
+        let acceleration = self.acceleration[encounter.pair];
+        let slow = 2.0 * length / (fastest + (fastest * fastest + 2.0 * acceleration * length).sqrt());
+        slow.max(length / self.speed[encounter.pair])
+    }
+
+    /// The gap of an encounter's geoms at `t`, and its rate of change, metres and metres per unit.
+    pub fn gap(&mut self, encounter: &Encounter, t: f64) -> (f64, f64) {
+        self.place_limbs(t);
+        let clusters = self.touchable.pairs[encounter.pair].clusters;
+        clusters.into_iter().for_each(|cluster| self.place_cluster(cluster));
+        let pair = &self.touchable.pairs[encounter.pair];
+        let Gap { distance, normal, points } = self.bounds_gap(encounter.bounds);
+        let velocity = self.relative_velocity(pair, &points);
+        (distance, normal.dot(&velocity))
+    }
+
+    /// The posture at `t`.
+    pub fn posture(&self, t: f64) -> Posture {
+        self.motion.posture(t)
+    }
+
+    /// How far the motion may advance from where the limbs are placed before limb pair `k` can touch, and
+    /// which geoms limit it.
+    fn look(&mut self, k: usize, rest: f64) -> (f64, Option<Encounter>) {
+        self.checks += 1;
+        let clusters = self.touchable.pairs[k].clusters;
+        let middles = clusters.map(|c| self.middles[c]);
+        let [first, second] = clusters.map(|c| self.touchable.clusters[c].ball.radius);
+        let between = middles[0] - middles[1];
+        let distance = between.norm();
+        let apart = distance - first - second;
+        if apart > FAR {
+            let pair = &self.touchable.pairs[k];
+            let plain = apart / self.speed[k];
+            if plain >= rest {
+                return (plain, None);
+            }
+            let opening = between.dot(&self.relative_velocity(pair, &middles)) / distance;
+            return (plain.max(until_zero(apart, opening, self.acceleration[k])), None);
+        }
+        clusters.into_iter().for_each(|cluster| self.place_cluster(cluster));
+        let pair = &self.touchable.pairs[k];
+        let mut least = f64::INFINITY;
+        let mut limiting = None;
+        let mut parted = false;
+        for &bounds in &pair.geoms {
+            // Even at full speed it comes later than what is known already?
+            let beyond = least * self.speed[k];
+            if self.apart(bounds) > beyond {
+                continue;
+            }
+            let gap = self.bounds_gap(bounds);
+            if gap.distance > beyond {
+                continue;
+            }
+            let encounter = self.touchable.encounter_of(k, bounds);
+            if !encounter.exact {
+                let advance = self.advance_of_solids(pair, bounds, &gap, k);
+                if advance < least {
+                    least = advance;
+                    limiting = Some(encounter);
+                }
+                continue;
+            }
+            // What touches at the start is already felt, until it has parted.
+            let parting = self.parting(&encounter);
+            parted |= parting && gap.distance > PARTED;
+            let advance = if gap.distance > MET {
+                (gap.distance / self.speed[k]).max(self.kept_apart(pair, bounds, &gap.normal, k))
+            } else if parting && gap.normal.dot(&self.relative_velocity(pair, &gap.points)) > 0.0 {
+                (PARTING_STEP / self.speed[k]).max(self.kept_apart(pair, bounds, &gap.normal, k))
+            } else {
+                0.0
+            };
+            if advance < least {
+                least = advance;
+                limiting = Some(encounter);
+            }
+        }
+        if parted {
+            self.start_contact = None;
+        }
+        (least, limiting)
+    }
+
+    /// How far the motion may advance before two geoms can meet that are no capsules, given the gap of those about them:
+    /// 0 where they nearly do.
+    fn advance_of_solids(&self, pair: &ClusterPair, bounds: [u32; 2], about: &Gap, k: usize) -> f64 {
+        let by_capsules = if about.distance > MET {
+            (about.distance / self.speed[k]).max(self.kept_apart(pair, bounds, &about.normal, k))
+        } else {
+            0.0
+        };
+        if about.distance > FAR {
+            return by_capsules;
+        }
+        let limbs = pair.limbs.map(|limb| &self.limbs[limb]);
+        let solid = |side: usize| {
+            self.touchable.bounds[bounds[side] as usize].solid.as_ref()?.placed(&limbs[side].frame)
+        };
+        let [Some(first), Some(second)] = [solid(0), solid(1)] else { return by_capsules };
+        let Gap { distance, normal, .. } = gap_from(&first, &second, Precision::LowerBound, &about.normal);
+        if distance <= NEARLY_MET {
+            return by_capsules;
+        }
+        // Every point of a shape is in its capsule, where velocities along the normal are greatest at an end but for
+        // what the turning adds within the radius.
+        let closing: f64 = [(0, -1.0), (1, 1.0)]
+            .map(|(side, sign)| {
+                let turning = limbs[side].omega - self.limbs[pair.ancestor].omega;
+                let Capsule { ends, radius } = &self.world[bounds[side] as usize];
+                let rates = ends.map(|end| sign * normal.dot(&self.velocity(pair, side, &end)));
+                rates[0].max(rates[1]) + turning.cross(&normal).norm() * radius
+            })
+            .iter()
+            .sum();
+        let by_solids = until_zero(distance, -closing, self.acceleration[k]).max(distance / self.speed[k]);
+        by_solids.max(by_capsules)
+    }
+
+    /// How long a plane between two geoms' capsules keeps them apart, given its normal from the second to the first, to
+    /// second order in the motion.
+    fn kept_apart(&self, pair: &ClusterPair, bounds: [u32; 2], n: &Vector3<f64>, k: usize) -> f64 {
+        let mut least = f64::INFINITY;
+        let mut height = [[0.0; 2]; 2];
+        let mut rate = [[0.0; 2]; 2];
+        for side in 0..2 {
+            let sign = if side == 0 { 1.0 } else { -1.0 };
+            let Capsule { ends, radius } = &self.world[bounds[side] as usize];
+            for (end, p) in ends.iter().enumerate() {
+                height[side][end] = sign * n.dot(p) - radius;
+                let velocity = self.velocity(pair, side, p);
+                rate[side][end] = sign * n.dot(&velocity);
+            }
+        }
+        for first in 0..2 {
+            for second in 0..2 {
+                let gap = (height[0][first] + height[1][second]).max(0.0);
+                let opening = rate[0][first] + rate[1][second];
+                least = least.min(until_zero(gap, opening, self.acceleration[k]));
+            }
+        }
+        least
+    }
+
+    /// Velocity of a point of one side's limb against the common ancestor.
+    fn velocity(&self, pair: &ClusterPair, side: usize, p: &Vector3<f64>) -> Vector3<f64> {
+        let limb = &self.limbs[pair.limbs[side]];
+        let ancestor = &self.limbs[pair.ancestor];
+        limb.velocity - ancestor.velocity + (limb.omega - ancestor.omega).cross(p)
+    }
+
+    fn relative_velocity(&self, pair: &ClusterPair, points: &[Vector3<f64>; 2]) -> Vector3<f64> {
+        self.velocity(pair, 0, &points[0]) - self.velocity(pair, 1, &points[1])
+    }
+
+    /// A lower bound of two geoms' gap, from the balls about them.
+    fn apart(&self, bounds: [u32; 2]) -> f64 {
+        let [a, b] = bounds.map(|i| i as usize);
+        let ([p, q], [u, v]) = (self.world[a].ends, self.world[b].ends);
+        0.5 * (p + q - u - v).norm() - self.touchable.bounds[a].reach - self.touchable.bounds[b].reach
+    }
+
+    /// The gap of the capsules about two geoms, at the points of their segments.
+    fn bounds_gap(&self, bounds: [u32; 2]) -> Gap {
+        let [first, second] = bounds.map(|bound| &self.world[bound as usize]);
+        first.gap_at_segments(second)
+    }
+
+    /// Carries a cluster's capsules into the root's frame, once per posture.
+    fn place_cluster(&mut self, cluster: usize) {
+        if std::mem::replace(&mut self.placed[cluster], true) {
+            return;
+        }
+        let LimbCluster { limb, members, .. } = &self.touchable.clusters[cluster];
+        let frame = &self.limbs[*limb].frame;
+        for &bound in members {
+            self.world[bound as usize] = self.touchable.bounds[bound as usize].capsule.placed(frame);
+        }
+    }
+
+    /// Poses and velocities of all limbs at `t`, in the root's frame.
+    fn place_limbs(&mut self, t: f64) {
+        self.motion.place_limbs(t, &mut self.limbs);
+        self.placed.fill(false);
+        for (middle, cluster) in self.middles.iter_mut().zip(&self.touchable.clusters) {
+            *middle = self.limbs[cluster.limb].frame.point(&cluster.ball.centre);
+        }
+    }
+}
+
+/// The time for which `gap + opening h − ½ acceleration h²` stays above zero.
+fn until_zero(gap: f64, opening: f64, acceleration: f64) -> f64 {
+    let root = (opening * opening + 2.0 * acceleration * gap).sqrt();
+    if opening < 0.0 {
+        2.0 * gap / (root - opening)
+    } else if acceleration > 0.0 {
+        (opening + root) / acceleration
+    } else {
+        f64::INFINITY
+    }
+}

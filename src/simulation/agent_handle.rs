@@ -1,0 +1,86 @@
+//! All that an agent has of a simulation.
+
+use nalgebra::Vector3;
+
+use super::Stage;
+use crate::agent::Agent;
+use crate::creature::Posture;
+use crate::mujoco;
+use crate::senses::{Approach, SkinContact};
+
+/// What a creature has of the stage that it is on: it moves, feels, holds and lets go. Where things are, or its own limbs,
+/// it cannot ask:
+///
+/// ```compile_fail,E0599
+/// fn peek(handle: &bodyschema::simulation::AgentHandle) {
+///     handle.thing_pose(1);
+/// }
+/// ```
+///
+/// ```compile_fail,E0616
+/// fn peek(handle: &bodyschema::simulation::AgentHandle) {
+///     handle.stage.root_pose();
+/// }
+/// ```
+pub struct AgentHandle {
+    stage: Stage,
+}
+
+impl AgentHandle {
+    pub(super) fn new(stage: Stage) -> AgentHandle {
+        AgentHandle { stage }
+    }
+
+    /// What it is given of itself.
+    pub fn agent(&self) -> &Agent {
+        self.stage.agent()
+    }
+
+    /// The posture that it feels itself in.
+    pub fn posture(&self) -> Posture {
+        self.stage.felt_posture()
+    }
+
+    /// The unit vector against gravity in the root's frame, which its sense of balance tells.
+    pub fn up(&self) -> Vector3<f64> {
+        self.stage.root_pose().inverse_transform_vector(&Vector3::z())
+    }
+
+    /// The length of a step, seconds.
+    pub fn timestep(&self) -> f64 {
+        self.stage.timestep()
+    }
+
+    /// The time that has passed, seconds.
+    pub fn time(&self) -> f64 {
+        self.stage.time()
+    }
+
+    /// Goes on by one step, at whose end it is in a posture: what touches its skin now, as its touch sensor has it.
+    ///
+    /// # Errors
+    /// Where the engine fails.
+    pub fn step(&mut self, towards: &[f64]) -> mujoco::Result<Vec<SkinContact>> {
+        self.stage.step_towards(towards).map(|(_, present)| present)
+    }
+
+    /// Holds what the limb of a receptor touches, until it is let go; whether there was something that can be held.
+    pub fn hold(&mut self, receptor: usize) -> bool {
+        self.stage.hold(receptor)
+    }
+
+    /// Lets go of all that it holds.
+    pub fn let_go(&mut self) {
+        self.stage.let_go();
+    }
+
+    /// Watches out for what comes near from now on.
+    pub fn watch_out(&mut self) {
+        self.stage.grow_aura();
+    }
+
+    /// What is near, where it watches out for it.
+    pub fn approaches(&self) -> Vec<Approach> {
+        self.stage.approaches()
+    }
+}

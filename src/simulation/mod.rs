@@ -1,0 +1,41 @@
+//! A creature on MuJoCo's physics: it moves until it touches something, alone or among things, and feels what touches it.
+//!
+//! On a [`Stage`] are things and probes, and all senses run. Who looks on, puts things and measures has the stage itself;
+//! the creature has an [`AgentHandle`], which moves, feels, holds and lets go, and nothing else. Motions that stop at the
+//! first touch of the creature with itself are [`Movers`]'. The physics is stepped in one place, `step.rs`.
+
+mod advancement;
+mod agent_handle;
+mod dynamic;
+mod error;
+mod event;
+mod motion;
+mod movers;
+pub mod partner;
+mod path;
+mod probe;
+mod self_contact;
+mod stage;
+mod step;
+mod straight_motion;
+mod thing;
+mod touchable;
+
+pub use advancement::ConservativeAdvancement;
+pub use agent_handle::AgentHandle;
+pub use dynamic::DynamicMover;
+pub use error::SimulationError;
+pub use event::{aura_event_json, event_json};
+pub use motion::{DEEPEST, Effort, Ending, MotionName, MotionUntilTouch, Mover};
+pub use movers::Movers;
+pub use path::ProbePath;
+pub use probe::{PROBE_RADIUS, STIFFNESS};
+pub use self_contact::{LimbPair, Relation, SelfContact};
+pub use stage::{Stage, StageOptions, StepSenses, Watcher};
+pub use thing::Thing;
+
+/// Why the engine failed, for those who must not reach into it.
+pub use crate::mujoco::Error as EngineError;
+
+/// What comes of what the engine does.
+pub type EngineResult<T> = Result<T, EngineError>;

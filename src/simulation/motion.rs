@@ -1,0 +1,357 @@
+//! Motions that stop at touch.
+
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+
+use crate::creature::{Body, Posture};
+use crate::mujoco::{self, Contact, Data};
+use crate::named::named;
+use crate::senses::{ContactReader, Moment, Proprioception, Reading, Touch, TouchEnd};
+use crate::simulation::advancement::ConservativeAdvancement;
+use crate::simulation::touchable::Encounter;
+use crate::skin::Skin;
+
+/// The deepest that limbs may be in each other where a motion stops, metres.
+pub const DEEPEST: f64 = 1e-6;
+
+/// First step, in metres of the fastest point, along geoms of which only the engine can tell that they touch; it
+/// doubles with each in which they do not …
+const ENGINE_STEP: f64 = 8e-6;
+/// … up to this.
+const LONGEST_ENGINE_STEP: f64 = 1e-3;
+
+/// Way of the fastest point within which geoms in contact must part, where only the engine can tell,
+/// metres.
+const PARTING: f64 = 1e-4;
+
+/// How a motion ended.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Ending {
+    /// Skin met skin.
+    Touch([TouchEnd; 2]),
+    /// Limbs met where at least one has no skin.
+    Bare,
+    /// It met at once what the last motion had met: nothing new was felt.
+    Again,
+    /// It reached its target.
+    Free,
+}
+
+/// What motions cost and left out.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Effort {
+    /// Motions begun.
+    pub motions: u64,
+    /// Postures whose contacts the engine was asked for.
+    pub engine_checks: u64,
+    /// Pairs of limbs whose gap was looked at.
+    pub gap_checks: u64,
+    /// Contacts on bare geometry, left out.
+    pub bare: u64,
+    /// Contacts between neighbouring limbs, left out.
+    pub neighbours: u64,
+    /// Instant re-contacts, left out.
+    pub again: u64,
+    /// Time that the motions took in the simulation, seconds; 0 where no forces were at work.
+    pub simulated_s: f64,
+}
+
+impl std::ops::AddAssign for Effort {
+    fn add_assign(&mut self, other: Effort) {
+        self.motions += other.motions;
+        self.engine_checks += other.engine_checks;
+        self.gap_checks += other.gap_checks;
+        self.bare += other.bare;
+        self.neighbours += other.neighbours;
+        self.again += other.again;
+        self.simulated_s += other.simulated_s;
+    }
+}
+
+/// How the body is moved from posture to posture.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
+pub enum MotionName {
+    /// Straight through its postures, without forces.
+    #[default]
+    Kinematic,
+    /// By servos, under gravity, at human speeds.
+    Dynamic,
+}
+
+named!(MotionName, "motion", { Kinematic => "kinematic", Dynamic => "dynamic" });
+
+/// A body that moves and stops at touch, however it is moved.
+pub trait MotionUntilTouch {
+    /// Begins a bout: at rest in `posture`, no effort made yet.
+    ///
+    /// # Errors
+    /// Where the engine fails.
+    fn reset(&mut self, posture: &[f64]) -> mujoco::Result<()>;
+
+    /// Draws the noise of its senses from another random stream from now on.
+    fn draw_noise_from(&mut self, noise: ChaCha8Rng);
+
+    /// Moves towards `target` until it touches itself or cannot get further.
+    ///
+    /// # Errors
+    /// Where the engine fails.
+    fn advance(&mut self, target: &[f64]) -> mujoco::Result<Ending>;
+
+    /// The posture that it feels itself in; after a touch, that of the touch.
+    ///
+    /// # Errors
+    /// Where the engine fails.
+    fn felt_posture(&mut self) -> mujoco::Result<Posture>;
+
+    /// When and how hard the touch was that the last motion ended in, if forces were at work.
+    fn moment(&self) -> Option<Moment>;
+
+    /// What the motions of the bout cost so far.
+    fn effort(&self) -> Effort;
+
+    /// The touch that the last motion ended in, as it is felt.
+    ///
+    /// # Errors
+    /// Where the engine fails.
+    fn touch(&mut self, bout: u64, ends: [TouchEnd; 2]) -> mujoco::Result<Touch> {
+        let (motion, posture) = (self.effort().motions, self.felt_posture()?);
+        Ok(Touch { bout, motion, posture, ends, moment: self.moment() })
+    }
+}
+
+impl MotionUntilTouch for Mover<'_> {
+    fn reset(&mut self, posture: &[f64]) -> mujoco::Result<()> {
+        Mover::reset(self, Posture::from(posture));
+        self.effort = Effort::default();
+        Ok(())
+    }
+
+    fn advance(&mut self, target: &[f64]) -> mujoco::Result<Ending> {
+        Mover::advance(self, target)
+    }
+
+    fn draw_noise_from(&mut self, noise: ChaCha8Rng) {
+        self.proprioception.draw_noise_from(noise);
+    }
+
+    fn felt_posture(&mut self) -> mujoco::Result<Posture> {
+        self.proprioception.read(self.body, &self.posture)
+    }
+
+    fn moment(&self) -> Option<Moment> {
+        None
+    }
+
+    fn effort(&self) -> Effort {
+        self.effort
+    }
+}
+
+/// A body that moves through its postures: one per thread.
+pub struct Mover<'a> {
+    body: &'a Body,
+    skin: &'a Skin,
+    reader: &'a ContactReader,
+    proprioception: Proprioception,
+    data: Data,
+    clearance: ConservativeAdvancement,
+    qpos: Vec<f64>,
+    posture: Posture,
+    contact: Option<Encounter>,
+    /// What the motions cost so far.
+    pub effort: Effort,
+}
+
+impl<'a> Mover<'a> {
+    /// A body at rest in `posture`.
+    ///
+    /// # Errors
+    /// Where the engine fails.
+    pub fn new(
+        body: &'a Body,
+        skin: &'a Skin,
+        reader: &'a ContactReader,
+        clearance: ConservativeAdvancement,
+        posture: Posture,
+    ) -> mujoco::Result<Mover<'a>> {
+        let data = Data::new(body.model.clone())?;
+        let proprioception = Proprioception::new(body, ChaCha8Rng::seed_from_u64(0))?;
+        let qpos = vec![0.0; body.model.nq()];
+        let effort = Effort::default();
+        Ok(Mover {
+            body,
+            skin,
+            reader,
+            proprioception,
+            data,
+            clearance,
+            qpos,
+            posture,
+            contact: None,
+            effort,
+        })
+    }
+
+    /// Puts the body into a posture without a motion.
+    pub fn reset(&mut self, posture: Posture) {
+        self.posture = posture;
+        self.contact = None;
+    }
+
+    /// The posture that it is really in.
+    pub fn posture(&self) -> &[f64] {
+        &self.posture
+    }
+
+    /// Moves straight towards `target` and stops at the first contact of limbs that are not neighbours.
+    /// A ball joint whose way would leave its range goes up to its limit; what follows another joint ends where
+    /// that joint has it (and on the way as well, where it follows in proportion).
+    ///
+    /// # Errors
+    /// Where the engine fails.
+    pub fn advance(&mut self, target: &[f64]) -> mujoco::Result<Ending> {
+        self.effort.motions += 1;
+        self.clearance.checks = 0;
+        let mut target = Posture::reachable(&self.body.creature, &self.posture, target);
+        self.body.creature.couple(&mut target);
+        let ending = self.run(&target);
+        self.effort.gap_checks += std::mem::take(&mut self.clearance.checks);
+        ending
+    }
+
+    fn run(&mut self, target: &[f64]) -> mujoco::Result<Ending> {
+        self.clearance.begin(&self.posture, target, self.contact);
+        if let Some(contact) = self.contact {
+            // Pressing on, or sliding along: the touch that has just been felt.
+            if !self.parts(&contact)? {
+                self.effort.again += 1;
+                return Ok(Ending::Again);
+            }
+        }
+        let mut from = 0.0;
+        let mut step = (None, ENGINE_STEP);
+        while let Some((t, encounter)) = self.clearance.next(from) {
+            from = t;
+            let again = step.0 == Some(encounter);
+            step = (Some(encounter), if again { LONGEST_ENGINE_STEP.min(2.0 * step.1) } else { ENGINE_STEP });
+            if encounter.exact && self.clearance.parting(&encounter) {
+                // It has hardly opened, and closes again.
+                self.effort.again += 1;
+                return Ok(Ending::Again);
+            }
+            let place = match encounter.exact {
+                true => self.press(&encounter, t),
+                false => self.step(&encounter, t, step.1),
+            };
+            let Some(place) = place.filter(|place| *place <= 1.0) else { continue };
+            match self.contact_at(&encounter, place)? {
+                Some((met, contact)) if contact.distance >= -DEEPEST => {
+                    return Ok(self.stop(place, met, contact));
+                }
+                Some(deep) => return self.search(&encounter, t.min(place), place, deep),
+                // Grazed, or not there yet.
+                None if encounter.exact => self.clearance.pass(&encounter, place + 1e-6),
+                None if place >= 1.0 => self.clearance.pass(&encounter, f64::INFINITY),
+                None => self.clearance.pass(&encounter, place),
+            }
+        }
+        self.posture = Posture::from(target);
+        self.contact = None;
+        Ok(Ending::Free)
+    }
+
+    /// Whether the motion parts what touches at its start.
+    fn parts(&mut self, contact: &Encounter) -> mujoco::Result<bool> {
+        if contact.exact {
+            let (_, opening) = self.clearance.gap(contact, 0.0);
+            return Ok(opening > 1e-3 * self.clearance.speed(contact));
+        }
+        // How their bounds move says nothing of the geoms themselves: see whether they have parted soon.
+        let soon = self.clearance.advance_by(contact, 0.0, PARTING).min(1.0);
+        self.clearance.pass(contact, soon);
+        Ok(!matches!(self.contact_at(contact, soon)?, Some((met, _)) if met == *contact))
+    }
+
+    /// From a gap below a micrometre into a contact above one: where exact geoms overlap a little. None
+    /// when they graze and part again.
+    fn press(&mut self, encounter: &Encounter, t: f64) -> Option<f64> {
+        let mut at = t;
+        for _ in 0..8 {
+            let (gap, opening) = self.clearance.gap(encounter, at);
+            if gap < -0.1 * DEEPEST && gap > -0.9 * DEEPEST {
+                return Some(at);
+            }
+            if opening >= -1e-9 {
+                break;
+            }
+            at -= (gap + 0.5 * DEEPEST) / opening;
+        }
+        self.clearance.pass(encounter, at.max(t) + 1e-6);
+        None
+    }
+
+    /// The next place to look at in a stretch that only the engine can judge.
+    fn step(&mut self, encounter: &Encounter, t: f64, length: f64) -> Option<f64> {
+        Some((t + self.clearance.advance_by(encounter, t, length)).min(1.0))
+    }
+
+    /// Stops where the first contact between `free` and `met` begins; `deep` is the one at `met`.
+    fn search(
+        &mut self,
+        encounter: &Encounter,
+        mut free: f64,
+        mut met: f64,
+        mut deep: (Encounter, Contact),
+    ) -> mujoco::Result<Ending> {
+        for _ in 0..60 {
+            let middle = 0.5 * (free + met);
+            match self.contact_at(encounter, middle)? {
+                Some((found, contact)) if contact.distance >= -DEEPEST => {
+                    return Ok(self.stop(middle, found, contact));
+                }
+                Some(found) => (met, deep) = (middle, found),
+                None => free = middle,
+            }
+        }
+        // The engine's contact begins deeper than a touch may be: it ends the motion, and is none.
+        self.posture = self.clearance.posture(free);
+        self.contact = Some(deep.0);
+        self.effort.bare += 1;
+        Ok(Ending::Bare)
+    }
+
+    /// The deepest contact at `t`, by the engine, of geoms that can touch. What touched at the start is
+    /// left out while it parts, unless it is the encounter itself.
+    fn contact_at(&mut self, encounter: &Encounter, t: f64) -> mujoco::Result<Option<(Encounter, Contact)>> {
+        let posture = self.clearance.posture(t);
+        self.body.write_qpos(&posture, &mut self.qpos);
+        self.data.set_qpos(&self.qpos)?;
+        self.data.kinematics()?;
+        self.data.collision()?;
+        self.effort.engine_checks += 1;
+        let heeded = |(met, contact): &(Encounter, Contact)| {
+            met == encounter || self.contact != Some(*met) || contact.distance < -DEEPEST
+        };
+        let met = self.data.contacts().filter_map(|c| Some((self.clearance.encounter(c.geoms)?, c)));
+        Ok(met.filter(heeded).min_by(|(_, c), (_, d)| c.distance.total_cmp(&d.distance)))
+    }
+
+    /// Stops where the engine has just found `contact`, and reads it.
+    fn stop(&mut self, t: f64, encounter: Encounter, contact: Contact) -> Ending {
+        self.posture = self.clearance.posture(t);
+        self.contact = Some(encounter);
+        for other in self.data.contacts() {
+            if self.reader.read(self.body, self.skin, &self.data, &other) == Reading::Neighbours {
+                self.effort.neighbours += 1;
+            }
+        }
+        match self.reader.read(self.body, self.skin, &self.data, &contact) {
+            Reading::Touch(spots) => Ending::Touch(spots.map(TouchEnd::from)),
+            _ => {
+                self.effort.bare += 1;
+                Ending::Bare
+            }
+        }
+    }
+}

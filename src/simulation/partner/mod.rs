@@ -1,0 +1,11 @@
+//! What a partner does to the creature: taps, strokes and scripted touches by probes.
+//!
+//! They are made from where the skin really is, for they are done to the creature, not by it.
+
+mod caress;
+mod script;
+mod stimulation;
+
+pub use caress::stroke_for;
+pub use script::{Script, ScriptError};
+pub use stimulation::{Stimulation, Strokes};

@@ -1,0 +1,134 @@
+//! A script of what is done to the creature: probes and the ways they take.
+
+use std::path::Path;
+
+use nalgebra::Vector3;
+use serde::Deserialize;
+
+use crate::simulation::{PROBE_RADIUS, ProbePath, Stage};
+
+/// Where a probe's tip or middle is to be at a time.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Waypoint {
+    /// Seconds from the beginning.
+    time: f64,
+    /// The probe's middle in the world's frame, metres; or …
+    at: Option<[f64; 3]>,
+    /// … a receptor, by its id, with the probe's surface …
+    receptor: Option<String>,
+    /// … so far above it, metres: below 0 the probe presses, with 400 N for each metre.
+    #[serde(default)]
+    height: f64,
+}
+
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ScriptedProbe {
+    name: String,
+    path: Vec<Waypoint>,
+}
+
+/// Why a script cannot be followed.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum ScriptError {
+    /// It cannot be read: a sentence that names the file, the place and the mend.
+    #[error("{0}")]
+    Unreadable(String),
+    /// It names a receptor that the creature does not have.
+    #[error("\"{probe}\" goes to the receptor \"{receptor}\", which {creature} has not")]
+    NoReceptor {
+        /// The probe.
+        probe: String,
+        /// The receptor.
+        receptor: String,
+        /// The creature.
+        creature: String,
+    },
+}
+
+/// What is done to the creature.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Script {
+    probes: Vec<ScriptedProbe>,
+}
+
+impl Script {
+    /// Reads a script.
+    ///
+    /// # Errors
+    /// [`ScriptError::Unreadable`], a sentence that names the file, the place and the mend.
+    pub fn read(path: &Path) -> Result<Script, ScriptError> {
+        let (at, unreadable) = (path.display(), ScriptError::Unreadable);
+        let text = std::fs::read_to_string(path)
+            .map_err(|error| unreadable(format!("{at}: it cannot be read ({error})")))?;
+        let script: Script = serde_json::from_str(&text)
+            .map_err(|error| unreadable(format!("{at}: {error}: correct it there")))?;
+        for (k, probe) in script.probes.iter().enumerate() {
+            let name = &probe.name;
+            if name.is_empty() || script.probes[..k].iter().any(|other| other.name == *name) {
+                return Err(unreadable(format!(
+                    "{at}: two probes are called \"{name}\", or one has no name: give each its own"
+                )));
+            }
+            if probe.path.is_empty() {
+                return Err(unreadable(format!(
+                    "{at}: the probe \"{name}\" has no path: give it one waypoint at least"
+                )));
+            }
+            for (j, waypoint) in probe.path.iter().enumerate() {
+                let place = format!("{at}: waypoint {} of \"{name}\"", j + 1);
+                if waypoint.at.is_some() == waypoint.receptor.is_some() {
+                    return Err(unreadable(format!(
+                        "{place} needs either \"at\" or \"receptor\": give one of them"
+                    )));
+                }
+                let numbers = waypoint.at.iter().flatten().chain([&waypoint.time, &waypoint.height]);
+                if waypoint.time < 0.0 || numbers.clone().any(|x| !x.is_finite() || x.abs() > 1e4) {
+                    return Err(unreadable(format!(
+                        "{place} has a number that cannot be: give times from 0 on, and metres"
+                    )));
+                }
+                if j > 0 && waypoint.time <= probe.path[j - 1].time {
+                    return Err(unreadable(format!(
+                        "{place} is not later than the one before it: put them in order of time"
+                    )));
+                }
+            }
+        }
+        Ok(script)
+    }
+
+    /// The names of its probes.
+    pub fn probes(&self) -> Vec<String> {
+        self.probes.iter().map(|probe| probe.name.clone()).collect()
+    }
+
+    /// The ways of its probes about a creature, in the order of [`Script::probes`].
+    ///
+    /// # Errors
+    /// [`ScriptError::NoReceptor`].
+    pub fn paths(&self, stage: &Stage) -> Result<Vec<ProbePath>, ScriptError> {
+        let place = |probe: &ScriptedProbe, waypoint: &Waypoint| match (&waypoint.at, &waypoint.receptor) {
+            (Some(at), _) => Ok::<_, ScriptError>(Vector3::from(*at)),
+            (None, Some(id)) => {
+                let found = stage.skin().receptor(id).map(|receptor| &stage.skin().receptors[receptor]);
+                let receptor = found.ok_or_else(|| ScriptError::NoReceptor {
+                    probe: probe.name.clone(),
+                    receptor: id.clone(),
+                    creature: stage.agent().creature().name().to_string(),
+                })?;
+                let pose = stage.limb_pose(receptor.limb);
+                let above = receptor.position + receptor.normal * (waypoint.height + PROBE_RADIUS);
+                Ok((pose * nalgebra::Point3::from(above)).coords)
+            }
+            (None, None) => unreachable!("a script is checked when it is read"),
+        };
+        let path = |probe: &ScriptedProbe| {
+            let way = probe.path.iter().map(|waypoint| Ok((waypoint.time, place(probe, waypoint)?)));
+            way.collect::<Result<Vec<_>, ScriptError>>().map(ProbePath)
+        };
+        self.probes.iter().map(path).collect()
+    }
+}

@@ -1,0 +1,221 @@
+//! Which limbs of a body can touch each other.
+//!
+//! A model's own filters are no guide: many switch self-contact off for speed, and in many the shapes of limbs
+//! that are near each other in the tree overlap by construction. So contact types and affinities do not count
+//! at all, an `<exclude>` counts where its limbs have others to touch, and random postures tell what overlaps
+//! for good.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use serde::Serialize;
+
+use crate::creature::{Body, Posture};
+use crate::mujoco::{self, Data};
+
+/// Random postures that are looked at, always the same ones.
+const POSTURES: usize = 200;
+/// Geoms that overlap in this share of all postures always do.
+const ALWAYS: f64 = 0.9;
+/// Where some geoms of two limbs always overlap, so do, as good as always, those that overlap this often.
+const OFTEN: f64 = 0.15;
+/// A reference posture in which geoms overlap that do so in fewer postures than this is a tangle.
+const SELDOM: f64 = 0.5;
+
+/// What is between two limbs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Relation {
+    /// They can touch.
+    Touch,
+    /// One carries the other: their contacts are those of the joint.
+    Neighbours,
+    /// Their geoms that could meet overlap by construction.
+    Overlap,
+    /// All their geoms that could meet are excluded by the model.
+    Excluded,
+}
+
+/// Two limbs with surface, and whether they can touch.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LimbPair {
+    /// The limbs, the earlier first.
+    pub limbs: [usize; 2],
+    /// Whether they can touch.
+    pub relation: Relation,
+    /// Whether they can although the model's own filters let none of their geoms collide.
+    pub switched_on: bool,
+    /// Pairs of their geoms that are left out because they overlap by construction.
+    pub left_out: usize,
+    /// The share of random postures in which other geoms of theirs overlap.
+    pub meeting: f64,
+}
+
+/// The limb pairs of a body, and the posture from which they can be told apart.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SelfContact {
+    /// All pairs of limbs with surface.
+    pub pairs: Vec<LimbPair>,
+    /// Pairs of geoms of different limbs that are never to be felt, the lesser index first.
+    pub left_out: BTreeSet<[usize; 2]>,
+    /// A posture in which nothing else overlaps: the reference posture, or as near to it as ranges allow, unless
+    /// the body is tangled there.
+    pub start: Posture,
+}
+
+impl SelfContact {
+    /// Looks at a body in random postures.
+    ///
+    /// # Errors
+    /// Where the engine fails.
+    pub fn new(body: &Body) -> mujoco::Result<SelfContact> {
+        let mut overlaps = Overlaps::new(body)?;
+        let mut rng = ChaCha8Rng::seed_from_u64(0);
+        let mut postures = vec![Posture::start(&body.creature)];
+        postures.extend((0..POSTURES).map(|_| Posture::random(&body.creature, &mut rng)));
+        let seen: Vec<BTreeSet<[usize; 2]>> =
+            postures.iter().map(|posture| overlaps.at(posture)).collect::<Result<_, _>>()?;
+        let mut counts: BTreeMap<[usize; 2], usize> = BTreeMap::new();
+        seen[1..].iter().flatten().for_each(|&pair| *counts.entry(pair).or_default() += 1);
+        let share = |pair: &[usize; 2]| counts.get(pair).map_or(0.0, |&n| n as f64 / POSTURES as f64);
+
+        let excluded = excluded(body);
+        let limbs = |&[a, b]: &[usize; 2]| limb_pair(body, a, b);
+        let always: BTreeSet<[usize; 2]> =
+            counts.keys().filter(|pair| share(pair) >= ALWAYS).copied().collect();
+        let tangled = |posture: &BTreeSet<[usize; 2]>, below: f64| {
+            posture.iter().filter(|pair| share(pair) < below && !excluded.contains(*pair)).count()
+        };
+        let chosen = match tangled(&seen[0], SELDOM) {
+            0 => 0,
+            _ => (0..seen.len()).min_by_key(|&k| tangled(&seen[k], ALWAYS)).unwrap_or(0),
+        };
+        let mut left_out: BTreeSet<[usize; 2]> = always.union(&seen[chosen]).copied().collect();
+        let joined: BTreeSet<[usize; 2]> = left_out.iter().map(limbs).collect();
+        left_out.extend(
+            counts.keys().filter(|pair| share(pair) >= OFTEN && joined.contains(&limbs(pair))).copied(),
+        );
+
+        let mut pairs: BTreeMap<[usize; 2], GeomPairTally> = BTreeMap::new();
+        for pair in geom_pairs(body) {
+            let [a, b] = pair;
+            let tally = pairs.entry(limbs(&pair)).or_default();
+            tally.declared |= body.declared.collides(a, b);
+            if left_out.contains(&pair) {
+                tally.left_out += 1;
+            } else if !excluded.contains(&pair) {
+                tally.open += usize::from(body.model.collides(a, b));
+            }
+        }
+        let mut meeting: BTreeMap<[usize; 2], usize> = BTreeMap::new();
+        left_out.extend(&excluded);
+        for posture in &seen[1..] {
+            let met: BTreeSet<[usize; 2]> = posture.difference(&left_out).map(limbs).collect();
+            met.into_iter().for_each(|pair| *meeting.entry(pair).or_default() += 1);
+        }
+        let pairs = pairs.into_iter().map(|(limbs, tally)| {
+            let relation = if body.creature.neighbouring(limbs[0], limbs[1]) {
+                Relation::Neighbours
+            } else if tally.open > 0 {
+                Relation::Touch
+            } else if tally.left_out > 0 {
+                Relation::Overlap
+            } else {
+                Relation::Excluded
+            };
+            LimbPair {
+                limbs,
+                relation,
+                switched_on: relation == Relation::Touch && !tally.declared,
+                left_out: tally.left_out,
+                meeting: meeting.get(&limbs).map_or(0.0, |&n| n as f64 / POSTURES as f64),
+            }
+        });
+        Ok(SelfContact { pairs: pairs.collect(), left_out, start: postures.swap_remove(chosen) })
+    }
+
+    /// The number of limb pairs in a relation.
+    pub fn count(&self, relation: Relation) -> usize {
+        self.pairs.iter().filter(|pair| pair.relation == relation).count()
+    }
+}
+
+/// What there is between two limbs, geom by geom.
+#[derive(Clone, Copy, Debug, Default)]
+struct GeomPairTally {
+    declared: bool,
+    left_out: usize,
+    open: usize,
+}
+
+/// The limbs of two geoms that are felt, the earlier first.
+fn limb_pair(body: &Body, a: usize, b: usize) -> [usize; 2] {
+    let limb = |g: usize| body.limb_of_geom(g).unwrap_or(0);
+    [limb(a).min(limb(b)), limb(a).max(limb(b))]
+}
+
+/// The pairs of geoms, the lesser index first, whose bodies the model excludes, but for limbs that could then touch
+/// nothing at all.
+fn excluded(body: &Body) -> BTreeSet<[usize; 2]> {
+    let named: BTreeSet<[usize; 2]> = body.declared.excludes().map(|[a, b]| [a.min(b), a.max(b)]).collect();
+    if named.is_empty() {
+        return BTreeSet::new();
+    }
+    let is_named = |a: usize, b: usize| {
+        let [a, b] = [a, b].map(|g| body.model.geom_body(g));
+        named.contains(&[a.min(b), a.max(b)])
+    };
+    let mut touching = BTreeSet::new();
+    let mut pairs = BTreeSet::new();
+    for [a, b] in geom_pairs(body) {
+        let [first, second] = limb_pair(body, a, b);
+        if is_named(a, b) {
+            pairs.insert([a, b]);
+        } else if !body.creature.neighbouring(first, second) {
+            touching.extend([first, second]);
+        }
+    }
+    pairs.retain(|&[a, b]| limb_pair(body, a, b).iter().all(|limb| touching.contains(limb)));
+    pairs
+}
+
+/// All pairs of geoms that are felt, on different limbs, the lesser index first.
+fn geom_pairs(body: &Body) -> impl Iterator<Item = [usize; 2]> {
+    let geoms: Vec<usize> = (0..body.model.ngeom()).filter(|&g| body.feels(g)).collect();
+    let all = (0..geoms.len()).flat_map(move |k| {
+        let first = geoms[k];
+        geoms[k + 1..].iter().map(move |&second| [first, second]).collect::<Vec<_>>()
+    });
+    all.filter(|&[a, b]| body.limb_of_geom(a) != body.limb_of_geom(b))
+}
+
+/// Which geoms of different limbs overlap, by the engine.
+struct Overlaps<'a> {
+    body: &'a Body,
+    data: Data,
+    qpos: Vec<f64>,
+}
+
+impl<'a> Overlaps<'a> {
+    fn new(body: &'a Body) -> mujoco::Result<Overlaps<'a>> {
+        Ok(Overlaps { body, data: Data::new(body.model.clone())?, qpos: vec![0.0; body.model.nq()] })
+    }
+
+    /// The overlapping pairs in a posture, the lesser index first; neighbours are left out.
+    fn at(&mut self, posture: &[f64]) -> mujoco::Result<BTreeSet<[usize; 2]>> {
+        self.body.write_qpos(posture, &mut self.qpos);
+        self.data.set_qpos(&self.qpos)?;
+        self.data.kinematics()?;
+        self.data.collision()?;
+        let pairs = self.data.contacts().map(|contact| {
+            let [a, b] = contact.geoms;
+            [a.min(b), a.max(b)]
+        });
+        let apart = |&[a, b]: &[usize; 2]| {
+            let [first, second] = limb_pair(self.body, a, b);
+            !self.body.creature.neighbouring(first, second)
+        };
+        Ok(pairs.filter(apart).collect())
+    }
+}

@@ -1,0 +1,119 @@
+//! Setting up a stage.
+
+use std::collections::BTreeSet;
+use std::path::Path;
+use std::sync::Arc;
+
+use nalgebra::Vector3;
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+
+use super::StageOptions;
+use super::core::StageCore;
+use super::meeting::sorted;
+use super::stillness::Stillness;
+use crate::agent::Agent;
+use crate::creature::{Body, JointSelection, Posture};
+use crate::mujoco::{Data, LONGEST_STEP, Model};
+use crate::senses::{ContactReader, Proprioception, TouchSensor};
+use crate::simulation::probe::{self, Probe};
+use crate::simulation::{ProbePath, SelfContact, SimulationError, thing};
+use crate::skin::{GrowOptions, SomatotopicMap, grow};
+
+/// Where probes wait, metres along the world's x axis.
+const AWAY: f64 = 100.0;
+
+/// Where a probe waits.
+pub fn away(probe: usize) -> Vector3<f64> {
+    Vector3::new(AWAY + probe as f64, 0.0, 0.0)
+}
+
+/// See [`super::Stage::new`].
+pub fn build(path: &Path, options: &StageOptions) -> Result<StageCore, SimulationError> {
+    let StageOptions { joints, root, things, probes } = options;
+    // Which of the model's trees is the creature must not depend on what touches it.
+    let root = match root {
+        None if !probes.is_empty() => root_of(path)?,
+        root => root.clone(),
+    };
+    let added = things.iter().map(thing::described).chain(probes.iter().map(|name| probe::described(name)));
+    let declared = Arc::new(Model::with_bodies(path, added.collect())?);
+    let mut body = Body::rooted(declared.clone(), joints, root.as_deref())?;
+    let agent = Agent::new(body.creature.clone(), grow(&body, &GrowOptions::default())?)?;
+    let solid = |g: usize| {
+        let geom = declared.geom(g);
+        body.limb_of_geom(g).is_none() && (geom.contype | geom.conaffinity) != 0
+    };
+    let touchable: Vec<bool> = (0..declared.ngeom()).map(|g| body.feels(g) || solid(g)).collect();
+    let own_geom: Vec<bool> = (0..declared.ngeom()).map(|g| body.limb_of_geom(g).is_some()).collect();
+    let (mut own_qpos, mut own_dof) = (vec![false; declared.nq()], vec![false; declared.nv()]);
+    for joint in declared.joints().filter(|joint| body.limb_of_body[joint.body].is_some()) {
+        own_qpos[joint.qposadr..joint.qposadr + joint.kind.nq()].fill(true);
+        own_dof[joint.dofadr..joint.dofadr + joint.kind.nv()].fill(true);
+    }
+    let mut overlapping = SelfContact::new(&body)?.left_out;
+    let step = declared.timestep().min(LONGEST_STEP);
+    let simulated = declared.simulated(step, &own_dof, true)?;
+    body.model = Arc::new(simulated.touching_with(&touchable)?);
+    let proprioception = Proprioception::new(&body, ChaCha8Rng::seed_from_u64(0))?;
+    let reader = ContactReader::new(&body, agent.skin());
+    let posture = Posture::start(&body.creature);
+
+    // What is in each other where the creature stands at ease is so for good.
+    let mut with_self_touch = Data::new(body.model.clone())?;
+    let mut qpos = declared.qpos0().to_vec();
+    let mut own = vec![0.0; declared.nq()];
+    body.write_qpos(&posture, &mut own);
+    qpos.iter_mut().zip(&own).zip(&own_qpos).filter(|(_, own)| **own).for_each(|((q, own), _)| *q = *own);
+    let probes: Vec<Probe> = probes.iter().filter_map(|name| Probe::of(&body.model, name)).collect();
+    let mut qvel = vec![0.0; declared.nv()];
+    let mut waiting = Vec::new();
+    for (k, mut probe) in probes.into_iter().enumerate() {
+        probe.put(&away(k), &mut qpos, &mut qvel);
+        probe.path = ProbePath(vec![(0.0, away(k))]);
+        waiting.push(probe);
+    }
+    with_self_touch.set_qpos(&qpos)?;
+    with_self_touch.forward()?;
+    let creature = |geoms: [usize; 2]| geoms.iter().any(|&g| body.limb_of_geom(g).is_some());
+    let at_ease: BTreeSet<[usize; 2]> = with_self_touch
+        .contacts()
+        .map(|contact| sorted(contact.geoms))
+        .filter(|geoms| creature(*geoms))
+        .collect();
+    overlapping.extend(at_ease);
+    // While the creature holds the posture that it came with, contacts of its own are not even looked for.
+    let mut data = Data::new(Arc::new(simulated.touching_others(&touchable, &own_geom)?))?;
+    data.set_qpos(&qpos)?;
+    data.forward()?;
+    let at_ease = body.limb_frames(&data);
+    let touch_sensor = TouchSensor::new(SomatotopicMap::new(agent.skin()));
+    let mut core = StageCore {
+        body: Arc::new(body),
+        agent,
+        reader,
+        data,
+        with_self_touch: Some(with_self_touch),
+        own_qpos,
+        own_dof,
+        overlapping,
+        at_ease,
+        probes: waiting,
+        carried: Vec::new(),
+        stillness: Stillness::new(declared.nq()),
+        felt_posture: posture.clone(),
+        posture,
+        time: 0.0,
+        proprioception,
+        touch_sensor,
+        aura: None,
+    };
+    core.feel_posture()?;
+    Ok(core)
+}
+
+/// The name of the first body of the creature of a file.
+fn root_of(path: &Path) -> Result<Option<String>, SimulationError> {
+    let alone = Body::new(Arc::new(Model::from_path(path)?), &JointSelection::All)?;
+    Ok(alone.root_name().map(str::to_string))
+}

@@ -1,0 +1,65 @@
+//! Things that do not move by themselves: held by a limb, or sent along a path whatever they meet.
+
+use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion, Vector3};
+
+use super::super::ProbePath;
+use crate::creature::Body;
+use crate::mujoco::Data;
+
+/// A thing that does not move by itself for now.
+pub struct Carried {
+    /// The model's body.
+    pub body: usize,
+    /// Where its coordinates and velocities start.
+    pub qposadr: usize,
+    pub dofadr: usize,
+    pub by: Carrier,
+}
+
+/// What carries a thing.
+pub enum Carrier {
+    /// A limb that holds it.
+    Limb(Grip),
+    /// A path of its origin through the world, and its orientation.
+    Path(ProbePath, UnitQuaternion<f64>),
+}
+
+/// How a limb holds a thing.
+pub struct Grip {
+    pub limb: usize,
+    /// The receptor that it is held with.
+    pub receptor: usize,
+    /// `X_LT`.
+    pub pose: Isometry3<f64>,
+}
+
+impl Carried {
+    /// The grip, where a limb holds it.
+    pub fn grip(&self) -> Option<&Grip> {
+        match &self.by {
+            Carrier::Limb(grip) => Some(grip),
+            Carrier::Path(..) => None,
+        }
+    }
+
+    /// Puts it where it is carried to, at the end of a step from one time to another; `data` has the creature's poses of
+    /// then.
+    pub fn put(&self, body: &Body, data: &Data, [from, to]: [f64; 2], qpos: &mut [f64], qvel: &mut [f64]) {
+        // What a limb holds goes with it; what goes by itself has a velocity of its own.
+        let (pose, velocity) = match &self.by {
+            Carrier::Limb(grip) => {
+                (body.limb_pose(data, grip.limb).unwrap_or_default() * grip.pose, Vector3::zeros())
+            }
+            Carrier::Path(path, turn) => {
+                let [before, now] = [from, to].map(|time| path.at(time).unwrap_or_default());
+                (Isometry3::from_parts(Translation3::from(now), *turn), (now - before) / (to - from))
+            }
+        };
+        let (q, v) = (self.qposadr, self.dofadr);
+        let turn: &Quaternion<f64> = pose.rotation.quaternion();
+        qpos[q..q + 3].copy_from_slice(pose.translation.vector.as_slice());
+        qpos[q + 3..q + 7].copy_from_slice(&[turn.w, turn.i, turn.j, turn.k]);
+        qvel[v..v + 3].copy_from_slice(velocity.as_slice());
+        qvel[v + 3..v + 6].fill(0.0);
+    }
+}

@@ -1,0 +1,304 @@
+//! How a stage goes on, step by step, and what the creature feels of it.
+
+use std::collections::BTreeSet;
+use std::sync::Arc;
+
+use nalgebra::{Isometry3, Vector3};
+
+use super::carrying::{Carried, Carrier, Grip};
+use super::meeting::meets;
+use super::stillness::Stillness;
+use crate::agent::Agent;
+use crate::creature::{Body, Posture};
+use crate::geometry::Frame;
+use crate::mujoco::{self, Data, JointKind};
+use crate::senses::{
+    Aura, AuraEvent, ContactReader, FAINT, Proprioception, SkinContact, SkinSpot, TouchEvent, TouchSensor,
+    Toucher,
+};
+use crate::simulation::ProbePath;
+use crate::simulation::probe::Probe;
+use crate::simulation::step::step;
+
+/// What all senses tell of one step.
+#[derive(Clone, Debug, Default)]
+pub struct StepSenses {
+    /// When the step began, seconds.
+    pub time: f64,
+    /// What touches the skin.
+    pub contacts: Vec<SkinContact>,
+    /// What the touch sensor makes of it.
+    pub touches: Vec<TouchEvent>,
+    /// What comes near, where the creature watches out for it.
+    pub near: Vec<AuraEvent>,
+}
+
+/// What is on a stage and how it moves.
+pub struct StageCore {
+    pub body: Arc<Body>,
+    pub agent: Agent,
+    pub reader: ContactReader,
+    /// What the engine computed of the last step.
+    pub data: Data,
+    /// What looks for contacts of the creature with itself, too, until it moves: in the posture that it came with, what
+    /// is in each other is so for good, and looking for it is dear.
+    pub with_self_touch: Option<Data>,
+    /// Per coordinate and per degree of freedom of the engine, whether it is the creature's.
+    pub own_qpos: Vec<bool>,
+    pub own_dof: Vec<bool>,
+    /// Geoms that pass through each other: those of the creature that overlap by construction, and what it stands in at
+    /// ease, as feet in a floor; the lesser number first.
+    pub overlapping: BTreeSet<[usize; 2]>,
+    /// Where the limbs are in the posture that the creature came with.
+    pub at_ease: Vec<Frame>,
+    pub probes: Vec<Probe>,
+    pub carried: Vec<Carried>,
+    pub stillness: Stillness,
+    /// Where the creature really is.
+    pub posture: Posture,
+    /// Simulated time, seconds.
+    pub time: f64,
+    pub proprioception: Proprioception,
+    pub felt_posture: Posture,
+    pub touch_sensor: TouchSensor,
+    pub aura: Option<Aura>,
+}
+
+impl StageCore {
+    /// The length of a step, seconds.
+    pub fn timestep(&self) -> f64 {
+        self.body.model.timestep()
+    }
+
+    /// Puts the creature into a posture at once.
+    pub fn place(&mut self, posture: &[f64]) -> mujoco::Result<()> {
+        self.look_for_self_touch()?;
+        self.posture = Posture::from(posture);
+        let qpos = self.qpos_with(posture);
+        self.data.set_qpos(&qpos)?;
+        self.data.forward()?;
+        self.feel_posture()
+    }
+
+    /// Feels the posture that the creature is in.
+    pub fn feel_posture(&mut self) -> mujoco::Result<()> {
+        self.felt_posture = self.proprioception.read(&self.body, &self.posture)?;
+        Ok(())
+    }
+
+    /// Lets the creature watch out for what comes near from now on.
+    pub fn grow_aura(&mut self) {
+        self.aura = Some(Aura::new(&self.body, self.agent.skin(), &self.at_ease));
+    }
+
+    /// Goes on by one step, at whose end the creature is in a posture: all that it feels.
+    pub fn step(&mut self, towards: &[f64]) -> mujoco::Result<StepSenses> {
+        let time = self.time;
+        let contacts = if self.go_on(towards)? { self.contacts() } else { Vec::new() };
+        let touches = self.touch_sensor.step(time, &contacts);
+        let look = |aura: &mut Aura| aura.step(time, &self.body, self.agent.skin(), &self.data);
+        let near = self.aura.as_mut().map(look).unwrap_or_default();
+        self.feel_posture()?;
+        Ok(StepSenses { time, contacts, touches, near })
+    }
+
+    /// Goes on by one step of which nothing is felt yet: whether anything may touch the creature in it.
+    pub fn go_on(&mut self, towards: &[f64]) -> mujoco::Result<bool> {
+        let time = self.time;
+        self.time += self.timestep();
+        if *towards != *self.posture {
+            self.look_for_self_touch()?;
+        }
+        let before = std::mem::replace(&mut self.posture, Posture::from(towards));
+        let quiet = self.stillness.is_still()
+            && self.carried.is_empty()
+            && self.probes.iter().all(|probe| probe.rests(time));
+        // Where all things lie still, only contacts are looked for until there is one.
+        if quiet && !self.touches()? {
+            return Ok(false);
+        }
+        self.advance(&before, time)?;
+        Ok(true)
+    }
+
+    /// Whether anything touches the creature, as far as can be told without forces.
+    fn touches(&mut self) -> mujoco::Result<bool> {
+        let qpos = self.qpos_with(&self.posture);
+        self.data.set_qpos(&qpos)?;
+        self.data.kinematics()?;
+        self.data.collision()?;
+        let (mut touches, mut moves) = (false, false);
+        for contact in self.data.contacts().filter(|contact| contact.distance < 0.0) {
+            let limbs = contact.geoms.map(|geom| self.body.limb_of_geom(geom));
+            if limbs != [None, None] && meets(&self.body, &self.overlapping, &self.carried, contact.geoms) {
+                touches = true;
+                moves |= contact
+                    .geoms
+                    .iter()
+                    .any(|&geom| self.free_joint(self.body.model.geom_body(geom)).is_some());
+            }
+        }
+        if moves {
+            self.stillness.disturb();
+        }
+        Ok(touches)
+    }
+
+    /// One step of the physics, the creature going from one posture to where it is to be.
+    fn advance(&mut self, before: &[f64], time: f64) -> mujoco::Result<()> {
+        let duration = self.timestep();
+        let mut qpos = self.qpos_with(&self.posture);
+        let mut qvel = self.data.qvel().to_vec();
+        let from = if *before == *self.posture { qpos.clone() } else { self.qpos_with(before) };
+        for joint in self.body.model.joints().filter(|joint| self.own_dof[joint.dofadr]) {
+            let (q, v) = (joint.qposadr, joint.dofadr);
+            match joint.kind {
+                JointKind::Hinge | JointKind::Slide => qvel[v] = (qpos[q] - from[q]) / duration,
+                _ => qvel[v..v + joint.kind.nv()].fill(0.0),
+            }
+        }
+        if !self.carried.is_empty() {
+            self.data.set_qpos(&qpos)?;
+            self.data.kinematics()?;
+            for carried in &self.carried {
+                carried.put(&self.body, &self.data, [time, time + duration], &mut qpos, &mut qvel);
+            }
+        }
+        let StageCore { body, overlapping, carried, probes, own_dof, .. } = self;
+        step(
+            &mut self.data,
+            (&qpos, &qvel),
+            |geoms| meets(body, overlapping, carried, geoms),
+            |data| {
+                // The creature bears its own weight, and probes are held; things fall.
+                let bias = data.qfrc_bias().iter().zip(own_dof.iter());
+                let mut forces: Vec<f64> = bias.map(|(bias, own)| if *own { *bias } else { 0.0 }).collect();
+                for probe in probes.iter() {
+                    let dofs = probe.dofadr..probe.dofadr + 3;
+                    forces[dofs.clone()].copy_from_slice(&data.qfrc_bias()[dofs]);
+                    probe.pull(time, &qpos, &qvel, &mut forces);
+                }
+                forces
+            },
+        )?;
+        self.stillness.watch(self.data.qpos(), &self.own_qpos);
+        Ok(())
+    }
+
+    /// What touches the skin in the step just made.
+    fn contacts(&self) -> Vec<SkinContact> {
+        let mut contacts = self.reader.skin_contacts(&self.body, self.agent.skin(), &self.data);
+        // What a thing that is held meets is felt where it is held.
+        for (carried, grip) in self.carried.iter().filter_map(|carried| Some((carried, carried.grip()?))) {
+            for (contact, force) in self.data.pressing().filter(|(_, force)| *force >= FAINT) {
+                let bodies = contact.geoms.map(|geom| self.body.model.geom_body(geom));
+                if let Some(k) = bodies.iter().position(|body| *body == carried.body) {
+                    let receptor = &self.agent.skin().receptors[grip.receptor];
+                    let spot = SkinSpot {
+                        limb: grip.limb,
+                        receptor: grip.receptor,
+                        point: receptor.position,
+                        sensor_force: None,
+                    };
+                    contacts.push(SkinContact { spot, by: Toucher::Through(bodies[1 - k]), force });
+                }
+            }
+        }
+        contacts
+    }
+
+    /// From now on contacts of the creature with itself are looked for.
+    fn look_for_self_touch(&mut self) -> mujoco::Result<()> {
+        if let Some(mut data) = self.with_self_touch.take() {
+            data.take_state(&self.data)?;
+            data.forward()?;
+            self.data = data;
+        }
+        Ok(())
+    }
+
+    /// Puts a probe to the beginning of a path, at rest, and lets it follow from now on.
+    pub fn send_probe(&mut self, probe: usize, path: ProbePath) -> mujoco::Result<()> {
+        let Some(start) = path.at(self.time) else { return Ok(()) };
+        let (mut qpos, mut qvel) = (self.data.qpos().to_vec(), self.data.qvel().to_vec());
+        self.probes[probe].put(&start, &mut qpos, &mut qvel);
+        self.probes[probe].path = path;
+        self.data.set_qpos(&qpos)?;
+        self.data.set_qvel(&qvel)?;
+        self.stillness.disturb();
+        Ok(())
+    }
+
+    /// Lets a thing go along a path by itself, whatever it meets.
+    pub fn send_thing(&mut self, thing: usize, path: ProbePath) {
+        let (qposadr, dofadr) = self.free_joint(thing).expect("a thing that moves");
+        let turn = self.data.body_pose(thing).rotation;
+        self.carried.retain(|carried| carried.body != thing);
+        self.carried.push(Carried { body: thing, qposadr, dofadr, by: Carrier::Path(path, turn) });
+    }
+
+    /// Welds the thing that a receptor's limb touches to that limb; whether there was one.
+    pub fn hold(&mut self, receptor: usize) -> bool {
+        let limb = self.agent.skin().receptors[receptor].limb;
+        let touched = self.data.contacts().find_map(|contact| {
+            let [a, b] = contact.geoms.map(|g| (self.body.limb_of_geom(g), self.body.model.geom_body(g)));
+            let thing = match (a, b) {
+                ((Some(l), _), (None, thing)) | ((None, thing), (Some(l), _)) if l == limb => thing,
+                _ => return None,
+            };
+            self.free_joint(thing).map(|(q, v)| (thing, q, v))
+        });
+        let (Some((body, qposadr, dofadr)), Some(x_wl)) = (touched, self.body.limb_pose(&self.data, limb))
+        else {
+            return false;
+        };
+        let pose = x_wl.inv_mul(&self.data.body_pose(body));
+        self.carried.retain(|carried| carried.body != body);
+        self.carried.push(Carried {
+            body,
+            qposadr,
+            dofadr,
+            by: Carrier::Limb(Grip { limb, receptor, pose }),
+        });
+        true
+    }
+
+    /// Lets go of all that is held.
+    pub fn let_go(&mut self) {
+        self.carried.retain(|carried| carried.grip().is_none());
+    }
+
+    /// Where a limb and a thing touch in the last step, in the frame of the thing, metres.
+    pub fn touching_at(&self, limb: usize, thing: usize) -> Option<Vector3<f64>> {
+        self.data.contacts().find_map(|contact| {
+            let limbs = contact.geoms.map(|geom| self.body.limb_of_geom(geom));
+            let bodies = contact.geoms.map(|geom| self.body.model.geom_body(geom));
+            (limbs.contains(&Some(limb)) && bodies.contains(&thing))
+                .then(|| self.data.body_pose(thing).inverse_transform_point(&contact.position).coords)
+        })
+    }
+
+    /// `X_WL` of a limb.
+    pub fn limb_pose(&self, limb: usize) -> Isometry3<f64> {
+        self.body.limb_pose(&self.data, limb).unwrap_or_default()
+    }
+
+    /// The first coordinate and velocity of a body that moves freely.
+    fn free_joint(&self, body: usize) -> Option<(usize, usize)> {
+        let mut joints = self.body.model.joints();
+        let joint = joints.find(|joint| joint.body == body && joint.kind == JointKind::Free)?;
+        Some((joint.qposadr, joint.dofadr))
+    }
+
+    /// The engine's coordinates with the creature in a posture and all else as it is.
+    fn qpos_with(&self, posture: &[f64]) -> Vec<f64> {
+        let mut qpos = vec![0.0; self.body.model.nq()];
+        self.body.write_qpos(posture, &mut qpos);
+        for ((q, present), own) in qpos.iter_mut().zip(self.data.qpos()).zip(&self.own_qpos) {
+            if !own {
+                *q = *present;
+            }
+        }
+        qpos
+    }
+}

@@ -1,0 +1,272 @@
+//! The stage: a creature among things and probes on MuJoCo's physics, and all that it feels.
+//!
+//! The creature's joints go where it wills, whatever is in their way: it is up to it to stop when it feels something.
+//! Things fall, slide and are pushed. A thing can be held: it is welded to the limb that touches it, from then on until
+//! it is let go. Probes press on whatever their paths lead through. All senses run on every step: touch, proximity and
+//! posture.
+//!
+//! A [`Stage`] is the side of those who look on, put things and measure; an [`AgentHandle`](super::AgentHandle) is all
+//! that the creature has of it.
+
+mod building;
+mod carrying;
+mod core;
+mod meeting;
+mod stillness;
+
+use std::cell::{Ref, RefCell};
+use std::path::Path;
+use std::rc::Rc;
+use std::sync::Arc;
+
+use nalgebra::{Isometry3, Vector3};
+
+pub use self::core::StepSenses;
+
+use self::core::StageCore;
+use super::{AgentHandle, ProbePath, SimulationError, Thing};
+use crate::agent::Agent;
+use crate::creature::{Body, JointSelection, Posture, body_name};
+use crate::geometry::Frame;
+use crate::mujoco::{self, Data};
+use crate::senses::{Approach, SkinContact};
+use crate::skin::Skin;
+
+/// What is on a stage beside what its file has.
+#[derive(Clone, Debug, Default)]
+pub struct StageOptions {
+    /// The joints that the creature moves.
+    pub joints: JointSelection,
+    /// The body at which the creature begins; none for that of the file's tree with most joints.
+    pub root: Option<String>,
+    /// Things put there.
+    pub things: Vec<Thing>,
+    /// The names of probes, which wait far away.
+    pub probes: Vec<String>,
+}
+
+/// Who looks on: is told of every step that the creature makes, and of what it feels in it.
+pub type Watcher = Box<dyn FnMut(&Stage, &[SkinContact])>;
+
+/// A creature among things and probes, for those who look on, put things and measure. Clones are of the same stage.
+#[derive(Clone)]
+pub struct Stage {
+    body: Arc<Body>,
+    agent: Agent,
+    core: Rc<RefCell<StageCore>>,
+    watcher: Rc<RefCell<Option<Watcher>>>,
+}
+
+impl Stage {
+    /// The creature of a file, in the posture nearest to its reference posture, among what else the file has and what the
+    /// options say. It grows a skin where it has none.
+    ///
+    /// # Errors
+    /// See [`SimulationError`].
+    pub fn new(path: &Path, options: &StageOptions) -> Result<Stage, SimulationError> {
+        let core = building::build(path, options)?;
+        let (body, agent) = (core.body.clone(), core.agent.clone());
+        Ok(Stage { body, agent, core: Rc::new(RefCell::new(core)), watcher: Rc::default() })
+    }
+
+    /// All that the creature has of the stage.
+    pub fn handle(&self) -> AgentHandle {
+        AgentHandle::new(self.clone())
+    }
+
+    /// What the creature is given of itself.
+    pub fn agent(&self) -> &Agent {
+        &self.agent
+    }
+
+    /// The creature in its model, all that is on the stage included.
+    pub fn body(&self) -> &Body {
+        &self.body
+    }
+
+    /// Its skin.
+    pub fn skin(&self) -> &Skin {
+        self.agent.skin()
+    }
+
+    /// What the engine computed of the last step; not to be kept while the stage goes on.
+    pub fn data(&self) -> Ref<'_, Data> {
+        Ref::map(self.core.borrow(), |core| &core.data)
+    }
+
+    /// The length of a step, seconds.
+    pub fn timestep(&self) -> f64 {
+        self.core.borrow().timestep()
+    }
+
+    /// Simulated time, seconds.
+    pub fn time(&self) -> f64 {
+        self.core.borrow().time
+    }
+
+    /// The posture that the creature is really in.
+    pub fn posture(&self) -> Posture {
+        self.core.borrow().posture.clone()
+    }
+
+    /// Lets somebody look on from now on. What is simulated stays the same.
+    pub fn watched_by(&self, watcher: Watcher) {
+        *self.watcher.borrow_mut() = Some(watcher);
+    }
+
+    /// Puts the creature into a posture at once.
+    ///
+    /// # Errors
+    /// Where the engine fails.
+    pub fn place(&self, posture: &[f64]) -> mujoco::Result<()> {
+        self.core.borrow_mut().place(posture)
+    }
+
+    /// Goes on by one step while the creature holds still: all that it feels.
+    ///
+    /// # Errors
+    /// Where the engine fails.
+    pub fn step(&self) -> mujoco::Result<StepSenses> {
+        let posture = self.posture();
+        Ok(self.step_towards(&posture)?.0)
+    }
+
+    /// Goes on by one step while the creature holds still and feels nothing: what the physics alone takes.
+    ///
+    /// # Errors
+    /// Where the engine fails.
+    pub fn step_unfelt(&self) -> mujoco::Result<()> {
+        let posture = self.posture();
+        self.core.borrow_mut().go_on(&posture).map(|_| ())
+    }
+
+    /// Goes on by one step, at whose end the creature is in a posture: what its senses tell, and what its touch sensor
+    /// feels now.
+    pub(super) fn step_towards(&self, towards: &[f64]) -> mujoco::Result<(StepSenses, Vec<SkinContact>)> {
+        let mut core = self.core.borrow_mut();
+        let senses = core.step(towards)?;
+        let present: Vec<SkinContact> = core.touch_sensor.present().cloned().collect();
+        drop(core);
+        // Who looks on may ask the stage anything.
+        let watcher = self.watcher.borrow_mut().take();
+        if let Some(mut watcher) = watcher {
+            watcher(self, &present);
+            self.watcher.borrow_mut().get_or_insert(watcher);
+        }
+        Ok((senses, present))
+    }
+
+    /// Lets the creature watch out for what comes near from now on; nothing was near before.
+    pub fn grow_aura(&self) {
+        self.core.borrow_mut().grow_aura();
+    }
+
+    /// What is near, where the creature watches out for it.
+    pub fn approaches(&self) -> Vec<Approach> {
+        let core = self.core.borrow();
+        core.aura.iter().flat_map(|aura| aura.approaches().cloned()).collect()
+    }
+
+    /// Puts a probe to the beginning of a path, at rest, and lets it follow from now on.
+    ///
+    /// # Errors
+    /// Where the engine fails.
+    ///
+    /// # Panics
+    /// Where there is no such probe.
+    pub fn send_probe(&self, probe: usize, path: ProbePath) -> mujoco::Result<()> {
+        self.core.borrow_mut().send_probe(probe, path)
+    }
+
+    /// Puts a probe far from the creature, and from other probes, until it is sent again.
+    ///
+    /// # Errors
+    /// Where the engine fails.
+    ///
+    /// # Panics
+    /// Where there is no such probe.
+    pub fn withdraw_probe(&self, probe: usize) -> mujoco::Result<()> {
+        let away = building::away(probe);
+        self.send_probe(probe, ProbePath(vec![(self.time(), away)]))
+    }
+
+    /// The number that a probe is felt as.
+    ///
+    /// # Panics
+    /// Where there is no such probe.
+    pub fn probe_thing(&self, probe: usize) -> usize {
+        self.core.borrow().probes[probe].body
+    }
+
+    /// Lets a thing go along a path by itself, whatever it meets.
+    ///
+    /// # Panics
+    /// Where it is no thing that moves.
+    pub fn send_thing(&self, thing: usize, path: ProbePath) {
+        self.core.borrow_mut().send_thing(thing, path);
+    }
+
+    /// The number of a thing by its name.
+    pub fn thing(&self, name: &str) -> Option<usize> {
+        (0..self.body.model.nbody()).find(|&b| self.body.model.body(b).name == Some(name))
+    }
+
+    /// The name of a thing by its number.
+    pub fn thing_name(&self, thing: usize) -> String {
+        body_name(&self.body.model, thing)
+    }
+
+    /// `X_WT`: where a thing is.
+    pub fn thing_pose(&self, thing: usize) -> Isometry3<f64> {
+        self.core.borrow().data.body_pose(thing)
+    }
+
+    /// Whether a thing touches anything in the last step.
+    pub fn is_touching(&self, thing: usize) -> bool {
+        let geom_of = |geom: &usize| self.body.model.geom_body(*geom) == thing;
+        self.core.borrow().data.contacts().any(|contact| contact.geoms.iter().any(geom_of))
+    }
+
+    /// Where a limb and a thing touch in the last step, in the frame of the thing, metres.
+    pub fn touching_at(&self, limb: usize, thing: usize) -> Option<Vector3<f64>> {
+        self.core.borrow().touching_at(limb, thing)
+    }
+
+    /// `X_WR`: where the root of the creature is.
+    pub fn root_pose(&self) -> Isometry3<f64> {
+        self.limb_pose(0)
+    }
+
+    /// `X_WL`: where a limb is.
+    pub fn limb_pose(&self, limb: usize) -> Isometry3<f64> {
+        self.core.borrow().limb_pose(limb)
+    }
+
+    /// `X_WL` of every limb.
+    pub fn limb_frames(&self) -> Vec<Frame> {
+        let core = self.core.borrow();
+        core.body.limb_frames(&core.data)
+    }
+
+    /// The creature's posture in the engine's coordinates of its model with or without what is on the stage.
+    pub fn posture_of(&self, qpos: &[f64]) -> Posture {
+        let mut padded = self.body.model.qpos0().to_vec();
+        padded[..qpos.len()].copy_from_slice(qpos);
+        self.body.read_posture(&padded)
+    }
+
+    /// The posture as the creature feels it.
+    pub(super) fn felt_posture(&self) -> Posture {
+        self.core.borrow().felt_posture.clone()
+    }
+
+    /// Welds the thing that a receptor's limb touches to that limb; whether there was one.
+    pub(super) fn hold(&self, receptor: usize) -> bool {
+        self.core.borrow_mut().hold(receptor)
+    }
+
+    /// Lets go of all that is held.
+    pub(super) fn let_go(&self) {
+        self.core.borrow_mut().let_go();
+    }
+}

@@ -1,0 +1,222 @@
+// A figure of a body: it is turned, zoomed, pointed at, its layers switched, and moved through steps.
+//
+// The report and the live page hand it the same kind of data and get the same body.
+const Body = (figure) => {
+  // How far a mouse may go that only clicks, and how near a joint is pointed at, pixels.
+  const CLICK = 4;
+  const NEAR = 9;
+  // How long nothing moves until the picture is drawn sharp, milliseconds; and the most pixels of that.
+  const REST = 160;
+  const MOST_PIXELS = 3e6;
+  const PARTS = 1e4;
+  const BONE = "#1f6fb2";
+  const OPEN = "#e08214";
+  const NOBODY = -1;
+
+  const canvas = figure.querySelector("canvas");
+  const context = canvas.getContext("2d", { willReadFrequently: true });
+  const tip = figure.querySelector(".tip");
+  const scene = JSON.parse(figure.querySelector("script").textContent);
+  const poses = { ...scene.poses };
+  const view = { turn: 0.55, tilt: 0.2, zoom: 1 };
+  const { layers, paint, project, placed, cameraOf, point } = Paint(scene, poses);
+  const skeletons = scene.skeletons.map((skeleton) => ({ ...skeleton, shown: true, joints: [] }));
+  const skin = layers.find(({ look }) => look === "receptors");
+  let values = scene.values;
+  let seen = null;
+  let draws = 0;
+
+  // Joints are inside of limbs: they are drawn over all.
+  const skeleton = (own, camera, ratio) => {
+    const pose = poses[own.poses];
+    const bold = own.look !== "ghost";
+    const unit = ratio * Math.max(0.6, Math.min(1.6, camera.scales[0] / ratio / 320));
+    const at = Array.from({ length: pose.begins.length / 3 }, (_, k) => project(camera, point(pose.begins, k)));
+    const bones = own.parents.map((parent, joint) => [at[parent], at[joint + 1]]);
+    for (const [limb, ...p] of own.tips) bones.push([at[limb], project(camera, placed(pose, limb, p.map((n) => n / PARTS)))]);
+    context.lineCap = "round";
+    context.strokeStyle = bold ? BONE : own.colour;
+    context.lineWidth = (bold ? 2.2 : 1.2) * unit;
+    context.globalAlpha = bold ? 0.8 : 0.6;
+    context.beginPath();
+    for (const [from, to] of bones) {
+      context.moveTo(from[0], from[1]);
+      context.lineTo(to[0], to[1]);
+    }
+    context.stroke();
+    context.globalAlpha = 1;
+    own.joints = at.slice(1).map(([x, y, z], joint) => ({ x: x / ratio, y: y / ratio, z, joint, own }));
+    for (const { x, y, joint } of [...own.joints].sort((a, b) => a.z - b.z)) {
+      context.beginPath();
+      context.arc(x * ratio, y * ratio, (bold ? 3.6 : 2) * unit, 0, 2 * Math.PI);
+      context.fillStyle = own.open.includes(joint) ? OPEN : bold ? BONE : own.colour;
+      context.fill();
+      if (!bold) continue;
+      context.strokeStyle = "#ffffff";
+      context.lineWidth = unit;
+      context.stroke();
+    }
+  };
+
+  const draw = (ratio) => {
+    if (canvas.clientWidth === 0) return;
+    const [width, height] = [canvas.clientWidth, canvas.clientHeight].map((x) => Math.max(1, Math.round(x * ratio)));
+    const camera = cameraOf(view, width, height);
+    seen = { ...paint(context, camera, width, height, values), ratio };
+    if (canvas.width !== width || canvas.height !== height) [canvas.width, canvas.height] = [width, height];
+    context.putImageData(seen.image, 0, 0);
+    for (const own of skeletons) if (own.shown && poses[own.poses]) skeleton(own, camera, ratio);
+    draws += 1;
+  };
+  // Quick while something moves, sharp once it rests.
+  let resting = 0;
+  let asked = false;
+  const sharp = () => {
+    const most = Math.sqrt(MOST_PIXELS / Math.max(1, canvas.clientWidth * canvas.clientHeight));
+    draw(Math.max(1, Math.min(2 * Math.max(1, Math.round(devicePixelRatio)), most)));
+  };
+  const moving = () => {
+    clearTimeout(resting);
+    resting = setTimeout(sharp, REST);
+    draw(1);
+  };
+  const soon = () => {
+    if (asked) return;
+    asked = true;
+    requestAnimationFrame(() => { asked = false; moving(); });
+  };
+
+  const shownAt = ([x, y]) => {
+    const [column, row] = [x, y].map((p) => Math.floor(p * seen.ratio));
+    const inside = column >= 0 && row >= 0 && column < seen.width && row < seen.height;
+    const id = inside ? seen.shown[row * seen.width + column] : NOBODY;
+    const layer = layers.find(({ first, mesh }) => id >= first && id < first + mesh.pieces);
+    return layer ? { layer, piece: id - layer.first } : null;
+  };
+  // Where the middle of a receptor is in the picture; none where it is not in sight.
+  const whereIs = (receptor) => {
+    const { mesh: { of, faces }, at: [xs, ys] } = skin;
+    const own = [...of.keys()].filter((t) => of[t] === receptor).flatMap((t) => [0, 1, 2].map((k) => faces[3 * t + k]));
+    const at = [xs, ys].map((list) => own.reduce((sum, k) => sum + list[k], 0) / own.length / seen.ratio);
+    const there = shownAt(at);
+    return there && there.layer === skin && there.piece === receptor ? at : null;
+  };
+  // The receptor at a place in the picture: the one that is seen there, or the nearest in sight on skin beside it.
+  const receptorAt = (place) => {
+    const there = shownAt(place);
+    if (!skin || !there || there.layer.poses !== skin.poses) return NOBODY;
+    if (there.layer === skin) return there.piece;
+    const known = Array.from({ length: skin.mesh.pieces }, (_, k) => [k, whereIs(k)]).filter(([, at]) => at);
+    const far = ([, at]) => Math.hypot(at[0] - place[0], at[1] - place[1]);
+    return known.length ? known.reduce((best, other) => (far(other) < far(best) ? other : best))[0] : NOBODY;
+  };
+  // What there is at a place, in words.
+  const words = (place) => {
+    const far = ({ x, y }) => Math.hypot(x - place[0], y - place[1]);
+    const joints = skeletons.filter(({ shown }) => shown).flatMap((own) => own.joints);
+    const [near] = joints.filter((at) => far(at) < NEAR).sort((a, b) => far(a) - far(b));
+    if (near) return near.own.names[near.joint] + near.own.says;
+    const there = shownAt(place);
+    return (there && there.layer.labels && there.layer.labels[there.piece]) || "";
+  };
+  const placeOf = (event) => {
+    const box = canvas.getBoundingClientRect();
+    return [event.clientX - box.left, event.clientY - box.top];
+  };
+  const tell = (event) => {
+    const at = placeOf(event);
+    tip.textContent = seen ? words(at) : "";
+    tip.hidden = !tip.textContent;
+    tip.style.left = `${Math.min(at[0] + 12, canvas.clientWidth - tip.offsetWidth - 4)}px`;
+    tip.style.top = `${at[1] + 16}px`;
+  };
+
+  const turn = (right, down) => {
+    view.turn -= right / 150;
+    view.tilt = Math.min(Math.max(view.tilt + down / 150, -1.5), 1.5);
+    soon();
+  };
+  const zoom = (by) => {
+    view.zoom = Math.min(Math.max(view.zoom * by, 0.5), 8);
+    soon();
+  };
+  let held = null;
+  let clicked = () => {};
+  canvas.addEventListener("pointerdown", (event) => {
+    held = { x: event.clientX, y: event.clientY, moved: 0 };
+    canvas.setPointerCapture(event.pointerId);
+    tip.hidden = true;
+  });
+  canvas.addEventListener("pointermove", (event) => {
+    if (!held) {
+      tell(event);
+      return;
+    }
+    const [dx, dy] = [event.clientX - held.x, event.clientY - held.y];
+    held = { x: event.clientX, y: event.clientY, moved: held.moved + Math.abs(dx) + Math.abs(dy) };
+    if (held.moved > CLICK) turn(dx, dy);
+  });
+  canvas.addEventListener("pointerup", (event) => {
+    const receptor = held && held.moved <= CLICK && seen ? receptorAt(placeOf(event)) : NOBODY;
+    held = null;
+    if (receptor !== NOBODY) clicked(receptor);
+  });
+  canvas.addEventListener("pointercancel", () => { held = null; });
+  canvas.addEventListener("pointerleave", () => { tip.hidden = true; });
+  // A wheel turns the page on, unless the body was clicked at before.
+  canvas.addEventListener("wheel", (event) => {
+    if (!event.ctrlKey && document.activeElement !== canvas) return;
+    event.preventDefault();
+    zoom(Math.exp(-event.deltaY / 600));
+  }, { passive: false });
+  const keys = {
+    ArrowLeft: () => turn(15, 0),
+    ArrowRight: () => turn(-15, 0),
+    ArrowUp: () => turn(0, 15),
+    ArrowDown: () => turn(0, -15),
+    "+": () => zoom(1.15),
+    "-": () => zoom(1 / 1.15),
+  };
+  canvas.addEventListener("keydown", (event) => {
+    if (!keys[event.key]) return;
+    event.preventDefault();
+    keys[event.key]();
+  });
+
+  for (const box of figure.querySelectorAll("[data-layer]")) {
+    const toggle = () => {
+      const own = [...layers, ...skeletons].filter(({ name }) => name === box.dataset.layer);
+      own.forEach((part) => { part.shown = box.checked; });
+      soon();
+    };
+    box.addEventListener("change", toggle);
+    toggle();
+  }
+  const slider = figure.querySelector("input[type=range]");
+  slider?.addEventListener("input", () => {
+    const step = scene.steps[Number(slider.value)];
+    Object.assign(poses, step.poses);
+    figure.querySelector("output").textContent = step.name;
+    soon();
+  });
+  new ResizeObserver(soon).observe(canvas);
+  addEventListener("beforeprint", sharp);
+
+  if (Object.keys(poses).length > 0) moving();
+  performance.mark("body drawn");
+  const body = {
+    // Puts the parts where they are now, with how much each receptor feels, and draws.
+    show(newer, felt) {
+      Object.assign(poses, newer);
+      values = felt;
+      moving();
+    },
+    onReceptor(listener) { clicked = listener; },
+    whereIs: (receptor) => (seen ? whereIs(receptor) : null),
+    turn,
+    poses,
+    draws: () => draws,
+  };
+  canvas.body = body;
+  return body;
+};

@@ -1,0 +1,194 @@
+//! The triangles of a body: of the surfaces of its limbs, of its receptors, of the things about it.
+
+use nalgebra::Vector3;
+
+use crate::skin::{Receptor, Skin, Surface};
+
+/// Angles of latitude at which a round shape is cut, radians. The equator is cut on both sides: a capsule is
+/// straight between the two.
+const LATITUDES: [f64; 6] = [-1.05, -0.5, -0.0, 0.0, 0.5, 1.05];
+/// Corners of each cut.
+const AROUND: usize = 14;
+/// How high above the skin a receptor is drawn, metres: it would be half in it otherwise.
+const LIFT: f64 = 0.0025;
+/// How much of a receptor is drawn along each side: neighbours would run into each other otherwise.
+const DRAWN: f64 = 0.86;
+/// Corners along each side of a receptor.
+const ALONG: usize = 5;
+
+/// How the corners of a piece are joined by triangles.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Topology {
+    /// A round shape, whose neighbouring triangles share their light.
+    Globe,
+    /// Six flat sides.
+    Cuboid,
+    /// A patch of skin, seen from its front alone.
+    Patch,
+}
+
+impl Topology {
+    /// All of them, in the order of their numbers.
+    pub const ALL: [Topology; 3] = [Topology::Globe, Topology::Cuboid, Topology::Patch];
+
+    /// Triangles of three corners each, counterclockwise as seen from outside.
+    pub fn triangles(self) -> Vec<[usize; 3]> {
+        match self {
+            Topology::Globe => globe().1,
+            Topology::Cuboid => cuboid().1,
+            Topology::Patch => patch(),
+        }
+    }
+}
+
+/// A piece of a body that moves as one: of a limb, the surface of a geom or a receptor.
+#[derive(Clone, Debug)]
+pub struct Piece {
+    /// The limb it is on.
+    pub limb: usize,
+    /// How its corners are joined.
+    pub topology: Topology,
+    /// `p_L` of every corner, metres.
+    pub corners: Vec<Vector3<f64>>,
+}
+
+/// The triangles of a body on its limbs, in whatever posture these are.
+#[derive(Clone, Debug, Default)]
+pub struct BodyMesh {
+    /// The pieces.
+    pub pieces: Vec<Piece>,
+}
+
+impl BodyMesh {
+    /// The surfaces of a skin.
+    pub fn of_surfaces(skin: &Skin) -> BodyMesh {
+        BodyMesh { pieces: skin.surfaces.iter().filter_map(piece_of).collect() }
+    }
+
+    /// The patches of receptors, a piece each. What is flat for the sense of touch is drawn as it lies on the limb.
+    pub fn of_receptors(skin: &Skin) -> BodyMesh {
+        let piece = |receptor: &Receptor| {
+            let [u, v] = receptor.half_extents.map(|half| DRAWN * half);
+            let surfaces = skin.surfaces.iter().filter(|surface| surface.limb == receptor.limb);
+            let surfaces: Vec<&Surface> = surfaces.collect();
+            let at = |k: usize| 2.0 * k as f64 / (ALONG - 1) as f64 - 1.0;
+            let corner = |k: usize| {
+                let (a, b) = (at(k % ALONG), at(k / ALONG));
+                let flat = receptor.position + receptor.tangent * (a * u) + receptor.bitangent() * (b * v);
+                on_the_limb(flat, &receptor.normal, &surfaces)
+            };
+            let corners = (0..ALONG * ALONG).map(corner).collect();
+            Piece { limb: receptor.limb, topology: Topology::Patch, corners }
+        };
+        BodyMesh { pieces: skin.receptors.iter().map(piece).collect() }
+    }
+
+    /// Every corner, with the limb it is on.
+    pub fn corners(&self) -> impl Iterator<Item = (usize, &Vector3<f64>)> {
+        self.pieces.iter().flat_map(|piece| piece.corners.iter().map(|corner| (piece.limb, corner)))
+    }
+}
+
+/// The surface of one shape; none of a mesh without a hull.
+fn piece_of(surface: &Surface) -> Option<Piece> {
+    let (topology, directions) =
+        if surface.shape.is_box() { (Topology::Cuboid, cuboid().0) } else { (Topology::Globe, globe().0) };
+    // The farthest points in all directions are a convex shape's surface.
+    let corner = |direction| Some(surface.rotation * surface.shape.support(direction)? + surface.origin);
+    let corners = directions.iter().map(corner).collect::<Option<Vec<_>>>()?;
+    Some(Piece { limb: surface.limb, topology, corners })
+}
+
+/// A point of a receptor, just above the surface of its limb; above the receptor itself where no surface is known.
+fn on_the_limb(flat: Vector3<f64>, normal: &Vector3<f64>, surfaces: &[&Surface]) -> Vector3<f64> {
+    let nearest = surfaces
+        .iter()
+        .filter_map(|surface| surface.signed_distance(&flat))
+        .filter(|(distance, _)| distance.is_finite())
+        .min_by(|a, b| a.0.total_cmp(&b.0));
+    match nearest {
+        Some((distance, out)) => flat + out * (LIFT - distance),
+        None => flat + normal * LIFT,
+    }
+}
+
+/// The faces of a patch, whose corners are told row by row.
+fn patch() -> Vec<[usize; 3]> {
+    let cells = (0..ALONG - 1).flat_map(|v| (0..ALONG - 1).map(move |u| u + ALONG * v));
+    cells.flat_map(|a| [[a, a + 1, a + ALONG + 1], [a, a + ALONG + 1, a + ALONG]]).collect()
+}
+
+/// Directions to the corners of a cuboid, and its faces.
+fn cuboid() -> (Vec<Vector3<f64>>, Vec<[usize; 3]>) {
+    let sign = |corner: usize, k: usize| if corner >> k & 1 == 0 { -1.0 } else { 1.0 };
+    let corners = (0..8).map(|corner| Vector3::from_fn(|k, _| sign(corner, k))).collect();
+    let faces = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+    (corners, faces.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect())
+}
+
+/// Directions to the corners of a globe, from the south pole upwards, and its faces.
+fn globe() -> (Vec<Vector3<f64>>, Vec<[usize; 3]>) {
+    let mut corners = vec![-Vector3::z()];
+    for latitude in LATITUDES {
+        for k in 0..AROUND {
+            let longitude = std::f64::consts::TAU * k as f64 / AROUND as f64;
+            let (across, up) = (latitude.cos(), latitude.sin());
+            corners.push(Vector3::new(across * longitude.cos(), across * longitude.sin(), up));
+        }
+    }
+    corners.push(Vector3::z());
+    let north = corners.len() - 1;
+    let at = |ring: usize, k: usize| 1 + ring * AROUND + k % AROUND;
+    let mut triangles = Vec::new();
+    for k in 0..AROUND {
+        triangles.push([0, at(0, k + 1), at(0, k)]);
+        for ring in 1..LATITUDES.len() {
+            let [a, b, c, d] = [at(ring - 1, k), at(ring - 1, k + 1), at(ring, k + 1), at(ring, k)];
+            triangles.extend([[a, b, c], [a, c, d]]);
+        }
+        triangles.push([at(LATITUDES.len() - 1, k), at(LATITUDES.len() - 1, k + 1), north]);
+    }
+    (corners, triangles)
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::Matrix3;
+
+    use super::*;
+    use crate::geometry::Shape;
+
+    /// The volume that triangles close, positive where they go round counterclockwise as seen from outside.
+    fn volume(mesh: &BodyMesh) -> f64 {
+        let of = |piece: &Piece| -> f64 {
+            let corner = |k: usize| piece.corners[k];
+            let triangles = piece.topology.triangles();
+            triangles.iter().map(|&[a, b, c]| corner(a).cross(&corner(b)).dot(&corner(c)) / 6.0).sum()
+        };
+        mesh.pieces.iter().map(of).sum()
+    }
+
+    #[test]
+    fn shapes_become_closed_meshes_of_nearly_their_volume() {
+        use std::f64::consts::PI;
+        let shapes = [
+            (Shape::Sphere { radius: 0.2 }, 4.0 / 3.0 * PI * 0.008),
+            (Shape::Capsule { radius: 0.1, half_length: 0.3 }, PI * 0.01 * (0.6 + 0.4 / 3.0)),
+            (Shape::Cylinder { radius: 0.1, half_length: 0.3 }, PI * 0.01 * 0.6),
+            (Shape::Ellipsoid { semi_axes: [0.3, 0.2, 0.1] }, 4.0 / 3.0 * PI * 0.006),
+            (Shape::Box { half_extents: [0.1, 0.2, 0.3] }, 0.048),
+        ];
+        for (shape, exact) in shapes {
+            let surface = Surface {
+                limb: 0,
+                origin: Vector3::new(0.1, 0.2, 0.3),
+                rotation: Matrix3::identity(),
+                shape: shape.clone(),
+                geom: 0,
+            };
+            let mesh = BodyMesh::of_surfaces(&Skin { receptors: Vec::new(), surfaces: vec![surface] });
+            let share = volume(&mesh) / exact;
+            assert!((0.85..1.0 + 1e-9).contains(&share), "{shape:?}: {share}");
+        }
+    }
+}

@@ -1,0 +1,224 @@
+//! One body, drawn one way: its triangles, its postures, and the viewer that report and live page share.
+//!
+//! A [`BodyScene`] is what the viewer is given: meshes on limbs whose poses it is told, layers that draw a mesh at some
+//! poses in one look, and skeletons. The viewer is `paint.js`, which fills pixels, and `body.js`, which turns, points
+//! and switches.
+
+mod mesh;
+mod pose;
+
+use std::fmt::Write;
+
+use nalgebra::Vector3;
+use serde::Serialize;
+use serde_json::{Map, Value, json};
+
+pub(super) use mesh::BodyMesh;
+use mesh::Topology;
+pub(super) use pose::Pose;
+
+use super::text::{escape, harmless};
+use crate::agent::Agent;
+
+/// What draws bodies in a page.
+pub(super) const SCRIPT: &str = concat!(include_str!("paint.js"), include_str!("body.js"));
+
+/// The colours of limbs, of a body that is learned beside another, and of a shade.
+pub(super) const LIMB: &str = "#b9c7d3";
+pub(super) const LEARNED: &str = "#7fb2d9";
+pub(super) const SHADE: &str = "#8a939c";
+/// Numbers are told in so many parts of a metre, and of one.
+const PARTS: f64 = 1e4;
+
+/// A number as the viewer takes it.
+fn whole(x: f64) -> i64 {
+    (x * PARTS).round() as i64
+}
+
+/// How a layer looks.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub(super) enum Look {
+    /// In one colour.
+    Solid,
+    /// Receptors, by how much each is touched.
+    Receptors,
+    /// A shade that stands behind all else.
+    Ghost,
+}
+
+/// A mesh at some poses.
+#[derive(Clone, Debug, Serialize)]
+pub(super) struct Layer {
+    /// What it is called where it is switched on and off.
+    pub name: String,
+    /// Its mesh, by number.
+    pub mesh: usize,
+    /// The name of its poses.
+    pub poses: &'static str,
+    /// How it looks.
+    pub look: Look,
+    /// Its colour, where it has one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub colour: Option<&'static str>,
+    /// What each of its pieces is called; empty where that tells nothing.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub labels: Vec<String>,
+}
+
+/// The joints of a body and what lies between them.
+#[derive(Clone, Debug, Serialize)]
+pub(super) struct Skeleton {
+    name: String,
+    poses: &'static str,
+    look: Look,
+    colour: &'static str,
+    names: Vec<String>,
+    /// Per joint the limb that it is on.
+    parents: Vec<usize>,
+    /// Per limb at an end the limb and the middle of its skin.
+    tips: Vec<[i64; 4]>,
+    /// The joints that are not determined.
+    open: Vec<usize>,
+    /// What is said after a joint's name.
+    says: &'static str,
+}
+
+impl Skeleton {
+    /// The learned one; `open` are the joints that are not determined.
+    pub fn learned(agent: &Agent, open: &[usize]) -> Skeleton {
+        let own = Skeleton::of(agent, "joints", "learned", Look::Solid);
+        Skeleton { open: open.to_vec(), ..own }
+    }
+
+    /// That of another body, thin and grey.
+    pub fn shade(agent: &Agent, name: &str, poses: &'static str) -> Skeleton {
+        Skeleton { says: " in truth", ..Skeleton::of(agent, name, poses, Look::Ghost) }
+    }
+
+    fn of(agent: &Agent, name: &str, poses: &'static str, look: Look) -> Skeleton {
+        let creature = agent.creature();
+        let tip = |(limb, p): (usize, Vector3<f64>)| [limb as i64, whole(p.x), whole(p.y), whole(p.z)];
+        Skeleton {
+            name: name.into(),
+            poses,
+            look,
+            colour: SHADE,
+            names: creature.joints().iter().map(|joint| joint.name.clone()).collect(),
+            parents: creature.joints().iter().map(|joint| joint.parent).collect(),
+            tips: pose::tips(agent).into_iter().map(tip).collect(),
+            open: Vec::new(),
+            says: "",
+        }
+    }
+}
+
+/// What a viewer draws.
+#[derive(Default)]
+pub(super) struct BodyScene {
+    /// What the layers draw.
+    pub meshes: Vec<BodyMesh>,
+    /// What is drawn, and where.
+    pub layers: Vec<Layer>,
+    /// What is drawn over it.
+    pub skeletons: Vec<Skeleton>,
+    /// Poses by name, as they are at first; those that are missing are told later.
+    pub poses: Vec<(&'static str, Pose)>,
+    /// Per receptor how much it is touched, 0 to 1.
+    pub values: Vec<f64>,
+    /// What a slider goes through: the name of every step, and the poses of that name then.
+    pub steps: Vec<(String, &'static str, Pose)>,
+    /// Two corners of the box that is to be seen, metres.
+    pub room: [Vector3<f64>; 2],
+    /// What is hidden at first, by the names of layers and skeletons.
+    pub hidden: Vec<&'static str>,
+}
+
+impl BodyScene {
+    /// The box about the corners of meshes at poses, and about joints; none where there is nothing.
+    pub fn room_of<'a>(
+        meshes: impl IntoIterator<Item = (&'a BodyMesh, &'a Pose)>,
+    ) -> Option<[Vector3<f64>; 2]> {
+        let mut room = [Vector3::repeat(f64::INFINITY), Vector3::repeat(f64::NEG_INFINITY)];
+        for (mesh, pose) in meshes {
+            let corners = mesh.corners().filter_map(|(limb, p_l)| Some(pose.frames.get(limb)?.point(p_l)));
+            for place in
+                corners.chain(pose.begins.iter().copied()).filter(|p| p.iter().all(|x| x.is_finite()))
+            {
+                room = [room[0].inf(&place), room[1].sup(&place)];
+            }
+        }
+        (room[1] - room[0]).iter().any(|side| *side > 0.0).then_some(room)
+    }
+
+    /// What the viewer reads.
+    fn told(&self) -> String {
+        let mesh = |mesh: &BodyMesh| -> Vec<Vec<i64>> {
+            let piece = |piece: &mesh::Piece| {
+                let corners = piece.corners.iter().flat_map(|p| [p.x, p.y, p.z].map(whole));
+                [piece.topology as i64, piece.limb as i64].into_iter().chain(corners).collect()
+            };
+            mesh.pieces.iter().map(piece).collect()
+        };
+        let topology = |topology: Topology| {
+            let triangles: Vec<usize> = topology.triangles().into_iter().flatten().collect();
+            json!({ "round": topology != Topology::Cuboid, "triangles": triangles })
+        };
+        let poses: Map<String, Value> =
+            self.poses.iter().map(|(name, pose)| (name.to_string(), pose.told())).collect();
+        let steps: Vec<Value> = self
+            .steps
+            .iter()
+            .map(|(name, poses, pose)| json!({ "name": name, "poses": { *poses: pose.told() } }))
+            .collect();
+        json!({
+            "topologies": Topology::ALL.map(topology),
+            "meshes": self.meshes.iter().map(mesh).collect::<Vec<_>>(),
+            "layers": self.layers,
+            "skeletons": self.skeletons,
+            "poses": poses,
+            "values": self.values.iter().map(|value| (value * 1e3).round() / 1e3).collect::<Vec<_>>(),
+            "steps": steps,
+            "room": self.room.map(|corner| [corner.x, corner.y, corner.z].map(whole)),
+        })
+        .to_string()
+    }
+
+    /// The figure as HTML. `says` is read out, `height` is in pixels, `caption` and `legend` are HTML.
+    pub fn figure(&self, says: &str, height: usize, legend: &str, caption: &str) -> String {
+        let mut names: Vec<&str> = Vec::new();
+        let layers = self.layers.iter().map(|layer| layer.name.as_str());
+        for name in layers.chain(self.skeletons.iter().map(|skeleton| skeleton.name.as_str())) {
+            if !names.contains(&name) {
+                names.push(name);
+            }
+        }
+        let mut switches = String::new();
+        for name in names {
+            let checked = if self.hidden.contains(&name) { "" } else { " checked=\"\"" };
+            let name = escape(name);
+            // Writing to a string cannot fail.
+            let _ = writeln!(
+                switches,
+                "<label><input type=\"checkbox\" data-layer=\"{name}\"{checked}/> {name}</label>"
+            );
+        }
+        let slider = match self.steps.as_slice() {
+            [] | [_] => String::new(),
+            [.., (last, ..)] => format!(
+                "<label class=\"slider\">touches: <output>{}</output>\n<input type=\"range\" min=\"0\" \
+                 max=\"{most}\" value=\"{most}\"/></label>\n",
+                escape(last),
+                most = self.steps.len() - 1
+            ),
+        };
+        format!(
+            "<figure class=\"body\">\n<div class=\"stage\" style=\"height:{height}px\">\n<canvas id=\"body\" \
+             tabindex=\"0\" role=\"img\" aria-label=\"{}\"></canvas>\n<div class=\"tip\" hidden=\"\"></div>\n\
+             </div>\n{legend}{slider}<div class=\"switches\">\n{switches}</div>\n\
+             <script type=\"application/json\">{}</script>\n<figcaption>{caption}</figcaption>\n</figure>\n",
+            escape(says),
+            harmless(&self.told()),
+        )
+    }
+}

@@ -1,0 +1,106 @@
+//! A body laid out in a posture, by whatever schema.
+
+use nalgebra::Vector3;
+use serde_json::{Value, json};
+
+use super::whole;
+use crate::agent::Agent;
+use crate::creature::Creature;
+use crate::geometry::Frame;
+#[cfg(feature = "rerun")]
+use crate::kinematics::axis_directions;
+use crate::kinematics::limb_frames;
+use crate::schema::BodySchema;
+
+/// One schema laid out in the root limb's frame, metres.
+#[derive(Clone, Debug)]
+pub(in crate::view) struct Pose {
+    /// `X_RL` of every limb.
+    pub frames: Vec<Frame>,
+    /// Where each limb begins: at its joint, wherever its own frame is. Empty where nothing has joints.
+    pub begins: Vec<Vector3<f64>>,
+}
+
+impl Pose {
+    /// In a posture.
+    pub fn new(creature: &Creature, schema: &BodySchema, posture: &[f64]) -> Pose {
+        let frames = limb_frames(creature, schema, posture);
+        let placed = creature.joints().iter().zip(&schema.positions);
+        let begins = std::iter::once(frames[0].origin)
+            .chain(placed.map(|(joint, position)| frames[joint.parent].point(position)))
+            .collect();
+        Pose { frames, begins }
+    }
+
+    /// At ease.
+    pub fn at_ease(creature: &Creature, schema: &BodySchema) -> Pose {
+        Pose::new(creature, schema, &creature.reference_posture())
+    }
+
+    /// Parts at some poses, without joints.
+    pub fn of_parts(frames: Vec<Frame>) -> Pose {
+        Pose { frames, begins: Vec::new() }
+    }
+
+    /// The same elsewhere.
+    pub fn moved(mut self, by: &Vector3<f64>) -> Pose {
+        self.frames.iter_mut().for_each(|frame| frame.origin += by);
+        self.begins.iter_mut().for_each(|begin| *begin += by);
+        self
+    }
+
+    /// The ends of each bone: from joint to joint, and to the middle of the skin of limbs that carry no other.
+    #[cfg(feature = "rerun")]
+    pub fn bones(&self, agent: &Agent) -> Vec<[Vector3<f64>; 2]> {
+        let joints = agent.creature().joints().iter().zip(&self.begins[1..]);
+        let tips = tips(agent).into_iter();
+        joints
+            .map(|(joint, end)| [self.begins[joint.parent], *end])
+            .chain(tips.map(|(limb, p_l)| [self.begins[limb], self.frames[limb].point(&p_l)]))
+            .collect()
+    }
+
+    /// Per hinge and slide of the posture where its joint is and its unit axis, both in the root limb's frame.
+    #[cfg(feature = "rerun")]
+    pub fn axes(&self, creature: &Creature, schema: &BodySchema, posture: &[f64]) -> Vec<[Vector3<f64>; 2]> {
+        let axes = axis_directions(creature, schema, posture, &self.frames);
+        axes.into_iter().map(|(joint, axis)| [self.begins[joint + 1], axis]).collect()
+    }
+
+    /// As the viewer takes it: of each limb a quaternion w x y z and an origin, and where each limb begins.
+    pub fn told(&self) -> Value {
+        let numbers = |frame: &Frame| {
+            let q = frame.quaternion();
+            let o = frame.origin;
+            [q.w, q.i, q.j, q.k, o.x, o.y, o.z].map(whole)
+        };
+        let frames: Vec<i64> = self.frames.iter().flat_map(numbers).collect();
+        let begins: Vec<i64> = self.begins.iter().flat_map(|p| [p.x, p.y, p.z].map(whole)).collect();
+        json!({ "frames": frames, "begins": begins })
+    }
+}
+
+/// The limbs that carry no other and have skin, and the middle of it in the limb's frame, metres.
+pub(super) fn tips(agent: &Agent) -> Vec<(usize, Vector3<f64>)> {
+    let (creature, skin) = (agent.creature(), agent.skin());
+    let middle = |limb: usize| {
+        let own: Vec<_> = skin.receptors.iter().filter(|r| r.limb == limb).map(|r| r.position).collect();
+        let carries = creature.joints().iter().any(|joint| joint.parent == limb);
+        (!carries && !own.is_empty()).then(|| (limb, own.iter().sum::<Vector3<f64>>() / own.len() as f64))
+    };
+    (0..creature.limbs().len()).filter_map(middle).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn poses_are_told_as_quaternions_and_places_in_tenths_of_millimetres() {
+        let turn = nalgebra::UnitQuaternion::from_axis_angle(&Vector3::z_axis(), std::f64::consts::FRAC_PI_2);
+        let frame =
+            Frame { rotation: turn.to_rotation_matrix().into_inner(), origin: Vector3::new(1.0, 2.0, 3.0) };
+        let told = Pose::of_parts(vec![frame]).moved(&Vector3::x()).told();
+        assert_eq!(told, json!({ "frames": [7071, 0, 0, 7071, 20000, 20000, 30000], "begins": [] }));
+    }
+}

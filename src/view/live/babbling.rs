@@ -1,0 +1,314 @@
+//! Babbling and learning as a live view: the body as it touches itself, and beside it the one that is learned.
+
+use std::path::PathBuf;
+use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::time::Instant;
+
+use nalgebra::Vector3;
+use serde_json::json;
+
+use super::server::LivePage;
+use super::{HEIGHT, page};
+use crate::agent::Agent;
+use crate::creature::Posture;
+use crate::schema::BodySchema;
+use crate::senses::Touch;
+use crate::view::body::{BodyMesh, BodyScene, LEARNED, LIMB, Layer, Look, Pose, Skeleton};
+use crate::view::charts::{Chart, ChartGroup, ChartMark, Ink, Panel, Ruler, Scale};
+use crate::view::figure;
+use crate::view::text::short_number as number;
+
+/// Most points of a curve; a curve that has more loses every second one.
+const MOST_POINTS: usize = 240;
+/// Most touches that wait for who learns on the way: what comes on top of these is not learned from then.
+const MOST_FRESH: usize = 200;
+/// Seconds between two points of the curve of touches, at first.
+const POINT_EVERY: f64 = 0.25;
+/// How wide the room about the body is by its extent: arms that are stretched out may leave it.
+const ROOM: f64 = 0.86;
+
+/// What is shown of a session.
+pub struct BabblingView {
+    agent: Agent,
+    /// The body that is simulated, which the learner never sees.
+    simulated: BodySchema,
+    state: Mutex<BabblingState>,
+    limbs: BodyMesh,
+    receptors: BodyMesh,
+    /// The greatest distance of any skin from the root, metres.
+    extent: f64,
+}
+
+/// What is newest.
+struct BabblingState {
+    /// What is done, in a word or two.
+    doing: String,
+    began: Instant,
+    /// Touches before this view began.
+    before: usize,
+    touches: usize,
+    wanted: usize,
+    posture: Posture,
+    /// Per receptor, how often it lit up.
+    lit: Vec<u32>,
+    /// Touches that nobody has learned from on the way.
+    fresh: Vec<Touch>,
+    /// Seconds and touches.
+    made: Vec<[f64; 2]>,
+    point_every: f64,
+    /// The rate of babbling, touches a second, as long as it goes on.
+    rate: Option<f64>,
+    learned: Option<BodySchema>,
+    learned_from: usize,
+    /// Touches learned from, and how far apart the schema had put the surfaces that touched, millimetres.
+    missed: Vec<[f64; 2]>,
+    report: Option<PathBuf>,
+}
+
+impl BabblingView {
+    /// A view of a session of so many touches, `before` of which are there already.
+    pub fn new(agent: &Agent, simulated: BodySchema, wanted: usize, before: usize) -> BabblingView {
+        let (creature, skin) = (agent.creature(), agent.skin());
+        let posture = creature.reference_posture();
+        let (limbs, receptors) = (BodyMesh::of_surfaces(skin), BodyMesh::of_receptors(skin));
+        let pose = Pose::new(creature, &simulated, &posture);
+        let drawn = limbs.corners().chain(receptors.corners());
+        let extent = drawn.map(|(limb, p)| pose.frames[limb].point(p).norm()).fold(0.1, f64::max);
+        let state = BabblingState {
+            doing: "getting ready".into(),
+            began: Instant::now(),
+            before,
+            touches: before,
+            wanted,
+            posture,
+            lit: vec![0; skin.receptors.len()],
+            fresh: Vec::new(),
+            made: Vec::new(),
+            point_every: POINT_EVERY,
+            rate: None,
+            learned: None,
+            learned_from: 0,
+            missed: Vec::new(),
+            report: None,
+        };
+        BabblingView { agent: agent.clone(), simulated, state: Mutex::new(state), limbs, receptors, extent }
+    }
+
+    fn state(&self) -> MutexGuard<'_, BabblingState> {
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Babbling begins.
+    pub fn begin(&self) {
+        let mut state = self.state();
+        (state.doing, state.began) = ("babbling".into(), Instant::now());
+    }
+
+    /// A touch was made.
+    pub fn touched(&self, touch: &Touch) {
+        let mut state = self.state();
+        state.touches += 1;
+        state.posture.clone_from(&touch.posture);
+        light(&mut state, touch);
+        if state.fresh.len() < MOST_FRESH {
+            state.fresh.push(touch.clone());
+        }
+        let seconds = state.began.elapsed().as_secs_f64();
+        if state.made.last().is_none_or(|last| seconds >= last[0] + state.point_every) {
+            let touches = state.touches;
+            state.made.push([seconds, touches as f64]);
+            if state.made.len() > MOST_POINTS {
+                halve(&mut state.made);
+                state.point_every *= 2.0;
+            }
+        }
+        state.rate = (seconds > 0.0).then(|| (state.touches - state.before) as f64 / seconds);
+    }
+
+    /// The touches that were not taken yet, for who learns on the way.
+    pub(super) fn take_fresh(&self) -> Vec<Touch> {
+        std::mem::take(&mut self.state().fresh)
+    }
+
+    /// Babbling is done; what is done from here on.
+    pub fn now(&self, doing: &str) {
+        let mut state = self.state();
+        state.doing = doing.to_string();
+        state.fresh.clear();
+        (state.learned_from, state.rate) = (0, None);
+        state.missed.clear();
+    }
+
+    /// What was learned from so many touches, the last of which is told where it is to be shown; and how far apart the
+    /// schema had put the surfaces that touched then, metres.
+    pub fn learned(
+        &self,
+        from: usize,
+        touch: Option<&Touch>,
+        schema: Option<&BodySchema>,
+        missed: Option<f64>,
+    ) {
+        let mut state = self.state();
+        state.learned_from = from;
+        if let Some(touch) = touch {
+            state.posture.clone_from(&touch.posture);
+            light(&mut state, touch);
+        }
+        if let Some(schema) = schema {
+            state.learned = Some(schema.clone());
+        }
+        if let Some(missed) = missed.filter(|missed| missed.is_finite()) {
+            state.missed.push([from as f64, 1e3 * missed.abs()]);
+            if state.missed.len() > MOST_POINTS {
+                halve(&mut state.missed);
+            }
+        }
+    }
+
+    /// All is done: what came of it, in a sentence, and the report to read.
+    pub fn done(&self, sentence: &str, schema: &BodySchema, report: PathBuf) {
+        let mut state = self.state();
+        state.doing = sentence.to_string();
+        state.learned = Some(schema.clone());
+        state.report = Some(report);
+    }
+
+    /// The learned body stands aside of the simulated one, by so much along y, metres.
+    fn aside(&self) -> f64 {
+        1.05 * self.extent
+    }
+
+    /// What was made so far, and how far each touch was from its prediction.
+    fn charts_of(made: &[[f64; 2]], missed: &[[f64; 2]]) -> [(&'static str, Chart, &'static str); 2] {
+        let chart = |says: &str, x: Ruler, y: Ruler, ink: Ink, marks: Vec<ChartMark>| {
+            let groups = vec![ChartGroup { name: String::new(), ink, marks }];
+            Chart::new(says, Panel { title: String::new(), x, y, groups, plot: [420.0, 170.0] })
+        };
+        let ruler = |title: &str, scale: Scale| Ruler { title: title.into(), scale };
+        let along = |points: &[[f64; 2]], k: usize| points.iter().map(|p| p[k]).collect::<Vec<_>>();
+        let [x, y] = [0, 1].map(|k| Scale::linear(0.0, along(made, k)));
+        let line = vec![ChartMark::line(made.to_vec())];
+        let first = chart("Touches over time", ruler("seconds", x), ruler("touches", y), Ink::Blue, line);
+        let [x, y] = [Scale::linear(0.0, along(missed, 0)), Scale::logarithmic(along(missed, 1))];
+        let dot = |p: &[f64; 2]| ChartMark::dot(*p, 2.0, format!("touch {:.0}: {} mm", p[0], number(p[1])));
+        let dots = missed.iter().map(dot).collect();
+        let says = "How far each touch was from its prediction";
+        let second = chart(says, ruler("touches learned from", x), ruler("miss, mm", y), Ink::Grey, dots);
+        [
+            ("made", first, "Touches made."),
+            ("missed", second, "How far apart what was learned put the two surfaces that then touched."),
+        ]
+    }
+}
+
+/// Lights the receptors of a touch up.
+fn light(state: &mut BabblingState, touch: &Touch) {
+    for end in touch.ends {
+        state.lit[end.receptor] = state.lit[end.receptor].wrapping_add(1);
+    }
+}
+
+/// Keeps every second point.
+fn halve(points: &mut Vec<[f64; 2]>) {
+    let mut k = 0;
+    points.retain(|_| {
+        k += 1;
+        k % 2 == 1
+    });
+}
+
+impl LivePage for BabblingView {
+    fn page(&self) -> String {
+        let wanted = self.state().wanted;
+        let layer = |name: &str, mesh: usize, poses: &'static str, colour: Option<&'static str>| Layer {
+            name: name.into(),
+            mesh,
+            poses,
+            look: if colour.is_some() { Look::Solid } else { Look::Receptors },
+            colour,
+            labels: Vec::new(),
+        };
+        let ids = self.agent.skin().receptors.iter().map(|receptor| receptor.id.clone());
+        let receptors = Layer { labels: ids.collect(), ..layer("receptors", 1, "own", None) };
+        let r = ROOM * self.extent;
+        let scene = BodyScene {
+            meshes: vec![self.limbs.clone(), self.receptors.clone()],
+            layers: vec![
+                layer("body", 0, "own", Some(LIMB)),
+                receptors,
+                layer("what is learned", 0, "learned", Some(LEARNED)),
+            ],
+            skeletons: vec![Skeleton::learned(&self.agent, &[])],
+            room: [Vector3::new(-r, -r, -r), Vector3::new(r, self.aside() + r, r)],
+            hidden: vec!["joints"],
+            ..BodyScene::default()
+        };
+        let caption = "Left as it touches itself, right the body that it has learned so far, in the same posture. \
+                       Receptors light up where they are touched. Turn it with the mouse.";
+        let body = scene.figure("The body and what is learned of it", HEIGHT, "", caption);
+        let charts: String =
+            Self::charts_of(&[], &[]).iter().map(|(id, chart, caption)| figure(id, chart, caption)).collect();
+        let content = format!(
+            "<p class=\"verdict\" id=\"doing\" aria-live=\"polite\"></p>\n<section>\n{body}</section>\n\
+             <section class=\"beside\">\n{charts}</section>\n"
+        );
+        page(
+            self.agent.creature().name(),
+            &format!("It touches itself {wanted} times and learns its body from that"),
+            &content,
+        )
+    }
+
+    fn newest(&self) -> String {
+        // Only copied under the lock: babbling waits for nobody.
+        let (posture, learned, mut told) = {
+            let state = self.state();
+            let told = json!({
+                "doing": state.doing,
+                "touches": state.touches,
+                "wanted": state.wanted,
+                "rate": state.rate.map(f64::round),
+                "lit": state.lit,
+                "learnedFrom": state.learned_from,
+                "report": state.report.as_ref().map(|path| path.display().to_string()),
+            });
+            (state.posture.clone(), state.learned.clone(), told)
+        };
+        told["poses"] = json!({ "own": Pose::new(self.agent.creature(), &self.simulated, &posture).told() });
+        if let Some(learned) = learned {
+            let pose = Pose::new(self.agent.creature(), &learned, &posture).moved(&Vector3::new(
+                0.0,
+                self.aside(),
+                0.0,
+            ));
+            told["poses"]["learned"] = pose.told();
+        }
+        told.to_string()
+    }
+
+    fn charts(&self) -> String {
+        let (made, missed) = {
+            let state = self.state();
+            (state.made.clone(), state.missed.clone())
+        };
+        let charts = Self::charts_of(&made, &missed);
+        let drawn = charts.iter().map(|(id, chart, _)| (id.to_string(), json!(chart.in_page())));
+        serde_json::Value::Object(drawn.collect()).to_string()
+    }
+
+    fn report(&self) -> Option<PathBuf> {
+        self.state().report.clone()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_curve_that_grows_too_long_keeps_every_second_point() {
+        let mut points: Vec<[f64; 2]> = (0..5).map(|k| [f64::from(k), 0.0]).collect();
+        halve(&mut points);
+        assert_eq!(points, [[0.0, 0.0], [2.0, 0.0], [4.0, 0.0]]);
+    }
+}

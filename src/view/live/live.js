@@ -1,0 +1,98 @@
+// Shows what the page is told: the newest state counts, what was missed is left out.
+(async () => {
+  "use strict";
+  const element = (id) => document.getElementById(id);
+  const body = Body(document.querySelector("figure.body"));
+  // How often the body is drawn, milliseconds; and how much of a light is left each time.
+  const EVERY = 50;
+  const FADE = 0.75;
+  // How touched a receptor looks that was touched just now.
+  const LIT = 0.8;
+  // How often curves are drawn.
+  const CURVE_EVERY = 2000;
+  let newest = null;
+  let last = null;
+  let before = null;
+  let glow = [];
+  let curvesAt = -Infinity;
+  let told = "";
+  // For who measures: how often something new was drawn, and where a receptor is in the picture.
+  window.live = { updates: 0, whereIs: body.whereIs };
+
+  const lights = (state) => {
+    glow = glow.map((light) => (light > 0.02 ? light * FADE : 0));
+    if (state.lit && before) state.lit.forEach((n, k) => { if (n !== before[k]) glow[k] = LIT; });
+    before = state.lit;
+    for (const k of state.felt || []) glow[k] = LIT;
+    glow = Array.from(glow, (light) => light || 0);
+  };
+
+  const curves = async () => {
+    const charts = await (await fetch("charts")).json();
+    for (const [name, svg] of Object.entries(charts)) element(name).innerHTML = svg;
+  };
+
+  const dialogue = (lines) => {
+    if (told === JSON.stringify(lines)) return;
+    told = JSON.stringify(lines);
+    element("lines").replaceChildren(...lines.map(([who, said]) => {
+      const line = document.createElement("li");
+      line.className = who === "you" ? "you" : "own";
+      line.append(Object.assign(document.createElement("b"), { textContent: who }), said);
+      return line;
+    }));
+    element("lines").scrollTop = element("lines").scrollHeight;
+  };
+
+  const words = (state) => {
+    if (state.lines) dialogue(state.lines);
+    if (!state.wanted) {
+      element("doing").textContent = state.doing;
+      return;
+    }
+    const rate = state.rate ? `, ${state.rate} a second` : "";
+    const learned = state.learnedFrom ? `; learned from ${state.learnedFrom}` : "";
+    element("doing").textContent = `${state.doing}: ${state.touches} of ${state.wanted} touches${rate}${learned}`;
+    if (state.report) {
+      const link = Object.assign(document.createElement("a"), { href: "report", textContent: "the report" });
+      element("doing").append(". As long as this page is served: ", link, `; it stays in ${state.report}`);
+    }
+  };
+
+  const send = (path, body) =>
+    fetch(path, { method: "POST", headers: { "content-type": "application/json" }, body: JSON.stringify(body) });
+  const form = element("say");
+  if (form) {
+    form.addEventListener("submit", (event) => {
+      event.preventDefault();
+      const text = element("text").value.trim();
+      if (text) send("say", { text });
+      element("text").value = "";
+    });
+    body.onReceptor((receptor) => send("touch", { receptor }));
+  }
+
+  const source = new EventSource("events");
+  source.onmessage = (event) => { newest = event.data; };
+  source.onopen = () => { delete document.documentElement.dataset.lost; };
+  source.onerror = () => { document.documentElement.dataset.lost = "lost"; };
+  for (;;) {
+    const began = performance.now();
+    const fresh = newest !== last;
+    if (newest && (fresh || glow.some((light) => light > 0))) {
+      const state = JSON.parse(newest);
+      last = newest;
+      lights(state);
+      body.show(state.poses, glow);
+      if (fresh) {
+        words(state);
+        window.live.updates += 1;
+      }
+      if (state.wanted && (began - curvesAt > CURVE_EVERY || state.report)) {
+        curvesAt = began;
+        curves().catch(() => {});
+      }
+    }
+    await new Promise((done) => setTimeout(done, Math.max(1, EVERY - (performance.now() - began))));
+  }
+})();

@@ -1,0 +1,32 @@
+//! A live view: a page on this machine that shows what happens while it happens.
+//!
+//! Who works writes down what is newest and goes on; a thread of its own tells the pages, each as often as it can
+//! follow. A slow page, or none, changes nothing for who works.
+//!
+//! ```text
+//! babbling, talking ─ LivePage (the newest state) ─ Server (20 times a second) ─ page
+//!                       └───────── Asked (what is typed, where the skin is clicked) ┘
+//! ```
+
+mod babbling;
+mod learner;
+mod server;
+mod table;
+
+pub use babbling::BabblingView;
+pub use learner::LiveLearner;
+pub use server::{Asked, LivePage, Server};
+pub use table::TableView;
+
+/// Height of the picture, pixels.
+const HEIGHT: usize = 560;
+
+/// A page with a title, a sentence below it, and what it shows, which is HTML.
+fn page(title: &str, about: &str, content: &str) -> String {
+    let content = format!(
+        "<header>\n<h1>{}</h1>\n<p>{}</p>\n</header>\n{content}",
+        super::text::escape(title),
+        super::text::escape(about)
+    );
+    super::page(&format!("{title}, live"), include_str!("live.css"), &content, include_str!("live.js"))
+}

@@ -1,0 +1,213 @@
+//! A creature among things as a live view, with the conversation beside it.
+
+use std::sync::mpsc::Sender;
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+use nalgebra::Vector3;
+use serde_json::json;
+
+use super::server::{Asked, LivePage};
+use super::{HEIGHT, page};
+use crate::geometry::Frame;
+use crate::senses::SkinContact;
+use crate::simulation::Stage;
+use crate::skin::{Skin, surface_of_body};
+use crate::view::body::{BodyMesh, BodyScene, LIMB, Layer, Look, Pose};
+
+/// Most lines of the conversation that are shown.
+const MOST_LINES: usize = 200;
+/// Colours of the table and of things.
+const COLOURS: [&str; 6] = ["#b8875a", "#bf4a3a", "#3a8f5a", "#3f5fb0", "#8a5190", "#b0953f"];
+/// Room about what is there, metres.
+const ROOM: f64 = 0.1;
+
+/// A line of the conversation.
+struct Utterance {
+    who: String,
+    said: String,
+}
+
+/// What is shown of a conversation.
+pub struct TableView {
+    name: String,
+    limbs: BodyMesh,
+    receptors: BodyMesh,
+    /// What receptors are called.
+    ids: Vec<String>,
+    /// Per body of the scene that is not the creature's, its name and its mesh.
+    things: Vec<(String, BodyMesh)>,
+    bodies: Vec<usize>,
+    state: Mutex<TableState>,
+    asked: Mutex<Sender<Asked>>,
+}
+
+struct TableState {
+    own: Vec<Frame>,
+    things: Vec<Frame>,
+    felt: Vec<usize>,
+    lines: Vec<Utterance>,
+    /// Whether it is at something and hears later.
+    busy: bool,
+    over: bool,
+}
+
+impl TableView {
+    /// A view of a scene; what a page asks for is sent on.
+    pub fn new(stage: &Stage, asked: Sender<Asked>) -> TableView {
+        let (body, skin) = (stage.body(), stage.skin());
+        let model = &body.model;
+        let mut things = Vec::new();
+        let mut bodies = Vec::new();
+        for thing in (0..model.nbody()).filter(|&b| body.limb_of_body[b].is_none()) {
+            let mesh = BodyMesh::of_surfaces(&Skin {
+                receptors: Vec::new(),
+                surfaces: surface_of_body(model, thing)
+                    .into_iter()
+                    .map(|mut surface| {
+                        surface.limb = things.len();
+                        surface
+                    })
+                    .collect(),
+            });
+            if !mesh.pieces.is_empty() {
+                things.push((stage.thing_name(thing), mesh));
+                bodies.push(thing);
+            }
+        }
+        let state = TableState {
+            own: Vec::new(),
+            things: Vec::new(),
+            felt: Vec::new(),
+            lines: Vec::new(),
+            busy: false,
+            over: false,
+        };
+        let view = TableView {
+            name: body.creature.name().to_string(),
+            limbs: BodyMesh::of_surfaces(skin),
+            receptors: BodyMesh::of_receptors(skin),
+            ids: skin.receptors.iter().map(|receptor| receptor.id.clone()).collect(),
+            things,
+            bodies,
+            state: Mutex::new(state),
+            asked: Mutex::new(asked),
+        };
+        view.shows(stage, &[]);
+        view
+    }
+
+    fn state(&self) -> MutexGuard<'_, TableState> {
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Shows where all is now, and which receptors feel something.
+    pub fn shows(&self, stage: &Stage, felt: &[SkinContact]) {
+        let own = stage.limb_frames();
+        let things = self.bodies.iter().map(|&body| Frame::from(stage.thing_pose(body))).collect();
+        let mut state = self.state();
+        (state.own, state.things) = (own, things);
+        state.felt = felt.iter().flat_map(SkinContact::spots).map(|spot| spot.receptor).collect();
+    }
+
+    /// Shows that receptors are touched, whatever touches them.
+    pub fn feels(&self, receptors: &[usize]) {
+        self.state().felt = receptors.to_vec();
+    }
+
+    /// A line of the conversation; `busy` where what it asks for is being done.
+    pub fn says(&self, who: &str, said: &str, busy: bool) {
+        let mut state = self.state();
+        state.busy = busy;
+        state.lines.push(Utterance { who: who.into(), said: said.into() });
+        if state.lines.len() > MOST_LINES {
+            state.lines.remove(0);
+        }
+    }
+
+    /// The conversation is over.
+    pub fn ends(&self) {
+        self.state().over = true;
+    }
+}
+
+impl LivePage for TableView {
+    fn page(&self) -> String {
+        let (own, things) = {
+            let state = self.state();
+            (Pose::of_parts(state.own.clone()), Pose::of_parts(state.things.clone()))
+        };
+        let layer = |name: &str, mesh: usize, poses: &'static str, colour: Option<&'static str>| Layer {
+            name: name.into(),
+            mesh,
+            poses,
+            look: if colour.is_some() { Look::Solid } else { Look::Receptors },
+            colour,
+            labels: Vec::new(),
+        };
+        let receptors = Layer { labels: self.ids.clone(), ..layer("receptors", 1, "own", None) };
+        let mut layers = vec![layer("body", 0, "own", Some(LIMB)), receptors];
+        let mut meshes = vec![self.limbs.clone(), self.receptors.clone()];
+        for (k, (name, mesh)) in self.things.iter().enumerate() {
+            let colour = Some(COLOURS[k % COLOURS.len()]);
+            let labels = vec![name.clone(); mesh.pieces.len()];
+            layers.push(Layer { labels, ..layer("things", meshes.len(), "things", colour) });
+            meshes.push(mesh.clone());
+        }
+        let poses = |mesh: usize| if mesh < 2 { &own } else { &things };
+        let room = BodyScene::room_of(meshes.iter().enumerate().map(|(k, mesh)| (mesh, poses(k))))
+            .unwrap_or_default();
+        let room = [room[0] - Vector3::repeat(ROOM), room[1] + Vector3::repeat(ROOM)];
+        let scene = BodyScene {
+            meshes,
+            layers,
+            poses: vec![("own", own), ("things", things)],
+            room,
+            ..BodyScene::default()
+        };
+        let caption =
+            "Click on its skin to touch it there. Turn it with the mouse; receptors light up where it feels.";
+        let body = scene.figure("The creature and what is about it", HEIGHT, "", caption);
+        let content = format!(
+            "<section class=\"talk\">\n<div>{body}</div>\n<div class=\"dialogue\">\n\
+             <ol id=\"lines\" aria-live=\"polite\"></ol>\n<p id=\"doing\" class=\"note\"></p>\n\
+             <form id=\"say\"><input id=\"text\" autocomplete=\"off\" maxlength=\"500\" \
+             aria-label=\"What you say\" placeholder=\"Is there something in front of you?\"/>\
+             <button>Say</button></form>\n</div>\n</section>\n"
+        );
+        page(
+            &self.name,
+            "It is blindfolded: it knows its body from touching itself, and the scene from what it feels",
+            &content,
+        )
+    }
+
+    fn newest(&self) -> String {
+        let state = self.state();
+        let lines: Vec<[&str; 2]> =
+            state.lines.iter().map(|line| [line.who.as_str(), line.said.as_str()]).collect();
+        let doing = match (state.over, state.busy) {
+            (true, _) => "The conversation is over.",
+            (_, true) => "…",
+            _ => "",
+        };
+        json!({
+            "poses": {
+                "own": Pose::of_parts(state.own.clone()).told(),
+                "things": Pose::of_parts(state.things.clone()).told(),
+            },
+            "felt": state.felt,
+            "lines": lines,
+            "doing": doing,
+        })
+        .to_string()
+    }
+
+    fn ask(&self, asked: Asked) -> bool {
+        let known = match &asked {
+            Asked::Touch(receptor) => *receptor < self.ids.len(),
+            Asked::Say(text) => !text.is_empty(),
+        };
+        let asks = self.asked.lock().unwrap_or_else(PoisonError::into_inner);
+        known && asks.send(asked).is_ok()
+    }
+}

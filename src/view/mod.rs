@@ -1,0 +1,55 @@
+//! What people look at: pages, charts, pictures, films, and files for the viewers of others.
+//!
+//! ```text
+//! skin, schema, posture ─ body (one mesh, one viewer) ─┬─ report (a session as one page)
+//! numbers ─ charts (SVG with what each mark says) ─────┴─ live (a page of what happens now)
+//! model, posture, marks ─ picture (MuJoCo's renderer: stills and films)
+//! ```
+
+#[cfg(feature = "report")]
+mod body;
+#[cfg(feature = "report")]
+pub(crate) mod charts;
+#[cfg(feature = "live")]
+pub(crate) mod live;
+#[cfg(feature = "render")]
+pub mod picture;
+#[cfg(feature = "report")]
+pub mod report;
+#[cfg(feature = "rerun")]
+mod rerun;
+#[cfg(feature = "report")]
+pub(crate) mod space;
+#[cfg(feature = "report")]
+mod text;
+
+#[cfg(feature = "rerun")]
+pub use rerun::{RerunInput, write_rrd};
+
+/// How pages look, the body and charts in them as well.
+#[cfg(feature = "report")]
+const STYLE: &str =
+    concat!(include_str!("style.css"), include_str!("body/body.css"), include_str!("charts/charts.css"));
+
+/// The head of a page that stands alone, until what it shows.
+#[cfg(feature = "report")]
+fn page(title: &str, own_style: &str, content: &str, own_script: &str) -> String {
+    format!(
+        "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\"/>\n\
+         <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"/>\n\
+         <meta name=\"color-scheme\" content=\"light dark\"/>\n<link rel=\"icon\" href=\"data:,\"/>\n\
+         <title>{title}</title>\n<style>\n{STYLE}{own_style}</style>\n</head>\n<body>\n{content}\
+         <script>\n{script}{own_script}</script>\n</body>\n</html>\n",
+        title = text::escape(title),
+        script = body::SCRIPT,
+    )
+}
+
+/// A chart of a page with its caption, which is HTML.
+#[cfg(feature = "report")]
+fn figure(id: &str, chart: &charts::Chart, caption: &str) -> String {
+    format!(
+        "<figure>\n<div class=\"wide\" id=\"{id}\">\n{}</div>\n<figcaption>{caption}</figcaption>\n</figure>\n",
+        chart.in_page()
+    )
+}

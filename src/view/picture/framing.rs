@@ -1,0 +1,157 @@
+//! A camera that holds all that is to be seen.
+
+use nalgebra::{Isometry3, Point3, Vector3};
+
+use crate::geometry::Shape;
+use crate::mujoco::{Camera, Data, GeomKind, Mark, Model};
+
+/// The part of a picture's width and height that is left free about what it shows.
+const MARGIN: f64 = 0.06;
+/// Least distance of a camera, metres: where there is nothing, there is nothing to be filled.
+const NEAREST: f64 = 0.05;
+
+/// The direction in which an eye looks.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Direction {
+    /// About the world's z from x, radians.
+    pub azimuth: f64,
+    /// Upwards, radians; below zero it looks down.
+    pub elevation: f64,
+}
+
+impl Default for Direction {
+    /// From ahead, the left and above of what faces along x.
+    fn default() -> Direction {
+        Direction { azimuth: 205.0_f64.to_radians(), elevation: (-12.0_f64).to_radians() }
+    }
+}
+
+impl Direction {
+    /// Ahead, to the right and up, as the eye has them, in the world.
+    fn axes(&self) -> [Vector3<f64>; 3] {
+        let (sin, cos) = self.azimuth.sin_cos();
+        let (rise, level) = self.elevation.sin_cos();
+        let ahead = Vector3::new(level * cos, level * sin, rise);
+        let right = Vector3::new(sin, -cos, 0.0);
+        [ahead, right, right.cross(&ahead)]
+    }
+}
+
+/// A free camera that looks in a direction and holds some points with little to spare, through a lens of a height, an
+/// angle in radians, and a width by height; as far away as it is told, where it is.
+pub fn frame(
+    points: impl IntoIterator<Item = Point3<f64>>,
+    direction: Direction,
+    lens: (f64, f64),
+    distance: Option<f64>,
+) -> Camera {
+    let [ahead, right, up] = direction.axes();
+    let half = (lens.0 / 2.0).tan() * (1.0 - 2.0 * MARGIN);
+    let half = [half * lens.1, half];
+    // Of both ways across the picture, how far the eye must be back for the points on either side.
+    let mut back = [[f64::NEG_INFINITY; 2]; 2];
+    let mut depths = [f64::INFINITY, f64::NEG_INFINITY];
+    for point in points {
+        let depth = point.coords.dot(&ahead);
+        depths = [depths[0].min(depth), depths[1].max(depth)];
+        for ((sides, half), across) in back.iter_mut().zip(half).zip([right, up]) {
+            let away = point.coords.dot(&across) / half;
+            *sides = [sides[0].max(away - depth), sides[1].max(-away - depth)];
+        }
+    }
+    if !depths[0].is_finite() {
+        let (lookat, distance) = (Point3::origin(), distance.unwrap_or(1.0));
+        return Camera::Free { lookat, distance, azimuth: direction.azimuth, elevation: direction.elevation };
+    }
+    let middle = 0.5 * (depths[0] + depths[1]);
+    let needed = back.iter().map(|[a, b]| 0.5 * (a + b)).fold(f64::NEG_INFINITY, f64::max) + middle;
+    let [x, y] = [0, 1].map(|k| 0.5 * (back[k][0] - back[k][1]) * half[k]);
+    Camera::Free {
+        lookat: Point3::from(ahead * middle + right * x + up * y),
+        distance: distance.unwrap_or(needed.max(NEAREST)),
+        azimuth: direction.azimuth,
+        elevation: direction.elevation,
+    }
+}
+
+/// Points about a box or whatever fits one, given its pose and half its sides.
+fn corners(pose: &Isometry3<f64>, half: [f64; 3]) -> impl Iterator<Item = Point3<f64>> + use<> {
+    let pose = *pose;
+    (0..8).map(move |corner| {
+        let side = |k: usize| if corner >> k & 1 == 0 { half[k] } else { -half[k] };
+        pose * Point3::new(side(0), side(1), side(2))
+    })
+}
+
+/// Half the sides of the box about a shape, from its sizes as a geom has them.
+fn half_sides(kind: GeomKind, size: [f64; 3]) -> [f64; 3] {
+    Shape::primitive(kind, size).map_or(size, |shape| shape.half_bounds().into())
+}
+
+/// Points about a mark.
+pub fn corners_of(mark: &Mark) -> impl Iterator<Item = Point3<f64>> + use<> {
+    corners(&mark.pose, half_sides(mark.kind, mark.size))
+}
+
+/// The longest side of the box along the world's axes about some points, metres.
+pub fn extent(points: &[Point3<f64>]) -> f64 {
+    let least = points.iter().fold(Vector3::repeat(f64::INFINITY), |least, p| least.inf(&p.coords));
+    let most = points.iter().fold(Vector3::repeat(f64::NEG_INFINITY), |most, p| most.sup(&p.coords));
+    (most - least).max().max(0.0)
+}
+
+/// Points about all geoms of a model that are `shown` and end somewhere, given data with poses computed.
+pub fn outline(data: &Data, shown: &dyn Fn(usize) -> bool) -> Vec<Point3<f64>> {
+    let model: &Model = data.model();
+    let mut points = Vec::new();
+    for (g, geom) in model.geoms().enumerate().filter(|(g, _)| shown(*g)) {
+        let pose = data.geom_pose(g);
+        match geom.kind {
+            GeomKind::Mesh => {
+                points.extend(model.mesh_vertices(g).into_iter().map(|p| pose * Point3::from(p)));
+            }
+            kind if Shape::is_of_kind(kind) => points.extend(corners(&pose, half_sides(kind, geom.size))),
+            _ => {}
+        }
+    }
+    points
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Where a camera sees a point: across and up, 1 at the edges of the picture.
+    fn seen(camera: &Camera, lens: (f64, f64), point: &Point3<f64>) -> [f64; 2] {
+        let Camera::Free { lookat, distance, azimuth, elevation } = *camera else { panic!("{camera:?}") };
+        let [ahead, right, up] = Direction { azimuth, elevation }.axes();
+        let from_eye = point - (lookat - ahead * distance);
+        let half = (lens.0 / 2.0).tan();
+        let depth = from_eye.dot(&ahead);
+        assert!(depth > 0.0);
+        [from_eye.dot(&right) / depth / half / lens.1, from_eye.dot(&up) / depth / half]
+    }
+
+    #[test]
+    fn a_camera_holds_all_points_and_fills_the_picture() {
+        let tall = [[0.1, 0.2, 0.0], [0.0, -0.3, 1.8], [0.4, 0.3, 0.9], [-0.2, 0.0, 0.1]];
+        let wide = [[0.1, -2.0, 0.0], [0.0, 1.0, 0.1], [3.0, 0.3, 0.2]];
+        for points in [&tall[..], &wide[..]] {
+            let points: Vec<Point3<f64>> = points.iter().map(|p| Point3::from(*p)).collect();
+            for lens in [(0.785, 16.0 / 9.0), (0.5, 0.6)] {
+                for (azimuth, elevation) in [(0.0, 0.0), (3.5, -0.2), (1.2, -1.4), (-2.0, 0.7)] {
+                    let camera = frame(points.iter().copied(), Direction { azimuth, elevation }, lens, None);
+                    let places: Vec<[f64; 2]> = points.iter().map(|p| seen(&camera, lens, p)).collect();
+                    let far = places.iter().flatten().fold(0.0, |far: f64, x| far.max(x.abs()));
+                    assert!((far - (1.0 - 2.0 * MARGIN)).abs() < 1e-9, "{far}, {camera:?}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn where_there_is_nothing_a_camera_looks_at_the_origin() {
+        let camera = frame([], Direction::default(), (0.8, 1.0), None);
+        assert!(matches!(camera, Camera::Free { lookat, .. } if lookat == Point3::origin()), "{camera:?}");
+    }
+}

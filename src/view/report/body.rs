@@ -1,0 +1,126 @@
+//! The learned body over the true one, to be turned with the mouse, from the onset to the end.
+
+use std::fmt::Write;
+
+use super::ReportInput;
+use crate::record::Checkpoint;
+use crate::view::body::{BodyMesh, BodyScene, LIMB, Layer, Look, Pose, SHADE, Skeleton};
+use crate::view::text::plural;
+
+/// Most steps of the slider: each takes some three kilobytes of the page.
+const MOST_STEPS: usize = 80;
+/// Height of the picture, pixels.
+const HEIGHT: usize = 640;
+
+/// The picture; a sentence where there is nothing to draw.
+pub(super) fn figure_of(input: &ReportInput) -> String {
+    let (creature, skin) = (input.agent.creature(), input.agent.skin());
+    let limbs = BodyMesh::of_surfaces(skin);
+    let receptors = BodyMesh::of_receptors(skin);
+    let learned = Pose::at_ease(creature, input.schema);
+    let truth = input.truth.map(|truth| Pose::at_ease(creature, truth));
+    let all = [&limbs, &receptors]
+        .into_iter()
+        .flat_map(|mesh| std::iter::once(&learned).chain(&truth).map(move |pose| (mesh, pose)));
+    let Some(room) = BodyScene::room_of(all) else {
+        return "<p class=\"note\">There is nothing to draw.</p>\n".into();
+    };
+    let counts = counts(input);
+    let touched = |(receptor, count): (&crate::skin::Receptor, &usize)| {
+        format!("{}: touched {}", receptor.id, times(*count))
+    };
+    let layer = |name: &str, mesh: usize, poses: &'static str, look: Look, colour: Option<&'static str>| {
+        Layer { name: name.into(), mesh, poses, look, colour, labels: Vec::new() }
+    };
+    let patches = Layer {
+        labels: skin.receptors.iter().zip(&counts).map(touched).collect(),
+        ..layer("receptors", 1, "learned", Look::Receptors, None)
+    };
+    let bare = limbs.pieces.is_empty();
+    let mut layers = Vec::new();
+    if !bare {
+        layers.push(layer("limbs", 0, "learned", Look::Solid, Some(LIMB)));
+    }
+    layers.push(patches);
+    let mut skeletons = vec![Skeleton::learned(input.agent, input.undetermined)];
+    if input.truth.is_some() {
+        if !bare {
+            layers.push(layer("true body", 0, "true", Look::Ghost, Some(SHADE)));
+        }
+        skeletons.push(Skeleton::shade(input.agent, "true joints", "true"));
+    }
+    let most = counts.iter().copied().max().unwrap_or(0);
+    let shade = |count: usize| (count as f64).ln_1p() / (most.max(1) as f64).ln_1p();
+    let steps = steps(input);
+    let several = steps.len() > 1;
+    let mut poses = vec![("learned", learned)];
+    poses.extend(truth.map(|pose| ("true", pose)));
+    let scene = BodyScene {
+        meshes: vec![limbs, receptors],
+        layers,
+        skeletons,
+        poses,
+        values: counts.iter().map(|count| shade(*count)).collect(),
+        steps,
+        room,
+        hidden: Vec::new(),
+    };
+    let over = if input.truth.is_some() { " before the true one, grey" } else { "" };
+    let caption = format!(
+        "The learned body{over}, at ease. Turn it with the mouse or the arrow keys; once it is clicked, the wheel zooms. \
+         Patches are receptors, coloured by how often they were touched; orange joints are those that the touches do \
+         not determine.{}",
+        if several { " The slider goes from a random onset to what was learned in the end." } else { "" }
+    );
+    scene.figure(
+        &format!("The learned body{over} in three dimensions"),
+        HEIGHT,
+        &legend(most, &shade),
+        &caption,
+    )
+}
+
+/// How receptors are coloured by their touches.
+fn legend(most: usize, shade: &dyn Fn(usize) -> f64) -> String {
+    let mut legend = "<div class=\"scale\">touches of a receptor<i></i><div>".to_string();
+    let mut last = f64::NEG_INFINITY;
+    for count in [0, 1, 3, 10, 30, 100, 300, 1000, 3000, 10_000, 100_000] {
+        // A label takes about a seventh of the scale.
+        if count <= most && shade(count) - last > 0.14 {
+            last = shade(count);
+            // Writing to a string cannot fail.
+            let _ = write!(legend, "<span style=\"left:{:.0}%\">{count}</span>", 100.0 * last);
+        }
+    }
+    legend + "</div></div>\n"
+}
+
+/// The checkpoints that there is room for, the first and the last at any rate.
+fn steps(input: &ReportInput) -> Vec<(String, &'static str, Pose)> {
+    let touches = input.touches.len();
+    let before: Vec<&Checkpoint> =
+        input.checkpoints.iter().filter(|checkpoint| checkpoint.touches < touches).collect();
+    let every = before.len().div_ceil(MOST_STEPS - 1).max(1);
+    let name = |touches: usize| if touches == 0 { "onset".to_string() } else { touches.to_string() };
+    let step =
+        |touches: usize, schema| (name(touches), "learned", Pose::at_ease(input.agent.creature(), schema));
+    let earlier = before.iter().step_by(every).map(|checkpoint| step(checkpoint.touches, &checkpoint.schema));
+    earlier
+        .chain([(touches.to_string(), "learned", Pose::at_ease(input.agent.creature(), input.schema))])
+        .collect()
+}
+
+/// How often each receptor was touched.
+fn counts(input: &ReportInput) -> Vec<usize> {
+    let mut counts = vec![0; input.agent.skin().receptors.len()];
+    input.touches.iter().flat_map(|touch| touch.ends).for_each(|end| counts[end.receptor] += 1);
+    counts
+}
+
+fn times(count: usize) -> String {
+    match count {
+        0 => "never".into(),
+        1 => "once".into(),
+        n => plural(n, "time"),
+    }
+}

@@ -1,0 +1,96 @@
+//! A session as one page to read: what was done, what was learned, and how far it can be trusted.
+//!
+//! The page stands alone: its style, its data and what draws them are written into it, and it fetches nothing. It is
+//! light or dark as the reader's screen is, and can be printed.
+
+mod body;
+mod curve;
+mod joint_errors;
+mod reachable;
+mod residuals;
+mod session;
+mod tables;
+mod touch_matrix;
+mod uncertainty;
+
+use crate::agent::Agent;
+use crate::evaluation::Evaluation;
+use crate::learning::Input;
+use crate::record::{Checkpoint, Prediction, SpaceRecord};
+use crate::schema::{BodySchema, SchemaStd};
+use crate::senses::Touch;
+use crate::view::page;
+use crate::view::text::escape;
+use residuals::Residuals;
+pub use session::{REPORT_FILE, write_report};
+
+/// All that a report tells, as plain data.
+#[derive(Clone, Debug)]
+pub struct ReportInput<'a> {
+    /// What the agent was given.
+    pub agent: &'a Agent,
+    /// What it learned; must fit the creature.
+    pub schema: &'a BodySchema,
+    /// How sure it is of it, where the learner can tell; must fit the creature.
+    pub std: Option<&'a SchemaStd>,
+    /// What it should have learned, where that is known.
+    pub truth: Option<&'a BodySchema>,
+    /// The error measures, where the truth is known.
+    pub evaluation: Option<&'a Evaluation>,
+    /// The touches that were learned from.
+    pub touches: &'a [Touch],
+    /// What a touch reports.
+    pub input: Input,
+    /// The schema on the way, from the onset on; every schema must fit the creature.
+    pub checkpoints: &'a [Checkpoint],
+    /// What the learner predicted of touches.
+    pub predictions: &'a [Prediction],
+    /// Where the hands can get to, once that was worked out.
+    pub space: Option<&'a SpaceRecord>,
+    /// The session's seed.
+    pub seed: u64,
+    /// The command lines that made the session, each with what it did in a word or two.
+    pub commands: Vec<(String, String)>,
+    /// What else was done, name and value in the order to be shown: motions, learner, input, times, engine
+    /// version. Joints, receptors, touches and limb pairs need no mention: they are counted here.
+    pub facts: Vec<(String, String)>,
+    /// The verdict in a sentence.
+    pub verdict: String,
+    /// The joints that the touches did not determine.
+    pub undetermined: &'a [usize],
+    /// The limbs whose own frames they did not determine, by name.
+    pub undetermined_limbs: &'a [String],
+    /// Every direction in which the schema could change without any touch feeling it, in words.
+    pub open_directions: &'a [String],
+}
+
+/// The whole page: HTML of some hundred kilobytes.
+pub fn html(input: &ReportInput) -> String {
+    let name = input.agent.creature().name();
+    let seed = input.seed;
+    let residuals = Residuals::new(input);
+    let sections = [
+        ("The learned body", body::figure_of(input)),
+        ("What was done", tables::facts(input)),
+        ("How well it was learned", tables::errors(input)),
+        ("Learning curve", curve::figure_of(input)),
+        ("Error per joint", joint_errors::figure_of(input, &residuals)),
+        ("Residuals", residuals::figure_of(&residuals)),
+        ("How sure the learner is", uncertainty::figure_of(input)),
+        ("What stays undetermined", tables::undetermined(input)),
+        ("Who touched whom", touch_matrix::figure_of(input)),
+        ("Where the hands can get to", reachable::figure_of(input.space)),
+        ("Joint by joint", tables::joints(input)),
+    ];
+    let sections: String = sections
+        .iter()
+        .map(|(title, content)| format!("<section>\n<h2>{title}</h2>\n{content}</section>\n"))
+        .collect();
+    let content = format!(
+        "<header>\n<h1>{}</h1>\n<p>A body schema learned from self-touch, seed {seed}</p>\n</header>\n\
+         <p class=\"verdict\">{}</p>\n{sections}",
+        escape(name),
+        escape(&input.verdict),
+    );
+    page(&format!("{name}, seed {seed}: a learned body schema"), "", &content, include_str!("report.js"))
+}

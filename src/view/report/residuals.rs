@@ -1,0 +1,132 @@
+//! How far apart the learned schema puts what touched.
+
+use super::ReportInput;
+use crate::evaluation::Summary;
+use crate::kinematics::limb_frames;
+use crate::learning::surface_gap::SurfaceGap;
+use crate::learning::{Input, Learner, SecondOrder};
+use crate::view::charts::{Chart, ChartGroup, ChartMark, Ink, Panel, Ruler, Scale};
+use crate::view::figure;
+use crate::view::text::{short_number as number, touches};
+
+/// Bars of the histogram.
+const BARS: usize = 60;
+/// Residuals this many times beyond the bulk are counted, not drawn: they would squeeze all others into one bar.
+const FAR: f64 = 6.0;
+
+/// What is left of every touch under the learned schema.
+pub(super) struct Residuals {
+    /// Per touch, the two limbs and how far apart the schema puts what touched, millimetres.
+    pub values: Vec<([usize; 2], f64)>,
+    /// Whether these are gaps between surfaces, negative where the two overlap; else distances of points.
+    pub gaps: bool,
+}
+
+impl Residuals {
+    /// Those of receptors on known surfaces as gaps, all others as distances between the points of contact.
+    pub fn new(input: &ReportInput) -> Residuals {
+        let agent = input.agent;
+        let (creature, skin) = (agent.creature(), agent.skin());
+        let surface = |surface: usize| skin.surfaces.get(surface).is_some_and(|s| s.shape.is_solid());
+        let known = skin.receptors.iter().all(|receptor| receptor.surface.is_some_and(surface));
+        let gaps = input.input == Input::Receptor && known;
+        if gaps {
+            let mut prepared = SecondOrder::new(agent, Input::Receptor, 0);
+            input.touches.iter().for_each(|touch| prepared.touch(touch));
+            let model = SurfaceGap::new(skin, 1.0);
+            let values = prepared.prepared().map(|(limbs, touch)| {
+                (limbs, 1e3 * model.gap(&touch.ends, &touch.frames(input.schema)).distance)
+            });
+            return Residuals { values: values.collect(), gaps };
+        }
+        let values = input.touches.iter().map(|touch| {
+            let frames = limb_frames(creature, input.schema, &touch.posture);
+            let limbs = touch.ends.map(|end| skin.receptors[end.receptor].limb);
+            let [a, b] = [0, 1].map(|k| frames[limbs[k]].point(&touch.ends[k].contact));
+            (limbs, 1e3 * (a - b).norm())
+        });
+        Residuals { values: values.collect(), gaps }
+    }
+}
+
+/// The picture; a sentence where there was no touch.
+pub(super) fn figure_of(residuals: &Residuals) -> String {
+    let all: Vec<f64> = residuals.values.iter().map(|(_, value)| *value).filter(|v| v.is_finite()).collect();
+    if all.is_empty() {
+        return "<p class=\"note\">There is no touch to look at.</p>\n".into();
+    }
+    let sizes = Summary::of(all.iter().map(|value| value.abs()));
+    // Micrometres where millimetres would have many zeros.
+    let (scale, unit) = if sizes.p95 < 0.05 { (1e3, "µm") } else { (1.0, "mm") };
+    let limit = FAR * sizes.p95;
+    let count = all.len();
+    let drawn: Vec<f64> =
+        all.into_iter().filter(|value| value.abs() <= limit).map(|value| scale * value).collect();
+    let beyond = count - drawn.len();
+    let what = if residuals.gaps {
+        format!("gap between the two surfaces, {unit}")
+    } else {
+        format!("distance between the two points, {unit}")
+    };
+    let bars = histogram(&drawn);
+    let says = |[from, to]: [f64; 2], count: usize| {
+        format!("{} from {} to {} {unit}", touches(count), number(from), number(to))
+    };
+    let cell = |&(sides, count): &([f64; 2], usize)| ChartMark::Cell {
+        from: [sides[0], 0.0],
+        to: [sides[1], count as f64],
+        opacity: 1.0,
+        text: String::new(),
+        says: says(sides, count),
+    };
+    let marks = bars.iter().filter(|(_, count)| *count > 0).map(cell).collect();
+    let (first, last) = (bars[0].0[0], bars[bars.len() - 1].0[1]);
+    let room = 0.02 * (last - first);
+    let panel = Panel {
+        title: String::new(),
+        x: Ruler { title: what, scale: Scale::Linear(first - room, last + room) },
+        y: Ruler { title: "touches".into(), scale: Scale::linear(0.0, bars.iter().map(|(_, n)| *n as f64)) },
+        groups: vec![ChartGroup { name: String::new(), ink: Ink::Blue, marks }],
+        plot: [660.0, 230.0],
+    };
+    let mut caption = format!(
+        "Every touch under the learned schema; {} {unit} on the median, {} {unit} at 95 %, {} {unit} at most.",
+        number(scale * sizes.median),
+        number(scale * sizes.p95),
+        number(scale * sizes.max)
+    );
+    if residuals.gaps {
+        caption.push_str(" Below zero the two overlap.");
+    }
+    if beyond > 0 {
+        caption.push_str(&format!(" {beyond} of {count} are farther out than is drawn."));
+    }
+    figure("residuals", &Chart::new("Residuals of the touches", panel), &caption)
+}
+
+/// Values counted in bars of one width, of which there is one at least.
+fn histogram(values: &[f64]) -> Vec<([f64; 2], usize)> {
+    let low = values.iter().copied().fold(f64::INFINITY, f64::min);
+    let high = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    // Values that are all alike make one bar.
+    let (low, high) =
+        if high > low { (low, high) } else { (low.min(0.0), high.max(0.0).max(low.min(0.0) + 1.0)) };
+    let width = (high - low) / BARS as f64;
+    let mut counts = vec![0; BARS];
+    values.iter().for_each(|value| counts[(((value - low) / width) as usize).min(BARS - 1)] += 1);
+    let side = |k: usize| low + width * k as f64;
+    counts.into_iter().enumerate().map(|(k, count)| ([side(k), side(k + 1)], count)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_value_is_counted_once() {
+        let bars = histogram(&[-1.0, 0.0, 0.5, 2.0, 2.0]);
+        assert_eq!(bars.iter().map(|(_, count)| count).sum::<usize>(), 5);
+        assert_eq!((bars[0].1, bars[BARS - 1].1), (1, 2));
+        assert_eq!(histogram(&[3.0; 4]).iter().map(|(_, count)| count).sum::<usize>(), 4);
+    }
+}

@@ -1,0 +1,152 @@
+//! The report of a session, from what its folder holds.
+
+use std::path::Path;
+
+use super::{ReportInput, html};
+use crate::creature::Creature;
+use crate::evaluation::evaluate_claims;
+use crate::experiment::{ExperimentError, LearningOptions};
+use crate::ground_truth::GroundTruth;
+use crate::record::{
+    Action, Host, LearningRecord, RecordError, SCHEMA_FILE, Session, SpaceRecord, read_predictions,
+    read_schema_with_std, write_whole,
+};
+use crate::schema::SchemaStd;
+use crate::senses::Touch;
+
+/// The report, in a session's folder.
+pub const REPORT_FILE: &str = "report.html";
+
+/// Writes the report of a session from what its folder holds. Of its touches those count that were learned from.
+///
+/// # Errors
+/// Where a file of it cannot be read, or the report not written.
+pub fn write_report(
+    folder: &Path,
+    session: &Session,
+    touches: &[Touch],
+    truth: Option<&GroundTruth>,
+) -> Result<(), ExperimentError> {
+    let agent = &session.agent;
+    let creature = agent.creature();
+    let (schema, std) = read_schema_with_std(&folder.join(SCHEMA_FILE), creature)?;
+    let found = LearningRecord::read(folder, creature)?;
+    // Sessions from before there was a record still have their schema and touches.
+    let record = found.clone().unwrap_or_else(|| LearningRecord {
+        seed: session.seed,
+        touches: touches.len(),
+        verdict: "the session does not say whether it converged: `bodyschema learn` learns it again".into(),
+        undetermined: std.as_ref().map_or(Vec::new(), |std| open_joints(creature, std)),
+        ..LearningRecord::default()
+    });
+    let touches = &touches[..record.touches.min(touches.len())];
+    let joints = creature.joints();
+    let undetermined: Vec<usize> =
+        (0..joints.len()).filter(|&joint| record.undetermined.contains(&joints[joint].name)).collect();
+    let limbs = creature.limbs();
+    let undetermined_limbs: Vec<usize> =
+        (0..limbs.len()).filter(|&limb| record.undetermined_limbs.contains(&limbs[limb])).collect();
+    let evaluation = truth.map(|truth| {
+        let mut evaluation = evaluate_claims(agent, truth, &schema, &undetermined, &undetermined_limbs);
+        evaluation.bound_mm = record.bound;
+        evaluation
+    });
+    let recorded = LearningOptions::default().for_session(session)?.input();
+    let asked = session.options.input.as_deref().and_then(|input| input.parse().ok());
+    let input = asked.unwrap_or(recorded);
+    let predictions = read_predictions(folder)?;
+    let space = SpaceRecord::read(folder)?;
+    let report = ReportInput {
+        agent,
+        schema: &schema,
+        std: std.as_ref(),
+        truth: truth.map(|truth| &truth.schema),
+        evaluation: evaluation.as_ref(),
+        touches,
+        input,
+        checkpoints: &record.checkpoints,
+        predictions: &predictions,
+        space: space.as_ref(),
+        seed: record.seed,
+        commands: commands(session, found.as_ref()),
+        facts: facts(session, found.as_ref()),
+        verdict: record.verdict.clone(),
+        undetermined: &undetermined,
+        undetermined_limbs: &record.undetermined_limbs,
+        open_directions: &record.open_directions,
+    };
+    let path = folder.join(REPORT_FILE);
+    write_whole(&path, html(&report).as_bytes())
+        .map_err(|source| RecordError::Io { path, action: Action::Write, source }.into())
+}
+
+/// The joints of which some coordinate or axis is known to be open.
+fn open_joints(creature: &Creature, std: &SchemaStd) -> Vec<String> {
+    let open = |joint: &usize| std.positions[*joint].iter().any(Option::is_none);
+    let names = |joint: usize| creature.joints()[joint].name.clone();
+    (0..creature.joints().len()).filter(open).map(names).collect()
+}
+
+/// The command lines that made the session and, if by another, what was learned from it.
+fn commands(session: &Session, learned: Option<&LearningRecord>) -> Vec<(String, String)> {
+    let again = learned.map(|learned| &learned.command).filter(|command| **command != session.command);
+    let commands = [("Made by", Some(&session.command)), ("Learned by", again)].into_iter();
+    let kept = commands.filter_map(|(what, command)| Some((what, command?))).filter(|(_, c)| !c.is_empty());
+    kept.map(|(what, command)| (what.to_string(), shell_words(command))).collect()
+}
+
+/// How the session came about, and how it was learned from.
+fn facts(session: &Session, learned: Option<&LearningRecord>) -> Vec<(String, String)> {
+    let mut facts = Vec::new();
+    let mut fact = |name: &str, value: String| facts.push((name.to_string(), value));
+    fact("program", session.program.clone());
+    match &session.recording {
+        Some(recording) => {
+            fact("creature", recording.creature.clone());
+            fact("log", recording.log.clone());
+        }
+        None => {
+            fact("model", session.model.clone());
+            fact("engine", format!("MuJoCo {}", session.engine));
+        }
+    }
+    let host = learned.and_then(|learned| learned.host.as_ref()).or(session.host.as_ref());
+    if let Some(Host { cpu, cores, os }) = host {
+        fact("processor", cpu.clone());
+        fact("cores", cores.to_string());
+        fact("operating system", os.clone());
+    }
+    if let Some(effort) = &session.effort {
+        fact("motions", effort.motions.to_string());
+        fact("babbling", format!("{:.2} s", effort.babbling_s));
+        if let Some(seconds) = effort.simulated_s {
+            fact("simulated", format!("{seconds:.0} s"));
+        }
+    }
+    facts.extend(learned.into_iter().flat_map(|learned| learned.facts.iter().cloned()));
+    facts
+}
+
+/// A command line as a shell takes it.
+fn shell_words(words: &[String]) -> String {
+    let plain = |c: char| c.is_alphanumeric() || "-_./,:=+@%".contains(c);
+    let quoted = |word: &String| {
+        if !word.is_empty() && word.chars().all(plain) {
+            word.clone()
+        } else {
+            format!("'{}'", word.replace('\'', r"'\''"))
+        }
+    };
+    words.iter().map(quoted).collect::<Vec<_>>().join(" ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_command_is_shown_as_a_shell_takes_it() {
+        let words = ["bodyschema", "babble", "my model.xml", "--known", "it's", ""].map(String::from);
+        assert_eq!(shell_words(&words), r"bodyschema babble 'my model.xml' --known 'it'\''s' ''");
+    }
+}

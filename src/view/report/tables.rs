@@ -1,0 +1,213 @@
+//! The tables of the page.
+
+use std::collections::BTreeSet;
+
+use super::ReportInput;
+use crate::creature::DofKind;
+use crate::evaluation::{AxisErrors, CramerRaoBound, Summary, axis_errors};
+use crate::ground_truth::GroundTruth;
+use crate::kinematics::Chain;
+use crate::senses::Touch;
+use crate::view::text::{escape, plural, short_number as number};
+
+/// The numbers of the session, counted and told.
+pub(super) fn facts(input: &ReportInput) -> String {
+    let creature = input.agent.creature();
+    let auras = |touch: &Touch| {
+        let mut pair =
+            touch.ends.map(|end| creature.aura_of(input.agent.skin().receptors[end.receptor].limb));
+        pair.sort();
+        pair
+    };
+    let pairs: BTreeSet<_> = input.touches.iter().map(auras).collect();
+    let joints = plural(creature.joints().len(), "joint");
+    let counted = [
+        ("Body", format!("{joints} with {} degrees of freedom", creature.dof())),
+        ("Skin", plural(input.agent.skin().receptors.len(), "receptor")),
+        (
+            "Touches",
+            format!("{}, between {}", input.touches.len(), plural(pairs.len(), "pair of aura limbs")),
+        ),
+    ];
+    let counted = counted.map(|(name, value)| (name.to_string(), value));
+    let seed = [("Seed".to_string(), input.seed.to_string())];
+    let row = |(name, value): &(String, String)| {
+        format!("<div><dt>{}</dt><dd>{}</dd></div>\n", escape(name), escape(value))
+    };
+    let commands = |(name, command): &(String, String)| {
+        format!("<p>{} <code>{}</code></p>\n", escape(name), escape(command))
+    };
+    let rows: String = counted.iter().chain(&input.facts).chain(&seed).map(row).collect();
+    let commands: String = input.commands.iter().map(commands).collect();
+    format!("{commands}<dl>\n{rows}</dl>\n")
+}
+
+/// The table of error measures.
+pub(super) fn errors(input: &ReportInput) -> String {
+    let Some(evaluation) = input.evaluation else {
+        return ("<p>The truth is not known, so no error could be measured.</p>\n").into();
+    };
+    let rows = [
+        ("Skin of any limb, in any other limb's frame", "mm", Some(evaluation.heldout_mm)),
+        ("the same, over determined joints only", "mm", Some(evaluation.determined_mm)),
+        ("the same, with a hand as one of the two", "mm", evaluation.hand_mm),
+        ("Direction of determined axes", "°", Some(evaluation.axis_deg)),
+        ("Place of determined axes", "mm", Some(evaluation.axis_line_mm)),
+    ];
+    let row = |(name, unit, summary): (&str, &str, Option<Summary>)| {
+        let summary = summary?;
+        let cells: String = [summary.mean, summary.median, summary.p95, summary.max]
+            .iter()
+            .map(|&value| format!("<td class=\"number\">{}</td>", number(value)))
+            .collect();
+        Some(format!("<tr><th scope=\"row\">{name}</th><td>{unit}</td>{cells}</tr>\n"))
+    };
+    let rows: String = rows.into_iter().filter_map(row).collect();
+    let bound = evaluation.bound_mm.as_ref().map_or(String::new(), bound);
+    format!(
+        "<div class=\"wide\"><table class=\"errors\">\n<thead><tr><th>Error against the truth</th><th>Unit</th>\
+         <th class=\"number\">Mean</th><th class=\"number\">Median</th><th class=\"number\">95 %</th>\
+         <th class=\"number\">Greatest</th></tr></thead>\n<tbody>\n{rows}</tbody>\n</table></div>\n\
+         <p class=\"note\">The skin is compared at random postures that were not babbled. 95 % of the \
+         values are no greater than the column says.</p>\n{bound}"
+    )
+}
+
+/// The error beside the least that there could be.
+fn bound(bound: &CramerRaoBound) -> String {
+    format!(
+        "<p class=\"bound\">Over determined joints the error is {} mm as a root mean square: {} times the \
+         Cramér-Rao bound of {} mm, the least that any unbiased learner could leave on average after these touches, \
+         were their noise what the learner takes it to be.</p>\n",
+        number(bound.error_rms),
+        number(bound.ratio),
+        number(bound.bound_rms)
+    )
+}
+
+/// A sentence that names what the touches leave open.
+pub(super) fn undetermined(input: &ReportInput) -> String {
+    let limbs: Vec<String> = input.undetermined_limbs.iter().map(|limb| escape(limb)).collect();
+    let limbs = match limbs.as_slice() {
+        [] => String::new(),
+        limbs => format!("<p>Limbs whose own frames are undetermined: {}.</p>\n", limbs.join(", ")),
+    };
+    let directions: String =
+        input.open_directions.iter().map(|words| format!("<li>{}</li>\n", escape(words))).collect();
+    let directions = match directions.as_str() {
+        "" => String::new(),
+        items => format!(
+            "<p>No touch would feel it if the schema changed in these directions:</p>\n<ul>\n{items}</ul>\n"
+        ),
+    };
+    format!("{}{limbs}{directions}", undetermined_joints(input))
+}
+
+fn undetermined_joints(input: &ReportInput) -> String {
+    let joints = input.agent.creature().joints();
+    let names: Vec<String> =
+        input.undetermined.iter().filter_map(|&j| joints.get(j)).map(|j| escape(&j.name)).collect();
+    if names.is_empty() {
+        return "<p>The learner found no joint undetermined.</p>\n".into();
+    }
+    if names.len() == joints.len() {
+        return "<p>Of no joint is it known that the touches determine it.</p>\n".into();
+    }
+    format!(
+        "<p>The touches do not determine {} of {}: {}. Where these lie is a guess.</p>\n",
+        names.len(),
+        plural(joints.len(), "joint"),
+        names.join(", ")
+    )
+}
+
+/// The table of joints.
+pub(super) fn joints(input: &ReportInput) -> String {
+    let creature = input.agent.creature();
+    let mut involved = vec![0usize; creature.joints().len()];
+    for touch in input.touches {
+        let [a, b] = touch.ends.map(|end| input.agent.skin().receptors[end.receptor].limb);
+        Chain::between(creature, a, b).joints().for_each(|j| involved[j] += 1);
+    }
+    let truth = input.truth.map(|schema| GroundTruth { schema: schema.clone() });
+    let errors = truth.map(|truth| axis_errors(creature, &truth, input.schema, input.undetermined, &[]));
+    let mut groups = String::new();
+    for (j, joint) in creature.joints().iter().enumerate() {
+        let determined = !input.undetermined.contains(&j);
+        let lines = joint.dofs.len().max(1);
+        let cell =
+            |class: &str, content: &str| format!("<td rowspan=\"{lines}\" class=\"{class}\">{content}</td>");
+        let position: String =
+            input.schema.positions[j].iter().map(|x| cell("number", &coordinate(1e3 * x, 1))).collect();
+        let position_std = input.std.map_or(String::new(), |std| {
+            let millimetres = std.positions[j].map(|m| number(1e3 * m.unwrap_or(f64::NAN)));
+            millimetres.iter().map(|std| cell("number", std)).collect()
+        });
+        let mut row = format!(
+            "<th rowspan=\"{lines}\" scope=\"rowgroup\">{}</th>{}{}{}{position}{position_std}",
+            escape(&joint.name),
+            cell("", &escape(&creature.limbs()[joint.parent])),
+            cell("number", &involved[j].to_string()),
+            cell(if determined { "" } else { "open" }, if determined { "yes" } else { "no" }),
+        );
+        groups.push_str("<tbody>\n");
+        for (dof, k) in joint.dofs.iter().zip(joint.dof_indices()) {
+            let axis: String = match dof.kind {
+                DofKind::Ball => "<td colspan=\"3\" class=\"ball\">turns freely</td>".into(),
+                _ => input.schema.axes[k]
+                    .iter()
+                    .map(|x| format!("<td class=\"number\">{}</td>", coordinate(*x, 3)))
+                    .collect(),
+            };
+            let short = dof.name.strip_prefix(&format!("{}_", joint.name)).unwrap_or(&dof.name);
+            let name = if lines == 1 { String::new() } else { escape(short) };
+            let axis_std = input.std.map_or(String::new(), |std| {
+                let degrees = std.axes[k].map_or(f64::NAN, f64::to_degrees);
+                format!("<td class=\"number\">{}</td>", number(degrees))
+            });
+            let error = errors.as_ref().map_or(String::new(), |errors| error_cells(errors, k));
+            groups.push_str(&format!("<tr>{row}<td>{name}</td>{axis}{axis_std}{error}</tr>\n"));
+            row.clear();
+        }
+        groups.push_str("</tbody>\n");
+    }
+    let columns = if errors.is_some() {
+        "<th class=\"number\">off by, °</th><th class=\"number\">off by, mm</th>"
+    } else {
+        ""
+    };
+    let (position_std, axis_std, std_note) = match input.std {
+        Some(_) => (
+            "<th colspan=\"3\" class=\"number\">± x y z, mm</th>",
+            "<th class=\"number\">±, °</th>",
+            " ± is one standard deviation by the learner's own account, of an axis that of each coordinate \
+             across it; a dash stands where nothing determines it.",
+        ),
+        None => ("", "", ""),
+    };
+    format!(
+        "<div class=\"wide\"><table class=\"joints\">\n<thead><tr><th>Joint</th><th>On limb</th><th class=\"number\">Touches</th>\
+         <th>Determined</th><th colspan=\"3\" class=\"number\">Position x y z, mm</th>{position_std}<th></th>\
+         <th colspan=\"3\" class=\"number\">Axis x y z</th>{axis_std}{columns}</tr></thead>\n{groups}</table></div>\n\
+         <p class=\"note\">Positions and axes are in the frame of the limb that the joint is on. Touches are \
+         those between limbs with the joint on the way from one to the other. A position may slide along \
+         its axis unfelt: what counts is how far the axis turns off (°) and passes by (mm).{std_note}</p>\n"
+    )
+}
+
+/// The errors of one axis; dashes where it has none that mean anything.
+fn error_cells(errors: &[AxisErrors], dof: usize) -> String {
+    let found = errors.iter().find(|error| error.dof == dof);
+    let values = [found.map(|e| e.degrees), found.and_then(|e| e.line_millimetres)];
+    values.map(|value| format!("<td class=\"number\">{}</td>", number(value.unwrap_or(f64::NAN)))).concat()
+}
+
+/// A coordinate with a true minus sign, and no sign before zero.
+fn coordinate(value: f64, digits: usize) -> String {
+    let text = format!("{value:.digits$}");
+    match text.strip_prefix('-') {
+        Some(zero) if zero.chars().all(|c| c == '0' || c == '.') => zero.to_string(),
+        Some(positive) => format!("−{positive}"),
+        None => text,
+    }
+}

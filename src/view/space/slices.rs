@@ -1,0 +1,207 @@
+//! Three slices of maps through the chest: as the session keeps them, and as a chart.
+
+use nalgebra::Vector3;
+
+use super::vtk::about;
+use crate::peripersonal::{Level, OwnBody, ReachableMap};
+use crate::record::{SpaceRecord, SpaceSlice};
+use crate::view::charts::{Chart, ChartGroup, ChartMark, Ink, Panel, Ruler, Scale};
+use crate::view::text::plain;
+
+/// Width of all slices together, pixels.
+const WIDTH: f64 = 780.0;
+/// Room about what is drawn of a slice, metres.
+const MARGIN: f64 = 0.05;
+const NAMES: [&str; 3] = ["x", "y", "z"];
+/// How far a voxel is away, by its digit counted from 1: its colour, and what it is called.
+const LEVELS: [(Ink, &str); 4] =
+    [(Ink::Sand, "far"), (Ink::Ochre, "far, for more"), (Ink::Sky, "near"), (Ink::Blue, "near, for more")];
+
+/// A slice: its name, the axes to the right and upwards with what they are called, and the axis across it.
+struct Slice {
+    name: &'static str,
+    axes: [usize; 2],
+    across: usize,
+}
+
+/// Axes as MJCF has them for a body that stands: x ahead, y to the left, z up.
+const SLICES: [Slice; 3] = [
+    Slice { name: "from above", axes: [1, 0], across: 2 },
+    Slice { name: "from the side", axes: [0, 2], across: 1 },
+    Slice { name: "from the front", axes: [1, 2], across: 0 },
+];
+/// Where the slices cross: the middle of what is near to any hand.
+fn crossing(maps: &[ReachableMap]) -> Vector3<f64> {
+    let mut middle = Vector3::zeros();
+    let mut count = 0.0;
+    for map in maps {
+        for (cell, _) in map.voxels().filter(|(_, level)| *level == Level::Near) {
+            middle += map.lattice().middle(cell);
+            count += 1.0;
+        }
+    }
+    if count == 0.0 { Vector3::zeros() } else { middle / count }
+}
+
+/// Points of the outline of a limb's pieces, seen along an axis, in the map's frame.
+fn outlines(own: &OwnBody, map: &ReachableMap, slice: &Slice) -> Vec<Vec<Vector3<f64>>> {
+    let frames = own.frames(&own.at_ease());
+    let to_map = map.frame.inverse();
+    let [a, b] = slice.axes;
+    let outline = |surface: &crate::skin::Surface| {
+        let pose = to_map * frames[surface.limb];
+        let around = (0..=48).map(|k| std::f64::consts::TAU * f64::from(k) / 48.0);
+        let directions = around.map(|angle| {
+            let mut direction = Vector3::zeros();
+            (direction[a], direction[b]) = (angle.cos(), angle.sin());
+            pose.rotation.tr_mul(&direction)
+        });
+        directions.filter_map(|direction| Some(pose.point(&surface.support(&direction)?))).collect()
+    };
+    own.skin().surfaces.iter().map(outline).filter(|points: &Vec<_>| !points.is_empty()).collect()
+}
+
+/// The three slices of maps, of which there is at least one.
+pub fn record(own: &OwnBody, maps: &[ReachableMap]) -> SpaceRecord {
+    let limbs = own.creature().limbs();
+    let name = |limb: usize| limbs[limb].clone();
+    SpaceRecord {
+        chest: maps.first().map_or(String::new(), |map| name(map.chest)),
+        hands: maps.iter().map(|map| name(map.hand)).collect(),
+        voxel: about(maps).voxel,
+        litres: maps.iter().map(|map| map.volumes().map(|volume| 1e3 * volume)).collect(),
+        slices: SLICES.iter().map(|slice| slice_of(own, maps, slice)).collect(),
+    }
+}
+
+fn slice_of(own: &OwnBody, maps: &[ReachableMap], slice: &Slice) -> SpaceSlice {
+    let lattice = about(maps);
+    let [a, b] = slice.axes;
+    let at = lattice.cell(&crossing(maps))[slice.across];
+    let digit = |u: usize, v: usize| {
+        let mut cell = [at; 3];
+        (cell[a], cell[b]) = (lattice.first[a] + u as i32, lattice.first[b] + v as i32);
+        let count = |level: fn(Level) -> bool| maps.iter().filter(|map| level(map.level_of(cell))).count();
+        let near = count(|level| level == Level::Near);
+        match (near, count(|level| level != Level::OutOfReach)) {
+            (0, 0) => '0',
+            (0, 1) => '1',
+            (0, _) => '2',
+            (1, _) => '3',
+            _ => '4',
+        }
+    };
+    let row = |v: usize| (0..lattice.counts[a]).map(|u| digit(u, v)).collect();
+    let outlines = maps.first().map_or(Vec::new(), |map| outlines(own, map, slice));
+    SpaceSlice {
+        name: slice.name.to_string(),
+        axes: slice.axes,
+        at: f64::from(at) * lattice.voxel,
+        first: slice.axes.map(|axis| f64::from(lattice.first[axis]) * lattice.voxel),
+        rows: (0..lattice.counts[b]).map(row).collect(),
+        outlines: outlines
+            .iter()
+            .map(|line| line.iter().map(|p| [a, b].map(|k| (1e4 * p[k]).round() / 1e4)).collect())
+            .collect(),
+    }
+}
+
+/// The slices as a chart, all at one scale.
+pub fn chart(space: &SpaceRecord, says: &str) -> Chart {
+    let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
+    for slice in &space.slices {
+        for (k, &axis) in slice.axes.iter().enumerate() {
+            let [from, to] = extent(slice, space.voxel, k);
+            (low[axis], high[axis]) = (low[axis].min(from), high[axis].max(to));
+        }
+    }
+    let span = |axis: usize| high[axis] - low[axis];
+    let widths: f64 = space.slices.iter().map(|slice| span(slice.axes[0])).sum();
+    let panel = |(n, slice): (usize, &SpaceSlice)| {
+        let [a, b] = slice.axes;
+        // From above, the body faces up the page, and its left is to the left.
+        let turned = a == 1 && b == 0;
+        let across = if turned { Scale::Linear(high[a], low[a]) } else { Scale::Linear(low[a], high[a]) };
+        Panel {
+            title: format!(
+                "{}, {} = {} m",
+                slice.name,
+                NAMES[3 - a - b],
+                plain((1e2 * slice.at).round() / 1e2)
+            ),
+            x: Ruler { title: format!("{}, m", NAMES[a]), scale: across },
+            y: Ruler { title: format!("{}, m", NAMES[b]), scale: Scale::Linear(low[b], high[b]) },
+            // One legend is enough for all.
+            groups: groups(slice, space.voxel, space.hands.len() > 1, n == 0),
+            plot: [span(a), span(b)].map(|metres| WIDTH * metres / widths),
+        }
+    };
+    Chart { says: says.into(), panels: space.slices.iter().enumerate().map(panel).collect() }
+}
+
+/// The least and greatest coordinate of a slice along its first or second axis, metres.
+fn extent(slice: &SpaceSlice, voxel: f64, k: usize) -> [f64; 2] {
+    let count = if k == 0 { slice.rows.iter().map(String::len).max().unwrap_or(0) } else { slice.rows.len() };
+    let from = slice.first[k] - 0.5 * voxel;
+    let places = slice.outlines.iter().flatten().map(|point| point[k]);
+    let (low, high) =
+        places.fold((from, from + voxel * count as f64), |(low, high), x| (low.min(x), high.max(x)));
+    [low - MARGIN, high + MARGIN]
+}
+
+/// The voxels of a slice by how far they are away, run by run, and the limbs.
+fn groups(slice: &SpaceSlice, voxel: f64, several: bool, named: bool) -> Vec<ChartGroup> {
+    let shown = LEVELS.iter().enumerate().filter(|(k, _)| several || k % 2 == 0);
+    let mut groups: Vec<ChartGroup> = shown
+        .map(|(k, (ink, name))| {
+            let digit = b'1' + k as u8;
+            let rows = slice.rows.iter().enumerate();
+            let marks = rows.flat_map(|(v, row)| {
+                runs(row, digit).map(move |[from, length]| {
+                    let corner = |u: usize, v: usize| {
+                        [slice.first[0] + voxel * (u as f64 - 0.5), slice.first[1] + voxel * (v as f64 - 0.5)]
+                    };
+                    let (from, to) = (corner(from, v), corner(from + length, v + 1));
+                    let [a, b] = slice.axes.map(|axis| NAMES[axis]);
+                    let says = format!(
+                        "{name}: {a} from {:.2} to {:.2} m, {b} from {:.2} to {:.2} m",
+                        from[0], to[0], from[1], to[1]
+                    );
+                    ChartMark::Cell { from, to, opacity: 1.0, text: String::new(), says }
+                })
+            });
+            let name = if named { name.to_string() } else { String::new() };
+            ChartGroup { name, ink: *ink, marks: marks.collect() }
+        })
+        .collect();
+    let outlines = slice.outlines.iter().map(|points| ChartMark::Line {
+        points: points.clone(),
+        dashes: "",
+        width: 1.0,
+    });
+    groups.push(ChartGroup { name: String::new(), ink: Ink::Letters, marks: outlines.collect() });
+    groups
+}
+
+/// Where a digit stands in a row: the first of each run of it, and how many.
+fn runs(row: &str, digit: u8) -> impl Iterator<Item = [usize; 2]> {
+    let mut runs: Vec<[usize; 2]> = Vec::new();
+    for (u, _) in row.bytes().enumerate().filter(|(_, found)| *found == digit) {
+        match runs.last_mut() {
+            Some([from, length]) if *from + *length == u => *length += 1,
+            _ => runs.push([u, 1]),
+        }
+    }
+    runs.into_iter()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn digits_are_told_run_by_run() {
+        assert_eq!(runs("0113301", b'1').collect::<Vec<_>>(), [[1, 2], [6, 1]]);
+        assert_eq!(runs("000", b'1').count(), 0);
+    }
+}

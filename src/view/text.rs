@@ -1,0 +1,147 @@
+//! Names and numbers as a page shows them.
+
+/// Slack for powers of ten that are not exact.
+const ROUNDING: f64 = 1e-9;
+
+/// Text made safe for element content and for attributes.
+pub(super) fn escape(text: &str) -> String {
+    let mut safe = String::with_capacity(text.len());
+    for c in text.chars() {
+        match c {
+            '&' => safe.push_str("&amp;"),
+            '<' => safe.push_str("&lt;"),
+            '>' => safe.push_str("&gt;"),
+            '"' => safe.push_str("&quot;"),
+            '\'' => safe.push_str("&#39;"),
+            _ => safe.push(c),
+        }
+    }
+    safe
+}
+
+/// An error to two or three digits, whatever its size; a dash for none.
+pub(super) fn short_number(value: f64) -> String {
+    if !value.is_finite() {
+        return "–".into();
+    }
+    match value.abs() {
+        0.0 => "0".into(),
+        x if !(1e-3..1e6).contains(&x) => {
+            let text = format!("{value:.1e}");
+            let (digits, exponent) = text.split_once('e').expect("scientific notation has an e");
+            format!("{digits}·{}", power_of_ten(exponent.parse().expect("an exponent is whole")))
+        }
+        x if x >= 100.0 => format!("{value:.0}"),
+        x if x >= 10.0 => format!("{value:.1}"),
+        x if x >= 1.0 => format!("{value:.2}"),
+        _ => format!("{value:.3}"),
+    }
+}
+
+/// `10⁻³`, in plain characters.
+fn power_of_ten(exponent: i32) -> String {
+    let raised = |c: char| match c.to_digit(10) {
+        Some(digit) => ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹'][digit as usize],
+        None => '⁻',
+    };
+    format!("10{}", exponent.to_string().chars().map(raised).collect::<String>())
+}
+
+/// Where to label a logarithmic axis: at powers of ten, and with room also at 2 and 5 times them.
+pub(super) fn ticks(range: &std::ops::Range<f64>) -> Vec<f64> {
+    let (first, last) = (range.start.log10().floor() as i32, range.end.log10().ceil() as i32);
+    let span = (range.end / range.start).log10();
+    let multiples: &[f64] = if span <= 3.1 { &[1.0, 2.0, 5.0] } else { &[1.0] };
+    let step = (span / 8.0).ceil().max(1.0) as usize;
+    (first..=last)
+        .step_by(step)
+        .flat_map(|decade| multiples.iter().map(move |multiple| multiple * 10f64.powi(decade)))
+        .filter(|tick| (range.start * (1.0 - ROUNDING)..=range.end * (1.0 + ROUNDING)).contains(tick))
+        .collect()
+}
+
+/// A label of a logarithmic axis: a plain number, or a power of ten where that is shorter.
+pub(super) fn tick_label(error: f64) -> String {
+    let exponent = (error.log10() + ROUNDING).floor() as i32;
+    match exponent {
+        -3..=3 => format!("{error:.digits$}", digits = (-exponent).max(0) as usize),
+        _ => {
+            let multiple = (error / 10f64.powi(exponent)).round();
+            let power = power_of_ten(exponent);
+            if multiple == 1.0 { power } else { format!("{multiple}·{power}") }
+        }
+    }
+}
+
+/// A number of a linear axis, with a true minus sign.
+pub(super) fn plain(value: f64) -> String {
+    let rounded = (value * 1e9).round() / 1e9;
+    let text = format!("{}", rounded.abs());
+    if rounded < 0.0 { format!("−{text}") } else { text }
+}
+
+/// JSON in a script of a page: no character may end the script or begin an element.
+pub(super) fn harmless(json: &str) -> String {
+    json.replace('&', "\\u0026").replace('<', "\\u003c").replace('>', "\\u003e")
+}
+
+/// The least and the greatest of positive numbers; none where there is none.
+pub(super) fn bounds(values: impl IntoIterator<Item = f64>) -> Option<(f64, f64)> {
+    let positive = values.into_iter().filter(|value| value.is_finite() && *value > 0.0);
+    positive.fold(None, |bounds, value| {
+        let (least, greatest) = bounds.unwrap_or((value, value));
+        Some((value.min(least), value.max(greatest)))
+    })
+}
+
+/// At most `most` of a list, evenly taken.
+pub(super) fn thinned<T>(list: Vec<T>, most: usize) -> Vec<T> {
+    let every = list.len().div_ceil(most.max(1)).max(1);
+    list.into_iter().step_by(every).collect()
+}
+
+/// `1 joint`, `2 joints`; in a phrase the first word takes the s.
+pub(super) fn plural(count: usize, noun: &str) -> String {
+    if count == 1 {
+        return format!("1 {noun}");
+    }
+    match noun.split_once(' ') {
+        Some((first, rest)) => format!("{count} {first}s {rest}"),
+        None => format!("{count} {noun}s"),
+    }
+}
+
+/// `1 touch`, `2 touches`.
+pub(super) fn touches(count: usize) -> String {
+    if count == 1 { "1 touch".into() } else { format!("{count} touches") }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_keep_their_digits_at_any_size() {
+        let shown = [0.0, 2.34e-9, 9.996e-4, 0.0123, 1.2345, 56.78, 1234.5, f64::NAN];
+        let texts = shown.map(short_number);
+        assert_eq!(texts, ["0", "2.3·10⁻⁹", "1.0·10⁻³", "0.012", "1.23", "56.8", "1234", "–"]);
+    }
+
+    #[test]
+    fn names_cannot_leave_their_place() {
+        assert_eq!(escape("<a href='x'>&\""), "&lt;a href=&#39;x&#39;&gt;&amp;&quot;");
+    }
+
+    #[test]
+    fn counts_agree_with_their_nouns() {
+        assert_eq!(plural(1, "joint"), "1 joint");
+        assert_eq!(plural(3, "pair of limbs"), "3 pairs of limbs");
+    }
+
+    #[test]
+    fn ticks_fill_short_axes_and_thin_out_on_long_ones() {
+        assert_eq!(ticks(&(20.0..600.0)), [20.0, 50.0, 100.0, 200.0, 500.0]);
+        assert!((2..=9).contains(&ticks(&(1e-12..1e3)).len()));
+        assert_eq!([0.02, 1.0, 500.0, 1e-9, 2e-6].map(tick_label), ["0.02", "1", "500", "10⁻⁹", "2·10⁻⁶"]);
+    }
+}

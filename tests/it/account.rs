@@ -1,0 +1,138 @@
+//! How sure a schema is: worked out once by the learner, and the same wherever it is asked for.
+
+use std::fs;
+
+use crate::common::program::succeeds;
+use crate::common::{babble, creature, max, two_arms};
+use bodyschema::agent::Agent;
+use bodyschema::creature::Posture;
+use bodyschema::experiment::own_body;
+use bodyschema::learning::onset::random_onset;
+use bodyschema::learning::{
+    Certainty, Hersch, Input, Learned, Learner, LimbFrames, RelaxedGradient, SecondOrder,
+};
+use bodyschema::peripersonal::{Doubt, OwnBody};
+use bodyschema::record::{Account, LEARNED_RECORD_FILE, LearningRecord};
+use bodyschema::senses::Touch;
+use nalgebra::Vector3;
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use serde_json::Value;
+
+fn arms() -> String {
+    two_arms(r#"type="sphere" size="0.1""#, r#"type="capsule" size="0.03 0.2""#)
+}
+
+fn learned(mut learner: impl Learner, touches: &[Touch]) -> Learned {
+    touches.iter().for_each(|touch| learner.touch(touch));
+    learner.learn()
+}
+
+/// The doubt about a hand in the head's frame.
+fn doubt(own: &OwnBody, limbs: [&str; 2]) -> Option<Doubt> {
+    let limbs = limbs.map(|name| own.creature().limb(name).unwrap());
+    own.trusts(&own.at_ease(), limbs, &Vector3::zeros()).err()
+}
+
+/// By Hersch's rule from few touches the schema is hundreds of millimetres wrong, and nobody has measured it.
+#[test]
+fn a_schema_that_was_never_put_to_the_test_is_not_trusted() {
+    let body = max("torso");
+    let agent = Agent::of(&body).unwrap();
+    let touches = babble(&body, &agent, 300, 2, 2);
+    let onset = || random_onset(agent.creature(), &mut ChaCha8Rng::seed_from_u64(1));
+    for unjudged in [
+        learned(Hersch::new(&agent, Input::Receptor, onset()), &touches),
+        learned(RelaxedGradient::new(&agent, Input::Receptor, onset(), 1).with_steps(100), &touches),
+        // One that has a test, and fails it.
+        learned(SecondOrder::new(&agent, Input::Receptor, 1), &touches[..20]),
+    ] {
+        assert!(matches!(unjudged.certainty(), Certainty::Unknown), "{:?}", unjudged.verdict);
+        let own = OwnBody::of(&agent, &unjudged, &touches);
+        let doubt = doubt(&own, ["left_hand", "head"]).expect("nobody put it to the test");
+        assert_eq!(doubt, Doubt::Unknown);
+        assert!(!doubt.to_string().contains("mm"), "{doubt}");
+        let predicted = own.predict(0, own.creature().limb("head").unwrap(), &own.at_ease());
+        assert_eq!(predicted.covariance, None);
+    }
+}
+
+#[test]
+fn a_session_opened_again_is_as_sure_as_its_learner_was() {
+    let body = creature(&arms());
+    let agent = Agent::of(&body).unwrap();
+    let touches = babble(&body, &agent, 200, 1, 2);
+    let folder = tempfile::tempdir().unwrap();
+    for (input, frames) in [
+        (Input::Receptor, LimbFrames::Joint),
+        (Input::Contact, LimbFrames::Joint),
+        (Input::Contact, LimbFrames::Limb),
+    ] {
+        let learned = learned(SecondOrder::new(&agent, input, 1).with_frames(frames), &touches);
+        assert!(learned.verdict.converged(), "{input:?} {frames:?}: {:?}", learned.verdict);
+        let record = LearningRecord {
+            converged: true,
+            account: Some(Account::of(&learned)),
+            ..LearningRecord::default()
+        };
+        record.write(folder.path(), agent.creature()).unwrap();
+        let read = LearningRecord::read(folder.path(), agent.creature()).unwrap().unwrap();
+        let account = read.account.as_ref().unwrap();
+        assert_eq!((account.basis, account.deviation), (learned.basis, learned.deviation));
+        let certainties = [learned.certainty(), read.certainty()];
+        let [before, after] =
+            certainties.map(|certainty| OwnBody::new(&agent, learned.schema.clone(), certainty, &touches));
+        let mut rng = ChaCha8Rng::seed_from_u64(4);
+        for _ in 0..20 {
+            let posture = Posture::random(agent.creature(), &mut rng);
+            let covariance = |own: &OwnBody| {
+                let limbs = ["left_fore", "right_fore"].map(|name| agent.creature().limb(name).unwrap());
+                own.covariance(&posture, limbs, &Vector3::new(0.1, 0.0, 0.02)).unwrap()
+            };
+            // To the last bit.
+            assert_eq!(covariance(&before), covariance(&after), "{input:?} {frames:?}");
+        }
+        let found = learned.observability.unwrap();
+        let again = account.observability.as_ref().unwrap();
+        assert_eq!(found.schema_std(agent.creature()), again.schema_std(agent.creature()));
+        assert_eq!(
+            found.undetermined(agent.creature(), &learned.schema),
+            again.undetermined(agent.creature(), &learned.schema)
+        );
+    }
+}
+
+#[test]
+fn a_session_says_that_it_does_not_know_where_its_learner_did_not() {
+    let place = tempfile::tempdir().unwrap();
+    let place = place.path();
+    fs::write(place.join("arms.xml"), arms()).unwrap();
+    let limbs = ["left_fore", "right_fore"];
+    let doubt_of = |session: &str| doubt(&own_body(&place.join(session)).unwrap().1, limbs);
+    let babble = ["babble", "arms.xml", "--touches", "200"];
+    succeeds(place, &[&babble[..], &["--learner", "hersch", "--out", "hersch"]].concat());
+    assert_eq!(doubt_of("hersch"), Some(Doubt::Unknown));
+    // The same touches by a learner that knows how good it is.
+    succeeds(place, &["learn", "hersch"]);
+    assert_eq!(doubt_of("hersch"), None);
+    let json = succeeds(place, &["observe", "hersch", "--json"]);
+    // What is asked later is what was learned, not what some other learner would say.
+    let told: Value = serde_json::from_str(&json).unwrap();
+    let file = fs::read_to_string(place.join("hersch").join(LEARNED_RECORD_FILE)).unwrap();
+    let record: Value = serde_json::from_str(&file).unwrap();
+    let metres = record["account"]["touch_deviation"].as_f64().unwrap();
+    assert_eq!(told["touch_deviation_mm"].as_f64().unwrap(), 1e3 * metres);
+    assert_eq!(record["account"]["basis"]["input"], "receptor");
+
+    // A record from before accounts were kept reads, and says nothing of how good it is.
+    let mut old = record.clone();
+    old.as_object_mut().unwrap().remove("account");
+    fs::write(place.join("hersch").join(LEARNED_RECORD_FILE), old.to_string()).unwrap();
+    assert_eq!(doubt_of("hersch"), Some(Doubt::Unknown));
+    succeeds(place, &["observe", "hersch"]);
+    // One of another creature is refused.
+    let other = file.replace("\"left_shoulder\"", "\"left_knee\"");
+    assert_ne!(other, file);
+    fs::write(place.join("hersch").join(LEARNED_RECORD_FILE), other).unwrap();
+    assert!(own_body(&place.join("hersch")).is_err());
+}

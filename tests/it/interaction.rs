@@ -1,0 +1,183 @@
+//! A creature that acts in a scene by what it learned: a conversation at a table, and what it says where it knows too
+//! little.
+
+use std::io::Write;
+use std::process::{Command, Stdio};
+
+use crate::common::{babble, max, own_body, repository, truth};
+use bodyschema::agent::Agent;
+use bodyschema::geometry::Shape;
+use bodyschema::interaction::{Actor, Conversation, Intent, Stop};
+use bodyschema::learning::{Input, Learner, SecondOrder};
+use bodyschema::peripersonal::{OwnBody, PosturePath};
+use bodyschema::senses::Toucher;
+use bodyschema::simulation::{ProbePath, Stage, StageOptions, Thing};
+use nalgebra::{Isometry3, Vector3};
+
+/// The height of the table's top in the world, metres.
+const TOP: f64 = 0.98;
+
+/// Max after learning from touches.
+fn learned_max(touches: usize) -> OwnBody {
+    let body = max("torso");
+    let agent = Agent::of(&body).unwrap();
+    let touches = babble(&body, &agent, touches, 3, 2);
+    let mut learner = SecondOrder::new(&agent, Input::Contact, 3);
+    touches.iter().for_each(|touch| learner.touch(touch));
+    let learned = learner.learn();
+    OwnBody::of(&agent, &learned, &touches)
+}
+
+fn at_table(own: OwnBody) -> (Stage, Conversation) {
+    let stage = Stage::new(&repository("mjcf/max/table.xml"), &StageOptions::default()).unwrap();
+    let mut actor = Actor::new(own, stage.handle(), ["left_hand", "right_hand"], 1).unwrap();
+    stage.place(&actor.ready()).unwrap();
+    (stage, Conversation::new(actor).unwrap())
+}
+
+#[test]
+fn a_conversation_ends_with_things_where_they_were_wanted() {
+    let (stage, mut talk) = at_table(learned_max(400));
+    let place = |thing: usize| stage.thing_pose(thing).translation.vector;
+    let say = |talk: &mut Conversation, request: &str| {
+        let reply = talk.hear(request).unwrap();
+        eprintln!("> {request}\n{}", reply.said);
+        reply
+    };
+
+    let reply = say(&mut talk, "where do you feel something?");
+    assert!(reply.said.contains("do not feel"), "{}", reply.said);
+    let reply = say(&mut talk, "touch it");
+    assert_eq!(reply.done, Some(false), "there is no it yet");
+
+    let reply = say(&mut talk, "Is there something in front of you?");
+    assert_eq!((reply.intent, reply.done), (Intent::Explore, Some(true)));
+    assert_eq!(reply.felt.len(), 1, "{}", reply.said);
+    let thing = reply.felt[0]["thing"].as_u64().unwrap() as usize;
+    let name = stage.thing_name(thing);
+    assert!(["box", "can", "brick", "bottle"].contains(&name.as_str()), "{name}");
+    // What he says of where it is, in his root's frame, is where it is.
+    let at = reply.felt[0]["at"].as_array().unwrap().iter().map(|x| x.as_f64().unwrap());
+    let at = stage.root_pose() * nalgebra::Point3::from(Vector3::from_iterator(at));
+    assert!((at.coords - place(thing)).norm() < 0.1, "{at} and {}", place(thing));
+
+    let reply = say(&mut talk, "where do you feel this?");
+    assert!(reply.said.contains("receptor"), "{}", reply.said);
+    let reply = say(&mut talk, "touch it with your other hand");
+    assert_eq!(reply.done, Some(true), "{}", reply.said);
+    let reply = say(&mut talk, "how far is it?");
+    assert!(reply.said.contains("cm"), "{}", reply.said);
+
+    let before = place(thing);
+    let reply = say(&mut talk, "put it as far away as possible");
+    assert_eq!(reply.done, Some(true), "{}", reply.said);
+    let far = place(thing);
+    assert!(far.x > before.x + 0.02 && far.z > TOP, "from {before} to {far}");
+
+    let reply = say(&mut talk, "lean forward and try again");
+    assert_eq!((reply.intent, reply.done), (Intent::PutFar, Some(true)), "{}", reply.said);
+    let farther = place(thing);
+    assert!(farther.x > far.x + 0.05 && farther.z > TOP, "from {far} to {farther}");
+
+    let reply = say(&mut talk, "sing a song");
+    assert!(reply.intent == Intent::Unknown && reply.said.contains("I can"), "{}", reply.said);
+}
+
+#[test]
+fn who_has_hardly_touched_itself_says_what_it_lacks() {
+    let little = learned_max(8);
+    let (_, mut talk) = at_table(little);
+    let before = talk.actor.posture();
+    let reply = talk.hear("is there something in front of you?").unwrap();
+    assert_eq!(reply.done, Some(false));
+    assert!(reply.said.contains("do not know my body well enough"), "{}", reply.said);
+    assert_eq!(talk.actor.posture(), before, "and does not move");
+}
+
+#[test]
+fn a_motion_ends_where_something_is_felt_and_what_is_held_goes_with_the_hand() {
+    let body = max("torso");
+    let agent = Agent::of(&body).unwrap();
+    let touches = babble(&body, &agent, 300, 1, 2);
+    let own = own_body(&agent, &truth(&body), Input::Contact, &touches);
+    let ball = |x: f64, fixed: bool| Thing {
+        name: "ball".into(),
+        shape: Shape::Sphere { radius: 0.04 },
+        pose: Isometry3::translation(x, 0.0, 1.2),
+        fixed,
+    };
+    let start = own.at_ease();
+    let tip = |own: &OwnBody, actor: &Actor| {
+        own.frames(&start)[actor.hands[0].limb].point(&own.place(actor.hands[0].tip).point)
+    };
+    let acting = |thing: Thing| {
+        let options = StageOptions { things: vec![thing], ..StageOptions::default() };
+        let stage = Stage::new(&repository("mjcf/max/max.xml"), &options).unwrap();
+        let actor = Actor::new(own.clone(), stage.handle(), ["left_hand", "right_hand"], 1).unwrap();
+        (stage, actor)
+    };
+    let (stage, actor) = acting(ball(3.0, true));
+    // A ball in the way of the left hand's tip, ahead of where it hangs.
+    let at = stage.root_pose() * nalgebra::Point3::from(tip(&own, &actor) + Vector3::new(0.1, 0.0, 0.0));
+    let placed = Thing { pose: Isometry3::translation(at.x, at.y, at.z), fixed: false, ..ball(0.0, false) };
+    let (stage, mut actor) = acting(placed);
+    stage.place(&start).unwrap();
+    // Somebody holds it there.
+    let thing = stage.thing("ball").unwrap();
+    stage.send_thing(thing, ProbePath(vec![(0.0, at.coords)]));
+    let mut raised = start.clone();
+    let shoulder =
+        own.creature().elements().find(|at| at.name == "left_shoulder_flexion").unwrap().coordinate();
+    raised[shoulder] += 0.8;
+    let stop = actor.follow(&PosturePath(vec![raised.clone()]), 0.8, |_, _| true).unwrap();
+    let Stop::Felt(contacts) = stop else { panic!("the ball is in the way") };
+    assert_eq!(contacts[0].by, Toucher::Thing(thing));
+    assert!(actor.posture()[shoulder] < raised[shoulder] - 0.1, "it stopped");
+    let found = actor.found(&contacts[0]).unwrap();
+    let really = stage.thing_pose(thing).translation.vector;
+    let believed = stage.root_pose() * nalgebra::Point3::from(found.point);
+    assert!((believed.coords - really).norm() < 0.04 + 0.03, "{believed} and {really}");
+
+    assert!(actor.hold(found.receptor));
+    let grip = |actor: &Actor| {
+        let hand = actor.frames()[actor.hands[0].limb];
+        let thing =
+            stage.root_pose().inverse_transform_point(&stage.thing_pose(thing).translation.vector.into());
+        hand.inverse_point(&thing.coords)
+    };
+    actor.wait(0.01).unwrap();
+    let before = grip(&actor);
+    assert_eq!(actor.follow(&PosturePath(vec![start]), 0.5, |_, _| true).unwrap(), Stop::Arrived);
+    actor.wait(0.01).unwrap();
+    assert!((grip(&actor) - before).norm() < 1e-4, "{before} and {}", grip(&actor));
+    actor.let_go();
+    let height = stage.thing_pose(thing).translation.vector.z;
+    actor.wait(0.3).unwrap();
+    assert!(stage.thing_pose(thing).translation.vector.z < height - 0.2, "what is let go falls");
+}
+
+#[test]
+fn talk_tells_of_wrong_files_in_a_sentence() {
+    let place = tempfile::tempdir().unwrap();
+    let talk = |arguments: &[&str]| {
+        let mut child = Command::new(env!("CARGO_BIN_EXE_bodyschema"))
+            .arg("talk")
+            .args(arguments)
+            .current_dir(place.path())
+            .stdin(Stdio::piped())
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .unwrap();
+        let _ = child.stdin.take().unwrap().write_all(b"help\n");
+        let output = child.wait_with_output().unwrap();
+        (output.status.code(), String::from_utf8_lossy(&output.stderr).into_owned())
+    };
+    let (code, said) = talk(&["nowhere.xml", "nothing"]);
+    assert_eq!(code, Some(1));
+    assert!(said.contains("nowhere.xml"), "{said}");
+    let scene = repository("mjcf/max/table.xml");
+    let (code, said) = talk(&[scene.to_str().unwrap(), "nothing"]);
+    assert_eq!(code, Some(1));
+    assert!(said.contains("nothing"), "{said}");
+}

@@ -1,0 +1,159 @@
+//! The live page as a browser shows it: it loads, draws, keeps up, and what is clicked is felt and answered.
+//!
+//! It takes Chromium. Where there is none the tests say so and are skipped, unless `BODYSCHEMA_BROWSER=required`.
+
+use std::io::{BufRead, BufReader, Read, Write};
+use std::net::TcpStream;
+use std::path::Path;
+use std::process::{Child, Command, Stdio};
+use std::time::{Duration, Instant};
+
+use crate::common::browser::{Browser, Tab, browser};
+use crate::common::{repository, sessions};
+use serde_json::{Value, json};
+
+/// What draws bodies, in the report as well.
+const VIEWER: [&str; 2] =
+    [include_str!("../../src/view/body/paint.js"), include_str!("../../src/view/body/body.js")];
+/// Touches that babbling has not made when the browser has seen enough.
+const MANY: &str = "1000000";
+
+/// A program that serves a page, and where; it ends with the test.
+struct Served {
+    program: Child,
+    address: String,
+}
+
+impl Served {
+    fn new(place: &Path, arguments: &[&str]) -> Served {
+        let mut program = Command::new(env!("CARGO_BIN_EXE_bodyschema"))
+            .args(arguments)
+            .args(["--live", "127.0.0.1:0"])
+            .current_dir(place)
+            // A conversation ends with its standard input, which stays open as long as the program is held.
+            .stdin(Stdio::piped())
+            .stdout(Stdio::null())
+            .stderr(Stdio::piped())
+            .spawn()
+            .unwrap();
+        let told = BufReader::new(program.stderr.take().unwrap()).lines().map_while(Result::ok);
+        let address = told.filter_map(|line| Some(line.split_once("live at ")?.1.to_string())).next();
+        Served { program, address: address.expect("it tells where it serves") }
+    }
+
+    /// The answer to a request, its head as well.
+    fn answer(&self, method: &str, path: &str, headers: &str, body: &str) -> String {
+        let host = self.address.trim_start_matches("http://").trim_end_matches('/');
+        let headers = headers.replace("HERE", host);
+        let mut stream = TcpStream::connect(host).unwrap();
+        let length = body.len();
+        write!(
+            stream,
+            "{method} {path} HTTP/1.1\r\n{headers}connection: close\r\ncontent-length: {length}\r\n\r\n{body}"
+        )
+        .unwrap();
+        let mut answer = String::new();
+        stream.read_to_string(&mut answer).unwrap();
+        answer
+    }
+}
+
+impl Drop for Served {
+    fn drop(&mut self) {
+        let _ = self.program.kill();
+        let _ = self.program.wait();
+    }
+}
+
+fn open(browser: &'static Browser, served: &Served) -> Tab {
+    let tab = browser.open(&served.address);
+    tab.wait("!!window.live && window.live.updates > 0");
+    tab
+}
+
+#[test]
+fn babbling_is_seen_while_it_goes_on() {
+    let Some(browser) = browser() else { return };
+    let place = tempfile::tempdir().unwrap();
+    let model = repository("mjcf/max/max.xml");
+    let arguments = ["babble", model.to_str().unwrap(), "--touches", MANY, "--jobs", "1", "--out", "max"];
+    let served = Served::new(place.path(), &arguments);
+    let tab = open(browser, &served);
+    let told = |tab: &Tab| tab.evaluate("document.getElementById('doing').textContent").to_string();
+    assert!(told(&tab).contains("babbling"), "{}", told(&tab));
+
+    // It keeps up: how fast depends on the machine, so that only a page that stands still fails.
+    let updates = |tab: &Tab| tab.evaluate("window.live.updates").as_f64().unwrap();
+    let (before, words, began) = (updates(&tab), told(&tab), Instant::now());
+    std::thread::sleep(Duration::from_secs(5));
+    let rate = (updates(&tab) - before) / began.elapsed().as_secs_f64();
+    eprintln!("{rate:.1} updates a second");
+    assert!(rate > 1.0, "{rate} updates a second");
+    assert_ne!(told(&tab), words);
+
+    // Two bodies are drawn, in many colours; receptors light up and curves grow.
+    let colours = r#"await (async () => {
+        const place = document.getElementById("body");
+        const data = place.getContext("2d").getImageData(0, 0, place.width, place.height).data;
+        const colours = new Set();
+        for (let i = 0; i < data.length; i += 4) {
+            if (data[i + 3]) colours.add((data[i] << 16) | (data[i + 1] << 8) | data[i + 2]);
+        }
+        return colours.size;
+    })()"#;
+    let colours = tab.evaluate(colours).as_u64().unwrap();
+    assert!(colours > 30, "{colours} colours");
+    tab.wait("document.querySelector('#made .line')?.getAttribute('d').split('L').length > 3");
+    tab.wait("document.querySelectorAll('#missed circle').length > 3");
+
+    // It is the report's viewer that draws.
+    let page = served.answer("GET", "/", "host: HERE\r\n", "");
+    assert!(VIEWER.iter().all(|script| page.contains(script)));
+
+    // Other sites get nothing from it, and there is nobody to talk to.
+    assert!(served.answer("GET", "/", "host: elsewhere.example\r\n", "").starts_with("HTTP/1.1 403"));
+    assert!(served.answer("GET", "/report", "host: HERE\r\n", "").starts_with("HTTP/1.1 404"));
+    let json = "host: HERE\r\ncontent-type: application/json\r\n";
+    assert!(served.answer("POST", "/touch", json, "{\"receptor\":0}").starts_with("HTTP/1.1 404"));
+}
+
+#[test]
+fn a_click_on_the_skin_is_felt_and_answered() {
+    let Some(browser) = browser() else { return };
+    let place = sessions::max();
+    let scene = repository("mjcf/max/table.xml");
+    let served = Served::new(place, &["talk", scene.to_str().unwrap(), "max"]);
+    let tab = open(browser, &served);
+
+    // Somewhere in sight on the upper right arm, which the left hand reaches.
+    let session: Value =
+        serde_json::from_str(&std::fs::read_to_string(place.join("max/session.json")).unwrap()).unwrap();
+    let ids = session["skin"]["receptors"].as_array().unwrap().iter().map(|r| r["id"].as_str().unwrap());
+    let arm: Vec<usize> =
+        ids.enumerate().filter(|(_, id)| id.contains("right_forearm")).map(|(k, _)| k).collect();
+    let at = tab.wait(&format!("{}.map((k) => window.live.whereIs(k)).find((at) => at)", json!(arm)));
+    let corner = tab.evaluate(
+        "(({ left, top }) => [left, top])(document.getElementById('body').getBoundingClientRect())",
+    );
+    let pixel = |k: usize| at[k].as_f64().unwrap() + corner[k].as_f64().unwrap();
+    tab.click(pixel(0), pixel(1));
+    let lines =
+        |tab: &Tab| tab.evaluate("[...document.querySelectorAll('#lines li')].map((li) => li.innerText)");
+    tab.wait("document.querySelectorAll('#lines li').length == 2");
+    let answered = lines(&tab).to_string();
+    eprintln!("{answered}");
+    assert!(answered.contains("I feel you touch my right forearm"), "{answered}");
+    assert!(answered.contains("put my left hand"), "{answered}");
+
+    // A line that is typed is answered, too.
+    tab.click_on("#text");
+    tab.type_line("what can you do?");
+    tab.wait("document.querySelectorAll('#lines li').length == 4");
+    assert!(lines(&tab).to_string().contains("I can feel about"));
+
+    // Pages of other sites cannot speak in its partner's place.
+    let elsewhere = "host: HERE\r\norigin: http://elsewhere.example\r\ncontent-type: application/json\r\n";
+    assert!(served.answer("POST", "/say", elsewhere, "{\"text\":\"rest\"}").starts_with("HTTP/1.1 403"));
+    let unknown = "host: HERE\r\ncontent-type: application/json\r\n";
+    assert!(served.answer("POST", "/touch", unknown, "{\"receptor\":999999}").starts_with("HTTP/1.1 404"));
+}

@@ -1,0 +1,46 @@
+//! The integration tests: one binary, so that the library is linked once, and what costs to make is made once.
+
+mod common;
+
+mod account;
+mod avoiding;
+mod babbling;
+mod bound;
+mod boundary;
+mod cli;
+mod config;
+mod disturbance;
+mod documents;
+mod dynamic;
+mod export;
+mod foreign;
+mod frames;
+mod geometry;
+mod interaction;
+mod kinematics;
+mod known;
+mod learning;
+mod live;
+mod map;
+mod max;
+mod mujoco;
+mod online;
+mod page;
+mod peripersonal;
+mod policies;
+mod proprioception;
+mod reachable;
+mod record;
+mod recording;
+mod render;
+mod report;
+mod rerun;
+mod resume;
+mod senses;
+mod skin;
+mod study;
+mod surfaces;
+mod tables;
+mod terminal;
+mod urdf;
+mod zoo;

@@ -1,0 +1,185 @@
+//! The report as a browser shows it: every picture holds data, nothing is fetched and nothing complains.
+//!
+//! It takes Chromium. Where there is none the tests say so and are skipped, unless `BODYSCHEMA_BROWSER=required`.
+
+use std::path::Path;
+
+use crate::common::browser::{Browser, Tab, browser};
+use crate::common::program::succeeds;
+use crate::common::sessions;
+use crate::common::shell::copy;
+use serde_json::{Value, json};
+
+/// Every picture of a page with all there is to show.
+const PICTURES: [&str; 7] =
+    ["body", "curve", "joint-errors", "residuals", "uncertainty", "touch-matrix", "reachable"];
+/// The most bytes of a page.
+const MOST_BYTES: u64 = 1_500_000;
+/// The figures of the first body that is drawn: when it was there, when the page was loaded, both in milliseconds from the
+/// beginning, and how often it is drawn a second while it is turned.
+const SPEED: &str = r#"await (async () => {
+    const { body } = document.getElementById("body");
+    const loaded = performance.getEntriesByType("navigation")[0].loadEventEnd;
+    const drawn = performance.getEntriesByName("body drawn")[0].startTime;
+    const [before, began] = [body.draws(), performance.now()];
+    while (performance.now() - began < 2000) {
+        body.turn(3, 0);
+        await new Promise(requestAnimationFrame);
+    }
+    return [drawn, loaded, 1000 * (body.draws() - before) / (performance.now() - began)];
+})()"#;
+
+/// Opens a page and waits until the pictures that it begins with are drawn; it fetches nothing and complains of nothing.
+fn open(browser: &'static Browser, page: &Path) -> Tab {
+    let address = format!("file://{}", page.display());
+    let tab = browser.open(&address);
+    tab.wait("document.querySelector('html[data-drawn]') !== null");
+    let mut requests = tab.requests();
+    requests.retain(|request| *request != address && !request.starts_with("data:"));
+    assert_eq!(requests, Vec::<String>::new());
+    assert_eq!(tab.complaints(), Vec::<String>::new());
+    tab
+}
+
+/// The share of a picture that is drawn on, and how many colours it has, a pixel of three: of a canvas its own pixels, of
+/// a chart those that it has with the style of the page.
+fn pixels(tab: &Tab, picture: &str) -> (f64, u64) {
+    let script = format!(
+        r##"await (async () => {{
+            const place = document.getElementById("{picture}");
+            let canvas = place;
+            if (place.tagName !== "CANVAS") {{
+                const svg = place.querySelector("svg").cloneNode(true);
+                svg.setAttribute("xmlns", "http://www.w3.org/2000/svg");
+                const style = document.createElementNS("http://www.w3.org/2000/svg", "style");
+                style.textContent = document.querySelector("style").textContent;
+                svg.prepend(style);
+                const image = new Image();
+                image.src = "data:image/svg+xml," + encodeURIComponent(new XMLSerializer().serializeToString(svg));
+                await image.decode();
+                canvas = document.createElement("canvas");
+                [canvas.width, canvas.height] = [600, 500];
+                canvas.getContext("2d").drawImage(image, 0, 0, 600, 500);
+            }}
+            const data = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height).data;
+            const colours = new Set();
+            let drawn = 0;
+            for (let i = 0; i < data.length; i += 12) {{
+                if (data[i + 3] < 16) continue;
+                drawn += 1;
+                colours.add((data[i] << 16) | (data[i + 1] << 8) | data[i + 2]);
+            }}
+            return [drawn / (data.length / 12), colours.size];
+        }})()"##
+    );
+    let found = tab.evaluate(&script);
+    (found[0].as_f64().unwrap(), found[1].as_u64().unwrap())
+}
+
+#[test]
+fn every_picture_is_drawn_and_nothing_is_fetched() {
+    let Some(browser) = browser() else { return };
+    let place = tempfile::tempdir().unwrap();
+    copy(sessions::max(), place.path());
+    succeeds(place.path(), &["space", "max", "--voxel", "0.08"]);
+    succeeds(place.path(), &["report", "max"]);
+    let page = place.path().join("max/report.html");
+    let bytes = std::fs::metadata(&page).unwrap().len();
+    assert!(bytes <= MOST_BYTES, "{bytes} bytes");
+
+    let tab = open(browser, &page);
+    // The DOM: every picture is there, with marks that say what they are and something drawn.
+    for picture in PICTURES {
+        let script = format!(
+            r##"(() => {{
+                const place = document.getElementById("{picture}");
+                const words = [...place.querySelectorAll("title")].filter((title) => title.textContent.length > 3);
+                return [words.length, place.scrollWidth <= place.clientWidth];
+            }})()"##
+        );
+        let found = tab.evaluate(&script);
+        assert!(picture == "body" || found[0].as_u64().unwrap() >= 4, "{picture}: {found}");
+        assert_eq!(found[1], Value::Bool(true), "{picture} is wider than its place");
+        let (share, colours) = pixels(&tab, picture);
+        assert!(share > 0.01 && colours > 20, "{picture}: {share} of it drawn on in {colours} colours");
+    }
+    let speed = tab.evaluate(SPEED);
+    let [drawn, loaded, turning] = [0, 1, 2].map(|k| speed[k].as_f64().unwrap());
+    eprintln!(
+        "{bytes} bytes; body drawn after {drawn:.0} ms, loaded after {loaded:.0} ms; {turning:.1} frames a second"
+    );
+    // How fast depends on the machine, so that only a page that stands still fails.
+    assert!(turning > 1.0, "{turning} frames a second");
+    let text = tab.evaluate("document.body.innerText");
+    for words in ["babble", "--touches 1000", "cores", "MuJoCo", "Seed", "What stays undetermined"] {
+        assert!(text.as_str().unwrap().to_lowercase().contains(&words.to_lowercase()), "{words}");
+    }
+
+    // The slider leads from the onset, in which the body is elsewhere, to what was learned.
+    let steps = tab.evaluate("JSON.parse(document.querySelector('figure.body script').textContent).steps");
+    let names: Vec<&str> =
+        steps.as_array().unwrap().iter().map(|step| step["name"].as_str().unwrap()).collect();
+    assert_eq!((names[0], *names.last().unwrap()), ("onset", "1000"));
+    let highest = r#"Math.max(...document.getElementById("body").body.poses.learned.begins.filter((_, k) => k % 3 === 2))"#;
+    // Places are told in tenths of millimetres.
+    let reach = |tab: &Tab| tab.evaluate(highest).as_f64().unwrap() / 1e4;
+    let picture = |tab: &Tab| tab.evaluate(r#"document.getElementById("body").toDataURL()"#);
+    let (learned, before) = (reach(&tab), picture(&tab));
+    let slide = r#"await (async () => {
+        const slider = document.querySelector(".slider input");
+        slider.value = 0;
+        slider.dispatchEvent(new Event("input"));
+        await new Promise((done) => setTimeout(done, 500));
+        return document.querySelector(".slider output").textContent;
+    })()"#;
+    assert_eq!(tab.evaluate(slide), "onset");
+    let onset = reach(&tab);
+    assert!(learned > 0.5 && onset < 0.5, "the neck is {learned} m above the pelvis, {onset} m at the onset");
+    assert_ne!(picture(&tab), before);
+
+    // What is switched off is not drawn.
+    let switch = r#"await (async () => {
+        document.querySelectorAll(".switches input").forEach((box) => box.click());
+        await new Promise((done) => setTimeout(done, 500));
+        return 0;
+    })()"#;
+    tab.evaluate(switch);
+    assert_eq!(pixels(&tab, "body"), (0.0, 0));
+
+    // Dark: the ink of labels is light.
+    let ink = r#"getComputedStyle(document.querySelector("\#residuals text")).fill"#;
+    let lightness = |tab: &Tab| {
+        let fill = tab.evaluate(&ink.replace('\\', ""));
+        let digits: Vec<u32> = fill
+            .as_str()
+            .unwrap()
+            .split(|c: char| !c.is_ascii_digit())
+            .filter_map(|n| n.parse().ok())
+            .collect();
+        digits[..3].iter().sum::<u32>() / 3
+    };
+    assert!(lightness(&tab) < 100);
+    let dark = json!({ "name": "prefers-color-scheme", "value": "dark" });
+    tab.call("Emulation.setEmulatedMedia", json!({ "features": [dark] }));
+    tab.evaluate("await new Promise((done) => setTimeout(() => done(0), 500))");
+    assert!(lightness(&tab) > 160);
+    let printed = tab.call("Page.printToPDF", json!({}));
+    // "%PDF-" in base 64.
+    assert!(printed["data"].as_str().unwrap().starts_with("JVBERi0"));
+}
+
+#[test]
+fn a_recording_has_a_page_without_the_truth() {
+    let Some(browser) = browser() else { return };
+    let place = tempfile::tempdir().unwrap();
+    copy(sessions::max(), place.path());
+    let learn =
+        ["learn", "--creature", "max/session.json", "--log", "max/touches.jsonl", "--out", "recorded"];
+    succeeds(place.path(), &learn);
+    let tab = open(browser, &place.path().join("recorded/report.html"));
+    let names = tab
+        .evaluate("[...document.querySelectorAll('.switches label')].map((label) => label.innerText.trim())");
+    assert_eq!(names, serde_json::json!(["limbs", "receptors", "joints"]));
+    let (share, colours) = pixels(&tab, "body");
+    assert!(share > 0.01 && colours > 20, "{share} of it drawn on in {colours} colours");
+}

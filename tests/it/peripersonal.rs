@@ -1,0 +1,209 @@
+//! The space around the body by a schema: predictions, postures that meet, what is in the way, and ways around it.
+
+use crate::common::{babble, creature, max, own_body, take, truth, two_arms};
+use bodyschema::agent::Agent;
+use bodyschema::creature::Posture;
+use bodyschema::geometry::Capsule;
+use bodyschema::kinematics::{Facing, InverseKinematics, Place, REACHED};
+use bodyschema::learning::{Certainty, Input};
+use bodyschema::mujoco::Data;
+use bodyschema::peripersonal::{
+    CollisionChecker, Doubt, Obstacle, OutOfReach, OwnBody, ReachTarget, Reaching,
+};
+use bodyschema::skin::skin_of;
+use nalgebra::{Point3, Vector3};
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+
+/// How far this program's kinematics and the engine's may differ, metres.
+const ROUNDING: f64 = 1e-9;
+
+fn arms() -> String {
+    two_arms(r#"type="capsule" size="0.12 0.2""#, r#"type="capsule" size="0.03 0.2""#)
+}
+
+/// Max with the true schema, taken as it is.
+fn knowing_max() -> OwnBody {
+    let body = max("torso");
+    let agent = Agent::of(&body).unwrap();
+    let touches = babble(&body, &agent, 300, 1, 2);
+    OwnBody::new(&agent, truth(&body), Certainty::Exact, &touches)
+}
+
+#[test]
+fn postures_found_by_inverse_kinematics_bring_the_receptors_together_within_the_ranges() {
+    let body = creature(&arms());
+    let (creature, skin, schema) = (&body.creature, skin_of(&body), truth(&body));
+    let mut data = Data::new(body.model.clone()).unwrap();
+    let mut rng = ChaCha8Rng::seed_from_u64(1);
+    let mut met = 0;
+    for _ in 0..40 {
+        let start = Posture::random(creature, &mut rng);
+        for receptors in [[0, 1], [0, 2], [1, 2]] {
+            let ends = receptors.map(|r| skin.receptors[r].place(0.0));
+            let reach = InverseKinematics::new(creature, &schema, ends).solve(&start);
+            for (dof, angle) in creature.dofs().zip(&reach.posture) {
+                assert!((dof.range[0]..=dof.range[1]).contains(angle), "{angle} of {:?}", dof.range);
+            }
+            take(&body, &mut data, &reach.posture);
+            let [a, b] = ends.map(|end| body.limb_frames(&data)[end.limb].point(&end.point));
+            let miss = (a - b).norm();
+            assert!((miss - reach.miss).abs() < ROUNDING, "{miss} and {}", reach.miss);
+            met += usize::from(miss <= REACHED);
+        }
+    }
+    assert!(met >= 20, "only {met} of 120 met");
+}
+
+#[test]
+fn what_is_held_still_stays_and_directions_are_as_asked() {
+    let own = knowing_max();
+    let hand = own.creature().limb("left_hand").unwrap();
+    let arm = own
+        .joints_of(hand, &[own.creature().limb("right_hand").unwrap(), own.creature().limb("head").unwrap()]);
+    assert_eq!(arm.len(), 4, "clavicle, shoulder, elbow, wrist");
+    let receptor = own.receptors_on(&[hand])[0];
+    let start = own.at_ease();
+    let place = own.place(receptor);
+    let frames = own.frames(&start);
+    let point = frames[hand].point(&place.point) + Vector3::new(0.15, 0.0, 0.1);
+    let target = Place { limb: 0, point, direction: Vector3::x() };
+    let mut solver = InverseKinematics::new(own.creature(), &own.schema, [place, target])
+        .with_facing(Facing::Parallel)
+        .with_direction_lengths([0.05, 0.05])
+        .moving(|joint| arm.contains(&joint));
+    let reach = solver.solve(&start);
+    assert!(reach.reached() && reach.facing > 0.99, "{} {}", reach.miss, reach.facing);
+    for (j, joint) in own.creature().joints().iter().enumerate().filter(|(j, _)| !arm.contains(j)) {
+        let q = joint.coordinates().start;
+        assert_eq!(reach.posture[q..q + joint.dofs.len()], start[q..q + joint.dofs.len()], "{j}");
+    }
+}
+
+#[test]
+fn a_receptor_is_predicted_where_the_engine_has_it() {
+    let body = max("torso");
+    let agent = Agent::of(&body).unwrap();
+    let touches = babble(&body, &agent, 300, 2, 2);
+    let own = own_body(&agent, &truth(&body), Input::Receptor, &touches);
+    let mut data = Data::new(body.model.clone()).unwrap();
+    let mut rng = ChaCha8Rng::seed_from_u64(2);
+    let (hand, head) = (own.creature().limb("left_hand").unwrap(), own.creature().limb("head").unwrap());
+    for receptor in own.receptors_on(&[hand]) {
+        let posture = Posture::random(own.creature(), &mut rng);
+        let predicted = own.predict(receptor, head, &posture);
+        take(&body, &mut data, &posture);
+        let frames = body.limb_frames(&data);
+        let place = own.place(receptor);
+        let true_point = frames[head].inverse_point(&frames[hand].point(&place.point));
+        assert!((predicted.point - true_point).norm() < ROUNDING);
+        let deviation = predicted.covariance.expect("300 touches bound it").trace().sqrt();
+        assert!(deviation > 0.0 && deviation < 1e-3, "{deviation}");
+    }
+    // With five touches nothing is bounded, and he says what he lacks.
+    let little = own_body(&agent, &truth(&body), Input::Receptor, &touches[..5]);
+    let doubt = little.trusts(&little.at_ease(), [hand, head], &Vector3::zeros()).unwrap_err();
+    assert!(matches!(doubt, Doubt::Undetermined(_)), "{doubt:?}");
+    assert!(doubt.to_string().contains("not found out"), "{doubt}");
+}
+
+#[test]
+fn receptors_that_could_meet_do_meet() {
+    let own = knowing_max();
+    let clearance = CollisionChecker::new(&own);
+    let forearm = own.receptors_on(&[own.creature().limb("right_forearm").unwrap()])[5];
+    let hand = own.creature().limb("left_hand").unwrap();
+    let mut start = own.at_ease();
+    for name in ["right_elbow_flexion", "left_elbow_flexion"] {
+        start[own.creature().elements().find(|at| at.name == name).unwrap().coordinate()] = 1.5;
+    }
+    let meetings = own.could_meet(forearm, hand, &start, Some(&clearance));
+    for (r, receptor) in own
+        .skin()
+        .receptors
+        .iter()
+        .enumerate()
+        .filter(|(_, r)| r.limb == own.creature().limb("right_forearm").unwrap())
+    {
+        eprintln!(
+            "QQ {:?} {} of {}",
+            receptor.normal.as_slice(),
+            own.could_meet(r, hand, &start, Some(&clearance)).len(),
+            own.could_meet(r, hand, &start, None).len()
+        );
+    }
+    assert!(!meetings.is_empty(), "a hand reaches the other forearm");
+    for meeting in &meetings {
+        let [a, b] = [meeting.receptor, forearm].map(|receptor| {
+            let place = own.place(receptor);
+            Point3::from(own.frames(&meeting.reach.posture)[place.limb].point(&place.point))
+        });
+        assert!((a - b).norm() <= REACHED);
+    }
+    assert!(meetings.windows(2).all(|pair| pair[0].reach.facing <= pair[1].reach.facing));
+}
+
+#[test]
+fn gaps_by_the_schema_are_those_of_the_surfaces() {
+    let own = knowing_max();
+    let body = max("torso");
+    let clearance = CollisionChecker::new(&own);
+    let mut data = Data::new(body.declared.clone()).unwrap();
+    let mut rng = ChaCha8Rng::seed_from_u64(3);
+    let (mut free, mut touching, mut wrong) = (0, 0, 0);
+    for _ in 0..300 {
+        let posture = Posture::random(own.creature(), &mut rng);
+        take(&body, &mut data, &posture);
+        let meets = data.contacts().any(|contact| {
+            let [a, b] = contact.geoms.map(|geom| body.limb_of_geom(geom).unwrap());
+            !own.creature().neighbouring(a, b) && contact.distance < -PASSED
+        });
+        let gap = clearance.least(&own.frames(&posture), 0.01);
+        if gap > 0.0 {
+            assert!(!meets, "the engine has limbs in each other at a gap of {gap}");
+            free += 1;
+        } else if gap < -PASSED {
+            // Excluded pairs that never overlapped in what he lived through he takes for ones that feel each other.
+            touching += 1;
+            wrong += usize::from(!meets);
+        }
+    }
+    assert!(free > 30 && touching > 30, "{free} free, {touching} touching");
+    assert!(20 * wrong <= touching, "{wrong} of {touching} do not touch");
+}
+
+/// As deep as limbs may have been in each other and still count as feeling each other, metres.
+const PASSED: f64 = 2e-3;
+
+#[test]
+fn a_way_to_a_place_keeps_clear_and_ends_there() {
+    let own = knowing_max();
+    let mut clearance = CollisionChecker::new(&own);
+    clearance.obstacles.push(Obstacle::Capsule(Capsule::ball(Vector3::new(0.28, 0.3, 0.1), 0.08)));
+    let table = Obstacle::Table { up: Vector3::z(), height: -0.05, front: Vector3::x(), edge: 0.2 };
+    clearance.obstacles.push(table);
+    let hand = own.creature().limb("left_hand").unwrap();
+    let others = ["right_hand", "head"].map(|name| own.creature().limb(name).unwrap());
+    let reaching = Reaching::new(&own, &clearance, own.joints_of(hand, &others), 1);
+    let receptors = own.receptors_on(&[hand]);
+    let start = own.at_ease();
+    let aim = ReachTarget { point: Vector3::new(0.3, 0.1, 0.2), direction: Vector3::new(1.0, 0.0, 0.0) };
+    let found = reaching.approach(&start, &receptors, &aim).unwrap();
+    let place = own.place(found.receptor);
+    let arrived = own.frames(&found.touching)[place.limb].point(&place.point);
+    assert!((arrived - aim.point).norm() <= REACHED);
+    assert_eq!(found.way.0[0], start);
+    assert_eq!(found.way.end(), found.straight.0.first().map(|posture| &posture[..]));
+    for pair in found.way.0.windows(2) {
+        for k in 0..=20 {
+            let share = f64::from(k) / 20.0;
+            let posture: Vec<f64> = pair[0].iter().zip(&pair[1]).map(|(a, b)| a + share * (b - a)).collect();
+            assert!(clearance.free(&own.frames(&posture), 0.0), "something is in the way");
+        }
+    }
+    let far = ReachTarget { point: Vector3::new(1.3, 0.1, 0.2), ..aim };
+    match reaching.approach(&start, &receptors, &far) {
+        Err(OutOfReach::TooFar(by)) => assert!(by > 0.4 && by < 1.0, "{by}"),
+        other => panic!("{other:?}"),
+    }
+}

@@ -1,0 +1,82 @@
+//! Policies of babbling: the same touches whatever the threads, with fewer motions.
+
+use std::convert::Infallible;
+use std::fs;
+use std::process::Command;
+
+use crate::common::{creature, max, two_arms};
+use bodyschema::agent::Agent;
+use bodyschema::babbling::{Babbler, BabblingOptions, PolicyName, motions_until};
+use bodyschema::creature::Body;
+use bodyschema::senses::Touch;
+use bodyschema::simulation::{Effort, MotionName, Movers};
+
+fn arms() -> String {
+    two_arms(r#"type="capsule" size="0.12 0.2""#, r#"type="capsule" size="0.03 0.2""#)
+}
+
+fn babble_by(body: &Body, policy: PolicyName, touches: usize, jobs: usize) -> (Vec<Touch>, Effort) {
+    let agent = Agent::of(body).unwrap();
+    let babbler = Babbler::new(Movers::new(body, &agent, MotionName::Kinematic).unwrap());
+    let mut made = Vec::new();
+    let options = BabblingOptions { touches, seed: 3, jobs };
+    let receive = |touch: &Touch| {
+        made.push(touch.clone());
+        Ok::<(), Infallible>(())
+    };
+    let effort = babbler.babble_by(policy, &options, receive).unwrap();
+    (made, effort)
+}
+
+#[test]
+fn every_policy_makes_the_same_touches_with_any_number_of_threads() {
+    let body = creature(&arms());
+    for policy in [PolicyName::Random, PolicyName::Steered, PolicyName::Informative] {
+        let with = |threads: usize| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            pool.install(|| babble_by(&body, policy, 45, threads).0)
+        };
+        // Schemas are learned after 20, 30 and 42 touches.
+        let (one, three) = (with(1), with(3));
+        assert_eq!(one.len(), 45);
+        assert_eq!(format!("{one:?}"), format!("{three:?}"), "{policy}");
+    }
+}
+
+#[test]
+fn steered_motions_touch_more_often_than_random_ones() {
+    let body = max("torso");
+    let [random, steered] =
+        [PolicyName::Random, PolicyName::Steered].map(|policy| babble_by(&body, policy, 60, 1).1.motions);
+    assert!(3 * steered < 2 * random, "{steered} steered motions, {random} random ones");
+}
+
+#[test]
+fn motions_are_counted_through_all_bouts() {
+    let body = max("torso");
+    for policy in [PolicyName::Random, PolicyName::Steered] {
+        let (touches, effort) = babble_by(&body, policy, 60, 1);
+        let motions = motions_until(&touches);
+        assert_eq!(motions.last(), Some(&effort.motions), "{policy}");
+        assert!(motions.windows(2).all(|pair| pair[0] < pair[1]), "{policy}: {motions:?}");
+    }
+}
+
+#[test]
+fn a_session_says_by_which_policy_its_motions_were_chosen() {
+    let place = tempfile::tempdir().unwrap();
+    fs::write(place.path().join("arms.xml"), arms()).unwrap();
+    let arguments =
+        ["babble", "arms.xml", "--touches", "30", "--policy", "informative", "--out", "here", "--json"];
+    let output = Command::new(env!("CARGO_BIN_EXE_bodyschema"))
+        .args(arguments)
+        .current_dir(place.path())
+        .output()
+        .unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let printed: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(printed["policy"], "informative");
+    let session = fs::read_to_string(place.path().join("here/session.json")).unwrap();
+    let session: serde_json::Value = serde_json::from_str(&session).unwrap();
+    assert_eq!(session["options"]["policy"], "informative");
+}

@@ -1,0 +1,309 @@
+//! What touches feel like: the touch sensor on made-up contacts, random stimulations on physics, and `feel`.
+
+use std::fs;
+use std::process::{Command, Output};
+
+use crate::common::{max, repository, with_agent};
+use bodyschema::creature::JointSelection;
+use bodyschema::senses::touch_sensor::RELEASE;
+use bodyschema::senses::{
+    Party, Sensation, SkinContact, SkinSpot, TouchEvent, TouchKind, TouchSensor, Toucher,
+};
+use bodyschema::simulation::partner::Strokes;
+use bodyschema::simulation::{Stage, StageOptions, StepSenses};
+use bodyschema::skin::{Skin, SomatotopicMap};
+use nalgebra::Vector3;
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use serde_json::{Value, json};
+
+/// A step of the made-up contacts, seconds.
+const STEP: f64 = 0.002;
+/// The model's bodies that touch, whichever they are.
+const FINGER: usize = 1001;
+const PEN: usize = 1002;
+
+/// Max's skin, for contacts that nothing has simulated.
+struct Skinned {
+    skin: Skin,
+    map: SomatotopicMap,
+}
+
+impl Skinned {
+    fn new() -> Skinned {
+        let (_, agent) = with_agent(max("torso"));
+        let map = SomatotopicMap::new(agent.skin());
+        Skinned { skin: agent.skin().clone(), map }
+    }
+
+    fn receptor(&self, id: &str) -> usize {
+        self.skin.receptor(id).unwrap_or_else(|| panic!("Max has no receptor {id}"))
+    }
+
+    fn spot(&self, receptor: usize, point: Vector3<f64>) -> SkinSpot {
+        SkinSpot { limb: self.skin.receptors[receptor].limb, receptor, point, sensor_force: None }
+    }
+
+    /// A contact in the middle of a receptor.
+    fn on(&self, receptor: usize, thing: usize) -> SkinContact {
+        let spot = self.spot(receptor, self.skin.receptors[receptor].position);
+        SkinContact { spot, by: Toucher::Thing(thing), force: 1.0 }
+    }
+
+    /// Three receptors that lie nearly in a line, each the next one's neighbour, and more than 2 cm long in all.
+    fn row(&self) -> [usize; 3] {
+        let position = |r: usize| self.skin.receptors[r].position;
+        for a in 0..self.skin.receptors.len() {
+            for &b in self.map.neighbours(a) {
+                for &c in self.map.neighbours(b) {
+                    let (first, second) = (position(b) - position(a), position(c) - position(b));
+                    if first.angle(&second) < 0.2 && first.norm().min(second.norm()) > 0.02 {
+                        return [a, b, c];
+                    }
+                }
+            }
+        }
+        panic!("Max has no row of receptors");
+    }
+
+    /// Contacts of a finger that goes straight from one receptor's middle to the next one's at 0.1 m/s.
+    fn along(&self, way: &[usize]) -> Vec<Vec<SkinContact>> {
+        let mut steps = Vec::new();
+        for pair in way.windows(2) {
+            let [from, to] = [pair[0], pair[1]].map(|r| self.skin.receptors[r].position);
+            let count = ((to - from).norm() / (0.1 * STEP)).ceil() as usize;
+            for k in 0..count {
+                let share = k as f64 / count as f64;
+                let receptor = if share < 0.5 { pair[0] } else { pair[1] };
+                let spot = self.spot(receptor, from + (to - from) * share);
+                steps.push(vec![SkinContact { spot, by: Toucher::Thing(FINGER), force: 2.0 }]);
+            }
+        }
+        steps
+    }
+
+    /// The events of contacts step by step, and of nothing for long enough after them.
+    fn events(&self, steps: &[Vec<SkinContact>]) -> Vec<TouchEvent> {
+        let mut sensor = TouchSensor::new(self.map.clone());
+        let silence = vec![Vec::new(); (2.0 * RELEASE / STEP) as usize];
+        let steps = steps.iter().chain(&silence).enumerate();
+        steps.flat_map(|(k, contacts)| sensor.step(STEP * k as f64, contacts)).collect()
+    }
+
+    /// The sensations, of which each must have begun before.
+    fn sensations(&self, steps: &[Vec<SkinContact>]) -> Vec<Sensation> {
+        let (mut begun, mut sensations) = (Vec::new(), Vec::new());
+        for event in self.events(steps) {
+            match event {
+                TouchEvent::Began { number, .. } => begun.push(number),
+                TouchEvent::Sensed { number, sensation } => {
+                    assert!(begun.contains(&number), "{number} has not begun");
+                    sensations.push(sensation);
+                }
+            }
+        }
+        assert_eq!(begun.len(), sensations.len(), "what began has ended");
+        sensations
+    }
+
+    /// The one sensation of these contacts.
+    fn sensation(&self, steps: &[Vec<SkinContact>]) -> Sensation {
+        let found = self.sensations(steps);
+        let [sensation] = &found[..] else { panic!("{} sensations in place of one", found.len()) };
+        sensation.clone()
+    }
+}
+
+#[test]
+fn at_one_place_a_short_touch_is_a_tap_and_a_long_one_a_press() {
+    let max = Skinned::new();
+    let receptor = max.receptor("left_forearm_05");
+    for (steps, kind) in [(25, TouchKind::Tap), (250, TouchKind::Press)] {
+        let felt = max.sensation(&vec![vec![max.on(receptor, FINGER)]; steps]);
+        assert_eq!((felt.kind, felt.by), (kind, Party::Thing(FINGER)));
+        let [side] = &felt.sides[..] else { panic!("{kind:?} has {} sides", felt.sides.len()) };
+        assert_eq!(side.limb, max.skin.receptors[receptor].limb);
+        assert_eq!(side.receptors.iter().map(|(r, _)| *r).collect::<Vec<_>>(), [receptor]);
+        assert_eq!((side.path, side.speed, side.direction), (0.0, 0.0, Vector3::zeros()));
+        assert!((felt.ended - felt.began - STEP * (steps - 1) as f64).abs() < 1e-9);
+        assert!((felt.peak_force - 1.0).abs() < 1e-12 && (felt.mean_force - 1.0).abs() < 1e-12);
+    }
+}
+
+#[test]
+fn along_a_row_of_receptors_is_a_stroke_with_its_order_and_direction() {
+    let max = Skinned::new();
+    let row = max.row();
+    let felt = max.sensation(&max.along(&row));
+    assert_eq!(felt.kind, TouchKind::Stroke);
+    let side = &felt.sides[0];
+    assert_eq!(side.receptors.iter().map(|(r, _)| *r).collect::<Vec<_>>(), row);
+    assert!(side.receptors.windows(2).all(|pair| pair[0].1[0] < pair[1].1[0]), "{:?}", side.receptors);
+    let way = max.skin.receptors[row[2]].position - max.skin.receptors[row[0]].position;
+    assert!(side.direction.angle(&way) < 0.05, "{} rather than {way}", side.direction);
+    assert!((side.path - way.norm()).abs() < 0.006, "{} m of {}", side.path, way.norm());
+    assert!((side.speed - 0.1).abs() < 0.02, "{} m/s", side.speed);
+}
+
+#[test]
+fn to_and_fro_is_a_rub() {
+    let max = Skinned::new();
+    let [a, b, _] = max.row();
+    assert_eq!(max.sensation(&max.along(&[a, b, a, b])).kind, TouchKind::Rub);
+}
+
+#[test]
+fn a_bounce_shorter_than_the_release_stays_one_sensation() {
+    let max = Skinned::new();
+    let touching = vec![vec![max.on(max.receptor("left_forearm_05"), FINGER)]; 10];
+    for (pause, count) in [(0.8 * RELEASE, 1), (1.5 * RELEASE, 2)] {
+        let apart = vec![Vec::new(); (pause / STEP) as usize];
+        let steps = [touching.clone(), apart, touching.clone()].concat();
+        assert_eq!(max.sensations(&steps).len(), count, "after {pause} s apart");
+    }
+}
+
+#[test]
+fn two_parties_at_one_place_are_two_sensations() {
+    let max = Skinned::new();
+    let receptor = max.receptor("left_forearm_05");
+    let both = vec![max.on(receptor, FINGER), max.on(receptor, PEN)];
+    let felt = max.sensations(&vec![both; 20]);
+    let mut parties: Vec<Party> = felt.iter().map(|sensation| sensation.by).collect();
+    parties.sort_unstable();
+    assert_eq!(parties, [Party::Thing(FINGER), Party::Thing(PEN)]);
+}
+
+#[test]
+fn self_touch_has_two_sides_and_no_object() {
+    let max = Skinned::new();
+    let [arm, chest] = ["left_forearm_05", "chest_10"].map(|id| max.receptor(id));
+    let other = max.on(chest, FINGER).spot;
+    let own = SkinContact { by: Toucher::Own(other), ..max.on(arm, FINGER) };
+    // Something else at the same place of the arm is felt apart from it.
+    let felt = max.sensations(&vec![vec![own, max.on(arm, FINGER)]; 20]);
+    let (own, others): (Vec<_>, Vec<_>) = felt.iter().partition(|sensation| sensation.by == Party::Own);
+    assert_eq!((own.len(), others.len()), (1, 1));
+    let limbs: Vec<usize> = own[0].sides.iter().map(|side| side.limb).collect();
+    assert_eq!(limbs, [arm, chest].map(|receptor| max.skin.receptors[receptor].limb));
+    assert_eq!(others[0].sides.len(), 1);
+}
+
+#[test]
+fn random_stimulations_of_max_are_told_right_and_soon() {
+    let options = StageOptions {
+        joints: JointSelection::All,
+        probes: vec!["probe".to_string()],
+        ..StageOptions::default()
+    };
+    let stage = Stage::new(&repository("mjcf/max/max.xml"), &options).expect("Max can be touched");
+    let probe = stage.probe_thing(0);
+    for seed in [1, 2] {
+        for (k, kind) in TouchKind::ALL.into_iter().enumerate() {
+            let mut rng = ChaCha8Rng::seed_from_u64(seed);
+            rng.set_stream(k as u64);
+            let done = Strokes::new(&stage).random(kind, stage.time(), &mut rng);
+            let done = done.expect("Max has room for it");
+            let end = done.path.end();
+            stage.send_probe(0, done.path).unwrap();
+            let (mut last_contact, mut felt) = (f64::NAN, Vec::new());
+            loop {
+                let StepSenses { time, contacts, touches, .. } = stage.step().unwrap();
+                if contacts.iter().any(|contact| contact.by == Toucher::Thing(probe)) {
+                    last_contact = time;
+                }
+                felt.extend(touches.into_iter().filter_map(|event| match event {
+                    TouchEvent::Sensed { sensation, .. } => Some((sensation, time)),
+                    TouchEvent::Began { .. } => None,
+                }));
+                if time > end + 0.1 {
+                    break;
+                }
+            }
+            let lasted = |sensation: &Sensation| sensation.ended - sensation.began;
+            let longest = felt.iter().max_by(|a, b| lasted(&a.0).total_cmp(&lasted(&b.0)));
+            let (told, _) = longest.unwrap_or_else(|| panic!("{kind:?} of seed {seed} was not felt"));
+            let as_told = (told.kind, told.by, told.sides[0].limb);
+            assert_eq!(as_told, (kind, Party::Thing(probe), done.limb), "seed {seed}");
+            let decided = felt.last().expect("it was felt").1;
+            assert!(decided - last_contact <= 0.05, "{kind:?} of seed {seed}: after {decided} s");
+        }
+    }
+}
+
+/// `bodyschema feel` of Max with a script of this text.
+fn feel(script: Option<&str>) -> Output {
+    let place = tempfile::tempdir().unwrap();
+    if let Some(script) = script {
+        fs::write(place.path().join("touches.json"), script).unwrap();
+    }
+    let mut command = Command::new(env!("CARGO_BIN_EXE_bodyschema"));
+    command.arg("feel").arg(repository("mjcf/max/max.xml")).args(["--script", "touches.json"]);
+    command.current_dir(place.path()).env("RUST_BACKTRACE", "0").output().unwrap()
+}
+
+/// A script of one probe with these waypoints.
+fn script(path: Value) -> String {
+    json!({"probes": [{"name": "finger", "path": path}]}).to_string()
+}
+
+fn waypoint(time: f64, height: f64) -> Value {
+    json!({"time": time, "receptor": "left_forearm_05", "height": height})
+}
+
+#[test]
+fn feel_prints_what_begins_and_then_what_it_was() {
+    let tap = json!([waypoint(0.0, 0.03), waypoint(0.3, -0.005), waypoint(0.4, 0.03)]);
+    let output = feel(Some(&script(tap)));
+    let message = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(0), "{message}");
+    let text = String::from_utf8(output.stdout).unwrap();
+    let events: Vec<Value> = text.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
+    let names: Vec<&str> = events.iter().filter_map(|event| event["event"].as_str()).collect();
+    // A probe that stops above the skin swings back a little, which may alarm again.
+    assert_eq!(names[..4], ["entered", "alarm", "began", "sensed"], "{text}");
+    let [entered, alarm, began, sensed] = &events[..4] else { panic!("four events: {text}") };
+    assert_eq!((&entered["by"], &entered["aura_limb"]), (&json!("finger"), &json!("left_forearm")));
+    assert_eq!(alarm["contact"]["limb"], "left_forearm");
+    let foreseen = alarm["time"].as_f64().unwrap() + alarm["contact"]["time_to_contact"].as_f64().unwrap();
+    assert!((foreseen - began["time"].as_f64().unwrap()).abs() < 0.15, "{text}");
+    assert_eq!((&began["event"], &sensed["event"]), (&json!("began"), &json!("sensed")));
+    assert_eq!(began["number"], sensed["number"]);
+    assert!(began["time"].as_f64() < sensed["time"].as_f64());
+    for event in [began, sensed] {
+        assert_eq!((&event["by"], &event["self_touch"]), (&json!("finger"), &json!(false)));
+    }
+    assert_eq!(began["places"][0]["receptor"], "left_forearm_05");
+    assert_eq!((&sensed["kind"], &sensed["sides"][0]["limb"]), (&json!("tap"), &json!("left_forearm")));
+    assert_eq!(sensed["began"], began["time"]);
+}
+
+#[test]
+fn wrong_scripts_are_told_in_one_sentence() {
+    let backwards = script(json!([waypoint(0.3, 0.03), waypoint(0.1, 0.0)]));
+    let unknown = script(json!([{"time": 0.0, "receptor": "third_elbow_01"}]));
+    let nowhere = script(json!([{"time": 0.0}]));
+    let cases = [
+        (Some("{\"probes\": [".to_string()), "line 1"),
+        (Some(r#"{"probes": [{"name": "finger", "path": [], "colour": "red"}]}"#.to_string()), "colour"),
+        (Some(unknown), "third_elbow_01"),
+        (Some(backwards), "order of time"),
+        (Some(script(json!([]))), "no path"),
+        (Some(nowhere), "\"at\" or \"receptor\""),
+        (None, "cannot be read"),
+    ];
+    for (script, word) in cases {
+        let output = feel(script.as_deref());
+        let message = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(1), "{script:?}: {message}");
+        assert!(output.stdout.is_empty(), "{script:?} prints something");
+        assert_eq!(message.trim_end().lines().count(), 1, "{script:?}: {message}");
+        assert!(
+            message.starts_with("bodyschema: ") && !message.contains("panicked"),
+            "{script:?}: {message}"
+        );
+        for word in [word, "touches.json"] {
+            assert!(message.contains(word), "no \"{word}\" in: {message}");
+        }
+    }
+}

@@ -1,0 +1,157 @@
+//! Studies and disturbances as a user meets them: what they print, what they save, and what they refuse.
+
+use std::fs;
+use std::path::Path;
+
+use crate::common::program::{refused, succeeds};
+use crate::common::two_arms;
+use serde_json::Value;
+use tempfile::TempDir;
+
+/// A folder with a small creature in it, in which commands run.
+fn place() -> TempDir {
+    let place = tempfile::tempdir().unwrap();
+    let arms = two_arms(r#"type="capsule" size="0.12 0.2""#, r#"type="capsule" size="0.03 0.2""#);
+    fs::write(place.path().join("arms.xml"), arms).unwrap();
+    place
+}
+
+fn json(place: &Path, arguments: &[&str]) -> Value {
+    let text = succeeds(place, arguments);
+    serde_json::from_str(&text).unwrap_or_else(|error| panic!("{error}: {text}"))
+}
+
+#[test]
+fn a_study_prints_one_json_object_with_its_seeds_and_saves_its_files() {
+    let place = place();
+    let arguments =
+        ["study", "learners", "arms.xml", "--trials", "2", "--seed", "5", "--touches", "60", "--json"];
+    let found = json(place.path(), &arguments);
+    assert_eq!(found["seeds"], serde_json::json!([5, 6]));
+    assert_eq!((&found["options"]["touches"], &found["options"]["trials"]), (&60.into(), &2.into()));
+    let summary = found["summary"].as_array().unwrap();
+    let learners: Vec<&str> = summary.iter().map(|row| row["learner"].as_str().unwrap()).collect();
+    assert_eq!(learners, ["hersch", "gradient", "lm --skin centres", "lm"]);
+    let rows = found["rows"].as_array().unwrap();
+    assert_eq!(rows.len(), 8, "four learners in two trials, each after all touches");
+    assert!(rows.iter().all(|row| row["heldout_mm"].is_number() && row["touches"] == 60));
+    let folder = place.path().join("studies/learners");
+    let saved = fs::read_to_string(folder.join("study.json")).unwrap();
+    assert_eq!(serde_json::from_str::<Value>(&saved).unwrap(), found);
+    let csv = fs::read_to_string(folder.join("study.csv")).unwrap();
+    assert_eq!(csv.lines().count(), 9, "{csv}");
+    assert!(csv.starts_with("learner,seed,touches,heldout_mm,"), "{csv}");
+    let svg = fs::read_to_string(folder.join("study.svg")).unwrap();
+    assert!(svg.starts_with("<svg") && svg.contains("gradient"), "{svg}");
+}
+
+#[test]
+fn a_study_never_overwrites_another() {
+    let place = place();
+    let arguments = ["study", "learners", "arms.xml", "--trials", "1", "--touches", "20"];
+    for folder in ["studies/learners", "studies/learners-2"] {
+        let text = succeeds(place.path(), &arguments);
+        assert!(text.contains("seeds 1") && text.contains("20 touches") && text.contains(folder), "{text}");
+        assert!(place.path().join(folder).join("study.csv").is_file());
+    }
+    let out = [&arguments[..], &["--out", "studies/learners"]].concat();
+    let message = refused(place.path(), 1, &out);
+    assert!(message.contains("already") && message.contains("--out"), "{message}");
+}
+
+#[test]
+fn a_study_of_disturbances_compares_all_with_none() {
+    let place = place();
+    let arguments = ["study", "disturbances", "arms.xml", "--trials", "1", "--touches", "40", "--json"];
+    let found = json(place.path(), &[&arguments[..], &["--out", "here"]].concat());
+    let summary = found["summary"].as_array().unwrap();
+    assert_eq!((&summary[0]["disturbances"], &summary[0]["factor"]), (&"none".into(), &1.0.into()));
+    assert_eq!(summary.len(), 11);
+    let together = summary[10]["disturbances"].as_str().unwrap();
+    assert_eq!(together, "joint noise 0.1°, receptor noise 1 mm, false touches 5 %");
+    assert!(place.path().join("here/study.svg").is_file());
+}
+
+#[test]
+fn a_study_of_policies_relates_all_to_random() {
+    let place = place();
+    let arguments = ["study", "policies", "arms.xml", "--trials", "1", "--touches", "40", "--json"];
+    let found = json(place.path(), &[&arguments[..], &["--out", "here"]].concat());
+    let summary = found["summary"].as_array().unwrap();
+    let policies: Vec<&str> = summary.iter().map(|row| row["policy"].as_str().unwrap()).collect();
+    assert_eq!(policies, ["random", "steered", "informative"]);
+    let rows = found["rows"].as_array().unwrap();
+    assert_eq!(rows.len(), 3, "forty touches are learned from once");
+    assert!(rows.iter().all(|row| row["motions"].as_u64() >= Some(40)));
+    assert!(place.path().join("here/study.svg").is_file());
+}
+
+#[test]
+fn wrong_usage_of_a_study_is_told_in_a_sentence() {
+    let place = place();
+    let message = refused(place.path(), 2, &["study", "astrology", "arms.xml"]);
+    for word in ["astrology", "learners", "disturbances"] {
+        assert!(message.contains(word), "no \"{word}\" in: {message}");
+    }
+    let message = refused(place.path(), 1, &["study", "learners"]);
+    assert!(message.contains("mjcf/max/max.xml") && message.contains("MODEL"), "{message}");
+    refused(place.path(), 1, &["study", "learners", "missing.xml"]);
+    refused(place.path(), 2, &["study", "learners", "arms.xml", "--trials", "0"]);
+    refused(
+        place.path(),
+        1,
+        &["study", "learners", "arms.xml", "--trials", "2", "--seed", "18446744073709551615"],
+    );
+    assert!(!place.path().join("studies").exists(), "wrong usage left a study");
+}
+
+#[test]
+fn learning_from_disturbed_touches_says_what_that_cost_and_leaves_the_log_exact() {
+    let place = place();
+    let exact = ["babble", "arms.xml", "--touches", "120", "--input", "contact", "--json"];
+    let noise = ["--joint-noise", "0.2", "--receptor-noise", "1", "--false-touches", "0.02"];
+    let undisturbed = json(place.path(), &[&exact[..], &["--out", "exact"]].concat());
+    assert!(undisturbed["undisturbed_heldout_mm"].is_null());
+    assert_eq!(undisturbed["disturbances"]["joint_noise_deg"], 0.0);
+    let disturbed = json(place.path(), &[&exact[..], &noise, &["--out", "disturbed"]].concat());
+    assert_eq!(disturbed["disturbances"]["receptor_noise_mm"], 1.0);
+    assert_eq!(disturbed["undisturbed_heldout_mm"], undisturbed["heldout_mm"]);
+    let mean = |found: &Value| found["heldout_mm"]["mean"].as_f64().unwrap();
+    assert!(mean(&disturbed) > 100.0 * mean(&undisturbed), "{disturbed}");
+    let log = |folder: &str| fs::read(place.path().join(folder).join("touches.jsonl")).unwrap();
+    assert!(log("exact") == log("disturbed"));
+    let text = succeeds(place.path(), &["learn", "exact", "--learner", "hersch", "--joint-noise", "1"]);
+    assert!(text.contains("without the disturbances: ") && text.contains("joint noise 1°"), "{text}");
+    for wrong in [["--joint-noise", "nan"], ["--receptor-noise=-1", "--json"], ["--false-touches", "1"]] {
+        refused(place.path(), 2, &[&["learn", "exact"][..], &wrong].concat());
+    }
+}
+
+#[test]
+fn a_body_that_grows_and_one_that_holds_a_stick_are_known_again() {
+    let place = tempfile::tempdir().unwrap();
+    let max = crate::common::repository("mjcf/max/max.xml");
+    let model = max.to_str().unwrap();
+    let arguments = ["study", "growth", model, "--trials", "1", "--seed", "9", "--touches", "600", "--json"];
+    let found = json(place.path(), &arguments);
+    for row in found["summary"].as_array().unwrap() {
+        assert_eq!(row["known_again"], 1.0, "{row}");
+        assert!(row["touches_to_twice"].as_f64().unwrap() <= 60.0, "{row}");
+        assert!(row["error_at_change_mm"].as_f64().unwrap() > 1.0, "{row}");
+    }
+}
+
+#[test]
+fn what_touches_itself_is_never_taken_for_what_is_touched() {
+    let place = tempfile::tempdir().unwrap();
+    let max = crate::common::repository("mjcf/max/max.xml");
+    let arguments = ["study", "self-touch", max.to_str().unwrap(), "--trials", "9", "--seed", "9", "--json"];
+    let found = json(place.path(), &arguments);
+    assert_eq!((&found["trials"], &found["named_wrongly"]), (&9.into(), &0.into()));
+    let done: usize =
+        found["summary"].as_array().unwrap().iter().map(|row| row["trials"].as_u64().unwrap() as usize).sum();
+    assert_eq!(done, 9);
+    for (done, told) in [("self", "other"), ("other", "self")] {
+        assert_eq!(found["confusion"][done][told], 0, "{}", found["confusion"]);
+    }
+}

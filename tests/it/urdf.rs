@@ -1,0 +1,194 @@
+//! The learned body as URDF: readers take it, and MuJoCo moves its links as the schema says.
+
+use std::sync::Arc;
+
+use crate::common::{creature, max, truth, two_arms};
+use bodyschema::agent::Agent;
+use bodyschema::creature::{Creature, DofKind, Posture};
+use bodyschema::export::{Urdf, to_urdf};
+use bodyschema::geometry::Shape;
+use bodyschema::kinematics::limb_frames;
+use bodyschema::learning::onset::random_onset;
+use bodyschema::mujoco::{Data, Model, ObjectKind};
+use bodyschema::schema::BodySchema;
+use nalgebra::{Quaternion, UnitQuaternion};
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+
+/// Agreement of places (metres) and rotations after a round trip through URDF.
+const ROUND_TRIP: f64 = 1e-9;
+/// How far the mesh of an ellipsoid may be from it, as a share of its semi-axes.
+const MESH: f64 = 0.01;
+
+/// A slide, joints in series, a ball in mid-chain, and a geom of each shape.
+const MIXED: &str = r#"<mujoco model="mixed">
+  <compiler angle="radian"/>
+  <worldbody>
+    <body name="trunk">
+      <freejoint/>
+      <geom type="box" size="0.1 0.2 0.3" quat="0.7 0.1 0.2 0.3"/>
+      <body name="piston" pos="0.2 0 0.4" quat="0.8 0.2 0.1 0">
+        <joint name="push" type="slide" axis="0.3 0 1" limited="true" range="-0.1 0.2"/>
+        <joint name="swing" axis="1 1 0" limited="true" range="-1 1"/>
+        <joint name="twist" axis="0 0 1" pos="0.05 0 0.01"/>
+        <geom type="cylinder" size="0.05 0.1" pos="0 0 0.3"/>
+        <body name="bowl" pos="0.1 0 0.1">
+          <joint name="roll" type="ball" limited="true" range="0 1.2"/>
+          <geom type="ellipsoid" size="0.05 0.06 0.07" quat="0.5 0.5 0.1 0.2"/>
+          <body name="loose" pos="-0.1 0 0.2">
+            <joint name="spin" type="ball"/>
+            <joint name="slip" type="slide" axis="0 1 0"/>
+            <geom type="capsule" size="0.02 0.1" pos="0 0 0.1"/>
+            <geom type="sphere" size="0.03" pos="0 0 0.25"/>
+          </body>
+        </body>
+      </body>
+    </body>
+  </worldbody>
+</mujoco>"#;
+
+/// A schema as URDF, in a folder of its own.
+fn export(agent: &Agent, schema: &BodySchema) -> (tempfile::TempDir, Urdf) {
+    let urdf = to_urdf(agent, schema, "ellipsoid.stl");
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("body.urdf"), &urdf.xml).unwrap();
+    if let Some(mesh) = &urdf.mesh {
+        std::fs::write(folder.path().join("ellipsoid.stl"), mesh).unwrap();
+    }
+    (folder, urdf)
+}
+
+fn read_back(folder: &tempfile::TempDir) -> Arc<Model> {
+    Arc::new(Model::from_path(folder.path().join("body.urdf")).unwrap())
+}
+
+/// The angles about x, y and z in turn that make a rotation.
+fn turns(w: f64, x: f64, y: f64, z: f64) -> [f64; 3] {
+    let r = UnitQuaternion::from_quaternion(Quaternion::new(w, x, y, z)).to_rotation_matrix();
+    let r = r.matrix();
+    [f64::atan2(-r[(1, 2)], r[(2, 2)]), r[(0, 2)].clamp(-1.0, 1.0).asin(), f64::atan2(-r[(0, 1)], r[(0, 0)])]
+}
+
+/// Names and coordinates of the URDF's joints in a posture of the creature.
+fn coordinates(creature: &Creature, posture: &[f64]) -> Vec<(String, f64)> {
+    let mut named = Vec::new();
+    let mut rest = posture;
+    for dof in creature.dofs() {
+        let (own, after) = rest.split_at(dof.kind.coordinates());
+        rest = after;
+        match dof.kind {
+            DofKind::Ball => {
+                let angles = turns(own[0], own[1], own[2], own[3]);
+                named.extend(
+                    ["x", "y", "z"].iter().zip(angles).map(|(a, t)| (format!("{}_{a}", dof.name), t)),
+                );
+            }
+            _ => named.push((dof.name.clone(), own[0])),
+        }
+    }
+    named
+}
+
+/// MuJoCo moves the links of the URDF as the schema moves the limbs.
+fn same_motion(agent: &Agent, schema: &BodySchema) {
+    let (folder, _) = export(agent, schema);
+    let model = read_back(&folder);
+    let mut data = Data::new(model.clone()).unwrap();
+    let mut rng = ChaCha8Rng::seed_from_u64(7);
+    let root = &agent.creature().limbs()[0];
+    let body_of = |limb: &str| model.id(ObjectKind::Body, limb).unwrap_or_else(|| panic!("{limb} is lost"));
+    for _ in 0..50 {
+        let posture = Posture::random(agent.creature(), &mut rng);
+        let mut qpos = model.qpos0().to_vec();
+        for (name, value) in coordinates(agent.creature(), &posture) {
+            let joint = model.joints().find(|joint| joint.name == Some(&name));
+            qpos[joint.unwrap_or_else(|| panic!("{name} is lost")).qposadr] = value;
+        }
+        data.set_qpos(&qpos).unwrap();
+        data.kinematics().unwrap();
+        for (limb, frame) in limb_frames(agent.creature(), schema, &posture).iter().enumerate() {
+            let name = &agent.creature().limbs()[limb];
+            // The root is where the world is.
+            let pose = if name == root { data.body_pose(0) } else { data.body_pose(body_of(name)) };
+            let rotation = pose.rotation.to_rotation_matrix().into_inner();
+            let away = (pose.translation.vector - frame.origin).norm();
+            assert!(away < ROUND_TRIP, "{name}: {away} m");
+            assert!((rotation - frame.rotation).norm() < ROUND_TRIP, "{name}");
+        }
+    }
+}
+
+#[test]
+fn mujoco_moves_the_links_as_the_schema_moves_the_limbs() {
+    for body in [
+        max("torso"),
+        creature(MIXED),
+        creature(&two_arms(r#"type="sphere" size="0.1""#, r#"type="capsule" size="0.03 0.2""#)),
+    ] {
+        let wrong = random_onset(&body.creature, &mut ChaCha8Rng::seed_from_u64(3));
+        for schema in [truth(&body), wrong] {
+            same_motion(&Agent::of(&body).unwrap(), &schema);
+        }
+    }
+}
+
+#[test]
+fn a_reader_of_urdf_finds_every_limb_and_degree_of_freedom() {
+    let body = creature(MIXED);
+    let (_folder, urdf) = export(&Agent::of(&body).unwrap(), &truth(&body));
+    let robot = urdf_rs::read_from_string(&urdf.xml).unwrap();
+    let links: Vec<&str> = robot.links.iter().map(|link| link.name.as_str()).collect();
+    for limb in body.creature.limbs() {
+        assert!(links.contains(&limb.as_str()), "{limb} is no link");
+    }
+    // Every joint carries one link, and all links but the root are carried once.
+    assert_eq!(robot.links.len(), robot.joints.len() + 1);
+    let carried: std::collections::BTreeSet<&str> =
+        robot.joints.iter().map(|j| j.child.link.as_str()).collect();
+    assert_eq!(carried.len(), robot.joints.len());
+    assert!(!carried.contains(body.creature.limbs()[0].as_str()));
+    assert_eq!(robot.joints.len(), body.creature.dof(), "a ball counts three");
+    let joint = |name: &str| robot.joints.iter().find(|joint| joint.name == name).unwrap();
+    let kind = |name: &str| format!("{:?}", joint(name).joint_type);
+    assert_eq!(
+        [kind("push"), kind("swing"), kind("twist"), kind("roll_y")],
+        ["Prismatic", "Revolute", "Continuous", "Continuous"]
+    );
+    assert_eq!([joint("push").limit.lower, joint("push").limit.upper], [-0.1, 0.2]);
+    for link in robot.links.iter().filter(|link| link.name != robot.links[0].name) {
+        assert!(link.inertial.mass.value > 0.0, "{} weighs nothing", link.name);
+    }
+}
+
+/// What the links are made of is where the skin is: MuJoCo's geoms, sampled, lie on the skin's surfaces.
+#[test]
+fn shapes_are_where_the_skin_is() {
+    let body = creature(MIXED);
+    let agent = Agent::of(&body).unwrap();
+    let skin = agent.skin();
+    let (folder, _) = export(&agent, &truth(&body));
+    let model = read_back(&folder);
+    let mut data = Data::new(model.clone()).unwrap();
+    data.kinematics().unwrap();
+    let frames = limb_frames(&body.creature, &truth(&body), &body.creature.reference_posture());
+    // A capsule is three solids, all others one.
+    assert_eq!(model.ngeom(), skin.surfaces.len() + 2);
+    let mut geom = 0;
+    for surface in &skin.surfaces {
+        let pieces = if matches!(surface.shape, Shape::Capsule { .. }) { 3 } else { 1 };
+        let centre = frames[surface.limb].point(&surface.origin);
+        let first = data.geom_position(geom).coords;
+        assert!((first - centre).norm() < 1e-6, "{:?} at {first} and not {centre}", surface.shape);
+        if let Shape::Ellipsoid { semi_axes } = surface.shape {
+            let vertices = model.mesh_vertices(geom);
+            assert!(vertices.len() > 100, "a sphere of {} corners", vertices.len());
+            let pose = data.geom_pose(geom);
+            for vertex in vertices {
+                let p_l = frames[surface.limb].inverse_point(&(pose * nalgebra::Point3::from(vertex)).coords);
+                let (distance, _) = surface.signed_distance(&p_l).unwrap();
+                assert!(distance.abs() < MESH * semi_axes[2], "a corner of the mesh is {distance} m off");
+            }
+        }
+        geom += pieces;
+    }
+}
