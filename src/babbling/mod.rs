@@ -144,8 +144,8 @@ impl<'a> Babbler<'a> {
         })
     }
 
-    /// Babbles by a policy, one motion after the other from where the last one stopped, until
-    /// `options.touches` touches are made; all belong to bout 0. It works on one thread, whatever
+    /// Babbles by a policy, one motion after the other from where the last one stopped, or from the start after a
+    /// thousand without a touch, until `options.touches` touches are made; all belong to bout 0. It works on one thread, whatever
     /// `options.jobs`, for each motion depends on all before it. Returns what it cost.
     ///
     /// # Errors
@@ -160,15 +160,19 @@ impl<'a> Babbler<'a> {
         let mut mover = self.movers.mover().map_err(BabblingError::Engine)?;
         mover.draw_noise_from(noise_of(options.seed, 0));
         let fruitless_motions = self.fruitless_bouts() * MOTIONS_PER_BOUT;
+        // What was done before the body was last put back to where it starts.
+        let mut before = Effort::default();
         let (mut received, mut last) = (0, 0);
         while received < options.touches {
             let posture = mover.felt_posture().map_err(BabblingError::Engine)?;
             let target = policy.next_target(&posture, &mut rng);
             let ending = mover.advance(&target).map_err(BabblingError::Engine)?;
-            let effort = mover.effort();
+            let mut effort = before;
+            effort += mover.effort();
             let motion = effort.motions;
             if let Ending::Touch(ends) = ending {
-                let touch = mover.touch(0, ends).map_err(BabblingError::Engine)?;
+                let mut touch = mover.touch(0, ends).map_err(BabblingError::Engine)?;
+                touch.motion = motion;
                 policy.touched(&touch);
                 receive(&touch).map_err(BabblingError::Receiver)?;
                 (received, last) = (received + 1, motion);
@@ -177,9 +181,15 @@ impl<'a> Babbler<'a> {
                 if motion - last >= fruitless_motions {
                     return Err(BabblingError::NoTouch { motions: motion, bare: effort.bare });
                 }
+                // A body may have got caught in itself, where all ways out begin with the contact that it is in.
+                if (motion - last).is_multiple_of(MOTIONS_PER_BOUT) {
+                    before = effort;
+                    mover.reset(self.movers.start()).map_err(BabblingError::Engine)?;
+                }
             }
         }
-        Ok(mover.effort())
+        before += mover.effort();
+        Ok(before)
     }
 
     /// Babbles by a policy of the creature's own, named: at random in bouts on all threads, or one motion

@@ -113,7 +113,7 @@ fn a_session_says_that_it_does_not_know_where_its_learner_did_not() {
     succeeds(place, &[&babble[..], &["--learner", "hersch", "--out", "hersch"]].concat());
     assert_eq!(doubt_of("hersch"), Some(Doubt::Unknown));
     // The same touches by a learner that knows how good it is.
-    succeeds(place, &["learn", "hersch"]);
+    succeeds(place, &["learn", "hersch", "--input", "contact"]);
     assert_eq!(doubt_of("hersch"), None);
     let json = succeeds(place, &["observe", "hersch", "--json"]);
     // What is asked later is what was learned, not what some other learner would say.
@@ -122,7 +122,7 @@ fn a_session_says_that_it_does_not_know_where_its_learner_did_not() {
     let record: Value = serde_json::from_str(&file).unwrap();
     let metres = record["account"]["touch_deviation"].as_f64().unwrap();
     assert_eq!(told["touch_deviation_mm"].as_f64().unwrap(), 1e3 * metres);
-    assert_eq!(record["account"]["basis"]["input"], "receptor");
+    assert_eq!(record["account"]["basis"]["input"], "contact");
 
     // A record from before accounts were kept reads, and says nothing of how good it is.
     let mut old = record.clone();

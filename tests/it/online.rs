@@ -19,7 +19,7 @@ use std::sync::Arc;
 const TOUCHES_TO_ADAPT: usize = 60;
 
 fn heldout_mm(body: &Body, truth: &GroundTruth, schema: &BodySchema) -> f64 {
-    evaluate(&Agent::of(&body).unwrap(), truth, schema, &[]).heldout_mm.mean
+    evaluate(&Agent::of(body).unwrap(), truth, schema, &[]).heldout_mm.mean
 }
 
 #[test]

@@ -159,7 +159,7 @@ fn the_touch_sensor_of_a_receptor_fires_with_what_presses_on_it_and_less_often_a
     }
     let share = fired as f64 / pressed as f64;
     let agreeing = agree as f64 / pressed as f64;
-    assert!(ONSETS[0] <= onsets && onsets <= ONSETS[1], "{onsets} of {ends} ends at onsets");
+    assert!((ONSETS[0]..=ONSETS[1]).contains(&onsets), "{onsets} of {ends} ends at onsets");
     assert!(share >= PRESSED, "{share} of {pressed} contacts that press");
     assert!(agreeing >= AGREE, "{agreeing} of {pressed} contacts that press");
 }

@@ -19,15 +19,15 @@ fn python() -> Option<String> {
     })
 }
 
-/// The Python code that the README shows.
+/// The Python code that the documents show.
 fn shown() -> String {
-    let readme = fs::read_to_string(repository("README.md")).unwrap();
-    let (_, code) = readme.split_once("```python\n").expect("the README shows some Python");
+    let document = fs::read_to_string(repository("docs/files.md")).unwrap();
+    let (_, code) = document.split_once("```python\n").expect("docs/files.md shows some Python");
     code.split_once("```").unwrap().0.to_string()
 }
 
 #[test]
-fn pandas_reads_a_session_as_the_readme_shows() {
+fn pandas_reads_a_session_as_the_documents_show() {
     let Some(python) = python() else {
         assert_ne!(
             std::env::var("BODYSCHEMA_PANDAS").as_deref(),

@@ -107,7 +107,10 @@ fn start(path: &Path) -> &'static Browser {
         news: Condvar::new(),
     }));
     let answers = program.stdout.take().unwrap();
-    std::thread::spawn(move || browser.listen(answers));
+    std::thread::spawn(move || {
+        browser.listen(answers);
+        program.wait()
+    });
     browser
 }
 

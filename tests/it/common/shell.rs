@@ -9,6 +9,9 @@ use super::{drawing, repository};
 /// What a line says of itself where it takes too long for a test: then only its usage is checked.
 const SLOW: [&str; 2] = ["takes minutes", "takes hours"];
 
+/// The models of Debian's package libmujoco-samples.
+const SAMPLES: &str = "/usr/share/mujoco/model";
+
 /// A line of a shell, as it is written, and whether it says that it is slow.
 #[derive(Clone, Debug)]
 pub struct Line {
@@ -25,11 +28,12 @@ impl Line {
         Line { text: text.trim().to_string(), slow: SLOW.iter().any(|slow| comment.contains(slow)) }
     }
 
-    /// Whether this machine or this build lacks what the line needs: Parquet, Rerun, OpenGL or ffmpeg.
+    /// Whether this machine or this build lacks what the line needs: Parquet, Rerun, MuJoCo's samples, OpenGL or ffmpeg.
     pub fn lacks_something(&self) -> bool {
         let draws = self.text.contains("bodyschema render");
         (self.text.contains("--parquet") && cfg!(not(feature = "parquet")))
             || (self.text.contains("--rrd") && cfg!(not(feature = "rerun")))
+            || (self.text.contains(SAMPLES) && !Path::new(SAMPLES).is_dir())
             || (draws && !drawing::opengl())
             || (draws && self.text.contains(".mp4") && !drawing::ffmpeg())
     }
