@@ -3,6 +3,7 @@
 use std::fs;
 use std::path::Path;
 use std::process::{Command, Stdio};
+use std::time::Instant;
 
 use super::{drawing, repository};
 
@@ -56,7 +57,9 @@ impl Line {
     pub fn run(&self, folder: &Path) -> bool {
         self.check();
         if !self.slow {
+            let begun = Instant::now();
             run(folder, &self.text);
+            println!("{:.1} s: {}", begun.elapsed().as_secs_f64(), self.text);
         }
         !self.slow
     }
