@@ -255,8 +255,12 @@ mod tests {
         let svg = chart(names, &[[100.0, 0.0], [200.0, 1.0]]).in_page();
         assert!(svg.find("first").is_some() && svg.contains("second"), "{svg}");
         // The marks come first, then the one that explains them.
-        let heights: Vec<f64> =
-            svg.split("cy=\"").skip(1).filter_map(|rest| rest.split('"').next()?.parse().ok()).take(2).collect();
+        let heights: Vec<f64> = svg
+            .split("cy=\"")
+            .skip(1)
+            .filter_map(|rest| rest.split('"').next()?.parse().ok())
+            .take(2)
+            .collect();
         assert!(heights.len() == 2 && heights[0] < heights[1], "the first stands above: {heights:?}");
     }
 
