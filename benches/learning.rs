@@ -9,9 +9,9 @@ use bodyschema::agent::Agent;
 use bodyschema::babbling::Babbler;
 use bodyschema::creature::Creature;
 use bodyschema::ground_truth::GroundTruth;
+use bodyschema::learning::initial_guess::{random_direction, random_guess};
 use bodyschema::learning::least_squares::{Stopping, levenberg_marquardt};
 use bodyschema::learning::observation::{Observation, ObservationModel, PointsMeet};
-use bodyschema::learning::onset::{random_direction, random_onset};
 use bodyschema::learning::surface_gap::SurfaceGap;
 use bodyschema::learning::touch_set::{LimbTouch, TouchProblem, TouchSet};
 use bodyschema::learning::{AxisModel, Hersch, Input, Learner, Parameters, SecondOrder};
@@ -66,8 +66,8 @@ fn learning(criterion: &mut Criterion) {
     let (touches, _) = max::babble(&babbler, MOST_TOUCHES);
     let truth = GroundTruth::new(&body).expect("the engine computes poses").schema;
 
-    let onset = random_onset(creature, &mut ChaCha8Rng::seed_from_u64(1));
-    let mut hersch = Hersch::new(&agent, Input::Receptor, onset);
+    let initial_guess = random_guess(creature, &mut ChaCha8Rng::seed_from_u64(1));
+    let mut hersch = Hersch::new(&agent, Input::Receptor, initial_guess);
     let mut rounds = touches.iter().cycle();
     criterion.bench_function("Hersch update, both directions of a touch", |bencher| {
         bencher.iter(|| hersch.touch(rounds.next().expect("the cycle has no end")));
@@ -115,9 +115,10 @@ fn lm_iteration(
     let mut group = criterion.benchmark_group("lm iteration");
     group.sample_size(20);
     group.bench_function(name, |bencher| {
-        let onset = || start.clone();
-        let iterate = |onset| levenberg_marquardt(&mut problem, &parameters, onset, ONE_ITERATION);
-        bencher.iter_batched(onset, iterate, BatchSize::SmallInput);
+        let initial_guess = || start.clone();
+        let iterate =
+            |initial_guess| levenberg_marquardt(&mut problem, &parameters, initial_guess, ONE_ITERATION);
+        bencher.iter_batched(initial_guess, iterate, BatchSize::SmallInput);
     });
     group.finish();
 }

@@ -3,7 +3,7 @@
 //! - *global fit*: all touches at once, from a schema whose joints are all up to 5 mm and 0.3° off, to the
 //!   optimum (surfaces under the receptors, as by default);
 //! - *update*: what the filter takes to predict a touch and learn from it, the mean over all touches;
-//! - *stream*: all touches one by one into the default learner from a random onset, lock-in, prediction,
+//! - *stream*: all touches one by one into the default learner from a random initial guess, lock-in, prediction,
 //!   updates and repeated fits included, and the conclusion. Not for all 57 joints, which receptors do not
 //!   lock in (see the README).
 //!
@@ -17,9 +17,9 @@ use bodyschema::babbling::Babbler;
 use bodyschema::creature::Creature;
 use bodyschema::evaluation::evaluate;
 use bodyschema::ground_truth::GroundTruth;
+use bodyschema::learning::initial_guess::random_direction;
 use bodyschema::learning::least_squares::LeastSquares;
 use bodyschema::learning::online::Belief;
-use bodyschema::learning::onset::random_direction;
 use bodyschema::learning::surface_gap::SurfaceGap;
 use bodyschema::learning::touch_set::{TouchProblem, TouchSet};
 use bodyschema::learning::{AxisModel, Input, Learner, Online, Parameters, PriorKnowledge, SecondOrder};

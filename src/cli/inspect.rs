@@ -9,10 +9,9 @@ use super::Outcome;
 use super::open::{ModelArguments, open_model};
 use super::progress::Bars;
 use super::{output, progress};
-use crate::creature::{Body, Creature, DofKind, JointSelection};
+use crate::creature::{Creature, Dof, JointSelection};
 use crate::experiment::skin_for;
-use crate::mujoco::Equality;
-use crate::senses::{JointSensor, joint_sensors};
+use crate::senses::{JointSensor, joint_sensors, posture_in_words};
 use crate::simulation::{LimbPair, Relation, SelfContact};
 use crate::skin::SomatotopicMap;
 
@@ -66,7 +65,7 @@ pub fn run(args: &InspectArguments) -> Outcome {
             "receptors": skin.receptors.len(),
             "receptors_by_limb": receptors_by_limb,
             "joint_sensors": sensors_json(creature, &sensors),
-            "constraints_not_heeded": not_heeded(&body),
+            "constraints_not_heeded": body.constraints_not_heeded(),
             "limb_pairs": contact.pairs.iter().map(|pair| json!({
                 "limbs": pair.limbs.map(|limb| &learned.creature.limbs()[limb]),
                 "relation": pair.relation,
@@ -97,8 +96,8 @@ pub fn run(args: &InspectArguments) -> Outcome {
         learned.creature.dof()
     );
     print_tree(creature, &learned.creature, 0, 0);
-    say!("\n{}", sensors_text(&sensors));
-    let constraints = not_heeded(&body);
+    say!("\n{}", posture_in_words(&sensors));
+    let constraints = body.constraints_not_heeded();
     if constraints > 0 {
         say!("\n{constraints} constraints that close the tree or couple tendons are not heeded");
     }
@@ -112,7 +111,7 @@ pub fn run(args: &InspectArguments) -> Outcome {
     } else {
         let links: usize = (0..skin.receptors.len()).map(|r| map.neighbours(r).len()).sum();
         let mean = links as f64 / skin.receptors.len() as f64;
-        say!("\neach receptor has {mean:.1} neighbours on the mean");
+        say!("\neach receptor has {mean:.1} neighbours on average");
     }
     Ok(())
 }
@@ -126,34 +125,6 @@ fn sensors_json(creature: &Creature, sensors: &[Option<JointSensor>]) -> serde_j
     });
     let unsensed = dofs().filter(|(_, sensor)| sensor.is_none()).map(|(dof, _)| &dof.name);
     json!({"sensed": sensed.collect::<Vec<_>>(), "posture_itself": unsensed.collect::<Vec<_>>()})
-}
-
-/// The same in a sentence.
-fn sensors_text(sensors: &[Option<JointSensor>]) -> String {
-    let sensed: Vec<&JointSensor> = sensors.iter().flatten().collect();
-    let all = sensors.len();
-    let mut text = match sensed.len() {
-        0 => return "posture: no joint has a sensor, so every angle is read exactly as it is".to_string(),
-        count if count == all => format!("posture: read from {count} joint sensors"),
-        count => format!(
-            "posture: read from {count} joint sensors; the other {} angles exactly as they are",
-            all - count
-        ),
-    };
-    let cut_off = sensed.iter().filter(|sensor| sensor.cutoff.is_some()).count();
-    if cut_off > 0 {
-        text += &format!("; {cut_off} of them read no farther than a cutoff");
-    }
-    let noisy = sensed.iter().filter(|sensor| sensor.noise > 0.0).count();
-    if noisy > 0 {
-        text += &format!("; {noisy} of them are noisy");
-    }
-    text
-}
-
-/// The number of constraints that postures do not keep.
-fn not_heeded(body: &Body) -> usize {
-    body.model.equalities().iter().filter(|equality| **equality == Equality::Other).count()
 }
 
 /// Which limb pairs can touch, and each that differs from what its model says.
@@ -207,7 +178,7 @@ fn print_tree(creature: &Creature, learned: &Creature, limb: usize, depth: usize
                 "{indent}{} — {} {}{}",
                 creature.limbs()[limb],
                 joint.name,
-                joint.dofs.iter().map(dof_text).collect::<Vec<_>>().join(", "),
+                joint.dofs.iter().map(Dof::range_in_words).collect::<Vec<_>>().join(", "),
                 if moved { "" } else { " (held by default)" }
             );
         }
@@ -216,14 +187,5 @@ fn print_tree(creature: &Creature, learned: &Creature, limb: usize, depth: usize
         if joint.parent == limb {
             print_tree(creature, learned, j + 1, depth + 1);
         }
-    }
-}
-
-fn dof_text(dof: &crate::creature::Dof) -> String {
-    let [low, high] = dof.range;
-    match dof.kind {
-        DofKind::Hinge => format!("[{:.0}°, {:.0}°]", low.to_degrees(), high.to_degrees()),
-        DofKind::Slide => format!("slide [{:.0}, {:.0}] mm", 1e3 * low, 1e3 * high),
-        DofKind::Ball => format!("ball [{:.0}°]", high.to_degrees()),
     }
 }

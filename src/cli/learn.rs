@@ -46,7 +46,7 @@ pub struct LearnArguments {
     /// Use only the first touches of the log
     #[arg(long, value_parser = clap::value_parser!(u64).range(1..))]
     touches: Option<u64>,
-    /// Draw the onsets from another seed than the session's
+    /// Draw the initial guesses from another seed than the session's
     #[arg(long)]
     seed: Option<u64>,
     #[command(flatten)]

@@ -94,7 +94,7 @@ fn to_json(
         "known": options.known_json(session.agent.creature()),
         "converged": verdict,
         "reason": reason,
-        "onsets": result.learned.onsets,
+        "initial_guesses": result.learned.initial_guesses,
         "disturbances": options.disturbances,
         "heldout_mm": summary(evaluation.map(|e| e.heldout_mm)),
         "undisturbed_heldout_mm": summary(result.undisturbed_heldout_mm),
@@ -139,15 +139,15 @@ fn print_table(
         );
     }
     say!(
-        "learner {} on {}: {} random onset{}, {:.2} s",
+        "learner {} on {}: {} random initial guess{}, {:.2} s",
         options.learner.name(),
         options.knowledge(),
-        result.learned.onsets,
-        if result.learned.onsets == 1 { "" } else { "s" },
+        result.learned.initial_guesses,
+        if result.learned.initial_guesses == 1 { "" } else { "es" },
         result.seconds
     );
     if let Some(known) = options.known_words(creature) {
-        say!("joints known beforehand: {known}");
+        say!("prior knowledge of joints: {known}");
     }
     if options.disturbances != DisturbanceLevels::default() {
         say!("disturbances: {}", options.disturbances);

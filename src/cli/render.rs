@@ -13,14 +13,16 @@ use super::{Failure, Outcome, progress};
 use crate::creature::{Body, BodyError, JointSelection, Posture};
 use crate::mujoco::{Camera, Data, Image, Model, PICTURE_SIDES, Renderer};
 use crate::record::{SESSION_FILE, model_hash, write_whole};
-use crate::view::picture::{Direction, Film, Shot, draw, frame, is_film, outline, png};
+use crate::view::picture::{
+    Direction, Film, Shot, Storyboard, corners_of, draw, frame, is_film, outline, png,
+};
 
 /// Draw a model in a posture, or what a session is about, as a picture or a film.
 ///
 /// MuJoCo's renderer draws it, without a screen, by EGL or OSMesa. Of a model and of a session the posture at ease is
 /// drawn, or the one that --posture gives; of a session with --touch that of a touch, its two places lit, and with
 /// --schema the learned body over the true one, which becomes a shade. A film goes from touch to touch, or with
-/// --learning through the schema's checkpoints, from the onset on. Films need ffmpeg.
+/// --learning through the schema's checkpoints, from the initial guess on. Films need ffmpeg.
 #[derive(clap::Args)]
 #[command(after_help = "Examples:
   bodyschema render mjcf/max/max.xml --out max.png
@@ -54,7 +56,7 @@ pub struct RenderArguments {
     #[arg(long, value_name = "N..M", value_parser = session::touch_range,
         conflicts_with_all = ["posture", "touch", "learning"], help_heading = "What is drawn")]
     touches: Option<[usize; 2]>,
-    /// Of a session, a film of the learned body from the onset on
+    /// Of a session, a film of the learned body from the initial guess on
     #[arg(long, conflicts_with_all = ["posture", "touch"], help_heading = "What is drawn")]
     learning: bool,
     /// Of a session, the model, where it is not at the path in the session
@@ -102,21 +104,6 @@ struct RenderSubject {
     body: Option<Body>,
     /// Whether only the creature is to fill the picture, and not all that is about it.
     alone: bool,
-}
-
-/// What a picture or a film shows.
-struct Plan {
-    shots: Vec<Shot>,
-    /// Those that a camera has to hold.
-    held: Vec<usize>,
-    /// Whether the creature itself is but a shade.
-    shaded: bool,
-}
-
-impl Plan {
-    fn still(shot: Shot, shaded: bool) -> Plan {
-        Plan { shots: vec![shot], held: vec![0], shaded }
-    }
 }
 
 impl RenderSubject {
@@ -195,7 +182,7 @@ pub fn run(args: &RenderArguments) -> Outcome {
 }
 
 /// A model in a posture.
-fn model(args: &RenderArguments, film: bool) -> Result<(RenderSubject, Plan), Failure> {
+fn model(args: &RenderArguments, film: bool) -> Result<(RenderSubject, Storyboard), Failure> {
     let place = args.what.display().to_string();
     let of_session = [
         (args.touch.is_some(), "--touch"),
@@ -232,14 +219,14 @@ fn model(args: &RenderArguments, film: bool) -> Result<(RenderSubject, Plan), Fa
         body.write_qpos(&posture, &mut qpos);
     }
     let subject = RenderSubject { place, model, body, alone: false };
-    Ok((subject, Plan::still(Shot { qpos, marks: Vec::new(), lit: Vec::new() }, false)))
+    Ok((subject, Storyboard::still(Shot { qpos, marks: Vec::new(), lit: Vec::new() }, false)))
 }
 
 /// The camera that is asked for, or one that holds all that is shown.
 fn camera(
     args: &RenderArguments,
     subject: &RenderSubject,
-    plan: &Plan,
+    plan: &Storyboard,
     renderer: &Renderer,
 ) -> Result<Camera, Failure> {
     let mut direction = Direction::default();
@@ -270,7 +257,7 @@ fn camera(
     for &held in &plan.held {
         let shot = &plan.shots[held];
         points.extend(outline(&subject.data(&shot.qpos)?, &shown));
-        points.extend(shot.marks.iter().flat_map(crate::view::picture::corners_of));
+        points.extend(shot.marks.iter().flat_map(corners_of));
     }
     Ok(frame(points, direction, renderer.lens(), distance))
 }

@@ -10,7 +10,7 @@ use crate::view::report::{REPORT_FILE, write_report};
 
 /// Write a session's report anew: one page that opens in any browser, without a network.
 ///
-/// It shows the learned body over the true one in three dimensions and on the way from the onset, the receptors by
+/// It shows the learned body over the true one in three dimensions and on the way from the initial guess, the receptors by
 /// how often they were touched, who touched whom, the learning curve beside its bound, the error of every joint, the
 /// residuals, how sure the learner is and of what it is not, and where the hands can get to, once `bodyschema
 /// space` has worked that out. `babble` and `learn` write it by themselves.

@@ -1,6 +1,7 @@
 //! What the agent is given of its body: the tree of joints, their degrees of freedom and ranges, the
 //! limbs. Positions and axes are not here: those it has to find out.
 
+mod body;
 mod coupling;
 mod from_model;
 mod posture;
@@ -9,8 +10,9 @@ mod surface;
 
 use serde::{Deserialize, Serialize};
 
+pub use body::{Body, Segment};
 pub use coupling::Coupling;
-pub use from_model::{Body, BodyError, Segment};
+pub use from_model::BodyError;
 pub(crate) use from_model::{LIMB_TUPLE, UNLIMITED_SLIDE, body_name, matrix};
 pub use posture::{DofElement, Posture, ball, turn_ball};
 pub use selection::JointSelection;
@@ -51,6 +53,18 @@ pub struct Dof {
     /// What it follows, if it does not move by itself.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub follows: Option<Coupling>,
+}
+
+impl Dof {
+    /// Its range as a person reads it: degrees or millimetres.
+    pub fn range_in_words(&self) -> String {
+        let [low, high] = self.range;
+        match self.kind {
+            DofKind::Hinge => format!("[{:.0}°, {:.0}°]", low.to_degrees(), high.to_degrees()),
+            DofKind::Slide => format!("slide [{:.0}, {:.0}] mm", 1e3 * low, 1e3 * high),
+            DofKind::Ball => format!("ball [{:.0}°]", high.to_degrees()),
+        }
+    }
 }
 
 /// A joint: degrees of freedom in series that share one position.

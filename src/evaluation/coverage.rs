@@ -21,7 +21,7 @@ use crate::senses::Touch;
 
 /// Standard deviations within which 95 % of a normal distribution lies.
 pub const Z95: f64 = 1.959964;
-/// Random stream of the session's seed; bouts of babbling and onsets count from 0 and never get here.
+/// Random stream of the session's seed; bouts of babbling and initial guesses count from 0 and never get here.
 const STREAM: u64 = u64::MAX - 3;
 /// Newton's steps to a posture of the gap that was drawn.
 const STEPS: usize = 20;

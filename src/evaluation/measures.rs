@@ -221,7 +221,7 @@ pub fn axis_errors(
 }
 
 /// The pose of a limb's frame, learned and true, in a frame that is the same in both: the limb's own, where that
-/// is known. Where no touch told it, it is a matter of choice, and the next limb's below it, in the reference
+/// is known. Where no touch told it, it is gauge freedom, and the next limb's below it, in the reference
 /// posture, takes its place.
 fn shared_frame(
     creature: &Creature,

@@ -15,12 +15,12 @@ pub fn facts(session: &Session, options: &LearningOptions, result: &LearnedSessi
         facts.push(("frames of limbs", "their own, learned".to_string()));
     }
     if let Some(known) = options.known_words(session.agent.creature()) {
-        facts.push(("joints known beforehand", known));
+        facts.push(("prior knowledge of joints", known));
     }
     if options.disturbances != DisturbanceLevels::default() {
         facts.push(("disturbances", options.disturbances.to_string()));
     }
-    facts.push(("random onsets", result.learned.onsets.to_string()));
+    facts.push(("random initial guesses", result.learned.initial_guesses.to_string()));
     facts.push(("learning", format!("{:.2} s", result.seconds)));
     facts.extend(result.changes.iter().map(|change| ("change", change.clone())));
     facts.into_iter().map(|(name, value)| (name.to_string(), value)).collect()

@@ -11,8 +11,8 @@ use super::error::ExperimentError;
 use super::words::listed;
 use crate::agent::Agent;
 use crate::creature::{Creature, DofKind};
+use crate::learning::initial_guess::random_guess;
 use crate::learning::learners::{LEARNERS, LearnerGivens, LearnerKind, LearnerUses};
-use crate::learning::onset::random_onset;
 use crate::learning::{Input, KnownJoint, Learner, LimbFrames, SecondOrder, SkinKnowledge};
 use crate::record::{Session, read_known};
 use crate::schema::BodySchema;
@@ -83,7 +83,7 @@ impl LearningOptions {
             return Err(ExperimentError::unfit(
                 path,
                 format!(
-                    "the learner {} knows nothing beforehand: use --learner {}, or leave out --known",
+                    "the learner {} takes no prior knowledge: use --learner {}, or leave out --known",
                     self.learner.name(),
                     learners_that(|uses| uses.known_joints)
                 ),
@@ -101,7 +101,7 @@ impl LearningOptions {
         self.check_frames(creature, self.known.is_some())
     }
 
-    /// Whether the limbs' frames can be found, where joints are known beforehand or not.
+    /// Whether the limbs' frames can be found, where joints are known a priori or not.
     fn check_frames(&self, creature: &Creature, known: bool) -> Result<(), ExperimentError> {
         if self.frames == LimbFrames::Joint {
             return Ok(());
@@ -117,7 +117,7 @@ impl LearningOptions {
             );
         }
         if known {
-            return refuse("nothing can be known of joints beforehand: leave out --known");
+            return refuse("no joint can be known a priori: leave out --known");
         }
         match creature.dofs().find(|dof| dof.kind == DofKind::Ball) {
             Some(ball) => refuse(&format!(
@@ -167,11 +167,11 @@ impl LearningOptions {
         }
     }
 
-    /// What is believed before the first touch: the onset of a learner that has but one, else one like those that
+    /// What is believed before the first touch: the initial guess of a learner that has but one, else one like those that
     /// it starts from.
-    pub(crate) fn onset(&self, creature: &Creature, seed: u64) -> BodySchema {
-        let onset = random_onset(creature, &mut ChaCha8Rng::seed_from_u64(seed));
-        if self.frames == LimbFrames::Limb { onset.with_limb_poses() } else { onset }
+    pub(crate) fn initial_guess(&self, creature: &Creature, seed: u64) -> BodySchema {
+        let initial_guess = random_guess(creature, &mut ChaCha8Rng::seed_from_u64(seed));
+        if self.frames == LimbFrames::Limb { initial_guess.with_limb_poses() } else { initial_guess }
     }
 
     /// The learner of all touches at once, with this input and this knowledge of skin and frames.
@@ -179,7 +179,7 @@ impl LearningOptions {
         SecondOrder::new(agent, self.input(), seed).with_frames(self.frames).with_skin(self.skin)
     }
 
-    /// What was known beforehand, in JSON: the file, and its joints with whether they were exact.
+    /// The prior knowledge, in JSON: the file, and its joints with whether they were exact.
     pub fn known_json(&self, creature: &Creature) -> Value {
         let Some(known) = &self.known else { return Value::Null };
         let joint = |known: &KnownJoint| json!({ "joint": creature.joints()[known.joint].name, "exact": known.exact });

@@ -14,7 +14,7 @@ pub struct Ball {
 }
 
 impl Ball {
-    /// A ball about others, centred on the mean of their centres; none about nothing.
+    /// A ball about others, centred on average of their centres; none about nothing.
     pub fn about(balls: &[Ball]) -> Option<Ball> {
         let centre = balls.iter().map(|ball| ball.centre).sum::<Vector3<f64>>() / balls.len() as f64;
         let reach = balls.iter().map(|ball| (ball.centre - centre).norm() + ball.radius);

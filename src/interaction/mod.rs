@@ -4,11 +4,13 @@
 mod actor;
 mod avoiding;
 mod conversation;
+mod error;
 mod own_spot;
 mod tasks;
 
-pub use actor::{Actor, ActorError, CAREFUL, FoundThing, Hand, SWIFT, Stop};
+pub use actor::{Actor, CAREFUL, FoundThing, Hand, SWIFT, Stop};
 pub use avoiding::{Avoiding, QUICK};
 pub use conversation::{Conversation, Intent, Reply, understood};
+pub use error::ActorError;
 pub use own_spot::OwnTouch;
 pub use tasks::{Spot, Touching, Trouble};

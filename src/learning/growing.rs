@@ -1,9 +1,9 @@
-//! From a random onset to the optimum: growing the tree limb pair by limb pair, or all of it at once.
+//! From a random initial guess to the optimum: growing the tree limb pair by limb pair, or all of it at once.
 //!
 //! Solving all joints at once from random axes ends in a wrong minimum more often than not. A pair of
 //! limbs with few joints between them is easy; with those joints known, another pair has few unknown
 //! ones left. So: take the pair that brings the fewest unknown degrees of freedom and has touches enough,
-//! solve the new part with relaxed axes from a few onsets, polish it on the sphere, accept it on its
+//! solve the new part with relaxed axes from a few initial guesses, polish it on the sphere, accept it on its
 //! residual; release everything known so far on all touches used; repeat.
 //!
 //! Receptors are coarser: a small part may find a wrong answer that fits its few touches. With them most
@@ -13,6 +13,8 @@
 //! anew by the surfaces, all others held. Two of every four starts doubt the touches themselves: they weigh
 //! far misses less all the way down, and go by no centres. Bodies too large for that grow by the subtrees of
 //! their limbs, a hand's fingers before the arms, and leave unknown what has fewer touches than unknowns.
+//!
+//! Long: its parts are taken apart together with those of the other learners, when learning goes in stages.
 
 use rand_chacha::ChaCha8Rng;
 
@@ -29,18 +31,18 @@ use crate::skin::Skin;
 
 /// Root mean square of whitened misses, on touches not fitted to, that points without noise can have.
 pub const EXACT: f64 = 1.0;
-/// Onsets tried for one part of the body before the whole start is given up.
+/// Initial guesses tried for one part of the body before the whole start is given up.
 const ONSETS_PER_PART: usize = 12;
 /// A body of more degrees of freedom than this is not tried whole.
 pub const WHOLE_DOF: usize = 60;
 
 /// A part of the body is right when eight tenths of its surfaces' gaps are below this, metres …
 const PART_GAP: f64 = 5e-3;
-/// … and no better onset is looked for when they are below this, or when two onsets agree on the least …
+/// … and no better initial guess is looked for when they are below this, or when two initial guesses agree on the least …
 const CERTAIN_GAP: f64 = 2e-5;
 /// … to this share of it.
 const AGREEMENT: f64 = 0.01;
-/// Steps down the relaxed gradient from an onset: a tenth of a second …
+/// Steps down the relaxed gradient from an initial guess: a tenth of a second …
 const DESCENT: usize = 100_000;
 /// … and where the descent doubts the touches themselves.
 const DOUBTING_DESCENT: usize = 400_000;
@@ -57,7 +59,7 @@ const HOPELESS_MISFIT: f64 = 100.0;
 const SPARE: usize = 3;
 /// Of so many joints one may be given up.
 const MOST_GIVEN_UP: usize = 4;
-/// Misfit of a part that no two onsets agree on.
+/// Misfit of a part that no two initial guesses agree on.
 const DOUBTFUL: f64 = 2.0;
 /// Touches that fix where a limb is on the joints about it.
 const FIXED_BY: usize = 4;
@@ -84,8 +86,8 @@ pub struct Start {
     pub placed: Vec<bool>,
     /// Whether every part was accepted.
     pub accepted: bool,
-    /// Random onsets used.
-    pub onsets: usize,
+    /// Random initial guesses used.
+    pub initial_guesses: usize,
 }
 
 impl Start {
@@ -136,10 +138,10 @@ impl Evidence<'_> {
         }
     }
 
-    /// Whether an onset goes down the gradient first. Coarse places need it; exact ones find the answer of a
+    /// Whether an initial guess goes down the gradient first. Coarse places need it; exact ones find the answer of a
     /// small part as well without, and at times where the gradient does not.
-    fn descends(&self, onset: usize) -> bool {
-        !self.exact() || onset.is_multiple_of(2)
+    fn descends(&self, initial_guess: usize) -> bool {
+        !self.exact() || initial_guess.is_multiple_of(2)
     }
 
     /// Whether the places of a touch are one point, and no patches.
@@ -175,7 +177,7 @@ impl Misfit {
 }
 
 impl Nursery<'_> {
-    /// One start from a random onset.
+    /// One start from a random initial guess.
     pub fn start(&self, route: Route, rng: &mut ChaCha8Rng) -> Start {
         let joints = self.agent.creature().joints().len();
         let mut schema = self.prior.mean.clone();
@@ -187,20 +189,21 @@ impl Nursery<'_> {
         // Joints that could not be solved: no touch with them is used.
         let mut given_up = vec![false; joints];
         let mut misfit = Misfit(if known.iter().any(|&known| known) { 0.0 } else { f64::INFINITY });
-        let mut onsets = 0;
+        let mut initial_guesses = 0;
         let mut released = 0;
         loop {
             let touches = touches.filter(|pair| pair.chain.joints().all(|joint| !given_up[joint]));
             let Some(part) = self.next_part(&touches, route, &known) else { break };
             let rest =
                 self.next_part(&touches, Route::Whole, &known).is_none_or(|all| all.len() == part.len());
-            // A whole body is one onset a start; parts get several, for what is known is worth keeping.
+            // A whole body has one initial guess a start; parts get several, for what is known is worth keeping.
             let most = if route == Route::Whole { 1 } else { ONSETS_PER_PART };
             let loose = self.loosened(&touches, &known, &part);
             let in_part = |joint: usize| part.contains(&joint) || loose.contains(&joint);
             let closed = closed(&touches, &known, in_part);
             let solved;
-            (solved, misfit) = self.solve_part(&closed, &schema, (&part, &loose), most, rng, &mut onsets);
+            (solved, misfit) =
+                self.solve_part(&closed, &schema, (&part, &loose), most, rng, &mut initial_guesses);
             if !misfit.acceptable() && route == Route::Grown && !rest {
                 part.iter().for_each(|&joint| given_up[joint] = true);
                 continue;
@@ -223,7 +226,7 @@ impl Nursery<'_> {
             }
         }
         let placed = vec![true; self.agent.creature().limbs().len()];
-        let mut start = Start { schema, known, placed, accepted: misfit.acceptable(), onsets };
+        let mut start = Start { schema, known, placed, accepted: misfit.acceptable(), initial_guesses };
         if let Evidence::Surfaces(_) = self.evidence
             && start.accepted
         {
@@ -237,7 +240,7 @@ impl Nursery<'_> {
 
     /// The noise of points: root mean square of the whitened residuals of the part that is solved first, in units
     /// of one standard deviation each; parameters take up some of it, which is counted in. No acceptance is asked
-    /// for, so that a wrong minimum of all onsets makes it too large.
+    /// for, so that a wrong minimum of all initial guesses makes it too large.
     pub fn point_noise(&self, rng: &mut ChaCha8Rng) -> Option<f64> {
         let touches = self.without(&self.starved());
         let part = self.next_part(&touches, Route::Grown, self.frozen)?;
@@ -306,7 +309,7 @@ impl Nursery<'_> {
             if start.accepted {
                 return;
             }
-            start.onsets += 1;
+            start.initial_guesses += 1;
             let part = open.suspects();
             let in_part = |joint: usize| part.contains(&joint);
             let mut trial = start.schema.clone();
@@ -423,7 +426,7 @@ impl Nursery<'_> {
     }
 
     /// The known joints on limbs that a part is the first to touch. Nothing told so far where an untouched limb is
-    /// along the axes of the joints on it: what was found there is a matter of choice, and is to be found now.
+    /// along the axes of the joints on it: what was found there is gauge freedom, and is to be found now.
     fn loosened(&self, touches: &TouchSet, known: &[bool], part: &[usize]) -> Vec<usize> {
         if !matches!(self.evidence, Evidence::Points { .. }) {
             return Vec::new();
@@ -442,7 +445,7 @@ impl Nursery<'_> {
         loose.map(|(j, _)| j).filter(|&j| !self.frozen[j]).collect()
     }
 
-    /// Solves the joints of `part` by the touches that it closes from several onsets, and those that it loosens
+    /// Solves the joints of `part` by the touches that it closes from several initial guesses, and those that it loosens
     /// from where they are, all others held; the best schema and its residual.
     fn solve_part(
         &self,
@@ -451,7 +454,7 @@ impl Nursery<'_> {
         (part, loose): (&[usize], &[usize]),
         most: usize,
         rng: &mut ChaCha8Rng,
-        onsets: &mut usize,
+        initial_guesses: &mut usize,
     ) -> (BodySchema, Misfit) {
         let in_part = |joint: usize| part.contains(&joint) || loose.contains(&joint);
         let listed: Vec<&PreparedTouch> = touches.touches().collect();
@@ -459,8 +462,8 @@ impl Nursery<'_> {
         let unit = self.parameters(AxisModel::Unit, &in_part);
         let mut best: Option<(BodySchema, Misfit)> = None;
         let mut misfits = Vec::new();
-        for onset in 0..most {
-            *onsets += 1;
+        for initial_guess in 0..most {
+            *initial_guesses += 1;
             let mut trial = schema.clone();
             part.iter()
                 .for_each(|&joint| self.prior.randomize_joint(self.agent.creature(), &mut trial, joint, rng));
@@ -472,7 +475,7 @@ impl Nursery<'_> {
                     self.close_both(touches, &unit, trial)
                 }
                 _ => {
-                    if self.evidence.descends(onset + self.turn) {
+                    if self.evidence.descends(initial_guess + self.turn) {
                         trial = descend(&listed, trial, DESCENT, &relaxed, MissWeights::Nothing, rng);
                     }
                     let rms;
@@ -496,8 +499,8 @@ impl Nursery<'_> {
                 return best.expect("one was tried");
             }
         }
-        let (schema, misfit) = best.expect("at least one onset is tried");
-        // Gaps that do not close, and no two onsets that leave the same ones: a wrong minimum, one of many.
+        let (schema, misfit) = best.expect("at least one initial guess is tried");
+        // Gaps that do not close, and no two initial guesses that leave the same ones: a wrong minimum, one of many.
         let doubtful = most > 1 && matches!(self.evidence, Evidence::Surfaces(_));
         (schema, if doubtful { Misfit(misfit.0.max(DOUBTFUL)) } else { misfit })
     }

@@ -1,10 +1,10 @@
-//! From a random onset to the optimum where limbs have frames of their own.
+//! From a random initial guess to the optimum where limbs have frames of their own.
 //!
 //! The tree is grown as in [`growing`](super::growing), from exact points alone, but more is unknown: besides
-//! its joints a new limb brings its own pose on its joint. What makes this work from random onsets:
+//! its joints a new limb brings its own pose on its joint. What makes this work from random initial guesses:
 //!
 //! 1. With rotations `Q` relaxed to any matrix a miss is linear in all positions and poses once the axes are
-//!    given. So an onset is random axes and nothing else: the rest is solved for at once.
+//!    given. So an initial guess is random axes and nothing else: the rest is solved for at once.
 //! 2. A limb that a chain passed through before it was touched itself has a frame by convention. Its first
 //!    touches with a limb whose place is known tell its own frame in closed form (Kabsch 1976).
 //! 3. A pair of limbs is taken only when what it adds is tied to all that is known: both limbs are placed
@@ -19,20 +19,20 @@ use rand_chacha::ChaCha8Rng;
 use crate::creature::Creature;
 use crate::geometry::Frame;
 use crate::learning::growing::{EXACT, Start};
+use crate::learning::initial_guess::randomize_joint;
 use crate::learning::least_squares::{Stopping, levenberg_marquardt};
 use crate::learning::observation::PointsMeet;
-use crate::learning::onset::randomize_joint;
 use crate::learning::touch_set::{PairTouches, TouchProblem, TouchSet};
 use crate::learning::{AxisModel, Parameters};
 use crate::schema::{BodySchema, nearest_rotation};
 
-/// Onsets tried for one part of the body.
+/// Initial guesses tried for one part of the body.
 const ONSETS_PER_PART: usize = 16;
 /// Parts that fail before a start grows no more, …
 const MOST_FAILED: usize = 4;
 /// … and where it knows nothing yet: long chains alone make none to grow on.
 const HOPELESS_PARTS: usize = 2;
-/// Misfit of a part below which no better onset is looked for: exact points leave far less.
+/// Misfit of a part below which no better initial guess is looked for: exact points leave far less.
 const CERTAIN: f64 = 1e-2;
 /// Equations that a part has to spare before it is solved, where there is a choice …
 const SPARE: usize = 18;
@@ -74,13 +74,13 @@ struct LimbPart {
 }
 
 impl LimbNursery<'_> {
-    /// One start from a random onset.
+    /// One start from a random initial guess.
     pub fn start(&self, rng: &mut ChaCha8Rng) -> Start {
         let (joints, limbs) = (self.creature.joints().len(), self.creature.limbs().len());
         let mut schema = BodySchema::zero(self.creature).with_limb_poses();
         (0..joints).for_each(|joint| randomize_joint(self.creature, &mut schema, joint, rng));
         let mut growth = Growth { schema, known: vec![false; joints], placed: vec![false; limbs] };
-        let mut onsets = 0;
+        let mut initial_guesses = 0;
         // Limbs and parts that no way was found to fit.
         let mut misfits = vec![false; limbs];
         let mut failed: Vec<Vec<usize>> = Vec::new();
@@ -96,7 +96,7 @@ impl LimbNursery<'_> {
                 continue;
             }
             let Some(part) = self.next_part(&growth, &failed, rng) else { break };
-            let solved = self.solve_part(&growth, &part, rng, &mut onsets);
+            let solved = self.solve_part(&growth, &part, rng, &mut initial_guesses);
             match solved.and_then(|solved| self.release(solved)) {
                 Some(settled) => growth = settled,
                 None => failed.push(part.joints),
@@ -108,7 +108,7 @@ impl LimbNursery<'_> {
         }
         let accepted = growth.known.contains(&true);
         let Growth { schema, known, placed } = growth;
-        Start { schema, known, placed, accepted, onsets }
+        Start { schema, known, placed, accepted, initial_guesses }
     }
 
     /// How many joints and limbs have touches enough to be known.
@@ -229,7 +229,7 @@ impl LimbNursery<'_> {
         (0..growth.known.len()).map(free).collect()
     }
 
-    /// The joint whose limb's rotation is a matter of choice in a part: where two new branches meet in a
+    /// The joint whose limb's rotation is gauge freedom in a part: where two new branches meet in a
     /// limb without a frame, one of them may be turned at will.
     fn held_rotation(&self, growth: &Growth, part: &LimbPart, free: &[bool]) -> Option<usize> {
         part.touches.pairs.iter().find_map(|pair| {
@@ -244,13 +244,13 @@ impl LimbNursery<'_> {
     }
 
     /// Solves the joints and limbs of a part by the touches that it closes, all others held; none where no
-    /// onset leads to an answer.
+    /// initial guess leads to an answer.
     fn solve_part(
         &self,
         growth: &Growth,
         part: &LimbPart,
         rng: &mut ChaCha8Rng,
-        onsets: &mut usize,
+        initial_guesses: &mut usize,
     ) -> Option<Growth> {
         let in_part = |joint: usize| part.joints.contains(&joint);
         let free = self.free_poses(growth, part);
@@ -263,7 +263,7 @@ impl LimbNursery<'_> {
         let few = thinned(&part.touches, relaxed.len());
         let mut best = (growth.schema.clone(), EXACT);
         for _ in 0..ONSETS_PER_PART {
-            *onsets += 1;
+            *initial_guesses += 1;
             let mut trial = growth.schema.clone();
             for &joint in &part.joints {
                 randomize_joint(self.creature, &mut trial, joint, rng);

@@ -48,9 +48,9 @@ enum HerschLink {
 }
 
 impl<'a> Hersch<'a> {
-    /// A learner that starts from an onset schema.
-    pub fn new(agent: &'a Agent, input: Input, onset: BodySchema) -> Hersch<'a> {
-        Hersch { agent, input, step: STEP, schema: onset, touches: 0 }
+    /// A learner that starts from an initial guess.
+    pub fn new(agent: &'a Agent, input: Input, initial_guess: BodySchema) -> Hersch<'a> {
+        Hersch { agent, input, step: STEP, schema: initial_guess, touches: 0 }
     }
 
     /// Sets ε, [`STEP`] by default.
@@ -152,7 +152,7 @@ impl Learner for Hersch<'_> {
             schema: self.schema.clone(),
             basis: Basis::points(self.input),
             verdict,
-            onsets: 1,
+            initial_guesses: 1,
             fresh_rms: f64::NAN,
             undetermined: Vec::new(),
             undetermined_limbs: Vec::new(),

@@ -8,6 +8,7 @@ mod certainty;
 mod growing;
 mod growing_limbs;
 mod hersch;
+pub mod initial_guess;
 mod joint_noise;
 mod known;
 pub mod learners;
@@ -15,7 +16,6 @@ pub mod least_squares;
 pub mod observability;
 pub mod observation;
 pub mod online;
-pub mod onset;
 pub mod open_gaps;
 mod parameters;
 pub mod prediction;
@@ -32,7 +32,7 @@ pub use known::{KnownJoint, LEAST_DEVIATION, PriorKnowledge};
 pub use observation::{Input, LimbFrames, SkinKnowledge};
 pub use online::{BodyChange, Expectation, Online, Tool, What};
 pub use parameters::{AxisModel, Parameters};
-pub use prior::{Beforehand, Prior};
+pub use prior::{Prior, PriorTerm};
 pub use relaxed_gradient::{RelaxedGradient, STEPS};
 pub use rough::RoughFit;
 pub use second_order::SecondOrder;
@@ -66,8 +66,8 @@ pub struct Learned {
     pub basis: Basis,
     /// Whether it stands up to touches it was not fitted to.
     pub verdict: Verdict,
-    /// Random onsets used.
-    pub onsets: usize,
+    /// Random initial guesses used.
+    pub initial_guesses: usize,
     /// Root mean square residual on touches it was not fitted to, in the deviations that the input allows.
     pub fresh_rms: f64,
     /// Joints that the touches do not determine; all of them where the learner cannot tell.

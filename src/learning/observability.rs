@@ -7,6 +7,8 @@
 //! Positions and axes have different units. To compare them, positions are counted in units of a
 //! characteristic length, so that a singular value tells how much whitened residual a turn of one radian,
 //! or a shift of that length, makes.
+//!
+//! Long: its parts are taken apart together with those of the other learners, when learning goes in stages.
 
 use nalgebra::{DMatrix, DVector, Matrix3, SymmetricEigen, Vector3};
 use rand::SeedableRng;
@@ -73,7 +75,7 @@ pub struct Indices {
 
 impl Observability {
     /// From the information `JᵀWJ` (lower triangle) over `parameters` and the number of residuals. `known`
-    /// tells of each joint whether it was known exactly beforehand, and is no parameter for that reason.
+    /// tells of each joint whether it was known exactly a priori, and is no parameter for that reason.
     pub fn new(
         creature: &Creature,
         parameters: Parameters,

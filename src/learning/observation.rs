@@ -134,7 +134,7 @@ pub enum PointsMeet {
     /// Noise of the two ends' covariances, turned with their limbs: right near the answer.
     Shaped,
     /// Noise alike in all directions. From afar the limbs' orientations are wrong and so is any shape they
-    /// turn: this finds the answer from several times as many random onsets.
+    /// turn: this finds the answer from several times as many random initial guesses.
     Anyhow,
 }
 

@@ -10,8 +10,8 @@ use rand_distr::{Distribution, StandardNormal};
 use crate::agent::Agent;
 use crate::creature::Creature;
 use crate::kinematics::tangent_basis;
+use crate::learning::initial_guess::randomize_joint;
 use crate::learning::least_squares::Linearization;
-use crate::learning::onset::randomize_joint;
 use crate::learning::{AxisModel, Parameters};
 use crate::schema::BodySchema;
 
@@ -114,14 +114,14 @@ impl Prior {
 }
 
 /// What a least-squares problem knows besides its touches.
-pub trait Beforehand {
+pub trait PriorTerm {
     /// Its cost at a schema, over free parameters.
     fn cost(&self, parameters: &Parameters, schema: &BodySchema) -> f64;
     /// Adds it to normal equations, its cost included.
     fn add(&self, parameters: &Parameters, schema: &BodySchema, model: &mut Linearization);
 }
 
-impl Beforehand for Prior {
+impl PriorTerm for Prior {
     /// `½ Σ (difference / deviation)²`.
     fn cost(&self, parameters: &Parameters, schema: &BodySchema) -> f64 {
         let free = |offset: &Option<usize>| offset.is_some();

@@ -1,6 +1,6 @@
 //! The repaired gradient: Hersch's rule, a step for every touch, with what made it fail taken away.
 //!
-//! Five repairs, and nothing else, carry a plain stochastic gradient from random onsets to the answer:
+//! Five repairs, and nothing else, carry a plain stochastic gradient from random initial guesses to the answer:
 //!
 //! 1. *Axes are relaxed*: free in R³, with `R = I + sin θ [a]× + (1 − cos θ) [a]×²` polynomial in them. They
 //!    are never scaled back while learning goes on, only in the schema that is handed out. On the sphere an
@@ -59,23 +59,23 @@ pub const STEPS: usize = 1_000_000;
 const CONTACT_DEVIATION: f64 = 1e-4;
 /// How far a curved limb is taken to bulge out of a flat patch, metres.
 const NORMAL_DEVIATION: f64 = 6e-3;
-/// The seed's stream for the order of touches; the onset is drawn from stream 0.
+/// The seed's stream for the order of touches; the initial guess is drawn from stream 0.
 const ORDER_STREAM: u64 = 1;
 
 /// The learner `gradient`.
 pub struct RelaxedGradient<'a> {
     agent: &'a Agent,
     input: Input,
-    onset: BodySchema,
+    initial_guess: BodySchema,
     seed: u64,
     steps: usize,
     touches: Vec<PreparedTouch>,
 }
 
 impl<'a> RelaxedGradient<'a> {
-    /// A learner that starts from an onset schema and takes its touches in an order drawn from `seed`.
-    pub fn new(agent: &'a Agent, input: Input, onset: BodySchema, seed: u64) -> RelaxedGradient<'a> {
-        RelaxedGradient { agent, input, onset, seed, steps: STEPS, touches: Vec::new() }
+    /// A learner that starts from an initial guess and takes its touches in an order drawn from `seed`.
+    pub fn new(agent: &'a Agent, input: Input, initial_guess: BodySchema, seed: u64) -> RelaxedGradient<'a> {
+        RelaxedGradient { agent, input, initial_guess, seed, steps: STEPS, touches: Vec::new() }
     }
 
     /// Sets the number of steps in all, [`STEPS`] by default; every touch is used once at the least.
@@ -85,17 +85,17 @@ impl<'a> RelaxedGradient<'a> {
     }
 }
 
-/// Descends from an onset by `steps` steps, every touch used once at the least, moving free parameters
+/// Descends from an initial guess by `steps` steps, every touch used once at the least, moving free parameters
 /// alone; axes are left relaxed. `doubt` weighs the touches.
 pub fn descend(
     touches: &[&PreparedTouch],
-    onset: BodySchema,
+    initial_guess: BodySchema,
     steps: usize,
     parameters: &Parameters,
     doubt: MissWeights,
     rng: &mut ChaCha8Rng,
 ) -> BodySchema {
-    let mut schema = onset;
+    let mut schema = initial_guess;
     let mut order: Vec<usize> = (0..touches.len()).collect();
     let mut sides = [SideJacobian::default(), SideJacobian::default()];
     let passes = (steps / order.len().max(1)).max(1);
@@ -196,18 +196,18 @@ impl Learner for RelaxedGradient<'_> {
         let touches: Vec<&PreparedTouch> = self.touches.iter().collect();
         let all = Parameters::new(self.agent.creature(), AxisModel::Relaxed, |_| true);
         let mut schema =
-            descend(&touches, self.onset.clone(), self.steps, &all, MissWeights::Nothing, &mut rng);
+            descend(&touches, self.initial_guess.clone(), self.steps, &all, MissWeights::Nothing, &mut rng);
         let mut why = "the gradient has no test of its own: look at the held-out error";
         if !schema.fits(self.agent.creature()) {
-            schema = self.onset.clone();
-            why = "the gradient diverged and its onset is left: try more touches (--touches) or --learner lm";
+            schema = self.initial_guess.clone();
+            why = "the gradient diverged and its initial guess is left: try more touches (--touches) or --learner lm";
         }
         schema.normalize_axes(self.agent.creature());
         Learned {
             schema,
             basis: Basis::points(self.input),
             verdict: Verdict::Unjudged(why.to_string()),
-            onsets: 1,
+            initial_guesses: 1,
             fresh_rms: f64::NAN,
             undetermined: Vec::new(),
             undetermined_limbs: Vec::new(),

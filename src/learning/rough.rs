@@ -2,7 +2,7 @@
 //!
 //! An agent that chooses its motions needs a schema long before its touches prove one. This learner takes
 //! the best explanation it finds, right or not: from what it believed before, from the same with suspect
-//! joints drawn anew, and from random onsets. It judges itself by what its last schema foretold of the
+//! joints drawn anew, and from random initial guesses. It judges itself by what its last schema predicted of the
 //! touches since, and once that was right it only keeps fitting it.
 
 use nalgebra::Vector3;
@@ -12,9 +12,9 @@ use rayon::prelude::*;
 
 use crate::agent::Agent;
 use crate::learning::annealing::{NARROWEST, anneal_to, quantile};
+use crate::learning::initial_guess::{random_guess, randomize_joint};
 use crate::learning::least_squares::{LeastSquares, Stopping, levenberg_marquardt};
 use crate::learning::observation::{Observation, ObservationModel, PointsMeet};
-use crate::learning::onset::{random_onset, randomize_joint};
 use crate::learning::relaxed_gradient::{MissWeights, descend};
 use crate::learning::surface_gap::SurfaceGap;
 use crate::learning::touch_set::{LimbTouch, PreparedTouch, TouchProblem, TouchSet};
@@ -25,19 +25,19 @@ use crate::skin::Skin;
 
 /// How far a curved limb is taken to bulge out of a flat patch, metres.
 const NORMAL_DEVIATION: f64 = 6e-3;
-/// Steps down the relaxed gradient from a random onset.
+/// Steps down the relaxed gradient from a random initial guess.
 const DESCENT: usize = 40_000;
 /// The deviation of the gap down to which axes stay relaxed, metres.
 const RELAXED_GAP: f64 = 3e-3;
 /// The deviation of the gap at which explanations are compared, metres.
 const COMPARED: f64 = 3e-3;
-/// Random onsets at each learning while the answer is not found, and starts from suspect joints drawn anew.
-const ONSETS: usize = 3;
+/// Random initial guesses at each learning while the answer is not found, and starts from suspect joints drawn anew.
+const GUESSES: usize = 3;
 const SUSPECTED: usize = 2;
-/// Touches that must be foretold before the answer counts as found …
-const FORETOLD: usize = 6;
+/// Touches that must be predicted before the answer counts as found …
+const PREDICTED: usize = 6;
 /// … and the gap that eight tenths of them stay below, metres.
-const FORETOLD_GAP: f64 = 2e-3;
+const PREDICTED_GAP: f64 = 2e-3;
 
 /// The learner of rough schemas: receptor input and known surfaces.
 pub struct RoughFit<'a> {
@@ -60,7 +60,7 @@ enum RoughStart {
 }
 
 impl<'a> RoughFit<'a> {
-    /// A learner whose onsets are drawn from `seed`.
+    /// A learner whose initial guesses are drawn from `seed`.
     pub fn new(agent: &'a Agent, seed: u64) -> RoughFit<'a> {
         RoughFit {
             agent,
@@ -97,8 +97,8 @@ impl<'a> RoughFit<'a> {
     }
 
     /// One start: the misfit of the schema it reaches, and the schema.
-    fn start(&self, touches: &TouchSet, onset: RoughStart) -> (f64, BodySchema) {
-        let (schema, known) = match onset {
+    fn start(&self, touches: &TouchSet, initial_guess: RoughStart) -> (f64, BodySchema) {
+        let (schema, known) = match initial_guess {
             RoughStart::Continued(schema) => (schema, true),
             RoughStart::Loosened(schema) => (schema, false),
             RoughStart::Random(schema, seed) => {
@@ -164,7 +164,7 @@ impl<'a> RoughFit<'a> {
     }
 
     /// The gaps, sorted, at which the last schema puts the touches since, metres; none without any.
-    fn foretold(&self) -> Option<Vec<f64>> {
+    fn predicted(&self) -> Option<Vec<f64>> {
         let (schema, fitted) = self.last.as_ref()?;
         let fresh = prepare(self.agent, &self.touches[*fitted..]);
         let found = crate::learning::annealing::gaps(self.agent.skin(), &fresh, schema);
@@ -179,44 +179,46 @@ impl Learner for RoughFit<'_> {
 
     fn learn(&mut self) -> Learned {
         let touches = prepare(self.agent, &self.touches);
-        // The only honest measure of a schema is what it foretells.
-        let foretold = self.foretold();
-        let wide = foretold.as_ref().map_or(f64::INFINITY, |gaps| quantile(gaps, 0.8));
-        let found = wide < FORETOLD_GAP && foretold.as_ref().is_some_and(|gaps| gaps.len() >= FORETOLD);
-        let mut onsets = Vec::new();
+        // The only honest measure of a schema is what it predicts.
+        let predicted = self.predicted();
+        let wide = predicted.as_ref().map_or(f64::INFINITY, |gaps| quantile(gaps, 0.8));
+        let found = wide < PREDICTED_GAP && predicted.as_ref().is_some_and(|gaps| gaps.len() >= PREDICTED);
+        let mut initial_guesses = Vec::new();
         if let Some((schema, _)) = self.last.clone() {
-            onsets.push(RoughStart::Continued(schema.clone()));
+            initial_guesses.push(RoughStart::Continued(schema.clone()));
             if !found {
-                onsets.push(RoughStart::Loosened(schema.clone()));
+                initial_guesses.push(RoughStart::Loosened(schema.clone()));
                 let blame = self.blame(&touches, &schema);
                 for many in 1..=SUSPECTED {
-                    onsets.push(RoughStart::Loosened(self.redrawn(&schema, &blame, many)));
+                    initial_guesses.push(RoughStart::Loosened(self.redrawn(&schema, &blame, many)));
                 }
             }
         }
         if !found {
-            for _ in 0..ONSETS {
-                let onset = random_onset(self.agent.creature(), &mut self.rng);
-                onsets.push(RoughStart::Random(onset, self.rng.random()));
+            for _ in 0..GUESSES {
+                let initial_guess = random_guess(self.agent.creature(), &mut self.rng);
+                initial_guesses.push(RoughStart::Random(initial_guess, self.rng.random()));
             }
         }
-        let count = onsets.len();
-        let starts: Vec<(f64, BodySchema)> =
-            onsets.into_par_iter().map(|onset| self.start(&touches, onset)).collect();
+        let count = initial_guesses.len();
+        let starts: Vec<(f64, BodySchema)> = initial_guesses
+            .into_par_iter()
+            .map(|initial_guess| self.start(&touches, initial_guess))
+            .collect();
         let (_, schema) =
             starts.into_iter().min_by(|a, b| a.0.total_cmp(&b.0)).expect("at least one start is made");
         self.last = Some((schema.clone(), self.touches.len()));
-        let why = "a rough schema: it does not foretell the touches yet";
+        let why = "a rough schema: it does not predict the touches yet";
         Learned {
             schema,
             basis: Basis::SURFACES,
             verdict: if found { Verdict::Converged } else { Verdict::Failed(why.to_string()) },
-            onsets: count,
-            fresh_rms: wide / FORETOLD_GAP,
+            initial_guesses: count,
+            fresh_rms: wide / PREDICTED_GAP,
             undetermined: Vec::new(),
             undetermined_limbs: Vec::new(),
             observability: None,
-            deviation: foretold.map(|gaps| quantile(&gaps, 0.5)),
+            deviation: predicted.map(|gaps| quantile(&gaps, 0.5)),
             changes: Vec::new(),
         }
     }

@@ -1,8 +1,10 @@
-//! The second-order learner: all touches at once, from any onset to the optimum.
+//! The second-order learner: all touches at once, from any initial guess to the optimum.
 //!
-//! It starts from random onsets, growing the tree limb pair by limb pair or solving it whole (see
+//! It starts from random initial guesses, growing the tree limb pair by limb pair or solving it whole (see
 //! [`growing`](super::growing)), and accepts a start only on touches that it was not fitted to: a low
 //! residual on the touches used is no proof. What it accepts is fitted once more to all touches.
+//!
+//! Long: its parts are taken apart together with those of the other learners, when learning goes in stages.
 
 use std::collections::BTreeMap;
 
@@ -111,7 +113,7 @@ pub struct SecondOrder<'a> {
 }
 
 impl<'a> SecondOrder<'a> {
-    /// A learner whose onsets are drawn from `seed`.
+    /// A learner whose initial guesses are drawn from `seed`.
     pub fn new(agent: &'a Agent, input: Input, seed: u64) -> SecondOrder<'a> {
         let known = PriorKnowledge::nothing(agent);
         let knowledge = SkinKnowledge::Surface;
@@ -353,7 +355,7 @@ impl<'a> SecondOrder<'a> {
         schema
     }
 
-    /// Fits all touches so far from a schema that is nearly right, without any onset or judgement: the last
+    /// Fits all touches so far from a schema that is nearly right, without any initial guess or judgement: the last
     /// step of [`Learner::learn`] alone.
     pub fn refine(&self, schema: &BodySchema) -> Learned {
         self.refine_known(schema, vec![true; self.agent.creature().joints().len()])
@@ -362,14 +364,14 @@ impl<'a> SecondOrder<'a> {
     /// The same for the joints that are `known` at all, and the touches with only such joints between limbs.
     pub(crate) fn refine_known(&self, schema: &BodySchema, known: Vec<bool>) -> Learned {
         let placed = vec![true; self.agent.creature().limbs().len()];
-        let start = Start { schema: schema.clone(), known, placed, accepted: true, onsets: 0 };
+        let start = Start { schema: schema.clone(), known, placed, accepted: true, initial_guesses: 0 };
         let (schema, observability, deviation) = self.polish(&start);
         let undetermined = self.undetermined(&observability, &schema, deviation);
         Learned {
             schema,
             basis: self.basis(),
             verdict: Verdict::Unjudged("it was refined from a given schema".to_string()),
-            onsets: 0,
+            initial_guesses: 0,
             fresh_rms: f64::NAN,
             undetermined,
             undetermined_limbs: Vec::new(),
@@ -439,7 +441,7 @@ impl<'a> SecondOrder<'a> {
     }
 
     /// Adds to normal equations (lower triangle) that limbs' origins do not shift where their joints cannot feel
-    /// it, for that is a matter of choice: see [`BodySchema::settle_positions`].
+    /// it, for that is gauge freedom: see [`BodySchema::settle_positions`].
     fn fix_choices(&self, parameters: &Parameters, schema: &BodySchema, hessian: &mut DMatrix<f64>) {
         for (joint, offset) in self.agent.creature().joints().iter().zip(&parameters.limb_origins) {
             if let Some(offset) = *offset {
@@ -579,8 +581,8 @@ struct StartSearch<'a> {
 /// What a search found.
 struct SearchResult {
     best: Judged,
-    /// Random onsets used.
-    onsets: usize,
+    /// Random initial guesses used.
+    initial_guesses: usize,
     /// Whether starts agreed on an answer that was not accepted.
     settled: bool,
 }
@@ -641,12 +643,12 @@ impl<'a> SecondOrder<'a> {
             }
             LimbFrames::Limb => self.limb_nursery(&touches, 0).solvable(),
         };
-        let mut onsets = 0;
+        let mut initial_guesses = 0;
         let mut found: Option<Judged> = None;
         for search in self.searches(&touches, starts) {
-            let SearchResult { best, onsets: tried, settled } =
+            let SearchResult { best, initial_guesses: tried, settled } =
                 self.search(&search, solvable, &touches, &fresh);
-            onsets += tried;
+            initial_guesses += tried;
             // Where starts agree on an answer that fresh touches do not bear out, more noise is no excuse.
             let done = settled || (best.start.accepted && best.known() >= solvable);
             if found.as_ref().is_none_or(|found| best.more(found)) {
@@ -656,7 +658,7 @@ impl<'a> SecondOrder<'a> {
                 break;
             }
         }
-        self.conclude(found.expect("there is a search"), onsets)
+        self.conclude(found.expect("there is a search"), initial_guesses)
     }
 
     fn nursery<'t>(&'t self, evidence: Evidence<'t>, touches: &'t TouchSet, turn: usize) -> Nursery<'t> {
@@ -717,11 +719,11 @@ impl<'a> SecondOrder<'a> {
         };
         // All cores make starts; which one is taken does not depend on how many there are.
         let mut best: Option<Judged> = None;
-        let (mut onsets, mut settled) = (0, false);
+        let (mut initial_guesses, mut settled) = (0, false);
         let mut noises: Vec<f64> = Vec::new();
         let points = self.input == Input::Contact;
         let metres = if points { taken_deviation(touches) } else { 1.0 };
-        // Starts of a large body are long, and try several onsets for each part.
+        // Starts of a large body are long, and try several initial guesses for each part.
         let starts = if dof > WHOLE_DOF && !search.evidence.exact() {
             search.starts.min(LARGE_STARTS)
         } else {
@@ -731,7 +733,7 @@ impl<'a> SecondOrder<'a> {
         'waves: for wave in numbers.chunks(rayon::current_num_threads()) {
             let made: Vec<Judged> = wave.par_iter().map(|&number| make(number)).collect();
             for (trial, number) in made.into_iter().zip(wave) {
-                onsets += trial.start.onsets;
+                initial_guesses += trial.start.initial_guesses;
                 noises.push(trial.noise);
                 if best.as_ref().is_none_or(|best| trial.better(best)) {
                     best = Some(trial);
@@ -763,11 +765,11 @@ impl<'a> SecondOrder<'a> {
         // Noise that no second start finds may be a wrong minimum as well.
         let agreeing = noises.iter().filter(|&&noise| noise <= (1.0 + self.agreement()) * best.noise).count();
         best.start.accepted &= best.noise <= CERTAIN_NOISE || agreeing >= 2;
-        SearchResult { best, onsets, settled }
+        SearchResult { best, initial_guesses, settled }
     }
 
     /// Fits what was found to all touches, or says why nothing was.
-    fn conclude(&self, found: Judged, onsets: usize) -> Learned {
+    fn conclude(&self, found: Judged, initial_guesses: usize) -> Learned {
         let Judged { start, judged, .. } = found;
         if start.accepted {
             let (schema, observability, deviation) = self.polish(&start);
@@ -777,7 +779,7 @@ impl<'a> SecondOrder<'a> {
                 schema,
                 basis: self.basis(),
                 verdict: Verdict::Converged,
-                onsets,
+                initial_guesses,
                 fresh_rms: judged,
                 undetermined,
                 undetermined_limbs,
@@ -786,11 +788,11 @@ impl<'a> SecondOrder<'a> {
                 changes: Vec::new(),
             };
         }
-        let why = if onsets == 0 {
+        let why = if initial_guesses == 0 {
             "no joint has as many touches as it has unknowns: give more touches".to_string()
         } else {
             format!(
-                "none of {onsets} random onsets explains the touches that it was not fitted to; try more touches \
+                "none of {initial_guesses} random initial guesses explains the touches that it was not fitted to; try more touches \
                  (--touches) or another seed (--seed){}",
                 if self.known.is_given() { ", or check what is known (--known)" } else { "" }
             )
@@ -799,7 +801,7 @@ impl<'a> SecondOrder<'a> {
             schema: self.with_frozen(&start.schema),
             basis: self.basis(),
             verdict: Verdict::Failed(why),
-            onsets,
+            initial_guesses,
             fresh_rms: judged,
             undetermined: (0..self.agent.creature().joints().len()).collect(),
             undetermined_limbs: match self.frames {

@@ -10,7 +10,7 @@ use crate::kinematics::{Chain, ChainSide, SideJacobian, tangent_basis};
 use crate::learning::least_squares::LeastSquares;
 use crate::learning::least_squares::Linearization;
 use crate::learning::observation::{Observation, ObservationModel, TouchResiduals};
-use crate::learning::prior::Beforehand;
+use crate::learning::prior::PriorTerm;
 use crate::learning::{AxisModel, Parameters};
 use crate::schema::BodySchema;
 
@@ -181,7 +181,7 @@ pub struct TouchProblem<'a, M> {
     touches: &'a TouchSet,
     parameters: &'a Parameters,
     model: M,
-    prior: Option<&'a dyn Beforehand>,
+    prior: Option<&'a dyn PriorTerm>,
     scales: Option<&'a [f64]>,
     columns: Vec<ChainColumns>,
     /// Per touch, in the order of the set, the whitening that the last linearization fixed.
@@ -209,7 +209,7 @@ impl<'a, M: ObservationModel> TouchProblem<'a, M> {
     }
 
     /// Adds what is believed besides the touches.
-    pub fn with_prior(mut self, prior: &'a dyn Beforehand) -> TouchProblem<'a, M> {
+    pub fn with_prior(mut self, prior: &'a dyn PriorTerm) -> TouchProblem<'a, M> {
         self.prior = Some(prior);
         self
     }

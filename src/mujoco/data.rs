@@ -1,4 +1,5 @@
 //! The data: one posture of a model and what the engine computes from it; one per thread.
+//! Long for its accessors, a few lines each.
 
 use std::ptr::NonNull;
 use std::sync::Arc;
@@ -13,7 +14,7 @@ use super::ffi;
 use super::model::{Model, slice};
 
 /// An engine function that computes one stage for a posture.
-type Stage = unsafe extern "C-unwind" fn(*const ffi::mjModel, *mut ffi::mjData);
+type Computation = unsafe extern "C-unwind" fn(*const ffi::mjModel, *mut ffi::mjData);
 
 /// The state of a model in one posture.
 ///
@@ -322,7 +323,7 @@ impl Data {
         self.run("mj_sensorPos", ffi::mj_sensorPos)
     }
 
-    fn run(&mut self, call: &'static str, stage: Stage) -> Result<()> {
+    fn run(&mut self, call: &'static str, stage: Computation) -> Result<()> {
         let (model, data) = (self.model.raw(), self.raw.as_ptr());
         // SAFETY: both are valid and the data are borrowed exclusively.
         if let Err(error) = guarded(call, || unsafe { stage(model, data) }) {

@@ -10,7 +10,7 @@ use super::ffi;
 
 /// A body (limb) of the kinematic tree; body 0 is the world.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Body<'m> {
+pub struct ModelBody<'m> {
     /// Its name in the file, if it has one.
     pub name: Option<&'m str>,
     /// The body that carries it; the world carries itself.
@@ -29,7 +29,7 @@ pub struct Body<'m> {
 
 /// A joint between a body and its parent.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Joint<'m> {
+pub struct ModelJoint<'m> {
     /// Its name in the file, if it has one.
     pub name: Option<&'m str>,
     /// How it moves.

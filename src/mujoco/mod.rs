@@ -19,6 +19,7 @@ mod error;
 mod ffi;
 mod filter;
 mod limits;
+mod loading;
 mod model;
 #[cfg(feature = "render")]
 mod opengl;
@@ -30,7 +31,8 @@ mod vfs;
 pub use contact::{Contact, Contacts};
 pub use data::Data;
 pub use element::{
-    Body, Equality, Geom, GeomKind, Joint, JointKind, ObjectKind, Sensor, SensorKind, Site, Tuple, TupleEntry,
+    Equality, Geom, GeomKind, JointKind, ModelBody, ModelJoint, ObjectKind, Sensor, SensorKind, Site, Tuple,
+    TupleEntry,
 };
 pub use engine::{Version, check, compare, schema};
 pub use error::{Error, Result};

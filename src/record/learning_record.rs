@@ -27,7 +27,7 @@ pub struct LearningRecord {
     pub command: Vec<String>,
     /// The computer it was learned on.
     pub host: Option<Host>,
-    /// The seed of the onsets.
+    /// The seed of the initial guesses.
     pub seed: u64,
     /// How many of the session's touches it was learned from.
     pub touches: usize,
@@ -49,7 +49,7 @@ pub struct LearningRecord {
     /// How sure the schema is; none in records from before it was kept.
     #[serde(skip)]
     pub account: Option<Account>,
-    /// The schema on the way, from the onset on, as far as there was one.
+    /// The schema on the way, from the initial guess on, as far as there was one.
     #[serde(skip)]
     pub checkpoints: Vec<Checkpoint>,
 }
@@ -57,7 +57,7 @@ pub struct LearningRecord {
 /// A schema on the way.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Checkpoint {
-    /// After so many touches; 0 is the onset, what was believed before the first.
+    /// After so many touches; 0 is the initial guess, what was believed before the first.
     pub touches: usize,
     /// What was believed.
     pub schema: BodySchema,

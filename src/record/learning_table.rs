@@ -61,7 +61,7 @@ impl LearningTable {
     }
 }
 
-/// What the learner foretold of one touch.
+/// What the learner predicted of one touch.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Prediction {
     /// The touch, counted from 1.
@@ -111,7 +111,7 @@ pub fn read_learning_table(folder: &Path) -> Result<LearningRows, RecordError> {
     Ok(LearningRows { columns, rows })
 }
 
-/// Reads from [`LEARNING_FILE`] of a session's folder what the learner foretold of touches; nothing where there is
+/// Reads from [`LEARNING_FILE`] of a session's folder what the learner predicted of touches; nothing where there is
 /// no such file, or no such columns.
 ///
 /// # Errors

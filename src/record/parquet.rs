@@ -13,7 +13,7 @@ use parquet::schema::types::Type;
 
 use super::{Action, PROGRAM, RecordError};
 use crate::agent::Agent;
-use crate::creature::{Creature, DofKind};
+use crate::creature::DofKind;
 use crate::senses::Touch;
 
 /// Touches that are written at a time, so that columns of a long log need little memory.

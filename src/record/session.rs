@@ -164,7 +164,7 @@ pub struct SessionOptions {
     pub input: Option<String>,
     /// The learner; none where nothing was to be learned.
     pub learner: Option<String>,
-    /// The file of what was known of joints beforehand; none where nothing was.
+    /// The file of prior knowledge of joints; none where nothing was.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub known: Option<String>,
     /// How motions were chosen; none in sessions from before there was a choice, which were random.

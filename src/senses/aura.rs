@@ -16,9 +16,9 @@ use crate::skin::{Skin, Surface, surface_of_body};
 
 /// How far an aura reaches beyond its limb, metres: an object of 1 m/s is noticed a third of a second before.
 pub const REACH: f64 = 0.35;
-/// How far ahead a contact is foreseen, seconds.
+/// How far ahead a contact is predicted, seconds.
 pub const HORIZON: f64 = 0.6;
-/// Receptors named for a contact that is foreseen.
+/// Receptors named for a contact that is predicted.
 pub const RECEPTORS_NAMED: usize = 5;
 /// Every how many seconds what is near is looked at.
 pub const LOOK_PERIOD: f64 = 0.01;
@@ -83,13 +83,13 @@ pub struct Approach {
     pub toward: Vector3<f64>,
     /// How fast the distance becomes less, metres a second; below 0 where the object recedes.
     pub speed: f64,
-    /// The contact that is foreseen, if the object goes on as it does and the creature stays as it is.
-    pub contact: Option<Foreseen>,
+    /// The contact that is predicted, if the object goes on as it does and the creature stays as it is.
+    pub contact: Option<PredictedContact>,
 }
 
 /// A contact that is about to happen.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Foreseen {
+pub struct PredictedContact {
     /// The limb that will be hit.
     pub limb: usize,
     /// In how many seconds.
@@ -103,7 +103,7 @@ pub struct Foreseen {
 pub enum AuraEvent {
     /// An object has come into the aura of a limb.
     Entered(Approach),
-    /// A contact is foreseen, with a limb that was not foreseen for this object before.
+    /// A contact is predicted, with a limb that was not predicted for this object before.
     Alarm(Approach),
     /// The object has left all auras.
     Left {
@@ -216,20 +216,20 @@ impl Aura {
             let speed = before.map_or(0.0, |before| (before.distance - distance) / 1e-3);
             let (point, toward) = (frames[limb].inverse_point(&point), frames[limb].rotation.tr_mul(&toward));
             let contact =
-                foresee(&nearest, &at, place, velocity, acceleration).map(|(seconds, limb, point)| {
+                predict(&nearest, &at, place, velocity, acceleration).map(|(seconds, limb, point)| {
                     let receptors = likeliest(skin, limb, &frames[limb].inverse_point(&point));
-                    Foreseen { limb, seconds, receptors }
+                    PredictedContact { limb, seconds, receptors }
                 });
             let aura_limb = body.creature.aura_of(limb).unwrap_or(within[0].aura_limb);
             let approach = Approach { object, aura_limb, limb, distance, point, toward, speed, contact };
             if !std::mem::replace(&mut followed.within, true) {
                 events.push(AuraEvent::Entered(approach.clone()));
             }
-            let foreseen = approach.contact.as_ref().map(|contact| contact.limb);
-            if foreseen.is_some() && foreseen != followed.alarm {
+            let predicted = approach.contact.as_ref().map(|contact| contact.limb);
+            if predicted.is_some() && predicted != followed.alarm {
                 events.push(AuraEvent::Alarm(approach.clone()));
             }
-            followed.alarm = foreseen;
+            followed.alarm = predicted;
             followed.approach = Some(approach);
         }
         events
@@ -278,7 +278,7 @@ fn nearest_limb(
 
 /// When, in seconds, an object that goes on as it does first meets a limb, which, and where, in the world: it goes
 /// forward as far as nothing is near, for nothing can be hit sooner.
-fn foresee(
+fn predict(
     nearest: &dyn Fn(&Frame) -> Option<NearestLimb>,
     at: &dyn Fn(Vector3<f64>) -> Frame,
     place: Vector3<f64>,

@@ -15,7 +15,7 @@ use crate::senses::{Touch, TouchEnd};
 use crate::skin::Skin;
 
 /// Random streams of the session's seed, one per disturbance, so that none changes what another draws.
-/// Bouts of babbling and onsets count from 0 and never get here.
+/// Bouts of babbling and initial guesses count from 0 and never get here.
 const JOINT_STREAM: u64 = u64::MAX;
 const RECEPTOR_STREAM: u64 = u64::MAX - 1;
 const FALSE_TOUCH_STREAM: u64 = u64::MAX - 2;

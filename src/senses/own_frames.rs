@@ -15,7 +15,7 @@ use crate::schema::BodySchema;
 use crate::senses::Touch;
 use crate::skin::Skin;
 
-/// The random stream of a seed that frames are drawn from: none that babbling, onsets or disturbances use.
+/// The random stream of a seed that frames are drawn from: none that babbling, initial guesses or disturbances use.
 const FRAME_STREAM: u64 = u64::MAX - 3;
 /// How far an own frame's origin may be from the joint along each axis, metres.
 const FARTHEST: f64 = 0.1;

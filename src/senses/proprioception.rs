@@ -25,6 +25,29 @@ pub struct JointSensor {
     address: usize,
 }
 
+/// How the posture is felt, in a sentence: by the sensors that [`joint_sensors`] tells of.
+pub fn posture_in_words(sensors: &[Option<JointSensor>]) -> String {
+    let sensed: Vec<&JointSensor> = sensors.iter().flatten().collect();
+    let all = sensors.len();
+    let mut text = match sensed.len() {
+        0 => return "posture: no joint has a sensor, so every angle is read exactly as it is".to_string(),
+        count if count == all => format!("posture: read from {count} joint sensors"),
+        count => format!(
+            "posture: read from {count} joint sensors; the other {} angles exactly as they are",
+            all - count
+        ),
+    };
+    let cut_off = sensed.iter().filter(|sensor| sensor.cutoff.is_some()).count();
+    if cut_off > 0 {
+        text += &format!("; {cut_off} of them read no farther than a cutoff");
+    }
+    let noisy = sensed.iter().filter(|sensor| sensor.noise > 0.0).count();
+    if noisy > 0 {
+        text += &format!("; {noisy} of them are noisy");
+    }
+    text
+}
+
 /// Per degree of freedom of a body, its sensor; none where it has none.
 pub fn joint_sensors(body: &Body) -> Vec<Option<JointSensor>> {
     let model = &body.declared;

@@ -29,7 +29,7 @@ pub fn event_json(stage: &Stage, time: f64, event: &TouchEvent) -> Value {
 }
 
 /// The object that tells an event of the aura: `entered`, where something comes near; `alarm`, where a contact is
-/// foreseen; `left`. Distances are metres, speeds metres a second (below 0 where it recedes), times seconds.
+/// predicted; `left`. Distances are metres, speeds metres a second (below 0 where it recedes), times seconds.
 pub fn aura_event_json(stage: &Stage, time: f64, event: &AuraEvent) -> Value {
     let told = |name: &str, approach: &Approach| {
         let creature = stage.agent().creature();

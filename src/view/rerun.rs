@@ -60,7 +60,7 @@ pub struct RerunInput<'a> {
 
 /// Writes a recording for Rerun's viewer (`.rrd`), whole or not at all. The same input gives the same bytes.
 ///
-/// All is in the root limb's frame, metres. On the timeline `touch` 0 is the onset, the body at zero, and k the k-th
+/// All is in the root limb's frame, metres. On the timeline `touch` 0 is the initial guess, the body at zero, and k the k-th
 /// touch in its posture; where all touches have times there is a timeline `time` as well, the bouts one after the
 /// other, each until its last touch.
 ///
@@ -153,7 +153,7 @@ impl RrdChunks {
 
     fn true_body(&mut self, input: &RerunInput, truth: &BodySchema, moments: &Moments) -> Result<(), Failed> {
         let RerunInput { agent, .. } = *input;
-        let (creature, skin) = (agent.creature(), agent.skin());
+        let creature = agent.creature();
         let poses: Vec<(TimePoint, Pose)> = moments
             .shown
             .iter()
@@ -183,7 +183,7 @@ impl RrdChunks {
 
     fn learned_body(&mut self, input: &RerunInput, moments: &Moments) -> Result<(), Failed> {
         let RerunInput { agent, .. } = *input;
-        let (creature, skin) = (agent.creature(), agent.skin());
+        let creature = agent.creature();
         let poses: Vec<(TimePoint, &Shown, &BodySchema, Pose)> = moments
             .shown
             .iter()
@@ -277,7 +277,7 @@ impl RrdChunks {
     }
 }
 
-/// A touch of which the bodies are shown; 0 is the onset.
+/// A touch of which the bodies are shown; 0 is the initial guess.
 struct Shown {
     touch: usize,
     posture: Posture,
@@ -286,7 +286,7 @@ struct Shown {
 /// What is shown when.
 struct Moments {
     shown: Vec<Shown>,
-    /// Seconds from the first bout's beginning, of the onset and of every touch; empty where a touch lacks it.
+    /// Seconds from the first bout's beginning, of the initial guess and of every touch; empty where a touch lacks it.
     seconds: Vec<f64>,
 }
 
@@ -323,7 +323,7 @@ fn believed<'a>(input: &RerunInput<'a>, touch: usize) -> Option<&'a BodySchema> 
     until.max_by_key(|at| at.touches).map(|at| &at.schema)
 }
 
-/// The times of the onset and of the touches, the bouts one after the other, seconds.
+/// The times of the initial guess and of the touches, the bouts one after the other, seconds.
 fn seconds(touches: &[Touch]) -> Option<Vec<f64>> {
     let (mut before, mut bout, mut last) = (0.0, touches.first()?.bout, 0.0);
     let mut found = vec![0.0];

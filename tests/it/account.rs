@@ -7,7 +7,7 @@ use crate::common::{babble, creature, max, two_arms};
 use bodyschema::agent::Agent;
 use bodyschema::creature::Posture;
 use bodyschema::experiment::own_body;
-use bodyschema::learning::onset::random_onset;
+use bodyschema::learning::initial_guess::random_guess;
 use bodyschema::learning::{
     Certainty, Hersch, Input, Learned, Learner, LimbFrames, RelaxedGradient, SecondOrder,
 };
@@ -40,10 +40,10 @@ fn a_schema_that_was_never_put_to_the_test_is_not_trusted() {
     let body = max("torso");
     let agent = Agent::of(&body).unwrap();
     let touches = babble(&body, &agent, 300, 2, 2);
-    let onset = || random_onset(agent.creature(), &mut ChaCha8Rng::seed_from_u64(1));
+    let initial_guess = || random_guess(agent.creature(), &mut ChaCha8Rng::seed_from_u64(1));
     for unjudged in [
-        learned(Hersch::new(&agent, Input::Receptor, onset()), &touches),
-        learned(RelaxedGradient::new(&agent, Input::Receptor, onset(), 1).with_steps(100), &touches),
+        learned(Hersch::new(&agent, Input::Receptor, initial_guess()), &touches),
+        learned(RelaxedGradient::new(&agent, Input::Receptor, initial_guess(), 1).with_steps(100), &touches),
         // One that has a test, and fails it.
         learned(SecondOrder::new(&agent, Input::Receptor, 1), &touches[..20]),
     ] {

@@ -20,7 +20,7 @@ const LEARNING_KEYS: [&str; 15] = [
     "learner",
     "input",
     "converged",
-    "onsets",
+    "initial_guesses",
     "heldout_mm",
     "hand_mm",
     "axis_deg",

@@ -8,7 +8,7 @@ use bodyschema::export::to_mjcf;
 use bodyschema::geometry::Shape;
 use bodyschema::ground_truth::GroundTruth;
 use bodyschema::kinematics::limb_frames;
-use bodyschema::learning::onset::random_onset;
+use bodyschema::learning::initial_guess::random_guess;
 use bodyschema::mujoco::{Data, Model};
 use bodyschema::schema::BodySchema;
 use bodyschema::skin::{Skin, skin_of};
@@ -155,7 +155,7 @@ fn every_kind_of_joint_and_shape_survives_the_round_trip() {
 fn limbs_are_where_the_schema_says_however_wrong_it_is() {
     let mixed = body(Model::from_xml(MIXED).unwrap(), &JointSelection::All);
     for (original, seed) in [(max(&JointSelection::Default), 1), (max(&JointSelection::All), 2), (mixed, 3)] {
-        let learned = random_onset(&original.creature, &mut ChaCha8Rng::seed_from_u64(seed));
+        let learned = random_guess(&original.creature, &mut ChaCha8Rng::seed_from_u64(seed));
         let copy = read_back(&to_mjcf(&Agent::of(&original).unwrap(), &learned));
         same_schema(&learned, &GroundTruth::new(&copy).unwrap().schema);
         same_motion(&copy, &learned);

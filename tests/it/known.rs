@@ -1,4 +1,4 @@
-//! What a user knows beforehand: read from a file, kept exactly or as nearly as it is known.
+//! Prior knowledge: read from a file, kept exactly or as nearly as it is known.
 
 use std::path::Path;
 use std::process::Command;

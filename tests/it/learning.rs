@@ -6,7 +6,7 @@ use bodyschema::creature::{Body, Posture};
 use bodyschema::evaluation::{Evaluation, evaluate};
 use bodyschema::ground_truth::GroundTruth;
 use bodyschema::kinematics::{limb_frames, tangent_basis};
-use bodyschema::learning::onset::random_onset;
+use bodyschema::learning::initial_guess::random_guess;
 use bodyschema::learning::{Hersch, Input, Learned, Learner, RelaxedGradient, SecondOrder, Verdict};
 use bodyschema::schema::BodySchema;
 use bodyschema::senses::Touch;
@@ -19,8 +19,8 @@ const CONTACTS_MM: f64 = 0.01;
 /// Greatest mean held-out error from 1,000 touches of receptors on known surfaces, millimetres.
 const SURFACES_MM: f64 = 0.1;
 /// How far from the truth the axes are that Hersch's rule starts from, degrees.
-const ONSET_DEGREES: f64 = 20.0;
-/// How much of the onset's error Hersch's rule may leave.
+const GUESS_DEGREES: f64 = 20.0;
+/// How much of the initial guess's error Hersch's rule may leave.
 const HERSCH_SHARE: f64 = 0.6;
 
 /// Greatest mean held-out error that the repaired gradient may leave from 1,000 exact contact points and from
@@ -64,14 +64,14 @@ impl Pupil {
         (a - b).norm()
     }
 
-    /// The truth with every axis turned by up to `ONSET_DEGREES` and every position shifted by up to 1 cm.
+    /// The truth with every axis turned by up to `GUESS_DEGREES` and every position shifted by up to 1 cm.
     fn perturbed(&self, seed: u64) -> BodySchema {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         let mut schema = self.truth.schema.clone();
         for axis in &mut schema.axes {
             let around = rng.random_range(0.0..std::f64::consts::TAU);
             let sideways = tangent_basis(axis) * nalgebra::Vector2::new(f64::cos(around), f64::sin(around));
-            let angle = rng.random_range(0.0..ONSET_DEGREES.to_radians());
+            let angle = rng.random_range(0.0..GUESS_DEGREES.to_radians());
             *axis = Rotation3::from_axis_angle(&Unit::new_normalize(sideways), angle) * *axis;
         }
         for position in &mut schema.positions {
@@ -82,7 +82,7 @@ impl Pupil {
 }
 
 #[test]
-fn the_second_order_learner_recovers_the_torso_from_500_contact_points_whatever_the_onset() {
+fn the_second_order_learner_recovers_the_torso_from_500_contact_points_whatever_the_guess() {
     let pupil = Pupil::new(&max("torso"), 500, 1);
     for seed in [101, 102, 103] {
         let learned = pupil.second_order(Input::Contact, seed);
@@ -106,11 +106,11 @@ fn the_second_order_learner_recovers_the_torso_from_1000_touches_of_receptors() 
     assert!(mean <= SURFACES_MM, "{mean} mm");
 }
 
-/// What the repaired gradient learns from a random onset.
+/// What the repaired gradient learns from a random initial guess.
 fn relaxed_gradient(pupil: &Pupil, input: Input, seed: u64) -> Learned {
-    let onset = random_onset(pupil.agent.creature(), &mut ChaCha8Rng::seed_from_u64(seed));
-    assert!(pupil.heldout_mm(&onset) > 100.0, "the onset knows something already");
-    let mut learner = RelaxedGradient::new(&pupil.agent, input, onset, seed);
+    let initial_guess = random_guess(pupil.agent.creature(), &mut ChaCha8Rng::seed_from_u64(seed));
+    assert!(pupil.heldout_mm(&initial_guess) > 100.0, "the initial guess knows something already");
+    let mut learner = RelaxedGradient::new(&pupil.agent, input, initial_guess, seed);
     pupil.touches.iter().for_each(|touch| learner.touch(touch));
     learner.learn()
 }
@@ -128,12 +128,12 @@ fn recovers_by_gradient(seed: u64) {
 }
 
 #[test]
-fn the_repaired_gradient_recovers_the_torso_from_a_random_onset() {
+fn the_repaired_gradient_recovers_the_torso_from_a_random_guess() {
     recovers_by_gradient(101);
 }
 
 #[test]
-fn the_repaired_gradient_of_the_same_onset_is_the_same() {
+fn the_repaired_gradient_of_the_same_guess_is_the_same() {
     let arms = two_arms(r#"type="capsule" size="0.12 0.2""#, r#"type="capsule" size="0.03 0.2""#);
     let pupil = Pupil::new(&creature(&arms), 200, 1);
     for input in [Input::Contact, Input::Receptor] {
@@ -143,11 +143,11 @@ fn the_repaired_gradient_of_the_same_onset_is_the_same() {
 }
 
 #[test]
-fn the_repaired_gradient_of_nothing_is_its_onset() {
+fn the_repaired_gradient_of_nothing_is_its_guess() {
     let pupil = Pupil::new(&max("torso"), 1, 9);
-    let onset = random_onset(pupil.agent.creature(), &mut ChaCha8Rng::seed_from_u64(1));
-    let mut learner = RelaxedGradient::new(&pupil.agent, Input::Contact, onset.clone(), 1);
-    assert!((learner.learn().schema.axes[0] - onset.axes[0]).norm() < 1e-9);
+    let initial_guess = random_guess(pupil.agent.creature(), &mut ChaCha8Rng::seed_from_u64(1));
+    let mut learner = RelaxedGradient::new(&pupil.agent, Input::Contact, initial_guess.clone(), 1);
+    assert!((learner.learn().schema.axes[0] - initial_guess.axes[0]).norm() < 1e-9);
     learner = learner.with_steps(100);
     learner.touch(&pupil.touches[0]);
     assert!(learner.learn().schema.fits(pupil.agent.creature()));
@@ -158,16 +158,16 @@ fn the_same_touches_and_seed_give_the_same_schema() {
     let pupil = Pupil::new(&max("torso"), 400, 6);
     let [first, second] = [0, 1].map(|_| pupil.second_order(Input::Contact, 9));
     assert_eq!(first.schema, second.schema);
-    assert_eq!((first.onsets, first.verdict), (second.onsets, second.verdict));
+    assert_eq!((first.initial_guesses, first.verdict), (second.initial_guesses, second.verdict));
 }
 
 #[test]
 fn herschs_rule_brings_axes_near_the_truth_nearer() {
     let pupil = Pupil::new(&max("torso"), 3000, 2);
     for seed in [1, 2] {
-        let onset = pupil.perturbed(seed);
-        let before = pupil.heldout_mm(&onset);
-        let mut learner = Hersch::new(&pupil.agent, Input::Contact, onset);
+        let initial_guess = pupil.perturbed(seed);
+        let before = pupil.heldout_mm(&initial_guess);
+        let mut learner = Hersch::new(&pupil.agent, Input::Contact, initial_guess);
         for _ in 0..3 {
             pupil.touches.iter().for_each(|touch| learner.touch(touch));
         }
@@ -196,11 +196,11 @@ fn a_tiny_step_of_herschs_rule_lessens_the_error_of_the_touch_it_is_for() {
         .replace("-2.6 2.6", "-0.1 2.6");
     for (name, body) in [("Max's torso", max("torso")), ("slide", creature(&slides))] {
         let pupil = Pupil::new(&body, 150, 4);
-        let onset = random_onset(pupil.agent.creature(), &mut ChaCha8Rng::seed_from_u64(5));
+        let initial_guess = random_guess(pupil.agent.creature(), &mut ChaCha8Rng::seed_from_u64(5));
         for (i, touch) in pupil.touches.iter().enumerate() {
-            let before = pupil.miss(&onset, touch);
-            let onset = onset.clone();
-            let mut learner = Hersch::new(&pupil.agent, Input::Contact, onset).with_step(TINY);
+            let before = pupil.miss(&initial_guess, touch);
+            let initial_guess = initial_guess.clone();
+            let mut learner = Hersch::new(&pupil.agent, Input::Contact, initial_guess).with_step(TINY);
             learner.touch(touch);
             let after = pupil.miss(&learner.learn().schema, touch);
             assert!(after < before, "{name}, touch {i}: {before} m became {after} m");
@@ -307,8 +307,8 @@ fn the_truth_has_no_error_and_what_is_known_not_at_all_has_much() {
     let pupil = Pupil::new(&max("torso"), 200, 10);
     let right = pupil.evaluate(&pupil.truth.schema, &[]);
     assert!(right.heldout_mm.max < 1e-9 && right.axis_deg.max < 1e-9 && right.axis_line_mm.max < 1e-9);
-    let onset = random_onset(pupil.agent.creature(), &mut ChaCha8Rng::seed_from_u64(1));
-    let wrong = pupil.evaluate(&onset, &[]);
+    let initial_guess = random_guess(pupil.agent.creature(), &mut ChaCha8Rng::seed_from_u64(1));
+    let wrong = pupil.evaluate(&initial_guess, &[]);
     assert!(wrong.heldout_mm.mean > 50.0 && wrong.axis_deg.median > 10.0);
     let misses = bodyschema::evaluation::touch_misses;
     let exact = misses(&pupil.agent, &pupil.truth.schema, &pupil.touches);
@@ -326,8 +326,8 @@ mod slow {
     }
 
     #[test]
-    #[ignore = "slow: another onset of Max"]
-    fn the_repaired_gradient_recovers_the_torso_from_another_onset() {
+    #[ignore = "slow: another initial guess of Max"]
+    fn the_repaired_gradient_recovers_the_torso_from_another_guess() {
         recovers_by_gradient(102);
     }
 }

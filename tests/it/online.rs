@@ -45,7 +45,7 @@ fn a_hinge_moves_the_points_beyond_it_as_finite_differences_say() {
 }
 
 #[test]
-fn touches_are_foretold_as_well_as_the_learner_says() {
+fn touches_are_predicted_as_well_as_the_learner_says() {
     let (body, agent) = with_agent(max("torso"));
     let touches = babble(&body, &agent, 600, 21, 2);
     let mut learner = Online::new(&agent, 21);
@@ -54,12 +54,12 @@ fn touches_are_foretold_as_well_as_the_learner_says() {
         learner.touch(touch);
         expected.extend(learner.expectation());
     }
-    assert!(expected.len() >= 60, "a tenth of the touches are foretold, at least: {}", expected.len());
+    assert!(expected.len() >= 60, "a tenth of the touches are predicted, at least: {}", expected.len());
     let within = expected.iter().filter(|e| e.gap.abs() <= 5.0 * e.deviation).count();
     assert!(50 * within >= 49 * expected.len(), "{within} of {} within five deviations", expected.len());
     let mut gaps: Vec<f64> = expected.iter().map(|e| e.gap.abs()).collect();
     gaps.sort_by(f64::total_cmp);
-    assert!(gaps[gaps.len() / 2] < 1e-5, "half are foretold to a hundredth of a millimetre: {gaps:?}");
+    assert!(gaps[gaps.len() / 2] < 1e-5, "half are predicted to a hundredth of a millimetre: {gaps:?}");
     assert!(learner.changes().is_empty(), "nothing changed: {:?}", learner.changes());
 }
 

@@ -115,11 +115,11 @@ fn every_picture_is_drawn_and_nothing_is_fetched() {
         assert!(text.as_str().unwrap().to_lowercase().contains(&words.to_lowercase()), "{words}");
     }
 
-    // The slider leads from the onset, in which the body is elsewhere, to what was learned.
+    // The slider leads from the initial guess, in which the body is elsewhere, to what was learned.
     let steps = tab.evaluate("JSON.parse(document.querySelector('figure.body script').textContent).steps");
     let names: Vec<&str> =
         steps.as_array().unwrap().iter().map(|step| step["name"].as_str().unwrap()).collect();
-    assert_eq!((names[0], *names.last().unwrap()), ("onset", "1000"));
+    assert_eq!((names[0], *names.last().unwrap()), ("initial guess", "1000"));
     let highest = r#"Math.max(...document.getElementById("body").body.poses.learned.begins.filter((_, k) => k % 3 === 2))"#;
     // Places are told in tenths of millimetres.
     let reach = |tab: &Tab| tab.evaluate(highest).as_f64().unwrap() / 1e4;
@@ -132,9 +132,12 @@ fn every_picture_is_drawn_and_nothing_is_fetched() {
         await new Promise((done) => setTimeout(done, 500));
         return document.querySelector(".slider output").textContent;
     })()"#;
-    assert_eq!(tab.evaluate(slide), "onset");
-    let onset = reach(&tab);
-    assert!(learned > 0.5 && onset < 0.5, "the neck is {learned} m above the pelvis, {onset} m at the onset");
+    assert_eq!(tab.evaluate(slide), "initial guess");
+    let initial_guess = reach(&tab);
+    assert!(
+        learned > 0.5 && initial_guess < 0.5,
+        "the neck is {learned} m above the pelvis, {initial_guess} m at the initial guess"
+    );
     assert_ne!(picture(&tab), before);
 
     // What is switched off is not drawn.

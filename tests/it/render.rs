@@ -166,7 +166,7 @@ fn a_film_has_a_frame_for_every_moment() {
     assert!(touches[0].pixels != touches[4].pixels && touches[5].pixels == touches[7].pixels);
     let learning = film(&["--learning"], "learning/f-%03d.png");
     let (first, last) = (&learning[0], &learning[learning.len() - 1]);
-    // At the onset the true body's head is nothing but a shade; in the end the learned one is there.
+    // At the initial guess the true body's head is nothing but a shade; in the end the learned one is there.
     let upper = |picture: &Picture| {
         let half = &picture.pixels[..picture.pixels.len() / 2];
         half.iter().filter(|pixel| is_learned(pixel)).count()

@@ -239,13 +239,13 @@ fn the_same_session_gives_the_same_page() {
 }
 
 #[test]
-fn the_body_is_drawn_over_the_true_one_and_from_the_onset_on() {
+fn the_body_is_drawn_over_the_true_one_and_from_the_guess_on() {
     let session = Session::new();
     let page = report::html(&session.input());
     let body = body(&page);
     assert_eq!(names(&body["layers"]), ["limbs", "receptors", "true body"]);
     assert_eq!(names(&body["skeletons"]), ["joints", "true joints"]);
-    assert_eq!(names(&body["steps"]), ["onset", "1", "2", "3"]);
+    assert_eq!(names(&body["steps"]), ["initial guess", "1", "2", "3"]);
     assert!(page.contains("max=\"3\""), "a place of the slider per step");
     // Two capsules and a box, and twenty-five corners a receptor: each with its shape, its limb and its corners.
     let lengths = |mesh: usize| -> Vec<usize> {
@@ -254,9 +254,12 @@ fn the_body_is_drawn_over_the_true_one_and_from_the_onset_on() {
     assert_eq!(lengths(0), [2 + 3 * 8, 2 + 3 * 86, 2 + 3 * 86]);
     assert_eq!(lengths(1), [2 + 3 * 25; 3]);
     // Every pose has a quaternion and an origin per limb, and where each limb begins.
-    let onset = &body["steps"][0]["poses"]["learned"];
+    let initial_guess = &body["steps"][0]["poses"]["learned"];
     assert_eq!(
-        (onset["frames"].as_array().unwrap().len(), onset["begins"].as_array().unwrap().len()),
+        (
+            initial_guess["frames"].as_array().unwrap().len(),
+            initial_guess["begins"].as_array().unwrap().len()
+        ),
         (21, 9)
     );
     // Coloured by touches: the left arm was touched three times, the chest twice.
@@ -268,13 +271,13 @@ fn the_body_is_drawn_over_the_true_one_and_from_the_onset_on() {
 }
 
 #[test]
-fn the_curve_has_the_error_its_bound_and_the_onset() {
+fn the_curve_has_the_error_its_bound_and_the_guess() {
     let session = Session::new();
     let marks = marks(&report::html(&session.input()), "curve");
     let says: Vec<&str> = marks.iter().map(|(says, _)| says.as_str()).collect();
     let told = [
-        "at a random onset: 300 mm",
-        "at a random onset: 300 mm",
+        "at a random initial guess: 300 mm",
+        "at a random initial guess: 300 mm",
         "held-out error after 1 touch: 200 mm",
         "held-out error after 2 touches: 2.50 mm",
         "held-out error after 3 touches: 1.0·10⁻⁹ mm",

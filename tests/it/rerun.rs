@@ -120,9 +120,9 @@ mod recording {
         let (own, skin) = (session.agent.creature(), session.agent.skin());
         let touches = read_touches(&folder.join(TOUCHES_FILE), &session.agent).unwrap().touches;
         let true_body = truth(&creature(&fs::read_to_string(&model).unwrap()));
-        let onset = own.reference_posture();
+        let initial_guess = own.reference_posture();
         let postures: Vec<_> =
-            std::iter::once(&onset).chain(touches.iter().map(|touch| &touch.posture)).collect();
+            std::iter::once(&initial_guess).chain(touches.iter().map(|touch| &touch.posture)).collect();
         let counts: Vec<i64> = (0..=60).collect();
         assert_eq!(read.times("/true/skeleton", "touch"), counts);
         assert_eq!(read.times("/touch/place", "touch"), counts[1..]);

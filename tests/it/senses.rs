@@ -265,8 +265,8 @@ fn feel_prints_what_begins_and_then_what_it_was() {
     let [entered, alarm, began, sensed] = &events[..4] else { panic!("four events: {text}") };
     assert_eq!((&entered["by"], &entered["aura_limb"]), (&json!("finger"), &json!("left_forearm")));
     assert_eq!(alarm["contact"]["limb"], "left_forearm");
-    let foreseen = alarm["time"].as_f64().unwrap() + alarm["contact"]["time_to_contact"].as_f64().unwrap();
-    assert!((foreseen - began["time"].as_f64().unwrap()).abs() < 0.15, "{text}");
+    let predicted = alarm["time"].as_f64().unwrap() + alarm["contact"]["time_to_contact"].as_f64().unwrap();
+    assert!((predicted - began["time"].as_f64().unwrap()).abs() < 0.15, "{text}");
     assert_eq!((&began["event"], &sensed["event"]), (&json!("began"), &json!("sensed")));
     assert_eq!(began["number"], sensed["number"]);
     assert!(began["time"].as_f64() < sensed["time"].as_f64());

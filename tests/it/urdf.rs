@@ -8,7 +8,7 @@ use bodyschema::creature::{Creature, DofKind, Posture};
 use bodyschema::export::{Urdf, to_urdf};
 use bodyschema::geometry::Shape;
 use bodyschema::kinematics::limb_frames;
-use bodyschema::learning::onset::random_onset;
+use bodyschema::learning::initial_guess::random_guess;
 use bodyschema::mujoco::{Data, Model, ObjectKind};
 use bodyschema::schema::BodySchema;
 use nalgebra::{Quaternion, UnitQuaternion};
@@ -125,7 +125,7 @@ fn mujoco_moves_the_links_as_the_schema_moves_the_limbs() {
         creature(MIXED),
         creature(&two_arms(r#"type="sphere" size="0.1""#, r#"type="capsule" size="0.03 0.2""#)),
     ] {
-        let wrong = random_onset(&body.creature, &mut ChaCha8Rng::seed_from_u64(3));
+        let wrong = random_guess(&body.creature, &mut ChaCha8Rng::seed_from_u64(3));
         for schema in [truth(&body), wrong] {
             same_motion(&Agent::of(&body).unwrap(), &schema);
         }

@@ -140,7 +140,7 @@ fn assert_right_or_named(name: &str, least: usize) {
     let known = body.creature.joints().len() - learned.undetermined.len();
     assert!(known >= least, "{name}: {known} joints, {:?}", learned.verdict);
     let truth = GroundTruth::new(&body).unwrap();
-    // Where a limb that nothing touches lies along its joints' axes is a matter of choice, and not counted.
+    // Where a limb that nothing touches lies along its joints' axes is gauge freedom, and not counted.
     let found = evaluate_learned(&agent, &truth, &learned).bound_mm.unwrap();
     assert!(found.error_rms <= DETERMINED_MM, "{name}: {found:?}");
 }

@@ -44,7 +44,7 @@ pub struct StudyArguments {
     /// The MJCF file of a creature with touch sensors
     #[arg(default_value = DEFAULT_MODEL)]
     model: PathBuf,
-    /// Trials, each with touches and onsets of its own
+    /// Trials, each with touches and initial guesses of its own
     #[arg(long, default_value_t = 3, value_parser = clap::value_parser!(u16).range(1..=1000))]
     trials: u16,
     /// Seed of the first trial; the next ones count on from it

@@ -1,4 +1,4 @@
-//! How well the aura foretells what is going to touch, and where.
+//! How well the aura predicts what is going to touch, and where.
 
 use std::f64::consts::TAU;
 
@@ -18,12 +18,12 @@ use crate::simulation::{PROBE_RADIUS, ProbePath, Stage, StepSenses};
 /// The study `approach`.
 pub const STUDY: Study = Study {
     name: "approach",
-    about: "how well the aura foretells which limb is hit, and where; a trial is an approach, a pass and a retreat",
+    about: "how well the aura predicts which limb is hit, and where; a trial is an approach, a pass and a retreat",
     touches: false,
     measure: |subject| Ok(measure(subject)?.into()),
 };
 
-/// How long before a contact it is to be foretold, seconds.
+/// How long before a contact it is to be predicted, seconds.
 const AHEAD: f64 = 0.3;
 /// How long an object must have been seen, seconds.
 const SEEN: f64 = 0.05;
@@ -38,7 +38,7 @@ row! {
         speed_m_s: f64 = "speed, m/s",
         hit_limb: String = "hit",
         hit_receptor: String = "receptor",
-        foretold_limb: String = "foretold 0.3 s ahead",
+        predicted_limb: String = "predicted 0.3 s ahead",
         limb_right: bool = "limb right",
         receptor_named: bool = "receptor named",
         alarms: usize = "alarms",
@@ -137,7 +137,7 @@ pub fn measure(subject: &Subject) -> Result<Findings<ApproachMeasurement, Approa
                 });
             }
             // What moves away from one limb may come to another: then it is no retreat but a pass. What met a limb
-            // before anybody could foretell it tells nothing.
+            // before anybody could predict it tells nothing.
             let distances: Vec<f64> =
                 told.iter().filter_map(|(_, approach)| Some(approach.as_ref()?.distance)).collect();
             let comes_near = distances.windows(2).any(|pair| pair[1] < pair[0] - 1e-4);
@@ -147,15 +147,15 @@ pub fn measure(subject: &Subject) -> Result<Findings<ApproachMeasurement, Approa
                 continue;
             }
             let before = hit.map(|(time, _)| time - AHEAD);
-            let foretold = before.and_then(|before| {
+            let predicted = before.and_then(|before| {
                 let at = told.partition_point(|(time, _)| *time <= before);
                 told[..at].last()?.1.clone()?.contact
             });
             let limb_right = hit.is_some_and(|(_, spot)| {
-                foretold.as_ref().is_some_and(|foretold| foretold.limb == spot.limb)
+                predicted.as_ref().is_some_and(|predicted| predicted.limb == spot.limb)
             });
             let named = hit.is_some_and(|(_, spot)| {
-                foretold.as_ref().is_some_and(|foretold| foretold.receptors.contains(&spot.receptor))
+                predicted.as_ref().is_some_and(|predicted| predicted.receptors.contains(&spot.receptor))
             });
             let lead = hit.and_then(|(time, _)| Some(time - alarms.first()?));
             leads[k].extend(lead);
@@ -173,7 +173,8 @@ pub fn measure(subject: &Subject) -> Result<Findings<ApproachMeasurement, Approa
                 hit_limb: hit.map_or("none".to_string(), |(_, spot)| limbs[spot.limb].clone()),
                 hit_receptor: hit
                     .map_or("none".to_string(), |(_, p)| stage.skin().receptors[p.receptor].id.clone()),
-                foretold_limb: foretold.map_or("none".to_string(), |foretold| limbs[foretold.limb].clone()),
+                predicted_limb: predicted
+                    .map_or("none".to_string(), |predicted| limbs[predicted.limb].clone()),
                 limb_right,
                 receptor_named: named,
                 alarms: alarms.len(),
@@ -204,7 +205,7 @@ pub fn measure(subject: &Subject) -> Result<Findings<ApproachMeasurement, Approa
         "Balls of 16 mm on bent ways of 0.2 to 1 m/s: to a random place of the skin, past one by 5 to 30 cm, and away \
          from 3 cm above one."
             .to_string(),
-        "Hits are foretold from what the aura said 0.3 s before the first contact.".to_string(),
+        "Hits are predicted from what the aura said 0.3 s before the first contact.".to_string(),
     ];
     let series = WAYS.iter().zip(&leads).enumerate().map(|(k, (name, leads))| PlotSeries {
         name: (*name).to_string(),

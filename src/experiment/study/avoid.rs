@@ -1,4 +1,5 @@
-//! Whether a creature gets out of the way of what comes near, and keeps still what is not in its way.
+//! Whether a creature gets out of the way of what comes near, and keeps still what is not in its way. Long, as a study is
+//! one file: here are the paths that are drawn, the attempts, and what is told of them.
 
 use std::collections::BTreeSet;
 

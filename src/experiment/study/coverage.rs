@@ -52,7 +52,7 @@ const CONDITIONS: [(f64, StartingPoint); 7] = [
 row! {
     /// A measurement of the study `coverage`.
     pub struct CoverageMeasurement {
-        onset: String = "onset",
+        initial_guess: String = "initial guess",
         noise_mm: f64 = "noise, mm",
         seed: u64 = "seed",
         touches: usize = "touches",
@@ -71,7 +71,7 @@ row! {
 row! {
     /// A row of the summary of the study `coverage`.
     pub struct CoverageSummary {
-        onset: String = "onset",
+        initial_guess: String = "initial guess",
         noise_mm: f64 = "noise, mm",
         converged: f64 = "converged, share",
         noise_estimate_mm: f64 = "own noise estimate, mm",
@@ -111,11 +111,11 @@ pub fn measure(subject: &Subject) -> Result<Findings<CoverageMeasurement, Covera
     let mut found: Vec<Vec<CoverageTrial>> = CONDITIONS.iter().map(|_| Vec::new()).collect();
     for &seed in &subject.seeds {
         let touches = subject.babble(seed)?;
-        for (k, &(noise_mm, onset)) in CONDITIONS.iter().enumerate() {
-            subject.tell(seed, &format!("noise of {noise_mm} mm, onset {}", onset.name()));
-            let trial = attempt(subject, &touches, noise_mm, onset, seed);
+        for (k, &(noise_mm, initial_guess)) in CONDITIONS.iter().enumerate() {
+            subject.tell(seed, &format!("noise of {noise_mm} mm, initial guess {}", initial_guess.name()));
+            let trial = attempt(subject, &touches, noise_mm, initial_guess, seed);
             measurements.push(CoverageMeasurement {
-                onset: onset.name().into(),
+                initial_guess: initial_guess.name().into(),
                 noise_mm,
                 seed,
                 touches: trial.touches,
@@ -133,14 +133,14 @@ pub fn measure(subject: &Subject) -> Result<Findings<CoverageMeasurement, Covera
         }
     }
     let mut summary: Vec<CoverageSummary> = Vec::new();
-    for ((noise_mm, onset), trials) in CONDITIONS.iter().zip(&found) {
+    for ((noise_mm, initial_guess), trials) in CONDITIONS.iter().zip(&found) {
         let judged = || trials.iter().filter(|trial| trial.converged && trial.bound.is_some());
         let rms =
             |value: fn(&CramerRaoBound) -> f64| mean(judged().map(|trial| trial.of(value).powi(2))).sqrt();
         let (bound, error) = (rms(|bound| bound.bound_rms), rms(|bound| bound.error_rms));
         let covered = |kind: usize| mean(judged().map(|trial| trial.covered[kind]));
         summary.push(CoverageSummary {
-            onset: onset.name().into(),
+            initial_guess: initial_guess.name().into(),
             noise_mm: *noise_mm,
             converged: share(trials.iter().map(|trial| trial.converged)),
             noise_estimate_mm: mean(judged().map(|trial| trial.noise_estimate_mm)),
@@ -161,7 +161,7 @@ pub fn measure(subject: &Subject) -> Result<Findings<CoverageMeasurement, Covera
          right. Only trials that converged are judged."
             .to_string(),
         "The noise is what the model assumes: every gap at the true body is drawn from a normal distribution, by \
-         moving the posture. The onset \"the truth\" shows the optimum and no way there."
+         moving the posture. The initial guess \"the truth\" shows the optimum and no way there."
             .to_string(),
     ];
     let plot = StudyPlot {
@@ -177,7 +177,7 @@ fn attempt(
     subject: &Subject,
     touches: &[Touch],
     noise_mm: f64,
-    onset: StartingPoint,
+    initial_guess: StartingPoint,
     seed: u64,
 ) -> CoverageTrial {
     let (agent, truth) = (subject.agent(), subject.truth());
@@ -186,7 +186,7 @@ fn attempt(
     let began = Instant::now();
     let mut learner = SecondOrder::new(agent, Input::Receptor, seed);
     noisy.iter().for_each(|touch| learner.touch(touch));
-    let learned: Learned = match onset {
+    let learned: Learned = match initial_guess {
         StartingPoint::Truth => learner.refine(&truth.schema),
         StartingPoint::Random => learner.learn(),
     };
@@ -210,10 +210,10 @@ fn attempt(
     }
 }
 
-/// The trials of each onset, the error over the bound; and the bound itself as a line.
+/// The trials of each initial guess, the error over the bound; and the bound itself as a line.
 fn series(found: &[Vec<CoverageTrial>]) -> Vec<PlotSeries> {
-    let dots = |onset: StartingPoint| {
-        let trials = CONDITIONS.iter().zip(found).filter(|((_, other), _)| *other == onset);
+    let dots = |initial_guess: StartingPoint| {
+        let trials = CONDITIONS.iter().zip(found).filter(|((_, other), _)| *other == initial_guess);
         let bounds = trials.flat_map(|(_, trials)| trials).filter_map(|trial| trial.bound);
         bounds.map(|bound| (bound.bound_rms, bound.error_rms)).collect::<Vec<_>>()
     };
@@ -222,9 +222,9 @@ fn series(found: &[Vec<CoverageTrial>]) -> Vec<PlotSeries> {
     let greatest = all.iter().copied().fold(0.0, f64::max);
     let line = if all.is_empty() { Vec::new() } else { vec![(least, least), (greatest, greatest)] };
     let mut series = vec![PlotSeries { name: "bound".to_string(), line, dots: Vec::new() }];
-    for onset in [StartingPoint::Truth, StartingPoint::Random] {
-        let name = format!("onset: {}", onset.name());
-        series.push(PlotSeries { name, line: Vec::new(), dots: dots(onset) });
+    for initial_guess in [StartingPoint::Truth, StartingPoint::Random] {
+        let name = format!("initial guess: {}", initial_guess.name());
+        series.push(PlotSeries { name, line: Vec::new(), dots: dots(initial_guess) });
     }
     series
 }

@@ -45,7 +45,7 @@ row! {
         hand_mm: f64 = "hand, mm",
         noise_estimate_mm: f64 = "own noise estimate, mm",
         factor: f64 = "times undisturbed",
-        onsets: usize = "onsets",
+        initial_guesses: usize = "initial guesses",
         seconds: f64 = "seconds",
     }
 }
@@ -114,7 +114,7 @@ pub fn measure(
                 hand_mm: trial.attempt.hand_mm(),
                 noise_estimate_mm: trial.noise_estimate_mm(),
                 factor: trial.factor,
-                onsets: trial.attempt.learned.onsets,
+                initial_guesses: trial.attempt.learned.initial_guesses,
                 seconds: trial.attempt.seconds,
             });
             found[k].push(trial);

@@ -31,7 +31,7 @@ row! {
         axis_deg: f64 = "axis, °",
         undetermined_joints: usize = "joints named",
         undetermined_limbs: usize = "limbs named",
-        onsets: usize = "onsets",
+        initial_guesses: usize = "initial guesses",
         seconds: f64 = "seconds",
         named: String = "named as undetermined",
     }
@@ -47,7 +47,7 @@ row! {
         axis_deg: f64 = "axis, °",
         undetermined_joints: f64 = "joints named, mean",
         undetermined_limbs: f64 = "limbs named, mean",
-        onsets: f64 = "onsets",
+        initial_guesses: f64 = "initial guesses",
         seconds: f64 = "seconds",
     }
 }
@@ -92,7 +92,7 @@ pub fn measure(subject: &Subject) -> Result<Findings<FramesMeasurement, FramesSu
                 axis_deg: attempt.evaluation.axis_deg.median,
                 undetermined_joints: joints.len(),
                 undetermined_limbs: limbs.len(),
-                onsets: learned.onsets,
+                initial_guesses: learned.initial_guesses,
                 seconds: attempt.seconds,
                 named: format!("joints {}; limbs {}", listed(&joints), listed(&limbs)),
             });
@@ -115,7 +115,7 @@ pub fn measure(subject: &Subject) -> Result<Findings<FramesMeasurement, FramesSu
             axis_deg: median(converged().map(|attempt| attempt.evaluation.axis_deg.median)),
             undetermined_joints: mean(|attempt| attempt.learned.undetermined.len()),
             undetermined_limbs: mean(|attempt| attempt.learned.undetermined_limbs.len()),
-            onsets: median(attempts.iter().map(|attempt| attempt.learned.onsets as f64)),
+            initial_guesses: median(attempts.iter().map(|attempt| attempt.learned.initial_guesses as f64)),
             seconds: median(attempts.iter().map(|attempt| attempt.seconds)),
         });
     }

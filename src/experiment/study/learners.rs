@@ -29,7 +29,7 @@ row! {
         heldout_mm: f64 = "held-out, mm",
         hand_mm: f64 = "hand, mm",
         converged: bool = "converged",
-        onsets: usize = "onsets",
+        initial_guesses: usize = "initial guesses",
         seconds: f64 = "seconds",
     }
 }
@@ -90,7 +90,7 @@ pub fn measure(subject: &Subject) -> Result<Findings<LearnersMeasurement, Learne
                     heldout_mm: attempt.heldout_mm(),
                     hand_mm: attempt.hand_mm(),
                     converged: attempt.converged(),
-                    onsets: attempt.learned.onsets,
+                    initial_guesses: attempt.learned.initial_guesses,
                     seconds: attempt.seconds,
                 });
             }

@@ -27,7 +27,7 @@ pub struct Subject<'a> {
     embodied: Embodied,
     /// Touches of a trial.
     pub touches: usize,
-    /// One seed per trial: of its touches, its disturbances and its onsets.
+    /// One seed per trial: of its touches, its disturbances and its initial guesses.
     pub seeds: Vec<u64>,
     /// The session that a schema is taken from, where not one is learned.
     pub session: Option<PathBuf>,

@@ -38,7 +38,7 @@ row! {
         converged: bool = "converged",
         heldout_mm: f64 = "held-out, mm",
         undetermined: usize = "joints named",
-        onsets: usize = "onsets",
+        initial_guesses: usize = "initial guesses",
         seconds: f64 = "seconds",
     }
 }
@@ -53,7 +53,7 @@ row! {
         heldout_mm: f64 = "held-out, mm",
         heldout_worst_mm: f64 = "worst, mm",
         undetermined: f64 = "joints named, mean",
-        onsets: f64 = "onsets",
+        initial_guesses: f64 = "initial guesses",
         seconds: f64 = "seconds",
     }
 }
@@ -90,7 +90,7 @@ pub fn measure(subject: &Subject) -> Result<Findings<TurnedMeasurement, TurnedSu
                 converged: attempt.converged(),
                 heldout_mm: attempt.determined_mm(),
                 undetermined: attempt.learned.undetermined.len(),
-                onsets: attempt.learned.onsets,
+                initial_guesses: attempt.learned.initial_guesses,
                 seconds: attempt.seconds,
             });
             found.push(attempt);
@@ -108,7 +108,7 @@ pub fn measure(subject: &Subject) -> Result<Findings<TurnedMeasurement, TurnedSu
             heldout_mm: median(converged().map(LearnerRun::determined_mm)),
             heldout_worst_mm: converged().map(LearnerRun::determined_mm).fold(f64::NAN, f64::max),
             undetermined: named / converged().count() as f64,
-            onsets: median(attempts.iter().map(|attempt| attempt.learned.onsets as f64)),
+            initial_guesses: median(attempts.iter().map(|attempt| attempt.learned.initial_guesses as f64)),
             seconds: median(attempts.iter().map(|attempt| attempt.seconds)),
         });
     }

@@ -5,7 +5,7 @@ use rand_chacha::ChaCha8Rng;
 
 use super::{LearnerGivens, LearnerKind};
 use crate::agent::Agent;
-use crate::learning::onset::random_onset;
+use crate::learning::initial_guess::random_guess;
 use crate::learning::{Learner, RelaxedGradient};
 
 /// Hersch's rule repaired: its gradient over all touches, relaxed.
@@ -22,7 +22,7 @@ impl LearnerKind for RepairedHersch {
     }
 
     fn learner<'a>(&self, agent: &'a Agent, given: &LearnerGivens, seed: u64) -> Box<dyn Learner + 'a> {
-        let onset = random_onset(agent.creature(), &mut ChaCha8Rng::seed_from_u64(seed));
-        Box::new(RelaxedGradient::new(agent, given.input, onset, seed))
+        let initial_guess = random_guess(agent.creature(), &mut ChaCha8Rng::seed_from_u64(seed));
+        Box::new(RelaxedGradient::new(agent, given.input, initial_guess, seed))
     }
 }

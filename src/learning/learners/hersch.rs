@@ -5,10 +5,10 @@ use rand_chacha::ChaCha8Rng;
 
 use super::{LearnerGivens, LearnerKind, doubling};
 use crate::agent::Agent;
-use crate::learning::onset::random_onset;
+use crate::learning::initial_guess::random_guess;
 use crate::learning::{Hersch, Learner};
 
-/// Hersch's rule from one random onset.
+/// Hersch's rule from one random initial guess.
 #[derive(Clone, Copy, Debug)]
 pub struct HerschsRule;
 
@@ -22,8 +22,8 @@ impl LearnerKind for HerschsRule {
     }
 
     fn learner<'a>(&self, agent: &'a Agent, given: &LearnerGivens, seed: u64) -> Box<dyn Learner + 'a> {
-        let onset = random_onset(agent.creature(), &mut ChaCha8Rng::seed_from_u64(seed));
-        Box::new(Hersch::new(agent, given.input, onset))
+        let initial_guess = random_guess(agent.creature(), &mut ChaCha8Rng::seed_from_u64(seed));
+        Box::new(Hersch::new(agent, given.input, initial_guess))
     }
 
     fn learns_each_touch(&self, _: &LearnerGivens) -> bool {

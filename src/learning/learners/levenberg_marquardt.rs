@@ -1,4 +1,4 @@
-//! `lm`: Levenberg-Marquardt from any onset.
+//! `lm`: Levenberg-Marquardt from any initial guess.
 
 use super::{LearnerGivens, LearnerKind, LearnerUses, doubling};
 use crate::agent::Agent;
@@ -7,7 +7,7 @@ use crate::learning::{Input, Learner, Online, PriorKnowledge, SecondOrder, SkinK
 /// Most touches whose contact points are learned from in an instant.
 const MOST_INSTANT: usize = 4000;
 
-/// Levenberg-Marquardt from random onsets; from receptors with their surfaces, touch by touch.
+/// Levenberg-Marquardt from random initial guesses; from receptors with their surfaces, touch by touch.
 #[derive(Clone, Copy, Debug)]
 pub struct LevenbergMarquardt;
 
@@ -17,7 +17,7 @@ impl LearnerKind for LevenbergMarquardt {
     }
 
     fn about(&self) -> &'static str {
-        "Levenberg-Marquardt from any onset"
+        "Levenberg-Marquardt from any initial guess"
     }
 
     fn uses(&self) -> LearnerUses {

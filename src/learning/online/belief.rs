@@ -19,7 +19,7 @@ use crate::learning::Parameters;
 use crate::learning::annealing::{NARROWEST, WIDEST, gaps, quantile, typical_gap};
 use crate::learning::least_squares::{LeastSquares, Linearization, Stopping, levenberg_marquardt};
 use crate::learning::prediction::{GapRow, information_inverse, invert};
-use crate::learning::prior::Beforehand;
+use crate::learning::prior::PriorTerm;
 use crate::learning::surface_gap::SurfaceGap;
 use crate::learning::touch_set::{PreparedTouch, TouchProblem, TouchSet};
 use crate::schema::BodySchema;
@@ -141,7 +141,7 @@ impl Belief {
 
     /// Fits all touches again from the present schema, to have every derivative where the schema is now.
     /// False where rounding forbids: nothing is changed then.
-    pub fn relinearize(&mut self, agent: &Agent, touches: &TouchSet, beforehand: &dyn Beforehand) -> bool {
+    pub fn relinearize(&mut self, agent: &Agent, touches: &TouchSet, prior: &dyn PriorTerm) -> bool {
         let skin = agent.skin();
         let spare = (touches.len() as f64 - 0.7 * self.parameters.len() as f64).max(1.0);
         let scatter = (touches.len() as f64 / spare).sqrt();
@@ -152,7 +152,7 @@ impl Belief {
         loop {
             let model = SurfaceGap::new(skin, deviation);
             let mut problem =
-                TouchProblem::new(agent.creature(), touches, &self.parameters, model).with_prior(beforehand);
+                TouchProblem::new(agent.creature(), touches, &self.parameters, model).with_prior(prior);
             let stopping = Stopping { iterations: ITERATIONS, relative_cost: 1e-3, cost: 0.0 };
             schema = levenberg_marquardt(&mut problem, &self.parameters, schema, stopping).schema;
             found = gaps(skin, touches, &schema);
@@ -165,7 +165,7 @@ impl Belief {
         let deviation = noise(&found);
         let model = SurfaceGap::new(skin, deviation);
         let mut problem =
-            TouchProblem::new(agent.creature(), touches, &self.parameters, model).with_prior(beforehand);
+            TouchProblem::new(agent.creature(), touches, &self.parameters, model).with_prior(prior);
         let information = problem.linearize(&schema).hessian;
         let Some(belief) = Belief::new(schema, self.parameters.clone(), information, deviation) else {
             return false;
@@ -210,7 +210,7 @@ impl Anchor {
     }
 }
 
-impl Beforehand for Anchor {
+impl PriorTerm for Anchor {
     fn cost(&self, parameters: &Parameters, schema: &BodySchema) -> f64 {
         let difference = self.difference(parameters, schema);
         0.5 * difference.dot(&(&self.information * &difference))

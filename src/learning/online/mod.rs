@@ -1,12 +1,14 @@
 //! The learner touch by touch.
 //!
-//! A filter from a random onset diverges, so the first touches are learned from all at once, by
+//! A filter from a random initial guess diverges, so the first touches are learned from all at once, by
 //! [`SecondOrder`], as soon as there are enough of them and again whenever half as many more have come. Once
 //! that has locked in, every touch is first predicted, then learned from by an extended Kalman filter (see
 //! [`belief`]); whenever the touches have doubled, all are fitted again, so that no derivative is old.
 //!
 //! The schema is usable at any time, and its covariance says how far. A body that changes is noticed from the
 //! predictions and followed without starting over (see `change.rs`).
+//!
+//! Long: its parts are taken apart together with those of the other learners, when learning goes in stages.
 
 pub mod belief;
 mod change;
@@ -103,8 +105,8 @@ pub struct Online<'a> {
     /// Touches at which learning is tried next.
     next_trial: usize,
     locked: Option<Locked>,
-    /// Onsets used by trials so far.
-    onsets: usize,
+    /// Initial guesses used by trials so far.
+    initial_guesses: usize,
     expectation: Option<Expectation>,
     /// Whether each of the last touches surprised.
     surprises: Vec<bool>,
@@ -143,7 +145,7 @@ struct Locked {
 }
 
 impl<'a> Online<'a> {
-    /// A learner whose onsets are drawn from `seed`.
+    /// A learner whose initial guesses are drawn from `seed`.
     pub fn new(agent: &'a Agent, seed: u64) -> Online<'a> {
         let known = PriorKnowledge::nothing(agent);
         let batch = SecondOrder::new(agent, super::Input::Receptor, seed);
@@ -154,7 +156,7 @@ impl<'a> Online<'a> {
             seen: 0,
             next_trial: if agent.creature().dof() > WHOLE_DOF { usize::MAX } else { FIRST_TRIAL },
             locked: None,
-            onsets: 0,
+            initial_guesses: 0,
             expectation: None,
             surprises: Vec::new(),
             deviations: Vec::new(),
@@ -189,8 +191,8 @@ impl<'a> Online<'a> {
 
     /// Tries to learn from all touches at once.
     fn try_all(&mut self) {
-        let learned = self.batch.learn_in(if self.onsets == 0 { FIRST_STARTS } else { STARTS });
-        self.onsets += learned.onsets;
+        let learned = self.batch.learn_in(if self.initial_guesses == 0 { FIRST_STARTS } else { STARTS });
+        self.initial_guesses += learned.initial_guesses;
         self.next_trial = self.seen + self.batch.touches().len().max(FIRST_TRIAL) / 2;
         if learned.verdict.converged() {
             self.lock(&learned);
@@ -369,7 +371,7 @@ impl<'a> Online<'a> {
         surprising as f64 <= TOLERATED * last.len() as f64
     }
 
-    /// Root mean square of how far the last touches, false ones left out, were from what was foretold, in
+    /// Root mean square of how far the last touches, false ones left out, were from what was predicted, in
     /// predicted deviations.
     fn fresh_rms(&self) -> f64 {
         let first = self.deviations.len().saturating_sub(JUDGED);
@@ -393,7 +395,7 @@ impl<'a> Online<'a> {
             let refined = self.batch.refine_known(&belief.schema, known);
             return Some(Learned {
                 verdict: Verdict::Converged,
-                onsets: self.onsets,
+                initial_guesses: self.initial_guesses,
                 fresh_rms,
                 changes: Vec::new(),
                 ..refined
@@ -419,7 +421,7 @@ impl<'a> Online<'a> {
             schema: belief.schema.clone(),
             basis: Basis::SURFACES,
             verdict: Verdict::Converged,
-            onsets: self.onsets,
+            initial_guesses: self.initial_guesses,
             fresh_rms,
             undetermined,
             undetermined_limbs: Vec::new(),
@@ -460,9 +462,9 @@ impl Learner for Online<'_> {
             }
         }
         let mut learned = self.batch.learn();
-        learned.onsets += self.onsets;
+        learned.initial_guesses += self.initial_guesses;
         learned.changes = self.changes.clone();
-        self.onsets = learned.onsets;
+        self.initial_guesses = learned.initial_guesses;
         if learned.verdict.converged() {
             self.lock(&learned);
         }

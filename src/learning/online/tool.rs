@@ -76,8 +76,8 @@ impl Tool {
         let mut best: Option<(Tool, usize)> = None;
         for length in [0.25 * REACH, 0.5 * REACH, REACH] {
             for direction in directions() {
-                let onset = Tool { limb, grip, tip: grip + direction * length, radius: FIRST_RADIUS };
-                let tool = onset.settled(skin, schema, touches);
+                let initial_guess = Tool { limb, grip, tip: grip + direction * length, radius: FIRST_RADIUS };
+                let tool = initial_guess.settled(skin, schema, touches);
                 let explained = tool.explained(skin, schema, touches, close);
                 if best.is_none_or(|(_, most)| explained > most) {
                     best = Some((tool, explained));

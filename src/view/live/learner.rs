@@ -11,7 +11,7 @@ use rand_chacha::ChaCha8Rng;
 use super::babbling::BabblingView;
 use crate::agent::Agent;
 use crate::kinematics::limb_frames;
-use crate::learning::onset::random_onset;
+use crate::learning::initial_guess::random_guess;
 use crate::learning::{Hersch, Input, Learner};
 use crate::schema::BodySchema;
 use crate::senses::Touch;
@@ -37,8 +37,8 @@ impl LiveLearner {
         let ended = done.clone();
         let agent = agent.clone();
         let work = move || {
-            let onset = random_onset(agent.creature(), &mut ChaCha8Rng::seed_from_u64(seed));
-            let mut learner = Hersch::new(&agent, Input::Receptor, onset);
+            let initial_guess = random_guess(agent.creature(), &mut ChaCha8Rng::seed_from_u64(seed));
+            let mut learner = Hersch::new(&agent, Input::Receptor, initial_guess);
             let mut touches = 0;
             while !ended.load(Ordering::Relaxed) {
                 let began = Instant::now();

@@ -7,6 +7,7 @@ mod figure;
 mod film;
 mod framing;
 mod still;
+mod storyboard;
 
 use crate::mujoco::{self, Camera, Image, Mark, Renderer, View};
 
@@ -14,6 +15,7 @@ pub use figure::{between, learned_body, lit_touch};
 pub use film::{Film, FilmError, is_film};
 pub use framing::{Direction, corners_of, extent, frame, outline};
 pub use still::png;
+pub use storyboard::{SessionDrawing, Storyboard};
 
 /// A body that another is drawn over.
 const SHADE: [f32; 4] = [0.45, 0.5, 0.55, 0.16];

@@ -1,4 +1,4 @@
-//! The learned body over the true one, to be turned with the mouse, from the onset to the end.
+//! The learned body over the true one, to be turned with the mouse, from the initial guess to the end.
 
 use std::fmt::Write;
 
@@ -70,7 +70,11 @@ pub(super) fn figure_of(input: &ReportInput) -> String {
         "The learned body{over}, at ease. Turn it with the mouse or the arrow keys; once it is clicked, the wheel zooms. \
          Patches are receptors, coloured by how often they were touched; orange joints are those that the touches do \
          not determine.{}",
-        if several { " The slider goes from a random onset to what was learned in the end." } else { "" }
+        if several {
+            " The slider goes from a random initial guess to what was learned in the end."
+        } else {
+            ""
+        }
     );
     scene.figure(
         &format!("The learned body{over} in three dimensions"),
@@ -101,7 +105,7 @@ fn steps(input: &ReportInput) -> Vec<(String, &'static str, Pose)> {
     let before: Vec<&Checkpoint> =
         input.checkpoints.iter().filter(|checkpoint| checkpoint.touches < touches).collect();
     let every = before.len().div_ceil(MOST_STEPS - 1).max(1);
-    let name = |touches: usize| if touches == 0 { "onset".to_string() } else { touches.to_string() };
+    let name = |touches: usize| if touches == 0 { "initial guess".to_string() } else { touches.to_string() };
     let step =
         |touches: usize, schema| (name(touches), "learned", Pose::at_ease(input.agent.creature(), schema));
     let earlier = before.iter().step_by(every).map(|checkpoint| step(checkpoint.touches, &checkpoint.schema));

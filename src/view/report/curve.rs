@@ -19,8 +19,8 @@ pub(super) fn figure_of(input: &ReportInput) -> String {
     };
     let errors = of_checkpoints(|checkpoint| checkpoint.error_rms);
     let limits = of_checkpoints(|checkpoint| checkpoint.bound_rms);
-    let onset = input.checkpoints.iter().find(|checkpoint| checkpoint.touches == 0);
-    let onset = onset.and_then(|checkpoint| checkpoint.error_rms).map(drawn);
+    let initial_guess = input.checkpoints.iter().find(|checkpoint| checkpoint.touches == 0);
+    let initial_guess = initial_guess.and_then(|checkpoint| checkpoint.error_rms).map(drawn);
     let predictions = input.predictions.iter();
     let predicted: Vec<[f64; 3]> = predictions
         .filter(|prediction| prediction.gap.is_finite() && prediction.deviation.is_finite())
@@ -28,7 +28,7 @@ pub(super) fn figure_of(input: &ReportInput) -> String {
         .collect();
     let predicted = thinned(predicted, MOST_DOTS);
     let x = || errors.iter().chain(&limits).map(|p| p[0]).chain(predicted.iter().map(|p| p[0]));
-    let y = errors.iter().chain(&limits).map(|p| p[1]).chain(onset);
+    let y = errors.iter().chain(&limits).map(|p| p[1]).chain(initial_guess);
     let y = y.chain(predicted.iter().flat_map(|p| [p[1], p[2]]));
     let (Some((first, last)), scale) = (bounds(x()), Scale::logarithmic(y)) else {
         return "<p class=\"note\">Too little was kept on the way for a curve.</p>\n".into();
@@ -53,13 +53,13 @@ pub(super) fn figure_of(input: &ReportInput) -> String {
         let line = ChartMark::Line { points: line, dashes: "", width: 1.5 };
         group("deviation predicted for it", Ink::Green, vec![line]);
     }
-    if let Some(error) = onset.filter(|_| !errors.is_empty()) {
+    if let Some(error) = initial_guess.filter(|_| !errors.is_empty()) {
         let points = vec![[first, error], [last, error]];
         let dots = points
             .iter()
-            .map(|at| ChartMark::dot(*at, 2.0, format!("at a random onset: {} mm", number(error))));
+            .map(|at| ChartMark::dot(*at, 2.0, format!("at a random initial guess: {} mm", number(error))));
         let line = ChartMark::Line { points: points.clone(), dashes: "2 4", width: 1.5 };
-        group("error of a random onset", Ink::Blue, dots.chain([line]).collect());
+        group("error of a random initial guess", Ink::Blue, dots.chain([line]).collect());
     }
     let mut curve = |name: &str, ink: Ink, points: &[[f64; 2]], dashes: &'static str, radius: f64| {
         if points.is_empty() {

@@ -41,7 +41,7 @@ pub struct ReportInput<'a> {
     pub touches: &'a [Touch],
     /// What a touch reports.
     pub input: Input,
-    /// The schema on the way, from the onset on; every schema must fit the creature.
+    /// The schema on the way, from the initial guess on; every schema must fit the creature.
     pub checkpoints: &'a [Checkpoint],
     /// What the learner predicted of touches.
     pub predictions: &'a [Prediction],

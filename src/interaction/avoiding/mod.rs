@@ -3,16 +3,19 @@
 //! All is told in the root's frame by the schema, so that moving limbs do not disturb what is seen of the thing. How large
 //! it is nobody tells: only the point of it that is nearest is known, and that it went straight so far.
 
-use std::collections::{BTreeMap, VecDeque};
+mod seen_thing;
+
+use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 
 use nalgebra::Vector3;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
+use self::seen_thing::{SeenThing, ThingCourse};
 use super::actor::Actor;
 use crate::creature::Posture;
-use crate::geometry::{Capsule, Frame};
+use crate::geometry::Frame;
 use crate::kinematics::{Facing, InverseKinematics, Place};
 use crate::peripersonal::{CollisionChecker, Obstacle, OwnBody, distance};
 use crate::senses::{Approach, LOOK_PERIOD, SkinContact};
@@ -20,23 +23,10 @@ use crate::simulation::EngineResult;
 
 /// The fastest that a joint turns when it gets out of the way, radians a second.
 pub const QUICK: f64 = 3.0;
-/// How far its middle is taken to be behind the nearest point of a thing, metres …
-const BEHIND: f64 = 0.035;
-/// … and how far it is taken to reach about that at least …
-const GIRTH: f64 = 0.05;
-/// … and at most, metres.
-const GREATEST: f64 = 0.1;
 /// What comes this near to the middle of its way is surely met, metres.
 const CORE: f64 = 0.02;
-/// Looks from which the motion of a thing is told, at most and at least.
-const LOOKS: [usize; 2] = [30, 4];
-/// A leap of the nearest point from where it was expected is another point, not another motion, metres.
-const LEAP: f64 = 0.006;
-/// Slower than this a thing does not approach, metres a second.
-const SLOWEST: f64 = 0.02;
-/// How far ahead a way is foreseen, seconds, and at least, metres.
+/// How far ahead a way is predicted, seconds, and at least, metres.
 const AHEAD: f64 = 1.4;
-const AT_LEAST: f64 = 0.5;
 /// How far limbs are to be from the way, metres, …
 const WANTED: f64 = 0.03;
 /// … when others are to help, and when a plan is made anew.
@@ -55,23 +45,6 @@ const CANDIDATES: usize = 16;
 const BETTERED: usize = 200;
 /// The farthest that a joint goes between two postures that are looked at, radians.
 const FINE: f64 = 0.08;
-
-/// What is seen of a thing.
-#[derive(Clone, Debug, Default)]
-struct SeenThing {
-    /// When and where its middle is taken to have been.
-    middles: VecDeque<(f64, Vector3<f64>)>,
-    /// When and where its nearest points were.
-    outline: VecDeque<(f64, Vector3<f64>)>,
-}
-
-/// Where a thing is and where it goes, in the root's frame.
-#[derive(Clone, Copy, Debug)]
-struct ThingCourse {
-    middle: Vector3<f64>,
-    velocity: Vector3<f64>,
-    radius: f64,
-}
 
 /// Joints that move together to get out of the way.
 struct Group {
@@ -99,61 +72,6 @@ pub struct Avoiding {
     /// How often it planned.
     pub plans: usize,
     rng: ChaCha8Rng,
-}
-
-impl SeenThing {
-    /// Takes in where the nearest point is, and the unit direction to it from the skin.
-    fn look(&mut self, time: f64, nearest: Vector3<f64>, toward: Vector3<f64>) {
-        let middle = nearest + toward * BEHIND;
-        let expected = self.motion().map(|(at, when, velocity)| at + velocity * (time - when));
-        if let Some(leap) = expected.map(|expected| middle - expected)
-            && leap.norm() > LEAP
-        {
-            self.middles.iter_mut().for_each(|(_, before)| *before += leap);
-        }
-        self.middles.push_back((time, middle));
-        self.outline.push_back((time, nearest));
-        if self.middles.len() > LOOKS[0] {
-            self.middles.pop_front();
-            self.outline.pop_front();
-        }
-    }
-
-    /// The line that fits what was seen best: where the middle is at the last look, when that was, and its velocity.
-    fn motion(&self) -> Option<(Vector3<f64>, f64, Vector3<f64>)> {
-        if self.middles.len() < LOOKS[1] {
-            return None;
-        }
-        let count = self.middles.len() as f64;
-        let time = self.middles.iter().map(|(time, _)| time).sum::<f64>() / count;
-        let place = self.middles.iter().map(|(_, place)| place).sum::<Vector3<f64>>() / count;
-        let spread: f64 = self.middles.iter().map(|(t, _)| (t - time).powi(2)).sum();
-        let slope: Vector3<f64> = self.middles.iter().map(|(t, p)| (p - place) * (t - time)).sum();
-        let velocity = slope / spread.max(f64::MIN_POSITIVE);
-        let last = self.middles.back()?.0;
-        Some((place + velocity * (last - time), last, velocity))
-    }
-
-    fn course(&self) -> Option<ThingCourse> {
-        let (middle, now, velocity) = self.motion()?;
-        // All points of it that were seen, as they have gone on since.
-        let reach = self.outline.iter().map(|(time, p)| (p + velocity * (now - time) - middle).norm());
-        let radius = reach.fold(GIRTH, f64::max).min(GREATEST);
-        (velocity.norm() > SLOWEST).then_some(ThingCourse { middle, velocity, radius })
-    }
-}
-
-impl ThingCourse {
-    /// Where it is from one time on, seconds from now, until it has gone as far as is foreseen.
-    fn swept(&self, from: f64, until: f64, radius: f64) -> Obstacle {
-        let ends = [from, until].map(|seconds| self.middle + self.velocity * seconds);
-        Obstacle::Capsule(Capsule { ends, radius })
-    }
-
-    /// How far ahead it is foreseen, seconds.
-    fn ahead(&self) -> f64 {
-        AHEAD.max(AT_LEAST / self.velocity.norm())
-    }
 }
 
 impl Group {
@@ -257,7 +175,7 @@ impl Avoiding {
                 let group = self.group(actor, &escape.group);
                 let eased = group.eased(&actor.own, &now);
                 let gap = group.way(&actor.own, &eased, [&now, &escape.posture], &course);
-                let threatened = foreseen(actor, approach, &course, &now);
+                let threatened = predicted(actor, approach, &course, &now);
                 let other = threatened.filter(|(limb, _)| !group.carried[*limb]);
                 let kept = gap.is_some_and(|gap| gap >= KEEP.min(escape.gap - 0.004));
                 let joints = escape.group.clone();
@@ -268,7 +186,9 @@ impl Avoiding {
                     None => Some((vec![joints], threatened.and_then(|(_, place)| place))),
                 }
             }
-            None => foreseen(actor, approach, &course, &now).map(|(limb, place)| (tiers(actor, limb), place)),
+            None => {
+                predicted(actor, approach, &course, &now).map(|(limb, place)| (tiers(actor, limb), place))
+            }
         };
         let Some((tiers, place)) = tiers else { return };
         self.again = time + PATIENCE;
@@ -385,7 +305,7 @@ impl Group {
 }
 
 /// The limb that a thing is going to meet first, and where on it where that is known.
-fn foreseen(
+fn predicted(
     actor: &Actor,
     approach: &Approach,
     course: &ThingCourse,
@@ -395,7 +315,7 @@ fn foreseen(
         let place = contact.receptors.first().map(|&receptor| actor.own.place(receptor));
         return Some((contact.limb, place));
     }
-    // Farther ahead than the aura foresees.
+    // Farther ahead than the aura predicts.
     const STEP: f64 = 0.1;
     let frames = actor.own.frames(now);
     let steps = (AHEAD / STEP) as usize;

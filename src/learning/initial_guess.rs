@@ -1,4 +1,4 @@
-//! Onset schemas: what an agent believes before its first touch.
+//! Initial guess schemas: what an agent believes before its first touch.
 
 use nalgebra::Vector3;
 use rand::{Rng, RngExt};
@@ -6,8 +6,8 @@ use rand::{Rng, RngExt};
 use crate::creature::{Creature, DofKind};
 use crate::schema::BodySchema;
 
-/// The greatest onset length: "assign the segment lengths with small values" (IVA 2009, section 3.2).
-pub const ONSET_LENGTH: f64 = 0.02;
+/// The greatest length of the initial guess: "assign the segment lengths with small values" (IVA 2009, section 3.2).
+pub const GUESS_LENGTH: f64 = 0.02;
 
 /// A direction drawn uniformly from the sphere.
 pub fn random_direction(rng: &mut impl Rng) -> Vector3<f64> {
@@ -21,7 +21,7 @@ pub fn random_direction(rng: &mut impl Rng) -> Vector3<f64> {
 }
 
 /// Random axes and small lengths for every joint of the creature.
-pub fn random_onset(creature: &Creature, rng: &mut impl Rng) -> BodySchema {
+pub fn random_guess(creature: &Creature, rng: &mut impl Rng) -> BodySchema {
     let mut schema = BodySchema::zero(creature);
     for joint in 0..creature.joints().len() {
         randomize_joint(creature, &mut schema, joint, rng);
@@ -31,7 +31,7 @@ pub fn random_onset(creature: &Creature, rng: &mut impl Rng) -> BodySchema {
 
 /// Gives one joint a random axis per degree of freedom and a small random position.
 pub fn randomize_joint(creature: &Creature, schema: &mut BodySchema, joint: usize, rng: &mut impl Rng) {
-    schema.positions[joint] = random_direction(rng) * rng.random_range(0.0..ONSET_LENGTH);
+    schema.positions[joint] = random_direction(rng) * rng.random_range(0.0..GUESS_LENGTH);
     let joint = &creature.joints()[joint];
     for (k, dof) in joint.dof_indices().zip(&joint.dofs) {
         if dof.kind != DofKind::Ball {
