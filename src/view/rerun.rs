@@ -153,7 +153,7 @@ impl RrdChunks {
 
     fn true_body(&mut self, input: &RerunInput, truth: &BodySchema, moments: &Moments) -> Result<(), Failed> {
         let RerunInput { agent, .. } = *input;
-        let creature = agent.creature();
+        let (creature, skin) = (agent.creature(), agent.skin());
         let poses: Vec<(TimePoint, Pose)> = moments
             .shown
             .iter()
