@@ -48,7 +48,7 @@ impl DofTransform {
     }
 
     /// Carries a frame on the parent's side of the degree of freedom to its other side.
-    #[inline]
+    #[inline(always)]
     pub fn carry(&self, axis: &Vector3<f64>, frame: &mut Frame) {
         match self {
             DofTransform::Slide { distance } => frame.origin += frame.direction(axis) * *distance,
@@ -57,7 +57,8 @@ impl DofTransform {
     }
 
     /// Its rotation's part in the same: a rotation on the parent's side, carried to the other.
-    #[inline]
+    // A tenth of learning's time is spent here: a call would cost as much again.
+    #[inline(always)]
     pub fn turned(&self, axis: &Vector3<f64>, before: Matrix3<f64>) -> Matrix3<f64> {
         match self {
             DofTransform::Hinge { sine, versine } => product(&before, &rotation(axis, *sine, *versine)),
