@@ -1,15 +1,13 @@
 //! A partner's requests in plain words, and what a blindfolded creature says and does (IVA 2009, section 4).
 //!
-//! To teach it a request, add an [`Intent`], the words that mean it in [`understood`], and what it does
-//! in `requests.rs`, where [`Conversation::hear`] asks for it.
+//! To teach it a request, see `requests/`.
 
-mod intent;
 mod requests;
 
 use nalgebra::Vector3;
 use serde_json::{Value, json};
 
-pub use intent::{Intent, understood};
+pub use requests::{Intent, understood};
 
 use super::actor::{Actor, FoundThing};
 use super::tasks::Trouble;
@@ -18,9 +16,6 @@ use crate::simulation::EngineError;
 
 /// Two things felt nearer than this to each other are one, metres.
 const SAME: f64 = 0.09;
-/// How far over the table's near edge something is that is brought near, metres.
-const NEAR: f64 = 0.14;
-
 /// What it answers.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Reply {
@@ -82,11 +77,6 @@ pub struct Conversation {
     at_spot: bool,
 }
 
-/// What it can do, as it says it.
-const ABILITIES: &str = "I can feel about for things (\"is there something in front of you?\"), touch what I felt with \
-either hand, tell where I feel it and how far it is, put it as far away as possible, bring it near, lean forward and try \
-again, and go back to rest";
-
 impl Conversation {
     /// A creature that is where its hands wait, or goes there as far as it can; see [`Actor::ready`].
     ///
@@ -117,7 +107,7 @@ impl Conversation {
     /// Where the engine fails; all else is said in the reply.
     pub fn hear(&mut self, request: &str) -> Result<Reply, EngineError> {
         self.leave_spot();
-        let mut intent = understood(request);
+        let intent = understood(request);
         let text = request.to_lowercase();
         // An answer to its own question.
         if let Some(asked) = self.pending.take() {
@@ -137,31 +127,13 @@ impl Conversation {
                 ));
             }
         }
-        let mut lean = false;
-        let mut hand = self.hand_named(&text);
-        if intent == Intent::LeanAndRetry {
-            lean = true;
-            match self.last {
-                Some(last) => {
-                    intent = last.intent;
-                    hand = hand.or(last.hand);
-                }
-                None => {
-                    return Ok(self.reply(
-                        intent,
-                        "There is nothing yet that I could try again leaning".into(),
-                        Some(false),
-                        false,
-                    ));
-                }
-            }
-        }
+        let hand = self.hand_named(&text);
         if let Some(which) = self.which(&text)
             && self.things.len() > 1
         {
             self.it = Some(which);
         }
-        self.act(Request { intent, hand, lean })
+        self.act(Request { intent, hand, lean: false })
     }
 
     /// Is touched by its partner where a receptor is: says what it feels, and puts a hand there.
@@ -207,13 +179,14 @@ impl Conversation {
     }
 
     fn act(&mut self, request: Request) -> Result<Reply, EngineError> {
-        let Request { intent, hand, lean } = request;
-        let needs_body =
-            matches!(intent, Intent::Explore | Intent::Touch | Intent::PutFar | Intent::BringNear);
-        if needs_body && let Some(doubt) = self.doubt() {
+        let intent = request.intent;
+        let Some(kind) = intent.kind() else { return Ok(self.not_understood()) };
+        if kind.needs_body
+            && let Some(doubt) = self.doubt()
+        {
             return Ok(self.reply(intent, doubt, Some(false), false));
         }
-        if matches!(intent, Intent::Touch | Intent::PutFar | Intent::BringNear) {
+        if kind.needs_thing {
             self.last = Some(request);
             match self.it {
                 None if self.things.is_empty() => {
@@ -228,37 +201,7 @@ impl Conversation {
                 Some(_) => {}
             }
         }
-        match intent {
-            Intent::Explore => self.explore(hand),
-            Intent::Touch => self.touch(hand, lean),
-            Intent::PutFar => self.put(true, hand, lean),
-            Intent::BringNear => self.put(false, hand, lean),
-            Intent::HowFar => Ok(self.how_far()),
-            Intent::WhereFelt => Ok(self.where_felt()),
-            Intent::Rest => {
-                self.actor.let_go();
-                let ready = self.ready.clone();
-                let went = self.settle(&ready);
-                Ok(self.reply(
-                    intent,
-                    if went {
-                        "I am at rest again"
-                    } else {
-                        "I cannot get back to rest: something is in the way"
-                    }
-                    .into(),
-                    Some(went),
-                    false,
-                ))
-            }
-            Intent::Help => Ok(self.reply(intent, format!("{ABILITIES}."), None, false)),
-            Intent::LeanAndRetry | Intent::FeelTouch | Intent::Unknown => Ok(self.reply(
-                Intent::Unknown,
-                format!("I did not understand that. {ABILITIES}."),
-                None,
-                false,
-            )),
-        }
+        (kind.act)(self, request)
     }
 
     fn reply(&self, intent: Intent, said: String, done: Option<bool>, asks: bool) -> Reply {
@@ -286,6 +229,14 @@ impl Conversation {
             }
             trouble => trouble.to_string(),
         }
+    }
+
+    /// The limb that a receptor is on, as it says it.
+    fn limb_in_words(&self, receptor: usize) -> String {
+        let own = &self.actor.own;
+        let limb = own.skin().receptors[receptor].limb;
+        let aura = own.creature().aura_of(limb).map(|aura| own.creature().aura_limbs()[aura].name.clone());
+        aura.unwrap_or_else(|| own.creature().limbs()[limb].clone()).replace('_', " ")
     }
 
     /// What it says where it does not know its body well enough; none where it does.
