@@ -3,15 +3,18 @@
 //! The folders read as the data flow:
 //!
 //! ```text
-//! MJCF ─ mujoco ─┬─ creature      what the agent is given: tree, degrees of freedom, ranges, limbs
-//!                └─ ground_truth  where joints really are; only the evaluation may see it
-//! agent (creature + skin) ─ babbling (posture → motion → first contact → senses → touch) ─ touches
+//! MJCF ─ mujoco ─┬─ creature, skin ─ agent   what the agent is given: tree, degrees of freedom, ranges, limbs, receptors
+//!                └─ ground_truth             where joints really are; only the evaluation may see it
+//! agent ─ simulation (motions until touch; a stage with things, probes and a handle) ─ senses ─ babbling ─ touches
 //! touches ─ record (the session on disk; or recordings of a real body, with no MJCF at all)
-//! touches ─ (senses: disturbances) ─ learning (Hersch's rule; its repair; second order, then online) ─ schema
-//! schema + ground_truth ─ evaluation ─ report
-//! model + posture + marks ─ picture (a still or a film, by MuJoCo's renderer)
+//! touches ─ learning (Hersch's rule; its repair; second order, then online) ─ schema, and how sure it is
+//! schema + ground_truth ─ evaluation
 //! schema + skin + touch ─ peripersonal (what is where about the body, how to touch it) ─ interaction
+//! all of it ─ experiment (a session with an observer; studies) ─ cli
+//! session, schema ─ export (MJCF, URDF), view (report, live page, charts; pictures and films by MuJoCo's renderer)
 //! ```
+//!
+//! All stand on [`geometry`] (shapes and their gaps) and [`kinematics`] (where a schema has the limbs in a posture).
 //!
 //! # Notation
 //! Frames are `W` world, `L` a limb (origin at the joint that carries it; in the reference posture, parallel
@@ -23,6 +26,7 @@
 //!
 //! Metres, radians, seconds and newtons everywhere; millimetres and degrees only in what a person reads.
 //! MuJoCo's quaternions are w x y z, nalgebra's x y z w: they are converted at the boundary only.
+//!
 //! # From touches to acting
 //! Babble, learn, evaluate, act: Max touches himself, and then knows a posture that brings his hand to a point.
 //!

@@ -9,9 +9,9 @@
 #[cfg(feature = "report")]
 mod body;
 #[cfg(feature = "report")]
-pub(crate) mod charts;
+mod charts;
 #[cfg(feature = "live")]
-pub(crate) mod live;
+pub mod live;
 #[cfg(feature = "render")]
 pub mod picture;
 #[cfg(feature = "report")]
@@ -19,10 +19,12 @@ pub mod report;
 #[cfg(feature = "rerun")]
 mod rerun;
 #[cfg(feature = "report")]
-pub(crate) mod space;
+pub mod space;
 #[cfg(feature = "report")]
 mod text;
 
+#[cfg(feature = "report")]
+pub use charts::study_chart;
 #[cfg(feature = "rerun")]
 pub use rerun::{RerunInput, write_rrd};
 

@@ -15,7 +15,7 @@ use crate::creature::JointSelection;
 use crate::experiment::study::{FoundTables, STUDIES, Study, Subject};
 use crate::experiment::{ModelSource, Observer, Phase};
 use crate::record::{PROGRAM, model_hash};
-use crate::view::charts::study_chart;
+use crate::view::study_chart;
 
 /// The model that is studied where none is named.
 const DEFAULT_MODEL: &str = "mjcf/max/max.xml";
@@ -75,7 +75,7 @@ pub struct StudyArguments {
 fn study() -> impl TypedValueParser<Value = &'static Study> {
     let choices = STUDIES.iter().map(|study| PossibleValue::new(study.name).help(study.about));
     PossibleValuesParser::new(choices)
-        .try_map(|name| STUDIES.into_iter().find(|study| study.name == name).ok_or("there is no such study"))
+        .try_map(|name| STUDIES.iter().copied().find(|study| study.name == name).ok_or("there is no such study"))
 }
 
 pub fn run(args: &StudyArguments) -> Outcome {

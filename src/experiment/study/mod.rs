@@ -34,7 +34,7 @@ pub use subject::Subject;
 pub use table::{Cell, Column, StudyRow, Table};
 
 /// The studies, in the order in which they are named to the user.
-pub const STUDIES: [&Study; 15] = [
+pub const STUDIES: &[&Study] = &[
     &learners::STUDY,
     &policies::STUDY,
     &coverage::STUDY,

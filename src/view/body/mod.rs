@@ -25,6 +25,7 @@ pub(super) const SCRIPT: &str = concat!(include_str!("paint.js"), include_str!("
 
 /// The colours of limbs, of a body that is learned beside another, and of a shade.
 pub(super) const LIMB: &str = "#b9c7d3";
+#[cfg(feature = "live")]
 pub(super) const LEARNED: &str = "#7fb2d9";
 pub(super) const SHADE: &str = "#8a939c";
 /// Numbers are told in so many parts of a metre, and of one.

@@ -38,11 +38,13 @@ impl Pose {
     }
 
     /// Parts at some poses, without joints.
+    #[cfg(feature = "live")]
     pub fn of_parts(frames: Vec<Frame>) -> Pose {
         Pose { frames, begins: Vec::new() }
     }
 
     /// The same elsewhere.
+    #[cfg(feature = "live")]
     pub fn moved(mut self, by: &Vector3<f64>) -> Pose {
         self.frames.iter_mut().for_each(|frame| frame.origin += by);
         self.begins.iter_mut().for_each(|begin| *begin += by);
