@@ -319,7 +319,7 @@ fn assert_nothing_jumped(name: &str, body: &Body, motions: usize, tolerance: f64
 #[test]
 fn no_contact_of_spheres_and_capsules_is_jumped_over() {
     for (name, body) in exact() {
-        assert_nothing_jumped(name, &body, 200, JUMPED_EXACT);
+        assert_nothing_jumped(name, &body, 100, JUMPED_EXACT);
     }
 }
 

@@ -74,8 +74,9 @@ pub struct StudyArguments {
 /// A study by its name, which shells complete.
 fn study() -> impl TypedValueParser<Value = &'static Study> {
     let choices = STUDIES.iter().map(|study| PossibleValue::new(study.name).help(study.about));
-    PossibleValuesParser::new(choices)
-        .try_map(|name| STUDIES.iter().copied().find(|study| study.name == name).ok_or("there is no such study"))
+    PossibleValuesParser::new(choices).try_map(|name| {
+        STUDIES.iter().copied().find(|study| study.name == name).ok_or("there is no such study")
+    })
 }
 
 pub fn run(args: &StudyArguments) -> Outcome {
