@@ -31,6 +31,11 @@ const FRUITLESS_DYNAMIC_BOUTS: u64 = 1;
 /// Marks the random streams of a seed that noise of the senses is drawn from.
 const NOISE_STREAMS: u64 = 1 << 62;
 
+/// The threads asked for, or one per core.
+pub fn threads(jobs: Option<u16>) -> usize {
+    jobs.map_or_else(|| std::thread::available_parallelism().map_or(1, usize::from), usize::from)
+}
+
 /// What to babble.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct BabblingOptions {

@@ -2,14 +2,14 @@
 
 use std::path::{Path, PathBuf};
 
-use super::counts::{threads, touch_count};
+use super::counts::touch_count;
 use super::learned::{learn_and_report, print_learned};
 use super::learning_arguments::{KNOWN_HELP, LearningArguments};
 use super::live::{Live, LiveOptions};
 use super::open::{ModelArguments, embodied};
 use super::progress::Bars;
 use super::{Failure, Outcome};
-use crate::babbling::{BabblingOptions, PolicyName};
+use crate::babbling::{BabblingOptions, PolicyName, threads};
 use crate::creature::JointSelection;
 use crate::experiment::{BabbledSession, BabblingSession, Embodied, Observer, SessionSetup};
 use crate::simulation::MotionName;

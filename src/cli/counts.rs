@@ -8,8 +8,3 @@ pub fn touch_count(text: &str) -> Result<usize, String> {
         _ => Err("give a whole number from 1 to 100000000".into()),
     }
 }
-
-/// The threads asked for, or one per core.
-pub fn threads(jobs: Option<u16>) -> usize {
-    jobs.map_or_else(|| std::thread::available_parallelism().map_or(1, usize::from), usize::from)
-}

@@ -6,11 +6,12 @@ use std::time::Instant;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use serde_json::{Value, json};
 
-use super::counts::{threads, touch_count};
+use super::counts::touch_count;
 use super::folders::free_folder;
 use super::open::embodied;
 use super::progress::Bars;
 use super::{Failure, Outcome, output};
+use crate::babbling;
 use crate::creature::JointSelection;
 use crate::experiment::study::{FoundTables, STUDIES, Study, Subject};
 use crate::experiment::{ModelSource, Observer, Phase};
@@ -101,7 +102,7 @@ pub fn run(args: &StudyArguments) -> Outcome {
     let seeds: Vec<u64> = (args.seed..=last).collect();
     let bars = Bars::default();
     let source = ModelSource::new(&args.model).with_joints(selection.clone());
-    let mut subject = Subject::new(embodied(source)?, touches, seeds, threads(args.jobs), &bars)?;
+    let mut subject = Subject::new(embodied(source)?, touches, seeds, babbling::threads(args.jobs), &bars)?;
     subject.session.clone_from(&args.session);
     let numbered = |k: u32| match k {
         1 => Path::new("studies").join(study.name),
