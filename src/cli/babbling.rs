@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use super::counts::touch_count;
+use super::arguments::touch_count;
 use super::learned::{learn_and_report, print_learned};
 use super::learning_arguments::{KNOWN_HELP, LearningArguments};
 use super::live::{Live, LiveOptions};

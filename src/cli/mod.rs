@@ -19,7 +19,6 @@ mod babbling;
 mod completions;
 mod config;
 mod convert;
-mod counts;
 mod evaluate;
 mod export;
 mod feel;
@@ -72,7 +71,7 @@ type Outcome = Result<(), Failure>;
     after_help = "Examples:
   bodyschema babble mjcf/max/max.xml                         # babble, learn, and measure
   bodyschema inspect mjcf/max/max.xml                        # what the agent is given
-  bodyschema skin creature.xml --out with_skin.xml        # grow a skin on another creature
+  bodyschema skin creature.xml --out with_skin.xml           # grow a skin on another creature
   bodyschema learn sessions/max-1 --learner hersch           # learn again from a session's touches
   bodyschema learn --creature robot.json --log touches.csv   # learn from a recording of a real body
   bodyschema render sessions/max-1 --touch 3 --out touch.png # what a touch looks like

@@ -6,7 +6,7 @@ use std::time::Instant;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use serde_json::{Value, json};
 
-use super::counts::touch_count;
+use super::arguments::touch_count;
 use super::folders::free_folder;
 use super::open::embodied;
 use super::progress::Bars;
