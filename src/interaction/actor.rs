@@ -13,7 +13,7 @@ use crate::geometry::Frame;
 use crate::peripersonal::{
     CollisionChecker, Obstacle, OwnBody, PosturePath, ReachTarget, Reaching, distance,
 };
-use crate::senses::{SkinContact, Toucher};
+use crate::senses::{Balance, SkinContact, Toucher};
 use crate::simulation::{AgentHandle, EngineResult};
 
 /// How fast the tips of the hands go where nothing is expected, metres a second …
@@ -147,7 +147,7 @@ impl Actor {
             limb.ok_or_else(|| ActorError::NoLimb { name: name.to_string(), limbs: known.0.join(", ") })
         };
         let limbs = [limb(hands[0])?, limb(hands[1])?];
-        let up = handle.up();
+        let up = handle.sense::<Balance>().unwrap_or_default().up;
         // A creature that lies has no front along x; any horizontal direction is as good.
         let level = |v: Vector3<f64>| (v - up * v.dot(&up)).try_normalize(1e-3);
         let front = level(Vector3::x()).or(level(Vector3::y())).unwrap_or_else(Vector3::x);

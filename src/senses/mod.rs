@@ -7,25 +7,31 @@
 //! - [`TouchEvent`]: that something begins to touch, and afterwards the [`Sensation`] that it was, limb by limb.
 //! - [`Firing`]: of all that, only which receptor fired and when.
 //! - [`Touch`]: a self-touch that a motion ended in, with the posture and its two [`TouchEnd`]s: what is learned from.
+//!
+//! What else a creature on a stage senses is a [`Sense`] each.
 
 pub mod aura;
+mod balance;
 mod contact_reader;
 mod disturbance;
 mod firing;
 mod learned_map;
 mod own_frames;
 mod proprioception;
+mod sense;
 mod skin_contact;
 mod touch;
 pub mod touch_sensor;
 
 pub use aura::{Approach, Aura, AuraEvent, LOOK_PERIOD};
+pub use balance::Balance;
 pub use contact_reader::{ContactReader, FAINT, Reading};
 pub use disturbance::{Disturbances, DisturbedSenses};
 pub use firing::{Firing, FiringRecorder};
 pub use learned_map::{LearnedMap, learn_map};
 pub use own_frames::OwnFrames;
 pub use proprioception::{JointSensor, Proprioception, joint_sensors, posture_in_words};
+pub use sense::{SENSES, Sense, SensedStep};
 pub use skin_contact::{Party, SkinContact, SkinSpot, Toucher};
 pub use touch::{Moment, Touch, TouchEnd};
 pub use touch_sensor::{LimbSensation, Sensation, TouchEvent, TouchKind, TouchSensor};

@@ -1,12 +1,10 @@
 //! All that an agent has of a simulation.
 
-use nalgebra::Vector3;
-
 use super::Stage;
 use crate::agent::Agent;
 use crate::creature::Posture;
 use crate::mujoco;
-use crate::senses::{Approach, SkinContact};
+use crate::senses::{Approach, Sense, SkinContact};
 
 /// What a creature has of the stage that it is on: it moves, feels, holds and lets go. Where things are, or its own limbs,
 /// it cannot ask:
@@ -41,9 +39,9 @@ impl AgentHandle {
         self.stage.felt_posture()
     }
 
-    /// The unit vector against gravity in the root's frame, which its sense of balance tells.
-    pub fn up(&self) -> Vector3<f64> {
-        self.stage.root_pose().inverse_transform_vector(&Vector3::z())
+    /// What one of [`SENSES`](crate::senses::SENSES) tells, by its type; nothing where it is not among them.
+    pub fn sense<S: Sense + Clone>(&self) -> Option<S> {
+        self.stage.sense()
     }
 
     /// The length of a step, seconds.

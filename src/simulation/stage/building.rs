@@ -15,7 +15,7 @@ use super::stillness::Stillness;
 use crate::agent::Agent;
 use crate::creature::{Body, JointSelection, Posture};
 use crate::mujoco::{Data, LONGEST_STEP, Model};
-use crate::senses::{ContactReader, Proprioception, TouchSensor};
+use crate::senses::{ContactReader, Proprioception, SENSES, TouchSensor};
 use crate::simulation::probe::{self, Probe};
 use crate::simulation::{ProbePath, SelfContact, SimulationError, thing};
 use crate::skin::{GrowOptions, SomatotopicMap, grow};
@@ -88,6 +88,7 @@ pub fn build(path: &Path, options: &StageOptions) -> Result<StageCore, Simulatio
     data.forward()?;
     let at_ease = body.limb_frames(&data);
     let touch_sensor = TouchSensor::new(SomatotopicMap::new(agent.skin()));
+    let senses = SENSES.iter().map(|sense| sense(&agent)).collect();
     let mut core = StageCore {
         body: Arc::new(body),
         agent,
@@ -107,8 +108,9 @@ pub fn build(path: &Path, options: &StageOptions) -> Result<StageCore, Simulatio
         proprioception,
         touch_sensor,
         aura: None,
+        senses,
     };
-    core.feel_posture()?;
+    core.feel(&[])?;
     Ok(core)
 }
 

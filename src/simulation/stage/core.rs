@@ -13,8 +13,8 @@ use crate::creature::{Body, Posture};
 use crate::geometry::Frame;
 use crate::mujoco::{self, Data, JointKind};
 use crate::senses::{
-    Aura, AuraEvent, ContactReader, FAINT, Proprioception, SkinContact, SkinSpot, TouchEvent, TouchSensor,
-    Toucher,
+    Aura, AuraEvent, ContactReader, FAINT, Proprioception, Sense, SensedStep, SkinContact, SkinSpot,
+    TouchEvent, TouchSensor, Toucher,
 };
 use crate::simulation::ProbePath;
 use crate::simulation::probe::Probe;
@@ -62,6 +62,8 @@ pub struct StageCore {
     pub felt_posture: Posture,
     pub touch_sensor: TouchSensor,
     pub aura: Option<Aura>,
+    /// All other senses.
+    pub senses: Vec<Box<dyn Sense>>,
 }
 
 impl StageCore {
@@ -77,12 +79,15 @@ impl StageCore {
         let qpos = self.qpos_with(posture);
         self.data.set_qpos(&qpos)?;
         self.data.forward()?;
-        self.feel_posture()
+        self.feel(&[])
     }
 
-    /// Feels the posture that the creature is in.
-    pub fn feel_posture(&mut self) -> mujoco::Result<()> {
+    /// Feels the posture that the creature is in, and what its other senses tell.
+    pub fn feel(&mut self, contacts: &[SkinContact]) -> mujoco::Result<()> {
         self.felt_posture = self.proprioception.read(&self.body, &self.posture)?;
+        let StageCore { time, agent, body, data, senses, .. } = self;
+        let step = SensedStep { time: *time, agent, body, data, contacts };
+        senses.iter_mut().for_each(|sense| sense.step(&step));
         Ok(())
     }
 
@@ -98,7 +103,7 @@ impl StageCore {
         let touches = self.touch_sensor.step(time, &contacts);
         let look = |aura: &mut Aura| aura.step(time, &self.body, self.agent.skin(), &self.data);
         let near = self.aura.as_mut().map(look).unwrap_or_default();
-        self.feel_posture()?;
+        self.feel(&contacts)?;
         Ok(StepSenses { time, contacts, touches, near })
     }
 

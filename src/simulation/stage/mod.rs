@@ -14,6 +14,7 @@ mod core;
 mod meeting;
 mod stillness;
 
+use std::any::Any;
 use std::cell::{Ref, RefCell};
 use std::path::Path;
 use std::rc::Rc;
@@ -29,7 +30,7 @@ use crate::agent::Agent;
 use crate::creature::{Body, JointSelection, Posture, body_name};
 use crate::geometry::Frame;
 use crate::mujoco::{self, Data};
-use crate::senses::{Approach, SkinContact};
+use crate::senses::{Approach, Sense, SkinContact};
 use crate::skin::Skin;
 
 /// What is on a stage beside what its file has.
@@ -258,6 +259,15 @@ impl Stage {
     /// The posture as the creature feels it.
     pub(super) fn felt_posture(&self) -> Posture {
         self.core.borrow().felt_posture.clone()
+    }
+
+    /// What a sense of the creature's tells; nothing where it has no such sense.
+    pub(super) fn sense<S: Sense + Clone>(&self) -> Option<S> {
+        let core = self.core.borrow();
+        core.senses.iter().find_map(|sense| {
+            let sense: &dyn Any = sense.as_ref();
+            sense.downcast_ref::<S>().cloned()
+        })
     }
 
     /// Welds the thing that a receptor's limb touches to that limb; whether there was one.
