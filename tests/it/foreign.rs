@@ -70,17 +70,6 @@ fn a_file_that_no_stripping_mends_says_what_is_wrong() {
     assert!(broken.contains("malformed"), "{broken}");
 }
 
-/// The engine's compiler would take all memory and time that there is.
-#[test]
-#[ignore = "takes as long as the limit, 20 s"]
-fn a_file_that_keeps_the_engine_busy_is_given_up() {
-    let folder = tempfile::tempdir().unwrap();
-    let xml = r#"<mujoco><worldbody><body><composite type="particle" count="400 400 400" spacing="0.1">
-        <geom size="0.01"/></composite></body></worldbody></mujoco>"#;
-    std::fs::write(folder.path().join("endless.xml"), xml).unwrap();
-    assert!(refused(folder.path(), 1, &["inspect", "endless.xml"]).contains("endless.xml"));
-}
-
 const TWO: &str = r#"<mujoco>
   <worldbody>
     <body name="big"><geom size=".1"/>
@@ -229,4 +218,19 @@ fn a_body_that_is_tangled_where_its_joints_are_zero_starts_elsewhere() {
     let contact = SelfContact::new(&tangled).unwrap();
     assert!(!zero(&contact.start));
     assert_eq!(relation(&tangled, "a", "b"), (Relation::Touch, false));
+}
+
+mod slow {
+    use super::*;
+
+    /// The engine's compiler would take all memory and time that there is.
+    #[test]
+    #[ignore = "slow: takes as long as the limit, 20 s"]
+    fn a_file_that_keeps_the_engine_busy_is_given_up() {
+        let folder = tempfile::tempdir().unwrap();
+        let xml = r#"<mujoco><worldbody><body><composite type="particle" count="400 400 400" spacing="0.1">
+            <geom size="0.01"/></composite></body></worldbody></mujoco>"#;
+        std::fs::write(folder.path().join("endless.xml"), xml).unwrap();
+        assert!(refused(folder.path(), 1, &["inspect", "endless.xml"]).contains("endless.xml"));
+    }
 }

@@ -463,31 +463,3 @@ fn a_failure_on_one_thread_leaves_the_others_alone() {
         }
     });
 }
-
-/// Prints what a posture of the humanoid in `BODYSCHEMA_MODEL` (Debian ships one in
-/// libmujoco-samples) costs; `cargo test --release mujoco::the_cost -- --ignored --nocapture`.
-#[test]
-#[ignore = "a measurement"]
-fn the_cost_of_a_posture() {
-    let path = std::env::var_os("BODYSCHEMA_MODEL").expect("BODYSCHEMA_MODEL names an MJCF file");
-    let mut data = Data::new(Arc::new(Model::from_path(path).unwrap())).unwrap();
-    let mut noise = Noise(5);
-    let qpos0 = data.model().qpos0().to_vec();
-    let postures: Vec<Vec<f64>> = (0..1000)
-        .map(|_| {
-            let mut posture = qpos0.clone();
-            posture.iter_mut().skip(7).for_each(|angle| *angle = 0.5 * noise.next());
-            posture
-        })
-        .collect();
-    let start = std::time::Instant::now();
-    let mut contacts = 0;
-    for posture in postures.iter().cycle().take(50_000) {
-        data.set_qpos(posture).unwrap();
-        data.kinematics().unwrap();
-        data.collision().unwrap();
-        contacts += data.contacts().count();
-    }
-    let each = start.elapsed().as_secs_f64() / 50_000.0;
-    println!("{:.2} µs a posture, {contacts} contacts", each * 1e6);
-}
