@@ -31,7 +31,7 @@ pub use firing::{Firing, FiringRecorder};
 pub use learned_map::{LearnedMap, learn_map};
 pub use own_frames::OwnFrames;
 pub use proprioception::{JointSensor, Proprioception, joint_sensors, posture_in_words};
-pub use sense::{SENSES, Sense, SensedStep};
+pub use sense::{NewSense, SENSES, Sense, SensedStep};
 pub use skin_contact::{Party, SkinContact, SkinSpot, Toucher};
 pub use touch::{Moment, Touch, TouchEnd};
 pub use touch_sensor::{LimbSensation, Sensation, TouchEvent, TouchKind, TouchSensor};

@@ -11,8 +11,11 @@ use crate::agent::Agent;
 use crate::creature::Body;
 use crate::mujoco::Data;
 
+/// Makes a sense of an agent.
+pub type NewSense = fn(&Agent) -> Box<dyn Sense>;
+
 /// The senses of every creature on a stage.
-pub const SENSES: &[fn(&Agent) -> Box<dyn Sense>] = &[|_| Box::new(Balance::default())];
+pub const SENSES: &[NewSense] = &[|_| Box::new(Balance::default())];
 
 /// What there is to be sensed in a step. A sense tells no more of it than a body could feel.
 #[derive(Clone, Copy)]
