@@ -122,7 +122,13 @@ impl StageCore {
         if quiet && !self.touches()? {
             return Ok(false);
         }
+        let still = quiet.then(|| [self.data.qpos().to_vec(), self.data.qvel().to_vec()]);
         self.advance(&before, time)?;
+        // What lies still is felt before it is pushed: who touches it can stop there.
+        if let Some([qpos, qvel]) = still {
+            self.data.set_qpos(&qpos)?;
+            self.data.set_qvel(&qvel)?;
+        }
         Ok(true)
     }
 
