@@ -2,23 +2,13 @@
 
 use std::process::Command;
 
-use crate::common::repository;
-use crate::common::shell::run;
+#[cfg(not(feature = "rerun"))]
+use crate::common::program::form_without_its_feature;
 
 #[cfg(not(feature = "rerun"))]
 #[test]
 fn without_rerun_the_mend_is_told() {
-    let place = tempfile::tempdir().unwrap();
-    let hexapod = repository("mjcf/hexapod/hexapod.xml");
-    run(
-        place.path(),
-        &format!("bodyschema babble {} --touches 20 --learner hersch --out s", hexapod.display()),
-    );
-    let mut convert = Command::new(env!("CARGO_BIN_EXE_bodyschema"));
-    let output = convert.args(["convert", "s", "--rrd"]).current_dir(place.path()).output().unwrap();
-    let message = String::from_utf8_lossy(&output.stderr);
-    assert_eq!(output.status.code(), Some(1), "{message}");
-    assert!(message.contains("--features rerun"), "{message}");
+    let place = form_without_its_feature("--rrd", "rerun");
     assert!(!place.path().join("s/session.rrd").exists());
 }
 
@@ -36,7 +26,8 @@ mod recording {
     use std::fs;
     use std::path::Path;
 
-    use crate::common::{creature, truth};
+    use crate::common::shell::run;
+    use crate::common::{creature, repository, truth};
     use bodyschema::kinematics::limb_frames;
     use bodyschema::record::{LearningRecord, Session, TOUCHES_FILE, read_learning_table, read_touches};
     use nalgebra::{Quaternion, UnitQuaternion, Vector3};

@@ -6,6 +6,8 @@
 use std::fs;
 use std::process::Command;
 
+#[cfg(not(feature = "parquet"))]
+use crate::common::program::form_without_its_feature;
 use crate::common::repository;
 use crate::common::shell::run;
 
@@ -63,17 +65,7 @@ assert [json.loads(line)["posture"] for line in lines] == touches["posture"].tol
 #[cfg(not(feature = "parquet"))]
 #[test]
 fn without_parquet_the_mend_is_told() {
-    let place = tempfile::tempdir().unwrap();
-    let hexapod = repository("mjcf/hexapod/hexapod.xml");
-    run(
-        place.path(),
-        &format!("bodyschema babble {} --touches 20 --learner hersch --out s", hexapod.display()),
-    );
-    let mut convert = Command::new(env!("CARGO_BIN_EXE_bodyschema"));
-    let output = convert.args(["convert", "s", "--parquet"]).current_dir(place.path()).output().unwrap();
-    let message = String::from_utf8_lossy(&output.stderr);
-    assert_eq!(output.status.code(), Some(1), "{message}");
-    assert!(message.contains("--features parquet"), "{message}");
+    form_without_its_feature("--parquet", "parquet");
 }
 
 #[cfg(feature = "parquet")]

@@ -67,6 +67,19 @@ pub(super) struct Layer {
     pub labels: Vec<String>,
 }
 
+impl Layer {
+    /// A mesh of one colour.
+    pub fn solid(name: &str, mesh: usize, poses: &'static str, colour: &'static str) -> Layer {
+        let (name, colour) = (name.into(), Some(colour));
+        Layer { name, mesh, poses, look: Look::Solid, colour, labels: Vec::new() }
+    }
+
+    /// The receptors, each with what it is called; their mesh is the one after the limbs'.
+    pub fn receptors(poses: &'static str, labels: Vec<String>) -> Layer {
+        Layer { name: "receptors".into(), mesh: 1, poses, look: Look::Receptors, colour: None, labels }
+    }
+}
+
 /// The joints of a body and what lies between them.
 #[derive(Clone, Debug, Serialize)]
 pub(super) struct Skeleton {

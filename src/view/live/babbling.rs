@@ -13,7 +13,7 @@ use crate::agent::Agent;
 use crate::creature::Posture;
 use crate::schema::BodySchema;
 use crate::senses::Touch;
-use crate::view::body::{BodyMesh, BodyScene, LEARNED, LIMB, Layer, Look, Pose, Skeleton};
+use crate::view::body::{BodyMesh, BodyScene, LEARNED, LIMB, Layer, Pose, Skeleton};
 use crate::view::charts::{Chart, ChartGroup, ChartMark, Ink, Panel, Ruler, Scale};
 use crate::view::figure;
 use crate::view::text::short_number as number;
@@ -220,23 +220,15 @@ fn halve(points: &mut Vec<[f64; 2]>) {
 impl LivePage for BabblingView {
     fn page(&self) -> String {
         let wanted = self.state().wanted;
-        let layer = |name: &str, mesh: usize, poses: &'static str, colour: Option<&'static str>| Layer {
-            name: name.into(),
-            mesh,
-            poses,
-            look: if colour.is_some() { Look::Solid } else { Look::Receptors },
-            colour,
-            labels: Vec::new(),
-        };
         let ids = self.agent.skin().receptors.iter().map(|receptor| receptor.id.clone());
-        let receptors = Layer { labels: ids.collect(), ..layer("receptors", 1, "own", None) };
+        let receptors = Layer::receptors("own", ids.collect());
         let r = ROOM * self.extent;
         let scene = BodyScene {
             meshes: vec![self.limbs.clone(), self.receptors.clone()],
             layers: vec![
-                layer("body", 0, "own", Some(LIMB)),
+                Layer::solid("body", 0, "own", LIMB),
                 receptors,
-                layer("what is learned", 0, "learned", Some(LEARNED)),
+                Layer::solid("what is learned", 0, "learned", LEARNED),
             ],
             skeletons: vec![Skeleton::learned(&self.agent, &[])],
             room: [Vector3::new(-r, -r, -r), Vector3::new(r, self.aside() + r, r)],

@@ -12,7 +12,7 @@ use crate::geometry::Frame;
 use crate::senses::SkinContact;
 use crate::simulation::Stage;
 use crate::skin::{Skin, surface_of_body};
-use crate::view::body::{BodyMesh, BodyScene, LIMB, Layer, Look, Pose};
+use crate::view::body::{BodyMesh, BodyScene, LIMB, Layer, Pose};
 
 /// Most lines of the conversation that are shown.
 const MOST_LINES: usize = 200;
@@ -136,21 +136,13 @@ impl LivePage for TableView {
             let state = self.state();
             (Pose::of_parts(state.own.clone()), Pose::of_parts(state.things.clone()))
         };
-        let layer = |name: &str, mesh: usize, poses: &'static str, colour: Option<&'static str>| Layer {
-            name: name.into(),
-            mesh,
-            poses,
-            look: if colour.is_some() { Look::Solid } else { Look::Receptors },
-            colour,
-            labels: Vec::new(),
-        };
-        let receptors = Layer { labels: self.ids.clone(), ..layer("receptors", 1, "own", None) };
-        let mut layers = vec![layer("body", 0, "own", Some(LIMB)), receptors];
+        let receptors = Layer::receptors("own", self.ids.clone());
+        let mut layers = vec![Layer::solid("body", 0, "own", LIMB), receptors];
         let mut meshes = vec![self.limbs.clone(), self.receptors.clone()];
         for (k, (name, mesh)) in self.things.iter().enumerate() {
-            let colour = Some(COLOURS[k % COLOURS.len()]);
+            let colour = COLOURS[k % COLOURS.len()];
             let labels = vec![name.clone(); mesh.pieces.len()];
-            layers.push(Layer { labels, ..layer("things", meshes.len(), "things", colour) });
+            layers.push(Layer { labels, ..Layer::solid("things", meshes.len(), "things", colour) });
             meshes.push(mesh.clone());
         }
         let poses = |mesh: usize| if mesh < 2 { &own } else { &things };

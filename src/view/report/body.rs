@@ -29,23 +29,17 @@ pub(super) fn figure_of(input: &ReportInput) -> String {
     let touched = |(receptor, count): (&crate::skin::Receptor, &usize)| {
         format!("{}: touched {}", receptor.id, times(*count))
     };
-    let layer = |name: &str, mesh: usize, poses: &'static str, look: Look, colour: Option<&'static str>| {
-        Layer { name: name.into(), mesh, poses, look, colour, labels: Vec::new() }
-    };
-    let patches = Layer {
-        labels: skin.receptors.iter().zip(&counts).map(touched).collect(),
-        ..layer("receptors", 1, "learned", Look::Receptors, None)
-    };
+    let patches = Layer::receptors("learned", skin.receptors.iter().zip(&counts).map(touched).collect());
     let bare = limbs.pieces.is_empty();
     let mut layers = Vec::new();
     if !bare {
-        layers.push(layer("limbs", 0, "learned", Look::Solid, Some(LIMB)));
+        layers.push(Layer::solid("limbs", 0, "learned", LIMB));
     }
     layers.push(patches);
     let mut skeletons = vec![Skeleton::learned(input.agent, input.undetermined)];
     if input.truth.is_some() {
         if !bare {
-            layers.push(layer("true body", 0, "true", Look::Ghost, Some(SHADE)));
+            layers.push(Layer { look: Look::Ghost, ..Layer::solid("true body", 0, "true", SHADE) });
         }
         skeletons.push(Skeleton::shade(input.agent, "true joints", "true"));
     }

@@ -1,16 +1,25 @@
 //! "Is there something in front of you?": it feels about on the table.
 
 use super::super::Conversation;
-use super::{Heard, Intent, Reply, RequestKind};
+use super::{Intent, Reply, RequestKind, Utterance};
 use crate::geometry::Capsule;
 use crate::interaction::tasks::Trouble;
 use crate::peripersonal::Obstacle;
 use crate::simulation::EngineError;
 
 pub(super) const EXPLORE: RequestKind = RequestKind {
-    means: |heard: &Heard| {
-        heard.any(&["something", "anything", "explore", "search", "find", "look", "feel", "around", "there"])
-            && !heard.any(&["touch", "reach"])
+    means: |utterance: &Utterance| {
+        utterance.any(&[
+            "something",
+            "anything",
+            "explore",
+            "search",
+            "find",
+            "look",
+            "feel",
+            "around",
+            "there",
+        ]) && !utterance.any(&["touch", "reach"])
     },
     needs_body: true,
     needs_thing: false,

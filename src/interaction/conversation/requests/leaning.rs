@@ -1,10 +1,10 @@
 //! "Lean forward and try again."
 
 use super::super::Request;
-use super::{Heard, RequestKind};
+use super::{RequestKind, Utterance};
 
 pub(super) const LEAN_AND_RETRY: RequestKind = RequestKind {
-    means: |heard: &Heard| heard.any(&["lean", "leaning"]),
+    means: |utterance: &Utterance| utterance.any(&["lean", "leaning"]),
     needs_body: false,
     needs_thing: false,
     act: |creature, request| match creature.last {

@@ -17,7 +17,7 @@ use crate::simulation::EngineError;
 /// A request that a creature understands.
 pub(super) struct RequestKind {
     /// Whether words mean it.
-    pub means: fn(&Heard) -> bool,
+    pub means: fn(&Utterance) -> bool,
     /// Whether it must know its body for it.
     pub needs_body: bool,
     /// Whether it is about a thing that was felt before.
@@ -27,17 +27,17 @@ pub(super) struct RequestKind {
 }
 
 /// What was said.
-pub(super) struct Heard {
+pub(super) struct Utterance {
     /// In small letters.
     pub text: String,
     words: Vec<String>,
 }
 
-impl Heard {
-    fn new(request: &str) -> Heard {
+impl Utterance {
+    fn new(request: &str) -> Utterance {
         let text = request.to_lowercase();
         let words = text.split(|c: char| !c.is_alphanumeric()).filter(|word| !word.is_empty());
-        Heard { words: words.map(String::from).collect(), text }
+        Utterance { words: words.map(String::from).collect(), text }
     }
 
     /// Whether one of these words is among it.
@@ -94,8 +94,8 @@ impl Intent {
 
 /// What words mean.
 pub fn understood(request: &str) -> Intent {
-    let heard = Heard::new(request);
-    REQUESTS.iter().find(|(_, kind)| (kind.means)(&heard)).map_or(Intent::Unknown, |(intent, _)| *intent)
+    let utterance = Utterance::new(request);
+    REQUESTS.iter().find(|(_, kind)| (kind.means)(&utterance)).map_or(Intent::Unknown, |(intent, _)| *intent)
 }
 
 impl Conversation {

@@ -1,7 +1,7 @@
 //! "Put it as far away as possible", and "bring it near".
 
 use super::super::Conversation;
-use super::{Heard, Intent, Reply, RequestKind};
+use super::{Intent, Reply, RequestKind, Utterance};
 use crate::interaction::tasks::Trouble;
 use crate::simulation::EngineError;
 
@@ -9,9 +9,9 @@ use crate::simulation::EngineError;
 const NEAR: f64 = 0.14;
 
 pub(super) const PUT_FAR: RequestKind = RequestKind {
-    means: |heard: &Heard| {
-        heard.any(&["put", "push", "place", "move", "set"])
-            && heard.any(&["far", "away", "farther", "farthest"])
+    means: |utterance: &Utterance| {
+        utterance.any(&["put", "push", "place", "move", "set"])
+            && utterance.any(&["far", "away", "farther", "farthest"])
     },
     needs_body: true,
     needs_thing: true,
@@ -19,10 +19,10 @@ pub(super) const PUT_FAR: RequestKind = RequestKind {
 };
 
 pub(super) const BRING_NEAR: RequestKind = RequestKind {
-    means: |heard: &Heard| {
-        heard.any(&["bring", "pull", "fetch"])
-            || (heard.any(&["put", "move", "place"])
-                && heard.any(&["near", "nearer", "closer", "close", "back"]))
+    means: |utterance: &Utterance| {
+        utterance.any(&["bring", "pull", "fetch"])
+            || (utterance.any(&["put", "move", "place"])
+                && utterance.any(&["near", "nearer", "closer", "close", "back"]))
     },
     needs_body: true,
     needs_thing: true,

@@ -1,9 +1,11 @@
 //! "Rest."
 
-use super::{Heard, RequestKind};
+use super::{RequestKind, Utterance};
 
 pub(super) const REST: RequestKind = RequestKind {
-    means: |heard: &Heard| heard.any(&["rest", "stop", "relax"]) || heard.text.contains("let go"),
+    means: |utterance: &Utterance| {
+        utterance.any(&["rest", "stop", "relax"]) || utterance.text.contains("let go")
+    },
     needs_body: false,
     needs_thing: false,
     act: |creature, request| {

@@ -1,7 +1,7 @@
 //! "How far is it?", "where do you feel this?", "what can you do?"
 
 use super::super::Conversation;
-use super::{Heard, Intent, Reply, RequestKind};
+use super::{Intent, Reply, RequestKind, Utterance};
 
 /// What it can do, as it says it.
 pub(super) const ABILITIES: &str = "I can feel about for things (\"is there something in front of you?\"), touch what I felt \
@@ -9,9 +9,9 @@ with either hand, tell where I feel it and how far it is, put it as far away as 
 try again, and go back to rest";
 
 pub(super) const HOW_FAR: RequestKind = RequestKind {
-    means: |heard: &Heard| {
-        ["how far", "how near", "how close"].iter().any(|words| heard.text.contains(words))
-            || heard.any(&["distance"])
+    means: |utterance: &Utterance| {
+        ["how far", "how near", "how close"].iter().any(|words| utterance.text.contains(words))
+            || utterance.any(&["distance"])
     },
     needs_body: false,
     needs_thing: false,
@@ -19,14 +19,16 @@ pub(super) const HOW_FAR: RequestKind = RequestKind {
 };
 
 pub(super) const WHERE_FELT: RequestKind = RequestKind {
-    means: |heard: &Heard| heard.any(&["where"]) && heard.any(&["feel", "felt", "touch", "is", "touched"]),
+    means: |utterance: &Utterance| {
+        utterance.any(&["where"]) && utterance.any(&["feel", "felt", "touch", "is", "touched"])
+    },
     needs_body: false,
     needs_thing: false,
     act: |creature, _| Ok(creature.where_felt()),
 };
 
 pub(super) const HELP: RequestKind = RequestKind {
-    means: |heard: &Heard| heard.any(&["help", "can"]) && heard.any(&["help", "do"]),
+    means: |utterance: &Utterance| utterance.any(&["help", "can"]) && utterance.any(&["help", "do"]),
     needs_body: false,
     needs_thing: false,
     act: |creature, request| Ok(creature.reply(request.intent, format!("{ABILITIES}."), None, false)),

@@ -1,13 +1,13 @@
 //! "Touch it with your left hand."
 
 use super::super::Conversation;
-use super::{Heard, Intent, Reply, RequestKind};
+use super::{Intent, Reply, RequestKind, Utterance};
 use crate::interaction::tasks::Trouble;
 use crate::peripersonal::OutOfReach;
 use crate::simulation::EngineError;
 
 pub(super) const TOUCH: RequestKind = RequestKind {
-    means: |heard: &Heard| heard.any(&["touch", "reach", "tap", "point"]),
+    means: |utterance: &Utterance| utterance.any(&["touch", "reach", "tap", "point"]),
     needs_body: true,
     needs_thing: true,
     act: |creature, request| creature.touch(request.hand, request.lean),
