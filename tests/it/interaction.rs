@@ -1,11 +1,14 @@
 //! A creature that acts in a scene by what it learned: a conversation at a table, and what it says where it knows too
 //! little.
 
+use std::cell::RefCell;
 use std::io::Write;
 use std::process::{Command, Stdio};
+use std::rc::Rc;
 
 use crate::common::{babble, max, own_body, repository, truth};
 use bodyschema::agent::Agent;
+use bodyschema::creature::Posture;
 use bodyschema::geometry::Shape;
 use bodyschema::interaction::{Actor, Conversation, Intent, Stop};
 use bodyschema::learning::{Input, Learner, SecondOrder};
@@ -16,6 +19,8 @@ use nalgebra::{Isometry3, Vector3};
 
 /// The height of the table's top in the world, metres.
 const TOP: f64 = 0.98;
+/// How far a thing that nobody pushes settles on the table, at most, metres; one that was pushed for a step goes a millimetre.
+const SETTLES: f64 = 1e-4;
 
 /// Max after learning from touches.
 fn learned_max(touches: usize) -> OwnBody {
@@ -154,6 +159,34 @@ fn a_motion_ends_where_something_is_felt_and_what_is_held_goes_with_the_hand() {
     let height = stage.thing_pose(thing).translation.vector.z;
     actor.wait(0.3).unwrap();
     assert!(stage.thing_pose(thing).translation.vector.z < height - 0.2, "what is let go falls");
+}
+
+#[test]
+fn what_lies_still_is_felt_before_it_is_pushed() {
+    let body = max("torso");
+    let agent = Agent::of(&body).unwrap();
+    let touches = babble(&body, &agent, 300, 1, 2);
+    let (stage, mut talk) = at_table(own_body(&agent, &truth(&body), Input::Contact, &touches));
+    let actor = &mut talk.actor;
+    let height = actor.feel_table(1).unwrap();
+    actor.know_table(height);
+    let things: Vec<usize> = ["box", "can", "brick", "bottle"].map(|name| stage.thing(name).unwrap()).into();
+    let places = || -> Vec<_> { things.iter().map(|&thing| stage.thing_pose(thing)).collect() };
+    let before = places();
+    let postures: Rc<RefCell<Vec<Posture>>> = Rc::default();
+    let told = postures.clone();
+    stage.watched_by(Box::new(move |stage, _| told.borrow_mut().push(stage.posture())));
+    let found = actor.explore(1).unwrap().expect("there are four things");
+    assert!(things.contains(&found.thing));
+    // Who draws back at once has not moved it.
+    let back = postures.borrow().iter().rev().nth(5).unwrap().clone();
+    for _ in 0..200 {
+        actor.step(&back).unwrap();
+    }
+    for (thing, (now, before)) in things.iter().zip(places().iter().zip(&before)) {
+        let moved = (now.translation.vector - before.translation.vector).norm();
+        assert!(moved < SETTLES, "{} was moved by {moved} m", stage.thing_name(*thing));
+    }
 }
 
 #[test]
