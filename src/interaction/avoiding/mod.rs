@@ -2,6 +2,8 @@
 //!
 //! All is told in the root's frame by the schema, so that moving limbs do not disturb what is seen of the thing. How large
 //! it is nobody tells: only the point of it that is nearest is known, and that it went straight so far.
+//!
+//! Long for its constants, each of which says what it is.
 
 mod seen_thing;
 
