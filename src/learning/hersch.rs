@@ -12,6 +12,10 @@
 //! Along the way down the tree a joint is passed in the other sense, `R_i⁻¹∘T_i⁻¹`: its rotation is
 //! `R(a_i, −θ_i)` and its length enters with the sign turned. Axes are scaled back to unit length after
 //! every step. Nothing is added to make the rule do better than it does.
+//!
+//! Algorithm 1 repeats until the touch at hand no longer misses (line 23), and so does this. How near to 0 a miss has
+//! to be, whether one touch is enough, and whether touches come back, the paper does not say. Here the tolerance is 0
+//! unless it is set, one touch decides, and passes, where asked for, take touches in the order made: a random one.
 
 use nalgebra::{Matrix3, Vector3};
 
@@ -31,8 +35,20 @@ pub struct Hersch<'a> {
     agent: &'a Agent,
     input: Input,
     step: f64,
+    passes: usize,
+    double_use: bool,
+    tolerance: f64,
     schema: BodySchema,
-    touches: usize,
+    /// What is to come back in further passes; empty where there are none.
+    kept: Vec<PointPair>,
+    ended: bool,
+}
+
+/// One point of space as two limbs have it, at a posture.
+struct PointPair {
+    posture: Vec<f64>,
+    limbs: [usize; 2],
+    points: [Vector3<f64>; 2],
 }
 
 /// One transform of the chain, as it is passed on the way from one limb to the other.
@@ -50,13 +66,59 @@ enum HerschLink {
 impl<'a> Hersch<'a> {
     /// A learner that starts from an initial guess.
     pub fn new(agent: &'a Agent, input: Input, initial_guess: BodySchema) -> Hersch<'a> {
-        Hersch { agent, input, step: STEP, schema: initial_guess, touches: 0 }
+        let (step, passes, double_use, tolerance) = (STEP, 1, true, 0.0);
+        let (schema, kept, ended) = (initial_guess, Vec::new(), false);
+        Hersch { agent, input, step, passes, double_use, tolerance, schema, kept, ended }
     }
 
     /// Sets ε, [`STEP`] by default.
     pub fn with_step(mut self, step: f64) -> Hersch<'a> {
         self.step = step;
         self
+    }
+
+    /// Sets the passes over all touches: 1 by default, in which each is used as it comes. [`Learner::learn`] makes the
+    /// further ones, every time from what the first one left.
+    pub fn with_passes(mut self, passes: usize) -> Hersch<'a> {
+        self.passes = passes;
+        self
+    }
+
+    /// Sets whether a touch is used from one limb to the other and back, as by default, or from the first limb alone.
+    pub fn with_double_use(mut self, double_use: bool) -> Hersch<'a> {
+        self.double_use = double_use;
+        self
+    }
+
+    /// Sets the miss at which learning ends for good, metres: 0 by default (IVA 2009, Algorithm 1, line 23). It is the
+    /// miss of a touch's last use, as the step finds it.
+    pub fn with_tolerance(mut self, tolerance: f64) -> Hersch<'a> {
+        self.tolerance = tolerance;
+        self
+    }
+
+    /// Learns from one point of space, given in the frames of two limbs at a posture, metres: a touch, or a part of one
+    /// limb as the other sees it (Hersch et al. 2008: a hand in the head's frame).
+    pub fn observe_points(&mut self, posture: &[f64], limbs: [usize; 2], points: [Vector3<f64>; 2]) {
+        let pair = PointPair { posture: posture.to_vec(), limbs, points };
+        self.observe(&pair);
+        if self.passes > 1 {
+            self.kept.push(pair);
+        }
+    }
+
+    /// One turn of Algorithm 1's loop.
+    fn observe(&mut self, pair: &PointPair) {
+        if self.ended {
+            return;
+        }
+        let ([a, b], [p_a, p_b]) = (pair.limbs, pair.points);
+        let mut miss = self.pass(&pair.posture, [a, b], p_a, p_b);
+        // The double use of a touch: the same chain retraced (Algorithm 1, lines 18-22).
+        if self.double_use {
+            miss = self.pass(&pair.posture, [b, a], p_b, p_a);
+        }
+        self.ended = miss <= self.tolerance;
     }
 
     /// The links that carry a point of limb `from` into the frame of limb `to`, the last applied first.
@@ -99,8 +161,8 @@ impl<'a> Hersch<'a> {
     }
 
     /// One pass of Algorithm 1, lines 13-17: transform `v` into the other limb's frame and update every
-    /// joint on the way by the error against `target`.
-    fn pass(&mut self, posture: &[f64], limbs: [usize; 2], v: Vector3<f64>, target: Vector3<f64>) {
+    /// joint on the way by the error against `target`. How far it missed before, metres.
+    fn pass(&mut self, posture: &[f64], limbs: [usize; 2], v: Vector3<f64>, target: Vector3<f64>) -> f64 {
         let links = self.links(posture, limbs[0], limbs[1]);
         // The point as it enters each link, innermost first.
         let mut entering = vec![Vector3::zeros(); links.len()];
@@ -132,6 +194,7 @@ impl<'a> Hersch<'a> {
                 HerschLink::Shift { joint, sign } => self.schema.positions[*joint] += error * *sign,
             }
         }
+        (target - p).norm()
     }
 }
 
@@ -139,17 +202,19 @@ impl Learner for Hersch<'_> {
     fn touch(&mut self, touch: &Touch) {
         let limbs = touch.ends.map(|end| self.agent.skin().receptors[end.receptor].limb);
         let places = touch.ends.map(|end| self.input.position(self.agent.skin(), &end));
-        self.pass(&touch.posture, limbs, places[0], places[1]);
-        // The double use of a touch: the same chain retraced (Algorithm 1, lines 18-22).
-        self.pass(&touch.posture, [limbs[1], limbs[0]], places[1], places[0]);
-        self.touches += 1;
+        self.observe_points(&touch.posture, limbs, places);
     }
 
     fn learn(&mut self) -> Learned {
+        // Touches yet to come go on from the first pass, so the further ones are another learner's.
+        let mut again = Hersch { schema: self.schema.clone(), kept: Vec::new(), ..*self };
+        for _ in 1..self.passes {
+            self.kept.iter().for_each(|pair| again.observe(pair));
+        }
         let verdict =
             Verdict::Unjudged("Hersch's rule has no test of its own: look at the held-out error".to_string());
         Learned {
-            schema: self.schema.clone(),
+            schema: again.schema,
             basis: Basis::points(self.input),
             verdict,
             initial_guesses: 1,

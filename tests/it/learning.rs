@@ -179,6 +179,44 @@ fn herschs_rule_brings_axes_near_the_truth_nearer() {
 }
 
 #[test]
+fn passes_of_herschs_rule_are_the_same_touches_again() {
+    let pupil = Pupil::new(&max("torso"), 200, 2);
+    let rule = || Hersch::new(&pupil.agent, Input::Contact, pupil.perturbed(1));
+    let taught = |mut rule: Hersch, passes: usize| {
+        (0..passes).for_each(|_| pupil.touches.iter().for_each(|touch| rule.touch(touch)));
+        // Asking twice changes nothing.
+        let [first, again] = [0, 1].map(|_| rule.learn().schema);
+        assert_eq!(first, again);
+        first
+    };
+    assert_eq!(taught(rule().with_passes(3), 1), taught(rule(), 3));
+    assert_ne!(taught(rule().with_double_use(false), 1), taught(rule(), 1));
+}
+
+#[test]
+fn herschs_rule_ends_at_the_first_touch_that_misses_little_enough() {
+    let pupil = Pupil::new(&max("torso"), 200, 2);
+    let initial_guess = pupil.perturbed(1);
+    // How far each touch misses when the rule comes to it, and where it then leads.
+    let mut states = vec![initial_guess.clone()];
+    let mut rule = Hersch::new(&pupil.agent, Input::Contact, initial_guess.clone()).with_double_use(false);
+    let mut misses = Vec::new();
+    for touch in &pupil.touches {
+        misses.push(pupil.miss(states.last().unwrap(), touch));
+        rule.touch(touch);
+        states.push(rule.learn().schema);
+    }
+    let least = misses.iter().copied().fold(f64::INFINITY, f64::min);
+    let ends = misses.iter().position(|&miss| miss == least).unwrap();
+    let mut ending = Hersch::new(&pupil.agent, Input::Contact, initial_guess)
+        .with_double_use(false)
+        .with_passes(2)
+        .with_tolerance(least * (1.0 + 1e-9));
+    pupil.touches.iter().for_each(|touch| ending.touch(touch));
+    assert_eq!(ending.learn().schema, states[ends + 1], "no touch after touch {ends}, in no pass");
+}
+
+#[test]
 fn herschs_rule_leaves_the_truth_where_it_is() {
     let pupil = Pupil::new(&max("torso"), 500, 3);
     let truth = pupil.truth.schema.clone();

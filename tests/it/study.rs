@@ -112,8 +112,49 @@ fn a_study_of_policies_relates_all_to_random() {
 }
 
 #[test]
+fn a_study_of_herschs_rule_compares_what_it_is_told() {
+    let place = pincer();
+    let arguments =
+        ["study", "hersch", "pincer.xml", "--trials", "2", "--touches", "60", "--passes", "3", "--json"];
+    let found =
+        json(place.path(), &[&arguments[..], &["--single", "--step", "0.1", "--out", "here"]].concat());
+    let summary = found["summary"].as_array().unwrap();
+    assert_eq!(summary.len(), 4 * 6 * 2, "four kinds of telling, six initial guesses, two uses");
+    assert_eq!(found["rule"], serde_json::json!({"passes": 3, "step": 0.1, "stop_mm": 0.0, "single": true}));
+    let rows = found["rows"].as_array().unwrap();
+    assert_eq!(rows.len(), 2 * summary.len());
+    assert!(rows.iter().all(|row| row["heldout_mm"].is_number() && row["touches"] == 60));
+    let of = |guess: &str| -> Vec<&Value> {
+        let first = |row: &&Value| row["told"] == "touch, exact points" && row["used"] == "both ways";
+        rows.iter().filter(|row| row["initial_guess"] == guess).filter(first).collect()
+    };
+    for (near, far) in of("30°").into_iter().zip(of("90°")) {
+        assert!(near["before_mm"].as_f64() < far["before_mm"].as_f64(), "{near} {far}");
+        assert!(near["heldout_mm"].as_f64() < near["before_mm"].as_f64(), "{near}");
+    }
+    let again = json(place.path(), &[&arguments[..], &["--single", "--step", "0.1", "--jobs", "1"]].concat());
+    assert_eq!(again["rows"], found["rows"]);
+    let ended = json(place.path(), &[&arguments[..], &["--stop", "100000"]].concat());
+    assert_eq!(ended["summary"].as_array().unwrap().len(), 4 * 6);
+    for (row, whole) in ended["rows"].as_array().unwrap().iter().zip(rows.iter().step_by(2)) {
+        // Its first touch ends it, so it is hardly anywhere else than where it began.
+        assert_eq!(row["before_mm"], whole["before_mm"]);
+        let [left, began] = ["heldout_mm", "before_mm"].map(|column| row[column].as_f64().unwrap());
+        assert!((left - began).abs() < 0.2 * began, "{row}");
+    }
+    assert!(fs::read_to_string(place.path().join("here/study.svg")).unwrap().contains("vision"));
+}
+
+#[test]
 fn wrong_usage_of_a_study_is_told_in_a_sentence() {
     let place = place();
+    for wrong in [["--passes", "3"], ["--step", "0.1"], ["--stop", "1"], ["--single", "--json"]] {
+        let message = refused(place.path(), 1, &[&["study", "learners", "arms.xml"][..], &wrong].concat());
+        assert!(message.contains("--passes") && message.contains("hersch"), "{message}");
+    }
+    for wrong in [["--passes", "0"], ["--step", "0"], ["--step", "nan"], ["--stop=-1", "--json"]] {
+        refused(place.path(), 2, &[&["study", "hersch", "arms.xml"][..], &wrong].concat());
+    }
     let message = refused(place.path(), 2, &["study", "astrology", "arms.xml"]);
     for word in ["astrology", "learners", "disturbances"] {
         assert!(message.contains(word), "no \"{word}\" in: {message}");

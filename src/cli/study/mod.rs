@@ -1,5 +1,7 @@
 //! `bodyschema study`: one measurement repeated over several seeds.
 
+mod hersch;
+
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -13,6 +15,7 @@ use super::progress::Bars;
 use super::{Failure, Outcome, output};
 use crate::babbling;
 use crate::creature::JointSelection;
+use crate::experiment::study::hersch::{STUDY as HERSCH, TOUCHES as HERSCH_TOUCHES};
 use crate::experiment::study::{FoundTables, STUDIES, Study, Subject};
 use crate::experiment::{ModelSource, Observer, Phase};
 use crate::record::{PROGRAM, model_hash};
@@ -51,7 +54,7 @@ pub struct StudyArguments {
     /// Seed of the first trial; the next ones count on from it
     #[arg(long, default_value_t = 1)]
     seed: u64,
-    /// Touches of a trial, of studies that babble them [default: 1000]
+    /// Touches of a trial, of studies that babble them [default: 1000; of hersch 20000]
     #[arg(long, value_parser = touch_count)]
     touches: Option<usize>,
     /// The joints that move: a set that the model names (torso), all, or names separated by commas
@@ -70,6 +73,8 @@ pub struct StudyArguments {
     /// Print one JSON object
     #[arg(long, help_heading = "Output")]
     json: bool,
+    #[command(flatten)]
+    hersch: hersch::HerschArguments,
 }
 
 /// A study by its name, which shells complete.
@@ -95,7 +100,8 @@ pub fn run(args: &StudyArguments) -> Outcome {
             study.name
         )));
     }
-    let touches = args.touches.unwrap_or(TOUCHES);
+    let rule = args.hersch.options(study)?;
+    let touches = args.touches.unwrap_or(if study.name == HERSCH.name { HERSCH_TOUCHES } else { TOUCHES });
     let selection = args.joints.clone().unwrap_or_default();
     let last = args.seed.checked_add(u64::from(args.trials) - 1);
     let last = last.ok_or("the last trial's seed would be too great: give a smaller --seed")?;
@@ -104,6 +110,7 @@ pub fn run(args: &StudyArguments) -> Outcome {
     let source = ModelSource::new(&args.model).with_joints(selection.clone());
     let mut subject = Subject::new(embodied(source)?, touches, seeds, babbling::threads(args.jobs), &bars)?;
     subject.session.clone_from(&args.session);
+    subject.hersch = rule;
     let numbered = |k: u32| match k {
         1 => Path::new("studies").join(study.name),
         _ => Path::new("studies").join(format!("{}-{k}", study.name)),

@@ -14,6 +14,7 @@ pub mod disturbances;
 pub mod farthest;
 pub mod frames;
 pub mod growth;
+pub mod hersch;
 pub mod learners;
 pub mod map;
 pub mod other_hand;
@@ -36,6 +37,7 @@ pub use table::{Cell, Column, StudyRow, Table};
 /// The studies, in the order in which they are named to the user.
 pub const STUDIES: &[&Study] = &[
     &learners::STUDY,
+    &hersch::STUDY,
     &policies::STUDY,
     &coverage::STUDY,
     &disturbances::STUDY,

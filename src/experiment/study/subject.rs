@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Instant;
 
+use super::hersch::HerschOptions;
 use crate::agent::Agent;
 use crate::babbling::{BabblingOptions, PolicyName, motions_until};
 use crate::creature::{Body, JointSelection};
@@ -31,6 +32,8 @@ pub struct Subject<'a> {
     pub seeds: Vec<u64>,
     /// The session that a schema is taken from, where not one is learned.
     pub session: Option<PathBuf>,
+    /// How the study `hersch` applies the rule.
+    pub hersch: HerschOptions,
     jobs: usize,
     observer: &'a dyn Observer,
 }
@@ -68,7 +71,15 @@ impl<'a> Subject<'a> {
         observer: &'a dyn Observer,
     ) -> Result<Subject<'a>, ExperimentError> {
         embodied.babbler(MotionName::default())?;
-        Ok(Subject { embodied, touches, seeds, session: None, jobs, observer })
+        Ok(Subject {
+            embodied,
+            touches,
+            seeds,
+            session: None,
+            hersch: HerschOptions::default(),
+            jobs,
+            observer,
+        })
     }
 
     /// The creature in its model.

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use nalgebra::{Unit, UnitQuaternion, Vector3};
-use rand::{RngExt, SeedableRng};
+use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 use super::plot::{AxisScale, PlotAxis, PlotSeries, StudyPlot};
@@ -139,12 +139,17 @@ pub fn measure(subject: &Subject) -> Result<Findings<TurnedMeasurement, TurnedSu
 fn with_turned_axes(model: &Model, seed: u64) -> mujoco::Result<Model> {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let mut turned = |axis: Vector3<f64>| {
-        let across = tangent_basis(&axis);
-        let direction = std::f64::consts::TAU * rng.random::<f64>();
-        let about = across.column(0) * direction.cos() + across.column(1) * direction.sin();
+        let about = direction_across(&axis, &mut rng);
         let angle = LEAST + (MOST - LEAST) * rng.random::<f64>();
-        UnitQuaternion::from_axis_angle(&Unit::new_normalize(about), angle) * axis
+        UnitQuaternion::from_axis_angle(&about, angle) * axis
     };
     let axes: Vec<Vector3<f64>> = model.joints().map(|joint| turned(joint.axis)).collect();
     model.with_joint_axes(&axes)
+}
+
+/// A direction drawn uniformly from those across an axis.
+pub(super) fn direction_across(axis: &Vector3<f64>, rng: &mut impl Rng) -> Unit<Vector3<f64>> {
+    let across = tangent_basis(axis);
+    let direction = std::f64::consts::TAU * rng.random::<f64>();
+    Unit::new_normalize(across.column(0) * direction.cos() + across.column(1) * direction.sin())
 }
