@@ -36,7 +36,7 @@ pub const STUDY: Study = Study {
 };
 
 /// Touches of a trial where none are asked for. The rule is slow: after as many, once each, it has found no body from
-/// any initial guess, and with [`PASSES`] from those within 60°. A trial takes half a minute.
+/// any initial guess, and after 20 passes from those within 60°. A trial takes half a minute.
 pub const TOUCHES: usize = 20_000;
 /// Passes over the touches where none are asked for.
 const PASSES: usize = 20;
