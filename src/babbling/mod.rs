@@ -168,7 +168,11 @@ impl<'a> Babbler<'a> {
         // What was done before the body was last put back to where it starts.
         let mut before = Effort::default();
         let (mut received, mut last) = (0, 0);
-        while received < options.touches {
+        while received < options.touches && !policy.is_done() {
+            if policy.starts_over() {
+                before += mover.effort();
+                mover.reset(self.movers.start()).map_err(BabblingError::Engine)?;
+            }
             let posture = mover.felt_posture().map_err(BabblingError::Engine)?;
             let target = policy.next_target(&posture, &mut rng);
             let ending = mover.advance(&target).map_err(BabblingError::Engine)?;

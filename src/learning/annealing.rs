@@ -6,10 +6,11 @@
 //! themselves show, so that noisy joints or false touches do not turn the fit into a vote of a few.
 
 use crate::agent::Agent;
+use crate::learning::Parameters;
 use crate::learning::least_squares::{Stopping, levenberg_marquardt};
+use crate::learning::prior::PriorTerm;
 use crate::learning::surface_gap::SurfaceGap;
 use crate::learning::touch_set::{TouchProblem, TouchSet};
-use crate::learning::{Parameters, Prior};
 use crate::schema::BodySchema;
 use crate::skin::Skin;
 
@@ -76,7 +77,7 @@ pub fn anneal(
     agent: &Agent,
     touches: &TouchSet,
     parameters: &Parameters,
-    prior: &Prior,
+    prior: &dyn PriorTerm,
     start: BodySchema,
 ) -> Annealed {
     anneal_to(NARROWEST, agent, touches, parameters, prior, start)
@@ -88,7 +89,7 @@ pub fn anneal_to(
     agent: &Agent,
     touches: &TouchSet,
     parameters: &Parameters,
-    prior: &Prior,
+    prior: &dyn PriorTerm,
     start: BodySchema,
 ) -> Annealed {
     let skin = agent.skin();

@@ -16,6 +16,9 @@ pub struct Linearization {
     pub gradient: DVector<f64>,
     /// `½ eᵀWe`.
     pub cost: f64,
+    /// What steps are damped by: the diagonal of the Hessian, but of what is known from before the inverse of each
+    /// parameter's own variance. Parameters that are known well only together would else hardly move.
+    pub scale: DVector<f64>,
 }
 
 /// A least-squares problem over a schema.
@@ -91,11 +94,11 @@ pub fn levenberg_marquardt(
         if cost <= stopping.cost || parameters.is_empty() {
             return done(schema, cost, Termination::Converged);
         }
-        let floor = 1e-9 * model.hessian.diagonal().amax().max(f64::MIN_POSITIVE);
+        let floor = 1e-9 * model.scale.amax().max(f64::MIN_POSITIVE);
         loop {
             let mut damped = model.hessian.clone();
             for i in 0..damped.nrows() {
-                damped[(i, i)] += damping * damped[(i, i)].max(floor);
+                damped[(i, i)] += damping * model.scale[i].max(floor);
             }
             let step = damped.cholesky().map(|factor| factor.solve(&-&model.gradient));
             if let Some(step) = step {

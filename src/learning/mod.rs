@@ -7,6 +7,7 @@ pub mod annealing;
 mod certainty;
 mod growing;
 mod growing_limbs;
+pub mod growth;
 mod hersch;
 pub mod initial_guess;
 mod joint_noise;

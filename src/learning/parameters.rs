@@ -36,6 +36,16 @@ pub struct Parameters {
 impl Parameters {
     /// Position and axes of each joint for which `free` holds.
     pub fn new(creature: &Creature, axis_model: AxisModel, free: impl Fn(usize) -> bool) -> Parameters {
+        Parameters::of(creature, axis_model, &free, |joint, _| free(joint))
+    }
+
+    /// The position of each joint, and each axis by its joint and degree of freedom, for which these hold.
+    pub fn of(
+        creature: &Creature,
+        axis_model: AxisModel,
+        position: impl Fn(usize) -> bool,
+        axis: impl Fn(usize, usize) -> bool,
+    ) -> Parameters {
         let mut parameters = Parameters {
             positions: vec![None; creature.joints().len()],
             axes: vec![None; creature.dof_elements()],
@@ -45,13 +55,12 @@ impl Parameters {
             len: 0,
         };
         for (j, joint) in creature.joints().iter().enumerate() {
-            if !free(j) {
-                continue;
+            if position(j) {
+                parameters.positions[j] = Some(parameters.len);
+                parameters.len += 3;
             }
-            parameters.positions[j] = Some(parameters.len);
-            parameters.len += 3;
             for (k, dof) in joint.dof_indices().zip(&joint.dofs) {
-                if dof.kind != DofKind::Ball {
+                if dof.kind != DofKind::Ball && axis(j, k) {
                     parameters.axes[k] = Some(parameters.len);
                     parameters.len += parameters.axis_size();
                 }

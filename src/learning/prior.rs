@@ -141,6 +141,7 @@ impl PriorTerm for Prior {
             let Some(offset) = *offset else { continue };
             for i in 0..3 {
                 model.hessian[(offset + i, offset + i)] += weight[i];
+                model.scale[offset + i] += weight[i];
                 model.gradient[offset + i] += weight[i] * miss[i];
             }
         }
@@ -154,6 +155,7 @@ impl PriorTerm for Prior {
             };
             for (i, slope) in slope.into_iter().enumerate() {
                 model.hessian[(offset + i, offset + i)] += weight;
+                model.scale[offset + i] += weight;
                 model.gradient[offset + i] += weight * slope;
             }
         }

@@ -219,8 +219,12 @@ impl<M: ObservationModel> LeastSquares for TouchProblem<'_, M> {
     fn linearize(&mut self, schema: &BodySchema) -> Linearization {
         debug_assert!(schema.fits(self.creature));
         let n = self.parameters.len();
-        let mut total =
-            Linearization { hessian: DMatrix::zeros(n, n), gradient: DVector::zeros(n), cost: 0.0 };
+        let mut total = Linearization {
+            hessian: DMatrix::zeros(n, n),
+            gradient: DVector::zeros(n),
+            cost: 0.0,
+            scale: DVector::zeros(n),
+        };
         let bases: Vec<Matrix3x2<f64>> = match self.parameters.axis_model {
             AxisModel::Relaxed => Vec::new(),
             AxisModel::Unit => schema.axes.iter().map(tangent_basis).collect(),
@@ -271,6 +275,7 @@ impl<M: ObservationModel> LeastSquares for TouchProblem<'_, M> {
                 columns.scatter(&hessian, &gradient, &mut total);
             }
         }
+        total.scale = total.hessian.diagonal();
         if let Some(prior) = self.prior {
             prior.add(self.parameters, schema, &mut total);
         }

@@ -8,6 +8,7 @@ mod explorer;
 mod information;
 mod informative;
 mod random;
+mod stages;
 mod steered;
 mod wide;
 mod working_schema;
@@ -16,6 +17,7 @@ use rand_chacha::ChaCha8Rng;
 
 pub use informative::Informative;
 pub use random::Random;
+pub use stages::Stages;
 pub use steered::Steered;
 pub use working_schema::WorkingSchema;
 
@@ -30,6 +32,16 @@ use crate::simulation::Ending;
 pub trait Policy {
     /// The posture to move towards from `posture`. The motion stops at the first contact, whatever it is.
     fn next_target(&mut self, posture: &[f64], rng: &mut ChaCha8Rng) -> Posture;
+
+    /// Whether the next motion is to begin where the body starts, rather than where the last one ended.
+    fn starts_over(&mut self) -> bool {
+        false
+    }
+
+    /// Whether nothing is left that more touches would tell.
+    fn is_done(&self) -> bool {
+        false
+    }
 
     /// Takes in the touch that the motion ended in.
     fn touched(&mut self, touch: &Touch);
@@ -70,6 +82,8 @@ policies! {
     /// Uniformly random postures.
     #[default]
     Random, "random" => |agent, _| Box::new(Random::new(agent.creature()));
+    /// Few joints at first, and more as they are known, until all is.
+    Stages, "stages" => |agent, seed| Box::new(Stages::new(agent, seed));
     /// Towards limbs whose joints need touches, with few motions.
     Steered, "steered" => |agent, seed| Box::new(Steered::new(agent, working_schema(agent, seed)));
     /// Towards the touches that would tell most, whatever the motions.

@@ -134,9 +134,7 @@ impl Belief {
 
     /// The belief as the anchor of a fit: what was known before its touches.
     pub fn anchor(&self) -> Option<Anchor> {
-        let mut information = invert(self.covariance.clone())?;
-        information.fill_upper_triangle_with_lower_triangle();
-        Some(Anchor { mean: self.schema.clone(), information })
+        Anchor::of(self, self.parameters.clone())
     }
 
     /// Fits all touches again from the present schema, to have every derivative where the schema is now.
@@ -180,26 +178,46 @@ fn between_bases(first: &BodySchema, second: &BodySchema, axis: usize) -> Matrix
     tangent_basis(&second.axes[axis]).transpose() * tangent_basis(&first.axes[axis])
 }
 
-/// A Gaussian about a schema with a full information matrix.
+/// A Gaussian about a schema with a full information matrix over some of its parameters.
 #[derive(Clone, Debug)]
 pub struct Anchor {
     /// The mean.
     pub mean: BodySchema,
+    /// The parameters that it is about; axes are unit axes.
+    pub parameters: Parameters,
     /// The inverse of the covariance, symmetric.
     pub information: DMatrix<f64>,
+    /// The variance of each parameter.
+    variances: DVector<f64>,
 }
 
 impl Anchor {
+    /// What the anchor knows of some of its parameters, whatever the others are; none where rounding forbids.
+    pub fn of(belief: &Belief, parameters: Parameters) -> Option<Anchor> {
+        let places = places(&parameters, &belief.parameters);
+        let chosen: Vec<usize> = places.iter().map(|(_, there)| *there).collect();
+        let covariance = belief.covariance.select_rows(&chosen).select_columns(&chosen);
+        let variances = covariance.diagonal();
+        let mut information = invert(covariance)?;
+        information.fill_upper_triangle_with_lower_triangle();
+        Some(Anchor { mean: belief.schema.clone(), parameters, information, variances })
+    }
+
+    /// Where each of its parameters is among others, of those that are there: pairs of places.
+    pub fn places_in(&self, others: &Parameters) -> Vec<(usize, usize)> {
+        places(&self.parameters, others)
+    }
+
     /// How far a schema is from the mean, in the parameters about the mean.
-    fn difference(&self, parameters: &Parameters, schema: &BodySchema) -> DVector<f64> {
-        let mut difference = DVector::zeros(parameters.len());
-        for (joint, offset) in parameters.positions.iter().enumerate() {
+    pub fn difference(&self, schema: &BodySchema) -> DVector<f64> {
+        let mut difference = DVector::zeros(self.parameters.len());
+        for (joint, offset) in self.parameters.positions.iter().enumerate() {
             if let Some(offset) = *offset {
                 let miss = schema.positions[joint] - self.mean.positions[joint];
                 difference.fixed_rows_mut::<3>(offset).copy_from(&miss);
             }
         }
-        for (axis, offset) in parameters.axes.iter().enumerate() {
+        for (axis, offset) in self.parameters.axes.iter().enumerate() {
             if let Some(offset) = *offset {
                 let basis = tangent_basis(&self.mean.axes[axis]);
                 let miss = basis.transpose() * (schema.axes[axis] - self.mean.axes[axis]);
@@ -210,20 +228,33 @@ impl Anchor {
     }
 }
 
+/// Where each of some parameters is among others, of those that are there: pairs of places.
+fn places(some: &Parameters, others: &Parameters) -> Vec<(usize, usize)> {
+    let positions = some.positions.iter().zip(&others.positions).map(|(a, b)| (a, b, 3));
+    let axes = some.axes.iter().zip(&others.axes).map(|(a, b)| (a, b, 2));
+    let mut places: Vec<(usize, usize)> = positions
+        .chain(axes)
+        .filter_map(|(a, b, width)| Some((*a.as_ref()?, *b.as_ref()?, width)))
+        .flat_map(|(a, b, width)| (0..width).map(move |i| (a + i, b + i)))
+        .collect();
+    places.sort_unstable();
+    places
+}
+
 impl PriorTerm for Anchor {
-    fn cost(&self, parameters: &Parameters, schema: &BodySchema) -> f64 {
-        let difference = self.difference(parameters, schema);
+    fn cost(&self, _: &Parameters, schema: &BodySchema) -> f64 {
+        let difference = self.difference(schema);
         0.5 * difference.dot(&(&self.information * &difference))
     }
 
     fn add(&self, parameters: &Parameters, schema: &BodySchema, model: &mut Linearization) {
-        let difference = self.difference(parameters, schema);
+        let difference = self.difference(schema);
         let mut pull = &self.information * &difference;
         model.cost += 0.5 * difference.dot(&pull);
         let mut information = self.information.clone();
         // The present basis of an axis may not be the one about the mean.
-        for (axis, offset) in parameters.axes.iter().enumerate() {
-            let Some(offset) = *offset else { continue };
+        for (axis, offset) in self.parameters.axes.iter().enumerate() {
+            let Some(offset) = offset.filter(|_| parameters.axes[axis].is_some()) else { continue };
             let turn = between_bases(schema, &self.mean, axis);
             if (turn - Matrix2::identity()).norm_squared() > 1e-24 {
                 let slope = turn.transpose() * pull.fixed_rows::<2>(offset);
@@ -234,7 +265,14 @@ impl PriorTerm for Anchor {
                 information.fixed_columns_mut::<2>(offset).copy_from(&columns);
             }
         }
-        model.gradient += pull;
-        model.hessian += information;
+        // What is not among the parameters is held at its mean.
+        let places = places(&self.parameters, parameters);
+        for &(from, to) in &places {
+            model.gradient[to] += pull[from];
+            model.scale[to] += 1.0 / self.variances[from];
+            for &(other_from, other_to) in &places {
+                model.hessian[(other_to, to)] += information[(other_from, from)];
+            }
+        }
     }
 }

@@ -1,0 +1,429 @@
+//! Growing up: few joints move at first, and more as they are known.
+//!
+//! All joints rest but a few. Which few is found by trial: sets of joints between two limbs, those first that carry
+//! much skin to both sides, and of these the set that touches most. Once it is known (see
+//! [`Growth`](crate::learning::growth)), what is known moves, and one joint more, or two or three; or only what is
+//! known, towards a limb that is not placed yet. Where the schema tells how, motions are aimed; where it does not,
+//! what was touched once is touched again, a little differently.
+
+use std::collections::BTreeMap;
+
+use rand::RngExt;
+use rand_chacha::ChaCha8Rng;
+
+use super::Policy;
+use crate::agent::Agent;
+use crate::creature::Posture;
+use crate::kinematics::{Chain, InverseKinematics};
+use crate::learning::growth::{FIRST_TOUCHES, FREEDOM, Growth, LIMB_FREEDOM, rest};
+use crate::senses::Touch;
+use crate::simulation::Ending;
+
+/// Sets of joints that are tried before the first is learned, …
+const TRIALS: usize = 16;
+/// … motions with each, …
+const TRIAL_MOTIONS: usize = 40;
+/// … and with all joints, which show what can be touched at all.
+const SURVEY_MOTIONS: usize = 150;
+/// The least and the most unknowns of the joints of a first set: with fewer wrong answers fit, with more none is found.
+const FIRST_UNKNOWNS: [usize; 2] = [24, 110];
+/// Touches after which it is seen what can be learned.
+const LEARNED_EVERY: usize = 6;
+/// Share of motions that go anywhere.
+const ANYWHERE: f64 = 0.15;
+/// Share of the others that repeat a touch though they could be aimed.
+const REPEATED: f64 = 0.3;
+/// How far a repeated touch scatters, in shares of the ranges; how much farther it goes than the touch was, radians
+/// or metres, in shares of the way that led there.
+const SCATTER: f64 = 0.15;
+const FARTHER: f64 = 0.5;
+const FARTHEST: f64 = 0.3;
+/// Draws of two receptors to aim at.
+const AIMS: usize = 8;
+/// How deep an aim goes into both limbs, metres, and how far from it a posture may stay.
+const DEPTH: f64 = 0.01;
+const NEAR: f64 = 0.01;
+/// Motions in a row without a touch that tells anything, after which a body caught in itself starts over.
+const CAUGHT: usize = 12;
+/// Motions with a limb to be placed, with joints to be learned, and how many more for each further joint.
+const LIMB_MOTIONS: usize = 12;
+const JOINT_MOTIONS: usize = 40;
+const FURTHER_MOTIONS: usize = 20;
+/// The most unknowns of joints that a touch made by chance has learned at once.
+const CHANCE_UNKNOWNS: usize = 35;
+
+/// The policy `stages`.
+pub struct Stages<'a> {
+    agent: &'a Agent,
+    growth: Growth<'a>,
+    /// Per joint, the share of the skin on the side of it where there is less.
+    lever: Vec<f64>,
+    /// Sets of joints for the first part, and the touches that each brought in its trial.
+    trials: Vec<(Vec<usize>, usize)>,
+    /// The set that is tried; none any more once one was chosen.
+    trial: Option<usize>,
+    aim: Goal,
+    /// Per joint, whether it moves.
+    free: Vec<bool>,
+    /// Motions for the present goal, and the most.
+    motions: usize,
+    patience: usize,
+    /// Touches seen when it was last tried to learn.
+    learned_at: usize,
+    goals: usize,
+    tries: BTreeMap<Goal, usize>,
+    /// Per touch, its posture and where the motion to it began.
+    remembered: Vec<[Posture; 2]>,
+    start: Posture,
+    /// Motions in a row that told nothing.
+    caught: usize,
+    over: bool,
+    done: bool,
+}
+
+/// What motions are made for.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
+enum Goal {
+    /// That joints are learned.
+    Joints(Vec<usize>),
+    /// The same, by repeating touches that were made by chance.
+    Repeat(Vec<usize>),
+    /// That a limb is placed.
+    Limb(usize),
+}
+
+impl<'a> Stages<'a> {
+    /// The policy of a body of which nothing is known; what it learns on the way begins with `seed`.
+    pub fn new(agent: &'a Agent, seed: u64) -> Stages<'a> {
+        let creature = agent.creature();
+        let joints = creature.joints().len();
+        let mut beyond = vec![0.0; joints];
+        for receptor in &agent.skin().receptors {
+            let mut limb = receptor.limb;
+            while let Some(joint) = creature.joint_of(limb) {
+                beyond[joint] += 1.0;
+                limb = creature.joints()[joint].parent;
+            }
+        }
+        let all = agent.skin().receptors.len().max(1) as f64;
+        let growth = Growth::new(agent, seed);
+        let mut stages = Stages {
+            agent,
+            lever: beyond.iter().map(|beyond: &f64| beyond.min(all - beyond) / all).collect(),
+            trials: Vec::new(),
+            trial: Some(0),
+            aim: Goal::Joints(Vec::new()),
+            free: vec![false; joints],
+            motions: 0,
+            patience: TRIAL_MOTIONS,
+            learned_at: 0,
+            goals: 0,
+            tries: BTreeMap::new(),
+            remembered: Vec::new(),
+            start: Posture::default(),
+            caught: 0,
+            over: false,
+            done: growth.resolved().iter().all(|&resolved| resolved),
+            growth,
+        };
+        stages.trials = stages.first_sets().into_iter().map(|set| (set, 0)).collect();
+        stages.trials.push(((0..joints).collect(), 0));
+        stages.begin_trial(0);
+        stages
+    }
+
+    /// The sets of joints between two limbs that may be learned first, those that carry most skin for their size first.
+    fn first_sets(&self) -> Vec<Vec<usize>> {
+        let creature = self.agent.creature();
+        let skinned = self.skinned();
+        let mut sets: BTreeMap<Vec<usize>, f64> = BTreeMap::new();
+        for (number, &a) in skinned.iter().enumerate() {
+            for &b in skinned[number + 1..].iter().filter(|&&b| !creature.neighbouring(a, b)) {
+                let mut set: Vec<usize> = Chain::between(creature, a, b).joints().collect();
+                set.sort_unstable();
+                let unknowns = self.growth.width(&set);
+                if (FIRST_UNKNOWNS[0]..=FIRST_UNKNOWNS[1]).contains(&unknowns) {
+                    let lever = set.iter().map(|&joint| self.lever[joint]).sum::<f64>();
+                    sets.insert(set, lever / (unknowns + 10) as f64);
+                }
+            }
+        }
+        let mut sets: Vec<(Vec<usize>, f64)> = sets.into_iter().collect();
+        sets.sort_by(|a, b| b.1.total_cmp(&a.1));
+        sets.into_iter().take(TRIALS).map(|(set, _)| set).collect()
+    }
+
+    /// The limbs that have skin.
+    fn skinned(&self) -> Vec<usize> {
+        let felt = |limb: &usize| self.agent.skin().receptors.iter().any(|receptor| receptor.limb == *limb);
+        (0..self.agent.creature().limbs().len()).filter(felt).collect()
+    }
+
+    fn begin_trial(&mut self, number: usize) {
+        self.trial = Some(number);
+        let set = self.trials[number].0.clone();
+        let all = number + 1 == self.trials.len();
+        self.begin(Goal::Joints(set), if all { SURVEY_MOTIONS } else { TRIAL_MOTIONS });
+    }
+
+    fn begin(&mut self, goal: Goal, patience: usize) {
+        self.free = self.growth.resolved().to_vec();
+        if self.growth.schema().is_none() {
+            self.free.fill(false);
+        }
+        if let Goal::Joints(joints) | Goal::Repeat(joints) = &goal {
+            joints.iter().for_each(|&joint| self.free[joint] = true);
+        }
+        self.aim = goal;
+        (self.motions, self.patience) = (0, patience);
+    }
+
+    /// The joints that the present goal is to learn.
+    fn joints(&self) -> &[usize] {
+        match &self.aim {
+            Goal::Joints(joints) | Goal::Repeat(joints) => joints,
+            Goal::Limb(_) => &[],
+        }
+    }
+
+    /// Whether a limb is moved by the joints to be learned, or is the one to be placed.
+    fn wanted(&self, limb: usize) -> bool {
+        if let Goal::Limb(wanted) = self.aim {
+            return limb == wanted;
+        }
+        let creature = self.agent.creature();
+        let mut at = limb;
+        while let Some(joint) = creature.joint_of(at) {
+            if self.joints().contains(&joint) {
+                return true;
+            }
+            at = creature.joints()[joint].parent;
+        }
+        false
+    }
+
+    /// Takes stock after a motion.
+    fn take_stock(&mut self) {
+        if let Some(trial) = self.trial {
+            if self.motions >= self.patience {
+                self.end_trial(trial);
+            }
+            return;
+        }
+        if self.growth.touches().len() >= self.learned_at + LEARNED_EVERY {
+            self.learned_at = self.growth.touches().len();
+            if self.growth.grow() {
+                self.next_goal();
+                return;
+            }
+        }
+        if self.motions >= self.patience && self.growth.schema().is_some() {
+            self.next_goal();
+        }
+    }
+
+    fn end_trial(&mut self, trial: usize) {
+        if trial + 1 < self.trials.len() {
+            self.begin_trial(trial + 1);
+            return;
+        }
+        // The set that has its touches soonest; where none touched, all joints at once.
+        let soonest = self.trials[..trial].iter().filter(|(_, touches)| *touches > 0).min_by(|a, b| {
+            let motions = |(set, touches): &(Vec<usize>, usize)| {
+                FIRST_TOUCHES * self.growth.width(set) as f64 / *touches as f64
+            };
+            motions(a).total_cmp(&motions(b))
+        });
+        let set = soonest.unwrap_or(&self.trials[trial]).0.clone();
+        self.trial = None;
+        self.over = true;
+        self.begin(Goal::Joints(set), usize::MAX);
+    }
+
+    /// Chooses what to learn next: joints that a touch made by chance had, a limb to place, a joint with much skin to both
+    /// sides; what was tried least first.
+    fn next_goal(&mut self) {
+        let creature = self.agent.creature();
+        let open: Vec<usize> = (0..self.free.len()).filter(|&joint| !self.growth.resolved()[joint]).collect();
+        let unplaced: Vec<usize> =
+            self.skinned().into_iter().filter(|&limb| !self.growth.placed(limb)).collect();
+        self.done = open.is_empty() && unplaced.is_empty();
+        self.goals += 1;
+        let tries = |goal: &Goal| self.tries.get(goal).copied().unwrap_or(0);
+        let repeated = (self.goals.is_multiple_of(2)).then(|| self.chance(&tries)).flatten();
+        let limb = unplaced.iter().copied().min_by_key(|&limb| (tries(&Goal::Limb(limb)), limb));
+        let worth =
+            |joint: usize| self.lever[joint] / (1.0 + tries(&Goal::Joints(vec![joint])) as f64).powi(3);
+        let joint = open.iter().copied().max_by(|&a, &b| worth(a).total_cmp(&worth(b)));
+        let limb_first = match (limb, joint) {
+            (Some(limb), Some(joint)) => tries(&Goal::Limb(limb)) < tries(&Goal::Joints(vec![joint])),
+            (limb, _) => limb.is_some(),
+        };
+        let (goal, named, patience) = match (repeated, limb, joint) {
+            (Some(joints), _, _) => {
+                let patience = 30 + 2 * self.growth.width(&joints);
+                (Goal::Repeat(joints.clone()), Goal::Repeat(joints), patience)
+            }
+            (None, Some(limb), _) if limb_first => (Goal::Limb(limb), Goal::Limb(limb), LIMB_MOTIONS),
+            (None, _, Some(joint)) => {
+                let named = Goal::Joints(vec![joint]);
+                // What cannot be touched alone may be together with its neighbours.
+                let further = tries(&named).min(3);
+                let mut joints = vec![joint];
+                let meets = |a: usize, b: usize| creature.joints()[a].parent == b + 1;
+                for _ in 0..further {
+                    let beside = |other: &usize| {
+                        !joints.contains(other)
+                            && joints.iter().any(|&j| meets(*other, j) || meets(j, *other))
+                    };
+                    let Some(next) = open.iter().copied().find(beside) else { break };
+                    joints.push(next);
+                }
+                joints.sort_unstable();
+                (Goal::Joints(joints), named, JOINT_MOTIONS + FURTHER_MOTIONS * further)
+            }
+            _ => return,
+        };
+        *self.tries.entry(named).or_insert(0) += 1;
+        self.begin(goal, patience);
+    }
+
+    /// The joints to be learned of a touch that was made by chance: few, tried seldom, and with much skin.
+    fn chance(&self, tries: &impl Fn(&Goal) -> usize) -> Option<Vec<usize>> {
+        let mut sets: BTreeMap<Vec<usize>, ()> = BTreeMap::new();
+        for touch in self.growth.touches().iter().filter(|touch| touch.freedom >= FREEDOM) {
+            let joints = self.growth.lacks(touch).joints;
+            if !joints.is_empty() && self.growth.width(&joints) <= CHANCE_UNKNOWNS {
+                sets.insert(joints, ());
+            }
+        }
+        let cost = |joints: &Vec<usize>| {
+            let tried = tries(&Goal::Repeat(joints.clone())) as f64;
+            let lever = joints.iter().map(|&joint| self.lever[joint] + 0.02).fold(0.0, f64::max);
+            self.growth.width(joints) as f64 * (1.0 + tried) / lever.sqrt()
+        };
+        sets.into_keys().min_by(|a, b| cost(a).total_cmp(&cost(b)))
+    }
+
+    /// A random posture in which only what is free moves.
+    fn anywhere(&self, rng: &mut ChaCha8Rng) -> Posture {
+        let creature = self.agent.creature();
+        let mut posture = Posture::random(creature, rng);
+        (0..self.free.len())
+            .filter(|&joint| !self.free[joint])
+            .for_each(|joint| rest(creature, joint, &mut posture));
+        creature.couple(&mut posture);
+        posture
+    }
+
+    /// A posture near one in which something was touched that the goal wants.
+    fn again(&self, rng: &mut ChaCha8Rng) -> Option<Posture> {
+        let creature = self.agent.creature();
+        let least = if self.joints().is_empty() { LIMB_FREEDOM } else { FREEDOM };
+        let fits = |&number: &usize| {
+            let touch = &self.growth.touches()[number];
+            let [a, b] = touch.limbs.map(|limb| self.wanted(limb));
+            let told = match self.aim {
+                Goal::Repeat(_) => touch.moving.iter().any(|joint| self.joints().contains(joint)),
+                _ => a != b,
+            };
+            touch.freedom >= least && told && touch.moving.iter().all(|&joint| self.free[joint])
+        };
+        let known: Vec<usize> = (0..self.remembered.len()).filter(fits).collect();
+        if known.is_empty() {
+            return None;
+        }
+        let number = known[rng.random_range(0..known.len())];
+        let [touched, from] = &self.remembered[number];
+        let mut target = self.anywhere(rng);
+        let between = self.growth.touches()[number].chain.iter().filter(|&&joint| self.free[joint]);
+        for at in between.flat_map(|&joint| creature.joints()[joint].elements()) {
+            if at.is_ball() {
+                at.of_mut(&mut target).copy_from_slice(at.of(touched));
+                continue;
+            }
+            let (q, [low, high]) = (at.coordinate(), at.range);
+            let further = FARTHER * (touched[q] - from[q]).clamp(-FARTHEST, FARTHEST);
+            let scatter = SCATTER * (high - low) * (2.0 * rng.random::<f64>() - 1.0);
+            target[q] = (touched[q] + further + scatter).clamp(low, high);
+        }
+        creature.couple(&mut target);
+        Some(target)
+    }
+
+    /// A posture that brings a limb that the goal wants to another one, by the schema; what is not known stays where chance
+    /// puts it.
+    fn aimed(&self, sure: bool, rng: &mut ChaCha8Rng) -> Option<Posture> {
+        let (creature, skin) = (self.agent.creature(), self.agent.skin());
+        let schema = self.growth.schema()?;
+        let on = |fits: &dyn Fn(usize) -> bool| -> Vec<usize> {
+            (0..skin.receptors.len()).filter(|&receptor| fits(skin.receptors[receptor].limb)).collect()
+        };
+        let wanted = on(&|limb| self.wanted(limb) && (!sure || self.growth.placed(limb)));
+        let others = on(&|limb| !self.wanted(limb) && self.growth.placed(limb));
+        if wanted.is_empty() || others.is_empty() {
+            return None;
+        }
+        for _ in 0..AIMS {
+            let receptors =
+                [&wanted, &others].map(|list| &skin.receptors[list[rng.random_range(0..list.len())]]);
+            let [a, b] = receptors.map(|receptor| receptor.limb);
+            if creature.neighbouring(a, b) {
+                continue;
+            }
+            let ends = receptors.map(|receptor| receptor.place(-DEPTH));
+            let known = |joint: usize| self.free[joint] && !self.joints().contains(&joint);
+            let mut solver = InverseKinematics::new(creature, schema, ends).moving(known);
+            let reach = solver.solve(&self.anywhere(rng));
+            if reach.miss < NEAR {
+                return Some(reach.posture);
+            }
+        }
+        None
+    }
+}
+
+impl Policy for Stages<'_> {
+    fn next_target(&mut self, posture: &[f64], rng: &mut ChaCha8Rng) -> Posture {
+        self.motions += 1;
+        self.start = posture.into();
+        if self.growth.schema().is_none() || rng.random::<f64>() < ANYWHERE {
+            return self.anywhere(rng);
+        }
+        let receptors = &self.agent.skin().receptors;
+        let sure = receptors.iter().any(|r| self.wanted(r.limb) && self.growth.placed(r.limb));
+        let repeats = !sure || matches!(self.aim, Goal::Repeat(_)) || rng.random::<f64>() < REPEATED;
+        let again = if repeats { self.again(rng) } else { None };
+        again.or_else(|| self.aimed(sure, rng)).unwrap_or_else(|| self.anywhere(rng))
+    }
+
+    fn touched(&mut self, touch: &Touch) {
+        self.growth.touch(touch);
+        self.remembered.push([touch.posture.clone(), self.start.clone()]);
+        if let Some(felt) = self.growth.touches().last() {
+            let tells = felt.moving.iter().all(|&joint| self.free[joint]);
+            self.caught = if tells { 0 } else { self.caught + 1 };
+            if let Some(trial) = self.trial.filter(|_| tells && felt.freedom >= FREEDOM) {
+                self.trials[trial].1 += 1;
+            }
+        }
+        self.take_stock();
+    }
+
+    fn missed(&mut self, ending: &Ending, _: &[f64]) {
+        self.caught = if *ending == Ending::Free { 0 } else { self.caught + 1 };
+        self.take_stock();
+    }
+
+    fn starts_over(&mut self) -> bool {
+        let over = self.over || self.caught >= CAUGHT;
+        if over {
+            (self.over, self.caught) = (false, 0);
+        }
+        over
+    }
+
+    fn is_done(&self) -> bool {
+        self.done
+    }
+}

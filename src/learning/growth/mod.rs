@@ -1,0 +1,283 @@
+//! Growing a schema part by part from what is known.
+//!
+//! Joints that rest in the reference posture turn nothing: the limbs on both sides of them are one, and their
+//! positions add up. So touches made while few joints move have few unknowns, and a body is learned as infants free
+//! theirs (Bernstein, "The Co-ordination and Regulation of Movements", 1967): a part of few joints first, from random
+//! initial guesses; then, touch by touch, the parts next to what is known. What is known is never frozen: it enters as
+//! a Gaussian with its full covariance ([`Anchor`]), of which the initial guesses of what is new are drawn, too.
+//!
+//! A part is accepted when the surfaces of its touches meet, within the patches that felt them and on their outside;
+//! when every touch that it rests on is checked by others (Baarda's reliability, "A Testing Procedure for Use in
+//! Geodetic Networks", 1968); and when all that was closed before stays closed. Touches in which only a few
+//! coordinates move check nothing: any smooth curve explains them.
+
+mod acceptance;
+mod part;
+mod placement;
+mod solving;
+
+use std::collections::BTreeMap;
+
+pub use part::{GrownTouch, Part};
+pub use placement::rest;
+
+use crate::agent::Agent;
+use crate::creature::{Creature, DofKind};
+use crate::kinematics::Chain;
+#[cfg(doc)]
+use crate::learning::online::Anchor;
+use crate::learning::online::Belief;
+use crate::learning::rough::imagined;
+use crate::learning::surface_gap::SurfaceGap;
+use crate::learning::touch_set::{PreparedTouch, TouchSet};
+use crate::learning::{Prior, PriorKnowledge};
+use crate::schema::BodySchema;
+use crate::senses::Touch;
+
+/// A gap narrower than this is closed, metres: a fiftieth of what a wrong answer leaves, and fifty times what a motion
+/// that stops at touch does.
+const CLOSED: f64 = 5e-5;
+/// How many half extents of a patch from its middle a contact may be that it felt: surfaces are curved …
+const BEYOND: f64 = 1.2;
+/// … and how much farther, metres.
+const BEYOND_BY: f64 = 2e-3;
+/// The least cosine between a patch's normal and that of the surface where it was touched: it was not felt through
+/// the limb.
+const FACING: f64 = -0.2;
+/// Coordinates that move between two limbs whose touches check their joints at the least, …
+pub const FREEDOM: usize = 4;
+/// … and where two limbs are that do not move on their joints.
+pub const LIMB_FREEDOM: usize = 3;
+/// Starts from random initial guesses with the first part of a body, …
+const FIRST_STARTS: usize = 8;
+/// … and with all others.
+const STARTS: usize = 6;
+/// Touches that the first part needs, in units of its joints' unknowns: limbs that rest have theirs, too.
+pub const FIRST_TOUCHES: f64 = 3.5;
+/// Touches that a part needs, in units of its unknowns.
+const TOUCHES: f64 = 1.8;
+/// Touches that a part which was tried in vain needs before it is tried again, in units of those that it had.
+const MORE: f64 = 1.35;
+/// Parts that are tried in vain before more touches are made.
+const TRIED: usize = 4;
+
+/// A body's schema as it grows.
+pub struct Growth<'a> {
+    agent: &'a Agent,
+    prior: Prior,
+    seed: u64,
+    /// Parts solved so far: each has its own random numbers.
+    solves: u64,
+    touches: Vec<GrownTouch>,
+    /// Per joint, whether its axes are known.
+    resolved: Vec<bool>,
+    /// Per limb, how far off its skin may be in the frame of the base, one standard deviation, metres.
+    placement: Vec<f64>,
+    /// The limb that others are placed in relation to.
+    base: usize,
+    belief: Option<Belief>,
+    /// Answers that closed the gaps and were not sure enough, by the joints that they were for.
+    tentative: Vec<(Vec<usize>, BodySchema)>,
+    /// Per part that was tried in vain, its touches then.
+    failed: BTreeMap<Part, usize>,
+}
+
+impl<'a> Growth<'a> {
+    /// Nothing known of a body but its skin; initial guesses are drawn from `seed`.
+    pub fn new(agent: &'a Agent, seed: u64) -> Growth<'a> {
+        let creature = agent.creature();
+        Growth {
+            agent,
+            prior: PriorKnowledge::nothing(agent).prior,
+            seed,
+            solves: 0,
+            touches: Vec::new(),
+            resolved: (0..creature.joints().len()).map(|joint| !has_axes(creature, joint)).collect(),
+            placement: vec![f64::INFINITY; creature.limbs().len()],
+            base: 0,
+            belief: None,
+            tentative: Vec::new(),
+            failed: BTreeMap::new(),
+        }
+    }
+
+    /// Takes a touch.
+    pub fn touch(&mut self, touch: &Touch) {
+        let creature = self.agent.creature();
+        let receptors = touch.ends.map(|end| end.receptor);
+        let (limbs, prepared) = imagined(self.agent.skin(), receptors, &touch.posture).prepare(creature);
+        let chain: Vec<usize> = Chain::between(creature, limbs[0], limbs[1]).joints().collect();
+        let moves = |joint: usize| moves(creature, joint, &touch.posture);
+        let moving = chain.iter().copied().filter(|&joint| moves(joint)).collect();
+        let freedom = chain.iter().map(|&joint| freedom(creature, joint, &touch.posture)).sum();
+        self.touches.push(GrownTouch { limbs, prepared, chain, moving, freedom, used: false });
+    }
+
+    /// The touches so far.
+    pub fn touches(&self) -> &[GrownTouch] {
+        &self.touches
+    }
+
+    /// The schema as far as it has grown; none before the first part is known.
+    pub fn schema(&self) -> Option<&BodySchema> {
+        self.belief.as_ref().map(|belief| &belief.schema)
+    }
+
+    /// What is believed; none before the first part is known.
+    pub fn belief(&self) -> Option<&Belief> {
+        self.belief.as_ref()
+    }
+
+    /// Per joint, whether its axes are known; a joint without any is from the beginning.
+    pub fn resolved(&self) -> &[bool] {
+        &self.resolved
+    }
+
+    /// Whether it is known where a limb is, seen from the limb that others are placed in relation to.
+    pub fn placed(&self, limb: usize) -> bool {
+        self.placement[limb] < placement::PLACED
+    }
+
+    /// What is missing for a touch to tell something of what is known: joints to resolve, limbs to place.
+    pub fn lacks(&self, touch: &GrownTouch) -> Part {
+        Part {
+            joints: touch.moving.iter().copied().filter(|&joint| !self.resolved[joint]).collect(),
+            limbs: touch.limbs.into_iter().filter(|&limb| !self.placed(limb)).collect(),
+        }
+    }
+
+    /// Learns what can be learned from the touches so far; whether that was anything.
+    pub fn grow(&mut self) -> bool {
+        let mut grown = false;
+        if self.belief.is_none() {
+            grown = self.grow_first();
+            if !grown {
+                return false;
+            }
+        }
+        loop {
+            self.take_in();
+            let worth = |growth: &Growth, part: &Part, touches: usize| {
+                growth.failed.get(&part.key()).is_none_or(|&before| touches as f64 >= MORE * before as f64)
+            };
+            let ready = self.ready(TOUCHES).into_iter().filter(|(part, touches)| worth(self, part, *touches));
+            let ready: Vec<(Part, usize)> = ready.take(TRIED).collect();
+            let before = self.placed_limbs();
+            let learned = ready.into_iter().any(|(part, touches)| {
+                let known = self.learn(&part, STARTS);
+                // A limb that is not placed better than before would be tried for ever.
+                let gained = known && (!part.joints.is_empty() || self.placed_limbs() > before);
+                if !gained {
+                    self.failed.insert(part.key(), touches);
+                }
+                gained
+            });
+            if !learned {
+                return grown;
+            }
+            grown = true;
+        }
+    }
+
+    /// Learns the first part: of all sets of joints that moved in touches, the one with most touches for its size.
+    fn grow_first(&mut self) -> bool {
+        let mut sets: BTreeMap<Vec<usize>, usize> = BTreeMap::new();
+        for touch in self.touches.iter().filter(|touch| touch.freedom >= FREEDOM) {
+            sets.entry(touch.moving.clone()).or_insert(0);
+        }
+        let mut candidates: Vec<(f64, Part, usize)> = Vec::new();
+        for joints in sets.into_keys() {
+            let within = |touch: &&GrownTouch| {
+                touch.freedom >= FREEDOM && touch.moving.iter().all(|joint| joints.contains(joint))
+            };
+            let touches = self.touches.iter().filter(within).count();
+            let limbs = (0..self.agent.creature().limbs().len()).collect();
+            let part = Part { joints, limbs };
+            let ratio = touches as f64 / (self.width(&part.joints) as f64);
+            let before = self.failed.get(&part.key()).copied().unwrap_or(0);
+            if ratio >= FIRST_TOUCHES && touches as f64 >= MORE * before as f64 {
+                candidates.push((ratio, part, touches));
+            }
+        }
+        candidates.sort_by(|a, b| b.0.total_cmp(&a.0));
+        candidates.into_iter().take(TRIED).any(|(_, part, touches)| {
+            let known = self.learn(&part, FIRST_STARTS);
+            if !known {
+                self.failed.insert(part.key(), touches);
+            }
+            known
+        })
+    }
+
+    /// Solves a part and takes it in where it stands.
+    fn learn(&mut self, part: &Part, starts: usize) -> bool {
+        let Some(solved) = self.solve(part, starts) else { return false };
+        let limbs = part.limbs.iter().copied().filter(|limb| !solved.given_up.contains(limb)).collect();
+        solved.share > solving::ENOUGH
+            && self.accept(&Part { joints: part.joints.clone(), limbs }, &solved.schema)
+    }
+
+    /// The touches among what is known become evidence where they nearly meet what is believed.
+    fn take_in(&mut self) {
+        let Some(belief) = &self.belief else { return };
+        for number in 0..self.touches.len() {
+            let touch = &self.touches[number];
+            if touch.used || touch.moving.is_empty() || !self.lacks(touch).is_nothing() {
+                continue;
+            }
+            let frames = touch.prepared.frames(&belief.schema);
+            let gap = SurfaceGap::new(self.agent.skin(), 1.0).gap(&touch.prepared.ends, &frames);
+            self.touches[number].used = gap.distance.abs() < placement::PLACED;
+        }
+    }
+
+    fn placed_limbs(&self) -> usize {
+        (0..self.placement.len()).filter(|&limb| self.placed(limb)).count()
+    }
+
+    fn set<'t>(&self, touches: impl Iterator<Item = &'t GrownTouch>) -> TouchSet {
+        let mut set = TouchSet::default();
+        for touch in touches {
+            set.push_prepared(self.agent.creature(), touch.limbs, touch.prepared.clone());
+        }
+        set
+    }
+
+    /// Whether a schema has the two surfaces of a touch meet, within the patches that felt it.
+    fn closes(&self, touch: &PreparedTouch, schema: &BodySchema) -> bool {
+        let skin = self.agent.skin();
+        let frames = touch.frames(schema);
+        let found = SurfaceGap::new(skin, 1.0).gap(&touch.ends, &frames);
+        let felt = |end: usize| {
+            let receptor = &skin.receptors[touch.ends[end].receptor];
+            let at = receptor.patch_coordinates(&frames[end].inverse_point(&found.middle()));
+            // The gap's normal points from the second surface to the first.
+            let outward = frames[end].rotation.tr_mul(&found.normal) * if end == 0 { -1.0 } else { 1.0 };
+            let [across, along] = receptor.half_extents.map(|half| BEYOND * half + BEYOND_BY);
+            outward.dot(&receptor.normal) > FACING && at.x.abs() < across && at.y.abs() < along
+        };
+        found.distance.abs() < CLOSED && felt(0) && felt(1)
+    }
+}
+
+/// Whether a joint has axes to be learned: a ball has none.
+pub fn has_axes(creature: &Creature, joint: usize) -> bool {
+    creature.joints()[joint].dofs.iter().any(|dof| dof.kind != DofKind::Ball)
+}
+
+/// Whether a posture has a joint turned or pushed about an axis that is to be learned.
+fn moves(creature: &Creature, joint: usize, posture: &[f64]) -> bool {
+    let mut elements = creature.joints()[joint].elements();
+    elements.any(|at| !at.is_ball() && posture[at.coordinate()] != 0.0)
+}
+
+/// How many degrees of freedom of a joint are not at rest.
+fn freedom(creature: &Creature, joint: usize, posture: &[f64]) -> usize {
+    let elements = creature.joints()[joint].elements();
+    elements
+        .map(|at| match at.is_ball() {
+            true => 3 * usize::from(at.of(posture)[1..].iter().any(|&x| x != 0.0)),
+            false => usize::from(posture[at.coordinate()] != 0.0),
+        })
+        .sum()
+}

@@ -1,0 +1,340 @@
+//! One part of a body from random initial guesses to an answer.
+
+use nalgebra::{DMatrix, DVector, Vector3};
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+use rayon::prelude::*;
+
+use super::{GrownTouch, Growth, Part};
+use crate::learning::annealing::{NARROWEST, WIDEST, anneal_to};
+use crate::learning::initial_guess::randomize_joint;
+use crate::learning::least_squares::{Linearization, Stopping, levenberg_marquardt};
+use crate::learning::observation::PointsMeet;
+use crate::learning::online::Anchor;
+use crate::learning::prediction::invert;
+use crate::learning::prior::PriorTerm;
+use crate::learning::relaxed_gradient::{MissWeights, descend};
+use crate::learning::touch_set::{PreparedTouch, TouchProblem, TouchSet};
+use crate::learning::{AxisModel, Parameters, Prior};
+use crate::schema::BodySchema;
+
+/// The share of a part's touches that an answer closes.
+pub(super) const ENOUGH: f64 = 0.95;
+/// … and from which on none better is looked for.
+const AS_GOOD_AS_ALL: f64 = 0.97;
+/// … and from which on it is worth remembering where more touches tried again.
+const PROMISING: f64 = 0.9;
+/// Starts that are made at once: always so many, for what is taken must not depend on the number of threads.
+const AT_ONCE: usize = 2;
+/// Touches of a limb below which the first part does without it.
+const OFTEN: usize = 8;
+/// Steps down the relaxed gradient from a random initial guess, …
+const DESCENT: usize = 100_000;
+/// … and where the descent doubts the touches themselves.
+const DOUBTING_DESCENT: usize = 400_000;
+/// Deviations of the gap, metres, down to which axes stay relaxed, by the number of the start. Joints that turn
+/// little are caught in one wrong minimum or another, and which depends on this.
+const RELAXED_GAPS: [f64; 4] = [3e-3, WIDEST, 1e-3, 3e-4];
+/// Positions and axes known to this, metres and radians, are held while a part is solved: it makes no difference.
+const KNOWN_POSITION: f64 = 1e-5;
+const KNOWN_AXIS: f64 = 1e-4;
+/// Share of a limb's touches that stay open and give it up, where there are …
+const OPEN_SHARE: f64 = 0.25;
+/// … so many of them at the least. As many limbs at the most are given up.
+const OPEN_TOUCHES: f64 = 2.0;
+const GIVEN_UP: usize = 6;
+
+/// An answer for a part.
+pub(super) struct Solved {
+    /// The schema with it.
+    pub schema: BodySchema,
+    /// The share of the touches that it closes.
+    pub share: f64,
+    /// Limbs without whose touches it does.
+    pub given_up: Vec<usize>,
+}
+
+/// What is believed besides the touches: little of what is new, much of what is known.
+struct Beliefs<'a> {
+    new: &'a Prior,
+    known: Option<&'a Anchor>,
+}
+
+impl PriorTerm for Beliefs<'_> {
+    fn cost(&self, parameters: &Parameters, schema: &BodySchema) -> f64 {
+        self.new.cost(parameters, schema) + self.known.map_or(0.0, |known| known.cost(parameters, schema))
+    }
+
+    fn add(&self, parameters: &Parameters, schema: &BodySchema, model: &mut Linearization) {
+        self.new.add(parameters, schema, model);
+        if let Some(known) = self.known {
+            known.add(parameters, schema, model);
+        }
+    }
+}
+
+/// The problem of one part.
+struct PartProblem<'a> {
+    part: &'a Part,
+    touches: TouchSet,
+    /// Per joint, whether it is between limbs that touched, and whether its position is free.
+    between: Vec<bool>,
+    free: Vec<bool>,
+    /// Axes of the part, relaxed; and all that is free, with unit axes.
+    relaxed: Parameters,
+    unit: Parameters,
+    new: Prior,
+    known: Option<Anchor>,
+    /// What is known, and the lower Cholesky factor of its covariance.
+    spread: Option<(Parameters, DMatrix<f64>)>,
+    /// What starts begin with.
+    base: BodySchema,
+}
+
+impl Growth<'_> {
+    /// The best answer of so many starts; none where no touch tells anything.
+    pub(super) fn solve(&mut self, part: &Part, starts: usize) -> Option<Solved> {
+        let problem = self.part_problem(part)?;
+        self.solves += 1;
+        let numbers: Vec<usize> = (0..starts).collect();
+        let mut best: Option<Solved> = None;
+        for wave in numbers.chunks(AT_ONCE) {
+            let made: Vec<Solved> = wave.par_iter().map(|&number| self.start(&problem, number)).collect();
+            for solved in made {
+                if best.as_ref().is_none_or(|best| solved.share > best.share) {
+                    best = Some(solved);
+                }
+            }
+            if best.as_ref().is_some_and(|best| best.share > AS_GOOD_AS_ALL) {
+                break;
+            }
+        }
+        let mut best = best?;
+        if let Some(known) = &problem.known {
+            best.schema = self.carried(known, &best.schema);
+        }
+        if best.share > PROMISING {
+            self.tentative.retain(|(joints, _)| *joints != part.joints);
+            self.tentative.push((part.joints.clone(), best.schema.clone()));
+        }
+        Some(best)
+    }
+
+    fn part_problem<'p>(&self, part: &'p Part) -> Option<PartProblem<'p>> {
+        let creature = self.agent.creature();
+        let joints = creature.joints();
+        let mut touches: Vec<&GrownTouch> = self.touches_of(part).collect();
+        if self.belief.is_none() {
+            // Limbs that are hardly touched are found later.
+            let mut before = usize::MAX;
+            while touches.len() < before {
+                before = touches.len();
+                let mut counts = vec![0; creature.limbs().len()];
+                touches.iter().for_each(|touch| touch.limbs.iter().for_each(|&limb| counts[limb] += 1));
+                touches.retain(|touch| touch.limbs.iter().all(|&limb| counts[limb] >= OFTEN));
+            }
+        }
+        if touches.is_empty() {
+            return None;
+        }
+        let (mut between, mut moving) = (vec![false; joints.len()], vec![false; joints.len()]);
+        let mut touched = vec![false; creature.limbs().len()];
+        for touch in &touches {
+            touch.chain.iter().for_each(|&joint| between[joint] = true);
+            touch.moving.iter().for_each(|&joint| moving[joint] = true);
+            touch.limbs.iter().for_each(|&limb| touched[limb] = true);
+        }
+        let belief = self.belief.as_ref();
+        let position = |joint: usize| belief.and_then(|belief| belief.parameters.positions[joint]);
+        let axis = |dof: usize| belief.and_then(|belief| belief.parameters.axes[dof]);
+        let sure = |place: Option<usize>, size: usize, limit: f64| {
+            place.zip(belief).is_some_and(|(place, belief)| {
+                (place..place + size).all(|i| belief.covariance[(i, i)] < limit * limit)
+            })
+        };
+        // Positions of joints at rest add up: it takes the sums up to limbs that are touched and joints that move.
+        let carries_motion =
+            |limb: usize| (0..joints.len()).any(|next| joints[next].parent == limb && moving[next]);
+        let new = |joint: &usize| part.joints.contains(joint);
+        let free: Vec<bool> = (0..joints.len())
+            .map(|joint| {
+                let matters = moving[joint] || touched[joint + 1] || carries_motion(joint + 1);
+                let known = sure(position(joint), 3, KNOWN_POSITION) && !new(&joint);
+                between[joint] && matters && !known
+            })
+            .collect();
+        let free_axis =
+            |joint: usize, dof: usize| moving[joint] && (new(&joint) || !sure(axis(dof), 2, KNOWN_AXIS));
+        let mut prior = self.prior.clone();
+        let known_positions = (0..joints.len()).filter(|&joint| position(joint).is_some());
+        known_positions.for_each(|joint| prior.position_deviations[joint].fill(f64::INFINITY));
+        let known = belief.and_then(|belief| {
+            let parameters = Parameters::of(
+                creature,
+                AxisModel::Unit,
+                |joint| free[joint] && position(joint).is_some(),
+                |joint, dof| !new(&joint) && free_axis(joint, dof) && axis(dof).is_some(),
+            );
+            Anchor::of(belief, parameters)
+        });
+        let spread = known.as_ref().and_then(|known| {
+            let lower = invert(known.information.clone())?.cholesky()?.l();
+            Some((known.parameters.clone(), lower))
+        });
+        Some(PartProblem {
+            part,
+            touches: self.set(touches.into_iter()),
+            relaxed: Parameters::of(
+                creature,
+                AxisModel::Relaxed,
+                |joint| free[joint],
+                |joint, _| new(&joint) && moving[joint],
+            ),
+            unit: Parameters::of(creature, AxisModel::Unit, |joint| free[joint], free_axis),
+            between,
+            free,
+            new: prior,
+            known,
+            spread,
+            base: self.schema().unwrap_or(&self.prior.mean).clone(),
+        })
+    }
+
+    /// One start.
+    fn start(&self, problem: &PartProblem, number: usize) -> Solved {
+        let creature = self.agent.creature();
+        let PartProblem { touches, relaxed, unit, .. } = problem;
+        let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
+        rng.set_stream((self.solves << 16) + number as u64);
+        let first = self.belief.is_none();
+        // False places would spoil a fit to the places: the surfaces must do.
+        let doubts = first && number % 4 >= 2;
+        let beliefs = Beliefs { new: &problem.new, known: problem.known.as_ref() };
+        let mut schema = match first {
+            true => self.first_guess(problem, doubts, &mut rng),
+            false => self.guess(problem, number, &mut rng),
+        };
+        if !doubts {
+            let points = |parameters: &Parameters, start: BodySchema, iterations: usize| {
+                let mut problem =
+                    TouchProblem::new(creature, touches, parameters, PointsMeet::Anyhow).with_prior(&beliefs);
+                let stopping = Stopping { iterations, relative_cost: 1e-4, cost: 0.0 };
+                levenberg_marquardt(&mut problem, parameters, start, stopping).schema
+            };
+            schema = points(relaxed, schema, 60);
+            schema.normalize_axes(creature);
+            schema = points(unit, schema, 30);
+        }
+        let narrowest = RELAXED_GAPS[number % 2 + 2 * (number / 4 % 2)];
+        schema = anneal_to(narrowest, self.agent, touches, relaxed, &beliefs, schema).schema;
+        schema.normalize_axes(creature);
+        schema = anneal_to(NARROWEST, self.agent, touches, unit, &beliefs, schema).schema;
+        // Limbs that stay open are given up, one after the other.
+        let mut touches = touches.clone();
+        let mut given_up = Vec::new();
+        loop {
+            let (share, worst) =
+                self.open_limb(&touches, &schema, |limb| first || problem.part.limbs.contains(&limb));
+            let hopeful = share > 0.5 && share < AS_GOOD_AS_ALL && given_up.len() < GIVEN_UP;
+            let Some(worst) = worst.filter(|_| hopeful) else { return Solved { schema, share, given_up } };
+            given_up.push(worst);
+            touches = touches.filter(|pair| !pair.limbs.contains(&worst));
+            if touches.is_empty() {
+                return Solved { schema, share: 0.0, given_up };
+            }
+            schema = anneal_to(NARROWEST, self.agent, &touches, unit, &beliefs, schema).schema;
+        }
+    }
+
+    /// An initial guess of a body of which nothing is known, down the relaxed gradient.
+    fn first_guess(&self, problem: &PartProblem, doubts: bool, rng: &mut ChaCha8Rng) -> BodySchema {
+        let mut guess = problem.base.clone();
+        for joint in (0..problem.between.len()).filter(|&joint| problem.between[joint]) {
+            randomize_joint(self.agent.creature(), &mut guess, joint, rng);
+        }
+        let listed: Vec<&PreparedTouch> = problem.touches.touches().collect();
+        match doubts {
+            true => descend(&listed, guess, DOUBTING_DESCENT, &problem.relaxed, MissWeights::FarMisses, rng),
+            false => descend(&listed, guess, DESCENT, &problem.relaxed, MissWeights::Nothing, rng),
+        }
+    }
+
+    /// An initial guess of a part, drawn from what is believed; the first is the last answer that was not sure.
+    fn guess(&self, problem: &PartProblem, number: usize, rng: &mut ChaCha8Rng) -> BodySchema {
+        let creature = self.agent.creature();
+        let mut guess = problem.base.clone();
+        let joints = &problem.part.joints;
+        let for_all = |(of, _): &&(Vec<usize>, BodySchema)| joints.iter().all(|joint| of.contains(joint));
+        let before = self.tentative.iter().rev().find(for_all).filter(|_| number == 0);
+        for &joint in joints {
+            let position = guess.positions[joint];
+            match before {
+                Some((_, schema)) => {
+                    guess.positions[joint] = schema.positions[joint];
+                    let dofs = creature.joints()[joint].dof_indices();
+                    guess.axes[dofs.clone()].copy_from_slice(&schema.axes[dofs]);
+                }
+                None => {
+                    randomize_joint(creature, &mut guess, joint, rng);
+                    guess.positions[joint] = position;
+                }
+            }
+        }
+        if number == 0 {
+            return guess;
+        }
+        let mut standard = || -> f64 { StandardNormal.sample(rng) };
+        for joint in (0..problem.free.len()).filter(|&joint| problem.free[joint]) {
+            let deviation = problem.new.position_deviations[joint];
+            if deviation.iter().all(|deviation| deviation.is_finite()) {
+                let shift = Vector3::from_fn(|i, _| deviation[i] * standard());
+                guess.positions[joint] = problem.new.mean.positions[joint] + shift;
+            }
+        }
+        if let Some((parameters, lower)) = &problem.spread {
+            let step = lower * DVector::from_fn(lower.nrows(), |_, _| standard());
+            guess = parameters.step(&guess, &step);
+        }
+        guess
+    }
+
+    /// The share of touches that a schema closes, and the limb among those that may be given up of whose touches most
+    /// stay open.
+    fn open_limb(
+        &self,
+        touches: &TouchSet,
+        schema: &BodySchema,
+        may: impl Fn(usize) -> bool,
+    ) -> (f64, Option<usize>) {
+        let mut counts = vec![[0.0; 2]; self.placement.len()];
+        let [mut open, mut all] = [0.0; 2];
+        for pair in &touches.pairs {
+            for touch in &pair.touches {
+                let is_open = f64::from(u8::from(!self.closes(touch, schema)));
+                (open, all) = (open + is_open, all + 1.0);
+                for &limb in &pair.limbs {
+                    counts[limb] = [counts[limb][0] + is_open, counts[limb][1] + 1.0];
+                }
+            }
+        }
+        let share = |limb: usize| counts[limb][0] / counts[limb][1];
+        let bad = |limb: &usize| counts[*limb][0] >= OPEN_TOUCHES && share(*limb) > OPEN_SHARE && may(*limb);
+        let worst =
+            (0..counts.len()).filter(bad).max_by(|&a: &usize, &b: &usize| share(a).total_cmp(&share(b)));
+        (1.0 - open / f64::max(all, 1.0), worst)
+    }
+
+    /// What follows for all that is believed from what an answer says of some of it: a Gaussian's conditional mean.
+    fn carried(&self, known: &Anchor, schema: &BodySchema) -> BodySchema {
+        let Some(belief) = &self.belief else { return schema.clone() };
+        let places = known.places_in(&belief.parameters);
+        let pull = &known.information * known.difference(schema);
+        let mut step = DVector::zeros(belief.parameters.len());
+        for &(from, to) in &places {
+            step.axpy(pull[from], &belief.covariance.column(to), 1.0);
+        }
+        places.iter().for_each(|&(_, to)| step[to] = 0.0);
+        belief.parameters.step(schema, &step)
+    }
+}
