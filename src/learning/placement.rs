@@ -238,11 +238,12 @@ impl RelativeTwists {
         }
         let mut worst = least;
         for x in points {
-            for k in determined..width {
+            let moves = |k: usize| {
                 let part = |from: usize| Vector3::new(rows[from][k], rows[from + 1][k], rows[from + 2][k]);
-                if (part(0) + part(3).cross(x)).norm() > UNMOVED {
-                    return f64::INFINITY;
-                }
+                (part(0) + part(3).cross(x)).norm() > UNMOVED
+            };
+            if (determined..width).any(moves) {
+                return f64::INFINITY;
             }
             let mut map = SMatrix::<f64, 3, 6>::zeros();
             map.fixed_view_mut::<3, 3>(0, 0).fill_with_identity();

@@ -13,6 +13,7 @@ use super::subject::{Subject, median};
 use super::table::row;
 use super::{Findings, Study};
 use crate::babbling::{BabblingOptions, PolicyName};
+use crate::creature::JointSelection;
 use crate::evaluation::{HeldOutError, HeldOutPoint, held_out, held_out_points};
 use crate::experiment::disturbance_levels::DisturbanceLevels;
 use crate::experiment::touches::all_touches;
@@ -206,13 +207,11 @@ fn session(
 /// The command line that makes a session again.
 fn command(creature: &Embodied, condition: &Condition, seed: u64) -> String {
     let DisturbanceLevels { joint_noise, receptor_noise, false_touches, point_noise } = condition.noise;
-    let mut words = format!(
-        "bodyschema babble {} --joints {} --seed {seed} --touches {} --input {}",
-        creature.model().display(),
-        creature.source().joints,
-        condition.touches,
-        condition.input
-    );
+    let mut words = format!("bodyschema babble {}", creature.model().display());
+    if creature.source().joints != JointSelection::Default {
+        words += &format!(" --joints {}", creature.source().joints);
+    }
+    words += &format!(" --seed {seed} --touches {} --input {}", condition.touches, condition.input);
     let levels = [
         ("joint-noise", joint_noise),
         ("receptor-noise", receptor_noise),
