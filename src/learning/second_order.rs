@@ -26,6 +26,7 @@ use crate::learning::open_gaps::{GapTally, witnesses};
 use crate::learning::prediction::{GapRow, covariance, information_inverse};
 use crate::learning::surface_gap::{MEAN_WEIGHT, SurfaceGap, TAIL, gap_scale};
 use crate::learning::touch_set::{LimbTouch, PairTouches, PreparedTouch, TouchProblem, TouchSet};
+use crate::learning::whiteness::design_effect;
 use crate::learning::{
     Account, AxisModel, Basis, Learned, Learner, LimbFrames, Parameters, PriorKnowledge, Verdict, Witnesses,
 };
@@ -449,11 +450,15 @@ impl<'a> SecondOrder<'a> {
                 let hessian = information(used, scales.as_deref());
                 let checked =
                     checked(skin, used, &parameters, schema, &hessian, (deviation, scales.as_deref()));
+                let alike = match noisy {
+                    true => design_effect(skin, used, schema, deviation, scales.as_deref()),
+                    false => 1.0,
+                };
                 let (hessian, count) = match checked {
                     Some((few, scales)) => (information(&few, scales.as_deref()), few.len()),
                     None => (hessian, used.len()),
                 };
-                (hessian, 5 * count, deviation, deviation <= NARROWEST)
+                (hessian / alike, 5 * count, deviation, deviation <= NARROWEST)
             }
         };
         self.known.given.add_information(&parameters, &mut hessian);
