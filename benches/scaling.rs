@@ -99,7 +99,7 @@ fn measure() {
             });
             let stream_s = began.elapsed().as_secs_f64();
             let learned = streamed.as_ref().unwrap_or(&fitted);
-            let evaluation = evaluate(&agent, &truth, &learned.schema, &learned.undetermined);
+            let evaluation = evaluate(&agent, &truth, &learned.schema, &learned.undetermined());
             let per_touch = |seconds: f64| 1e6 * seconds / count as f64;
             let stream = match streamed {
                 Some(_) => format!("{stream_s:.2} | {:.0}", per_touch(stream_s)),

@@ -153,9 +153,14 @@ fn print_table(
         say!("disturbances: {}", options.disturbances);
     }
     say!("{}", result.verdict);
-    say!("undetermined joints: {}", listed(&result.undetermined));
-    if options.frames == LimbFrames::Limb {
-        say!("limbs whose own frames are undetermined: {}", listed(&result.undetermined_limbs));
+    match result.learned.account {
+        Some(_) => {
+            say!("undetermined joints: {}", listed(&result.undetermined));
+            if options.frames == LimbFrames::Limb || !result.undetermined_limbs.is_empty() {
+                say!("undetermined limbs: {}", listed(&result.undetermined_limbs));
+            }
+        }
+        None => say!("undetermined joints: nothing tells, so all of them"),
     }
     result.changes.iter().for_each(|change| say!("{change}"));
     say!("");
@@ -194,7 +199,7 @@ pub fn print_evaluation(evaluation: &Evaluation) {
     output::head();
     output::row("skin in another limb's frame", "mm", &evaluation.heldout_mm);
     if evaluation.determined_mm.max < evaluation.heldout_mm.max {
-        output::row("with all between determined", "mm", &evaluation.determined_mm);
+        output::row("the same, of what is claimed", "mm", &evaluation.determined_mm);
     }
     if let Some(hand) = &evaluation.hand_mm {
         output::row("with a hand as one of the two", "mm", hand);
@@ -208,12 +213,12 @@ pub fn print_evaluation(evaluation: &Evaluation) {
 
 /// The error beside its bound, both as root mean squares.
 fn print_bound(bound: &CramerRaoBound) {
-    say!(
-        "\n  root mean square over determined joints: {:.2e} mm, {:.2} times the Cramér-Rao bound of {:.2e} mm",
-        bound.error_rms,
-        bound.ratio,
-        bound.bound_rms
-    );
+    let CramerRaoBound { error_rms, ratio, bound_rms, at_floor, .. } = bound;
+    let beside = match at_floor {
+        true => "touches are explained to the numerical floor".to_string(),
+        false => format!("{ratio:.2} times the Cramér-Rao bound of {bound_rms:.2e} mm"),
+    };
+    say!("\n  root mean square over what is claimed: {error_rms:.2e} mm; {beside}");
 }
 
 /// Says on standard error when a log ends in the middle of a line.

@@ -2,15 +2,16 @@
 
 use std::path::{Path, PathBuf};
 
-use serde_json::json;
+use serde_json::{Value, json};
 
 use super::learned::warn_truncated;
 use super::{Failure, Outcome, output, progress};
-use crate::creature::DofKind;
+use crate::creature::{Creature, DofKind};
 use crate::experiment::LearningOptions;
-use crate::learning::observability::Observability;
-use crate::learning::{Input, Learner, LimbFrames, SecondOrder};
-use crate::record::{Account, LearningRecord, SCHEMA_FILE, Session, TOUCHES_FILE, read_schema, read_touches};
+use crate::learning::{Account, Input, Learner, LimbFrames, SecondOrder};
+use crate::record::{
+    LearningRecord, RecordedAccount, SCHEMA_FILE, Session, TOUCHES_FILE, read_schema, read_touches,
+};
 use crate::schema::BodySchema;
 use crate::senses::Touch;
 
@@ -18,7 +19,8 @@ use crate::senses::Touch;
 ///
 /// From the surfaces' gaps, or a recording's points, at the session's schema: rank and condition of the problem, the indices that the
 /// calibration literature reports, the standard deviation of every joint's position and axes, and every
-/// direction in which the schema could change without any touch feeling it. No truth is needed.
+/// direction in which the schema could change without any touch feeling it; and of every limb how far off its skin
+/// may be, and why. No truth is needed.
 #[derive(clap::Args)]
 #[command(after_help = "Examples:
   bodyschema observe sessions/max-1
@@ -42,9 +44,11 @@ pub fn run(args: &ObserveArguments) -> Outcome {
         return Err("there is no touch to look at: babble some first".into());
     }
     let spinner = progress::spinner(&format!("looking at {} touches", log.touches.len()));
-    let Observed { found, deviation, touches, points } =
+    let Observed { account, deviation, touches, points } =
         observed(&args.session, &session, &schema, &log.touches)?;
     spinner.finish_and_clear();
+    let found = &account.observability;
+    let limbs = limb_lines(creature, &account);
     let indices = found.indices();
     let undetermined = found.undetermined(creature, &schema);
     let millimetres = |joint: usize| found.position_std(joint).map(|metres| metres.map(|m| 1e3 * m));
@@ -67,6 +71,7 @@ pub fn run(args: &ObserveArguments) -> Outcome {
             "singular_values": found.singular_values,
             "indices": indices,
             "joints": joints.collect::<Vec<_>>(),
+            "limbs": limbs.iter().map(LimbLine::json).collect::<Vec<_>>(),
             "undetermined": undetermined,
         }));
     }
@@ -101,6 +106,14 @@ pub fn run(args: &ObserveArguments) -> Outcome {
         let position = millimetres(j).map(number).join("  ");
         say!("  {:<28}{position:<32}{}", joint.name, axes.join("  ").trim_end());
     }
+    say!("\nhow far off a limb's skin may be in the frames of the other limbs that are placed, 95 %:");
+    say!("  {:<28}{:<10}{:<12}{:<12}", "limb", "touches", "best, mm", "worst, mm");
+    for line in &limbs {
+        let [best, worst] = line.distances.map(|d| d.map_or("–".to_string(), |mm| format!("{mm:.2e}")));
+        let why = line.why.as_deref().unwrap_or("");
+        let line = format!("  {:<28}{:<10}{best:<12}{worst:<12}{why}", line.limb, line.touches);
+        say!("{}", line.trim_end());
+    }
     say!("");
     if undetermined.is_empty() {
         say!("nothing is left undetermined");
@@ -111,9 +124,44 @@ pub fn run(args: &ObserveArguments) -> Outcome {
     Ok(())
 }
 
+/// What the account says of a limb.
+struct LimbLine {
+    limb: String,
+    touches: usize,
+    /// In the frame of a limb of the largest class where it is known best, and where worst, millimetres.
+    distances: [Option<f64>; 2],
+    /// Why it is not placed; none where it is.
+    why: Option<String>,
+}
+
+impl LimbLine {
+    fn json(&self) -> Value {
+        json!({
+            "limb": self.limb,
+            "touches": self.touches,
+            "best_mm": self.distances[0],
+            "worst_mm": self.distances[1],
+            "open": self.why,
+        })
+    }
+}
+
+/// What the account says of each limb that has skin, the limb that is placed worst first.
+fn limb_lines(creature: &Creature, account: &Account) -> Vec<LimbLine> {
+    let distances = |limb: usize| account.distance_to_most(limb).unwrap_or([f64::INFINITY; 2]);
+    let millimetres = |metres: f64| Some(1e3 * metres).filter(|mm| mm.is_finite());
+    let line = |limb: usize| LimbLine {
+        limb: creature.limbs()[limb].clone(),
+        touches: account.witnesses.of_limbs[limb],
+        distances: distances(limb).map(millimetres),
+        why: account.openness(creature, limb).map(|why| why.words(creature)),
+    };
+    account.worst_first().into_iter().map(line).collect()
+}
+
 /// What touches determine.
 struct Observed {
-    found: Observability,
+    account: Account,
     /// Standard deviation of a touch, metres.
     deviation: f64,
     /// The touches that it rests on.
@@ -132,9 +180,9 @@ fn observed(
     let agent = &session.agent;
     let record = LearningRecord::read(folder, agent.creature())?;
     let count = record.as_ref().map_or(touches.len(), |record| record.touches.min(touches.len()));
-    let account = record.and_then(|record| record.account);
-    let (input, frames) = match &account {
-        Some(account) => (account.basis.input, account.basis.frames),
+    let recorded = record.and_then(|record| record.account);
+    let (input, frames) = match &recorded {
+        Some(recorded) => (recorded.basis.input, recorded.basis.frames),
         // Sessions from before there was an account: limbs in frames of their own are learned from contact points.
         None => {
             let own_frames = !schema.limb_poses.is_empty();
@@ -144,11 +192,11 @@ fn observed(
         }
     };
     let points = input == Input::Contact;
-    if let Some(Account { deviation: Some(deviation), observability: Some(found), .. }) = account {
-        return Ok(Observed { found, deviation, touches: count, points });
+    if let Some(RecordedAccount { deviation: Some(deviation), account: Some(account), .. }) = recorded {
+        return Ok(Observed { account, deviation, touches: count, points });
     }
     let mut learner = SecondOrder::new(agent, input, session.seed).with_frames(frames);
     touches[..count].iter().for_each(|touch| learner.touch(touch));
-    let (found, deviation) = learner.observe(schema);
-    Ok(Observed { found, deviation, touches: count, points })
+    let (account, deviation) = learner.account(schema);
+    Ok(Observed { account, deviation, touches: count, points })
 }

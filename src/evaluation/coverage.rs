@@ -13,14 +13,13 @@ use crate::agent::Agent;
 use crate::creature::{Creature, DofKind, Posture};
 use crate::ground_truth::GroundTruth;
 use crate::kinematics::{Chain, ChainSide, tangent_basis};
+pub use crate::learning::Z95;
 use crate::learning::observability::Observability;
 use crate::learning::observation::Observation;
 use crate::learning::surface_gap::SurfaceGap;
 use crate::schema::BodySchema;
 use crate::senses::Touch;
 
-/// Standard deviations within which 95 % of a normal distribution lies.
-pub const Z95: f64 = 1.959964;
 /// Random stream of the session's seed; bouts of babbling and initial guesses count from 0 and never get here.
 const STREAM: u64 = u64::MAX - 3;
 /// Newton's steps to a posture of the gap that was drawn.

@@ -10,6 +10,7 @@ use crate::creature::{Creature, DofKind, Posture};
 use crate::geometry::Frame;
 use crate::ground_truth::GroundTruth;
 use crate::kinematics::{Chain, ChainSide, limb_frames};
+use crate::learning::Account;
 use crate::learning::observability::Observability;
 use crate::schema::BodySchema;
 use crate::senses::Touch;
@@ -141,23 +142,28 @@ pub struct CramerRaoBound {
     pub error_rms: f64,
     /// The second over the first.
     pub ratio: f64,
-    /// Points that both are taken over: those with only determined joints between their limbs.
+    /// Points that both are taken over: those of limbs that are claimed to be placed against one another.
     pub points: usize,
+    /// Whether the touches are explained to the numerical floor: they show no more noise than the least that the
+    /// learner assumes, the bound is one of that, and the error may be less.
+    #[serde(default)]
+    pub at_floor: bool,
 }
 
 impl CramerRaoBound {
-    /// Puts errors beside their bounds: `errors` are those at `points`. None where no point is determined.
+    /// Puts errors beside their bounds: `errors` are those at `points`, of which those count whose limbs the account
+    /// claims. None where it claims none.
     pub fn new(
         creature: &Creature,
         schema: &BodySchema,
+        account: &Account,
         observability: &Observability,
         points: &[HeldOutPoint],
         errors: &[HeldOutError],
-        undetermined: &[usize],
     ) -> Option<CramerRaoBound> {
         let (mut bounds, mut squares, mut count) = (0.0, 0.0, 0);
         for (point, error) in points.iter().zip(errors) {
-            if error.joints.iter().any(|joint| undetermined.contains(joint)) {
+            if !account.claims(error.limbs[0], error.limbs[1]) {
                 continue;
             }
             let deviation =
@@ -176,6 +182,7 @@ impl CramerRaoBound {
             error_rms,
             ratio: error_rms / bound_rms,
             points: count,
+            at_floor: account.witnesses.at_floor,
         })
     }
 }

@@ -24,8 +24,7 @@ use serde::{Deserialize, Serialize};
 use crate::agent::Agent;
 use crate::creature::Creature;
 use crate::ground_truth::GroundTruth;
-use crate::learning::Learned;
-use crate::learning::observability::Observability;
+use crate::learning::{Account, Learned, Verdict};
 use crate::schema::BodySchema;
 
 /// All error measures of one schema.
@@ -33,7 +32,7 @@ use crate::schema::BodySchema;
 pub struct Evaluation {
     /// Where a random skin point of a random limb lands in another random limb's frame, millimetres.
     pub heldout_mm: Summary,
-    /// The same over limbs with only determined joints between them, millimetres.
+    /// The same over limbs that are claimed to be placed against one another, millimetres.
     pub determined_mm: Summary,
     /// The same beside its Cramér-Rao bound; none where what the touches determine is not known.
     #[serde(default)]
@@ -59,22 +58,25 @@ pub fn evaluate(
     measure(agent, truth, schema, [undetermined, &unplaced], None)
 }
 
-/// Measures a schema of which it is known what the touches leave undetermined: joints, and limbs' own frames.
+/// Measures a schema by what its account claims, beside the bound of that.
 pub fn evaluate_claims(
     agent: &Agent,
     truth: &GroundTruth,
     schema: &BodySchema,
-    undetermined: &[usize],
-    undetermined_limbs: &[usize],
+    account: &Account,
 ) -> Evaluation {
-    measure(agent, truth, schema, [undetermined, undetermined_limbs], None)
+    let undetermined = [account.undetermined(), account.undetermined_limbs()];
+    measure(agent, truth, schema, undetermined, Some(account))
 }
 
-/// Measures what a learner came to, beside the bound of what its touches determine.
+/// Measures what a learner came to: by what its account claims, beside the bound of that. Of a learner that gives no
+/// account all counts, but nothing where it failed.
 pub fn evaluate_learned(agent: &Agent, truth: &GroundTruth, learned: &Learned) -> Evaluation {
-    let observability = learned.observability.as_ref();
-    let undetermined = [&learned.undetermined[..], &learned.undetermined_limbs];
-    measure(agent, truth, &learned.schema, undetermined, observability)
+    match (&learned.account, &learned.verdict) {
+        (Some(account), _) => evaluate_claims(agent, truth, &learned.schema, account),
+        (None, Verdict::Failed(_)) => evaluate(agent, truth, &learned.schema, &learned.undetermined()),
+        (None, _) => evaluate(agent, truth, &learned.schema, &[]),
+    }
 }
 
 fn measure(
@@ -82,17 +84,21 @@ fn measure(
     truth: &GroundTruth,
     schema: &BodySchema,
     [undetermined, undetermined_limbs]: [&[usize]; 2],
-    observability: Option<&Observability>,
+    account: Option<&Account>,
 ) -> Evaluation {
     let creature = agent.creature();
     let points = held_out_points(agent);
     let errors = held_out(creature, truth, schema, &points);
-    let bound_mm = observability
-        .and_then(|found| CramerRaoBound::new(creature, schema, found, &points, &errors, undetermined));
+    let bound_mm = account.and_then(|account| {
+        CramerRaoBound::new(creature, schema, account, &account.observability, &points, &errors)
+    });
     let all = errors.iter().map(|e| e.millimetres);
-    let determined = errors.iter().filter(|e| {
-        !e.joints.iter().any(|j| undetermined.contains(j))
-            && !e.limbs.iter().any(|limb| undetermined_limbs.contains(limb))
+    let determined = errors.iter().filter(|e| match account {
+        Some(account) => account.claims(e.limbs[0], e.limbs[1]),
+        None => {
+            !e.joints.iter().any(|j| undetermined.contains(j))
+                && !e.limbs.iter().any(|limb| undetermined_limbs.contains(limb))
+        }
     });
     let hands = || errors.iter().filter(|e| e.limbs.iter().any(|&limb| is_hand(creature, limb)));
     let axes = axis_errors(creature, truth, schema, undetermined, undetermined_limbs);

@@ -3,7 +3,6 @@
 
 use super::{Summary, held_out_points};
 use crate::agent::Agent;
-use crate::kinematics::Chain;
 use crate::learning::annealing::gaps;
 use crate::learning::touch_set::TouchSet;
 use crate::learning::{Input, Learned, Learner, SecondOrder};
@@ -16,7 +15,7 @@ const HELD_OUT: usize = 5;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OwnAccount {
     /// Root mean square of how far off skin of one limb is expected in another's frame, millimetres, over limbs
-    /// between which all joints are determined, at the postures of the held-out error. It is the least that noise of
+    /// that are claimed to be placed against one another, at the postures of the held-out error. It is the least that noise of
     /// the size that the touches show leaves; what the learner does not know of, such as joints that are not rigid,
     /// is not in it. None where nothing is determined.
     pub expected_mm: Option<f64>,
@@ -32,16 +31,14 @@ impl OwnAccount {
         if !learned.verdict.converged() {
             return None;
         }
-        let observability = learned.observability.as_ref()?;
-        let determined = |a: usize, b: usize| {
-            Chain::between(creature, a, b).joints().all(|joint| !learned.undetermined.contains(&joint))
-        };
+        let account = learned.account.as_ref()?;
+        let observability = &account.observability;
         let (mut squares, mut count) = (0.0, 0);
         for point in held_out_points(agent) {
             let [a, b] = point.limbs;
             let deviation =
                 observability.point_deviation(creature, &learned.schema, &point.posture, [a, b], &point.p_a);
-            if deviation.is_finite() && determined(a, b) {
+            if deviation.is_finite() && account.claims(a, b) {
                 squares += (1e3 * deviation).powi(2);
                 count += 1;
             }
@@ -49,7 +46,7 @@ impl OwnAccount {
         let expected_mm = (count > 0).then(|| (squares / f64::from(count)).sqrt());
 
         let known =
-            (0..creature.joints().len()).map(|joint| !learned.undetermined.contains(&joint)).collect();
+            (0..creature.joints().len()).map(|joint| !account.undetermined().contains(&joint)).collect();
         let mut fitted = SecondOrder::new(agent, input, 0);
         let mut fresh = SecondOrder::new(agent, input, 0);
         for (i, touch) in touches.iter().enumerate() {
@@ -58,7 +55,7 @@ impl OwnAccount {
         }
         let schema = fitted.refine_known(&learned.schema, known).schema;
         let mut set = TouchSet::default();
-        for (limbs, touch) in fresh.prepared().filter(|([a, b], _)| determined(*a, *b)) {
+        for (limbs, touch) in fresh.prepared().filter(|([a, b], _)| account.claims(*a, *b)) {
             set.push_prepared(creature, limbs, touch);
         }
         let misses = match input {

@@ -3,7 +3,6 @@
 use super::{CramerRaoBound, HeldOutPoint, held_out, held_out_points};
 use crate::agent::Agent;
 use crate::ground_truth::GroundTruth;
-use crate::kinematics::Chain;
 use crate::learning::Learned;
 use crate::learning::observability::Observability;
 use crate::schema::BodySchema;
@@ -25,10 +24,7 @@ impl<'a> Progress<'a> {
     pub fn new(agent: &'a Agent, truth: &'a GroundTruth, learned: &'a Learned) -> Progress<'a> {
         let determined = |point: &HeldOutPoint| {
             let [a, b] = point.limbs;
-            Chain::between(agent.creature(), a, b)
-                .joints()
-                .all(|joint| !learned.undetermined.contains(&joint))
-                && !point.limbs.iter().any(|limb| learned.undetermined_limbs.contains(limb))
+            learned.account.as_ref().is_some_and(|account| account.claims(a, b))
         };
         let mut points = held_out_points(agent);
         // Where nothing is determined, or the learner cannot tell, all count.
@@ -53,10 +49,10 @@ impl<'a> Progress<'a> {
         let bound = CramerRaoBound::new(
             creature,
             &learned.schema,
+            learned.account.as_ref()?,
             observability,
             &self.points,
             &errors,
-            &learned.undetermined,
         )?;
         let most = bound.points as f64 >= MOST_OF_THEM * self.points.len() as f64;
         Some(bound.bound_rms).filter(|rms| most && rms.is_finite())

@@ -12,8 +12,8 @@ use crate::export::to_mjcf;
 use crate::ground_truth::GroundTruth;
 use crate::learning::{Expectation, Learned, Learner, LimbFrames, SkinKnowledge};
 use crate::record::{
-    Account, Action, Checkpoint, Host, LEARNED_FILE, LearningRecord, LearningTable, PROGRAM, RecordError,
-    SCHEMA_FILE, Session, write_schema_with_std, write_whole,
+    Action, Checkpoint, Host, LEARNED_FILE, LearningRecord, LearningTable, PROGRAM, RecordError,
+    RecordedAccount, SCHEMA_FILE, Session, write_schema_with_std, write_whole,
 };
 use crate::schema::BodySchema;
 use crate::senses::{DisturbedSenses, Touch};
@@ -101,8 +101,8 @@ pub fn learn_session(
     let result = LearnedSession {
         verdict: sentence(creature, &learned),
         changes: changes(creature, &learned),
-        undetermined: learned.undetermined.iter().map(joint).collect(),
-        undetermined_limbs: learned.undetermined_limbs.iter().map(limb).collect(),
+        undetermined: learned.undetermined().iter().map(joint).collect(),
+        undetermined_limbs: learned.undetermined_limbs().iter().map(limb).collect(),
         learned,
         seconds,
         evaluation,
@@ -134,7 +134,7 @@ fn record(
         action: Action::Write,
         source,
     })?;
-    let open = learned.observability.as_ref();
+    let open = learned.observability();
     let record = LearningRecord {
         program: PROGRAM.to_string(),
         command: command.to_vec(),
@@ -148,7 +148,7 @@ fn record(
         undetermined_limbs: result.undetermined_limbs.clone(),
         open_directions: open.map_or(Vec::new(), |open| open.undetermined(creature, &learned.schema)),
         bound: result.evaluation.as_ref().and_then(|evaluation| evaluation.bound_mm),
-        account: Some(Account::of(learned)),
+        account: Some(RecordedAccount::of(learned)),
         checkpoints,
     };
     Ok(record.write(folder, creature)?)

@@ -3,6 +3,7 @@
 use super::disturbance_levels::DisturbanceLevels;
 use super::learned_session::LearnedSession;
 use super::learning_options::LearningOptions;
+use super::words::listed;
 use crate::creature::Creature;
 use crate::learning::{BodyChange, Learned, LimbFrames, Verdict, What};
 use crate::record::Session;
@@ -48,15 +49,28 @@ pub fn changes(creature: &Creature, learned: &Learned) -> Vec<String> {
     learned.changes.iter().map(sentence).collect()
 }
 
+/// The joints and limbs that are not learned, by name; none where all are.
+fn exceptions(creature: &Creature, learned: &Learned) -> Option<String> {
+    let joints = learned.undetermined().into_iter().map(|joint| creature.joints()[joint].name.clone());
+    let limbs = learned.undetermined_limbs().into_iter().map(|limb| creature.limbs()[limb].clone());
+    let named = |kind: &str, names: Vec<String>| match names.as_slice() {
+        [] => None,
+        [one] => Some(format!("{kind} {one}")),
+        several => Some(format!("{kind}s {}", listed(several))),
+    };
+    let parts = [named("joint", joints.collect()), named("limb", limbs.collect())];
+    let parts: Vec<String> = parts.into_iter().flatten().collect();
+    (!parts.is_empty()).then(|| parts.join(" and "))
+}
+
 /// The verdict in a sentence.
 pub fn sentence(creature: &Creature, learned: &Learned) -> String {
     match &learned.verdict {
-        Verdict::Converged => match learned.undetermined.len() {
-            0 => "converged: it explains touches that it was not fitted to".to_string(),
-            left_out => format!(
-                "converged but for {left_out} of {} joints: the rest explains touches that it was not fitted to",
-                creature.joints().len()
-            ),
+        Verdict::Converged => match exceptions(creature, learned) {
+            None => "learned: it explains touches that it was not fitted to".to_string(),
+            Some(names) => {
+                format!("learned except for {names}: the rest explains touches that it was not fitted to")
+            }
         },
         Verdict::Failed(why) => format!("NOT learned: {why}"),
         Verdict::Unjudged(why) => format!("not judged: {why}"),

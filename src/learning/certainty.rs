@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::observability::Observability;
+use super::Account;
 use super::observation::{Input, LimbFrames, SkinKnowledge};
 
 /// With what a schema was learned.
@@ -33,7 +33,7 @@ pub enum Certainty {
     /// It is taken as it is, as from somebody who knows.
     Exact,
     /// It explains touches that it was not fitted to, and they determine it so well.
-    Estimated(Box<Observability>),
+    Estimated(Box<Account>),
     /// Nothing tells how far off it may be: it was never put to the test, or failed it.
     Unknown,
 }

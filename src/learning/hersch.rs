@@ -219,9 +219,7 @@ impl Learner for Hersch<'_> {
             verdict,
             initial_guesses: 1,
             fresh_rms: f64::NAN,
-            undetermined: Vec::new(),
-            undetermined_limbs: Vec::new(),
-            observability: None,
+            account: None,
             deviation: None,
             changes: Vec::new(),
         }

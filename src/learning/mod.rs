@@ -3,6 +3,7 @@
 //! A learner takes touches and gives a schema. It knows the creature (its tree, degrees of freedom and
 //! ranges) and its skin (where each receptor is on its own limb), and nothing of where the joints are.
 
+mod account;
 pub mod annealing;
 mod certainty;
 mod growing;
@@ -19,6 +20,7 @@ pub mod observation;
 pub mod online;
 pub mod open_gaps;
 mod parameters;
+mod placement;
 pub mod prediction;
 mod prior;
 mod relaxed_gradient;
@@ -26,13 +28,17 @@ pub mod rough;
 mod second_order;
 pub mod surface_gap;
 pub mod touch_set;
+mod whiteness;
 
+pub use account::{Account, Openness, PLACED, Witnesses};
 pub use certainty::{Basis, Certainty};
+pub use growth::Grower;
 pub use hersch::{Hersch, STEP};
 pub use known::{KnownJoint, LEAST_DEVIATION, PriorKnowledge};
 pub use observation::{Input, LimbFrames, SkinKnowledge};
 pub use online::{BodyChange, Expectation, Online, Tool, What};
 pub use parameters::{AxisModel, Parameters};
+pub use placement::Z95;
 pub use prior::{Prior, PriorTerm};
 pub use relaxed_gradient::{RelaxedGradient, STEPS};
 pub use rough::RoughFit;
@@ -71,12 +77,8 @@ pub struct Learned {
     pub initial_guesses: usize,
     /// Root mean square residual on touches it was not fitted to, in the deviations that the input allows.
     pub fresh_rms: f64,
-    /// Joints that the touches do not determine; all of them where the learner cannot tell.
-    pub undetermined: Vec<usize>,
-    /// Limbs whose own frames the touches do not tell; none where limbs' frames are those of their joints.
-    pub undetermined_limbs: Vec<usize>,
-    /// What the touches determine and how well; none where the learner cannot tell.
-    pub observability: Option<observability::Observability>,
+    /// What is known of the body, and what may be said; none where the learner cannot tell.
+    pub account: Option<Account>,
     /// Standard deviation of what the learner compares, as the touches themselves show it, metres.
     pub deviation: Option<f64>,
     /// How the body changed while it was learned, as far as the learner understood.
@@ -97,15 +99,34 @@ pub enum Verdict {
 impl Learned {
     /// How sure the schema is: as sure as the touches make it where it stands up to fresh ones, unknown elsewhere.
     pub fn certainty(&self) -> Certainty {
-        match &self.observability {
-            Some(found) if self.verdict.converged() => Certainty::Estimated(Box::new(found.clone())),
+        match &self.account {
+            Some(account) if self.verdict.converged() => Certainty::Estimated(Box::new(account.clone())),
             _ => Certainty::Unknown,
         }
     }
 
     /// Standard deviations of the positions and axes; none where the learner cannot tell.
     pub fn schema_std(&self, creature: &Creature) -> Option<SchemaStd> {
-        self.observability.as_ref().map(|found| found.schema_std(creature))
+        self.observability().map(|found| found.schema_std(creature))
+    }
+
+    /// What the touches determine of positions and axes; none where the learner cannot tell.
+    pub fn observability(&self) -> Option<&observability::Observability> {
+        self.account.as_ref().map(|account| &account.observability)
+    }
+
+    /// The joints that the touches do not determine; all of them where the learner cannot tell.
+    pub fn undetermined(&self) -> Vec<usize> {
+        match &self.account {
+            Some(account) => account.undetermined().to_vec(),
+            None => (0..self.schema.positions.len()).collect(),
+        }
+    }
+
+    /// The limbs that are not placed though no joint between them and limbs that are is undetermined; none where the
+    /// learner cannot tell, for then all joints are.
+    pub fn undetermined_limbs(&self) -> Vec<usize> {
+        self.account.as_ref().map_or(Vec::new(), |account| account.undetermined_limbs().to_vec())
     }
 }
 

@@ -11,26 +11,20 @@
 //! Long: its parts are taken apart together with those of the other learners, when learning goes in stages.
 
 use nalgebra::{DMatrix, DVector, Matrix3, SymmetricEigen, Vector3};
-use rand::SeedableRng;
-use rand_chacha::ChaCha8Rng;
 use serde::Serialize;
 
-use crate::agent::Agent;
-use crate::creature::{Creature, DofKind, Posture};
+use crate::creature::{Creature, DofKind};
 use crate::kinematics::{Chain, ChainSide, SideJacobian, limb_frames, skew, tangent_basis};
 use crate::learning::Parameters;
 use crate::schema::{BodySchema, SchemaStd};
-use crate::skin::Skin;
 
 /// The length that weighs as much as a radian, metres: about a limb's radius and reach.
 pub const CHARACTERISTIC_LENGTH: f64 = 0.1;
 /// Singular values below this share of the greatest are zero: rounding in the squared normal equations.
 const NULL_SHARE: f64 = 1e-7;
-/// A joint is determined when skin beyond it can be placed to this, metres.
-pub const DETERMINED: f64 = 1e-3;
 /// How far an undetermined direction of unit length may move what is still called determined, metres and
 /// radians: rounding.
-const UNMOVED: f64 = 1e-6;
+pub(super) const UNMOVED: f64 = 1e-6;
 /// The part of a direction of unit length outside the null space that is rounding.
 const FELT: f64 = 1e-5;
 /// Least share of a null direction that is worth naming.
@@ -48,6 +42,8 @@ pub struct Observability {
     /// Covariance of the determined part of the parameters (m², m, 1); undetermined directions are left
     /// out, see `null_space`.
     pub covariance: DMatrix<f64>,
+    /// `L` of the covariance `L Lᵀ`, a column per determined direction (m, 1).
+    covariance_factor: DMatrix<f64>,
     /// Orthonormal undetermined directions, one a column, in scaled parameters.
     pub null_space: DMatrix<f64>,
     unscaled_null_space: DMatrix<f64>,
@@ -107,6 +103,7 @@ impl Observability {
                 singular_values: Vec::new(),
                 rank: 0,
                 covariance: DMatrix::zeros(0, 0),
+                covariance_factor: DMatrix::zeros(0, 0),
                 null_space: DMatrix::zeros(0, 0),
                 unscaled_null_space: DMatrix::zeros(0, 0),
                 information,
@@ -121,11 +118,10 @@ impl Observability {
         let singular_values: Vec<f64> = order.iter().map(|&k| eigen.eigenvalues[k].max(0.0).sqrt()).collect();
         let greatest = singular_values.first().copied().unwrap_or(0.0);
         let rank = singular_values.iter().filter(|s| **s > NULL_SHARE * greatest).count();
-        let mut covariance = DMatrix::zeros(n, n);
-        for &k in &order[..rank] {
-            let direction = eigen.eigenvectors.column(k).component_mul(&scale);
-            covariance.ger(1.0 / eigen.eigenvalues[k], &direction, &direction, 1.0);
-        }
+        let covariance_factor = DMatrix::from_fn(n, rank, |i, k| {
+            scale[i] * eigen.eigenvectors[(i, order[k])] / eigen.eigenvalues[order[k]].sqrt()
+        });
+        let covariance = &covariance_factor * covariance_factor.transpose();
         let null_space = DMatrix::from_fn(n, n - rank, |i, k| eigen.eigenvectors[(i, order[rank + k])]);
         let mut unscaled_null_space = null_space.clone();
         for (mut row, scale) in unscaled_null_space.row_iter_mut().zip(&scale) {
@@ -136,6 +132,7 @@ impl Observability {
             singular_values,
             rank,
             covariance,
+            covariance_factor,
             null_space,
             unscaled_null_space,
             information,
@@ -169,6 +166,16 @@ impl Observability {
     pub fn with_placed(mut self, placed: Vec<bool>) -> Observability {
         self.placed = placed;
         self
+    }
+
+    /// `L` of the covariance `L Lᵀ` of the parameters, a column per determined direction (m, 1).
+    pub(super) fn covariance_factor(&self) -> &DMatrix<f64> {
+        &self.covariance_factor
+    }
+
+    /// The undetermined directions in the units of the parameters, one a column (m, 1).
+    pub(super) fn open_directions(&self) -> &DMatrix<f64> {
+        &self.unscaled_null_space
     }
 
     /// Greatest over least singular value; infinite where something is undetermined.
@@ -295,61 +302,8 @@ impl Observability {
         Some(r_bc * covariance_c * r_bc.transpose())
     }
 
-    /// The joints that the touches leave undetermined: those through which no skin point of any limb can be
-    /// put into another limb's frame to [`DETERMINED`]. Postures are drawn at random.
-    pub fn undetermined_joints(&self, agent: &Agent, schema: &BodySchema) -> Vec<usize> {
-        self.joints_not_placed_to(DETERMINED, agent, schema)
-    }
-
-    /// The same for another standard deviation than [`DETERMINED`], metres.
-    pub fn joints_not_placed_to(&self, sharpness: f64, agent: &Agent, schema: &BodySchema) -> Vec<usize> {
-        let creature = agent.creature();
-        let mut rng = ChaCha8Rng::seed_from_u64(0);
-        let mut best = vec![f64::INFINITY; creature.joints().len()];
-        let on_limb = |limb: usize| agent.skin().receptors.iter().find(|receptor| receptor.limb == limb);
-        let limbs: Vec<usize> = (0..creature.limbs().len()).filter(|&l| on_limb(l).is_some()).collect();
-        // Every pair of limbs once; of very many, enough that each joint is met often.
-        let pairs = limbs.iter().flat_map(|&a| limbs.iter().map(move |&b| [a, b])).filter(|[a, b]| a < b);
-        let pairs: Vec<[usize; 2]> = pairs.collect();
-        let every = (pairs.len() / 600).max(1);
-        for [a, b] in pairs.into_iter().step_by(every) {
-            let Some(receptor) = on_limb(a) else { continue };
-            let posture = Posture::random(creature, &mut rng);
-            let deviation = self.point_deviation(creature, schema, &posture, [a, b], &receptor.position);
-            for joint in Chain::between(creature, a, b).joints() {
-                best[joint] = best[joint].min(deviation);
-            }
-        }
-        (0..best.len()).filter(|&joint| best[joint] > sharpness && !self.known[joint]).collect()
-    }
-
-    /// The limbs with skin whose own frames the touches do not tell: those of which no three receptors far
-    /// apart can all be put into another limb's frame to [`DETERMINED`]. None where no limb's pose is learned.
-    /// Postures are drawn at random.
-    pub fn undetermined_limbs(&self, agent: &Agent, schema: &BodySchema) -> Vec<usize> {
-        if schema.limb_poses.is_empty() {
-            return Vec::new();
-        }
-        let creature = agent.creature();
-        let mut rng = ChaCha8Rng::seed_from_u64(0);
-        let far_apart: Vec<Vec<Vector3<f64>>> =
-            (0..creature.limbs().len()).map(|limb| three_far_apart(agent.skin(), limb)).collect();
-        let with_skin: Vec<usize> =
-            (0..far_apart.len()).filter(|&limb| !far_apart[limb].is_empty()).collect();
-        let told = |limb: usize, rng: &mut ChaCha8Rng| {
-            with_skin.iter().filter(|&&other| other != limb).any(|&other| {
-                let posture = Posture::random(creature, rng);
-                far_apart[limb].iter().all(|point| {
-                    let limbs = [limb, other];
-                    self.point_deviation(creature, schema, &posture, limbs, point) <= DETERMINED
-                })
-            })
-        };
-        with_skin.iter().copied().filter(|&limb| !told(limb, &mut rng)).collect()
-    }
-
     /// Whether nothing is known of a joint: no touch involves it.
-    fn untouched(&self, joint: usize) -> bool {
+    pub(super) fn untouched(&self, joint: usize) -> bool {
         self.parameters.positions[joint].is_none() && !self.known[joint]
     }
 
@@ -519,17 +473,4 @@ fn sparse_basis(space: &DMatrix<f64>) -> Vec<DVector<f64>> {
         }
     }
     rows.row_iter().map(|row| row.transpose().normalize()).collect()
-}
-
-/// Up to three receptors of a limb that are far from one another, metres in the limb's frame.
-fn three_far_apart(skin: &Skin, limb: usize) -> Vec<Vector3<f64>> {
-    let all: Vec<Vector3<f64>> =
-        skin.receptors.iter().filter(|receptor| receptor.limb == limb).map(|r| r.position).collect();
-    let mut chosen: Vec<Vector3<f64>> = all.first().copied().into_iter().collect();
-    while chosen.len() < 3.min(all.len()) {
-        let nearest = |p: &Vector3<f64>| chosen.iter().map(|q| (p - q).norm()).fold(f64::INFINITY, f64::min);
-        let farthest = all.iter().max_by(|a, b| nearest(a).total_cmp(&nearest(b)));
-        chosen.extend(farthest.copied());
-    }
-    chosen
 }

@@ -24,6 +24,11 @@ const ONE_BY_CHANCE: f64 = 3.0;
 /// Touches with a joint below which their share says little of it.
 const FEW: f64 = 6.0;
 
+/// Share of open touches with two joints, beyond that of all touches, from which on none with both counts, …
+const DISPUTED: f64 = 0.3;
+/// … and which is enough however many are open.
+const MOST_DISPUTED: f64 = 0.6;
+
 /// How many touches are open and how many there are: in all, and with each two joints in their chains.
 ///
 /// Two fingers may touch each other a hundred times and the rest of the body five. A schema in which they fit each
@@ -95,6 +100,42 @@ impl GapTally {
     pub fn of_all(&self) -> impl Iterator<Item = [f64; 2]> {
         std::iter::once(self.all).chain(self.counts.iter().copied())
     }
+}
+
+/// Those of some touches that may testify to a schema that was fitted to them all.
+///
+/// A fit chooses which touches it closes where it cannot close all. The few that it chose of two joints check one
+/// another, and bear out what the others deny. So where many touches with two joints stay open, no touch with both
+/// counts. `deviation` is that of the gaps, metres, and `scales` how many times wider each is.
+pub fn witnesses(
+    agent: &Agent,
+    touches: &TouchSet,
+    schema: &BodySchema,
+    deviation: f64,
+    scales: Option<&[f64]>,
+) -> TouchSet {
+    let model = SurfaceGap::new(agent.skin(), 1.0);
+    let mut found = GapTally::new(agent.creature().joints().len());
+    let mut number = 0;
+    for pair in &touches.pairs {
+        for touch in &pair.touches {
+            let gap = model.gap(&touch.ends, &touch.frames(schema)).distance.abs();
+            let scale = scales.map_or(1.0, |scales| scales[number]);
+            found.add(&pair.chain, gap > OPEN.max(DEVIATIONS * deviation * scale));
+            number += 1;
+        }
+    }
+    let share = found.all[0] / found.all[1].max(1.0);
+    let most = (DISPUTED + share).min(MOST_DISPUTED);
+    let disputed = |first: usize, second: usize| {
+        let [open, all] = found.of(first, second);
+        open >= ONE_BY_CHANCE && open > most * all
+    };
+    let testifies = |chain: &Chain| {
+        let pairs = chain.joints().flat_map(|first| chain.joints().map(move |second| (first, second)));
+        !pairs.filter(|(first, second)| first <= second).any(|(first, second)| disputed(first, second))
+    };
+    touches.filter(|pair| testifies(&pair.chain))
 }
 
 /// How many gaps are open under a schema, in all and per joint of their chains.

@@ -209,9 +209,7 @@ impl Learner for RelaxedGradient<'_> {
             verdict: Verdict::Unjudged(why.to_string()),
             initial_guesses: 1,
             fresh_rms: f64::NAN,
-            undetermined: Vec::new(),
-            undetermined_limbs: Vec::new(),
-            observability: None,
+            account: None,
             deviation: None,
             changes: Vec::new(),
         }

@@ -215,9 +215,7 @@ impl Learner for RoughFit<'_> {
             verdict: if found { Verdict::Converged } else { Verdict::Failed(why.to_string()) },
             initial_guesses: count,
             fresh_rms: wide / PREDICTED_GAP,
-            undetermined: Vec::new(),
-            undetermined_limbs: Vec::new(),
-            observability: None,
+            account: None,
             deviation: predicted.map(|gaps| quantile(&gaps, 0.5)),
             changes: Vec::new(),
         }

@@ -20,13 +20,16 @@ use crate::learning::growing::{EXACT, Evidence, Nursery, Start, WHOLE_DOF};
 use crate::learning::growing_limbs::LimbNursery;
 use crate::learning::joint_noise;
 use crate::learning::least_squares::{LeastSquares, Stopping, levenberg_marquardt};
-use crate::learning::observability::{DETERMINED, Observability};
+use crate::learning::observability::Observability;
 use crate::learning::observation::{Input, Observation, ObservationModel, PointsMeet, SkinKnowledge};
-use crate::learning::open_gaps::GapTally;
+use crate::learning::open_gaps::{GapTally, witnesses};
 use crate::learning::prediction::{GapRow, covariance, information_inverse};
 use crate::learning::surface_gap::{MEAN_WEIGHT, SurfaceGap, TAIL, gap_scale};
 use crate::learning::touch_set::{LimbTouch, PairTouches, PreparedTouch, TouchProblem, TouchSet};
-use crate::learning::{AxisModel, Basis, Learned, Learner, LimbFrames, Parameters, PriorKnowledge, Verdict};
+use crate::learning::whiteness::design_effect;
+use crate::learning::{
+    Account, AxisModel, Basis, Learned, Learner, LimbFrames, Parameters, PriorKnowledge, Verdict, Witnesses,
+};
 use crate::schema::{BodySchema, unfelt_shifts};
 use crate::senses::Touch;
 use crate::skin::Skin;
@@ -293,7 +296,7 @@ impl<'a> SecondOrder<'a> {
     }
 
     /// Fits all known joints to all touches: the schema, what it rests on, and the deviation of a touch.
-    fn polish(&self, start: &Start) -> (BodySchema, Observability, f64) {
+    fn polish(&self, start: &Start) -> (BodySchema, Account, f64) {
         let all = self.prepare(self.touches.iter());
         let used = all.filter(|pair| start.covers(pair));
         let parameters = self.parameters(&start.known, &start.placed);
@@ -310,8 +313,8 @@ impl<'a> SecondOrder<'a> {
                 let stopping = Stopping { iterations: 60, relative_cost: 1e-9, cost: 0.0 };
                 let schema = levenberg_marquardt(&mut problem, &parameters, schema, stopping).schema;
                 let schema = self.settled(schema, &start.placed);
-                let (observability, deviation) = self.observe_touches(&used, &schema);
-                (schema, observability, deviation)
+                let (account, deviation) = self.account_of(&used, &schema);
+                (schema, account, deviation)
             }
             Evidence::Surfaces(skin) => {
                 let annealed = anneal(self.agent, &used, &parameters, &self.known.prior, schema);
@@ -334,8 +337,8 @@ impl<'a> SecondOrder<'a> {
                     };
                     schema = levenberg_marquardt(&mut problem, &parameters, schema, stopping).schema;
                 }
-                let (observability, deviation) = self.observe_touches(&used, &schema);
-                (schema, observability, deviation)
+                let (account, deviation) = self.account_of(&used, &schema);
+                (schema, account, deviation)
             }
         }
     }
@@ -365,44 +368,63 @@ impl<'a> SecondOrder<'a> {
     pub(crate) fn refine_known(&self, schema: &BodySchema, known: Vec<bool>) -> Learned {
         let placed = vec![true; self.agent.creature().limbs().len()];
         let start = Start { schema: schema.clone(), known, placed, accepted: true, initial_guesses: 0 };
-        let (schema, observability, deviation) = self.polish(&start);
-        let undetermined = self.undetermined(&observability, &schema, deviation);
+        let (schema, account, deviation) = self.polish(&start);
         Learned {
             schema,
             basis: self.basis(),
             verdict: Verdict::Unjudged("it was refined from a given schema".to_string()),
             initial_guesses: 0,
             fresh_rms: f64::NAN,
-            undetermined,
-            undetermined_limbs: Vec::new(),
-            observability: Some(observability),
+            account: Some(account),
             deviation: Some(deviation),
             changes: Vec::new(),
         }
     }
 
-    /// The joints that touches of a deviation (metres) leave undetermined: skin beyond them cannot be placed to a
-    /// millimetre, nor as well as points that have noise tell where they are.
-    fn undetermined(&self, found: &Observability, schema: &BodySchema, deviation: f64) -> Vec<usize> {
-        let sharpness = if self.input == Input::Contact { DETERMINED.max(deviation) } else { DETERMINED };
-        found.joints_not_placed_to(sharpness, self.agent, schema)
-    }
-
     /// What all touches so far determine at a schema, and the deviation of a touch that they show, metres.
     pub fn observe(&self, schema: &BodySchema) -> (Observability, f64) {
-        let all = self.prepare(self.touches.iter());
-        let placed =
-            |pair: &PairTouches| pair.limbs.iter().all(|&limb| schema.places(self.agent.creature(), limb));
-        self.observe_touches(&all.filter(placed), schema)
+        let (found, _, deviation) = self.observe_touches(&self.placed_touches(schema), schema);
+        (found, deviation)
     }
 
-    fn observe_touches(&self, used: &TouchSet, schema: &BodySchema) -> (Observability, f64) {
+    /// The account of a schema by all touches so far, and the deviation of a touch that they show, metres.
+    pub fn account(&self, schema: &BodySchema) -> (Account, f64) {
+        self.account_of(&self.placed_touches(schema), schema)
+    }
+
+    /// The touches of limbs that a schema places.
+    fn placed_touches(&self, schema: &BodySchema) -> TouchSet {
+        let placed =
+            |pair: &PairTouches| pair.limbs.iter().all(|&limb| schema.places(self.agent.creature(), limb));
+        self.prepare(self.touches.iter()).filter(placed)
+    }
+
+    fn account_of(&self, used: &TouchSet, schema: &BodySchema) -> (Account, f64) {
+        let (found, witnesses, deviation) = self.observe_touches(used, schema);
+        (Account::new(self.agent, schema, found, witnesses), deviation)
+    }
+
+    /// What touches determine at a schema, those that count, and the deviation of a touch that they show, metres.
+    fn observe_touches(&self, used: &TouchSet, schema: &BodySchema) -> (Observability, Witnesses, f64) {
+        let Evidence::Surfaces(skin) = self.evidence() else { return self.observe_witnesses(used, schema) };
+        let parameters = self.touched(used).0;
+        let deviation = self.gap_deviation(skin, used, &parameters, schema, None);
+        let scales = if deviation > CERTAIN_NOISE { joint_noise::scales(skin, used, schema) } else { None };
+        self.observe_witnesses(&witnesses(self.agent, used, schema, deviation, scales.as_deref()), schema)
+    }
+
+    /// What of the joints and limbs of some touches may be fitted, and which limbs are placed at all.
+    fn touched(&self, used: &TouchSet) -> (Parameters, Vec<bool>) {
         let mut touched = vec![false; self.agent.creature().joints().len()];
         used.pairs.iter().flat_map(|pair| pair.chain.joints()).for_each(|joint| touched[joint] = true);
         let mut placed = vec![self.frames == LimbFrames::Joint; self.agent.creature().limbs().len()];
         used.pairs.iter().flat_map(|pair| pair.limbs).for_each(|limb| placed[limb] = true);
-        let parameters = self.parameters(&touched, &placed);
-        let (mut hessian, rows, deviation) = match self.evidence() {
+        (self.parameters(&touched, &placed), placed)
+    }
+
+    fn observe_witnesses(&self, used: &TouchSet, schema: &BodySchema) -> (Observability, Witnesses, f64) {
+        let (parameters, placed) = self.touched(used);
+        let (mut hessian, rows, deviation, at_floor) = match self.evidence() {
             Evidence::Points { .. } => {
                 let mut problem =
                     TouchProblem::new(self.agent.creature(), used, &parameters, PointsMeet::Shaped);
@@ -411,7 +433,7 @@ impl<'a> SecondOrder<'a> {
                 let misses = (2.0 * model.cost / spare as f64).sqrt();
                 // Points that miss by more than they were taken to say that much less.
                 let hessian = model.hessian / misses.max(1.0).powi(2);
-                (hessian, 3 * used.len(), taken_deviation(used) * misses)
+                (hessian, 3 * used.len(), taken_deviation(used) * misses, misses <= 1.0)
             }
             Evidence::Surfaces(skin) => {
                 let mut deviation = self.gap_deviation(skin, used, &parameters, schema, None);
@@ -420,7 +442,7 @@ impl<'a> SecondOrder<'a> {
                 if scales.is_some() {
                     deviation = self.gap_deviation(skin, used, &parameters, schema, scales.as_deref());
                 }
-                let model = SurfaceGap::new(skin, deviation).with_biased_places();
+                let model = SurfaceGap::new(skin, deviation).without_places();
                 let information = |touches: &TouchSet, scales: Option<&[f64]>| {
                     let problem = TouchProblem::new(self.agent.creature(), touches, &parameters, model);
                     problem.with_scales(scales).linearize(schema).hessian / MEAN_WEIGHT
@@ -428,16 +450,26 @@ impl<'a> SecondOrder<'a> {
                 let hessian = information(used, scales.as_deref());
                 let checked =
                     checked(skin, used, &parameters, schema, &hessian, (deviation, scales.as_deref()));
-                match checked {
-                    Some((few, scales)) => (information(&few, scales.as_deref()), 5 * few.len(), deviation),
-                    None => (hessian, 5 * used.len(), deviation),
-                }
+                let alike = match noisy {
+                    true => design_effect(skin, used, schema, deviation, scales.as_deref()),
+                    false => 1.0,
+                };
+                let (hessian, count) = match checked {
+                    Some((few, scales)) => (information(&few, scales.as_deref()), few.len()),
+                    None => (hessian, used.len()),
+                };
+                (hessian / alike, 5 * count, deviation, deviation <= NARROWEST)
             }
         };
         self.known.given.add_information(&parameters, &mut hessian);
         self.fix_choices(&parameters, schema, &mut hessian);
         let found = Observability::new(self.agent.creature(), parameters, &self.known.frozen, hessian, rows);
-        (found.with_placed(placed), deviation)
+        let witnesses = Witnesses {
+            of_limbs: used.count_of_limbs(self.agent.creature()),
+            point_deviation: if self.input == Input::Contact { deviation } else { 0.0 },
+            at_floor,
+        };
+        (found.with_placed(placed), witnesses, deviation)
     }
 
     /// Adds to normal equations (lower triangle) that limbs' origins do not shift where their joints cannot feel
@@ -772,18 +804,14 @@ impl<'a> SecondOrder<'a> {
     fn conclude(&self, found: Judged, initial_guesses: usize) -> Learned {
         let Judged { start, judged, .. } = found;
         if start.accepted {
-            let (schema, observability, deviation) = self.polish(&start);
-            let undetermined = self.undetermined(&observability, &schema, deviation);
-            let undetermined_limbs = observability.undetermined_limbs(self.agent, &schema);
+            let (schema, account, deviation) = self.polish(&start);
             return Learned {
                 schema,
                 basis: self.basis(),
-                verdict: Verdict::Converged,
+                verdict: account.verdict(),
                 initial_guesses,
                 fresh_rms: judged,
-                undetermined,
-                undetermined_limbs,
-                observability: Some(observability),
+                account: Some(account),
                 deviation: Some(deviation),
                 changes: Vec::new(),
             };
@@ -803,17 +831,7 @@ impl<'a> SecondOrder<'a> {
             verdict: Verdict::Failed(why),
             initial_guesses,
             fresh_rms: judged,
-            undetermined: (0..self.agent.creature().joints().len()).collect(),
-            undetermined_limbs: match self.frames {
-                LimbFrames::Joint => Vec::new(),
-                LimbFrames::Limb => {
-                    let felt = |limb: &usize| {
-                        self.agent.skin().receptors.iter().any(|receptor| receptor.limb == *limb)
-                    };
-                    (0..self.agent.creature().limbs().len()).filter(felt).collect()
-                }
-            },
-            observability: None,
+            account: None,
             deviation: None,
             changes: Vec::new(),
         }

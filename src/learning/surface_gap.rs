@@ -27,6 +27,8 @@ const VARIANCE_FACTOR: f64 = 1.363449;
 /// average out as the model has it. On Max, at gaps of 1 mm, places at their full weight hold 3 % of the
 /// information, add 16 % to the error, and leave the intervals too short.
 pub const BIASED_PLACES: f64 = 3.0;
+/// The same where places are to say nothing: kilometres.
+const NO_EVIDENCE: f64 = 1e5;
 /// Most steps to the fixed point of a scale.
 const SCALE_ITERATIONS: usize = 100;
 
@@ -50,6 +52,12 @@ impl<'a> SurfaceGap<'a> {
     /// The same with places in the patches that count less; see [`BIASED_PLACES`].
     pub fn with_biased_places(self) -> SurfaceGap<'a> {
         SurfaceGap { patch_deviation: BIASED_PLACES, ..self }
+    }
+
+    /// The same with places in the patches that are no evidence at all: what rests on them alone is not known, for a
+    /// bias does not average out however many touches share it.
+    pub fn without_places(self) -> SurfaceGap<'a> {
+        SurfaceGap { patch_deviation: NO_EVIDENCE, ..self }
     }
 
     /// Where the surfaces under two receptors come closest, given their limbs' frames `X_CA`, `X_CB`. A surface that is

@@ -53,6 +53,15 @@ pub struct LimbTouch<'a> {
 }
 
 impl TouchSet {
+    /// How many touches each limb has.
+    pub fn count_of_limbs(&self, creature: &Creature) -> Vec<usize> {
+        let mut counts = vec![0; creature.limbs().len()];
+        for pair in &self.pairs {
+            pair.limbs.iter().for_each(|&limb| counts[limb] += pair.touches.len());
+        }
+        counts
+    }
+
     /// Groups and prepares touches.
     pub fn new<'a>(creature: &Creature, touches: impl IntoIterator<Item = LimbTouch<'a>>) -> TouchSet {
         let mut set = TouchSet::default();

@@ -222,8 +222,8 @@ impl OwnBody {
     pub fn covariance(&self, posture: &[f64], limbs: [usize; 2], p_a: &Vector3<f64>) -> Option<Matrix3<f64>> {
         match &self.certainty {
             Certainty::Exact => Some(Matrix3::zeros()),
-            Certainty::Estimated(found) => {
-                found.point_covariance(self.creature(), &self.schema, posture, limbs, p_a)
+            Certainty::Estimated(account) => {
+                account.observability.point_covariance(self.creature(), &self.schema, posture, limbs, p_a)
             }
             Certainty::Unknown => None,
         }
@@ -236,7 +236,7 @@ impl OwnBody {
     pub fn trusts(&self, posture: &[f64], limbs: [usize; 2], p_a: &Vector3<f64>) -> Result<(), Doubt> {
         let found = match &self.certainty {
             Certainty::Exact => return Ok(()),
-            Certainty::Estimated(found) => found,
+            Certainty::Estimated(account) => &account.observability,
             Certainty::Unknown => return Err(Doubt::Unknown),
         };
         let deviation = self.covariance(posture, limbs, p_a).map(|c| c.trace().max(0.0).sqrt());

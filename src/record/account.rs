@@ -5,28 +5,29 @@ use serde::{Deserialize, Serialize};
 
 use crate::creature::Creature;
 use crate::learning::observability::Observability;
-use crate::learning::{AxisModel, Basis, Learned, Parameters};
+use crate::learning::{Account, AxisModel, Basis, Learned, Parameters, Witnesses};
 use crate::record::error::ContentFault;
 
-/// What a learner knows of how good its schema is.
+/// What a learner tells of how good its schema is, as it is kept.
 #[derive(Clone, Debug)]
-pub struct Account {
+pub struct RecordedAccount {
     /// With what it was learned.
     pub basis: Basis,
     /// Standard deviation of what the learner compares, as the touches themselves show it, metres; none where it
     /// cannot tell.
     pub deviation: Option<f64>,
-    /// What the touches determine and how well; none where the learner cannot tell.
-    pub observability: Option<Observability>,
+    /// What is known of the body; none where the learner cannot tell, and in records from before limbs were
+    /// accounted for.
+    pub account: Option<Account>,
 }
 
-impl Account {
+impl RecordedAccount {
     /// The account that a learner gives.
-    pub fn of(learned: &Learned) -> Account {
-        Account {
+    pub fn of(learned: &Learned) -> RecordedAccount {
+        RecordedAccount {
             basis: learned.basis,
             deviation: learned.deviation,
-            observability: learned.observability.clone(),
+            account: learned.account.clone(),
         }
     }
 }
@@ -40,6 +41,32 @@ pub(super) struct AccountEntry {
     touch_deviation: Option<f64>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     determined: Option<DeterminedEntry>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    placed: Option<PlacedEntry>,
+}
+
+/// How far off the skin of limbs may be in each other's frames, as it is written.
+#[derive(Serialize, Deserialize)]
+#[serde(expecting = "an object")]
+struct PlacedEntry {
+    /// Standard deviation of the points that touches tell, metres; 0 where they tell surfaces.
+    point_deviation: f64,
+    /// Whether the touches are explained to the numerical floor.
+    at_floor: bool,
+    /// The limbs that have skin, in the creature's order.
+    limbs: Vec<PlacedLimb>,
+}
+
+/// A limb that has skin.
+#[derive(Serialize, Deserialize)]
+#[serde(expecting = "an object")]
+struct PlacedLimb {
+    limb: String,
+    /// Its touches that count.
+    touches: usize,
+    /// How far off its skin may be in the frame of each limb before it in the list, at 95 %, metres; none where
+    /// nothing bounds that.
+    distances: Vec<Option<f64>>,
 }
 
 /// What touches determine, as it is written: the information that they hold, from which all else follows.
@@ -68,16 +95,17 @@ const MEND: &str = "learn again with `bodyschema learn`";
 
 impl AccountEntry {
     /// The account by names; without what touches determine where a number of it is not finite.
-    pub fn new(account: &Account, creature: &Creature) -> AccountEntry {
-        let finite = |found: &&Observability| found.information().iter().all(|x| x.is_finite());
+    pub fn new(recorded: &RecordedAccount, creature: &Creature) -> AccountEntry {
+        let finite = |account: &&Account| {
+            let numbers = account.observability.information().iter();
+            numbers.chain([&account.witnesses.point_deviation]).all(|x| x.is_finite())
+        };
+        let account = recorded.account.as_ref().filter(finite);
         AccountEntry {
-            basis: account.basis,
-            touch_deviation: account.deviation.filter(|deviation| deviation.is_finite()),
-            determined: account
-                .observability
-                .as_ref()
-                .filter(finite)
-                .map(|found| DeterminedEntry::new(found, creature)),
+            basis: recorded.basis,
+            touch_deviation: recorded.deviation.filter(|deviation| deviation.is_finite()),
+            determined: account.map(|account| DeterminedEntry::new(&account.observability, creature)),
+            placed: account.map(|account| PlacedEntry::new(account, creature)),
         }
     }
 
@@ -85,10 +113,56 @@ impl AccountEntry {
     ///
     /// # Errors
     /// A sentence where it is of another creature.
-    pub fn account(&self, creature: &Creature) -> Result<Account, ContentFault> {
-        let observability =
-            self.determined.as_ref().map(|found| found.observability(creature)).transpose()?;
-        Ok(Account { basis: self.basis, deviation: self.touch_deviation, observability })
+    pub fn account(&self, creature: &Creature) -> Result<RecordedAccount, ContentFault> {
+        let account = match (&self.determined, &self.placed) {
+            (Some(found), Some(placed)) => Some(placed.account(found.observability(creature)?, creature)?),
+            _ => None,
+        };
+        Ok(RecordedAccount { basis: self.basis, deviation: self.touch_deviation, account })
+    }
+}
+
+impl PlacedEntry {
+    fn new(account: &Account, creature: &Creature) -> PlacedEntry {
+        let limbs = account.limbs();
+        let entry = |(number, &limb): (usize, &usize)| {
+            let bounded = |&other: &usize| Some(account.distance(limb, other)).filter(|d| d.is_finite());
+            PlacedLimb {
+                limb: creature.limbs()[limb].clone(),
+                touches: account.witnesses.of_limbs[limb],
+                distances: limbs[..number].iter().map(bounded).collect(),
+            }
+        };
+        PlacedEntry {
+            point_deviation: account.witnesses.point_deviation,
+            at_floor: account.witnesses.at_floor,
+            limbs: limbs.iter().enumerate().map(entry).collect(),
+        }
+    }
+
+    fn account(&self, found: Observability, creature: &Creature) -> Result<Account, ContentFault> {
+        let mut touches = vec![0; creature.limbs().len()];
+        let mut limbs = Vec::with_capacity(self.limbs.len());
+        for (number, entry) in self.limbs.iter().enumerate() {
+            let limb = creature.limb(&entry.limb).filter(|limb| !limbs.contains(limb));
+            let limb = limb.ok_or_else(|| unknown_name(&entry.limb))?;
+            if entry.distances.len() != number {
+                return Err(format!(
+                    "its account of limb \"{}\" has not {number} distances: {MEND}",
+                    entry.limb
+                )
+                .into());
+            }
+            touches[limb] = entry.touches;
+            limbs.push(limb);
+        }
+        let distances = DMatrix::from_fn(limbs.len(), limbs.len(), |i, j| match i == j {
+            true => 0.0,
+            false => self.limbs[i.max(j)].distances[i.min(j)].unwrap_or(f64::INFINITY),
+        });
+        let witnesses =
+            Witnesses { of_limbs: touches, point_deviation: self.point_deviation, at_floor: self.at_floor };
+        Ok(Account::of_distances(creature, found, limbs, distances, witnesses))
     }
 }
 
@@ -144,10 +218,14 @@ impl DeterminedEntry {
     }
 }
 
+fn unknown_name(name: &str) -> ContentFault {
+    format!("its account names \"{name}\", which the creature does not have: {MEND}").into()
+}
+
 /// Of each of `all` names whether it is among `some`.
 fn marks(all: &[&str], some: &[String]) -> Result<Vec<bool>, ContentFault> {
     if let Some(name) = some.iter().find(|name| !all.contains(&name.as_str())) {
-        return Err(format!("its account names \"{name}\", which the creature does not have: {MEND}").into());
+        return Err(unknown_name(name));
     }
     Ok(all.iter().map(|name| some.iter().any(|other| other == name)).collect())
 }

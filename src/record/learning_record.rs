@@ -4,7 +4,7 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
-use super::account::{Account, AccountEntry};
+use super::account::{AccountEntry, RecordedAccount};
 use super::schema::{JointEntry, joint_entries, schema_of_joints};
 use super::stamp::Stamp;
 use super::{Host, LEARNED_RECORD_FILE, RecordError, files};
@@ -39,7 +39,7 @@ pub struct LearningRecord {
     pub verdict: String,
     /// The joints that the touches do not determine, by name.
     pub undetermined: Vec<String>,
-    /// The limbs whose own frames they do not determine, by name.
+    /// The limbs that are not placed though no joint between them and limbs that are is undetermined, by name.
     pub undetermined_limbs: Vec<String>,
     /// Every direction in which the schema could change without any touch feeling it, in words.
     pub open_directions: Vec<String>,
@@ -48,7 +48,7 @@ pub struct LearningRecord {
     pub bound: Option<CramerRaoBound>,
     /// How sure the schema is; none in records from before it was kept.
     #[serde(skip)]
-    pub account: Option<Account>,
+    pub account: Option<RecordedAccount>,
     /// The schema on the way, from the initial guess on, as far as there was one.
     #[serde(skip)]
     pub checkpoints: Vec<Checkpoint>,
@@ -95,9 +95,9 @@ impl LearningRecord {
     /// How sure the schema is: unknown where it did not stand up to fresh touches, and in records from before this
     /// was kept.
     pub fn certainty(&self) -> Certainty {
-        let account = self.account.as_ref().filter(|_| self.converged);
-        let found = account.and_then(|account| account.observability.clone());
-        found.map_or(Certainty::Unknown, |found| Certainty::Estimated(Box::new(found)))
+        let recorded = self.account.as_ref().filter(|_| self.converged);
+        let account = recorded.and_then(|recorded| recorded.account.clone());
+        account.map_or(Certainty::Unknown, |account| Certainty::Estimated(Box::new(account)))
     }
 
     /// Writes [`LEARNED_RECORD_FILE`] into `folder`, which is made if missing; whole or not at all.

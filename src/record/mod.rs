@@ -27,7 +27,7 @@ mod touch_line;
 mod touch_reader;
 mod touch_writer;
 
-pub use account::Account;
+pub use account::RecordedAccount;
 pub use error::{Action, RecordError};
 pub(crate) use files::write_whole;
 pub use firing_log::{FiringWriter, read_firings};

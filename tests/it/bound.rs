@@ -167,15 +167,16 @@ fn judge(name: &str, subject: &Subject, seeds: u64) {
         let learned = subject.learner(&subject.noisy(seed), Input::Receptor).refine(&subject.truth.schema);
         assert!(matches!(learned.verdict, Verdict::Unjudged(_)));
         let schema = &learned.schema;
-        let found = learned.observability.unwrap();
+        let account = learned.account.as_ref().unwrap();
+        let found = &account.observability;
         let normalized =
-            NormalizedErrors::new(subject.agent.creature(), &subject.truth, schema, &found, &points);
+            NormalizedErrors::new(subject.agent.creature(), &subject.truth, schema, found, &points);
         all.points.extend(normalized.points);
         all.positions.extend(normalized.positions);
         all.axes.extend(normalized.axes);
         let held_out = held_out(subject.agent.creature(), &subject.truth, schema, &points);
-        let bound =
-            CramerRaoBound::new(subject.agent.creature(), schema, &found, &points, &held_out, &[]).unwrap();
+        let bound = CramerRaoBound::new(subject.agent.creature(), schema, account, found, &points, &held_out)
+            .unwrap();
         errors += bound.error_rms.powi(2);
         bounds += bound.bound_rms.powi(2);
         noise += learned.deviation.unwrap();

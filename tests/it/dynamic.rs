@@ -212,7 +212,7 @@ fn a_schema_learned_from_touches_with_physics_is_as_good_as_they_are_deep() {
         let mut learner = SecondOrder::new(&agent, input, 1);
         made.iter().for_each(|touch| learner.touch(touch));
         let learned = learner.learn();
-        let known = body.creature.joints().len() - learned.undetermined.len();
+        let known = body.creature.joints().len() - learned.undetermined().len();
         assert!(known >= least, "{input:?}: {known} joints, {:?}", learned.verdict);
         let found = evaluate_learned(&agent, &truth, &learned).bound_mm.unwrap();
         assert!(found.error_rms < bound_mm, "{input:?}: {:?} {found:?}", learned.verdict);

@@ -87,7 +87,7 @@ fn the_second_order_learner_recovers_the_torso_from_500_contact_points_whatever_
     for seed in [101, 102, 103] {
         let learned = pupil.second_order(Input::Contact, seed);
         assert_eq!(learned.verdict, Verdict::Converged, "seed {seed}");
-        assert!(learned.undetermined.is_empty(), "seed {seed}: {:?}", learned.undetermined);
+        assert!(learned.undetermined().is_empty(), "seed {seed}: {:?}", learned.undetermined());
         assert!(learned.schema.fits(pupil.agent.creature()));
         for axis in &learned.schema.axes {
             assert!((axis.norm() - 1.0).abs() < 1e-9, "seed {seed}: an axis of length {}", axis.norm());
@@ -266,10 +266,10 @@ fn fails_on_nonsense(body: &Body, touches: usize) {
             Verdict::Failed(why) => why,
             // Surfaces of single capsules meet in every posture when each turns about its own axis:
             // that explains the noise, and leaves every joint open.
-            Verdict::Converged if learned.undetermined.len() == pupil.agent.creature().joints().len() => {
+            Verdict::Converged if learned.undetermined().len() == pupil.agent.creature().joints().len() => {
                 continue;
             }
-            other => panic!("{input:?}: {other:?} from noise, open {:?}", learned.undetermined),
+            other => panic!("{input:?}: {other:?} from noise, open {:?}", learned.undetermined()),
         };
         assert!(why.contains("--touches") && why.contains("--seed"), "{why}");
         assert!(learned.schema.fits(pupil.agent.creature()), "the schema has holes");
@@ -307,14 +307,14 @@ fn names_the_tail(input: Input) {
     let learned = pupil.second_order(input, 1);
     let joints = pupil.agent.creature().joints();
     let mut names: Vec<&str> =
-        learned.undetermined.iter().map(|&joint| joints[joint].name.as_str()).collect();
+        learned.undetermined().into_iter().map(|joint| joints[joint].name.as_str()).collect();
     names.sort_unstable();
     assert!(["tail_root", "tail_tip"].iter().all(|tail| names.contains(tail)), "{input:?}: {names:?}");
     assert!(learned.schema.fits(pupil.agent.creature()));
     if input == Input::Contact {
         assert_eq!(names.len(), 2, "{names:?}");
         assert_eq!(learned.verdict, Verdict::Converged);
-        let evaluation = pupil.evaluate(&learned.schema, &learned.undetermined);
+        let evaluation = pupil.evaluate(&learned.schema, &learned.undetermined());
         assert!(evaluation.determined_mm.mean <= CONTACTS_MM, "{} mm", evaluation.determined_mm.mean);
         assert!(evaluation.heldout_mm.mean > 1.0, "the tail cannot have been guessed");
     }
@@ -338,7 +338,7 @@ fn a_learner_without_touches_or_with_a_single_one_fails_without_a_panic() {
     none.touches.clear();
     let learned = none.second_order(Input::Contact, 1);
     assert!(matches!(learned.verdict, Verdict::Failed(_)), "{:?}", learned.verdict);
-    assert_eq!(learned.undetermined.len(), none.agent.creature().joints().len());
+    assert_eq!(learned.undetermined().len(), none.agent.creature().joints().len());
 }
 
 #[test]

@@ -94,6 +94,7 @@ impl Session {
             commands: vec![("Made by".into(), "bodyschema babble '<odd>.xml'".into())],
             facts: vec![("Engine & co".into(), "<b>2.2</b>".into())],
             verdict: "It can be relied on, \"mostly\" <so far>.".into(),
+            account: None,
             undetermined: &[1],
             undetermined_limbs: &[],
             open_directions: &self.open,

@@ -227,3 +227,24 @@ mod slow {
         }
     }
 }
+
+#[test]
+fn claims_are_held_against_the_truth_over_creatures_inputs_counts_and_noises() {
+    let place = place();
+    fs::copy(pincer().path().join("pincer.xml"), place.path().join("pincer.xml")).unwrap();
+    let arguments =
+        ["study", "claims", "arms.xml", "pincer.xml", "--trials", "1", "--seed", "1001", "--json"];
+    let found = json(place.path(), &arguments);
+    let rows = found["rows"].as_array().unwrap();
+    // Two inputs, each with four counts of touches without noise and five noises.
+    assert_eq!(rows.len(), 2 * 2 * (4 + 5));
+    assert_eq!(found["sessions"], rows.len());
+    let all = found["summary"].as_array().unwrap().last().unwrap();
+    assert_eq!((&all["creature"], &all["sessions"]), (&"all".into(), &rows.len().into()));
+    assert!(all["claims"].as_u64().unwrap() > 0, "{all}");
+    let told = |row: &&Value| row["verdict"] == "not learned";
+    assert!(rows.iter().filter(told).all(|row| row["claims"] == 0 && row["reason"] != ""), "{rows:?}");
+    assert_eq!(found["wrong_claims"], 0, "{:?}", found["notes"]);
+    assert_eq!(all["false_changes"], 0);
+    refused(place.path(), 1, &["study", "turned", "arms.xml", "pincer.xml"]);
+}

@@ -137,7 +137,7 @@ fn assert_right_or_named(name: &str, least: usize) {
     let mut learner = SecondOrder::new(&agent, Input::Contact, 1);
     babble(&body, &agent, 2000, 1, 2).iter().for_each(|touch| learner.touch(touch));
     let learned = learner.learn();
-    let known = body.creature.joints().len() - learned.undetermined.len();
+    let known = body.creature.joints().len() - learned.undetermined().len();
     assert!(known >= least, "{name}: {known} joints, {:?}", learned.verdict);
     let truth = GroundTruth::new(&body).unwrap();
     // Where a limb that nothing touches lies along its joints' axes is gauge freedom, and not counted.

@@ -45,9 +45,9 @@ pub struct StudyArguments {
     /// The study
     #[arg(value_parser = study())]
     name: &'static Study,
-    /// The MJCF file of a creature with touch sensors
+    /// The MJCF file of a creature with touch sensors; several of studies that are of several
     #[arg(default_value = DEFAULT_MODEL)]
-    model: PathBuf,
+    model: Vec<PathBuf>,
     /// Trials, each with touches and initial guesses of its own
     #[arg(long, default_value_t = 3, value_parser = clap::value_parser!(u16).range(1..=1000))]
     trials: u16,
@@ -87,7 +87,13 @@ fn study() -> impl TypedValueParser<Value = &'static Study> {
 
 pub fn run(args: &StudyArguments) -> Outcome {
     let study = args.name;
-    if !args.model.exists() && args.model == Path::new(DEFAULT_MODEL) {
+    let [model, others @ ..] = args.model.as_slice() else {
+        return Err("no model is named: name the file of a creature".into());
+    };
+    if !others.is_empty() && !study.several {
+        return Err(Failure(format!("study {} is of one creature: name one model", study.name)));
+    }
+    if !model.exists() && model == Path::new(DEFAULT_MODEL) {
         return Err(Failure(format!(
             "{DEFAULT_MODEL}: there is no such file here: name a model, as in `bodyschema study {} MODEL`, or go \
              to the folder that holds mjcf",
@@ -107,8 +113,9 @@ pub fn run(args: &StudyArguments) -> Outcome {
     let last = last.ok_or("the last trial's seed would be too great: give a smaller --seed")?;
     let seeds: Vec<u64> = (args.seed..=last).collect();
     let bars = Bars::default();
-    let source = ModelSource::new(&args.model).with_joints(selection.clone());
-    let mut subject = Subject::new(embodied(source)?, touches, seeds, babbling::threads(args.jobs), &bars)?;
+    let read = |model: &PathBuf| embodied(ModelSource::new(model).with_joints(selection.clone()));
+    let mut subject = Subject::new(read(model)?, touches, seeds, babbling::threads(args.jobs), &bars)?
+        .with_others(others.iter().map(read).collect::<Result<_, Failure>>()?);
     subject.session.clone_from(&args.session);
     subject.hersch = rule;
     let numbered = |k: u32| match k {
@@ -130,8 +137,9 @@ pub fn run(args: &StudyArguments) -> Outcome {
         "joints": creature.joints().len(),
         "dof": creature.dof(),
         "options": {
-            "model": args.model,
-            "model_hash": model_hash(&args.model)?,
+            "model": model,
+            "model_hash": model_hash(model)?,
+            "other_models": others,
             "touches": study.touches.then_some(touches),
             "trials": args.trials,
             "seed": args.seed,
@@ -157,8 +165,9 @@ pub fn run(args: &StudyArguments) -> Outcome {
         creature.name(),
         creature.joints().len(),
         creature.dof(),
-        args.model.display()
+        model.display()
     );
+    others.iter().for_each(|other| say!("and {}", other.display()));
     let trials = if args.trials == 1 { "trial" } else { "trials" };
     let of = if study.touches { format!(" of {touches} touches") } else { String::new() };
     say!("{} {trials}{of}, seeds {}\n", args.trials, seeds.join(" "));

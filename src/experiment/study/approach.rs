@@ -20,6 +20,7 @@ pub const STUDY: Study = Study {
     name: "approach",
     about: "how well the aura predicts which limb is hit, and where; a trial is an approach, a pass and a retreat",
     touches: false,
+    several: false,
     measure: |subject| Ok(measure(subject)?.into()),
 };
 

@@ -26,6 +26,7 @@ pub const STUDY: Study = Study {
     name: "avoid",
     about: "whether a limb that something approaches gets out of its way, and the others keep still",
     touches: true,
+    several: false,
     measure: |subject| Ok(measure(subject)?.into()),
 };
 

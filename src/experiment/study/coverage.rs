@@ -17,6 +17,7 @@ pub const STUDY: Study = Study {
     name: "coverage",
     about: "how near lm gets to the least possible error, and how often its intervals hold the truth",
     touches: true,
+    several: false,
     measure: |subject| Ok(measure(subject)?.into()),
 };
 
@@ -194,9 +195,10 @@ fn attempt(
     let points = held_out_points(agent);
     let schema = &learned.schema;
     let (mut bound, mut shares) = (None, [f64::NAN; 3]);
-    if let Some(observability) = &learned.observability {
+    if let Some(account) = &learned.account {
+        let observability = &account.observability;
         let errors = held_out(creature, truth, schema, &points);
-        bound = CramerRaoBound::new(creature, schema, observability, &points, &errors, &learned.undetermined);
+        bound = CramerRaoBound::new(creature, schema, account, observability, &points, &errors);
         let errors = NormalizedErrors::new(creature, truth, schema, observability, &points);
         shares = [&errors.points, &errors.positions, &errors.axes].map(|errors| covered(errors));
     }

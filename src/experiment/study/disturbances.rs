@@ -13,6 +13,7 @@ pub const STUDY: Study = Study {
     name: "disturbances",
     about: "what it costs lm when the senses are wrong",
     touches: true,
+    several: false,
     measure: |subject| Ok(measure(subject)?.into()),
 };
 

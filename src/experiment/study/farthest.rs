@@ -18,6 +18,7 @@ pub const STUDY: Study = Study {
     name: "farthest",
     about: "how far away it puts what it holds, of what is truly possible, with and without leaning",
     touches: true,
+    several: false,
     measure: |subject| Ok(measure(subject)?.into()),
 };
 

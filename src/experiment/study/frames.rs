@@ -16,6 +16,7 @@ pub const STUDY: Study = Study {
     name: "frames",
     about: "whether lm learns limbs whose own frames are anywhere on them",
     touches: true,
+    several: false,
     measure: |subject| Ok(measure(subject)?.into()),
 };
 
@@ -79,8 +80,8 @@ pub fn measure(subject: &Subject) -> Result<Findings<FramesMeasurement, FramesSu
                 }
             };
             let learned = &attempt.learned;
-            let joints = learned.undetermined.iter().map(|&j| creature.joints()[j].name.clone());
-            let limbs = learned.undetermined_limbs.iter().map(|&limb| creature.limbs()[limb].clone());
+            let joints = learned.undetermined().into_iter().map(|j| creature.joints()[j].name.clone());
+            let limbs = learned.undetermined_limbs().into_iter().map(|limb| creature.limbs()[limb].clone());
             let (joints, limbs): (Vec<String>, Vec<String>) = (joints.collect(), limbs.collect());
             measurements.push(FramesMeasurement {
                 frames: (*name).into(),
@@ -113,8 +114,8 @@ pub fn measure(subject: &Subject) -> Result<Findings<FramesMeasurement, FramesSu
             heldout_mm: median(converged().map(|attempt| attempt.evaluation.determined_mm.mean)),
             heldout_worst_mm: worst.fold(f64::NAN, f64::max),
             axis_deg: median(converged().map(|attempt| attempt.evaluation.axis_deg.median)),
-            undetermined_joints: mean(|attempt| attempt.learned.undetermined.len()),
-            undetermined_limbs: mean(|attempt| attempt.learned.undetermined_limbs.len()),
+            undetermined_joints: mean(|attempt| attempt.learned.undetermined().len()),
+            undetermined_limbs: mean(|attempt| attempt.learned.undetermined_limbs().len()),
             initial_guesses: median(attempts.iter().map(|attempt| attempt.learned.initial_guesses as f64)),
             seconds: median(attempts.iter().map(|attempt| attempt.seconds)),
         });

@@ -21,6 +21,7 @@ pub const STUDY: Study = Study {
     name: "growth",
     about: "how soon lm knows a limb that has grown, a stick in the hand",
     touches: true,
+    several: false,
     measure: |subject| Ok(measure(subject)?.into()),
 };
 

@@ -29,6 +29,7 @@ use crate::senses::Touch;
 
 /// The study `hersch`.
 pub const STUDY: Study = Study {
+    several: false,
     name: "hersch",
     about: "where Hersch's rule gets to, by touch and by vision, from near the truth and from far",
     touches: true,

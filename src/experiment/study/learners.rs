@@ -14,6 +14,7 @@ pub const STUDY: Study = Study {
     name: "learners",
     about: "which learner gets how far with how many touches",
     touches: true,
+    several: false,
     measure: |subject| Ok(measure(subject)?.into()),
 };
 

@@ -18,6 +18,7 @@ pub const STUDY: Study = Study {
     name: "map",
     about: "how far a somatotopic map learned from 20 minutes of random strokes agrees with the geometric one",
     touches: false,
+    several: false,
     measure: |subject| Ok(measure(subject)?.into()),
 };
 

@@ -9,6 +9,7 @@ pub mod approach;
 mod at_table;
 pub mod avoid;
 mod changed_body;
+pub mod claims;
 pub mod coverage;
 pub mod disturbances;
 pub mod farthest;
@@ -40,6 +41,7 @@ pub const STUDIES: &[&Study] = &[
     &hersch::STUDY,
     &policies::STUDY,
     &coverage::STUDY,
+    &claims::STUDY,
     &disturbances::STUDY,
     &growth::STUDY,
     &turned::STUDY,
@@ -62,6 +64,8 @@ pub struct Study {
     pub about: &'static str,
     /// Whether it learns from babbled touches, so many a trial.
     pub touches: bool,
+    /// Whether it is of several creatures where several are named.
+    pub several: bool,
     /// Measures. A trial that does not succeed is a finding; only what cannot be measured fails.
     pub measure: fn(&Subject) -> Result<FoundTables, ExperimentError>,
 }

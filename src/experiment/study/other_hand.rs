@@ -26,6 +26,7 @@ pub const STUDY: Study = Study {
     name: "other-hand",
     about: "whether one hand finds what the other arm felt, on a table and in the air; a trial is one of either",
     touches: true,
+    several: false,
     measure: |subject| Ok(measure(subject)?.into()),
 };
 

@@ -13,6 +13,7 @@ pub const STUDY: Study = Study {
     name: "policies",
     about: "how few touches and motions lm needs by each policy",
     touches: true,
+    several: false,
     measure: |subject| Ok(measure(subject)?.into()),
 };
 

@@ -23,6 +23,7 @@ pub const STUDY: Study = Study {
     name: "reachable",
     about: "how well the learned body knows where its hands can get to, and how fast it tells",
     touches: true,
+    several: false,
     measure: |subject| Ok(measure(subject)?.into()),
 };
 

@@ -22,6 +22,7 @@ pub const STUDY: Study = Study {
     name: "self-touch",
     about: "whether self-touch and being touched are ever confused; a trial is one contact",
     touches: false,
+    several: false,
     measure: |subject| Ok(measure(subject)?.into()),
 };
 

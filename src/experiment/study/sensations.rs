@@ -18,6 +18,7 @@ pub const STUDY: Study = Study {
     name: "sensations",
     about: "how well taps, presses, strokes and rubs are told apart; a trial is one of each kind",
     touches: false,
+    several: false,
     measure: |subject| Ok(measure(subject)?.into()),
 };
 

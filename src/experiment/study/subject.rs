@@ -26,6 +26,8 @@ pub const CONVERGED_MM: f64 = 10.0;
 /// A creature and how it is to be studied.
 pub struct Subject<'a> {
     embodied: Embodied,
+    /// Other creatures, of studies that are of several.
+    others: Vec<Embodied>,
     /// Touches of a trial.
     pub touches: usize,
     /// One seed per trial: of its touches, its disturbances and its initial guesses.
@@ -73,6 +75,7 @@ impl<'a> Subject<'a> {
         embodied.babbler(MotionName::default())?;
         Ok(Subject {
             embodied,
+            others: Vec::new(),
             touches,
             seeds,
             session: None,
@@ -80,6 +83,16 @@ impl<'a> Subject<'a> {
             jobs,
             observer,
         })
+    }
+
+    /// The same with other creatures to be studied as well.
+    pub fn with_others(self, others: Vec<Embodied>) -> Subject<'a> {
+        Subject { others, ..self }
+    }
+
+    /// All creatures that are studied.
+    pub fn creatures(&self) -> impl Iterator<Item = &Embodied> {
+        std::iter::once(&self.embodied).chain(&self.others)
     }
 
     /// The creature in its model.

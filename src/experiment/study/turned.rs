@@ -22,6 +22,7 @@ pub const STUDY: Study = Study {
     name: "turned",
     about: "how well lm learns the body with every axis turned at random, by 25° to 90°",
     touches: true,
+    several: false,
     measure: |subject| Ok(measure(subject)?.into()),
 };
 
@@ -89,7 +90,7 @@ pub fn measure(subject: &Subject) -> Result<Findings<TurnedMeasurement, TurnedSu
                 touches: touches.len(),
                 converged: attempt.converged(),
                 heldout_mm: attempt.determined_mm(),
-                undetermined: attempt.learned.undetermined.len(),
+                undetermined: attempt.learned.undetermined().len(),
                 initial_guesses: attempt.learned.initial_guesses,
                 seconds: attempt.seconds,
             });
@@ -99,7 +100,7 @@ pub fn measure(subject: &Subject) -> Result<Findings<TurnedMeasurement, TurnedSu
     let mut summary: Vec<TurnedSummary> = Vec::new();
     for ((name, most, _), attempts) in conditions.iter().zip(&found) {
         let converged = || attempts.iter().filter(|attempt| attempt.converged());
-        let named = converged().map(|attempt| attempt.learned.undetermined.len() as f64).sum::<f64>();
+        let named = converged().map(|attempt| attempt.learned.undetermined().len() as f64).sum::<f64>();
         summary.push(TurnedSummary {
             input: (*name).into(),
             touches: *most,

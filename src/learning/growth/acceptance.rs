@@ -28,10 +28,6 @@ const FEW_OPEN: usize = 50;
 const SOME_OPEN: usize = 8;
 /// Touches of one pair of limbs with the same joints moving that a fit uses.
 const ALIKE: usize = 40;
-/// The deviation of a contact's place in its patch, in units of a uniform one's, that makes it no evidence: a patch is
-/// touched again and again on the same side, and a bias does not average out.
-const NO_EVIDENCE: f64 = 1e4;
-
 /// All that an answer may change.
 struct Before {
     resolved: Vec<bool>,
@@ -157,7 +153,7 @@ impl Growth<'_> {
             return false;
         }
         let Belief { schema, parameters, deviation, .. } = belief;
-        let model = SurfaceGap { patch_deviation: NO_EVIDENCE, ..SurfaceGap::new(skin, deviation) };
+        let model = SurfaceGap::new(skin, deviation).without_places();
         let evidence = information(&schema, &parameters, model);
         let belief = Belief::new(schema, parameters, evidence, deviation);
         let fitted = belief.is_some();

@@ -12,12 +12,14 @@
 //! coordinates move check nothing: any smooth curve explains them.
 
 mod acceptance;
+mod learner;
 mod part;
 mod placement;
 mod solving;
 
 use std::collections::BTreeMap;
 
+pub use learner::Grower;
 pub use part::{GrownTouch, Part};
 pub use placement::rest;
 
@@ -68,6 +70,7 @@ pub struct Growth<'a> {
     seed: u64,
     /// Parts solved so far: each has its own random numbers.
     solves: u64,
+    starts: usize,
     touches: Vec<GrownTouch>,
     /// Per joint, whether its axes are known.
     resolved: Vec<bool>,
@@ -91,6 +94,7 @@ impl<'a> Growth<'a> {
             prior: PriorKnowledge::nothing(agent).prior,
             seed,
             solves: 0,
+            starts: 0,
             touches: Vec::new(),
             resolved: (0..creature.joints().len()).map(|joint| !has_axes(creature, joint)).collect(),
             placement: vec![f64::INFINITY; creature.limbs().len()],
@@ -113,6 +117,11 @@ impl<'a> Growth<'a> {
         self.touches.push(GrownTouch { limbs, prepared, chain, moving, freedom, used: false });
     }
 
+    /// Starts from initial guesses made so far.
+    pub fn starts(&self) -> usize {
+        self.starts
+    }
+
     /// The touches so far.
     pub fn touches(&self) -> &[GrownTouch] {
         &self.touches
@@ -133,6 +142,12 @@ impl<'a> Growth<'a> {
         &self.resolved
     }
 
+    /// How far off a limb's skin may be, one standard deviation, seen from the limb that others are placed in relation to,
+    /// metres.
+    pub fn placement(&self, limb: usize) -> f64 {
+        self.placement[limb]
+    }
+
     /// Whether it is known where a limb is, seen from the limb that others are placed in relation to.
     pub fn placed(&self, limb: usize) -> bool {
         self.placement[limb] < placement::PLACED
@@ -146,8 +161,17 @@ impl<'a> Growth<'a> {
         }
     }
 
-    /// Learns what can be learned from the touches so far; whether that was anything.
+    /// Learns what is likely to be learned from the touches so far; whether that was anything.
     pub fn grow(&mut self) -> bool {
+        self.grow_trying(TRIED)
+    }
+
+    /// The same with all that can be tried, for there will be no more touches.
+    pub fn grow_all(&mut self) -> bool {
+        self.grow_trying(usize::MAX)
+    }
+
+    fn grow_trying(&mut self, tried: usize) -> bool {
         let mut grown = false;
         if self.belief.is_none() {
             grown = self.grow_first();
@@ -161,7 +185,7 @@ impl<'a> Growth<'a> {
                 growth.failed.get(&part.key()).is_none_or(|&before| touches as f64 >= MORE * before as f64)
             };
             let ready = self.ready(TOUCHES).into_iter().filter(|(part, touches)| worth(self, part, *touches));
-            let ready: Vec<(Part, usize)> = ready.take(TRIED).collect();
+            let ready: Vec<(Part, usize)> = ready.take(tried).collect();
             let before = self.placed_limbs();
             let learned = ready.into_iter().any(|(part, touches)| {
                 let known = self.learn(&part, STARTS);

@@ -29,6 +29,8 @@ const PROMISING: f64 = 0.9;
 const AT_ONCE: usize = 2;
 /// Touches of a limb below which the first part does without it.
 const OFTEN: usize = 8;
+/// Touches that a part is solved by at the most, in units of its unknowns.
+const MOST_TOUCHES: usize = 8;
 /// Steps down the relaxed gradient from a random initial guess, …
 const DESCENT: usize = 100_000;
 /// … and where the descent doubts the touches themselves.
@@ -101,6 +103,7 @@ impl Growth<'_> {
         let mut best: Option<Solved> = None;
         for wave in numbers.chunks(AT_ONCE) {
             let made: Vec<Solved> = wave.par_iter().map(|&number| self.start(&problem, number)).collect();
+            self.starts += made.len();
             for solved in made {
                 if best.as_ref().is_none_or(|best| solved.share > best.share) {
                     best = Some(solved);
@@ -137,6 +140,12 @@ impl Growth<'_> {
         }
         if touches.is_empty() {
             return None;
+        }
+        // Of very many the freest do.
+        let most = MOST_TOUCHES * (self.width(&part.joints) + 3 * part.limbs.len());
+        if self.belief.is_some() && touches.len() > most {
+            touches.sort_by_key(|touch| std::cmp::Reverse(touch.freedom));
+            touches.truncate(most);
         }
         let (mut between, mut moving) = (vec![false; joints.len()], vec![false; joints.len()]);
         let mut touched = vec![false; creature.limbs().len()];

@@ -4,10 +4,12 @@
 //! studies have it by its name.
 
 mod gradient;
+mod growth;
 mod hersch;
 mod levenberg_marquardt;
 
 pub use gradient::RepairedHersch;
+pub use growth::PartByPart;
 pub use hersch::HerschsRule;
 pub use levenberg_marquardt::LevenbergMarquardt;
 
@@ -15,7 +17,7 @@ use crate::agent::Agent;
 use crate::learning::{Input, KnownJoint, Learner, LimbFrames, SkinKnowledge};
 
 /// The learners, in the order in which they are named to the user; the first stands where none is named.
-pub const LEARNERS: &[&dyn LearnerKind] = &[&LevenbergMarquardt, &HerschsRule, &RepairedHersch];
+pub const LEARNERS: &[&dyn LearnerKind] = &[&LevenbergMarquardt, &PartByPart, &HerschsRule, &RepairedHersch];
 
 /// A kind of learner.
 pub trait LearnerKind: Sync {

@@ -16,12 +16,13 @@ mod tool;
 
 use crate::agent::Agent;
 use crate::kinematics::Chain;
+use crate::learning::annealing::NARROWEST;
 use crate::learning::growing::WHOLE_DOF;
 use crate::learning::least_squares::LeastSquares;
 use crate::learning::observability::Observability;
 use crate::learning::surface_gap::SurfaceGap;
 use crate::learning::touch_set::{PreparedTouch, TouchProblem, TouchSet};
-use crate::learning::{Basis, Learned, Learner, PriorKnowledge, SecondOrder, Verdict};
+use crate::learning::{Account, Basis, Learned, Learner, PriorKnowledge, SecondOrder, Witnesses};
 use crate::schema::BodySchema;
 use crate::senses::Touch;
 pub use belief::{Anchor, Belief, Expectation};
@@ -200,7 +201,7 @@ impl<'a> Online<'a> {
     }
 
     fn lock(&mut self, learned: &Learned) {
-        let (Some(observability), Some(deviation)) = (&learned.observability, learned.deviation) else {
+        let (Some(observability), Some(deviation)) = (learned.observability(), learned.deviation) else {
             return;
         };
         let parameters = observability.parameters.clone();
@@ -394,7 +395,7 @@ impl<'a> Online<'a> {
             let known = (0..self.agent.creature().joints().len()).map(known).collect();
             let refined = self.batch.refine_known(&belief.schema, known);
             return Some(Learned {
-                verdict: Verdict::Converged,
+                verdict: refined.account.as_ref()?.verdict(),
                 initial_guesses: self.initial_guesses,
                 fresh_rms,
                 changes: Vec::new(),
@@ -416,16 +417,19 @@ impl<'a> Online<'a> {
             information,
             rows,
         );
-        let undetermined = observability.undetermined_joints(self.agent, &belief.schema);
+        let witnesses = Witnesses {
+            of_limbs: locked.touches.count_of_limbs(self.agent.creature()),
+            point_deviation: 0.0,
+            at_floor: belief.deviation <= NARROWEST,
+        };
+        let account = Account::new(self.agent, &belief.schema, observability, witnesses);
         Some(Learned {
             schema: belief.schema.clone(),
             basis: Basis::SURFACES,
-            verdict: Verdict::Converged,
+            verdict: account.verdict(),
             initial_guesses: self.initial_guesses,
             fresh_rms,
-            undetermined,
-            undetermined_limbs: Vec::new(),
-            observability: Some(observability),
+            account: Some(account),
             deviation: Some(belief.deviation),
             changes: self.changes.clone(),
         })

@@ -15,7 +15,7 @@ mod uncertainty;
 
 use crate::agent::Agent;
 use crate::evaluation::Evaluation;
-use crate::learning::Input;
+use crate::learning::{Account, Input};
 use crate::record::{Checkpoint, Prediction, SpaceRecord};
 use crate::schema::{BodySchema, SchemaStd};
 use crate::senses::Touch;
@@ -56,9 +56,11 @@ pub struct ReportInput<'a> {
     pub facts: Vec<(String, String)>,
     /// The verdict in a sentence.
     pub verdict: String,
+    /// What is known of the body, where the learner can tell; must be of the creature.
+    pub account: Option<&'a Account>,
     /// The joints that the touches did not determine.
     pub undetermined: &'a [usize],
-    /// The limbs whose own frames they did not determine, by name.
+    /// The limbs that are not placed though no joint between them and limbs that are is undetermined, by name.
     pub undetermined_limbs: &'a [String],
     /// Every direction in which the schema could change without any touch feeling it, in words.
     pub open_directions: &'a [String],
@@ -76,7 +78,7 @@ pub fn html(input: &ReportInput) -> String {
         ("Learning curve", curve::figure_of(input)),
         ("Error per joint", joint_errors::figure_of(input, &residuals)),
         ("Residuals", residuals::figure_of(&residuals)),
-        ("How sure the learner is", uncertainty::figure_of(input)),
+        ("How sure the learner is", tables::limbs(input) + &uncertainty::figure_of(input)),
         ("What stays undetermined", tables::undetermined(input)),
         ("Who touched whom", touch_matrix::figure_of(input)),
         ("Where the hands can get to", reachable::figure_of(input.space)),

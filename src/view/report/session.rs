@@ -4,7 +4,7 @@ use std::path::Path;
 
 use super::{ReportInput, html};
 use crate::creature::Creature;
-use crate::evaluation::evaluate_claims;
+use crate::evaluation::{Evaluation, evaluate, evaluate_claims};
 use crate::experiment::{ExperimentError, LearningOptions};
 use crate::ground_truth::GroundTruth;
 use crate::record::{
@@ -43,13 +43,15 @@ pub fn write_report(
     let joints = creature.joints();
     let undetermined: Vec<usize> =
         (0..joints.len()).filter(|&joint| record.undetermined.contains(&joints[joint].name)).collect();
-    let limbs = creature.limbs();
-    let undetermined_limbs: Vec<usize> =
-        (0..limbs.len()).filter(|&limb| record.undetermined_limbs.contains(&limbs[limb])).collect();
-    let evaluation = truth.map(|truth| {
-        let mut evaluation = evaluate_claims(agent, truth, &schema, &undetermined, &undetermined_limbs);
-        evaluation.bound_mm = record.bound;
-        evaluation
+    let account = record.account.as_ref().and_then(|recorded| recorded.account.as_ref());
+    let evaluation = truth.map(|truth| match account {
+        Some(account) => {
+            let evaluation = evaluate_claims(agent, truth, &schema, account);
+            Evaluation { bound_mm: record.bound, ..evaluation }
+        }
+        // A learner that cannot tell claims nothing: all is measured.
+        None if undetermined.len() == joints.len() => evaluate(agent, truth, &schema, &[]),
+        None => evaluate(agent, truth, &schema, &undetermined),
     });
     let recorded = LearningOptions::default().for_session(session)?.input();
     let asked = session.options.input.as_deref().and_then(|input| input.parse().ok());
@@ -71,6 +73,7 @@ pub fn write_report(
         commands: commands(session, found.as_ref()),
         facts: facts(session, found.as_ref()),
         verdict: record.verdict.clone(),
+        account,
         undetermined: &undetermined,
         undetermined_limbs: &record.undetermined_limbs,
         open_directions: &record.open_directions,

@@ -49,7 +49,7 @@ pub(super) fn errors(input: &ReportInput) -> String {
     };
     let rows = [
         ("Skin of any limb, in any other limb's frame", "mm", Some(evaluation.heldout_mm)),
-        ("the same, over determined joints only", "mm", Some(evaluation.determined_mm)),
+        ("the same, over what is claimed to be known", "mm", Some(evaluation.determined_mm)),
         ("the same, with a hand as one of the two", "mm", evaluation.hand_mm),
         ("Direction of determined axes", "°", Some(evaluation.axis_deg)),
         ("Place of determined axes", "mm", Some(evaluation.axis_line_mm)),
@@ -75,8 +75,15 @@ pub(super) fn errors(input: &ReportInput) -> String {
 
 /// The error beside the least that there could be.
 fn bound(bound: &CramerRaoBound) -> String {
+    if bound.at_floor {
+        return format!(
+            "<p class=\"bound\">Over what is claimed to be known the error is {} mm as a root mean square: the touches \
+             are explained to the numerical floor.</p>\n",
+            number(bound.error_rms)
+        );
+    }
     format!(
-        "<p class=\"bound\">Over determined joints the error is {} mm as a root mean square: {} times the \
+        "<p class=\"bound\">Over what is claimed to be known the error is {} mm as a root mean square: {} times the \
          Cramér-Rao bound of {} mm, the least that any unbiased learner could leave on average after these touches, \
          were their noise what the learner takes it to be.</p>\n",
         number(bound.error_rms),
@@ -90,7 +97,11 @@ pub(super) fn undetermined(input: &ReportInput) -> String {
     let limbs: Vec<String> = input.undetermined_limbs.iter().map(|limb| escape(limb)).collect();
     let limbs = match limbs.as_slice() {
         [] => String::new(),
-        limbs => format!("<p>Limbs whose own frames are undetermined: {}.</p>\n", limbs.join(", ")),
+        limbs => format!(
+            "<p>The touches do not determine the place of {}: {}.</p>\n",
+            plural(limbs.len(), "limb"),
+            limbs.join(", ")
+        ),
     };
     let directions: String =
         input.open_directions.iter().map(|words| format!("<li>{}</li>\n", escape(words))).collect();
@@ -118,6 +129,35 @@ fn undetermined_joints(input: &ReportInput) -> String {
         names.len(),
         plural(joints.len(), "joint"),
         names.join(", ")
+    )
+}
+
+/// The table of limbs: how far off their skin may be, the limb that is placed worst first; nothing where the learner
+/// cannot tell.
+pub(super) fn limbs(input: &ReportInput) -> String {
+    let creature = input.agent.creature();
+    let Some(account) = input.account else { return String::new() };
+    let row = |limb: usize| {
+        let distances = account.distance_to_most(limb).unwrap_or([f64::INFINITY; 2]);
+        let cells = distances.map(|metres| format!("<td class=\"number\">{}</td>", number(1e3 * metres)));
+        let why = account.openness(creature, limb).map_or(String::new(), |why| why.words(creature));
+        format!(
+            "<tr><th scope=\"row\">{}</th><td class=\"number\">{}</td>{}<td class=\"{}\">{}</td></tr>\n",
+            escape(&creature.limbs()[limb]),
+            account.witnesses.of_limbs[limb],
+            cells.concat(),
+            if why.is_empty() { "" } else { "open" },
+            escape(&why)
+        )
+    };
+    let rows: String = account.worst_first().into_iter().map(row).collect();
+    format!(
+        "<div class=\"wide\"><table class=\"limbs\">\n<thead><tr><th>Limb</th><th class=\"number\">Touches</th>\
+         <th class=\"number\">Off by, best, mm</th><th class=\"number\">worst, mm</th><th>Why it is not placed</th></tr>\
+         </thead>\n<tbody>\n{rows}</tbody>\n</table></div>\n\
+         <p class=\"note\">How far off any skin of a limb may be at 95 %, in the frames of the other limbs that are \
+         placed against one another: in that where it is known best, and in that where it is known worst. A dash \
+         stands where nothing bounds it. Touches are those that count.</p>\n"
     )
 }
 

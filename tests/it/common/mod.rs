@@ -70,8 +70,8 @@ pub fn babble(body: &Body, agent: &Agent, touches: usize, seed: u64, jobs: usize
 pub fn own_body(agent: &Agent, schema: &BodySchema, input: Input, touches: &[Touch]) -> OwnBody {
     let mut learner = SecondOrder::new(agent, input, 0);
     touches.iter().for_each(|touch| learner.touch(touch));
-    let (found, _) = learner.observe(schema);
-    OwnBody::new(agent, schema.clone(), Certainty::Estimated(Box::new(found)), touches)
+    let (account, _) = learner.account(schema);
+    OwnBody::new(agent, schema.clone(), Certainty::Estimated(Box::new(account)), touches)
 }
 
 /// A body and the agent in it, with the skin that its model gives it.

@@ -1,0 +1,66 @@
+//! The learner that grows a body part by part from all its touches.
+
+use super::Growth;
+use crate::agent::Agent;
+use crate::learning::{Basis, Input, Learned, Learner, SecondOrder, Verdict};
+use crate::schema::BodySchema;
+use crate::senses::Touch;
+
+/// The learner `growth`: receptors on known surfaces.
+pub struct Grower<'a> {
+    agent: &'a Agent,
+    growth: Growth<'a>,
+    seed: u64,
+    touches: Vec<Touch>,
+}
+
+impl<'a> Grower<'a> {
+    /// A learner whose initial guesses are drawn from `seed`.
+    pub fn new(agent: &'a Agent, seed: u64) -> Grower<'a> {
+        Grower { agent, growth: Growth::new(agent, seed), seed, touches: Vec::new() }
+    }
+
+    /// The last fit, to all touches that what is known explains, and what they determine.
+    fn conclude(&self, schema: &BodySchema) -> Learned {
+        let mut last = SecondOrder::new(self.agent, Input::Receptor, self.seed);
+        let used = self.touches.iter().zip(self.growth.touches()).filter(|(_, grown)| grown.used);
+        used.for_each(|(touch, _)| last.touch(touch));
+        let known = vec![true; self.agent.creature().joints().len()];
+        let mut learned = last.refine_known(schema, known);
+        learned.initial_guesses = self.growth.starts();
+        learned.verdict = learned.account.as_ref().map_or(Verdict::Converged, |account| account.verdict());
+        learned
+    }
+}
+
+impl Learner for Grower<'_> {
+    fn touch(&mut self, touch: &Touch) {
+        self.growth.touch(touch);
+        self.touches.push(touch.clone());
+    }
+
+    fn learn(&mut self) -> Learned {
+        self.growth.grow_all();
+        match self.growth.schema() {
+            Some(schema) => self.conclude(schema),
+            None => Learned {
+                schema: BodySchema::zero(self.agent.creature()),
+                basis: Basis::SURFACES,
+                verdict: Verdict::Failed(
+                    "no part of the body explains its touches: growth needs touches made while few joints move \
+                     (--policy stages), or another learner (--learner lm)"
+                        .to_string(),
+                ),
+                initial_guesses: self.growth.starts(),
+                fresh_rms: f64::NAN,
+                account: None,
+                deviation: None,
+                changes: Vec::new(),
+            },
+        }
+    }
+
+    fn schema(&self) -> Option<&BodySchema> {
+        self.growth.schema()
+    }
+}

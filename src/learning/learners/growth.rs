@@ -1,0 +1,27 @@
+//! `growth`: part by part from what is known.
+
+use super::{LearnerGivens, LearnerKind, LearnerUses};
+use crate::agent::Agent;
+use crate::learning::{Grower, Learner};
+
+/// Part by part from what is known: for touches made while few joints move.
+#[derive(Clone, Copy, Debug)]
+pub struct PartByPart;
+
+impl LearnerKind for PartByPart {
+    fn name(&self) -> &'static str {
+        "growth"
+    }
+
+    fn about(&self) -> &'static str {
+        "Part by part from what is known"
+    }
+
+    fn uses(&self) -> LearnerUses {
+        LearnerUses { surfaces: true, ..LearnerUses::default() }
+    }
+
+    fn learner<'a>(&self, agent: &'a Agent, _: &LearnerGivens, seed: u64) -> Box<dyn Learner + 'a> {
+        Box::new(Grower::new(agent, seed))
+    }
+}
