@@ -424,7 +424,7 @@ impl<'a> SecondOrder<'a> {
 
     fn observe_witnesses(&self, used: &TouchSet, schema: &BodySchema) -> (Observability, Witnesses, f64) {
         let (parameters, placed) = self.touched(used);
-        let (mut hessian, rows, deviation, at_floor) = match self.evidence() {
+        let (found, deviation, at_floor) = match self.evidence() {
             Evidence::Points { .. } => {
                 let mut problem =
                     TouchProblem::new(self.agent.creature(), used, &parameters, PointsMeet::Shaped);
@@ -433,43 +433,56 @@ impl<'a> SecondOrder<'a> {
                 let misses = (2.0 * model.cost / spare as f64).sqrt();
                 // Points that miss by more than they were taken to say that much less.
                 let hessian = model.hessian / misses.max(1.0).powi(2);
-                (hessian, 3 * used.len(), taken_deviation(used) * misses, misses <= 1.0)
+                let found = self.observability(&parameters, schema, hessian, 3 * used.len());
+                (found, taken_deviation(used) * misses, misses <= 1.0)
             }
             Evidence::Surfaces(skin) => {
                 let mut deviation = self.gap_deviation(skin, used, &parameters, schema, None);
                 let noisy = deviation > CERTAIN_NOISE;
-                let scales = if noisy { joint_noise::scales(skin, used, schema) } else { None };
+                let mut scales = if noisy { joint_noise::scales(skin, used, schema) } else { None };
                 if scales.is_some() {
                     deviation = self.gap_deviation(skin, used, &parameters, schema, scales.as_deref());
                 }
-                let model = SurfaceGap::new(skin, deviation).without_places();
-                let information = |touches: &TouchSet, scales: Option<&[f64]>| {
-                    let problem = TouchProblem::new(self.agent.creature(), touches, &parameters, model);
-                    problem.with_scales(scales).linearize(schema).hessian / MEAN_WEIGHT
-                };
-                let hessian = information(used, scales.as_deref());
-                let checked =
-                    checked(skin, used, &parameters, schema, &hessian, (deviation, scales.as_deref()));
                 let alike = match noisy {
                     true => design_effect(skin, used, schema, deviation, scales.as_deref()),
                     false => 1.0,
                 };
-                let (hessian, count) = match checked {
-                    Some((few, scales)) => (information(&few, scales.as_deref()), few.len()),
-                    None => (hessian, used.len()),
+                let model = SurfaceGap::new(skin, deviation).without_places();
+                let share = MEAN_WEIGHT * alike;
+                let mut touches = used.clone();
+                let found = loop {
+                    let problem = TouchProblem::new(self.agent.creature(), &touches, &parameters, model);
+                    let hessian = problem.with_scales(scales.as_deref()).linearize(schema).hessian / share;
+                    let found = self.observability(&parameters, schema, hessian, 5 * touches.len());
+                    let noise = (deviation, scales.as_deref());
+                    // Without some of the touches others may be the only ones that are left.
+                    match checked(skin, &touches, schema, &found, share, noise) {
+                        Some((few, few_scales)) => (touches, scales) = (few, few_scales),
+                        None => break found,
+                    }
                 };
-                (hessian / alike, 5 * count, deviation, deviation <= NARROWEST)
+                (found, deviation, deviation <= NARROWEST)
             }
         };
-        self.known.given.add_information(&parameters, &mut hessian);
-        self.fix_choices(&parameters, schema, &mut hessian);
-        let found = Observability::new(self.agent.creature(), parameters, &self.known.frozen, hessian, rows);
         let witnesses = Witnesses {
             of_limbs: used.count_of_limbs(self.agent.creature()),
             point_deviation: if self.input == Input::Contact { deviation } else { 0.0 },
             at_floor,
         };
         (found.with_placed(placed), witnesses, deviation)
+    }
+
+    /// What information (lower triangle) of so many residuals determines, with what was known in advance.
+    fn observability(
+        &self,
+        parameters: &Parameters,
+        schema: &BodySchema,
+        mut hessian: DMatrix<f64>,
+        rows: usize,
+    ) -> Observability {
+        self.known.given.add_information(parameters, &mut hessian);
+        self.fix_choices(parameters, schema, &mut hessian);
+        Observability::new(self.agent.creature(), parameters.clone(), &self.known.frozen, hessian, rows)
     }
 
     /// Adds to normal equations (lower triangle) that limbs' origins do not shift where their joints cannot feel
@@ -522,32 +535,33 @@ impl<'a> SecondOrder<'a> {
     }
 }
 
-/// The touches that others check, and their scales; none where that are all.
+/// The touches that are closed and that others check, and their scales; none where that are all.
 ///
 /// A touch whose leverage is nearly 1 closes its gap whatever the truth is: the fit has a parameter for it alone.
 /// What rests on such touches is not known, however small it leaves the gaps (Baarda's reliability, "A Testing
-/// Procedure for Use in Geodetic Networks", 1968). `noise` is the gaps' deviation, and how many times wider each is.
+/// Procedure for Use in Geodetic Networks", 1968). `found` is what they determine, with their information counted so many
+/// times as its weights hold (`share`); `noise` is the gaps' deviation, and how many times wider each is.
 fn checked(
     skin: &Skin,
     touches: &TouchSet,
-    parameters: &Parameters,
     schema: &BodySchema,
-    hessian: &DMatrix<f64>,
+    found: &Observability,
+    share: f64,
     (deviation, scales): (f64, Option<&[f64]>),
 ) -> Option<(TouchSet, Option<Vec<f64>>)> {
-    let covariance = information_inverse(hessian.clone(), parameters)?;
     let mut row = GapRow::default();
     let mut number = 0;
     let mut kept_scales = scales.map(|_| Vec::new());
     let mut few = touches.clone();
     for pair in &mut few.pairs {
         pair.touches.retain(|touch| {
-            row.set(skin, parameters, schema, touch);
+            row.set(skin, &found.parameters, schema, touch);
             let deviation = deviation * scales.map_or(1.0, |scales| scales[number]);
             let weight = 1.0 / (1.0 + (row.gap / (TAIL * deviation)).powi(2));
             // The weights that the information was divided by are 1 for a gap that is closed.
-            let leverage = weight * row.variance(&covariance) / (MEAN_WEIGHT * deviation.powi(2));
-            let checked = leverage < UNCHECKED;
+            let leverage = weight * row.variance(&found.covariance) / (share * deviation.powi(2));
+            // A gap that is open speaks against the schema, and for nothing.
+            let checked = leverage < UNCHECKED && row.gap.abs() <= OPEN * deviation;
             if let (true, Some(kept), Some(scales)) = (checked, &mut kept_scales, scales) {
                 kept.push(scales[number]);
             }

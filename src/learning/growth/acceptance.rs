@@ -153,8 +153,13 @@ impl Growth<'_> {
             return false;
         }
         let Belief { schema, parameters, deviation, .. } = belief;
+        // Nor is a touch that stays open evidence, however little it weighs among sharp ones.
+        let set = set.filter_touches(|touch| self.closes(touch, &schema));
         let model = SurfaceGap::new(skin, deviation).without_places();
-        let evidence = information(&schema, &parameters, model);
+        let evidence = TouchProblem::new(creature, &set, &parameters, model)
+            .with_prior(&self.prior)
+            .linearize(&schema)
+            .hessian;
         let belief = Belief::new(schema, parameters, evidence, deviation);
         let fitted = belief.is_some();
         self.belief = belief.or(self.belief.take());
