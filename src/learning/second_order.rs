@@ -24,7 +24,7 @@ use crate::learning::observability::Observability;
 use crate::learning::observation::{Input, Observation, ObservationModel, PointsMeet, SkinKnowledge};
 use crate::learning::open_gaps::{GapTally, witnesses};
 use crate::learning::prediction::{GapRow, covariance, information_inverse};
-use crate::learning::surface_gap::{MEAN_WEIGHT, SurfaceGap, TAIL, gap_scale};
+use crate::learning::surface_gap::{MEAN_WEIGHT, SHARPEST, SurfaceGap, TAIL, gap_scale};
 use crate::learning::touch_set::{LimbTouch, PairTouches, PreparedTouch, TouchProblem, TouchSet};
 use crate::learning::whiteness::design_effect;
 use crate::learning::{
@@ -447,14 +447,15 @@ impl<'a> SecondOrder<'a> {
                     true => design_effect(skin, used, schema, deviation, scales.as_deref()),
                     false => 1.0,
                 };
-                let model = SurfaceGap::new(skin, deviation).without_places();
+                let sharp = deviation.max(SHARPEST);
+                let model = SurfaceGap::new(skin, sharp).without_places();
                 let share = MEAN_WEIGHT * alike;
                 let mut touches = used.clone();
                 let found = loop {
                     let problem = TouchProblem::new(self.agent.creature(), &touches, &parameters, model);
                     let hessian = problem.with_scales(scales.as_deref()).linearize(schema).hessian / share;
                     let found = self.observability(&parameters, schema, hessian, 5 * touches.len());
-                    let noise = (deviation, scales.as_deref());
+                    let noise = (sharp, scales.as_deref());
                     // Without some of the touches others may be the only ones that are left.
                     match checked(skin, &touches, schema, &found, share, noise) {
                         Some((few, few_scales)) => (touches, scales) = (few, few_scales),

@@ -7,7 +7,7 @@ use crate::learning::annealing::{NARROWEST, WIDEST, gaps, quantile};
 use crate::learning::least_squares::LeastSquares;
 use crate::learning::online::Belief;
 use crate::learning::prediction::GapRow;
-use crate::learning::surface_gap::SurfaceGap;
+use crate::learning::surface_gap::{SHARPEST, SurfaceGap};
 use crate::learning::touch_set::TouchProblem;
 use crate::learning::{AxisModel, Parameters};
 use crate::schema::BodySchema;
@@ -153,6 +153,7 @@ impl Growth<'_> {
             return false;
         }
         let Belief { schema, parameters, deviation, .. } = belief;
+        let deviation = deviation.max(SHARPEST);
         // Nor is a touch that stays open evidence, however little it weighs among sharp ones.
         let set = set.filter_touches(|touch| self.closes(touch, &schema));
         let model = SurfaceGap::new(skin, deviation).without_places();

@@ -39,8 +39,8 @@ const DOUBTING_DESCENT: usize = 400_000;
 /// little are caught in one wrong minimum or another, and which depends on this.
 const RELAXED_GAPS: [f64; 4] = [3e-3, WIDEST, 1e-3, 3e-4];
 /// Positions and axes known to this, metres and radians, are held while a part is solved: it makes no difference.
-const KNOWN_POSITION: f64 = 1e-5;
-const KNOWN_AXIS: f64 = 1e-4;
+const KNOWN_POSITION: f64 = 3e-5;
+const KNOWN_AXIS: f64 = 3e-4;
 /// Share of a limb's touches that stay open and give it up, where there are …
 const OPEN_SHARE: f64 = 0.25;
 /// … so many of them at the least. As many limbs at the most are given up.
