@@ -189,10 +189,11 @@ impl Account {
         limbs
     }
 
-    /// Why a limb is not of the largest class; none where it is.
+    /// Why a limb is not placed among the largest class; none where it is.
     pub fn openness(&self, creature: &Creature, limb: usize) -> Option<Openness> {
         let most = self.classes.first()?;
-        if most.contains(&limb) {
+        // A limb alone is placed against nothing.
+        if most.len() > 1 && most.contains(&limb) {
             return None;
         }
         if self.witnesses.of_limbs[limb] == 0 {
