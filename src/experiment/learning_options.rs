@@ -98,6 +98,15 @@ impl LearningOptions {
     /// # Errors
     /// Where limbs in frames of their own cannot be learned.
     pub fn check(&self, creature: &Creature) -> Result<(), ExperimentError> {
+        let surfaces = (self.input(), self.skin) == (Input::Receptor, SkinKnowledge::Surface);
+        if self.learner.uses().surfaces_alone && !surfaces {
+            return Err(ExperimentError::refused(format!(
+                "--learner {} learns from receptors on known surfaces alone: leave out --input and --skin, or use \
+                 --learner {}",
+                self.learner.name(),
+                LEARNERS[0].name()
+            )));
+        }
         self.check_frames(creature, self.known.is_some())
     }
 

@@ -116,8 +116,8 @@ impl<'a> BabblingSession<'a> {
         check_same(&session, embodied, folder)?;
         let agent = embodied.agent();
         let log_file = folder.join(TOUCHES_FILE);
-        let wanted = setup.babbling.touches;
-        if session.effort.is_some() {
+        if let Some(effort) = &session.effort {
+            let wanted = effort.touches.unwrap_or(setup.babbling.touches);
             let touches = read_touches(&log_file, agent)?.touches;
             if touches.len() != wanted {
                 let reason = format!(
@@ -183,7 +183,9 @@ impl<'a> BabblingSession<'a> {
             Ok(())
         })?;
         observer.phase(Phase::Done);
-        session.effort = Some(BabblingEffort::new(&effort, spent + began.elapsed()));
+        let touches = Some(made.len()).filter(|&made| made != setup.babbling.touches);
+        session.effort =
+            Some(BabblingEffort { touches, ..BabblingEffort::new(&effort, spent + began.elapsed()) });
         log.finish()?;
         session.write(&folder)?;
         BabblingProgress::remove(&folder);

@@ -185,6 +185,9 @@ pub struct SessionOptions {
 pub struct BabblingEffort {
     /// Motions begun.
     pub motions: u64,
+    /// Touches made, where a policy knew all before it had made as many as were asked for.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub touches: Option<usize>,
     /// Postures whose contacts the engine was asked for.
     pub engine_checks: u64,
     /// Contacts on bare geometry, left out.
@@ -205,6 +208,7 @@ impl BabblingEffort {
     pub fn new(effort: &Effort, babbling: Duration) -> BabblingEffort {
         BabblingEffort {
             motions: effort.motions,
+            touches: None,
             engine_checks: effort.engine_checks,
             bare: effort.bare,
             neighbours: effort.neighbours,

@@ -16,6 +16,7 @@ mod export;
 mod foreign;
 mod frames;
 mod geometry;
+mod growth;
 mod interaction;
 mod kinematics;
 mod known;

@@ -18,7 +18,7 @@ impl LearnerKind for PartByPart {
     }
 
     fn uses(&self) -> LearnerUses {
-        LearnerUses { surfaces: true, ..LearnerUses::default() }
+        LearnerUses { surfaces: true, surfaces_alone: true, ..LearnerUses::default() }
     }
 
     fn learner<'a>(&self, agent: &'a Agent, _: &LearnerGivens, seed: u64) -> Box<dyn Learner + 'a> {

@@ -21,7 +21,7 @@ impl LearnerKind for LevenbergMarquardt {
     }
 
     fn uses(&self) -> LearnerUses {
-        LearnerUses { surfaces: true, known_joints: true, limb_frames: true }
+        LearnerUses { surfaces: true, known_joints: true, limb_frames: true, surfaces_alone: false }
     }
 
     fn learner<'a>(&self, agent: &'a Agent, given: &LearnerGivens, seed: u64) -> Box<dyn Learner + 'a> {

@@ -73,6 +73,8 @@ pub struct LearnerUses {
     pub known_joints: bool,
     /// Points in frames of the limbs' own.
     pub limb_frames: bool,
+    /// Nothing but receptors on known surfaces.
+    pub surfaces_alone: bool,
 }
 
 /// The learner of a name.
