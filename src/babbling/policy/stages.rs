@@ -21,6 +21,8 @@ use crate::simulation::Ending;
 
 /// Sets of joints that are tried before the first is learned, …
 const TRIALS: usize = 16;
+/// … as many of each of so many sizes, …
+const SIZES: usize = 4;
 /// … motions with each, …
 const TRIAL_MOTIONS: usize = 40;
 /// … and with all joints, which show what can be touched at all.
@@ -29,6 +31,8 @@ const SURVEY_MOTIONS: usize = 150;
 const FIRST_UNKNOWNS: [usize; 2] = [24, 110];
 /// Touches after which it is seen what can be learned.
 const LEARNED_EVERY: usize = 6;
+/// Motions with a first set before another is tried, in units of those after which it should have been learned.
+const FIRST_PATIENCE: f64 = 2.0;
 /// Share of motions that go anywhere.
 const ANYWHERE: f64 = 0.15;
 /// Share of the others that repeat a touch though they could be aimed.
@@ -154,7 +158,14 @@ impl<'a> Stages<'a> {
         }
         let mut sets: Vec<(Vec<usize>, f64)> = sets.into_iter().collect();
         sets.sort_by(|a, b| b.1.total_cmp(&a.1));
-        sets.into_iter().take(TRIALS).map(|(set, _)| set).collect()
+        // As many small ones as large ones: only trial tells how many joints it takes to touch.
+        let [least, most] = FIRST_UNKNOWNS;
+        let size = |set: &[usize]| (self.growth.width(set) - least) * SIZES / (most - least + 1);
+        let of_size = |wanted: usize| {
+            let sets = sets.iter().filter(move |(set, _)| size(set) == wanted);
+            sets.take(TRIALS / SIZES).map(|(set, _)| set.clone())
+        };
+        (0..SIZES).flat_map(of_size).collect()
     }
 
     /// The limbs that have skin.
@@ -221,8 +232,11 @@ impl<'a> Stages<'a> {
                 return;
             }
         }
-        if self.motions >= self.patience && self.growth.schema().is_some() {
-            self.next_goal();
+        if self.motions >= self.patience {
+            match self.growth.schema() {
+                Some(_) => self.next_goal(),
+                None => self.next_first(),
+            }
         }
     }
 
@@ -231,17 +245,32 @@ impl<'a> Stages<'a> {
             self.begin_trial(trial + 1);
             return;
         }
-        // The set that has its touches soonest; where none touched, all joints at once.
-        let soonest = self.trials[..trial].iter().filter(|(_, touches)| *touches > 0).min_by(|a, b| {
-            let motions = |(set, touches): &(Vec<usize>, usize)| {
-                FIRST_TOUCHES * self.growth.width(set) as f64 / *touches as f64
-            };
-            motions(a).total_cmp(&motions(b))
-        });
-        let set = soonest.unwrap_or(&self.trials[trial]).0.clone();
+        // Those first that have their touches soonest; where none touched, all joints at once.
+        let mut trials = std::mem::take(&mut self.trials);
+        if trials[..trial].iter().any(|(_, touches)| *touches > 0) {
+            trials.pop();
+            trials.retain(|(_, touches)| *touches > 0);
+        }
+        trials.sort_by(|a, b| self.first_motions(a).total_cmp(&self.first_motions(b)));
+        self.trials = trials;
         self.trial = None;
+        self.next_first();
+    }
+
+    /// Motions after which a set of joints will have as many touches as a first part needs.
+    fn first_motions(&self, (set, touches): &(Vec<usize>, usize)) -> f64 {
+        FIRST_TOUCHES * (self.growth.width(set) * TRIAL_MOTIONS) as f64 / (*touches).max(1) as f64
+    }
+
+    /// Goes on with the next set of joints for the first part, each time with more motions.
+    fn next_first(&mut self) {
+        let number = self.goals % self.trials.len();
+        let rounds = 1 + self.goals / self.trials.len();
+        let motions = FIRST_PATIENCE * rounds as f64 * self.first_motions(&self.trials[number]);
+        let set = self.trials[number].0.clone();
+        self.goals += 1;
         self.over = true;
-        self.begin(Goal::Joints(set), usize::MAX);
+        self.begin(Goal::Joints(set), motions as usize);
     }
 
     /// Chooses what to learn next: joints that a touch made by chance had, a limb to place, a joint with much skin to both

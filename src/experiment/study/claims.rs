@@ -1,6 +1,6 @@
 //! Whether what a learner claims is so: many sessions, and every claim held against the truth.
 //!
-//! A claim is that two limbs are of one class of the [`Account`](crate::learning::Account): skin of either is placed in
+//! A claim is that two limbs are of one class of the [`Account`]: skin of either is placed in
 //! the other's frame. It is wrong where held-out skin is off by more than is too little to matter and by more than the
 //! claim's own deviations allow.
 
