@@ -1,10 +1,18 @@
 //! The learner that grows a body part by part from all its touches.
 
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+
 use super::Growth;
 use crate::agent::Agent;
+use crate::learning::initial_guess::random_guess;
 use crate::learning::{Basis, Input, Learned, Learner, SecondOrder, Verdict};
 use crate::schema::BodySchema;
 use crate::senses::Touch;
+
+/// After so many touches, or this share of all, it is seen what can be learned.
+const EVERY: usize = 30;
+const EVERY_SHARE: usize = 12;
 
 /// The learner `growth`: receptors on known surfaces.
 pub struct Grower<'a> {
@@ -12,12 +20,14 @@ pub struct Grower<'a> {
     growth: Growth<'a>,
     seed: u64,
     touches: Vec<Touch>,
+    /// Touches after which it is seen next what can be learned.
+    next: usize,
 }
 
 impl<'a> Grower<'a> {
     /// A learner whose initial guesses are drawn from `seed`.
     pub fn new(agent: &'a Agent, seed: u64) -> Grower<'a> {
-        Grower { agent, growth: Growth::new(agent, seed), seed, touches: Vec::new() }
+        Grower { agent, growth: Growth::new(agent, seed), seed, touches: Vec::new(), next: EVERY }
     }
 
     /// The last fit, to all touches that what is known explains, and what they determine.
@@ -37,6 +47,11 @@ impl Learner for Grower<'_> {
     fn touch(&mut self, touch: &Touch) {
         self.growth.touch(touch);
         self.touches.push(touch.clone());
+        // In the order in which the body was freed: later touches have more unknowns.
+        if self.touches.len() >= self.next {
+            self.growth.grow();
+            self.next = self.touches.len() + EVERY.max(self.touches.len() / EVERY_SHARE);
+        }
     }
 
     fn learn(&mut self) -> Learned {
@@ -44,7 +59,10 @@ impl Learner for Grower<'_> {
         match self.growth.schema() {
             Some(schema) => self.conclude(schema),
             None => Learned {
-                schema: BodySchema::zero(self.agent.creature()),
+                schema: random_guess(
+                    self.agent.creature(),
+                    &mut ChaCha8Rng::seed_from_u64(self.seed),
+                ),
                 basis: Basis::SURFACES,
                 verdict: Verdict::Failed(
                     "no part of the body explains its touches: growth needs touches made while few joints move \

@@ -174,7 +174,7 @@ impl<'a> Growth<'a> {
     fn grow_trying(&mut self, tried: usize) -> bool {
         let mut grown = false;
         if self.belief.is_none() {
-            grown = self.grow_first();
+            grown = self.grow_first(tried);
             if !grown {
                 return false;
             }
@@ -204,7 +204,7 @@ impl<'a> Growth<'a> {
     }
 
     /// Learns the first part: of all sets of joints that moved in touches, the one with most touches for its size.
-    fn grow_first(&mut self) -> bool {
+    fn grow_first(&mut self, tried: usize) -> bool {
         let mut sets: BTreeMap<Vec<usize>, usize> = BTreeMap::new();
         for touch in self.touches.iter().filter(|touch| touch.freedom >= FREEDOM) {
             sets.entry(touch.moving.clone()).or_insert(0);
@@ -224,7 +224,7 @@ impl<'a> Growth<'a> {
             }
         }
         candidates.sort_by(|a, b| b.0.total_cmp(&a.0));
-        candidates.into_iter().take(TRIED).any(|(_, part, touches)| {
+        candidates.into_iter().take(tried).any(|(_, part, touches)| {
             let known = self.learn(&part, FIRST_STARTS);
             if !known {
                 self.failed.insert(part.key(), touches);
