@@ -89,6 +89,12 @@ impl Agent {
     pub fn skin(&self) -> &Skin {
         &self.skin
     }
+
+    /// The limbs that have skin, in the creature's order.
+    pub fn limbs_with_skin(&self) -> Vec<usize> {
+        let felt = |limb: &usize| self.skin().receptors.iter().any(|receptor| receptor.limb == *limb);
+        (0..self.creature().limbs().len()).filter(felt).collect()
+    }
 }
 
 fn check(creature: &Creature, skin: &Skin) -> Result<(), AgentError> {

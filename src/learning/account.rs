@@ -88,8 +88,7 @@ impl Account {
         witnesses: Witnesses,
     ) -> Account {
         let creature = agent.creature();
-        let felt = |limb: &usize| agent.skin().receptors.iter().any(|receptor| receptor.limb == *limb);
-        let limbs: Vec<usize> = (0..creature.limbs().len()).filter(felt).collect();
+        let limbs = agent.limbs_with_skin();
         let distances = distances(agent, schema, &observability, &limbs);
         Account::of_distances(creature, observability, limbs, distances, witnesses)
     }

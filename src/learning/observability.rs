@@ -284,7 +284,7 @@ impl Observability {
         }
         let frames = limb_frames(creature, schema, posture);
         let p_b = frames[limbs[1]].inverse_point(&frames[limbs[0]].point(p_a));
-        let jacobian = self.miss_jacobian(creature, schema, &chain, posture, [*p_a, p_b]);
+        let jacobian = miss_jacobian(&self.parameters, creature, schema, &chain, posture, [*p_a, p_b]);
         // A chain moves few of the parameters.
         let moved: Vec<usize> = (0..jacobian.ncols()).filter(|&c| jacobian.column(c).amax() > 0.0).collect();
         let jacobian = jacobian.select_columns(&moved);
@@ -305,47 +305,6 @@ impl Observability {
     /// Whether nothing is known of a joint: no touch involves it.
     pub(super) fn untouched(&self, joint: usize) -> bool {
         self.parameters.positions[joint].is_none() && !self.known[joint]
-    }
-
-    /// `∂(p_CA − p_CB)` over the parameters, 3×n.
-    fn miss_jacobian(
-        &self,
-        creature: &Creature,
-        schema: &BodySchema,
-        chain: &Chain,
-        posture: &[f64],
-        points: [Vector3<f64>; 2],
-    ) -> DMatrix<f64> {
-        let mut jacobian = DMatrix::zeros(3, self.parameters.len());
-        let mut side = SideJacobian::default();
-        for (k, sign) in [(0, 1.0), (1, -1.0)] {
-            ChainSide::new(creature, &chain.sides[k], posture).point_jacobian(schema, &points[k], &mut side);
-            for (joint, map) in &side.joints {
-                if let Some(offset) = self.parameters.positions[*joint] {
-                    let mut block = jacobian.fixed_view_mut::<3, 3>(0, offset);
-                    block += map * sign;
-                }
-            }
-            for (dof, derivative) in &side.dofs {
-                if let Some(offset) = self.parameters.axes[*dof] {
-                    let mut block = jacobian.fixed_view_mut::<3, 2>(0, offset);
-                    block += derivative * tangent_basis(&schema.axes[*dof]) * sign;
-                }
-            }
-            for pose in &side.poses {
-                if let Some(offset) = self.parameters.limb_origins[pose.joint] {
-                    let mut block = jacobian.fixed_view_mut::<3, 3>(0, offset);
-                    block += pose.map * sign;
-                }
-                if let Some(offset) = self.parameters.limb_rotations[pose.joint] {
-                    // ω × Q p.
-                    let turned = schema.limb_poses[pose.joint].rotation * pose.point;
-                    let mut block = jacobian.fixed_view_mut::<3, 3>(0, offset);
-                    block += pose.map * skew(&turned) * -sign;
-                }
-            }
-        }
-        jacobian
     }
 
     /// Every undetermined direction, in words.
@@ -430,6 +389,47 @@ impl Observability {
             _ => format!("together: {}", moved.join("; ")),
         }
     }
+}
+
+/// `∂(p_CA − p_CB)` over the parameters, 3×n.
+pub(super) fn miss_jacobian(
+    parameters: &Parameters,
+    creature: &Creature,
+    schema: &BodySchema,
+    chain: &Chain,
+    posture: &[f64],
+    points: [Vector3<f64>; 2],
+) -> DMatrix<f64> {
+    let mut jacobian = DMatrix::zeros(3, parameters.len());
+    let mut side = SideJacobian::default();
+    for (k, sign) in [(0, 1.0), (1, -1.0)] {
+        ChainSide::new(creature, &chain.sides[k], posture).point_jacobian(schema, &points[k], &mut side);
+        for (joint, map) in &side.joints {
+            if let Some(offset) = parameters.positions[*joint] {
+                let mut block = jacobian.fixed_view_mut::<3, 3>(0, offset);
+                block += map * sign;
+            }
+        }
+        for (dof, derivative) in &side.dofs {
+            if let Some(offset) = parameters.axes[*dof] {
+                let mut block = jacobian.fixed_view_mut::<3, 2>(0, offset);
+                block += derivative * tangent_basis(&schema.axes[*dof]) * sign;
+            }
+        }
+        for pose in &side.poses {
+            if let Some(offset) = parameters.limb_origins[pose.joint] {
+                let mut block = jacobian.fixed_view_mut::<3, 3>(0, offset);
+                block += pose.map * sign;
+            }
+            if let Some(offset) = parameters.limb_rotations[pose.joint] {
+                // ω × Q p.
+                let turned = schema.limb_poses[pose.joint].rotation * pose.point;
+                let mut block = jacobian.fixed_view_mut::<3, 3>(0, offset);
+                block += pose.map * skew(&turned) * -sign;
+            }
+        }
+    }
+    jacobian
 }
 
 /// An orthonormal basis of what is in an orthonormal `space` and perpendicular to the `directions` in it.

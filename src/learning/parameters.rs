@@ -85,12 +85,7 @@ impl Parameters {
 
     /// The position of each joint for which `free` holds, and no axes.
     pub fn positions(creature: &Creature, axis_model: AxisModel, free: impl Fn(usize) -> bool) -> Parameters {
-        let mut parameters = Parameters::new(creature, axis_model, |_| false);
-        for joint in (0..creature.joints().len()).filter(|&joint| free(joint)) {
-            parameters.positions[joint] = Some(parameters.len);
-            parameters.len += 3;
-        }
-        parameters
+        Parameters::of(creature, axis_model, free, |_, _| false)
     }
 
     /// The position of one joint, and nothing else.

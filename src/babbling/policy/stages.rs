@@ -143,7 +143,7 @@ impl<'a> Stages<'a> {
     /// The sets of joints between two limbs that may be learned first, those that carry most skin for their size first.
     fn first_sets(&self) -> Vec<Vec<usize>> {
         let creature = self.agent.creature();
-        let skinned = self.skinned();
+        let skinned = self.agent.limbs_with_skin();
         let mut sets: BTreeMap<Vec<usize>, f64> = BTreeMap::new();
         for (number, &a) in skinned.iter().enumerate() {
             for &b in skinned[number + 1..].iter().filter(|&&b| !creature.neighbouring(a, b)) {
@@ -166,12 +166,6 @@ impl<'a> Stages<'a> {
             sets.take(TRIALS / SIZES).map(|(set, _)| set.clone())
         };
         (0..SIZES).flat_map(of_size).collect()
-    }
-
-    /// The limbs that have skin.
-    fn skinned(&self) -> Vec<usize> {
-        let felt = |limb: &usize| self.agent.skin().receptors.iter().any(|receptor| receptor.limb == *limb);
-        (0..self.agent.creature().limbs().len()).filter(felt).collect()
     }
 
     fn begin_trial(&mut self, number: usize) {
@@ -280,7 +274,7 @@ impl<'a> Stages<'a> {
         let open: Vec<usize> = (0..self.free.len()).filter(|&joint| !self.growth.resolved()[joint]).collect();
         let tries = |goal: &Goal| self.tries.get(goal).copied().unwrap_or(0);
         let vague = |limb: &usize| self.growth.placement(*limb) > PRECISE;
-        let unplaced: Vec<usize> = self.skinned().into_iter().filter(vague).collect();
+        let unplaced: Vec<usize> = self.agent.limbs_with_skin().into_iter().filter(vague).collect();
         self.done = open.iter().all(|&joint| tries(&Goal::Joints(vec![joint])) >= MOST_TRIES)
             && unplaced.iter().all(|&limb| tries(&Goal::Limb(limb)) >= MOST_TRIES);
         self.goals += 1;

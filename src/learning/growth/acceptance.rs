@@ -3,9 +3,9 @@
 use std::collections::BTreeMap;
 
 use super::{FREEDOM, GrownTouch, Growth, LIMB_FREEDOM, Part};
-use crate::learning::annealing::{NARROWEST, WIDEST, gaps, quantile};
+use crate::learning::annealing::NARROWEST;
 use crate::learning::least_squares::LeastSquares;
-use crate::learning::online::Belief;
+use crate::learning::online::{Belief, fit_again};
 use crate::learning::prediction::GapRow;
 use crate::learning::surface_gap::{SHARPEST, SurfaceGap};
 use crate::learning::touch_set::TouchProblem;
@@ -140,21 +140,10 @@ impl Growth<'_> {
         let parameters =
             Parameters::of(creature, AxisModel::Unit, |joint| between[joint], |joint, _| moving[joint]);
         let skin = self.agent.skin();
-        let information = |schema: &BodySchema, parameters: &Parameters, model: SurfaceGap| {
-            let mut problem = TouchProblem::new(creature, &set, parameters, model).with_prior(&self.prior);
-            problem.linearize(schema).hessian
-        };
-        let wide = (1.5 * quantile(&gaps(skin, &set, schema), 0.9)).clamp(NARROWEST, WIDEST);
-        let there = information(schema, &parameters, SurfaceGap::new(skin, wide));
-        let Some(mut belief) = Belief::new(schema.clone(), parameters, there, NARROWEST) else {
-            return false;
-        };
-        if !belief.relinearize(self.agent, &set, &self.prior) {
-            return false;
-        }
-        let Belief { schema, parameters, deviation, .. } = belief;
+        let (schema, deviation) =
+            fit_again(self.agent, &set, &parameters, &self.prior, schema.clone(), NARROWEST);
         let deviation = deviation.max(SHARPEST);
-        // Nor is a touch that stays open evidence, however little it weighs among sharp ones.
+        // A place in a patch is no evidence, nor a touch that stays open, however little it weighs among sharp ones.
         let set = set.filter_touches(|touch| self.closes(touch, &schema));
         let model = SurfaceGap::new(skin, deviation).without_places();
         let evidence = TouchProblem::new(creature, &set, &parameters, model)

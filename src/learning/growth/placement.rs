@@ -1,12 +1,12 @@
 //! Where limbs are, and how surely.
 
-use nalgebra::DMatrix;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
 use super::{Growth, has_axes};
 use crate::creature::{Creature, Posture};
-use crate::kinematics::{Chain, ChainSide, SideJacobian, limb_frames, tangent_basis};
+use crate::kinematics::{Chain, limb_frames};
+use crate::learning::observability::miss_jacobian;
 use crate::skin::Receptor;
 
 /// A limb whose skin may be off by less, one standard deviation, is placed, metres: near enough for its touches to
@@ -42,27 +42,9 @@ impl Growth<'_> {
         let deviation = |limb: usize, receptor: &Receptor, at: usize| {
             let chain = Chain::between(creature, limb, self.base);
             let p_b = frames[at][self.base].inverse_point(&frames[at][limb].point(&receptor.position));
-            let mut jacobian = DMatrix::<f64>::zeros(3, belief.parameters.len());
-            let mut side = SideJacobian::default();
-            for (k, sign, point) in [(0, 1.0, receptor.position), (1, -1.0, p_b)] {
-                ChainSide::new(creature, &chain.sides[k], &postures[at]).point_jacobian(
-                    &belief.schema,
-                    &point,
-                    &mut side,
-                );
-                for (joint, map) in &side.joints {
-                    if let Some(place) = belief.parameters.positions[*joint] {
-                        let mut block = jacobian.fixed_view_mut::<3, 3>(0, place);
-                        block += map * sign;
-                    }
-                }
-                for (dof, derivative) in &side.dofs {
-                    if let Some(place) = belief.parameters.axes[*dof] {
-                        let mut block = jacobian.fixed_view_mut::<3, 2>(0, place);
-                        block += derivative * tangent_basis(&belief.schema.axes[*dof]) * sign;
-                    }
-                }
-            }
+            let points = [receptor.position, p_b];
+            let jacobian =
+                miss_jacobian(&belief.parameters, creature, &belief.schema, &chain, &postures[at], points);
             // A chain moves few of the parameters.
             let moved: Vec<usize> =
                 (0..jacobian.ncols()).filter(|&column| jacobian.column(column).amax() > 0.0).collect();

@@ -7,7 +7,8 @@ use rand_distr::{Distribution, StandardNormal};
 use rayon::prelude::*;
 
 use super::{GrownTouch, Growth, Part};
-use crate::learning::annealing::{NARROWEST, WIDEST, anneal_to};
+use crate::learning::annealing::{NARROWEST, anneal_to};
+use crate::learning::growing::{DESCENT, DOUBTING_DESCENT, RELAXED_GAPS};
 use crate::learning::initial_guess::randomize_joint;
 use crate::learning::least_squares::{Linearization, Stopping, levenberg_marquardt};
 use crate::learning::observation::PointsMeet;
@@ -31,13 +32,6 @@ const AT_ONCE: usize = 2;
 const OFTEN: usize = 8;
 /// Touches that a part is solved by at the most, in units of its unknowns.
 const MOST_TOUCHES: usize = 8;
-/// Steps down the relaxed gradient from a random initial guess, …
-const DESCENT: usize = 100_000;
-/// … and where the descent doubts the touches themselves.
-const DOUBTING_DESCENT: usize = 400_000;
-/// Deviations of the gap, metres, down to which axes stay relaxed, by the number of the start. Joints that turn
-/// little are caught in one wrong minimum or another, and which depends on this.
-const RELAXED_GAPS: [f64; 4] = [3e-3, WIDEST, 1e-3, 3e-4];
 /// Positions and axes known to this, metres and radians, are held while a part is solved: it makes no difference.
 const KNOWN_POSITION: f64 = 3e-5;
 const KNOWN_AXIS: f64 = 3e-4;

@@ -141,26 +141,8 @@ impl Belief {
     /// False where rounding forbids: nothing is changed then.
     pub fn relinearize(&mut self, agent: &Agent, touches: &TouchSet, prior: &dyn PriorTerm) -> bool {
         let skin = agent.skin();
-        let spare = (touches.len() as f64 - 0.7 * self.parameters.len() as f64).max(1.0);
-        let scatter = (touches.len() as f64 / spare).sqrt();
-        let noise = |found: &[f64]| (scatter * typical_gap(found)).clamp(NARROWEST, WIDEST);
-        let mut schema = self.schema.clone();
-        let mut found = gaps(skin, touches, &schema);
-        let mut deviation = (2.0 * quantile(&found, 0.9)).clamp(self.deviation, WIDEST);
-        loop {
-            let model = SurfaceGap::new(skin, deviation);
-            let mut problem =
-                TouchProblem::new(agent.creature(), touches, &self.parameters, model).with_prior(prior);
-            let stopping = Stopping { iterations: ITERATIONS, relative_cost: 1e-3, cost: 0.0 };
-            schema = levenberg_marquardt(&mut problem, &self.parameters, schema, stopping).schema;
-            found = gaps(skin, touches, &schema);
-            let next = (1.5 * quantile(&found, 0.9)).min(0.5 * deviation).max(noise(&found));
-            if next > 0.7 * deviation {
-                break;
-            }
-            deviation = next;
-        }
-        let deviation = noise(&found);
+        let (schema, deviation) =
+            fit_again(agent, touches, &self.parameters, prior, self.schema.clone(), self.deviation);
         let model = SurfaceGap::new(skin, deviation);
         let mut problem =
             TouchProblem::new(agent.creature(), touches, &self.parameters, model).with_prior(prior);
@@ -171,6 +153,37 @@ impl Belief {
         *self = belief;
         true
     }
+}
+
+/// Fits `parameters` to all touches from a schema that is nearly right: the schema, and the deviation of the gaps,
+/// metres. The fit begins no narrower than `least`, metres.
+pub fn fit_again(
+    agent: &Agent,
+    touches: &TouchSet,
+    parameters: &Parameters,
+    prior: &dyn PriorTerm,
+    mut schema: BodySchema,
+    least: f64,
+) -> (BodySchema, f64) {
+    let skin = agent.skin();
+    let spare = (touches.len() as f64 - 0.7 * parameters.len() as f64).max(1.0);
+    let scatter = (touches.len() as f64 / spare).sqrt();
+    let noise = |found: &[f64]| (scatter * typical_gap(found)).clamp(NARROWEST, WIDEST);
+    let mut found = gaps(skin, touches, &schema);
+    let mut deviation = (2.0 * quantile(&found, 0.9)).clamp(least, WIDEST);
+    loop {
+        let model = SurfaceGap::new(skin, deviation);
+        let mut problem = TouchProblem::new(agent.creature(), touches, parameters, model).with_prior(prior);
+        let stopping = Stopping { iterations: ITERATIONS, relative_cost: 1e-3, cost: 0.0 };
+        schema = levenberg_marquardt(&mut problem, parameters, schema, stopping).schema;
+        found = gaps(skin, touches, &schema);
+        let next = (1.5 * quantile(&found, 0.9)).min(0.5 * deviation).max(noise(&found));
+        if next > 0.7 * deviation {
+            break;
+        }
+        deviation = next;
+    }
+    (schema, noise(&found))
 }
 
 /// `∂(coordinates about the second schema) / ∂(coordinates about the first)` of an axis.

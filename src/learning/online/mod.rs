@@ -25,7 +25,7 @@ use crate::learning::touch_set::{PreparedTouch, TouchProblem, TouchSet};
 use crate::learning::{Account, Basis, Learned, Learner, PriorKnowledge, SecondOrder, Witnesses};
 use crate::schema::BodySchema;
 use crate::senses::Touch;
-pub use belief::{Anchor, Belief, Expectation};
+pub use belief::{Anchor, Belief, Expectation, fit_again};
 use change::{Explanation, Watch, Watched};
 pub use tool::Tool;
 
