@@ -93,6 +93,19 @@ impl Parameters {
         Parameters::positions(creature, AxisModel::Unit, |other| other == joint)
     }
 
+    /// Where each of its positions and unit axes is among others, of those that are there: pairs of places.
+    pub fn places_in(&self, others: &Parameters) -> Vec<(usize, usize)> {
+        let positions = self.positions.iter().zip(&others.positions).map(|(a, b)| (a, b, 3));
+        let axes = self.axes.iter().zip(&others.axes).map(|(a, b)| (a, b, 2));
+        let mut places: Vec<(usize, usize)> = positions
+            .chain(axes)
+            .filter_map(|(a, b, width)| Some((*a.as_ref()?, *b.as_ref()?, width)))
+            .flat_map(|(a, b, width)| (0..width).map(move |i| (a + i, b + i)))
+            .collect();
+        places.sort_unstable();
+        places
+    }
+
     /// Number of parameters.
     pub fn len(&self) -> usize {
         self.len

@@ -5,6 +5,7 @@
 
 mod experience;
 mod explorer;
+mod foresight;
 mod information;
 mod informative;
 mod random;

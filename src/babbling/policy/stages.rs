@@ -6,12 +6,13 @@
 //! known, towards a limb that is not placed yet. Where the schema tells how, motions are aimed; where it does not,
 //! what was touched once is touched again, a little differently.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
 use super::Policy;
+use super::foresight::Foresight;
 use crate::agent::Agent;
 use crate::creature::Posture;
 use crate::kinematics::{Chain, InverseKinematics};
@@ -29,8 +30,6 @@ const TRIAL_MOTIONS: usize = 40;
 const SURVEY_MOTIONS: usize = 150;
 /// The least and the most unknowns of the joints of a first set: with fewer wrong answers fit, with more none is found.
 const FIRST_UNKNOWNS: [usize; 2] = [24, 110];
-/// Touches after which it is seen what can be learned.
-const LEARNED_EVERY: usize = 6;
 /// Motions with a first set before another is tried, in units of those after which it should have been learned.
 const FIRST_PATIENCE: f64 = 2.0;
 /// Share of motions that go anywhere.
@@ -44,6 +43,8 @@ const FARTHER: f64 = 0.5;
 const FARTHEST: f64 = 0.3;
 /// Draws of two receptors to aim at.
 const AIMS: usize = 8;
+/// Goals that are considered before a motion goes anywhere because none of them promises anything.
+const GOALS: usize = 3;
 /// How deep an aim goes into both limbs, metres, and how far from it a posture may stay.
 const DEPTH: f64 = 0.01;
 const NEAR: f64 = 0.01;
@@ -54,7 +55,9 @@ const LIMB_MOTIONS: usize = 12;
 const JOINT_MOTIONS: usize = 40;
 const FURTHER_MOTIONS: usize = 20;
 /// Times that a joint or a limb is tried before it is taken that it cannot be touched.
-const MOST_TRIES: usize = 30;
+const MOST_TRIES: f64 = 20.0;
+/// What it counts as, where no posture is found that promises anything.
+const UNPROMISING: f64 = 0.25;
 /// What limbs are to be placed to, one standard deviation, metres: a tenth of a millimetre in 95 % of cases.
 const PRECISE: f64 = 5e-5;
 /// The most unknowns of joints that a touch made by chance has learned at once.
@@ -64,6 +67,7 @@ const CHANCE_UNKNOWNS: usize = 35;
 pub struct Stages<'a> {
     agent: &'a Agent,
     growth: Growth<'a>,
+    foresight: Foresight<'a>,
     /// Per joint, the share of the skin on the side of it where there is less.
     lever: Vec<f64>,
     /// Sets of joints for the first part, and the touches that each brought in its trial.
@@ -71,15 +75,18 @@ pub struct Stages<'a> {
     /// The set that is tried; none any more once one was chosen.
     trial: Option<usize>,
     aim: Goal,
+    /// Per limb, whether a touch of it with one that is not tells what the goal asks.
+    wanted: Vec<bool>,
     /// Per joint, whether it moves.
     free: Vec<bool>,
     /// Motions for the present goal, and the most.
     motions: usize,
     patience: usize,
-    /// Touches seen when it was last tried to learn.
-    learned_at: usize,
+    /// Whether something was learned from the last touch.
+    grown: bool,
     goals: usize,
-    tries: BTreeMap<Goal, usize>,
+    tried: Option<Goal>,
+    tries: BTreeMap<Goal, f64>,
     /// Per touch, its posture and where the motion to it began.
     remembered: Vec<[Posture; 2]>,
     start: Posture,
@@ -117,15 +124,18 @@ impl<'a> Stages<'a> {
         let growth = Growth::new(agent, seed);
         let mut stages = Stages {
             agent,
+            foresight: Foresight::new(agent),
             lever: beyond.iter().map(|beyond: &f64| beyond.min(all - beyond) / all).collect(),
             trials: Vec::new(),
             trial: Some(0),
             aim: Goal::Joints(Vec::new()),
+            wanted: Vec::new(),
             free: vec![false; joints],
             motions: 0,
             patience: TRIAL_MOTIONS,
-            learned_at: 0,
+            grown: false,
             goals: 0,
+            tried: None,
             tries: BTreeMap::new(),
             remembered: Vec::new(),
             start: Posture::default(),
@@ -184,6 +194,7 @@ impl<'a> Stages<'a> {
             joints.iter().for_each(|&joint| self.free[joint] = true);
         }
         self.aim = goal;
+        self.wanted = self.limbs_wanted();
         (self.motions, self.patience) = (0, patience);
     }
 
@@ -195,36 +206,31 @@ impl<'a> Stages<'a> {
         }
     }
 
-    /// Whether a limb is moved by the joints to be learned, or is the one to be placed.
-    fn wanted(&self, limb: usize) -> bool {
-        if let Goal::Limb(wanted) = self.aim {
-            return limb == wanted;
-        }
+    /// Per limb, whether it is moved by the joints to be learned, or is the one to be placed.
+    fn limbs_wanted(&self) -> Vec<bool> {
         let creature = self.agent.creature();
-        let mut at = limb;
-        while let Some(joint) = creature.joint_of(at) {
-            if self.joints().contains(&joint) {
-                return true;
-            }
-            at = creature.joints()[joint].parent;
+        let mut wanted = vec![false; creature.limbs().len()];
+        match self.aim {
+            Goal::Limb(limb) => wanted[limb] = true,
+            _ => creature.joints().iter().enumerate().for_each(|(joint, at)| {
+                wanted[joint + 1] = wanted[at.parent] || self.joints().contains(&joint);
+            }),
         }
-        false
+        wanted
     }
 
     /// Takes stock after a motion.
     fn take_stock(&mut self) {
-        if let Some(trial) = self.trial {
+        if let Some(trial) = self.trial.filter(|_| self.growth.schema().is_none()) {
             if self.motions >= self.patience {
                 self.end_trial(trial);
             }
             return;
         }
-        if self.growth.touches().len() >= self.learned_at + LEARNED_EVERY {
-            self.learned_at = self.growth.touches().len();
-            if self.growth.grow() {
-                self.next_goal();
-                return;
-            }
+        if std::mem::take(&mut self.grown) {
+            self.trial = None;
+            self.next_goal();
+            return;
         }
         if self.motions >= self.patience {
             match self.growth.schema() {
@@ -272,16 +278,16 @@ impl<'a> Stages<'a> {
     fn next_goal(&mut self) {
         let creature = self.agent.creature();
         let open: Vec<usize> = (0..self.free.len()).filter(|&joint| !self.growth.resolved()[joint]).collect();
-        let tries = |goal: &Goal| self.tries.get(goal).copied().unwrap_or(0);
+        let tries = |goal: &Goal| self.tries.get(goal).copied().unwrap_or(0.0);
         let vague = |limb: &usize| self.growth.placement(*limb) > PRECISE;
         let unplaced: Vec<usize> = self.agent.limbs_with_skin().into_iter().filter(vague).collect();
         self.done = open.iter().all(|&joint| tries(&Goal::Joints(vec![joint])) >= MOST_TRIES)
             && unplaced.iter().all(|&limb| tries(&Goal::Limb(limb)) >= MOST_TRIES);
         self.goals += 1;
         let repeated = (self.goals.is_multiple_of(2)).then(|| self.chance(&tries)).flatten();
-        let limb = unplaced.iter().copied().min_by_key(|&limb| (tries(&Goal::Limb(limb)), limb));
-        let worth =
-            |joint: usize| self.lever[joint] / (1.0 + tries(&Goal::Joints(vec![joint])) as f64).powi(3);
+        let limb =
+            unplaced.iter().copied().min_by(|&a, &b| tries(&Goal::Limb(a)).total_cmp(&tries(&Goal::Limb(b))));
+        let worth = |joint: usize| self.lever[joint] / (1.0 + tries(&Goal::Joints(vec![joint]))).powi(3);
         let joint = open.iter().copied().max_by(|&a, &b| worth(a).total_cmp(&worth(b)));
         let limb_first = match (limb, joint) {
             (Some(limb), Some(joint)) => tries(&Goal::Limb(limb)) < tries(&Goal::Joints(vec![joint])),
@@ -296,7 +302,7 @@ impl<'a> Stages<'a> {
             (None, _, Some(joint)) => {
                 let named = Goal::Joints(vec![joint]);
                 // What cannot be touched alone may be together with its neighbours.
-                let further = tries(&named).min(3);
+                let further = tries(&named).min(3.0) as usize;
                 let mut joints = vec![joint];
                 let meets = |a: usize, b: usize| creature.joints()[a].parent == b + 1;
                 for _ in 0..further {
@@ -312,12 +318,13 @@ impl<'a> Stages<'a> {
             }
             _ => return,
         };
-        *self.tries.entry(named).or_insert(0) += 1;
+        *self.tries.entry(named.clone()).or_insert(0.0) += 1.0;
+        self.tried = Some(named);
         self.begin(goal, patience);
     }
 
     /// The joints to be learned of a touch that was made by chance: few, tried seldom, and with much skin.
-    fn chance(&self, tries: &impl Fn(&Goal) -> usize) -> Option<Vec<usize>> {
+    fn chance(&self, tries: &impl Fn(&Goal) -> f64) -> Option<Vec<usize>> {
         let mut sets: BTreeMap<Vec<usize>, ()> = BTreeMap::new();
         for touch in self.growth.touches().iter().filter(|touch| touch.freedom >= FREEDOM) {
             let joints = self.growth.lacks(touch).joints;
@@ -326,7 +333,7 @@ impl<'a> Stages<'a> {
             }
         }
         let cost = |joints: &Vec<usize>| {
-            let tried = tries(&Goal::Repeat(joints.clone())) as f64;
+            let tried = tries(&Goal::Repeat(joints.clone()));
             let lever = joints.iter().map(|&joint| self.lever[joint] + 0.02).fold(0.0, f64::max);
             self.growth.width(joints) as f64 * (1.0 + tried) / lever.sqrt()
         };
@@ -337,11 +344,38 @@ impl<'a> Stages<'a> {
     fn anywhere(&self, rng: &mut ChaCha8Rng) -> Posture {
         let creature = self.agent.creature();
         let mut posture = Posture::random(creature, rng);
-        (0..self.free.len())
-            .filter(|&joint| !self.free[joint])
-            .for_each(|joint| rest(creature, joint, &mut posture));
-        creature.couple(&mut posture);
+        self.rest_others(&mut posture);
         posture
+    }
+
+    /// The present posture, but what is not free at rest.
+    fn here(&self) -> Posture {
+        let mut posture = self.start.clone();
+        self.rest_others(&mut posture);
+        posture
+    }
+
+    fn rest_others(&self, posture: &mut Posture) {
+        let creature = self.agent.creature();
+        let held = (0..self.free.len()).filter(|&joint| !self.free[joint]);
+        held.for_each(|joint| rest(creature, joint, posture));
+        creature.couple(posture);
+    }
+
+    /// Whether the schema foresees that the way to a posture brings a limb that the goal wants to another one or, where it
+    /// is not known where such limbs are, at least that nothing else gets in the way.
+    fn promises(&self, target: &Posture, sure: bool) -> bool {
+        let Some(schema) = self.growth.schema() else { return true };
+        let creature = self.agent.creature();
+        // Joints that are not known yet: at rest it is known best where their limbs are.
+        let [from, to] = [&self.start, target].map(|posture| {
+            let mut posture = posture.clone();
+            let unknown = (0..self.free.len()).filter(|&joint| !self.growth.resolved()[joint]);
+            unknown.for_each(|joint| rest(creature, joint, &mut posture));
+            posture
+        });
+        let found = self.foresight.first_meeting(schema, [&from, &to], |limb| self.growth.placed(limb));
+        found.map_or(!sure, |[a, b]| self.wanted[a] != self.wanted[b])
     }
 
     /// A posture near one in which something was touched that the goal wants.
@@ -350,7 +384,7 @@ impl<'a> Stages<'a> {
         let least = if self.joints().is_empty() { LIMB_FREEDOM } else { FREEDOM };
         let fits = |&number: &usize| {
             let touch = &self.growth.touches()[number];
-            let [a, b] = touch.limbs.map(|limb| self.wanted(limb));
+            let [a, b] = touch.limbs.map(|limb| self.wanted[limb]);
             let told = match self.aim {
                 Goal::Repeat(_) => touch.moving.iter().any(|joint| self.joints().contains(joint)),
                 _ => a != b,
@@ -361,18 +395,30 @@ impl<'a> Stages<'a> {
         if known.is_empty() {
             return None;
         }
+        // Each pair of limbs as likely as any other, however often it was touched.
+        let pairs: BTreeSet<[usize; 2]> =
+            known.iter().map(|&number| self.growth.touches()[number].limbs).collect();
+        let pair = pairs.iter().nth(rng.random_range(0..pairs.len()))?;
+        let known: Vec<usize> =
+            known.into_iter().filter(|&number| self.growth.touches()[number].limbs == *pair).collect();
         let number = known[rng.random_range(0..known.len())];
         let [touched, from] = &self.remembered[number];
-        let mut target = self.anywhere(rng);
+        let mut target = self.here();
         let between = self.growth.touches()[number].chain.iter().filter(|&&joint| self.free[joint]);
-        for at in between.flat_map(|&joint| creature.joints()[joint].elements()) {
+        let between: Vec<_> = between
+            .flat_map(|&joint| creature.joints()[joint].elements().map(move |at| (joint, at)))
+            .collect();
+        let few = SCATTER / (between.len() as f64).sqrt();
+        for (joint, at) in between {
+            // Of a joint that hardly moves its touches tell hardly anything.
+            let scatter = if self.joints().contains(&joint) { SCATTER } else { few };
             if at.is_ball() {
                 at.of_mut(&mut target).copy_from_slice(at.of(touched));
                 continue;
             }
             let (q, [low, high]) = (at.coordinate(), at.range);
             let further = FARTHER * (touched[q] - from[q]).clamp(-FARTHEST, FARTHEST);
-            let scatter = SCATTER * (high - low) * (2.0 * rng.random::<f64>() - 1.0);
+            let scatter = scatter * (high - low) * (2.0 * rng.random::<f64>() - 1.0);
             target[q] = (touched[q] + further + scatter).clamp(low, high);
         }
         creature.couple(&mut target);
@@ -387,27 +433,29 @@ impl<'a> Stages<'a> {
         let on = |fits: &dyn Fn(usize) -> bool| -> Vec<usize> {
             (0..skin.receptors.len()).filter(|&receptor| fits(skin.receptors[receptor].limb)).collect()
         };
-        let wanted = on(&|limb| self.wanted(limb) && (!sure || self.growth.placed(limb)));
-        let others = on(&|limb| !self.wanted(limb) && self.growth.placed(limb));
+        let wanted = on(&|limb| self.wanted[limb] && (!sure || self.growth.placed(limb)));
+        let others = on(&|limb| !self.wanted[limb] && self.growth.placed(limb));
         if wanted.is_empty() || others.is_empty() {
             return None;
         }
-        for _ in 0..AIMS {
-            let receptors =
-                [&wanted, &others].map(|list| &skin.receptors[list[rng.random_range(0..list.len())]]);
-            let [a, b] = receptors.map(|receptor| receptor.limb);
-            if creature.neighbouring(a, b) {
-                continue;
-            }
-            let ends = receptors.map(|receptor| receptor.place(-DEPTH));
-            let known = |joint: usize| self.free[joint] && !self.joints().contains(&joint);
-            let mut solver = InverseKinematics::new(creature, schema, ends).moving(known);
-            let reach = solver.solve(&self.anywhere(rng));
-            if reach.miss < NEAR {
-                return Some(reach.posture);
-            }
+        let receptors = [&wanted, &others].map(|list| &skin.receptors[list[rng.random_range(0..list.len())]]);
+        let [a, b] = receptors.map(|receptor| receptor.limb);
+        if creature.neighbouring(a, b) {
+            return None;
         }
-        None
+        let ends = receptors.map(|receptor| receptor.place(-DEPTH));
+        // What is not between the two stays where it is: the less moves, the less gets in the way.
+        let (mut start, random) = (self.here(), self.anywhere(rng));
+        for at in
+            Chain::between(creature, a, b).joints().flat_map(|joint| creature.joints()[joint].elements())
+        {
+            at.of_mut(&mut start).copy_from_slice(at.of(&random));
+        }
+        creature.couple(&mut start);
+        let known = |joint: usize| self.free[joint] && !self.joints().contains(&joint);
+        let mut solver = InverseKinematics::new(creature, schema, ends).moving(known);
+        let reach = solver.solve(&start);
+        (reach.miss < NEAR).then_some(reach.posture)
     }
 }
 
@@ -418,15 +466,28 @@ impl Policy for Stages<'_> {
         if self.growth.schema().is_none() || rng.random::<f64>() < ANYWHERE {
             return self.anywhere(rng);
         }
-        let receptors = &self.agent.skin().receptors;
-        let sure = receptors.iter().any(|r| self.wanted(r.limb) && self.growth.placed(r.limb));
-        let repeats = !sure || matches!(self.aim, Goal::Repeat(_)) || rng.random::<f64>() < REPEATED;
-        let again = if repeats { self.again(rng) } else { None };
-        again.or_else(|| self.aimed(sure, rng)).unwrap_or_else(|| self.anywhere(rng))
+        for _ in 0..GOALS {
+            let receptors = &self.agent.skin().receptors;
+            let sure = receptors.iter().any(|r| self.wanted[r.limb] && self.growth.placed(r.limb));
+            let repeats = !sure || matches!(self.aim, Goal::Repeat(_)) || rng.random::<f64>() < REPEATED;
+            for _ in 0..AIMS {
+                let again = if repeats { self.again(rng) } else { None };
+                let Some(target) = again.or_else(|| self.aimed(sure, rng)) else { continue };
+                if self.promises(&target, sure) {
+                    return target;
+                }
+            }
+            // Where nothing is promised from here, it may be another time.
+            if let Some(tries) = self.tried.as_ref().and_then(|goal| self.tries.get_mut(goal)) {
+                *tries += UNPROMISING - 1.0;
+            }
+            self.next_goal();
+        }
+        self.anywhere(rng)
     }
 
     fn touched(&mut self, touch: &Touch) {
-        self.growth.touch(touch);
+        self.grown = self.growth.touch(touch);
         self.remembered.push([touch.posture.clone(), self.start.clone()]);
         if let Some(felt) = self.growth.touches().last() {
             let tells = felt.moving.iter().all(|&joint| self.free[joint]);

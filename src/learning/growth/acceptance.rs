@@ -1,199 +1,173 @@
-//! Whether an answer stands, and what is believed with it.
+//! Whether an answer stands.
 
-use std::collections::BTreeMap;
+use nalgebra::DMatrix;
 
-use super::{FREEDOM, GrownTouch, Growth, LIMB_FREEDOM, Part};
-use crate::learning::annealing::NARROWEST;
-use crate::learning::least_squares::LeastSquares;
-use crate::learning::online::{Belief, fit_again};
-use crate::learning::prediction::GapRow;
-use crate::learning::surface_gap::{SHARPEST, SurfaceGap};
-use crate::learning::touch_set::TouchProblem;
-use crate::learning::{AxisModel, Parameters};
+use super::solving::{PartProblem, Solved};
+use super::{FREEDOM, GrownTouch, Growth, LIMB_FREEDOM};
+use crate::learning::Parameters;
+use crate::learning::prediction::{GapRow, information_inverse};
 use crate::schema::BodySchema;
 
 /// Touches that others check which a joint needs, …
-const CHECKED_OF_JOINT: f64 = 5.0;
+const CHECKED_OF_JOINT: f64 = 8.0;
 /// … and a limb.
 const CHECKED_OF_LIMB: f64 = 3.0;
-/// The most that a known axis may be off, one standard deviation, radians.
-const SURE: f64 = 0.02;
-/// The leverage from which on no others check a touch.
-const UNCHECKED: f64 = 0.8;
+/// The most that the skin on a known joint may be off by its axes, one standard deviation, metres; but as much as this
+/// an axis may be off wherever its skin is, and never more than that, radians.
+const SURE: f64 = 5e-3;
+const SURE_AXIS: f64 = 0.02;
+const UNSURE_AXIS: f64 = 0.2;
+/// The leverage from which on no others check a touch, …
+const UNCHECKED: f64 = 0.97;
+/// … and the share of such touches that is left out at once: without the worst the others may be checked.
+const WORST: f64 = 0.2;
+/// Two answers are not the same where they differ by more than this many deviations, …
+const TWIN: f64 = 20.0;
+/// … and by more than this, radians and metres.
+const TWIN_AXIS: f64 = 0.02;
+const TWIN_POSITION: f64 = 2e-3;
 /// The fewest touches that anything is learned from.
 const FEWEST: usize = 5;
-/// Of so many touches one that was closed may open, and …
-const FEW_OPEN: usize = 50;
-/// … of so many one in all.
-const SOME_OPEN: usize = 8;
-/// Touches of one pair of limbs with the same joints moving that a fit uses.
-const ALIKE: usize = 40;
-/// All that an answer may change.
-struct Before {
-    resolved: Vec<bool>,
-    belief: Option<Belief>,
-    base: usize,
-}
 
 impl Growth<'_> {
     /// Takes a part's answer in, as far as touches check it; whether anything is left of it.
-    pub(super) fn accept(&mut self, part: &Part, schema: &BodySchema) -> bool {
-        let before = Before { resolved: self.resolved.clone(), belief: self.belief.clone(), base: self.base };
-        let closed = |touch: &GrownTouch| self.is_of(touch, part) && self.closes(&touch.prepared, schema);
-        let numbers = 0..self.touches.len();
-        let mut new: Vec<usize> =
-            numbers.filter(|&i| !self.touches[i].used && closed(&self.touches[i])).collect();
-        part.joints.iter().for_each(|&joint| self.resolved[joint] = true);
-        let stands = self.settle(part, schema.clone(), &mut new, before.belief.is_none());
+    pub(super) fn accept(&mut self, problem: &PartProblem, solved: &Solved) -> bool {
+        let given_up = |touch: &GrownTouch| touch.limbs.iter().any(|limb| solved.given_up.contains(limb));
+        let stands = |&number: &usize| {
+            let touch = &self.touches[number];
+            !given_up(touch) && self.closes(&touch.prepared, &solved.schema)
+        };
+        let new: Vec<usize> = problem.numbers.iter().copied().filter(stands).collect();
+        let Some((joints, new)) = self.checked_part(problem, solved, new) else { return false };
+        let before = self.clone_belief();
+        joints.iter().for_each(|&joint| self.resolved[joint] = true);
+        let stands = self.believe(solved.schema.clone(), &new) && self.still_closed(&new);
         if !stands {
-            new.iter().for_each(|&number| self.touches[number].used = false);
-            (self.resolved, self.belief, self.base) = (before.resolved, before.belief, before.base);
+            joints.iter().for_each(|&joint| self.resolved[joint] = false);
+            self.restore_belief(before, &new);
         }
         self.place();
         stands
     }
 
-    /// Fits all with the `new` touches, and leaves out what they do not bear out until the rest stands.
-    fn settle(&mut self, part: &Part, mut schema: BodySchema, new: &mut Vec<usize>, first: bool) -> bool {
+    /// What of a part's joints and closed touches is left without what others do not check.
+    fn checked_part(
+        &self,
+        problem: &PartProblem,
+        solved: &Solved,
+        mut new: Vec<usize>,
+    ) -> Option<(Vec<usize>, Vec<usize>)> {
+        let (part, schema) = (problem.part, &solved.schema);
         let mut joints = part.joints.clone();
+        let mut rows: Vec<Vec<(usize, f64)>> = vec![Vec::new(); self.touches.len()];
+        let mut row = GapRow::default();
+        for &number in &new {
+            row.set(self.agent.skin(), &problem.unit, schema, &self.touches[number].prepared);
+            rows[number] = row.entries.clone();
+        }
+        let believed = problem.information(schema);
         loop {
-            new.iter().for_each(|&number| self.touches[number].used = true);
-            if new.len() < FEWEST || !self.fit(&schema) {
-                return false;
+            if new.len() < FEWEST {
+                return None;
             }
-            let Some(belief) = self.belief.clone() else { return false };
-            schema = belief.schema.clone();
-            // What does not close is no part of it; what was closed must stay so.
-            let open = |&number: &usize| {
-                let touch = &self.touches[number];
-                touch.used && !self.closes(&touch.prepared, &schema)
-            };
-            let open: Vec<usize> = (0..self.touches.len()).filter(open).collect();
-            let used = self.touches.iter().filter(|touch| touch.used).count();
-            let opened = open.iter().filter(|number| !new.contains(number)).count();
-            if FEW_OPEN * opened > used || SOME_OPEN * open.len() > used {
-                return false;
-            }
-            self.leave_out(new, |_, number| open.contains(&number));
-            let leverages = self.leverages(&belief);
-            if self.leave_out(new, |_, number| leverages[number] > UNCHECKED) {
+            let mut information = believed.clone();
+            new.iter().for_each(|&number| add_row(&mut information, &rows[number], self.weight()));
+            let covariance = information_inverse(information, &problem.unit)?;
+            let leverage = |number: usize| (variance(&rows[number], &covariance) * self.weight()).min(1.0);
+            let leverages: Vec<(usize, f64)> = new.iter().map(|&number| (number, leverage(number))).collect();
+            let mut unchecked: Vec<(usize, f64)> =
+                leverages.iter().copied().filter(|(_, leverage)| *leverage > UNCHECKED).collect();
+            if !unchecked.is_empty() {
+                unchecked.sort_by(|a, b| b.1.total_cmp(&a.1));
+                let few = 1 + (WORST * unchecked.len() as f64) as usize;
+                new.retain(|number| {
+                    !unchecked[..few.min(unchecked.len())].iter().any(|(worst, _)| worst == number)
+                });
                 continue;
             }
-            let (of_joints, of_limbs) = self.checked(&leverages);
-            let doubt = |joint: usize| (1.0 + self.axis_deviation(joint) / SURE) / (of_joints[joint] + 1e-9);
-            let doubtful =
-                |joint: &usize| of_joints[*joint] < CHECKED_OF_JOINT || self.axis_deviation(*joint) > SURE;
+            let checked = |least: usize, of: &dyn Fn(&GrownTouch) -> bool| -> f64 {
+                let told = leverages.iter().filter(|(number, _)| {
+                    let touch = &self.touches[*number];
+                    touch.freedom >= least && of(touch)
+                });
+                told.map(|(_, leverage)| 1.0 - leverage).sum()
+            };
+            let of_joint = |joint: usize| checked(FREEDOM, &|touch| touch.moving.contains(&joint));
+            let deviation = |joint: usize| self.axis_deviation_in(joint, &problem.unit, &covariance);
+            let sure = |joint: usize| (SURE / self.reach[joint]).clamp(SURE_AXIS, UNSURE_AXIS);
+            let doubt = |joint: usize| (1.0 + deviation(joint) / sure(joint)) / (of_joint(joint) + 1e-9);
+            let twins = self.twins(problem, solved, &covariance);
+            let doubtful = |joint: &usize| {
+                of_joint(*joint) < CHECKED_OF_JOINT || deviation(*joint) > sure(*joint) || twins[*joint]
+            };
             let worst =
                 joints.iter().copied().filter(doubtful).max_by(|&a, &b| doubt(a).total_cmp(&doubt(b)));
             if let Some(worst) = worst {
                 joints.retain(|&joint| joint != worst);
-                self.resolved[worst] = false;
-                if joints.is_empty() && (first || part.limbs.is_empty()) {
-                    return false;
+                if joints.is_empty() && (self.belief.is_none() || part.limbs.is_empty()) {
+                    return None;
                 }
-                self.leave_out(new, |touch, _| touch.moving.contains(&worst));
+                new.retain(|&number| !self.touches[number].moving.contains(&worst));
                 continue;
             }
+            let of_limb = |limb: usize| checked(LIMB_FREEDOM, &|touch| touch.limbs.contains(&limb));
             let lonely = |limb: &usize| {
-                of_limbs[*limb] < CHECKED_OF_LIMB
+                of_limb(*limb) < CHECKED_OF_LIMB
                     && new.iter().any(|&number| self.touches[number].limbs.contains(limb))
             };
-            let limbs = (0..of_limbs.len()).filter(lonely);
-            let Some(limb) = limbs.min_by(|&a, &b| of_limbs[a].total_cmp(&of_limbs[b])) else { return true };
-            self.leave_out(new, |touch, _| touch.limbs.contains(&limb));
+            let limbs = part.limbs.iter().copied().filter(lonely);
+            let Some(limb) = limbs.min_by(|&a, &b| of_limb(a).total_cmp(&of_limb(b))) else {
+                return Some((joints, new));
+            };
+            new.retain(|&number| !self.touches[number].limbs.contains(&limb));
         }
     }
 
-    /// Leaves out some of the new touches; whether there were any.
-    fn leave_out(&mut self, new: &mut Vec<usize>, out: impl Fn(&GrownTouch, usize) -> bool) -> bool {
-        let before = new.len();
-        new.retain(|&number| {
-            let leaves = out(&self.touches[number], number);
-            self.touches[number].used &= !leaves;
-            !leaves
-        });
-        new.len() < before
-    }
-
-    /// Fits all that is used, from a schema that is nearly right; false where rounding forbids.
-    fn fit(&mut self, schema: &BodySchema) -> bool {
+    /// Per joint, whether the answers of other starts have it elsewhere though touches seem to tell where it is.
+    fn twins(&self, problem: &PartProblem, solved: &Solved, covariance: &DMatrix<f64>) -> Vec<bool> {
+        let parameters = &problem.unit;
+        let far = |place: usize, size: usize, least: f64, off: f64| {
+            let variance = (place..place + size).map(|i| covariance[(i, i)]).fold(0.0, f64::max);
+            off > least.max(TWIN * variance.sqrt())
+        };
         let creature = self.agent.creature();
-        let mut counts = BTreeMap::new();
-        let few = |touch: &&GrownTouch| {
-            let count = counts.entry((touch.limbs, touch.moving.clone())).or_insert(0);
-            *count += 1;
-            *count <= ALIKE
+        let is_elsewhere = |joint: usize, other: &BodySchema| {
+            let off = (other.positions[joint] - solved.schema.positions[joint]).norm();
+            let turned = creature.joints()[joint].dof_indices().any(|dof| {
+                let off = (other.axes[dof] - solved.schema.axes[dof]).norm();
+                parameters.axes[dof].is_some_and(|place| far(place, 2, TWIN_AXIS, off))
+            });
+            turned || parameters.positions[joint].is_some_and(|place| far(place, 3, TWIN_POSITION, off))
         };
-        let used: Vec<&GrownTouch> = self.touches.iter().filter(|touch| touch.used).filter(few).collect();
-        let joints = creature.joints().len();
-        let (mut between, mut moving) = (vec![false; joints], vec![false; joints]);
-        let mut of_limb = vec![0; creature.limbs().len()];
-        for touch in &used {
-            touch.chain.iter().for_each(|&joint| between[joint] = true);
-            touch.moving.iter().for_each(|&joint| moving[joint] = true);
-            touch.limbs.iter().for_each(|&limb| of_limb[limb] += 1);
-        }
-        let set = self.set(used.into_iter());
-        if self.belief.is_none() {
-            self.base = (0..of_limb.len()).max_by_key(|&limb| of_limb[limb]).unwrap_or(0);
-        }
-        let parameters =
-            Parameters::of(creature, AxisModel::Unit, |joint| between[joint], |joint, _| moving[joint]);
-        let skin = self.agent.skin();
-        let (schema, deviation) =
-            fit_again(self.agent, &set, &parameters, &self.prior, schema.clone(), NARROWEST);
-        let deviation = deviation.max(SHARPEST);
-        // A place in a patch is no evidence, nor a touch that stays open, however little it weighs among sharp ones.
-        let set = set.filter_touches(|touch| self.closes(touch, &schema));
-        let model = SurfaceGap::new(skin, deviation).without_places();
-        let evidence = TouchProblem::new(creature, &set, &parameters, model)
-            .with_prior(&self.prior)
-            .linearize(&schema)
-            .hessian;
-        let belief = Belief::new(schema, parameters, evidence, deviation);
-        let fitted = belief.is_some();
-        self.belief = belief.or(self.belief.take());
-        fitted
-    }
-
-    /// Per touch that is used, the share of its gap that the fit takes up.
-    fn leverages(&self, belief: &Belief) -> Vec<f64> {
-        let mut row = GapRow::default();
-        let leverage = |touch: &GrownTouch| {
-            if !touch.used {
-                return 0.0;
-            }
-            row.set(self.agent.skin(), &belief.parameters, &belief.schema, &touch.prepared);
-            (row.variance(&belief.covariance) / belief.deviation.powi(2)).min(1.0)
-        };
-        self.touches.iter().map(leverage).collect()
-    }
-
-    /// Per joint and per limb, how many of the touches that tell of it are checked by others.
-    fn checked(&self, leverages: &[f64]) -> (Vec<f64>, Vec<f64>) {
-        let mut of_joints = vec![0.0; self.resolved.len()];
-        let mut of_limbs = vec![0.0; self.placement.len()];
-        for (touch, leverage) in self.touches.iter().zip(leverages).filter(|(touch, _)| touch.used) {
-            if touch.freedom >= FREEDOM {
-                touch.moving.iter().for_each(|&joint| of_joints[joint] += 1.0 - leverage);
-            }
-            if touch.freedom >= LIMB_FREEDOM {
-                touch.limbs.iter().for_each(|&limb| of_limbs[limb] += 1.0 - leverage);
-            }
-        }
-        (of_joints, of_limbs)
+        let joints = 0..creature.joints().len();
+        joints.map(|joint| solved.others.iter().any(|other| is_elsewhere(joint, other))).collect()
     }
 
     /// The greatest standard deviation of a joint's axes across their directions, radians.
-    pub fn axis_deviation(&self, joint: usize) -> f64 {
-        let deviation = |dof: usize| match &self.belief {
-            Some(belief) => belief.parameters.axes[dof].map_or(f64::INFINITY, |place| {
-                let covariance = &belief.covariance;
+    fn axis_deviation_in(&self, joint: usize, parameters: &Parameters, covariance: &DMatrix<f64>) -> f64 {
+        let deviation = |dof: usize| {
+            parameters.axes[dof].map_or(f64::INFINITY, |place| {
                 covariance[(place, place)].max(covariance[(place + 1, place + 1)]).sqrt()
-            }),
-            None => f64::INFINITY,
+            })
         };
         let elements = self.agent.creature().joints()[joint].elements().filter(|at| !at.is_ball());
         elements.map(|at| deviation(at.axis())).fold(0.0, f64::max)
     }
+}
+
+/// Adds what a touch tells, its gap's derivative as pairs of place and slope, to information: both triangles.
+pub(super) fn add_row(information: &mut DMatrix<f64>, row: &[(usize, f64)], weight: f64) {
+    for &(column, slope) in row {
+        let slope = slope * weight;
+        row.iter().for_each(|&(place, other)| information[(place, column)] += slope * other);
+    }
+}
+
+/// `j Σ jᵀ` of a touch.
+fn variance(row: &[(usize, f64)], covariance: &DMatrix<f64>) -> f64 {
+    let product = |column: usize| -> f64 {
+        let column = covariance.column(column);
+        row.iter().map(|&(place, slope)| slope * column[place]).sum()
+    };
+    row.iter().map(|&(column, slope)| slope * product(column)).sum()
 }

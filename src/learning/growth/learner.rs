@@ -10,24 +10,18 @@ use crate::learning::{Basis, Input, Learned, Learner, SecondOrder, Verdict};
 use crate::schema::BodySchema;
 use crate::senses::Touch;
 
-/// After so many touches, or this share of all, it is seen what can be learned.
-const EVERY: usize = 30;
-const EVERY_SHARE: usize = 12;
-
 /// The learner `growth`: receptors on known surfaces.
 pub struct Grower<'a> {
     agent: &'a Agent,
     growth: Growth<'a>,
     seed: u64,
     touches: Vec<Touch>,
-    /// Touches after which it is seen next what can be learned.
-    next: usize,
 }
 
 impl<'a> Grower<'a> {
     /// A learner whose initial guesses are drawn from `seed`.
     pub fn new(agent: &'a Agent, seed: u64) -> Grower<'a> {
-        Grower { agent, growth: Growth::new(agent, seed), seed, touches: Vec::new(), next: EVERY }
+        Grower { agent, growth: Growth::new(agent, seed), seed, touches: Vec::new() }
     }
 
     /// The last fit, to all touches that what is known explains, and what they determine.
@@ -47,11 +41,6 @@ impl Learner for Grower<'_> {
     fn touch(&mut self, touch: &Touch) {
         self.growth.touch(touch);
         self.touches.push(touch.clone());
-        // In the order in which the body was freed: later touches have more unknowns.
-        if self.touches.len() >= self.next {
-            self.growth.grow();
-            self.next = self.touches.len() + EVERY.max(self.touches.len() / EVERY_SHARE);
-        }
     }
 
     fn learn(&mut self) -> Learned {

@@ -12,6 +12,7 @@
 //! coordinates move check nothing: any smooth curve explains them.
 
 mod acceptance;
+mod believing;
 mod learner;
 mod part;
 mod placement;
@@ -20,6 +21,7 @@ mod solving;
 use std::collections::BTreeMap;
 
 pub use learner::Grower;
+use nalgebra::DMatrix;
 pub use part::{GrownTouch, Part};
 pub use placement::rest;
 
@@ -58,10 +60,17 @@ const STARTS: usize = 6;
 pub const FIRST_TOUCHES: f64 = 3.5;
 /// Touches that a part needs, in units of its unknowns.
 const TOUCHES: f64 = 1.8;
+/// … and in units of all unknowns that its touches tell of.
+const TOUCHES_OF_ALL: f64 = 1.2;
 /// Touches that a part which was tried in vain needs before it is tried again, in units of those that it had.
 const MORE: f64 = 1.35;
+/// Touches of one pair of limbs with the same joints moving that tell enough.
+const ALIKE: usize = 25;
+/// After so many touches, or this share of all, it is seen what can be learned.
+const EVERY: usize = 6;
+const EVERY_SHARE: usize = 100;
 /// Parts that are tried in vain before more touches are made.
-const TRIED: usize = 4;
+const TRIED: usize = 2;
 
 /// A body's schema as it grows.
 pub struct Growth<'a> {
@@ -72,6 +81,8 @@ pub struct Growth<'a> {
     solves: u64,
     starts: usize,
     touches: Vec<GrownTouch>,
+    /// Per joint, how far the skin that it carries may be from it at the most, metres.
+    reach: Vec<f64>,
     /// Per joint, whether its axes are known.
     resolved: Vec<bool>,
     /// Per limb, how far off its skin may be in the frame of the base, one standard deviation, metres.
@@ -79,6 +90,12 @@ pub struct Growth<'a> {
     /// The limb that others are placed in relation to.
     base: usize,
     belief: Option<Belief>,
+    /// What the touches in use tell of the parameters of the belief, without its prior (1/m², 1/m, 1).
+    information: DMatrix<f64>,
+    /// Touches in use when all were fitted last.
+    fitted: usize,
+    /// Touches after which it is seen next what can be learned.
+    next: usize,
     /// Answers that closed the gaps and were not sure enough, by the joints that they were for.
     tentative: Vec<(Vec<usize>, BodySchema)>,
     /// Per part that was tried in vain, its touches then.
@@ -89,8 +106,18 @@ impl<'a> Growth<'a> {
     /// Nothing known of a body but its skin; initial guesses are drawn from `seed`.
     pub fn new(agent: &'a Agent, seed: u64) -> Growth<'a> {
         let creature = agent.creature();
+        let mut reach = vec![0.0_f64; creature.joints().len()];
+        for joint in (0..reach.len()).rev() {
+            let own = agent.skin().receptors.iter().filter(|receptor| receptor.limb == joint + 1);
+            reach[joint] += own.map(|receptor| receptor.position.norm()).fold(0.0, f64::max);
+            if let Some(before) = creature.joint_of(creature.joints()[joint].parent) {
+                // Children come after their parents: what they carry is known here.
+                reach[before] = reach[before].max(reach[joint]);
+            }
+        }
         Growth {
             agent,
+            reach,
             prior: PriorKnowledge::nothing(agent).prior,
             seed,
             solves: 0,
@@ -100,21 +127,42 @@ impl<'a> Growth<'a> {
             placement: vec![f64::INFINITY; creature.limbs().len()],
             base: 0,
             belief: None,
+            information: DMatrix::zeros(0, 0),
+            fitted: 0,
+            next: EVERY,
             tentative: Vec::new(),
             failed: BTreeMap::new(),
         }
     }
 
-    /// Takes a touch.
-    pub fn touch(&mut self, touch: &Touch) {
+    /// Takes a touch and, now and then, learns what is likely to be learned from those so far; whether that was anything.
+    pub fn touch(&mut self, touch: &Touch) -> bool {
         let creature = self.agent.creature();
         let receptors = touch.ends.map(|end| end.receptor);
         let (limbs, prepared) = imagined(self.agent.skin(), receptors, &touch.posture).prepare(creature);
         let chain: Vec<usize> = Chain::between(creature, limbs[0], limbs[1]).joints().collect();
         let moves = |joint: usize| moves(creature, joint, &touch.posture);
-        let moving = chain.iter().copied().filter(|&joint| moves(joint)).collect();
+        let moving: Vec<usize> = chain.iter().copied().filter(|&joint| moves(joint)).collect();
         let freedom = chain.iter().map(|&joint| freedom(creature, joint, &touch.posture)).sum();
-        self.touches.push(GrownTouch { limbs, prepared, chain, moving, freedom, used: false });
+        // Many touches that are alike are one wrong answer's majority.
+        let alike =
+            self.touches.iter().filter(|other| other.limbs == limbs && other.moving == moving).count();
+        let spare = self.belief.is_some() && alike >= ALIKE;
+        self.touches.push(GrownTouch {
+            limbs,
+            prepared,
+            chain,
+            moving,
+            freedom,
+            used: false,
+            spare,
+            refused: None,
+        });
+        let due = self.touches.len() >= self.next;
+        if due {
+            self.next = self.touches.len() + EVERY.max(self.touches.len() / EVERY_SHARE);
+        }
+        due && self.grow_trying(TRIED)
     }
 
     /// Starts from initial guesses made so far.
@@ -161,12 +209,7 @@ impl<'a> Growth<'a> {
         }
     }
 
-    /// Learns what is likely to be learned from the touches so far; whether that was anything.
-    pub fn grow(&mut self) -> bool {
-        self.grow_trying(TRIED)
-    }
-
-    /// The same with all that can be tried, for there will be no more touches.
+    /// Learns all that can be learned from the touches so far, for there will be no more; whether that was anything.
     pub fn grow_all(&mut self) -> bool {
         self.grow_trying(usize::MAX)
     }
@@ -185,14 +228,17 @@ impl<'a> Growth<'a> {
                 growth.failed.get(&part.key()).is_none_or(|&before| touches as f64 >= MORE * before as f64)
             };
             let ready = self.ready(TOUCHES).into_iter().filter(|(part, touches)| worth(self, part, *touches));
-            let ready: Vec<(Part, usize)> = ready.take(tried).collect();
-            let before = self.placed_limbs();
+            let ready: Vec<(Part, usize)> = ready.collect();
+            let (before, mut vain) = (self.known(), 0);
             let learned = ready.into_iter().any(|(part, touches)| {
-                let known = self.learn(&part, STARTS);
-                // A limb that is not placed better than before would be tried for ever.
-                let gained = known && (!part.joints.is_empty() || self.placed_limbs() > before);
+                if vain >= tried || !self.is_told(&part) {
+                    return false;
+                }
+                // What brings nothing new would be tried for ever.
+                let gained = self.learn(&part, STARTS) && self.known() > before;
                 if !gained {
                     self.failed.insert(part.key(), touches);
+                    vain += 1;
                 }
                 gained
             });
@@ -235,24 +281,16 @@ impl<'a> Growth<'a> {
 
     /// Solves a part and takes it in where it stands.
     fn learn(&mut self, part: &Part, starts: usize) -> bool {
-        let Some(solved) = self.solve(part, starts) else { return false };
-        let limbs = part.limbs.iter().copied().filter(|limb| !solved.given_up.contains(limb)).collect();
-        solved.share > solving::ENOUGH
-            && self.accept(&Part { joints: part.joints.clone(), limbs }, &solved.schema)
+        let Some(problem) = self.part_problem(part) else { return false };
+        let Some(solved) = self.solve(&problem, starts) else { return false };
+        solved.share > solving::ENOUGH && self.accept(&problem, &solved)
     }
 
-    /// The touches among what is known become evidence where they nearly meet what is believed.
-    fn take_in(&mut self) {
-        let Some(belief) = &self.belief else { return };
-        for number in 0..self.touches.len() {
-            let touch = &self.touches[number];
-            if touch.used || touch.moving.is_empty() || !self.lacks(touch).is_nothing() {
-                continue;
-            }
-            let frames = touch.prepared.frames(&belief.schema);
-            let gap = SurfaceGap::new(self.agent.skin(), 1.0).gap(&touch.prepared.ends, &frames);
-            self.touches[number].used = gap.distance.abs() < placement::PLACED;
-        }
+    /// Whether a part has touches enough for all that they tell of, what is hardly known among it.
+    fn is_told(&self, part: &Part) -> bool {
+        let problem = self.part_problem(part);
+        problem
+            .is_some_and(|problem| problem.numbers.len() as f64 >= TOUCHES_OF_ALL * problem.unit.len() as f64)
     }
 
     fn placed_limbs(&self) -> usize {

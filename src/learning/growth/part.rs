@@ -33,6 +33,10 @@ pub struct GrownTouch {
     pub freedom: usize,
     /// Whether what is believed rests on it.
     pub used: bool,
+    /// Whether there were enough like it already: nothing is learned from it.
+    pub spare: bool,
+    /// How much was known when it was found not to agree with what is believed.
+    pub(super) refused: Option<usize>,
 }
 
 /// Joints to resolve and limbs to place.
@@ -63,50 +67,50 @@ impl Part {
     }
 }
 
-/// A set of numbers below some length.
-type Bits = Vec<u64>;
-
-/// Joints and limbs as bits, for parts are compared a great many times.
+/// Joints and, after them, limbs as bits, for parts are compared a great many times.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
-struct PartBits {
-    joints: Bits,
-    limbs: Bits,
-}
+struct PartBits(Vec<u64>);
 
 impl PartBits {
     fn of(part: &Part, joints: usize, limbs: usize) -> PartBits {
-        let bits = |members: &[usize], length: usize| {
-            let mut bits = vec![0u64; length.div_ceil(64)];
-            members.iter().for_each(|&member| bits[member / 64] |= 1 << (member % 64));
-            bits
-        };
-        PartBits { joints: bits(&part.joints, joints), limbs: bits(&part.limbs, limbs) }
-    }
-
-    fn words(&self) -> impl Iterator<Item = &u64> {
-        self.joints.iter().chain(&self.limbs)
+        let mut bits = vec![0u64; (joints + limbs).div_ceil(64)];
+        let members = part.joints.iter().copied().chain(part.limbs.iter().map(|limb| joints + limb));
+        members.for_each(|member| bits[member / 64] |= 1 << (member % 64));
+        PartBits(bits)
     }
 
     fn holds(&self, other: &PartBits) -> bool {
-        self.words().zip(other.words()).all(|(mine, theirs)| theirs & !mine == 0)
+        self.0.iter().zip(&other.0).all(|(mine, theirs)| theirs & !mine == 0)
+    }
+
+    fn has(&self, member: usize) -> bool {
+        self.0[member / 64] >> (member % 64) & 1 == 1
     }
 
     fn with(&self, other: &PartBits) -> PartBits {
-        let both = |a: &Bits, b: &Bits| a.iter().zip(b).map(|(a, b)| a | b).collect();
-        PartBits { joints: both(&self.joints, &other.joints), limbs: both(&self.limbs, &other.limbs) }
+        PartBits(self.0.iter().zip(&other.0).map(|(a, b)| a | b).collect())
     }
 
-    fn size(&self) -> u32 {
-        self.words().map(|word| word.count_ones()).sum()
+    fn shares(&self, other: &PartBits) -> bool {
+        self.0.iter().zip(&other.0).any(|(a, b)| a & b != 0)
     }
 
-    fn part(&self) -> Part {
-        Part { joints: members(&self.joints).collect(), limbs: members(&self.limbs).collect() }
+    /// How many members another has that it has not.
+    fn lacks_of(&self, other: &PartBits) -> u32 {
+        self.0.iter().zip(&other.0).map(|(mine, theirs)| (theirs & !mine).count_ones()).sum()
     }
-}
 
-fn members(bits: &Bits) -> impl Iterator<Item = usize> + '_ {
-    (0..64 * bits.len()).filter(|member| bits[member / 64] >> (member % 64) & 1 == 1)
+    fn members(&self) -> impl Iterator<Item = usize> + '_ {
+        let words = self.0.iter().enumerate().filter(|(_, word)| **word != 0);
+        words.flat_map(|(at, word)| {
+            (0..64).filter(move |bit| word >> bit & 1 == 1).map(move |bit| 64 * at + bit)
+        })
+    }
+
+    fn part(&self, joints: usize) -> Part {
+        let (of_joints, limbs) = self.members().partition::<Vec<usize>, _>(|&member| member < joints);
+        Part { joints: of_joints, limbs: limbs.into_iter().map(|member| member - joints).collect() }
+    }
 }
 
 /// Touches that lack the same.
@@ -128,14 +132,10 @@ impl Growth<'_> {
         joints.iter().map(|&joint| 3 + 2 * axes(joint)).sum()
     }
 
-    /// The touches that lack something, and nothing but what is in a part.
-    pub(super) fn touches_of<'s>(&'s self, part: &'s Part) -> impl Iterator<Item = &'s GrownTouch> + 's {
-        self.touches.iter().filter(|touch| self.is_of(touch, part))
-    }
-
+    /// Whether a touch lacks something, and nothing but what is in a part.
     pub(super) fn is_of(&self, touch: &GrownTouch, part: &Part) -> bool {
         let lacks = self.lacks(touch);
-        !touch.moving.is_empty() && !lacks.is_nothing() && part.holds(&lacks)
+        !touch.spare && !touch.moving.is_empty() && !lacks.is_nothing() && part.holds(&lacks)
     }
 
     /// The parts with so many touches per unknown at the least, the most promising first, with their touches.
@@ -143,7 +143,9 @@ impl Growth<'_> {
         let creature = self.agent.creature();
         let (joints, limbs) = (creature.joints().len(), creature.limbs().len());
         let mut groups: BTreeMap<PartBits, Tally> = BTreeMap::new();
-        for touch in self.touches.iter().filter(|touch| !touch.used && !touch.moving.is_empty()) {
+        for touch in
+            self.touches.iter().filter(|touch| !touch.used && !touch.spare && !touch.moving.is_empty())
+        {
             let lacks = self.lacks(touch);
             if lacks.is_nothing() {
                 continue;
@@ -153,27 +155,30 @@ impl Growth<'_> {
             tally.of_joints += usize::from(touch.freedom >= FREEDOM);
             tally.of_limbs += usize::from(touch.freedom >= LIMB_FREEDOM);
         }
-        let widths: Vec<usize> = (0..joints).map(|joint| self.width(&[joint])).collect();
-        let width = |part: &PartBits| -> usize {
-            let of_limbs: u32 = part.limbs.iter().map(|word| word.count_ones()).sum();
-            members(&part.joints).map(|joint| widths[joint]).sum::<usize>() + 3 * of_limbs as usize
+        let groups: Vec<(PartBits, Tally)> = groups.into_iter().collect();
+        let widths: Vec<usize> =
+            (0..joints).map(|joint| self.width(&[joint])).chain((0..limbs).map(|_| 3)).collect();
+        let width = |part: &PartBits| -> usize { part.members().map(|member| widths[member]).sum() };
+        let within = |part: &PartBits| -> Vec<&(PartBits, Tally)> {
+            groups.iter().filter(|(group, _)| part.holds(group)).collect()
         };
-        let count = |part: &PartBits, of: &dyn Fn(&PartBits, &Tally) -> usize| -> usize {
-            let within = groups.iter().filter(|(group, _)| part.holds(group));
-            within.map(|(group, tally)| of(group, tally)).sum()
+        let all = |part: &PartBits| -> usize {
+            groups.iter().map(|(group, tally)| if part.holds(group) { tally.all } else { 0 }).sum()
         };
-        let all = |part: &PartBits| count(part, &|_, tally| tally.all);
         let worth = |part: &PartBits| all(part) as f64 / (width(part) as f64 + 1.0);
-        let mut parts: Vec<PartBits> = groups.keys().cloned().collect();
-        let mut seeds: Vec<(&PartBits, &Tally)> = groups.iter().collect();
-        seeds.sort_by(|a, b| b.1.all.cmp(&a.1.all).then(a.0.cmp(b.0)));
+        let mut parts: Vec<PartBits> = groups.iter().map(|(group, _)| group.clone()).collect();
+        let mut seeds: Vec<&(PartBits, Tally)> = groups.iter().collect();
+        seeds.sort_by(|a, b| b.1.all.cmp(&a.1.all).then(a.0.cmp(&b.0)));
         for (seed, _) in seeds.into_iter().take(SEEDS) {
             let mut part = seed.clone();
             for _ in 0..ADDITIONS {
                 let now = worth(&part);
-                let wider = groups.keys().map(|group| part.with(group)).filter(|wider| {
-                    (1..=ADDED).contains(&(wider.size() - part.size())) && width(wider) <= WIDEST_PART
-                });
+                // What shares nothing with it is a part of its own.
+                let near = groups
+                    .iter()
+                    .filter(|(group, _)| part.shares(group) && (1..=ADDED).contains(&part.lacks_of(group)));
+                let wider =
+                    near.map(|(group, _)| part.with(group)).filter(|wider| width(wider) <= WIDEST_PART);
                 let best = wider.map(|wider| (worth(&wider), wider)).max_by(|a, b| a.0.total_cmp(&b.0));
                 let Some((_, best)) = best.filter(|(worth, _)| *worth > now) else { break };
                 part = best;
@@ -182,23 +187,25 @@ impl Growth<'_> {
         }
         parts.sort_unstable();
         parts.dedup();
-        let enough = |part: &PartBits| {
-            let has = |bits: &Bits, member: usize| bits[member / 64] >> (member % 64) & 1 == 1;
-            let of_joint = |joint: usize| {
-                count(part, &|group, tally| if has(&group.joints, joint) { tally.of_joints } else { 0 })
-            };
-            let of_limb = |limb: usize| {
-                count(part, &|group, tally| if has(&group.limbs, limb) { tally.of_limbs } else { 0 })
-            };
-            members(&part.joints).all(|joint| of_joint(joint) >= widths[joint] + TO_SPARE)
-                && members(&part.limbs).all(|limb| of_limb(limb) >= OF_LIMB)
-        };
         let mut ready: Vec<(f64, Part, usize)> = Vec::new();
         for part in parts {
             let (touches, unknowns) = (all(&part) as f64, width(&part) as f64);
-            if touches >= touches_per_unknown * unknowns + 3.0 && enough(&part) {
+            if touches < touches_per_unknown * unknowns + 3.0 {
+                continue;
+            }
+            let within = within(&part);
+            let enough = part.members().all(|member| {
+                let told = within.iter().filter(|(group, _)| group.has(member));
+                match member < joints {
+                    true => {
+                        told.map(|(_, tally)| tally.of_joints).sum::<usize>() >= widths[member] + TO_SPARE
+                    }
+                    false => told.map(|(_, tally)| tally.of_limbs).sum::<usize>() >= OF_LIMB,
+                }
+            });
+            if enough {
                 // Those with most touches for their size and, of these, the smallest.
-                ready.push((unknowns / touches + 0.01 * unknowns, part.part(), touches as usize));
+                ready.push((unknowns / touches + 0.01 * unknowns, part.part(joints), touches as usize));
             }
         }
         ready.sort_by(|a, b| a.0.total_cmp(&b.0));

@@ -28,6 +28,9 @@ const AS_GOOD_AS_ALL: f64 = 0.97;
 const PROMISING: f64 = 0.9;
 /// Starts that are made at once: always so many, for what is taken must not depend on the number of threads.
 const AT_ONCE: usize = 2;
+/// Answers of so many starts are to agree where a part has no more unknowns: small parts have twins.
+const AGREEING: usize = 4;
+const SMALL: usize = 45;
 /// Touches of a limb below which the first part does without it.
 const OFTEN: usize = 8;
 /// Touches that a part is solved by at the most, in units of its unknowns.
@@ -49,6 +52,8 @@ pub(super) struct Solved {
     pub share: f64,
     /// Limbs without whose touches it does.
     pub given_up: Vec<usize>,
+    /// Answers of other starts that close as much.
+    pub others: Vec<BodySchema>,
 }
 
 /// What is believed besides the touches: little of what is new, much of what is known.
@@ -71,15 +76,17 @@ impl PriorTerm for Beliefs<'_> {
 }
 
 /// The problem of one part.
-struct PartProblem<'a> {
-    part: &'a Part,
+pub(super) struct PartProblem<'a> {
+    pub part: &'a Part,
+    /// The touches that tell of it, by their numbers; and those that it is solved by.
+    pub numbers: Vec<usize>,
     touches: TouchSet,
     /// Per joint, whether it is between limbs that touched, and whether its position is free.
     between: Vec<bool>,
     free: Vec<bool>,
     /// Axes of the part, relaxed; and all that is free, with unit axes.
     relaxed: Parameters,
-    unit: Parameters,
+    pub unit: Parameters,
     new: Prior,
     known: Option<Anchor>,
     /// What is known, and the lower Cholesky factor of its covariance.
@@ -88,26 +95,46 @@ struct PartProblem<'a> {
     base: BodySchema,
 }
 
+impl PartProblem<'_> {
+    fn beliefs(&self) -> Beliefs<'_> {
+        Beliefs { new: &self.new, known: self.known.as_ref() }
+    }
+
+    /// What is believed besides the touches of it, as information over its parameters with unit axes.
+    pub fn information(&self, schema: &BodySchema) -> DMatrix<f64> {
+        let n = self.unit.len();
+        let mut model = Linearization {
+            hessian: DMatrix::zeros(n, n),
+            gradient: DVector::zeros(n),
+            cost: 0.0,
+            scale: DVector::zeros(n),
+        };
+        self.beliefs().add(&self.unit, schema, &mut model);
+        model.hessian
+    }
+}
+
 impl Growth<'_> {
     /// The best answer of so many starts; none where no touch tells anything.
-    pub(super) fn solve(&mut self, part: &Part, starts: usize) -> Option<Solved> {
-        let problem = self.part_problem(part)?;
+    pub(super) fn solve(&mut self, problem: &PartProblem, starts: usize) -> Option<Solved> {
+        let part = problem.part;
         self.solves += 1;
         let numbers: Vec<usize> = (0..starts).collect();
-        let mut best: Option<Solved> = None;
+        let mut solved: Vec<Solved> = Vec::new();
         for wave in numbers.chunks(AT_ONCE) {
-            let made: Vec<Solved> = wave.par_iter().map(|&number| self.start(&problem, number)).collect();
+            let made: Vec<Solved> = wave.par_iter().map(|&number| self.start(problem, number)).collect();
             self.starts += made.len();
-            for solved in made {
-                if best.as_ref().is_none_or(|best| solved.share > best.share) {
-                    best = Some(solved);
-                }
-            }
-            if best.as_ref().is_some_and(|best| best.share > AS_GOOD_AS_ALL) {
+            solved.extend(made);
+            let good = solved.iter().filter(|solved| solved.share > AS_GOOD_AS_ALL).count();
+            let small = self.belief.is_some() && problem.unit.len() <= SMALL;
+            if good >= if small { AGREEING } else { 1 } {
                 break;
             }
         }
-        let mut best = best?;
+        let at = (0..solved.len()).max_by(|&a, &b| solved[a].share.total_cmp(&solved[b].share))?;
+        let mut best = solved.swap_remove(at);
+        let good = solved.into_iter().filter(|other| other.share > ENOUGH && other.given_up == best.given_up);
+        best.others = good.map(|other| other.schema).collect();
         if let Some(known) = &problem.known {
             best.schema = self.carried(known, &best.schema);
         }
@@ -118,10 +145,13 @@ impl Growth<'_> {
         Some(best)
     }
 
-    fn part_problem<'p>(&self, part: &'p Part) -> Option<PartProblem<'p>> {
+    /// The problem of a part; none where no touch tells of it.
+    pub(super) fn part_problem<'p>(&self, part: &'p Part) -> Option<PartProblem<'p>> {
         let creature = self.agent.creature();
         let joints = creature.joints();
-        let mut touches: Vec<&GrownTouch> = self.touches_of(part).collect();
+        let numbers: Vec<usize> =
+            (0..self.touches.len()).filter(|&number| self.is_of(&self.touches[number], part)).collect();
+        let mut touches: Vec<&GrownTouch> = numbers.iter().map(|&number| &self.touches[number]).collect();
         if self.belief.is_none() {
             // Limbs that are hardly touched are found later.
             let mut before = usize::MAX;
@@ -187,6 +217,7 @@ impl Growth<'_> {
         });
         Some(PartProblem {
             part,
+            numbers,
             touches: self.set(touches.into_iter()),
             relaxed: Parameters::of(
                 creature,
@@ -213,7 +244,7 @@ impl Growth<'_> {
         let first = self.belief.is_none();
         // False places would spoil a fit to the places: the surfaces must do.
         let doubts = first && number % 4 >= 2;
-        let beliefs = Beliefs { new: &problem.new, known: problem.known.as_ref() };
+        let beliefs = problem.beliefs();
         let mut schema = match first {
             true => self.first_guess(problem, doubts, &mut rng),
             false => self.guess(problem, number, &mut rng),
@@ -240,11 +271,13 @@ impl Growth<'_> {
             let (share, worst) =
                 self.open_limb(&touches, &schema, |limb| first || problem.part.limbs.contains(&limb));
             let hopeful = share > 0.5 && share < AS_GOOD_AS_ALL && given_up.len() < GIVEN_UP;
-            let Some(worst) = worst.filter(|_| hopeful) else { return Solved { schema, share, given_up } };
+            let Some(worst) = worst.filter(|_| hopeful) else {
+                return Solved { schema, share, given_up, others: Vec::new() };
+            };
             given_up.push(worst);
             touches = touches.filter(|pair| !pair.limbs.contains(&worst));
             if touches.is_empty() {
-                return Solved { schema, share: 0.0, given_up };
+                return Solved { schema, share: 0.0, given_up, others: Vec::new() };
             }
             schema = anneal_to(NARROWEST, self.agent, &touches, unit, &beliefs, schema).schema;
         }
@@ -331,7 +364,7 @@ impl Growth<'_> {
     /// What follows for all that is believed from what an answer says of some of it: a Gaussian's conditional mean.
     fn carried(&self, known: &Anchor, schema: &BodySchema) -> BodySchema {
         let Some(belief) = &self.belief else { return schema.clone() };
-        let places = known.places_in(&belief.parameters);
+        let places = known.parameters.places_in(&belief.parameters);
         let pull = &known.information * known.difference(schema);
         let mut step = DVector::zeros(belief.parameters.len());
         for &(from, to) in &places {

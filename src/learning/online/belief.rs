@@ -97,6 +97,18 @@ impl Belief {
         self.schema = moved;
     }
 
+    /// Makes the covariance that with one touch more, given by the derivative of its gap as pairs of place and slope;
+    /// the schema stays.
+    pub fn tell(&mut self, row: &[(usize, f64)]) {
+        self.product.fill(0.0);
+        for &(column, slope) in row {
+            self.product.axpy(slope, &self.covariance.column(column), 1.0);
+        }
+        let variance: f64 = row.iter().map(|&(k, slope)| slope * self.product[k]).sum();
+        let total = self.deviation.powi(2) + variance;
+        self.covariance.ger(-1.0 / total, &self.product, &self.product, 1.0);
+    }
+
     /// `r`, the variance of a touch whose gap the schema knows to `variance`.
     fn noise(&self, variance: f64) -> f64 {
         self.deviation.powi(2) + (CURVATURE * variance).powi(2)
@@ -123,6 +135,12 @@ impl Belief {
                 self.covariance.fixed_columns_mut::<2>(offset).copy_from(&columns);
             }
         }
+    }
+
+    /// Whether the tangent basis of an axis jumps from the schema to another.
+    pub fn jumps(&self, to: &BodySchema) -> bool {
+        let jumped = |k| (between_bases(&self.schema, to, k) - Matrix2::identity()).norm_squared() > TURNED;
+        (0..self.parameters.axes.len()).any(|k| self.parameters.axes[k].is_some() && jumped(k))
     }
 
     /// Makes the position of a joint uncertain by `deviation`, metres, in each coordinate.
@@ -207,18 +225,13 @@ pub struct Anchor {
 impl Anchor {
     /// What the anchor knows of some of its parameters, whatever the others are; none where rounding forbids.
     pub fn of(belief: &Belief, parameters: Parameters) -> Option<Anchor> {
-        let places = places(&parameters, &belief.parameters);
+        let places = parameters.places_in(&belief.parameters);
         let chosen: Vec<usize> = places.iter().map(|(_, there)| *there).collect();
         let covariance = belief.covariance.select_rows(&chosen).select_columns(&chosen);
         let variances = covariance.diagonal();
         let mut information = invert(covariance)?;
         information.fill_upper_triangle_with_lower_triangle();
         Some(Anchor { mean: belief.schema.clone(), parameters, information, variances })
-    }
-
-    /// Where each of its parameters is among others, of those that are there: pairs of places.
-    pub fn places_in(&self, others: &Parameters) -> Vec<(usize, usize)> {
-        places(&self.parameters, others)
     }
 
     /// How far a schema is from the mean, in the parameters about the mean.
@@ -239,19 +252,6 @@ impl Anchor {
         }
         difference
     }
-}
-
-/// Where each of some parameters is among others, of those that are there: pairs of places.
-fn places(some: &Parameters, others: &Parameters) -> Vec<(usize, usize)> {
-    let positions = some.positions.iter().zip(&others.positions).map(|(a, b)| (a, b, 3));
-    let axes = some.axes.iter().zip(&others.axes).map(|(a, b)| (a, b, 2));
-    let mut places: Vec<(usize, usize)> = positions
-        .chain(axes)
-        .filter_map(|(a, b, width)| Some((*a.as_ref()?, *b.as_ref()?, width)))
-        .flat_map(|(a, b, width)| (0..width).map(move |i| (a + i, b + i)))
-        .collect();
-    places.sort_unstable();
-    places
 }
 
 impl PriorTerm for Anchor {
@@ -279,7 +279,7 @@ impl PriorTerm for Anchor {
             }
         }
         // What is not among the parameters is held at its mean.
-        let places = places(&self.parameters, parameters);
+        let places = self.parameters.places_in(parameters);
         for &(from, to) in &places {
             model.gradient[to] += pull[from];
             model.scale[to] += 1.0 / self.variances[from];

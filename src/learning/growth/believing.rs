@@ -1,0 +1,273 @@
+//! What is believed of all that is known: information that touches add to, and fits of all of them now and then.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::acceptance::add_row;
+use super::{GrownTouch, Growth};
+use crate::learning::annealing::NARROWEST;
+use crate::learning::least_squares::LeastSquares;
+use crate::learning::online::{Belief, fit_again};
+use crate::learning::prediction::GapRow;
+use crate::learning::surface_gap::{SHARPEST, SurfaceGap};
+use crate::learning::touch_set::{TouchProblem, TouchSet};
+use crate::learning::{AxisModel, Parameters};
+use crate::schema::BodySchema;
+
+/// Of so many touches one that was closed may open.
+const FEW_OPEN: usize = 50;
+/// So many touches against a joint or a limb, and this share of all that tell of it, take it back.
+const CONTRADICTIONS: f64 = 3.0;
+const CONTRADICTED: f64 = 0.2;
+/// Touches are taken in when so many times as many are believed, or fewer.
+const TOO_FEW: usize = 50;
+/// All is fitted again where there are so many times more touches than at the last time.
+const MORE_TO_FIT: f64 = 1.5;
+
+/// All that an answer may change.
+pub(super) struct BeforeAnswer {
+    belief: Option<Belief>,
+    information: DMatrix<f64>,
+    base: usize,
+    fitted: usize,
+}
+
+impl Growth<'_> {
+    pub(super) fn clone_belief(&self) -> BeforeAnswer {
+        BeforeAnswer {
+            belief: self.belief.clone(),
+            information: self.information.clone(),
+            base: self.base,
+            fitted: self.fitted,
+        }
+    }
+
+    pub(super) fn restore_belief(&mut self, before: BeforeAnswer, new: &[usize]) {
+        new.iter().for_each(|&number| self.touches[number].used = false);
+        (self.belief, self.information) = (before.belief, before.information);
+        (self.base, self.fitted) = (before.base, before.fitted);
+    }
+
+    /// What a touch weighs: the inverse of its gap's variance, 1/m².
+    pub(super) fn weight(&self) -> f64 {
+        self.deviation().powi(-2)
+    }
+
+    /// Standard deviation of a touch's gap, metres.
+    fn deviation(&self) -> f64 {
+        self.belief.as_ref().map_or(SHARPEST, |belief| belief.deviation)
+    }
+
+    /// How much is known: it only grows.
+    pub(super) fn known(&self) -> usize {
+        self.resolved.iter().filter(|&&resolved| resolved).count() + self.placed_limbs()
+    }
+
+    /// The touches that belief rests on.
+    fn used(&self) -> impl Iterator<Item = &GrownTouch> {
+        self.touches.iter().filter(|touch| touch.used)
+    }
+
+    /// Believes a schema with what some touches more tell of it; false where rounding forbids.
+    pub(super) fn believe(&mut self, schema: BodySchema, new: &[usize]) -> bool {
+        new.iter().for_each(|&number| self.touches[number].used = true);
+        let parameters = self.parameters();
+        let (deviation, weight) = (self.deviation(), self.weight());
+        let same = self.belief.as_ref().is_some_and(|belief| belief.parameters.len() == parameters.len());
+        let mut gradient = DVector::zeros(parameters.len());
+        let mut row = GapRow::default();
+        let rows = new.iter().map(|&number| {
+            row.set(self.agent.skin(), &parameters, &schema, &self.touches[number].prepared);
+            row.entries.iter().for_each(|&(place, slope)| gradient[place] += weight * slope * row.gap);
+            row.entries.clone()
+        });
+        let rows: Vec<Vec<(usize, f64)>> = rows.collect();
+        let mut information = self.information_over(&parameters);
+        rows.iter().for_each(|row| add_row(&mut information, row, weight));
+        let before = self.belief.take();
+        let belief = match before.clone().filter(|_| same) {
+            Some(mut belief) => {
+                rows.iter().for_each(|row| belief.tell(row));
+                belief.schema = schema;
+                Some(belief)
+            }
+            None => {
+                let mut all = information.clone();
+                self.prior.add_information(&parameters, &mut all);
+                Belief::new(schema, parameters, all, deviation)
+            }
+        };
+        let Some(mut belief) = belief else { return false };
+        // What is left of the gaps is taken up as all touches so far allow.
+        let step = -(&belief.covariance * gradient);
+        belief.schema = belief.parameters.step(&belief.schema, &step);
+        let jumped = before.as_ref().is_some_and(|before| before.jumps(&belief.schema));
+        if before.is_none() {
+            let mut of_limb = vec![0; self.placement.len()];
+            self.used().for_each(|touch| touch.limbs.iter().for_each(|&limb| of_limb[limb] += 1));
+            self.base = (0..of_limb.len()).max_by_key(|&limb| of_limb[limb]).unwrap_or(0);
+        }
+        self.belief = Some(belief);
+        self.information = information;
+        let used = self.used().count();
+        let due = jumped || used as f64 >= MORE_TO_FIT * self.fitted as f64 || !self.still_closed(new);
+        !due || self.fit()
+    }
+
+    /// What the touches so far tell of some parameters.
+    fn information_over(&self, parameters: &Parameters) -> DMatrix<f64> {
+        let mut information = DMatrix::zeros(parameters.len(), parameters.len());
+        let Some(belief) = &self.belief else { return information };
+        let places = belief.parameters.places_in(parameters);
+        for &(from, to) in &places {
+            for &(other_from, other_to) in &places {
+                information[(other_to, to)] = self.information[(other_from, from)];
+            }
+        }
+        information
+    }
+
+    /// Whether what was closed before some new touches stays closed, and so do they.
+    pub(super) fn still_closed(&self, new: &[usize]) -> bool {
+        let Some(schema) = self.schema() else { return false };
+        let (mut open, mut used) = ([0; 2], 0);
+        for (number, touch) in self.touches.iter().enumerate().filter(|(_, touch)| touch.used) {
+            used += 1;
+            if !self.closes(&touch.prepared, schema) {
+                open[usize::from(new.binary_search(&number).is_ok())] += 1;
+            }
+        }
+        FEW_OPEN * open[0] <= used && FEW_OPEN * open[1] <= new.len() + FEW_OPEN
+    }
+
+    /// The parameters that the touches in use tell of.
+    fn parameters(&self) -> Parameters {
+        let creature = self.agent.creature();
+        let joints = creature.joints().len();
+        let (mut between, mut moving) = (vec![false; joints], vec![false; joints]);
+        for touch in self.used() {
+            touch.chain.iter().for_each(|&joint| between[joint] = true);
+            touch.moving.iter().for_each(|&joint| moving[joint] = true);
+        }
+        Parameters::of(creature, AxisModel::Unit, |joint| between[joint], |joint, _| moving[joint])
+    }
+
+    /// Fits all that is used, from a schema that is nearly right, and leaves out what stays open; false where rounding
+    /// forbids.
+    fn fit(&mut self) -> bool {
+        let Some(belief) = &self.belief else { return false };
+        let (creature, skin) = (self.agent.creature(), self.agent.skin());
+        let set = self.set(self.used());
+        let (schema, deviation) =
+            fit_again(self.agent, &set, &belief.parameters, &self.prior, belief.schema.clone(), NARROWEST);
+        let deviation = deviation.max(SHARPEST);
+        let opened: Vec<usize> = (0..self.touches.len())
+            .filter(|&number| {
+                self.touches[number].used && !self.closes(&self.touches[number].prepared, &schema)
+            })
+            .collect();
+        opened.into_iter().for_each(|number| self.touches[number].used = false);
+        let parameters = self.parameters();
+        // A place in a patch is no evidence.
+        let model = SurfaceGap::new(skin, deviation).without_places();
+        let set: TouchSet = self.set(self.used());
+        let mut information =
+            TouchProblem::new(creature, &set, &parameters, model).linearize(&schema).hessian;
+        information.fill_upper_triangle_with_lower_triangle();
+        let mut all = information.clone();
+        self.prior.add_information(&parameters, &mut all);
+        let Some(belief) = Belief::new(schema, parameters, all, deviation) else { return false };
+        self.belief = Some(belief);
+        self.information = information;
+        self.fitted = set.len();
+        true
+    }
+
+    /// The touches among what is known become evidence where they nearly meet what is believed; whether any did.
+    pub(super) fn take_in(&mut self) -> bool {
+        let Some(belief) = &self.belief else { return false };
+        let schema_before = belief.schema.clone();
+        let known = self.known();
+        let mut contradicted = Vec::new();
+        let mut new = Vec::new();
+        for (number, touch) in self.touches.iter().enumerate() {
+            let refused = touch.refused == Some(known);
+            if touch.used
+                || touch.spare
+                || refused
+                || touch.moving.is_empty()
+                || !self.lacks(touch).is_nothing()
+            {
+                continue;
+            }
+            let frames = touch.prepared.frames(&belief.schema);
+            let gap = SurfaceGap::new(self.agent.skin(), 1.0).gap(&touch.prepared.ends, &frames);
+            match gap.distance.abs() < super::placement::PLACED {
+                true => new.push(number),
+                false => contradicted.push(number),
+            }
+        }
+        contradicted.into_iter().for_each(|number| self.touches[number].refused = Some(known));
+        // Few among many hardly change what is believed.
+        if new.is_empty() || TOO_FEW * new.len() < self.used().count() {
+            return false;
+        }
+        let before = self.clone_belief();
+        let schema = schema_before;
+        let stands = self.believe(schema, &new) && self.still_closed(&[]);
+        if !stands {
+            self.restore_belief(before, &new);
+        }
+        for number in new {
+            let touch = &mut self.touches[number];
+            touch.refused = (!touch.used).then_some(known);
+        }
+        self.place();
+        self.revoke();
+        stands
+    }
+
+    /// Takes back the joint or the limb that touches contradict most, where they do: a wrong answer explains what it was
+    /// fitted to, but not what comes after.
+    fn revoke(&mut self) {
+        let (joints, limbs) = (self.resolved.len(), self.placement.len());
+        // First joints, then limbs.
+        let mut told = vec![[0.0; 2]; joints + limbs];
+        for touch in &self.touches {
+            let of = usize::from(touch.refused.is_some());
+            if touch.used || touch.refused.is_some() {
+                touch.moving.iter().for_each(|&joint| told[joint][of] += 1.0);
+                touch.limbs.iter().for_each(|&limb| told[joints + limb][of] += 1.0);
+            }
+        }
+        let share = |at: &usize| told[*at][1] / (told[*at][0] + told[*at][1] + 1e-9);
+        let wrong = |at: &usize| told[*at][1] >= CONTRADICTIONS && share(at) > CONTRADICTED;
+        let worst = (0..told.len()).filter(wrong).max_by(|a, b| share(a).total_cmp(&share(b)));
+        let Some(worst) = worst else { return };
+        for touch in &mut self.touches {
+            let of_it = if worst < joints {
+                touch.moving.contains(&worst)
+            } else {
+                touch.limbs.contains(&(worst - joints))
+            };
+            if of_it {
+                (touch.used, touch.refused) = (false, None);
+            }
+        }
+        if worst < joints {
+            self.resolved[worst] = false;
+        }
+        self.failed.clear();
+        self.tentative.clear();
+        self.fit();
+        // What nothing tells of any more is not known any more.
+        let parameters = self.belief.as_ref().map(|belief| belief.parameters.clone());
+        for joint in 0..joints {
+            let axes = self.agent.creature().joints()[joint].elements().filter(|at| !at.is_ball());
+            let told = axes
+                .map(|at| at.axis())
+                .all(|axis| parameters.as_ref().is_some_and(|parameters| parameters.axes[axis].is_some()));
+            self.resolved[joint] &= told;
+        }
+        self.place();
+    }
+}
