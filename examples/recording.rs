@@ -4,7 +4,9 @@ use std::error::Error;
 use std::f64::consts::FRAC_PI_2;
 use std::fs;
 
-use bodyschema::experiment::{LearningOptions, Provenance, RecordedSession, RecordingSource, learn_session};
+use bodyschema::experiment::{
+    BabbledSession, LearningOptions, Provenance, RecordedSession, RecordingSource, learn_session,
+};
 
 const ARM: &str = r#"{"name": "arm", "limbs": ["base", "forearm"], "joints": [{"name": "elbow", "parent": "base",
   "dofs": [{"name": "elbow_pitch", "kind": "hinge", "range": [-1.5, 1.5]}]}]}"#;
@@ -21,7 +23,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     let options = options.for_session(&recorded.session)?;
     recorded.write(&folder)?;
     let RecordedSession { session, touches } = recorded;
-    let learned = learn_session(&folder, &session, &touches, &options, None, &[], &())?;
+    let session = BabbledSession { session, touches, grown: None };
+    let learned = learn_session(&folder, &session, &options, None, &[], &())?;
     println!("{}", learned.verdict);
     println!("elbow: {:.4?} m", learned.learned.schema.positions[0].as_slice());
     println!("axis: {:.4?}", learned.learned.schema.axes[0].as_slice());

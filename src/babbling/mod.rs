@@ -17,6 +17,7 @@ pub use policy::{Policy, PolicyName};
 
 use crate::babbling::bouts::{Bout, gather};
 use crate::babbling::policy::Random;
+use crate::learning::growth::Growth;
 use crate::senses::Touch;
 use crate::simulation::{Effort, Ending, EngineError, EngineResult, MotionUntilTouch, Movers};
 
@@ -202,7 +203,7 @@ impl<'a> Babbler<'a> {
     }
 
     /// Babbles by a policy of the creature's own, named: at random in bouts on all threads, or one motion
-    /// after the other. Returns what it cost.
+    /// after the other. Returns what it cost, and what was learned on the way by a policy that learns all that can be.
     ///
     /// # Errors
     /// See [`BabblingError`]; touches handed on before stay handed on.
@@ -211,12 +212,13 @@ impl<'a> Babbler<'a> {
         policy: PolicyName,
         options: &BabblingOptions,
         receive: impl FnMut(&Touch) -> Result<(), E>,
-    ) -> Result<Effort, BabblingError<E>> {
+    ) -> Result<(Effort, Option<Growth>), BabblingError<E>> {
         if policy == PolicyName::Random {
-            return self.babble(options, receive);
+            return Ok((self.babble(options, receive)?, None));
         }
         let mut policy = policy.policy(self.movers.agent(), options.seed);
-        self.babble_with(policy.as_mut(), options, receive)
+        let effort = self.babble_with(policy.as_mut(), options, receive)?;
+        Ok((effort, policy.grown().cloned()))
     }
 
     /// One bout, the same whoever makes it and when.

@@ -114,10 +114,10 @@ impl Prepared {
         observer: &dyn Observer,
         live: Option<&Live>,
     ) -> Outcome {
-        let BabbledSession { session, touches } = babbled;
+        let BabbledSession { session, touches, .. } = babbled;
         let learning = &self.setup.learning;
         let truth = Some(self.embodied.truth());
-        let result = learn_and_report(folder, session, touches, learning, truth, observer)?;
+        let result = learn_and_report(folder, babbled, learning, truth, observer)?;
         if let Some(live) = live {
             live.done(folder, &result);
         }

@@ -9,7 +9,7 @@ use super::learning_arguments::{KNOWN_HELP, LearningArguments};
 use super::open::known_truth;
 use super::progress::Bars;
 use super::{Failure, Outcome, output};
-use crate::experiment::{LearningOptions, Provenance, RecordedSession, RecordingSource};
+use crate::experiment::{BabbledSession, LearningOptions, Provenance, RecordedSession, RecordingSource};
 use crate::record::{Session, TOUCHES_FILE, read_touches};
 use crate::senses::Touch;
 
@@ -82,8 +82,9 @@ pub fn run(args: &LearnArguments, given: Arguments) -> Outcome {
     };
     let truth = known_truth(&session, args.model.as_deref())?;
     let bars = Bars::default();
-    let result = learn_and_report(&folder, &session, &touches, &learning, truth.as_ref(), &bars)?;
-    print_learned(&folder, &session, &touches, &learning, &result, args.json)
+    let babbled = BabbledSession { session, touches, grown: None };
+    let result = learn_and_report(&folder, &babbled, &learning, truth.as_ref(), &bars)?;
+    print_learned(&folder, &babbled.session, &babbled.touches, &learning, &result, args.json)
 }
 
 /// A session with the touches to learn from, and how.

@@ -7,7 +7,9 @@ use serde_json::{Value, json};
 use super::{Failure, Outcome, output};
 use crate::evaluation::{CramerRaoBound, Evaluation, Summary};
 use crate::experiment::words::listed;
-use crate::experiment::{DisturbanceLevels, LearnedSession, LearningOptions, Observer, learn_session};
+use crate::experiment::{
+    BabbledSession, DisturbanceLevels, LearnedSession, LearningOptions, Observer, learn_session,
+};
 use crate::ground_truth::GroundTruth;
 use crate::learning::{LimbFrames, Verdict};
 use crate::record::{Session, TouchLog};
@@ -19,15 +21,14 @@ use crate::view::report::write_report;
 /// Learns from a session's touches, and writes all that comes of it into its folder, the report as well.
 pub fn learn_and_report(
     folder: &Path,
-    session: &Session,
-    touches: &[Touch],
+    babbled: &BabbledSession,
     options: &LearningOptions,
     truth: Option<&GroundTruth>,
     observer: &dyn Observer,
 ) -> Result<LearnedSession, Failure> {
     let command = output::command_line();
-    let result = learn_session(folder, session, touches, options, truth, &command, observer)?;
-    write_report(folder, session, touches, truth)?;
+    let result = learn_session(folder, babbled, options, truth, &command, observer)?;
+    write_report(folder, &babbled.session, &babbled.touches, truth)?;
     Ok(result)
 }
 

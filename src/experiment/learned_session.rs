@@ -7,6 +7,7 @@ use super::error::ExperimentError;
 use super::learning_account::{changes, facts, sentence};
 use super::learning_options::LearningOptions;
 use super::observer::{LearningStep, Observer, Phase};
+use super::session::BabbledSession;
 use crate::evaluation::{Evaluation, OwnAccount, Progress, Summary, evaluate, evaluate_learned};
 use crate::export::to_mjcf;
 use crate::ground_truth::GroundTruth;
@@ -52,13 +53,13 @@ pub struct LearnedSession {
 /// Where there is no touch, or a file cannot be written.
 pub fn learn_session(
     folder: &Path,
-    session: &Session,
-    touches: &[Touch],
+    babbled: &BabbledSession,
     options: &LearningOptions,
     truth: Option<&GroundTruth>,
     command: &[String],
     observer: &dyn Observer,
 ) -> Result<LearnedSession, ExperimentError> {
+    let BabbledSession { session, touches, grown } = babbled;
     let agent = &session.agent;
     let creature = agent.creature();
     let given = options.givens();
@@ -67,7 +68,9 @@ pub fn learn_session(
     let disturbances = options.disturbances.disturbances();
     let felt = disturbances.felt(agent, touches, session.seed);
     let mut run = LearningRun::new(folder, session, touches.len(), options, truth)?;
-    let mut learner = options.learner(&felt.agent, session.seed);
+    // What was learned on the way was learned of a body without the disturbances.
+    let grown = grown.as_ref().filter(|_| disturbances.is_none());
+    let mut learner = options.learner_from(&felt.agent, grown, session.seed);
     for (n, touch) in felt.touches.iter().enumerate() {
         let began = Instant::now();
         learner.touch(touch);

@@ -11,6 +11,7 @@ use super::error::ExperimentError;
 use super::words::listed;
 use crate::agent::Agent;
 use crate::creature::{Creature, DofKind};
+use crate::learning::growth::Growth;
 use crate::learning::initial_guess::random_guess;
 use crate::learning::learners::{LEARNERS, LearnerGivens, LearnerKind, LearnerUses};
 use crate::learning::{Input, KnownJoint, Learner, LimbFrames, SecondOrder, SkinKnowledge};
@@ -158,6 +159,17 @@ impl LearningOptions {
     /// The learner of a body, whose random numbers come from `seed`.
     pub fn learner<'a>(&self, agent: &'a Agent, seed: u64) -> Box<dyn Learner + 'a> {
         self.learner.learner(agent, &self.givens(), seed)
+    }
+
+    /// The same that goes on from what was learned while the touches were made, where the learner is one that can.
+    pub fn learner_from<'a>(
+        &self,
+        agent: &'a Agent,
+        grown: Option<&Growth>,
+        seed: u64,
+    ) -> Box<dyn Learner + 'a> {
+        let goes_on = grown.and_then(|grown| self.learner.goes_on(agent, grown, seed));
+        goes_on.unwrap_or_else(|| self.learner(agent, seed))
     }
 
     /// Whether the learner predicts each touch before it learns from it.

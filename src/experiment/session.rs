@@ -10,6 +10,7 @@ use super::learning_options::LearningOptions;
 use super::observer::{Observer, Phase};
 use super::touches::make_touches;
 use crate::babbling::{BabblingOptions, BoutsDone, Made, PolicyName};
+use crate::learning::growth::Growth;
 use crate::record::{
     BabblingEffort, BabblingProgress, Host, PROGRAM, SESSION_FILE, Session, SessionOptions, TOUCHES_FILE,
     TouchWriter, model_hash, read_touches,
@@ -66,6 +67,8 @@ pub struct BabbledSession {
     pub session: Session,
     /// Its touches.
     pub touches: Vec<Touch>,
+    /// What was learned from them on the way; none where nothing was, or it is not known any more.
+    pub grown: Option<Growth>,
 }
 
 /// A session that was interrupted.
@@ -127,7 +130,7 @@ impl<'a> BabblingSession<'a> {
                 );
                 return Err(ExperimentError::unfit(&log_file, reason));
             }
-            return Ok(ResumedSession::Babbled(Box::new(BabbledSession { session, touches })));
+            return Ok(ResumedSession::Babbled(Box::new(BabbledSession { session, touches, grown: None })));
         }
         let mut log = TouchWriter::resume(folder, agent)?;
         let (mut done, mut spent, mut made) = (BoutsDone::default(), Duration::ZERO, Vec::new());
@@ -166,22 +169,23 @@ impl<'a> BabblingSession<'a> {
         observer.phase(Phase::Babbling { made: made.len(), touches: setup.babbling.touches });
         let began = Instant::now();
         let mut kept = began;
-        let effort = make_touches(embodied.model(), &babbler, setup.policy, done, &setup.babbling, |news| {
-            match news {
-                Made::Touch(touch) => {
-                    log.write(touch)?;
-                    observer.touched(touch);
-                    made.push(touch.clone());
+        let (effort, grown) =
+            make_touches(embodied.model(), &babbler, setup.policy, done, &setup.babbling, |news| {
+                match news {
+                    Made::Touch(touch) => {
+                        log.write(touch)?;
+                        observer.touched(touch);
+                        made.push(touch.clone());
+                    }
+                    // Bouts can be shorter than it takes to write this down.
+                    Made::Bout(done) if kept.elapsed() >= KEPT_EVERY => {
+                        BabblingProgress::new(&done, spent + began.elapsed()).write(&folder)?;
+                        kept = Instant::now();
+                    }
+                    Made::Bout(_) => {}
                 }
-                // Bouts can be shorter than it takes to write this down.
-                Made::Bout(done) if kept.elapsed() >= KEPT_EVERY => {
-                    BabblingProgress::new(&done, spent + began.elapsed()).write(&folder)?;
-                    kept = Instant::now();
-                }
-                Made::Bout(_) => {}
-            }
-            Ok(())
-        })?;
+                Ok(())
+            })?;
         observer.phase(Phase::Done);
         let touches = Some(made.len()).filter(|&made| made != setup.babbling.touches);
         session.effort =
@@ -189,7 +193,7 @@ impl<'a> BabblingSession<'a> {
         log.finish()?;
         session.write(&folder)?;
         BabblingProgress::remove(&folder);
-        Ok(BabbledSession { session, touches: made })
+        Ok(BabbledSession { session, touches: made, grown })
     }
 }
 

@@ -4,13 +4,15 @@ use std::path::Path;
 
 use super::error::ExperimentError;
 use crate::babbling::{Babbler, BabblingOptions, BoutsDone, Made, PolicyName};
+use crate::learning::growth::Growth;
 use crate::record::RecordError;
 use crate::senses::Touch;
 use crate::simulation::Effort;
 
 /// Babbles and hands on every touch, from where the bouts in `from` end; errors name the file of the `model`.
 ///
-/// Policies other than random have no bouts, and begin at the beginning.
+/// Policies other than random have no bouts, and begin at the beginning; those that learn all that can be learned
+/// hand over what they did.
 pub fn make_touches(
     model: &Path,
     babbler: &Babbler,
@@ -18,12 +20,12 @@ pub fn make_touches(
     from: BoutsDone,
     options: &BabblingOptions,
     mut receive: impl FnMut(Made) -> Result<(), RecordError>,
-) -> Result<Effort, ExperimentError> {
-    let effort = match policy {
-        PolicyName::Random => babbler.babble_on(from, options, receive),
+) -> Result<(Effort, Option<Growth>), ExperimentError> {
+    let made = match policy {
+        PolicyName::Random => babbler.babble_on(from, options, receive).map(|effort| (effort, None)),
         _ => babbler.babble_by(policy, options, |touch| receive(Made::Touch(touch))),
     };
-    effort.map_err(ExperimentError::babbling(model))
+    made.map_err(ExperimentError::babbling(model))
 }
 
 /// The touches alone, from the first on.
@@ -40,4 +42,5 @@ pub fn all_touches(
         }
         Ok(())
     })
+    .map(|(effort, _)| effort)
 }

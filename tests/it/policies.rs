@@ -24,7 +24,7 @@ fn babble_by(body: &Body, policy: PolicyName, touches: usize, jobs: usize) -> (V
         made.push(touch.clone());
         Ok::<(), Infallible>(())
     };
-    let effort = babbler.babble_by(policy, &options, receive).unwrap();
+    let (effort, _) = babbler.babble_by(policy, &options, receive).unwrap();
     (made, effort)
 }
 

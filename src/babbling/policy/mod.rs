@@ -25,6 +25,7 @@ pub use working_schema::WorkingSchema;
 use crate::agent::Agent;
 use crate::creature::Posture;
 use crate::learning::RoughFit;
+use crate::learning::growth::Growth;
 use crate::named::named;
 use crate::senses::Touch;
 use crate::simulation::Ending;
@@ -42,6 +43,11 @@ pub trait Policy {
     /// Whether nothing is left that more touches would tell.
     fn is_done(&self) -> bool {
         false
+    }
+
+    /// What was learned on the way by a policy that learns all that can be learned; none by others.
+    fn grown(&self) -> Option<&Growth> {
+        None
     }
 
     /// Takes in the touch that the motion ended in.

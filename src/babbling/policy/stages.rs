@@ -66,7 +66,7 @@ const CHANCE_UNKNOWNS: usize = 35;
 /// The policy `stages`.
 pub struct Stages<'a> {
     agent: &'a Agent,
-    growth: Growth<'a>,
+    growth: Growth,
     foresight: Foresight<'a>,
     /// Per joint, the share of the skin on the side of it where there is less.
     lever: Vec<f64>,
@@ -514,5 +514,9 @@ impl Policy for Stages<'_> {
 
     fn is_done(&self) -> bool {
         self.done
+    }
+
+    fn grown(&self) -> Option<&Growth> {
+        Some(&self.growth)
     }
 }

@@ -29,7 +29,7 @@ const TWIN_POSITION: f64 = 2e-3;
 /// The fewest touches that anything is learned from.
 const FEWEST: usize = 5;
 
-impl Growth<'_> {
+impl Growth {
     /// Takes a part's answer in, as far as touches check it; whether anything is left of it.
     pub(super) fn accept(&mut self, problem: &PartProblem, solved: &Solved) -> bool {
         let given_up = |touch: &GrownTouch| touch.limbs.iter().any(|limb| solved.given_up.contains(limb));

@@ -31,7 +31,7 @@ pub(super) struct BeforeAnswer {
     fitted: usize,
 }
 
-impl Growth<'_> {
+impl Growth {
     pub(super) fn clone_belief(&self) -> BeforeAnswer {
         BeforeAnswer {
             belief: self.belief.clone(),
@@ -158,7 +158,7 @@ impl Growth<'_> {
         let (creature, skin) = (self.agent.creature(), self.agent.skin());
         let set = self.set(self.used());
         let (schema, deviation) =
-            fit_again(self.agent, &set, &belief.parameters, &self.prior, belief.schema.clone(), NARROWEST);
+            fit_again(&self.agent, &set, &belief.parameters, &self.prior, belief.schema.clone(), NARROWEST);
         let deviation = deviation.max(SHARPEST);
         let opened: Vec<usize> = (0..self.touches.len())
             .filter(|&number| {

@@ -13,7 +13,7 @@ use crate::senses::Touch;
 /// The learner `growth`: receptors on known surfaces.
 pub struct Grower<'a> {
     agent: &'a Agent,
-    growth: Growth<'a>,
+    growth: Growth,
     seed: u64,
     touches: Vec<Touch>,
 }
@@ -21,7 +21,12 @@ pub struct Grower<'a> {
 impl<'a> Grower<'a> {
     /// A learner whose initial guesses are drawn from `seed`.
     pub fn new(agent: &'a Agent, seed: u64) -> Grower<'a> {
-        Grower { agent, growth: Growth::new(agent, seed), seed, touches: Vec::new() }
+        Grower::from(agent, Growth::new(agent, seed), seed)
+    }
+
+    /// A learner that goes on from what was learned of its first touches while they were made.
+    pub fn from(agent: &'a Agent, growth: Growth, seed: u64) -> Grower<'a> {
+        Grower { agent, growth, seed, touches: Vec::new() }
     }
 
     /// The last fit, to all touches that what is known explains, and what they determine.
@@ -39,8 +44,10 @@ impl<'a> Grower<'a> {
 
 impl Learner for Grower<'_> {
     fn touch(&mut self, touch: &Touch) {
-        self.growth.touch(touch);
         self.touches.push(touch.clone());
+        if self.touches.len() > self.growth.touches().len() {
+            self.growth.touch(touch);
+        }
     }
 
     fn learn(&mut self) -> Learned {

@@ -73,8 +73,9 @@ const EVERY_SHARE: usize = 100;
 const TRIED: usize = 2;
 
 /// A body's schema as it grows.
-pub struct Growth<'a> {
-    agent: &'a Agent,
+#[derive(Clone, Debug)]
+pub struct Growth {
+    agent: Agent,
     prior: Prior,
     seed: u64,
     /// Parts solved so far: each has its own random numbers.
@@ -102,9 +103,9 @@ pub struct Growth<'a> {
     failed: BTreeMap<Part, usize>,
 }
 
-impl<'a> Growth<'a> {
+impl Growth {
     /// Nothing known of a body but its skin; initial guesses are drawn from `seed`.
-    pub fn new(agent: &'a Agent, seed: u64) -> Growth<'a> {
+    pub fn new(agent: &Agent, seed: u64) -> Growth {
         let creature = agent.creature();
         let mut reach = vec![0.0_f64; creature.joints().len()];
         for joint in (0..reach.len()).rev() {
@@ -116,7 +117,7 @@ impl<'a> Growth<'a> {
             }
         }
         Growth {
-            agent,
+            agent: agent.clone(),
             reach,
             prior: PriorKnowledge::nothing(agent).prior,
             seed,

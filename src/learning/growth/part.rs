@@ -20,6 +20,7 @@ const ADDITIONS: usize = 6;
 const ADDED: u32 = 2;
 
 /// A touch, and what it takes to learn from it.
+#[derive(Clone, Debug)]
 pub struct GrownTouch {
     /// The limbs, the earlier one first.
     pub limbs: [usize; 2],
@@ -122,7 +123,7 @@ struct Tally {
     of_limbs: usize,
 }
 
-impl Growth<'_> {
+impl Growth {
     /// The unknowns of joints: a position, and a direction per axis.
     pub fn width(&self, joints: &[usize]) -> usize {
         let axes = |joint: usize| {

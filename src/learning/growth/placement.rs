@@ -17,7 +17,7 @@ const POSTURES: usize = 2;
 /// Seed of these postures.
 const POSTURE_SEED: u64 = 3;
 
-impl Growth<'_> {
+impl Growth {
     /// Works out how far off the skin of each limb may be in the frame of the base: the most of three receptors, joints
     /// that are not known at rest.
     pub(super) fn place(&mut self) {

@@ -114,7 +114,7 @@ impl PartProblem<'_> {
     }
 }
 
-impl Growth<'_> {
+impl Growth {
     /// The best answer of so many starts; none where no touch tells anything.
     pub(super) fn solve(&mut self, problem: &PartProblem, starts: usize) -> Option<Solved> {
         let part = problem.part;
@@ -261,9 +261,9 @@ impl Growth<'_> {
             schema = points(unit, schema, 30);
         }
         let narrowest = RELAXED_GAPS[number % 2 + 2 * (number / 4 % 2)];
-        schema = anneal_to(narrowest, self.agent, touches, relaxed, &beliefs, schema).schema;
+        schema = anneal_to(narrowest, &self.agent, touches, relaxed, &beliefs, schema).schema;
         schema.normalize_axes(creature);
-        schema = anneal_to(NARROWEST, self.agent, touches, unit, &beliefs, schema).schema;
+        schema = anneal_to(NARROWEST, &self.agent, touches, unit, &beliefs, schema).schema;
         // Limbs that stay open are given up, one after the other.
         let mut touches = touches.clone();
         let mut given_up = Vec::new();
@@ -279,7 +279,7 @@ impl Growth<'_> {
             if touches.is_empty() {
                 return Solved { schema, share: 0.0, given_up, others: Vec::new() };
             }
-            schema = anneal_to(NARROWEST, self.agent, &touches, unit, &beliefs, schema).schema;
+            schema = anneal_to(NARROWEST, &self.agent, &touches, unit, &beliefs, schema).schema;
         }
     }
 

@@ -2,6 +2,7 @@
 
 use super::{LearnerGivens, LearnerKind, LearnerUses};
 use crate::agent::Agent;
+use crate::learning::growth::Growth;
 use crate::learning::{Grower, Learner};
 
 /// Part by part from what is known: for touches made while few joints move.
@@ -23,5 +24,9 @@ impl LearnerKind for PartByPart {
 
     fn learner<'a>(&self, agent: &'a Agent, _: &LearnerGivens, seed: u64) -> Box<dyn Learner + 'a> {
         Box::new(Grower::new(agent, seed))
+    }
+
+    fn goes_on<'a>(&self, agent: &'a Agent, grown: &Growth, seed: u64) -> Option<Box<dyn Learner + 'a>> {
+        Some(Box::new(Grower::from(agent, grown.clone(), seed)))
     }
 }

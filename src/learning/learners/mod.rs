@@ -14,6 +14,7 @@ pub use hersch::HerschsRule;
 pub use levenberg_marquardt::LevenbergMarquardt;
 
 use crate::agent::Agent;
+use crate::learning::growth::Growth;
 use crate::learning::{Input, KnownJoint, Learner, LimbFrames, SkinKnowledge};
 
 /// The learners, in the order in which they are named to the user; the first stands where none is named.
@@ -34,6 +35,11 @@ pub trait LearnerKind: Sync {
 
     /// A learner with a body and a way to learn, whose random numbers come from `seed`.
     fn learner<'a>(&self, agent: &'a Agent, given: &LearnerGivens, seed: u64) -> Box<dyn Learner + 'a>;
+
+    /// The same that goes on from what was learned while the touches were made; none where it makes nothing of that.
+    fn goes_on<'a>(&self, _agent: &'a Agent, _grown: &Growth, _seed: u64) -> Option<Box<dyn Learner + 'a>> {
+        None
+    }
 
     /// Whether it predicts each touch before it learns from it.
     fn predicts(&self, _given: &LearnerGivens) -> bool {
