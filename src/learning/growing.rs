@@ -38,6 +38,8 @@ pub const WHOLE_DOF: usize = 60;
 
 /// A part of the body is right when eight tenths of its surfaces' gaps are below this, metres …
 const PART_GAP: f64 = 5e-3;
+/// … or below this, where fresh touches show that it is noise …
+const NOISY_GAP: f64 = 0.04;
 /// … and no better initial guess is looked for when they are below this, or when two initial guesses agree on the least …
 const CERTAIN_GAP: f64 = 2e-5;
 /// … to this share of it.
@@ -228,6 +230,12 @@ impl Nursery<'_> {
         let placed = vec![true; self.agent.creature().limbs().len()];
         let mut start = Start { schema, known, placed, accepted: misfit.acceptable(), initial_guesses };
         if let Evidence::Surfaces(_) = self.evidence
+            && !start.accepted
+            && route == Route::Whole
+        {
+            // Noise may leave gaps wide: fresh touches have the last word.
+            start.accepted = misfit.0 <= NOISY_GAP / PART_GAP;
+        } else if let Evidence::Surfaces(_) = self.evidence
             && start.accepted
         {
             self.repair(&mut start, rng);
