@@ -17,15 +17,16 @@
 //! that is left when the shifts `d` are eliminated from the normal equations of `δ` and `d` together (Schur's complement).
 
 use nalgebra::linalg::Cholesky;
-use nalgebra::{DMatrix, DVector, Dyn, Vector3};
+use nalgebra::{DMatrix, DVector, Dyn, Rotation3, Vector3};
 
 use crate::agent::Agent;
+use crate::learning::Parameters;
 use crate::learning::annealing::{NARROWEST, NORMAL_MEDIAN, quantile};
 use crate::learning::least_squares::{LeastSquares, Linearization};
 use crate::learning::prediction::{GapRow, information_inverse};
 use crate::learning::prior::PriorTerm;
-use crate::learning::touch_set::TouchSet;
-use crate::learning::Parameters;
+use crate::learning::surface_gap::SurfaceGap;
+use crate::learning::touch_set::{PreparedTouch, TouchSet};
 use crate::schema::BodySchema;
 
 /// Rounds of who is honest, what the touches say and how much noise there is, one after the other.
@@ -76,12 +77,40 @@ pub struct NoisyGap {
     width: f64,
 }
 
-/// The gaps of all touches at a schema, pair by pair, with their derivatives by some parameters.
+/// How much wider than nothing the gaps of touches are on average where joints are misread by a deviation (radians),
+/// metres: surfaces that touch part whichever way one slides along the other.
+///
+/// To second order `½ σ_q² Σ ∂²g/∂q²`, by differences as wide as the deviation itself.
+pub fn widening(agent: &Agent, touches: &TouchSet, schema: &BodySchema, joint: f64) -> Vec<f64> {
+    let model = SurfaceGap::new(agent.skin(), 1.0);
+    let widening = |touch: &PreparedTouch| {
+        let frames = touch.frames(schema);
+        let middle = model.gap(&touch.ends, &frames).distance;
+        let mut sum = 0.0;
+        for k in 0..2 {
+            for [axis, point] in touch.sides[k].hinges(schema) {
+                for angle in [-joint, joint] {
+                    let turn = Rotation3::new(axis * angle).into_inner();
+                    let mut turned = frames;
+                    turned[k].rotation = turn * frames[k].rotation;
+                    turned[k].origin = point + turn * (frames[k].origin - point);
+                    sum += 0.5 * (model.gap(&touch.ends, &turned).distance - middle);
+                }
+            }
+        }
+        sum
+    };
+    touches.touches().map(widening).collect()
+}
+
+/// The gaps of all touches at a schema, pair by pair, with their derivatives by some parameters; less their
+/// `widening`, if that is given.
 pub fn gaps_of(
     agent: &Agent,
     touches: &TouchSet,
     parameters: &Parameters,
     schema: &BodySchema,
+    widening: &[f64],
 ) -> Vec<NoisyGap> {
     let skin = agent.skin();
     // A false touch leaves two limbs as far apart as limbs are large, or farther.
@@ -105,7 +134,7 @@ pub fn gaps_of(
                 slope += derivatives.iter().map(|(_, d)| normal_c.dot(d).powi(2)).sum::<f64>();
             }
             gaps.push(NoisyGap {
-                gap: row.gap,
+                gap: row.gap - widening.get(gaps.len()).copied().unwrap_or(0.0),
                 entries: row.entries.clone(),
                 slope,
                 receptors: [touch.ends[0].receptor, touch.ends[1].receptor],
@@ -174,7 +203,8 @@ impl Noise {
         let mut sizes: Vec<f64> = gaps.iter().map(|gap| gap.gap.abs()).collect();
         sizes.sort_by(f64::total_cmp);
         let spare = (gaps.len() as f64 - 0.7 * parameters.len() as f64).max(1.0);
-        let typical = (NORMAL_MEDIAN * quantile(&sizes, 0.5) * (gaps.len() as f64 / spare).sqrt()).max(NARROWEST);
+        let typical =
+            (NORMAL_MEDIAN * quantile(&sizes, 0.5) * (gaps.len() as f64 / spare).sqrt()).max(NARROWEST);
         let slope = gaps.iter().map(|gap| gap.slope).sum::<f64>() / gaps.len().max(1) as f64;
         let mut noise = Noise {
             contact: typical * 0.5f64.sqrt(),
@@ -183,7 +213,6 @@ impl Noise {
             // Before anything is known of them.
             false_share: 0.1,
         };
-        let debug = std::env::var("NOISE_DEBUG").is_ok();
         let mut asked = false;
         if let Some(before) = before {
             asked = before.receptor > 0.0;
@@ -199,7 +228,6 @@ impl Noise {
                 || change(noise.receptor, next.receptor);
             noise = next;
             shift = Some(solved.residuals.clone());
-            if debug { eprintln!("  {noise:?}"); }
             if !moved {
                 if asked {
                     break;
@@ -238,11 +266,12 @@ impl Noise {
         // With one touch more of either kind: none of many seen does not say that there are none.
         next.false_share = (count - honest + 1.0) / (count + 2.0);
         // What the fit takes up of each gap is fixed for the round.
-        let rows: Vec<[f64; 4]> = (gaps.iter().zip(&system.honest).zip(&solved.residuals).zip(&solved.leverages))
-            .map(|(((gap, honest), residual), leverage)| {
-                [gap.slope, *honest, honest * residual * residual, honest * (1.0 - leverage).max(1e-9)]
-            })
-            .collect();
+        let rows: Vec<[f64; 4]> =
+            (gaps.iter().zip(&system.honest).zip(&solved.residuals).zip(&solved.leverages))
+                .map(|(((gap, honest), residual), leverage)| {
+                    [gap.slope, *honest, honest * residual * residual, honest * (1.0 - leverage).max(1e-9)]
+                })
+                .collect();
         for _ in 0..STEPS {
             let mut sums = [[0.0; 2]; 2];
             for [slope, _, square, left] in &rows {
@@ -339,7 +368,8 @@ impl MixedSystem {
             information: prior.clone(),
             gradient: DVector::zeros(parameters),
             across: DMatrix::zeros(shifts, parameters),
-            shift_information: DMatrix::identity(shifts, shifts) / noise.receptor.powi(2).max(f64::MIN_POSITIVE),
+            shift_information: DMatrix::identity(shifts, shifts)
+                / noise.receptor.powi(2).max(f64::MIN_POSITIVE),
             shift_gradient: DVector::zeros(shifts),
             squares: 0.0,
         };
@@ -428,12 +458,15 @@ impl MixedSystem {
             }
             let mut variance = gap.predicted(&covariance);
             for &(row, slope) in &shifts {
-                variance += shifts.iter().map(|&(k, other)| slope * other * shift_covariance[(k, row)]).sum::<f64>();
-                variance += 2.0 * slope * gap.entries.iter().map(|&(k, other)| other * cross[(row, k)]).sum::<f64>();
+                variance +=
+                    shifts.iter().map(|&(k, other)| slope * other * shift_covariance[(k, row)]).sum::<f64>();
+                variance +=
+                    2.0 * slope * gap.entries.iter().map(|&(k, other)| other * cross[(row, k)]).sum::<f64>();
             }
             leverages.push((weight * variance).clamp(0.0, 1.0));
         }
-        let shift_freedom = self.shifts as f64 - shift_covariance.trace() / self.receptor.powi(2).max(f64::MIN_POSITIVE);
+        let shift_freedom =
+            self.shifts as f64 - shift_covariance.trace() / self.receptor.powi(2).max(f64::MIN_POSITIVE);
         Some(Solved { residuals, leverages, shift_squares: shift.norm_squared(), shift_freedom })
     }
 
@@ -468,6 +501,7 @@ pub struct NoisyProblem<'a> {
     parameters: &'a Parameters,
     prior: &'a dyn PriorTerm,
     noise: Noise,
+    widening: &'a [f64],
     system: Option<(MixedSystem, Option<Cholesky<f64, Dyn>>)>,
     residuals: Option<Vec<f64>>,
 }
@@ -479,9 +513,9 @@ impl<'a> NoisyProblem<'a> {
         touches: &'a TouchSet,
         parameters: &'a Parameters,
         prior: &'a dyn PriorTerm,
-        noise: Noise,
+        (noise, widening): (Noise, &'a [f64]),
     ) -> NoisyProblem<'a> {
-        NoisyProblem { agent, touches, parameters, prior, noise, system: None, residuals: None }
+        NoisyProblem { agent, touches, parameters, prior, noise, widening, system: None, residuals: None }
     }
 
     /// The cost of gaps under the weights of the last linearization.
@@ -505,7 +539,7 @@ impl<'a> NoisyProblem<'a> {
 impl LeastSquares for NoisyProblem<'_> {
     fn linearize(&mut self, schema: &BodySchema) -> Linearization {
         let n = self.parameters.len();
-        let gaps = gaps_of(self.agent, self.touches, self.parameters, schema);
+        let gaps = gaps_of(self.agent, self.touches, self.parameters, schema, self.widening);
         let nothing = DMatrix::zeros(n, n);
         let mut system = MixedSystem::new(&self.noise, &gaps, n, &nothing, self.residuals.as_ref());
         // Who is honest is seen best where the step leads.
@@ -531,7 +565,7 @@ impl LeastSquares for NoisyProblem<'_> {
     }
 
     fn cost(&self, schema: &BodySchema) -> f64 {
-        let gaps = gaps_of(self.agent, self.touches, self.parameters, schema);
+        let gaps = gaps_of(self.agent, self.touches, self.parameters, schema, self.widening);
         self.cost_of(&gaps) + self.prior.cost(self.parameters, schema)
     }
 }
@@ -566,8 +600,10 @@ pub fn likeness(touches: &TouchSet, gaps: &[NoisyGap], noise: &Noise) -> f64 {
             let apart = |other: &NoisyGap| -> f64 {
                 (0..2).map(|k| (gap.places[k] - other.places[k]).norm_squared()).sum()
             };
-            let strangers = closed.iter().filter(|(other, _)| (0..2).all(|k| gap.receptors[k] != other.receptors[k]));
-            let nearest = strangers.map(|(other, size)| (apart(other), size)).min_by(|a, b| a.0.total_cmp(&b.0));
+            let strangers =
+                closed.iter().filter(|(other, _)| (0..2).all(|k| gap.receptors[k] != other.receptors[k]));
+            let nearest =
+                strangers.map(|(other, size)| (apart(other), size)).min_by(|a, b| a.0.total_cmp(&b.0));
             if let Some((_, other)) = nearest.filter(|(apart, _)| *apart < NEAR * NEAR) {
                 sum += size * other;
                 count += 1.0;

@@ -23,6 +23,8 @@ const DEVIATIONS: f64 = 5.0;
 const FALSE_SHARE: f64 = 0.12;
 /// … and standard deviations that chance may add to it in few.
 const CHANCE: f64 = 2.0;
+/// How many times more false touches two joints may have than the limbs' touches let expect, which is only roughly so.
+const ROUGHLY: f64 = 1.25;
 /// Open touches with two joints that are no sign of anything.
 const ONE_BY_CHANCE: f64 = 3.0;
 /// Touches with a joint below which their share says little of it.
@@ -106,7 +108,7 @@ impl GapTally {
     /// How many of these touches false ones leave open, as open touches elsewhere show.
     fn expected(&self, counts: &[f64; 2], ways: &[f64; 2], chance: &GapTally) -> f64 {
         let share = ways[0] / chance.all[0].max(1.0);
-        (self.all[0] - counts[0]) * share / (1.0 - share).max(0.1)
+        ROUGHLY * (self.all[0] - counts[0]) * share / (1.0 - share).max(0.1)
     }
 
     /// Per two joints, the open touches beyond those that false touches and luck may make up, and all.
@@ -160,7 +162,7 @@ pub struct OpenGaps {
     /// Share of open gaps among the touches whose chain has the joint; 0 where these are few.
     pub by_joint: Vec<f64>,
     /// The greatest share, of any two joints, in units of what false touches and chance may make up.
-    worst: f64,
+    pub worst: f64,
 }
 
 impl OpenGaps {
@@ -175,7 +177,7 @@ impl OpenGaps {
         let nothing = Parameters::new(agent.creature(), AxisModel::Unit, |_| false);
         // Noisy joints open the gaps of long chains.
         let noisy = (quantile(&sorted, 0.5) > CERTAIN_NOISE).then(|| {
-            let gaps = gaps_of(agent, touches, &nothing, schema);
+            let gaps = gaps_of(agent, touches, &nothing, schema, &[]);
             (Noise::estimate(&gaps, &nothing, &DMatrix::zeros(0, 0), None), gaps)
         });
         let deviation = |number: usize| match &noisy {

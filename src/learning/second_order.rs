@@ -19,10 +19,10 @@ use crate::learning::annealing::{NARROWEST, anneal, gaps, quantile, typical_gap}
 use crate::learning::growing::{EXACT, Evidence, Nursery, Start, WHOLE_DOF};
 use crate::learning::growing_limbs::LimbNursery;
 use crate::learning::least_squares::{LeastSquares, Stopping, levenberg_marquardt};
-use crate::learning::noise::{Noise, NoisyGap, NoisyProblem, gaps_of, information, likeness};
+use crate::learning::noise::{Noise, NoisyGap, NoisyProblem, gaps_of, information, likeness, widening};
 use crate::learning::observability::Observability;
 use crate::learning::observation::{Input, Observation, ObservationModel, PointsMeet, SkinKnowledge};
-use crate::learning::open_gaps::{GapTally, MOST_FALSE, witnesses};
+use crate::learning::open_gaps::{GapTally, MOST_FALSE, OpenGaps, witnesses};
 use crate::learning::prediction::{GapRow, covariance, information_inverse};
 use crate::learning::surface_gap::{CERTAIN_NOISE, MEAN_WEIGHT, SHARPEST, SurfaceGap, TAIL, gap_scale};
 use crate::learning::touch_set::{LimbTouch, PairTouches, PreparedTouch, TouchProblem, TouchSet};
@@ -31,7 +31,7 @@ use crate::learning::{
 };
 use crate::schema::{BodySchema, unfelt_shifts};
 use crate::senses::Touch;
-use crate::skin::Skin;
+use crate::skin::{Receptor, Skin};
 
 /// Every how many touches one is kept back to judge a start.
 const KEPT_BACK: usize = 5;
@@ -67,7 +67,7 @@ const VISIBLE_NOISE: f64 = 0.1;
 const NOISE_MARGIN: f64 = 3.0;
 /// … and how many times that where no start is accepted; joints that are misread add up in long chains.
 const WIDER: [f64; 2] = [1.0, 3.0];
-/// The most noise of points that is looked for, metres.
+/// The most noise of gaps and points that is believed, metres: in more, schemas that are wrong look like noise.
 const MOST_NOISE: f64 = 0.02;
 /// Random stream of the look at how much noise points have; starts count from 0 and never get here.
 const NOISE_STREAM: u64 = u64::MAX - 4;
@@ -90,6 +90,12 @@ const FRESH_OPEN: f64 = 0.3;
 /// Likeness of gaps of neighbouring touches from which on it is the schema that is wrong: right ones leave less than 0.17,
 /// wrong ones that look like noise more than 0.44.
 const ALIKE: f64 = 0.3;
+/// How far apart receptors of a limb are whose touches bear one another out, metres: two patches …
+const SAME_PLACE: f64 = 0.05;
+/// … and how many others it takes: of 2,000 touches of Max half of the honest ones have them, and one in 16 of false ones.
+const WITNESSES: usize = 4;
+/// Touches that are left for every unknown number, where others need not be looked at.
+const ENOUGH: usize = 3;
 /// Touches with a joint below which their share of open gaps says little of it.
 const FEW: usize = 4;
 /// Leverage of a touch from which on no other one checks it.
@@ -207,6 +213,25 @@ impl<'a> SecondOrder<'a> {
         fitted.map(|(_, touch)| touch).filter(few_of_a_pair).collect()
     }
 
+    /// Those of some touches that others bear out, by what they felt alone: false ones are scattered over the skin, honest
+    /// ones come again where limbs can meet. All, where so few come again that this tells nothing.
+    fn borne_out<'t>(&self, touches: &[&'t Touch]) -> Vec<&'t Touch> {
+        let felt = |touch: &Touch| touch.ends.map(|end| &self.agent.skin().receptors[end.receptor]);
+        let near = |a: &Receptor, b: &Receptor| {
+            a.limb == b.limb && (a.position - b.position).norm_squared() < SAME_PLACE * SAME_PLACE
+        };
+        let felt: Vec<[&Receptor; 2]> = touches.iter().map(|touch| felt(touch)).collect();
+        let borne_out = |[a, b]: &[&Receptor; 2]| {
+            let alike = felt.iter().filter(|[c, d]| near(a, c) && near(b, d));
+            // It is like itself.
+            alike.take(WITNESSES + 1).count() > WITNESSES
+        };
+        let kept: Vec<&Touch> =
+            touches.iter().zip(&felt).filter(|(_, ends)| borne_out(ends)).map(|(touch, _)| *touch).collect();
+        let unknowns = Parameters::new(self.agent.creature(), AxisModel::Unit, |_| true).len();
+        if kept.len() < ENOUGH * unknowns { touches.to_vec() } else { kept }
+    }
+
     /// How badly a start misses touches it was not fitted to, 1 is just acceptable; and the noise of the
     /// touches that it was fitted to, metres.
     fn judge(&self, search: &StartSearch, fitted: &TouchSet, fresh: &TouchSet, start: &Start) -> (f64, f64) {
@@ -252,23 +277,25 @@ impl<'a> SecondOrder<'a> {
         let deviation = noise(self.agent.skin(), fitted, &parameters, &start.schema);
         let schema = &start.schema;
         let mut noise = Noise::of_gaps(deviation);
-        let mut alike = 0.0;
+        let (mut alike, mut spread) = (0.0, deviation);
         let covariance = if deviation > CERTAIN_NOISE {
-            let gaps = gaps_of(self.agent, fitted, &parameters, schema);
+            let gaps = gaps_of(self.agent, fitted, &parameters, schema, &[]);
             let mut prior = DMatrix::zeros(parameters.len(), parameters.len());
             self.known.prior.add_information(&parameters, &mut prior);
             noise = Noise::estimate(&gaps, &parameters, &prior, None);
             alike = likeness(fitted, &gaps, &noise);
+            spread = noise.deviation(&gaps);
             information(&gaps, &parameters, &noise)
                 .and_then(|information| information_inverse(information + prior, &parameters))
         } else {
             covariance(self.agent, fitted, &parameters, &self.known.prior, schema, deviation)
         };
         let Some(covariance) = covariance else { return (f64::INFINITY, deviation) };
+        let deviation = if deviation > CERTAIN_NOISE { spread } else { deviation };
         let mut found = GapTally::new(self.agent.creature().joints().len());
         let mut normalized = Vec::with_capacity(fresh.len());
         let mut tested = 0;
-        let mut gaps = gaps_of(self.agent, fresh, &parameters, schema).into_iter();
+        let mut gaps = gaps_of(self.agent, fresh, &parameters, schema, &[]).into_iter();
         for pair in &fresh.pairs {
             for gap in gaps.by_ref().take(pair.touches.len()) {
                 let predicted = gap.predicted(&covariance);
@@ -291,11 +318,10 @@ impl<'a> SecondOrder<'a> {
         let [open, all] = found.all;
         let closed = 0.8 * (1.0 - open / all);
         let misfit = (quantile(&normalized, closed) / FRESH_GAP).max(worst);
-        if std::env::var("NOISE_DEBUG").is_ok() {
-            eprintln!("start accepted {} known {} dev {:.4}mm noise {noise:?} alike {alike:.3} q {:.3} worst {worst:.3} open {:.3} tested {tested}/{}", start.accepted,
-                start.known.iter().filter(|k| **k).count(), 1e3*deviation, quantile(&normalized, closed), open / all, fresh.len());
-        }
-        (misfit.max((open - 1.0) / (MOST_FALSE * all)).max(alike / ALIKE), deviation)
+        let tolerable = OpenGaps::new(self.agent, fitted, schema).worst;
+        let most = (open - 1.0) / (MOST_FALSE * all);
+        let refusals = [misfit, most, alike / ALIKE, tolerable, deviation / MOST_NOISE];
+        (refusals.into_iter().fold(0.0, f64::max), deviation)
     }
 
     /// A schema in which every limb that is not placed has the frame of its joint, and every joint its position
@@ -337,11 +363,8 @@ impl<'a> SecondOrder<'a> {
             Evidence::Surfaces(skin) => {
                 let annealed = anneal(self.agent, &used, &parameters, &self.known.prior, schema);
                 let mut schema = annealed.schema;
-                let stopping = Stopping {
-                    iterations: LAST_ITERATIONS,
-                    relative_cost: LAST_RELATIVE_COST,
-                    cost: 0.0,
-                };
+                let stopping =
+                    Stopping { iterations: LAST_ITERATIONS, relative_cost: LAST_RELATIVE_COST, cost: 0.0 };
                 if annealed.gap_deviation <= CERTAIN_NOISE {
                     let deviation = self.gap_deviation(skin, &used, &parameters, &schema);
                     let model = SurfaceGap::new(skin, deviation).with_biased_places();
@@ -349,13 +372,14 @@ impl<'a> SecondOrder<'a> {
                         .with_prior(&self.known.prior);
                     schema = levenberg_marquardt(&mut problem, &parameters, schema, stopping).schema;
                 } else {
-                    let mut noise = None;
+                    let mut noise: Option<Noise> = None;
                     for _ in 0..WEIGHINGS {
-                        let found = self.noise(&used, &parameters, &schema, noise);
-                        noise = Some(found);
+                        let (found, widening) = self.noise(&used, &parameters, &schema, noise);
                         let prior = &self.known.prior;
-                        let mut problem = NoisyProblem::new(self.agent, &used, &parameters, prior, found);
+                        let mut problem =
+                            NoisyProblem::new(self.agent, &used, &parameters, prior, (found, &widening));
                         schema = levenberg_marquardt(&mut problem, &parameters, schema, stopping).schema;
+                        noise = Some(found);
                     }
                 }
                 let (account, deviation) = self.account_of(&used, &schema);
@@ -431,8 +455,8 @@ impl<'a> SecondOrder<'a> {
         let parameters = self.touched(used).0;
         let deviation = self.gap_deviation(skin, used, &parameters, schema);
         let used = if deviation > CERTAIN_NOISE {
-            let noise = self.noise(used, &parameters, schema, None);
-            let gaps = gaps_of(self.agent, used, &parameters, schema);
+            let (noise, _) = self.noise(used, &parameters, schema, None);
+            let gaps = gaps_of(self.agent, used, &parameters, schema, &[]);
             witnesses(self.agent, used, schema, |number| noise.variance(&gaps[number]).sqrt())
         } else {
             witnesses(self.agent, used, schema, |_| deviation)
@@ -440,17 +464,24 @@ impl<'a> SecondOrder<'a> {
         self.observe_witnesses(&used, schema)
     }
 
-    /// The noise of touches at a schema that was fitted to them.
+    /// The noise of touches at a schema that was fitted to them, and how much wider it makes each gap, metres.
+    /// `before` is a rough guess.
     fn noise(
         &self,
         touches: &TouchSet,
         parameters: &Parameters,
         schema: &BodySchema,
         before: Option<Noise>,
-    ) -> Noise {
+    ) -> (Noise, Vec<f64>) {
         let mut prior = DMatrix::zeros(parameters.len(), parameters.len());
         self.known.prior.add_information(parameters, &mut prior);
-        Noise::estimate(&gaps_of(self.agent, touches, parameters, schema), parameters, &prior, before)
+        let estimate = |widening: &[f64], before| {
+            let gaps = gaps_of(self.agent, touches, parameters, schema, widening);
+            Noise::estimate(&gaps, parameters, &prior, before)
+        };
+        let noise = before.unwrap_or_else(|| estimate(&[], None));
+        let widening = widening(self.agent, touches, schema, noise.joint);
+        (estimate(&widening, Some(noise)), widening)
     }
 
     /// What of the joints and limbs of some touches may be fitted, and which limbs are placed at all.
@@ -483,13 +514,15 @@ impl<'a> SecondOrder<'a> {
                 let mut noise = Noise::of_gaps(deviation);
                 let noisy = deviation > CERTAIN_NOISE;
                 if noisy {
-                    noise = self.noise(used, &parameters, schema, None);
-                    deviation = noise.deviation(&gaps_of(self.agent, used, &parameters, schema));
+                    noise = self.noise(used, &parameters, schema, None).0;
+                    deviation = noise.deviation(&gaps_of(self.agent, used, &parameters, schema, &[]));
                     spread = deviation;
                 }
                 noise.contact = noise.contact.max(SHARPEST);
                 let found = loop {
-                    let gaps = gaps_of(self.agent, &touches, &parameters, schema);
+                    let widening =
+                        if noisy { widening(self.agent, &touches, schema, noise.joint) } else { Vec::new() };
+                    let gaps = gaps_of(self.agent, &touches, &parameters, schema, &widening);
                     let hessian = if noisy {
                         information(&gaps, &parameters, &noise)
                             .unwrap_or_else(|| DMatrix::zeros(parameters.len(), parameters.len()))
@@ -708,6 +741,10 @@ impl<'a> SecondOrder<'a> {
         let fresh = self.prepare(fresh);
         let fitted = self.fitted();
         let touches = self.prepare(fitted.iter().copied());
+        let borne_out = match self.evidence() {
+            Evidence::Surfaces(_) => self.prepare(self.borne_out(&fitted).into_iter()),
+            Evidence::Points { .. } => TouchSet::default(),
+        };
         let solvable = match self.frames {
             LimbFrames::Joint => {
                 let starved = self.nursery(self.evidence(), &touches, 0).starved();
@@ -719,7 +756,7 @@ impl<'a> SecondOrder<'a> {
         let mut found: Option<Judged> = None;
         for search in self.searches(&touches, starts) {
             let SearchResult { best, initial_guesses: tried, settled } =
-                self.search(&search, solvable, &touches, &fresh);
+                self.search(&search, solvable, [&touches, &borne_out], &fresh);
             initial_guesses += tried;
             // Where starts agree on an answer that fresh touches do not bear out, more noise is no excuse.
             let done = settled || (best.start.accepted && best.known() >= solvable);
@@ -769,7 +806,7 @@ impl<'a> SecondOrder<'a> {
         &self,
         search: &StartSearch<'a>,
         solvable: usize,
-        touches: &TouchSet,
+        [touches, borne_out]: [&TouchSet; 2],
         fresh: &TouchSet,
     ) -> SearchResult {
         let dof = self.agent.creature().dof();
@@ -780,7 +817,9 @@ impl<'a> SecondOrder<'a> {
         let make = |number: usize| {
             let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
             rng.set_stream(number as u64);
-            let nursery = self.nursery(search.evidence, touches, number);
+            let doubts = matches!(search.evidence, Evidence::Surfaces(_)) && number % 4 >= 2;
+            let used = if doubts { borne_out } else { touches };
+            let nursery = self.nursery(search.evidence, used, number);
             let mut start = match self.frames {
                 LimbFrames::Joint => nursery.start(nursery.evidence.route(number, dof), &mut rng),
                 LimbFrames::Limb => self.limb_nursery(touches, number).start(&mut rng),
