@@ -193,12 +193,15 @@ impl Noise {
         if honest + other > 0.0 { honest / (honest + other) } else { 0.0 }
     }
 
-    /// The noise of touches at a schema that was fitted to them by `parameters`, beside a `prior`.
+    /// The noise of touches at a schema that was fitted to them by `parameters`, beside the information of a `prior`.
+    /// `before` is a rough guess. Where `receptors` are not asked for, what they do counts as noise of single touches: that is
+    /// enough to judge by, and many times faster.
     pub fn estimate(
         gaps: &[NoisyGap],
         parameters: &Parameters,
         prior: &DMatrix<f64>,
         before: Option<Noise>,
+        receptors: bool,
     ) -> Noise {
         let mut sizes: Vec<f64> = gaps.iter().map(|gap| gap.gap.abs()).collect();
         sizes.sort_by(f64::total_cmp);
@@ -213,9 +216,9 @@ impl Noise {
             // Before anything is known of them.
             false_share: 0.1,
         };
-        let mut asked = false;
+        let mut asked = !receptors;
         if let Some(before) = before {
-            asked = before.receptor > 0.0;
+            asked |= before.receptor > 0.0;
             noise = before;
         }
         let mut shift = None;
@@ -316,6 +319,15 @@ struct MixedSystem {
     squares: f64,
 }
 
+/// The same with the shifts eliminated.
+struct Eliminated {
+    information: DMatrix<f64>,
+    gradient: DVector<f64>,
+    cost: f64,
+    /// Of the shifts' information; none where there are no shifts.
+    factor: Option<Cholesky<f64, Dyn>>,
+}
+
 /// What they come to.
 struct Solved {
     residuals: Vec<f64>,
@@ -410,11 +422,11 @@ impl MixedSystem {
         shifts
     }
 
-    /// The information, gradient and cost with the shifts eliminated, and their factor.
-    fn eliminated(&self) -> Option<(DMatrix<f64>, DVector<f64>, f64, Option<Cholesky<f64, Dyn>>)> {
+    /// Schur's complement; none where rounding forbids.
+    fn eliminated(&self) -> Option<Eliminated> {
         let (mut information, mut gradient) = (self.information.clone(), self.gradient.clone());
         if self.shifts == 0 {
-            return Some((information, gradient, 0.5 * self.squares, None));
+            return Some(Eliminated { information, gradient, cost: 0.5 * self.squares, factor: None });
         }
         let factor = self.shift_information.clone().cholesky()?;
         let lower = factor.l_dirty();
@@ -423,12 +435,12 @@ impl MixedSystem {
         information -= across.tr_mul(&across);
         gradient -= across.tr_mul(&pull);
         let cost = 0.5 * (self.squares - pull.norm_squared());
-        Some((information, gradient, cost, Some(factor)))
+        Some(Eliminated { information, gradient, cost, factor: Some(factor) })
     }
 
     /// The residuals after a step to the least cost, and how much of each gap it takes up.
     fn solve(&self, gaps: &[NoisyGap], parameters: &Parameters, leverage: bool) -> Option<Solved> {
-        let (information, gradient, _, factor) = self.eliminated()?;
+        let Eliminated { information, gradient, factor, .. } = self.eliminated()?;
         let covariance = information_inverse(information, parameters)?;
         let change = -&covariance * gradient;
         // Covariances of the shifts, and of these and the parameters.
@@ -555,7 +567,7 @@ impl LeastSquares for NoisyProblem<'_> {
                 cost: f64::INFINITY,
                 scale: DVector::zeros(n),
             },
-            Some((hessian, gradient, cost, factor)) => {
+            Some(Eliminated { information: hessian, gradient, cost, factor }) => {
                 self.system = Some((system, factor));
                 Linearization { scale: hessian.diagonal(), hessian, gradient, cost }
             }
@@ -575,7 +587,7 @@ impl LeastSquares for NoisyProblem<'_> {
 pub fn information(gaps: &[NoisyGap], parameters: &Parameters, noise: &Noise) -> Option<DMatrix<f64>> {
     let nothing = DMatrix::zeros(parameters.len(), parameters.len());
     let system = MixedSystem::new(noise, gaps, parameters.len(), &nothing, None);
-    Some(system.eliminated()?.0)
+    Some(system.eliminated()?.information)
 }
 
 /// How alike the gaps of touches are that happened nearly in the same places, in units of their variances: 0 of noise,
@@ -611,4 +623,74 @@ pub fn likeness(touches: &TouchSet, gaps: &[NoisyGap], noise: &Noise) -> f64 {
         }
     }
     sum / count.max(1.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand::{RngExt, SeedableRng};
+    use rand_chacha::ChaCha8Rng;
+    use rand_distr::{Distribution, StandardNormal};
+
+    /// Gaps between random receptors of 40 in some noise, and nothing fitted to them.
+    fn gaps(noise: &Noise, count: usize, seed: u64) -> Vec<NoisyGap> {
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        let mut normal = |deviation: f64| -> f64 {
+            let standard: f64 = StandardNormal.sample(&mut rng);
+            deviation * standard
+        };
+        let shifts: Vec<Vector3<f64>> =
+            (0..40).map(|_| Vector3::from_fn(|_, _| normal(noise.receptor))).collect();
+        let mut rng = ChaCha8Rng::seed_from_u64(seed + 1);
+        let gap = |_| {
+            let receptors = [rng.random_range(0..20), rng.random_range(20..40)];
+            let normals = [Vector3::z(), -Vector3::z()]
+                .map(|normal| (normal + Vector3::from_fn(|_, _| rng.random_range(-0.5..0.5))).normalize());
+            let slope: f64 = rng.random_range(0.01..1.0);
+            let standard: f64 = StandardNormal.sample(&mut rng);
+            let own = standard * (noise.contact.powi(2) + noise.joint.powi(2) * slope).sqrt();
+            let shifted: f64 = (0..2).map(|k| normals[k].dot(&shifts[receptors[k]])).sum();
+            let honest = rng.random::<f64>() >= noise.false_share;
+            let gap = if honest { own + shifted } else { rng.random_range(0.0..0.4) };
+            NoisyGap {
+                gap,
+                entries: Vec::new(),
+                slope,
+                receptors,
+                places: [Vector3::zeros(); 2],
+                normals,
+                width: 0.4,
+            }
+        };
+        (0..count).map(gap).collect()
+    }
+
+    fn estimated(noise: Noise, seed: u64) -> Noise {
+        let nothing = Parameters::none();
+        Noise::estimate(&gaps(&noise, 2000, seed), &nothing, &DMatrix::zeros(0, 0), None, true)
+    }
+
+    #[test]
+    fn each_kind_of_noise_is_estimated_and_told_from_the_others() {
+        let near = |a: f64, b: f64, share: f64| (a / b - 1.0).abs() < share;
+        for seed in 0..3 {
+            let joints = Noise { contact: 1e-4, joint: 2e-3, receptor: 0.0, false_share: 0.2 };
+            let found = estimated(joints, seed);
+            assert!(near(found.joint, 2e-3, 0.1) && found.receptor < 3e-4, "{found:?}");
+            assert!((found.false_share - 0.2).abs() < 0.03, "{found:?}");
+
+            let receptors = Noise { contact: 3e-4, joint: 0.0, receptor: 1e-3, false_share: 0.0 };
+            let found = estimated(receptors, seed);
+            assert!(near(found.receptor, 1e-3, 0.25), "{found:?}");
+            assert!(found.false_share < 0.01, "{found:?}");
+        }
+    }
+
+    #[test]
+    fn honest_touches_are_told_from_false_ones() {
+        let noise = Noise { contact: 1e-3, joint: 0.0, receptor: 0.0, false_share: 0.2 };
+        let gap = &gaps(&noise, 1, 1)[0];
+        assert!(noise.honest(gap, 1e-3, 1e-6) > 0.99);
+        assert!(noise.honest(gap, 1e-1, 1e-6) < 1e-6);
+    }
 }

@@ -178,7 +178,7 @@ impl OpenGaps {
         // Noisy joints open the gaps of long chains.
         let noisy = (quantile(&sorted, 0.5) > CERTAIN_NOISE).then(|| {
             let gaps = gaps_of(agent, touches, &nothing, schema, &[]);
-            (Noise::estimate(&gaps, &nothing, &DMatrix::zeros(0, 0), None), gaps)
+            (Noise::estimate(&gaps, &nothing, &DMatrix::zeros(0, 0), None, false), gaps)
         });
         let deviation = |number: usize| match &noisy {
             Some((noise, gaps)) => noise.variance(&gaps[number]).sqrt(),

@@ -282,7 +282,7 @@ impl<'a> SecondOrder<'a> {
             let gaps = gaps_of(self.agent, fitted, &parameters, schema, &[]);
             let mut prior = DMatrix::zeros(parameters.len(), parameters.len());
             self.known.prior.add_information(&parameters, &mut prior);
-            noise = Noise::estimate(&gaps, &parameters, &prior, None);
+            noise = Noise::estimate(&gaps, &parameters, &prior, None, false);
             alike = likeness(fitted, &gaps, &noise);
             spread = noise.deviation(&gaps);
             information(&gaps, &parameters, &noise)
@@ -477,7 +477,7 @@ impl<'a> SecondOrder<'a> {
         self.known.prior.add_information(parameters, &mut prior);
         let estimate = |widening: &[f64], before| {
             let gaps = gaps_of(self.agent, touches, parameters, schema, widening);
-            Noise::estimate(&gaps, parameters, &prior, before)
+            Noise::estimate(&gaps, parameters, &prior, before, true)
         };
         let noise = before.unwrap_or_else(|| estimate(&[], None));
         let widening = widening(self.agent, touches, schema, noise.joint);
@@ -498,14 +498,22 @@ impl<'a> SecondOrder<'a> {
         let mut spread = 0.0;
         let (found, deviation, at_floor) = match self.evidence() {
             Evidence::Points { .. } => {
-                let mut problem =
-                    TouchProblem::new(self.agent.creature(), used, &parameters, PointsMeet::Shaped);
-                let model = problem.linearize(schema);
-                let spare = (3 * used.len()).saturating_sub(parameters.len()).max(1);
-                let misses = (2.0 * model.cost / spare as f64).sqrt();
-                // Points that miss by more than they were taken to say that much less.
-                let hessian = model.hessian / misses.max(1.0).powi(2);
-                let found = self.observability(&parameters, schema, hessian, 3 * used.len());
+                let mut touches = used.clone();
+                let (found, misses) = loop {
+                    let mut problem =
+                        TouchProblem::new(self.agent.creature(), &touches, &parameters, PointsMeet::Shaped);
+                    let model = problem.linearize(schema);
+                    let spare = (3 * touches.len()).saturating_sub(parameters.len()).max(1);
+                    let misses = (2.0 * model.cost / spare as f64).sqrt();
+                    // Points that miss by more than they were taken to say that much less.
+                    let least = misses.max(1.0).powi(2);
+                    let found =
+                        self.observability(&parameters, schema, model.hessian / least, 3 * touches.len());
+                    match self.checked_points(&touches, schema, &found, least) {
+                        Some(few) => touches = few,
+                        None => break (found, misses),
+                    }
+                };
                 (found, taken_deviation(used) * misses, misses <= 1.0)
             }
             Evidence::Surfaces(skin) => {
@@ -548,6 +556,33 @@ impl<'a> SecondOrder<'a> {
             at_floor,
         };
         (found.with_placed(placed), witnesses, deviation)
+    }
+
+    /// The same as [`checked`] of points, of which each gives three equations: those are left whose every equation others
+    /// check. One false touch places a limb that has no other one, and no residual shows it. `found` is what they determine
+    /// with a variance so many times (`share`) that of the points.
+    fn checked_points(
+        &self,
+        touches: &TouchSet,
+        schema: &BodySchema,
+        found: &Observability,
+        share: f64,
+    ) -> Option<TouchSet> {
+        let mut few = touches.clone();
+        // Many touches of one pair of limbs check one another.
+        for pair in few.pairs.iter_mut().filter(|pair| pair.touches.len() < FEW) {
+            let (limbs, chain) = (pair.limbs, pair.chain.clone());
+            pair.touches.retain(|touch| {
+                let alone = PairTouches { limbs, chain: chain.clone(), touches: vec![touch.clone()] };
+                let alone = TouchSet { pairs: vec![alone] };
+                let mut problem =
+                    TouchProblem::new(self.agent.creature(), &alone, &found.parameters, PointsMeet::Shaped);
+                let information = problem.linearize(schema).hessian / share;
+                found.greatest_leverage(&information) < UNCHECKED
+            });
+        }
+        few.pairs.retain(|pair| !pair.touches.is_empty());
+        (few.len() < touches.len()).then_some(few)
     }
 
     /// What information (lower triangle) of so many residuals determines, with what was known in advance.
