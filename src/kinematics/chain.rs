@@ -103,6 +103,17 @@ impl ChainSide {
         });
     }
 
+    /// The axes about which the hinges turn the limb at the end of the side: direction and a point, in C.
+    pub fn hinges(&self, schema: &BodySchema) -> Vec<[Vector3<f64>; 2]> {
+        let mut hinges = Vec::with_capacity(self.steps.len());
+        self.walk(schema, |dof, transform, frame| {
+            if let DofTransform::Hinge { .. } = transform {
+                hinges.push([frame.direction(&schema.axes[dof]), frame.origin]);
+            }
+        });
+        hinges
+    }
+
     /// `p_C = X_CL p_L` and its derivatives by every position, axis and limb's pose of the side, into `jacobian`.
     pub fn point_jacobian(&self, schema: &BodySchema, p_l: &Vector3<f64>, jacobian: &mut SideJacobian) {
         jacobian.joints.clear();

@@ -44,8 +44,8 @@ pub struct Account {
 pub struct Witnesses {
     /// Per limb, its touches that count.
     pub of_limbs: Vec<usize>,
-    /// How far off the points are that touches tell, metres, a standard deviation; 0 where surfaces are what touches
-    /// tell. Points place nothing better than they are known themselves.
+    /// How far off the points are that touches tell, metres, a standard deviation; of surfaces the gaps, or 0 where these
+    /// show no noise. Touches place nothing better than they are known themselves.
     pub point_deviation: f64,
     /// Whether they show no more noise than the least that the learner assumes: they are explained to the numerical
     /// floor, and the account says no less than is the case.

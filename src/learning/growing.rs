@@ -38,6 +38,8 @@ pub const WHOLE_DOF: usize = 60;
 
 /// A part of the body is right when eight tenths of its surfaces' gaps are below this, metres …
 const PART_GAP: f64 = 5e-3;
+/// … or below this, where fresh touches show that it is noise …
+const NOISY_GAP: f64 = 0.04;
 /// … and no better initial guess is looked for when they are below this, or when two initial guesses agree on the least …
 const CERTAIN_GAP: f64 = 2e-5;
 /// … to this share of it.
@@ -63,8 +65,10 @@ const MOST_GIVEN_UP: usize = 4;
 const DOUBTFUL: f64 = 2.0;
 /// Touches that fix where a limb is on the joints about it.
 const FIXED_BY: usize = 4;
-/// Rounds of mending.
+/// Rounds of mending …
 const REPAIRS: usize = 8;
+/// … and where gaps are so wide that there is noise, or little that is right.
+const NOISY_REPAIRS: usize = 3;
 
 /// How a start goes about the body.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -227,13 +231,16 @@ impl Nursery<'_> {
         }
         let placed = vec![true; self.agent.creature().limbs().len()];
         let mut start = Start { schema, known, placed, accepted: misfit.acceptable(), initial_guesses };
+        let mendable = start.accepted || (route == Route::Whole && misfit.0 <= NOISY_GAP / PART_GAP);
         if let Evidence::Surfaces(_) = self.evidence
-            && start.accepted
+            && mendable
         {
-            self.repair(&mut start, rng);
+            self.repair(&mut start, if misfit.acceptable() { REPAIRS } else { NOISY_REPAIRS }, rng);
             if route == Route::Grown && !start.accepted {
                 self.give_up(&mut start);
             }
+            // Whether what is open still may be is for all touches to say.
+            start.accepted = true;
         }
         start
     }
@@ -300,11 +307,11 @@ impl Nursery<'_> {
     }
 
     /// Solves joints at fault anew by the surfaces, all others held, until few gaps stay open.
-    fn repair(&self, start: &mut Start, rng: &mut ChaCha8Rng) {
+    fn repair(&self, start: &mut Start, repairs: usize, rng: &mut ChaCha8Rng) {
         let used = self.touches.filter(|pair| pair.chain.joints().all(|joint| start.known[joint]));
         let all = self.parameters(AxisModel::Unit, &|joint| start.known[joint]);
         let mut open = OpenGaps::new(self.agent, &used, &start.schema);
-        for round in 0..REPAIRS {
+        for round in 0..repairs {
             start.accepted = open.tolerable();
             if start.accepted {
                 return;

@@ -173,6 +173,15 @@ impl Observability {
         &self.covariance_factor
     }
 
+    /// The greatest share that some touches, of the information `JᵀWJ` (symmetric), have in what is known of any direction: 1
+    /// where nothing else tells of it. It is the greatest eigenvalue of `Lᵀ JᵀWJ L` with the covariance `L Lᵀ`.
+    pub(super) fn greatest_leverage(&self, information: &DMatrix<f64>) -> f64 {
+        let felt: Vec<usize> = (0..information.ncols()).filter(|&k| information[(k, k)] > 0.0).collect();
+        let factor = self.covariance_factor.select_rows(&felt);
+        let share = factor.tr_mul(&(information.select_rows(&felt).select_columns(&felt) * &factor));
+        if share.is_empty() { 0.0 } else { SymmetricEigen::new(share).eigenvalues.max() }
+    }
+
     /// The undetermined directions in the units of the parameters, one a column (m, 1).
     pub(super) fn open_directions(&self) -> &DMatrix<f64> {
         &self.unscaled_null_space

@@ -4,11 +4,15 @@
 //! receptor centres are too coarse to tell the two apart. The surfaces are not: where most gaps are
 //! closed and some stay open, the joints that the open ones share are at fault.
 
+use nalgebra::DMatrix;
+
 use crate::agent::Agent;
 use crate::kinematics::Chain;
-use crate::learning::annealing::{gaps, typical_gap};
-use crate::learning::surface_gap::SurfaceGap;
-use crate::learning::touch_set::TouchSet;
+use crate::learning::annealing::{quantile, typical_gap};
+use crate::learning::noise::{Noise, gaps_of};
+use crate::learning::surface_gap::{CERTAIN_NOISE, SurfaceGap};
+use crate::learning::touch_set::{PreparedTouch, TouchSet};
+use crate::learning::{AxisModel, Parameters};
 use crate::schema::BodySchema;
 
 /// A gap is open when it is wider than this, metres, and than [`DEVIATIONS`].
@@ -19,10 +23,15 @@ const DEVIATIONS: f64 = 5.0;
 const FALSE_SHARE: f64 = 0.12;
 /// … and standard deviations that chance may add to it in few.
 const CHANCE: f64 = 2.0;
+/// How many times more false touches two joints may have than the limbs' touches let expect, which is only roughly so.
+const ROUGHLY: f64 = 1.25;
 /// Open touches with two joints that are no sign of anything.
 const ONE_BY_CHANCE: f64 = 3.0;
 /// Touches with a joint below which their share says little of it.
 const FEW: f64 = 6.0;
+
+/// Share of false touches that are believed: of more, too few are left to tell which.
+pub const MOST_FALSE: f64 = 0.4;
 
 /// Share of open touches with two joints, beyond that of all touches, from which on none with both counts, …
 const DISPUTED: f64 = 0.3;
@@ -67,15 +76,16 @@ impl GapTally {
         self.counts[first * self.joints + second]
     }
 
-    /// What false touches would bring that come from any two receptors alike.
-    fn of_chance(agent: &Agent) -> GapTally {
+    /// What false touches would bring of which one end is any receptor, and the other touches as often as in `touches`.
+    pub fn of_chance(agent: &Agent, touches: &TouchSet) -> GapTally {
         let creature = agent.creature();
         let mut on_limb = vec![0.0; creature.limbs().len()];
         agent.skin().receptors.iter().for_each(|receptor| on_limb[receptor.limb] += 1.0);
+        let felt = touches.count_of_limbs(creature);
         let mut found = GapTally::new(creature.joints().len());
         for first in 0..on_limb.len() {
             for second in first + 1..on_limb.len() {
-                let ways = on_limb[first] * on_limb[second];
+                let ways = on_limb[first] * felt[second] as f64 + felt[first] as f64 * on_limb[second];
                 if ways > 0.0 {
                     found.add_many(&Chain::between(creature, first, second), [ways, ways]);
                 }
@@ -89,16 +99,24 @@ impl GapTally {
     /// handful that share two joints are no coincidence.
     fn crowded(&self, chance: &GapTally) -> f64 {
         let excess = |(counts, ways): (&[f64; 2], &[f64; 2])| {
-            let share = ways[0] / chance.all[0].max(1.0);
-            let expected = (self.all[0] - counts[0]) * share / (1.0 - share).max(0.1);
+            let expected = self.expected(counts, ways, chance);
             counts[0] / (ONE_BY_CHANCE + expected + 3.0 * expected.sqrt())
         };
         self.counts.iter().zip(&chance.counts).map(excess).fold(0.0, f64::max)
     }
 
-    /// In all, of each joint, and of each two.
-    pub fn of_all(&self) -> impl Iterator<Item = [f64; 2]> {
-        std::iter::once(self.all).chain(self.counts.iter().copied())
+    /// How many of these touches false ones leave open, as open touches elsewhere show.
+    fn expected(&self, counts: &[f64; 2], ways: &[f64; 2], chance: &GapTally) -> f64 {
+        let share = ways[0] / chance.all[0].max(1.0);
+        ROUGHLY * (self.all[0] - counts[0]) * share / (1.0 - share).max(0.1)
+    }
+
+    /// Per two joints, the open touches beyond those that false touches and luck may make up, and all.
+    pub fn beyond(&self, chance: &GapTally) -> impl Iterator<Item = [f64; 2]> {
+        self.counts.iter().zip(&chance.counts).map(|(counts, ways)| {
+            let expected = self.expected(counts, ways, chance);
+            [(counts[0] - expected - CHANCE * expected.sqrt()).max(0.0), counts[1]]
+        })
     }
 }
 
@@ -106,13 +124,12 @@ impl GapTally {
 ///
 /// A fit chooses which touches it closes where it cannot close all. The few that it chose of two joints check one
 /// another, and bear out what the others deny. So where many touches with two joints stay open, no touch with both
-/// counts. `deviation` is that of the gaps, metres, and `scales` how many times wider each is.
+/// counts. `deviation` is that of a touch's gap by its number, metres.
 pub fn witnesses(
     agent: &Agent,
     touches: &TouchSet,
     schema: &BodySchema,
-    deviation: f64,
-    scales: Option<&[f64]>,
+    deviation: impl Fn(usize) -> f64,
 ) -> TouchSet {
     let model = SurfaceGap::new(agent.skin(), 1.0);
     let mut found = GapTally::new(agent.creature().joints().len());
@@ -120,8 +137,7 @@ pub fn witnesses(
     for pair in &touches.pairs {
         for touch in &pair.touches {
             let gap = model.gap(&touch.ends, &touch.frames(schema)).distance.abs();
-            let scale = scales.map_or(1.0, |scales| scales[number]);
-            found.add(&pair.chain, gap > OPEN.max(DEVIATIONS * deviation * scale));
+            found.add(&pair.chain, gap > OPEN.max(DEVIATIONS * deviation(number)));
             number += 1;
         }
     }
@@ -146,21 +162,35 @@ pub struct OpenGaps {
     /// Share of open gaps among the touches whose chain has the joint; 0 where these are few.
     pub by_joint: Vec<f64>,
     /// The greatest share, of any two joints, in units of what false touches and chance may make up.
-    worst: f64,
+    pub worst: f64,
 }
 
 impl OpenGaps {
     /// Counts the open gaps of a schema.
     pub fn new(agent: &Agent, touches: &TouchSet, schema: &BodySchema) -> OpenGaps {
         let model = SurfaceGap::new(agent.skin(), 1.0);
-        let noise = typical_gap(&gaps(agent.skin(), touches, schema));
-        let limit = OPEN.max(DEVIATIONS * noise);
+        let gap = |touch: &PreparedTouch| model.gap(&touch.ends, &touch.frames(schema)).distance.abs();
+        let gaps: Vec<f64> = touches.touches().map(gap).collect();
+        let mut sorted = gaps.clone();
+        sorted.sort_by(f64::total_cmp);
+        let typical = typical_gap(&sorted);
+        let nothing = Parameters::new(agent.creature(), AxisModel::Unit, |_| false);
+        // Noisy joints open the gaps of long chains.
+        let noisy = (quantile(&sorted, 0.5) > CERTAIN_NOISE).then(|| {
+            let gaps = gaps_of(agent, touches, &nothing, schema, &[]);
+            (Noise::estimate(&gaps, &nothing, &DMatrix::zeros(0, 0), None, false), gaps)
+        });
+        let deviation = |number: usize| match &noisy {
+            Some((noise, gaps)) => noise.variance(&gaps[number]).sqrt(),
+            None => typical,
+        };
         let joints = agent.creature().joints().len();
         let mut found = GapTally::new(joints);
+        let mut number = 0;
         for pair in &touches.pairs {
-            for touch in &pair.touches {
-                let gap = model.gap(&touch.ends, &touch.frames(schema)).distance.abs();
-                found.add(&pair.chain, gap > limit);
+            for _ in &pair.touches {
+                found.add(&pair.chain, gaps[number] > OPEN.max(DEVIATIONS * deviation(number)));
+                number += 1;
             }
         }
         let share = |[open, all]: [f64; 2]| if all >= FEW { open / all } else { 0.0 };
@@ -168,8 +198,9 @@ impl OpenGaps {
             let chance = (FALSE_SHARE * (1.0 - FALSE_SHARE) / counts[1].max(FEW)).sqrt();
             share(counts) / (FALSE_SHARE + CHANCE * chance)
         };
-        let crowded = found.crowded(&GapTally::of_chance(agent));
-        let worst = found.of_all().map(excess).fold(crowded, f64::max);
+        let chance = GapTally::of_chance(agent, touches);
+        let most = found.all[0] / (MOST_FALSE * found.all[1]).max(FEW);
+        let worst = found.beyond(&chance).map(excess).fold(found.crowded(&chance).max(most), f64::max);
         let [open, all] = found.all;
         let by_joint = (0..joints).map(|joint| share(found.of(joint, joint))).collect();
         OpenGaps { share: open / all.max(1.0), by_joint, worst }

@@ -34,6 +34,18 @@ pub struct Parameters {
 }
 
 impl Parameters {
+    /// Nothing to move.
+    pub fn none() -> Parameters {
+        Parameters {
+            positions: Vec::new(),
+            axes: Vec::new(),
+            limb_origins: Vec::new(),
+            limb_rotations: Vec::new(),
+            axis_model: AxisModel::Unit,
+            len: 0,
+        }
+    }
+
     /// Position and axes of each joint for which `free` holds.
     pub fn new(creature: &Creature, axis_model: AxisModel, free: impl Fn(usize) -> bool) -> Parameters {
         Parameters::of(creature, axis_model, &free, |joint, _| free(joint))

@@ -22,6 +22,10 @@ pub struct GapRow {
     pub gap: f64,
     /// Its derivative as pairs of a parameter's place and the derivative by it, each place once.
     pub entries: Vec<(usize, f64)>,
+    /// Per end, where the surfaces are closest, in the limb's frame, metres.
+    pub points: [Vector3<f64>; 2],
+    /// Per end, the gap's derivative by a shift of that end's surface, in the limb's frame.
+    pub normals: [Vector3<f64>; 2],
     sides: [SideJacobian; 2],
 }
 
@@ -37,6 +41,8 @@ impl GapRow {
             let side = &mut self.sides[k];
             touch.sides[k].point_jacobian(schema, &point, side);
             let direction: Vector3<f64> = found.normal * sign;
+            self.points[k] = point;
+            self.normals[k] = frames[k].rotation.transpose() * direction;
             for (joint, map) in &side.joints {
                 if let Some(offset) = parameters.positions[*joint] {
                     let slope = map.tr_mul(&direction);

@@ -18,21 +18,20 @@ use crate::geometry::Frame;
 use crate::learning::annealing::{NARROWEST, anneal, gaps, quantile, typical_gap};
 use crate::learning::growing::{EXACT, Evidence, Nursery, Start, WHOLE_DOF};
 use crate::learning::growing_limbs::LimbNursery;
-use crate::learning::joint_noise;
 use crate::learning::least_squares::{LeastSquares, Stopping, levenberg_marquardt};
+use crate::learning::noise::{Noise, NoisyGap, NoisyProblem, gaps_of, information, likeness, widening};
 use crate::learning::observability::Observability;
 use crate::learning::observation::{Input, Observation, ObservationModel, PointsMeet, SkinKnowledge};
-use crate::learning::open_gaps::{GapTally, witnesses};
+use crate::learning::open_gaps::{GapTally, MOST_FALSE, OpenGaps, witnesses};
 use crate::learning::prediction::{GapRow, covariance, information_inverse};
-use crate::learning::surface_gap::{MEAN_WEIGHT, SHARPEST, SurfaceGap, TAIL, gap_scale};
+use crate::learning::surface_gap::{CERTAIN_NOISE, MEAN_WEIGHT, SHARPEST, SurfaceGap, TAIL, gap_scale};
 use crate::learning::touch_set::{LimbTouch, PairTouches, PreparedTouch, TouchProblem, TouchSet};
-use crate::learning::whiteness::design_effect;
 use crate::learning::{
     Account, AxisModel, Basis, Learned, Learner, LimbFrames, Parameters, PriorKnowledge, Verdict, Witnesses,
 };
 use crate::schema::{BodySchema, unfelt_shifts};
 use crate::senses::Touch;
-use crate::skin::Skin;
+use crate::skin::{Receptor, Skin};
 
 /// Every how many touches one is kept back to judge a start.
 const KEPT_BACK: usize = 5;
@@ -57,8 +56,6 @@ const POINT_AGREEMENT: f64 = 1e-3;
 const HOPELESS_STARTS: usize = 3;
 /// … but tangles are many, and alike in how wide their gaps are, metres.
 const TANGLED: f64 = 5e-3;
-/// Noise of the gaps below which no better answer is looked for, metres.
-const CERTAIN_NOISE: f64 = 2e-5;
 /// Touches of one limb pair that a start uses at most; the last fit uses all.
 const TOUCHES_PER_PAIR: usize = 150;
 /// How far apart two points that are one may be where nothing else is given, per coordinate, metres.
@@ -70,7 +67,7 @@ const VISIBLE_NOISE: f64 = 0.1;
 const NOISE_MARGIN: f64 = 3.0;
 /// … and how many times that where no start is accepted; joints that are misread add up in long chains.
 const WIDER: [f64; 2] = [1.0, 3.0];
-/// The most noise of points that is looked for, metres.
+/// The most noise of gaps and points that is believed, metres: in more, schemas that are wrong look like noise.
 const MOST_NOISE: f64 = 0.02;
 /// Random stream of the look at how much noise points have; starts count from 0 and never get here.
 const NOISE_STREAM: u64 = u64::MAX - 4;
@@ -90,6 +87,15 @@ const FRESH_GAP: f64 = 1.9;
 const OPEN: f64 = 5.0;
 /// Share of open gaps that no joint exceeds on touches not fitted to: false touches, and chance in few.
 const FRESH_OPEN: f64 = 0.3;
+/// Likeness of gaps of neighbouring touches from which on it is the schema that is wrong: right ones leave less than 0.17,
+/// wrong ones that look like noise more than 0.44.
+const ALIKE: f64 = 0.3;
+/// How far apart receptors of a limb are whose touches bear one another out, metres: two patches …
+const SAME_PLACE: f64 = 0.05;
+/// … and how many others it takes: of 2,000 touches of Max half of the honest ones have them, and one in 16 of false ones.
+const WITNESSES: usize = 4;
+/// Touches that are left for every unknown number, where others need not be looked at.
+const ENOUGH: usize = 3;
 /// Touches with a joint below which their share of open gaps says little of it.
 const FEW: usize = 4;
 /// Leverage of a touch from which on no other one checks it.
@@ -207,6 +213,25 @@ impl<'a> SecondOrder<'a> {
         fitted.map(|(_, touch)| touch).filter(few_of_a_pair).collect()
     }
 
+    /// Those of some touches that others bear out, by what they felt alone: false ones are scattered over the skin, honest
+    /// ones come again where limbs can meet. All, where so few come again that this tells nothing.
+    fn borne_out<'t>(&self, touches: &[&'t Touch]) -> Vec<&'t Touch> {
+        let felt = |touch: &Touch| touch.ends.map(|end| &self.agent.skin().receptors[end.receptor]);
+        let near = |a: &Receptor, b: &Receptor| {
+            a.limb == b.limb && (a.position - b.position).norm_squared() < SAME_PLACE * SAME_PLACE
+        };
+        let felt: Vec<[&Receptor; 2]> = touches.iter().map(|touch| felt(touch)).collect();
+        let borne_out = |[a, b]: &[&Receptor; 2]| {
+            let alike = felt.iter().filter(|[c, d]| near(a, c) && near(b, d));
+            // It is like itself.
+            alike.take(WITNESSES + 1).count() > WITNESSES
+        };
+        let kept: Vec<&Touch> =
+            touches.iter().zip(&felt).filter(|(_, ends)| borne_out(ends)).map(|(touch, _)| *touch).collect();
+        let unknowns = Parameters::new(self.agent.creature(), AxisModel::Unit, |_| true).len();
+        if kept.len() < ENOUGH * unknowns { touches.to_vec() } else { kept }
+    }
+
     /// How badly a start misses touches it was not fitted to, 1 is just acceptable; and the noise of the
     /// touches that it was fitted to, metres.
     fn judge(&self, search: &StartSearch, fitted: &TouchSet, fresh: &TouchSet, start: &Start) -> (f64, f64) {
@@ -249,35 +274,54 @@ impl<'a> SecondOrder<'a> {
     fn judge_gaps(&self, fitted: &TouchSet, fresh: &TouchSet, start: &Start) -> (f64, f64) {
         let free = |joint: usize| start.known[joint] && !self.known.frozen[joint];
         let parameters = Parameters::new(self.agent.creature(), AxisModel::Unit, free);
-        let noise = noise(self.agent.skin(), fitted, &parameters, &start.schema);
+        let deviation = noise(self.agent.skin(), fitted, &parameters, &start.schema);
         let schema = &start.schema;
-        let prior = &self.known.prior;
-        let covariance = covariance(self.agent, fitted, &parameters, prior, schema, noise);
-        let Some(covariance) = covariance else { return (f64::INFINITY, noise) };
+        let mut noise = Noise::of_gaps(deviation);
+        let (mut alike, mut spread) = (0.0, deviation);
+        let covariance = if deviation > CERTAIN_NOISE {
+            let gaps = gaps_of(self.agent, fitted, &parameters, schema, &[]);
+            let mut prior = DMatrix::zeros(parameters.len(), parameters.len());
+            self.known.prior.add_information(&parameters, &mut prior);
+            noise = Noise::estimate(&gaps, &parameters, &prior, None, false);
+            alike = likeness(fitted, &gaps, &noise);
+            spread = noise.deviation(&gaps);
+            information(&gaps, &parameters, &noise)
+                .and_then(|information| information_inverse(information + prior, &parameters))
+        } else {
+            covariance(self.agent, fitted, &parameters, &self.known.prior, schema, deviation)
+        };
+        let Some(covariance) = covariance else { return (f64::INFINITY, deviation) };
+        let deviation = if deviation > CERTAIN_NOISE { spread } else { deviation };
         let mut found = GapTally::new(self.agent.creature().joints().len());
         let mut normalized = Vec::with_capacity(fresh.len());
         let mut tested = 0;
-        let mut row = GapRow::default();
+        let mut gaps = gaps_of(self.agent, fresh, &parameters, schema, &[]).into_iter();
         for pair in &fresh.pairs {
-            for touch in &pair.touches {
-                row.set(self.agent.skin(), &parameters, schema, touch);
-                let variance = noise * noise + row.variance(&covariance) + CLOSE_ENOUGH * CLOSE_ENOUGH;
-                let deviations = row.gap.abs() / variance.sqrt();
-                normalized.push(deviations);
-                tested += usize::from(variance < TELLING * TELLING);
+            for gap in gaps.by_ref().take(pair.touches.len()) {
+                let predicted = gap.predicted(&covariance);
+                let variance = noise.variance(&gap) + predicted + CLOSE_ENOUGH * CLOSE_ENOUGH;
+                let deviations = gap.gap.abs() / variance.sqrt();
+                tested += usize::from(predicted < TELLING * TELLING);
                 found.add(&pair.chain, deviations > OPEN);
+                normalized.push(deviations);
             }
         }
         // Who predicts nothing is never wrong: that proves nothing.
         if tested < FEW || 2 * tested < fresh.len() {
-            return (f64::INFINITY, noise);
+            return (f64::INFINITY, deviation);
         }
         normalized.sort_by(f64::total_cmp);
-        // One open touch may be false, whatever it is with.
-        let told = found.of_all().filter(|[_, all]| *all >= FEW as f64);
-        let shares = told.map(|[open, all]| (open - 1.0) / all);
-        let worst = shares.fold(0.0, f64::max);
-        ((quantile(&normalized, 0.8) / FRESH_GAP).max(worst / FRESH_OPEN), noise)
+        // One open touch may be false, whatever it is with; and so may as many as elsewhere.
+        let chance = GapTally::of_chance(self.agent, fitted);
+        let told = found.beyond(&chance).filter(|[_, all]| *all >= FEW as f64);
+        let worst = told.map(|[open, all]| (open - 1.0) / all / FRESH_OPEN).fold(0.0, f64::max);
+        let [open, all] = found.all;
+        let closed = 0.8 * (1.0 - open / all);
+        let misfit = (quantile(&normalized, closed) / FRESH_GAP).max(worst);
+        let tolerable = OpenGaps::new(self.agent, fitted, schema).worst;
+        let most = (open - 1.0) / (MOST_FALSE * all);
+        let refusals = [misfit, most, alike / ALIKE, tolerable, deviation / MOST_NOISE];
+        (refusals.into_iter().fold(0.0, f64::max), deviation)
     }
 
     /// A schema in which every limb that is not placed has the frame of its joint, and every joint its position
@@ -319,23 +363,24 @@ impl<'a> SecondOrder<'a> {
             Evidence::Surfaces(skin) => {
                 let annealed = anneal(self.agent, &used, &parameters, &self.known.prior, schema);
                 let mut schema = annealed.schema;
-                let mut scales = None;
-                let noisy = annealed.gap_deviation > CERTAIN_NOISE;
-                for weighing in 0..if noisy { WEIGHINGS } else { 1 } {
-                    if weighing > 0 {
-                        scales = joint_noise::scales(skin, &used, &schema);
-                    }
-                    let deviation = self.gap_deviation(skin, &used, &parameters, &schema, scales.as_deref());
+                let stopping =
+                    Stopping { iterations: LAST_ITERATIONS, relative_cost: LAST_RELATIVE_COST, cost: 0.0 };
+                if annealed.gap_deviation <= CERTAIN_NOISE {
+                    let deviation = self.gap_deviation(skin, &used, &parameters, &schema);
                     let model = SurfaceGap::new(skin, deviation).with_biased_places();
                     let mut problem = TouchProblem::new(self.agent.creature(), &used, &parameters, model)
-                        .with_prior(&self.known.prior)
-                        .with_scales(scales.as_deref());
-                    let stopping = Stopping {
-                        iterations: LAST_ITERATIONS,
-                        relative_cost: LAST_RELATIVE_COST,
-                        cost: 0.0,
-                    };
+                        .with_prior(&self.known.prior);
                     schema = levenberg_marquardt(&mut problem, &parameters, schema, stopping).schema;
+                } else {
+                    let mut noise: Option<Noise> = None;
+                    for _ in 0..WEIGHINGS {
+                        let (found, widening) = self.noise(&used, &parameters, &schema, noise);
+                        let prior = &self.known.prior;
+                        let mut problem =
+                            NoisyProblem::new(self.agent, &used, &parameters, prior, (found, &widening));
+                        schema = levenberg_marquardt(&mut problem, &parameters, schema, stopping).schema;
+                        noise = Some(found);
+                    }
                 }
                 let (account, deviation) = self.account_of(&used, &schema);
                 (schema, account, deviation)
@@ -408,9 +453,35 @@ impl<'a> SecondOrder<'a> {
     fn observe_touches(&self, used: &TouchSet, schema: &BodySchema) -> (Observability, Witnesses, f64) {
         let Evidence::Surfaces(skin) = self.evidence() else { return self.observe_witnesses(used, schema) };
         let parameters = self.touched(used).0;
-        let deviation = self.gap_deviation(skin, used, &parameters, schema, None);
-        let scales = if deviation > CERTAIN_NOISE { joint_noise::scales(skin, used, schema) } else { None };
-        self.observe_witnesses(&witnesses(self.agent, used, schema, deviation, scales.as_deref()), schema)
+        let deviation = self.gap_deviation(skin, used, &parameters, schema);
+        let used = if deviation > CERTAIN_NOISE {
+            let (noise, _) = self.noise(used, &parameters, schema, None);
+            let gaps = gaps_of(self.agent, used, &parameters, schema, &[]);
+            witnesses(self.agent, used, schema, |number| noise.variance(&gaps[number]).sqrt())
+        } else {
+            witnesses(self.agent, used, schema, |_| deviation)
+        };
+        self.observe_witnesses(&used, schema)
+    }
+
+    /// The noise of touches at a schema that was fitted to them, and how much wider it makes each gap, metres.
+    /// `before` is a rough guess.
+    fn noise(
+        &self,
+        touches: &TouchSet,
+        parameters: &Parameters,
+        schema: &BodySchema,
+        before: Option<Noise>,
+    ) -> (Noise, Vec<f64>) {
+        let mut prior = DMatrix::zeros(parameters.len(), parameters.len());
+        self.known.prior.add_information(parameters, &mut prior);
+        let estimate = |widening: &[f64], before| {
+            let gaps = gaps_of(self.agent, touches, parameters, schema, widening);
+            Noise::estimate(&gaps, parameters, &prior, before, true)
+        };
+        let noise = before.unwrap_or_else(|| estimate(&[], None));
+        let widening = widening(self.agent, touches, schema, noise.joint);
+        (estimate(&widening, Some(noise)), widening)
     }
 
     /// What of the joints and limbs of some touches may be fitted, and which limbs are placed at all.
@@ -424,41 +495,55 @@ impl<'a> SecondOrder<'a> {
 
     fn observe_witnesses(&self, used: &TouchSet, schema: &BodySchema) -> (Observability, Witnesses, f64) {
         let (parameters, placed) = self.touched(used);
+        let mut spread = 0.0;
         let (found, deviation, at_floor) = match self.evidence() {
             Evidence::Points { .. } => {
-                let mut problem =
-                    TouchProblem::new(self.agent.creature(), used, &parameters, PointsMeet::Shaped);
-                let model = problem.linearize(schema);
-                let spare = (3 * used.len()).saturating_sub(parameters.len()).max(1);
-                let misses = (2.0 * model.cost / spare as f64).sqrt();
-                // Points that miss by more than they were taken to say that much less.
-                let hessian = model.hessian / misses.max(1.0).powi(2);
-                let found = self.observability(&parameters, schema, hessian, 3 * used.len());
+                let mut touches = used.clone();
+                let (found, misses) = loop {
+                    let mut problem =
+                        TouchProblem::new(self.agent.creature(), &touches, &parameters, PointsMeet::Shaped);
+                    let model = problem.linearize(schema);
+                    let spare = (3 * touches.len()).saturating_sub(parameters.len()).max(1);
+                    let misses = (2.0 * model.cost / spare as f64).sqrt();
+                    // Points that miss by more than they were taken to say that much less.
+                    let least = misses.max(1.0).powi(2);
+                    let found =
+                        self.observability(&parameters, schema, model.hessian / least, 3 * touches.len());
+                    match self.checked_points(&touches, schema, &found, least) {
+                        Some(few) => touches = few,
+                        None => break (found, misses),
+                    }
+                };
                 (found, taken_deviation(used) * misses, misses <= 1.0)
             }
             Evidence::Surfaces(skin) => {
-                let mut deviation = self.gap_deviation(skin, used, &parameters, schema, None);
-                let noisy = deviation > CERTAIN_NOISE;
-                let mut scales = if noisy { joint_noise::scales(skin, used, schema) } else { None };
-                if scales.is_some() {
-                    deviation = self.gap_deviation(skin, used, &parameters, schema, scales.as_deref());
-                }
-                let alike = match noisy {
-                    true => design_effect(skin, used, schema, deviation, scales.as_deref()),
-                    false => 1.0,
-                };
-                let sharp = deviation.max(SHARPEST);
-                let model = SurfaceGap::new(skin, sharp).without_places();
-                let share = MEAN_WEIGHT * alike;
+                let mut deviation = self.gap_deviation(skin, used, &parameters, schema);
                 let mut touches = used.clone();
+                let mut noise = Noise::of_gaps(deviation);
+                let noisy = deviation > CERTAIN_NOISE;
+                if noisy {
+                    noise = self.noise(used, &parameters, schema, None).0;
+                    deviation = noise.deviation(&gaps_of(self.agent, used, &parameters, schema, &[]));
+                    spread = deviation;
+                }
+                noise.contact = noise.contact.max(SHARPEST);
                 let found = loop {
-                    let problem = TouchProblem::new(self.agent.creature(), &touches, &parameters, model);
-                    let hessian = problem.with_scales(scales.as_deref()).linearize(schema).hessian / share;
+                    let widening =
+                        if noisy { widening(self.agent, &touches, schema, noise.joint) } else { Vec::new() };
+                    let gaps = gaps_of(self.agent, &touches, &parameters, schema, &widening);
+                    let hessian = if noisy {
+                        information(&gaps, &parameters, &noise)
+                            .unwrap_or_else(|| DMatrix::zeros(parameters.len(), parameters.len()))
+                    } else {
+                        let model = SurfaceGap::new(skin, noise.contact).without_places();
+                        let mut problem =
+                            TouchProblem::new(self.agent.creature(), &touches, &parameters, model);
+                        problem.linearize(schema).hessian / MEAN_WEIGHT
+                    };
                     let found = self.observability(&parameters, schema, hessian, 5 * touches.len());
-                    let noise = (sharp, scales.as_deref());
                     // Without some of the touches others may be the only ones that are left.
-                    match checked(skin, &touches, schema, &found, share, noise) {
-                        Some((few, few_scales)) => (touches, scales) = (few, few_scales),
+                    match checked(&touches, &gaps, &found, &noise) {
+                        Some(few) => touches = few,
                         None => break found,
                     }
                 };
@@ -467,10 +552,37 @@ impl<'a> SecondOrder<'a> {
         };
         let witnesses = Witnesses {
             of_limbs: used.count_of_limbs(self.agent.creature()),
-            point_deviation: if self.input == Input::Contact { deviation } else { 0.0 },
+            point_deviation: if self.input == Input::Contact { deviation } else { spread },
             at_floor,
         };
         (found.with_placed(placed), witnesses, deviation)
+    }
+
+    /// The same as [`checked`] of points, of which each gives three equations: those are left whose every equation others
+    /// check. One false touch places a limb that has no other one, and no residual shows it. `found` is what they determine
+    /// with a variance so many times (`share`) that of the points.
+    fn checked_points(
+        &self,
+        touches: &TouchSet,
+        schema: &BodySchema,
+        found: &Observability,
+        share: f64,
+    ) -> Option<TouchSet> {
+        let mut few = touches.clone();
+        // Many touches of one pair of limbs check one another.
+        for pair in few.pairs.iter_mut().filter(|pair| pair.touches.len() < FEW) {
+            let (limbs, chain) = (pair.limbs, pair.chain.clone());
+            pair.touches.retain(|touch| {
+                let alone = PairTouches { limbs, chain: chain.clone(), touches: vec![touch.clone()] };
+                let alone = TouchSet { pairs: vec![alone] };
+                let mut problem =
+                    TouchProblem::new(self.agent.creature(), &alone, &found.parameters, PointsMeet::Shaped);
+                let information = problem.linearize(schema).hessian / share;
+                found.greatest_leverage(&information) < UNCHECKED
+            });
+        }
+        few.pairs.retain(|pair| !pair.touches.is_empty());
+        (few.len() < touches.len()).then_some(few)
     }
 
     /// What information (lower triangle) of so many residuals determines, with what was known in advance.
@@ -508,70 +620,51 @@ impl<'a> SecondOrder<'a> {
         }
     }
 
-    /// Standard deviation of the gaps at a fitted schema, metres; with `scales`, of a gap whose scale is 1.
+    /// Standard deviation of the gaps at a fitted schema, metres.
     fn gap_deviation(
         &self,
         skin: &Skin,
         touches: &TouchSet,
         parameters: &Parameters,
         schema: &BodySchema,
-        scales: Option<&[f64]>,
     ) -> f64 {
         let start = noise(skin, touches, parameters, schema);
         let mut problem =
             TouchProblem::new(self.agent.creature(), touches, parameters, SurfaceGap::new(skin, start))
-                .with_prior(&self.known.prior)
-                .with_scales(scales);
+                .with_prior(&self.known.prior);
         let Some(covariance) = information_inverse(problem.linearize(schema).hessian, parameters) else {
             return start;
         };
         let mut row = GapRow::default();
-        let touches = touches.touches();
-        let rows = touches.enumerate().map(|(number, touch)| {
+        let rows = touches.touches().map(|touch| {
             row.set(skin, parameters, schema, touch);
-            let scale = scales.map_or(1.0, |scales| scales[number]);
-            (row.gap / scale, MEAN_WEIGHT * row.variance(&covariance) / (start * scale).powi(2))
+            (row.gap, MEAN_WEIGHT * row.variance(&covariance) / start.powi(2))
         });
         gap_scale(&rows.collect::<Vec<_>>(), start).max(NARROWEST)
     }
 }
 
-/// The touches that are closed and that others check, and their scales; none where that are all.
+/// The touches that are closed and that others check; none where that are all.
 ///
 /// A touch whose leverage is nearly 1 closes its gap whatever the truth is: the fit has a parameter for it alone.
 /// What rests on such touches is not known, however small it leaves the gaps (Baarda's reliability, "A Testing
-/// Procedure for Use in Geodetic Networks", 1968). `found` is what they determine, with their information counted so many
-/// times as its weights hold (`share`); `noise` is the gaps' deviation, and how many times wider each is.
-fn checked(
-    skin: &Skin,
-    touches: &TouchSet,
-    schema: &BodySchema,
-    found: &Observability,
-    share: f64,
-    (deviation, scales): (f64, Option<&[f64]>),
-) -> Option<(TouchSet, Option<Vec<f64>>)> {
-    let mut row = GapRow::default();
-    let mut number = 0;
-    let mut kept_scales = scales.map(|_| Vec::new());
+/// Procedure for Use in Geodetic Networks", 1968). `found` is what they determine in some noise; `gaps` are theirs.
+fn checked(touches: &TouchSet, gaps: &[NoisyGap], found: &Observability, noise: &Noise) -> Option<TouchSet> {
+    let mut gaps = gaps.iter();
     let mut few = touches.clone();
     for pair in &mut few.pairs {
-        pair.touches.retain(|touch| {
-            row.set(skin, &found.parameters, schema, touch);
-            let deviation = deviation * scales.map_or(1.0, |scales| scales[number]);
-            let weight = 1.0 / (1.0 + (row.gap / (TAIL * deviation)).powi(2));
+        pair.touches.retain(|_| {
+            let gap = gaps.next().expect("every touch has a gap");
+            let variance = noise.variance(gap);
+            let weight = 1.0 / (1.0 + gap.gap * gap.gap / (TAIL * TAIL * variance));
             // The weights that the information was divided by are 1 for a gap that is closed.
-            let leverage = weight * row.variance(&found.covariance) / (share * deviation.powi(2));
+            let leverage = weight * gap.predicted(&found.covariance) / (MEAN_WEIGHT * variance);
             // A gap that is open speaks against the schema, and for nothing.
-            let checked = leverage < UNCHECKED && row.gap.abs() <= OPEN * deviation;
-            if let (true, Some(kept), Some(scales)) = (checked, &mut kept_scales, scales) {
-                kept.push(scales[number]);
-            }
-            number += 1;
-            checked
+            leverage < UNCHECKED && gap.gap * gap.gap <= OPEN * OPEN * variance
         });
     }
     few.pairs.retain(|pair| !pair.touches.is_empty());
-    (few.len() < touches.len()).then_some((few, kept_scales))
+    (few.len() < touches.len()).then_some(few)
 }
 
 /// Standard deviation of the gaps of touches that parameters were fitted to, as they show it, metres.
@@ -683,6 +776,10 @@ impl<'a> SecondOrder<'a> {
         let fresh = self.prepare(fresh);
         let fitted = self.fitted();
         let touches = self.prepare(fitted.iter().copied());
+        let borne_out = match self.evidence() {
+            Evidence::Surfaces(_) => self.prepare(self.borne_out(&fitted).into_iter()),
+            Evidence::Points { .. } => TouchSet::default(),
+        };
         let solvable = match self.frames {
             LimbFrames::Joint => {
                 let starved = self.nursery(self.evidence(), &touches, 0).starved();
@@ -694,7 +791,7 @@ impl<'a> SecondOrder<'a> {
         let mut found: Option<Judged> = None;
         for search in self.searches(&touches, starts) {
             let SearchResult { best, initial_guesses: tried, settled } =
-                self.search(&search, solvable, &touches, &fresh);
+                self.search(&search, solvable, [&touches, &borne_out], &fresh);
             initial_guesses += tried;
             // Where starts agree on an answer that fresh touches do not bear out, more noise is no excuse.
             let done = settled || (best.start.accepted && best.known() >= solvable);
@@ -744,7 +841,7 @@ impl<'a> SecondOrder<'a> {
         &self,
         search: &StartSearch<'a>,
         solvable: usize,
-        touches: &TouchSet,
+        [touches, borne_out]: [&TouchSet; 2],
         fresh: &TouchSet,
     ) -> SearchResult {
         let dof = self.agent.creature().dof();
@@ -755,7 +852,9 @@ impl<'a> SecondOrder<'a> {
         let make = |number: usize| {
             let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
             rng.set_stream(number as u64);
-            let nursery = self.nursery(search.evidence, touches, number);
+            let doubts = matches!(search.evidence, Evidence::Surfaces(_)) && number % 4 >= 2;
+            let used = if doubts { borne_out } else { touches };
+            let nursery = self.nursery(search.evidence, used, number);
             let mut start = match self.frames {
                 LimbFrames::Joint => nursery.start(nursery.evidence.route(number, dof), &mut rng),
                 LimbFrames::Limb => self.limb_nursery(touches, number).start(&mut rng),

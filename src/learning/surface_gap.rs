@@ -33,6 +33,8 @@ const NO_EVIDENCE: f64 = 1e5;
 /// the same side, and shapes are found to rounding: that is a bias, which does not average out. A rod that is felt along its
 /// side tells hardly anything of where it is along itself; by such biases it would seem to.
 pub const SHARPEST: f64 = 1e-5;
+/// Noise of the gaps below which no better answer is looked for, metres.
+pub const CERTAIN_NOISE: f64 = 2e-5;
 /// Most steps to the fixed point of a scale.
 const SCALE_ITERATIONS: usize = 100;
 

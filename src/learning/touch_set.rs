@@ -198,7 +198,6 @@ pub struct TouchProblem<'a, M> {
     parameters: &'a Parameters,
     model: M,
     prior: Option<&'a dyn PriorTerm>,
-    scales: Option<&'a [f64]>,
     columns: Vec<ChainColumns>,
     /// Per touch, in the order of the set, the whitening that the last linearization fixed.
     whitenings: Vec<Matrix3<f64>>,
@@ -215,13 +214,7 @@ impl<'a, M: ObservationModel> TouchProblem<'a, M> {
         let columns =
             touches.pairs.iter().map(|pair| ChainColumns::new(creature, &pair.chain, parameters)).collect();
         let whitenings = vec![Matrix3::identity(); touches.len()];
-        TouchProblem { creature, touches, parameters, model, prior: None, scales: None, columns, whitenings }
-    }
-
-    /// Sets how many times wider than another's each touch's noise is, in the order of the set.
-    pub fn with_scales(mut self, scales: Option<&'a [f64]>) -> TouchProblem<'a, M> {
-        self.scales = scales;
-        self
+        TouchProblem { creature, touches, parameters, model, prior: None, columns, whitenings }
     }
 
     /// Adds what is believed besides the touches.
@@ -245,7 +238,7 @@ impl<M: ObservationModel> LeastSquares for TouchProblem<'_, M> {
             AxisModel::Relaxed => Vec::new(),
             AxisModel::Unit => schema.axes.iter().map(tangent_basis).collect(),
         };
-        let mut whitenings = self.whitenings.iter_mut().enumerate();
+        let mut whitenings = self.whitenings.iter_mut();
         let mut sides = [SideJacobian::default(), SideJacobian::default()];
         for (pair, columns) in self.touches.pairs.iter().zip(&self.columns) {
             let most_rows = pair.touches.len() * TouchResiduals::MOST;
@@ -255,11 +248,8 @@ impl<M: ObservationModel> LeastSquares for TouchProblem<'_, M> {
             let mut row = 0;
             for touch in &pair.touches {
                 let frames = touch.frames(schema);
-                let (number, whitening) = whitenings.next().expect("one whitening per touch");
+                let whitening = whitenings.next().expect("one whitening per touch");
                 *whitening = self.model.whitening(&touch.ends, &frames);
-                if let Some(scales) = self.scales {
-                    *whitening /= scales[number];
-                }
                 total.cost += self.model.cost(&touch.ends, &frames, whitening);
                 let found = self.model.residuals(&touch.ends, &frames, whitening);
                 for (k, side) in sides.iter_mut().enumerate() {

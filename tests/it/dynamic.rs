@@ -208,7 +208,8 @@ fn a_schema_learned_from_touches_with_physics_is_as_good_as_they_are_deep() {
     let truth = GroundTruth::new(&body).unwrap();
     let made = touches(&dynamic(&body, &agent), 200, 1, 2);
     // From points in space every error is one of the posture: a step later it would be some millimetres.
-    for (input, least, bound_mm) in [(Input::Contact, 8, EXACT_MM), (Input::Receptor, 4, HELD_OUT_MM)] {
+    // One joint more rests on a single touch, which might be false for all that others tell: it is not claimed.
+    for (input, least, bound_mm) in [(Input::Contact, 7, EXACT_MM), (Input::Receptor, 4, HELD_OUT_MM)] {
         let mut learner = SecondOrder::new(&agent, input, 1);
         made.iter().for_each(|touch| learner.touch(touch));
         let learned = learner.learn();

@@ -1,0 +1,696 @@
+//! The noise of touches as it is: how much of it there is of each kind, estimated from the gaps that a schema leaves.
+//!
+//! A gap between two surfaces that touched is not zero where joints are misread, anew in every touch; where a receptor
+//! and the skin under it are not where the agent believes them, the same in all touches of that receptor; and where a
+//! touch is false and says nothing at all. With the gap's derivatives by the parameters (`j`), by the joint angles
+//! (`∂g/∂q`) and by shifts of the skin under its two receptors (`n`), to first order
+//!
+//! ```text
+//! g = j δ + Σ n d + e      d ~ N(0, σ_r²), three coordinates a receptor
+//!                          e ~ N(0, σ₀² + σ_q² |∂g/∂q|²)   with probability 1 − ε, else anywhere
+//! ```
+//!
+//! That is a linear mixed model. The deviations are those of greatest restricted likelihood, found by fixed-point steps on
+//! its derivatives (Harville, "Maximum Likelihood Approaches to Variance Component Estimation", 1977; the steps of Zhou,
+//! Hu, Zhou and Lange, "MM Algorithms for Variance Components Models", 2019); the share `ε` and who is honest by
+//! expectation and maximisation (Dempster, Laird and Rubin 1977). What touches determine in such noise is the information
+//! that is left when the shifts `d` are eliminated from the normal equations of `δ` and `d` together (Schur's complement).
+
+use nalgebra::linalg::Cholesky;
+use nalgebra::{DMatrix, DVector, Dyn, Rotation3, Vector3};
+
+use crate::agent::Agent;
+use crate::learning::Parameters;
+use crate::learning::annealing::{NARROWEST, NORMAL_MEDIAN, quantile};
+use crate::learning::least_squares::{LeastSquares, Linearization};
+use crate::learning::prediction::{GapRow, information_inverse};
+use crate::learning::prior::PriorTerm;
+use crate::learning::surface_gap::SurfaceGap;
+use crate::learning::touch_set::{PreparedTouch, TouchSet};
+use crate::schema::BodySchema;
+
+/// Rounds of who is honest, what the touches say and how much noise there is, one after the other.
+const ROUNDS: usize = 12;
+/// Steps to the deviations of one round.
+const STEPS: usize = 100;
+/// Relative change of the deviations that is none.
+const SETTLED: f64 = 1e-2;
+/// Standard deviations of chance beyond which gaps that share a receptor are alike: independent noise is left as it is
+/// in 49 of 50 cases.
+const CHANCE: f64 = 2.0;
+
+/// The least radius of a limb's surface, metres: that of a finger.
+const BENT: f64 = 0.01;
+/// How near the places of two touches on both limbs are whose gaps are alike if the schema is wrong, metres: hardly any
+/// limb is thinner.
+const NEAR: f64 = 0.08;
+
+/// How much noise there is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Noise {
+    /// Standard deviation of any gap, `σ₀`, metres.
+    pub contact: f64,
+    /// Standard deviation of a joint's angle as it is read, `σ_q`, radians.
+    pub joint: f64,
+    /// Standard deviation, per coordinate, of where the skin under a receptor is, `σ_r`, metres.
+    pub receptor: f64,
+    /// Share of touches that are false, `ε`.
+    pub false_share: f64,
+}
+
+/// The gap of one touch at a schema, and what it depends on.
+#[derive(Clone, Debug)]
+pub struct NoisyGap {
+    /// The gap, metres.
+    pub gap: f64,
+    /// Its derivative by the parameters: pairs of a parameter's place and the derivative by it.
+    entries: Vec<(usize, f64)>,
+    /// `|∂g/∂q|²`, m² a square radian.
+    slope: f64,
+    /// The two receptors.
+    receptors: [usize; 2],
+    /// Where the surfaces are closest, in both limbs' frames, metres.
+    places: [Vector3<f64>; 2],
+    /// Its derivative by shifts of the skin under them, each in its limb's frame.
+    normals: [Vector3<f64>; 2],
+    /// How far apart the two limbs may be where the touch is false, metres.
+    width: f64,
+}
+
+/// How much wider than nothing the gaps of touches are on average where joints are misread by a deviation (radians),
+/// metres: surfaces that touch part whichever way one slides along the other.
+///
+/// To second order `½ σ_q² Σ ∂²g/∂q²`, by differences as wide as the deviation itself.
+pub fn widening(agent: &Agent, touches: &TouchSet, schema: &BodySchema, joint: f64) -> Vec<f64> {
+    let model = SurfaceGap::new(agent.skin(), 1.0);
+    let widening = |touch: &PreparedTouch| {
+        let frames = touch.frames(schema);
+        let middle = model.gap(&touch.ends, &frames).distance;
+        let mut sum = 0.0;
+        for k in 0..2 {
+            for [axis, point] in touch.sides[k].hinges(schema) {
+                for angle in [-joint, joint] {
+                    let turn = Rotation3::new(axis * angle).into_inner();
+                    let mut turned = frames;
+                    turned[k].rotation = turn * frames[k].rotation;
+                    turned[k].origin = point + turn * (frames[k].origin - point);
+                    sum += 0.5 * (model.gap(&touch.ends, &turned).distance - middle);
+                }
+            }
+        }
+        sum
+    };
+    touches.touches().map(widening).collect()
+}
+
+/// The gaps of all touches at a schema, pair by pair, with their derivatives by some parameters; less their
+/// `widening`, if that is given.
+pub fn gaps_of(
+    agent: &Agent,
+    touches: &TouchSet,
+    parameters: &Parameters,
+    schema: &BodySchema,
+    widening: &[f64],
+) -> Vec<NoisyGap> {
+    let skin = agent.skin();
+    // A false touch leaves two limbs as far apart as limbs are large, or farther.
+    let mut sizes = vec![0.0; agent.creature().limbs().len()];
+    for receptor in &skin.receptors {
+        let size: &mut f64 = &mut sizes[receptor.limb];
+        *size = size.max(receptor.position.norm());
+    }
+    let mut row = GapRow::default();
+    let mut derivatives = Vec::new();
+    let mut gaps = Vec::with_capacity(touches.len());
+    for pair in &touches.pairs {
+        let width = pair.limbs.iter().map(|&limb| sizes[limb]).sum();
+        for touch in &pair.touches {
+            row.set(skin, parameters, schema, touch);
+            let mut slope = 0.0;
+            for ((side, point), normal) in touch.sides.iter().zip(&row.points).zip(&row.normals) {
+                derivatives.clear();
+                side.angle_derivatives(schema, point, &mut derivatives);
+                let normal_c = side.frame(schema).rotation * normal;
+                slope += derivatives.iter().map(|(_, d)| normal_c.dot(d).powi(2)).sum::<f64>();
+            }
+            gaps.push(NoisyGap {
+                gap: row.gap - widening.get(gaps.len()).copied().unwrap_or(0.0),
+                entries: row.entries.clone(),
+                slope,
+                receptors: [touch.ends[0].receptor, touch.ends[1].receptor],
+                places: row.points,
+                normals: row.normals,
+                width,
+            });
+        }
+    }
+    gaps
+}
+
+impl NoisyGap {
+    /// Its derivatives by the shifts of either receptor's skin.
+    fn shifts(&self) -> impl Iterator<Item = (usize, Vector3<f64>)> {
+        self.receptors.into_iter().zip(self.normals)
+    }
+
+    /// `j Σ jᵀ` for a covariance of all parameters, m².
+    pub fn predicted(&self, covariance: &DMatrix<f64>) -> f64 {
+        let product = |column: usize| -> f64 {
+            let column = covariance.column(column);
+            self.entries.iter().map(|&(row, slope)| slope * column[row]).sum()
+        };
+        self.entries.iter().map(|&(column, slope)| slope * product(column)).sum()
+    }
+}
+
+impl Noise {
+    /// Noise of gaps alone.
+    pub fn of_gaps(deviation: f64) -> Noise {
+        Noise { contact: deviation, joint: 0.0, receptor: 0.0, false_share: 0.0 }
+    }
+
+    /// The variance of a gap that is its own, `σ₀² + σ_q² |∂g/∂q|²`, m².
+    fn own_variance(&self, gap: &NoisyGap) -> f64 {
+        self.contact.powi(2) + self.joint.powi(2) * gap.slope + self.bend()
+    }
+
+    /// The variance that shifts of skin along itself add, m²: to second order they move a surface of the radius `R` by
+    /// `d²/R`, which is no linear function of the shifts.
+    fn bend(&self) -> f64 {
+        (self.receptor.powi(2) / BENT).powi(2)
+    }
+
+    /// The variance of an honest gap, m².
+    pub fn variance(&self, gap: &NoisyGap) -> f64 {
+        self.own_variance(gap) + 2.0 * self.receptor.powi(2)
+    }
+
+    /// The probability that a touch is honest whose gap misses what is expected by so much, with such a variance
+    /// (metres, m²).
+    pub fn honest(&self, gap: &NoisyGap, miss: f64, variance: f64) -> f64 {
+        let normal = (-0.5 * miss * miss / variance).exp() / (std::f64::consts::TAU * variance).sqrt();
+        let (honest, other) = ((1.0 - self.false_share) * normal, self.false_share / gap.width);
+        if honest + other > 0.0 { honest / (honest + other) } else { 0.0 }
+    }
+
+    /// The noise of touches at a schema that was fitted to them by `parameters`, beside the information of a `prior`.
+    /// `before` is a rough guess. Where `receptors` are not asked for, what they do counts as noise of single touches: that is
+    /// enough to judge by, and many times faster.
+    pub fn estimate(
+        gaps: &[NoisyGap],
+        parameters: &Parameters,
+        prior: &DMatrix<f64>,
+        before: Option<Noise>,
+        receptors: bool,
+    ) -> Noise {
+        let mut sizes: Vec<f64> = gaps.iter().map(|gap| gap.gap.abs()).collect();
+        sizes.sort_by(f64::total_cmp);
+        let spare = (gaps.len() as f64 - 0.7 * parameters.len() as f64).max(1.0);
+        let typical =
+            (NORMAL_MEDIAN * quantile(&sizes, 0.5) * (gaps.len() as f64 / spare).sqrt()).max(NARROWEST);
+        let slope = gaps.iter().map(|gap| gap.slope).sum::<f64>() / gaps.len().max(1) as f64;
+        let mut noise = Noise {
+            contact: typical * 0.5f64.sqrt(),
+            joint: typical * (0.5 / slope.max(f64::MIN_POSITIVE)).sqrt(),
+            receptor: 0.0,
+            // Before anything is known of them.
+            false_share: 0.1,
+        };
+        let mut asked = !receptors;
+        if let Some(before) = before {
+            asked |= before.receptor > 0.0;
+            noise = before;
+        }
+        let mut shift = None;
+        for _ in 0..ROUNDS {
+            let system = MixedSystem::new(&noise, gaps, parameters.len(), prior, shift.as_ref());
+            let Some(solved) = system.solve(gaps, parameters, true) else { return noise };
+            let next = noise.stepped(gaps, &system, &solved);
+            let change = |a: f64, b: f64| (a - b).abs() > SETTLED * a.max(b);
+            let moved = change(noise.variance_of_mean(gaps), next.variance_of_mean(gaps))
+                || change(noise.receptor, next.receptor);
+            noise = next;
+            shift = Some(solved.residuals.clone());
+            if !moved {
+                if asked {
+                    break;
+                }
+                asked = true;
+                let alike = system.alike(gaps, &solved);
+                if alike <= 0.0 {
+                    break;
+                }
+                // Half of it each.
+                let variance = 0.5 * noise.variance_of_mean(gaps);
+                let halved = 0.5f64.sqrt();
+                noise.receptor = (0.5 * variance).sqrt();
+                noise.contact *= halved;
+                noise.joint *= halved;
+            }
+        }
+        noise
+    }
+
+    /// The mean variance of gaps, m².
+    fn variance_of_mean(&self, gaps: &[NoisyGap]) -> f64 {
+        gaps.iter().map(|gap| self.variance(gap)).sum::<f64>() / gaps.len().max(1) as f64
+    }
+
+    /// Standard deviation of a middling gap, metres.
+    pub fn deviation(&self, gaps: &[NoisyGap]) -> f64 {
+        self.variance_of_mean(gaps).sqrt()
+    }
+
+    /// The noise after one round.
+    fn stepped(&self, gaps: &[NoisyGap], system: &MixedSystem, solved: &Solved) -> Noise {
+        let mut next = *self;
+        let honest: f64 = system.honest.iter().sum();
+        let count = gaps.len() as f64;
+        // With one touch more of either kind: none of many seen does not say that there are none.
+        next.false_share = (count - honest + 1.0) / (count + 2.0);
+        // What the fit takes up of each gap is fixed for the round.
+        let rows: Vec<[f64; 4]> =
+            (gaps.iter().zip(&system.honest).zip(&solved.residuals).zip(&solved.leverages))
+                .map(|(((gap, honest), residual), leverage)| {
+                    [gap.slope, *honest, honest * residual * residual, honest * (1.0 - leverage).max(1e-9)]
+                })
+                .collect();
+        for _ in 0..STEPS {
+            let mut sums = [[0.0; 2]; 2];
+            for [slope, _, square, left] in &rows {
+                let variance = next.contact.powi(2) + next.joint.powi(2) * slope + next.bend();
+                let (up, down) = (square / (variance * variance), left / variance);
+                sums[0][0] += up;
+                sums[0][1] += down;
+                sums[1][0] += slope * up;
+                sums[1][1] += slope * down;
+            }
+            // The fourth root for deviations is the square root for variances, which never overshoots.
+            let factor = |[up, down]: [f64; 2]| if down > 0.0 { (up / down).sqrt().sqrt() } else { 1.0 };
+            let (contact, joint) = (factor(sums[0]), factor(sums[1]));
+            next.contact = (next.contact * contact).max(NARROWEST);
+            next.joint *= joint;
+            if (contact - 1.0).abs() + (joint - 1.0).abs() < 1e-4 {
+                break;
+            }
+        }
+        if self.receptor > 0.0 {
+            next.receptor = (solved.shift_squares / solved.shift_freedom.max(1e-9)).sqrt();
+        }
+        next
+    }
+}
+
+/// The normal equations of parameters and the shifts of the skin under receptors.
+struct MixedSystem {
+    /// Per gap, the probability that it is honest.
+    honest: Vec<f64>,
+    /// … and over its own variance, 1/m².
+    weights: Vec<f64>,
+    /// Per receptor, the place of its shift.
+    places: Vec<Option<usize>>,
+    shifts: usize,
+    receptor: f64,
+    information: DMatrix<f64>,
+    gradient: DVector<f64>,
+    across: DMatrix<f64>,
+    shift_information: DMatrix<f64>,
+    shift_gradient: DVector<f64>,
+    squares: f64,
+}
+
+/// The same with the shifts eliminated.
+struct Eliminated {
+    information: DMatrix<f64>,
+    gradient: DVector<f64>,
+    cost: f64,
+    /// Of the shifts' information; none where there are no shifts.
+    factor: Option<Cholesky<f64, Dyn>>,
+}
+
+/// What they come to.
+struct Solved {
+    residuals: Vec<f64>,
+    leverages: Vec<f64>,
+    shift_squares: f64,
+    shift_freedom: f64,
+}
+
+impl MixedSystem {
+    /// With `residuals` of the gaps as far as these are known, the gaps themselves where they are not.
+    fn new(
+        noise: &Noise,
+        gaps: &[NoisyGap],
+        parameters: usize,
+        prior: &DMatrix<f64>,
+        residuals: Option<&Vec<f64>>,
+    ) -> MixedSystem {
+        let honest: Vec<f64> = gaps
+            .iter()
+            .enumerate()
+            .map(|(number, gap)| {
+                let (miss, variance) = match residuals {
+                    Some(residuals) => (residuals[number], noise.own_variance(gap)),
+                    None => (gap.gap, noise.variance(gap)),
+                };
+                noise.honest(gap, miss, variance)
+            })
+            .collect();
+        let weights: Vec<f64> =
+            gaps.iter().zip(&honest).map(|(gap, honest)| honest / noise.own_variance(gap)).collect();
+        let mut places = Vec::new();
+        let mut shifts = 0;
+        if noise.receptor > 0.0 {
+            for receptor in gaps.iter().flat_map(|gap| gap.receptors) {
+                if places.len() <= receptor {
+                    places.resize(receptor + 1, None);
+                }
+                if places[receptor].is_none() {
+                    places[receptor] = Some(shifts);
+                    shifts += 3;
+                }
+            }
+        }
+        let mut system = MixedSystem {
+            honest,
+            weights,
+            places,
+            shifts,
+            receptor: noise.receptor,
+            information: prior.clone(),
+            gradient: DVector::zeros(parameters),
+            across: DMatrix::zeros(shifts, parameters),
+            shift_information: DMatrix::identity(shifts, shifts)
+                / noise.receptor.powi(2).max(f64::MIN_POSITIVE),
+            shift_gradient: DVector::zeros(shifts),
+            squares: 0.0,
+        };
+        for (gap, weight) in gaps.iter().zip(system.weights.clone()) {
+            system.squares += weight * gap.gap * gap.gap;
+            for &(column, slope) in &gap.entries {
+                let scaled = weight * slope;
+                system.gradient[column] += scaled * gap.gap;
+                for &(row, other) in &gap.entries {
+                    system.information[(row, column)] += scaled * other;
+                }
+            }
+            if system.shifts == 0 {
+                continue;
+            }
+            let shifts: Vec<(usize, f64)> = system.shifts_of(gap);
+            for &(place, slope) in &shifts {
+                let scaled = weight * slope;
+                system.shift_gradient[place] += scaled * gap.gap;
+                for &(other, other_slope) in &shifts {
+                    system.shift_information[(other, place)] += scaled * other_slope;
+                }
+                for &(column, other) in &gap.entries {
+                    system.across[(place, column)] += scaled * other;
+                }
+            }
+        }
+        system
+    }
+
+    fn shifts_of(&self, gap: &NoisyGap) -> Vec<(usize, f64)> {
+        let mut shifts = Vec::with_capacity(6);
+        for (receptor, normal) in gap.shifts() {
+            if let Some(place) = self.places.get(receptor).copied().flatten() {
+                shifts.extend((0..3).map(|i| (place + i, normal[i])));
+            }
+        }
+        shifts
+    }
+
+    /// Schur's complement; none where rounding forbids.
+    fn eliminated(&self) -> Option<Eliminated> {
+        let (mut information, mut gradient) = (self.information.clone(), self.gradient.clone());
+        if self.shifts == 0 {
+            return Some(Eliminated { information, gradient, cost: 0.5 * self.squares, factor: None });
+        }
+        let factor = self.shift_information.clone().cholesky()?;
+        let lower = factor.l_dirty();
+        let across = lower.solve_lower_triangular(&self.across)?;
+        let pull = lower.solve_lower_triangular(&self.shift_gradient)?;
+        information -= across.tr_mul(&across);
+        gradient -= across.tr_mul(&pull);
+        let cost = 0.5 * (self.squares - pull.norm_squared());
+        Some(Eliminated { information, gradient, cost, factor: Some(factor) })
+    }
+
+    /// The residuals after a step to the least cost, and how much of each gap it takes up.
+    fn solve(&self, gaps: &[NoisyGap], parameters: &Parameters, leverage: bool) -> Option<Solved> {
+        let Eliminated { information, gradient, factor, .. } = self.eliminated()?;
+        let covariance = information_inverse(information, parameters)?;
+        let change = -&covariance * gradient;
+        // Covariances of the shifts, and of these and the parameters.
+        let (shift, cross, shift_covariance) = match &factor {
+            None => (DVector::zeros(0), DMatrix::zeros(0, 0), DMatrix::zeros(0, 0)),
+            Some(factor) => {
+                let solved = factor.solve(&self.across);
+                let shift = -factor.solve(&self.shift_gradient) - &solved * &change;
+                if leverage {
+                    let cross = -&solved * &covariance;
+                    let own = factor.inverse() - &cross * solved.transpose();
+                    (shift, cross, own)
+                } else {
+                    (shift, DMatrix::zeros(0, 0), DMatrix::zeros(0, 0))
+                }
+            }
+        };
+        let mut residuals = Vec::with_capacity(gaps.len());
+        let mut leverages = Vec::with_capacity(gaps.len());
+        for (gap, weight) in gaps.iter().zip(&self.weights) {
+            let shifts = if self.shifts == 0 { Vec::new() } else { self.shifts_of(gap) };
+            let moved = gap.entries.iter().map(|&(k, slope)| slope * change[k]).sum::<f64>()
+                + shifts.iter().map(|&(k, slope)| slope * shift[k]).sum::<f64>();
+            residuals.push(gap.gap + moved);
+            if !leverage {
+                continue;
+            }
+            let mut variance = gap.predicted(&covariance);
+            for &(row, slope) in &shifts {
+                variance +=
+                    shifts.iter().map(|&(k, other)| slope * other * shift_covariance[(k, row)]).sum::<f64>();
+                variance +=
+                    2.0 * slope * gap.entries.iter().map(|&(k, other)| other * cross[(row, k)]).sum::<f64>();
+            }
+            leverages.push((weight * variance).clamp(0.0, 1.0));
+        }
+        let shift_freedom =
+            self.shifts as f64 - shift_covariance.trace() / self.receptor.powi(2).max(f64::MIN_POSITIVE);
+        Some(Solved { residuals, leverages, shift_squares: shift.norm_squared(), shift_freedom })
+    }
+
+    /// How much more alike gaps are that share a receptor than chance makes them: the derivative of the likelihood by
+    /// the receptors' variance at zero, over its deviation, less [`CHANCE`].
+    fn alike(&self, gaps: &[NoisyGap], solved: &Solved) -> f64 {
+        let receptors = gaps.iter().flat_map(|gap| gap.receptors).max().map_or(0, |last| last + 1);
+        let mut sums = vec![Vector3::zeros(); receptors];
+        let mut squares = vec![nalgebra::Matrix3::zeros(); receptors];
+        let mut expected = 0.0;
+        let mut own = 0.0;
+        for (k, gap) in gaps.iter().enumerate() {
+            let (weight, left) = (self.weights[k], 1.0 - solved.leverages[k]);
+            let pull = weight * solved.residuals[k];
+            for (receptor, normal) in gap.shifts() {
+                sums[receptor] += normal * pull;
+                squares[receptor] += normal * normal.transpose() * weight;
+                expected += pull * pull;
+                own += (weight * left).powi(2);
+            }
+        }
+        let found: f64 = sums.iter().map(|sum| sum.norm_squared()).sum::<f64>() - expected;
+        let variance = 2.0 * (squares.iter().map(|square| square.norm_squared()).sum::<f64>() - own).max(0.0);
+        found - CHANCE * variance.sqrt()
+    }
+}
+
+/// The least-squares problem of touches in some noise: see the [module](self).
+pub struct NoisyProblem<'a> {
+    agent: &'a Agent,
+    touches: &'a TouchSet,
+    parameters: &'a Parameters,
+    prior: &'a dyn PriorTerm,
+    noise: Noise,
+    widening: &'a [f64],
+    system: Option<(MixedSystem, Option<Cholesky<f64, Dyn>>)>,
+    residuals: Option<Vec<f64>>,
+}
+
+impl<'a> NoisyProblem<'a> {
+    /// The problem of explaining `touches` by moving `parameters`.
+    pub fn new(
+        agent: &'a Agent,
+        touches: &'a TouchSet,
+        parameters: &'a Parameters,
+        prior: &'a dyn PriorTerm,
+        (noise, widening): (Noise, &'a [f64]),
+    ) -> NoisyProblem<'a> {
+        NoisyProblem { agent, touches, parameters, prior, noise, widening, system: None, residuals: None }
+    }
+
+    /// The cost of gaps under the weights of the last linearization.
+    fn cost_of(&self, gaps: &[NoisyGap]) -> f64 {
+        let Some((system, factor)) = &self.system else { return f64::INFINITY };
+        let mut pull = DVector::zeros(system.shifts);
+        for (gap, weight) in gaps.iter().zip(&system.weights) {
+            for (place, slope) in system.shifts_of(gap) {
+                pull[place] += weight * slope * gap.gap;
+            }
+        }
+        let shift = factor.as_ref().map_or(DVector::zeros(0), |factor| -factor.solve(&pull));
+        let squares = gaps.iter().zip(&system.weights).map(|(gap, weight)| {
+            let moved: f64 = system.shifts_of(gap).iter().map(|&(k, slope)| slope * shift[k]).sum();
+            weight * (gap.gap + moved).powi(2)
+        });
+        0.5 * (squares.sum::<f64>() + shift.norm_squared() / system.receptor.powi(2).max(f64::MIN_POSITIVE))
+    }
+}
+
+impl LeastSquares for NoisyProblem<'_> {
+    fn linearize(&mut self, schema: &BodySchema) -> Linearization {
+        let n = self.parameters.len();
+        let gaps = gaps_of(self.agent, self.touches, self.parameters, schema, self.widening);
+        let nothing = DMatrix::zeros(n, n);
+        let mut system = MixedSystem::new(&self.noise, &gaps, n, &nothing, self.residuals.as_ref());
+        // Who is honest is seen best where the step leads.
+        if let Some(solved) = system.solve(&gaps, self.parameters, false) {
+            system = MixedSystem::new(&self.noise, &gaps, n, &nothing, Some(&solved.residuals));
+            self.residuals = Some(solved.residuals);
+        }
+        let eliminated = system.eliminated();
+        let mut total = match eliminated {
+            None => Linearization {
+                hessian: nothing,
+                gradient: DVector::zeros(n),
+                cost: f64::INFINITY,
+                scale: DVector::zeros(n),
+            },
+            Some(Eliminated { information: hessian, gradient, cost, factor }) => {
+                self.system = Some((system, factor));
+                Linearization { scale: hessian.diagonal(), hessian, gradient, cost }
+            }
+        };
+        self.prior.add(self.parameters, schema, &mut total);
+        total
+    }
+
+    fn cost(&self, schema: &BodySchema) -> f64 {
+        let gaps = gaps_of(self.agent, self.touches, self.parameters, schema, self.widening);
+        self.cost_of(&gaps) + self.prior.cost(self.parameters, schema)
+    }
+}
+
+/// What gaps determine in some noise, shifts of the skin under receptors eliminated: the information about
+/// `parameters`, symmetric; none where rounding forbids. A gap whose touch is false tells nothing.
+pub fn information(gaps: &[NoisyGap], parameters: &Parameters, noise: &Noise) -> Option<DMatrix<f64>> {
+    let nothing = DMatrix::zeros(parameters.len(), parameters.len());
+    let system = MixedSystem::new(noise, gaps, parameters.len(), &nothing, None);
+    Some(system.eliminated()?.information)
+}
+
+/// How alike the gaps of touches are that happened nearly in the same places, in units of their variances: 0 of noise,
+/// up to 1 where gaps are a function of where limbs touch, as those of a wrong schema are. How likely the gaps are
+/// does not tell that.
+///
+/// The mean product of each touch and its nearest neighbour of the same limb pair that shares no receptor with it, for
+/// gaps that share a receptor may be alike in truth (Moran's I with one neighbour each, "Notes on Continuous Stochastic
+/// Phenomena", 1950). `gaps` are those of `touches`; of the open ones, which are false, nothing is asked.
+pub fn likeness(touches: &TouchSet, gaps: &[NoisyGap], noise: &Noise) -> f64 {
+    let (mut sum, mut count) = (0.0, 0.0f64);
+    let mut rest = gaps;
+    for pair in &touches.pairs {
+        let (own, others) = rest.split_at(pair.touches.len());
+        rest = others;
+        let closed: Vec<(&NoisyGap, f64)> = own
+            .iter()
+            .map(|gap| (gap, gap.gap / noise.variance(gap).sqrt()))
+            .filter(|(gap, _)| noise.honest(gap, gap.gap, noise.variance(gap)) > 0.5)
+            .collect();
+        for (gap, size) in &closed {
+            let apart = |other: &NoisyGap| -> f64 {
+                (0..2).map(|k| (gap.places[k] - other.places[k]).norm_squared()).sum()
+            };
+            let strangers =
+                closed.iter().filter(|(other, _)| (0..2).all(|k| gap.receptors[k] != other.receptors[k]));
+            let nearest =
+                strangers.map(|(other, size)| (apart(other), size)).min_by(|a, b| a.0.total_cmp(&b.0));
+            if let Some((_, other)) = nearest.filter(|(apart, _)| *apart < NEAR * NEAR) {
+                sum += size * other;
+                count += 1.0;
+            }
+        }
+    }
+    sum / count.max(1.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand::{RngExt, SeedableRng};
+    use rand_chacha::ChaCha8Rng;
+    use rand_distr::{Distribution, StandardNormal};
+
+    /// Gaps between random receptors of 40 in some noise, and nothing fitted to them.
+    fn gaps(noise: &Noise, count: usize, seed: u64) -> Vec<NoisyGap> {
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        let mut normal = |deviation: f64| -> f64 {
+            let standard: f64 = StandardNormal.sample(&mut rng);
+            deviation * standard
+        };
+        let shifts: Vec<Vector3<f64>> =
+            (0..40).map(|_| Vector3::from_fn(|_, _| normal(noise.receptor))).collect();
+        let mut rng = ChaCha8Rng::seed_from_u64(seed + 1);
+        let gap = |_| {
+            let receptors = [rng.random_range(0..20), rng.random_range(20..40)];
+            let normals = [Vector3::z(), -Vector3::z()]
+                .map(|normal| (normal + Vector3::from_fn(|_, _| rng.random_range(-0.5..0.5))).normalize());
+            let slope: f64 = rng.random_range(0.01..1.0);
+            let standard: f64 = StandardNormal.sample(&mut rng);
+            let own = standard * (noise.contact.powi(2) + noise.joint.powi(2) * slope).sqrt();
+            let shifted: f64 = (0..2).map(|k| normals[k].dot(&shifts[receptors[k]])).sum();
+            let honest = rng.random::<f64>() >= noise.false_share;
+            let gap = if honest { own + shifted } else { rng.random_range(0.0..0.4) };
+            NoisyGap {
+                gap,
+                entries: Vec::new(),
+                slope,
+                receptors,
+                places: [Vector3::zeros(); 2],
+                normals,
+                width: 0.4,
+            }
+        };
+        (0..count).map(gap).collect()
+    }
+
+    fn estimated(noise: Noise, seed: u64) -> Noise {
+        let nothing = Parameters::none();
+        Noise::estimate(&gaps(&noise, 2000, seed), &nothing, &DMatrix::zeros(0, 0), None, true)
+    }
+
+    #[test]
+    fn each_kind_of_noise_is_estimated_and_told_from_the_others() {
+        let near = |a: f64, b: f64, share: f64| (a / b - 1.0).abs() < share;
+        for seed in 0..3 {
+            let joints = Noise { contact: 1e-4, joint: 2e-3, receptor: 0.0, false_share: 0.2 };
+            let found = estimated(joints, seed);
+            assert!(near(found.joint, 2e-3, 0.1) && found.receptor < 3e-4, "{found:?}");
+            assert!((found.false_share - 0.2).abs() < 0.03, "{found:?}");
+
+            let receptors = Noise { contact: 3e-4, joint: 0.0, receptor: 1e-3, false_share: 0.0 };
+            let found = estimated(receptors, seed);
+            assert!(near(found.receptor, 1e-3, 0.25), "{found:?}");
+            assert!(found.false_share < 0.01, "{found:?}");
+        }
+    }
+
+    #[test]
+    fn honest_touches_are_told_from_false_ones() {
+        let noise = Noise { contact: 1e-3, joint: 0.0, receptor: 0.0, false_share: 0.2 };
+        let gap = &gaps(&noise, 1, 1)[0];
+        assert!(noise.honest(gap, 1e-3, 1e-6) > 0.99);
+        assert!(noise.honest(gap, 1e-1, 1e-6) < 1e-6);
+    }
+}
