@@ -33,6 +33,8 @@ pub struct ConservativeAdvancement {
     speed: Vec<f64>,
     acceleration: Vec<f64>,
     free_until: Vec<f64>,
+    /// Per pair, which of its geom pairs limited the motion when it was last looked at: most likely it still does.
+    limiting: Vec<usize>,
     /// What the motion starts in contact with, until it has parted.
     start_contact: Option<Encounter>,
     /// Limb pairs looked at, for the statistics.
@@ -52,6 +54,8 @@ const FAR: f64 = 0.03;
 /// Pairs that come up within this part of the motion are looked at together: placing the limbs costs
 /// more than a look.
 const SOON: f64 = 0.06;
+/// More than what rounding does to a gap, metres.
+const ROUNDING: f64 = 1e-12;
 /// The least advance of a motion's parameter, so that no approach without contact stalls it.
 const LEAST_ADVANCE: f64 = 1e-6;
 
@@ -74,6 +78,7 @@ impl ConservativeAdvancement {
             speed: vec![0.0; count],
             acceleration: vec![0.0; count],
             free_until: vec![0.0; count],
+            limiting: vec![0; count],
             start_contact: None,
             checks: 0,
             touchable,
@@ -171,9 +176,10 @@ impl ConservativeAdvancement {
         let side = if bound(0).reach <= bound(1).reach { 0 } else { 1 };
         let Capsule { ends, radius } = bound(side).capsule;
         let turning = (self.limbs[pair.limbs[0]].omega - self.limbs[pair.limbs[1]].omega).norm();
+        let motion = self.pair_motion(pair);
         let fastest = ends
             .map(|end| self.limbs[pair.limbs[side]].frame.point(&end))
-            .map(|p| self.relative_velocity(pair, &[p, p]).norm())
+            .map(|p| motion.relative_velocity(&[p, p]).norm())
             .into_iter()
             .fold(0.0, f64::max)
             + turning * radius;
@@ -190,7 +196,7 @@ impl ConservativeAdvancement {
         clusters.into_iter().for_each(|cluster| self.place_cluster(cluster));
         let pair = &self.touchable.pairs[encounter.pair];
         let Gap { distance, normal, points } = self.bounds_gap(encounter.bounds);
-        let velocity = self.relative_velocity(pair, &points);
+        let velocity = self.pair_motion(pair).relative_velocity(&points);
         (distance, normal.dot(&velocity))
     }
 
@@ -200,32 +206,45 @@ impl ConservativeAdvancement {
     }
 
     /// How far the motion may advance from where the limbs are placed before limb pair `k` can touch, and
-    /// which geoms limit it.
+    /// which geoms limit it; infinity where it cannot within the `rest`.
     fn look(&mut self, k: usize, rest: f64) -> (f64, Option<Encounter>) {
         self.checks += 1;
-        let clusters = self.touchable.pairs[k].clusters;
+        let pair = &self.touchable.pairs[k];
+        let clusters = pair.clusters;
         let middles = clusters.map(|c| self.middles[c]);
-        let [first, second] = clusters.map(|c| self.touchable.clusters[c].ball.radius);
+        let radii = clusters.map(|c| self.touchable.clusters[c].ball.radius);
         let between = middles[0] - middles[1];
         let distance = between.norm();
-        let apart = distance - first - second;
+        let apart = distance - radii[0] - radii[1];
+        let (speed, acceleration) = (self.speed[k], self.acceleration[k]);
         if apart > FAR {
-            let pair = &self.touchable.pairs[k];
-            let plain = apart / self.speed[k];
+            let plain = apart / speed;
             if plain >= rest {
-                return (plain, None);
+                return (f64::INFINITY, None);
             }
-            let opening = between.dot(&self.relative_velocity(pair, &middles)) / distance;
-            return (plain.max(until_zero(apart, opening, self.acceleration[k])), None);
+            let opening = between.dot(&self.pair_motion(pair).relative_velocity(&middles)) / distance;
+            return (plain.max(until_zero(apart, opening, acceleration)), None);
         }
         clusters.into_iter().for_each(|cluster| self.place_cluster(cluster));
         let pair = &self.touchable.pairs[k];
+        let motion = self.pair_motion(pair);
+        let begun = self.start_contact.filter(|contact| contact.pair == k);
+        // What limited the last look most likely limits this one: all that comes later need not be known exactly.
+        let mut heeded = f64::INFINITY;
+        if begun.is_none() {
+            let bounds = pair.geoms[self.limiting[k]];
+            heeded = rest.min(self.advance_of(k, &motion, bounds, &self.bounds_gap(bounds), rest));
+        }
+        let fastest = motion.fastest(&middles, &radii);
+        // Geoms that are farther apart do not meet within a time.
+        let reach = |time: f64| match begun {
+            Some(_) => speed * time,
+            None => ((fastest + 0.5 * acceleration * time) * time + ROUNDING).max(MET),
+        };
+        let mut beyond = reach(heeded);
         let mut least = f64::INFINITY;
         let mut limiting = None;
-        let mut parted = false;
-        for &bounds in &pair.geoms {
-            // Even at full speed it comes later than what is known already?
-            let beyond = least * self.speed[k];
+        for (number, &bounds) in pair.geoms.iter().enumerate() {
             if self.apart(bounds) > beyond {
                 continue;
             }
@@ -233,75 +252,87 @@ impl ConservativeAdvancement {
             if gap.distance > beyond {
                 continue;
             }
-            let encounter = self.touchable.encounter_of(k, bounds);
-            if !encounter.exact {
-                let advance = self.advance_of_solids(pair, bounds, &gap, k);
-                if advance < least {
-                    least = advance;
-                    limiting = Some(encounter);
-                }
-                continue;
-            }
-            // What touches at the start is already felt, until it has parted.
-            let parting = self.parting(&encounter);
-            parted |= parting && gap.distance > PARTED;
-            let advance = if gap.distance > MET {
-                (gap.distance / self.speed[k]).max(self.kept_apart(pair, bounds, &gap.normal, k))
-            } else if parting && gap.normal.dot(&self.relative_velocity(pair, &gap.points)) > 0.0 {
-                (PARTING_STEP / self.speed[k]).max(self.kept_apart(pair, bounds, &gap.normal, k))
-            } else {
-                0.0
-            };
+            let advance = self.advance_of(k, &motion, bounds, &gap, heeded);
             if advance < least {
-                least = advance;
-                limiting = Some(encounter);
+                (least, limiting) = (advance, Some(number));
+                heeded = heeded.min(least);
+                beyond = reach(heeded);
+            }
+            if begun.is_some_and(|contact| contact.exact && contact.bounds == bounds) && gap.distance > PARTED {
+                self.start_contact = None;
             }
         }
-        if parted {
-            self.start_contact = None;
+        if begun.is_none() && least >= rest {
+            return (f64::INFINITY, None);
         }
-        (least, limiting)
+        let Some(number) = limiting else { return (least, None) };
+        self.limiting[k] = number;
+        (least, Some(self.touchable.encounter_of(k, pair.geoms[number])))
+    }
+
+    /// How far the motion may advance before two geoms of limb pair `k` can meet, given the gap of those about them; where
+    /// it is `heeded` or more, anything from there on.
+    fn advance_of(&self, k: usize, motion: &PairMotion, bounds: [u32; 2], gap: &Gap, heeded: f64) -> f64 {
+        let kept_apart = || self.kept_apart(k, motion, bounds, &gap.normal, heeded);
+        let exact = bounds.iter().all(|&bound| self.touchable.bounds[bound as usize].exact);
+        if gap.distance > MET {
+            let by_capsules = (gap.distance / self.speed[k]).max(kept_apart());
+            if exact || by_capsules >= heeded {
+                return by_capsules;
+            }
+            return self.advance_of_solids(k, motion, bounds, gap).max(by_capsules);
+        }
+        if !exact {
+            return self.advance_of_solids(k, motion, bounds, gap);
+        }
+        // What touches at the start is already felt, until it has parted.
+        let parting = self.start_contact.is_some_and(|contact| contact.pair == k && contact.bounds == bounds);
+        if parting && gap.normal.dot(&motion.relative_velocity(&gap.points)) > 0.0 {
+            return (PARTING_STEP / self.speed[k]).max(kept_apart());
+        }
+        0.0
     }
 
     /// How far the motion may advance before two geoms can meet that are no capsules, given the gap of those about them:
-    /// 0 where they nearly do.
-    fn advance_of_solids(&self, pair: &ClusterPair, bounds: [u32; 2], about: &Gap, k: usize) -> f64 {
-        let by_capsules = if about.distance > MET {
-            (about.distance / self.speed[k]).max(self.kept_apart(pair, bounds, &about.normal, k))
-        } else {
-            0.0
-        };
+    /// 0 where they nearly do, or where their capsules tell as much.
+    fn advance_of_solids(&self, k: usize, motion: &PairMotion, bounds: [u32; 2], about: &Gap) -> f64 {
         if about.distance > FAR {
-            return by_capsules;
+            return 0.0;
         }
-        let limbs = pair.limbs.map(|limb| &self.limbs[limb]);
+        let limbs = self.touchable.pairs[k].limbs;
         let solid = |side: usize| {
-            self.touchable.bounds[bounds[side] as usize].solid.as_ref()?.placed(&limbs[side].frame)
+            let solid = self.touchable.bounds[bounds[side] as usize].solid.as_ref()?;
+            solid.placed(&self.limbs[limbs[side]].frame)
         };
-        let [Some(first), Some(second)] = [solid(0), solid(1)] else { return by_capsules };
+        let [Some(first), Some(second)] = [solid(0), solid(1)] else { return 0.0 };
         let Gap { distance, normal, .. } = gap_from(&first, &second, Precision::LowerBound, &about.normal);
         if distance <= NEARLY_MET {
-            return by_capsules;
+            return 0.0;
         }
         // Every point of a shape is in its capsule, where velocities along the normal are greatest at an end but for
         // what the turning adds within the radius.
         let closing: f64 = [(0, -1.0), (1, 1.0)]
             .map(|(side, sign)| {
-                let turning = limbs[side].omega - self.limbs[pair.ancestor].omega;
+                let Twist { omega, .. } = motion.sides[side];
                 let Capsule { ends, radius } = &self.world[bounds[side] as usize];
-                let rates = ends.map(|end| sign * normal.dot(&self.velocity(pair, side, &end)));
-                rates[0].max(rates[1]) + turning.cross(&normal).norm() * radius
+                let rates = ends.map(|end| sign * normal.dot(&motion.sides[side].velocity_at(&end)));
+                rates[0].max(rates[1]) + omega.cross(&normal).norm() * radius
             })
             .iter()
             .sum();
-        let by_solids = until_zero(distance, -closing, self.acceleration[k]).max(distance / self.speed[k]);
-        by_solids.max(by_capsules)
+        until_zero(distance, -closing, self.acceleration[k]).max(distance / self.speed[k])
     }
 
     /// How long a plane between two geoms' capsules keeps them apart, given its normal from the second to the first, to
-    /// second order in the motion.
-    fn kept_apart(&self, pair: &ClusterPair, bounds: [u32; 2], n: &Vector3<f64>, k: usize) -> f64 {
-        let mut least = f64::INFINITY;
+    /// second order in the motion; where it is `heeded` or more, anything from there on.
+    fn kept_apart(
+        &self,
+        k: usize,
+        motion: &PairMotion,
+        bounds: [u32; 2],
+        n: &Vector3<f64>,
+        heeded: f64,
+    ) -> f64 {
         let mut height = [[0.0; 2]; 2];
         let mut rate = [[0.0; 2]; 2];
         for side in 0..2 {
@@ -309,29 +340,34 @@ impl ConservativeAdvancement {
             let Capsule { ends, radius } = &self.world[bounds[side] as usize];
             for (end, p) in ends.iter().enumerate() {
                 height[side][end] = sign * n.dot(p) - radius;
-                let velocity = self.velocity(pair, side, p);
-                rate[side][end] = sign * n.dot(&velocity);
+                rate[side][end] = sign * n.dot(&motion.sides[side].velocity_at(p));
             }
         }
+        let acceleration = self.acceleration[k];
+        let mut least = f64::INFINITY;
         for first in 0..2 {
             for second in 0..2 {
                 let gap = (height[0][first] + height[1][second]).max(0.0);
                 let opening = rate[0][first] + rate[1][second];
-                least = least.min(until_zero(gap, opening, self.acceleration[k]));
+                let known = least.min(heeded);
+                // A multiplication tells what is later than what is known, without a root.
+                if gap + (opening - 0.5 * acceleration * known) * known > ROUNDING {
+                    continue;
+                }
+                least = least.min(until_zero(gap, opening, acceleration));
             }
         }
         least
     }
 
-    /// Velocity of a point of one side's limb against the common ancestor.
-    fn velocity(&self, pair: &ClusterPair, side: usize, p: &Vector3<f64>) -> Vector3<f64> {
-        let limb = &self.limbs[pair.limbs[side]];
+    /// How the two limbs of a pair move against their common ancestor.
+    fn pair_motion(&self, pair: &ClusterPair) -> PairMotion {
         let ancestor = &self.limbs[pair.ancestor];
-        limb.velocity - ancestor.velocity + (limb.omega - ancestor.omega).cross(p)
-    }
-
-    fn relative_velocity(&self, pair: &ClusterPair, points: &[Vector3<f64>; 2]) -> Vector3<f64> {
-        self.velocity(pair, 0, &points[0]) - self.velocity(pair, 1, &points[1])
+        let against = |limb: &LimbMotion| Twist {
+            omega: limb.omega - ancestor.omega,
+            velocity: limb.velocity - ancestor.velocity,
+        };
+        PairMotion { sides: pair.limbs.map(|limb| against(&self.limbs[limb])) }
     }
 
     /// A lower bound of two geoms' gap, from the balls about them.
@@ -366,6 +402,41 @@ impl ConservativeAdvancement {
         for (middle, cluster) in self.middles.iter_mut().zip(&self.touchable.clusters) {
             *middle = self.limbs[cluster.limb].frame.point(&cluster.ball.centre);
         }
+    }
+}
+
+/// How a limb moves against another that rests, as [`LimbMotion`] has it.
+#[derive(Clone, Copy, Debug)]
+struct Twist {
+    omega: Vector3<f64>,
+    velocity: Vector3<f64>,
+}
+
+impl Twist {
+    /// Velocity of the limb's point that is at `p`.
+    #[inline]
+    fn velocity_at(&self, p: &Vector3<f64>) -> Vector3<f64> {
+        self.velocity + self.omega.cross(p)
+    }
+}
+
+/// How the two limbs of a pair move against their common ancestor.
+#[derive(Clone, Copy, Debug)]
+struct PairMotion {
+    sides: [Twist; 2],
+}
+
+impl PairMotion {
+    /// Velocity of a point of the first limb against one of the second.
+    #[inline]
+    fn relative_velocity(&self, points: &[Vector3<f64>; 2]) -> Vector3<f64> {
+        self.sides[0].velocity_at(&points[0]) - self.sides[1].velocity_at(&points[1])
+    }
+
+    /// No point of the first limb is faster against one of the second, in balls about their middles.
+    fn fastest(&self, middles: &[Vector3<f64>; 2], radii: &[f64; 2]) -> f64 {
+        let turning = [0, 1].map(|side| self.sides[side].omega.norm() * radii[side]);
+        self.relative_velocity(middles).norm() + turning[0] + turning[1]
     }
 }
 
