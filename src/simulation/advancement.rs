@@ -13,7 +13,7 @@ use nalgebra::Vector3;
 use super::straight_motion::StraightMotion;
 use super::touchable::{ClusterPair, Encounter, LimbCluster, TouchablePairs};
 use crate::creature::{Body, Posture};
-use crate::geometry::{Capsule, Gap, Precision, gap_from};
+use crate::geometry::{Ball, Capsule, Gap, Precision, gap_from};
 use crate::ground_truth::GroundTruth;
 use crate::kinematics::LimbMotion;
 use crate::mujoco;
@@ -27,6 +27,8 @@ pub struct ConservativeAdvancement {
     /// Per bound, its capsule in the root's frame, where its cluster is placed.
     world: Vec<Capsule>,
     placed: Vec<bool>,
+    /// Per bound, the ball about it, in the same places.
+    balls: Vec<MovingBall>,
     /// Per cluster, its ball's middle in the root's frame.
     middles: Vec<Vector3<f64>>,
     /// Per pair: greatest relative speed, greatest relative acceleration, and until when it is free.
@@ -55,7 +57,7 @@ const FAR: f64 = 0.03;
 /// more than a look.
 const SOON: f64 = 0.06;
 /// More than what rounding does to a gap, metres.
-const ROUNDING: f64 = 1e-12;
+const ROUNDING: f64 = 1e-9;
 /// The least advance of a motion's parameter, so that no approach without contact stalls it.
 const LEAST_ADVANCE: f64 = 1e-6;
 
@@ -73,6 +75,7 @@ impl ConservativeAdvancement {
             motion: StraightMotion::new(body.creature.clone(), schema),
             limbs: Vec::with_capacity(body.creature.limbs().len()),
             world: touchable.bounds.iter().map(|bound| bound.capsule).collect(),
+            balls: touchable.bounds.iter().map(|bound| MovingBall::about(&bound.capsule)).collect(),
             placed: vec![false; touchable.clusters.len()],
             middles: vec![Vector3::zeros(); touchable.clusters.len()],
             speed: vec![0.0; count],
@@ -119,7 +122,7 @@ impl ConservativeAdvancement {
     pub fn next(&mut self, from: f64) -> Option<(f64, Encounter)> {
         let mut t = from;
         loop {
-            let earliest = self.free_until.iter().copied().fold(f64::INFINITY, f64::min);
+            let earliest = least(&self.free_until);
             t = t.max(earliest);
             if t >= 1.0 {
                 return None;
@@ -230,37 +233,48 @@ impl ConservativeAdvancement {
         let motion = self.pair_motion(pair);
         let begun = self.start_contact.filter(|contact| contact.pair == k);
         // What limited the last look most likely limits this one: all that comes later need not be known exactly.
-        let mut heeded = f64::INFINITY;
-        if begun.is_none() {
+        let last = begun.is_none().then(|| {
             let bounds = pair.geoms[self.limiting[k]];
-            heeded = rest.min(self.advance_of(k, &motion, bounds, &self.bounds_gap(bounds), rest));
-        }
-        let fastest = motion.fastest(&middles, &radii);
-        // Geoms that are farther apart do not meet within a time.
-        let reach = |time: f64| match begun {
-            Some(_) => speed * time,
-            None => ((fastest + 0.5 * acceleration * time) * time + ROUNDING).max(MET),
+            (self.limiting[k], self.advance_of(k, &motion, bounds, &self.bounds_gap(bounds), rest))
+        });
+        let mut heeded = last.map_or(f64::INFINITY, |(_, advance)| advance.min(rest));
+        let spins = motion.sides.map(|side| side.omega.norm());
+        let fastest = motion.relative_velocity(&middles).norm() + spins[0] * radii[0] + spins[1] * radii[1];
+        let later = |gap: f64, time: f64| match begun {
+            Some(_) => gap > speed * time,
+            None => gap > MET && outlasts(gap, -fastest, acceleration, time),
         };
-        let mut beyond = reach(heeded);
         let mut least = f64::INFINITY;
         let mut limiting = None;
+        let mut parted = false;
         for (number, &bounds) in pair.geoms.iter().enumerate() {
-            if self.apart(bounds) > beyond {
-                continue;
-            }
-            let gap = self.bounds_gap(bounds);
-            if gap.distance > beyond {
-                continue;
-            }
-            let advance = self.advance_of(k, &motion, bounds, &gap, heeded);
+            let advance = match last {
+                Some((limiting, advance)) if limiting == number => advance,
+                _ => {
+                    let far = match begun {
+                        Some(_) => later(self.apart(bounds), heeded),
+                        None => self.keep_apart(&motion, &spins, bounds, acceleration, heeded),
+                    };
+                    if far {
+                        continue;
+                    }
+                    let gap = self.bounds_gap(bounds);
+                    if later(gap.distance, heeded) {
+                        continue;
+                    }
+                    if begun.is_some_and(|met| met.exact && met.bounds == bounds) && gap.distance > PARTED {
+                        parted = true;
+                    }
+                    self.advance_of(k, &motion, bounds, &gap, heeded)
+                }
+            };
             if advance < least {
                 (least, limiting) = (advance, Some(number));
                 heeded = heeded.min(least);
-                beyond = reach(heeded);
             }
-            if begun.is_some_and(|contact| contact.exact && contact.bounds == bounds) && gap.distance > PARTED {
-                self.start_contact = None;
-            }
+        }
+        if parted {
+            self.start_contact = None;
         }
         if begun.is_none() && least >= rest {
             return (f64::INFINITY, None);
@@ -351,13 +365,38 @@ impl ConservativeAdvancement {
                 let opening = rate[0][first] + rate[1][second];
                 let known = least.min(heeded);
                 // A multiplication tells what is later than what is known, without a root.
-                if gap + (opening - 0.5 * acceleration * known) * known > ROUNDING {
-                    continue;
+                if !outlasts(gap, opening, acceleration, known) {
+                    least = least.min(until_zero(gap, opening, acceleration));
                 }
-                least = least.min(until_zero(gap, opening, acceleration));
             }
         }
         least
+    }
+
+    /// Whether the balls about two geoms' capsules tell that [`kept_apart`](Self::kept_apart) is more than a time.
+    fn keep_apart(
+        &self,
+        motion: &PairMotion,
+        spins: &[f64; 2],
+        bounds: [u32; 2],
+        acceleration: f64,
+        time: f64,
+    ) -> bool {
+        let [first, second] = bounds.map(|bound| &self.balls[bound as usize]);
+        let between = first.centre - second.centre;
+        let distance = between.norm();
+        let gap = distance - first.radius - second.radius;
+        if gap <= MET {
+            return false;
+        }
+        // The closest points are within half the segments' lengths of their middles, so the normal is along no other
+        // direction than that from a point near one middle to a point near the other.
+        let half = first.half_length + second.half_length;
+        let velocity = first.velocity - second.velocity - motion.ancestor_omega.cross(&between);
+        let closing = half * velocity.norm() - between.dot(&velocity);
+        let length = if closing > 0.0 { distance - half } else { distance + half };
+        let turning = spins[0] * first.half_length + spins[1] * second.half_length;
+        outlasts(gap * length, -closing - turning * length, acceleration * length, time)
     }
 
     /// How the two limbs of a pair move against their common ancestor.
@@ -367,14 +406,14 @@ impl ConservativeAdvancement {
             omega: limb.omega - ancestor.omega,
             velocity: limb.velocity - ancestor.velocity,
         };
-        PairMotion { sides: pair.limbs.map(|limb| against(&self.limbs[limb])) }
+        let sides = pair.limbs.map(|limb| against(&self.limbs[limb]));
+        PairMotion { sides, ancestor_omega: ancestor.omega }
     }
 
     /// A lower bound of two geoms' gap, from the balls about them.
     fn apart(&self, bounds: [u32; 2]) -> f64 {
-        let [a, b] = bounds.map(|i| i as usize);
-        let ([p, q], [u, v]) = (self.world[a].ends, self.world[b].ends);
-        0.5 * (p + q - u - v).norm() - self.touchable.bounds[a].reach - self.touchable.bounds[b].reach
+        let [first, second] = bounds.map(|bound| &self.balls[bound as usize]);
+        (first.centre - second.centre).norm() - first.radius - second.radius
     }
 
     /// The gap of the capsules about two geoms, at the points of their segments.
@@ -389,9 +428,14 @@ impl ConservativeAdvancement {
             return;
         }
         let LimbCluster { limb, members, .. } = &self.touchable.clusters[cluster];
-        let frame = &self.limbs[*limb].frame;
+        let limb = &self.limbs[*limb];
         for &bound in members {
-            self.world[bound as usize] = self.touchable.bounds[bound as usize].capsule.placed(frame);
+            let bound = bound as usize;
+            let capsule = self.touchable.bounds[bound].capsule.placed(&limb.frame);
+            let centre = 0.5 * (capsule.ends[0] + capsule.ends[1]);
+            let velocity = limb.velocity + limb.omega.cross(&centre);
+            self.world[bound] = capsule;
+            self.balls[bound] = MovingBall { centre, velocity, ..self.balls[bound] };
         }
     }
 
@@ -402,6 +446,24 @@ impl ConservativeAdvancement {
         for (middle, cluster) in self.middles.iter_mut().zip(&self.touchable.clusters) {
             *middle = self.limbs[cluster.limb].frame.point(&cluster.ball.centre);
         }
+    }
+}
+
+/// The ball about a capsule.
+#[derive(Clone, Copy, Debug)]
+struct MovingBall {
+    centre: Vector3<f64>,
+    /// Velocity of the limb's point at the centre in the root's frame.
+    velocity: Vector3<f64>,
+    radius: f64,
+    /// Half the length of the capsule's segment.
+    half_length: f64,
+}
+
+impl MovingBall {
+    fn about(capsule: &Capsule) -> MovingBall {
+        let Ball { centre, radius } = capsule.bounding_ball();
+        MovingBall { centre, velocity: Vector3::zeros(), radius, half_length: radius - capsule.radius }
     }
 }
 
@@ -424,6 +486,8 @@ impl Twist {
 #[derive(Clone, Copy, Debug)]
 struct PairMotion {
     sides: [Twist; 2],
+    /// The ancestor's own angular velocity.
+    ancestor_omega: Vector3<f64>,
 }
 
 impl PairMotion {
@@ -432,12 +496,26 @@ impl PairMotion {
     fn relative_velocity(&self, points: &[Vector3<f64>; 2]) -> Vector3<f64> {
         self.sides[0].velocity_at(&points[0]) - self.sides[1].velocity_at(&points[1])
     }
+}
 
-    /// No point of the first limb is faster against one of the second, in balls about their middles.
-    fn fastest(&self, middles: &[Vector3<f64>; 2], radii: &[f64; 2]) -> f64 {
-        let turning = [0, 1].map(|side| self.sides[side].omega.norm() * radii[side]);
-        self.relative_velocity(middles).norm() + turning[0] + turning[1]
+/// Whether `gap + opening h − ½ acceleration h²`, which is not below zero at first, stays above it for longer than `time`.
+fn outlasts(gap: f64, opening: f64, acceleration: f64, time: f64) -> bool {
+    gap + (opening - 0.5 * acceleration * time) * time > ROUNDING
+}
+
+/// The least of some numbers; infinity of none.
+fn least(numbers: &[f64]) -> f64 {
+    // Several at a time: a comparison does not wait for the one before it.
+    let lesser = |a: f64, b: f64| if b < a { b } else { a };
+    let mut least = [f64::INFINITY; 8];
+    let chunks = numbers.chunks_exact(least.len());
+    let rest = chunks.remainder().iter();
+    for chunk in chunks {
+        for (least, &number) in least.iter_mut().zip(chunk) {
+            *least = lesser(*least, number);
+        }
     }
+    rest.chain(&least.clone()).copied().fold(f64::INFINITY, lesser)
 }
 
 /// The time for which `gap + opening h − ½ acceleration h²` stays above zero.
