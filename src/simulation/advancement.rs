@@ -29,12 +29,14 @@ pub struct ConservativeAdvancement {
     placed: Vec<bool>,
     /// Per bound, the ball about it, in the same places.
     balls: Vec<MovingBall>,
-    /// Per cluster, its ball's middle in the root's frame.
-    middles: Vec<Vector3<f64>>,
+    /// Per cluster, its ball in the root's frame.
+    cluster_balls: Vec<Ball>,
     /// Per pair: greatest relative speed, greatest relative acceleration, and until when it is free.
     speed: Vec<f64>,
     acceleration: Vec<f64>,
     free_until: Vec<f64>,
+    /// The pairs that are not known to be free to the end, in their order.
+    active: Vec<usize>,
     /// Per pair, which of its geom pairs limited the motion when it was last looked at: most likely it still does.
     limiting: Vec<usize>,
     /// What the motion starts in contact with, until it has parted.
@@ -77,10 +79,11 @@ impl ConservativeAdvancement {
             world: touchable.bounds.iter().map(|bound| bound.capsule).collect(),
             balls: touchable.bounds.iter().map(|bound| MovingBall::about(&bound.capsule)).collect(),
             placed: vec![false; touchable.clusters.len()],
-            middles: vec![Vector3::zeros(); touchable.clusters.len()],
+            cluster_balls: touchable.clusters.iter().map(|cluster| cluster.ball).collect(),
             speed: vec![0.0; count],
             acceleration: vec![0.0; count],
             free_until: vec![0.0; count],
+            active: Vec::with_capacity(count),
             limiting: vec![0; count],
             start_contact: None,
             checks: 0,
@@ -114,6 +117,8 @@ impl ConservativeAdvancement {
             self.acceleration[k] = acceleration;
             self.free_until[k] = if speed > 0.0 { 0.0 } else { f64::INFINITY };
         }
+        self.active.clear();
+        self.active.extend(0..self.free_until.len());
         self.start_contact = contact;
     }
 
@@ -122,7 +127,8 @@ impl ConservativeAdvancement {
     pub fn next(&mut self, from: f64) -> Option<(f64, Encounter)> {
         let mut t = from;
         loop {
-            let earliest = least(&self.free_until);
+            self.active.retain(|&k| self.free_until[k] < f64::INFINITY);
+            let earliest = self.active.iter().map(|&k| self.free_until[k]).fold(f64::INFINITY, f64::min);
             t = t.max(earliest);
             if t >= 1.0 {
                 return None;
@@ -131,7 +137,8 @@ impl ConservativeAdvancement {
             // Pairs that come up soon after are looked at now: the limbs are placed already.
             let soon = t + SOON;
             let mut met: Option<Encounter> = None;
-            for k in 0..self.touchable.pairs.len() {
+            for place in 0..self.active.len() {
+                let k = self.active[place];
                 if self.free_until[k] > soon {
                     continue;
                 }
@@ -213,75 +220,92 @@ impl ConservativeAdvancement {
     fn look(&mut self, k: usize, rest: f64) -> (f64, Option<Encounter>) {
         self.checks += 1;
         let pair = &self.touchable.pairs[k];
-        let clusters = pair.clusters;
-        let middles = clusters.map(|c| self.middles[c]);
-        let radii = clusters.map(|c| self.touchable.clusters[c].ball.radius);
+        let balls = pair.clusters.map(|cluster| &self.cluster_balls[cluster]);
+        let middles = balls.map(|ball| ball.centre);
         let between = middles[0] - middles[1];
         let distance = between.norm();
-        let apart = distance - radii[0] - radii[1];
-        let (speed, acceleration) = (self.speed[k], self.acceleration[k]);
+        let apart = distance - balls[0].radius - balls[1].radius;
         if apart > FAR {
-            let plain = apart / speed;
+            let plain = apart / self.speed[k];
             if plain >= rest {
                 return (f64::INFINITY, None);
             }
             let opening = between.dot(&self.pair_motion(pair).relative_velocity(&middles)) / distance;
-            return (plain.max(until_zero(apart, opening, acceleration)), None);
+            return (plain.max(until_zero(apart, opening, self.acceleration[k])), None);
         }
-        clusters.into_iter().for_each(|cluster| self.place_cluster(cluster));
+        pair.clusters.into_iter().for_each(|cluster| self.place_cluster(cluster));
+        match self.start_contact {
+            Some(contact) if contact.pair == k => self.look_at_contact(&contact),
+            _ => self.look_at_geoms(k, rest),
+        }
+    }
+
+    /// [`look`](Self::look) at the geoms of limb pair `k`.
+    fn look_at_geoms(&mut self, k: usize, rest: f64) -> (f64, Option<Encounter>) {
         let pair = &self.touchable.pairs[k];
+        let acceleration = self.acceleration[k];
         let motion = self.pair_motion(pair);
-        let begun = self.start_contact.filter(|contact| contact.pair == k);
-        // What limited the last look most likely limits this one: all that comes later need not be known exactly.
-        let last = begun.is_none().then(|| {
-            let bounds = pair.geoms[self.limiting[k]];
-            (self.limiting[k], self.advance_of(k, &motion, bounds, &self.bounds_gap(bounds), rest))
-        });
-        let mut heeded = last.map_or(f64::INFINITY, |(_, advance)| advance.min(rest));
         let spins = motion.sides.map(|side| side.omega.norm());
-        let fastest = motion.relative_velocity(&middles).norm() + spins[0] * radii[0] + spins[1] * radii[1];
-        let later = |gap: f64, time: f64| match begun {
-            Some(_) => gap > speed * time,
-            None => gap > MET && outlasts(gap, -fastest, acceleration, time),
-        };
-        let mut least = f64::INFINITY;
+        // What limited the last look most likely limits this one: all that comes later need not be known exactly.
+        let last = self.limiting[k];
+        let by_last = self.advance_of(k, &motion, pair.geoms[last], &self.bounds_gap(pair.geoms[last]), rest);
+        let mut heeded = by_last.min(rest);
+        let mut least = rest;
         let mut limiting = None;
-        let mut parted = false;
         for (number, &bounds) in pair.geoms.iter().enumerate() {
-            let advance = match last {
-                Some((limiting, advance)) if limiting == number => advance,
-                _ => {
-                    let far = match begun {
-                        Some(_) => later(self.apart(bounds), heeded),
-                        None => self.keep_apart(&motion, &spins, bounds, acceleration, heeded),
-                    };
-                    if far {
-                        continue;
-                    }
-                    let gap = self.bounds_gap(bounds);
-                    if later(gap.distance, heeded) {
-                        continue;
-                    }
-                    if begun.is_some_and(|met| met.exact && met.bounds == bounds) && gap.distance > PARTED {
-                        parted = true;
-                    }
-                    self.advance_of(k, &motion, bounds, &gap, heeded)
+            let advance = if number == last {
+                by_last
+            } else {
+                let passing = self.passing(&motion, &spins, bounds);
+                if passing.outlasts(acceleration, heeded) {
+                    continue;
                 }
+                let gap = self.bounds_gap(bounds);
+                let opening = gap.normal.dot(&passing.velocity) - passing.turning;
+                if gap.distance > MET && outlasts(gap.distance, opening, acceleration, heeded) {
+                    continue;
+                }
+                self.advance_of(k, &motion, bounds, &gap, heeded)
             };
             if advance < least {
                 (least, limiting) = (advance, Some(number));
                 heeded = heeded.min(least);
             }
         }
+        let Some(number) = limiting else { return (f64::INFINITY, None) };
+        self.limiting[k] = number;
+        (least, Some(self.touchable.encounter_of(k, pair.geoms[number])))
+    }
+
+    /// [`look`](Self::look) at the geoms of the limb pair that the motion starts in contact with, whether these have
+    /// parted or not.
+    fn look_at_contact(&mut self, contact: &Encounter) -> (f64, Option<Encounter>) {
+        let k = contact.pair;
+        let pair = &self.touchable.pairs[k];
+        let motion = self.pair_motion(pair);
+        let mut least = f64::INFINITY;
+        let mut limiting = None;
+        let mut parted = false;
+        for &bounds in &pair.geoms {
+            // Even at full speed it comes later than what is known already?
+            let beyond = least * self.speed[k];
+            if self.apart(bounds) > beyond {
+                continue;
+            }
+            let gap = self.bounds_gap(bounds);
+            if gap.distance > beyond {
+                continue;
+            }
+            parted |= contact.exact && contact.bounds == bounds && gap.distance > PARTED;
+            let advance = self.advance_of(k, &motion, bounds, &gap, least);
+            if advance < least {
+                (least, limiting) = (advance, Some(bounds));
+            }
+        }
         if parted {
             self.start_contact = None;
         }
-        if begun.is_none() && least >= rest {
-            return (f64::INFINITY, None);
-        }
-        let Some(number) = limiting else { return (least, None) };
-        self.limiting[k] = number;
-        (least, Some(self.touchable.encounter_of(k, pair.geoms[number])))
+        (least, limiting.map(|bounds| self.touchable.encounter_of(k, bounds)))
     }
 
     /// How far the motion may advance before two geoms of limb pair `k` can meet, given the gap of those about them; where
@@ -373,30 +397,20 @@ impl ConservativeAdvancement {
         least
     }
 
-    /// Whether the balls about two geoms' capsules tell that [`kept_apart`](Self::kept_apart) is more than a time.
-    fn keep_apart(
-        &self,
-        motion: &PairMotion,
-        spins: &[f64; 2],
-        bounds: [u32; 2],
-        acceleration: f64,
-        time: f64,
-    ) -> bool {
+    /// How the balls about two geoms' capsules pass each other, on limbs that turn at `spins`.
+    #[inline]
+    fn passing(&self, motion: &PairMotion, spins: &[f64; 2], bounds: [u32; 2]) -> Passing {
         let [first, second] = bounds.map(|bound| &self.balls[bound as usize]);
         let between = first.centre - second.centre;
         let distance = between.norm();
-        let gap = distance - first.radius - second.radius;
-        if gap <= MET {
-            return false;
+        Passing {
+            between,
+            distance,
+            gap: distance - first.radius - second.radius,
+            reach: first.half_length + second.half_length,
+            velocity: first.velocity - second.velocity - motion.ancestor_omega.cross(&between),
+            turning: spins[0] * first.half_length + spins[1] * second.half_length,
         }
-        // The closest points are within half the segments' lengths of their middles, so the normal is along no other
-        // direction than that from a point near one middle to a point near the other.
-        let half = first.half_length + second.half_length;
-        let velocity = first.velocity - second.velocity - motion.ancestor_omega.cross(&between);
-        let closing = half * velocity.norm() - between.dot(&velocity);
-        let length = if closing > 0.0 { distance - half } else { distance + half };
-        let turning = spins[0] * first.half_length + spins[1] * second.half_length;
-        outlasts(gap * length, -closing - turning * length, acceleration * length, time)
     }
 
     /// How the two limbs of a pair move against their common ancestor.
@@ -443,8 +457,8 @@ impl ConservativeAdvancement {
     fn place_limbs(&mut self, t: f64) {
         self.motion.place_limbs(t, &mut self.limbs);
         self.placed.fill(false);
-        for (middle, cluster) in self.middles.iter_mut().zip(&self.touchable.clusters) {
-            *middle = self.limbs[cluster.limb].frame.point(&cluster.ball.centre);
+        for (ball, cluster) in self.cluster_balls.iter_mut().zip(&self.touchable.clusters) {
+            ball.centre = self.limbs[cluster.limb].frame.point(&cluster.ball.centre);
         }
     }
 }
@@ -464,6 +478,35 @@ impl MovingBall {
     fn about(capsule: &Capsule) -> MovingBall {
         let Ball { centre, radius } = capsule.bounding_ball();
         MovingBall { centre, velocity: Vector3::zeros(), radius, half_length: radius - capsule.radius }
+    }
+}
+
+/// How the balls about two geoms' capsules pass each other.
+#[derive(Clone, Copy, Debug)]
+struct Passing {
+    /// From the second's middle to the first's.
+    between: Vector3<f64>,
+    distance: f64,
+    /// Of the balls.
+    gap: f64,
+    /// The closest points of the capsules' segments are within this of where they would be if both were the middles.
+    reach: f64,
+    /// Of the first's middle against the second's.
+    velocity: Vector3<f64>,
+    /// What turning adds, at the most, to the velocity of any point of one segment against any of the other.
+    turning: f64,
+}
+
+impl Passing {
+    /// Whether the capsules are kept apart for longer than a time, whichever their closest points are.
+    #[inline]
+    fn outlasts(&self, acceleration: f64, time: f64) -> bool {
+        // The normal leads along `between` but for an offset of up to `reach`. All is multiplied by its length, which is
+        // the one at which the opening is least.
+        let closing = self.reach * self.velocity.norm() - self.between.dot(&self.velocity);
+        let length = if closing > 0.0 { self.distance - self.reach } else { self.distance + self.reach };
+        let opening = -closing - self.turning * length;
+        self.gap > MET && outlasts(self.gap * length, opening, acceleration * length, time)
     }
 }
 
@@ -501,21 +544,6 @@ impl PairMotion {
 /// Whether `gap + opening h − ½ acceleration h²`, which is not below zero at first, stays above it for longer than `time`.
 fn outlasts(gap: f64, opening: f64, acceleration: f64, time: f64) -> bool {
     gap + (opening - 0.5 * acceleration * time) * time > ROUNDING
-}
-
-/// The least of some numbers; infinity of none.
-fn least(numbers: &[f64]) -> f64 {
-    // Several at a time: a comparison does not wait for the one before it.
-    let lesser = |a: f64, b: f64| if b < a { b } else { a };
-    let mut least = [f64::INFINITY; 8];
-    let chunks = numbers.chunks_exact(least.len());
-    let rest = chunks.remainder().iter();
-    for chunk in chunks {
-        for (least, &number) in least.iter_mut().zip(chunk) {
-            *least = lesser(*least, number);
-        }
-    }
-    rest.chain(&least.clone()).copied().fold(f64::INFINITY, lesser)
 }
 
 /// The time for which `gap + opening h − ½ acceleration h²` stays above zero.
