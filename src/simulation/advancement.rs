@@ -125,10 +125,9 @@ impl ConservativeAdvancement {
     /// The first encounter of the motion after `from`, as the fraction of the way at which it is about to
     /// happen; none when the target is reached freely.
     pub fn next(&mut self, from: f64) -> Option<(f64, Encounter)> {
+        let mut earliest = self.active.iter().map(|&k| self.free_until[k]).fold(f64::INFINITY, f64::min);
         let mut t = from;
         loop {
-            self.active.retain(|&k| self.free_until[k] < f64::INFINITY);
-            let earliest = self.active.iter().map(|&k| self.free_until[k]).fold(f64::INFINITY, f64::min);
             t = t.max(earliest);
             if t >= 1.0 {
                 return None;
@@ -137,19 +136,28 @@ impl ConservativeAdvancement {
             // Pairs that come up soon after are looked at now: the limbs are placed already.
             let soon = t + SOON;
             let mut met: Option<Encounter> = None;
+            earliest = f64::INFINITY;
+            let mut remaining = 0;
             for place in 0..self.active.len() {
                 let k = self.active[place];
-                if self.free_until[k] > soon {
-                    continue;
+                let mut free_until = self.free_until[k];
+                if free_until <= soon {
+                    let (advance, encounter) = self.look(k, 1.0 - t);
+                    if let Some(encounter) = encounter.filter(|_| advance <= 0.0) {
+                        met = Some(encounter);
+                    }
+                    let parting = encounter.is_some() && encounter == self.start_contact && advance > 0.0;
+                    let advance = if parting { advance } else { advance.max(LEAST_ADVANCE) };
+                    free_until = free_until.max(t + advance);
+                    self.free_until[k] = free_until;
                 }
-                let (advance, encounter) = self.look(k, 1.0 - t);
-                if let Some(encounter) = encounter.filter(|_| advance <= 0.0) {
-                    met = Some(encounter);
+                if free_until < f64::INFINITY {
+                    earliest = if free_until < earliest { free_until } else { earliest };
+                    self.active[remaining] = k;
+                    remaining += 1;
                 }
-                let parting = encounter.is_some() && encounter == self.start_contact && advance > 0.0;
-                let advance = if parting { advance } else { advance.max(LEAST_ADVANCE) };
-                self.free_until[k] = self.free_until[k].max(t + advance);
             }
+            self.active.truncate(remaining);
             if let Some(encounter) = met {
                 return Some((t, encounter));
             }
