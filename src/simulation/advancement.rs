@@ -35,8 +35,6 @@ pub struct ConservativeAdvancement {
     speed: Vec<f64>,
     acceleration: Vec<f64>,
     free_until: Vec<f64>,
-    /// The pairs that are not known to be free to the end, in their order.
-    active: Vec<usize>,
     /// Per pair, which of its geom pairs limited the motion when it was last looked at: most likely it still does.
     limiting: Vec<usize>,
     /// What the motion starts in contact with, until it has parted.
@@ -83,7 +81,6 @@ impl ConservativeAdvancement {
             speed: vec![0.0; count],
             acceleration: vec![0.0; count],
             free_until: vec![0.0; count],
-            active: Vec::with_capacity(count),
             limiting: vec![0; count],
             start_contact: None,
             checks: 0,
@@ -117,18 +114,15 @@ impl ConservativeAdvancement {
             self.acceleration[k] = acceleration;
             self.free_until[k] = if speed > 0.0 { 0.0 } else { f64::INFINITY };
         }
-        self.active.clear();
-        self.active.extend(0..self.free_until.len());
         self.start_contact = contact;
     }
 
     /// The first encounter of the motion after `from`, as the fraction of the way at which it is about to
     /// happen; none when the target is reached freely.
     pub fn next(&mut self, from: f64) -> Option<(f64, Encounter)> {
-        let mut earliest = self.active.iter().map(|&k| self.free_until[k]).fold(f64::INFINITY, f64::min);
         let mut t = from;
         loop {
-            t = t.max(earliest);
+            t = t.max(least(&self.free_until));
             if t >= 1.0 {
                 return None;
             }
@@ -136,28 +130,18 @@ impl ConservativeAdvancement {
             // Pairs that come up soon after are looked at now: the limbs are placed already.
             let soon = t + SOON;
             let mut met: Option<Encounter> = None;
-            earliest = f64::INFINITY;
-            let mut remaining = 0;
-            for place in 0..self.active.len() {
-                let k = self.active[place];
-                let mut free_until = self.free_until[k];
-                if free_until <= soon {
-                    let (advance, encounter) = self.look(k, 1.0 - t);
-                    if let Some(encounter) = encounter.filter(|_| advance <= 0.0) {
-                        met = Some(encounter);
-                    }
-                    let parting = encounter.is_some() && encounter == self.start_contact && advance > 0.0;
-                    let advance = if parting { advance } else { advance.max(LEAST_ADVANCE) };
-                    free_until = free_until.max(t + advance);
-                    self.free_until[k] = free_until;
+            for k in 0..self.touchable.pairs.len() {
+                if self.free_until[k] > soon {
+                    continue;
                 }
-                if free_until < f64::INFINITY {
-                    earliest = if free_until < earliest { free_until } else { earliest };
-                    self.active[remaining] = k;
-                    remaining += 1;
+                let (advance, encounter) = self.look(k, 1.0 - t);
+                if let Some(encounter) = encounter.filter(|_| advance <= 0.0) {
+                    met = Some(encounter);
                 }
+                let parting = encounter.is_some() && encounter == self.start_contact && advance > 0.0;
+                let advance = if parting { advance } else { advance.max(LEAST_ADVANCE) };
+                self.free_until[k] = self.free_until[k].max(t + advance);
             }
-            self.active.truncate(remaining);
             if let Some(encounter) = met {
                 return Some((t, encounter));
             }
@@ -552,6 +536,21 @@ impl PairMotion {
 /// Whether `gap + opening h − ½ acceleration h²`, which is not below zero at first, stays above it for longer than `time`.
 fn outlasts(gap: f64, opening: f64, acceleration: f64, time: f64) -> bool {
     gap + (opening - 0.5 * acceleration * time) * time > ROUNDING
+}
+
+/// The least of some numbers; infinity of none.
+fn least(numbers: &[f64]) -> f64 {
+    let lesser = |a: f64, b: f64| if b < a { b } else { a };
+    // Several at a time: no comparison waits for the one before it.
+    let mut least = [f64::INFINITY; 8];
+    let chunks = numbers.chunks_exact(least.len());
+    let rest = chunks.remainder();
+    for chunk in chunks {
+        for (least, &number) in least.iter_mut().zip(chunk) {
+            *least = lesser(*least, number);
+        }
+    }
+    least.iter().chain(rest).copied().fold(f64::INFINITY, lesser)
 }
 
 /// The time for which `gap + opening h − ½ acceleration h²` stays above zero.
