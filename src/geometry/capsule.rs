@@ -68,6 +68,7 @@ pub(super) fn distance_to_sphere(offset: &Vector3<f64>, radius: f64) -> (f64, Ve
 }
 
 /// The closest points of two segments, one on each (Ericson, "Real-Time Collision Detection", 2005, section 5.1.9).
+#[inline]
 pub fn closest_points(a: &[Vector3<f64>; 2], b: &[Vector3<f64>; 2]) -> [Vector3<f64>; 2] {
     let (along_a, along_b, between) = (a[1] - a[0], b[1] - b[0], a[0] - b[0]);
     let (aa, bb) = (along_a.norm_squared(), along_b.norm_squared());

@@ -158,7 +158,7 @@ impl LimbMotion {
 pub(crate) fn limb_motions_into(
     creature: &Creature,
     schema: &BodySchema,
-    at: impl Fn(usize) -> DofTransform,
+    transforms: &[DofTransform],
     rate: impl Fn(usize) -> (Vector3<f64>, f64),
     motions: &mut Vec<LimbMotion>,
 ) {
@@ -166,8 +166,8 @@ pub(crate) fn limb_motions_into(
     motions.push(LimbMotion::at_rest());
     for (j, joint) in creature.joints().iter().enumerate() {
         let LimbMotion { mut frame, mut omega, mut velocity } = motions[joint.parent];
-        let transforms = joint.dof_indices().map(|k| (k, at(k)));
-        carry_through(schema, j, transforms, &mut frame, |k, transform, before| {
+        let dofs = joint.dof_indices().map(|k| (k, &transforms[k]));
+        carry_through(schema, j, dofs, &mut frame, |k, transform, before| {
             let (axis, rate) = rate(k);
             match transform {
                 DofTransform::Slide { .. } => velocity += before.direction(&axis) * rate,

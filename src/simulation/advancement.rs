@@ -13,7 +13,7 @@ use nalgebra::Vector3;
 use super::straight_motion::StraightMotion;
 use super::touchable::{ClusterPair, Encounter, LimbCluster, TouchablePairs};
 use crate::creature::{Body, Posture};
-use crate::geometry::{Capsule, Gap, Precision, gap_from};
+use crate::geometry::{Ball, Capsule, Gap, Precision, gap_from};
 use crate::ground_truth::GroundTruth;
 use crate::kinematics::LimbMotion;
 use crate::mujoco;
@@ -27,12 +27,16 @@ pub struct ConservativeAdvancement {
     /// Per bound, its capsule in the root's frame, where its cluster is placed.
     world: Vec<Capsule>,
     placed: Vec<bool>,
-    /// Per cluster, its ball's middle in the root's frame.
-    middles: Vec<Vector3<f64>>,
+    /// Per bound, the ball about it, in the same places.
+    balls: Vec<MovingBall>,
+    /// Per cluster, its ball in the root's frame.
+    cluster_balls: Vec<Ball>,
     /// Per pair: greatest relative speed, greatest relative acceleration, and until when it is free.
     speed: Vec<f64>,
     acceleration: Vec<f64>,
     free_until: Vec<f64>,
+    /// Per pair, which of its geom pairs limited the motion when it was last looked at: most likely it still does.
+    limiting: Vec<usize>,
     /// What the motion starts in contact with, until it has parted.
     start_contact: Option<Encounter>,
     /// Limb pairs looked at, for the statistics.
@@ -52,6 +56,8 @@ const FAR: f64 = 0.03;
 /// Pairs that come up within this part of the motion are looked at together: placing the limbs costs
 /// more than a look.
 const SOON: f64 = 0.06;
+/// More than what rounding does to a gap, metres.
+const ROUNDING: f64 = 1e-9;
 /// The least advance of a motion's parameter, so that no approach without contact stalls it.
 const LEAST_ADVANCE: f64 = 1e-6;
 
@@ -69,11 +75,13 @@ impl ConservativeAdvancement {
             motion: StraightMotion::new(body.creature.clone(), schema),
             limbs: Vec::with_capacity(body.creature.limbs().len()),
             world: touchable.bounds.iter().map(|bound| bound.capsule).collect(),
+            balls: touchable.bounds.iter().map(|bound| MovingBall::about(&bound.capsule)).collect(),
             placed: vec![false; touchable.clusters.len()],
-            middles: vec![Vector3::zeros(); touchable.clusters.len()],
+            cluster_balls: touchable.clusters.iter().map(|cluster| cluster.ball).collect(),
             speed: vec![0.0; count],
             acceleration: vec![0.0; count],
             free_until: vec![0.0; count],
+            limiting: vec![0; count],
             start_contact: None,
             checks: 0,
             touchable,
@@ -114,8 +122,7 @@ impl ConservativeAdvancement {
     pub fn next(&mut self, from: f64) -> Option<(f64, Encounter)> {
         let mut t = from;
         loop {
-            let earliest = self.free_until.iter().copied().fold(f64::INFINITY, f64::min);
-            t = t.max(earliest);
+            t = t.max(least(&self.free_until));
             if t >= 1.0 {
                 return None;
             }
@@ -171,9 +178,10 @@ impl ConservativeAdvancement {
         let side = if bound(0).reach <= bound(1).reach { 0 } else { 1 };
         let Capsule { ends, radius } = bound(side).capsule;
         let turning = (self.limbs[pair.limbs[0]].omega - self.limbs[pair.limbs[1]].omega).norm();
+        let motion = self.pair_motion(pair);
         let fastest = ends
             .map(|end| self.limbs[pair.limbs[side]].frame.point(&end))
-            .map(|p| self.relative_velocity(pair, &[p, p]).norm())
+            .map(|p| motion.relative_velocity(&[p, p]).norm())
             .into_iter()
             .fold(0.0, f64::max)
             + turning * radius;
@@ -190,7 +198,7 @@ impl ConservativeAdvancement {
         clusters.into_iter().for_each(|cluster| self.place_cluster(cluster));
         let pair = &self.touchable.pairs[encounter.pair];
         let Gap { distance, normal, points } = self.bounds_gap(encounter.bounds);
-        let velocity = self.relative_velocity(pair, &points);
+        let velocity = self.pair_motion(pair).relative_velocity(&points);
         (distance, normal.dot(&velocity))
     }
 
@@ -200,26 +208,73 @@ impl ConservativeAdvancement {
     }
 
     /// How far the motion may advance from where the limbs are placed before limb pair `k` can touch, and
-    /// which geoms limit it.
+    /// which geoms limit it; infinity where it cannot within the `rest`.
     fn look(&mut self, k: usize, rest: f64) -> (f64, Option<Encounter>) {
         self.checks += 1;
-        let clusters = self.touchable.pairs[k].clusters;
-        let middles = clusters.map(|c| self.middles[c]);
-        let [first, second] = clusters.map(|c| self.touchable.clusters[c].ball.radius);
+        let pair = &self.touchable.pairs[k];
+        let balls = pair.clusters.map(|cluster| &self.cluster_balls[cluster]);
+        let middles = balls.map(|ball| ball.centre);
         let between = middles[0] - middles[1];
         let distance = between.norm();
-        let apart = distance - first - second;
+        let apart = distance - balls[0].radius - balls[1].radius;
         if apart > FAR {
-            let pair = &self.touchable.pairs[k];
             let plain = apart / self.speed[k];
             if plain >= rest {
-                return (plain, None);
+                return (f64::INFINITY, None);
             }
-            let opening = between.dot(&self.relative_velocity(pair, &middles)) / distance;
+            let opening = between.dot(&self.pair_motion(pair).relative_velocity(&middles)) / distance;
             return (plain.max(until_zero(apart, opening, self.acceleration[k])), None);
         }
-        clusters.into_iter().for_each(|cluster| self.place_cluster(cluster));
+        pair.clusters.into_iter().for_each(|cluster| self.place_cluster(cluster));
+        match self.start_contact {
+            Some(contact) if contact.pair == k => self.look_at_contact(&contact),
+            _ => self.look_at_geoms(k, rest),
+        }
+    }
+
+    /// [`look`](Self::look) at the geoms of limb pair `k`.
+    fn look_at_geoms(&mut self, k: usize, rest: f64) -> (f64, Option<Encounter>) {
         let pair = &self.touchable.pairs[k];
+        let acceleration = self.acceleration[k];
+        let motion = self.pair_motion(pair);
+        let spins = motion.sides.map(|side| side.omega.norm());
+        // What limited the last look most likely limits this one: all that comes later need not be known exactly.
+        let last = self.limiting[k];
+        let by_last = self.advance_of(k, &motion, pair.geoms[last], &self.bounds_gap(pair.geoms[last]), rest);
+        let mut heeded = by_last.min(rest);
+        let mut least = rest;
+        let mut limiting = None;
+        for (number, &bounds) in pair.geoms.iter().enumerate() {
+            let advance = if number == last {
+                by_last
+            } else {
+                let passing = self.passing(&motion, &spins, bounds);
+                if passing.outlasts(acceleration, heeded) {
+                    continue;
+                }
+                let gap = self.bounds_gap(bounds);
+                let opening = gap.normal.dot(&passing.velocity) - passing.turning;
+                if gap.distance > MET && outlasts(gap.distance, opening, acceleration, heeded) {
+                    continue;
+                }
+                self.advance_of(k, &motion, bounds, &gap, heeded)
+            };
+            if advance < least {
+                (least, limiting) = (advance, Some(number));
+                heeded = heeded.min(least);
+            }
+        }
+        let Some(number) = limiting else { return (f64::INFINITY, None) };
+        self.limiting[k] = number;
+        (least, Some(self.touchable.encounter_of(k, pair.geoms[number])))
+    }
+
+    /// [`look`](Self::look) at the geoms of the limb pair that the motion starts in contact with, whether these have
+    /// parted or not.
+    fn look_at_contact(&mut self, contact: &Encounter) -> (f64, Option<Encounter>) {
+        let k = contact.pair;
+        let pair = &self.touchable.pairs[k];
+        let motion = self.pair_motion(pair);
         let mut least = f64::INFINITY;
         let mut limiting = None;
         let mut parted = false;
@@ -233,75 +288,81 @@ impl ConservativeAdvancement {
             if gap.distance > beyond {
                 continue;
             }
-            let encounter = self.touchable.encounter_of(k, bounds);
-            if !encounter.exact {
-                let advance = self.advance_of_solids(pair, bounds, &gap, k);
-                if advance < least {
-                    least = advance;
-                    limiting = Some(encounter);
-                }
-                continue;
-            }
-            // What touches at the start is already felt, until it has parted.
-            let parting = self.parting(&encounter);
-            parted |= parting && gap.distance > PARTED;
-            let advance = if gap.distance > MET {
-                (gap.distance / self.speed[k]).max(self.kept_apart(pair, bounds, &gap.normal, k))
-            } else if parting && gap.normal.dot(&self.relative_velocity(pair, &gap.points)) > 0.0 {
-                (PARTING_STEP / self.speed[k]).max(self.kept_apart(pair, bounds, &gap.normal, k))
-            } else {
-                0.0
-            };
+            parted |= contact.exact && contact.bounds == bounds && gap.distance > PARTED;
+            let advance = self.advance_of(k, &motion, bounds, &gap, least);
             if advance < least {
-                least = advance;
-                limiting = Some(encounter);
+                (least, limiting) = (advance, Some(bounds));
             }
         }
         if parted {
             self.start_contact = None;
         }
-        (least, limiting)
+        (least, limiting.map(|bounds| self.touchable.encounter_of(k, bounds)))
+    }
+
+    /// How far the motion may advance before two geoms of limb pair `k` can meet, given the gap of those about them; where
+    /// it is `heeded` or more, anything from there on.
+    fn advance_of(&self, k: usize, motion: &PairMotion, bounds: [u32; 2], gap: &Gap, heeded: f64) -> f64 {
+        let kept_apart = || self.kept_apart(k, motion, bounds, &gap.normal, heeded);
+        let exact = bounds.iter().all(|&bound| self.touchable.bounds[bound as usize].exact);
+        if gap.distance > MET {
+            let by_capsules = (gap.distance / self.speed[k]).max(kept_apart());
+            if exact || by_capsules >= heeded {
+                return by_capsules;
+            }
+            return self.advance_of_solids(k, motion, bounds, gap).max(by_capsules);
+        }
+        if !exact {
+            return self.advance_of_solids(k, motion, bounds, gap);
+        }
+        // What touches at the start is already felt, until it has parted.
+        let parting = self.start_contact.is_some_and(|contact| contact.pair == k && contact.bounds == bounds);
+        if parting && gap.normal.dot(&motion.relative_velocity(&gap.points)) > 0.0 {
+            return (PARTING_STEP / self.speed[k]).max(kept_apart());
+        }
+        0.0
     }
 
     /// How far the motion may advance before two geoms can meet that are no capsules, given the gap of those about them:
-    /// 0 where they nearly do.
-    fn advance_of_solids(&self, pair: &ClusterPair, bounds: [u32; 2], about: &Gap, k: usize) -> f64 {
-        let by_capsules = if about.distance > MET {
-            (about.distance / self.speed[k]).max(self.kept_apart(pair, bounds, &about.normal, k))
-        } else {
-            0.0
-        };
+    /// 0 where they nearly do, or where their capsules tell as much.
+    fn advance_of_solids(&self, k: usize, motion: &PairMotion, bounds: [u32; 2], about: &Gap) -> f64 {
         if about.distance > FAR {
-            return by_capsules;
+            return 0.0;
         }
-        let limbs = pair.limbs.map(|limb| &self.limbs[limb]);
+        let limbs = self.touchable.pairs[k].limbs;
         let solid = |side: usize| {
-            self.touchable.bounds[bounds[side] as usize].solid.as_ref()?.placed(&limbs[side].frame)
+            let solid = self.touchable.bounds[bounds[side] as usize].solid.as_ref()?;
+            solid.placed(&self.limbs[limbs[side]].frame)
         };
-        let [Some(first), Some(second)] = [solid(0), solid(1)] else { return by_capsules };
+        let [Some(first), Some(second)] = [solid(0), solid(1)] else { return 0.0 };
         let Gap { distance, normal, .. } = gap_from(&first, &second, Precision::LowerBound, &about.normal);
         if distance <= NEARLY_MET {
-            return by_capsules;
+            return 0.0;
         }
         // Every point of a shape is in its capsule, where velocities along the normal are greatest at an end but for
         // what the turning adds within the radius.
         let closing: f64 = [(0, -1.0), (1, 1.0)]
             .map(|(side, sign)| {
-                let turning = limbs[side].omega - self.limbs[pair.ancestor].omega;
+                let Twist { omega, .. } = motion.sides[side];
                 let Capsule { ends, radius } = &self.world[bounds[side] as usize];
-                let rates = ends.map(|end| sign * normal.dot(&self.velocity(pair, side, &end)));
-                rates[0].max(rates[1]) + turning.cross(&normal).norm() * radius
+                let rates = ends.map(|end| sign * normal.dot(&motion.sides[side].velocity_at(&end)));
+                rates[0].max(rates[1]) + omega.cross(&normal).norm() * radius
             })
             .iter()
             .sum();
-        let by_solids = until_zero(distance, -closing, self.acceleration[k]).max(distance / self.speed[k]);
-        by_solids.max(by_capsules)
+        until_zero(distance, -closing, self.acceleration[k]).max(distance / self.speed[k])
     }
 
     /// How long a plane between two geoms' capsules keeps them apart, given its normal from the second to the first, to
-    /// second order in the motion.
-    fn kept_apart(&self, pair: &ClusterPair, bounds: [u32; 2], n: &Vector3<f64>, k: usize) -> f64 {
-        let mut least = f64::INFINITY;
+    /// second order in the motion; where it is `heeded` or more, anything from there on.
+    fn kept_apart(
+        &self,
+        k: usize,
+        motion: &PairMotion,
+        bounds: [u32; 2],
+        n: &Vector3<f64>,
+        heeded: f64,
+    ) -> f64 {
         let mut height = [[0.0; 2]; 2];
         let mut rate = [[0.0; 2]; 2];
         for side in 0..2 {
@@ -309,36 +370,56 @@ impl ConservativeAdvancement {
             let Capsule { ends, radius } = &self.world[bounds[side] as usize];
             for (end, p) in ends.iter().enumerate() {
                 height[side][end] = sign * n.dot(p) - radius;
-                let velocity = self.velocity(pair, side, p);
-                rate[side][end] = sign * n.dot(&velocity);
+                rate[side][end] = sign * n.dot(&motion.sides[side].velocity_at(p));
             }
         }
+        let acceleration = self.acceleration[k];
+        let mut least = f64::INFINITY;
         for first in 0..2 {
             for second in 0..2 {
                 let gap = (height[0][first] + height[1][second]).max(0.0);
                 let opening = rate[0][first] + rate[1][second];
-                least = least.min(until_zero(gap, opening, self.acceleration[k]));
+                let known = least.min(heeded);
+                // A multiplication tells what is later than what is known, without a root.
+                if !outlasts(gap, opening, acceleration, known) {
+                    least = least.min(until_zero(gap, opening, acceleration));
+                }
             }
         }
         least
     }
 
-    /// Velocity of a point of one side's limb against the common ancestor.
-    fn velocity(&self, pair: &ClusterPair, side: usize, p: &Vector3<f64>) -> Vector3<f64> {
-        let limb = &self.limbs[pair.limbs[side]];
-        let ancestor = &self.limbs[pair.ancestor];
-        limb.velocity - ancestor.velocity + (limb.omega - ancestor.omega).cross(p)
+    /// How the balls about two geoms' capsules pass each other, on limbs that turn at `spins`.
+    #[inline]
+    fn passing(&self, motion: &PairMotion, spins: &[f64; 2], bounds: [u32; 2]) -> Passing {
+        let [first, second] = bounds.map(|bound| &self.balls[bound as usize]);
+        let between = first.centre - second.centre;
+        let distance = between.norm();
+        Passing {
+            between,
+            distance,
+            gap: distance - first.radius - second.radius,
+            reach: first.half_length + second.half_length,
+            velocity: first.velocity - second.velocity - motion.ancestor_omega.cross(&between),
+            turning: spins[0] * first.half_length + spins[1] * second.half_length,
+        }
     }
 
-    fn relative_velocity(&self, pair: &ClusterPair, points: &[Vector3<f64>; 2]) -> Vector3<f64> {
-        self.velocity(pair, 0, &points[0]) - self.velocity(pair, 1, &points[1])
+    /// How the two limbs of a pair move against their common ancestor.
+    fn pair_motion(&self, pair: &ClusterPair) -> PairMotion {
+        let ancestor = &self.limbs[pair.ancestor];
+        let against = |limb: &LimbMotion| Twist {
+            omega: limb.omega - ancestor.omega,
+            velocity: limb.velocity - ancestor.velocity,
+        };
+        let sides = pair.limbs.map(|limb| against(&self.limbs[limb]));
+        PairMotion { sides, ancestor_omega: ancestor.omega }
     }
 
     /// A lower bound of two geoms' gap, from the balls about them.
     fn apart(&self, bounds: [u32; 2]) -> f64 {
-        let [a, b] = bounds.map(|i| i as usize);
-        let ([p, q], [u, v]) = (self.world[a].ends, self.world[b].ends);
-        0.5 * (p + q - u - v).norm() - self.touchable.bounds[a].reach - self.touchable.bounds[b].reach
+        let [first, second] = bounds.map(|bound| &self.balls[bound as usize]);
+        (first.centre - second.centre).norm() - first.radius - second.radius
     }
 
     /// The gap of the capsules about two geoms, at the points of their segments.
@@ -353,9 +434,14 @@ impl ConservativeAdvancement {
             return;
         }
         let LimbCluster { limb, members, .. } = &self.touchable.clusters[cluster];
-        let frame = &self.limbs[*limb].frame;
+        let limb = &self.limbs[*limb];
         for &bound in members {
-            self.world[bound as usize] = self.touchable.bounds[bound as usize].capsule.placed(frame);
+            let bound = bound as usize;
+            let capsule = self.touchable.bounds[bound].capsule.placed(&limb.frame);
+            let centre = 0.5 * (capsule.ends[0] + capsule.ends[1]);
+            let velocity = limb.velocity + limb.omega.cross(&centre);
+            self.world[bound] = capsule;
+            self.balls[bound] = MovingBall { centre, velocity, ..self.balls[bound] };
         }
     }
 
@@ -363,10 +449,108 @@ impl ConservativeAdvancement {
     fn place_limbs(&mut self, t: f64) {
         self.motion.place_limbs(t, &mut self.limbs);
         self.placed.fill(false);
-        for (middle, cluster) in self.middles.iter_mut().zip(&self.touchable.clusters) {
-            *middle = self.limbs[cluster.limb].frame.point(&cluster.ball.centre);
+        for (ball, cluster) in self.cluster_balls.iter_mut().zip(&self.touchable.clusters) {
+            ball.centre = self.limbs[cluster.limb].frame.point(&cluster.ball.centre);
         }
     }
+}
+
+/// The ball about a capsule.
+#[derive(Clone, Copy, Debug)]
+struct MovingBall {
+    centre: Vector3<f64>,
+    /// Velocity of the limb's point at the centre in the root's frame.
+    velocity: Vector3<f64>,
+    radius: f64,
+    /// Half the length of the capsule's segment.
+    half_length: f64,
+}
+
+impl MovingBall {
+    fn about(capsule: &Capsule) -> MovingBall {
+        let Ball { centre, radius } = capsule.bounding_ball();
+        MovingBall { centre, velocity: Vector3::zeros(), radius, half_length: radius - capsule.radius }
+    }
+}
+
+/// How the balls about two geoms' capsules pass each other.
+#[derive(Clone, Copy, Debug)]
+struct Passing {
+    /// From the second's middle to the first's.
+    between: Vector3<f64>,
+    distance: f64,
+    /// Of the balls.
+    gap: f64,
+    /// The closest points of the capsules' segments are within this of where they would be if both were the middles.
+    reach: f64,
+    /// Of the first's middle against the second's.
+    velocity: Vector3<f64>,
+    /// What turning adds, at the most, to the velocity of any point of one segment against any of the other.
+    turning: f64,
+}
+
+impl Passing {
+    /// Whether the capsules are kept apart for longer than a time, whichever their closest points are.
+    #[inline]
+    fn outlasts(&self, acceleration: f64, time: f64) -> bool {
+        // The normal leads along `between` but for an offset of up to `reach`. All is multiplied by its length, which is
+        // the one at which the opening is least.
+        let closing = self.reach * self.velocity.norm() - self.between.dot(&self.velocity);
+        let length = if closing > 0.0 { self.distance - self.reach } else { self.distance + self.reach };
+        let opening = -closing - self.turning * length;
+        self.gap > MET && outlasts(self.gap * length, opening, acceleration * length, time)
+    }
+}
+
+/// How a limb moves against another that rests, as [`LimbMotion`] has it.
+#[derive(Clone, Copy, Debug)]
+struct Twist {
+    omega: Vector3<f64>,
+    velocity: Vector3<f64>,
+}
+
+impl Twist {
+    /// Velocity of the limb's point that is at `p`.
+    #[inline]
+    fn velocity_at(&self, p: &Vector3<f64>) -> Vector3<f64> {
+        self.velocity + self.omega.cross(p)
+    }
+}
+
+/// How the two limbs of a pair move against their common ancestor.
+#[derive(Clone, Copy, Debug)]
+struct PairMotion {
+    sides: [Twist; 2],
+    /// The ancestor's own angular velocity.
+    ancestor_omega: Vector3<f64>,
+}
+
+impl PairMotion {
+    /// Velocity of a point of the first limb against one of the second.
+    #[inline]
+    fn relative_velocity(&self, points: &[Vector3<f64>; 2]) -> Vector3<f64> {
+        self.sides[0].velocity_at(&points[0]) - self.sides[1].velocity_at(&points[1])
+    }
+}
+
+/// Whether `gap + opening h − ½ acceleration h²`, which is not below zero at first, stays above it for longer than `time`.
+fn outlasts(gap: f64, opening: f64, acceleration: f64, time: f64) -> bool {
+    gap + (opening - 0.5 * acceleration * time) * time > ROUNDING
+}
+
+/// The least of some numbers; infinity of none.
+fn least(numbers: &[f64]) -> f64 {
+    let lesser = |a: f64, b: f64| if b < a { b } else { a };
+    // Several at a time: no comparison waits for the one before it.
+    let mut least = [f64::INFINITY; 8];
+    let chunks = numbers.chunks_exact(least.len());
+    let rest = chunks.remainder();
+    for chunk in chunks {
+        for (least, &number) in least.iter_mut().zip(chunk) {
+            *least = lesser(*least, number);
+        }
+    }
+    least.iter().chain(rest).copied().fold(f64::INFINITY, lesser)
 }
 
 /// The time for which `gap + opening h − ½ acceleration h²` stays above zero.

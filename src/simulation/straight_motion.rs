@@ -23,6 +23,8 @@ pub(super) struct StraightMotion {
     /// freedom, |a_k · a_(k+1)|.
     alike: Vec<f64>,
     paths: Vec<DofPath>,
+    /// Per degree of freedom, what it does where limbs were placed last.
+    transforms: Vec<DofTransform>,
 }
 
 impl StraightMotion {
@@ -37,7 +39,7 @@ impl StraightMotion {
                 }
             }
         }
-        StraightMotion { creature, schema, alike, paths: Vec::new() }
+        StraightMotion { creature, schema, alike, paths: Vec::new(), transforms: Vec::new() }
     }
 
     /// Sets out from `start` to `target`.
@@ -103,19 +105,21 @@ impl StraightMotion {
     }
 
     /// Poses and motions of all limbs at `t`, in the root's frame.
-    pub fn place_limbs(&self, t: f64, limbs: &mut Vec<LimbMotion>) {
-        let at = |k: usize| match &self.paths[k] {
+    pub fn place_limbs(&mut self, t: f64, limbs: &mut Vec<LimbMotion>) {
+        // All sines first: unlike poses, they need not wait for each other.
+        self.transforms.clear();
+        self.transforms.extend(self.paths.iter().map(|path| match path {
             DofPath::Hinge { start, rate } => DofTransform::hinge(start + t * rate),
             DofPath::Slide { start, rate } => DofTransform::Slide { distance: start + t * rate },
             DofPath::Ball { start, axis, rate } => {
                 DofTransform::Ball { rotation: ball_at(start, axis, *rate, t) }
             }
-        };
+        }));
         let rate = |k: usize| match &self.paths[k] {
             DofPath::Hinge { rate, .. } | DofPath::Slide { rate, .. } => (self.schema.axes[k], *rate),
             DofPath::Ball { axis, rate, .. } => (*axis, *rate),
         };
-        limb_motions_into(&self.creature, &self.schema, at, rate, limbs);
+        limb_motions_into(&self.creature, &self.schema, &self.transforms, rate, limbs);
     }
 }
 

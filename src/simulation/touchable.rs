@@ -22,7 +22,7 @@ pub(super) struct BoundedGeom {
     /// Radius of the ball about the whole capsule, metres.
     pub reach: f64,
     /// Whether the geom is its capsule.
-    exact: bool,
+    pub exact: bool,
     /// The geom itself; none where nothing is known of its shape.
     pub solid: Option<Surface>,
 }
