@@ -57,7 +57,7 @@ const FURTHER_MOTIONS: usize = 20;
 /// Times that a joint or a limb is tried before it is taken that it cannot be touched.
 const MOST_TRIES: f64 = 20.0;
 /// What it counts as, where no posture is found that promises anything.
-const UNPROMISING: f64 = 0.25;
+const UNPROMISING: f64 = 0.1;
 /// What limbs are to be placed to, one standard deviation, metres: a tenth of a millimetre in 95 % of cases.
 const PRECISE: f64 = 5e-5;
 /// The most unknowns of joints that a touch made by chance has learned at once.

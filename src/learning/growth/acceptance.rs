@@ -1,6 +1,7 @@
 //! Whether an answer stands.
 
 use nalgebra::DMatrix;
+use rayon::prelude::*;
 
 use super::solving::{PartProblem, Solved};
 use super::{FREEDOM, GrownTouch, Growth, LIMB_FREEDOM};
@@ -26,6 +27,8 @@ const TWIN: f64 = 20.0;
 /// … and by more than this, radians and metres.
 const TWIN_AXIS: f64 = 0.02;
 const TWIN_POSITION: f64 = 2e-3;
+/// An answer explains touches as well where it closes this share of those that another closes.
+const AS_WELL: f64 = 0.7;
 /// The fewest touches that anything is learned from.
 const FEWEST: usize = 5;
 
@@ -66,6 +69,7 @@ impl Growth {
             rows[number] = row.entries.clone();
         }
         let believed = problem.information(schema);
+        let may_turn_back = self.may_turn_back(problem, solved, &new);
         loop {
             if new.len() < FEWEST {
                 return None;
@@ -98,7 +102,10 @@ impl Growth {
             let doubt = |joint: usize| (1.0 + deviation(joint) / sure(joint)) / (of_joint(joint) + 1e-9);
             let twins = self.twins(problem, solved, &covariance);
             let doubtful = |joint: &usize| {
-                of_joint(*joint) < CHECKED_OF_JOINT || deviation(*joint) > sure(*joint) || twins[*joint]
+                of_joint(*joint) < CHECKED_OF_JOINT
+                    || deviation(*joint) > sure(*joint)
+                    || twins[*joint]
+                    || may_turn_back.contains(joint)
             };
             let worst =
                 joints.iter().copied().filter(doubtful).max_by(|&a, &b| doubt(a).total_cmp(&doubt(b)));
@@ -121,6 +128,27 @@ impl Growth {
             };
             new.retain(|&number| !self.touches[number].limbs.contains(&limb));
         }
+    }
+
+    /// The joints of a part whose touches are explained as well where they turn, or slide, the other way: a limb felt
+    /// along its side tells hardly anything of how it slides along itself.
+    fn may_turn_back(&self, problem: &PartProblem, solved: &Solved, new: &[usize]) -> Vec<usize> {
+        let creature = self.agent.creature();
+        let joints = problem.part.joints.par_iter().copied();
+        let as_well = |&joint: &usize| {
+            let mut other = solved.schema.clone();
+            creature.joints()[joint].dof_indices().for_each(|dof| other.axes[dof] = -other.axes[dof]);
+            let other = self.closed_from(problem, other);
+            let of_it: Vec<usize> =
+                new.iter().copied().filter(|&number| self.touches[number].moving.contains(&joint)).collect();
+            let closed =
+                of_it.iter().filter(|&&number| self.closes(&self.touches[number].prepared, &other)).count();
+            let turned = creature.joints()[joint]
+                .dof_indices()
+                .any(|dof| (other.axes[dof] - solved.schema.axes[dof]).norm() > TWIN_AXIS);
+            turned && closed as f64 > AS_WELL * of_it.len() as f64
+        };
+        joints.filter(as_well).collect()
     }
 
     /// Per joint, whether the answers of other starts have it elsewhere though touches seem to tell where it is.

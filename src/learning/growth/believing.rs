@@ -17,7 +17,7 @@ use crate::schema::BodySchema;
 const FEW_OPEN: usize = 50;
 /// So many touches against a joint or a limb, and this share of all that tell of it, take it back.
 const CONTRADICTIONS: f64 = 3.0;
-const CONTRADICTED: f64 = 0.2;
+const CONTRADICTED: f64 = 0.08;
 /// Touches are taken in when so many times as many are believed, or fewer.
 const TOO_FEW: usize = 50;
 /// All is fitted again where there are so many times more touches than at the last time.

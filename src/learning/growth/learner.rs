@@ -29,11 +29,14 @@ impl<'a> Grower<'a> {
         Grower { agent, growth, seed, touches: Vec::new() }
     }
 
-    /// The last fit, to all touches that what is known explains, and what they determine.
+    /// The last fit, to all touches that what is known should explain, and what they determine.
     fn conclude(&self, schema: &BodySchema) -> Learned {
         let mut last = SecondOrder::new(self.agent, Input::Receptor, self.seed);
-        let used = self.touches.iter().zip(self.growth.touches()).filter(|(_, grown)| grown.used);
-        used.for_each(|(touch, _)| last.touch(touch));
+        // Those that contradict what is known as well: the account is to hear of them.
+        let told = self.touches.iter().zip(self.growth.touches());
+        let told =
+            told.filter(|(_, grown)| !grown.moving.is_empty() && self.growth.lacks(grown).is_nothing());
+        told.for_each(|(touch, _)| last.touch(touch));
         let known = vec![true; self.agent.creature().joints().len()];
         let mut learned = last.refine_known(schema, known);
         learned.initial_guesses = self.growth.starts();

@@ -66,6 +66,8 @@ const TOUCHES_OF_ALL: f64 = 1.2;
 const MORE: f64 = 1.35;
 /// Touches of one pair of limbs with the same joints moving that tell enough.
 const ALIKE: usize = 25;
+/// … and as long as nothing is known.
+const ALIKE_AT_FIRST: usize = 40;
 /// After so many touches, or this share of all, it is seen what can be learned.
 const EVERY: usize = 6;
 const EVERY_SHARE: usize = 100;
@@ -148,7 +150,7 @@ impl Growth {
         // Many touches that are alike are one wrong answer's majority.
         let alike =
             self.touches.iter().filter(|other| other.limbs == limbs && other.moving == moving).count();
-        let spare = self.belief.is_some() && alike >= ALIKE;
+        let spare = alike >= if self.belief.is_some() { ALIKE } else { ALIKE_AT_FIRST };
         self.touches.push(GrownTouch {
             limbs,
             prepared,
@@ -218,7 +220,7 @@ impl Growth {
     fn grow_trying(&mut self, tried: usize) -> bool {
         let mut grown = false;
         if self.belief.is_none() {
-            grown = self.grow_first(tried);
+            grown = self.grow_first(tried.div_ceil(2));
             if !grown {
                 return false;
             }
@@ -256,7 +258,7 @@ impl Growth {
         for touch in self.touches.iter().filter(|touch| touch.freedom >= FREEDOM) {
             sets.entry(touch.moving.clone()).or_insert(0);
         }
-        let mut candidates: Vec<(f64, Part, usize)> = Vec::new();
+        let mut candidates: Vec<(Part, usize)> = Vec::new();
         for joints in sets.into_keys() {
             let within = |touch: &&GrownTouch| {
                 touch.freedom >= FREEDOM && touch.moving.iter().all(|joint| joints.contains(joint))
@@ -267,11 +269,12 @@ impl Growth {
             let ratio = touches as f64 / (self.width(&part.joints) as f64);
             let before = self.failed.get(&part.key()).copied().unwrap_or(0);
             if ratio >= FIRST_TOUCHES && touches as f64 >= MORE * before as f64 {
-                candidates.push((ratio, part, touches));
+                candidates.push((part, touches));
             }
         }
-        candidates.sort_by(|a, b| b.0.total_cmp(&a.0));
-        candidates.into_iter().take(tried).any(|(_, part, touches)| {
+        // Small ones are found sooner, and cost less in vain.
+        candidates.sort_by_key(|(part, _)| self.width(&part.joints));
+        candidates.into_iter().take(tried).any(|(part, touches)| {
             let known = self.learn(&part, FIRST_STARTS);
             if !known {
                 self.failed.insert(part.key(), touches);

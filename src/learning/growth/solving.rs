@@ -283,6 +283,12 @@ impl Growth {
         }
     }
 
+    /// The answer that is nearest to a schema.
+    pub(super) fn closed_from(&self, problem: &PartProblem, schema: BodySchema) -> BodySchema {
+        let beliefs = problem.beliefs();
+        anneal_to(NARROWEST, &self.agent, &problem.touches, &problem.unit, &beliefs, schema).schema
+    }
+
     /// An initial guess of a body of which nothing is known, down the relaxed gradient.
     fn first_guess(&self, problem: &PartProblem, doubts: bool, rng: &mut ChaCha8Rng) -> BodySchema {
         let mut guess = problem.base.clone();
