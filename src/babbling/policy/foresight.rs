@@ -9,6 +9,22 @@ use crate::schema::BodySchema;
 /// Postures on the way that are looked at: a finger is thinner than an arm's way from one to the next, but what is
 /// overlooked now and then costs a motion, and no more.
 const LOOKS: usize = 24;
+/// The share of the way after which it is seen whether limbs that touch part.
+const FIRST_LOOK: f64 = 0.01;
+/// Limbs that are no farther from each other touch, metres; and how much deeper they are where they do not part.
+const TOUCHING: f64 = 5e-4;
+const DEEPER: f64 = 1e-6;
+
+/// What a motion leads to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Foreseen {
+    /// These limbs meet first.
+    Meeting([usize; 2]),
+    /// Nothing meets.
+    Nothing,
+    /// Limbs that touch at the beginning would go into each other.
+    Stuck,
+}
 
 /// Foresees what a straight motion touches first.
 pub struct Foresight<'a> {
@@ -35,14 +51,14 @@ impl<'a> Foresight<'a> {
         Foresight { agent, surfaces, balls }
     }
 
-    /// The two limbs that are the first to meet on the straight way from one posture to another; none where none do.
-    /// Limbs that do not count are overlooked, and pairs that meet at the beginning.
-    pub fn first_meeting(
+    /// What the straight way from one posture to another leads to. Limbs that do not count are overlooked, as are pairs
+    /// that touch at the beginning and part.
+    pub fn foresee(
         &self,
         schema: &BodySchema,
         [from, to]: [&[f64]; 2],
         counts: impl Fn(usize) -> bool,
-    ) -> Option<[usize; 2]> {
+    ) -> Foreseen {
         let creature = self.agent.creature();
         // Limbs with the same joint that moves before them do not move to each other.
         let mut carried_by = vec![0; creature.limbs().len()];
@@ -53,42 +69,57 @@ impl<'a> Foresight<'a> {
         let limbs: Vec<usize> =
             (0..carried_by.len()).filter(|&limb| self.balls[limb].is_some() && counts(limb)).collect();
         let mut frames = limb_frames(creature, schema, from);
-        let mut pairs = Vec::new();
+        let (mut pairs, mut touching) = (Vec::new(), Vec::new());
         for (number, &a) in limbs.iter().enumerate() {
             for &b in &limbs[number + 1..] {
-                let apart = carried_by[a] != carried_by[b] && !creature.neighbouring(a, b);
-                if apart && !self.meet(&frames, [a, b]) {
-                    pairs.push([a, b]);
+                if carried_by[a] == carried_by[b] || creature.neighbouring(a, b) {
+                    continue;
+                }
+                match self.gap(&frames, [a, b], TOUCHING) {
+                    // What is deep in each other at the beginning does not feel each other.
+                    gap if gap < -TOUCHING => {}
+                    gap if gap < TOUCHING => touching.push(([a, b], gap)),
+                    _ => pairs.push([a, b]),
                 }
             }
         }
-        (1..=LOOKS).find_map(|look| {
+        let posture = Posture::between(creature, from, to, FIRST_LOOK);
+        limb_frames_into(creature, schema, &posture, &mut frames);
+        if touching.iter().any(|&(pair, before)| self.gap(&frames, pair, TOUCHING) < before - DEEPER) {
+            return Foreseen::Stuck;
+        }
+        for look in 1..=LOOKS {
             let posture = Posture::between(creature, from, to, look as f64 / LOOKS as f64);
             limb_frames_into(creature, schema, &posture, &mut frames);
-            pairs.iter().copied().find(|&pair| self.meet(&frames, pair))
-        })
+            if let Some(&met) = pairs.iter().find(|&&pair| self.gap(&frames, pair, 0.0) <= 0.0) {
+                return Foreseen::Meeting(met);
+            }
+        }
+        Foreseen::Nothing
     }
 
-    fn meet(&self, frames: &[Frame], [a, b]: [usize; 2]) -> bool {
-        let (Some(p), Some(q)) = (&self.balls[a], &self.balls[b]) else { return false };
-        if p.gap_at(&frames[a].point(&p.centre), q, &frames[b].point(&q.centre)) > 0.0 {
-            return false;
+    /// The gap of two limbs where it is below a limit, metres; no less than that elsewhere.
+    fn gap(&self, frames: &[Frame], [a, b]: [usize; 2], below: f64) -> f64 {
+        let (Some(p), Some(q)) = (&self.balls[a], &self.balls[b]) else { return f64::INFINITY };
+        let apart = p.gap_at(&frames[a].point(&p.centre), q, &frames[b].point(&q.centre));
+        if apart > below {
+            return apart;
         }
         let of = |limb: usize| {
             self.surfaces[limb].iter().filter_map(move |&number| {
                 let surface = &self.agent.skin().surfaces[number];
-                let ball = Ball {
-                    centre: frames[limb].point(&surface.origin),
-                    radius: surface.shape.bounding_radius(),
-                };
+                let centre = frames[limb].point(&surface.origin);
+                let ball = Ball { centre, radius: surface.shape.bounding_radius() };
                 Some((ball, surface.placed(&frames[limb])?))
             })
         };
-        of(a).any(|(ball, first)| {
-            of(b).any(|(other, second)| {
-                ball.gap_at(&ball.centre, &other, &other.centre) <= 0.0
-                    && gap(&first, &second, Precision::LowerBound).distance <= 0.0
-            })
-        })
+        let pieces = of(a).flat_map(|first| of(b).map(move |second| (first, second)));
+        let gaps = pieces.map(|((ball, first), (other, second))| {
+            match ball.gap_at(&ball.centre, &other, &other.centre) {
+                apart if apart > below => apart,
+                _ => gap(&first, &second, Precision::Exact).distance,
+            }
+        });
+        gaps.fold(f64::INFINITY, f64::min)
     }
 }

@@ -16,6 +16,7 @@ mod working_schema;
 
 use rand_chacha::ChaCha8Rng;
 
+pub use foresight::{Foreseen, Foresight};
 pub use informative::Informative;
 pub use random::Random;
 pub use stages::Stages;

@@ -12,7 +12,7 @@ use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
 use super::Policy;
-use super::foresight::Foresight;
+use super::foresight::{Foreseen, Foresight};
 use crate::agent::Agent;
 use crate::creature::Posture;
 use crate::kinematics::{Chain, InverseKinematics};
@@ -374,8 +374,11 @@ impl<'a> Stages<'a> {
             unknown.for_each(|joint| rest(creature, joint, &mut posture));
             posture
         });
-        let found = self.foresight.first_meeting(schema, [&from, &to], |limb| self.growth.placed(limb));
-        found.map_or(!sure, |[a, b]| self.wanted[a] != self.wanted[b])
+        match self.foresight.foresee(schema, [&from, &to], |limb| self.growth.placed(limb)) {
+            Foreseen::Meeting([a, b]) => self.wanted[a] != self.wanted[b],
+            Foreseen::Nothing => !sure,
+            Foreseen::Stuck => false,
+        }
     }
 
     /// A posture near one in which something was touched that the goal wants.
