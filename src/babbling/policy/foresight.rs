@@ -1,5 +1,7 @@
 //! What a motion will touch first, as far as a schema tells.
 
+use nalgebra::Vector3;
+
 use crate::agent::Agent;
 use crate::creature::Posture;
 use crate::geometry::{Ball, Frame, Precision, gap};
@@ -69,13 +71,14 @@ impl<'a> Foresight<'a> {
         let limbs: Vec<usize> =
             (0..carried_by.len()).filter(|&limb| self.balls[limb].is_some() && counts(limb)).collect();
         let mut frames = limb_frames(creature, schema, from);
+        let centres = self.centres(&frames);
         let (mut pairs, mut touching) = (Vec::new(), Vec::new());
         for (number, &a) in limbs.iter().enumerate() {
             for &b in &limbs[number + 1..] {
                 if carried_by[a] == carried_by[b] || creature.neighbouring(a, b) {
                     continue;
                 }
-                match self.gap(&frames, [a, b], TOUCHING) {
+                match self.gap(&frames, &centres, [a, b], TOUCHING) {
                     // What is deep in each other at the beginning does not feel each other.
                     gap if gap < -TOUCHING => {}
                     gap if gap < TOUCHING => touching.push(([a, b], gap)),
@@ -85,23 +88,36 @@ impl<'a> Foresight<'a> {
         }
         let posture = Posture::between(creature, from, to, FIRST_LOOK);
         limb_frames_into(creature, schema, &posture, &mut frames);
-        if touching.iter().any(|&(pair, before)| self.gap(&frames, pair, TOUCHING) < before - DEEPER) {
+        let centres = self.centres(&frames);
+        let goes_on = |&(pair, before): &([usize; 2], f64)| {
+            self.gap(&frames, &centres, pair, TOUCHING) < before - DEEPER
+        };
+        if touching.iter().any(goes_on) {
             return Foreseen::Stuck;
         }
         for look in 1..=LOOKS {
             let posture = Posture::between(creature, from, to, look as f64 / LOOKS as f64);
             limb_frames_into(creature, schema, &posture, &mut frames);
-            if let Some(&met) = pairs.iter().find(|&&pair| self.gap(&frames, pair, 0.0) <= 0.0) {
+            let centres = self.centres(&frames);
+            if let Some(&met) = pairs.iter().find(|&&pair| self.gap(&frames, &centres, pair, 0.0) <= 0.0) {
                 return Foreseen::Meeting(met);
             }
         }
         Foreseen::Nothing
     }
 
+    /// Per limb, the centre of the ball about it.
+    fn centres(&self, frames: &[Frame]) -> Vec<Vector3<f64>> {
+        let centre = |(ball, frame): (&Option<Ball>, &Frame)| {
+            ball.as_ref().map_or(frame.origin, |ball| frame.point(&ball.centre))
+        };
+        self.balls.iter().zip(frames).map(centre).collect()
+    }
+
     /// The gap of two limbs where it is below a limit, metres; no less than that elsewhere.
-    fn gap(&self, frames: &[Frame], [a, b]: [usize; 2], below: f64) -> f64 {
+    fn gap(&self, frames: &[Frame], centres: &[Vector3<f64>], [a, b]: [usize; 2], below: f64) -> f64 {
         let (Some(p), Some(q)) = (&self.balls[a], &self.balls[b]) else { return f64::INFINITY };
-        let apart = p.gap_at(&frames[a].point(&p.centre), q, &frames[b].point(&q.centre));
+        let apart = p.gap_at(&centres[a], q, &centres[b]);
         if apart > below {
             return apart;
         }

@@ -6,7 +6,7 @@
 //! known, towards a limb that is not placed yet. Where the schema tells how, motions are aimed; where it does not,
 //! what was touched once is touched again, a little differently.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
@@ -16,7 +16,7 @@ use super::foresight::{Foreseen, Foresight};
 use crate::agent::Agent;
 use crate::creature::Posture;
 use crate::kinematics::{Chain, InverseKinematics};
-use crate::learning::growth::{FIRST_TOUCHES, FREEDOM, Growth, LIMB_FREEDOM, rest};
+use crate::learning::growth::{FIRST_TOUCHES, FREEDOM, GrownTouch, Growth, LIMB_FREEDOM, rest};
 use crate::senses::Touch;
 use crate::simulation::Ending;
 
@@ -77,6 +77,8 @@ pub struct Stages<'a> {
     aim: Goal,
     /// Per limb, whether a touch of it with one that is not tells what the goal asks.
     wanted: Vec<bool>,
+    /// Per pair of limbs, the touches that it serves the goal to repeat.
+    repeatable: BTreeMap<[usize; 2], Vec<usize>>,
     /// Per joint, whether it moves.
     free: Vec<bool>,
     /// Motions for the present goal, and the most.
@@ -129,7 +131,8 @@ impl<'a> Stages<'a> {
             trials: Vec::new(),
             trial: Some(0),
             aim: Goal::Joints(Vec::new()),
-            wanted: Vec::new(),
+            wanted: vec![false; creature.limbs().len()],
+            repeatable: BTreeMap::new(),
             free: vec![false; joints],
             motions: 0,
             patience: TRIAL_MOTIONS,
@@ -195,6 +198,8 @@ impl<'a> Stages<'a> {
         }
         self.aim = goal;
         self.wanted = self.limbs_wanted();
+        self.repeatable.clear();
+        (0..self.growth.touches().len()).for_each(|number| self.remember(number));
         (self.motions, self.patience) = (0, patience);
     }
 
@@ -203,6 +208,14 @@ impl<'a> Stages<'a> {
         match &self.aim {
             Goal::Joints(joints) | Goal::Repeat(joints) => joints,
             Goal::Limb(_) => &[],
+        }
+    }
+
+    /// Remembers a touch by its pair of limbs, where it serves the goal to touch that again.
+    fn remember(&mut self, number: usize) {
+        let touch = &self.growth.touches()[number];
+        if self.is_repeatable(touch) {
+            self.repeatable.entry(touch.limbs).or_default().push(number);
         }
     }
 
@@ -381,29 +394,23 @@ impl<'a> Stages<'a> {
         }
     }
 
+    /// Whether it serves the goal to touch again what a touch was of.
+    fn is_repeatable(&self, touch: &GrownTouch) -> bool {
+        let least = if self.joints().is_empty() { LIMB_FREEDOM } else { FREEDOM };
+        let [a, b] = touch.limbs.map(|limb| self.wanted[limb]);
+        let told = match self.aim {
+            Goal::Repeat(_) => touch.moving.iter().any(|joint| self.joints().contains(joint)),
+            _ => a != b,
+        };
+        touch.freedom >= least && told && touch.moving.iter().all(|&joint| self.free[joint])
+    }
+
     /// A posture near one in which something was touched that the goal wants.
     fn again(&self, rng: &mut ChaCha8Rng) -> Option<Posture> {
         let creature = self.agent.creature();
-        let least = if self.joints().is_empty() { LIMB_FREEDOM } else { FREEDOM };
-        let fits = |&number: &usize| {
-            let touch = &self.growth.touches()[number];
-            let [a, b] = touch.limbs.map(|limb| self.wanted[limb]);
-            let told = match self.aim {
-                Goal::Repeat(_) => touch.moving.iter().any(|joint| self.joints().contains(joint)),
-                _ => a != b,
-            };
-            touch.freedom >= least && told && touch.moving.iter().all(|&joint| self.free[joint])
-        };
-        let known: Vec<usize> = (0..self.remembered.len()).filter(fits).collect();
-        if known.is_empty() {
-            return None;
-        }
         // Each pair of limbs as likely as any other, however often it was touched.
-        let pairs: BTreeSet<[usize; 2]> =
-            known.iter().map(|&number| self.growth.touches()[number].limbs).collect();
-        let pair = pairs.iter().nth(rng.random_range(0..pairs.len()))?;
-        let known: Vec<usize> =
-            known.into_iter().filter(|&number| self.growth.touches()[number].limbs == *pair).collect();
+        let pair = rng.random_range(0..self.repeatable.len().max(1));
+        let known = self.repeatable.values().nth(pair)?;
         let number = known[rng.random_range(0..known.len())];
         let [touched, from] = &self.remembered[number];
         let mut target = self.here();
@@ -492,6 +499,7 @@ impl Policy for Stages<'_> {
     fn touched(&mut self, touch: &Touch) {
         self.grown = self.growth.touch(touch);
         self.remembered.push([touch.posture.clone(), self.start.clone()]);
+        self.remember(self.remembered.len() - 1);
         if let Some(felt) = self.growth.touches().last() {
             let tells = felt.moving.iter().all(|&joint| self.free[joint]);
             self.caught = if tells { 0 } else { self.caught + 1 };

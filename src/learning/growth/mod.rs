@@ -55,7 +55,7 @@ pub const LIMB_FREEDOM: usize = 3;
 /// Starts from random initial guesses with the first part of a body, …
 const FIRST_STARTS: usize = 8;
 /// … and with all others.
-const STARTS: usize = 6;
+const STARTS: usize = 4;
 /// Touches that the first part needs, in units of its joints' unknowns: limbs that rest have theirs, too.
 pub const FIRST_TOUCHES: f64 = 3.5;
 /// Touches that a part needs, in units of its unknowns.
