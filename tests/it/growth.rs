@@ -40,8 +40,11 @@ mod slow {
             assert!(found["undetermined"].as_array().unwrap().len() <= 3, "{}", found["undetermined"]);
             let worst = found["determined_mm"]["max"].as_f64().unwrap();
             assert!(worst < 0.1, "{worst} mm of what is claimed");
-            // A session that ended early is whole.
+            // A session that ended early is whole, and what was learned on the way is what its log tells.
+            let schema = || std::fs::read(place.path().join(seed).join("schema.json")).unwrap();
+            let on_the_way = schema();
             succeeds(place.path(), &["babble", "--resume", seed]);
+            assert!(schema() == on_the_way, "learned again from the log, the schema is another");
         }
     }
 }

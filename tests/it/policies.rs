@@ -4,12 +4,15 @@ use std::convert::Infallible;
 use std::fs;
 use std::process::Command;
 
-use crate::common::{creature, max, two_arms};
+use crate::common::{creature, max, truth, two_arms};
 use bodyschema::agent::Agent;
+use bodyschema::babbling::policy::{Foreseen, Foresight};
 use bodyschema::babbling::{Babbler, BabblingOptions, PolicyName, motions_until};
-use bodyschema::creature::Body;
+use bodyschema::creature::{Body, Posture};
 use bodyschema::senses::Touch;
-use bodyschema::simulation::{Effort, MotionName, Movers};
+use bodyschema::simulation::{Effort, Ending, MotionName, MotionUntilTouch, Movers};
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
 
 fn arms() -> String {
     two_arms(r#"type="capsule" size="0.12 0.2""#, r#"type="capsule" size="0.03 0.2""#)
@@ -73,4 +76,52 @@ fn a_session_says_by_which_policy_its_motions_were_chosen() {
     let session = fs::read_to_string(place.path().join("here/session.json")).unwrap();
     let session: serde_json::Value = serde_json::from_str(&session).unwrap();
     assert_eq!(session["options"]["policy"], "informative");
+}
+
+/// With the true schema it is right but for what is thinner than the way between two looks; with a schema in which the
+/// elbows are elsewhere it is not.
+#[test]
+fn what_a_motion_touches_first_is_foreseen_by_the_schema() {
+    let body = max("torso");
+    let agent = Agent::of(&body).unwrap();
+    let movers = Movers::new(&body, &agent, MotionName::Kinematic).unwrap();
+    let right_with = |schema| {
+        let mut foresight = Foresight::new(&agent);
+        let mut mover = movers.kinematic().unwrap();
+        let mut rng = ChaCha8Rng::seed_from_u64(7);
+        let (mut right, mut wrong) = (0, 0);
+        for motion in 0..400 {
+            let from = mover.felt_posture().unwrap();
+            let target = Posture::random(&body.creature, &mut rng);
+            let foreseen = foresight.foresee(schema, [&from, &target], |_| true);
+            let is_right = match mover.advance(&target).unwrap() {
+                Ending::Touch(ends) => {
+                    let mut met = ends.map(|end| agent.skin().receptors[end.receptor].limb);
+                    met.sort_unstable();
+                    foreseen == Foreseen::Meeting(met)
+                }
+                Ending::Free => {
+                    let passing = foresight.passing(schema, &target, |_| true);
+                    foresight.pass(passing);
+                    foreseen == Foreseen::Nothing
+                }
+                Ending::Again => foreseen == Foreseen::Stuck,
+                Ending::Bare => continue,
+            };
+            // At first it is found out which limbs do not feel each other.
+            match is_right {
+                _ if motion < 100 => {}
+                true => right += 1,
+                false => wrong += 1,
+            }
+        }
+        f64::from(right) / f64::from(right + wrong)
+    };
+    let schema = truth(&body);
+    let mut other = schema.clone();
+    let elbow = body.creature.joints().iter().position(|joint| joint.name == "left_elbow").unwrap();
+    other.positions[elbow].z += 0.15;
+    let (known, mistaken) = (right_with(&schema), right_with(&other));
+    assert!(known > 0.9, "{known} of the motions end as foreseen");
+    assert!(mistaken < known - 0.05, "{mistaken} with a wrong schema, {known} with the right one");
 }

@@ -1,5 +1,7 @@
 //! What a motion will touch first, as far as a schema tells.
 
+use std::collections::BTreeSet;
+
 use nalgebra::Vector3;
 
 use crate::agent::Agent;
@@ -16,6 +18,10 @@ const FIRST_LOOK: f64 = 0.01;
 /// Limbs that are no farther from each other touch, metres; and how much deeper they are where they do not part.
 const TOUCHING: f64 = 5e-4;
 const DEEPER: f64 = 1e-6;
+
+/// Limbs that were deeper in each other do not feel each other, metres: what is believed of where they are is never as
+/// far off.
+const PASSING: f64 = 2e-3;
 
 /// What a motion leads to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -34,6 +40,8 @@ pub struct Foresight<'a> {
     /// Per limb, its solid surfaces, and a ball about them.
     surfaces: Vec<Vec<usize>>,
     balls: Vec<Option<Ball>>,
+    /// Pairs of limbs that were in each other and did not feel it.
+    passing: BTreeSet<[usize; 2]>,
 }
 
 impl<'a> Foresight<'a> {
@@ -50,7 +58,30 @@ impl<'a> Foresight<'a> {
             Ball::about(&balls)
         };
         let balls = surfaces.iter().map(about).collect();
-        Foresight { agent, surfaces, balls }
+        Foresight { agent, surfaces, balls, passing: BTreeSet::new() }
+    }
+
+    /// Limbs that count and are in each other in a posture that the body was in: they do not feel each other.
+    pub fn passing(
+        &self,
+        schema: &BodySchema,
+        posture: &[f64],
+        counts: impl Fn(usize) -> bool,
+    ) -> Vec<[usize; 2]> {
+        let frames = limb_frames(self.agent.creature(), schema, posture);
+        let centres = self.centres(&frames);
+        let limbs: Vec<usize> =
+            (0..self.balls.len()).filter(|&limb| self.balls[limb].is_some() && counts(limb)).collect();
+        let pairs = limbs.iter().enumerate().flat_map(|(n, &a)| limbs[n + 1..].iter().map(move |&b| [a, b]));
+        let in_each_other = |pair: &[usize; 2]| {
+            !self.passing.contains(pair) && self.gap(&frames, &centres, *pair, -PASSING) < -PASSING
+        };
+        pairs.filter(in_each_other).collect()
+    }
+
+    /// Takes it that pairs of limbs pass through each other.
+    pub fn pass(&mut self, pairs: Vec<[usize; 2]>) {
+        self.passing.extend(pairs);
     }
 
     /// What the straight way from one posture to another leads to. Limbs that do not count are overlooked, as are pairs
@@ -75,7 +106,8 @@ impl<'a> Foresight<'a> {
         let (mut pairs, mut touching) = (Vec::new(), Vec::new());
         for (number, &a) in limbs.iter().enumerate() {
             for &b in &limbs[number + 1..] {
-                if carried_by[a] == carried_by[b] || creature.neighbouring(a, b) {
+                let passing = creature.neighbouring(a, b) || self.passing.contains(&[a, b]);
+                if carried_by[a] == carried_by[b] || passing {
                     continue;
                 }
                 match self.gap(&frames, &centres, [a, b], TOUCHING) {

@@ -48,6 +48,8 @@ const GOALS: usize = 3;
 /// How deep an aim goes into both limbs, metres, and how far from it a posture may stay.
 const DEPTH: f64 = 0.01;
 const NEAR: f64 = 0.01;
+/// A limb that is placed to this, one standard deviation, metres, is where the schema has it.
+const WELL_PLACED: f64 = 5e-4;
 /// Motions in a row without a touch that tells anything, after which a body caught in itself starts over.
 const CAUGHT: usize = 12;
 /// Motions with a limb to be placed, with joints to be learned, and how many more for each further joint.
@@ -230,6 +232,16 @@ impl<'a> Stages<'a> {
             }),
         }
         wanted
+    }
+
+    /// Learns which limbs pass through each other from a posture that was reached.
+    fn live_through(&mut self, posture: &[f64]) {
+        let Some(schema) = self.growth.schema() else { return };
+        // Limbs on joints that are not known yet are not where the schema has them.
+        let unknown = |limb: usize| self.wanted[limb] && !self.joints().is_empty();
+        let counts = |limb: usize| !unknown(limb) && self.growth.placement(limb) < WELL_PLACED;
+        let passing = self.foresight.passing(schema, posture, counts);
+        self.foresight.pass(passing);
     }
 
     /// Takes stock after a motion.
@@ -510,7 +522,10 @@ impl Policy for Stages<'_> {
         self.take_stock();
     }
 
-    fn missed(&mut self, ending: &Ending, _: &[f64]) {
+    fn missed(&mut self, ending: &Ending, posture: &[f64]) {
+        if *ending == Ending::Free {
+            self.live_through(posture);
+        }
         self.caught = if *ending == Ending::Free { 0 } else { self.caught + 1 };
         self.take_stock();
     }
