@@ -1,0 +1,250 @@
+//! Growing up: few joints move at first, and more as they are known.
+//!
+//! All joints rest but a few. Which few is found by trial: sets of joints between two limbs, those first that carry
+//! much skin to both sides, and of these the set that touches most. Once it is known (see
+//! [`Growth`](crate::learning::growth)), what is known moves, and one joint more, or two or three; or only what is
+//! known, towards a limb that is not placed yet ([`goals`]). Where the schema tells how, motions are aimed; where it does
+//! not, what was touched once is touched again, a little differently; and only ways are gone on which the schema
+//! foresees that the wanted limb is the first to meet another ([`motions`]).
+
+mod goals;
+mod motions;
+
+use std::collections::BTreeMap;
+
+use rand::RngExt;
+use rand_chacha::ChaCha8Rng;
+
+use self::goals::{TRIAL_MOTIONS, UNPROMISING};
+use super::Policy;
+use super::foresight::Foresight;
+use crate::agent::Agent;
+use crate::creature::Posture;
+use crate::learning::growth::{FREEDOM, Growth};
+use crate::senses::Touch;
+use crate::simulation::Ending;
+
+/// Share of motions that go anywhere.
+const ANYWHERE: f64 = 0.15;
+/// Share of the others that repeat a touch though they could be aimed.
+const REPEATED: f64 = 0.3;
+/// Draws of two receptors to aim at.
+const AIMS: usize = 8;
+/// Goals that are considered before a motion goes anywhere because none of them promises anything.
+const GOALS: usize = 3;
+/// Motions in a row without a touch that tells anything, after which a body caught in itself starts over.
+const CAUGHT: usize = 12;
+
+/// The policy `stages`.
+pub struct Stages<'a> {
+    agent: &'a Agent,
+    growth: Growth,
+    foresight: Foresight<'a>,
+    /// Per joint, the share of the skin on the side of it where there is less.
+    lever: Vec<f64>,
+    /// Sets of joints for the first part, and the touches that each brought in its trial.
+    trials: Vec<(Vec<usize>, usize)>,
+    /// The set that is tried; none any more once one was chosen.
+    trial: Option<usize>,
+    aim: Goal,
+    /// Per limb, whether a touch of it with one that is not tells what the goal asks.
+    wanted: Vec<bool>,
+    /// Per pair of limbs, the touches that it serves the goal to repeat.
+    repeatable: BTreeMap<[usize; 2], Vec<usize>>,
+    /// Per joint, whether it moves.
+    free: Vec<bool>,
+    /// Motions for the present goal, and the most.
+    motions: usize,
+    patience: usize,
+    /// Whether something was learned from the last touch.
+    grown: bool,
+    goals: usize,
+    tried: Option<Goal>,
+    tries: BTreeMap<Goal, f64>,
+    /// Per touch, its posture and where the motion to it began.
+    remembered: Vec<[Posture; 2]>,
+    start: Posture,
+    /// Motions in a row that told nothing.
+    caught: usize,
+    over: bool,
+    done: bool,
+}
+
+/// What motions are made for.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
+enum Goal {
+    /// That joints are learned.
+    Joints(Vec<usize>),
+    /// The same, by repeating touches that were made by chance.
+    Repeat(Vec<usize>),
+    /// That a limb is placed.
+    Limb(usize),
+}
+
+impl<'a> Stages<'a> {
+    /// The policy of a body of which nothing is known; what it learns on the way begins with `seed`.
+    pub fn new(agent: &'a Agent, seed: u64) -> Stages<'a> {
+        let creature = agent.creature();
+        let joints = creature.joints().len();
+        let mut beyond = vec![0.0; joints];
+        for receptor in &agent.skin().receptors {
+            let mut limb = receptor.limb;
+            while let Some(joint) = creature.joint_of(limb) {
+                beyond[joint] += 1.0;
+                limb = creature.joints()[joint].parent;
+            }
+        }
+        let all = agent.skin().receptors.len().max(1) as f64;
+        let growth = Growth::new(agent, seed);
+        let mut stages = Stages {
+            agent,
+            foresight: Foresight::new(agent),
+            lever: beyond.iter().map(|beyond: &f64| beyond.min(all - beyond) / all).collect(),
+            trials: Vec::new(),
+            trial: Some(0),
+            aim: Goal::Joints(Vec::new()),
+            wanted: vec![false; creature.limbs().len()],
+            repeatable: BTreeMap::new(),
+            free: vec![false; joints],
+            motions: 0,
+            patience: TRIAL_MOTIONS,
+            grown: false,
+            goals: 0,
+            tried: None,
+            tries: BTreeMap::new(),
+            remembered: Vec::new(),
+            start: Posture::default(),
+            caught: 0,
+            over: false,
+            done: growth.resolved().iter().all(|&resolved| resolved),
+            growth,
+        };
+        stages.trials = stages.first_sets().into_iter().map(|set| (set, 0)).collect();
+        stages.trials.push(((0..joints).collect(), 0));
+        stages.begin_trial(0);
+        stages
+    }
+
+    fn begin(&mut self, goal: Goal, patience: usize) {
+        self.free = self.growth.resolved().to_vec();
+        if self.growth.schema().is_none() {
+            self.free.fill(false);
+        }
+        if let Goal::Joints(joints) | Goal::Repeat(joints) = &goal {
+            joints.iter().for_each(|&joint| self.free[joint] = true);
+        }
+        self.aim = goal;
+        self.wanted = self.limbs_wanted();
+        self.repeatable.clear();
+        (0..self.growth.touches().len()).for_each(|number| self.remember(number));
+        (self.motions, self.patience) = (0, patience);
+    }
+
+    /// The joints that the present goal is to learn.
+    fn joints(&self) -> &[usize] {
+        match &self.aim {
+            Goal::Joints(joints) | Goal::Repeat(joints) => joints,
+            Goal::Limb(_) => &[],
+        }
+    }
+
+    /// Per limb, whether it is moved by the joints to be learned, or is the one to be placed.
+    fn limbs_wanted(&self) -> Vec<bool> {
+        let creature = self.agent.creature();
+        let mut wanted = vec![false; creature.limbs().len()];
+        match self.aim {
+            Goal::Limb(limb) => wanted[limb] = true,
+            _ => creature.joints().iter().enumerate().for_each(|(joint, at)| {
+                wanted[joint + 1] = wanted[at.parent] || self.joints().contains(&joint);
+            }),
+        }
+        wanted
+    }
+
+    /// Takes stock after a motion.
+    fn take_stock(&mut self) {
+        if let Some(trial) = self.trial.filter(|_| self.growth.schema().is_none()) {
+            if self.motions >= self.patience {
+                self.end_trial(trial);
+            }
+            return;
+        }
+        if std::mem::take(&mut self.grown) {
+            self.trial = None;
+            self.next_goal();
+            return;
+        }
+        if self.motions >= self.patience {
+            match self.growth.schema() {
+                Some(_) => self.next_goal(),
+                None => self.next_first(),
+            }
+        }
+    }
+}
+
+impl Policy for Stages<'_> {
+    fn next_target(&mut self, posture: &[f64], rng: &mut ChaCha8Rng) -> Posture {
+        self.motions += 1;
+        self.start = posture.into();
+        if self.growth.schema().is_none() || rng.random::<f64>() < ANYWHERE {
+            return self.anywhere(rng);
+        }
+        for _ in 0..GOALS {
+            let receptors = &self.agent.skin().receptors;
+            let sure = receptors.iter().any(|r| self.wanted[r.limb] && self.growth.placed(r.limb));
+            let repeats = !sure || matches!(self.aim, Goal::Repeat(_)) || rng.random::<f64>() < REPEATED;
+            for _ in 0..AIMS {
+                let again = if repeats { self.again(rng) } else { None };
+                let Some(target) = again.or_else(|| self.aimed(sure, rng)) else { continue };
+                if self.promises(&target, sure) {
+                    return target;
+                }
+            }
+            // Where nothing is promised from here, it may be another time.
+            if let Some(tries) = self.tried.as_ref().and_then(|goal| self.tries.get_mut(goal)) {
+                *tries += UNPROMISING - 1.0;
+            }
+            self.next_goal();
+        }
+        self.anywhere(rng)
+    }
+
+    fn touched(&mut self, touch: &Touch) {
+        self.grown = self.growth.touch(touch);
+        self.remembered.push([touch.posture.clone(), self.start.clone()]);
+        self.remember(self.remembered.len() - 1);
+        if let Some(felt) = self.growth.touches().last() {
+            let tells = felt.moving.iter().all(|&joint| self.free[joint]);
+            self.caught = if tells { 0 } else { self.caught + 1 };
+            if let Some(trial) = self.trial.filter(|_| tells && felt.freedom >= FREEDOM) {
+                self.trials[trial].1 += 1;
+            }
+        }
+        self.take_stock();
+    }
+
+    fn missed(&mut self, ending: &Ending, posture: &[f64]) {
+        if *ending == Ending::Free {
+            self.live_through(posture);
+        }
+        self.caught = if *ending == Ending::Free { 0 } else { self.caught + 1 };
+        self.take_stock();
+    }
+
+    fn starts_over(&mut self) -> bool {
+        let over = self.over || self.caught >= CAUGHT;
+        if over {
+            (self.over, self.caught) = (false, 0);
+        }
+        over
+    }
+
+    fn is_done(&self) -> bool {
+        self.done
+    }
+
+    fn grown(&self) -> Option<&Growth> {
+        Some(&self.growth)
+    }
+}

@@ -1,0 +1,156 @@
+//! Where to move for a goal: what was touched once again, or an aim by the schema, and whether that promises anything.
+
+use rand::RngExt;
+use rand_chacha::ChaCha8Rng;
+
+use super::{Goal, Stages};
+use crate::babbling::policy::foresight::Foreseen;
+use crate::creature::Posture;
+use crate::kinematics::{Chain, InverseKinematics};
+use crate::learning::growth::{FREEDOM, GrownTouch, LIMB_FREEDOM, rest};
+
+/// How far a repeated touch scatters, in shares of the ranges; how much farther it goes than the touch was, radians
+/// or metres, in shares of the way that led there.
+const SCATTER: f64 = 0.15;
+const FARTHER: f64 = 0.5;
+const FARTHEST: f64 = 0.3;
+/// How deep an aim goes into both limbs, metres, and how far from it a posture may stay.
+const DEPTH: f64 = 0.01;
+const NEAR: f64 = 0.01;
+/// A limb that is placed to this, one standard deviation, metres, is where the schema has it.
+const WELL_PLACED: f64 = 5e-4;
+
+impl Stages<'_> {
+    /// Learns which limbs pass through each other from a posture that was reached.
+    pub(super) fn live_through(&mut self, posture: &[f64]) {
+        let Some(schema) = self.growth.schema() else { return };
+        // Limbs on joints that are not known yet are not where the schema has them.
+        let unknown = |limb: usize| self.wanted[limb] && !self.joints().is_empty();
+        let counts = |limb: usize| !unknown(limb) && self.growth.placement(limb) < WELL_PLACED;
+        let passing = self.foresight.passing(schema, posture, counts);
+        self.foresight.pass(passing);
+    }
+
+    /// A random posture in which only what is free moves.
+    pub(super) fn anywhere(&self, rng: &mut ChaCha8Rng) -> Posture {
+        let creature = self.agent.creature();
+        let mut posture = Posture::random(creature, rng);
+        self.rest_others(&mut posture);
+        posture
+    }
+
+    /// The present posture, but what is not free at rest.
+    pub(super) fn here(&self) -> Posture {
+        let mut posture = self.start.clone();
+        self.rest_others(&mut posture);
+        posture
+    }
+
+    pub(super) fn rest_others(&self, posture: &mut Posture) {
+        let creature = self.agent.creature();
+        let held = (0..self.free.len()).filter(|&joint| !self.free[joint]);
+        held.for_each(|joint| rest(creature, joint, posture));
+        creature.couple(posture);
+    }
+
+    /// Whether the schema foresees that the way to a posture brings a limb that the goal wants to another one or, where it
+    /// is not known where such limbs are, at least that nothing else gets in the way.
+    pub(super) fn promises(&self, target: &Posture, sure: bool) -> bool {
+        let Some(schema) = self.growth.schema() else { return true };
+        let creature = self.agent.creature();
+        // Joints that are not known yet: at rest it is known best where their limbs are.
+        let [from, to] = [&self.start, target].map(|posture| {
+            let mut posture = posture.clone();
+            let unknown = (0..self.free.len()).filter(|&joint| !self.growth.resolved()[joint]);
+            unknown.for_each(|joint| rest(creature, joint, &mut posture));
+            posture
+        });
+        match self.foresight.foresee(schema, [&from, &to], |limb| self.growth.placed(limb)) {
+            Foreseen::Meeting([a, b]) => self.wanted[a] != self.wanted[b],
+            Foreseen::Nothing => !sure,
+            Foreseen::Stuck => false,
+        }
+    }
+
+    /// Whether it serves the goal to touch again what a touch was of.
+    pub(super) fn is_repeatable(&self, touch: &GrownTouch) -> bool {
+        let least = if self.joints().is_empty() { LIMB_FREEDOM } else { FREEDOM };
+        let [a, b] = touch.limbs.map(|limb| self.wanted[limb]);
+        let told = match self.aim {
+            Goal::Repeat(_) => touch.moving.iter().any(|joint| self.joints().contains(joint)),
+            _ => a != b,
+        };
+        touch.freedom >= least && told && touch.moving.iter().all(|&joint| self.free[joint])
+    }
+
+    /// Remembers a touch by its pair of limbs, where it serves the goal to touch that again.
+    pub(super) fn remember(&mut self, number: usize) {
+        let touch = &self.growth.touches()[number];
+        if self.is_repeatable(touch) {
+            self.repeatable.entry(touch.limbs).or_default().push(number);
+        }
+    }
+
+    /// A posture near one in which something was touched that the goal wants.
+    pub(super) fn again(&self, rng: &mut ChaCha8Rng) -> Option<Posture> {
+        let creature = self.agent.creature();
+        // Each pair of limbs as likely as any other, however often it was touched.
+        let pair = rng.random_range(0..self.repeatable.len().max(1));
+        let known = self.repeatable.values().nth(pair)?;
+        let number = known[rng.random_range(0..known.len())];
+        let [touched, from] = &self.remembered[number];
+        let mut target = self.here();
+        let between = self.growth.touches()[number].chain.iter().filter(|&&joint| self.free[joint]);
+        let between: Vec<_> = between
+            .flat_map(|&joint| creature.joints()[joint].elements().map(move |at| (joint, at)))
+            .collect();
+        let few = SCATTER / (between.len() as f64).sqrt();
+        for (joint, at) in between {
+            // Of a joint that hardly moves its touches tell hardly anything.
+            let scatter = if self.joints().contains(&joint) { SCATTER } else { few };
+            if at.is_ball() {
+                at.of_mut(&mut target).copy_from_slice(at.of(touched));
+                continue;
+            }
+            let (q, [low, high]) = (at.coordinate(), at.range);
+            let further = FARTHER * (touched[q] - from[q]).clamp(-FARTHEST, FARTHEST);
+            let scatter = scatter * (high - low) * (2.0 * rng.random::<f64>() - 1.0);
+            target[q] = (touched[q] + further + scatter).clamp(low, high);
+        }
+        creature.couple(&mut target);
+        Some(target)
+    }
+
+    /// A posture that brings a limb that the goal wants to another one, by the schema; what is not known stays where chance
+    /// puts it.
+    pub(super) fn aimed(&self, sure: bool, rng: &mut ChaCha8Rng) -> Option<Posture> {
+        let (creature, skin) = (self.agent.creature(), self.agent.skin());
+        let schema = self.growth.schema()?;
+        let on = |fits: &dyn Fn(usize) -> bool| -> Vec<usize> {
+            (0..skin.receptors.len()).filter(|&receptor| fits(skin.receptors[receptor].limb)).collect()
+        };
+        let wanted = on(&|limb| self.wanted[limb] && (!sure || self.growth.placed(limb)));
+        let others = on(&|limb| !self.wanted[limb] && self.growth.placed(limb));
+        if wanted.is_empty() || others.is_empty() {
+            return None;
+        }
+        let receptors = [&wanted, &others].map(|list| &skin.receptors[list[rng.random_range(0..list.len())]]);
+        let [a, b] = receptors.map(|receptor| receptor.limb);
+        if creature.neighbouring(a, b) {
+            return None;
+        }
+        let ends = receptors.map(|receptor| receptor.place(-DEPTH));
+        // What is not between the two stays where it is: the less moves, the less gets in the way.
+        let (mut start, random) = (self.here(), self.anywhere(rng));
+        for at in
+            Chain::between(creature, a, b).joints().flat_map(|joint| creature.joints()[joint].elements())
+        {
+            at.of_mut(&mut start).copy_from_slice(at.of(&random));
+        }
+        creature.couple(&mut start);
+        let known = |joint: usize| self.free[joint] && !self.joints().contains(&joint);
+        let mut solver = InverseKinematics::new(creature, schema, ends).moving(known);
+        let reach = solver.solve(&start);
+        (reach.miss < NEAR).then_some(reach.posture)
+    }
+}
