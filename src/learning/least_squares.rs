@@ -21,6 +21,18 @@ pub struct Linearization {
     pub scale: DVector<f64>,
 }
 
+impl Linearization {
+    /// Of a cost that is zero whatever so many parameters are.
+    pub fn nothing(parameters: usize) -> Linearization {
+        Linearization {
+            hessian: DMatrix::zeros(parameters, parameters),
+            gradient: DVector::zeros(parameters),
+            cost: 0.0,
+            scale: DVector::zeros(parameters),
+        }
+    }
+}
+
 /// A least-squares problem over a schema.
 pub trait LeastSquares {
     /// Normal equations at `schema`. May fix weights (covariances, robust weights) that

@@ -23,7 +23,7 @@ use crate::agent::Agent;
 use crate::learning::Parameters;
 use crate::learning::annealing::{NARROWEST, NORMAL_MEDIAN, quantile};
 use crate::learning::least_squares::{LeastSquares, Linearization};
-use crate::learning::prediction::{GapRow, information_inverse};
+use crate::learning::prediction::{GapRow, add_row, information_inverse, row_variance};
 use crate::learning::prior::PriorTerm;
 use crate::learning::surface_gap::SurfaceGap;
 use crate::learning::touch_set::{PreparedTouch, TouchSet};
@@ -155,11 +155,7 @@ impl NoisyGap {
 
     /// `j Σ jᵀ` for a covariance of all parameters, m².
     pub fn predicted(&self, covariance: &DMatrix<f64>) -> f64 {
-        let product = |column: usize| -> f64 {
-            let column = covariance.column(column);
-            self.entries.iter().map(|&(row, slope)| slope * column[row]).sum()
-        };
-        self.entries.iter().map(|&(column, slope)| slope * product(column)).sum()
+        row_variance(&self.entries, covariance)
     }
 }
 
@@ -262,7 +258,7 @@ impl Noise {
     }
 
     /// The noise after one round.
-    fn stepped(&self, gaps: &[NoisyGap], system: &MixedSystem, solved: &Solved) -> Noise {
+    fn stepped(&self, gaps: &[NoisyGap], system: &MixedSystem, solved: &MixedSolution) -> Noise {
         let mut next = *self;
         let honest: f64 = system.honest.iter().sum();
         let count = gaps.len() as f64;
@@ -329,7 +325,7 @@ struct Eliminated {
 }
 
 /// What they come to.
-struct Solved {
+struct MixedSolution {
     residuals: Vec<f64>,
     leverages: Vec<f64>,
     shift_squares: f64,
@@ -388,12 +384,9 @@ impl MixedSystem {
         for (gap, weight) in gaps.iter().zip(system.weights.clone()) {
             system.squares += weight * gap.gap * gap.gap;
             for &(column, slope) in &gap.entries {
-                let scaled = weight * slope;
-                system.gradient[column] += scaled * gap.gap;
-                for &(row, other) in &gap.entries {
-                    system.information[(row, column)] += scaled * other;
-                }
+                system.gradient[column] += weight * slope * gap.gap;
             }
+            add_row(&mut system.information, &gap.entries, weight);
             if system.shifts == 0 {
                 continue;
             }
@@ -439,7 +432,7 @@ impl MixedSystem {
     }
 
     /// The residuals after a step to the least cost, and how much of each gap it takes up.
-    fn solve(&self, gaps: &[NoisyGap], parameters: &Parameters, leverage: bool) -> Option<Solved> {
+    fn solve(&self, gaps: &[NoisyGap], parameters: &Parameters, leverage: bool) -> Option<MixedSolution> {
         let Eliminated { information, gradient, factor, .. } = self.eliminated()?;
         let covariance = information_inverse(information, parameters)?;
         let change = -&covariance * gradient;
@@ -479,12 +472,12 @@ impl MixedSystem {
         }
         let shift_freedom =
             self.shifts as f64 - shift_covariance.trace() / self.receptor.powi(2).max(f64::MIN_POSITIVE);
-        Some(Solved { residuals, leverages, shift_squares: shift.norm_squared(), shift_freedom })
+        Some(MixedSolution { residuals, leverages, shift_squares: shift.norm_squared(), shift_freedom })
     }
 
     /// How much more alike gaps are that share a receptor than chance makes them: the derivative of the likelihood by
     /// the receptors' variance at zero, over its deviation, less [`CHANCE`].
-    fn alike(&self, gaps: &[NoisyGap], solved: &Solved) -> f64 {
+    fn alike(&self, gaps: &[NoisyGap], solved: &MixedSolution) -> f64 {
         let receptors = gaps.iter().flat_map(|gap| gap.receptors).max().map_or(0, |last| last + 1);
         let mut sums = vec![Vector3::zeros(); receptors];
         let mut squares = vec![nalgebra::Matrix3::zeros(); receptors];
@@ -561,12 +554,7 @@ impl LeastSquares for NoisyProblem<'_> {
         }
         let eliminated = system.eliminated();
         let mut total = match eliminated {
-            None => Linearization {
-                hessian: nothing,
-                gradient: DVector::zeros(n),
-                cost: f64::INFINITY,
-                scale: DVector::zeros(n),
-            },
+            None => Linearization { cost: f64::INFINITY, ..Linearization::nothing(n) },
             Some(Eliminated { information: hessian, gradient, cost, factor }) => {
                 self.system = Some((system, factor));
                 Linearization { scale: hessian.diagonal(), hessian, gradient, cost }

@@ -61,11 +61,24 @@ impl GapRow {
 
     /// `j Σ jᵀ` for a covariance of all parameters, m².
     pub fn variance(&self, covariance: &DMatrix<f64>) -> f64 {
-        let product = |column: usize| -> f64 {
-            let column = covariance.column(column);
-            self.entries.iter().map(|&(row, slope)| slope * column[row]).sum()
-        };
-        self.entries.iter().map(|&(column, slope)| slope * product(column)).sum()
+        row_variance(&self.entries, covariance)
+    }
+}
+
+/// `j Σ jᵀ` of a derivative j, given as pairs of a parameter's place and the derivative by it.
+pub fn row_variance(row: &[(usize, f64)], covariance: &DMatrix<f64>) -> f64 {
+    let product = |column: usize| -> f64 {
+        let column = covariance.column(column);
+        row.iter().map(|&(place, slope)| slope * column[place]).sum()
+    };
+    row.iter().map(|&(column, slope)| slope * product(column)).sum()
+}
+
+/// Adds `w jᵀj` of such a derivative to information, both triangles.
+pub fn add_row(information: &mut DMatrix<f64>, row: &[(usize, f64)], weight: f64) {
+    for &(column, slope) in row {
+        let scaled = weight * slope;
+        row.iter().for_each(|&(place, other)| information[(place, column)] += scaled * other);
     }
 }
 

@@ -227,13 +227,7 @@ impl<'a, M: ObservationModel> TouchProblem<'a, M> {
 impl<M: ObservationModel> LeastSquares for TouchProblem<'_, M> {
     fn linearize(&mut self, schema: &BodySchema) -> Linearization {
         debug_assert!(schema.fits(self.creature));
-        let n = self.parameters.len();
-        let mut total = Linearization {
-            hessian: DMatrix::zeros(n, n),
-            gradient: DVector::zeros(n),
-            cost: 0.0,
-            scale: DVector::zeros(n),
-        };
+        let mut total = Linearization::nothing(self.parameters.len());
         let bases: Vec<Matrix3x2<f64>> = match self.parameters.axis_model {
             AxisModel::Relaxed => Vec::new(),
             AxisModel::Unit => schema.axes.iter().map(tangent_basis).collect(),

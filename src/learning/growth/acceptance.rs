@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use super::solving::{PartProblem, Solved};
 use super::{FREEDOM, GrownTouch, Growth, LIMB_FREEDOM};
 use crate::learning::Parameters;
-use crate::learning::prediction::{GapRow, information_inverse};
+use crate::learning::prediction::{GapRow, add_row, information_inverse, row_variance};
 use crate::schema::BodySchema;
 
 /// Touches that others check which a joint needs, …
@@ -44,7 +44,7 @@ impl Growth {
         let Some((joints, new)) = self.checked_part(problem, solved, new) else { return false };
         let before = self.clone_belief();
         joints.iter().for_each(|&joint| self.resolved[joint] = true);
-        let stands = self.believe(solved.schema.clone(), &new) && self.still_closed(&new);
+        let stands = self.believe(solved.schema.clone(), &new);
         if !stands {
             joints.iter().for_each(|&joint| self.resolved[joint] = false);
             self.restore_belief(before, &new);
@@ -77,7 +77,8 @@ impl Growth {
             let mut information = believed.clone();
             new.iter().for_each(|&number| add_row(&mut information, &rows[number], self.weight()));
             let covariance = information_inverse(information, &problem.unit)?;
-            let leverage = |number: usize| (variance(&rows[number], &covariance) * self.weight()).min(1.0);
+            let leverage =
+                |number: usize| (row_variance(&rows[number], &covariance) * self.weight()).min(1.0);
             let leverages: Vec<(usize, f64)> = new.iter().map(|&number| (number, leverage(number))).collect();
             let mut unchecked: Vec<(usize, f64)> =
                 leverages.iter().copied().filter(|(_, leverage)| *leverage > UNCHECKED).collect();
@@ -181,21 +182,4 @@ impl Growth {
         let elements = self.agent.creature().joints()[joint].elements().filter(|at| !at.is_ball());
         elements.map(|at| deviation(at.axis())).fold(0.0, f64::max)
     }
-}
-
-/// Adds what a touch tells, its gap's derivative as pairs of place and slope, to information: both triangles.
-pub(super) fn add_row(information: &mut DMatrix<f64>, row: &[(usize, f64)], weight: f64) {
-    for &(column, slope) in row {
-        let slope = slope * weight;
-        row.iter().for_each(|&(place, other)| information[(place, column)] += slope * other);
-    }
-}
-
-/// `j Σ jᵀ` of a touch.
-fn variance(row: &[(usize, f64)], covariance: &DMatrix<f64>) -> f64 {
-    let product = |column: usize| -> f64 {
-        let column = covariance.column(column);
-        row.iter().map(|&(place, slope)| slope * column[place]).sum()
-    };
-    row.iter().map(|&(column, slope)| slope * product(column)).sum()
 }

@@ -2,12 +2,11 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::acceptance::add_row;
 use super::{GrownTouch, Growth};
 use crate::learning::annealing::NARROWEST;
 use crate::learning::least_squares::LeastSquares;
 use crate::learning::online::{Belief, fit_again};
-use crate::learning::prediction::GapRow;
+use crate::learning::prediction::{GapRow, add_row};
 use crate::learning::surface_gap::{SHARPEST, SurfaceGap};
 use crate::learning::touch_set::{TouchProblem, TouchSet};
 use crate::learning::{AxisModel, Parameters};
@@ -57,7 +56,7 @@ impl Growth {
         self.belief.as_ref().map_or(SHARPEST, |belief| belief.deviation)
     }
 
-    /// How much is known: it only grows.
+    /// How much is known.
     pub(super) fn known(&self) -> usize {
         self.resolved.iter().filter(|&&resolved| resolved).count() + self.placed_limbs()
     }
@@ -67,7 +66,8 @@ impl Growth {
         self.touches.iter().filter(|touch| touch.used)
     }
 
-    /// Believes a schema with what some touches more tell of it; false where rounding forbids.
+    /// Believes a schema with what some touches more tell of it; false where rounding forbids. What is open then is not in
+    /// use any more, or is no more than [`Growth::still_closed`] allows.
     pub(super) fn believe(&mut self, schema: BodySchema, new: &[usize]) -> bool {
         new.iter().for_each(|&number| self.touches[number].used = true);
         let parameters = self.parameters();
@@ -127,7 +127,7 @@ impl Growth {
     }
 
     /// Whether what was closed before some new touches stays closed, and so do they.
-    pub(super) fn still_closed(&self, new: &[usize]) -> bool {
+    fn still_closed(&self, new: &[usize]) -> bool {
         let Some(schema) = self.schema() else { return false };
         let (mut open, mut used) = ([0; 2], 0);
         for (number, touch) in self.touches.iter().enumerate().filter(|(_, touch)| touch.used) {
@@ -185,7 +185,7 @@ impl Growth {
     /// The touches among what is known become evidence where they nearly meet what is believed; whether any did.
     pub(super) fn take_in(&mut self) -> bool {
         let Some(belief) = &self.belief else { return false };
-        let schema_before = belief.schema.clone();
+        let schema = belief.schema.clone();
         let known = self.known();
         let mut contradicted = Vec::new();
         let mut new = Vec::new();
@@ -199,7 +199,7 @@ impl Growth {
             {
                 continue;
             }
-            let frames = touch.prepared.frames(&belief.schema);
+            let frames = touch.prepared.frames(&schema);
             let gap = SurfaceGap::new(self.agent.skin(), 1.0).gap(&touch.prepared.ends, &frames);
             match gap.distance.abs() < super::placement::PLACED {
                 true => new.push(number),
@@ -212,7 +212,6 @@ impl Growth {
             return false;
         }
         let before = self.clone_belief();
-        let schema = schema_before;
         let stands = self.believe(schema, &new) && self.still_closed(&[]);
         if !stands {
             self.restore_belief(before, &new);

@@ -18,13 +18,14 @@ mod part;
 mod placement;
 mod solving;
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 pub use learner::Grower;
 use nalgebra::DMatrix;
 pub use part::{GrownTouch, Part};
 pub use placement::rest;
 
+use self::solving::PartProblem;
 use crate::agent::Agent;
 use crate::creature::{Creature, DofKind};
 use crate::kinematics::Chain;
@@ -183,11 +184,6 @@ impl Growth {
         self.belief.as_ref().map(|belief| &belief.schema)
     }
 
-    /// What is believed; none before the first part is known.
-    pub fn belief(&self) -> Option<&Belief> {
-        self.belief.as_ref()
-    }
-
     /// Per joint, whether its axes are known; a joint without any is from the beginning.
     pub fn resolved(&self) -> &[bool] {
         &self.resolved
@@ -234,11 +230,15 @@ impl Growth {
             let ready: Vec<(Part, usize)> = ready.collect();
             let (before, mut vain) = (self.known(), 0);
             let learned = ready.into_iter().any(|(part, touches)| {
-                if vain >= tried || !self.is_told(&part) {
+                if vain >= tried {
                     return false;
                 }
+                let told = self.part_problem(&part).filter(|problem| {
+                    problem.numbers.len() as f64 >= TOUCHES_OF_ALL * problem.unit.len() as f64
+                });
+                let Some(problem) = told else { return false };
                 // What brings nothing new would be tried for ever.
-                let gained = self.learn(&part, STARTS) && self.known() > before;
+                let gained = self.learn(&problem, STARTS) && self.known() > before;
                 if !gained {
                     self.failed.insert(part.key(), touches);
                     vain += 1;
@@ -252,14 +252,12 @@ impl Growth {
         }
     }
 
-    /// Learns the first part: of all sets of joints that moved in touches, the one with most touches for its size.
+    /// Learns the first part: of all sets of joints that moved in touches enough for their size, the smallest that is solved.
     fn grow_first(&mut self, tried: usize) -> bool {
-        let mut sets: BTreeMap<Vec<usize>, usize> = BTreeMap::new();
-        for touch in self.touches.iter().filter(|touch| touch.freedom >= FREEDOM) {
-            sets.entry(touch.moving.clone()).or_insert(0);
-        }
+        let free = self.touches.iter().filter(|touch| touch.freedom >= FREEDOM);
+        let sets: BTreeSet<Vec<usize>> = free.map(|touch| touch.moving.clone()).collect();
         let mut candidates: Vec<(Part, usize)> = Vec::new();
-        for joints in sets.into_keys() {
+        for joints in sets {
             let within = |touch: &&GrownTouch| {
                 touch.freedom >= FREEDOM && touch.moving.iter().all(|joint| joints.contains(joint))
             };
@@ -275,7 +273,8 @@ impl Growth {
         // Small ones are found sooner, and cost less in vain.
         candidates.sort_by_key(|(part, _)| self.width(&part.joints));
         candidates.into_iter().take(tried).any(|(part, touches)| {
-            let known = self.learn(&part, FIRST_STARTS);
+            let problem = self.part_problem(&part);
+            let known = problem.is_some_and(|problem| self.learn(&problem, FIRST_STARTS));
             if !known {
                 self.failed.insert(part.key(), touches);
             }
@@ -284,17 +283,9 @@ impl Growth {
     }
 
     /// Solves a part and takes it in where it stands.
-    fn learn(&mut self, part: &Part, starts: usize) -> bool {
-        let Some(problem) = self.part_problem(part) else { return false };
-        let Some(solved) = self.solve(&problem, starts) else { return false };
-        solved.share > solving::ENOUGH && self.accept(&problem, &solved)
-    }
-
-    /// Whether a part has touches enough for all that they tell of, what is hardly known among it.
-    fn is_told(&self, part: &Part) -> bool {
-        let problem = self.part_problem(part);
-        problem
-            .is_some_and(|problem| problem.numbers.len() as f64 >= TOUCHES_OF_ALL * problem.unit.len() as f64)
+    fn learn(&mut self, problem: &PartProblem, starts: usize) -> bool {
+        let Some(solved) = self.solve(problem, starts) else { return false };
+        solved.share > solving::ENOUGH && self.accept(problem, &solved)
     }
 
     fn placed_limbs(&self) -> usize {

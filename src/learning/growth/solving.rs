@@ -102,13 +102,7 @@ impl PartProblem<'_> {
 
     /// What is believed besides the touches of it, as information over its parameters with unit axes.
     pub fn information(&self, schema: &BodySchema) -> DMatrix<f64> {
-        let n = self.unit.len();
-        let mut model = Linearization {
-            hessian: DMatrix::zeros(n, n),
-            gradient: DVector::zeros(n),
-            cost: 0.0,
-            scale: DVector::zeros(n),
-        };
+        let mut model = Linearization::nothing(self.unit.len());
         self.beliefs().add(&self.unit, schema, &mut model);
         model.hessian
     }

@@ -78,7 +78,7 @@ impl Belief {
     /// What the schema expects of a touch. [`Belief::learn`] learns from that touch.
     pub fn expect(&mut self, skin: &Skin, touch: &PreparedTouch) -> Expectation {
         self.row.set(skin, &self.parameters, &self.schema, touch);
-        let variance = self.multiply();
+        let variance = multiply(&self.covariance, &self.row.entries, &mut self.product);
         let noise = self.noise(variance);
         Expectation { gap: self.row.gap, deviation: (noise + variance).sqrt() }
     }
@@ -100,27 +100,13 @@ impl Belief {
     /// Makes the covariance that with one touch more, given by the derivative of its gap as pairs of place and slope;
     /// the schema stays.
     pub fn tell(&mut self, row: &[(usize, f64)]) {
-        self.product.fill(0.0);
-        for &(column, slope) in row {
-            self.product.axpy(slope, &self.covariance.column(column), 1.0);
-        }
-        let variance: f64 = row.iter().map(|&(k, slope)| slope * self.product[k]).sum();
-        let total = self.deviation.powi(2) + variance;
+        let total = self.deviation.powi(2) + multiply(&self.covariance, row, &mut self.product);
         self.covariance.ger(-1.0 / total, &self.product, &self.product, 1.0);
     }
 
     /// `r`, the variance of a touch whose gap the schema knows to `variance`.
     fn noise(&self, variance: f64) -> f64 {
         self.deviation.powi(2) + (CURVATURE * variance).powi(2)
-    }
-
-    /// Sets the product to `Σ jᵀ`; returns `j Σ jᵀ`.
-    fn multiply(&mut self) -> f64 {
-        self.product.fill(0.0);
-        for &(column, slope) in &self.row.entries {
-            self.product.axpy(slope, &self.covariance.column(column), 1.0);
-        }
-        self.row.entries.iter().map(|&(k, slope)| slope * self.product[k]).sum()
     }
 
     /// Where the tangent basis of an axis jumps from one schema to the next, turns the covariance with it.
@@ -171,6 +157,15 @@ impl Belief {
         *self = belief;
         true
     }
+}
+
+/// Sets the product to `Σ jᵀ`; returns `j Σ jᵀ`.
+fn multiply(covariance: &DMatrix<f64>, row: &[(usize, f64)], product: &mut DVector<f64>) -> f64 {
+    product.fill(0.0);
+    for &(column, slope) in row {
+        product.axpy(slope, &covariance.column(column), 1.0);
+    }
+    row.iter().map(|&(k, slope)| slope * product[k]).sum()
 }
 
 /// Fits `parameters` to all touches from a schema that is nearly right: the schema, and the deviation of the gaps,
