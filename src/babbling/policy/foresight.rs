@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use nalgebra::Vector3;
 
 use crate::agent::Agent;
-use crate::creature::Posture;
+use crate::creature::{DofKind, Posture};
 use crate::geometry::{Ball, Frame, Precision, gap};
 use crate::kinematics::{limb_frames, limb_frames_into};
 use crate::schema::BodySchema;
@@ -101,6 +101,7 @@ impl<'a> Foresight<'a> {
         }
         let limbs: Vec<usize> =
             (0..carried_by.len()).filter(|&limb| self.balls[limb].is_some() && counts(limb)).collect();
+        let sweep = Sweep::new(self, schema, [from, to], &carried_by);
         let mut frames = limb_frames(creature, schema, from);
         let centres = self.centres(&frames);
         let (mut pairs, mut touching) = (Vec::new(), Vec::new());
@@ -114,7 +115,13 @@ impl<'a> Foresight<'a> {
                     // What is deep in each other at the beginning does not feel each other.
                     gap if gap < -TOUCHING => {}
                     gap if gap < TOUCHING => touching.push(([a, b], gap)),
-                    _ => pairs.push([a, b]),
+                    gap => {
+                        let closes = sweep.of([a, b]);
+                        // What cannot meet on this way need not be looked at.
+                        if gap <= closes {
+                            pairs.push(Approach { pair: [a, b], closes, apart_until: gap / closes });
+                        }
+                    }
                 }
             }
         }
@@ -128,11 +135,19 @@ impl<'a> Foresight<'a> {
             return Foreseen::Stuck;
         }
         for look in 1..=LOOKS {
-            let posture = Posture::between(creature, from, to, look as f64 / LOOKS as f64);
+            let share = look as f64 / LOOKS as f64;
+            if pairs.iter().all(|approach| approach.apart_until > share) {
+                continue;
+            }
+            let posture = Posture::between(creature, from, to, share);
             limb_frames_into(creature, schema, &posture, &mut frames);
             let centres = self.centres(&frames);
-            if let Some(&met) = pairs.iter().find(|&&pair| self.gap(&frames, &centres, pair, 0.0) <= 0.0) {
-                return Foreseen::Meeting(met);
+            for approach in pairs.iter_mut().filter(|approach| approach.apart_until <= share) {
+                let gap = self.gap(&frames, &centres, approach.pair, 0.0);
+                if gap <= 0.0 {
+                    return Foreseen::Meeting(approach.pair);
+                }
+                approach.apart_until = share + gap / approach.closes;
             }
         }
         Foreseen::Nothing
@@ -169,5 +184,93 @@ impl<'a> Foresight<'a> {
             }
         });
         gaps.fold(f64::INFINITY, f64::min)
+    }
+}
+
+/// Two limbs that may meet on a way.
+struct Approach {
+    pair: [usize; 2],
+    /// How much of their gap the whole way closes at the most, metres.
+    closes: f64,
+    /// The share of the way before which they are apart.
+    apart_until: f64,
+}
+
+/// How far a motion carries limbs at the most.
+struct Sweep<'s> {
+    /// Per limb, the joint before which nothing moves it, counted from 1; none, 0, on what rests.
+    carried_by: &'s [usize],
+    /// Per joint, counted from 1, the one before it that moves.
+    carried_before: Vec<usize>,
+    /// Per joint, counted from 1, how far it turns, radians, and slides, metres.
+    turns: Vec<f64>,
+    slides: Vec<f64>,
+    /// Per limb, how far its joint is from the root at the most, before it slides and after; and how far from its joint its
+    /// surface is, metres.
+    joint_depth: Vec<f64>,
+    depth: Vec<f64>,
+    reach: Vec<f64>,
+}
+
+impl<'s> Sweep<'s> {
+    fn new(
+        foresight: &Foresight,
+        schema: &BodySchema,
+        [from, to]: [&[f64]; 2],
+        carried_by: &'s [usize],
+    ) -> Sweep<'s> {
+        let creature = foresight.agent.creature();
+        let limbs = creature.limbs().len();
+        let reach = |ball: &Option<Ball>| ball.as_ref().map_or(0.0, |ball| ball.centre.norm() + ball.radius);
+        let mut sweep = Sweep {
+            carried_by,
+            carried_before: vec![0; limbs],
+            turns: vec![0.0; limbs],
+            slides: vec![0.0; limbs],
+            joint_depth: vec![0.0; limbs],
+            depth: vec![0.0; limbs],
+            reach: foresight.balls.iter().map(reach).collect(),
+        };
+        for (number, joint) in creature.joints().iter().enumerate() {
+            let limb = number + 1;
+            sweep.carried_before[limb] = carried_by[joint.parent];
+            sweep.joint_depth[limb] = sweep.depth[joint.parent] + schema.positions[number].norm();
+            sweep.depth[limb] = sweep.joint_depth[limb];
+            for at in joint.elements() {
+                let (a, b) = (at.of(from), at.of(to));
+                let most = a.iter().zip(b).map(|(a, b)| (b - a).abs()).fold(0.0, f64::max);
+                match at.dof().kind {
+                    DofKind::Slide => {
+                        sweep.slides[limb] += most;
+                        sweep.depth[limb] += a[0].abs().max(b[0].abs());
+                    }
+                    DofKind::Hinge => sweep.turns[limb] += most,
+                    DofKind::Ball if a != b => sweep.turns[limb] += std::f64::consts::PI,
+                    DofKind::Ball => {}
+                }
+            }
+        }
+        sweep
+    }
+
+    /// How much of the gap of two limbs a motion closes at the most, metres.
+    fn of(&self, [a, b]: [usize; 2]) -> f64 {
+        let at = |limb: usize, joint: usize| {
+            let far = self.depth[limb] - self.joint_depth[joint] + self.reach[limb];
+            self.turns[joint] * far + self.slides[joint]
+        };
+        let (mut x, mut y) = (self.carried_by[a], self.carried_by[b]);
+        let mut most = 0.0;
+        // A limb comes after its parent, so the later one is not before the other.
+        while x != y {
+            if x > y {
+                most += at(a, x);
+                x = self.carried_before[x];
+            } else {
+                most += at(b, y);
+                y = self.carried_before[y];
+            }
+        }
+        most
     }
 }

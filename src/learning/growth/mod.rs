@@ -53,10 +53,10 @@ const FACING: f64 = -0.2;
 pub const FREEDOM: usize = 4;
 /// … and where two limbs are that do not move on their joints.
 pub const LIMB_FREEDOM: usize = 3;
-/// Starts from random initial guesses with the first part of a body, …
-const FIRST_STARTS: usize = 8;
+/// Starts from random initial guesses with the first part of a body, of which most are soon given up, …
+const FIRST_STARTS: usize = 200;
 /// … and with all others.
-const STARTS: usize = 4;
+const STARTS: usize = 16;
 /// Touches that the first part needs, in units of its joints' unknowns: limbs that rest have theirs, too.
 pub const FIRST_TOUCHES: f64 = 3.5;
 /// Touches that a part needs, in units of its unknowns.
@@ -151,7 +151,9 @@ impl Growth {
         // Many touches that are alike are one wrong answer's majority.
         let alike =
             self.touches.iter().filter(|other| other.limbs == limbs && other.moving == moving).count();
-        let spare = alike >= if self.belief.is_some() { ALIKE } else { ALIKE_AT_FIRST };
+        let least = if self.belief.is_some() { ALIKE } else { ALIKE_AT_FIRST };
+        let unresolved: Vec<usize> = moving.iter().copied().filter(|&joint| !self.resolved[joint]).collect();
+        let spare = alike >= least.max((FIRST_TOUCHES * self.width(&unresolved) as f64) as usize);
         self.touches.push(GrownTouch {
             limbs,
             prepared,

@@ -1,5 +1,7 @@
 //! One part of a body from random initial guesses to an answer.
 
+use std::collections::BTreeMap;
+
 use nalgebra::{DMatrix, DVector, Vector3};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -7,15 +9,13 @@ use rand_distr::{Distribution, StandardNormal};
 use rayon::prelude::*;
 
 use super::{GrownTouch, Growth, Part};
-use crate::learning::annealing::{NARROWEST, anneal_to};
-use crate::learning::growing::{DESCENT, DOUBTING_DESCENT, RELAXED_GAPS};
+use crate::learning::annealing::{NARROWEST, anneal_to, quantile};
 use crate::learning::initial_guess::randomize_joint;
 use crate::learning::least_squares::{Linearization, Stopping, levenberg_marquardt};
-use crate::learning::observation::PointsMeet;
+use crate::learning::observation::{ObservationModel, PointsMeet};
 use crate::learning::online::Anchor;
 use crate::learning::prediction::invert;
 use crate::learning::prior::PriorTerm;
-use crate::learning::relaxed_gradient::{MissWeights, descend};
 use crate::learning::touch_set::{PreparedTouch, TouchProblem, TouchSet};
 use crate::learning::{AxisModel, Parameters, Prior};
 use crate::schema::BodySchema;
@@ -27,7 +27,21 @@ const AS_GOOD_AS_ALL: f64 = 0.97;
 /// … and from which on it is worth remembering where more touches tried again.
 const PROMISING: f64 = 0.9;
 /// Starts that are made at once: always so many, for what is taken must not depend on the number of threads.
-const AT_ONCE: usize = 2;
+const AT_ONCE: usize = 4;
+/// Answers that close this share are mended, …
+const WORTH_MENDING: f64 = 0.7;
+/// … so often, by the joints that are most suspect.
+const MENDS: usize = 3;
+const SUSPECTS: usize = 3;
+/// Steps towards the receptors' places with relaxed axes, and twice as many as on the sphere.
+const POINT_ITERATIONS: usize = 60;
+/// This share of touches …
+const MOST_MISSES: f64 = 0.7;
+/// … leaves receptors fewer deviations apart where an answer is near: right ones leave 1.5, wrong ones 6.
+const HOPELESS: f64 = 2.5;
+/// Deviations of the gap, metres, down to which axes stay relaxed: joints that turn little are caught in one wrong minimum
+/// or another, and which depends on this.
+const RELAXED_GAPS: [f64; 2] = [3e-3, 0.02];
 /// Answers of so many starts are to agree where a part has no more unknowns: small parts have twins.
 const AGREEING: usize = 4;
 const SMALL: usize = 45;
@@ -121,12 +135,17 @@ impl Growth {
             solved.extend(made);
             let good = solved.iter().filter(|solved| solved.share > AS_GOOD_AS_ALL).count();
             let small = self.belief.is_some() && problem.unit.len() <= SMALL;
-            if good >= if small { AGREEING } else { 1 } {
+            let most = solved.iter().map(|solved| solved.share).fold(0.0, f64::max);
+            let as_good = |other: &&Solved| (most - other.share) * (problem.touches.len() as f64) < 1.5;
+            // What comes again and again is the best that chance finds.
+            let again = most > WORTH_MENDING && solved.iter().filter(as_good).count() >= AGREEING;
+            if again || good >= if small { AGREEING } else { 1 } {
                 break;
             }
         }
         let at = (0..solved.len()).max_by(|&a, &b| solved[a].share.total_cmp(&solved[b].share))?;
-        let mut best = solved.swap_remove(at);
+        let best = solved.swap_remove(at);
+        let mut best = self.mended(problem, best);
         let good = solved.into_iter().filter(|other| other.share > ENOUGH && other.given_up == best.given_up);
         best.others = good.map(|other| other.schema).collect();
         if let Some(known) = &problem.known {
@@ -137,6 +156,50 @@ impl Growth {
             self.tentative.push((part.joints.clone(), best.schema.clone()));
         }
         Some(best)
+    }
+
+    /// An answer in which the joints that most touches leave open were tried about other axes.
+    fn mended(&mut self, problem: &PartProblem, mut best: Solved) -> Solved {
+        let creature = self.agent.creature().clone();
+        for round in 0..MENDS {
+            if !(WORTH_MENDING..AS_GOOD_AS_ALL).contains(&best.share) {
+                break;
+            }
+            let mut told: BTreeMap<usize, [f64; 2]> = BTreeMap::new();
+            for &number in &problem.numbers {
+                let touch = &self.touches[number];
+                let open = usize::from(!self.closes(&touch.prepared, &best.schema));
+                for joint in touch.moving.iter().filter(|joint| problem.part.joints.contains(joint)) {
+                    told.entry(*joint).or_default()[open] += 1.0;
+                }
+            }
+            let mut suspects: Vec<(f64, usize)> =
+                told.into_iter().map(|(joint, [closed, open])| (open / (open + closed), joint)).collect();
+            suspects.sort_by(|a, b| b.0.total_cmp(&a.0));
+            // One after the other of those that are most suspect.
+            let Some(&(_, suspect)) = suspects.get(round % suspects.len().clamp(1, SUSPECTS)) else { break };
+            let tries: Vec<usize> = (0..AT_ONCE).collect();
+            let tried = tries.par_iter().map(|&number| {
+                let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
+                rng.set_stream((self.solves << 16) + (1 << 15) + (AT_ONCE * round + number) as u64);
+                let mut schema = best.schema.clone();
+                if number > 0 {
+                    let position = schema.positions[suspect];
+                    randomize_joint(&creature, &mut schema, suspect, &mut rng);
+                    schema.positions[suspect] = position;
+                } else {
+                    creature.joints()[suspect].dof_indices().for_each(|dof| schema.axes[dof] *= -1.0);
+                }
+                self.closed(problem, schema, number)
+            });
+            let tried: Vec<Solved> = tried.collect();
+            self.starts += tried.len();
+            let better = tried.into_iter().filter(|other| other.share > best.share);
+            if let Some(better) = better.max_by(|a, b| a.share.total_cmp(&b.share)) {
+                best = better;
+            }
+        }
+        best
     }
 
     /// The problem of a part; none where no touch tells of it.
@@ -229,32 +292,41 @@ impl Growth {
         })
     }
 
-    /// One start.
+    /// One start: the receptors' places as points with relaxed axes, which is cheap, and only from what comes near them the
+    /// surfaces.
     fn start(&self, problem: &PartProblem, number: usize) -> Solved {
         let creature = self.agent.creature();
         let PartProblem { touches, relaxed, unit, .. } = problem;
         let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
         rng.set_stream((self.solves << 16) + number as u64);
         let first = self.belief.is_none();
-        // False places would spoil a fit to the places: the surfaces must do.
-        let doubts = first && number % 4 >= 2;
         let beliefs = problem.beliefs();
         let mut schema = match first {
-            true => self.first_guess(problem, doubts, &mut rng),
+            true => self.first_guess(problem, &mut rng),
             false => self.guess(problem, number, &mut rng),
         };
-        if !doubts {
-            let points = |parameters: &Parameters, start: BodySchema, iterations: usize| {
-                let mut problem =
-                    TouchProblem::new(creature, touches, parameters, PointsMeet::Anyhow).with_prior(&beliefs);
-                let stopping = Stopping { iterations, relative_cost: 1e-4, cost: 0.0 };
-                levenberg_marquardt(&mut problem, parameters, start, stopping).schema
-            };
-            schema = points(relaxed, schema, 60);
-            schema.normalize_axes(creature);
-            schema = points(unit, schema, 30);
+        let points = |parameters: &Parameters, start: BodySchema, iterations: usize| {
+            let mut problem =
+                TouchProblem::new(creature, touches, parameters, PointsMeet::Anyhow).with_prior(&beliefs);
+            let stopping = Stopping { iterations, relative_cost: 1e-4, cost: 0.0 };
+            levenberg_marquardt(&mut problem, parameters, start, stopping).schema
+        };
+        schema = points(relaxed, schema, POINT_ITERATIONS);
+        schema.normalize_axes(creature);
+        schema = points(unit, schema, POINT_ITERATIONS / 2);
+        if misses(touches, &schema) > HOPELESS {
+            return Solved { schema, share: 0.0, given_up: Vec::new(), others: Vec::new() };
         }
-        let narrowest = RELAXED_GAPS[number % 2 + 2 * (number / 4 % 2)];
+        self.closed(problem, schema, number)
+    }
+
+    /// The answer that closes the surfaces from a schema that is near; starts differ in how long axes stay relaxed.
+    fn closed(&self, problem: &PartProblem, mut schema: BodySchema, number: usize) -> Solved {
+        let creature = self.agent.creature();
+        let PartProblem { touches, relaxed, unit, .. } = problem;
+        let first = self.belief.is_none();
+        let beliefs = problem.beliefs();
+        let narrowest = RELAXED_GAPS[number % RELAXED_GAPS.len()];
         schema = anneal_to(narrowest, &self.agent, touches, relaxed, &beliefs, schema).schema;
         schema.normalize_axes(creature);
         schema = anneal_to(NARROWEST, &self.agent, touches, unit, &beliefs, schema).schema;
@@ -283,17 +355,13 @@ impl Growth {
         anneal_to(NARROWEST, &self.agent, &problem.touches, &problem.unit, &beliefs, schema).schema
     }
 
-    /// An initial guess of a body of which nothing is known, down the relaxed gradient.
-    fn first_guess(&self, problem: &PartProblem, doubts: bool, rng: &mut ChaCha8Rng) -> BodySchema {
+    /// An initial guess of a body of which nothing is known.
+    fn first_guess(&self, problem: &PartProblem, rng: &mut ChaCha8Rng) -> BodySchema {
         let mut guess = problem.base.clone();
         for joint in (0..problem.between.len()).filter(|&joint| problem.between[joint]) {
             randomize_joint(self.agent.creature(), &mut guess, joint, rng);
         }
-        let listed: Vec<&PreparedTouch> = problem.touches.touches().collect();
-        match doubts {
-            true => descend(&listed, guess, DOUBTING_DESCENT, &problem.relaxed, MissWeights::FarMisses, rng),
-            false => descend(&listed, guess, DESCENT, &problem.relaxed, MissWeights::Nothing, rng),
-        }
+        guess
     }
 
     /// An initial guess of a part, drawn from what is believed; the first is the last answer that was not sure.
@@ -373,4 +441,17 @@ impl Growth {
         places.iter().for_each(|&(_, to)| step[to] = 0.0);
         belief.parameters.step(schema, &step)
     }
+}
+
+/// How many deviations receptors that touched stay apart in most touches.
+fn misses(touches: &TouchSet, schema: &BodySchema) -> f64 {
+    let model = PointsMeet::Anyhow;
+    let miss = |touch: &PreparedTouch| {
+        let frames = touch.frames(schema);
+        let whitening = model.whitening(&touch.ends, &frames);
+        (2.0 * model.cost(&touch.ends, &frames, &whitening)).sqrt()
+    };
+    let mut misses: Vec<f64> = touches.touches().map(miss).collect();
+    misses.sort_by(f64::total_cmp);
+    quantile(&misses, MOST_MISSES)
 }

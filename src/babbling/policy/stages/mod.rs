@@ -28,8 +28,12 @@ use crate::simulation::Ending;
 const ANYWHERE: f64 = 0.15;
 /// Share of the others that repeat a touch though they could be aimed.
 const REPEATED: f64 = 0.3;
+/// Share of these that go to where a limb was felt, with what is known of the body elsewhere.
+const WHERE_FELT: f64 = 0.7;
 /// Draws of two receptors to aim at.
 const AIMS: usize = 8;
+/// The share of the way back that is gone to part limbs in touch.
+const RETREAT: f64 = 0.5;
 /// Goals that are considered before a motion goes anywhere because none of them promises anything.
 const GOALS: usize = 3;
 /// Motions in a row without a touch that tells anything, after which a body caught in itself starts over.
@@ -64,6 +68,12 @@ pub struct Stages<'a> {
     /// Per touch, its posture and where the motion to it began.
     remembered: Vec<[Posture; 2]>,
     start: Posture,
+    /// The touch that the last motion ended in; whether it ended on bare geometry; whether
+    /// motions since then did not part what met; and where it came from.
+    contact: Option<usize>,
+    bare: bool,
+    held: bool,
+    back: Posture,
     /// Motions in a row that told nothing.
     caught: usize,
     over: bool,
@@ -114,6 +124,10 @@ impl<'a> Stages<'a> {
             tries: BTreeMap::new(),
             remembered: Vec::new(),
             start: Posture::default(),
+            contact: None,
+            bare: false,
+            held: false,
+            back: Posture::default(),
             caught: 0,
             over: false,
             done: growth.resolved().iter().all(|&resolved| resolved),
@@ -161,6 +175,12 @@ impl<'a> Stages<'a> {
         wanted
     }
 
+    /// Some of the way back from what is in touch or, where that did not part it, anywhere.
+    fn retreat(&self, rng: &mut ChaCha8Rng) -> Posture {
+        let back = Posture::between(self.agent.creature(), &self.start, &self.back, RETREAT);
+        if self.held { self.anywhere(rng) } else { back }
+    }
+
     /// Takes stock after a motion.
     fn take_stock(&mut self) {
         if let Some(trial) = self.trial.filter(|_| self.growth.schema().is_none()) {
@@ -190,16 +210,26 @@ impl Policy for Stages<'_> {
         if self.growth.schema().is_none() || rng.random::<f64>() < ANYWHERE {
             return self.anywhere(rng);
         }
+        if self.bare {
+            return self.retreat(rng);
+        }
         for _ in 0..GOALS {
             let receptors = &self.agent.skin().receptors;
             let sure = receptors.iter().any(|r| self.wanted[r.limb] && self.growth.placed(r.limb));
             let repeats = !sure || matches!(self.aim, Goal::Repeat(_)) || rng.random::<f64>() < REPEATED;
             for _ in 0..AIMS {
-                let again = if repeats { self.again(rng) } else { None };
-                let Some(target) = again.or_else(|| self.aimed(sure, rng)) else { continue };
-                if self.promises(&target, sure) {
+                let felt = repeats && !self.joints().is_empty() && rng.random::<f64>() < WHERE_FELT;
+                let felt = if felt { self.where_felt(rng) } else { None };
+                let sure = sure && felt.is_none();
+                let again = || if repeats { self.again(rng) } else { None };
+                let Some(target) = felt.or_else(again).or_else(|| self.aimed(sure, rng)) else { continue };
+                if self.parts(&target) && self.promises(&target, sure) {
                     return target;
                 }
+            }
+            // What is in touch with what is held back by it: first away from there.
+            if self.contact.is_some() {
+                return self.retreat(rng);
             }
             // Where nothing is promised from here, it may be another time.
             if let Some(tries) = self.tried.as_ref().and_then(|goal| self.tries.get_mut(goal)) {
@@ -214,6 +244,8 @@ impl Policy for Stages<'_> {
         self.grown = self.growth.touch(touch);
         self.remembered.push([touch.posture.clone(), self.start.clone()]);
         self.remember(self.remembered.len() - 1);
+        self.contact = Some(self.remembered.len() - 1);
+        (self.bare, self.held, self.back) = (false, false, self.start.clone());
         if let Some(felt) = self.growth.touches().last() {
             let tells = felt.moving.iter().all(|&joint| self.free[joint]);
             self.caught = if tells { 0 } else { self.caught + 1 };
@@ -225,8 +257,16 @@ impl Policy for Stages<'_> {
     }
 
     fn missed(&mut self, ending: &Ending, posture: &[f64]) {
-        if *ending == Ending::Free {
-            self.live_through(posture);
+        match ending {
+            Ending::Free => {
+                self.live_through(posture);
+                (self.bare, self.held, self.contact) = (false, false, None);
+            }
+            Ending::Bare => {
+                (self.bare, self.held, self.contact) = (true, false, None);
+                self.back = self.start.clone();
+            }
+            Ending::Again | Ending::Touch(_) => self.held = true,
         }
         self.caught = if *ending == Ending::Free { 0 } else { self.caught + 1 };
         self.take_stock();
@@ -235,7 +275,7 @@ impl Policy for Stages<'_> {
     fn starts_over(&mut self) -> bool {
         let over = self.over || self.caught >= CAUGHT;
         if over {
-            (self.over, self.caught) = (false, 0);
+            (self.over, self.caught, self.contact, self.bare) = (false, 0, None, false);
         }
         over
     }

@@ -6,7 +6,7 @@ use rand_chacha::ChaCha8Rng;
 use super::{Goal, Stages};
 use crate::babbling::policy::foresight::Foreseen;
 use crate::creature::Posture;
-use crate::kinematics::{Chain, InverseKinematics};
+use crate::kinematics::{Chain, InverseKinematics, Place, limb_frames};
 use crate::learning::growth::{FREEDOM, GrownTouch, LIMB_FREEDOM, rest};
 
 /// How far a repeated touch scatters, in shares of the ranges; how much farther it goes than the touch was, radians
@@ -14,6 +14,10 @@ use crate::learning::growth::{FREEDOM, GrownTouch, LIMB_FREEDOM, rest};
 const SCATTER: f64 = 0.15;
 const FARTHER: f64 = 0.5;
 const FARTHEST: f64 = 0.3;
+/// The share of the way on which it is seen whether limbs in touch part.
+const FIRST_STEP: f64 = 0.01;
+/// Share of motions to where a limb was felt that go there with the limb that felt it.
+const SAME_LIMB: f64 = 0.5;
 /// How deep an aim goes into both limbs, metres, and how far from it a posture may stay.
 const DEPTH: f64 = 0.01;
 const NEAR: f64 = 0.01;
@@ -91,33 +95,146 @@ impl Stages<'_> {
         }
     }
 
-    /// A posture near one in which something was touched that the goal wants.
-    pub(super) fn again(&self, rng: &mut ChaCha8Rng) -> Option<Posture> {
-        let creature = self.agent.creature();
-        // Each pair of limbs as likely as any other, however often it was touched.
+    /// A touch that it serves the goal to repeat: each pair of limbs as likely as any other, however often it was touched.
+    fn repeated(&self, rng: &mut ChaCha8Rng) -> Option<usize> {
         let pair = rng.random_range(0..self.repeatable.len().max(1));
         let known = self.repeatable.values().nth(pair)?;
-        let number = known[rng.random_range(0..known.len())];
+        Some(known[rng.random_range(0..known.len())])
+    }
+
+    /// Brings some joints near to where they were in a touch, a little farther on the way that led there and a little
+    /// beside it, in shares of their ranges.
+    fn go_again(
+        &self,
+        number: usize,
+        joints: impl Iterator<Item = (usize, f64)>,
+        target: &mut Posture,
+        rng: &mut ChaCha8Rng,
+    ) {
+        let creature = self.agent.creature();
         let [touched, from] = &self.remembered[number];
+        for (joint, scatter) in joints {
+            for at in creature.joints()[joint].elements() {
+                if at.is_ball() {
+                    at.of_mut(target).copy_from_slice(at.of(touched));
+                    continue;
+                }
+                let (q, [low, high]) = (at.coordinate(), at.range);
+                let further = FARTHER * (touched[q] - from[q]).clamp(-FARTHEST, FARTHEST);
+                let scatter = scatter * (high - low) * (2.0 * rng.random::<f64>() - 1.0);
+                target[q] = (touched[q] + further + scatter).clamp(low, high);
+            }
+        }
+        creature.couple(target);
+    }
+
+    /// The limb before the first joint to be learned on which a limb is; itself where there is none.
+    fn base_of(&self, limb: usize) -> usize {
+        let creature = self.agent.creature();
+        let (mut base, mut at) = (limb, limb);
+        while let Some(joint) = creature.joint_of(at) {
+            at = creature.joints()[joint].parent;
+            if self.joints().contains(&joint) {
+                base = at;
+            }
+        }
+        base
+    }
+
+    /// Whether the way to a posture begins by parting the limbs that are in touch, as far as that is known.
+    ///
+    /// How joints to be learned move what they carry is not known, but the way that led here, along `d`, closed the gap:
+    /// where `∂gap/∂q · d < 0` and a motion `m` takes these joints back by `−λ d`, it opens at least as fast as what
+    /// is known moves it along `m + λ d`.
+    pub(super) fn parts(&self, target: &Posture) -> bool {
+        let Some((schema, number)) = self.growth.schema().zip(self.contact) else { return true };
+        let (creature, skin) = (self.agent.creature(), self.agent.skin());
+        let touch = &self.growth.touches()[number];
+        let Some(known) = touch.limbs.iter().position(|&limb| self.base_of(limb) == limb) else {
+            return true;
+        };
+        let receptor = &skin.receptors[touch.prepared.ends[known].receptor];
+        let here = limb_frames(creature, schema, &self.start);
+        let limb = touch.limbs[known];
+        let (place, outward) = (here[limb].point(&receptor.position), here[limb].rotation * receptor.normal);
+        let other = self.base_of(touch.limbs[1 - known]);
+        let opens = |to: &Posture| {
+            let frames =
+                limb_frames(creature, schema, &Posture::between(creature, &self.start, to, FIRST_STEP));
+            let moved = |limb: usize| frames[limb].point(&here[limb].inverse_point(&place));
+            (moved(other) - moved(limb)).dot(&outward)
+        };
+        let elements = self.joints().iter().flat_map(|&joint| creature.joints()[joint].elements());
+        let ways = elements.filter(|at| !at.is_ball()).map(|at| at.coordinate());
+        let ways = ways.map(|q| (target[q] - self.start[q], self.start[q] - self.back[q]));
+        let (mut back, mut moving) = (0.0, 0.0);
+        for (now, before) in ways {
+            back -= now * before;
+            moving += before * before;
+        }
+        let share = if moving > 0.0 { back / moving } else { 0.0 };
+        // Along the way that led here is the way back, reversed.
+        share >= 0.0 && opens(target) - share * opens(&self.back) > 0.0
+    }
+
+    /// A posture in which a limb whose place is known comes to where one that the goal wants was felt: the joints to be
+    /// learned are near to where they were then, what is known is anywhere else.
+    pub(super) fn where_felt(&self, rng: &mut ChaCha8Rng) -> Option<Posture> {
+        let (creature, skin) = (self.agent.creature(), self.agent.skin());
+        let schema = self.growth.schema()?;
+        let number = self.repeated(rng)?;
+        let touch = &self.growth.touches()[number];
+        let end = touch.limbs.iter().position(|&limb| self.wanted[limb])?;
+        let felt_by = touch.limbs[1 - end];
+        if self.wanted[felt_by] {
+            return None;
+        }
+        // Seen from the limb before the first joint to be learned, it is where it was.
+        let base = self.base_of(touch.limbs[end]);
+        let frames = limb_frames(creature, schema, &self.remembered[number][0]);
+        let receptor = &skin.receptors[touch.prepared.ends[1 - end].receptor];
+        let [inside, normal] = [
+            frames[felt_by].point(&(receptor.position + receptor.normal * DEPTH)),
+            frames[felt_by].rotation * -receptor.normal,
+        ];
+        let place = Place {
+            limb: base,
+            point: frames[base].inverse_point(&inside),
+            direction: frames[base].rotation.tr_mul(&normal),
+        };
+        let same = rng.random::<f64>() < SAME_LIMB;
+        let fits = |limb: usize| {
+            !self.wanted[limb] && limb != base && self.growth.placed(limb) && (limb == felt_by || !same)
+        };
+        let able: Vec<usize> =
+            (0..skin.receptors.len()).filter(|&other| fits(skin.receptors[other].limb)).collect();
+        if able.is_empty() {
+            return None;
+        }
+        let other = &skin.receptors[able[rng.random_range(0..able.len())]];
+        let (mut start, random) = (self.here(), self.anywhere(rng));
+        let between = Chain::between(creature, base, other.limb);
+        for at in between.joints().flat_map(|joint| creature.joints()[joint].elements()) {
+            at.of_mut(&mut start).copy_from_slice(at.of(&random));
+        }
+        self.go_again(number, self.joints().iter().map(|&joint| (joint, SCATTER)), &mut start, rng);
+        let known = |joint: usize| self.free[joint] && !self.joints().contains(&joint);
+        let mut solver = InverseKinematics::new(creature, schema, [place, other.place(-DEPTH)]).moving(known);
+        let reach = solver.solve(&start);
+        (reach.miss < NEAR).then_some(reach.posture)
+    }
+
+    /// A posture near one in which something was touched that the goal wants.
+    pub(super) fn again(&self, rng: &mut ChaCha8Rng) -> Option<Posture> {
+        let number = self.repeated(rng)?;
         let mut target = self.here();
         let between = self.growth.touches()[number].chain.iter().filter(|&&joint| self.free[joint]);
-        let between: Vec<_> = between
-            .flat_map(|&joint| creature.joints()[joint].elements().map(move |at| (joint, at)))
-            .collect();
-        let few = SCATTER / (between.len() as f64).sqrt();
-        for (joint, at) in between {
-            // Of a joint that hardly moves its touches tell hardly anything.
-            let scatter = if self.joints().contains(&joint) { SCATTER } else { few };
-            if at.is_ball() {
-                at.of_mut(&mut target).copy_from_slice(at.of(touched));
-                continue;
-            }
-            let (q, [low, high]) = (at.coordinate(), at.range);
-            let further = FARTHER * (touched[q] - from[q]).clamp(-FARTHEST, FARTHEST);
-            let scatter = scatter * (high - low) * (2.0 * rng.random::<f64>() - 1.0);
-            target[q] = (touched[q] + further + scatter).clamp(low, high);
-        }
-        creature.couple(&mut target);
+        let between: Vec<usize> = between.copied().collect();
+        let coordinates = between.iter().map(|&joint| self.agent.creature().joints()[joint].dofs.len());
+        let few = SCATTER / (coordinates.sum::<usize>() as f64).sqrt();
+        // Of a joint that hardly moves its touches tell hardly anything.
+        let scatter = |joint: usize| if self.joints().contains(&joint) { SCATTER } else { few };
+        self.go_again(number, between.iter().map(|&joint| (joint, scatter(joint))), &mut target, rng);
         Some(target)
     }
 
