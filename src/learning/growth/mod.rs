@@ -55,10 +55,14 @@ pub const FREEDOM: usize = 4;
 pub const LIMB_FREEDOM: usize = 3;
 /// Starts from random initial guesses with the first part of a body, of which most are soon given up, …
 const FIRST_STARTS: usize = 200;
+/// … of no more unknowns than these, …
+const FIRST_WIDTH: f64 = 45.0;
 /// … and with all others.
 const STARTS: usize = 16;
 /// Touches that the first part needs, in units of its joints' unknowns: limbs that rest have theirs, too.
-pub const FIRST_TOUCHES: f64 = 3.5;
+const FIRST_TOUCHES: f64 = 3.5;
+/// The fewest unknowns of the joints of a first part: with fewer wrong answers fit.
+pub const FEWEST_UNKNOWNS: usize = 24;
 /// Touches that a part needs, in units of its unknowns.
 const TOUCHES: f64 = 1.8;
 /// … and in units of all unknowns that its touches tell of.
@@ -259,16 +263,18 @@ impl Growth {
         let free = self.touches.iter().filter(|touch| touch.freedom >= FREEDOM);
         let sets: BTreeSet<Vec<usize>> = free.map(|touch| touch.moving.clone()).collect();
         let mut candidates: Vec<(Part, usize)> = Vec::new();
-        for joints in sets {
+        let all: Vec<usize> = (0..self.resolved.len()).collect();
+        let fewest = FEWEST_UNKNOWNS.min(self.width(&all) / 2);
+        for joints in sets.into_iter().filter(|joints| self.width(joints) >= fewest) {
             let within = |touch: &&GrownTouch| {
                 touch.freedom >= FREEDOM && touch.moving.iter().all(|joint| joints.contains(joint))
             };
             let touches = self.touches.iter().filter(within).count();
             let limbs = (0..self.agent.creature().limbs().len()).collect();
             let part = Part { joints, limbs };
-            let ratio = touches as f64 / (self.width(&part.joints) as f64);
+            let wanted = first_touches(self.width(&part.joints));
             let before = self.failed.get(&part.key()).copied().unwrap_or(0);
-            if ratio >= FIRST_TOUCHES && touches as f64 >= MORE * before as f64 {
+            if touches as f64 >= wanted && touches as f64 >= MORE * before as f64 {
                 candidates.push((part, touches));
             }
         }
@@ -276,7 +282,11 @@ impl Growth {
         candidates.sort_by_key(|(part, _)| self.width(&part.joints));
         candidates.into_iter().take(tried).any(|(part, touches)| {
             let problem = self.part_problem(&part);
-            let known = problem.is_some_and(|problem| self.learn(&problem, FIRST_STARTS));
+            let known = problem.is_some_and(|problem| {
+                // Wide ones cost more each, and fewer find the answer.
+                let share = (FIRST_WIDTH / problem.unit.len() as f64).powi(2).min(1.0);
+                self.learn(&problem, (share * FIRST_STARTS as f64) as usize)
+            });
             if !known {
                 self.failed.insert(part.key(), touches);
             }
@@ -317,6 +327,12 @@ impl Growth {
         };
         found.distance.abs() < CLOSED && felt(0) && felt(1)
     }
+}
+
+/// Touches that a first part of so many unknowns needs. Wide ones seldom succeed: narrow ones are given time.
+pub fn first_touches(unknowns: usize) -> f64 {
+    let unknowns = unknowns as f64;
+    FIRST_TOUCHES * unknowns * (unknowns / FIRST_WIDTH).max(1.0)
 }
 
 /// Whether a joint has axes to be learned: a ball has none.

@@ -8,7 +8,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use rayon::prelude::*;
 
-use super::{GrownTouch, Growth, Part};
+use super::{FEWEST_UNKNOWNS, FREEDOM, GrownTouch, Growth, Part};
 use crate::learning::annealing::{NARROWEST, anneal_to, quantile};
 use crate::learning::initial_guess::randomize_joint;
 use crate::learning::least_squares::{Linearization, Stopping, levenberg_marquardt};
@@ -37,7 +37,7 @@ const SUSPECTS: usize = 3;
 const POINT_ITERATIONS: usize = 60;
 /// This share of touches …
 const MOST_MISSES: f64 = 0.7;
-/// … leaves receptors fewer deviations apart where an answer is near: right ones leave 1.5, wrong ones 6.
+/// … leaves receptors fewer deviations apart where an answer is near: right ones leave 1.5, most wrong ones 6.
 const HOPELESS: f64 = 2.5;
 /// Deviations of the gap, metres, down to which axes stay relaxed: joints that turn little are caught in one wrong minimum
 /// or another, and which depends on this.
@@ -45,6 +45,8 @@ const RELAXED_GAPS: [f64; 2] = [3e-3, 0.02];
 /// Answers of so many starts are to agree where a part has no more unknowns: small parts have twins.
 const AGREEING: usize = 4;
 const SMALL: usize = 45;
+/// Touches that the first part needs, in units of its joints' unknowns, to do without limbs beyond joints that rest.
+const INNER_TOUCHES: f64 = 1.6;
 /// Touches of a limb below which the first part does without it.
 const OFTEN: usize = 8;
 /// Touches that a part is solved by at the most, in units of its unknowns.
@@ -210,6 +212,14 @@ impl Growth {
             (0..self.touches.len()).filter(|&number| self.is_of(&self.touches[number], part)).collect();
         let mut touches: Vec<&GrownTouch> = numbers.iter().map(|&number| &self.touches[number]).collect();
         if self.belief.is_none() {
+            // Limbs beyond joints that rest only add unknowns, where touches of the others are enough.
+            let within = |touch: &&GrownTouch| touch.chain.iter().all(|joint| part.joints.contains(joint));
+            let inner: Vec<&GrownTouch> = touches.iter().copied().filter(within).collect();
+            let free = inner.iter().filter(|touch| touch.freedom >= FREEDOM).count() as f64;
+            let width = self.width(&part.joints);
+            if free >= INNER_TOUCHES * width as f64 && width >= FEWEST_UNKNOWNS {
+                touches = inner;
+            }
             // Limbs that are hardly touched are found later.
             let mut before = usize::MAX;
             while touches.len() < before {

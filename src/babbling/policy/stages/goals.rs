@@ -3,21 +3,8 @@
 use std::collections::BTreeMap;
 
 use super::{Goal, Stages};
-use crate::kinematics::Chain;
-use crate::learning::growth::{FIRST_TOUCHES, FREEDOM};
+use crate::learning::growth::FREEDOM;
 
-/// Sets of joints that are tried before the first is learned, …
-const TRIALS: usize = 16;
-/// … as many of each of so many sizes, …
-const SIZES: usize = 4;
-/// … motions with each, …
-pub(super) const TRIAL_MOTIONS: usize = 40;
-/// … and with all joints, which show what can be touched at all.
-const SURVEY_MOTIONS: usize = 150;
-/// The least and the most unknowns of the joints of a first set: with fewer wrong answers fit, with more none is found.
-const FIRST_UNKNOWNS: [usize; 2] = [24, 110];
-/// Motions with a first set before another is tried, in units of those after which it should have been learned.
-const FIRST_PATIENCE: f64 = 2.0;
 /// Motions with a limb to be placed, with joints to be learned, and how many more for each further joint.
 const LIMB_MOTIONS: usize = 12;
 const JOINT_MOTIONS: usize = 40;
@@ -32,74 +19,6 @@ const PRECISE: f64 = 5e-5;
 const CHANCE_UNKNOWNS: usize = 35;
 
 impl Stages<'_> {
-    /// The sets of joints between two limbs that may be learned first, those that carry most skin for their size first.
-    pub(super) fn first_sets(&self) -> Vec<Vec<usize>> {
-        let creature = self.agent.creature();
-        let skinned = self.agent.limbs_with_skin();
-        let mut sets: BTreeMap<Vec<usize>, f64> = BTreeMap::new();
-        for (number, &a) in skinned.iter().enumerate() {
-            for &b in skinned[number + 1..].iter().filter(|&&b| !creature.neighbouring(a, b)) {
-                let mut set: Vec<usize> = Chain::between(creature, a, b).joints().collect();
-                set.sort_unstable();
-                let unknowns = self.growth.width(&set);
-                if (FIRST_UNKNOWNS[0]..=FIRST_UNKNOWNS[1]).contains(&unknowns) {
-                    let lever = set.iter().map(|&joint| self.lever[joint]).sum::<f64>();
-                    sets.insert(set, lever / (unknowns + 10) as f64);
-                }
-            }
-        }
-        let mut sets: Vec<(Vec<usize>, f64)> = sets.into_iter().collect();
-        sets.sort_by(|a, b| b.1.total_cmp(&a.1));
-        // As many small ones as large ones: only trial tells how many joints it takes to touch.
-        let [least, most] = FIRST_UNKNOWNS;
-        let size = |set: &[usize]| (self.growth.width(set) - least) * SIZES / (most - least + 1);
-        let of_size = |wanted: usize| {
-            let sets = sets.iter().filter(move |(set, _)| size(set) == wanted);
-            sets.take(TRIALS / SIZES).map(|(set, _)| set.clone())
-        };
-        (0..SIZES).flat_map(of_size).collect()
-    }
-
-    pub(super) fn begin_trial(&mut self, number: usize) {
-        self.trial = Some(number);
-        let set = self.trials[number].0.clone();
-        let all = number + 1 == self.trials.len();
-        self.begin(Goal::Joints(set), if all { SURVEY_MOTIONS } else { TRIAL_MOTIONS });
-    }
-
-    pub(super) fn end_trial(&mut self, trial: usize) {
-        if trial + 1 < self.trials.len() {
-            self.begin_trial(trial + 1);
-            return;
-        }
-        // Those first that have their touches soonest; where none touched, all joints at once.
-        let mut trials = std::mem::take(&mut self.trials);
-        if trials[..trial].iter().any(|(_, touches)| *touches > 0) {
-            trials.pop();
-            trials.retain(|(_, touches)| *touches > 0);
-        }
-        trials.sort_by(|a, b| self.first_motions(a).total_cmp(&self.first_motions(b)));
-        self.trials = trials;
-        self.trial = None;
-        self.next_first();
-    }
-
-    /// Motions after which a set of joints will have as many touches as a first part needs.
-    pub(super) fn first_motions(&self, (set, touches): &(Vec<usize>, usize)) -> f64 {
-        FIRST_TOUCHES * (self.growth.width(set) * TRIAL_MOTIONS) as f64 / (*touches).max(1) as f64
-    }
-
-    /// Goes on with the next set of joints for the first part, each time with more motions.
-    pub(super) fn next_first(&mut self) {
-        let number = self.goals % self.trials.len();
-        let rounds = 1 + self.goals / self.trials.len();
-        let motions = FIRST_PATIENCE * rounds as f64 * self.first_motions(&self.trials[number]);
-        let set = self.trials[number].0.clone();
-        self.goals += 1;
-        self.over = true;
-        self.begin(Goal::Joints(set), motions as usize);
-    }
-
     /// Chooses what to learn next: joints that a touch made by chance had, a limb to place, a joint with much skin to both
     /// sides; what was tried least first.
     pub(super) fn next_goal(&mut self) {
@@ -155,7 +74,8 @@ impl Stages<'_> {
         let mut sets: BTreeMap<Vec<usize>, ()> = BTreeMap::new();
         for touch in self.growth.touches().iter().filter(|touch| touch.freedom >= FREEDOM) {
             let joints = self.growth.lacks(touch).joints;
-            if !joints.is_empty() && self.growth.width(&joints) <= CHANCE_UNKNOWNS {
+            let few = !joints.is_empty() && self.growth.width(&joints) <= CHANCE_UNKNOWNS;
+            if few && tries(&Goal::Repeat(joints.clone())) < MOST_TRIES {
                 sets.insert(joints, ());
             }
         }

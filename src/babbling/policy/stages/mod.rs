@@ -9,13 +9,15 @@
 
 mod goals;
 mod motions;
+mod trials;
 
 use std::collections::BTreeMap;
 
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
-use self::goals::{TRIAL_MOTIONS, UNPROMISING};
+use self::goals::UNPROMISING;
+use self::trials::{TRIAL_MOTIONS, Trial};
 use super::Policy;
 use super::foresight::Foresight;
 use crate::agent::Agent;
@@ -28,6 +30,8 @@ use crate::simulation::Ending;
 const ANYWHERE: f64 = 0.15;
 /// Share of the others that repeat a touch though they could be aimed.
 const REPEATED: f64 = 0.3;
+/// … and where it is not known well enough where to aim.
+const REPEATED_UNSURE: f64 = 0.7;
 /// Share of these that go to where a limb was felt, with what is known of the body elsewhere.
 const WHERE_FELT: f64 = 0.7;
 /// Draws of two receptors to aim at.
@@ -46,10 +50,10 @@ pub struct Stages<'a> {
     foresight: Foresight<'a>,
     /// Per joint, the share of the skin on the side of it where there is less.
     lever: Vec<f64>,
-    /// Sets of joints for the first part, and the touches that each brought in its trial.
-    trials: Vec<(Vec<usize>, usize)>,
-    /// The set that is tried; none any more once one was chosen.
-    trial: Option<usize>,
+    /// Sets of joints for the first part; the present one; and whether it is still to be seen which is best.
+    trials: Vec<Trial>,
+    trial: usize,
+    is_choosing: bool,
     aim: Goal,
     /// Per limb, whether a touch of it with one that is not tells what the goal asks.
     wanted: Vec<bool>,
@@ -111,7 +115,8 @@ impl<'a> Stages<'a> {
             foresight: Foresight::new(agent),
             lever: beyond.iter().map(|beyond: &f64| beyond.min(all - beyond) / all).collect(),
             trials: Vec::new(),
-            trial: Some(0),
+            trial: 0,
+            is_choosing: true,
             aim: Goal::Joints(Vec::new()),
             wanted: vec![false; creature.limbs().len()],
             repeatable: BTreeMap::new(),
@@ -133,9 +138,7 @@ impl<'a> Stages<'a> {
             done: growth.resolved().iter().all(|&resolved| resolved),
             growth,
         };
-        stages.trials = stages.first_sets().into_iter().map(|set| (set, 0)).collect();
-        stages.trials.push(((0..joints).collect(), 0));
-        stages.begin_trial(0);
+        stages.begin_trials();
         stages
     }
 
@@ -183,22 +186,11 @@ impl<'a> Stages<'a> {
 
     /// Takes stock after a motion.
     fn take_stock(&mut self) {
-        if let Some(trial) = self.trial.filter(|_| self.growth.schema().is_none()) {
-            if self.motions >= self.patience {
-                self.end_trial(trial);
-            }
-            return;
-        }
-        if std::mem::take(&mut self.grown) {
-            self.trial = None;
-            self.next_goal();
-            return;
-        }
-        if self.motions >= self.patience {
-            match self.growth.schema() {
-                Some(_) => self.next_goal(),
-                None => self.next_first(),
-            }
+        let grown = std::mem::take(&mut self.grown);
+        match self.growth.schema() {
+            None => self.try_on(),
+            Some(_) if grown || self.motions >= self.patience => self.next_goal(),
+            Some(_) => {}
         }
     }
 }
@@ -216,7 +208,8 @@ impl Policy for Stages<'_> {
         for _ in 0..GOALS {
             let receptors = &self.agent.skin().receptors;
             let sure = receptors.iter().any(|r| self.wanted[r.limb] && self.growth.placed(r.limb));
-            let repeats = !sure || matches!(self.aim, Goal::Repeat(_)) || rng.random::<f64>() < REPEATED;
+            let often = if sure { REPEATED } else { REPEATED_UNSURE };
+            let repeats = matches!(self.aim, Goal::Repeat(_)) || rng.random::<f64>() < often;
             for _ in 0..AIMS {
                 let felt = repeats && !self.joints().is_empty() && rng.random::<f64>() < WHERE_FELT;
                 let felt = if felt { self.where_felt(rng) } else { None };
@@ -247,10 +240,10 @@ impl Policy for Stages<'_> {
         self.contact = Some(self.remembered.len() - 1);
         (self.bare, self.held, self.back) = (false, false, self.start.clone());
         if let Some(felt) = self.growth.touches().last() {
-            let tells = felt.moving.iter().all(|&joint| self.free[joint]);
+            let tells = !felt.spare && felt.moving.iter().all(|&joint| self.free[joint]);
             self.caught = if tells { 0 } else { self.caught + 1 };
-            if let Some(trial) = self.trial.filter(|_| tells && felt.freedom >= FREEDOM) {
-                self.trials[trial].1 += 1;
+            if tells && felt.freedom >= FREEDOM && self.growth.schema().is_none() {
+                self.count_trial();
             }
         }
         self.take_stock();

@@ -82,7 +82,9 @@ impl Stages<'_> {
         let [a, b] = touch.limbs.map(|limb| self.wanted[limb]);
         let told = match self.aim {
             Goal::Repeat(_) => touch.moving.iter().any(|joint| self.joints().contains(joint)),
-            _ => a != b,
+            Goal::Joints(_) => a != b,
+            // Of two limbs neither of which is placed a touch does not place one.
+            Goal::Limb(_) => a != b && self.growth.placed(touch.limbs[usize::from(a)]),
         };
         touch.freedom >= least && told && touch.moving.iter().all(|&joint| self.free[joint])
     }

@@ -1,0 +1,122 @@
+//! Which joints are learned first: sets of joints between two limbs are tried for how soon they touch.
+
+use std::collections::BTreeMap;
+
+use super::{Goal, Stages};
+use crate::kinematics::Chain;
+use crate::learning::growth::{FEWEST_UNKNOWNS, first_touches};
+
+/// Sets of joints that are tried, …
+const SETS: usize = 16;
+/// … as many of each of so many sizes.
+const SIZES: usize = 4;
+/// The fewest and the most unknowns of the joints of a set: of more no answer is found.
+const UNKNOWNS: [usize; 2] = [FEWEST_UNKNOWNS, 110];
+/// Touches after which a trial ends, and the most motions.
+const TRIAL_TOUCHES: usize = 12;
+pub(super) const TRIAL_MOTIONS: usize = 60;
+/// So many more unknowns make a set twice as hard to learn: a random initial guess of many seldom finds their answer.
+const HARDER: f64 = 15.0;
+/// Motions with a set before it is seen whether another has become more promising, in units of those after which it should
+/// be learned.
+const PATIENCE: f64 = 1.2;
+/// Touches that a set needs which was not learned from as many as it should, in units of those.
+const MORE: f64 = 1.5;
+
+/// A set of joints that may be learned first.
+pub(super) struct Trial {
+    set: Vec<usize>,
+    /// How much harder it is to learn than one of no joints.
+    hardness: f64,
+    /// Its touches so far, its motions, and the touches that it should take.
+    touches: usize,
+    motions: usize,
+    wanted: f64,
+}
+
+impl Trial {
+    fn of(unknowns: usize, set: Vec<usize>) -> Trial {
+        let hardness = 2f64.powf(unknowns as f64 / HARDER);
+        Trial { set, hardness, touches: 0, motions: 0, wanted: first_touches(unknowns) }
+    }
+
+    /// Motions that are missing until it should be learned.
+    fn missing(&self) -> f64 {
+        (self.wanted - self.touches as f64).max(1.0) * (self.motions + 1) as f64 / (self.touches as f64 + 0.5)
+    }
+
+    fn cost(&self) -> f64 {
+        self.missing() * self.hardness
+    }
+}
+
+impl Stages<'_> {
+    /// The sets of joints between two limbs that may be learned first, those that carry most skin for their size.
+    fn first_sets(&self) -> Vec<Vec<usize>> {
+        let creature = self.agent.creature();
+        let skinned = self.agent.limbs_with_skin();
+        let mut sets: BTreeMap<Vec<usize>, f64> = BTreeMap::new();
+        for (number, &a) in skinned.iter().enumerate() {
+            for &b in skinned[number + 1..].iter().filter(|&&b| !creature.neighbouring(a, b)) {
+                let mut set: Vec<usize> = Chain::between(creature, a, b).joints().collect();
+                set.sort_unstable();
+                let unknowns = self.growth.width(&set);
+                if (UNKNOWNS[0]..=UNKNOWNS[1]).contains(&unknowns) {
+                    let lever = set.iter().map(|&joint| self.lever[joint]).sum::<f64>();
+                    sets.insert(set, lever / (unknowns + 10) as f64);
+                }
+            }
+        }
+        let mut sets: Vec<(Vec<usize>, f64)> = sets.into_iter().collect();
+        sets.sort_by(|a, b| b.1.total_cmp(&a.1));
+        // As many small ones as large ones: only trial tells how many joints it takes to touch.
+        let [least, most] = UNKNOWNS;
+        let size = |set: &[usize]| (self.growth.width(set) - least) * SIZES / (most - least + 1);
+        let of_size = |wanted: usize| {
+            let sets = sets.iter().filter(move |(set, _)| size(set) == wanted);
+            sets.take(SETS / SIZES).map(|(set, _)| set.clone())
+        };
+        (0..SIZES).flat_map(of_size).collect()
+    }
+
+    /// Begins with the first set; all joints are the last.
+    pub(super) fn begin_trials(&mut self) {
+        let all: Vec<usize> = (0..self.free.len()).collect();
+        let sets = self.first_sets().into_iter().chain([all]);
+        self.trials = sets.map(|set| Trial::of(self.growth.width(&set), set)).collect();
+        self.begin_trial(0, TRIAL_MOTIONS);
+    }
+
+    fn begin_trial(&mut self, number: usize, motions: usize) {
+        self.trial = number;
+        self.begin(Goal::Joints(self.trials[number].set.clone()), motions);
+    }
+
+    /// A touch of the set that is tried.
+    pub(super) fn count_trial(&mut self) {
+        self.trials[self.trial].touches += 1;
+    }
+
+    /// Goes on with the trials, or with the set that needs least to be learned.
+    pub(super) fn try_on(&mut self) {
+        let tried = self.is_choosing && self.trials[self.trial].touches >= TRIAL_TOUCHES;
+        if self.motions < self.patience && !tried {
+            return;
+        }
+        self.trials[self.trial].motions += self.motions;
+        if self.is_choosing && self.trial + 1 < self.trials.len() {
+            self.begin_trial(self.trial + 1, TRIAL_MOTIONS);
+            return;
+        }
+        self.is_choosing = false;
+        let trial = &mut self.trials[self.trial];
+        if trial.touches as f64 >= trial.wanted {
+            trial.wanted = MORE * trial.touches as f64;
+        }
+        let cost = |number: &usize| self.trials[*number].cost();
+        let best = (0..self.trials.len()).min_by(|a, b| cost(a).total_cmp(&cost(b))).unwrap_or(0);
+        self.over = best != self.trial;
+        let motions = (PATIENCE * self.trials[best].missing()) as usize;
+        self.begin_trial(best, motions.max(TRIAL_MOTIONS));
+    }
+}
