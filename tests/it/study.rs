@@ -236,8 +236,8 @@ fn claims_are_held_against_the_truth_over_creatures_inputs_counts_and_noises() {
         ["study", "claims", "arms.xml", "pincer.xml", "--trials", "1", "--seed", "1001", "--json"];
     let found = json(place.path(), &arguments);
     let rows = found["rows"].as_array().unwrap();
-    // Two inputs, each with four counts of touches without noise and five noises.
-    assert_eq!(rows.len(), 2 * 2 * (4 + 5));
+    // Two inputs, each with four counts of touches without noise and five noises, and one that grows by stages.
+    assert_eq!(rows.len(), 2 * (2 * (4 + 5) + 1));
     assert_eq!(found["sessions"], rows.len());
     let all = found["summary"].as_array().unwrap().last().unwrap();
     assert_eq!((&all["creature"], &all["sessions"]), (&"all".into(), &rows.len().into()));

@@ -12,12 +12,14 @@ use super::plot::{AxisScale, PlotAxis, PlotSeries, StudyPlot};
 use super::subject::{Subject, median};
 use super::table::row;
 use super::{Findings, Study};
-use crate::babbling::{BabblingOptions, PolicyName};
+use crate::babbling::{BabblingOptions, BoutsDone, Made, PolicyName};
 use crate::creature::JointSelection;
 use crate::evaluation::{HeldOutError, HeldOutPoint, held_out, held_out_points};
 use crate::experiment::disturbance_levels::DisturbanceLevels;
-use crate::experiment::touches::all_touches;
+use crate::experiment::touches::make_touches;
 use crate::experiment::{Embodied, ExperimentError, LearningOptions};
+use crate::learning::growth::Growth;
+use crate::learning::learners::PartByPart;
 use crate::learning::{Account, AxisModel, Input, Learned, PLACED, Parameters, Verdict, What};
 use crate::senses::Touch;
 use crate::simulation::MotionName;
@@ -25,7 +27,7 @@ use crate::simulation::MotionName;
 /// The study `claims`.
 pub const STUDY: Study = Study {
     name: "claims",
-    about: "how many claims of lm are wrong, over creatures, inputs, counts of touches and noises",
+    about: "how many claims are wrong, of lm over creatures, inputs, counts of touches and noises, and of growth by stages",
     touches: false,
     several: true,
     measure: |subject| Ok(measure(subject)?.into()),
@@ -35,6 +37,8 @@ pub const STUDY: Study = Study {
 const TOUCHES_PER_UNKNOWN: [f64; 4] = [0.5, 1.0, 2.0, 4.0];
 /// The same where senses are disturbed.
 const DISTURBED_TOUCHES_PER_UNKNOWN: f64 = 4.0;
+/// The most touches by the policy `stages`, which the learner `growth` goes on from, per unknown number.
+const STAGED_TOUCHES_PER_UNKNOWN: f64 = 6.0;
 /// What is wrong with the senses: nothing, and so much in one way. Receptors that are misplaced are felt by receptors
 /// alone, points that are inexact by contact points.
 const NOISES: [DisturbanceLevels; 6] = [
@@ -58,6 +62,7 @@ row! {
     /// A session of the study `claims`.
     pub struct ClaimsMeasurement {
         creature: String = "creature",
+        policy: String = "policy",
         input: String = "input",
         noise: String = "noise",
         seed: u64 = "seed",
@@ -82,6 +87,7 @@ row! {
     /// A row of the summary of the study `claims`.
     pub struct ClaimsSummary {
         creature: String = "creature",
+        policy: String = "policy",
         input: String = "input",
         noise: String = "noise",
         sessions: usize = "sessions",
@@ -100,6 +106,7 @@ row! {
 
 /// One session to be made of a creature's touches by a seed.
 struct Condition {
+    policy: PolicyName,
     input: Input,
     noise: DisturbanceLevels,
     touches: usize,
@@ -117,10 +124,13 @@ pub fn measure(subject: &Subject) -> Result<Findings<ClaimsMeasurement, ClaimsSu
             subject.tell(seed, creature.creature().name());
             let conditions = conditions(creature);
             let most = conditions.iter().map(|condition| condition.touches).max().unwrap_or(0);
-            let touches = babble(creature, most, seed)?;
+            let random = babble(creature, PolicyName::Random, most, seed)?;
             let points = held_out_points(creature.agent());
-            let session = |condition: &Condition| session(creature, &points, &touches, condition, seed);
-            measurements.par_extend(conditions.par_iter().map(session));
+            let session_of = |condition: &Condition| session(creature, &points, &random, condition, seed);
+            measurements.par_extend(conditions.par_iter().map(session_of));
+            let staged = staged(creature);
+            let touches = babble(creature, staged.policy, staged.touches, seed)?;
+            measurements.push(session(creature, &points, &touches, &staged, seed));
         }
     }
     Ok(findings(measurements))
@@ -128,8 +138,7 @@ pub fn measure(subject: &Subject) -> Result<Findings<ClaimsMeasurement, ClaimsSu
 
 /// The sessions to be made of each creature by each seed.
 fn conditions(creature: &Embodied) -> Vec<Condition> {
-    let unknowns = Parameters::new(creature.creature(), AxisModel::Unit, |_| true).len() as f64;
-    let touches = |each: f64| (each * unknowns).round().max(1.0) as usize;
+    let touches = |each: f64| touches(creature, each);
     let mut found = Vec::new();
     for input in [Input::Receptor, Input::Contact] {
         for noise in NOISES {
@@ -140,37 +149,70 @@ fn conditions(creature: &Embodied) -> Vec<Condition> {
             let counts: &[f64] =
                 if noise == NONE { &TOUCHES_PER_UNKNOWN } else { &[DISTURBED_TOUCHES_PER_UNKNOWN] };
             let counts = counts.iter().map(|&each| touches(each));
-            found.extend(counts.map(|touches| Condition { input, noise: felt, touches }));
+            let policy = PolicyName::Random;
+            found.extend(counts.map(|touches| Condition { policy, input, noise: felt, touches }));
         }
     }
     found
 }
 
-fn babble(creature: &Embodied, touches: usize, seed: u64) -> Result<Vec<Touch>, ExperimentError> {
+/// The session in which a creature grows by stages; it ends by itself.
+fn staged(creature: &Embodied) -> Condition {
+    let touches = touches(creature, STAGED_TOUCHES_PER_UNKNOWN);
+    Condition { policy: PolicyName::Stages, input: Input::Receptor, noise: NONE, touches }
+}
+
+/// So many touches per unknown number of a creature's schema.
+fn touches(creature: &Embodied, each: f64) -> usize {
+    let unknowns = Parameters::new(creature.creature(), AxisModel::Unit, |_| true).len() as f64;
+    (each * unknowns).round().max(1.0) as usize
+}
+
+/// Touches, and what was learned on the way.
+struct Babbled {
+    touches: Vec<Touch>,
+    grown: Option<Growth>,
+}
+
+fn babble(
+    creature: &Embodied,
+    policy: PolicyName,
+    touches: usize,
+    seed: u64,
+) -> Result<Babbled, ExperimentError> {
     let options = BabblingOptions { touches, seed, jobs: rayon::current_num_threads() };
     let mut made = Vec::with_capacity(touches);
     let babbler = creature.babbler(MotionName::default())?;
-    all_touches(creature.model(), &babbler, PolicyName::Random, &options, |touch| made.push(touch.clone()))?;
-    Ok(made)
+    let receive = |one: Made| {
+        if let Made::Touch(touch) = one {
+            made.push(touch.clone());
+        }
+        Ok(())
+    };
+    let (_, grown) =
+        make_touches(creature.model(), &babbler, policy, BoutsDone::default(), &options, receive)?;
+    Ok(Babbled { touches: made, grown })
 }
 
 /// Learns from the first touches, and holds what is claimed against the truth.
 fn session(
     creature: &Embodied,
     points: &[HeldOutPoint],
-    touches: &[Touch],
+    babbled: &Babbled,
     condition: &Condition,
     seed: u64,
 ) -> ClaimsMeasurement {
+    let growth = babbled.grown.is_some();
     let options = LearningOptions {
-        input: Some(condition.input),
+        learner: if growth { &PartByPart } else { LearningOptions::default().learner },
+        input: (!growth).then_some(condition.input),
         disturbances: condition.noise,
         ..LearningOptions::default()
     };
     let began = std::time::Instant::now();
-    let touches = &touches[..condition.touches.min(touches.len())];
+    let touches = &babbled.touches[..condition.touches.min(babbled.touches.len())];
     let felt = condition.noise.disturbances().felt(creature.agent(), touches, seed);
-    let mut learner = options.learner(&felt.agent, seed);
+    let mut learner = options.learner_from(&felt.agent, babbled.grown.as_ref(), seed);
     felt.touches.iter().for_each(|touch| learner.touch(touch));
     let learned = learner.learn();
     let seconds = began.elapsed().as_secs_f64();
@@ -184,6 +226,7 @@ fn session(
     };
     ClaimsMeasurement {
         creature: creature.creature().name().into(),
+        policy: condition.policy.to_string(),
         input: condition.input.to_string(),
         noise: condition.noise.to_string(),
         seed,
@@ -211,7 +254,11 @@ fn command(creature: &Embodied, condition: &Condition, seed: u64) -> String {
     if creature.source().joints != JointSelection::Default {
         words += &format!(" --joints {}", creature.source().joints);
     }
-    words += &format!(" --seed {seed} --touches {} --input {}", condition.touches, condition.input);
+    words += &format!(" --seed {seed} --touches {}", condition.touches);
+    words += &match condition.policy {
+        PolicyName::Stages => " --policy stages --learner growth".to_string(),
+        _ => format!(" --input {}", condition.input),
+    };
     let levels = [
         ("joint-noise", joint_noise),
         ("receptor-noise", receptor_noise),
@@ -290,15 +337,15 @@ fn deviation(creature: &Embodied, learned: &Learned, account: &Account, point: &
 }
 
 fn findings(measurements: Vec<ClaimsMeasurement>) -> Findings<ClaimsMeasurement, ClaimsSummary> {
-    let mut groups: Vec<([String; 3], Vec<&ClaimsMeasurement>)> = Vec::new();
+    let mut groups: Vec<([String; 4], Vec<&ClaimsMeasurement>)> = Vec::new();
     for one in &measurements {
-        let key = [one.creature.clone(), one.input.clone(), one.noise.clone()];
+        let key = [&one.creature, &one.policy, &one.input, &one.noise].map(String::clone);
         match groups.iter_mut().find(|(other, _)| *other == key) {
             Some((_, rows)) => rows.push(one),
             None => groups.push((key, vec![one])),
         }
     }
-    let all = ["all", "all", "all"].map(String::from);
+    let all = ["all"; 4].map(String::from);
     groups.push((all, measurements.iter().collect()));
     let summary: Vec<ClaimsSummary> = groups.into_iter().map(|(key, rows)| summarize(key, &rows)).collect();
     let wrong = measurements.iter().filter(|one| one.wrong > 0);
@@ -336,11 +383,12 @@ fn findings(measurements: Vec<ClaimsMeasurement>) -> Findings<ClaimsMeasurement,
     Findings { measurements, summary, notes, plot, numbers }
 }
 
-fn summarize([creature, input, noise]: [String; 3], rows: &[&ClaimsMeasurement]) -> ClaimsSummary {
+fn summarize([creature, policy, input, noise]: [String; 4], rows: &[&ClaimsMeasurement]) -> ClaimsSummary {
     let count = |holds: &dyn Fn(&ClaimsMeasurement) -> bool| rows.iter().filter(|one| holds(one)).count();
     let sum = |value: fn(&ClaimsMeasurement) -> usize| rows.iter().map(|one| value(one)).sum::<usize>();
     ClaimsSummary {
         creature,
+        policy,
         input,
         noise,
         sessions: rows.len(),

@@ -71,8 +71,10 @@ const TOUCHES_OF_ALL: f64 = 1.2;
 const MORE: f64 = 1.5;
 /// Touches of one pair of limbs with the same joints moving that tell enough.
 const ALIKE: usize = 25;
-/// … and as long as nothing is known.
+/// … as long as nothing is known, …
 const ALIKE_AT_FIRST: usize = 40;
+/// … and where it is not known where the limbs are: a limb that is felt from few sides takes many to be placed.
+const ALIKE_UNPLACED: usize = 100;
 /// After so many touches, or this share of all, it is seen what can be learned.
 const EVERY: usize = 6;
 const EVERY_SHARE: usize = 100;
@@ -155,7 +157,11 @@ impl Growth {
         // Many touches that are alike are one wrong answer's majority.
         let alike =
             self.touches.iter().filter(|other| other.limbs == limbs && other.moving == moving).count();
-        let least = if self.belief.is_some() { ALIKE } else { ALIKE_AT_FIRST };
+        let least = match self.belief {
+            None => ALIKE_AT_FIRST,
+            Some(_) if limbs.iter().all(|&limb| self.placed(limb)) => ALIKE,
+            Some(_) => ALIKE_UNPLACED,
+        };
         let unresolved: Vec<usize> = moving.iter().copied().filter(|&joint| !self.resolved[joint]).collect();
         let spare = alike >= least.max((FIRST_TOUCHES * self.width(&unresolved) as f64) as usize);
         self.touches.push(GrownTouch {

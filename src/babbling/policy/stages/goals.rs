@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use super::trials::SURVEY_MOTIONS;
 use super::{Goal, Stages};
 use crate::learning::growth::FREEDOM;
 
@@ -9,6 +10,8 @@ use crate::learning::growth::FREEDOM;
 const LIMB_MOTIONS: usize = 12;
 const JOINT_MOTIONS: usize = 40;
 const FURTHER_MOTIONS: usize = 20;
+/// Times that each joint is tried before all that are not known move together.
+const TRIES: f64 = 4.0;
 /// Times that a joint or a limb is tried before it is taken that it cannot be touched.
 const MOST_TRIES: f64 = 20.0;
 /// What it counts as, where no posture is found that promises anything.
@@ -30,6 +33,14 @@ impl Stages<'_> {
         self.done = open.iter().all(|&joint| tries(&Goal::Joints(vec![joint])) >= MOST_TRIES)
             && unplaced.iter().all(|&limb| tries(&Goal::Limb(limb)) >= MOST_TRIES);
         self.goals += 1;
+        let tried = |joint: &usize| tries(&Goal::Joints(vec![*joint])) >= TRIES * (1 + self.surveys) as f64;
+        if !self.done && !open.is_empty() && open.iter().all(tried) {
+            // What cannot be learned alone may be together with what else is not known.
+            self.surveys += 1;
+            self.tried = None;
+            self.begin(Goal::Joints(open), SURVEY_MOTIONS);
+            return;
+        }
         let repeated = (self.goals.is_multiple_of(2)).then(|| self.chance(&tries)).flatten();
         let limb =
             unplaced.iter().copied().min_by(|&a, &b| tries(&Goal::Limb(a)).total_cmp(&tries(&Goal::Limb(b))));

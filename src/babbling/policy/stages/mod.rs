@@ -67,6 +67,8 @@ pub struct Stages<'a> {
     /// Whether something was learned from the last touch.
     grown: bool,
     goals: usize,
+    /// Times that all joints that are not known moved together.
+    surveys: usize,
     tried: Option<Goal>,
     tries: BTreeMap<Goal, f64>,
     /// Per touch, its posture and where the motion to it began.
@@ -125,6 +127,7 @@ impl<'a> Stages<'a> {
             patience: TRIAL_MOTIONS,
             grown: false,
             goals: 0,
+            surveys: 0,
             tried: None,
             tries: BTreeMap::new(),
             remembered: Vec::new(),

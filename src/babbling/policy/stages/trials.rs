@@ -15,6 +15,8 @@ const UNKNOWNS: [usize; 2] = [FEWEST_UNKNOWNS, 110];
 /// Touches after which a trial ends, and the most motions.
 const TRIAL_TOUCHES: usize = 12;
 pub(super) const TRIAL_MOTIONS: usize = 60;
+/// Motions with all joints that are not known, which show what can be touched at all.
+pub(super) const SURVEY_MOTIONS: usize = 150;
 /// So many more unknowns make a set twice as hard to learn: a random initial guess of many seldom finds their answer.
 const HARDER: f64 = 15.0;
 /// Motions with a set before it is seen whether another has become more promising, in units of those after which it should
@@ -99,13 +101,15 @@ impl Stages<'_> {
 
     /// Goes on with the trials, or with the set that needs least to be learned.
     pub(super) fn try_on(&mut self) {
-        let tried = self.is_choosing && self.trials[self.trial].touches >= TRIAL_TOUCHES;
+        let survey = self.trial + 1 == self.trials.len();
+        let tried = self.is_choosing && !survey && self.trials[self.trial].touches >= TRIAL_TOUCHES;
         if self.motions < self.patience && !tried {
             return;
         }
         self.trials[self.trial].motions += self.motions;
         if self.is_choosing && self.trial + 1 < self.trials.len() {
-            self.begin_trial(self.trial + 1, TRIAL_MOTIONS);
+            let survey = self.trial + 2 == self.trials.len();
+            self.begin_trial(self.trial + 1, if survey { SURVEY_MOTIONS } else { TRIAL_MOTIONS });
             return;
         }
         self.is_choosing = false;
