@@ -41,6 +41,8 @@ pub struct ConservativeAdvancement {
     start_contact: Option<Encounter>,
     /// Limb pairs looked at, for the statistics.
     pub checks: u64,
+    /// Steps of the present motion.
+    steps: usize,
 }
 
 /// Below this gap two geoms count as met, metres.
@@ -49,6 +51,8 @@ const MET: f64 = 4e-7;
 const NEARLY_MET: f64 = 4e-6;
 /// Beyond this gap two geoms that touched at the start of a motion have parted, metres.
 const PARTED: f64 = 1e-4;
+/// Limbs that open by no more than this share of the way of the fastest point slide along each other.
+pub(super) const SLIDING: f64 = 1e-3;
 /// Way of the fastest point between looks at what is still parting, metres.
 const PARTING_STEP: f64 = 5e-7;
 /// Limbs farther apart than this are not looked at geom by geom, metres.
@@ -60,6 +64,8 @@ const SOON: f64 = 0.06;
 const ROUNDING: f64 = 1e-9;
 /// The least advance of a motion's parameter, so that no approach without contact stalls it.
 const LEAST_ADVANCE: f64 = 1e-6;
+/// After every so many steps it grows by as much again: limbs may slide along each other for a whole motion.
+const CREEPING: usize = 1000;
 
 impl ConservativeAdvancement {
     /// The motions of a body whose geoms can touch: those that the engine would let collide, on limbs that are not
@@ -84,6 +90,7 @@ impl ConservativeAdvancement {
             limiting: vec![0; count],
             start_contact: None,
             checks: 0,
+            steps: 0,
             touchable,
         })
     }
@@ -96,6 +103,7 @@ impl ConservativeAdvancement {
     /// Sets out from `start` to `target`, in contact at the start where `contact` says so.
     pub fn begin(&mut self, start: &[f64], target: &[f64], contact: Option<Encounter>) {
         self.motion.begin(start, target);
+        self.steps = 0;
         let speeds = self.motion.joint_speeds();
         for (k, pair) in self.touchable.pairs.iter().enumerate() {
             let (mut speed, mut acceleration) = (0.0, 0.0);
@@ -122,6 +130,8 @@ impl ConservativeAdvancement {
     pub fn next(&mut self, from: f64) -> Option<(f64, Encounter)> {
         let mut t = from;
         loop {
+            self.steps += 1;
+            let least_advance = self.least_advance();
             t = t.max(least(&self.free_until));
             if t >= 1.0 {
                 return None;
@@ -139,13 +149,18 @@ impl ConservativeAdvancement {
                     met = Some(encounter);
                 }
                 let parting = encounter.is_some() && encounter == self.start_contact && advance > 0.0;
-                let advance = if parting { advance } else { advance.max(LEAST_ADVANCE) };
+                let advance = if parting { advance } else { advance.max(least_advance) };
                 self.free_until[k] = self.free_until[k].max(t + advance);
             }
             if let Some(encounter) = met {
                 return Some((t, encounter));
             }
         }
+    }
+
+    /// How far a motion advances at the least, whatever comes near: a share of its way.
+    pub fn least_advance(&self) -> f64 {
+        LEAST_ADVANCE * (1 + self.steps / CREEPING) as f64
     }
 
     /// The encounter of two geoms, in either order; none where they cannot touch, or are joined.
@@ -317,7 +332,9 @@ impl ConservativeAdvancement {
         }
         // What touches at the start is already felt, until it has parted.
         let parting = self.start_contact.is_some_and(|contact| contact.pair == k && contact.bounds == bounds);
-        if parting && gap.normal.dot(&motion.relative_velocity(&gap.points)) > 0.0 {
+        // What slides along does not part, however long the way: the same as at the start of a motion.
+        let opening = gap.normal.dot(&motion.relative_velocity(&gap.points));
+        if parting && opening > SLIDING * self.speed[k] {
             return (PARTING_STEP / self.speed[k]).max(kept_apart());
         }
         0.0

@@ -7,7 +7,7 @@ use crate::creature::{Body, Posture};
 use crate::mujoco::{self, Contact, Data};
 use crate::named::named;
 use crate::senses::{ContactReader, Moment, Proprioception, Reading, Touch, TouchEnd};
-use crate::simulation::advancement::ConservativeAdvancement;
+use crate::simulation::advancement::{ConservativeAdvancement, SLIDING};
 use crate::simulation::touchable::Encounter;
 use crate::skin::Skin;
 
@@ -251,7 +251,9 @@ impl<'a> Mover<'a> {
                 }
                 Some(deep) => return self.search(&encounter, t.min(place), place, deep),
                 // Grazed, or not there yet.
-                None if encounter.exact => self.clearance.pass(&encounter, place + 1e-6),
+                None if encounter.exact => {
+                    self.clearance.pass(&encounter, place + self.clearance.least_advance())
+                }
                 None if place >= 1.0 => self.clearance.pass(&encounter, f64::INFINITY),
                 None => self.clearance.pass(&encounter, place),
             }
@@ -265,7 +267,7 @@ impl<'a> Mover<'a> {
     fn parts(&mut self, contact: &Encounter) -> mujoco::Result<bool> {
         if contact.exact {
             let (_, opening) = self.clearance.gap(contact, 0.0);
-            return Ok(opening > 1e-3 * self.clearance.speed(contact));
+            return Ok(opening > SLIDING * self.clearance.speed(contact));
         }
         // How their bounds move says nothing of the geoms themselves: see whether they have parted soon.
         let soon = self.clearance.advance_by(contact, 0.0, PARTING).min(1.0);
@@ -287,7 +289,7 @@ impl<'a> Mover<'a> {
             }
             at -= (gap + 0.5 * DEEPEST) / opening;
         }
-        self.clearance.pass(encounter, at.max(t) + 1e-6);
+        self.clearance.pass(encounter, at.max(t) + self.clearance.least_advance());
         None
     }
 
