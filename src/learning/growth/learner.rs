@@ -34,8 +34,11 @@ impl<'a> Grower<'a> {
         let mut last = SecondOrder::new(self.agent, Input::Receptor, self.seed);
         // Those that contradict what is known as well: the account is to hear of them.
         let told = self.touches.iter().zip(self.growth.touches());
-        let told =
-            told.filter(|(_, grown)| !grown.moving.is_empty() && self.growth.lacks(grown).is_nothing());
+        // What no fresh touches bear out is not told of: an answer to few may be chance.
+        let told = told.filter(|(_, grown)| {
+            let borne_out = grown.moving.iter().all(|&joint| self.growth.is_borne_out(joint));
+            !grown.moving.is_empty() && borne_out && self.growth.lacks(grown).is_nothing()
+        });
         told.for_each(|(touch, _)| last.touch(touch));
         let known = vec![true; self.agent.creature().joints().len()];
         let mut learned = last.refine_known(schema, known);
