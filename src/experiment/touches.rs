@@ -28,19 +28,18 @@ pub fn make_touches(
     made.map_err(ExperimentError::babbling(model))
 }
 
-/// The touches alone, from the first on.
+/// The touches alone, from the first on, and what was learned on the way.
 pub fn all_touches(
     model: &Path,
     babbler: &Babbler,
     policy: PolicyName,
     options: &BabblingOptions,
     mut receive: impl FnMut(&Touch),
-) -> Result<Effort, ExperimentError> {
+) -> Result<(Effort, Option<Growth>), ExperimentError> {
     make_touches(model, babbler, policy, BoutsDone::default(), options, |made| {
         if let Made::Touch(touch) = made {
             receive(touch);
         }
         Ok(())
     })
-    .map(|(effort, _)| effort)
 }

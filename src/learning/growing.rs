@@ -45,12 +45,12 @@ const CERTAIN_GAP: f64 = 2e-5;
 /// … to this share of it.
 const AGREEMENT: f64 = 0.01;
 /// Steps down the relaxed gradient from an initial guess: a tenth of a second …
-pub const DESCENT: usize = 100_000;
+const DESCENT: usize = 100_000;
 /// … and where the descent doubts the touches themselves.
-pub const DOUBTING_DESCENT: usize = 400_000;
+const DOUBTING_DESCENT: usize = 400_000;
 /// Deviations of the gap, metres, down to which axes stay relaxed, by the number of the start. Joints that
 /// turn little are caught in one wrong minimum or another, and which depends on this.
-pub const RELAXED_GAPS: [f64; 4] = [3e-3, WIDEST, 1e-3, 3e-4];
+const RELAXED_GAPS: [f64; 4] = [3e-3, WIDEST, 1e-3, 3e-4];
 
 /// Centres that miss by more than this many of their deviations are a wrong minimum: no need to anneal.
 const HOPELESS: f64 = 1.2;

@@ -14,7 +14,7 @@ use crate::schema::BodySchema;
 /// overlooked now and then costs a motion, and no more.
 const LOOKS: usize = 24;
 /// The share of the way after which it is seen whether limbs that touch part.
-const FIRST_LOOK: f64 = 0.01;
+pub(super) const FIRST_LOOK: f64 = 0.01;
 /// Limbs that are no farther from each other touch, metres; and how much deeper they are where they do not part.
 const TOUCHING: f64 = 5e-4;
 const DEEPER: f64 = 1e-6;
@@ -70,8 +70,7 @@ impl<'a> Foresight<'a> {
     ) -> Vec<[usize; 2]> {
         let frames = limb_frames(self.agent.creature(), schema, posture);
         let centres = self.centres(&frames);
-        let limbs: Vec<usize> =
-            (0..self.balls.len()).filter(|&limb| self.balls[limb].is_some() && counts(limb)).collect();
+        let limbs = self.solid_limbs(counts);
         let pairs = limbs.iter().enumerate().flat_map(|(n, &a)| limbs[n + 1..].iter().map(move |&b| [a, b]));
         let in_each_other = |pair: &[usize; 2]| {
             !self.passing.contains(pair) && self.gap(&frames, &centres, *pair, -PASSING) < -PASSING
@@ -93,22 +92,16 @@ impl<'a> Foresight<'a> {
         counts: impl Fn(usize) -> bool,
     ) -> Foreseen {
         let creature = self.agent.creature();
-        // Limbs with the same joint that moves before them do not move to each other.
-        let mut carried_by = vec![0; creature.limbs().len()];
-        for (number, joint) in creature.joints().iter().enumerate() {
-            let moves = joint.elements().any(|at| at.of(from) != at.of(to));
-            carried_by[number + 1] = if moves { number + 1 } else { carried_by[joint.parent] };
-        }
-        let limbs: Vec<usize> =
-            (0..carried_by.len()).filter(|&limb| self.balls[limb].is_some() && counts(limb)).collect();
-        let sweep = Sweep::new(self, schema, [from, to], &carried_by);
+        let limbs = self.solid_limbs(counts);
+        let sweep = Sweep::new(self, schema, [from, to]);
         let mut frames = limb_frames(creature, schema, from);
         let centres = self.centres(&frames);
         let (mut pairs, mut touching) = (Vec::new(), Vec::new());
         for (number, &a) in limbs.iter().enumerate() {
             for &b in &limbs[number + 1..] {
                 let passing = creature.neighbouring(a, b) || self.passing.contains(&[a, b]);
-                if carried_by[a] == carried_by[b] || passing {
+                // Limbs with the same joint that moves before them do not move to each other.
+                if sweep.carried_by[a] == sweep.carried_by[b] || passing {
                     continue;
                 }
                 match self.gap(&frames, &centres, [a, b], TOUCHING) {
@@ -119,7 +112,7 @@ impl<'a> Foresight<'a> {
                         let closes = sweep.of([a, b]);
                         // What cannot meet on this way need not be looked at.
                         if gap <= closes {
-                            pairs.push(Approach { pair: [a, b], closes, apart_until: gap / closes });
+                            pairs.push(Nearing { pair: [a, b], closes, apart_until: gap / closes });
                         }
                     }
                 }
@@ -136,21 +129,26 @@ impl<'a> Foresight<'a> {
         }
         for look in 1..=LOOKS {
             let share = look as f64 / LOOKS as f64;
-            if pairs.iter().all(|approach| approach.apart_until > share) {
+            if pairs.iter().all(|nearing| nearing.apart_until > share) {
                 continue;
             }
             let posture = Posture::between(creature, from, to, share);
             limb_frames_into(creature, schema, &posture, &mut frames);
             let centres = self.centres(&frames);
-            for approach in pairs.iter_mut().filter(|approach| approach.apart_until <= share) {
-                let gap = self.gap(&frames, &centres, approach.pair, 0.0);
+            for nearing in pairs.iter_mut().filter(|nearing| nearing.apart_until <= share) {
+                let gap = self.gap(&frames, &centres, nearing.pair, 0.0);
                 if gap <= 0.0 {
-                    return Foreseen::Meeting(approach.pair);
+                    return Foreseen::Meeting(nearing.pair);
                 }
-                approach.apart_until = share + gap / approach.closes;
+                nearing.apart_until = share + gap / nearing.closes;
             }
         }
         Foreseen::Nothing
+    }
+
+    /// Limbs that count and have a solid surface.
+    fn solid_limbs(&self, counts: impl Fn(usize) -> bool) -> Vec<usize> {
+        (0..self.balls.len()).filter(|&limb| self.balls[limb].is_some() && counts(limb)).collect()
     }
 
     /// Per limb, the centre of the ball about it.
@@ -188,7 +186,7 @@ impl<'a> Foresight<'a> {
 }
 
 /// Two limbs that may meet on a way.
-struct Approach {
+struct Nearing {
     pair: [usize; 2],
     /// How much of their gap the whole way closes at the most, metres.
     closes: f64,
@@ -197,9 +195,9 @@ struct Approach {
 }
 
 /// How far a motion carries limbs at the most.
-struct Sweep<'s> {
+struct Sweep {
     /// Per limb, the joint before which nothing moves it, counted from 1; none, 0, on what rests.
-    carried_by: &'s [usize],
+    carried_by: Vec<usize>,
     /// Per joint, counted from 1, the one before it that moves.
     carried_before: Vec<usize>,
     /// Per joint, counted from 1, how far it turns, radians, and slides, metres.
@@ -212,18 +210,13 @@ struct Sweep<'s> {
     reach: Vec<f64>,
 }
 
-impl<'s> Sweep<'s> {
-    fn new(
-        foresight: &Foresight,
-        schema: &BodySchema,
-        [from, to]: [&[f64]; 2],
-        carried_by: &'s [usize],
-    ) -> Sweep<'s> {
+impl Sweep {
+    fn new(foresight: &Foresight, schema: &BodySchema, [from, to]: [&[f64]; 2]) -> Sweep {
         let creature = foresight.agent.creature();
         let limbs = creature.limbs().len();
         let reach = |ball: &Option<Ball>| ball.as_ref().map_or(0.0, |ball| ball.centre.norm() + ball.radius);
         let mut sweep = Sweep {
-            carried_by,
+            carried_by: vec![0; limbs],
             carried_before: vec![0; limbs],
             turns: vec![0.0; limbs],
             slides: vec![0.0; limbs],
@@ -233,7 +226,9 @@ impl<'s> Sweep<'s> {
         };
         for (number, joint) in creature.joints().iter().enumerate() {
             let limb = number + 1;
-            sweep.carried_before[limb] = carried_by[joint.parent];
+            let moves = joint.elements().any(|at| at.of(from) != at.of(to));
+            sweep.carried_before[limb] = sweep.carried_by[joint.parent];
+            sweep.carried_by[limb] = if moves { limb } else { sweep.carried_before[limb] };
             sweep.joint_depth[limb] = sweep.depth[joint.parent] + schema.positions[number].norm();
             sweep.depth[limb] = sweep.joint_depth[limb];
             for at in joint.elements() {

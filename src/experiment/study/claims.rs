@@ -12,11 +12,11 @@ use super::plot::{AxisScale, PlotAxis, PlotSeries, StudyPlot};
 use super::subject::{Subject, median};
 use super::table::row;
 use super::{Findings, Study};
-use crate::babbling::{BabblingOptions, BoutsDone, Made, PolicyName};
+use crate::babbling::{BabblingOptions, PolicyName};
 use crate::creature::JointSelection;
 use crate::evaluation::{HeldOutError, HeldOutPoint, held_out, held_out_points};
 use crate::experiment::disturbance_levels::DisturbanceLevels;
-use crate::experiment::touches::make_touches;
+use crate::experiment::touches::all_touches;
 use crate::experiment::{Embodied, ExperimentError, LearningOptions};
 use crate::learning::growth::Growth;
 use crate::learning::learners::PartByPart;
@@ -169,7 +169,7 @@ fn touches(creature: &Embodied, each: f64) -> usize {
 }
 
 /// Touches, and what was learned on the way.
-struct Babbled {
+struct StudyTouches {
     touches: Vec<Touch>,
     grown: Option<Growth>,
 }
@@ -179,30 +179,24 @@ fn babble(
     policy: PolicyName,
     touches: usize,
     seed: u64,
-) -> Result<Babbled, ExperimentError> {
+) -> Result<StudyTouches, ExperimentError> {
     let options = BabblingOptions { touches, seed, jobs: rayon::current_num_threads() };
     let mut made = Vec::with_capacity(touches);
     let babbler = creature.babbler(MotionName::default())?;
-    let receive = |one: Made| {
-        if let Made::Touch(touch) = one {
-            made.push(touch.clone());
-        }
-        Ok(())
-    };
     let (_, grown) =
-        make_touches(creature.model(), &babbler, policy, BoutsDone::default(), &options, receive)?;
-    Ok(Babbled { touches: made, grown })
+        all_touches(creature.model(), &babbler, policy, &options, |touch| made.push(touch.clone()))?;
+    Ok(StudyTouches { touches: made, grown })
 }
 
 /// Learns from the first touches, and holds what is claimed against the truth.
 fn session(
     creature: &Embodied,
     points: &[HeldOutPoint],
-    babbled: &Babbled,
+    made: &StudyTouches,
     condition: &Condition,
     seed: u64,
 ) -> ClaimsMeasurement {
-    let growth = babbled.grown.is_some();
+    let growth = made.grown.is_some();
     let options = LearningOptions {
         learner: if growth { &PartByPart } else { LearningOptions::default().learner },
         input: (!growth).then_some(condition.input),
@@ -210,9 +204,9 @@ fn session(
         ..LearningOptions::default()
     };
     let began = std::time::Instant::now();
-    let touches = &babbled.touches[..condition.touches.min(babbled.touches.len())];
+    let touches = &made.touches[..condition.touches.min(made.touches.len())];
     let felt = condition.noise.disturbances().felt(creature.agent(), touches, seed);
-    let mut learner = options.learner_from(&felt.agent, babbled.grown.as_ref(), seed);
+    let mut learner = options.learner_from(&felt.agent, made.grown.as_ref(), seed);
     felt.touches.iter().for_each(|touch| learner.touch(touch));
     let learned = learner.learn();
     let seconds = began.elapsed().as_secs_f64();

@@ -68,7 +68,7 @@ const TOUCHES: f64 = 1.8;
 /// … and in units of all unknowns that its touches tell of.
 const TOUCHES_OF_ALL: f64 = 1.2;
 /// Touches that a part which was tried in vain needs before it is tried again, in units of those that it had.
-const MORE: f64 = 1.5;
+pub const MORE: f64 = 1.5;
 /// Touches of one pair of limbs with the same joints moving that tell enough.
 const ALIKE: usize = 25;
 /// … as long as nothing is known, …

@@ -162,8 +162,8 @@ impl Growth {
 
     /// An answer in which the joints that most touches leave open were tried about other axes.
     fn mended(&mut self, problem: &PartProblem, mut best: Solved) -> Solved {
-        let creature = self.agent.creature().clone();
         for round in 0..MENDS {
+            let creature = self.agent.creature();
             if !(WORTH_MENDING..AS_GOOD_AS_ALL).contains(&best.share) {
                 break;
             }
@@ -187,7 +187,7 @@ impl Growth {
                 let mut schema = best.schema.clone();
                 if number > 0 {
                     let position = schema.positions[suspect];
-                    randomize_joint(&creature, &mut schema, suspect, &mut rng);
+                    randomize_joint(creature, &mut schema, suspect, &mut rng);
                     schema.positions[suspect] = position;
                 } else {
                     creature.joints()[suspect].dof_indices().for_each(|dof| schema.axes[dof] *= -1.0);

@@ -1,11 +1,11 @@
 //! Growing up: few joints move at first, and more as they are known.
 //!
-//! All joints rest but a few. Which few is found by trial: sets of joints between two limbs, those first that carry
-//! much skin to both sides, and of these the set that touches most. Once it is known (see
+//! All joints rest but a few. Which few is found by trial ([`trials`]). Once they are known (see
 //! [`Growth`](crate::learning::growth)), what is known moves, and one joint more, or two or three; or only what is
 //! known, towards a limb that is not placed yet ([`goals`]). Where the schema tells how, motions are aimed; where it does
-//! not, what was touched once is touched again, a little differently; and only ways are gone on which the schema
-//! foresees that the wanted limb is the first to meet another ([`motions`]).
+//! not, what was touched once is touched again, a little differently, or felt for where it was; and only ways are gone on
+//! which what is in touch parts first, and then, as the schema foresees, the wanted limb is the first to meet another
+//! ([`motions`]).
 
 mod goals;
 mod motions;
@@ -17,7 +17,7 @@ use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
 use self::goals::UNPROMISING;
-use self::trials::{TRIAL_MOTIONS, Trial};
+use self::trials::{FirstSet, TRIAL_MOTIONS};
 use super::Policy;
 use super::foresight::Foresight;
 use crate::agent::Agent;
@@ -51,7 +51,7 @@ pub struct Stages<'a> {
     /// Per joint, the share of the skin on the side of it where there is less.
     lever: Vec<f64>,
     /// Sets of joints for the first part; the present one; and whether it is still to be seen which is best.
-    trials: Vec<Trial>,
+    trials: Vec<FirstSet>,
     trial: usize,
     is_choosing: bool,
     aim: Goal,
@@ -74,16 +74,22 @@ pub struct Stages<'a> {
     /// Per touch, its posture and where the motion to it began.
     remembered: Vec<[Posture; 2]>,
     start: Posture,
-    /// The touch that the last motion ended in; whether it ended on bare geometry; whether
-    /// motions since then did not part what met; and where it came from.
-    contact: Option<usize>,
-    bare: bool,
-    held: bool,
-    back: Posture,
+    /// What was met last and has not parted since.
+    met: Option<Met>,
     /// Motions in a row that told nothing.
     caught: usize,
     over: bool,
     done: bool,
+}
+
+/// What a motion ended at.
+struct Met {
+    /// The touch; none on bare geometry.
+    touch: Option<usize>,
+    /// Where the motion came from.
+    back: Posture,
+    /// Whether a motion since then did not part it.
+    held: bool,
 }
 
 /// What motions are made for.
@@ -132,10 +138,7 @@ impl<'a> Stages<'a> {
             tries: BTreeMap::new(),
             remembered: Vec::new(),
             start: Posture::default(),
-            contact: None,
-            bare: false,
-            held: false,
-            back: Posture::default(),
+            met: None,
             caught: 0,
             over: false,
             done: growth.resolved().iter().all(|&resolved| resolved),
@@ -181,10 +184,12 @@ impl<'a> Stages<'a> {
         wanted
     }
 
-    /// Some of the way back from what is in touch or, where that did not part it, anywhere.
-    fn retreat(&self, rng: &mut ChaCha8Rng) -> Posture {
-        let back = Posture::between(self.agent.creature(), &self.start, &self.back, RETREAT);
-        if self.held { self.anywhere(rng) } else { back }
+    /// Some of the way back from what was met or, where that did not part it, anywhere.
+    fn retreat(&self, met: &Met, rng: &mut ChaCha8Rng) -> Posture {
+        match met.held {
+            true => self.anywhere(rng),
+            false => Posture::between(self.agent.creature(), &self.start, &met.back, RETREAT),
+        }
     }
 
     /// Takes stock after a motion.
@@ -205,8 +210,8 @@ impl Policy for Stages<'_> {
         if self.growth.schema().is_none() || rng.random::<f64>() < ANYWHERE {
             return self.anywhere(rng);
         }
-        if self.bare {
-            return self.retreat(rng);
+        if let Some(met) = self.met.as_ref().filter(|met| met.touch.is_none()) {
+            return self.retreat(met, rng);
         }
         for _ in 0..GOALS {
             let receptors = &self.agent.skin().receptors;
@@ -224,8 +229,8 @@ impl Policy for Stages<'_> {
                 }
             }
             // What is in touch with what is held back by it: first away from there.
-            if self.contact.is_some() {
-                return self.retreat(rng);
+            if let Some(met) = &self.met {
+                return self.retreat(met, rng);
             }
             // Where nothing is promised from here, it may be another time.
             if let Some(tries) = self.tried.as_ref().and_then(|goal| self.tries.get_mut(goal)) {
@@ -239,9 +244,9 @@ impl Policy for Stages<'_> {
     fn touched(&mut self, touch: &Touch) {
         self.grown = self.growth.touch(touch);
         self.remembered.push([touch.posture.clone(), self.start.clone()]);
-        self.remember(self.remembered.len() - 1);
-        self.contact = Some(self.remembered.len() - 1);
-        (self.bare, self.held, self.back) = (false, false, self.start.clone());
+        let number = self.remembered.len() - 1;
+        self.remember(number);
+        self.met = Some(Met { touch: Some(number), back: self.start.clone(), held: false });
         if let Some(felt) = self.growth.touches().last() {
             let tells = !felt.spare && felt.moving.iter().all(|&joint| self.free[joint]);
             self.caught = if tells { 0 } else { self.caught + 1 };
@@ -256,13 +261,10 @@ impl Policy for Stages<'_> {
         match ending {
             Ending::Free => {
                 self.live_through(posture);
-                (self.bare, self.held, self.contact) = (false, false, None);
+                self.met = None;
             }
-            Ending::Bare => {
-                (self.bare, self.held, self.contact) = (true, false, None);
-                self.back = self.start.clone();
-            }
-            Ending::Again | Ending::Touch(_) => self.held = true,
+            Ending::Bare => self.met = Some(Met { touch: None, back: self.start.clone(), held: false }),
+            Ending::Again | Ending::Touch(_) => self.met.iter_mut().for_each(|met| met.held = true),
         }
         self.caught = if *ending == Ending::Free { 0 } else { self.caught + 1 };
         self.take_stock();
@@ -271,7 +273,7 @@ impl Policy for Stages<'_> {
     fn starts_over(&mut self) -> bool {
         let over = self.over || self.caught >= CAUGHT;
         if over {
-            (self.over, self.caught, self.contact, self.bare) = (false, 0, None, false);
+            (self.over, self.caught, self.met) = (false, 0, None);
         }
         over
     }

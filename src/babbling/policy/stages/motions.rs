@@ -4,7 +4,7 @@ use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
 use super::{Goal, Stages};
-use crate::babbling::policy::foresight::Foreseen;
+use crate::babbling::policy::foresight::{FIRST_LOOK, Foreseen};
 use crate::creature::Posture;
 use crate::kinematics::{Chain, InverseKinematics, Place, limb_frames};
 use crate::learning::growth::{FREEDOM, GrownTouch, LIMB_FREEDOM, rest};
@@ -14,8 +14,6 @@ use crate::learning::growth::{FREEDOM, GrownTouch, LIMB_FREEDOM, rest};
 const SCATTER: f64 = 0.15;
 const FARTHER: f64 = 0.5;
 const FARTHEST: f64 = 0.3;
-/// The share of the way on which it is seen whether limbs in touch part.
-const FIRST_STEP: f64 = 0.01;
 /// Share of motions to where a limb was felt that go there with the limb that felt it.
 const SAME_LIMB: f64 = 0.5;
 /// How deep an aim goes into both limbs, metres, and how far from it a posture may stay.
@@ -149,7 +147,8 @@ impl Stages<'_> {
     /// where `∂gap/∂q · d < 0` and a motion `m` takes these joints back by `−λ d`, it opens at least as fast as what
     /// is known moves it along `m + λ d`.
     pub(super) fn parts(&self, target: &Posture) -> bool {
-        let Some((schema, number)) = self.growth.schema().zip(self.contact) else { return true };
+        let Some((schema, met)) = self.growth.schema().zip(self.met.as_ref()) else { return true };
+        let Some(number) = met.touch else { return true };
         let (creature, skin) = (self.agent.creature(), self.agent.skin());
         let touch = &self.growth.touches()[number];
         let Some(known) = touch.limbs.iter().position(|&limb| self.base_of(limb) == limb) else {
@@ -162,13 +161,13 @@ impl Stages<'_> {
         let other = self.base_of(touch.limbs[1 - known]);
         let opens = |to: &Posture| {
             let frames =
-                limb_frames(creature, schema, &Posture::between(creature, &self.start, to, FIRST_STEP));
+                limb_frames(creature, schema, &Posture::between(creature, &self.start, to, FIRST_LOOK));
             let moved = |limb: usize| frames[limb].point(&here[limb].inverse_point(&place));
             (moved(other) - moved(limb)).dot(&outward)
         };
         let elements = self.joints().iter().flat_map(|&joint| creature.joints()[joint].elements());
         let ways = elements.filter(|at| !at.is_ball()).map(|at| at.coordinate());
-        let ways = ways.map(|q| (target[q] - self.start[q], self.start[q] - self.back[q]));
+        let ways = ways.map(|q| (target[q] - self.start[q], self.start[q] - met.back[q]));
         let (mut back, mut moving) = (0.0, 0.0);
         for (now, before) in ways {
             back -= now * before;
@@ -176,7 +175,7 @@ impl Stages<'_> {
         }
         let share = if moving > 0.0 { back / moving } else { 0.0 };
         // Along the way that led here is the way back, reversed.
-        share >= 0.0 && opens(target) - share * opens(&self.back) > 0.0
+        share >= 0.0 && opens(target) - share * opens(&met.back) > 0.0
     }
 
     /// A posture in which a limb whose place is known comes to where one that the goal wants was felt: the joints to be
@@ -195,14 +194,12 @@ impl Stages<'_> {
         let base = self.base_of(touch.limbs[end]);
         let frames = limb_frames(creature, schema, &self.remembered[number][0]);
         let receptor = &skin.receptors[touch.prepared.ends[1 - end].receptor];
-        let [inside, normal] = [
-            frames[felt_by].point(&(receptor.position + receptor.normal * DEPTH)),
-            frames[felt_by].rotation * -receptor.normal,
-        ];
+        // Above the receptor that felt it is inside of it.
+        let above = receptor.place(DEPTH);
         let place = Place {
             limb: base,
-            point: frames[base].inverse_point(&inside),
-            direction: frames[base].rotation.tr_mul(&normal),
+            point: frames[base].inverse_point(&frames[felt_by].point(&above.point)),
+            direction: frames[base].rotation.tr_mul(&(frames[felt_by].rotation * -above.direction)),
         };
         let same = rng.random::<f64>() < SAME_LIMB;
         let fits = |limb: usize| {
@@ -215,14 +212,22 @@ impl Stages<'_> {
         }
         let other = &skin.receptors[able[rng.random_range(0..able.len())]];
         let (mut start, random) = (self.here(), self.anywhere(rng));
-        let between = Chain::between(creature, base, other.limb);
-        for at in between.joints().flat_map(|joint| creature.joints()[joint].elements()) {
-            at.of_mut(&mut start).copy_from_slice(at.of(&random));
-        }
         self.go_again(number, self.joints().iter().map(|&joint| (joint, SCATTER)), &mut start, rng);
+        self.brought_together([place, other.place(-DEPTH)], start, &random)
+    }
+
+    /// A posture in which two places meet, by what is known of the joints between them, from a random one; what is not
+    /// between them stays where it is: the less moves, the less gets in the way.
+    fn brought_together(&self, ends: [Place; 2], mut start: Posture, random: &Posture) -> Option<Posture> {
+        let creature = self.agent.creature();
+        let between = Chain::between(creature, ends[0].limb, ends[1].limb);
+        for at in between.joints().flat_map(|joint| creature.joints()[joint].elements()) {
+            at.of_mut(&mut start).copy_from_slice(at.of(random));
+        }
+        creature.couple(&mut start);
         let known = |joint: usize| self.free[joint] && !self.joints().contains(&joint);
-        let mut solver = InverseKinematics::new(creature, schema, [place, other.place(-DEPTH)]).moving(known);
-        let reach = solver.solve(&start);
+        let schema = self.growth.schema()?;
+        let reach = InverseKinematics::new(creature, schema, ends).moving(known).solve(&start);
         (reach.miss < NEAR).then_some(reach.posture)
     }
 
@@ -244,7 +249,6 @@ impl Stages<'_> {
     /// puts it.
     pub(super) fn aimed(&self, sure: bool, rng: &mut ChaCha8Rng) -> Option<Posture> {
         let (creature, skin) = (self.agent.creature(), self.agent.skin());
-        let schema = self.growth.schema()?;
         let on = |fits: &dyn Fn(usize) -> bool| -> Vec<usize> {
             (0..skin.receptors.len()).filter(|&receptor| fits(skin.receptors[receptor].limb)).collect()
         };
@@ -259,17 +263,6 @@ impl Stages<'_> {
             return None;
         }
         let ends = receptors.map(|receptor| receptor.place(-DEPTH));
-        // What is not between the two stays where it is: the less moves, the less gets in the way.
-        let (mut start, random) = (self.here(), self.anywhere(rng));
-        for at in
-            Chain::between(creature, a, b).joints().flat_map(|joint| creature.joints()[joint].elements())
-        {
-            at.of_mut(&mut start).copy_from_slice(at.of(&random));
-        }
-        creature.couple(&mut start);
-        let known = |joint: usize| self.free[joint] && !self.joints().contains(&joint);
-        let mut solver = InverseKinematics::new(creature, schema, ends).moving(known);
-        let reach = solver.solve(&start);
-        (reach.miss < NEAR).then_some(reach.posture)
+        self.brought_together(ends, self.here(), &self.anywhere(rng))
     }
 }

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use super::{Goal, Stages};
 use crate::kinematics::Chain;
-use crate::learning::growth::{FEWEST_UNKNOWNS, first_touches};
+use crate::learning::growth::{FEWEST_UNKNOWNS, MORE, first_touches};
 
 /// Sets of joints that are tried, …
 const SETS: usize = 16;
@@ -22,11 +22,9 @@ const HARDER: f64 = 15.0;
 /// Motions with a set before it is seen whether another has become more promising, in units of those after which it should
 /// be learned.
 const PATIENCE: f64 = 1.2;
-/// Touches that a set needs which was not learned from as many as it should, in units of those.
-const MORE: f64 = 1.5;
 
 /// A set of joints that may be learned first.
-pub(super) struct Trial {
+pub(super) struct FirstSet {
     set: Vec<usize>,
     /// How much harder it is to learn than one of no joints.
     hardness: f64,
@@ -36,10 +34,10 @@ pub(super) struct Trial {
     wanted: f64,
 }
 
-impl Trial {
-    fn of(unknowns: usize, set: Vec<usize>) -> Trial {
+impl FirstSet {
+    fn of(unknowns: usize, set: Vec<usize>) -> FirstSet {
         let hardness = 2f64.powf(unknowns as f64 / HARDER);
-        Trial { set, hardness, touches: 0, motions: 0, wanted: first_touches(unknowns) }
+        FirstSet { set, hardness, touches: 0, motions: 0, wanted: first_touches(unknowns) }
     }
 
     /// Motions that are missing until it should be learned.
@@ -85,11 +83,19 @@ impl Stages<'_> {
     pub(super) fn begin_trials(&mut self) {
         let all: Vec<usize> = (0..self.free.len()).collect();
         let sets = self.first_sets().into_iter().chain([all]);
-        self.trials = sets.map(|set| Trial::of(self.growth.width(&set), set)).collect();
-        self.begin_trial(0, TRIAL_MOTIONS);
+        self.trials = sets.map(|set| FirstSet::of(self.growth.width(&set), set)).collect();
+        self.begin_trial(0);
     }
 
-    fn begin_trial(&mut self, number: usize, motions: usize) {
+    fn is_survey(&self, trial: usize) -> bool {
+        trial + 1 == self.trials.len()
+    }
+
+    fn begin_trial(&mut self, number: usize) {
+        self.move_set(number, if self.is_survey(number) { SURVEY_MOTIONS } else { TRIAL_MOTIONS });
+    }
+
+    fn move_set(&mut self, number: usize, motions: usize) {
         self.trial = number;
         self.begin(Goal::Joints(self.trials[number].set.clone()), motions);
     }
@@ -101,15 +107,14 @@ impl Stages<'_> {
 
     /// Goes on with the trials, or with the set that needs least to be learned.
     pub(super) fn try_on(&mut self) {
-        let survey = self.trial + 1 == self.trials.len();
-        let tried = self.is_choosing && !survey && self.trials[self.trial].touches >= TRIAL_TOUCHES;
+        let enough = self.trials[self.trial].touches >= TRIAL_TOUCHES;
+        let tried = self.is_choosing && enough && !self.is_survey(self.trial);
         if self.motions < self.patience && !tried {
             return;
         }
         self.trials[self.trial].motions += self.motions;
-        if self.is_choosing && self.trial + 1 < self.trials.len() {
-            let survey = self.trial + 2 == self.trials.len();
-            self.begin_trial(self.trial + 1, if survey { SURVEY_MOTIONS } else { TRIAL_MOTIONS });
+        if self.is_choosing && !self.is_survey(self.trial) {
+            self.begin_trial(self.trial + 1);
             return;
         }
         self.is_choosing = false;
@@ -121,6 +126,6 @@ impl Stages<'_> {
         let best = (0..self.trials.len()).min_by(|a, b| cost(a).total_cmp(&cost(b))).unwrap_or(0);
         self.over = best != self.trial;
         let motions = (PATIENCE * self.trials[best].missing()) as usize;
-        self.begin_trial(best, motions.max(TRIAL_MOTIONS));
+        self.move_set(best, motions.max(TRIAL_MOTIONS));
     }
 }
