@@ -236,8 +236,8 @@ fn claims_are_held_against_the_truth_over_creatures_inputs_counts_and_noises() {
         ["study", "claims", "arms.xml", "pincer.xml", "--trials", "1", "--seed", "1001", "--json"];
     let found = json(place.path(), &arguments);
     let rows = found["rows"].as_array().unwrap();
-    // Two inputs, each with four counts of touches without noise and five noises, and one that grows by stages.
-    assert_eq!(rows.len(), 2 * (2 * (4 + 5) + 1));
+    // Two inputs, each with four counts of touches without noise and five noises, and four ends of growing by stages.
+    assert_eq!(rows.len(), 2 * (2 * (4 + 5) + 4));
     assert_eq!(found["sessions"], rows.len());
     let all = found["summary"].as_array().unwrap().last().unwrap();
     assert_eq!((&all["creature"], &all["sessions"]), (&"all".into(), &rows.len().into()));
@@ -247,4 +247,5 @@ fn claims_are_held_against_the_truth_over_creatures_inputs_counts_and_noises() {
     assert_eq!(found["wrong_claims"], 0, "{:?}", found["notes"]);
     assert_eq!(all["false_changes"], 0);
     refused(place.path(), 1, &["study", "turned", "arms.xml", "pincer.xml"]);
+    refused(place.path(), 1, &["study", "turned", "arms.xml", "--policy", "stages"]);
 }

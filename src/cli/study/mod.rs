@@ -13,8 +13,9 @@ use super::folders::free_folder;
 use super::open::embodied;
 use super::progress::Bars;
 use super::{Failure, Outcome, output};
-use crate::babbling;
+use crate::babbling::{self, PolicyName};
 use crate::creature::JointSelection;
+use crate::experiment::study::claims::{POLICIES as CLAIMS_POLICIES, STUDY as CLAIMS};
 use crate::experiment::study::hersch::{STUDY as HERSCH, TOUCHES as HERSCH_TOUCHES};
 use crate::experiment::study::{FoundTables, STUDIES, Study, Subject};
 use crate::experiment::{ModelSource, Observer, Phase};
@@ -73,6 +74,9 @@ pub struct StudyArguments {
     /// Print one JSON object
     #[arg(long, help_heading = "Output")]
     json: bool,
+    /// Only sessions that this policy babbled: random or stages
+    #[arg(long, value_name = "POLICY", value_parser = policy, help_heading = "Of the study claims")]
+    policy: Option<PolicyName>,
     #[command(flatten)]
     hersch: hersch::HerschArguments,
 }
@@ -83,6 +87,12 @@ fn study() -> impl TypedValueParser<Value = &'static Study> {
     PossibleValuesParser::new(choices).try_map(|name| {
         STUDIES.iter().copied().find(|study| study.name == name).ok_or("there is no such study")
     })
+}
+
+/// A policy that the study `claims` knows.
+fn policy(name: &str) -> Result<PolicyName, String> {
+    let found = CLAIMS_POLICIES.into_iter().find(|policy| policy.to_string() == name);
+    found.ok_or_else(|| "give one of random and stages".to_string())
 }
 
 pub fn run(args: &StudyArguments) -> Outcome {
@@ -106,6 +116,9 @@ pub fn run(args: &StudyArguments) -> Outcome {
             study.name
         )));
     }
+    if args.policy.is_some() && study.name != CLAIMS.name {
+        return Err(Failure(format!("study {} is not of one policy: leave out --policy", study.name)));
+    }
     let rule = args.hersch.options(study)?;
     let touches = args.touches.unwrap_or(if study.name == HERSCH.name { HERSCH_TOUCHES } else { TOUCHES });
     let selection = args.joints.clone().unwrap_or_default();
@@ -118,6 +131,7 @@ pub fn run(args: &StudyArguments) -> Outcome {
         .with_others(others.iter().map(read).collect::<Result<_, Failure>>()?);
     subject.session.clone_from(&args.session);
     subject.hersch = rule;
+    subject.policy = args.policy;
     let numbered = |k: u32| match k {
         1 => Path::new("studies").join(study.name),
         _ => Path::new("studies").join(format!("{}-{k}", study.name)),
@@ -145,6 +159,7 @@ pub fn run(args: &StudyArguments) -> Outcome {
             "seed": args.seed,
             "joints": selection.to_string(),
             "session": args.session,
+            "policy": args.policy.map(|policy| policy.to_string()),
         },
         "seeds": subject.seeds,
         "seconds": seconds,

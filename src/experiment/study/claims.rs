@@ -18,7 +18,6 @@ use crate::evaluation::{HeldOutError, HeldOutPoint, held_out, held_out_points};
 use crate::experiment::disturbance_levels::DisturbanceLevels;
 use crate::experiment::touches::all_touches;
 use crate::experiment::{Embodied, ExperimentError, LearningOptions};
-use crate::learning::growth::Growth;
 use crate::learning::learners::PartByPart;
 use crate::learning::{Account, AxisModel, Input, Learned, PLACED, Parameters, Verdict, What};
 use crate::senses::Touch;
@@ -33,12 +32,18 @@ pub const STUDY: Study = Study {
     measure: |subject| Ok(measure(subject)?.into()),
 };
 
+/// The policies whose sessions it looks at.
+pub const POLICIES: [PolicyName; 2] = [PolicyName::Random, PolicyName::Stages];
+
 /// Touches per unknown number of the schema: too few, as many as it takes at the least, enough, many.
 const TOUCHES_PER_UNKNOWN: [f64; 4] = [0.5, 1.0, 2.0, 4.0];
 /// The same where senses are disturbed.
 const DISTURBED_TOUCHES_PER_UNKNOWN: f64 = 4.0;
-/// The most touches by the policy `stages`, which the learner `growth` goes on from, per unknown number.
-const STAGED_TOUCHES_PER_UNKNOWN: f64 = 6.0;
+/// The most touches by the policy `stages`, from which the learner `growth` learns, per unknown number: sessions end by
+/// themselves.
+const STAGED_TOUCHES_PER_UNKNOWN: f64 = 24.0;
+/// Shares of the touches of such a session after which it is taken to have ended.
+const ENDS: [f64; 4] = [0.4, 0.6, 0.8, 1.0];
 /// What is wrong with the senses: nothing, and so much in one way. Receptors that are misplaced are felt by receptors
 /// alone, points that are inexact by contact points.
 const NOISES: [DisturbanceLevels; 6] = [
@@ -119,26 +124,41 @@ struct Condition {
 pub fn measure(subject: &Subject) -> Result<Findings<ClaimsMeasurement, ClaimsSummary>, ExperimentError> {
     let creatures: Vec<&Embodied> = subject.creatures().collect();
     let mut measurements: Vec<ClaimsMeasurement> = Vec::new();
+    let asked = |policy: PolicyName| subject.policy.is_none_or(|asked| asked == policy);
     for &seed in &subject.seeds {
         for creature in &creatures {
             subject.tell(seed, creature.creature().name());
-            let conditions = conditions(creature);
-            let most = conditions.iter().map(|condition| condition.touches).max().unwrap_or(0);
-            let random = babble(creature, PolicyName::Random, most, seed)?;
             let points = held_out_points(creature.agent());
-            let session_of = |condition: &Condition| session(creature, &points, &random, condition, seed);
-            measurements.par_extend(conditions.par_iter().map(session_of));
-            let staged = staged(creature);
-            let touches = babble(creature, staged.policy, staged.touches, seed)?;
-            measurements.push(session(creature, &points, &touches, &staged, seed));
+            let parts = [random(creature), staged(creature)];
+            for (policy, most) in parts.into_iter().filter(|(policy, _)| asked(*policy)) {
+                let touches = babble(creature, policy, most, seed)?;
+                let conditions = conditions(creature, policy, touches.len());
+                let session_of =
+                    |condition: &Condition| session(creature, &points, &touches, condition, seed);
+                measurements.par_extend(conditions.par_iter().map(session_of));
+            }
         }
     }
     Ok(findings(measurements))
 }
 
-/// The sessions to be made of each creature by each seed.
-fn conditions(creature: &Embodied) -> Vec<Condition> {
-    let touches = |each: f64| touches(creature, each);
+/// How a creature babbles at random, and how many touches at the most.
+fn random(creature: &Embodied) -> (PolicyName, usize) {
+    let most = TOUCHES_PER_UNKNOWN.into_iter().fold(DISTURBED_TOUCHES_PER_UNKNOWN, f64::max);
+    (PolicyName::Random, touches(creature, most))
+}
+
+/// How it grows by stages, and how many touches at the most.
+fn staged(creature: &Embodied) -> (PolicyName, usize) {
+    (PolicyName::Stages, touches(creature, STAGED_TOUCHES_PER_UNKNOWN))
+}
+
+/// The sessions that some touches of a creature are taken for, by the policy that made so many.
+fn conditions(creature: &Embodied, policy: PolicyName, made: usize) -> Vec<Condition> {
+    let exact = |touches: usize| Condition { policy, input: Input::Receptor, noise: NONE, touches };
+    if policy == PolicyName::Stages {
+        return ENDS.iter().map(|share| exact((share * made as f64).round() as usize)).collect();
+    }
     let mut found = Vec::new();
     for input in [Input::Receptor, Input::Contact] {
         for noise in NOISES {
@@ -148,18 +168,11 @@ fn conditions(creature: &Embodied) -> Vec<Condition> {
             };
             let counts: &[f64] =
                 if noise == NONE { &TOUCHES_PER_UNKNOWN } else { &[DISTURBED_TOUCHES_PER_UNKNOWN] };
-            let counts = counts.iter().map(|&each| touches(each));
-            let policy = PolicyName::Random;
-            found.extend(counts.map(|touches| Condition { policy, input, noise: felt, touches }));
+            let counts = counts.iter().map(|&each| touches(creature, each));
+            found.extend(counts.map(|touches| Condition { input, noise: felt, ..exact(touches) }));
         }
     }
     found
-}
-
-/// The session in which a creature grows by stages; it ends by itself.
-fn staged(creature: &Embodied) -> Condition {
-    let touches = touches(creature, STAGED_TOUCHES_PER_UNKNOWN);
-    Condition { policy: PolicyName::Stages, input: Input::Receptor, noise: NONE, touches }
 }
 
 /// So many touches per unknown number of a creature's schema.
@@ -168,35 +181,28 @@ fn touches(creature: &Embodied, each: f64) -> usize {
     (each * unknowns).round().max(1.0) as usize
 }
 
-/// Touches, and what was learned on the way.
-struct StudyTouches {
-    touches: Vec<Touch>,
-    grown: Option<Growth>,
-}
-
 fn babble(
     creature: &Embodied,
     policy: PolicyName,
     touches: usize,
     seed: u64,
-) -> Result<StudyTouches, ExperimentError> {
+) -> Result<Vec<Touch>, ExperimentError> {
     let options = BabblingOptions { touches, seed, jobs: rayon::current_num_threads() };
-    let mut made = Vec::with_capacity(touches);
+    let mut made = Vec::new();
     let babbler = creature.babbler(MotionName::default())?;
-    let (_, grown) =
-        all_touches(creature.model(), &babbler, policy, &options, |touch| made.push(touch.clone()))?;
-    Ok(StudyTouches { touches: made, grown })
+    all_touches(creature.model(), &babbler, policy, &options, |touch| made.push(touch.clone()))?;
+    Ok(made)
 }
 
 /// Learns from the first touches, and holds what is claimed against the truth.
 fn session(
     creature: &Embodied,
     points: &[HeldOutPoint],
-    made: &StudyTouches,
+    made: &[Touch],
     condition: &Condition,
     seed: u64,
 ) -> ClaimsMeasurement {
-    let growth = made.grown.is_some();
+    let growth = condition.policy == PolicyName::Stages;
     let options = LearningOptions {
         learner: if growth { &PartByPart } else { LearningOptions::default().learner },
         input: (!growth).then_some(condition.input),
@@ -204,9 +210,9 @@ fn session(
         ..LearningOptions::default()
     };
     let began = std::time::Instant::now();
-    let touches = &made.touches[..condition.touches.min(made.touches.len())];
+    let touches = &made[..condition.touches.min(made.len())];
     let felt = condition.noise.disturbances().felt(creature.agent(), touches, seed);
-    let mut learner = options.learner_from(&felt.agent, made.grown.as_ref(), seed);
+    let mut learner = options.learner(&felt.agent, seed);
     felt.touches.iter().for_each(|touch| learner.touch(touch));
     let learned = learner.learn();
     let seconds = began.elapsed().as_secs_f64();

@@ -34,6 +34,8 @@ pub struct Subject<'a> {
     pub seeds: Vec<u64>,
     /// The session that a schema is taken from, where not one is learned.
     pub session: Option<PathBuf>,
+    /// The policy that the study `claims` is about; all that it knows where it is none.
+    pub policy: Option<PolicyName>,
     /// How the study `hersch` applies the rule.
     pub hersch: HerschOptions,
     jobs: usize,
@@ -79,6 +81,7 @@ impl<'a> Subject<'a> {
             touches,
             seeds,
             session: None,
+            policy: None,
             hersch: HerschOptions::default(),
             jobs,
             observer,

@@ -43,7 +43,7 @@ impl Growth {
         let new: Vec<usize> = problem.numbers.iter().copied().filter(stands).collect();
         let Some((joints, new)) = self.checked_part(problem, solved, new) else { return false };
         let before = self.clone_belief();
-        joints.iter().for_each(|&joint| (self.resolved[joint], self.foretold[joint]) = (true, [0; 2]));
+        joints.iter().for_each(|&joint| self.resolved[joint] = true);
         let stands = self.believe(solved.schema.clone(), &new);
         if !stands {
             joints.iter().for_each(|&joint| self.resolved[joint] = false);

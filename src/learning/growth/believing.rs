@@ -2,6 +2,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
+use super::part::Member;
 use super::{GrownTouch, Growth};
 use crate::learning::annealing::NARROWEST;
 use crate::learning::least_squares::LeastSquares;
@@ -17,6 +18,14 @@ const FEW_OPEN: usize = 50;
 /// So many touches against a joint or a limb, and this share of all that tell of it, take it back.
 const CONTRADICTIONS: f64 = 3.0;
 const CONTRADICTED: f64 = 0.08;
+/// After a fit a gap is open that is wider than this, metres: motions stop to a micrometre …
+const OPEN: f64 = 5e-6;
+/// … and than so many standard deviations.
+const DEVIATIONS: f64 = 5.0;
+/// A joint or a limb is wrong that leaves this share of its touches open, …
+const OPEN_SHARE: f64 = 0.05;
+/// … beyond so many times the share of all others.
+const MORE_OPEN: f64 = 2.0;
 /// Touches are taken in when so many times as many are believed, or fewer.
 const TOO_FEW: usize = 50;
 /// All is fitted again where there are so many times more touches than at the last time.
@@ -151,15 +160,26 @@ impl Growth {
         Parameters::of(creature, AxisModel::Unit, |joint| between[joint], |joint, _| moving[joint])
     }
 
-    /// Fits all that is used, from a schema that is nearly right, and leaves out what stays open; false where rounding
-    /// forbids.
+    /// Fits all that is used, from a schema that is nearly right, and takes back what leaves its touches open; false where
+    /// rounding forbids.
     fn fit(&mut self) -> bool {
-        let Some(belief) = &self.belief else { return false };
+        while let Some(deviation) = self.fit_once() {
+            let used: Vec<usize> =
+                (0..self.touches.len()).filter(|&number| self.touches[number].used).collect();
+            let wrong = self.schema().and_then(|schema| self.most_open(&used, schema, deviation));
+            let Some(wrong) = wrong else { return true };
+            self.take_back(wrong);
+        }
+        false
+    }
+
+    /// The same, but leaves out single touches alone; the standard deviation of a gap, metres.
+    fn fit_once(&mut self) -> Option<f64> {
+        let belief = self.belief.as_ref()?;
         let (creature, skin) = (self.agent.creature(), self.agent.skin());
         let set = self.set(self.used());
         let (schema, deviation) =
             fit_again(&self.agent, &set, &belief.parameters, &self.prior, belief.schema.clone(), NARROWEST);
-        let deviation = deviation.max(SHARPEST);
         let opened: Vec<usize> = (0..self.touches.len())
             .filter(|&number| {
                 self.touches[number].used && !self.closes(&self.touches[number].prepared, &schema)
@@ -168,18 +188,18 @@ impl Growth {
         opened.into_iter().for_each(|number| self.touches[number].used = false);
         let parameters = self.parameters();
         // A place in a patch is no evidence.
-        let model = SurfaceGap::new(skin, deviation).without_places();
+        let sharp = deviation.max(SHARPEST);
+        let model = SurfaceGap::new(skin, sharp).without_places();
         let set: TouchSet = self.set(self.used());
         let mut information =
             TouchProblem::new(creature, &set, &parameters, model).linearize(&schema).hessian;
         information.fill_upper_triangle_with_lower_triangle();
         let mut all = information.clone();
         self.prior.add_information(&parameters, &mut all);
-        let Some(belief) = Belief::new(schema, parameters, all, deviation) else { return false };
-        self.belief = Some(belief);
+        self.belief = Some(Belief::new(schema, parameters, all, sharp)?);
         self.information = information;
         self.fitted = set.len();
-        true
+        Some(deviation)
     }
 
     /// The touches among what is known become evidence where they nearly meet what is believed; whether any did.
@@ -225,6 +245,32 @@ impl Growth {
         stands
     }
 
+    /// The joint or the limb of whose touches among some a fit to them leaves most open, where these are more than chance;
+    /// `deviation` is that of a gap, metres.
+    pub(super) fn most_open(&self, among: &[usize], schema: &BodySchema, deviation: f64) -> Option<Member> {
+        let wide = OPEN.max(DEVIATIONS * deviation);
+        let model = SurfaceGap::new(self.agent.skin(), 1.0);
+        let members =
+            (0..self.resolved.len()).map(Member::Joint).chain((0..self.placement.len()).map(Member::Limb));
+        let members: Vec<Member> = members.collect();
+        let (mut all, mut told) = ([0.0; 2], vec![[0.0; 2]; members.len()]);
+        for &number in among {
+            let touch = &self.touches[number];
+            let frames = touch.prepared.frames(schema);
+            let open = usize::from(model.gap(&touch.prepared.ends, &frames).distance.abs() > wide);
+            all[open] += 1.0;
+            let counts = members.iter().zip(&mut told).filter(|(member, _)| touch.tells_of(**member));
+            counts.for_each(|(_, counts)| counts[open] += 1.0);
+        }
+        let share = |[closed, open]: [f64; 2]| open / f64::max(closed + open, 1.0);
+        let elsewhere = |[closed, open]: [f64; 2]| share([all[0] - closed, all[1] - open]);
+        let bad = |counts: &[f64; 2]| {
+            counts[1] >= CONTRADICTIONS && share(*counts) > OPEN_SHARE + MORE_OPEN * elsewhere(*counts)
+        };
+        let worst = (0..members.len()).filter(|&at| bad(&told[at]));
+        worst.max_by(|&a, &b| share(told[a]).total_cmp(&share(told[b]))).map(|at| members[at])
+    }
+
     /// Takes back the joint or the limb that touches contradict most, where they do: a wrong answer explains what it was
     /// fitted to, but not what comes after.
     fn revoke(&mut self) {
@@ -242,31 +288,25 @@ impl Growth {
         let wrong = |at: &usize| told[*at][1] >= CONTRADICTIONS && share(at) > CONTRADICTED;
         let worst = (0..told.len()).filter(wrong).max_by(|a, b| share(a).total_cmp(&share(b)));
         let Some(worst) = worst else { return };
-        for touch in &mut self.touches {
-            let of_it = if worst < joints {
-                touch.moving.contains(&worst)
-            } else {
-                touch.limbs.contains(&(worst - joints))
-            };
-            if of_it {
-                (touch.used, touch.refused) = (false, None);
-            }
+        self.take_back(if worst < joints { Member::Joint(worst) } else { Member::Limb(worst - joints) });
+        self.fit();
+        self.place();
+    }
+
+    /// Takes back a joint or a limb, and what nothing tells of without it.
+    fn take_back(&mut self, wrong: Member) {
+        for touch in self.touches.iter_mut().filter(|touch| touch.tells_of(wrong)) {
+            (touch.used, touch.refused) = (false, None);
         }
-        if worst < joints {
-            self.resolved[worst] = false;
+        if let Member::Joint(joint) = wrong {
+            self.resolved[joint] = false;
         }
         self.failed.clear();
         self.tentative.clear();
-        self.fit();
-        // What nothing tells of any more is not known any more.
-        let parameters = self.belief.as_ref().map(|belief| belief.parameters.clone());
-        for joint in 0..joints {
+        let parameters = self.parameters();
+        for joint in 0..self.resolved.len() {
             let axes = self.agent.creature().joints()[joint].elements().filter(|at| !at.is_ball());
-            let told = axes
-                .map(|at| at.axis())
-                .all(|axis| parameters.as_ref().is_some_and(|parameters| parameters.axes[axis].is_some()));
-            self.resolved[joint] &= told;
+            self.resolved[joint] &= axes.map(|at| at.axis()).all(|axis| parameters.axes[axis].is_some());
         }
-        self.place();
     }
 }

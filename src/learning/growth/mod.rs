@@ -81,13 +81,6 @@ const EVERY_SHARE: usize = 100;
 /// Parts that are tried in vain before more touches are made.
 const TRIED: usize = 2;
 
-/// Touches after a joint was learned that bear it out, …
-const BORNE_OUT: usize = 5;
-/// … their gaps foretold to this, metres, …
-const FORETOLD: f64 = 1e-3;
-/// … and for each of them so many that are not: what else moves in those may be to blame.
-const MOST_WRONG: f64 = 0.25;
-
 /// A body's schema as it grows.
 #[derive(Clone, Debug)]
 pub struct Growth {
@@ -102,8 +95,6 @@ pub struct Growth {
     reach: Vec<f64>,
     /// Per joint, whether its axes are known.
     resolved: Vec<bool>,
-    /// Per joint, touches that came after it was known and that were foretold rightly, and those that were not.
-    foretold: Vec<[usize; 2]>,
     /// Per limb, how far off its skin may be in the frame of the base, one standard deviation, metres.
     placement: Vec<f64>,
     /// The limb that others are placed in relation to.
@@ -143,7 +134,6 @@ impl Growth {
             starts: 0,
             touches: Vec::new(),
             resolved: (0..creature.joints().len()).map(|joint| !has_axes(creature, joint)).collect(),
-            foretold: vec![[0; 2]; creature.joints().len()],
             placement: vec![f64::INFINITY; creature.limbs().len()],
             base: 0,
             belief: None,
@@ -184,7 +174,6 @@ impl Growth {
             spare,
             refused: None,
         });
-        self.test_by_last();
         let due = self.touches.len() >= self.next;
         if due {
             self.next = self.touches.len() + EVERY.max(self.touches.len() / EVERY_SHARE);
@@ -210,25 +199,6 @@ impl Growth {
     /// Per joint, whether its axes are known; a joint without any is from the beginning.
     pub fn resolved(&self) -> &[bool] {
         &self.resolved
-    }
-
-    /// Whether a joint is known, and touches that it was not learned from bear it out.
-    pub fn is_borne_out(&self, joint: usize) -> bool {
-        let [right, wrong] = self.foretold[joint];
-        let tested = right >= BORNE_OUT && wrong as f64 <= MOST_WRONG * right as f64;
-        self.resolved[joint] && (tested || !has_axes(self.agent.creature(), joint))
-    }
-
-    /// Tests what is known by the last touch.
-    fn test_by_last(&mut self) {
-        let Some((touch, schema)) = self.touches.last().zip(self.schema()) else { return };
-        if !self.lacks(touch).is_nothing() {
-            return;
-        }
-        let frames = touch.prepared.frames(schema);
-        let gap = SurfaceGap::new(self.agent.skin(), 1.0).gap(&touch.prepared.ends, &frames);
-        let wrong = usize::from(gap.distance.abs() > FORETOLD);
-        touch.moving.clone().into_iter().for_each(|joint| self.foretold[joint][wrong] += 1);
     }
 
     /// How far off a limb's skin may be, one standard deviation, seen from the limb that others are placed in relation to,

@@ -40,6 +40,25 @@ pub struct GrownTouch {
     pub(super) refused: Option<usize>,
 }
 
+/// What touches tell of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Member {
+    /// A joint.
+    Joint(usize),
+    /// A limb.
+    Limb(usize),
+}
+
+impl GrownTouch {
+    /// Whether it tells of a joint or of a limb.
+    pub(super) fn tells_of(&self, member: Member) -> bool {
+        match member {
+            Member::Joint(joint) => self.moving.contains(&joint),
+            Member::Limb(limb) => self.limbs.contains(&limb),
+        }
+    }
+}
+
 /// Joints to resolve and limbs to place.
 #[derive(Clone, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Part {

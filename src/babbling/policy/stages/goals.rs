@@ -26,8 +26,7 @@ impl Stages<'_> {
     /// sides; what was tried least first.
     pub(super) fn next_goal(&mut self) {
         let creature = self.agent.creature();
-        let open: Vec<usize> =
-            (0..self.free.len()).filter(|&joint| !self.growth.is_borne_out(joint)).collect();
+        let open: Vec<usize> = (0..self.free.len()).filter(|&joint| !self.growth.resolved()[joint]).collect();
         let tries = |goal: &Goal| self.tries.get(goal).copied().unwrap_or(0.0);
         let vague = |limb: &usize| self.growth.placement(*limb) > PRECISE;
         let unplaced: Vec<usize> = self.agent.limbs_with_skin().into_iter().filter(vague).collect();
