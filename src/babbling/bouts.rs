@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::sync::mpsc;
 
 use super::BabblingError;
+use crate::learning::growth::Growth;
 use crate::senses::Touch;
 use crate::simulation::{Effort, EngineResult};
 
@@ -18,13 +19,15 @@ pub struct BoutsDone {
     pub effort: Effort,
 }
 
-/// What babbling in bouts brings, in the session's order.
+/// What babbling brings, in the session's order.
 #[derive(Clone, Copy, Debug)]
 pub enum Made<'a> {
     /// The next touch.
     Touch(&'a Touch),
     /// The end of a bout: all touches up to here are handed on.
     Bout(BoutsDone),
+    /// What a policy has learned of all touches up to here.
+    Grown(&'a Growth),
 }
 
 /// The touches and the effort of one bout.

@@ -103,7 +103,7 @@ impl<'a> Babbler<'a> {
     ) -> Result<Effort, BabblingError<E>> {
         self.babble_on(BoutsDone::default(), options, |made| match made {
             Made::Touch(touch) => receive(touch),
-            Made::Bout(_) => Ok(()),
+            Made::Bout(_) | Made::Grown(_) => Ok(()),
         })
     }
 
@@ -152,7 +152,8 @@ impl<'a> Babbler<'a> {
 
     /// Babbles by a policy, one motion after the other from where the last one stopped, or from the start after a
     /// thousand without a touch, until `options.touches` touches are made; all belong to bout 0. It works on one thread, whatever
-    /// `options.jobs`, for each motion depends on all before it. Returns what it cost.
+    /// `options.jobs`, for each motion depends on all before it. `receive` is also told what the policy has learned after
+    /// each touch, where it learns all that can be. Returns what it cost.
     ///
     /// # Errors
     /// See [`BabblingError`]; touches handed on before stay handed on.
@@ -160,7 +161,7 @@ impl<'a> Babbler<'a> {
         &self,
         policy: &mut dyn Policy,
         options: &BabblingOptions,
-        mut receive: impl FnMut(&Touch) -> Result<(), E>,
+        mut receive: impl FnMut(Made) -> Result<(), E>,
     ) -> Result<Effort, BabblingError<E>> {
         let mut rng = ChaCha8Rng::seed_from_u64(options.seed);
         let mut mover = self.movers.mover().map_err(BabblingError::Engine)?;
@@ -184,7 +185,10 @@ impl<'a> Babbler<'a> {
                 let mut touch = mover.touch(0, ends).map_err(BabblingError::Engine)?;
                 touch.motion = motion;
                 policy.touched(&touch);
-                receive(&touch).map_err(BabblingError::Receiver)?;
+                receive(Made::Touch(&touch)).map_err(BabblingError::Receiver)?;
+                if let Some(growth) = policy.grown() {
+                    receive(Made::Grown(growth)).map_err(BabblingError::Receiver)?;
+                }
                 (received, last) = (received + 1, motion);
             } else {
                 policy.missed(&ending, &mover.felt_posture().map_err(BabblingError::Engine)?);
@@ -211,10 +215,10 @@ impl<'a> Babbler<'a> {
         &self,
         policy: PolicyName,
         options: &BabblingOptions,
-        receive: impl FnMut(&Touch) -> Result<(), E>,
+        receive: impl FnMut(Made) -> Result<(), E>,
     ) -> Result<(Effort, Option<Growth>), BabblingError<E>> {
         if policy == PolicyName::Random {
-            return Ok((self.babble(options, receive)?, None));
+            return Ok((self.babble_on(BoutsDone::default(), options, receive)?, None));
         }
         let mut policy = policy.policy(self.movers.agent(), options.seed);
         let effort = self.babble_with(policy.as_mut(), options, receive)?;

@@ -12,7 +12,7 @@ pub fn run(args: &BabbleArguments, given: Arguments) -> Outcome {
     }
     let prepared = Prepared::new(args)?;
     let folder = session_folder(args.out.as_deref(), prepared.embodied.creature().name())?;
-    let provenance = Provenance { command: output::command_line(), arguments: given };
+    let provenance = Provenance { command: output::command_line(), arguments: prepared.effective(given) };
     let session = BabblingSession::begin(&prepared.embodied, &prepared.setup, &folder, provenance)?;
     prepared.babble(args, &folder, session)
 }

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use super::arguments::touch_count;
+use super::arguments::{Arguments, touch_count};
 use super::learned::{learn_and_report, print_learned};
 use super::learning_arguments::{KNOWN_HELP, LearningArguments};
 use super::live::{Live, LiveOptions};
@@ -12,7 +12,13 @@ use super::{Failure, Outcome};
 use crate::babbling::{BabblingOptions, PolicyName, threads};
 use crate::creature::JointSelection;
 use crate::experiment::{BabbledSession, BabblingSession, Embodied, Observer, SessionSetup};
+use crate::learning::learners::{LearnerKind, PartByPart};
 use crate::simulation::MotionName;
+
+/// Touches that are made where no number is asked for, …
+const TOUCHES: usize = 1000;
+/// … and by stages, which end by themselves, at the most.
+const MOST_TOUCHES: usize = 4000;
 
 /// Babble, touch, learn the body schema, and measure it.
 ///
@@ -34,9 +40,10 @@ pub struct BabbleArguments {
     /// The MJCF file of a creature with touch sensors (grow them with `bodyschema skin`)
     #[arg(required_unless_present = "resume")]
     model: Option<PathBuf>,
-    /// Touches to make
-    #[arg(long, default_value_t = 1000, value_parser = touch_count, help_heading = "Babbling")]
-    pub touches: usize,
+    /// Touches to make; stages end by themselves where all is known that can be touched [default: 1000; of stages 4000 at the
+    /// most]
+    #[arg(long, value_parser = touch_count, help_heading = "Babbling")]
+    touches: Option<usize>,
     /// Seed of all random numbers: the same seed gives the same touches
     #[arg(long, default_value_t = 1, help_heading = "Babbling")]
     pub seed: u64,
@@ -47,9 +54,11 @@ pub struct BabbleArguments {
     /// Threads; they change nothing but the time [default: one per core]
     #[arg(long, value_parser = clap::value_parser!(u16).range(1..=1024), help_heading = "Babbling")]
     pub jobs: Option<u16>,
-    /// How motions are chosen; all but random learn a schema on the way to choose by, on one thread
-    #[arg(long, value_enum, default_value_t, help_heading = "Babbling")]
-    pub policy: PolicyName,
+    /// How motions are chosen; all but random learn a schema on the way to choose by, on one thread [default: stages for
+    /// receptors on known surfaces, undisturbed, without physics and known joints, unless another learner than growth is
+    /// named; else random]
+    #[arg(long, value_enum, help_heading = "Babbling")]
+    policy: Option<PolicyName>,
     /// How the body is moved: straight through its postures, or by servos in a simulation with gravity
     #[arg(long, value_enum, default_value_t, help_heading = "Babbling")]
     pub motion: MotionName,
@@ -71,6 +80,19 @@ pub struct BabbleArguments {
     pub live: LiveOptions,
 }
 
+impl BabbleArguments {
+    /// The policy that is asked for, or that suits what else is.
+    fn policy(&self) -> PolicyName {
+        let grows = self.motion == MotionName::Kinematic && self.learning.grows();
+        let by_default = match self.learning.named() {
+            Some(learner) if learner.name() != PartByPart.name() => PolicyName::Random,
+            _ if grows => PolicyName::Stages,
+            _ => PolicyName::Random,
+        };
+        self.policy.unwrap_or(by_default)
+    }
+}
+
 /// All that is made ready before the first touch.
 pub struct Prepared {
     pub embodied: Embodied,
@@ -82,12 +104,30 @@ impl Prepared {
         // The parser sees to it that there is one.
         let model = args.model.as_deref().ok_or(Failure("name the model's file".into()))?;
         let embodied = embodied(args.open.source(model, args.joints.clone().unwrap_or_default()))?;
-        let learning = args.learning.options(embodied.creature())?;
+        let policy = args.policy();
+        let learning = args.learning.options(embodied.creature(), policy)?;
         // Whether the creature can babble at all is told before any folder is made.
         embodied.babbler(args.motion)?;
-        let babbling = BabblingOptions { touches: args.touches, seed: args.seed, jobs: threads(args.jobs) };
-        let setup = SessionSetup { babbling, policy: args.policy, motion: args.motion, learning };
+        let most = if policy == PolicyName::Stages { MOST_TOUCHES } else { TOUCHES };
+        let touches = args.touches.unwrap_or(most);
+        let babbling = BabblingOptions { touches, seed: args.seed, jobs: threads(args.jobs) };
+        let setup = SessionSetup { babbling, policy, motion: args.motion, learning };
         Ok(Prepared { embodied, setup })
+    }
+
+    /// All options in effect, those included that stand by default and by what else is asked: versions to come may choose
+    /// others.
+    pub fn effective(&self, mut given: Arguments) -> Arguments {
+        let SessionSetup { babbling, policy, learning, .. } = &self.setup;
+        let chosen = [
+            ("touches", babbling.touches.to_string()),
+            ("policy", policy.to_string()),
+            ("learner", learning.learner.name().to_string()),
+        ];
+        for (option, value) in chosen {
+            given.entry(option.to_string()).or_insert_with(|| vec![value]);
+        }
+        given
     }
 
     /// Babbles what is missing, learns, and prints the result.

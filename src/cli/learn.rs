@@ -113,7 +113,7 @@ fn from_recording(
     arguments: Arguments,
 ) -> Result<Learnable, Failure> {
     let provenance = Provenance { command: output::command_line(), arguments };
-    let asked = args.learning.bare();
+    let asked = args.learning.bare(None);
     let recorded =
         RecordedSession::read(source, most(args), args.seed, &asked, provenance, &Bars::default())?;
     let learning = args.learning.options_for(&recorded.session)?;

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 
 use super::Failure;
+use crate::babbling::PolicyName;
 use crate::creature::Creature;
 use crate::experiment::{DisturbanceLevels, LearningOptions};
 use crate::learning::learners::{LEARNERS, LearnerKind, learner_kind};
@@ -15,9 +16,10 @@ use crate::record::Session;
 #[derive(clap::Args, Clone, Debug)]
 #[command(next_help_heading = "Learning")]
 pub struct LearningArguments {
-    /// The learner
-    #[arg(long, default_value = LEARNERS[0].name(), value_parser = learners())]
-    learner: String,
+    /// The learner [default: growth of touches made by stages, from receptors on known surfaces without any disturbance;
+    /// else lm]
+    #[arg(long, value_parser = learners())]
+    learner: Option<String>,
     /// What a touch reports [default: receptor; of a recording, what it holds]
     #[arg(long, value_enum)]
     pub input: Option<Input>,
@@ -53,30 +55,40 @@ fn learners() -> impl TypedValueParser<Value = String> {
 
 impl LearningArguments {
     /// The learner that is named.
-    fn kind(&self) -> &'static dyn LearnerKind {
-        // The parser sees to it that there is one of the name.
-        learner_kind(&self.learner).unwrap_or(LEARNERS[0])
+    pub fn named(&self) -> Option<&'static dyn LearnerKind> {
+        self.learner.as_deref().and_then(learner_kind)
     }
 
-    /// The options for a creature, with the file of known joints read.
-    pub fn options(&self, creature: &Creature) -> Result<LearningOptions, Failure> {
-        self.with_known(self.bare(), creature)
+    /// The options for a creature, with the file of known joints read; for touches by a policy.
+    pub fn options(&self, creature: &Creature, policy: PolicyName) -> Result<LearningOptions, Failure> {
+        self.with_known(self.bare(Some(policy)), creature)
     }
 
     /// The options for a session's touches: those of a recording report what the recording holds.
     pub fn options_for(&self, session: &Session) -> Result<LearningOptions, Failure> {
-        self.with_known(self.bare().for_session(session)?, session.agent.creature())
+        let policy = session.options.policy.as_deref().and_then(|policy| policy.parse().ok());
+        self.with_known(self.bare(policy).for_session(session)?, session.agent.creature())
     }
 
-    /// The options without what is known.
-    pub fn bare(&self) -> LearningOptions {
+    /// The options without what is known, for touches by a policy; none of a recording.
+    pub fn bare(&self, policy: Option<PolicyName>) -> LearningOptions {
+        let by_policy = LearningOptions::default_learner(policy.filter(|_| self.grows()));
+        LearningOptions { learner: self.named().unwrap_or(by_policy), ..self.anyhow() }
+    }
+
+    /// Whether a body can grow part by part with these options.
+    pub fn grows(&self) -> bool {
+        self.known.is_none() && self.anyhow().grows()
+    }
+
+    /// The options without what is known, whatever the learner.
+    fn anyhow(&self) -> LearningOptions {
         LearningOptions {
-            learner: self.kind(),
             input: self.input,
             skin: self.skin,
             frames: self.frames,
-            known: None,
             disturbances: self.disturbances.levels(),
+            ..LearningOptions::default()
         }
     }
 

@@ -12,6 +12,7 @@ use crate::agent::Agent;
 use crate::babbling::BabblingOptions;
 use crate::experiment::{Embodied, LearnedSession, LearningStep, Observer, Phase};
 use crate::interaction::{Conversation, Reply};
+use crate::learning::growth::Growth;
 use crate::senses::Touch;
 use crate::simulation::Stage;
 use crate::view::live::{Asked, BabblingView, LiveLearner, LivePage, Server, TableView};
@@ -106,6 +107,12 @@ impl Observer for Live {
 
     fn touched(&self, touch: &Touch) {
         self.view.touched(touch);
+    }
+
+    fn grew(&self, growth: &Growth) {
+        // Whoever learns on the way to be looked at is not needed then.
+        self.learner.replace(None);
+        self.view.grew(growth.believed());
     }
 
     fn learned(&self, step: &LearningStep) {

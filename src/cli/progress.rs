@@ -10,6 +10,7 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressFinish, ProgressState, 
 
 use super::message::quiet;
 use crate::experiment::{LearningStep, Observer, Phase};
+use crate::learning::growth::Growth;
 use crate::senses::Touch;
 
 /// How often a bar is drawn anew where nothing happens.
@@ -104,6 +105,13 @@ impl Observer for Bars {
 
     fn touched(&self, _: &Touch) {
         self.advance();
+    }
+
+    fn grew(&self, growth: &Growth) {
+        if let Some(bar) = &*self.bar.borrow() {
+            let [known, all] = growth.known_joints();
+            bar.set_message(format!("babbling, {known} of {all} joints known"));
+        }
     }
 
     fn learned(&self, _: &LearningStep) {

@@ -19,7 +19,7 @@ pub fn run(folder: &Path, given: &BabbleArguments) -> Outcome {
     let place = folder.display();
     match BabblingSession::resume(&prepared.embodied, &prepared.setup, folder, session)? {
         ResumedSession::Babbling(session) => {
-            tell!("{place}: going on after touch {} of {}", session.made(), args.touches);
+            tell!("{place}: going on after touch {} of {}", session.made(), prepared.setup.babbling.touches);
             prepared.babble(&args, folder, *session)
         }
         ResumedSession::Babbled(babbled) if !folder.join(REPORT_FILE).exists() => {

@@ -7,7 +7,7 @@ use super::error::ExperimentError;
 use super::learning_options::LearningOptions;
 use super::touches::all_touches;
 use crate::agent::Agent;
-use crate::babbling::{BabblingOptions, Policy, PolicyName};
+use crate::babbling::{BabblingOptions, Made, Policy, PolicyName};
 use crate::evaluation::{Evaluation, evaluate_learned};
 use crate::learning::{Learned, Learner};
 use crate::peripersonal::OwnBody;
@@ -85,8 +85,10 @@ impl Embodied {
     ) -> Result<Babbled, ExperimentError> {
         let mut touches = Vec::with_capacity(options.touches);
         let babbler = self.babbler(MotionName::default())?;
-        let receive = |touch: &Touch| -> Result<(), RecordError> {
-            touches.push(touch.clone());
+        let receive = |made: Made| -> Result<(), RecordError> {
+            if let Made::Touch(touch) = made {
+                touches.push(touch.clone());
+            }
             Ok(())
         };
         babbler.babble_with(policy, options, receive).map_err(ExperimentError::babbling(self.model()))?;

@@ -81,6 +81,9 @@ pub fn learn_session(
         if last || !due || each {
             run.seconds += began.elapsed().as_secs_f64();
         }
+        if last {
+            run.pass(learner.way())?;
+        }
         let now = Looked { touches: n + 1, touch, due, last, expected: learner.expectation() };
         run.look(&now, learned, learner.schema(), observer)?;
     }
@@ -218,6 +221,20 @@ impl<'a> LearningRun<'a> {
         first || self.checkpoints.contains(&touches)
     }
 
+    /// Takes down what a learner believed on its way.
+    fn pass(&mut self, way: &[(usize, BodySchema)]) -> Result<(), ExperimentError> {
+        for (touches, schema) in way {
+            let evaluation = self.truth.map(|truth| evaluate(&self.session.agent, truth, schema, &[]));
+            let mut row = vec![*touches as f64, f64::NAN, f64::NAN, f64::NAN, f64::NAN];
+            if self.truth.is_some() {
+                row.extend(measures(evaluation.as_ref()));
+            }
+            self.table.row(&row)?;
+            self.passed.push((*touches, schema.clone()));
+        }
+        Ok(())
+    }
+
     /// Takes down what a learner has come to.
     fn look(
         &mut self,
@@ -256,10 +273,7 @@ impl<'a> LearningRun<'a> {
             None => evaluate(agent, truth, schema, &[]),
         });
         if self.truth.is_some() {
-            row.extend(evaluation.as_ref().map_or([f64::NAN; 4], |e| {
-                let hand = e.hand_mm.map_or(f64::NAN, |hand| hand.mean);
-                [e.heldout_mm.mean, e.heldout_mm.p95, hand, e.axis_deg.median]
-            }));
+            row.extend(measures(evaluation.as_ref()));
         }
         self.table.row(&row)?;
         if now.last {
@@ -267,6 +281,14 @@ impl<'a> LearningRun<'a> {
         }
         Ok(())
     }
+}
+
+/// What the table has of an evaluation, as its last columns.
+fn measures(evaluation: Option<&Evaluation>) -> [f64; 4] {
+    evaluation.map_or([f64::NAN; 4], |e| {
+        let hand = e.hand_mm.map_or(f64::NAN, |hand| hand.mean);
+        [e.heldout_mm.mean, e.heldout_mm.p95, hand, e.axis_deg.median]
+    })
 }
 
 /// The schemas on the way with their errors and the bounds of these, where the truth is at hand.

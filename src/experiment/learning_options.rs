@@ -10,10 +10,11 @@ use super::disturbance_levels::DisturbanceLevels;
 use super::error::ExperimentError;
 use super::words::listed;
 use crate::agent::Agent;
+use crate::babbling::PolicyName;
 use crate::creature::{Creature, DofKind};
 use crate::learning::growth::Growth;
 use crate::learning::initial_guess::random_guess;
-use crate::learning::learners::{LEARNERS, LearnerGivens, LearnerKind, LearnerUses};
+use crate::learning::learners::{LEARNERS, LearnerGivens, LearnerKind, LearnerUses, PartByPart};
 use crate::learning::{Input, KnownJoint, Learner, LimbFrames, SecondOrder, SkinKnowledge};
 use crate::record::{Session, read_known};
 use crate::schema::BodySchema;
@@ -59,6 +60,22 @@ impl Default for LearningOptions {
 }
 
 impl LearningOptions {
+    /// The learner of touches that a policy made, where none is named; of a recording's, where there was none.
+    pub fn default_learner(policy: Option<PolicyName>) -> &'static dyn LearnerKind {
+        match policy {
+            Some(PolicyName::Stages) => &PartByPart,
+            _ => LEARNERS[0],
+        }
+    }
+
+    /// Whether a body can grow part by part with what is given: by receptors on known surfaces alone, undisturbed.
+    pub fn grows(&self) -> bool {
+        (self.input(), self.skin) == (Input::Receptor, SkinKnowledge::Surface)
+            && self.frames == LimbFrames::Joint
+            && self.known.is_none()
+            && self.disturbances == DisturbanceLevels::default()
+    }
+
     /// What touches report.
     pub fn input(&self) -> Input {
         self.input.unwrap_or_default()

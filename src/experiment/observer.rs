@@ -1,5 +1,6 @@
 //! Who looks on while an experiment runs: a progress bar, a live page, a table.
 
+use crate::learning::growth::Growth;
 use crate::schema::BodySchema;
 use crate::senses::Touch;
 
@@ -13,6 +14,8 @@ pub trait Observer {
     fn phase(&self, _phase: Phase) {}
     /// A touch was made.
     fn touched(&self, _touch: &Touch) {}
+    /// The policy has learned from the touches so far.
+    fn grew(&self, _growth: &Growth) {}
     /// A touch was taken in by the learner.
     fn learned(&self, _step: &LearningStep) {}
 }
@@ -33,6 +36,10 @@ impl<O: Observer + ?Sized> Observer for &O {
         (**self).touched(touch);
     }
 
+    fn grew(&self, growth: &Growth) {
+        (**self).grew(growth);
+    }
+
     fn learned(&self, step: &LearningStep) {
         (**self).learned(step);
     }
@@ -50,6 +57,10 @@ impl<O: Observer> Observer for Option<O> {
 
     fn touched(&self, touch: &Touch) {
         self.iter().for_each(|observer| observer.touched(touch));
+    }
+
+    fn grew(&self, growth: &Growth) {
+        self.iter().for_each(|observer| observer.grew(growth));
     }
 
     fn learned(&self, step: &LearningStep) {
@@ -72,6 +83,11 @@ impl<A: Observer, B: Observer> Observer for (A, B) {
     fn touched(&self, touch: &Touch) {
         self.0.touched(touch);
         self.1.touched(touch);
+    }
+
+    fn grew(&self, growth: &Growth) {
+        self.0.grew(growth);
+        self.1.grew(growth);
     }
 
     fn learned(&self, step: &LearningStep) {

@@ -183,6 +183,7 @@ impl<'a> BabblingSession<'a> {
                         kept = Instant::now();
                     }
                     Made::Bout(_) => {}
+                    Made::Grown(growth) => observer.grew(growth),
                 }
                 Ok(())
             })?;

@@ -19,11 +19,11 @@ pub fn make_touches(
     policy: PolicyName,
     from: BoutsDone,
     options: &BabblingOptions,
-    mut receive: impl FnMut(Made) -> Result<(), RecordError>,
+    receive: impl FnMut(Made) -> Result<(), RecordError>,
 ) -> Result<(Effort, Option<Growth>), ExperimentError> {
     let made = match policy {
         PolicyName::Random => babbler.babble_on(from, options, receive).map(|effort| (effort, None)),
-        _ => babbler.babble_by(policy, options, |touch| receive(Made::Touch(touch))),
+        _ => babbler.babble_by(policy, options, receive),
     };
     made.map_err(ExperimentError::babbling(model))
 }

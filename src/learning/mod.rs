@@ -61,6 +61,10 @@ pub trait Learner {
     fn schema(&self) -> Option<&BodySchema> {
         None
     }
+    /// What was believed on the way, after so many touches each, where the learner keeps it.
+    fn way(&self) -> &[(usize, BodySchema)] {
+        &[]
+    }
 }
 
 /// What a learner came to, and how far it can be trusted.

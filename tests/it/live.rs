@@ -76,7 +76,7 @@ fn babbling_is_seen_while_it_goes_on() {
     let Some(browser) = browser() else { return };
     let place = tempfile::tempdir().unwrap();
     let model = repository("mjcf/max/max.xml");
-    let arguments = ["babble", model.to_str().unwrap(), "--touches", MANY, "--jobs", "1", "--out", "max"];
+    let arguments = ["babble", model.to_str().unwrap(), "--joints", "all", "--touches", MANY, "--out", "max"];
     let served = Served::new(place.path(), &arguments);
     let tab = open(browser, &served);
     let told = |tab: &Tab| tab.evaluate("document.getElementById('doing').textContent").to_string();

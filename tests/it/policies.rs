@@ -7,7 +7,7 @@ use std::process::Command;
 use crate::common::{creature, max, truth, two_arms};
 use bodyschema::agent::Agent;
 use bodyschema::babbling::policy::{Foreseen, Foresight};
-use bodyschema::babbling::{Babbler, BabblingOptions, PolicyName, motions_until};
+use bodyschema::babbling::{Babbler, BabblingOptions, Made, PolicyName, motions_until};
 use bodyschema::creature::{Body, Posture};
 use bodyschema::senses::Touch;
 use bodyschema::simulation::{Effort, Ending, MotionName, MotionUntilTouch, Movers};
@@ -23,8 +23,10 @@ fn babble_by(body: &Body, policy: PolicyName, touches: usize, jobs: usize) -> (V
     let babbler = Babbler::new(Movers::new(body, &agent, MotionName::Kinematic).unwrap());
     let mut made = Vec::new();
     let options = BabblingOptions { touches, seed: 3, jobs };
-    let receive = |touch: &Touch| {
-        made.push(touch.clone());
+    let receive = |news: Made| {
+        if let Made::Touch(touch) = news {
+            made.push(touch.clone());
+        }
         Ok::<(), Infallible>(())
     };
     let (effort, _) = babbler.babble_by(policy, &options, receive).unwrap();

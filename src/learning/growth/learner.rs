@@ -93,4 +93,8 @@ impl Learner for Grower<'_> {
     fn schema(&self) -> Option<&BodySchema> {
         self.growth.schema()
     }
+
+    fn way(&self) -> &[(usize, BodySchema)] {
+        self.growth.way()
+    }
 }

@@ -24,11 +24,14 @@ pub use learner::Grower;
 use nalgebra::DMatrix;
 pub use part::{GrownTouch, Part};
 pub use placement::rest;
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
 
 use self::solving::PartProblem;
 use crate::agent::Agent;
 use crate::creature::{Creature, DofKind};
 use crate::kinematics::Chain;
+use crate::learning::initial_guess::random_guess;
 #[cfg(doc)]
 use crate::learning::online::Anchor;
 use crate::learning::online::Belief;
@@ -81,6 +84,9 @@ const EVERY_SHARE: usize = 100;
 /// Parts that are tried in vain before more touches are made.
 const TRIED: usize = 2;
 
+/// Schemas on the way that are kept; of more every second one is forgotten.
+const MOST_OF_WAY: usize = 40;
+
 /// A body's schema as it grows.
 #[derive(Clone, Debug)]
 pub struct Growth {
@@ -110,6 +116,10 @@ pub struct Growth {
     tentative: Vec<(Vec<usize>, BodySchema)>,
     /// Per part that was tried in vain, its touches then.
     failed: BTreeMap<Part, usize>,
+    /// What was believed of the body before the first touch.
+    initial_guess: BodySchema,
+    /// What was believed after so many touches, whenever more was known.
+    way: Vec<(usize, BodySchema)>,
 }
 
 impl Growth {
@@ -142,6 +152,8 @@ impl Growth {
             next: EVERY,
             tentative: Vec::new(),
             failed: BTreeMap::new(),
+            initial_guess: random_guess(creature, &mut ChaCha8Rng::seed_from_u64(seed)),
+            way: Vec::new(),
         }
     }
 
@@ -178,7 +190,18 @@ impl Growth {
         if due {
             self.next = self.touches.len() + EVERY.max(self.touches.len() / EVERY_SHARE);
         }
-        due && self.grow_trying(TRIED)
+        let grown = due && self.grow_trying(TRIED);
+        if grown {
+            self.way.push((self.touches.len(), self.believed()));
+            if self.way.len() > MOST_OF_WAY {
+                let mut number = 0;
+                self.way.retain(|_| {
+                    number += 1;
+                    number % 2 == 0
+                });
+            }
+        }
+        grown
     }
 
     /// Starts from initial guesses made so far.
@@ -196,9 +219,34 @@ impl Growth {
         self.belief.as_ref().map(|belief| &belief.schema)
     }
 
+    /// The whole body as it is believed: where nothing is known, as it was guessed before the first touch.
+    pub fn believed(&self) -> BodySchema {
+        let mut believed = self.initial_guess.clone();
+        if let Some(belief) = &self.belief {
+            let (schema, parameters) = (&belief.schema, &belief.parameters);
+            let joints = parameters.positions.iter().zip(&schema.positions).zip(&mut believed.positions);
+            joints.filter(|((place, _), _)| place.is_some()).for_each(|((_, known), p)| *p = *known);
+            let dofs = parameters.axes.iter().zip(&schema.axes).zip(&mut believed.axes);
+            dofs.filter(|((place, _), _)| place.is_some()).for_each(|((_, known), axis)| *axis = *known);
+        }
+        believed
+    }
+
+    /// What was believed on the way: after so many touches, when more was known than before.
+    pub fn way(&self) -> &[(usize, BodySchema)] {
+        &self.way
+    }
+
     /// Per joint, whether its axes are known; a joint without any is from the beginning.
     pub fn resolved(&self) -> &[bool] {
         &self.resolved
+    }
+
+    /// How many joints that have axes are known, and how many there are.
+    pub fn known_joints(&self) -> [usize; 2] {
+        let creature = self.agent.creature();
+        let with_axes = (0..self.resolved.len()).filter(|&joint| has_axes(creature, joint));
+        with_axes.fold([0; 2], |[known, all], joint| [known + usize::from(self.resolved[joint]), all + 1])
     }
 
     /// How far off a limb's skin may be, one standard deviation, seen from the limb that others are placed in relation to,

@@ -7,6 +7,7 @@ use std::time::Instant;
 use nalgebra::Vector3;
 use serde_json::json;
 
+use super::learner::miss;
 use super::server::LivePage;
 use super::{HEIGHT, page};
 use crate::agent::Agent;
@@ -59,10 +60,24 @@ struct BabblingState {
     /// The rate of babbling, touches a second, as long as it goes on.
     rate: Option<f64>,
     learned: Option<BodySchema>,
+    /// Whether the creature itself learns while it babbles.
+    grows: bool,
     learned_from: usize,
     /// Touches learned from, and how far apart the schema had put the surfaces that touched, millimetres.
     missed: Vec<[f64; 2]>,
     report: Option<PathBuf>,
+}
+
+impl BabblingState {
+    /// A touch was so far from its prediction, metres.
+    fn miss(&mut self, number: usize, missed: f64) {
+        if missed.is_finite() {
+            self.missed.push([number as f64, 1e3 * missed.abs()]);
+        }
+        if self.missed.len() > MOST_POINTS {
+            halve(&mut self.missed);
+        }
+    }
 }
 
 impl BabblingView {
@@ -87,6 +102,7 @@ impl BabblingView {
             point_every: POINT_EVERY,
             rate: None,
             learned: None,
+            grows: false,
             learned_from: 0,
             missed: Vec::new(),
             report: None,
@@ -108,6 +124,12 @@ impl BabblingView {
     pub fn touched(&self, touch: &Touch) {
         let mut state = self.state();
         state.touches += 1;
+        let foretold = state.learned.as_ref().filter(|_| state.grows);
+        let missed = foretold.map(|schema| miss(&self.agent, schema, touch));
+        if let Some(missed) = missed {
+            let number = state.touches;
+            state.miss(number, missed);
+        }
         state.posture.clone_from(&touch.posture);
         light(&mut state, touch);
         if state.fresh.len() < MOST_FRESH {
@@ -125,6 +147,14 @@ impl BabblingView {
         state.rate = (seconds > 0.0).then(|| (state.touches - state.before) as f64 / seconds);
     }
 
+    /// The schema that the creature itself has learned from all touches so far.
+    pub fn grew(&self, schema: BodySchema) {
+        let mut state = self.state();
+        state.learned_from = state.touches;
+        state.learned = Some(schema);
+        state.grows = true;
+    }
+
     /// The touches that were not taken yet, for who learns on the way.
     pub(super) fn take_fresh(&self) -> Vec<Touch> {
         std::mem::take(&mut self.state().fresh)
@@ -137,6 +167,7 @@ impl BabblingView {
         state.fresh.clear();
         (state.learned_from, state.rate) = (0, None);
         state.missed.clear();
+        state.grows = false;
     }
 
     /// What was learned from so many touches, the last of which is told where it is to be shown; and how far apart the
@@ -157,11 +188,8 @@ impl BabblingView {
         if let Some(schema) = schema {
             state.learned = Some(schema.clone());
         }
-        if let Some(missed) = missed.filter(|missed| missed.is_finite()) {
-            state.missed.push([from as f64, 1e3 * missed.abs()]);
-            if state.missed.len() > MOST_POINTS {
-                halve(&mut state.missed);
-            }
+        if let Some(missed) = missed {
+            state.miss(from, missed);
         }
     }
 

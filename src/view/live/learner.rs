@@ -58,7 +58,7 @@ impl LiveLearner {
 }
 
 /// How far apart a schema puts the two receptors of a touch, metres.
-fn miss(agent: &Agent, schema: &BodySchema, touch: &Touch) -> f64 {
+pub(super) fn miss(agent: &Agent, schema: &BodySchema, touch: &Touch) -> f64 {
     let frames = limb_frames(agent.creature(), schema, &touch.posture);
     let [a, b] = touch.ends.map(|end| {
         let receptor = &agent.skin().receptors[end.receptor];
