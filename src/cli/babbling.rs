@@ -10,8 +10,9 @@ use super::open::{ModelArguments, embodied};
 use super::progress::Bars;
 use super::{Failure, Outcome};
 use crate::babbling::{BabblingOptions, PolicyName, threads};
-use crate::creature::JointSelection;
+use crate::creature::{Creature, JointSelection};
 use crate::experiment::{BabbledSession, BabblingSession, Embodied, Observer, SessionSetup};
+use crate::learning::growth::Growth;
 use crate::learning::learners::{LearnerKind, PartByPart};
 use crate::simulation::MotionName;
 
@@ -81,9 +82,9 @@ pub struct BabbleArguments {
 }
 
 impl BabbleArguments {
-    /// The policy that is asked for, or that suits what else is.
-    fn policy(&self) -> PolicyName {
-        let grows = self.motion == MotionName::Kinematic && self.learning.grows();
+    /// The policy that is asked for, or that suits what else is and the creature.
+    fn policy(&self, creature: &Creature) -> PolicyName {
+        let grows = self.motion == MotionName::Kinematic && self.learning.grows() && Growth::suits(creature);
         let by_default = match self.learning.named() {
             Some(learner) if learner.name() != PartByPart.name() => PolicyName::Random,
             _ if grows => PolicyName::Stages,
@@ -104,7 +105,7 @@ impl Prepared {
         // The parser sees to it that there is one.
         let model = args.model.as_deref().ok_or(Failure("name the model's file".into()))?;
         let embodied = embodied(args.open.source(model, args.joints.clone().unwrap_or_default()))?;
-        let policy = args.policy();
+        let policy = args.policy(embodied.creature());
         let learning = args.learning.options(embodied.creature(), policy)?;
         // Whether the creature can babble at all is told before any folder is made.
         embodied.babbler(args.motion)?;

@@ -77,9 +77,15 @@ impl Learner for Grower<'_> {
                 ),
                 basis: Basis::SURFACES,
                 verdict: Verdict::Failed(
-                    "no part of the body explains its touches: growth needs touches made while few joints move \
-                     (--policy stages), or another learner (--learner lm)"
-                        .to_string(),
+                    match self.growth.starts() {
+                        0 => "no part of the body has touches enough that were made while few joints moved, as growth \
+                              needs them: babble by stages (--policy stages), or use another learner (--learner lm)"
+                            .to_string(),
+                        starts => format!(
+                            "none of {starts} random initial guesses explains the touches of any part of the body; try \
+                             another seed (--seed), or random motions and contact points (--policy random --input contact)"
+                        ),
+                    },
                 ),
                 initial_guesses: self.growth.starts(),
                 fresh_rms: f64::NAN,

@@ -85,7 +85,7 @@ const EVERY_SHARE: usize = 100;
 const TRIED: usize = 2;
 
 /// Schemas on the way that are kept; of more every second one is forgotten.
-const MOST_OF_WAY: usize = 40;
+const MOST_OF_WAY: usize = 12;
 
 /// A body's schema as it grows.
 #[derive(Clone, Debug)]
@@ -123,6 +123,12 @@ pub struct Growth {
 }
 
 impl Growth {
+    /// Whether a creature can be grown at all: touches in which few coordinates move check nothing.
+    pub fn suits(creature: &Creature) -> bool {
+        let hinges_and_slides = creature.dofs().filter(|dof| dof.kind != DofKind::Ball).count();
+        hinges_and_slides >= FREEDOM
+    }
+
     /// Nothing known of a body but its skin; initial guesses are drawn from `seed`.
     pub fn new(agent: &Agent, seed: u64) -> Growth {
         let creature = agent.creature();

@@ -39,6 +39,8 @@ const POINT_ITERATIONS: usize = 60;
 const MOST_MISSES: f64 = 0.7;
 /// … leaves receptors fewer deviations apart where an answer is near: right ones leave 1.5, most wrong ones 6.
 const HOPELESS: f64 = 2.5;
+/// Starts of the first part whose points nearly meet and whose surfaces do not, after which no more are made.
+const MOST_NEAR: usize = 16;
 /// Deviations of the gap, metres, down to which axes stay relaxed: joints that turn little are caught in one wrong minimum
 /// or another, and which depends on this.
 const RELAXED_GAPS: [f64; 2] = [3e-3, 0.02];
@@ -140,8 +142,12 @@ impl Growth {
             let most = solved.iter().map(|solved| solved.share).fold(0.0, f64::max);
             let as_good = |other: &&Solved| (most - other.share) * (problem.touches.len() as f64) < 1.5;
             // What comes again and again is the best that chance finds.
-            let again = most > WORTH_MENDING && solved.iter().filter(as_good).count() >= AGREEING;
-            if again || good >= if small { AGREEING } else { 1 } {
+            let drawn = self.belief.is_some() || most > WORTH_MENDING;
+            let again = drawn && solved.iter().filter(as_good).count() >= AGREEING;
+            // Where an answer is among those whose points nearly meet, it is one in three.
+            let near = solved.iter().filter(|solved| solved.share > 0.0).count();
+            let in_vain = self.belief.is_none() && near >= MOST_NEAR && most <= WORTH_MENDING;
+            if again || in_vain || good >= if small { AGREEING } else { 1 } {
                 break;
             }
         }
