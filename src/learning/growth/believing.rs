@@ -250,47 +250,48 @@ impl Growth {
     pub(super) fn most_open(&self, among: &[usize], schema: &BodySchema, deviation: f64) -> Option<Member> {
         let wide = OPEN.max(DEVIATIONS * deviation);
         let model = SurfaceGap::new(self.agent.skin(), 1.0);
-        let members =
-            (0..self.resolved.len()).map(Member::Joint).chain((0..self.placement.len()).map(Member::Limb));
-        let members: Vec<Member> = members.collect();
-        let (mut all, mut told) = ([0.0; 2], vec![[0.0; 2]; members.len()]);
-        for &number in among {
+        let told = among.iter().map(|&number| {
             let touch = &self.touches[number];
-            let frames = touch.prepared.frames(schema);
-            let open = usize::from(model.gap(&touch.prepared.ends, &frames).distance.abs() > wide);
-            all[open] += 1.0;
-            let counts = members.iter().zip(&mut told).filter(|(member, _)| touch.tells_of(**member));
-            counts.for_each(|(_, counts)| counts[open] += 1.0);
-        }
-        let share = |[closed, open]: [f64; 2]| open / f64::max(closed + open, 1.0);
-        let elsewhere = |[closed, open]: [f64; 2]| share([all[0] - closed, all[1] - open]);
-        let bad = |counts: &[f64; 2]| {
-            counts[1] >= CONTRADICTIONS && share(*counts) > OPEN_SHARE + MORE_OPEN * elsewhere(*counts)
-        };
-        let worst = (0..members.len()).filter(|&at| bad(&told[at]));
-        worst.max_by(|&a, &b| share(told[a]).total_cmp(&share(told[b]))).map(|at| members[at])
+            let gap = model.gap(&touch.prepared.ends, &touch.prepared.frames(schema));
+            (touch, gap.distance.abs() > wide)
+        });
+        self.most_suspect(told, |of_it, others| share(of_it) > OPEN_SHARE + MORE_OPEN * share(others))
     }
 
     /// Takes back the joint or the limb that touches contradict most, where they do: a wrong answer explains what it was
     /// fitted to, but not what comes after.
     fn revoke(&mut self) {
-        let (joints, limbs) = (self.resolved.len(), self.placement.len());
-        // First joints, then limbs.
-        let mut told = vec![[0.0; 2]; joints + limbs];
-        for touch in &self.touches {
-            let of = usize::from(touch.refused.is_some());
-            if touch.used || touch.refused.is_some() {
-                touch.moving.iter().for_each(|&joint| told[joint][of] += 1.0);
-                touch.limbs.iter().for_each(|&limb| told[joints + limb][of] += 1.0);
-            }
-        }
-        let share = |at: &usize| told[*at][1] / (told[*at][0] + told[*at][1] + 1e-9);
-        let wrong = |at: &usize| told[*at][1] >= CONTRADICTIONS && share(at) > CONTRADICTED;
-        let worst = (0..told.len()).filter(wrong).max_by(|a, b| share(a).total_cmp(&share(b)));
-        let Some(worst) = worst else { return };
-        self.take_back(if worst < joints { Member::Joint(worst) } else { Member::Limb(worst - joints) });
+        let told = self.touches.iter().filter(|touch| touch.used || touch.refused.is_some());
+        let told = told.map(|touch| (touch, touch.refused.is_some()));
+        let Some(wrong) = self.most_suspect(told, |of_it, _| share(of_it) > CONTRADICTED) else { return };
+        self.take_back(wrong);
         self.fit();
         self.place();
+    }
+
+    /// Of the joints and limbs that several touches are against that one which the greatest share of its touches is; each
+    /// touch comes with whether it is against what it tells of. `wrong` judges by the touches for and against it, and by all
+    /// others.
+    fn most_suspect<'t>(
+        &self,
+        told: impl Iterator<Item = (&'t GrownTouch, bool)>,
+        wrong: impl Fn([f64; 2], [f64; 2]) -> bool,
+    ) -> Option<Member> {
+        let members = (0..self.resolved.len()).map(Member::Joint);
+        let members: Vec<Member> = members.chain((0..self.placement.len()).map(Member::Limb)).collect();
+        let (mut all, mut counts) = ([0.0; 2], vec![[0.0; 2]; members.len()]);
+        for (touch, against) in told {
+            let against = usize::from(against);
+            all[against] += 1.0;
+            let of_it = members.iter().zip(&mut counts).filter(|(member, _)| touch.tells_of(**member));
+            of_it.for_each(|(_, counts)| counts[against] += 1.0);
+        }
+        let suspect = |at: &usize| {
+            let [right, against] = counts[*at];
+            against >= CONTRADICTIONS && wrong(counts[*at], [all[0] - right, all[1] - against])
+        };
+        let suspects = (0..members.len()).filter(suspect);
+        suspects.max_by(|&a, &b| share(counts[a]).total_cmp(&share(counts[b]))).map(|at| members[at])
     }
 
     /// Takes back a joint or a limb, and what nothing tells of without it.
@@ -309,4 +310,9 @@ impl Growth {
             self.resolved[joint] &= axes.map(|at| at.axis()).all(|axis| parameters.axes[axis].is_some());
         }
     }
+}
+
+/// The share of touches that are against something.
+fn share([right, against]: [f64; 2]) -> f64 {
+    against / f64::max(right + against, 1.0)
 }
