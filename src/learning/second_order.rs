@@ -97,6 +97,11 @@ const ALIKE: f64 = 0.3;
 const SAME_PLACE: f64 = 0.05;
 /// … and how many others it takes: of 2,000 touches of Max half of the honest ones have them, and one in 16 of false ones.
 const WITNESSES: usize = 4;
+/// Touches of a limb from which on others of it are foretold.
+const FORETOLD_BY: usize = 4;
+/// Points are exact where this share of their touches misses by less than so many deviations.
+const USUAL: f64 = 0.8;
+const EXACTLY: f64 = 1e-4;
 /// Touches that are left for every unknown number, where others need not be looked at.
 const ENOUGH: usize = 3;
 /// Touches with a joint below which their share of open gaps says little of it.
@@ -244,13 +249,23 @@ impl<'a> SecondOrder<'a> {
         }
         match search.evidence {
             Evidence::Points { acceptance, .. } => {
-                let fresh = point_misfit(&used, &start.schema);
+                // Touches of a limb that hardly any other tells of are not foretold.
+                let of_limbs = fitted.count_of_limbs(self.agent.creature());
+                let foretold = used.filter(|pair| pair.limbs.iter().all(|&limb| of_limbs[limb] >= FORETOLD_BY));
+                if foretold.is_empty() {
+                    return (f64::INFINITY, f64::INFINITY);
+                }
+                let fresh = point_misfit(&foretold, &start.schema);
                 // Points without noise are their own proof; others are not.
                 if !search.noisy {
                     return (fresh / acceptance, 0.0);
                 }
                 let known = fitted.filter(|pair| start.covers(pair));
                 let noise = point_misfit(&known, &start.schema);
+                // What few touches leave open is no noise.
+                if usual_point_misfit(&known, &start.schema) < EXACTLY {
+                    return (fresh / acceptance, 0.0);
+                }
                 let free = |joint: usize| start.known[joint] && !self.known.frozen[joint];
                 let unknowns = Parameters::new(self.agent.creature(), AxisModel::Unit, free).len() as f64;
                 // Of `n` equations with `p` unknowns the mean square is `1 − p/n` of the noise's, of fresh ones
@@ -709,6 +724,18 @@ fn point_misfit(touches: &TouchSet, schema: &BodySchema) -> f64 {
         count += 3.0;
     }
     (sum / count).sqrt()
+}
+
+/// The misfit that most touches stay below, in the same units.
+fn usual_point_misfit(touches: &TouchSet, schema: &BodySchema) -> f64 {
+    let misfit = |touch: &PreparedTouch| {
+        let frames = touch.frames(schema);
+        let whitening = PointsMeet::Shaped.whitening(&touch.ends, &frames);
+        (2.0 * PointsMeet::Shaped.cost(&touch.ends, &frames, &whitening) / 3.0).sqrt()
+    };
+    let mut misfits: Vec<f64> = touches.touches().map(misfit).collect();
+    misfits.sort_by(f64::total_cmp);
+    quantile(&misfits, USUAL)
 }
 
 /// How to look for an answer.

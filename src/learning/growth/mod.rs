@@ -66,6 +66,8 @@ const STARTS: usize = 16;
 const FIRST_TOUCHES: f64 = 3.5;
 /// The fewest unknowns of the joints of a first part: with fewer wrong answers fit.
 pub const FEWEST_UNKNOWNS: usize = 24;
+/// … and where no touches join others to them: of these several starts must agree.
+const NARROWEST_SET: usize = 18;
 /// Touches that a part needs, in units of its unknowns.
 const TOUCHES: f64 = 1.8;
 /// … and in units of all unknowns that its touches tell of.
@@ -320,12 +322,8 @@ impl Growth {
 
     /// Learns the first part: of all sets of joints that moved in touches enough for their size, the smallest that is solved.
     fn grow_first(&mut self, tried: usize) -> bool {
-        let free = self.touches.iter().filter(|touch| touch.freedom >= FREEDOM);
-        let sets: BTreeSet<Vec<usize>> = free.map(|touch| touch.moving.clone()).collect();
         let mut candidates: Vec<(Part, usize)> = Vec::new();
-        let all: Vec<usize> = (0..self.resolved.len()).collect();
-        let fewest = FEWEST_UNKNOWNS.min(self.width(&all) / 2);
-        for joints in sets.into_iter().filter(|joints| self.width(joints) >= fewest) {
+        for joints in self.first_sets() {
             let within = |touch: &&GrownTouch| {
                 touch.freedom >= FREEDOM && touch.moving.iter().all(|joint| joints.contains(joint))
             };
@@ -352,6 +350,35 @@ impl Growth {
             }
             known
         })
+    }
+
+    /// The sets of joints that moved in touches; those with too few unknowns together with others that share joints with
+    /// them, those with most touches first.
+    fn first_sets(&self) -> BTreeSet<Vec<usize>> {
+        let all: Vec<usize> = (0..self.resolved.len()).collect();
+        let fewest = FEWEST_UNKNOWNS.min(self.width(&all) / 2);
+        let mut moved: BTreeMap<Vec<usize>, usize> = BTreeMap::new();
+        for touch in self.touches.iter().filter(|touch| touch.freedom >= FREEDOM) {
+            *moved.entry(touch.moving.clone()).or_default() += 1;
+        }
+        let widened = |set: &Vec<usize>| {
+            let mut joints: BTreeSet<usize> = set.iter().copied().collect();
+            loop {
+                let set: Vec<usize> = joints.iter().copied().collect();
+                if self.width(&set) >= fewest {
+                    return Some(set);
+                }
+                let shares = |other: &Vec<usize>| other.iter().any(|joint| joints.contains(joint));
+                let adds = |other: &Vec<usize>| other.iter().any(|joint| !joints.contains(joint));
+                let beside = moved.iter().filter(|(other, _)| shares(other) && adds(other));
+                match beside.max_by_key(|(_, touches)| **touches) {
+                    Some((next, _)) => joints.extend(next),
+                    // There is nothing to be added.
+                    None => return (self.width(&set) >= NARROWEST_SET).then_some(set),
+                }
+            }
+        };
+        moved.keys().filter_map(widened).collect()
     }
 
     /// Solves a part and takes it in where it stands.

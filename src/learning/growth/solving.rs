@@ -138,7 +138,8 @@ impl Growth {
             self.starts += made.len();
             solved.extend(made);
             let good = solved.iter().filter(|solved| solved.share > AS_GOOD_AS_ALL).count();
-            let small = self.belief.is_some() && problem.unit.len() <= SMALL;
+            let known = self.belief.is_some() || self.width(&part.joints) < FEWEST_UNKNOWNS;
+            let small = known && problem.unit.len() <= SMALL;
             let most = solved.iter().map(|solved| solved.share).fold(0.0, f64::max);
             let as_good = |other: &&Solved| (most - other.share) * (problem.touches.len() as f64) < 1.5;
             // What comes again and again is the best that chance finds.

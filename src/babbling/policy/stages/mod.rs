@@ -32,6 +32,8 @@ const ANYWHERE: f64 = 0.15;
 const REPEATED: f64 = 0.3;
 /// … and where it is not known well enough where to aim.
 const REPEATED_UNSURE: f64 = 0.7;
+/// Share of motions for the first part that repeat a touch.
+const REPEATED_AT_FIRST: f64 = 0.5;
 /// Share of these that go to where a limb was felt, with what is known of the body elsewhere.
 const WHERE_FELT: f64 = 0.7;
 /// Draws of two receptors to aim at.
@@ -211,7 +213,11 @@ impl Policy for Stages<'_> {
     fn next_target(&mut self, posture: &[f64], rng: &mut ChaCha8Rng) -> Posture {
         self.motions += 1;
         self.start = posture.into();
-        if self.growth.schema().is_none() || rng.random::<f64>() < ANYWHERE {
+        let first = self.growth.schema().is_none();
+        if first && rng.random::<f64>() < REPEATED_AT_FIRST {
+            return self.again(rng).unwrap_or_else(|| self.anywhere(rng));
+        }
+        if first || rng.random::<f64>() < ANYWHERE {
             return self.anywhere(rng);
         }
         if let Some(met) = self.met.as_ref().filter(|met| met.touch.is_none()) {

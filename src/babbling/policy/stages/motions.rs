@@ -80,7 +80,8 @@ impl Stages<'_> {
         let [a, b] = touch.limbs.map(|limb| self.wanted[limb]);
         let told = match self.aim {
             Goal::Repeat(_) => touch.moving.iter().any(|joint| self.joints().contains(joint)),
-            Goal::Joints(_) => a != b,
+            // Before the first part is known whatever moves tells of it.
+            Goal::Joints(_) => a != b || self.growth.schema().is_none(),
             // Of two limbs neither of which is placed a touch does not place one.
             Goal::Limb(_) => a != b && self.growth.placed(touch.limbs[usize::from(a)]),
         };
@@ -90,7 +91,10 @@ impl Stages<'_> {
     /// Remembers a touch by its pair of limbs, where it serves the goal to touch that again.
     pub(super) fn remember(&mut self, number: usize) {
         let touch = &self.growth.touches()[number];
-        if self.is_repeatable(touch) {
+        if touch.spare && self.growth.schema().is_none() {
+            // Of this pair there are enough.
+            self.repeatable.remove(&touch.limbs);
+        } else if self.is_repeatable(touch) {
             self.repeatable.entry(touch.limbs).or_default().push(number);
         }
     }
