@@ -258,9 +258,11 @@ impl Policy for Stages<'_> {
         self.remember(number);
         self.met = Some(Met { touch: Some(number), back: self.start.clone(), held: false });
         if let Some(felt) = self.growth.touches().last() {
+            let first = self.growth.schema().is_none();
             let tells = !felt.spare && felt.moving.iter().all(|&joint| self.free[joint]);
+            let tells = tells && (!first || felt.freedom >= FREEDOM);
             self.caught = if tells { 0 } else { self.caught + 1 };
-            if tells && felt.freedom >= FREEDOM && self.growth.schema().is_none() {
+            if tells && first {
                 self.count_trial();
             }
         }
