@@ -251,7 +251,8 @@ impl<'a> SecondOrder<'a> {
             Evidence::Points { acceptance, .. } => {
                 // Touches of a limb that hardly any other tells of are not foretold.
                 let of_limbs = fitted.count_of_limbs(self.agent.creature());
-                let foretold = used.filter(|pair| pair.limbs.iter().all(|&limb| of_limbs[limb] >= FORETOLD_BY));
+                let foretold =
+                    used.filter(|pair| pair.limbs.iter().all(|&limb| of_limbs[limb] >= FORETOLD_BY));
                 if foretold.is_empty() {
                     return (f64::INFINITY, f64::INFINITY);
                 }

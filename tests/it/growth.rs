@@ -1,7 +1,88 @@
 //! Growing up: few joints at first, and more as they are known.
 
-use crate::common::program::refused;
+use std::path::Path;
+
+use serde_json::Value;
+
+use crate::common::program::{refused, succeeds};
 use crate::common::two_arms;
+
+/// A folder's `arms.xml`, with a grown skin.
+fn arms(place: &Path) {
+    let trunk = r#"type="capsule" size="0.12 0.2""#;
+    let body = two_arms(trunk, r#"type="capsule" size="0.03 0.2""#);
+    let bare: Vec<&str> =
+        body.lines().filter(|line| !line.contains("<site") && !line.contains("<sensor")).collect();
+    std::fs::write(place.join("arms.xml"), bare.join("\n")).unwrap();
+}
+
+fn json(place: &Path, arguments: &[&str]) -> Value {
+    serde_json::from_str(&succeeds(place, arguments)).unwrap()
+}
+
+/// Stages are for what growth can learn from; where they end is theirs, and what stands by default is kept.
+#[test]
+fn a_body_grows_by_default_where_nothing_stands_against_it() {
+    let place = tempfile::tempdir().unwrap();
+    arms(place.path());
+    let chosen = |more: &[&str]| {
+        let out = more.join("_").replace("--", "") + "_";
+        let options = [&["babble", "arms.xml", "--out", &out, "--json"][..], more].concat();
+        let found = json(place.path(), &options);
+        let session = std::fs::read_to_string(place.path().join(&out).join("session.json")).unwrap();
+        let session: Value = serde_json::from_str(&session).unwrap();
+        let kept = &session["options"]["arguments"];
+        assert_eq!(
+            (&kept["policy"][0], &kept["learner"][0]),
+            (&found["policy"], &found["learner"]),
+            "{kept}"
+        );
+        let name = |key: &str| found[key].as_str().unwrap().to_string();
+        (name("policy"), name("learner"), found["touches"].as_u64().unwrap())
+    };
+    let (policy, learner, touches) = chosen(&[]);
+    assert_eq!((&*policy, &*learner), ("stages", "growth"));
+    assert!(touches < 1000, "{touches}");
+    assert_eq!(chosen(&["--learner", "growth", "--seed", "2"]).0, "stages");
+    for other in [
+        &["--learner", "lm"][..],
+        &["--input", "contact"],
+        &["--skin", "centres", "--touches", "60"],
+        &["--joint-noise", "0.1", "--touches", "60"],
+    ] {
+        let (policy, learner, touches) = chosen(other);
+        assert_eq!((&*policy, &*learner), ("random", "lm"), "{other:?}");
+        assert!(touches == if other.contains(&"--touches") { 60 } else { 1000 }, "{touches}");
+    }
+    assert_eq!(chosen(&["--policy", "stages", "--input", "contact", "--touches", "60"]).1, "lm");
+}
+
+/// A fit closes some touches of a joint whatever is wrong with it. That others stay open is to be heard of.
+#[test]
+fn a_joint_whose_touches_stay_open_is_not_told_of() {
+    let place = tempfile::tempdir().unwrap();
+    arms(place.path());
+    let whole = json(place.path(), &["babble", "arms.xml", "--out", "arms", "--json"]);
+    assert_eq!(whole["undetermined"], serde_json::json!([]));
+    // Of every third touch the angle of an elbow is another one than it was.
+    let log = place.path().join("arms/touches.jsonl");
+    let text = std::fs::read_to_string(&log).unwrap();
+    let falsified = text.lines().enumerate().map(|(number, line)| {
+        let mut touch: Value = serde_json::from_str(line).unwrap();
+        if number % 3 == 0 && touch["posture"][2].as_f64().is_some_and(|angle| angle != 0.0) {
+            touch["posture"][2] = (0.1 - touch["posture"][2].as_f64().unwrap()).into();
+        }
+        touch.to_string() + "\n"
+    });
+    std::fs::write(&log, falsified.collect::<String>()).unwrap();
+    let found = json(place.path(), &["learn", "arms", "--json"]);
+    assert_eq!(found["learner"], "growth");
+    if found["converged"] == true {
+        let worst = found["determined_mm"]["max"].as_f64().unwrap_or(0.0);
+        assert!(worst < 0.1, "{worst} mm of what is claimed");
+        assert!(!found["undetermined"].as_array().unwrap().is_empty(), "{found}");
+    }
+}
 
 /// It knows its body by the surfaces under its receptors: other input would be learned from as if it were that.
 #[test]

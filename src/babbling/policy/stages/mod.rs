@@ -32,7 +32,7 @@ const ANYWHERE: f64 = 0.15;
 const REPEATED: f64 = 0.3;
 /// … and where it is not known well enough where to aim.
 const REPEATED_UNSURE: f64 = 0.7;
-/// Share of motions for the first part that repeat a touch.
+/// Share of motions for the first part that repeat a touch, where touches are rare: others tell more.
 const REPEATED_AT_FIRST: f64 = 0.5;
 /// Share of these that go to where a limb was felt, with what is known of the body elsewhere.
 const WHERE_FELT: f64 = 0.7;
@@ -214,7 +214,7 @@ impl Policy for Stages<'_> {
         self.motions += 1;
         self.start = posture.into();
         let first = self.growth.schema().is_none();
-        if first && rng.random::<f64>() < REPEATED_AT_FIRST {
+        if first && self.touches_seldom() && rng.random::<f64>() < REPEATED_AT_FIRST {
             return self.again(rng).unwrap_or_else(|| self.anywhere(rng));
         }
         if first || rng.random::<f64>() < ANYWHERE {

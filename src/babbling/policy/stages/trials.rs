@@ -19,6 +19,8 @@ pub(super) const TRIAL_MOTIONS: usize = 60;
 pub(super) const SURVEY_MOTIONS: usize = 150;
 /// So many more unknowns make a set twice as hard to learn: a random initial guess of many seldom finds their answer.
 const HARDER: f64 = 15.0;
+/// Touches are rare of which there are not more than one in so many motions.
+const RARE: usize = 6;
 /// Motions with a set before it is seen whether another has become more promising, in units of those after which it should
 /// be learned.
 const PATIENCE: f64 = 1.2;
@@ -98,6 +100,12 @@ impl Stages<'_> {
     fn move_set(&mut self, number: usize, motions: usize) {
         self.trial = number;
         self.begin(Goal::Joints(self.trials[number].set.clone()), motions);
+    }
+
+    /// Whether few motions with the set that is tried end in a touch that tells anything.
+    pub(super) fn touches_seldom(&self) -> bool {
+        let tried = &self.trials[self.trial];
+        RARE * (tried.touches + 1) <= tried.motions + self.motions
     }
 
     /// A touch of the set that is tried.
