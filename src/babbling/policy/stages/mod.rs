@@ -64,6 +64,8 @@ pub struct Stages<'a> {
     wanted: Vec<bool>,
     /// Per pair of limbs, the touches that it serves the goal to repeat.
     repeatable: BTreeMap<[usize; 2], Vec<usize>>,
+    /// Per pair of limbs, how often they touched each other.
+    felt: BTreeMap<[usize; 2], usize>,
     /// Per joint, whether it moves.
     free: Vec<bool>,
     /// Motions for the present goal, and the most.
@@ -133,6 +135,7 @@ impl<'a> Stages<'a> {
             aim: Goal::Joints(Vec::new()),
             wanted: vec![false; creature.limbs().len()],
             repeatable: BTreeMap::new(),
+            felt: BTreeMap::new(),
             free: vec![false; joints],
             motions: 0,
             patience: TRIAL_MOTIONS,
@@ -258,6 +261,7 @@ impl Policy for Stages<'_> {
         self.remember(number);
         self.met = Some(Met { touch: Some(number), back: self.start.clone(), held: false });
         if let Some(felt) = self.growth.touches().last() {
+            *self.felt.entry(felt.limbs).or_default() += 1;
             let first = self.growth.schema().is_none();
             let tells = !felt.spare && felt.moving.iter().all(|&joint| self.free[joint]);
             let tells = tells && (!first || felt.freedom >= FREEDOM);

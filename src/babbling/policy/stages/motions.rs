@@ -8,6 +8,7 @@ use crate::babbling::policy::foresight::{FIRST_LOOK, Foreseen};
 use crate::creature::Posture;
 use crate::kinematics::{Chain, InverseKinematics, Place, limb_frames};
 use crate::learning::growth::{FREEDOM, GrownTouch, LIMB_FREEDOM, rest};
+use crate::skin::Receptor;
 
 /// How far a repeated touch scatters, in shares of the ranges; how much farther it goes than the touch was, radians
 /// or metres, in shares of the way that led there.
@@ -16,6 +17,8 @@ const FARTHER: f64 = 0.5;
 const FARTHEST: f64 = 0.3;
 /// Share of motions to where a limb was felt that go there with the limb that felt it.
 const SAME_LIMB: f64 = 0.5;
+/// Pairs of receptors of which that is aimed at whose limbs touched each other least.
+const DRAWS: usize = 3;
 /// How deep an aim goes into both limbs, metres, and how far from it a posture may stay.
 const DEPTH: f64 = 0.01;
 const NEAR: f64 = 0.01;
@@ -261,7 +264,15 @@ impl Stages<'_> {
         if wanted.is_empty() || others.is_empty() {
             return None;
         }
-        let receptors = [&wanted, &others].map(|list| &skin.receptors[list[rng.random_range(0..list.len())]]);
+        // Limbs that hardly touched each other tell most of where they are.
+        let mut draw =
+            || [&wanted, &others].map(|list| &skin.receptors[list[rng.random_range(0..list.len())]]);
+        let draws: Vec<_> = (0..DRAWS).map(|_| draw()).collect();
+        let times = |ends: &[&Receptor; 2]| {
+            let [a, b] = ends.map(|end| end.limb);
+            self.felt.get(&[a.min(b), a.max(b)]).copied().unwrap_or(0)
+        };
+        let receptors = draws.into_iter().min_by_key(times)?;
         let [a, b] = receptors.map(|receptor| receptor.limb);
         if creature.neighbouring(a, b) {
             return None;
