@@ -23,9 +23,9 @@ const MOST_TOUCHES: usize = 4000;
 
 /// Babble, touch, learn the body schema, and measure it.
 ///
-/// The creature takes random postures one after the other and stops where its skin touches its skin. From the
-/// pairs of receptors and the joint angles alone it learns where its joints are and how they turn; the model's
-/// own kinematics serve only to measure the result. All goes into a session folder.
+/// The creature moves about, few joints at first, and stops where its skin touches its skin. From the pairs of
+/// receptors and the joint angles alone it learns where its joints are and how they turn, and touches what it does not
+/// know yet; the model's own kinematics serve only to measure the result. All goes into a session folder.
 #[derive(clap::Args)]
 #[command(after_help = format!("Examples:
   bodyschema babble mjcf/max/max.xml

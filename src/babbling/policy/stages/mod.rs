@@ -26,14 +26,14 @@ use crate::learning::growth::{FREEDOM, Growth};
 use crate::senses::Touch;
 use crate::simulation::Ending;
 
+/// Share of motions for the first part that repeat a touch, where touches are rare: others tell more.
+const REPEATED_AT_FIRST: f64 = 0.5;
 /// Share of motions that go anywhere.
 const ANYWHERE: f64 = 0.15;
 /// Share of the others that repeat a touch though they could be aimed.
 const REPEATED: f64 = 0.3;
 /// … and where it is not known well enough where to aim.
 const REPEATED_UNSURE: f64 = 0.7;
-/// Share of motions for the first part that repeat a touch, where touches are rare: others tell more.
-const REPEATED_AT_FIRST: f64 = 0.5;
 /// Share of these that go to where a limb was felt, with what is known of the body elsewhere.
 const WHERE_FELT: f64 = 0.7;
 /// Draws of two receptors to aim at.
