@@ -85,12 +85,8 @@ impl BabbleArguments {
     /// The policy that is asked for, or that suits what else is and the creature.
     fn policy(&self, creature: &Creature) -> PolicyName {
         let grows = self.motion == MotionName::Kinematic && self.learning.grows() && Growth::suits(creature);
-        let by_default = match self.learning.named() {
-            Some(learner) if learner.name() != PartByPart.name() => PolicyName::Random,
-            _ if grows => PolicyName::Stages,
-            _ => PolicyName::Random,
-        };
-        self.policy.unwrap_or(by_default)
+        let asked = self.learning.named().is_none_or(|learner| learner.name() == PartByPart.name());
+        self.policy.unwrap_or(if grows && asked { PolicyName::Stages } else { PolicyName::Random })
     }
 }
 

@@ -68,9 +68,14 @@ impl LearningOptions {
         }
     }
 
+    /// Whether touches are of receptors on known surfaces.
+    fn has_surfaces(&self) -> bool {
+        (self.input(), self.skin) == (Input::Receptor, SkinKnowledge::Surface)
+    }
+
     /// Whether a body can grow part by part with what is given: by receptors on known surfaces alone, undisturbed.
     pub fn grows(&self) -> bool {
-        (self.input(), self.skin) == (Input::Receptor, SkinKnowledge::Surface)
+        self.has_surfaces()
             && self.frames == LimbFrames::Joint
             && self.known.is_none()
             && self.disturbances == DisturbanceLevels::default()
@@ -116,8 +121,7 @@ impl LearningOptions {
     /// # Errors
     /// Where limbs in frames of their own cannot be learned.
     pub fn check(&self, creature: &Creature) -> Result<(), ExperimentError> {
-        let surfaces = (self.input(), self.skin) == (Input::Receptor, SkinKnowledge::Surface);
-        if self.learner.uses().surfaces_alone && !surfaces {
+        if self.learner.uses().surfaces_alone && !self.has_surfaces() {
             return Err(ExperimentError::refused(format!(
                 "--learner {} learns from receptors on known surfaces alone: leave out --input and --skin, or use \
                  --learner {}",

@@ -716,27 +716,25 @@ fn kept_back(touch: usize) -> bool {
 
 /// Root mean square of the whitened misses of a schema.
 fn point_misfit(touches: &TouchSet, schema: &BodySchema) -> f64 {
-    let touches = touches.touches();
-    let (mut sum, mut count) = (0.0, 0.0);
-    for touch in touches {
-        let frames = touch.frames(schema);
-        let whitening = PointsMeet::Shaped.whitening(&touch.ends, &frames);
-        sum += 2.0 * PointsMeet::Shaped.cost(&touch.ends, &frames, &whitening);
-        count += 3.0;
-    }
-    (sum / count).sqrt()
+    let squares: f64 = squared_point_misfits(touches, schema).sum();
+    (squares / (3.0 * touches.len() as f64)).sqrt()
 }
 
 /// The misfit that most touches stay below, in the same units.
 fn usual_point_misfit(touches: &TouchSet, schema: &BodySchema) -> f64 {
-    let misfit = |touch: &PreparedTouch| {
-        let frames = touch.frames(schema);
-        let whitening = PointsMeet::Shaped.whitening(&touch.ends, &frames);
-        (2.0 * PointsMeet::Shaped.cost(&touch.ends, &frames, &whitening) / 3.0).sqrt()
-    };
-    let mut misfits: Vec<f64> = touches.touches().map(misfit).collect();
+    let mut misfits: Vec<f64> =
+        squared_point_misfits(touches, schema).map(|squared| (squared / 3.0).sqrt()).collect();
     misfits.sort_by(f64::total_cmp);
     quantile(&misfits, USUAL)
+}
+
+/// Per touch, the sum of the squares of its three whitened residuals.
+fn squared_point_misfits(touches: &TouchSet, schema: &BodySchema) -> impl Iterator<Item = f64> {
+    touches.touches().map(|touch| {
+        let frames = touch.frames(schema);
+        let whitening = PointsMeet::Shaped.whitening(&touch.ends, &frames);
+        2.0 * PointsMeet::Shaped.cost(&touch.ends, &frames, &whitening)
+    })
 }
 
 /// How to look for an answer.

@@ -18,7 +18,6 @@ use crate::evaluation::{HeldOutError, HeldOutPoint, held_out, held_out_points};
 use crate::experiment::disturbance_levels::DisturbanceLevels;
 use crate::experiment::touches::all_touches;
 use crate::experiment::{Embodied, ExperimentError, LearningOptions};
-use crate::learning::learners::PartByPart;
 use crate::learning::{Account, AxisModel, Input, Learned, PLACED, Parameters, Verdict, What};
 use crate::senses::Touch;
 use crate::simulation::MotionName;
@@ -202,10 +201,9 @@ fn session(
     condition: &Condition,
     seed: u64,
 ) -> ClaimsMeasurement {
-    let growth = condition.policy == PolicyName::Stages;
     let options = LearningOptions {
-        learner: if growth { &PartByPart } else { LearningOptions::default().learner },
-        input: (!growth).then_some(condition.input),
+        learner: LearningOptions::default_learner(Some(condition.policy)),
+        input: Some(condition.input),
         disturbances: condition.noise,
         ..LearningOptions::default()
     };
