@@ -138,23 +138,23 @@ impl Embodied {
     }
 }
 
-/// The skin of a creature: the receptors in its model, or where it has none, receptors grown in memory, of which the
-/// observer is told.
+/// The skin of a creature: the receptors in its model, and where these are too few or none, more that are grown in memory,
+/// of which the observer is told.
 ///
 /// # Errors
 /// Where none can be grown.
 pub fn skin_for(model: &Path, body: &Body, observer: &dyn Observer) -> Result<Skin, ExperimentError> {
-    let skin = skin_of(body);
-    if !skin.receptors.is_empty() {
-        return Ok(skin);
-    }
+    let own = skin_of(body).receptors.len();
     let skin = grow(body, &GrowOptions::default()).map_err(ExperimentError::skin(model))?;
-    if !skin.receptors.is_empty() {
-        let count = skin.receptors.len();
-        observer.note(&format!(
-            "{} has no touch sensors: {count} receptors were grown on it in memory",
-            model.display()
-        ));
+    let grown = skin.receptors.len() - own;
+    let model = model.display();
+    match (own, grown) {
+        (_, 0) => {}
+        (0, grown) => observer
+            .note(&format!("{model} has no touch sensors: {grown} receptors were grown on it in memory")),
+        (own, grown) => observer.note(&format!(
+            "the touch sensors of {model}, {own} of them, leave skin bare: {grown} receptors were grown there in memory"
+        )),
     }
     Ok(skin)
 }

@@ -1,6 +1,6 @@
 //! Which geoms may touch: MuJoCo's collision filters, without a posture.
 
-use super::element::GeomKind;
+use super::element::{GeomKind, SensorKind};
 use super::error::Result;
 use super::ffi;
 use super::model::Model;
@@ -47,7 +47,7 @@ impl Model {
 
     /// A copy in which the geoms marked collide with one another and nothing else collides: their filters are
     /// opened, excludes, explicit pairs and contact margins are gone. Parent and child still do not meet. The engine
-    /// adds no noise to its sensors.
+    /// adds no noise to its sensors, and computes those of touch and joints alone.
     ///
     /// # Errors
     /// [`Error::Engine`](super::Error::Engine) where the engine has no memory for it.
@@ -78,6 +78,12 @@ impl Model {
                 (*(*raw).geom_contype.add(g), *(*raw).geom_conaffinity.add(g)) = bits(g);
                 *(*raw).geom_margin.add(g) = 0.0;
                 *(*raw).geom_gap.add(g) = 0.0;
+            }
+            // Where no poses are wanted a rangefinder has no direction to look in, which the engine takes for an error.
+            for (s, sensor) in self.sensors().enumerate() {
+                if !matches!(sensor.kind, SensorKind::Touch | SensorKind::JointPos | SensorKind::BallQuat) {
+                    *(*raw).sensor_type.add(s) = ffi::mjSENS_USER as _;
+                }
             }
             (*raw).nexclude = 0;
             (*raw).npair = 0;

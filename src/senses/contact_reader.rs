@@ -35,13 +35,8 @@ pub struct ContactReader {
 impl ContactReader {
     /// A reader for the body and its skin.
     pub fn new(body: &Body, skin: &Skin) -> ContactReader {
-        let mut receptors_on_geom = vec![Vec::new(); body.model.ngeom()];
+        let receptors_on_geom = skin.receptors_by_geom(body.model.ngeom());
         let mut sensor_of_receptor = vec![None; skin.receptors.len()];
-        for (r, receptor) in skin.receptors.iter().enumerate() {
-            if let Some(surface) = receptor.surface {
-                receptors_on_geom[skin.surfaces[surface].geom].push(r);
-            }
-        }
         for sensor in body.model.sensors() {
             if let (SensorKind::Touch, ObjectKind::Site, Some(site)) = (sensor.kind, sensor.object, sensor.id)
                 && let Some(receptor) = skin.receptor(&site_name(body, site))
@@ -129,12 +124,9 @@ impl ContactReader {
         let point = (x_lb * x_wb.inverse_transform_point(p_w)).coords;
         let outward = x_lb * x_wb.inverse_transform_vector(outward_w);
         let distance = |r: usize| (skin.receptors[r].position - point).norm_squared();
-        let holds = |r: &usize| {
-            let receptor = &skin.receptors[*r];
-            receptor.holds(&point) && receptor.normal.dot(&outward) > 0.0
-        };
+        let feels = |r: &usize| skin.receptors[*r].feels(&point, &outward);
         let receptors = self.receptors_on_geom[geom].iter().copied();
-        let receptor = receptors.filter(holds).min_by(|&a, &b| distance(a).total_cmp(&distance(b)))?;
+        let receptor = receptors.filter(feels).min_by(|&a, &b| distance(a).total_cmp(&distance(b)))?;
         let limb = skin.receptors[receptor].limb;
         Some(SkinSpot { limb, receptor, point, sensor_force: self.sensor_force(data, receptor) })
     }

@@ -64,20 +64,6 @@ pub(super) fn touch_sites(model: &Model) -> impl Iterator<Item = usize> {
     sites.into_iter()
 }
 
-/// The geom whose surface a site is nearest to, of those on its body that can be touched.
-pub(super) fn geom_under(body: &Body, site: usize) -> Option<usize> {
-    let site = body.model.site(site);
-    let distance = |g: usize| {
-        let geom = body.model.geom(g);
-        let pose = Isometry3::from_parts(geom.pos.into(), geom.quat);
-        let centre = pose.inverse_transform_point(&site.pos.into()).coords;
-        Some(Shape::of_geom(&body.model, g)?.signed_distance(&centre)?.0.abs())
-    };
-    let geoms = body.model.body(site.body).geoms.filter(|&g| body.feels(g));
-    let measured = geoms.filter_map(|g| Some((g, distance(g)?)));
-    measured.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(g, _)| g)
-}
-
 fn receptor(
     id: String,
     limb: usize,

@@ -58,6 +58,11 @@ impl Receptor {
         at.x.abs() <= self.half_extents[0] && at.y.abs() <= self.half_extents[1]
     }
 
+    /// Whether it feels a point of its limb's surface whose outward normal is given.
+    pub fn feels(&self, p_l: &Vector3<f64>, outward: &Vector3<f64>) -> bool {
+        self.holds(p_l) && self.normal.dot(outward) > 0.0
+    }
+
     /// Where on the limb a contact that this receptor reports may be: the covariance of a uniform
     /// distribution over the patch (h²/3 along each side) and `normal_deviation` along the normal, m².
     pub fn covariance(&self, normal_deviation: f64) -> Matrix3<f64> {
@@ -78,6 +83,17 @@ pub struct Skin {
 }
 
 impl Skin {
+    /// Per geom of the model that the skin lies on, its receptors.
+    pub(crate) fn receptors_by_geom(&self, geoms: usize) -> Vec<Vec<usize>> {
+        let mut by_geom = vec![Vec::new(); geoms];
+        for (r, receptor) in self.receptors.iter().enumerate() {
+            if let Some(surface) = receptor.surface {
+                by_geom[self.surfaces[surface].geom].push(r);
+            }
+        }
+        by_geom
+    }
+
     /// The index of a receptor by id.
     pub fn receptor(&self, id: &str) -> Option<usize> {
         self.receptors.iter().position(|receptor| receptor.id == id)

@@ -14,13 +14,13 @@ mod exposed;
 mod file;
 mod patch_size;
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 
-use nalgebra::{UnitQuaternion, Vector3};
+use nalgebra::{Point3, UnitQuaternion, Vector3};
 use rayon::prelude::*;
 
-use super::from_model::{geom_under, skin_of, touch_sites};
+use super::from_model::skin_of;
 use super::{Receptor, Skin};
 use crate::creature::{Body, body_name, matrix};
 use crate::geometry::SurfaceSample;
@@ -32,6 +32,11 @@ use patch_size::Ground;
 pub use file::{Grown, grow_skin};
 pub use patch_size::{GrowOptions, PatchSize};
 
+/// The share of a geom's exposed surface that receptors must lie on where no more are to grow there: quadrangles leave
+/// corners bare on what is small and round.
+const COVERED: f64 = 0.6;
+/// Samples of a geom, to find out how much of it receptors lie on.
+const SAMPLES_OF_GEOM: f64 = 1000.0;
 /// Samples per receptor of the surface.
 const SAMPLES_PER_RECEPTOR: f64 = 150.0;
 /// Samples of a whole creature, to find out how much of it is exposed.
@@ -94,7 +99,7 @@ pub fn grow(body: &Body, options: &GrowOptions) -> Result<Skin, GrowError> {
         skin.receptors.push(Receptor {
             id: sprout.id,
             limb: body.limb_of_body[sprout.body].expect("skin grows on limbs alone"),
-            position: (pose * nalgebra::Point3::from(sprout.patch.position)).coords,
+            position: (pose * Point3::from(sprout.patch.position)).coords,
             normal: axes.column(2).into(),
             tangent: axes.column(0).into(),
             half_extents: sprout.patch.half_extents,
@@ -108,16 +113,20 @@ pub fn grow(body: &Body, options: &GrowOptions) -> Result<Skin, GrowError> {
 fn sprouts(body: &Body, options: &GrowOptions) -> Result<Vec<Sprout>, GrowError> {
     let model = &body.model;
     let exposure = Exposure::new(body)?;
-    let covered: BTreeSet<usize> = touch_sites(model).filter_map(|site| geom_under(body, site)).collect();
-    let geoms: Vec<usize> = exposure.geoms().filter(|g| !covered.contains(g)).collect();
-    let whole: f64 = geoms.iter().filter_map(|&g| exposure.surface(g)).map(|s| s.shape.area()).sum();
+    let own = OwnReceptors::new(body);
+    let all: Vec<usize> = exposure.geoms().collect();
+    let whole: f64 = all.iter().filter_map(|&g| exposure.surface(g)).map(|s| s.shape.area()).sum();
     let grounds = || -> Vec<Ground> {
         let ground = |&geom: &usize| {
             let (samples, share) = exposure.samples(geom, whole / FIRST_SAMPLES);
-            Ground { geom, body: model.geom_body(geom), exposed: samples.len() as f64 * share }
+            Ground { geom, limb: body.limb_of_geom(geom), exposed: samples.len() as f64 * share }
         };
-        geoms.par_iter().map(ground).collect()
+        all.par_iter().map(ground).collect()
     };
+    let geoms: Vec<usize> = all.par_iter().copied().filter(|&g| !own.cover(&exposure, g)).collect();
+    if geoms.is_empty() {
+        return Ok(Vec::new());
+    }
     let areas = options.areas(model, &geoms, grounds)?;
     let wanted: f64 = geoms
         .iter()
@@ -133,7 +142,7 @@ fn sprouts(body: &Body, options: &GrowOptions) -> Result<Vec<Sprout>, GrowError>
     let mut covers: Vec<GeomCover> = geoms
         .par_iter()
         .zip(&areas)
-        .filter_map(|(&geom, &area)| GeomCover::new(&exposure, geom, area))
+        .filter_map(|(&geom, &area)| GeomCover::new(&exposure, &own, geom, area))
         .collect();
     if let PatchSize::Count(total) = options.size {
         distribute(&mut covers, total);
@@ -157,7 +166,44 @@ fn sprouts(body: &Body, options: &GrowOptions) -> Result<Vec<Sprout>, GrowError>
     Ok(sprouts)
 }
 
-/// The exposed part of one geom, to be divided among receptors.
+/// The receptors that a model has itself.
+struct OwnReceptors<'a> {
+    body: &'a Body,
+    skin: Skin,
+    /// Per geom, its receptors.
+    of_geom: Vec<Vec<usize>>,
+}
+
+impl OwnReceptors<'_> {
+    fn new(body: &Body) -> OwnReceptors<'_> {
+        let skin = skin_of(body);
+        let of_geom = skin.receptors_by_geom(body.model.ngeom());
+        OwnReceptors { body, skin, of_geom }
+    }
+
+    /// Whether a sample of a geom, in the world's frame of the reference posture, lies on one of them.
+    fn feel(&self, exposure: &Exposure, geom: usize, (point, outward): &SurfaceSample) -> bool {
+        if self.of_geom[geom].is_empty() {
+            return false;
+        }
+        let mujoco_body = self.body.model.geom_body(geom);
+        let to_limb = self.body.pose_in_limb[mujoco_body] * exposure.body_pose(mujoco_body).inverse();
+        let (point, outward) = ((to_limb * Point3::from(*point)).coords, to_limb * outward);
+        self.of_geom[geom].iter().any(|&r| self.skin.receptors[r].feels(&point, &outward))
+    }
+
+    /// Whether they lie on most of a geom that can be touched.
+    fn cover(&self, exposure: &Exposure, geom: usize) -> bool {
+        let Some(surface) = exposure.surface(geom).filter(|_| !self.of_geom[geom].is_empty()) else {
+            return false;
+        };
+        let (samples, _) = exposure.samples(geom, surface.shape.area() / SAMPLES_OF_GEOM);
+        let felt = samples.iter().filter(|sample| self.feel(exposure, geom, sample)).count();
+        felt as f64 >= COVERED * samples.len() as f64
+    }
+}
+
+/// The exposed part of one geom that has no receptors, to be divided among new ones.
 struct GeomCover {
     geom: usize,
     samples: Vec<SurfaceSample>,
@@ -173,9 +219,10 @@ struct GeomCover {
 
 impl GeomCover {
     /// None where next to nothing is exposed.
-    fn new(exposure: &Exposure, geom: usize, area: f64) -> Option<GeomCover> {
+    fn new(exposure: &Exposure, own: &OwnReceptors, geom: usize, area: f64) -> Option<GeomCover> {
         let surface = exposure.surface(geom)?;
-        let (samples, share) = exposure.samples(geom, area / SAMPLES_PER_RECEPTOR);
+        let (mut samples, share) = exposure.samples(geom, area / SAMPLES_PER_RECEPTOR);
+        samples.retain(|sample| !own.feel(exposure, geom, sample));
         let exposed = samples.len() as f64 * share;
         if samples.is_empty() || exposed < (REMNANT * area).min(REMNANT_OF_GEOM * surface.shape.area()) {
             return None;

@@ -11,6 +11,8 @@ use crate::mujoco::{Model, ObjectKind};
 const RECEPTORS: f64 = 250.0;
 /// Receptors by geom of such a creature.
 const RECEPTORS_PER_GEOM: f64 = 4.0;
+/// Receptors of a limb of such a creature at the least: a finger on a large body feels no less than one on a small one.
+const RECEPTORS_PER_LIMB: f64 = 12.0;
 
 /// How large receptors are.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -35,17 +37,17 @@ pub struct GrowOptions {
     pub denser: Vec<(String, f64)>,
 }
 
-/// One geom on which skin is to grow.
+/// One geom that can be touched.
 pub struct Ground {
     pub geom: usize,
-    pub body: usize,
+    pub limb: Option<usize>,
     /// Its exposed area, m².
     pub exposed: f64,
 }
 
 impl GrowOptions {
-    /// The area of a receptor on each of the geoms, m². `grounds` measures what is exposed of them, which
-    /// takes some time and is not always needed.
+    /// The area of a receptor on each of the geoms, m². `grounds` measures what is exposed of all geoms of the creature,
+    /// which takes some time and is not always needed.
     ///
     /// # Errors
     /// Where `denser` names no limb, or a size is no positive number.
@@ -68,26 +70,28 @@ impl GrowOptions {
         let of_model = receptor_areas(model);
         let said = |g: usize| of_model.get(&model.geom_body(g)).copied();
         let all_said = geoms.iter().all(|&g| said(g).is_some());
-        let default = match self.size {
+        let measured = match self.size {
+            PatchSize::Count(_) => grounds(),
+            PatchSize::OfCreature if !all_said => grounds(),
+            _ => Vec::new(),
+        };
+        let default = |g: usize| match self.size {
             PatchSize::Area(area) => area,
             PatchSize::Spacing(side) => side * side,
-            _ if all_said => 0.0,
-            _ => {
-                let exposed: f64 = grounds().iter().map(|ground| ground.exposed).sum();
-                exposed / RECEPTORS.max(RECEPTORS_PER_GEOM * geoms.len() as f64)
-            }
+            PatchSize::OfCreature | PatchSize::Count(_) => evenly(&measured, g),
         };
         let area = |&g: &usize| {
             let of_limb = match self.size {
-                PatchSize::Spacing(_) => default,
-                _ => said(g).unwrap_or(default),
+                PatchSize::Spacing(_) => default(g),
+                _ => said(g).unwrap_or_else(|| default(g)),
             };
             of_limb / denser[model.geom_body(g)]
         };
         let mut areas: Vec<f64> = geoms.iter().map(area).collect();
         if let PatchSize::Count(total) = self.size {
             let of_geom: BTreeMap<usize, f64> = geoms.iter().copied().zip(areas.iter().copied()).collect();
-            let ideal: f64 = grounds().iter().map(|ground| ground.exposed / of_geom[&ground.geom]).sum();
+            let ideal = |ground: &Ground| Some(ground.exposed / of_geom.get(&ground.geom)?);
+            let ideal: f64 = measured.iter().filter_map(ideal).sum();
             areas.iter_mut().for_each(|area| *area *= ideal / total as f64);
         }
         Ok(areas)
@@ -118,6 +122,17 @@ impl GrowOptions {
         }
         Ok(factors)
     }
+}
+
+/// The area of a receptor on a geom, m², so that some 250 cover the creature, and some 12 each of its limbs.
+fn evenly(grounds: &[Ground], geom: usize) -> f64 {
+    let exposed = |of: &dyn Fn(&Ground) -> bool| -> f64 {
+        grounds.iter().filter(|ground| of(ground)).map(|ground| ground.exposed).sum()
+    };
+    let limb = grounds.iter().find(|ground| ground.geom == geom).and_then(|ground| ground.limb);
+    let of_creature = exposed(&|_| true) / RECEPTORS.max(RECEPTORS_PER_GEOM * grounds.len() as f64);
+    let of_limb = exposed(&|ground| ground.limb == limb) / RECEPTORS_PER_LIMB;
+    if of_limb > 0.0 { of_creature.min(of_limb) } else { of_creature }
 }
 
 /// Per body, the receptor area that the model's limb tuples ask for, m².
