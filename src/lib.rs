@@ -62,6 +62,7 @@ pub mod babbling;
 #[cfg(feature = "cli")]
 pub mod cli;
 pub mod creature;
+pub mod deadline;
 pub mod evaluation;
 pub mod experiment;
 pub mod export;

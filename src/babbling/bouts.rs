@@ -36,19 +36,21 @@ pub(super) struct Bout {
     pub touches: Vec<(Touch, Effort)>,
     /// The effort of all its motions.
     pub effort: Effort,
+    /// Whether it came to its end; what comes after one that did not would leave a gap.
+    pub is_whole: bool,
 }
 
 /// Puts the bouts that follow on `done` back into order and hands their touches on, until so many are there in all.
-/// Returns what they cost up to the last of them, with those before.
+/// Returns how many there are and what they cost up to the last of them, with those before; there may be none.
 pub(super) fn gather<E>(
     bouts: &mpsc::Receiver<(u64, EngineResult<Bout>)>,
     mut done: BoutsDone,
     wanted: usize,
     fruitless_bouts: u64,
     receive: &mut impl FnMut(Made) -> Result<(), E>,
-) -> Result<Effort, BabblingError<E>> {
+) -> Result<BoutsDone, BabblingError<E>> {
     let mut waiting = BTreeMap::new();
-    while done.touches < wanted {
+    'bouts: while done.touches < wanted {
         let Ok((number, bout)) = bouts.recv() else { break };
         waiting.insert(number, bout);
         while let Some(bout) = waiting.remove(&done.bouts) {
@@ -58,17 +60,19 @@ pub(super) fn gather<E>(
                 done.touches += 1;
                 if done.touches == wanted {
                     done.effort += *so_far;
-                    return Ok(done.effort);
+                    return Ok(done);
                 }
             }
-            done.bouts += 1;
             done.effort += bout.effort;
+            if !bout.is_whole {
+                break 'bouts;
+            }
+            done.bouts += 1;
             if done.touches == 0 && done.bouts >= fruitless_bouts {
-                let Effort { motions, bare, .. } = done.effort;
-                return Err(BabblingError::NoTouch { motions, bare });
+                break 'bouts;
             }
             receive(Made::Bout(done)).map_err(BabblingError::Receiver)?;
         }
     }
-    Ok(done.effort)
+    Ok(done)
 }

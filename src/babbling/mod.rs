@@ -17,9 +17,10 @@ pub use policy::{Policy, PolicyName};
 
 use crate::babbling::bouts::{Bout, gather};
 use crate::babbling::policy::Random;
+use crate::deadline::Deadline;
 use crate::learning::growth::Growth;
 use crate::senses::Touch;
-use crate::simulation::{Effort, Ending, EngineError, EngineResult, MotionUntilTouch, Movers};
+use crate::simulation::{Effort, Ending, EngineError, EngineResult, MotionUntilTouch, Movers, NearestLimbs};
 
 /// Touches after which a bout ends.
 const TOUCHES_PER_BOUT: usize = 25;
@@ -58,32 +59,48 @@ pub enum BabblingError<E> {
     #[error(transparent)]
     Receiver(E),
     /// Nothing was touched.
-    #[error(
-        "no touch in {motions} motions ({bare} met bare geometry): the limbs that move cannot reach each \
-         other's skin; move more joints (--joints all) or grow more skin"
-    )]
+    #[error("no touch in {motions} motions ({bare} met bare geometry){}", why(nearest))]
     NoTouch {
         /// Motions made.
         motions: u64,
         /// Contacts without skin.
         bare: u64,
+        /// The limbs that come nearest to each other.
+        nearest: Option<NearestLimbs>,
     },
+}
+
+/// The end of a sentence that tells why nothing was touched.
+fn why(nearest: &Option<NearestLimbs>) -> String {
+    nearest.as_ref().map_or(String::new(), |nearest| format!(": {nearest}"))
 }
 
 /// An agent that babbles.
 pub struct Babbler<'a> {
     movers: Movers<'a>,
+    deadline: Deadline,
 }
 
 impl<'a> Babbler<'a> {
     /// An agent that babbles by these movers of its body.
     pub fn new(movers: Movers<'a>) -> Babbler<'a> {
-        Babbler { movers }
+        Babbler { movers, deadline: Deadline::default() }
+    }
+
+    /// The same that begins no motion after a deadline: its touches are the first ones of those that it would have made.
+    pub fn until(self, deadline: Deadline) -> Babbler<'a> {
+        Babbler { deadline, ..self }
     }
 
     /// What moves its body.
     pub fn movers(&self) -> &Movers<'a> {
         &self.movers
+    }
+
+    /// Nothing was touched, whatever the effort.
+    fn no_touch<E>(&self, effort: &Effort) -> BabblingError<E> {
+        let nearest = self.movers.nearest_limbs().ok().flatten();
+        BabblingError::NoTouch { motions: effort.motions, bare: effort.bare, nearest }
     }
 
     /// Bouts without a single touch after which babbling is given up.
@@ -129,7 +146,7 @@ impl<'a> Babbler<'a> {
                 let (next_bout, done) = (&next_bout, &done);
                 scope.spawn(move || {
                     let mut mover = self.movers.mover();
-                    while !done.load(Ordering::Relaxed) {
+                    while !done.load(Ordering::Relaxed) && !self.deadline.has_passed() {
                         let bout = next_bout.fetch_add(1, Ordering::Relaxed);
                         let made = match &mut mover {
                             Ok(mover) => self.bout(mover.as_mut(), options.seed, bout),
@@ -146,7 +163,10 @@ impl<'a> Babbler<'a> {
             done.store(true, Ordering::Relaxed);
             // Unblocks threads that wait to send.
             drop(receiver);
-            result
+            match result? {
+                done if done.touches == 0 => Err(self.no_touch(&done.effort)),
+                done => Ok(done.effort),
+            }
         })
     }
 
@@ -170,7 +190,7 @@ impl<'a> Babbler<'a> {
         // What was done before the body was last put back to where it starts.
         let mut before = Effort::default();
         let (mut received, mut last) = (0, 0);
-        while received < options.touches && !policy.is_done() {
+        while received < options.touches && !policy.is_done() && !self.deadline.has_passed() {
             if policy.starts_over() {
                 before += mover.effort();
                 mover.reset(self.movers.start()).map_err(BabblingError::Engine)?;
@@ -193,7 +213,7 @@ impl<'a> Babbler<'a> {
             } else {
                 policy.missed(&ending, &mover.felt_posture().map_err(BabblingError::Engine)?);
                 if motion - last >= fruitless_motions {
-                    return Err(BabblingError::NoTouch { motions: motion, bare: effort.bare });
+                    return Err(self.no_touch(&effort));
                 }
                 // A body may have got caught in itself, where all ways out begin with the contact that it is in.
                 if (motion - last).is_multiple_of(MOTIONS_PER_BOUT) {
@@ -203,7 +223,10 @@ impl<'a> Babbler<'a> {
             }
         }
         before += mover.effort();
-        Ok(before)
+        match received {
+            0 => Err(self.no_touch(&before)),
+            _ => Ok(before),
+        }
     }
 
     /// Babbles by a policy of the creature's own, named: at random in bouts on all threads, or one motion
@@ -221,6 +244,7 @@ impl<'a> Babbler<'a> {
             return Ok((self.babble_on(BoutsDone::default(), options, receive)?, None));
         }
         let mut policy = policy.policy(self.movers.agent(), options.seed);
+        policy.end_at(self.deadline);
         let effort = self.babble_with(policy.as_mut(), options, receive)?;
         Ok((effort, policy.grown().cloned()))
     }
@@ -233,13 +257,15 @@ impl<'a> Babbler<'a> {
         mover.draw_noise_from(noise_of(seed, bout));
         let mut policy = Random::new(self.movers.agent().creature());
         let mut touches = Vec::new();
-        while touches.len() < TOUCHES_PER_BOUT && mover.effort().motions < MOTIONS_PER_BOUT {
+        let is_whole = |made: usize, motions| made >= TOUCHES_PER_BOUT || motions >= MOTIONS_PER_BOUT;
+        while !is_whole(touches.len(), mover.effort().motions) && !self.deadline.has_passed() {
             let target = policy.next_target(&mover.felt_posture()?, &mut rng);
             if let Ending::Touch(ends) = mover.advance(&target)? {
                 touches.push((mover.touch(bout, ends)?, mover.effort()));
             }
         }
-        Ok(Bout { touches, effort: mover.effort() })
+        let (is_whole, effort) = (is_whole(touches.len(), mover.effort().motions), mover.effort());
+        Ok(Bout { touches, effort, is_whole })
     }
 }
 

@@ -1,8 +1,9 @@
 //! What `bodyschema babble` is asked, and what a session that begins and one that goes on share.
 
 use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
 
-use super::arguments::{Arguments, touch_count};
+use super::arguments::{Arguments, positive, touch_count};
 use super::learned::{learn_and_report, print_learned};
 use super::learning_arguments::{KNOWN_HELP, LearningArguments};
 use super::live::{Live, LiveOptions};
@@ -11,6 +12,7 @@ use super::progress::Bars;
 use super::{Failure, Outcome};
 use crate::babbling::{BabblingOptions, PolicyName, threads};
 use crate::creature::{Creature, JointSelection};
+use crate::deadline::Deadline;
 use crate::experiment::{BabbledSession, BabblingSession, Embodied, Observer, SessionSetup};
 use crate::learning::growth::Growth;
 use crate::learning::learners::{LearnerKind, PartByPart};
@@ -20,6 +22,12 @@ use crate::simulation::MotionName;
 const TOUCHES: usize = 1000;
 /// … and by stages, which end by themselves, at the most.
 const MOST_TOUCHES: usize = 4000;
+/// Seconds that a session takes at the most where no number of touches is asked for: nobody is to wait longer for a word.
+const SECONDS: f64 = 50.0;
+/// The share of them after which no touches are made, …
+const BABBLING: f64 = 0.65;
+/// … and that after which nothing more is tried to explain them: the last fit and the measures take the rest.
+const LEARNING: f64 = 0.85;
 
 /// Babble, touch, learn the body schema, and measure it.
 ///
@@ -45,6 +53,10 @@ pub struct BabbleArguments {
     /// most]
     #[arg(long, value_parser = touch_count, help_heading = "Babbling")]
     touches: Option<usize>,
+    /// Seconds after which the session comes to its end with what is known by then [default: 50; none with --touches or
+    /// --motion dynamic]
+    #[arg(long, value_parser = positive, help_heading = "Babbling")]
+    seconds: Option<f64>,
     /// Seed of all random numbers: the same seed gives the same touches
     #[arg(long, default_value_t = 1, help_heading = "Babbling")]
     pub seed: u64,
@@ -88,28 +100,43 @@ impl BabbleArguments {
         let asked = self.learning.named().is_none_or(|learner| learner.name() == PartByPart.name());
         self.policy.unwrap_or(if grows && asked { PolicyName::Stages } else { PolicyName::Random })
     }
+
+    /// Seconds that the session may take, if it may not take as long as it likes.
+    fn seconds(&self) -> Option<f64> {
+        let patient = self.touches.is_some() || self.motion == MotionName::Dynamic;
+        self.seconds.or((!patient).then_some(SECONDS))
+    }
 }
 
 /// All that is made ready before the first touch.
 pub struct Prepared {
     pub embodied: Embodied,
     pub setup: SessionSetup,
+    /// Seconds that it may take.
+    seconds: Option<f64>,
 }
 
 impl Prepared {
     pub fn new(args: &BabbleArguments) -> Result<Prepared, Failure> {
+        let (began, seconds) = (Instant::now(), args.seconds());
+        let deadline = |share: f64| {
+            let time = seconds.and_then(|seconds| Duration::try_from_secs_f64(share * seconds).ok());
+            time.map_or(Deadline::default(), |time| Deadline::after(began, time))
+        };
         // The parser sees to it that there is one.
         let model = args.model.as_deref().ok_or(Failure("name the model's file".into()))?;
         let embodied = embodied(args.open.source(model, args.joints.clone().unwrap_or_default()))?;
         let policy = args.policy(embodied.creature());
-        let learning = args.learning.options(embodied.creature(), policy)?;
+        let mut learning = args.learning.options(embodied.creature(), policy)?;
+        learning.deadline = deadline(LEARNING);
         // Whether the creature can babble at all is told before any folder is made.
         embodied.babbler(args.motion)?;
         let most = if policy == PolicyName::Stages { MOST_TOUCHES } else { TOUCHES };
         let touches = args.touches.unwrap_or(most);
         let babbling = BabblingOptions { touches, seed: args.seed, jobs: threads(args.jobs) };
-        let setup = SessionSetup { babbling, policy, motion: args.motion, learning };
-        Ok(Prepared { embodied, setup })
+        let setup =
+            SessionSetup { babbling, policy, motion: args.motion, deadline: deadline(BABBLING), learning };
+        Ok(Prepared { embodied, setup, seconds })
     }
 
     /// All options in effect, those included that stand by default and by what else is asked: versions to come may choose
@@ -154,6 +181,14 @@ impl Prepared {
         let BabbledSession { session, touches, .. } = babbled;
         let learning = &self.setup.learning;
         let truth = Some(self.embodied.truth());
+        let late = self.setup.deadline.has_passed();
+        if let Some(seconds) = self.seconds.filter(|_| late) {
+            tell!(
+                "babbling ended for want of time, after {} touches: give it more than {seconds:.0} s with --seconds, or \
+                 all that it takes with --touches",
+                touches.len()
+            );
+        }
         let result = learn_and_report(folder, babbled, learning, truth, observer)?;
         if let Some(live) = live {
             live.done(folder, &result);

@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use super::arguments::positive;
 use super::{Outcome, output, progress};
 use crate::skin::{GrowOptions, PatchSize, grow_skin};
 
@@ -40,11 +41,6 @@ pub struct SkinArguments {
 fn area(text: &str) -> Result<f64, String> {
     let area: f64 = text.parse().map_err(|_| "give a number of cm²".to_string())?;
     if (0.01..=1e4).contains(&area) { Ok(area) } else { Err("give an area from 0.01 to 10000 cm²".into()) }
-}
-
-fn positive(text: &str) -> Result<f64, String> {
-    let number: f64 = text.parse().map_err(|_| "give a number".to_string())?;
-    if number > 0.0 && number.is_finite() { Ok(number) } else { Err("give a number above 0".into()) }
 }
 
 fn denser(text: &str) -> Result<(String, f64), String> {

@@ -71,10 +71,12 @@ pub fn learn_session(
     // What was learned on the way was learned of a body without the disturbances.
     let grown = grown.as_ref().filter(|_| disturbances.is_none());
     let mut learner = options.learner_from(&felt.agent, grown, session.seed);
+    learner.end_at(options.deadline);
     for (n, touch) in felt.touches.iter().enumerate() {
         let began = Instant::now();
         learner.touch(touch);
-        let due = run.is_due(n + 1, learner.schema().is_some());
+        let late = options.deadline.has_passed();
+        let due = !late && run.is_due(n + 1, learner.schema().is_some());
         let last = n + 1 == touches.len();
         // Learning for a row of the table alone is not what learning takes.
         let learned = (last || (due && !run.predicts)).then(|| learner.learn());

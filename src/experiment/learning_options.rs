@@ -12,6 +12,7 @@ use super::words::listed;
 use crate::agent::Agent;
 use crate::babbling::PolicyName;
 use crate::creature::{Creature, DofKind};
+use crate::deadline::Deadline;
 use crate::learning::growth::Growth;
 use crate::learning::initial_guess::random_guess;
 use crate::learning::learners::{LEARNERS, LearnerGivens, LearnerKind, LearnerUses, PartByPart};
@@ -35,6 +36,8 @@ pub struct LearningOptions {
     pub known: Option<KnownFile>,
     /// What is wrong with the agent's senses.
     pub disturbances: DisturbanceLevels,
+    /// After which it learns from what it has.
+    pub deadline: Deadline,
 }
 
 /// What is known of joints, and the file that says so.
@@ -55,6 +58,7 @@ impl Default for LearningOptions {
             frames: LimbFrames::default(),
             known: None,
             disturbances: DisturbanceLevels::default(),
+            deadline: Deadline::default(),
         }
     }
 }

@@ -10,6 +10,7 @@ use super::learning_options::LearningOptions;
 use super::observer::{Observer, Phase};
 use super::touches::make_touches;
 use crate::babbling::{BabblingOptions, BoutsDone, Made, PolicyName};
+use crate::deadline::Deadline;
 use crate::learning::growth::Growth;
 use crate::record::{
     BabblingEffort, BabblingProgress, Host, PROGRAM, SESSION_FILE, Session, SessionOptions, TOUCHES_FILE,
@@ -31,6 +32,8 @@ pub struct SessionSetup {
     pub policy: PolicyName,
     /// How the body is moved.
     pub motion: MotionName,
+    /// After which no touches are made any more.
+    pub deadline: Deadline,
     /// How to learn.
     pub learning: LearningOptions,
 }
@@ -165,7 +168,7 @@ impl<'a> BabblingSession<'a> {
     /// can be resumed.
     pub fn babble(self, observer: &dyn Observer) -> Result<BabbledSession, ExperimentError> {
         let BabblingSession { embodied, setup, folder, mut session, mut log, done, spent, mut made } = self;
-        let babbler = embodied.babbler(setup.motion)?;
+        let babbler = embodied.babbler(setup.motion)?.until(setup.deadline);
         observer.phase(Phase::Babbling { made: made.len(), touches: setup.babbling.touches });
         let began = Instant::now();
         let mut kept = began;

@@ -44,6 +44,7 @@ pub use rough::RoughFit;
 pub use second_order::SecondOrder;
 
 use crate::creature::Creature;
+use crate::deadline::Deadline;
 use crate::schema::{BodySchema, SchemaStd};
 use crate::senses::Touch;
 
@@ -53,6 +54,8 @@ pub trait Learner {
     fn touch(&mut self, touch: &Touch);
     /// The schema that all touches so far give.
     fn learn(&mut self) -> Learned;
+    /// Makes no more starts after a deadline, so that [`Learner::learn`] comes to its end with what is known by then.
+    fn end_at(&mut self, _deadline: Deadline) {}
     /// What was expected of the last touch before it was learned from; none where the learner expects nothing.
     fn expectation(&self) -> Option<Expectation> {
         None

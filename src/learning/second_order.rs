@@ -14,6 +14,7 @@ use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 
 use crate::agent::Agent;
+use crate::deadline::Deadline;
 use crate::geometry::Frame;
 use crate::learning::annealing::{NARROWEST, anneal, gaps, quantile, typical_gap};
 use crate::learning::growing::{EXACT, Evidence, Nursery, Start, WHOLE_DOF};
@@ -126,6 +127,7 @@ pub struct SecondOrder<'a> {
     frames: LimbFrames,
     seed: u64,
     known: PriorKnowledge,
+    deadline: Deadline,
     touches: Vec<Touch>,
 }
 
@@ -135,7 +137,16 @@ impl<'a> SecondOrder<'a> {
         let known = PriorKnowledge::nothing(agent);
         let knowledge = SkinKnowledge::Surface;
         let frames = LimbFrames::Joint;
-        SecondOrder { agent, input, knowledge, frames, seed, known, touches: Vec::new() }
+        SecondOrder {
+            agent,
+            input,
+            knowledge,
+            frames,
+            seed,
+            known,
+            deadline: Deadline::default(),
+            touches: Vec::new(),
+        }
     }
 
     /// Sets what the agent knows of its skin, its surfaces by default. Contact points need no skin.
@@ -793,6 +804,10 @@ impl Learner for SecondOrder<'_> {
         self.touches.push(touch.clone());
     }
 
+    fn end_at(&mut self, deadline: Deadline) {
+        self.deadline = deadline;
+    }
+
     fn learn(&mut self) -> Learned {
         self.learn_in(STARTS)
     }
@@ -827,7 +842,7 @@ impl<'a> SecondOrder<'a> {
             if found.as_ref().is_none_or(|found| best.more(found)) {
                 found = Some(best);
             }
-            if done {
+            if done || self.deadline.has_passed() {
                 break;
             }
         }
@@ -906,6 +921,9 @@ impl<'a> SecondOrder<'a> {
         };
         let numbers: Vec<usize> = (0..starts).collect();
         'waves: for wave in numbers.chunks(rayon::current_num_threads()) {
+            if best.is_some() && self.deadline.has_passed() {
+                break;
+            }
             let made: Vec<Judged> = wave.par_iter().map(|&number| make(number)).collect();
             for (trial, number) in made.into_iter().zip(wave) {
                 initial_guesses += trial.start.initial_guesses;

@@ -25,6 +25,7 @@ pub use working_schema::WorkingSchema;
 
 use crate::agent::Agent;
 use crate::creature::Posture;
+use crate::deadline::Deadline;
 use crate::learning::RoughFit;
 use crate::learning::growth::Growth;
 use crate::named::named;
@@ -45,6 +46,9 @@ pub trait Policy {
     fn is_done(&self) -> bool {
         false
     }
+
+    /// Lets nothing more be learned on the way after a deadline.
+    fn end_at(&mut self, _deadline: Deadline) {}
 
     /// What was learned on the way by a policy that learns all that can be learned; none by others.
     fn grown(&self) -> Option<&Growth> {

@@ -5,6 +5,7 @@ use rand_chacha::ChaCha8Rng;
 
 use super::Growth;
 use crate::agent::Agent;
+use crate::deadline::Deadline;
 use crate::learning::initial_guess::random_guess;
 use crate::learning::{Basis, Input, Learned, Learner, SecondOrder, Verdict};
 use crate::schema::BodySchema;
@@ -59,6 +60,10 @@ impl<'a> Grower<'a> {
 }
 
 impl Learner for Grower<'_> {
+    fn end_at(&mut self, deadline: Deadline) {
+        self.growth.end_at(deadline);
+    }
+
     fn touch(&mut self, touch: &Touch) {
         self.touches.push(touch.clone());
         if self.touches.len() > self.growth.touches().len() {

@@ -30,6 +30,7 @@ use rand_chacha::ChaCha8Rng;
 use self::solving::PartProblem;
 use crate::agent::Agent;
 use crate::creature::{Creature, DofKind};
+use crate::deadline::Deadline;
 use crate::kinematics::Chain;
 use crate::learning::initial_guess::random_guess;
 #[cfg(doc)]
@@ -95,6 +96,7 @@ pub struct Growth {
     agent: Agent,
     prior: Prior,
     seed: u64,
+    deadline: Deadline,
     /// Parts solved so far: each has its own random numbers.
     solves: u64,
     starts: usize,
@@ -148,6 +150,7 @@ impl Growth {
             reach,
             prior: PriorKnowledge::nothing(agent).prior,
             seed,
+            deadline: Deadline::default(),
             solves: 0,
             starts: 0,
             touches: Vec::new(),
@@ -210,6 +213,11 @@ impl Growth {
             }
         }
         grown
+    }
+
+    /// Tries no more parts after a deadline.
+    pub fn end_at(&mut self, deadline: Deadline) {
+        self.deadline = deadline;
     }
 
     /// Starts from initial guesses made so far.
@@ -298,7 +306,7 @@ impl Growth {
             let ready: Vec<(Part, usize)> = ready.collect();
             let (before, mut vain) = (self.known(), 0);
             let learned = ready.into_iter().any(|(part, touches)| {
-                if vain >= tried {
+                if vain >= tried || self.deadline.has_passed() {
                     return false;
                 }
                 let told = self.part_problem(&part).filter(|problem| {

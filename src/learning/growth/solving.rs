@@ -148,7 +148,8 @@ impl Growth {
             // Where an answer is among those whose points nearly meet, it is one in three.
             let near = solved.iter().filter(|solved| solved.share > 0.0).count();
             let in_vain = self.belief.is_none() && near >= MOST_NEAR && most <= WORTH_MENDING;
-            if again || in_vain || good >= if small { AGREEING } else { 1 } {
+            let late = self.deadline.has_passed();
+            if late || again || in_vain || good >= if small { AGREEING } else { 1 } {
                 break;
             }
         }

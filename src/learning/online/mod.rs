@@ -15,6 +15,7 @@ mod change;
 mod tool;
 
 use crate::agent::Agent;
+use crate::deadline::Deadline;
 use crate::kinematics::Chain;
 use crate::learning::annealing::NARROWEST;
 use crate::learning::growing::WHOLE_DOF;
@@ -101,6 +102,7 @@ pub struct Online<'a> {
     agent: &'a Agent,
     known: PriorKnowledge,
     batch: SecondOrder<'a>,
+    deadline: Deadline,
     /// Touches seen.
     seen: usize,
     /// Touches at which learning is tried next.
@@ -154,6 +156,7 @@ impl<'a> Online<'a> {
             agent,
             known,
             batch,
+            deadline: Deadline::default(),
             seen: 0,
             next_trial: if agent.creature().dof() > WHOLE_DOF { usize::MAX } else { FIRST_TRIAL },
             locked: None,
@@ -437,6 +440,11 @@ impl<'a> Online<'a> {
 }
 
 impl Learner for Online<'_> {
+    fn end_at(&mut self, deadline: Deadline) {
+        self.deadline = deadline;
+        self.batch.end_at(deadline);
+    }
+
     fn touch(&mut self, touch: &Touch) {
         self.seen += 1;
         self.expectation = None;
@@ -444,7 +452,7 @@ impl Learner for Online<'_> {
         if self.locked.is_some() {
             self.follow(touch);
         }
-        if self.locked.is_none() && self.seen >= self.next_trial {
+        if self.locked.is_none() && self.seen >= self.next_trial && !self.deadline.has_passed() {
             self.try_all();
         }
     }

@@ -22,6 +22,7 @@ use super::Policy;
 use super::foresight::Foresight;
 use crate::agent::Agent;
 use crate::creature::Posture;
+use crate::deadline::Deadline;
 use crate::learning::growth::{FREEDOM, Growth};
 use crate::senses::Touch;
 use crate::simulation::Ending;
@@ -296,6 +297,10 @@ impl Policy for Stages<'_> {
 
     fn is_done(&self) -> bool {
         self.done
+    }
+
+    fn end_at(&mut self, deadline: Deadline) {
+        self.growth.end_at(deadline);
     }
 
     fn grown(&self) -> Option<&Growth> {
