@@ -23,6 +23,7 @@ mod evaluate;
 mod export;
 mod feel;
 mod folders;
+mod gallery;
 mod inspect;
 mod learn;
 mod learned;
@@ -130,6 +131,8 @@ enum Command {
     Map(map::MapArguments),
     /// Repeat a measurement over several seeds: a table, its data and a plot
     Study(study::StudyArguments),
+    /// Babble many bodies and put what came of each on a page with its picture
+    Gallery(gallery::GalleryArguments),
     /// Print a script by which a shell completes the commands
     Completions(completions::CompletionsArguments),
     #[command(hide = true)]
@@ -206,6 +209,7 @@ fn carry_out() -> Outcome {
         Command::Talk(args) => talk::run(&args),
         Command::Map(args) => map::run(&args),
         Command::Study(args) => study::run(&args),
+        Command::Gallery(args) => gallery::run(&args),
         Command::Completions(args) => completions::run(&args, &Cli::command()),
         Command::Rehearse(args) => open::run(&args),
     }
