@@ -124,20 +124,25 @@ impl GapTally {
 ///
 /// A fit chooses which touches it closes where it cannot close all. The few that it chose of two joints check one
 /// another, and bear out what the others deny. So where many touches with two joints stay open, no touch with both
-/// counts. `deviation` is that of a touch's gap by its number, metres.
+/// counts. `deviation` is that of a touch's gap by its number, metres; where touches are `exact`, one that closes out of the
+/// patches that felt it counts as open, too.
 pub fn witnesses(
     agent: &Agent,
     touches: &TouchSet,
     schema: &BodySchema,
     deviation: impl Fn(usize) -> f64,
+    exact: bool,
 ) -> TouchSet {
     let model = SurfaceGap::new(agent.skin(), 1.0);
     let mut found = GapTally::new(agent.creature().joints().len());
     let mut number = 0;
     for pair in &touches.pairs {
         for touch in &pair.touches {
-            let gap = model.gap(&touch.ends, &touch.frames(schema)).distance.abs();
-            found.add(&pair.chain, gap > OPEN.max(DEVIATIONS * deviation(number)));
+            let frames = touch.frames(schema);
+            let gap = model.gap(&touch.ends, &frames);
+            let is_open = gap.distance.abs() > OPEN.max(DEVIATIONS * deviation(number));
+            let elsewhere = exact && !model.is_felt(&touch.ends, &frames, &gap);
+            found.add(&pair.chain, is_open || elsewhere);
             number += 1;
         }
     }

@@ -487,9 +487,9 @@ impl<'a> SecondOrder<'a> {
         let used = if deviation > CERTAIN_NOISE {
             let (noise, _) = self.noise(used, &parameters, schema, None);
             let gaps = gaps_of(self.agent, used, &parameters, schema, &[]);
-            witnesses(self.agent, used, schema, |number| noise.variance(&gaps[number]).sqrt())
+            witnesses(self.agent, used, schema, |number| noise.variance(&gaps[number]).sqrt(), false)
         } else {
-            witnesses(self.agent, used, schema, |_| deviation)
+            witnesses(self.agent, used, schema, |_| deviation, true)
         };
         self.observe_witnesses(&used, schema)
     }

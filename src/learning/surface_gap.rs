@@ -38,6 +38,14 @@ pub const CERTAIN_NOISE: f64 = 2e-5;
 /// Most steps to the fixed point of a scale.
 const SCALE_ITERATIONS: usize = 100;
 
+/// How many half extents of a patch from its middle a contact may be that it felt: surfaces are curved …
+const BEYOND: f64 = 1.2;
+/// … and how much farther, metres.
+const BEYOND_BY: f64 = 2e-3;
+/// The least cosine between a patch's normal and that of the surface where it was touched: it was not felt through
+/// the limb.
+const FACING: f64 = -0.2;
+
 /// The gap of the two surfaces, and the contact inside both patches.
 #[derive(Clone, Copy, Debug)]
 pub struct SurfaceGap<'a> {
@@ -91,6 +99,21 @@ impl<'a> SurfaceGap<'a> {
                 Gap { distance: normal.dot(&(points[0] - points[1])), normal, points }
             }
         }
+    }
+}
+
+impl SurfaceGap<'_> {
+    /// Whether a contact where the surfaces under two receptors come closest is one that the two patches feel: within them,
+    /// and on their outside. Limbs that are mirrored close gaps as well, on the wrong side.
+    pub fn is_felt(&self, ends: &[Observation; 2], frames: &[Frame; 2], gap: &Gap) -> bool {
+        [0, 1].into_iter().all(|end| {
+            let receptor = &self.skin.receptors[ends[end].receptor];
+            let at = receptor.patch_coordinates(&frames[end].inverse_point(&gap.middle()));
+            // The gap's normal points from the second surface to the first.
+            let outward = frames[end].rotation.tr_mul(&gap.normal) * if end == 0 { -1.0 } else { 1.0 };
+            let [across, along] = receptor.half_extents.map(|half| BEYOND * half + BEYOND_BY);
+            outward.dot(&receptor.normal) > FACING && at.x.abs() < across && at.y.abs() < along
+        })
     }
 }
 

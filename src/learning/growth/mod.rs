@@ -46,13 +46,6 @@ use crate::senses::Touch;
 /// A gap narrower than this is closed, metres: a fiftieth of what a wrong answer leaves, and fifty times what a motion
 /// that stops at touch does.
 const CLOSED: f64 = 5e-5;
-/// How many half extents of a patch from its middle a contact may be that it felt: surfaces are curved …
-const BEYOND: f64 = 1.2;
-/// … and how much farther, metres.
-const BEYOND_BY: f64 = 2e-3;
-/// The least cosine between a patch's normal and that of the surface where it was touched: it was not felt through
-/// the limb.
-const FACING: f64 = -0.2;
 /// Coordinates that move between two limbs whose touches check their joints at the least, …
 pub const FREEDOM: usize = 4;
 /// … and where two limbs are that do not move on their joints.
@@ -409,18 +402,10 @@ impl Growth {
 
     /// Whether a schema has the two surfaces of a touch meet, within the patches that felt it.
     fn closes(&self, touch: &PreparedTouch, schema: &BodySchema) -> bool {
-        let skin = self.agent.skin();
+        let model = SurfaceGap::new(self.agent.skin(), 1.0);
         let frames = touch.frames(schema);
-        let found = SurfaceGap::new(skin, 1.0).gap(&touch.ends, &frames);
-        let felt = |end: usize| {
-            let receptor = &skin.receptors[touch.ends[end].receptor];
-            let at = receptor.patch_coordinates(&frames[end].inverse_point(&found.middle()));
-            // The gap's normal points from the second surface to the first.
-            let outward = frames[end].rotation.tr_mul(&found.normal) * if end == 0 { -1.0 } else { 1.0 };
-            let [across, along] = receptor.half_extents.map(|half| BEYOND * half + BEYOND_BY);
-            outward.dot(&receptor.normal) > FACING && at.x.abs() < across && at.y.abs() < along
-        };
-        found.distance.abs() < CLOSED && felt(0) && felt(1)
+        let found = model.gap(&touch.ends, &frames);
+        found.distance.abs() < CLOSED && model.is_felt(&touch.ends, &frames, &found)
     }
 }
 
