@@ -13,6 +13,11 @@ impl Deadline {
         Deadline(began.checked_add(time))
     }
 
+    /// The time until then; none where there is no such moment.
+    pub fn left(&self) -> Option<Duration> {
+        self.0.map(|moment| moment.saturating_duration_since(Instant::now()))
+    }
+
     /// Whether the moment has come.
     pub fn has_passed(&self) -> bool {
         self.0.is_some_and(|moment| Instant::now() >= moment)
@@ -30,5 +35,9 @@ mod tests {
         assert!(!Deadline::after(began, Duration::from_secs(3600)).has_passed());
         assert!(!Deadline::after(began, Duration::MAX).has_passed());
         assert!(!Deadline::default().has_passed());
+        assert_eq!(
+            [Deadline::default(), Deadline::after(began, Duration::ZERO)].map(|d| d.left()),
+            [None, Some(Duration::ZERO)]
+        );
     }
 }

@@ -135,7 +135,7 @@ fn row(model: &Path, seeds: impl Iterator<Item = u64> + Clone, out: &Path) -> Re
     let drawn = itself()?
         .arg("render")
         .arg(model)
-        .args(["--size", PICTURE, "--out"])
+        .args(["--skin", "--size", PICTURE, "--out"])
         .arg(out.join(&picture))
         .output();
     row.picture = drawn.is_ok_and(|drawn| drawn.status.success()).then_some(picture);

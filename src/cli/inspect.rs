@@ -13,7 +13,7 @@ use crate::creature::{Creature, Dof, JointSelection};
 use crate::experiment::skin_for;
 use crate::senses::{JointSensor, joint_sensors, posture_in_words};
 use crate::simulation::{LimbPair, Relation, SelfContact};
-use crate::skin::SomatotopicMap;
+use crate::skin::{SomatotopicMap, skin_of};
 
 /// Tell a model's tree, degrees of freedom, limbs and receptors.
 #[derive(clap::Args)]
@@ -42,16 +42,19 @@ pub fn run(args: &InspectArguments) -> Outcome {
     let sensors = joint_sensors(&body);
     spinner.finish_and_clear();
     let creature = &body.creature;
-    let mut by_limb: Vec<(String, usize)> =
-        creature.aura_limbs().iter().map(|a| (a.name.clone(), 0)).collect();
-    for receptor in &skin.receptors {
+    let own = skin_of(&body).receptors.len();
+    // Per limb its receptors, and those of them that were grown.
+    let mut by_limb: Vec<(String, usize, usize)> =
+        creature.aura_limbs().iter().map(|a| (a.name.clone(), 0, 0)).collect();
+    for (number, receptor) in skin.receptors.iter().enumerate() {
         if let Some(aura) = creature.aura_of(receptor.limb) {
             by_limb[aura].1 += 1;
+            by_limb[aura].2 += usize::from(number >= own);
         }
     }
     if args.json {
         let receptors_by_limb: serde_json::Map<String, serde_json::Value> =
-            by_limb.iter().map(|(name, count)| (name.clone(), json!(count))).collect();
+            by_limb.iter().map(|(name, count, _)| (name.clone(), json!(count))).collect();
         return output::json(&json!({
             "model": args.model,
             "creature": creature.name(),
@@ -64,6 +67,7 @@ pub fn run(args: &InspectArguments) -> Outcome {
             "aura_limbs": creature.aura_limbs().len(),
             "receptors": skin.receptors.len(),
             "receptors_by_limb": receptors_by_limb,
+            "receptors_grown": skin.receptors.len() - own,
             "joint_sensors": sensors_json(creature, &sensors),
             "constraints_not_heeded": body.constraints_not_heeded(),
             "limb_pairs": contact.pairs.iter().map(|pair| json!({
@@ -102,9 +106,9 @@ pub fn run(args: &InspectArguments) -> Outcome {
         say!("\n{constraints} constraints that close the tree or couple tendons are not heeded");
     }
     print_contact(&learned.creature, &contact);
-    say!("\n{:<24} {:>9}", "aura limb", "receptors");
-    for (name, count) in &by_limb {
-        say!("{name:<24} {count:>9}");
+    say!("\n{:<24} {:>9} {:>14}", "aura limb", "receptors", "of these grown");
+    for (name, count, grown) in &by_limb {
+        say!("{name:<24} {count:>9} {grown:>14}");
     }
     if skin.receptors.is_empty() {
         say!("\nno touch sensors: grow a skin with `bodyschema skin {} --out NEW`", args.model.display());
@@ -112,6 +116,7 @@ pub fn run(args: &InspectArguments) -> Outcome {
         let links: usize = (0..skin.receptors.len()).map(|r| map.neighbours(r).len()).sum();
         let mean = links as f64 / skin.receptors.len() as f64;
         say!("\neach receptor has {mean:.1} neighbours on average");
+        say!("to see them: bodyschema render {} --skin --out skin.png", args.model.display());
     }
     Ok(())
 }

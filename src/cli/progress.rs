@@ -86,8 +86,20 @@ impl Observer for Bars {
             (phase, found) => {
                 found.iter().for_each(ProgressBar::finish_and_clear);
                 *bar = match phase {
-                    Phase::Babbling { made, touches } => {
-                        let bar = counted("babbling", touches as u64, "touches");
+                    Phase::Babbling { made, touches, grows, deadline } => {
+                        let left = deadline.left();
+                        let most = left
+                            .map_or(String::new(), |left| format!(" of {:.0}s at most", left.as_secs_f64()));
+                        let bar = match grows || left.is_some() {
+                            // How many touches it takes, or how many there will be, nobody knows: no time left is told.
+                            true => {
+                                let template =
+                                    "{spinner:.cyan} {msg}, {human_pos} touches  {rate:.dim}  {elapsed:.dim}";
+                                bar(Some(touches as u64), &(template.to_string() + &most))
+                                    .with_message("babbling")
+                            }
+                            false => counted("babbling", touches as u64, "touches"),
+                        };
                         bar.set_position(made as u64);
                         Some(bar)
                     }

@@ -9,12 +9,15 @@ use std::sync::Arc;
 use nalgebra::Point3;
 
 use super::open::{ModelArguments, open_model};
+use super::progress::Bars;
 use super::{Failure, Outcome, progress};
 use crate::creature::{Body, BodyError, JointSelection, Posture};
-use crate::mujoco::{Camera, Data, Image, Model, PICTURE_SIDES, Renderer};
+use crate::experiment::skin_for;
+use crate::mujoco::{Camera, Data, Image, Mark, Model, PICTURE_SIDES, Renderer};
 use crate::record::{SESSION_FILE, model_hash, write_whole};
+use crate::skin::skin_of;
 use crate::view::picture::{
-    Direction, Film, Shot, Storyboard, corners_of, draw, frame, is_film, outline, png,
+    self, Direction, Film, Shot, Storyboard, corners_of, draw, extent, frame, is_film, outline, png,
 };
 
 /// Draw a model in a posture, or what a session is about, as a picture or a film.
@@ -27,6 +30,7 @@ use crate::view::picture::{
 #[command(after_help = "Examples:
   bodyschema render mjcf/max/max.xml --out max.png
   bodyschema render mjcf/max/table.xml --posture left_elbow_flexion=90 --camera 140,-20 --out table.png
+  bodyschema render mjcf/hexapod/hexapod.xml --skin --out skin.png
   bodyschema render sessions/max-1 --touch 3 --schema --out touch.png
   bodyschema render sessions/max-1 --touches 1..2 --size 320x240 --out touches.mp4    # needs ffmpeg
   bodyschema render sessions/max-1 --learning --size 320x320 --out learning.mp4
@@ -46,6 +50,9 @@ pub struct RenderArguments {
     /// left_elbow_flexion=90,right_elbow_flexion=20, or a JSON file of names with radians, metres or w x y z; what is not named is at ease
     #[arg(long, value_name = "NAME=DEG,…|FILE", allow_hyphen_values = true, help_heading = "What is drawn")]
     posture: Option<String>,
+    /// Of a model, its skin: receptors of its own in blue, those that are grown on it in orange
+    #[arg(long, help_heading = "What is drawn")]
+    skin: bool,
     /// Of a session, the posture of a touch, counted from 1, its places lit
     #[arg(long, value_name = "N", conflicts_with = "posture", help_heading = "What is drawn")]
     touch: Option<usize>,
@@ -218,8 +225,21 @@ fn model(args: &RenderArguments, film: bool) -> Result<(RenderSubject, Storyboar
         };
         body.write_qpos(&posture, &mut qpos);
     }
-    let subject = RenderSubject { place, model, body, alone: false };
-    Ok((subject, Storyboard::still(Shot { qpos, marks: Vec::new(), lit: Vec::new() }, false)))
+    let subject = RenderSubject { place, model, body, alone: args.skin };
+    let marks = match (&subject.body, args.skin) {
+        (Some(body), true) => skin(args, body, &subject.data(&qpos)?)?,
+        _ => Vec::new(),
+    };
+    Ok((subject, Storyboard::still(Shot { qpos, marks, lit: Vec::new() }, false)))
+}
+
+/// The skin that a body babbles with, in the posture of data with poses computed.
+fn skin(args: &RenderArguments, body: &Body, data: &Data) -> Result<Vec<Mark>, Failure> {
+    let own = skin_of(body).receptors.len();
+    let whole = skin_for(&args.what, body, &Bars::default())?;
+    let on_limbs = whole.receptors.iter().filter_map(|r| Some((r, body.limb_pose(data, r.limb)?)));
+    let size = extent(&outline(data, &|geom| body.limb_of_geom(geom).is_some()));
+    Ok(picture::skin(on_limbs, own, size))
 }
 
 /// The camera that is asked for, or one that holds all that is shown.

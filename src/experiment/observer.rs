@@ -1,5 +1,6 @@
 //! Who looks on while an experiment runs: a progress bar, a live page, a table.
 
+use crate::deadline::Deadline;
 use crate::learning::growth::Growth;
 use crate::schema::BodySchema;
 use crate::senses::Touch;
@@ -103,8 +104,12 @@ pub enum Phase<'a> {
     Babbling {
         /// Touches that were there before.
         made: usize,
-        /// Touches in all.
+        /// Touches in all, or where the body grows, the most.
         touches: usize,
+        /// Whether it ends by itself when all is known that can be touched.
+        grows: bool,
+        /// After which it ends in any case.
+        deadline: Deadline,
     },
     /// A learner takes in touches.
     Learning {

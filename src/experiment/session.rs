@@ -169,7 +169,12 @@ impl<'a> BabblingSession<'a> {
     pub fn babble(self, observer: &dyn Observer) -> Result<BabbledSession, ExperimentError> {
         let BabblingSession { embodied, setup, folder, mut session, mut log, done, spent, mut made } = self;
         let babbler = embodied.babbler(setup.motion)?.until(setup.deadline);
-        observer.phase(Phase::Babbling { made: made.len(), touches: setup.babbling.touches });
+        observer.phase(Phase::Babbling {
+            made: made.len(),
+            touches: setup.babbling.touches,
+            grows: setup.policy == PolicyName::Stages,
+            deadline: setup.deadline,
+        });
         let began = Instant::now();
         let mut kept = began;
         let (effort, grown) =

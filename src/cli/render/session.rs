@@ -37,6 +37,13 @@ pub fn plan(args: &RenderArguments, film: bool) -> Result<(RenderSubject, Storyb
             )));
         }
     }
+    if args.skin {
+        return Err(Failure(format!(
+            "{}: --skin is of a model: give its file, {}",
+            args.what.display(),
+            if session.model.is_empty() { "which this session has none of" } else { &session.model }
+        )));
+    }
     let agent = &session.agent;
     let creature = agent.creature();
     let read_schema = || read_schema(&args.what.join(SCHEMA_FILE), creature);

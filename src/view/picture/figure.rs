@@ -18,6 +18,11 @@ const BONE: [f32; 4] = [0.2, 0.36, 0.66, 1.0];
 const FIRING: [f32; 4] = [1.0, 0.45, 0.0, 1.0];
 const POINT: [f32; 4] = [0.95, 0.0, 0.0, 1.0];
 const GLOW: [f32; 4] = [1.0, 0.25, 0.0, 0.3];
+/// Receptors that the model has itself, and those that were grown on it.
+const OWN: [f32; 4] = [0.1, 0.45, 0.85, 1.0];
+const GROWN: [f32; 4] = [0.95, 0.6, 0.15, 1.0];
+/// The share of a receptor's side that is drawn: what lies between neighbours shows where one ends.
+const DRAWN: f64 = 0.85;
 /// Radii by the size of a body: of a joint, of what lies between joints, of a point that is touched and of its glow,
 /// and how thick a receptor is.
 const JOINT_RADIUS: f64 = 0.011;
@@ -61,6 +66,29 @@ pub fn learned_body(
     marks
 }
 
+/// A skin, each receptor with `X_WL` of its limb; those from number `own` on were grown. `size` is the body's, metres.
+pub fn skin<'s>(
+    receptors: impl Iterator<Item = (&'s Receptor, Isometry3<f64>)>,
+    own: usize,
+    size: f64,
+) -> Vec<Mark> {
+    let mark = |(number, (receptor, limb)): (usize, (&Receptor, Isometry3<f64>))| {
+        let whole = patch(receptor, &limb, size);
+        let [a, b, thickness] = whole.size;
+        let rgba = if number < own { OWN } else { GROWN };
+        Mark { size: [DRAWN * a, DRAWN * b, thickness], rgba, emission: 0.2, ..whole }
+    };
+    receptors.enumerate().map(mark).collect()
+}
+
+/// A receptor on its limb at `X_WL`.
+fn patch(receptor: &Receptor, limb: &Isometry3<f64>, size: f64) -> Mark {
+    let axes = Matrix3::from_columns(&[receptor.tangent, receptor.bitangent(), receptor.normal]);
+    let [a, b] = receptor.half_extents;
+    let pose = limb * Isometry3::from(Frame { rotation: axes, origin: receptor.position });
+    Mark { kind: GeomKind::Box, size: [a, b, THICKNESS * size], pose, rgba: FIRING, emission: 1.0 }
+}
+
 /// A touch in the world, as bright as `strength` of 0 to 1: the two receptors with `X_WL` of their limbs, and the point.
 /// `size` is the body's, metres.
 pub fn lit_touch(
@@ -77,14 +105,8 @@ pub fn lit_touch(
         emission: 1.0,
         ..mark
     };
-    let patch = |(receptor, limb): &(&Receptor, Isometry3<f64>)| {
-        let axes = Matrix3::from_columns(&[receptor.tangent, receptor.bitangent(), receptor.normal]);
-        let [a, b] = receptor.half_extents;
-        let pose = limb * Isometry3::from(Frame { rotation: axes, origin: receptor.position });
-        let size = [a, b, THICKNESS * size];
-        shining(Mark { kind: GeomKind::Box, size, pose, rgba: FIRING, emission: 1.0 }, FIRING[3])
-    };
-    let mut marks: Vec<Mark> = receptors.iter().map(patch).collect();
+    let lit = |(receptor, limb): &(&Receptor, _)| shining(patch(receptor, limb, size), FIRING[3]);
+    let mut marks: Vec<Mark> = receptors.iter().map(lit).collect();
     for (radius, colour) in [(POINT_RADIUS, POINT), (GLOW_RADIUS, GLOW)] {
         marks.push(shining(Mark::sphere(point, radius * size * (0.5 + 0.5 * strength), colour), colour[3]));
     }

@@ -11,7 +11,7 @@ mod storyboard;
 
 use crate::mujoco::{self, Camera, Image, Mark, Renderer, View};
 
-pub use figure::{between, learned_body, lit_touch};
+pub use figure::{between, learned_body, lit_touch, skin};
 pub use film::{Film, FilmError, is_film};
 pub use framing::{Direction, corners_of, extent, frame, outline};
 pub use still::png;
