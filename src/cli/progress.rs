@@ -9,6 +9,7 @@ use std::time::Duration;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressFinish, ProgressState, ProgressStyle};
 
 use super::message::quiet;
+use crate::deadline::Deadline;
 use crate::experiment::{LearningStep, Observer, Phase};
 use crate::learning::growth::Growth;
 use crate::senses::Touch;
@@ -40,6 +41,14 @@ fn bar(total: Option<u64>, template: &str) -> ProgressBar {
 pub fn counted(doing: &str, total: u64, what: &str) -> ProgressBar {
     let counts = "{msg} {bar:24.cyan/blue} {human_pos}/{human_len}";
     bar(Some(total), &format!("{counts} {what}  {{rate:.dim}}  {{eta}} left")).with_message(doing.to_string())
+}
+
+/// Touches as they come, where nobody knows how many it takes or how many there will be: no time left is told, but the most.
+fn until(deadline: Deadline, touches: u64) -> ProgressBar {
+    let most =
+        deadline.left().map_or(String::new(), |left| format!(" of {:.0}s at most", left.as_secs_f64()));
+    let template = "{spinner:.cyan} {msg}, {human_pos} touches  {rate:.dim}  {elapsed:.dim}";
+    bar(Some(touches), &format!("{template}{most}")).with_message("babbling")
 }
 
 /// A bar of few long steps, each of which says what it is.
@@ -87,17 +96,8 @@ impl Observer for Bars {
                 found.iter().for_each(ProgressBar::finish_and_clear);
                 *bar = match phase {
                     Phase::Babbling { made, touches, grows, deadline } => {
-                        let left = deadline.left();
-                        let most = left
-                            .map_or(String::new(), |left| format!(" of {:.0}s at most", left.as_secs_f64()));
-                        let bar = match grows || left.is_some() {
-                            // How many touches it takes, or how many there will be, nobody knows: no time left is told.
-                            true => {
-                                let template =
-                                    "{spinner:.cyan} {msg}, {human_pos} touches  {rate:.dim}  {elapsed:.dim}";
-                                bar(Some(touches as u64), &(template.to_string() + &most))
-                                    .with_message("babbling")
-                            }
+                        let bar = match grows || deadline.left().is_some() {
+                            true => until(deadline, touches as u64),
                             false => counted("babbling", touches as u64, "touches"),
                         };
                         bar.set_position(made as u64);
