@@ -47,20 +47,21 @@ impl Precision {
     }
 
     /// Whether it is enough to know that a distance is between these bounds.
-    fn is_reached(self, least: f64, most: f64) -> bool {
+    fn is_reached(self, least: f64, most: f64, enough: f64) -> bool {
         match self {
             Precision::Exact => most - least < EXACT.min(EXACT_SHARE * most),
-            Precision::LowerBound => least >= GOOD * most,
+            Precision::LowerBound => least >= enough.min(GOOD * most),
         }
     }
 }
 
 /// The gap of two convex bodies, given by the point of their difference that is farthest in a direction of length 1;
-/// `guess` is a unit vector from the second to the first to begin with.
+/// `guess` is a unit vector from the second to the first to begin with. A lower bound needs not be above `enough`.
 pub(super) fn gjk(
     support: &dyn Fn(&Vector3<f64>) -> Corner,
     guess: &Vector3<f64>,
     precision: Precision,
+    enough: f64,
 ) -> Gap {
     let first = support(&-guess);
     // The nearest point to the origin found so far, and the corners that span it.
@@ -72,7 +73,9 @@ pub(super) fn gjk(
         let distance = nearest.point.norm();
         match precision {
             Precision::Exact if distance < OVERLAPPING => return penetration(support, simplex.corners()),
-            Precision::LowerBound if distance < MET || precision.is_reached(best.0, distance) => break,
+            Precision::LowerBound if distance < MET || precision.is_reached(best.0, distance, enough) => {
+                break;
+            }
             _ => {}
         }
         let direction = nearest.point / distance;
@@ -83,7 +86,7 @@ pub(super) fn gjk(
             best = (bound, direction);
         }
         let known = simplex.corners().iter().any(|other| other.difference == corner.difference);
-        if known || precision.is_reached(best.0, distance) {
+        if known || precision.is_reached(best.0, distance, enough) {
             break;
         }
         let trial = simplex.with(corner);

@@ -3,6 +3,8 @@
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
+use super::farthest::FarthestPoint;
+
 /// A vertex this far beyond a triangle's plane, by the hull's size, shows that the triangle is a sliver
 /// whose plane is all rounding: MuJoCo keeps vertices in single precision.
 const BEYOND: f64 = 1e-5;
@@ -17,6 +19,7 @@ pub struct Hull {
     /// Per triangle, its outward unit normal and how far it is from the origin along it.
     planes: Vec<(Vector3<f64>, f64)>,
     areas: Vec<f64>,
+    farthest: FarthestPoint,
 }
 
 /// A hull as it is written.
@@ -52,6 +55,7 @@ impl Hull {
         let middle = vertices.iter().sum::<Vector3<f64>>() / vertices.len() as f64;
         let size = vertices.iter().map(|v| (v - middle).norm()).fold(0.0, f64::max);
         let mut hull = Hull {
+            farthest: FarthestPoint::new(vertices.clone()),
             polyhedron: Polyhedron { vertices, triangles: Vec::new() },
             planes: Vec::new(),
             areas: Vec::new(),
@@ -63,7 +67,7 @@ impl Hull {
             let Some(normal) = cross.try_normalize(f64::MIN_POSITIVE) else { continue };
             let outward = if normal.dot(&(a - middle)) < 0.0 { -normal } else { normal };
             let offset = outward.dot(&a);
-            if hull.polyhedron.vertices.iter().any(|v| outward.dot(v) - offset > BEYOND * size) {
+            if outward.dot(&hull.support(&outward)) - offset > BEYOND * size {
                 continue;
             }
             let area = 0.5 * cross.norm();
@@ -90,6 +94,11 @@ impl Hull {
     pub(super) fn faces(&self) -> impl Iterator<Item = ([Vector3<f64>; 3], Vector3<f64>, f64)> {
         let faces = self.triangles().iter().zip(&self.planes).zip(&self.areas);
         faces.map(|((corners, plane), area)| (corners.map(|v| self.vertices()[v]), plane.0, *area))
+    }
+
+    /// The corner that is farthest in a direction of any length, metres.
+    pub fn support(&self, direction: &Vector3<f64>) -> Vector3<f64> {
+        self.farthest.along(direction)
     }
 
     /// The area of the surface, m².

@@ -6,6 +6,7 @@
 mod bounds;
 mod capsule;
 mod epa;
+mod farthest;
 mod formats;
 mod frame;
 mod gap;
@@ -20,7 +21,7 @@ pub use capsule::{Capsule, closest_points};
 pub use formats::UrdfGeometry;
 pub use frame::Frame;
 pub(crate) use frame::product;
-pub use gap::{ConvexBody, Gap, PlacedShape, gap, gap_from};
+pub use gap::{ConvexBody, Gap, PlacedShape, gap, gap_from, separation};
 pub use gjk::Precision;
 pub use hull::Hull;
 pub use samples::SurfaceSample;

@@ -135,6 +135,15 @@ impl Shape {
         }
     }
 
+    /// The radius of a ball inside: the largest one but for a hull's; 0 for a mesh without a hull.
+    pub fn inradius(&self) -> f64 {
+        match *self {
+            Shape::Sphere { radius } | Shape::Capsule { radius, .. } => radius,
+            Shape::Hull(ref hull) => hull.inradius(),
+            _ => self.half_bounds().min(),
+        }
+    }
+
     /// Distance of a point to the surface, negative inside, and the outward unit normal of the nearest
     /// surface point, in the shape's axes; none for a mesh without a hull.
     pub fn signed_distance(&self, p: &Vector3<f64>) -> Option<(f64, Vector3<f64>)> {
@@ -179,10 +188,7 @@ impl Shape {
                 let semi_axes = Vector3::from(*semi_axes);
                 unit(semi_axes.component_mul(d)).component_mul(&semi_axes)
             }
-            Shape::Hull(hull) => {
-                let farther = |a: &&Vector3<f64>, b: &&Vector3<f64>| a.dot(d).total_cmp(&b.dot(d));
-                *hull.vertices().iter().max_by(farther)?
-            }
+            Shape::Hull(hull) => hull.support(d),
             Shape::Mesh => return None,
         })
     }

@@ -1,9 +1,11 @@
 //! MJCF as XML: reading files, reducing them, and writing elements, sections, and the receptors' look, alike in
 //! every file of ours.
 
+mod hulls;
 mod read;
 mod strip;
 
+pub(crate) use hulls::with_colliding;
 pub(crate) use read::read;
 pub(crate) use strip::Stripped;
 

@@ -101,6 +101,23 @@ impl Model {
         Ok(copy)
     }
 
+    /// Takes over the contact types and affinities of another model, before this one is shared; false where the two do not
+    /// have the same geoms, and nothing is taken over.
+    pub(super) fn take_filters(&mut self, other: &Model) -> bool {
+        let geoms = |model: &Model| -> Vec<_> {
+            (0..model.ngeom())
+                .map(|g| (model.geom_kind(g), model.geom_body(g), model.mesh_of_geom(g)))
+                .collect()
+        };
+        let same = self.nbody() == other.nbody() && geoms(self) == geoms(other);
+        let raw = self.raw_mut();
+        for g in (0..other.ngeom()).filter(|_| same) {
+            // SAFETY: the model is borrowed exclusively, and its arrays hold a number per geom.
+            unsafe { (*(*raw).geom_contype.add(g), *(*raw).geom_conaffinity.add(g)) = other.contact_bits(g) }
+        }
+        same
+    }
+
     /// The pairs of bodies that `<exclude>` keeps from touching, as they stand in the model.
     pub fn excludes(&self) -> impl Iterator<Item = [usize; 2]> {
         let first = if cfg!(mujoco_signature_from_one) { 1 } else { 0 };

@@ -55,7 +55,7 @@ impl Model {
         let name = Path::new(Self::STRING_NAME);
         limits::check_text(name, xml)?;
         engine::check()?;
-        Self::load(name, vfs::FILE, Some(&Vfs::new(xml)?))
+        Self::load(name, vfs::FILE, Some(xml))
     }
 
     /// Reads an MJCF file with more bodies in its world, given as their elements.
@@ -71,7 +71,7 @@ impl Model {
         let world = crate::mjcf_xml::section(&mut root, "worldbody");
         world.children.extend(bodies.into_iter().map(xmltree::XMLNode::Element));
         let text = crate::mjcf_xml::write(&root).map_err(|message| refused((path.to_path_buf(), message)))?;
-        Self::load(path, vfs::FILE, Some(&Vfs::new(&text)?))
+        Self::load(path, vfs::FILE, Some(&text))
     }
 
     /// Reads what a body schema needs of an MJCF file, its bodies, joints, geoms, meshes and touch sensors, and leaves
@@ -87,7 +87,7 @@ impl Model {
         let mut stripped = Stripped::new(path, &engine::schema()?).map_err(refused)?;
         loop {
             let text = stripped.text().map_err(|message| refused((path.to_path_buf(), message)))?;
-            match Self::load(path, vfs::FILE, Some(&Vfs::new(&text)?)) {
+            match Self::load(path, vfs::FILE, Some(&text)) {
                 Ok(model) => return Ok((model, stripped.left_out)),
                 // A mesh that the engine cannot use, such as a flat one, need not be the end of it.
                 Err(Error::Read { message, .. })
@@ -140,13 +140,15 @@ impl Model {
         }
     }
 
-    fn load(path: &Path, name: &CStr, vfs: Option<&Vfs>) -> Result<Self> {
+    /// Loads the file called `name`, or `text` where it is given, with a hull for every mesh that can be touched.
+    fn load(path: &Path, name: &CStr, text: Option<&str>) -> Result<Self> {
+        let files = text.map(Vfs::new).transpose()?;
         let _one_at_a_time = LOADING.lock().unwrap_or_else(PoisonError::into_inner);
-        Self::load_alone(path, name, vfs)
+        Ok(Self::load_alone(path, name, files.as_ref())?.with_hulls(path, text))
     }
 
     /// Loads while the caller keeps other loads away with [`LOADING`].
-    fn load_alone(path: &Path, name: &CStr, vfs: Option<&Vfs>) -> Result<Self> {
+    pub(super) fn load_alone(path: &Path, name: &CStr, vfs: Option<&Vfs>) -> Result<Self> {
         let version = engine::check()?;
         let mut message = vec![0u8; MESSAGE_BYTES];
         let outcome = {

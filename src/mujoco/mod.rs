@@ -18,6 +18,7 @@ mod engine;
 mod error;
 mod ffi;
 mod filter;
+mod hulls;
 mod limits;
 mod loading;
 mod model;

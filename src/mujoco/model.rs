@@ -292,6 +292,17 @@ impl Model {
         Some((kept, faces.collect::<Option<_>>()?))
     }
 
+    /// The mesh that geom `i` is of, if it is of one.
+    pub(super) fn mesh_of_geom(&self, i: usize) -> Option<usize> {
+        usize::try_from(array!(self, geom_dataid[ngeom])[i]).ok()
+    }
+
+    /// The name of mesh `i`, where it has one and the engine made no hull for it.
+    pub(super) fn name_without_hull(&self, i: usize) -> Option<String> {
+        let has_hull = array!(self, mesh_graphadr[nmesh])[i] >= 0;
+        self.name(ObjectKind::from_raw(ffi::mjOBJ_MESH as i32), i).filter(|_| !has_hull).map(str::to_string)
+    }
+
     /// Site `i`.
     pub fn site(&self, i: usize) -> Site<'_> {
         let size = &array!(self, site_size[nsite * 3])[3 * i..];

@@ -4,16 +4,19 @@
 //! of each point of a limb against another limb are bounded by the joints between them. With the gap of
 //! two geoms and those bounds a motion jumps ahead to where they may meet at the earliest (conservative
 //! advancement), and needs no small steps. Geoms are bounded by capsules; for spheres and capsules the
-//! bound is exact and so is the gap.
+//! bound is exact and so is the gap. Other convex shapes are asked for a plane that parts them once their
+//! capsules tell no more.
 
 use std::collections::BTreeSet;
 
 use nalgebra::Vector3;
 
+use super::kept_apart;
+use super::relative_motion::{PairMotion, outlasts, until_zero};
 use super::straight_motion::StraightMotion;
 use super::touchable::{ClusterPair, Encounter, LimbCluster, TouchablePairs};
 use crate::creature::{Body, Posture};
-use crate::geometry::{Ball, Capsule, Gap, Precision, gap_from};
+use crate::geometry::{Ball, Capsule, Gap, PlacedShape, Precision, gap_from, separation};
 use crate::ground_truth::GroundTruth;
 use crate::kinematics::LimbMotion;
 use crate::mujoco;
@@ -37,6 +40,9 @@ pub struct ConservativeAdvancement {
     free_until: Vec<f64>,
     /// Per pair, which of its geom pairs limited the motion when it was last looked at: most likely it still does.
     limiting: Vec<usize>,
+    /// Per pair of geoms that are not capsules, the normal of the plane that parted them when they were last looked at in
+    /// this motion, in the second limb's frame; zero where there is none. Those of a pair follow one another.
+    planes: Vec<Vector3<f64>>,
     /// What the motion starts in contact with, until it has parted.
     start_contact: Option<Encounter>,
     /// Limb pairs looked at, for the statistics.
@@ -60,8 +66,6 @@ const FAR: f64 = 0.03;
 /// Pairs that come up within this part of the motion are looked at together: placing the limbs costs
 /// more than a look.
 const SOON: f64 = 0.06;
-/// More than what rounding does to a gap, metres.
-const ROUNDING: f64 = 1e-9;
 /// The least advance of a motion's parameter, so that no approach without contact stalls it.
 const LEAST_ADVANCE: f64 = 1e-6;
 /// After every so many steps it grows by as much again: limbs may slide along each other for a whole motion.
@@ -88,6 +92,7 @@ impl ConservativeAdvancement {
             acceleration: vec![0.0; count],
             free_until: vec![0.0; count],
             limiting: vec![0; count],
+            planes: vec![Vector3::zeros(); touchable.pairs.iter().map(|pair| pair.geoms.len()).sum()],
             start_contact: None,
             checks: 0,
             steps: 0,
@@ -122,6 +127,8 @@ impl ConservativeAdvancement {
             self.acceleration[k] = acceleration;
             self.free_until[k] = if speed > 0.0 { 0.0 } else { f64::INFINITY };
         }
+        // What is known from another motion must not count: bouts are made in any order.
+        self.planes.fill(Vector3::zeros());
         self.start_contact = contact;
     }
 
@@ -206,15 +213,23 @@ impl ConservativeAdvancement {
         slow.max(length / self.speed[encounter.pair])
     }
 
-    /// The gap of an encounter's geoms at `t`, and its rate of change, metres and metres per unit.
-    pub fn gap(&mut self, encounter: &Encounter, t: f64) -> (f64, f64) {
+    /// The gap of an encounter's geoms at `t`, and its rate of change, metres and metres per unit: of capsules, or of other
+    /// convex shapes; none where nothing is known of a shape.
+    pub fn gap(&mut self, encounter: &Encounter, t: f64) -> Option<(f64, f64)> {
         self.place_limbs(t);
         let clusters = self.touchable.pairs[encounter.pair].clusters;
         clusters.into_iter().for_each(|cluster| self.place_cluster(cluster));
         let pair = &self.touchable.pairs[encounter.pair];
-        let Gap { distance, normal, points } = self.bounds_gap(encounter.bounds);
+        let about = self.bounds_gap(encounter.bounds);
+        let Gap { distance, normal, points } = match encounter.exact {
+            true => about,
+            false => {
+                let [first, second] = self.solids(pair, encounter.bounds)?;
+                gap_from(&first, &second, Precision::Exact, &about.normal)
+            }
+        };
         let velocity = self.pair_motion(pair).relative_velocity(&points);
-        (distance, normal.dot(&velocity))
+        Some((distance, normal.dot(&velocity)))
     }
 
     /// The posture at `t`.
@@ -255,7 +270,10 @@ impl ConservativeAdvancement {
         let spins = motion.sides.map(|side| side.omega.norm());
         // What limited the last look most likely limits this one: all that comes later need not be known exactly.
         let last = self.limiting[k];
-        let by_last = self.advance_of(k, &motion, pair.geoms[last], &self.bounds_gap(pair.geoms[last]), rest);
+        let mut planes = std::mem::take(&mut self.planes);
+        let plane = |number: usize| pair.first_geoms + number;
+        let about = self.bounds_gap(pair.geoms[last]);
+        let by_last = self.advance_of(k, &motion, pair.geoms[last], &about, &mut planes[plane(last)], rest);
         let mut heeded = by_last.min(rest);
         let mut least = rest;
         let mut limiting = None;
@@ -272,13 +290,14 @@ impl ConservativeAdvancement {
                 if gap.distance > MET && outlasts(gap.distance, opening, acceleration, heeded) {
                     continue;
                 }
-                self.advance_of(k, &motion, bounds, &gap, heeded)
+                self.advance_of(k, &motion, bounds, &gap, &mut planes[plane(number)], heeded)
             };
             if advance < least {
                 (least, limiting) = (advance, Some(number));
                 heeded = heeded.min(least);
             }
         }
+        self.planes = planes;
         let Some(number) = limiting else { return (f64::INFINITY, None) };
         self.limiting[k] = number;
         (least, Some(self.touchable.encounter_of(k, pair.geoms[number])))
@@ -293,7 +312,8 @@ impl ConservativeAdvancement {
         let mut least = f64::INFINITY;
         let mut limiting = None;
         let mut parted = false;
-        for &bounds in &pair.geoms {
+        let mut planes = std::mem::take(&mut self.planes);
+        for (number, &bounds) in pair.geoms.iter().enumerate() {
             // Even at full speed it comes later than what is known already?
             let beyond = least * self.speed[k];
             if self.apart(bounds) > beyond {
@@ -303,32 +323,43 @@ impl ConservativeAdvancement {
             if gap.distance > beyond {
                 continue;
             }
-            parted |= contact.exact && contact.bounds == bounds && gap.distance > PARTED;
-            let advance = self.advance_of(k, &motion, bounds, &gap, least);
+            parted |= contact.bounds == bounds && gap.distance > PARTED;
+            let plane = &mut planes[pair.first_geoms + number];
+            let advance = self.advance_of(k, &motion, bounds, &gap, plane, least);
             if advance < least {
                 (least, limiting) = (advance, Some(bounds));
             }
         }
+        self.planes = planes;
         if parted {
             self.start_contact = None;
         }
         (least, limiting.map(|bounds| self.touchable.encounter_of(k, bounds)))
     }
 
-    /// How far the motion may advance before two geoms of limb pair `k` can meet, given the gap of those about them; where
-    /// it is `heeded` or more, anything from there on.
-    fn advance_of(&self, k: usize, motion: &PairMotion, bounds: [u32; 2], gap: &Gap, heeded: f64) -> f64 {
-        let kept_apart = || self.kept_apart(k, motion, bounds, &gap.normal, heeded);
+    /// How far the motion may advance before two geoms of limb pair `k` can meet, given the gap of those about them and the
+    /// plane between them; where it is `heeded` or more, anything from there on.
+    fn advance_of(
+        &self,
+        k: usize,
+        motion: &PairMotion,
+        bounds: [u32; 2],
+        gap: &Gap,
+        plane: &mut Vector3<f64>,
+        heeded: f64,
+    ) -> f64 {
+        let capsules = bounds.map(|bound| &self.world[bound as usize]);
+        let kept_apart = || kept_apart::capsules(capsules, motion, &gap.normal, self.acceleration[k], heeded);
         let exact = bounds.iter().all(|&bound| self.touchable.bounds[bound as usize].exact);
         if gap.distance > MET {
             let by_capsules = (gap.distance / self.speed[k]).max(kept_apart());
             if exact || by_capsules >= heeded {
                 return by_capsules;
             }
-            return self.advance_of_solids(k, motion, bounds, gap).max(by_capsules);
+            return self.advance_of_solids(k, motion, bounds, gap, plane, heeded).max(by_capsules);
         }
         if !exact {
-            return self.advance_of_solids(k, motion, bounds, gap);
+            return self.advance_of_solids(k, motion, bounds, gap, plane, heeded);
         }
         // What touches at the start is already felt, until it has parted.
         let parting = self.start_contact.is_some_and(|contact| contact.pair == k && contact.bounds == bounds);
@@ -340,70 +371,49 @@ impl ConservativeAdvancement {
         0.0
     }
 
-    /// How far the motion may advance before two geoms can meet that are no capsules, given the gap of those about them:
-    /// 0 where they nearly do, or where their capsules tell as much.
-    fn advance_of_solids(&self, k: usize, motion: &PairMotion, bounds: [u32; 2], about: &Gap) -> f64 {
-        if about.distance > FAR {
-            return 0.0;
-        }
-        let limbs = self.touchable.pairs[k].limbs;
-        let solid = |side: usize| {
-            let solid = self.touchable.bounds[bounds[side] as usize].solid.as_ref()?;
-            solid.placed(&self.limbs[limbs[side]].frame)
-        };
-        let [Some(first), Some(second)] = [solid(0), solid(1)] else { return 0.0 };
-        let Gap { distance, normal, .. } = gap_from(&first, &second, Precision::LowerBound, &about.normal);
-        if distance <= NEARLY_MET {
-            return 0.0;
-        }
-        // Every point of a shape is in its capsule, where velocities along the normal are greatest at an end but for
-        // what the turning adds within the radius.
-        let closing: f64 = [(0, -1.0), (1, 1.0)]
-            .map(|(side, sign)| {
-                let Twist { omega, .. } = motion.sides[side];
-                let Capsule { ends, radius } = &self.world[bounds[side] as usize];
-                let rates = ends.map(|end| sign * normal.dot(&motion.sides[side].velocity_at(&end)));
-                rates[0].max(rates[1]) + omega.cross(&normal).norm() * radius
-            })
-            .iter()
-            .sum();
-        until_zero(distance, -closing, self.acceleration[k]).max(distance / self.speed[k])
-    }
-
-    /// How long a plane between two geoms' capsules keeps them apart, given its normal from the second to the first, to
-    /// second order in the motion; where it is `heeded` or more, anything from there on.
-    fn kept_apart(
+    /// The same of two geoms that are no capsules: 0 where they nearly meet, or where their capsules tell as much.
+    fn advance_of_solids(
         &self,
         k: usize,
         motion: &PairMotion,
         bounds: [u32; 2],
-        n: &Vector3<f64>,
+        about: &Gap,
+        plane: &mut Vector3<f64>,
         heeded: f64,
     ) -> f64 {
-        let mut height = [[0.0; 2]; 2];
-        let mut rate = [[0.0; 2]; 2];
-        for side in 0..2 {
-            let sign = if side == 0 { 1.0 } else { -1.0 };
-            let Capsule { ends, radius } = &self.world[bounds[side] as usize];
-            for (end, p) in ends.iter().enumerate() {
-                height[side][end] = sign * n.dot(p) - radius;
-                rate[side][end] = sign * n.dot(&motion.sides[side].velocity_at(p));
+        if about.distance > FAR {
+            return 0.0;
+        }
+        let pair = &self.touchable.pairs[k];
+        let Some([first, second]) = self.solids(pair, bounds) else { return 0.0 };
+        let kept_apart = |normal: &Vector3<f64>| {
+            kept_apart::bodies([&first, &second], motion, normal, self.acceleration[k], heeded)
+        };
+        let orientation = &self.limbs[pair.limbs[1]].frame.rotation;
+        let mut guess = about.normal;
+        // The plane that parted them before most likely still does.
+        if *plane != Vector3::zeros() {
+            guess = orientation * *plane;
+            let kept = kept_apart(&guess);
+            if kept >= heeded {
+                return kept;
             }
         }
-        let acceleration = self.acceleration[k];
-        let mut least = f64::INFINITY;
-        for first in 0..2 {
-            for second in 0..2 {
-                let gap = (height[0][first] + height[1][second]).max(0.0);
-                let opening = rate[0][first] + rate[1][second];
-                let known = least.min(heeded);
-                // A multiplication tells what is later than what is known, without a root.
-                if !outlasts(gap, opening, acceleration, known) {
-                    least = least.min(until_zero(gap, opening, acceleration));
-                }
-            }
+        let (distance, normal) = separation(&first, &second, &guess, heeded * self.speed[k]);
+        *plane = orientation.tr_mul(&normal);
+        if distance <= NEARLY_MET {
+            return 0.0;
         }
-        least
+        kept_apart(&normal).max(distance / self.speed[k])
+    }
+
+    /// The shapes of two geoms of a limb pair where the limbs are; none where nothing is known of one.
+    fn solids(&self, pair: &ClusterPair, bounds: [u32; 2]) -> Option<[PlacedShape<'_>; 2]> {
+        let solid = |side: usize| {
+            let solid = self.touchable.bounds[bounds[side] as usize].solid.as_ref()?;
+            solid.placed(&self.limbs[pair.limbs[side]].frame)
+        };
+        Some([solid(0)?, solid(1)?])
     }
 
     /// How the balls about two geoms' capsules pass each other, on limbs that turn at `spins`.
@@ -424,13 +434,7 @@ impl ConservativeAdvancement {
 
     /// How the two limbs of a pair move against their common ancestor.
     fn pair_motion(&self, pair: &ClusterPair) -> PairMotion {
-        let ancestor = &self.limbs[pair.ancestor];
-        let against = |limb: &LimbMotion| Twist {
-            omega: limb.omega - ancestor.omega,
-            velocity: limb.velocity - ancestor.velocity,
-        };
-        let sides = pair.limbs.map(|limb| against(&self.limbs[limb]));
-        PairMotion { sides, ancestor_omega: ancestor.omega }
+        PairMotion::new(pair.limbs.map(|limb| &self.limbs[limb]), &self.limbs[pair.ancestor])
     }
 
     /// A lower bound of two geoms' gap, from the balls about them.
@@ -519,42 +523,6 @@ impl Passing {
     }
 }
 
-/// How a limb moves against another that rests, as [`LimbMotion`] has it.
-#[derive(Clone, Copy, Debug)]
-struct Twist {
-    omega: Vector3<f64>,
-    velocity: Vector3<f64>,
-}
-
-impl Twist {
-    /// Velocity of the limb's point that is at `p`.
-    #[inline]
-    fn velocity_at(&self, p: &Vector3<f64>) -> Vector3<f64> {
-        self.velocity + self.omega.cross(p)
-    }
-}
-
-/// How the two limbs of a pair move against their common ancestor.
-#[derive(Clone, Copy, Debug)]
-struct PairMotion {
-    sides: [Twist; 2],
-    /// The ancestor's own angular velocity.
-    ancestor_omega: Vector3<f64>,
-}
-
-impl PairMotion {
-    /// Velocity of a point of the first limb against one of the second.
-    #[inline]
-    fn relative_velocity(&self, points: &[Vector3<f64>; 2]) -> Vector3<f64> {
-        self.sides[0].velocity_at(&points[0]) - self.sides[1].velocity_at(&points[1])
-    }
-}
-
-/// Whether `gap + opening h − ½ acceleration h²`, which is not below zero at first, stays above it for longer than `time`.
-fn outlasts(gap: f64, opening: f64, acceleration: f64, time: f64) -> bool {
-    gap + (opening - 0.5 * acceleration * time) * time > ROUNDING
-}
-
 /// The least of some numbers; infinity of none.
 fn least(numbers: &[f64]) -> f64 {
     let lesser = |a: f64, b: f64| if b < a { b } else { a };
@@ -568,16 +536,4 @@ fn least(numbers: &[f64]) -> f64 {
         }
     }
     least.iter().chain(rest).copied().fold(f64::INFINITY, lesser)
-}
-
-/// The time for which `gap + opening h − ½ acceleration h²` stays above zero.
-fn until_zero(gap: f64, opening: f64, acceleration: f64) -> f64 {
-    let root = (opening * opening + 2.0 * acceleration * gap).sqrt();
-    if opening < 0.0 {
-        2.0 * gap / (root - opening)
-    } else if acceleration > 0.0 {
-        (opening + root) / acceleration
-    } else {
-        f64::INFINITY
-    }
 }

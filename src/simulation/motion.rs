@@ -234,7 +234,9 @@ impl<'a> Mover<'a> {
         while let Some((t, encounter)) = self.clearance.next(from) {
             from = t;
             let again = step.0 == Some(encounter);
-            step = (Some(encounter), if again { LONGEST_ENGINE_STEP.min(2.0 * step.1) } else { ENGINE_STEP });
+            let length = if again { LONGEST_ENGINE_STEP.min(2.0 * step.1) } else { ENGINE_STEP };
+            // However thin a geom is, it must not be stepped over.
+            step = (Some(encounter), length.min(encounter.short));
             if encounter.exact && self.clearance.parting(&encounter) {
                 // It has hardly opened, and closes again.
                 self.effort.again += 1;
@@ -242,7 +244,7 @@ impl<'a> Mover<'a> {
             }
             let place = match encounter.exact {
                 true => self.press(&encounter, t),
-                false => self.step(&encounter, t, step.1),
+                false => Some(self.step(&encounter, t, step.1)),
             };
             let Some(place) = place.filter(|place| *place <= 1.0) else { continue };
             match self.contact_at(&encounter, place)? {
@@ -266,7 +268,7 @@ impl<'a> Mover<'a> {
     /// Whether the motion parts what touches at its start.
     fn parts(&mut self, contact: &Encounter) -> mujoco::Result<bool> {
         if contact.exact {
-            let (_, opening) = self.clearance.gap(contact, 0.0);
+            let opening = self.clearance.gap(contact, 0.0).map_or(0.0, |(_, opening)| opening);
             return Ok(opening > SLIDING * self.clearance.speed(contact));
         }
         // How their bounds move says nothing of the geoms themselves: see whether they have parted soon.
@@ -280,7 +282,7 @@ impl<'a> Mover<'a> {
     fn press(&mut self, encounter: &Encounter, t: f64) -> Option<f64> {
         let mut at = t;
         for _ in 0..8 {
-            let (gap, opening) = self.clearance.gap(encounter, at);
+            let Some((gap, opening)) = self.clearance.gap(encounter, at) else { break };
             if gap < -0.1 * DEEPEST && gap > -0.9 * DEEPEST {
                 return Some(at);
             }
@@ -293,9 +295,16 @@ impl<'a> Mover<'a> {
         None
     }
 
-    /// The next place to look at in a stretch that only the engine can judge.
-    fn step(&mut self, encounter: &Encounter, t: f64, length: f64) -> Option<f64> {
-        Some((t + self.clearance.advance_by(encounter, t, length)).min(1.0))
+    /// The next place to look at in a stretch that only the engine can judge: where shapes that close in overlap as much as
+    /// in the middle of a touch, or else further on by a `length` of their way, metres.
+    fn step(&mut self, encounter: &Encounter, t: f64, length: f64) -> f64 {
+        let step = t + self.clearance.advance_by(encounter, t, length);
+        let aimed = self
+            .clearance
+            .gap(encounter, t)
+            .map_or(t, |(gap, opening)| if opening < 0.0 { t - (gap + 0.5 * DEEPEST) / opening } else { t });
+        let place = if aimed > t { aimed.min(step) } else { step };
+        place.min(1.0)
     }
 
     /// Stops where the first contact between `free` and `met` begins; `deep` is the one at `met`.

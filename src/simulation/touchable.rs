@@ -12,6 +12,9 @@ use crate::skin::{Surface, surface_of_geom};
 
 /// A limb's geoms are split into clusters of at most about this radius, metres.
 const LARGEST_CLUSTER: f64 = 0.18;
+/// A geom this far inside another of its limb is never reached, metres: far more than limbs are in each other where a
+/// motion stops.
+const BURIED: f64 = 1e-4;
 
 /// A geom and a capsule about it.
 #[derive(Clone, Debug)]
@@ -25,6 +28,25 @@ pub(super) struct BoundedGeom {
     pub exact: bool,
     /// The geom itself; none where nothing is known of its shape.
     pub solid: Option<Surface>,
+    /// How thick it is at least, metres; infinite where nothing is known of its shape.
+    thickness: f64,
+}
+
+impl BoundedGeom {
+    /// Whether the geom is inside another of the same limb, all around: what meets it meets the other before.
+    fn is_buried_in(&self, other: &BoundedGeom) -> bool {
+        let (Some(inner), Some(outer)) = (&self.solid, &other.solid) else { return false };
+        let depth = |p: &Vector3<f64>| outer.signed_distance(p).map_or(f64::NEG_INFINITY, |(d, _)| -d);
+        // A convex shape holds all that is between points that it holds.
+        let holds_capsule = || self.capsule.ends.iter().all(|end| depth(end) > self.capsule.radius + BURIED);
+        let pose = inner.pose();
+        let holds = |corner: Vector3<f64>| depth(&pose.point(&corner)) > BURIED;
+        match inner.shape.hull() {
+            Some(hull) => hull.vertices().iter().copied().all(holds),
+            None if self.exact => holds_capsule(),
+            None => holds_capsule() || corners(&inner.shape.half_bounds()).into_iter().all(holds),
+        }
+    }
 }
 
 /// Geoms of one limb that lie together.
@@ -55,6 +77,8 @@ pub(super) struct ClusterPair {
     pub levers: [Vec<Lever>; 2],
     /// The geom pairs, as indices into the bounds.
     pub geoms: Vec<[u32; 2]>,
+    /// The number of the first of them among those of all pairs.
+    pub first_geoms: usize,
 }
 
 /// Two geoms that are about to meet.
@@ -64,6 +88,8 @@ pub struct Encounter {
     pub geoms: [usize; 2],
     /// Whether their gap is exact, or only a lower bound.
     pub exact: bool,
+    /// Half the thickness of the thinner one, metres: no motion of this length leads through.
+    pub(super) short: f64,
     pub(super) pair: usize,
     pub(super) bounds: [u32; 2],
 }
@@ -91,6 +117,7 @@ impl TouchablePairs {
             by_limb[limb].push(bounds.len() as u32);
             bounds.push(bound);
         }
+        let buried = buried(&bounds, &by_limb);
         let capsules: Vec<Capsule> = bounds.iter().map(|bound| bound.capsule).collect();
         let of_limb = |(limb, members): (usize, Vec<u32>)| {
             let found = clusters(members, &capsules, LARGEST_CLUSTER);
@@ -105,7 +132,7 @@ impl TouchablePairs {
                 slides.map(|dof| dof.range[0].abs().max(dof.range[1].abs())).sum()
             })
             .collect();
-        let mut pairs = Vec::new();
+        let mut pairs: Vec<ClusterPair> = Vec::new();
         for (i, first) in clusters.iter().enumerate() {
             for (j, second) in clusters.iter().enumerate().skip(i + 1) {
                 if creature.neighbouring(first.limb, second.limb) {
@@ -116,19 +143,25 @@ impl TouchablePairs {
                     body.model.collides(g, h) && !left_out.contains(&[g.min(h), g.max(h)])
                 };
                 let all = first.members.iter().flat_map(|&g| second.members.iter().map(move |&h| [g, h]));
-                let geoms: Vec<[u32; 2]> = all.filter(collide).collect();
+                let met_before = |&[g, h]: &[u32; 2]| {
+                    buried[g as usize].iter().any(|&outer| collide(&[outer, h]))
+                        || buried[h as usize].iter().any(|&outer| collide(&[g, outer]))
+                };
+                let geoms: Vec<[u32; 2]> = all.filter(|pair| collide(pair) && !met_before(pair)).collect();
                 if geoms.is_empty() {
                     continue;
                 }
                 let chain = Chain::between(creature, first.limb, second.limb);
                 let levers = [(0, first), (1, second)]
                     .map(|(side, cluster)| levers(schema, &slide_reach, &chain.sides[side], &cluster.ball));
+                let first_geoms = pairs.last().map_or(0, |pair| pair.first_geoms + pair.geoms.len());
                 pairs.push(ClusterPair {
                     clusters: [i, j],
                     limbs: [first.limb, second.limb],
                     ancestor: chain.ancestor,
                     levers,
                     geoms,
+                    first_geoms,
                 });
             }
         }
@@ -152,7 +185,8 @@ impl TouchablePairs {
     pub fn encounter_of(&self, pair: usize, ends: [u32; 2]) -> Encounter {
         let exact = ends.iter().all(|&i| self.bounds[i as usize].exact);
         let geoms = ends.map(|i| self.bounds[i as usize].geom);
-        Encounter { geoms, exact, pair, bounds: ends }
+        let thickness = ends.map(|i| self.bounds[i as usize].thickness);
+        Encounter { geoms, exact, short: 0.5 * thickness[0].min(thickness[1]), pair, bounds: ends }
     }
 }
 
@@ -169,6 +203,29 @@ fn levers(schema: &BodySchema, slide_reach: &[f64], joints: &[usize], ball: &Bal
     levers
 }
 
+/// The corners of a box about the origin, by half its sides.
+fn corners(half: &Vector3<f64>) -> [Vector3<f64>; 8] {
+    std::array::from_fn(|k| {
+        Vector3::from_fn(|axis, _| if k >> axis & 1 == 0 { half[axis] } else { -half[axis] })
+    })
+}
+
+/// Per geom, those of its limb that it is buried in.
+fn buried(bounds: &[BoundedGeom], by_limb: &[Vec<u32>]) -> Vec<Vec<u32>> {
+    let mut buried = vec![Vec::new(); bounds.len()];
+    for members in by_limb {
+        for &inner in members {
+            let bound = |k: u32| &bounds[k as usize];
+            let is_outer = |&outer: &u32| {
+                let smaller = bound(inner).reach < bound(outer).reach;
+                outer != inner && smaller && bound(inner).is_buried_in(bound(outer))
+            };
+            buried[inner as usize] = members.iter().copied().filter(is_outer).collect();
+        }
+    }
+    buried
+}
+
 /// A geom with the capsule about it in the frame of its limb; none for what has no bounds.
 fn bounded(body: &Body, g: usize) -> Option<BoundedGeom> {
     let shape = Shape::of_geom(&body.model, g)?;
@@ -180,11 +237,13 @@ fn bounded(body: &Body, g: usize) -> Option<BoundedGeom> {
     let geom = body.model.geom(g);
     let pose = body.pose_in_limb[geom.body] * Isometry3::from_parts(geom.pos.into(), geom.quat);
     let place = |end| (pose * Point3::from(end)).coords;
+    let solid = surface_of_geom(body, g).filter(|surface| surface.shape.is_solid());
     Some(BoundedGeom {
         geom: g,
         capsule: Capsule { ends: capsule.ends.map(place), radius: capsule.radius },
         reach: capsule.bounding_ball().radius,
         exact: shape.as_capsule(&Frame::identity()).is_some(),
-        solid: surface_of_geom(body, g).filter(|surface| surface.shape.is_solid()),
+        thickness: solid.as_ref().map_or(f64::INFINITY, |solid| 2.0 * solid.shape.inradius()),
+        solid,
     })
 }

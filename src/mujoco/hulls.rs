@@ -1,0 +1,116 @@
+//! Convex hulls for the meshes that limbs are made of.
+//!
+//! What touches is a mesh's convex hull, but the engine makes the hulls of those meshes alone that collide by their file;
+//! of others it has nothing but the vertices, looks through all of them each time, and no skin grows on them. Where all of
+//! a rigid part is for show alone, that is what it is touched on: the model is then compiled once more with those
+//! geoms colliding, and given the filters that its file has.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::Path;
+
+use super::element::GeomKind;
+use super::error::Error;
+use super::model::Model;
+use super::vfs::{self, Vfs};
+use crate::mjcf_xml;
+
+impl Model {
+    /// The model with the hulls of all meshes that its parts can be touched on: the one read from `path`, or from `text`
+    /// where there is one; as it is where the engine can make no more of them. Nobody else may load in the meantime.
+    pub(super) fn with_hulls(self, path: &Path, text: Option<&str>) -> Model {
+        let mut wanted = self.meshes_without_hull();
+        while let Some(text) = mjcf_xml::with_colliding(path, text, &wanted).filter(|_| !wanted.is_empty()) {
+            let opened = Vfs::new(&text).and_then(|files| Model::load_alone(path, vfs::FILE, Some(&files)));
+            match opened {
+                Ok(mut opened) => return if opened.take_filters(&self) { opened } else { self },
+                Err(Error::Read { message, .. }) => {
+                    // A mesh that has no hull, such as a flat one, must not be in the way of the others.
+                    let named = wanted.iter().filter(|mesh| message.contains(mesh.as_str()));
+                    let Some(mesh) = named.max_by_key(|mesh| mesh.len()).cloned() else { return self };
+                    wanted.remove(&mesh);
+                }
+                Err(_) => return self,
+            }
+        }
+        self
+    }
+
+    /// The names of the meshes without a hull of parts of which nothing collides. Of what is fixed to the world, a part
+    /// begins at each body that is mounted on it.
+    fn meshes_without_hull(&self) -> BTreeSet<String> {
+        let part = |geom: usize| {
+            let body = self.geom_body(geom);
+            match self.weld(body) {
+                0 => std::iter::successors(Some(body), |&body| Some(self.parents()[body] as usize))
+                    .find(|&body| body == 0 || self.parents()[body] == 0)
+                    .unwrap_or(0),
+                weld => weld,
+            }
+        };
+        let mut collides: BTreeMap<usize, bool> = BTreeMap::new();
+        let geoms = || (0..self.ngeom()).filter(|&geom| self.geom_body(geom) > 0);
+        for geom in geoms() {
+            *collides.entry(part(geom)).or_default() |= self.contact_bits(geom) != (0, 0);
+        }
+        let shown = geoms().filter(|&geom| self.geom_kind(geom) == GeomKind::Mesh && !collides[&part(geom)]);
+        shown
+            .filter_map(|geom| self.mesh_of_geom(geom))
+            .filter_map(|mesh| self.name_without_hull(mesh))
+            .collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SHOWN: &str = r#"<mujoco>
+  <asset>
+    <mesh name="brick" vertex="-1 -1 -1 -1 -1 1 -1 1 -1 -1 1 1 1 -1 -1 1 -1 1 1 1 -1 1 1 1" scale=".1 .1 .1"
+      face="0 1 3 0 3 2 4 6 7 4 7 5 0 4 5 0 5 1 2 3 7 2 7 6 0 2 6 0 6 4 1 5 7 1 7 3"/>
+    <mesh name="shell" vertex="-1 -1 -1 -1 -1 1 -1 1 -1 -1 1 1 1 -1 -1 1 -1 1 1 1 -1 1 1 1" scale=".2 .2 .2"
+      face="0 1 3 0 3 2 4 6 7 4 7 5 0 4 5 0 5 1 2 3 7 2 7 6 0 2 6 0 6 4 1 5 7 1 7 3"/>
+  </asset>
+  <default><default class="shown"><geom type="mesh" mesh="brick" contype="0" conaffinity="0"/></default></default>
+  <worldbody>
+    <geom type="plane" size="1 1 1"/>
+    <body name="base">
+      <geom class="shown"/>
+      <body name="arm" pos=".5 0 0"><joint/>
+        <geom class="shown" mesh="brick"/>
+        <body name="hand" pos=".5 0 0"><joint/>
+          <geom class="shown" mesh="shell"/><geom type="sphere" size=".1"/>
+        </body>
+      </body>
+    </body>
+  </worldbody>
+</mujoco>"#;
+
+    #[test]
+    fn what_is_for_show_alone_has_a_hull_where_nothing_else_is_touched_and_its_filters_stay() {
+        let model = Model::from_xml(SHOWN).unwrap();
+        let hulls: Vec<bool> = (0..model.ngeom()).map(|geom| model.mesh_hull(geom).is_some()).collect();
+        // The plane, base, arm, the hand's shell over its sphere, and the sphere.
+        assert_eq!(hulls, [false, true, true, false, false]);
+        let bits: Vec<(i32, i32)> = (0..model.ngeom()).map(|geom| model.contact_bits(geom)).collect();
+        assert_eq!(bits, [(1, 1), (0, 0), (0, 0), (0, 0), (1, 1)]);
+    }
+
+    #[test]
+    fn a_file_is_read_like_text() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("shown.xml");
+        std::fs::write(&path, SHOWN).unwrap();
+        let model = Model::from_path(&path).unwrap();
+        assert!(model.mesh_hull(2).is_some());
+        assert_eq!(model.contact_bits(2), (0, 0));
+    }
+
+    #[test]
+    fn a_model_that_needs_no_hull_is_not_compiled_again() {
+        let model = Model::from_xml(&SHOWN.replace(r#" contype="0" conaffinity="0""#, "")).unwrap();
+        assert!(model.meshes_without_hull().is_empty());
+        let model = Model::from_xml(SHOWN).unwrap();
+        assert!(model.meshes_without_hull().is_empty(), "all that there can be are made at once");
+    }
+}
