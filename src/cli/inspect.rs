@@ -134,9 +134,9 @@ fn print_file(creatures: &[CreatureInFile], left_out: &LeftOut) {
     }
     let parts = [("lost", &left_out.lost), ("not needed", &left_out.unneeded)];
     if !left_out.is_empty() {
-        say!("{:<48} {:>6}", "left out, as this MuJoCo does not take the file as it is", "times");
+        say!("{:<60} {:>6}", "left out of what this MuJoCo does not take as it is", "times");
         for (kind, parts) in parts {
-            parts.iter().for_each(|(what, count)| say!("{:<48} {count:>6}", format!("{kind}: {what}")));
+            parts.iter().for_each(|(what, count)| say!("{:<60} {count:>6}", format!("{kind}: {what}")));
         }
         say!("");
     }

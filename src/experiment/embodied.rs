@@ -50,7 +50,10 @@ impl ModelSource {
     pub fn read(&self, observer: &dyn Observer) -> Result<Model, ExperimentError> {
         let (model, left_out) = Model::read(&self.model)?;
         if let Some(words) = left_out.in_words() {
-            observer.note(&format!("{} was read without {words}", self.model.display()));
+            observer.note(&format!(
+                "{} was read without {words}: `bodyschema inspect` lists all",
+                self.model.display()
+            ));
         }
         Ok(model)
     }

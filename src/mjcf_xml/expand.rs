@@ -12,7 +12,7 @@ use super::left_out::LeftOut;
 use super::mesh_files::{MeshFolder, mesh_name};
 use super::pose::{Angles, numbers, set_pose, vector};
 use super::references::{Name, names, rename, repeated, stands};
-use super::source::{Refused, Source, folder_of};
+use super::source::{Refused, Source, folder_of, with_slashes};
 use super::{attribute, exact, limits};
 
 /// Elements that a file may come to with all its replicas.
@@ -98,7 +98,7 @@ impl Expanded {
 
 /// The file of a model that can be attached.
 fn model_file(source: &Source, model: &Element) -> Option<PathBuf> {
-    Some(folder_of(&source.path).join(attribute(model, "file")?))
+    Some(folder_of(&source.path).join(with_slashes(attribute(model, "file")?)))
 }
 
 /// The name of a model that can be attached: its own, or what its file calls it.
@@ -189,6 +189,11 @@ impl Expansion<'_> {
             self.left_out.spare(format!("class {own}, which is not there"));
         }
         self.defaults.apply(&mut plain, class);
+        if plain.name == "site" && attribute(&plain, "type") == Some("mesh") {
+            // A site of a mesh is somewhere, too.
+            plain.attributes.shift_remove("type");
+            plain.attributes.shift_remove("mesh");
+        }
         match plain.name.as_str() {
             "joint" => self.joint(&mut plain),
             "freejoint" => {}
@@ -277,6 +282,17 @@ impl Expansion<'_> {
                  file=\"…\"/>"
             ))
         })?;
+        if attach.attributes.contains_key("frame") {
+            return Err(refused("<attach> names a frame, which cannot be read; name the body in it".into()));
+        }
+        if !file.is_file() {
+            let model = self.models[name];
+            let message = format!(
+                "model {name} is in {}, which cannot be found; correct the path there",
+                file.display()
+            );
+            return Err(self.source.files.refused(model, &self.source.path, message));
+        }
         if self.nesting >= GREATEST_NESTING {
             return Err(refused(
                 "models are attached to each other without end; remove this <attach>".into(),

@@ -27,16 +27,18 @@ impl LeftOut {
         *self.unneeded.entry(what.into()).or_default() += 1;
     }
 
-    /// What was left out in one sentence: what is lost of the body by name, all else as a number of kinds; none where
+    /// What was left out, for a sentence: what is lost of the body by name, all else as a number of kinds; none where
     /// nothing was.
     pub fn in_words(&self) -> Option<String> {
-        let unneeded = match self.unneeded.len() {
-            0 => None,
-            1 => Some("1 kind of thing that a body schema does not need".to_string()),
-            kinds => Some(format!("{kinds} kinds of things that a body schema does not need")),
+        const SHOWN: usize = 4;
+        let kinds = |count: usize, what: &str| {
+            let noun = if count == 1 { "kind" } else { "kinds" };
+            (count > 0).then(|| format!("{count} {noun} of {what}"))
         };
-        let lost = self.lost.iter().map(|(what, count)| counted(what, *count));
-        let all: Vec<String> = lost.chain(unneeded).collect();
+        let lost = self.lost.iter().take(SHOWN).map(|(what, count)| counted(what, *count));
+        let more = kinds(self.lost.len().saturating_sub(SHOWN), "other parts of the body");
+        let unneeded = kinds(self.unneeded.len(), "things that a body schema does not need");
+        let all: Vec<String> = lost.chain(more).chain(unneeded).collect();
         (!all.is_empty()).then(|| all.join(", "))
     }
 }

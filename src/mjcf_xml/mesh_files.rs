@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use xmltree::{Element, XMLNode};
 
 use super::attribute;
-use super::source::{Source, folder_of, with_slashes};
+use super::source::{Source, whole_folder_of, with_slashes};
 
 /// The kinds of files that the engine reads meshes from.
 const KINDS: [&str; 3] = ["stl", "obj", "msh"];
@@ -22,8 +22,7 @@ impl MeshFolder {
         let compilers =
             || source.root.children.iter().filter_map(XMLNode::as_element).filter(|e| e.name == "compiler");
         let setting = |name: &str| compilers().filter_map(|e| attribute(e, name)).next_back();
-        let folder = folder_of(&source.path);
-        let folder = folder.canonicalize().unwrap_or(folder);
+        let folder = whole_folder_of(&source.path);
         let own = setting("meshdir").or_else(|| setting("assetdir")).unwrap_or("");
         MeshFolder { folder: folder.join(own), bare: setting("strippath") == Some("true") }
     }

@@ -48,8 +48,7 @@ pub(crate) fn section<'a>(root: &'a mut Element, name: &str) -> &'a mut Element 
 
 /// Lets a file's meshes and textures be found from anywhere: its folders for them become absolute.
 pub(crate) fn anchor_assets(root: &mut Element, path: &std::path::Path) {
-    let folder = source::folder_of(path);
-    let folder = folder.canonicalize().unwrap_or(folder);
+    let folder = source::whole_folder_of(path);
     for name in ["meshdir", "texturedir"] {
         let compilers = root.children.iter().filter_map(XMLNode::as_element).filter(|e| e.name == "compiler");
         // A later setting overrides an earlier one.
@@ -76,6 +75,15 @@ pub(crate) fn exact<'a>(values: impl IntoIterator<Item = &'a f64>) -> String {
 /// An attribute of an element.
 pub(crate) fn attribute<'a>(element: &'a Element, name: &str) -> Option<&'a str> {
     element.attributes.get(name).map(String::as_str)
+}
+
+/// The elements in an element.
+fn take_children(element: Element) -> Vec<Element> {
+    let elements = element.children.into_iter().filter_map(|child| match child {
+        XMLNode::Element(child) => Some(child),
+        _ => None,
+    });
+    elements.collect()
 }
 
 /// Visits an element and all in it.

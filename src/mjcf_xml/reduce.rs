@@ -27,6 +27,33 @@ const READ: [&str; 9] =
     ["compiler", "option", "default", "asset", "worldbody", "contact", "equality", "custom", "sensor"];
 /// Sections that may hold parts of bodies.
 const BODILY: [&str; 1] = ["deformable"];
+/// Attributes of newer engines that change nothing of where limbs are and what they can touch.
+const NEWER: [&str; 24] = [
+    "actuatorfrclimited",
+    "actuatorfrcrange",
+    "actuatorgravcomp",
+    "adhesion",
+    "align",
+    "castshadow",
+    "content_type",
+    "delay",
+    "fuse",
+    "gravcomp",
+    "group",
+    "inertia",
+    "interp",
+    "interval",
+    "material",
+    "maxhullvert",
+    "nsample",
+    "params",
+    "simple",
+    "sleep",
+    "smoothnormal",
+    "springyield",
+    "surfacevel",
+    "user",
+];
 /// The shapes of geoms that limbs can have.
 const SHAPES: [&str; 7] = ["plane", "sphere", "capsule", "ellipsoid", "cylinder", "box", "mesh"];
 
@@ -192,7 +219,11 @@ fn known(one: &mut Element, section: &str, schema: &Schema, left_out: &mut LeftO
             one.attributes.shift_remove("user");
         } else if !schema.knows(section, &name, &attribute) {
             one.attributes.shift_remove(&attribute);
-            left_out.spare(format!("{attribute} of <{name}>"));
+            if section == "worldbody" && !NEWER.contains(&attribute.as_str()) {
+                left_out.lose(format!("{attribute} of <{name}>, which MuJoCo does not know"), 1);
+            } else {
+                left_out.spare(format!("{attribute} of <{name}>"));
+            }
         }
     }
     one.children.iter_mut().filter_map(XMLNode::as_mut_element).for_each(|child| {

@@ -106,10 +106,16 @@ pub(super) fn with_slashes(path: &str) -> String {
     path.replace('\\', "/")
 }
 
-/// The folder that a file is in.
-pub(crate) fn folder_of(path: &Path) -> PathBuf {
-    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
-    folder.unwrap_or(Path::new(".")).to_path_buf()
+/// The folder that a file is in; empty for the working folder.
+pub(super) fn folder_of(path: &Path) -> PathBuf {
+    path.parent().unwrap_or(Path::new("")).to_path_buf()
+}
+
+/// The same from the root of the file system on.
+pub(super) fn whole_folder_of(path: &Path) -> PathBuf {
+    let folder = folder_of(path);
+    let folder = if folder.as_os_str().is_empty() { PathBuf::from(".") } else { folder };
+    folder.canonicalize().unwrap_or(folder)
 }
 
 /// The text of a model file, whatever its encoding.

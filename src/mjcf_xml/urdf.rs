@@ -1,7 +1,8 @@
 //! URDF in MJCF's terms: links become bodies, joints become joints, and what mimics another joint follows it.
 //!
 //! MuJoCo reads URDF itself, but knows no mimics, no paths of packages and no floating base, and merges links that are
-//! fixed to each other.
+//! fixed to each other. The crate `urdf-rs` refuses robots without masses or greatest velocities, and knows no lines;
+//! the tests compare with it.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -12,9 +13,11 @@ use xmltree::{Element, XMLNode};
 use super::left_out::LeftOut;
 use super::pose::{numbers, set_pose, vector};
 use super::reduce::Reduced;
-use super::source::{Refused, Source, folder_of};
+use super::source::{Refused, Source, whole_folder_of};
 use super::{attribute, element, exact};
 
+/// The link that stands for the world where it is the root.
+const WORLD: &str = "world";
 /// Elements of a robot that are of no use here.
 const UNNEEDED: [&str; 5] = ["material", "gazebo", "transmission", "mujoco", "ros2_control"];
 
@@ -39,7 +42,13 @@ pub(crate) fn to_mjcf(source: &Source) -> Result<Reduced, Refused> {
     }
     let mut parts = Parts { robot: &robot, meshes: BTreeMap::new(), followers: Vec::new(), left_out };
     let mut seen = BTreeSet::new();
-    let root = parts.body(robot.root()?, None, &mut seen)?;
+    let name = robot.root()?;
+    let root = parts.body(name, None, &mut seen)?;
+    // The world is no body, and has no mass.
+    let world = match name {
+        WORLD => super::take_children(root).into_iter().filter(|e| e.name != "inertial").collect(),
+        _ => vec![root],
+    };
     if let Some((name, link)) = robot.links.iter().find(|(name, _)| !seen.contains(*name)) {
         let message = format!("link {name} is carried by itself; correct the <parent> of one of its joints");
         return Err(robot.refused(link, message));
@@ -57,7 +66,7 @@ pub(crate) fn to_mjcf(source: &Source) -> Result<Reduced, Refused> {
     let sections = [
         compiler,
         section("asset", meshes.into_values().collect()),
-        section("worldbody", vec![root]),
+        section("worldbody", world),
         section("equality", followers),
     ];
     mujoco.children = sections.into_iter().map(XMLNode::Element).collect();
@@ -205,15 +214,14 @@ impl<'a> Parts<'a> {
             "prismatic" => made("slide", name.into(), &axis),
             "floating" => {
                 let parent = self.robot.end(joint, "parent")?;
-                let free = self.robot.root()? == parent;
-                // A free joint is for children of the world; here the link hangs on a body that stands still.
+                if parent == WORLD {
+                    return Ok(vec![element("freejoint", &[("name", name.into())])]);
+                }
+                // A free joint is for children of the world; this link hangs on a body that stands still.
                 let slides = ["x", "y", "z"].into_iter().zip([Vector3::x(), Vector3::y(), Vector3::z()]);
                 let mut all: Vec<Element> =
                     slides.map(|(along, axis)| made("slide", format!("{name}_{along}"), &axis)).collect();
                 all.push(made("ball", format!("{name}_turn"), &Vector3::z()));
-                if free && self.stands_for_world(parent) {
-                    all = vec![element("freejoint", &[("name", name.into())])];
-                }
                 return Ok(all);
             }
             "planar" => {
@@ -240,20 +248,6 @@ impl<'a> Parts<'a> {
             let text = attribute(joint.get_child("limit")?, end)?;
             numbers(text).first().copied()
         };
-        if kind != "continuous" {
-            let range = [bound("lower").unwrap_or(0.0), bound("upper").unwrap_or(0.0)];
-            if range[0] > range[1] {
-                let message = format!("the limits of joint {name} are not in order; give lower before upper");
-                return Err(self.robot.refused(joint, message));
-            }
-            if range[0] < range[1] {
-                moved.attributes.insert("range".into(), exact(&range));
-                moved.attributes.insert("limited".into(), "true".into());
-            } else if kind == "revolute" {
-                self.left_out.lose(format!("joint {name}, whose limits leave it no room"), 1);
-                return Ok(Vec::new());
-            }
-        }
         if let Some(mimic) = joint.get_child("mimic") {
             let leader = attribute(mimic, "joint").unwrap_or_default();
             if !self.robot.joints.iter().any(|joint| attribute(joint, "name") == Some(leader)) {
@@ -271,13 +265,18 @@ impl<'a> Parts<'a> {
             ];
             self.followers.push(Element { namespace: mimic.namespace.clone(), ..element("joint", &follows) });
         }
+        // Limits of zero are none, as MuJoCo has it.
+        let ends = [bound("lower").unwrap_or(0.0), bound("upper").unwrap_or(0.0)];
+        if kind != "continuous" && ends != [0.0, 0.0] {
+            if ends[0] >= ends[1] {
+                let message =
+                    format!("the limits of joint {name} leave it no room; give a lower one below the upper");
+                return Err(self.robot.refused(joint, message));
+            }
+            moved.attributes.insert("range".into(), exact(&ends));
+            moved.attributes.insert("limited".into(), "true".into());
+        }
         Ok(vec![moved])
-    }
-
-    /// Whether a link has no shape of its own, as the ones that stand for the world.
-    fn stands_for_world(&self, link: &str) -> bool {
-        let link = self.robot.links[link];
-        link.get_child("collision").is_none() && link.get_child("visual").is_none()
     }
 
     /// The geom of a `<collision>` or `<visual>`.
@@ -324,8 +323,7 @@ impl<'a> Parts<'a> {
 
     /// Where a mesh's file is: of a package it is sought in the folders above the robot's.
     fn file(&self, name: &str) -> PathBuf {
-        let folder = folder_of(&self.robot.source.path);
-        let folder = folder.canonicalize().unwrap_or(folder);
+        let folder = whole_folder_of(&self.robot.source.path);
         let path = name.strip_prefix("file://").unwrap_or(name);
         let mut candidates: Vec<PathBuf> = Vec::new();
         if let Some(packaged) = ["package://", "model://"].iter().find_map(|scheme| path.strip_prefix(scheme))

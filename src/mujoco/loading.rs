@@ -35,6 +35,13 @@ const LEAST_CONTACTS: i32 = 2000;
 /// bodies that only carry others.
 const LEAST_MASS: [(&str, &str); 2] = [("boundmass", "1e-6"), ("boundinertia", "1e-9")];
 
+/// What the engine says of meshes that hold no volume; where a mesh is, its surface tells as well.
+const SURFACE_FAULTS: [&str; 3] = [
+    "mesh volume is too small",
+    "eigenvalue of mesh inertia must be positive",
+    "eigenvalues of mesh inertia violate",
+];
+
 /// The engine keeps the model that was loaded last in a global of its own: one load at a time.
 static LOADING: Mutex<()> = Mutex::new(());
 
@@ -243,7 +250,9 @@ fn mend(root: &mut Element, complaint: &Complaint) -> bool {
         &LEAST_MASS
     } else if complaint.message.contains("body mass is too small") {
         return weigh(root, complaint);
-    } else if complaint.message.contains("mesh volume is too small") {
+    } else if complaint.message.contains("inertia alternative") {
+        return unweigh(root, complaint);
+    } else if SURFACE_FAULTS.iter().any(|fault| complaint.message.contains(fault)) {
         return thin(root, &complaint.message);
     } else {
         return false;
@@ -268,6 +277,14 @@ fn weigh(root: &mut Element, complaint: &Complaint) -> bool {
     body.children.insert(0, XMLNode::Element(element("inertial", &least)));
     set_compiler(root, "inertiafromgeom", "auto");
     true
+}
+
+/// Takes an inertia that no body can have from its body, which then weighs what its geoms do; whether it had one.
+fn unweigh(root: &mut Element, complaint: &Complaint) -> bool {
+    let Some(body) = complaint.element.and_then(|number| numbered(root, number)) else { return false };
+    let before = body.children.len();
+    body.children.retain(|child| child.as_element().is_none_or(|e| e.name != "inertial"));
+    body.children.len() < before
 }
 
 /// Lets the geoms of a flat mesh weigh as its surface does; whether there is any that does not.
