@@ -46,7 +46,7 @@ const LEARNING: f64 = 0.85;
   bodyschema babble --resume sessions/max-1
   bodyschema babble mjcf/max/max.xml --touches 60 --known known.json\n\n{KNOWN_HELP}"))]
 pub struct BabbleArguments {
-    /// The MJCF file of a creature with touch sensors (grow them with `bodyschema skin`)
+    /// The MJCF or URDF file of a creature; without touch sensors it gets some in memory
     #[arg(required_unless_present = "resume")]
     model: Option<PathBuf>,
     /// Touches to make; stages end by themselves where all is known that can be touched [default: 1000; of stages 4000 at the

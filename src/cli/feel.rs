@@ -10,11 +10,10 @@ use rand_chacha::ChaCha8Rng;
 
 use super::arguments::Arguments;
 use super::folders::session_folder;
-use super::open::open_body;
+use super::open::{ModelArguments, open_body};
 use super::{Failure, Outcome, progress};
 use crate::agent::Agent;
 use crate::creature::JointSelection;
-use crate::experiment::ModelSource;
 use crate::record::{FiringWriter, Host, PROGRAM, SENSATIONS_FILE, Session, SessionOptions, model_hash};
 use crate::senses::{FiringRecorder, TouchEvent, TouchKind};
 use crate::simulation::partner::{Script, Strokes, stroke_for};
@@ -45,7 +44,7 @@ const AFTER: f64 = 0.1;
   bodyschema feel mjcf/max/max.xml --script touches.json
   bodyschema feel mjcf/max/max.xml --strokes 20 --out sessions/stroked     # takes minutes")]
 pub struct FeelArguments {
-    /// The MJCF file of a creature
+    /// The MJCF or URDF file of a creature
     model: PathBuf,
     /// What is done to the creature
     #[arg(long, value_name = "FILE", conflicts_with_all = ["stimulations", "seed"])]
@@ -62,14 +61,12 @@ pub struct FeelArguments {
     /// Seed of the random touches
     #[arg(long, default_value_t = 1)]
     seed: u64,
-    /// The body at which the creature begins [default: the first of the tree with most joints]
-    #[arg(long, value_name = "BODY")]
-    root: Option<String>,
+    #[command(flatten)]
+    open: ModelArguments,
 }
 
 pub fn run(args: &FeelArguments, given: Arguments) -> Outcome {
-    let source = ModelSource::new(&args.model).with_joints(JointSelection::All);
-    let body = open_body(&ModelSource { root: args.root.clone(), ..source })?;
+    let body = open_body(&args.open.source(&args.model, JointSelection::All))?;
     let script =
         args.script.as_deref().map(Script::read).transpose().map_err(|error| Failure(error.to_string()))?;
     let probes = script.as_ref().map_or_else(|| vec!["probe".to_string()], Script::probes);
@@ -112,7 +109,7 @@ fn strokes(args: &FeelArguments, stage: &Stage, minutes: f64, arguments: Argumen
     let folder = session_folder(args.out.as_deref(), creature.name())?;
     let options = SessionOptions {
         joints: "all".to_string(),
-        root: args.root.clone(),
+        root: args.open.root.clone(),
         arguments,
         ..SessionOptions::default()
     };

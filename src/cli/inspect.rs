@@ -6,11 +6,12 @@ use std::sync::Arc;
 use serde_json::json;
 
 use super::Outcome;
-use super::open::{ModelArguments, open_model};
+use super::open::{ModelArguments, read_model};
 use super::progress::Bars;
 use super::{output, progress};
-use crate::creature::{Creature, Dof, JointSelection};
+use crate::creature::{Creature, CreatureInFile, Dof, JointSelection, creatures};
 use crate::experiment::skin_for;
+use crate::mujoco::LeftOut;
 use crate::senses::{JointSensor, joint_sensors, posture_in_words};
 use crate::simulation::{LimbPair, Relation, SelfContact};
 use crate::skin::{SomatotopicMap, skin_of};
@@ -21,7 +22,7 @@ use crate::skin::{SomatotopicMap, skin_of};
   bodyschema inspect mjcf/max/max.xml
   bodyschema inspect mjcf/max/max.xml --json")]
 pub struct InspectArguments {
-    /// The MJCF file of a creature
+    /// The MJCF or URDF file of a creature
     model: PathBuf,
     #[command(flatten)]
     open: ModelArguments,
@@ -33,7 +34,8 @@ pub struct InspectArguments {
 pub fn run(args: &InspectArguments) -> Outcome {
     let spinner = progress::spinner("looking at the model");
     let source = |joints| args.open.source(&args.model, joints);
-    let model = Arc::new(open_model(&source(JointSelection::All))?);
+    let (model, left_out) = read_model(&args.model)?;
+    let model = Arc::new(model);
     let open = |joints| source(joints).body_in(model.clone());
     let (body, learned) = (open(JointSelection::All)?, open(JointSelection::Default)?);
     let contact = SelfContact::new(&learned)?;
@@ -42,6 +44,7 @@ pub fn run(args: &InspectArguments) -> Outcome {
     let sensors = joint_sensors(&body);
     spinner.finish_and_clear();
     let creature = &body.creature;
+    let in_file = creatures(&model);
     let own = skin_of(&body).receptors.len();
     // Per limb its receptors, and those of them that were grown.
     let mut by_limb: Vec<(String, usize, usize)> =
@@ -59,6 +62,11 @@ pub fn run(args: &InspectArguments) -> Outcome {
             "model": args.model,
             "creature": creature.name(),
             "engine": body.model.version().to_string(),
+            "creatures": in_file.iter().map(|creature| json!({
+                "root": creature.name,
+                "joints": creature.joints,
+            })).collect::<Vec<_>>(),
+            "left_out": json!({"lost": left_out.lost, "unneeded": left_out.unneeded}),
             "joints": creature.joints().len(),
             "dof": creature.dof(),
             "torso_joints": learned.creature.joints().len(),
@@ -99,6 +107,7 @@ pub fn run(args: &InspectArguments) -> Outcome {
         learned.creature.joints().len(),
         learned.creature.dof()
     );
+    print_file(&in_file, &left_out);
     print_tree(creature, &learned.creature, 0, 0);
     say!("\n{}", posture_in_words(&sensors));
     let constraints = body.constraints_not_heeded();
@@ -119,6 +128,23 @@ pub fn run(args: &InspectArguments) -> Outcome {
         say!("to see them: bodyschema render {} --skin --out skin.png", args.model.display());
     }
     Ok(())
+}
+
+/// The creatures of the file where it holds several, and what was left out of it.
+fn print_file(creatures: &[CreatureInFile], left_out: &LeftOut) {
+    if creatures.len() > 1 {
+        say!("{:<48} {:>6}", "creatures in the file, for --root", "joints");
+        creatures.iter().for_each(|creature| say!("{:<48} {:>6}", creature.name, creature.joints));
+        say!("");
+    }
+    let parts = [("lost", &left_out.lost), ("not needed", &left_out.unneeded)];
+    if !left_out.is_empty() {
+        say!("{:<60} {:>6}", "left out of what this MuJoCo does not take as it is", "times");
+        for (kind, parts) in parts {
+            parts.iter().for_each(|(what, count)| say!("{:<60} {count:>6}", format!("{kind}: {what}")));
+        }
+        say!("");
+    }
 }
 
 /// What tells the joint angles: per degree of freedom with a sensor its bound and its noise, and who has none.

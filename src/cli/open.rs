@@ -10,7 +10,7 @@ use super::{Failure, Outcome};
 use crate::creature::{Body, JointSelection};
 use crate::experiment::{self, Embodied, ModelSource};
 use crate::ground_truth::GroundTruth;
-use crate::mujoco::{Data, Model};
+use crate::mujoco::{Data, LeftOut, Model};
 use crate::record::Session;
 
 /// Processor time that a file may take to load, seconds.
@@ -18,14 +18,10 @@ const TIME: u64 = 20;
 /// Memory that a file may take to load, bytes.
 const MEMORY: u64 = 8 << 30;
 
-/// How a foreign file is read.
+/// What of a file is the creature.
 #[derive(clap::Args, Clone, Debug, Default)]
 #[command(next_help_heading = "Reading the model")]
 pub struct ModelArguments {
-    /// Read bodies, joints, geoms, meshes and touch sensors alone, and list what is left out: for files that
-    /// MuJoCo refuses for other parts
-    #[arg(long)]
-    pub strip: bool,
     /// The body at which the creature begins [default: the first of the tree with most joints]
     #[arg(long, value_name = "BODY")]
     pub root: Option<String>,
@@ -34,31 +30,37 @@ pub struct ModelArguments {
 impl ModelArguments {
     /// A model's file, read like this.
     pub fn source(&self, model: &Path, joints: JointSelection) -> ModelSource {
-        ModelSource { model: model.to_path_buf(), joints, strip: self.strip, root: self.root.clone() }
+        ModelSource { model: model.to_path_buf(), joints, root: self.root.clone() }
     }
 }
 
 /// Reads a creature in its model with its skin, after another process has shown that the engine survives it.
 pub fn embodied(source: ModelSource) -> Result<Embodied, Failure> {
-    rehearse(&source.model, source.strip)?;
+    rehearse(&source.model)?;
     Ok(Embodied::open(source, &Bars::default())?)
 }
 
 /// Reads a model and the creature in it, after another process has shown that the engine survives it.
 pub fn open_body(source: &ModelSource) -> Result<Body, Failure> {
-    rehearse(&source.model, source.strip)?;
+    rehearse(&source.model)?;
     Ok(source.body(&Bars::default())?)
+}
+
+/// Reads a model and tells what was left out of it, after another process has shown that the engine survives it.
+pub fn read_model(path: &Path) -> Result<(Model, LeftOut), Failure> {
+    rehearse(path)?;
+    Ok(Model::read(path)?)
 }
 
 /// Reads a model, after another process has shown that the engine survives it.
 pub fn open_model(source: &ModelSource) -> Result<Model, Failure> {
-    rehearse(&source.model, source.strip)?;
+    rehearse(&source.model)?;
     Ok(source.read(&Bars::default())?)
 }
 
 /// A session's creature in its model, or in another that is named.
 pub fn session_body(session: &Session, model: Option<&Path>) -> Result<Body, Failure> {
-    rehearse(model.unwrap_or(Path::new(&session.model)), session.options.strip)?;
+    rehearse(model.unwrap_or(Path::new(&session.model)))?;
     Ok(experiment::session_body(session, model, &Bars::default())?)
 }
 
@@ -82,21 +84,13 @@ pub fn session_truth(session: &Session, model: Option<&Path>) -> Result<GroundTr
     Ok(GroundTruth::new(&session_body(session, model)?)?)
 }
 
-/// Whether the engine survives a model, as another process shows.
-pub fn rehearse(path: &Path, strip: bool) -> Outcome {
-    let Err(Failure(sentence)) = rehearse_as_it_is(path, strip) else { return Ok(()) };
-    let helps = !strip && path.is_file() && rehearse_as_it_is(path, true).is_ok();
-    let hint =
-        if helps { "; or give --strip to read its bodies, joints, geoms and meshes alone" } else { "" };
-    Err(Failure(format!("{sentence}{hint}")))
-}
-
-/// Lets a process of its own read the model: a foreign file can crash the engine's compiler, or keep it busy for ever.
-fn rehearse_as_it_is(path: &Path, strip: bool) -> Outcome {
+/// Whether the engine survives a model: a process of its own reads it, for a foreign file can crash the engine's
+/// compiler, or keep it busy for ever.
+pub fn rehearse(path: &Path) -> Outcome {
     // Where this program cannot be run again there is no harm in going on without a rehearsal.
     let Ok(program) = std::env::current_exe() else { return Ok(()) };
     let mut command = Command::new(program);
-    command.arg("rehearse").args(strip.then_some("--strip")).arg("--").arg(path);
+    command.arg("rehearse").arg("--").arg(path);
     let Ok(output) = command.stdin(Stdio::null()).output() else { return Ok(()) };
     if let Some(reason) = reason(output.status) {
         return Err(Failure(format!(
@@ -123,8 +117,6 @@ fn reason(status: ExitStatus) -> Option<String> {
 #[derive(clap::Args)]
 pub struct RehearseArgs {
     model: PathBuf,
-    #[arg(long)]
-    strip: bool,
 }
 
 /// Reads a model and computes one posture.
@@ -133,8 +125,7 @@ pub fn run(args: &RehearseArgs) -> Outcome {
     Resource::CPU.set(TIME, TIME)?;
     Resource::AS.set(MEMORY, MEMORY)?;
     Resource::CORE.set(0, 0)?;
-    let model = if args.strip { Model::stripped(&args.model)?.0 } else { Model::from_path(&args.model)? };
-    let mut data = Data::new(Arc::new(model))?;
+    let mut data = Data::new(Arc::new(Model::from_path(&args.model)?))?;
     data.kinematics()?;
     data.collision()?;
     Ok(())

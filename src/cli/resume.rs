@@ -47,7 +47,9 @@ fn args_of(session: &Session, folder: &Path, given: &BabbleArguments) -> Result<
             "{path}: it is not of babbling: give a folder that `bodyschema babble` made"
         )));
     }
-    let arguments = if arguments.is_empty() { &older(session) } else { arguments };
+    let mut arguments = if arguments.is_empty() { older(session) } else { arguments.clone() };
+    // Files are reduced by themselves where they have to be; there was an option for it once.
+    arguments.remove("strip");
     let refuse = |what: String| {
         Failure(format!(
             "{}: its options cannot be used ({what}): it is of another version of bodyschema, or was changed; babble anew",
@@ -56,7 +58,7 @@ fn args_of(session: &Session, folder: &Path, given: &BabbleArguments) -> Result<
     };
     let command = <BabbleArguments as clap::Args>::augment_args(Command::new("babble"));
     let line =
-        command_line(&command, arguments).map_err(|option| refuse(format!("there is no --{option}")))?;
+        command_line(&command, &arguments).map_err(|option| refuse(format!("there is no --{option}")))?;
     let matches = command.try_get_matches_from(line);
     let mut args =
         matches.and_then(|matches| BabbleArguments::from_arg_matches(&matches)).map_err(|error| {
@@ -80,7 +82,6 @@ fn older(session: &Session) -> Arguments {
         ("motion", &options.motion),
     ];
     let optional = optional.into_iter().filter_map(|(name, value)| Some(some(name, value.as_ref()?)));
-    let strip = options.strip.then(|| ("strip".to_string(), Vec::new()));
     [
         some("model", &session.model),
         some("touches", &options.touches.to_string()),
@@ -89,6 +90,5 @@ fn older(session: &Session) -> Arguments {
     ]
     .into_iter()
     .chain(optional)
-    .chain(strip)
     .collect()
 }

@@ -3,8 +3,9 @@
 use std::path::PathBuf;
 
 use super::arguments::positive;
+use super::open::{ModelArguments, rehearse};
 use super::{Outcome, output, progress};
-use crate::skin::{GrowOptions, PatchSize, grow_skin};
+use crate::skin::{GrowOptions, PatchSize, grow_skin_rooted};
 
 /// Grow a skin of touch receptors on a model.
 ///
@@ -19,8 +20,10 @@ use crate::skin::{GrowOptions, PatchSize, grow_skin};
   bodyschema skin mjcf/hexapod/hexapod.xml --receptors 400 --denser left_front_tibia=3 --out hexapod_with_skin.xml
   bodyschema skin robot.xml --spacing 0.02 --out robot_with_skin.xml")]
 pub struct SkinArguments {
-    /// The MJCF file of a creature
+    /// The MJCF or URDF file of a creature
     model: PathBuf,
+    #[command(flatten)]
+    open: ModelArguments,
     /// Where to write the model with its skin; standard output if left out
     #[arg(long, short, value_name = "FILE", help_heading = "Output")]
     out: Option<PathBuf>,
@@ -55,13 +58,15 @@ pub fn run(args: &SkinArguments) -> Outcome {
         (.., Some(area)) => PatchSize::Area(area * 1e-4),
         _ => PatchSize::OfCreature,
     };
+    let options = GrowOptions { size, denser: args.denser.clone() };
+    rehearse(&args.model)?;
     let spinner = progress::spinner("growing a skin");
-    let grown = grow_skin(&args.model, &GrowOptions { size, denser: args.denser.clone() })?;
+    let grown = grow_skin_rooted(&args.model, args.open.root.as_deref(), &options)?;
     spinner.finish_and_clear();
     match &args.out {
-        None => output::line(format_args!("{}", grown.text(None)?.trim_end_matches('\n'))),
+        None => output::line(format_args!("{}", grown.text(None).trim_end_matches('\n'))),
         Some(path) => {
-            let text = grown.text(path.parent())?;
+            let text = grown.text(path.parent());
             std::fs::write(path, text)
                 .map_err(|error| format!("cannot write {}: {error}: give another --out", path.display()))?;
             let kept = match grown.kept {

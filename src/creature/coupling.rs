@@ -1,8 +1,10 @@
 //! Joints that follow others: a robot's fingers on one tendon, a mimic joint.
 
+use std::collections::BTreeMap;
+
 use serde::{Deserialize, Serialize};
 
-use super::{Creature, Dof};
+use super::{BodyError, Creature, Dof};
 use crate::mujoco::{Equality, Model};
 
 /// Places at which a leader's range is tried against its follower's.
@@ -20,42 +22,91 @@ pub struct Coupling {
 impl Coupling {
     /// The follower's coordinate for the leader's.
     pub fn follow(&self, leader: f64) -> f64 {
-        self.polynomial.iter().rev().fold(0.0, |value, coefficient| value * leader + coefficient)
+        value(&self.polynomial, leader)
     }
 }
 
 /// Puts the model's joint couplings into its degrees of freedom. `dof_of_joint` says which degree of freedom a
 /// MuJoCo joint is, and `reference` where a joint stands that is none, counted from the reference posture.
 ///
-/// What follows a joint that stands still stands still as well; a leader's range ends where its follower's does.
+/// What follows a joint that stands still stands still as well; what follows a follower follows that one's leader. A
+/// leader's range ends where its follower's does.
+///
+/// # Errors
+/// Where joints follow each other in a circle, or one follows another by too high a power.
 pub(super) fn couple(
     model: &Model,
     dofs: &mut [&mut Dof],
     dof_of_joint: &[Option<usize>],
     reference: impl Fn(usize) -> f64,
-) {
+) -> Result<(), BodyError> {
+    let name = |joint: usize| model.joint(joint).name.map_or_else(|| format!("joint{joint}"), str::to_string);
+    // Of several couplings of a joint the first counts.
+    let mut couplings: BTreeMap<usize, (Option<usize>, [f64; 5])> = BTreeMap::new();
     for equality in model.equalities() {
-        let Equality::Joint { follower, leader, polynomial } = equality else { continue };
-        let Some(follower) = dof_of_joint[follower] else { continue };
-        let moving = leader.and_then(|leader| dof_of_joint[leader]).filter(|&leader| leader != follower);
-        let coupling = Coupling { leader: moving.unwrap_or(0), polynomial };
-        let Some(leader) = moving else {
-            let place = coupling.follow(leader.map_or(0.0, &reference));
+        if let Equality::Joint { follower, leader, polynomial } = equality {
+            couplings.entry(follower).or_insert((leader.filter(|leader| *leader != follower), polynomial));
+        }
+    }
+    for (&joint, &(mut leader, own)) in &couplings {
+        let Some(follower) = dof_of_joint[joint] else { continue };
+        let (mut polynomial, mut way) = (own.to_vec(), vec![joint]);
+        while let Some(on) = leader
+            && dof_of_joint[on].is_some()
+            && let Some((next, outer)) = couplings.get(&on)
+        {
+            if let Some(start) = way.iter().position(|&passed| passed == on) {
+                let joints: Vec<String> = way[start..].iter().map(|&joint| name(joint)).collect();
+                return Err(BodyError::Circle { joints: joints.join(", ") });
+            }
+            way.push(on);
+            polynomial = composed(&polynomial, outer);
+            leader = *next;
+        }
+        let Some((moving, leading)) = leader.and_then(|on| Some((on, dof_of_joint[on]?))) else {
+            let place = value(&polynomial, leader.map_or(0.0, &reference));
             dofs[follower].range = [place; 2];
             continue;
         };
-        // A chain of followers would have to be resolved in its order, and a circle not at all.
-        if dofs[leader].follows.is_some() || dofs[follower].follows.is_some() {
-            continue;
+        let degree = polynomial.iter().rposition(|&coefficient| coefficient != 0.0).unwrap_or(0);
+        if degree >= own.len() {
+            return Err(BodyError::Degree { joint: name(joint), leader: name(moving), degree });
         }
+        let mut coupling = Coupling { leader: leading, polynomial: own };
+        coupling
+            .polynomial
+            .iter_mut()
+            .enumerate()
+            .for_each(|(k, c)| *c = polynomial.get(k).copied().unwrap_or(0.0));
         let [low, high] = dofs[follower].range;
         let slack = 1e-9 * (1.0 + high - low);
         let within = |x: f64| (low - slack..=high + slack).contains(&coupling.follow(x));
-        if let Some(range) = longest(dofs[leader].range, within) {
-            dofs[leader].range = range;
+        if let Some(range) = longest(dofs[leading].range, within) {
+            dofs[leading].range = range;
         }
         dofs[follower].follows = Some(coupling);
     }
+    Ok(())
+}
+
+/// The value of a polynomial by its coefficients, the constant first.
+fn value(polynomial: &[f64], x: f64) -> f64 {
+    polynomial.iter().rev().fold(0.0, |value, coefficient| value * x + coefficient)
+}
+
+/// The polynomial that is `outer` of a number put into `inner`'s variable: Horner's rule over polynomials.
+fn composed(inner: &[f64], outer: &[f64]) -> Vec<f64> {
+    inner.iter().rev().fold(vec![0.0], |sum, coefficient| {
+        let mut product = vec![0.0; sum.len() + outer.len() - 1];
+        for (i, a) in sum.iter().enumerate() {
+            outer.iter().enumerate().for_each(|(k, b)| product[i + k] += a * b);
+        }
+        product[0] += coefficient;
+        while product.len() > 1 && product.last() == Some(&0.0) {
+            product.pop();
+        }
+        product
+    })
 }
 
 /// The longest stretch of a range in which a condition holds, to a thousandth of it.

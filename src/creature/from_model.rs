@@ -36,12 +36,33 @@ pub enum BodyError {
         sets: String,
     },
     /// `--root` names what is not there.
-    #[error("the model has no body named {name}; its trees begin at {roots}")]
+    #[error("the model has no body named {name}; its creatures begin at {roots}: give one of these")]
     UnknownRoot {
         /// The name asked for.
         name: String,
-        /// The first body of every tree.
+        /// The first body of every creature.
         roots: String,
+    },
+    /// Joints that follow each other.
+    #[error(
+        "joints {joints} follow each other in a circle: remove one of their <joint> entries in <equality>"
+    )]
+    Circle {
+        /// Their names.
+        joints: String,
+    },
+    /// A joint that follows another through others by too high a power.
+    #[error(
+        "joint {joint} follows {leader} through others by a polynomial of degree {degree}, and 4 is the most: let it \
+         follow {leader} itself"
+    )]
+    Degree {
+        /// The joint that follows.
+        joint: String,
+        /// The joint that it follows in the end.
+        leader: String,
+        /// The degree.
+        degree: usize,
     },
     /// The tree could not be put together.
     #[error("the model's tree cannot be read: {0}")]
@@ -132,7 +153,7 @@ impl Body {
         couple(&model, &mut dofs, &dof_of_joint, |j| {
             let address = model.joint(j).qposadr;
             base[address] - model.qpos0()[address]
-        });
+        })?;
         let auras = aura_limbs(&model, &limbs, &limb_of_body);
         let name = model.model_name().unwrap_or("creature").to_string();
         let creature = Creature::new(name, limbs, joints, auras).map_err(BodyError::Tree)?;

@@ -15,7 +15,7 @@ pub use coupling::Coupling;
 pub use from_model::BodyError;
 pub(crate) use from_model::{LIMB_TUPLE, UNLIMITED_SLIDE, body_name, matrix};
 pub use posture::{DofElement, Posture, ball, turn_ball};
-pub use selection::JointSelection;
+pub use selection::{CreatureInFile, JointSelection, creatures};
 
 /// The kind of one degree of freedom (a ball counts three, but moves as one).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]

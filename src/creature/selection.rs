@@ -1,6 +1,6 @@
 //! What of a model is the creature: its root and the joints it moves.
 
-use super::BodyError;
+use super::{BodyError, body_name};
 use crate::mujoco::{JointKind, Model, ObjectKind};
 
 /// Tuples of a model whose name starts with this list the joints of one named set.
@@ -42,6 +42,31 @@ impl std::fmt::Display for JointSelection {
     }
 }
 
+/// A creature in a file: a tree of bodies that can move.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct CreatureInFile {
+    /// The body at which it begins.
+    pub root: usize,
+    /// That body's name, by which it is chosen.
+    pub name: String,
+    /// Its joints but for the free one that carries it.
+    pub joints: usize,
+}
+
+/// All creatures in a model, in its order. What moves freely as a whole but has no joints is none.
+pub fn creatures(model: &Model) -> Vec<CreatureInFile> {
+    let mut trees = vec![0; model.nbody()];
+    for (i, body) in model.bodies().enumerate().skip(1) {
+        trees[i] = if body.parent == 0 { i } else { trees[body.parent] };
+    }
+    let mut joints = vec![0; model.nbody()];
+    for joint in model.joints().filter(|joint| joint.kind != JointKind::Free) {
+        joints[trees[joint.body]] += 1;
+    }
+    let moving = (1..model.nbody()).filter(|&body| joints[body] > 0);
+    moving.map(|root| CreatureInFile { root, name: body_name(model, root), joints: joints[root] }).collect()
+}
+
 /// The creature's root limb and all that hangs on it.
 pub(super) struct Tree {
     /// The MuJoCo body that is the root limb; 0 where the creature is mounted on the world.
@@ -57,7 +82,10 @@ impl Tree {
     /// Where there is no such body, or nothing below it can move.
     pub fn new(model: &Model, root: Option<&str>) -> Result<Tree, BodyError> {
         let top = match root {
-            None => largest(model).ok_or(BodyError::NoJoints)?,
+            None => {
+                let largest = creatures(model).into_iter().rev().max_by_key(|creature| creature.joints);
+                largest.ok_or(BodyError::NoJoints)?.root
+            }
             Some(name) => named(model, name)?,
         };
         let mut holds = vec![false; model.nbody()];
@@ -72,24 +100,14 @@ impl Tree {
     }
 }
 
-/// The child of the world below which most joints are, if any.
-fn largest(model: &Model) -> Option<usize> {
-    let mut trees = vec![0; model.nbody()];
-    for (i, body) in model.bodies().enumerate().skip(1) {
-        trees[i] = if body.parent == 0 { i } else { trees[body.parent] };
-    }
-    let moving =
-        |tree: &usize| model.joints().filter(|j| j.kind != JointKind::Free && trees[j.body] == *tree).count();
-    (1..model.nbody())
-        .filter(|&body| trees[body] == body)
-        .max_by_key(|body| (moving(body), std::cmp::Reverse(*body)))
-        .filter(|body| moving(body) > 0)
-}
-
+/// The body of a name, or of the one that it has here where the file gives it none.
 fn named(model: &Model, name: &str) -> Result<usize, BodyError> {
-    model.id(ObjectKind::Body, name).filter(|&body| body != 0).ok_or_else(|| {
-        let roots = model.bodies().skip(1).filter(|body| body.parent == 0).filter_map(|body| body.name);
-        let roots: Vec<&str> = roots.take(12).collect();
+    let found = model.id(ObjectKind::Body, name).filter(|&body| body != 0);
+    let unnamed =
+        || (1..model.nbody()).find(|&body| model.body(body).name.is_none() && body_name(model, body) == name);
+    found.or_else(unnamed).ok_or_else(|| {
+        let roots: Vec<String> =
+            creatures(model).into_iter().map(|creature| creature.name).take(12).collect();
         BodyError::UnknownRoot { name: name.to_string(), roots: roots.join(", ") }
     })
 }

@@ -7,7 +7,7 @@ use super::error::ExperimentError;
 use super::observer::Observer;
 use crate::agent::Agent;
 use crate::babbling::Babbler;
-use crate::creature::{Body, Creature, JointSelection};
+use crate::creature::{Body, Creature, CreatureInFile, JointSelection, creatures};
 use crate::ground_truth::GroundTruth;
 use crate::mujoco::Model;
 use crate::simulation::{MotionName, Movers};
@@ -16,13 +16,10 @@ use crate::skin::{GrowOptions, Skin, grow, skin_of};
 /// A model's file, and what of it is the creature.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ModelSource {
-    /// The MJCF file.
+    /// The MJCF or URDF file.
     pub model: PathBuf,
     /// The joints that move.
     pub joints: JointSelection,
-    /// Whether bodies, joints, geoms, meshes and touch sensors alone are read: for files that MuJoCo refuses for other
-    /// parts.
-    pub strip: bool,
     /// The body at which the creature begins; the first of the tree with most joints where it is left out.
     pub root: Option<String>,
 }
@@ -51,17 +48,12 @@ impl ModelSource {
     /// # Errors
     /// Where the file is not one that the engine takes.
     pub fn read(&self, observer: &dyn Observer) -> Result<Model, ExperimentError> {
-        if !self.strip {
-            return Ok(Model::from_path(&self.model)?);
-        }
-        let (model, left_out) = Model::stripped(&self.model)?;
-        if !left_out.is_empty() {
-            let entries = left_out.iter().map(|(what, count)| match count {
-                1 => what.clone(),
-                count => format!("{what} ({count} times)"),
-            });
-            let entries = entries.collect::<Vec<_>>().join(", ");
-            observer.note(&format!("left out of {}: {entries}", self.model.display()));
+        let (model, left_out) = Model::read(&self.model)?;
+        if let Some(words) = left_out.in_words() {
+            observer.note(&format!(
+                "{} was read without {words}: `bodyschema inspect` lists all",
+                self.model.display()
+            ));
         }
         Ok(model)
     }
@@ -72,6 +64,28 @@ impl ModelSource {
     /// Where there is none that can learn.
     pub fn body_in(&self, model: Arc<Model>) -> Result<Body, ExperimentError> {
         Body::rooted(model, &self.joints, self.root.as_deref()).map_err(ExperimentError::body(&self.model))
+    }
+
+    /// That other creatures are in the file, and how to choose one; none where there are no others, or one was chosen.
+    fn others(&self, body: &Body) -> Option<String> {
+        const SHOWN: usize = 5;
+        let creatures = creatures(&body.declared);
+        if self.root.is_some() || creatures.len() < 2 {
+            return None;
+        }
+        let own = |root: usize| body.limb_of_body[root].is_some();
+        let told = |creature: &CreatureInFile| format!("{} ({} joints)", creature.name, creature.joints);
+        let chosen = creatures.iter().find(|creature| own(creature.root)).map(told)?;
+        let others: Vec<String> = creatures.iter().filter(|creature| !own(creature.root)).map(told).collect();
+        let more = match others.len().saturating_sub(SHOWN) {
+            0 => String::new(),
+            more => format!(" and {more} more"),
+        };
+        let others = others[..others.len().min(SHOWN)].join(", ");
+        Some(format!(
+            "{} holds several creatures: this is {chosen}; --root chooses another of {others}{more}",
+            self.model.display()
+        ))
     }
 
     /// Reads the model and the creature in it.
@@ -92,6 +106,9 @@ impl Embodied {
     /// grown on it.
     pub fn open(source: ModelSource, observer: &dyn Observer) -> Result<Embodied, ExperimentError> {
         let body = source.body(observer)?;
+        if let Some(sentence) = source.others(&body) {
+            observer.note(&sentence);
+        }
         let skin = skin_for(&source.model, &body, observer)?;
         let agent = Agent::new(body.creature.clone(), skin);
         let agent = agent.map_err(|error| ExperimentError::unfit(&source.model, error.to_string()))?;

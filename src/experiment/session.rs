@@ -224,7 +224,6 @@ fn new_session(
         options: SessionOptions {
             touches: setup.babbling.touches,
             joints: source.joints.to_string(),
-            strip: source.strip,
             root: source.root.clone(),
             input: Some(learning.input().to_string()),
             learner: Some(learning.learner.name().to_string()),

@@ -48,9 +48,9 @@ pub fn session_body(
              --model",
         ));
     }
-    let SessionOptions { strip, root, joints, .. } = &session.options;
+    let SessionOptions { root, joints, .. } = &session.options;
     let joints = joints.parse::<JointSelection>().unwrap_or_default();
-    let source = ModelSource { model: path, joints, strip: *strip, root: root.clone() };
+    let source = ModelSource { model: path, joints, root: root.clone() };
     let body = source.body(observer)?;
     // Who names another file vouches for it, as far as it can be told.
     let other_file = model.is_none() && model_hash(&source.model)? != session.model_hash;

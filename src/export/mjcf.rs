@@ -85,7 +85,7 @@ pub fn to_mjcf(agent: &Agent, schema: &BodySchema) -> String {
         }
         add(section(&mut root, "custom"), tuple);
     }
-    write(&root).expect("elements made here can be written")
+    write(&root)
 }
 
 /// The bodies' names: those of the limbs, but no body may be called as the world is.

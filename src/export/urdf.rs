@@ -88,7 +88,7 @@ pub fn to_urdf(agent: &Agent, schema: &BodySchema, mesh_name: &str) -> Urdf {
     let scaled = |surface: &Surface| {
         surface.shape.urdf().is_some_and(|parts| parts.iter().any(|part| part.element == "mesh"))
     };
-    let xml = write(&robot).expect("elements made here can be written");
+    let xml = write(&robot);
     Urdf { xml, mesh: agent.skin().surfaces.iter().any(scaled).then(sphere_stl) }
 }
 

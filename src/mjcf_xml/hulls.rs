@@ -1,30 +1,13 @@
-//! A model's text in which geoms of meshes collide, so that the engine makes the meshes' convex hulls.
+//! A model in which geoms of meshes collide, so that the engine makes the meshes' convex hulls.
 
 use std::collections::BTreeSet;
-use std::path::Path;
 
 use xmltree::{Element, XMLNode};
 
-use super::{anchor_assets, read, write};
-
-/// The text of a model in which the geoms of some meshes collide, whatever else their filters say: that in the file at
-/// `path`, or `text` where it is given. None where there is no such geom, or no such file.
-pub(crate) fn with_colliding(path: &Path, text: Option<&str>, meshes: &BTreeSet<String>) -> Option<String> {
-    let mut root = match text {
-        Some(text) => Element::parse(text.as_bytes()).ok()?,
-        None => {
-            let mut root = read(path).ok()?;
-            anchor_assets(&mut root, path);
-            root
-        }
-    };
-    let worlds = root.children.iter_mut().filter_map(XMLNode::as_mut_element);
-    let opened: usize =
-        worlds.filter(|section| section.name == "worldbody").map(|world| open(world, meshes)).sum();
-    if opened == 0 {
-        return None;
-    }
-    write(&root).ok()
+/// Lets the geoms of some meshes collide, whatever else their filters say; how many there are.
+pub(crate) fn open_meshes(root: &mut Element, meshes: &BTreeSet<String>) -> usize {
+    let sections = root.children.iter_mut().filter_map(XMLNode::as_mut_element);
+    sections.filter(|section| section.name == "worldbody").map(|world| open(world, meshes)).sum()
 }
 
 /// Opens the geoms below an element that are of these meshes, or may be by their class; how many.

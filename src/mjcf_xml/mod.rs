@@ -1,15 +1,29 @@
-//! MJCF as XML: reading files, reducing them, and writing elements, sections, and the receptors' look, alike in
-//! every file of ours.
+//! Model files as XML: reading them with a place for every element, putting what is newer than the engine in plain
+//! terms, and writing elements, sections, and the receptors' look, alike in every file of ours.
 
+mod defaults;
+mod expand;
 mod hulls;
-mod read;
-mod strip;
+mod left_out;
+mod limits;
+mod mesh_files;
+mod pose;
+mod reduce;
+mod references;
+mod schema;
+mod source;
+mod urdf;
+mod write;
 
-pub(crate) use hulls::with_colliding;
-pub(crate) use read::read;
-pub(crate) use strip::Stripped;
+pub(crate) use hulls::open_meshes;
+pub use left_out::LeftOut;
+pub(crate) use limits::check as check_limits;
+pub(crate) use reduce::Reduced;
+pub(crate) use source::{Files, Refused, Source};
+pub(crate) use urdf::to_mjcf as urdf_to_mjcf;
+pub(crate) use write::{Texts, numbered, write};
 
-use xmltree::{Element, EmitterConfig, XMLNode};
+use xmltree::{Element, XMLNode};
 
 /// Half the thickness of a receptor's site, metres.
 pub(crate) const HALF_THICKNESS: f64 = 0.0008;
@@ -36,15 +50,13 @@ pub(crate) fn section<'a>(root: &'a mut Element, name: &str) -> &'a mut Element 
 
 /// Lets a file's meshes and textures be found from anywhere: its folders for them become absolute.
 pub(crate) fn anchor_assets(root: &mut Element, path: &std::path::Path) {
-    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
-    let folder = folder.unwrap_or(std::path::Path::new("."));
-    let folder = folder.canonicalize().unwrap_or_else(|_| folder.to_path_buf());
-    let compiler = section(root, "compiler");
-    let common = compiler.attributes.get("assetdir").cloned().unwrap_or_default();
+    let folder = source::whole_folder_of(path);
     for name in ["meshdir", "texturedir"] {
-        let own = compiler.attributes.get(name).unwrap_or(&common);
+        let compilers = root.children.iter().filter_map(XMLNode::as_element).filter(|e| e.name == "compiler");
+        // A later setting overrides an earlier one.
+        let own = compilers.filter_map(|e| attribute(e, name)).next_back().unwrap_or_default();
         let absolute = folder.join(own).display().to_string();
-        compiler.attributes.insert(name.into(), absolute);
+        set_compiler(root, name, &absolute);
     }
 }
 
@@ -62,15 +74,40 @@ pub(crate) fn exact<'a>(values: impl IntoIterator<Item = &'a f64>) -> String {
     values.into_iter().map(|value| (value + 0.0).to_string()).collect::<Vec<_>>().join(" ")
 }
 
-/// The text of a file, indented by two spaces.
-pub(crate) fn write(root: &Element) -> Result<String, String> {
-    let config = EmitterConfig::new()
-        .perform_indent(true)
-        .indent_string("  ")
-        .write_document_declaration(false)
-        .pad_self_closing(false);
-    let mut bytes = Vec::new();
-    root.write_with_config(&mut bytes, config).map_err(|e| e.to_string())?;
-    bytes.push(b'\n');
-    String::from_utf8(bytes).map_err(|e| e.to_string())
+/// An attribute of an element.
+pub(crate) fn attribute<'a>(element: &'a Element, name: &str) -> Option<&'a str> {
+    element.attributes.get(name).map(String::as_str)
+}
+
+/// The elements in an element.
+fn take_children(element: Element) -> Vec<Element> {
+    let elements = element.children.into_iter().filter_map(|child| match child {
+        XMLNode::Element(child) => Some(child),
+        _ => None,
+    });
+    elements.collect()
+}
+
+/// Visits an element and all in it.
+pub(crate) fn each(element: &mut Element, change: &mut dyn FnMut(&mut Element)) {
+    change(element);
+    element.children.iter_mut().filter_map(XMLNode::as_mut_element).for_each(|child| each(child, change));
+}
+
+/// Removes elements at any depth; how many went.
+fn remove(element: &mut Element, which: &dyn Fn(&Element) -> bool) -> usize {
+    let before = element.children.len();
+    element.children.retain(|child| !child.as_element().is_some_and(which));
+    let gone = before - element.children.len();
+    let inner = element.children.iter_mut().filter_map(XMLNode::as_mut_element);
+    gone + inner.map(|child| remove(child, which)).sum::<usize>()
+}
+
+/// A setting of the compiler, in place of all that a file says of it.
+pub(crate) fn set_compiler(root: &mut Element, name: &str, value: &str) {
+    section(root, "compiler");
+    let sections = root.children.iter_mut().filter_map(XMLNode::as_mut_element);
+    for compiler in sections.filter(|section| section.name == "compiler") {
+        compiler.attributes.insert(name.into(), value.into());
+    }
 }

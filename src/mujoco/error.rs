@@ -3,27 +3,22 @@
 use std::path::PathBuf;
 
 use super::engine::version_text;
+use crate::mjcf_xml::Refused;
 
 /// A failure of the engine, of a model's file, or of what was handed to the engine.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
-    /// A model could not be read: no such file, malformed XML, or content that MuJoCo refuses.
-    #[error("{}: {message}", path.display())]
+    /// A model could not be read: no such file, malformed XML, numbers with which the engine crashes or never returns,
+    /// or content that it refuses.
+    #[error("{}{}: {message}", path.display(), line.map(|line| format!(", line {line}")).unwrap_or_default())]
     Read {
-        /// The file, or [`Model::STRING_NAME`](super::Model::STRING_NAME) for a model from a string.
+        /// The file, which may be one that the model includes, or
+        /// [`Model::STRING_NAME`](super::Model::STRING_NAME) for a model from a string.
         path: PathBuf,
+        /// The line of the element, counted from 1; none where it is about the whole file.
+        line: Option<usize>,
         /// What was wrong, where, and what to do about it.
-        message: String,
-    },
-    /// A model's file asks for sizes or numbers with which the engine crashes or never returns.
-    #[error("{}, line {line}: {message}", path.display())]
-    Unsuitable {
-        /// The file, which may be one that the model includes.
-        path: PathBuf,
-        /// The line of the element, counted from 1.
-        line: usize,
-        /// The element, its attribute, the value, and the greatest one accepted.
         message: String,
     },
     /// The library loaded at run time is not the one whose headers the crate was built with.
@@ -80,6 +75,12 @@ pub enum Error {
         /// The length given.
         found: usize,
     },
+}
+
+impl From<Refused> for Error {
+    fn from(Refused { path, line, message }: Refused) -> Error {
+        Error::Read { path, line, message }
+    }
 }
 
 /// A result of the MuJoCo layer.

@@ -6,30 +6,36 @@
 //! geoms colliding, and given the filters that its file has.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::path::Path;
+
+use xmltree::Element;
 
 use super::element::GeomKind;
-use super::error::Error;
 use super::model::Model;
-use super::vfs::{self, Vfs};
-use crate::mjcf_xml;
+use crate::mjcf_xml::open_meshes;
 
 impl Model {
-    /// The model with the hulls of all meshes that its parts can be touched on: the one read from `path`, or from `text`
-    /// where there is one; as it is where the engine can make no more of them. Nobody else may load in the meantime.
-    pub(super) fn with_hulls(self, path: &Path, text: Option<&str>) -> Model {
+    /// The model with the hulls of all meshes that its parts can be touched on, of the tree that it was read from; as it is
+    /// where the engine can make no more of them. `load` has the engine read a tree, or tells the engine's words.
+    pub(super) fn with_hulls(
+        self,
+        root: &Element,
+        load: impl Fn(&Element) -> Option<Result<Model, String>>,
+    ) -> Model {
         let mut wanted = self.meshes_without_hull();
-        while let Some(text) = mjcf_xml::with_colliding(path, text, &wanted).filter(|_| !wanted.is_empty()) {
-            let opened = Vfs::new(&text).and_then(|files| Model::load_alone(path, vfs::FILE, Some(&files)));
-            match opened {
-                Ok(mut opened) => return if opened.take_filters(&self) { opened } else { self },
-                Err(Error::Read { message, .. }) => {
+        while !wanted.is_empty() {
+            let mut opened = root.clone();
+            if open_meshes(&mut opened, &wanted) == 0 {
+                break;
+            }
+            match load(&opened) {
+                Some(Ok(mut opened)) => return if opened.take_filters(&self) { opened } else { self },
+                Some(Err(words)) => {
                     // A mesh that has no hull, such as a flat one, must not be in the way of the others.
-                    let named = wanted.iter().filter(|mesh| message.contains(mesh.as_str()));
-                    let Some(mesh) = named.max_by_key(|mesh| mesh.len()).cloned() else { return self };
+                    let named = wanted.iter().filter(|mesh| words.contains(mesh.as_str()));
+                    let Some(mesh) = named.max_by_key(|mesh| mesh.len()).cloned() else { break };
                     wanted.remove(&mesh);
                 }
-                Err(_) => return self,
+                None => break,
             }
         }
         self

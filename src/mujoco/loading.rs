@@ -1,18 +1,27 @@
-//! Loading a model: from a file, from text, stripped to what a body schema needs, or written out again.
+//! Loading a model, whoever made it: one door for every file.
+//!
+//! A file is read as a tree and handed to the engine as it is. Where the engine refuses it, the tree is put in terms that
+//! it knows ([`crate::mjcf_xml`]), and the caller is told what was left out. What is to be changed in every tree before
+//! the engine sees it goes into [`prepare`].
 
-use std::collections::BTreeMap;
-use std::ffi::{CStr, CString};
-use std::path::{Path, PathBuf};
+use std::ffi::CString;
+use std::path::Path;
 use std::ptr::NonNull;
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+use xmltree::{Element, XMLNode};
 
 use super::engine::{self, Version};
 use super::error::{Error, Result};
+use super::ffi;
 use super::model::Model;
+use super::refusal::{Complaint, refusal};
 use super::vfs::{self, Vfs};
-use super::{ffi, limits};
-use crate::mjcf_xml::Stripped;
+use crate::mjcf_xml::{
+    LeftOut, Reduced, Refused, Source, Texts, anchor_assets, attribute, check_limits, each, element,
+    numbered, set_compiler, urdf_to_mjcf,
+};
 
 /// Bytes for the engine's message about a file.
 const MESSAGE_BYTES: usize = 2000;
@@ -22,28 +31,36 @@ const MESSAGE_BYTES: usize = 2000;
 #[cfg(mujoco_nconmax)]
 const LEAST_CONTACTS: i32 = 2000;
 
+/// Least mass and inertia of a body, kg and kg·m², where the engine finds those of the file too small: tiny creatures, and
+/// bodies that only carry others.
+const LEAST_MASS: [(&str, &str); 2] = [("boundmass", "1e-6"), ("boundinertia", "1e-9")];
+
+/// What the engine says of meshes that hold no volume; where a mesh is, its surface tells as well.
+const SURFACE_FAULTS: [&str; 3] = [
+    "mesh volume is too small",
+    "eigenvalue of mesh inertia must be positive",
+    "eigenvalues of mesh inertia violate",
+];
+
 /// The engine keeps the model that was loaded last in a global of its own: one load at a time.
 static LOADING: Mutex<()> = Mutex::new(());
 
 impl Model {
-    /// Reads an MJCF (or URDF) file and what it includes.
+    /// Reads an MJCF or URDF file and what it includes; what this MuJoCo cannot read of it is left out.
     ///
     /// # Errors
-    /// [`Error::Read`] where a file is missing, malformed or refused by the engine,
-    /// [`Error::Unsuitable`] where its numbers would crash or hang the engine,
-    /// [`Error::Version`] where the library is not the one the crate was built with.
+    /// [`Error::Read`] where a file is missing, malformed, has numbers that would crash or hang the engine, or is refused
+    /// by the engine for the body in it, [`Error::Version`] where the library is not the one the crate was built with.
     pub fn from_path(path: impl AsRef<Path>) -> Result<Self> {
-        let path = path.as_ref();
-        Self::load(path, &Self::checked_name(path)?, None)
+        Ok(Self::read(path)?.0)
     }
 
-    /// The path as the engine wants it, of a file whose numbers do it no harm.
-    fn checked_name(path: &Path) -> Result<CString> {
-        limits::check_file(path)?;
-        CString::new(path.as_os_str().as_encoded_bytes()).map_err(|_| {
-            let message = "the path has a zero byte: give one without".into();
-            Error::Read { path: path.to_path_buf(), message }
-        })
+    /// Reads an MJCF or URDF file and what it includes, and tells what was left out of it.
+    ///
+    /// # Errors
+    /// As [`Model::from_path`].
+    pub fn read(path: impl AsRef<Path>) -> Result<(Self, LeftOut)> {
+        Loader::new().open(Source::read(path.as_ref())?, &[])
     }
 
     /// Compiles a model from MJCF text; files that it includes or takes meshes from are sought in the
@@ -52,49 +69,15 @@ impl Model {
     /// # Errors
     /// As [`Model::from_path`], with [`Model::STRING_NAME`] in place of the file.
     pub fn from_xml(xml: &str) -> Result<Self> {
-        let name = Path::new(Self::STRING_NAME);
-        limits::check_text(name, xml)?;
-        engine::check()?;
-        Self::load(name, vfs::FILE, Some(xml))
+        Ok(Loader::new().open(Source::of_text(Path::new(Self::STRING_NAME), xml)?, &[])?.0)
     }
 
-    /// Reads an MJCF file with more bodies in its world, given as their elements.
+    /// Reads a file with more bodies in its world, given as their elements.
     ///
     /// # Errors
     /// As [`Model::from_path`].
-    pub(crate) fn with_bodies(path: impl AsRef<Path>, bodies: Vec<xmltree::Element>) -> Result<Self> {
-        let path = path.as_ref();
-        limits::check_file(path)?;
-        let refused = |(path, message)| Error::Read { path, message };
-        let mut root = crate::mjcf_xml::read(path).map_err(refused)?;
-        crate::mjcf_xml::anchor_assets(&mut root, path);
-        let world = crate::mjcf_xml::section(&mut root, "worldbody");
-        world.children.extend(bodies.into_iter().map(xmltree::XMLNode::Element));
-        let text = crate::mjcf_xml::write(&root).map_err(|message| refused((path.to_path_buf(), message)))?;
-        Self::load(path, vfs::FILE, Some(&text))
-    }
-
-    /// Reads what a body schema needs of an MJCF file, its bodies, joints, geoms, meshes and touch sensors, and leaves
-    /// out everything else: what this MuJoCo is too old for, and what has nothing to do with where limbs are. Returns
-    /// what was left out as well, with its number.
-    ///
-    /// # Errors
-    /// As [`Model::from_path`].
-    pub fn stripped(path: impl AsRef<Path>) -> Result<(Self, BTreeMap<String, usize>)> {
-        let path = path.as_ref();
-        limits::check_file(path)?;
-        let refused = |(path, message)| Error::Read { path, message };
-        let mut stripped = Stripped::new(path, &engine::schema()?).map_err(refused)?;
-        loop {
-            let text = stripped.text().map_err(|message| refused((path.to_path_buf(), message)))?;
-            match Self::load(path, vfs::FILE, Some(&text)) {
-                Ok(model) => return Ok((model, stripped.left_out)),
-                // A mesh that the engine cannot use, such as a flat one, need not be the end of it.
-                Err(Error::Read { message, .. })
-                    if mesh_at_fault(&stripped, &message).is_some_and(|mesh| stripped.drop_mesh(&mesh)) => {}
-                Err(error) => return Err(error),
-            }
-        }
+    pub(crate) fn with_bodies(path: impl AsRef<Path>, bodies: Vec<Element>) -> Result<Self> {
+        Ok(Loader::new().open(Source::read(path.as_ref())?, &bodies)?.0)
     }
 
     /// The model in a file as the engine writes it out: includes, composites and replicas as bodies, angles
@@ -107,16 +90,15 @@ impl Model {
         static COUNT: AtomicU64 = AtomicU64::new(0);
         let number = COUNT.fetch_add(1, Ordering::Relaxed);
         let file = std::env::temp_dir().join(format!("bodyschema-{}-{number}.xml", std::process::id()));
-        let failed = |message: String| Error::Read { path: path.to_path_buf(), message };
+        let failed = |message: String| Error::from(Refused::file(path, message));
         let name = CString::new(file.as_os_str().as_encoded_bytes())
             .map_err(|_| failed("the folder for temporary files has a zero byte in its name".into()))?;
-        let source = Self::checked_name(path)?;
         // The engine writes what was loaded last by anyone: nobody may load in between.
-        let _one_at_a_time = LOADING.lock().unwrap_or_else(PoisonError::into_inner);
-        let model = Self::load_alone(path, &source, None)?;
+        let loader = Loader { hulls: false, ..Loader::new() };
+        let (model, _) = loader.open(Source::read(path)?, &[])?;
         let mut message = vec![0u8; MESSAGE_BYTES];
         let saved = engine::guarded("mj_saveLastXML", || {
-            // SAFETY: name and buffer outlive the call, the buffer's length is its own, and the lock keeps
+            // SAFETY: name and buffer outlive the call, the buffer's length is its own, and the loader's lock keeps
             // loads away from the engine's copy of the model.
             unsafe {
                 ffi::mj_saveLastXML(
@@ -139,84 +121,228 @@ impl Model {
             }
         }
     }
+}
 
-    /// Loads the file called `name`, or `text` where it is given, with a hull for every mesh that can be touched.
-    fn load(path: &Path, name: &CStr, text: Option<&str>) -> Result<Self> {
-        let files = text.map(Vfs::new).transpose()?;
-        let _one_at_a_time = LOADING.lock().unwrap_or_else(PoisonError::into_inner);
-        Ok(Self::load_alone(path, name, files.as_ref())?.with_hulls(path, text))
+/// What is changed in every tree before the engine reads it, in this order.
+fn prepare(root: &mut Element, source: &Source, bodies: &[Element]) {
+    anchor_assets(root, &source.path);
+    if !bodies.is_empty() {
+        let world = crate::mjcf_xml::section(root, "worldbody");
+        world.children.extend(bodies.iter().cloned().map(XMLNode::Element));
+    }
+}
+
+/// Loads while it keeps other loads away.
+struct Loader {
+    _one_at_a_time: MutexGuard<'static, ()>,
+    /// Whether the model is to have the hulls of all meshes that it can be touched on, for which it is loaded twice.
+    hulls: bool,
+}
+
+impl Loader {
+    fn new() -> Loader {
+        Loader { _one_at_a_time: LOADING.lock().unwrap_or_else(PoisonError::into_inner), hulls: true }
     }
 
-    /// Loads while the caller keeps other loads away with [`LOADING`].
-    pub(super) fn load_alone(path: &Path, name: &CStr, vfs: Option<&Vfs>) -> Result<Self> {
+    /// Loads a file with more bodies in its world, as it is or else in terms that the engine knows.
+    fn open(&self, mut source: Source, bodies: &[Element]) -> Result<(Model, LeftOut)> {
         let version = engine::check()?;
-        let mut message = vec![0u8; MESSAGE_BYTES];
-        let outcome = {
-            let files = vfs.map_or(std::ptr::null(), Vfs::as_ptr);
-            engine::guarded("mj_loadXML", || {
-                // SAFETY: name and buffer outlive the call, the buffer's length is its own, and the
-                // file system is null or initialised. The caller keeps other loads away.
-                unsafe {
-                    ffi::mj_loadXML(name.as_ptr(), files, message.as_mut_ptr().cast(), MESSAGE_BYTES as i32)
+        check_limits(&source)?;
+        let first = match source.root.name.as_str() {
+            "mujoco" => {
+                let mut root = source.root.clone();
+                prepare(&mut root, &source, bodies);
+                match self.mended(&mut root, &source, version) {
+                    Ok(model) => return Ok((model, LeftOut::default())),
+                    Err(Failed::Engine(error)) => return Err(error),
+                    Err(Failed::Refused(complaint)) => Some(complaint),
                 }
-            })
+            }
+            "robot" => None,
+            other => return Err(Error::from(no_model(&source, other))),
         };
-        // SAFETY: the engine ends what it writes with a zero byte, and the buffer began as zeros.
-        let message = unsafe { engine::text(message.as_ptr().cast()) };
-        let refused =
-            |message: &str| Error::Read { path: PathBuf::from(path), message: refusal(message, version) };
-        let raw = match outcome {
-            Ok(raw) => NonNull::new(raw).ok_or_else(|| refused(&message))?,
-            Err(Error::Engine { message, .. }) => return Err(refused(&message)),
-            Err(other) => return Err(other),
+        let mut reduced = match &first {
+            Some(_) => Reduced::new(&source, &engine::schema()?)?,
+            None => urdf_to_mjcf(&source)?,
         };
-        let warning = engine::take_warning().or(Some(message)).filter(|text| !text.is_empty());
-        let model = Self { raw, version, warning };
-        #[cfg(mujoco_nconmax)]
-        // SAFETY: the model is not shared yet; the field is the room that mj_makeData reserves.
-        unsafe {
-            let room = &raw mut (*model.raw.as_ptr()).nconmax;
-            if *room >= 0 {
-                *room = (*room).max(LEAST_CONTACTS);
+        prepare(&mut reduced.root, &source, bodies);
+        source.root = Element::new("mujoco");
+        loop {
+            let complaint = match self.mended(&mut reduced.root, &source, version) {
+                Ok(model) => return Ok((model, reduced.left_out)),
+                Err(Failed::Engine(error)) => return Err(error),
+                Err(Failed::Refused(complaint)) => complaint,
+            };
+            // A mesh that the engine cannot use, such as a flat one, need not be the end of it.
+            let meshes =
+                reduced.meshes().into_iter().filter(|mesh| complaint.message.contains(mesh.as_str()));
+            if let Some(mesh) = meshes.max_by_key(String::len)
+                && reduced.drop_mesh(&mesh)
+            {
+                continue;
+            }
+            // What the file says wrongly is in both readings; then the first one's words are those about the file.
+            let told = first.filter(|first| first.place.is_some() && first.place == complaint.place);
+            let Complaint { message, place, .. } = told.unwrap_or(complaint);
+            let (path, line) = place.map_or((source.path, None), |(path, line)| (path, Some(line)));
+            return Err(Error::Read { path, line, message: refusal(&message, version) });
+        }
+    }
+
+    /// Loads a tree; where the engine asks for what changes nothing of where limbs are, it gets it.
+    fn mended(
+        &self,
+        root: &mut Element,
+        source: &Source,
+        version: Version,
+    ) -> std::result::Result<Model, Failed> {
+        loop {
+            let texts = Texts::new(root, &vfs::FILE.to_string_lossy());
+            let loaded = load(&Vfs::new(&texts.texts)?, version)?;
+            let words = match loaded {
+                Ok(model) if self.hulls => return Ok(model.with_hulls(root, |root| again(root, version))),
+                Ok(model) => return Ok(model),
+                Err(words) => words,
+            };
+            let complaint = Complaint::new(&words, root, &texts, &source.files);
+            if !mend(root, &complaint) {
+                return Err(Failed::Refused(complaint));
             }
         }
-        Ok(model)
     }
 }
 
-/// The mesh that the engine complains of, the longest name that it mentions.
-fn mesh_at_fault(stripped: &Stripped, message: &str) -> Option<String> {
-    stripped.meshes().into_iter().filter(|mesh| message.contains(mesh.as_str())).max_by_key(String::len)
+/// Why a tree was not loaded.
+enum Failed {
+    /// The engine refuses it.
+    Refused(Complaint),
+    /// The engine itself failed.
+    Engine(Error),
 }
 
-/// The engine's words about a file, with the mend.
-fn refusal(message: &str, version: Version) -> String {
-    let message = &plain(message.trim_start_matches("Error: "));
-    if message.is_empty() {
-        "MuJoCo refuses it without a word: check that it is an MJCF file".into()
-    } else if message.contains("unrecognized") {
-        format!("{message}; MuJoCo {version} does not know it: correct or remove it there")
-    } else {
-        format!("{message}; correct it there")
+impl From<Error> for Failed {
+    fn from(error: Error) -> Failed {
+        Failed::Engine(error)
     }
 }
 
-/// What the engine passes on from its XML parser, in words: the parser gives codes.
-fn plain(message: &str) -> String {
-    let field = |name: &str| {
-        let (_, rest) = message.split_once(name)?;
-        rest.split([' ', ',', ':']).next()
-    };
-    let (Some(code), Some(line)) = (field("Error=XML_"), field("Line number=")) else {
-        return message.to_string();
-    };
-    let code = code.trim_start_matches("ERROR_");
-    match (code, field("filename=")) {
-        ("FILE_NOT_FOUND", Some(file)) => {
-            let (_, place) = message.rsplit_once("', ").unwrap_or_default();
-            format!("it includes {file}, which cannot be found, in {place}")
+/// A refusal of what is no model.
+fn no_model(source: &Source, root: &str) -> Refused {
+    let message = match root {
+        "mujocoinclude" => {
+            "it is a part that other files include; give the file that includes it".to_string()
         }
-        ("EMPTY_DOCUMENT", _) => "it holds no XML".to_string(),
-        _ => format!("malformed XML ({}) in line {line}", code.to_lowercase().replace('_', " ")),
+        "sdf" => "it is SDF; convert it to URDF or MJCF first".to_string(),
+        _ => format!(
+            "it begins with <{root}>, and is neither MJCF (<mujoco>) nor URDF (<robot>); give one of these"
+        ),
+    };
+    source.files.refused(&source.root, &source.path, message)
+}
+
+/// Gives the engine what it asks for; whether there was anything that it does not have yet.
+///
+/// Newer engines take limits from ranges unless they are told otherwise; and what weighs too little for dynamics can be
+/// moved all the same.
+fn mend(root: &mut Element, complaint: &Complaint) -> bool {
+    let settings: &[(&str, &str)] = if complaint.message.contains("autolimits") {
+        &[("autolimits", "true")]
+    } else if complaint.message.contains("balanceinertia") {
+        &[("balanceinertia", "true")]
+    } else if complaint.message.contains("larger than mjMINVAL") {
+        &LEAST_MASS
+    } else if complaint.message.contains("body mass is too small") {
+        return weigh(root, complaint);
+    } else if complaint.message.contains("inertia alternative") {
+        return unweigh(root, complaint);
+    } else if SURFACE_FAULTS.iter().any(|fault| complaint.message.contains(fault)) {
+        return thin(root, &complaint.message);
+    } else {
+        return false;
+    };
+    let compilers = root.children.iter().filter_map(XMLNode::as_element).filter(|e| e.name == "compiler");
+    let last = compilers.last();
+    if settings.iter().all(|(name, value)| last.is_some_and(|e| attribute(e, name) == Some(value))) {
+        return false;
     }
+    settings.iter().for_each(|(name, value)| set_compiler(root, name, value));
+    true
+}
+
+/// Gives a body whose geoms weigh nothing the least mass there is; whether it had none yet.
+fn weigh(root: &mut Element, complaint: &Complaint) -> bool {
+    let [mass, inertia] = LEAST_MASS.map(|(_, least)| least.to_string());
+    let Some(body) = complaint.element.and_then(|number| numbered(root, number)) else { return false };
+    if body.name != "body" || body.get_child("inertial").is_some() {
+        return false;
+    }
+    let least = [("pos", "0 0 0".into()), ("mass", mass), ("diaginertia", [inertia.as_str(); 3].join(" "))];
+    body.children.insert(0, XMLNode::Element(element("inertial", &least)));
+    set_compiler(root, "inertiafromgeom", "auto");
+    true
+}
+
+/// Takes an inertia that no body can have from its body, which then weighs what its geoms do; whether it had one.
+fn unweigh(root: &mut Element, complaint: &Complaint) -> bool {
+    let Some(body) = complaint.element.and_then(|number| numbered(root, number)) else { return false };
+    let before = body.children.len();
+    body.children.retain(|child| child.as_element().is_none_or(|e| e.name != "inertial"));
+    body.children.len() < before
+}
+
+/// Lets the geoms of a flat mesh weigh as its surface does; whether there is any that does not.
+fn thin(root: &mut Element, message: &str) -> bool {
+    let mut changed = false;
+    each(root, &mut |e| {
+        if e.name == "geom"
+            && attribute(e, "mesh").is_some_and(|mesh| message.contains(mesh))
+            && !e.attributes.contains_key("shellinertia")
+        {
+            e.attributes.insert("shellinertia".into(), "true".into());
+            changed = true;
+        }
+    });
+    changed
+}
+
+/// Loads a tree that was loaded before with other filters; none where the engine fails.
+fn again(root: &Element, version: Version) -> Option<std::result::Result<Model, String>> {
+    let texts = Texts::new(root, &vfs::FILE.to_string_lossy());
+    load(&Vfs::new(&texts.texts).ok()?, version).ok()
+}
+
+/// Loads a text; the engine's words where it refuses.
+fn load(vfs: &Vfs, version: Version) -> Result<std::result::Result<Model, String>> {
+    let mut message = vec![0u8; MESSAGE_BYTES];
+    let outcome = engine::guarded("mj_loadXML", || {
+        // SAFETY: name and buffer outlive the call, the buffer's length is its own, and the file system is
+        // initialised. The caller keeps other loads away.
+        unsafe {
+            ffi::mj_loadXML(
+                vfs::FILE.as_ptr(),
+                vfs.as_ptr(),
+                message.as_mut_ptr().cast(),
+                MESSAGE_BYTES as i32,
+            )
+        }
+    });
+    // SAFETY: the engine ends what it writes with a zero byte, and the buffer began as zeros.
+    let message = unsafe { engine::text(message.as_ptr().cast()) };
+    let raw = match outcome {
+        Ok(raw) => raw,
+        Err(Error::Engine { message, .. }) => return Ok(Err(message)),
+        Err(other) => return Err(other),
+    };
+    let Some(raw) = NonNull::new(raw) else { return Ok(Err(message)) };
+    let warning = engine::take_warning().or(Some(message)).filter(|text| !text.is_empty());
+    let model = Model { raw, version, warning };
+    #[cfg(mujoco_nconmax)]
+    // SAFETY: the model is not shared yet; the field is the room that mj_makeData reserves.
+    unsafe {
+        let room = &raw mut (*model.raw.as_ptr()).nconmax;
+        if *room >= 0 {
+            *room = (*room).max(LEAST_CONTACTS);
+        }
+    }
+    Ok(Ok(model))
 }

@@ -19,16 +19,17 @@ mod error;
 mod ffi;
 mod filter;
 mod hulls;
-mod limits;
 mod loading;
 mod model;
 #[cfg(feature = "render")]
 mod opengl;
+mod refusal;
 #[cfg(feature = "render")]
 mod renderer;
 mod simulated;
 mod vfs;
 
+pub use crate::mjcf_xml::LeftOut;
 pub use contact::{Contact, Contacts};
 pub use data::Data;
 pub use element::{

@@ -1,25 +1,25 @@
 //! A model's text handed to the engine from memory, through MuJoCo's virtual file system.
 
-use std::ffi::CStr;
+use std::ffi::{CStr, CString};
 
 use super::engine::guarded;
-use super::error::Result;
+use super::error::{Error, Result};
 use super::ffi;
 
-/// The one file's name inside the virtual file system.
+/// The name of a model's first text inside the virtual file system.
 pub(super) const FILE: &CStr = c"model.xml";
 
-/// A virtual file system that holds one XML text.
+/// A virtual file system that holds the texts of a model.
 ///
 /// The structure is two megabytes large in MuJoCo 2, so it lives on the heap.
 pub(super) struct Vfs(Box<ffi::mjVFS>);
 
 impl Vfs {
-    /// A file system in which [`FILE`] has the content `xml`.
+    /// A file system of texts with their names.
     ///
     /// # Errors
-    /// [`Error::Engine`](super::Error::Engine) where the engine has no room for the text.
-    pub(super) fn new(xml: &str) -> Result<Self> {
+    /// [`Error::Engine`](super::Error::Engine) where the engine has no room for them.
+    pub(super) fn new(texts: &[(String, String)]) -> Result<Self> {
         let mut storage = Box::<ffi::mjVFS>::new_uninit();
         let files = guarded("mj_defaultVFS", || {
             // SAFETY: the engine initialises the structure behind the pointer, which is valid for
@@ -30,7 +30,13 @@ impl Vfs {
             }
         })?;
         let mut vfs = Self(files);
-        guarded("mj_makeEmptyFileVFS", || vfs.fill(xml.as_bytes()))?;
+        for (name, text) in texts {
+            let name = CString::new(name.as_str()).unwrap_or_default();
+            if !guarded("mj_makeEmptyFileVFS", || vfs.fill(&name, text.as_bytes()))? {
+                let message = "it has no room for the model's text".to_string();
+                return Err(Error::Engine { call: "mj_makeEmptyFileVFS", message });
+            }
+        }
         Ok(vfs)
     }
 
@@ -39,25 +45,30 @@ impl Vfs {
         &raw const *self.0
     }
 
+    /// Adds a file; whether there was room for it.
     #[cfg(mujoco_buffer_vfs)]
-    fn fill(&mut self, bytes: &[u8]) {
+    fn fill(&mut self, name: &CStr, bytes: &[u8]) -> bool {
         // SAFETY: name and buffer live through the call, and the engine copies the buffer.
         unsafe {
-            ffi::mj_addBufferVFS(&raw mut *self.0, FILE.as_ptr(), bytes.as_ptr().cast(), bytes.len() as _);
+            ffi::mj_addBufferVFS(&raw mut *self.0, name.as_ptr(), bytes.as_ptr().cast(), bytes.len() as _)
+                == 0
         }
     }
 
+    /// Adds a file; whether there was room for it.
     #[cfg(not(mujoco_buffer_vfs))]
-    fn fill(&mut self, bytes: &[u8]) {
+    fn fill(&mut self, name: &CStr, bytes: &[u8]) -> bool {
         // SAFETY: the engine allocates `bytes.len()` bytes under the index that it then finds; the
-        // copy stays inside them. `fill` is called once, on an empty file system.
+        // copy stays inside them.
         unsafe {
-            let made = ffi::mj_makeEmptyFileVFS(&raw mut *self.0, FILE.as_ptr(), bytes.len() as i32);
-            let index = ffi::mj_findFileVFS(&raw const *self.0, FILE.as_ptr());
-            if made == 0 && index >= 0 {
+            let made = ffi::mj_makeEmptyFileVFS(&raw mut *self.0, name.as_ptr(), bytes.len() as i32);
+            let index = ffi::mj_findFileVFS(&raw const *self.0, name.as_ptr());
+            let made = made == 0 && index >= 0;
+            if made {
                 let target = self.0.filedata[index as usize].cast::<u8>();
                 std::ptr::copy_nonoverlapping(bytes.as_ptr(), target, bytes.len());
             }
+            made
         }
     }
 }

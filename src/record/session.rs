@@ -154,9 +154,6 @@ pub struct SessionOptions {
     pub touches: usize,
     /// Which joints move.
     pub joints: String,
-    /// Whether of the model's file only what a body schema needs was read.
-    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
-    pub strip: bool,
     /// The body at which the creature begins; none for the first of the tree with most joints.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub root: Option<String>,

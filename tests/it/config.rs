@@ -102,7 +102,7 @@ fn what_is_wrong_is_named_with_file_line_and_mend() {
         ("[babble]\nlearner = \"magic\"\n", 2, "magic"),
         ("[babble]\ntouches = 5 6\n", 2, "it is no TOML"),
         ("[babble]\nconfig = \"c.toml\"\n", 2, "babble has no option config"),
-        ("[rehearse]\nstrip = true\n", 1, "there is no command rehearse"),
+        ("[rehearse]\nmodel = true\n", 1, "there is no command rehearse"),
     ] {
         let output = run(&place, config, &["babble", "arms.xml"]);
         let message = String::from_utf8_lossy(&output.stderr);

@@ -7,11 +7,221 @@ use std::sync::Arc;
 use crate::common::program::{refused, run};
 use crate::common::{creature, repository};
 use bodyschema::creature::{Body, BodyError, Creature, JointSelection, Posture};
-use bodyschema::mujoco::Model;
+use bodyschema::mujoco::{Data, Model, ObjectKind, SensorKind};
 use bodyschema::simulation::{Relation, SelfContact};
 use bodyschema::skin::Skin;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
+
+/// The poses of geoms in the world, by their order.
+fn geom_places(xml: &str) -> Vec<(Option<String>, [f64; 3])> {
+    let model = Arc::new(Model::from_xml(xml).unwrap());
+    let mut data = Data::new(model.clone()).unwrap();
+    data.kinematics().unwrap();
+    let place = |g: usize| data.geom_position(g).coords.into();
+    let name = |g: usize| model.body(model.geom_body(g)).name.map(str::to_string);
+    (0..model.ngeom()).map(|g| (name(g), place(g))).collect()
+}
+
+/// Whether geoms are of these bodies at these places.
+fn assert_places(xml: &str, expected: &[(&str, [f64; 3])]) {
+    let found = geom_places(xml);
+    assert_eq!(found.len(), expected.len(), "{found:?}");
+    for ((name, place), (body, expected)) in found.iter().zip(expected) {
+        let away = (0..3).map(|k| (place[k] - expected[k]).abs()).fold(0.0, f64::max);
+        assert!(
+            name.as_deref() == Some(*body) && away < 1e-12,
+            "{name:?} {place:?} and not {body} {expected:?}"
+        );
+    }
+}
+
+#[test]
+fn frames_turn_what_is_in_them_joints_as_well() {
+    let xml = r#"<mujoco>
+  <default><geom size=".1"/><default class="far"><geom pos="0 0 5"/></default></default>
+  <worldbody>
+    <frame pos="5 0 0" euler="0 0 90">
+      <body name="a" pos="1 0 0"><freejoint/>
+        <geom/>
+        <body name="b">
+          <frame pos="0 1 0" euler="0 0 90" childclass="far">
+            <joint name="hinge" pos=".5 0 0" axis="1 0 0"/><joint name="slide" type="slide" axis="0 1 0"/>
+            <geom/>
+            <geom pos="1 0 0"/>
+            <geom type="capsule" fromto="0 0 0 2 0 0"/>
+            <frame euler="90 0 0"><geom class="main" pos="0 0 1"/></frame>
+          </frame>
+        </body>
+      </body>
+    </frame>
+  </worldbody>
+</mujoco>"#;
+    // The frame turns x into y; seen from the world, both turn x into -x.
+    let expected = [
+        ("a", [5.0, 1.0, 0.0]),
+        ("b", [4.0, 1.0, 5.0]),
+        ("b", [3.0, 1.0, 0.0]),
+        ("b", [3.0, 1.0, 0.0]),
+        ("b", [4.0, 0.0, 0.0].map(|x: f64| x)),
+    ];
+    let mut expected = expected;
+    // z of the inner frame is -y of the outer one, which is x of the body, and y of the world.
+    expected[4].1 = [4.0, 2.0, 0.0];
+    assert_places(xml, &expected);
+    let model = Model::from_xml(xml).unwrap();
+    let joint = |name: &str| model.joint(model.id(ObjectKind::Joint, name).unwrap());
+    let near = |a: nalgebra::Vector3<f64>, b: [f64; 3]| (a - nalgebra::Vector3::from(b)).norm() < 1e-12;
+    assert!(near(joint("hinge").pos, [0.0, 1.5, 0.0]) && near(joint("hinge").axis, [0.0, 1.0, 0.0]));
+    assert!(near(joint("slide").pos, [0.0, 1.0, 0.0]) && near(joint("slide").axis, [-1.0, 0.0, 0.0]));
+}
+
+#[test]
+fn replicas_go_on_from_each_other_and_what_names_them_follows() {
+    let xml = r#"<mujoco>
+  <worldbody>
+    <body name="hub"><geom size=".1"/>
+      <replicate count="2" offset="1 0 0" euler="0 0 90" sep="-">
+        <body name="leg" pos="0 0 1"><joint name="hip"/><geom size=".1"/>
+          <replicate count="11" offset="0 1 0" sep="_">
+            <body name="toe"><joint name="knuckle"/><geom size=".1"/><site name="tip"/></body>
+          </replicate>
+        </body>
+      </replicate>
+    </body>
+  </worldbody>
+  <contact><exclude body1="leg" body2="toe"/></contact>
+  <sensor><touch name="felt" site="tip"/></sensor>
+  <custom><tuple name="limb/toes"><element objtype="body" objname="toe"/></tuple></custom>
+</mujoco>"#;
+    let found = geom_places(xml);
+    assert_eq!(found.len(), 25);
+    let place = |name: &str| found.iter().find(|(body, _)| body.as_deref() == Some(name)).unwrap().1;
+    let near = |a: [f64; 3], b: [f64; 3]| (0..3).all(|k| (a[k] - b[k]).abs() < 1e-12);
+    assert!(near(place("leg-0"), [0.0, 0.0, 1.0]) && near(place("leg-1"), [1.0, 0.0, 1.0]));
+    assert!(near(place("toe_10-0"), [0.0, 10.0, 1.0]) && near(place("toe_10-1"), [-9.0, 0.0, 1.0]));
+    let model = Model::from_xml(xml).unwrap();
+    assert!(model.id(ObjectKind::Joint, "knuckle_07-1").is_some());
+    let touch = model.sensors().filter(|sensor| sensor.kind == SensorKind::Touch);
+    assert_eq!(touch.filter_map(|sensor| sensor.id).collect::<std::collections::BTreeSet<_>>().len(), 22);
+    assert_eq!(model.tuples()[0].entries.len(), 22);
+}
+
+#[test]
+fn a_model_is_attached_with_its_own_units_classes_and_couplings() {
+    let folder = tempfile::tempdir().unwrap();
+    let write = |name: &str, text: &str| std::fs::write(folder.path().join(name), text).unwrap();
+    write(
+        "finger.xml",
+        r#"<mujoco model="finger">
+  <compiler angle="radian" eulerseq="zyx"/>
+  <default><default class="bone"><geom size=".02"/></default></default>
+  <worldbody><body name="finger" pos="1 2 3" euler="1.5707963267948966 0 0" childclass="bone">
+    <joint name="bend" range="-1 1"/><geom pos="1 0 0"/>
+    <body name="tip" pos="0 1 0"><joint name="curl"/><geom/></body>
+  </body><body name="other"><joint name="idle"/><geom size="1"/></body></worldbody>
+  <equality><joint joint1="curl" joint2="bend"/><joint joint1="idle" joint2="bend"/></equality>
+</mujoco>"#,
+    );
+    write(
+        "hand.xml",
+        r#"<mujoco>
+  <asset><model name="finger" file="finger.xml"/></asset>
+  <worldbody><body name="palm"><geom size=".1"/>
+    <attach model="finger" body="finger" prefix="l_"/>
+    <frame pos="0 0 10" euler="0 0 90"><attach model="finger" body="finger" prefix="r_"/></frame>
+  </body></worldbody>
+</mujoco>"#,
+    );
+    let (model, left_out) = Model::read(folder.path().join("hand.xml")).unwrap();
+    assert!(left_out.is_empty(), "{left_out:?}");
+    let model = Arc::new(model);
+    let mut data = Data::new(model.clone()).unwrap();
+    data.kinematics().unwrap();
+    let expected = [
+        ("palm", [0.0, 0.0, 0.0]),
+        ("l_finger", [1.0, 3.0, 3.0]),
+        ("l_tip", [0.0, 2.0, 3.0]),
+        ("r_finger", [-3.0, 1.0, 13.0]),
+        ("r_tip", [-2.0, 0.0, 13.0]),
+    ];
+    for (g, (body, place)) in expected.into_iter().enumerate() {
+        assert_eq!(model.body(model.geom_body(g)).name, Some(body));
+        assert!((data.geom_position(g).coords - nalgebra::Vector3::from(place)).norm() < 1e-9, "{body}");
+    }
+    assert_eq!(model.joint(0).range, [-1.0, 1.0]);
+    let couplings = model.equalities();
+    assert_eq!(couplings.len(), 2, "{couplings:?}");
+    // A file that others are attached to can be given a skin, which is written out in full.
+    let output = run(folder.path(), &["skin", "hand.xml", "--receptors", "40", "--out", "felt.xml"]);
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    assert_eq!(Model::from_path(folder.path().join("felt.xml")).unwrap().nbody(), 6);
+}
+
+#[test]
+fn inertias_stay_and_what_weighs_too_little_is_moved_all_the_same() {
+    let heavy = |newer: &str| {
+        let xml = format!(
+            "<mujoco>{newer}<worldbody><body name='a'><inertial mass='7' diaginertia='1 1 1'/><joint/><geom size='.1'/></body>\
+             <body><joint/><body><joint/></body></body></worldbody></mujoco>"
+        );
+        let data = Data::new(Arc::new(Model::from_xml(&xml).unwrap())).unwrap();
+        data.model().nbody()
+    };
+    assert_eq!(heavy(""), 4);
+    assert_eq!(heavy("<newer/>"), 4);
+    for scale in [1e-3, 1e-2, 1.0, 1e3] {
+        let xml = tiny(scale);
+        let body = Body::new(Arc::new(Model::from_xml(&xml).unwrap()), &JointSelection::All).unwrap();
+        assert_eq!(body.creature.dof(), 3, "{scale}");
+    }
+}
+
+/// A creature of two arms, some two lengths of a metre by `scale` across.
+fn tiny(scale: f64) -> String {
+    let of = |length: f64| length * scale;
+    let arm = |side: f64, name: &str| {
+        format!(
+            r#"<body name="{name}" pos="0 {} 0"><joint name="{name}" axis="0 0 1" range="-150 150"/>
+            <geom type="capsule" size="{}" fromto="0 0 0 {} 0 0"/>"#,
+            of(side * 0.3),
+            of(0.05),
+            of(0.6)
+        )
+    };
+    format!(
+        r#"<mujoco><compiler autolimits="true"/><worldbody><body name="trunk"><geom type="box" size="{0} {0} {0}"/>
+        {1}<body name="hand" pos="{3} 0 0"><joint name="wrist" axis="0 0 1" range="-150 150"/>
+        <geom type="capsule" size="{4}" fromto="0 0 0 {3} 0 0"/></body></body>{2}</body></body></worldbody></mujoco>"#,
+        of(0.2),
+        arm(1.0, "left"),
+        arm(-1.0, "right"),
+        of(0.6),
+        of(0.05)
+    )
+}
+
+#[test]
+fn a_chain_deeper_than_the_engines_reader_goes_is_read() {
+    let chain = |last: &str| {
+        let links: String = (0..300)
+            .map(|k| format!(r#"<body name="b{k}" pos=".1 0 0"><joint/><geom size=".01"/>"#))
+            .collect();
+        format!("<mujoco><worldbody>{links}{last}{}</worldbody></mujoco>", "</body>".repeat(300))
+    };
+    let found = geom_places(&chain(""));
+    assert_eq!(found.len(), 300);
+    assert!((found[299].1[0] - 30.0).abs() < 1e-9, "{:?}", found[299]);
+    let told = Model::from_xml(&chain("<geom size='-1'/>")).map(|_| ()).unwrap_err().to_string();
+    assert!(told.contains("positive"), "{told}");
+    let deep = format!(
+        "<mujoco><worldbody>{}{}</worldbody></mujoco>",
+        "<body>".repeat(5000),
+        "</body>".repeat(5000)
+    );
+    let told = Model::from_xml(&deep).map(|_| ()).unwrap_err().to_string();
+    assert!(told.contains("deeper than 1000"), "{told}");
+}
 
 fn rooted(xml: &str, joints: &str, root: Option<&str>) -> Result<Body, BodyError> {
     let model = Arc::new(Model::from_xml(xml).unwrap());
@@ -19,16 +229,15 @@ fn rooted(xml: &str, joints: &str, root: Option<&str>) -> Result<Body, BodyError
 }
 
 #[test]
-fn a_file_for_a_newer_engine_is_stripped_to_its_tree() {
+fn a_file_for_a_newer_engine_is_read_by_itself() {
     let path = repository("tests/it/models/newer.xml");
-    let refused = Model::from_path(&path).map(|_| ()).unwrap_err().to_string();
-    assert!(refused.contains("newer.xml"), "{refused}");
-    let (model, left_out) = Model::stripped(&path).unwrap();
+    let (model, left_out) = Model::read(&path).unwrap();
     let joints: Vec<_> = model.joints().filter_map(|joint| joint.name.map(str::to_string)).collect();
     assert_eq!(joints, ["shoulder_y", "shoulder_x", "elbow", "other_y"]);
-    for what in ["<actuator>", "<keyframe>", "actuatorfrcrange of <joint>", "mesh flat with its geoms"] {
-        assert!(left_out.contains_key(what), "{what} is not in {left_out:?}");
+    for what in ["<actuator>", "<keyframe>", "actuatorfrcrange of <joint>"] {
+        assert!(left_out.unneeded.contains_key(what), "{what} is not in {left_out:?}");
     }
+    assert_eq!(left_out.lost.get("geom whose mesh has no file"), Some(&1), "{left_out:?}");
     let body = Body::new(Arc::new(model), &JointSelection::All).unwrap();
     assert_eq!(body.creature.limbs(), ["base", "upper", "lower", "other"]);
     // Ranges without `limited`, as newer engines read them.
@@ -36,38 +245,116 @@ fn a_file_for_a_newer_engine_is_stripped_to_its_tree() {
 }
 
 #[test]
-fn what_is_not_in_the_way_is_not_stripped() {
-    let path = repository("mjcf/max/max.xml");
-    let (whole, (stripped, _)) = (Model::from_path(&path).unwrap(), Model::stripped(&path).unwrap());
-    let bodies = [whole, stripped].map(|model| Body::new(Arc::new(model), &JointSelection::Default).unwrap());
-    let [whole, stripped] = &bodies;
-    assert_eq!(whole.creature, stripped.creature);
-    let skins: [Skin; 2] = [whole, stripped].map(bodyschema::skin::skin_of);
-    assert_eq!(skins[0], skins[1]);
-    assert_eq!(SelfContact::new(whole).unwrap(), SelfContact::new(stripped).unwrap());
+fn what_the_engine_takes_is_read_as_it_is() {
+    let (model, left_out) = Model::read(repository("mjcf/max/max.xml")).unwrap();
+    assert!(left_out.is_empty() && left_out.in_words().is_none(), "{left_out:?}");
+    // Cameras and the like are of no use to a schema, and would be gone.
+    let text = std::fs::read_to_string(repository("mjcf/max/max.xml")).unwrap();
+    let worse = text.replacen("<worldbody", "<nonsense/><worldbody", 1);
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("worse.xml");
+    std::fs::copy(repository("mjcf/max/body.xml"), folder.path().join("body.xml")).unwrap();
+    std::fs::write(&path, worse).unwrap();
+    let (reduced, left_out) = Model::read(&path).unwrap();
+    assert!(left_out.unneeded.contains_key("<nonsense>"), "{left_out:?}");
+    let bodies = [model, reduced].map(|model| Body::new(Arc::new(model), &JointSelection::Default).unwrap());
+    let [whole, reduced] = &bodies;
+    assert_eq!(whole.creature, reduced.creature);
+    let skins: [Skin; 2] = [whole, reduced].map(bodyschema::skin::skin_of);
+    assert_eq!(skins[0].receptors.len(), skins[1].receptors.len());
+    for (a, b) in skins[0].receptors.iter().zip(&skins[1].receptors) {
+        assert!((a.position - b.position).norm() < 1e-12 && (a.normal - b.normal).norm() < 1e-12, "{}", a.id);
+    }
+    let relations = bodies.each_ref().map(|body| {
+        let contact = SelfContact::new(body).unwrap();
+        contact.pairs.iter().map(|pair| (pair.limbs, pair.relation)).collect::<Vec<_>>()
+    });
+    assert_eq!(relations[0], relations[1]);
 }
 
 #[test]
-fn the_command_line_tells_of_strip_and_lists_what_it_leaves_out() {
+fn the_command_line_tells_what_was_left_out() {
     let path = repository("tests/it/models/newer.xml");
     let (here, path) = (Path::new("."), path.to_str().unwrap());
-    assert!(refused(here, 1, &["inspect", path]).contains("--strip"));
-    let stripped = run(here, &["inspect", "--strip", path]);
-    let [out, message] = [stripped.stdout, stripped.stderr].map(|text| String::from_utf8(text).unwrap());
-    assert_eq!(stripped.status.code(), Some(0), "{message}");
-    assert!(out.contains("newer: 3 joints"), "{out}");
-    assert!(message.contains("left out of") && message.contains("<actuator>"), "{message}");
+    let told = |arguments: &[&str]| {
+        let output = run(here, arguments);
+        let [out, message] = [output.stdout, output.stderr].map(|text| String::from_utf8(text).unwrap());
+        assert_eq!(output.status.code(), Some(0), "{message}");
+        (out, message)
+    };
+    let (out, _) = told(&["inspect", path]);
+    assert!(out.contains("newer: 3 joints") && out.contains("not needed: <actuator>"), "{out}");
+    let (out, _) = told(&["inspect", path, "--json"]);
+    let json: serde_json::Value = serde_json::from_str(&out).unwrap();
+    assert_eq!(json["left_out"]["unneeded"]["<actuator>"], 1, "{out}");
+    // Whoever opens the file is told in one line.
+    let babbling =
+        run(here, &["babble", path, "--touches", "1", "--joints", "elbow", "--out", "/nonexistent/session"]);
+    let message = String::from_utf8(babbling.stderr).unwrap();
+    let note = message.lines().find(|line| line.contains("was read without")).unwrap_or(&message);
+    assert!(note.contains("geom whose mesh has no file") && note.contains("kinds of things"), "{message}");
 }
 
 #[test]
-fn a_file_that_no_stripping_mends_says_what_is_wrong() {
+fn a_refusal_names_the_line_in_the_users_own_file() {
     let folder = tempfile::tempdir().unwrap();
-    std::fs::write(folder.path().join("broken.xml"), "<mujoco><worldbody><body></worldbody></mujoco>")
-        .unwrap();
-    let broken = refused(folder.path(), 1, &["inspect", "broken.xml"]);
-    assert!(broken.contains("broken.xml") && !broken.contains("--strip"), "{broken}");
-    let broken = refused(folder.path(), 1, &["inspect", "--strip", "broken.xml"]);
-    assert!(broken.contains("malformed"), "{broken}");
+    let write = |name: &str, text: &str| std::fs::write(folder.path().join(name), text).unwrap();
+    write(
+        "part.xml",
+        "<mujocoinclude>\n<worldbody>\n<body name='p'>\n<geom size='-1'/></body></worldbody></mujocoinclude>",
+    );
+    write(
+        "arm.xml",
+        "<mujoco model='arm'><worldbody>\n<body name='b'><joint/>\n<geom size='.1'/></body></worldbody></mujoco>",
+    );
+    let world = |inside: &str| {
+        format!(
+            "<mujoco>\n<newer/>\n<worldbody>\n<body name='a'><joint/>\n{inside}\n<geom size='.1'/></body></worldbody></mujoco>"
+        )
+    };
+    let attach = "</body></worldbody><asset>\n<model name='arm' file='arm.xml'/></asset><worldbody><body><geom size='1'/>\n";
+    let cases = [
+        (world("<geom size='-1'/>"), "main.xml, line 5", "above 0"),
+        (world("<joint axis='0 0 0'/>"), "main.xml, line 5", "not zero"),
+        (world("<joint axis='1 0'/>"), "main.xml, line 5", "more numbers"),
+        (world("<geom size='1e30'/>"), "main.xml, line 5", "smaller"),
+        (world("<replicate><geom size='.1'/></replicate>"), "main.xml, line 5", "count"),
+        (
+            world("<replicate count='9000'><replicate count='9000'><geom size='1'/></replicate></replicate>"),
+            "main.xml, line 5",
+            "smaller count",
+        ),
+        (world("<frame>\n<geom size='-1'/></frame>"), "main.xml, line 6", "above 0"),
+        (world("<attach model='leg'/>"), "main.xml, line 5", "<model name=\"leg\""),
+        (
+            world(&format!("{attach}<attach model='arm' body='leg'/>")),
+            "main.xml, line 7",
+            "arm.xml does not have",
+        ),
+        (
+            world("</body></worldbody><include file='part.xml'/><worldbody><body>"),
+            "part.xml, line 4",
+            "above 0",
+        ),
+        (
+            world("</body></worldbody><include file='gone.xml'/><worldbody><body>"),
+            "main.xml, line 5",
+            "gone.xml",
+        ),
+        (world("<body>"), "main.xml, line 6", "malformed"),
+        ("<mujoco>\n\n<worldbody>".into(), "main.xml, line 3", "not closed"),
+        ("<svg/>".into(), "main.xml, line 1", "<robot>"),
+        ("<mujocoinclude/>".into(), "main.xml, line 1", "includes it"),
+        (String::new(), "main.xml", "no XML"),
+    ];
+    for (xml, place, mend) in cases {
+        write("main.xml", &xml);
+        let told = Model::from_path(folder.path().join("main.xml")).map(|_| ()).unwrap_err().to_string();
+        assert!(told.contains(place) && told.contains(mend) && told.lines().count() == 1, "{xml}\n{told}");
+    }
+    // The program says the same, and nothing of an option that there was.
+    let broken = refused(folder.path(), 1, &["inspect", "main.xml"]);
+    assert!(broken.contains("main.xml") && !broken.contains("--strip"), "{broken}");
 }
 
 const TWO: &str = r#"<mujoco>
@@ -95,6 +382,34 @@ fn of_several_creatures_the_root_chooses() {
     let wrong = rooted(TWO, "all", Some("nobody")).unwrap_err().to_string();
     assert!(wrong.contains("nobody") && wrong.contains("big, small"), "{wrong}");
     assert!(matches!(rooted(TWO, "all", Some("big_finger")), Err(BodyError::NoJoints)));
+}
+
+#[test]
+fn other_creatures_in_a_file_are_told_of_and_props_are_none() {
+    let folder = tempfile::tempdir().unwrap();
+    let ball = r#"<body name="ball" pos="0 9 0"><freejoint/><geom size=".1"/></body></worldbody>"#;
+    std::fs::write(folder.path().join("two.xml"), TWO.replace("</worldbody>", ball)).unwrap();
+    let output = run(folder.path(), &["inspect", "two.xml", "--json"]);
+    let json: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    let expected = serde_json::json!([{"root": "big", "joints": 3}, {"root": "small", "joints": 1}]);
+    assert_eq!(json["creatures"], expected);
+    let note = |arguments: &[&str]| {
+        let arguments = [&["babble", "two.xml", "--touches", "3", "--out"], arguments].concat();
+        String::from_utf8(run(folder.path(), &arguments).stderr).unwrap()
+    };
+    let told = note(&["one"]);
+    assert!(told.contains("this is big (3 joints); --root chooses another of small (1 joints)"), "{told}");
+    assert!(!told.contains("ball"), "{told}");
+    assert!(!note(&["other", "--root", "big"]).contains("several creatures"));
+    for command in [&["skin", "--out", "skin.xml"][..], &["feel"], &["study", "learners"]] {
+        let told = refused(folder.path(), 1, &[command, &["--root", "nobody", "two.xml"]].concat());
+        assert!(told.contains("nobody") && told.contains("big, small"), "{told}");
+    }
+    let skin =
+        run(folder.path(), &["skin", "two.xml", "--root", "small", "--receptors", "20", "--out", "skin.xml"]);
+    assert!(skin.status.success(), "{}", String::from_utf8_lossy(&skin.stderr));
+    let text = std::fs::read_to_string(folder.path().join("skin.xml")).unwrap();
+    assert!(text.contains("small_arm_") && !text.contains("big_hand_"), "{text}");
 }
 
 const COUPLED: &str = r#"<mujoco>
@@ -138,6 +453,50 @@ fn joints_that_follow_others_follow_them_in_every_posture() {
     assert!((knuckle.range[0] + 0.5).abs() < 0.01, "{:?}", knuckle.range);
     let json = serde_json::to_string(creature).unwrap();
     assert_eq!(&serde_json::from_str::<Creature>(&json).unwrap(), creature);
+}
+
+/// A chain of hinges, coupled as given.
+fn chained(couplings: &str) -> String {
+    format!(
+        r#"<mujoco><compiler angle="radian" autolimits="true"/><worldbody><body name="palm"><geom size=".01"/>
+        <body name="1"><joint name="a" range="-1 1"/><geom size=".01"/><body name="2"><joint name="b" range="-2 2"/>
+        <geom size=".01"/><body name="3"><joint name="c" range="-.5 2"/><geom size=".01"/></body></body></body></body>
+        </worldbody><equality>{couplings}</equality></mujoco>"#
+    )
+}
+
+#[test]
+fn what_follows_a_follower_follows_its_leader() {
+    // In either order of the file: b = 0.1 + a², c = 0.5 - 2 b = 0.3 - 2 a².
+    let [b, c] = [
+        r#"<joint joint1="b" joint2="a" polycoef="0.1 0 1 0 0"/>"#,
+        r#"<joint joint1="c" joint2="b" polycoef="0.5 -2 0 0 0"/>"#,
+    ];
+    for couplings in [format!("{b}{c}"), format!("{c}{b}")] {
+        let body = creature(&chained(&couplings));
+        let creature = &body.creature;
+        let mut rng = ChaCha8Rng::seed_from_u64(1);
+        for _ in 0..50 {
+            let posture = Posture::random(creature, &mut rng);
+            let [a, b, c] = ["a", "b", "c"].map(|name| coordinate(creature, &posture, name));
+            assert!((b - (0.1 + a * a)).abs() < 1e-12 && (c - (0.5 - 2.0 * b)).abs() < 1e-12, "{a} {b} {c}");
+        }
+        // c ends at -0.5, where a² is 0.4.
+        let a = creature.dofs().find(|dof| dof.name == "a").unwrap();
+        assert!((a.range[1] - 0.4f64.sqrt()).abs() < 0.01, "{:?}", a.range);
+    }
+}
+
+#[test]
+fn couplings_that_cannot_be_followed_are_told_by_their_joints() {
+    let told = |couplings: &str| rooted(&chained(couplings), "all", None).unwrap_err().to_string();
+    let circle =
+        told(r#"<joint joint1="a" joint2="b"/><joint joint1="b" joint2="c"/><joint joint1="c" joint2="a"/>"#);
+    assert!(circle.contains("a, b, c") && circle.contains("circle"), "{circle}");
+    let steep = told(
+        r#"<joint joint1="b" joint2="a" polycoef="0 0 0 1 0"/><joint joint1="c" joint2="b" polycoef="0 0 1 0 0"/>"#,
+    );
+    assert!(steep.contains("joint c follows a") && steep.contains("degree 6"), "{steep}");
 }
 
 #[test]

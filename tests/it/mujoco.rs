@@ -295,7 +295,7 @@ fn a_missing_file_is_named() {
 fn a_broken_file_is_named_with_its_line() {
     let folder = tempfile::tempdir().unwrap();
     let broken = [
-        ("<mujoco>\n<worldbody>\n<geom size='1'>\n</worldbody>\n</mujoco>", "(mismatched element) in line 3"),
+        ("<mujoco>\n<worldbody>\n<geom size='1'>\n</worldbody>\n</mujoco>", ", line 4: malformed XML"),
         ("<mujoco>\n<worldbody>\n<geom sise='1'/>\n</worldbody>\n</mujoco>", "line 3"),
         ("<mujoco>\n<worldbody>\n<geom/>\n</worldbody>\n</mujoco>", "line"),
         ("", "XML"),
@@ -325,13 +325,13 @@ fn hostile_sizes_are_refused_in_included_files_too() {
     std::fs::write(&main, "<mujoco><worldbody><include file='part.xml'/></worldbody></mujoco>").unwrap();
     std::fs::write(&part, "<mujocoinclude>\n<geom size='0.1 1e30' type='capsule'/></mujocoinclude>").unwrap();
     let error = Model::from_path(&main).unwrap_err();
-    assert!(matches!(error, Error::Unsuitable { line: 2, .. }), "{error}");
+    assert!(matches!(error, Error::Read { line: Some(2), .. }), "{error}");
     assert!(error.to_string().contains("part.xml, line 2"), "{error}");
     std::fs::write(&part, "<mujocoinclude>\n<geom size='0.1 1' type='capsule'/></mujocoinclude>").unwrap();
     assert_eq!(Model::from_path(&main).unwrap().ngeom(), 1);
     let texture =
         "<mujoco><asset><texture type='2d' builtin='flat' width='999999999' height='9'/></asset></mujoco>";
-    assert!(matches!(Model::from_xml(texture), Err(Error::Unsuitable { .. })));
+    assert!(matches!(Model::from_xml(texture), Err(Error::Read { line: Some(1), .. })));
 }
 
 #[test]

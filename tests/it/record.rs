@@ -445,7 +445,6 @@ fn session() -> Session {
         host: Some(Host { cpu: "a processor".into(), cores: 2, os: "an operating system".into() }),
         seed: u64::MAX,
         options: SessionOptions {
-            strip: true,
             root: Some("trunk".into()),
             touches: 40,
             joints: "torso".into(),

@@ -256,7 +256,7 @@ fn what_cannot_be_drawn_is_refused_in_a_sentence() {
     fs::write(place.join("odd.json"), r#"{"left_elbow_flexion": 9.0}"#).unwrap();
     fs::write(place.join("text.json"), r#"{"left_elbow_flexion": "bent"}"#).unwrap();
     let cases: [(&[&str], &str); 15] = [
-        (&["session", "--strip"], "leave out --strip"),
+        (&["session", "--root", "other"], "leave out --root"),
         (&[&model, "--posture", "left_elbow=90"], "it has left_elbow_flexion, left_elbow_pronation"),
         (&[&model, "--posture", "left_elbow_flexion=390"], "390° is beyond its range of -6° to 140°"),
         (&[&model, "--posture", "left_elbow_flexion=bent"], "give a name, = and a number"),

@@ -296,9 +296,13 @@ fn what_cannot_be_gone_on_with_is_told_in_a_sentence_and_nothing_is_lost() {
 #[test]
 fn options_beside_resume_are_wrong_usage() {
     let place = Place::new();
-    for option in
-        [&["--touches", "5"][..], &["--out", "other"], &["arms.xml"], &["--joint-noise", "1"], &["--strip"]]
-    {
+    for option in [
+        &["--touches", "5"][..],
+        &["--out", "other"],
+        &["arms.xml"],
+        &["--joint-noise", "1"],
+        &["--root", "big"],
+    ] {
         let output = place.run(&[&["babble", "--resume", "s"], option].concat());
         let message = String::from_utf8_lossy(&output.stderr).into_owned();
         assert_eq!(output.status.code(), Some(2), "{option:?}: {message}");

@@ -80,7 +80,7 @@ fn grown_file(xml: &str, options: &GrowOptions) -> Body {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("bare.xml");
     fs::write(&path, xml).unwrap();
-    let text = grow_skin(&path, options).unwrap().text(None).unwrap();
+    let text = grow_skin(&path, options).unwrap().text(None);
     fs::write(&path, &text).unwrap();
     from_file(&path)
 }
@@ -231,7 +231,7 @@ fn a_skin_in_a_file_is_the_one_in_memory() {
         let folder = tempfile::tempdir().unwrap();
         let grown = grow_skin(&path, &GrowOptions::default()).unwrap();
         let file = folder.path().join("grown.xml");
-        fs::write(&file, grown.text(Some(folder.path())).unwrap()).unwrap();
+        fs::write(&file, grown.text(Some(folder.path()))).unwrap();
         let skin = skin_of(&from_file(&file));
         assert_eq!(grown.receptors, skin.receptors.len(), "{name}");
         same(&skin, &grow(&from_file(&path), &GrowOptions::default()).unwrap(), WRITTEN);
@@ -363,7 +363,7 @@ fn skin_grows_into_files_of_all_kinds() {
         let grown =
             grow_skin(&path, &GrowOptions::default()).unwrap_or_else(|error| panic!("{name}: {error}"));
         let in_memory = grow(&from_file(&path), &GrowOptions::default()).unwrap();
-        fs::write(&path, grown.text(None).unwrap()).unwrap();
+        fs::write(&path, grown.text(None)).unwrap();
         let body = from_file(&path);
         let skin = skin_of(&body);
         assert_eq!(skin.receptors.len(), grown.receptors, "{name}");
@@ -402,7 +402,7 @@ fn files_are_found_from_another_folder() {
     for place in ["results", "robot"] {
         let place = folder.path().join(place);
         let file = place.join("grown.xml");
-        fs::write(&file, grown.text(Some(&place)).unwrap()).unwrap();
+        fs::write(&file, grown.text(Some(&place))).unwrap();
         let skin = skin_of(&from_file(&file));
         assert_eq!(skin.receptors.len(), grown.receptors, "{}", place.display());
         for surface in &skin.surfaces {

@@ -1,10 +1,11 @@
-//! The learned body as URDF: readers take it, and MuJoCo moves its links as the schema says.
+//! URDF, written and read: readers take the learned body, MuJoCo moves its links as the schema says, and a maker's robot is
+//! read like any other creature.
 
 use std::sync::Arc;
 
 use crate::common::{creature, max, truth, two_arms};
 use bodyschema::agent::Agent;
-use bodyschema::creature::{Creature, DofKind, Posture};
+use bodyschema::creature::{Body, Creature, DofKind, JointSelection, Posture};
 use bodyschema::export::{Urdf, to_urdf};
 use bodyschema::geometry::Shape;
 use bodyschema::kinematics::limb_frames;
@@ -190,5 +191,143 @@ fn shapes_are_where_the_skin_is() {
             }
         }
         geom += pieces;
+    }
+}
+
+/// A robot as its maker describes it, in a package of its own.
+const ROBOT: &str = r#"<?xml version="1.0"?>
+<robot name="picker">
+  <material name="grey"><color rgba="0.5 0.5 0.5 1"/></material>
+  <link name="world"/>
+  <joint name="mount" type="fixed"><parent link="world"/><child link="base"/><origin xyz="0 0 1"/></joint>
+  <link name="base">
+    <inertial><origin xyz="0 0 0.1" rpy="0 0 1.5707963267948966"/><mass value="4"/>
+      <inertia ixx="1" iyy="2" izz="2.5" ixy="0" ixz="0" iyz="0"/></inertial>
+    <visual><geometry><mesh filename="package://picker/meshes/pretty.dae"/></geometry></visual>
+    <collision><origin xyz="0 0 0.1"/><geometry><box size="0.2 0.4 0.6"/></geometry></collision>
+  </link>
+  <joint name="lift" type="prismatic"><parent link="base"/><child link="arm"/>
+    <origin xyz="0 0 1" rpy="1.5707963267948966 0 1.5707963267948966"/><axis xyz="0 1 0"/><limit lower="0" upper="0.4" effort="1" velocity="1"/></joint>
+  <link name="arm"><collision><geometry><cylinder radius="0.05" length="1"/></geometry></collision></link>
+  <joint name="grip" type="revolute"><parent link="arm"/><child link="left"/><origin xyz="0.5 0 0"/>
+    <axis xyz="0 0 1"/><limit lower="-0.2" upper="0.8" effort="1" velocity="1"/></joint>
+  <link name="left"><visual><geometry><sphere radius="0.1"/></geometry></visual></link>
+  <joint name="follow" type="continuous"><parent link="arm"/><child link="right"/><origin xyz="-0.5 0 0"/>
+    <axis xyz="0 0 1"/><mimic joint="grip" multiplier="-2" offset="0.1"/></joint>
+  <link name="right"><collision><geometry><mesh filename="package://picker/meshes/block.stl" scale="2 2 2"/></geometry></collision>
+    <collision><geometry><mesh filename="package://picker/meshes/gone.stl"/></geometry></collision></link>
+  <transmission name="t"/>
+</robot>"#;
+
+/// A tetrahedron as STL, its edges one long.
+fn stl() -> Vec<u8> {
+    let corners = [[0.0f32, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+    let mut bytes = vec![0u8; 80];
+    bytes.extend(4u32.to_le_bytes());
+    for face in [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]] {
+        bytes.extend([0.0f32; 3].iter().flat_map(|x| x.to_le_bytes()));
+        bytes.extend(face.iter().flat_map(|&k: &usize| corners[k]).flat_map(f32::to_le_bytes));
+        bytes.extend([0u8; 2]);
+    }
+    bytes
+}
+
+#[test]
+fn a_robot_of_a_package_is_read_by_the_same_door() {
+    let folder = tempfile::tempdir().unwrap();
+    let (meshes, urdf) = (folder.path().join("meshes"), folder.path().join("urdf"));
+    std::fs::create_dir_all(&meshes).unwrap();
+    std::fs::create_dir_all(&urdf).unwrap();
+    std::fs::write(meshes.join("block.stl"), stl()).unwrap();
+    let path = urdf.join("picker.urdf");
+    std::fs::write(&path, ROBOT).unwrap();
+    let (model, left_out) = Model::read(&path).unwrap();
+    assert_eq!(left_out.lost.get("geom whose mesh has no file"), Some(&1), "{left_out:?}");
+    assert!(left_out.unneeded.contains_key("<transmission>"), "{left_out:?}");
+    let model = Arc::new(model);
+    let mut data = Data::new(model.clone()).unwrap();
+    data.kinematics().unwrap();
+    let body = |name: &str| model.id(ObjectKind::Body, name).unwrap_or_else(|| panic!("{name} is lost"));
+    // Where urdf-rs, which knows nothing of MuJoCo, has the links.
+    let robot = urdf_rs::read_from_string(ROBOT).unwrap();
+    for joint in &robot.joints {
+        let ([x, y, z], [roll, pitch, yaw]) = (joint.origin.xyz.0, joint.origin.rpy.0);
+        let turn = UnitQuaternion::from_euler_angles(roll, pitch, yaw);
+        let parent = if joint.parent.link == "world" { 0 } else { body(&joint.parent.link) };
+        let expected = data.body_pose(parent) * nalgebra::Isometry3::from_parts([x, y, z].into(), turn);
+        let found = data.body_pose(body(&joint.child.link));
+        assert!(
+            (found.translation.vector - expected.translation.vector).norm() < ROUND_TRIP,
+            "{}",
+            joint.name
+        );
+        assert!(found.rotation.angle_to(&expected.rotation) < 1e-7, "{}", joint.name);
+    }
+    // The lift goes up along the arm's y axis, which is the world's z axis.
+    assert!((data.joint_axis(0).into_inner() - nalgebra::Vector3::z()).norm() < ROUND_TRIP);
+    // A box is given by its whole sides, and what does not collide is all there is of the left finger.
+    let geoms: Vec<_> = model.geoms().collect();
+    assert_eq!(geoms.len(), 4);
+    assert_eq!(geoms[0].size.as_slice(), [0.1, 0.2, 0.3]);
+    assert_eq!(model.geom_body(2), body("left"));
+    let corner = model.mesh_vertices(3).iter().map(|v| v.norm()).fold(0.0, f64::max);
+    assert!((1.0..2.1).contains(&corner), "scaled by two: {corner}");
+    let creature = Body::new(model.clone(), &JointSelection::All).unwrap().creature;
+    let mut rng = ChaCha8Rng::seed_from_u64(1);
+    for _ in 0..20 {
+        let posture = Posture::random(&creature, &mut rng);
+        let of = |name: &str| posture[creature.dofs().position(|dof| dof.name == name).unwrap()];
+        assert!((of("follow") - (0.1 - 2.0 * of("grip"))).abs() < 1e-12);
+    }
+}
+
+#[test]
+fn a_robot_that_is_no_tree_is_told_by_link_and_line() {
+    let link = |name: &str| format!("<link name='{name}'/>\n");
+    let joint = |name: &str, parent: &str, child: &str, more: &str| {
+        format!(
+            "<joint name='{name}' type='revolute'><parent link='{parent}'/><child link='{child}'/>{more}</joint>\n"
+        )
+    };
+    let robot = |parts: &[String]| format!("<robot name='r'>\n{}</robot>", parts.concat());
+    let (a, b, c) = (link("a"), link("b"), link("c"));
+    let cases = [
+        (
+            robot(&[a.clone(), b.clone(), c.clone(), joint("1", "a", "b", "")]),
+            "line 4",
+            "a and c are not carried",
+        ),
+        (robot(&[a.clone(), joint("1", "a", "zz", "")]), "line 3", "zz"),
+        (
+            robot(&[a.clone(), b.clone(), joint("1", "a", "b", ""), joint("2", "a", "b", "")]),
+            "line 5",
+            "two joints",
+        ),
+        (
+            robot(&[a.clone(), b.clone(), joint("1", "a", "b", ""), joint("2", "b", "a", "")]),
+            "urdf",
+            "circle",
+        ),
+        (robot(&[a.clone(), b.clone(), joint("1", "a", "b", "<mimic joint='zz'/>")]), "line 4", "mimics zz"),
+        (
+            robot(&[a.clone(), b.clone(), joint("1", "a", "b", "<axis xyz='0 0 0'/>")]),
+            "line 4",
+            "no direction",
+        ),
+        (
+            robot(&[a.clone(), b.clone(), joint("1", "a", "b", "<limit lower='1' upper='0'/>")]),
+            "line 4",
+            "no room",
+        ),
+        (robot(&[a.clone(), a.clone()]), "line 3", "two links a"),
+        ("<robot>\n<xacro:include filename='x'/></robot>".into(), "line 2", "xacro FILE"),
+        ("<robot/>".into(), "urdf", "<link>"),
+    ];
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("r.urdf");
+    for (xml, place, words) in cases {
+        std::fs::write(&path, &xml).unwrap();
+        let told = Model::from_path(&path).map(|_| ()).unwrap_err().to_string();
+        assert!(told.contains(place) && told.contains(words) && told.lines().count() == 1, "{xml}\n{told}");
     }
 }

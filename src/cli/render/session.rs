@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use super::super::Failure;
 use super::super::learned::warn_truncated;
-use super::super::open::{ModelArguments, session_body};
+use super::super::open::session_body;
 use super::{RenderArguments, RenderSubject, posture};
 use crate::creature::{Body, Creature, JointSelection, Posture};
 use crate::experiment::{ModelSource, same_tree};
@@ -28,14 +28,11 @@ pub fn touch_range(text: &str) -> Result<[usize; 2], String> {
 /// What is drawn of a session.
 pub fn plan(args: &RenderArguments, film: bool) -> Result<(RenderSubject, Storyboard), Failure> {
     let session = Session::read(&args.what)?;
-    let ModelArguments { strip, root } = &args.options;
-    for (given, option) in [(*strip, "--strip"), (root.is_some(), "--root")] {
-        if given {
-            return Err(Failure(format!(
-                "{}: a session knows how its model is read: leave out {option}",
-                args.what.display()
-            )));
-        }
+    if args.options.root.is_some() {
+        return Err(Failure(format!(
+            "{}: a session knows which creature of its model it is of: leave out --root",
+            args.what.display()
+        )));
     }
     if args.skin {
         return Err(Failure(format!(

@@ -10,7 +10,7 @@ use serde_json::{Value, json};
 
 use super::arguments::touch_count;
 use super::folders::free_folder;
-use super::open::embodied;
+use super::open::{ModelArguments, embodied};
 use super::progress::Bars;
 use super::{Failure, Outcome, output};
 use crate::babbling::{self, PolicyName};
@@ -18,7 +18,7 @@ use crate::creature::JointSelection;
 use crate::experiment::study::claims::{POLICIES as CLAIMS_POLICIES, STUDY as CLAIMS};
 use crate::experiment::study::hersch::{STUDY as HERSCH, TOUCHES as HERSCH_TOUCHES};
 use crate::experiment::study::{FoundTables, STUDIES, Study, Subject};
-use crate::experiment::{ModelSource, Observer, Phase};
+use crate::experiment::{Observer, Phase};
 use crate::record::{PROGRAM, model_hash};
 use crate::view::study_chart;
 
@@ -46,9 +46,11 @@ pub struct StudyArguments {
     /// The study
     #[arg(value_parser = study())]
     name: &'static Study,
-    /// The MJCF file of a creature with touch sensors; several of studies that are of several
+    /// The MJCF or URDF file of a creature; several of studies that are of several
     #[arg(default_value = DEFAULT_MODEL)]
     model: Vec<PathBuf>,
+    #[command(flatten)]
+    open: ModelArguments,
     /// Trials, each with touches and initial guesses of its own
     #[arg(long, default_value_t = 3, value_parser = clap::value_parser!(u16).range(1..=1000))]
     trials: u16,
@@ -126,7 +128,7 @@ pub fn run(args: &StudyArguments) -> Outcome {
     let last = last.ok_or("the last trial's seed would be too great: give a smaller --seed")?;
     let seeds: Vec<u64> = (args.seed..=last).collect();
     let bars = Bars::default();
-    let read = |model: &PathBuf| embodied(ModelSource::new(model).with_joints(selection.clone()));
+    let read = |model: &PathBuf| embodied(args.open.source(model, selection.clone()));
     let mut subject = Subject::new(read(model)?, touches, seeds, babbling::threads(args.jobs), &bars)?
         .with_others(others.iter().map(read).collect::<Result<_, Failure>>()?);
     subject.session.clone_from(&args.session);

@@ -110,8 +110,7 @@ impl LimbInModel<'_> {
         })?;
         change(found);
         add_sensors(&mut root);
-        let xml = write(&root).map_err(fail)?;
-        let model = Model::from_xml(&xml)?;
+        let model = Model::from_xml(&write(&root))?;
         Body::new(Arc::new(model), self.joints).map_err(|error| fail(error.to_string()))
     }
 }

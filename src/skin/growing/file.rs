@@ -9,8 +9,8 @@ use xmltree::{Element, XMLNode};
 use super::{GrowError, GrowOptions, Sprout, sprouts, wxyz};
 use crate::creature::{Body, BodyError, JointSelection, body_name};
 use crate::geometry::Shape;
-use crate::mjcf_xml::{HALF_THICKNESS, add_receptor_class, element, read, section, write};
-use crate::mujoco::{JointKind, Model, ObjectKind, SensorKind};
+use crate::mjcf_xml::{HALF_THICKNESS, Source, add_receptor_class, element, section, write};
+use crate::mujoco::{self, JointKind, Model, ObjectKind, SensorKind};
 use crate::skin::from_model::touch_sites;
 
 /// The default class of the receptors' sites.
@@ -40,13 +40,21 @@ pub struct Grown {
 /// Where the file cannot be read, MuJoCo refuses it or it has no creature, where nothing of it can be touched,
 /// or where sites cannot be written into it.
 pub fn grow_skin(path: &Path, options: &GrowOptions) -> Result<Grown, GrowError> {
+    grow_skin_rooted(path, None, options)
+}
+
+/// The same on the creature that begins at the body called `root`, or has most joints.
+///
+/// # Errors
+/// As [`grow_skin`], and where there is no such body.
+pub fn grow_skin_rooted(path: &Path, root: Option<&str>, options: &GrowOptions) -> Result<Grown, GrowError> {
     let unsuitable = |message: String| GrowError::Unsuitable { path: path.to_path_buf(), message };
     let model = Arc::new(Model::from_path(path)?);
-    let body = Body::new(model.clone(), &JointSelection::All).map_err(|error| match error {
+    let body = Body::rooted(model.clone(), &JointSelection::All, root).map_err(|error| match error {
         BodyError::Engine(error) => GrowError::Engine(error),
         other => unsuitable(other.to_string()),
     })?;
-    let mut root = read(path).map_err(|(path, message)| GrowError::Xml { path, message })?;
+    let mut root = Source::read(path).map_err(mujoco::Error::from)?.root;
     if attribute(&root, "compiler", "coordinate") == Some("global") {
         return Err(unsuitable("it uses global coordinates: convert it to local ones first".into()));
     }
@@ -84,15 +92,12 @@ pub fn grow_skin(path: &Path, options: &GrowOptions) -> Result<Grown, GrowError>
 impl Grown {
     /// The file's text, to be written into `folder`: where that is another than the model's, the folders of
     /// meshes and textures are told anew. Without a folder they stay as they are.
-    ///
-    /// # Errors
-    /// Where the text cannot be written as XML.
-    pub fn text(&self, folder: Option<&Path>) -> Result<String, GrowError> {
+    pub fn text(&self, folder: Option<&Path>) -> String {
         let mut root = self.root.clone();
         if let Some(way) = folder.and_then(|folder| way(folder, self.source.parent()?)) {
             move_assets(&mut root, &way);
         }
-        write(&root).map_err(|message| GrowError::Xml { path: self.source.clone(), message })
+        write(&root)
     }
 }
 

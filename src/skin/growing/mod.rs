@@ -29,7 +29,7 @@ use cells::Patch;
 use exposed::Exposure;
 use patch_size::Ground;
 
-pub use file::{Grown, grow_skin};
+pub use file::{Grown, grow_skin, grow_skin_rooted};
 pub use patch_size::{GrowOptions, PatchSize};
 
 /// The share of a geom's exposed surface that receptors must lie on where no more are to grow there: quadrangles leave
@@ -54,14 +54,6 @@ pub enum GrowError {
     /// The engine refused the model.
     #[error(transparent)]
     Engine(#[from] mujoco::Error),
-    /// The file cannot be read, or is not XML.
-    #[error("{path}: {message}")]
-    Xml {
-        /// The file.
-        path: PathBuf,
-        /// What is wrong with it.
-        message: String,
-    },
     /// No sites can be written into the file.
     #[error("{path}: {message}")]
     Unsuitable {

@@ -1,0 +1,91 @@
+//! Default classes: what an element has where it says nothing.
+
+use std::collections::BTreeMap;
+
+use xmltree::{Element, XMLNode};
+
+use super::attribute;
+use super::pose::{ORIENTATIONS, numbers};
+
+/// The name of the class that all others inherit from.
+const MAIN: &str = "main";
+
+/// The default classes of a file: per class and kind of element, its attributes.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Defaults {
+    classes: BTreeMap<String, BTreeMap<String, Element>>,
+}
+
+impl Defaults {
+    /// Reads all `<default>` sections of a file, in order. The outermost class is the main one, whatever its name.
+    pub fn new<'a>(sections: impl Iterator<Item = &'a Element>) -> Defaults {
+        let mut defaults = Defaults::default();
+        defaults.classes.insert(MAIN.into(), BTreeMap::new());
+        for (k, section) in sections.enumerate() {
+            let name = attribute(section, "class").unwrap_or(MAIN);
+            let inherited =
+                if k == 0 || name == MAIN { defaults.classes[MAIN].clone() } else { BTreeMap::new() };
+            defaults.class(section, name, inherited);
+            if k == 0 {
+                let first = defaults.classes[name].clone();
+                defaults.classes.insert(MAIN.into(), first);
+            }
+        }
+        defaults
+    }
+
+    fn class(&mut self, section: &Element, name: &str, inherited: BTreeMap<String, Element>) {
+        let mut own = inherited;
+        for child in section.children.iter().filter_map(XMLNode::as_element).filter(|e| e.name != "default") {
+            let mut merged = child.clone();
+            if let Some(before) = own.get(&child.name) {
+                inherit(&mut merged, before);
+            }
+            own.insert(child.name.clone(), merged);
+        }
+        self.classes.insert(name.to_string(), own.clone());
+        for inner in section.children.iter().filter_map(XMLNode::as_element).filter(|e| e.name == "default") {
+            if let Some(name) = attribute(inner, "class") {
+                self.class(inner, name, own.clone());
+            }
+        }
+    }
+
+    /// Whether there is such a class.
+    pub fn has(&self, class: &str) -> bool {
+        self.classes.contains_key(class)
+    }
+
+    /// Writes out what an element has by its own class, or the one that its ancestors gave their children.
+    pub fn apply(&self, element: &mut Element, inherited: Option<&str>) {
+        let class = element.attributes.shift_remove("class");
+        let known = [class.as_deref(), inherited].into_iter().flatten().find(|class| self.has(class));
+        if let Some(default) = self.classes[known.unwrap_or(MAIN)].get(&element.name) {
+            inherit(element, default);
+        }
+    }
+}
+
+/// Gives an element what a default has and it has not. Of a list of numbers that is shorter than its default's, the
+/// default has the rest; who gives an orientation undoes that of the default, in whatever way it is given.
+fn inherit(element: &mut Element, default: &Element) {
+    let turned = ORIENTATIONS.iter().any(|name| element.attributes.contains_key(*name));
+    let placed = element.attributes.contains_key("fromto");
+    for (name, value) in &default.attributes {
+        let pose = ORIENTATIONS.contains(&name.as_str());
+        if name == "class" || pose && (turned || placed) || name == "pos" && placed {
+            continue;
+        }
+        match element.attributes.get_mut(name) {
+            None => {
+                element.attributes.insert(name.clone(), value.clone());
+            }
+            Some(own) => {
+                let (given, all) = (numbers(own).len(), value.split_whitespace().collect::<Vec<_>>());
+                if given > 0 && given == own.split_whitespace().count() && given < all.len() {
+                    *own = format!("{own} {}", all[given..].join(" "));
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,389 @@
+//! A model's tree in plain terms that every MuJoCo knows: default classes written out, poses as positions and
+//! quaternions, angles in radians, and the bodies of frames, replicas and attached models where they belong.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::PathBuf;
+
+use nalgebra::{Isometry3, Vector3};
+use xmltree::{Element, XMLNode};
+
+use super::defaults::Defaults;
+use super::left_out::LeftOut;
+use super::mesh_files::{MeshFolder, mesh_name};
+use super::pose::{Angles, numbers, set_pose, vector};
+use super::references::{Name, names, rename, repeated, stands};
+use super::source::{Refused, Source, folder_of, with_slashes};
+use super::{attribute, exact, limits};
+
+/// Elements that a file may come to with all its replicas.
+const GREATEST_TREE: usize = 200_000;
+/// How deep models may be attached to each other.
+const GREATEST_NESTING: usize = 16;
+/// What in a body has nothing to do with where limbs are and what they touch.
+const UNNEEDED: [&str; 3] = ["camera", "light", "plugin"];
+
+/// A model in plain terms.
+pub(super) struct Expanded {
+    /// What the world holds.
+    pub world: Vec<Element>,
+    /// Its meshes, their files with their whole paths.
+    pub meshes: Vec<Element>,
+    /// What names parts of it, each with the section it is in.
+    pub references: Vec<(&'static str, Element)>,
+}
+
+/// Sections whose entries name parts of the body, and the entries that are kept.
+const REFERENCES: [(&str, &[&str]); 4] = [
+    ("contact", &["exclude"]),
+    ("equality", &["joint", "connect", "weld"]),
+    ("custom", &["tuple"]),
+    ("sensor", &["touch", "jointpos", "ballquat"]),
+];
+
+impl Expanded {
+    /// Writes out a model's tree; `nesting` counts the models that it is attached to.
+    ///
+    /// # Errors
+    /// Where it refers to a model that cannot be read, or comes to more than can be.
+    pub fn new(source: &Source, left_out: &mut LeftOut, nesting: usize) -> Result<Expanded, Refused> {
+        let sections = |name: &'static str| {
+            source.root.children.iter().filter_map(XMLNode::as_element).filter(move |e| e.name == name)
+        };
+        let setting = |name: &str| sections("compiler").filter_map(|e| attribute(e, name)).next_back();
+        let defaults = Defaults::new(sections("default"));
+        let assets = || sections("asset").flat_map(|e| &e.children).filter_map(XMLNode::as_element);
+        let colours = assets().filter(|e| e.name == "material").filter_map(|material| {
+            let mut material = material.clone();
+            defaults.apply(&mut material, None);
+            Some((attribute(&material, "name")?.to_string(), attribute(&material, "rgba")?.to_string()))
+        });
+        let folder = MeshFolder::of(source);
+        let meshes = assets().filter(|e| e.name == "mesh").map(|mesh| {
+            let mut mesh = mesh.clone();
+            defaults.apply(&mut mesh, None);
+            folder.settle(&mut mesh);
+            mesh
+        });
+        let mut references = Vec::new();
+        for (section, kept) in REFERENCES {
+            for entry in sections(section).flat_map(|e| &e.children).filter_map(XMLNode::as_element) {
+                if kept.contains(&entry.name.as_str()) {
+                    references.push((section, entry.clone()));
+                } else {
+                    left_out.spare(format!("<{}> in <{section}>", entry.name));
+                }
+            }
+        }
+        let mut expansion = Expansion {
+            source,
+            angles: Angles::new(setting("angle"), setting("eulerseq")),
+            autolimits: setting("autolimits") != Some("false"),
+            colours: colours.collect(),
+            models: assets().filter(|e| e.name == "model").map(|e| (model_name(source, e), e)).collect(),
+            meshes: meshes.collect(),
+            references,
+            defaults,
+            left_out,
+            elements: 0,
+            nesting,
+        };
+        let mut world = Vec::new();
+        for section in sections("worldbody") {
+            world.extend(expansion.children(section, attribute(section, "childclass"))?);
+        }
+        let Expansion { meshes, references, .. } = expansion;
+        Ok(Expanded { world, meshes, references })
+    }
+}
+
+/// The file of a model that can be attached.
+fn model_file(source: &Source, model: &Element) -> Option<PathBuf> {
+    Some(folder_of(&source.path).join(with_slashes(attribute(model, "file")?)))
+}
+
+/// The name of a model that can be attached: its own, or what its file calls it.
+fn model_name(source: &Source, model: &Element) -> String {
+    let told = attribute(model, "name").map(str::to_string);
+    let own = || {
+        let file = model_file(source, model)?;
+        let read = Source::read(&file).ok()?;
+        attribute(&read.root, "model").map(str::to_string)
+    };
+    told.or_else(own).unwrap_or_default()
+}
+
+struct Expansion<'a> {
+    source: &'a Source,
+    angles: Angles,
+    autolimits: bool,
+    defaults: Defaults,
+    /// The colour of each material.
+    colours: BTreeMap<String, String>,
+    /// The models that can be attached, by name.
+    models: BTreeMap<String, &'a Element>,
+    meshes: Vec<Element>,
+    references: Vec<(&'static str, Element)>,
+    left_out: &'a mut LeftOut,
+    elements: usize,
+    nesting: usize,
+}
+
+impl Expansion<'_> {
+    /// What an element of the tree holds, in plain terms; `class` is the one that its ancestors gave their children.
+    fn children(&mut self, parent: &Element, class: Option<&str>) -> Result<Vec<Element>, Refused> {
+        let mut plain = Vec::new();
+        for child in parent.children.iter().filter_map(XMLNode::as_element) {
+            match child.name.as_str() {
+                "body" => plain.push(self.body(child, class)?),
+                "geom" | "site" | "joint" | "freejoint" | "inertial" => plain.push(self.part(child, class)),
+                "frame" => {
+                    let pose = self.angles.pose(child);
+                    let class = attribute(child, "childclass").or(class);
+                    let mut inner = self.children(child, class)?;
+                    inner.iter_mut().for_each(|element| put(element, &pose));
+                    plain.extend(inner);
+                }
+                "replicate" => {
+                    let inner = self.children(child, attribute(child, "childclass").or(class))?;
+                    plain.extend(self.replicate(child, &inner)?);
+                }
+                "attach" => plain.extend(self.attach(child)?),
+                name if UNNEEDED.contains(&name) => self.left_out.spare(format!("<{name}>")),
+                name => self.left_out.lose(format!("<{name}>"), 1),
+            }
+        }
+        self.elements += plain.len();
+        self.bounded(parent, self.elements)?;
+        Ok(plain)
+    }
+
+    /// Refuses a tree of too many elements.
+    fn bounded(&self, at: &Element, elements: usize) -> Result<(), Refused> {
+        if elements <= GREATEST_TREE {
+            return Ok(());
+        }
+        let message = format!(
+            "with all its replicas it comes to more than {GREATEST_TREE} elements; give <replicate> a smaller count"
+        );
+        Err(self.source.files.refused(at, &self.source.path, message))
+    }
+
+    fn body(&mut self, body: &Element, class: Option<&str>) -> Result<Element, Refused> {
+        let mut plain = Element { children: Vec::new(), ..body.clone() };
+        let own = plain.attributes.shift_remove("childclass");
+        if let Some(own) = own.as_deref().filter(|own| !self.defaults.has(own)) {
+            self.left_out.spare(format!("class {own}, which is not there"));
+        }
+        set_pose(&mut plain, &self.angles.pose(body));
+        let children = self.children(body, own.as_deref().filter(|own| self.defaults.has(own)).or(class))?;
+        plain.children = children.into_iter().map(XMLNode::Element).collect();
+        Ok(plain)
+    }
+
+    /// A geom, site or joint, or the inertia of a body, with all that its class says.
+    fn part(&mut self, part: &Element, class: Option<&str>) -> Element {
+        let mut plain = Element { children: Vec::new(), ..part.clone() };
+        // Newer engines take an empty attribute for none.
+        plain.attributes.retain(|_, value| !value.trim().is_empty());
+        if let Some(own) = attribute(&plain, "class").filter(|own| !self.defaults.has(own)) {
+            self.left_out.spare(format!("class {own}, which is not there"));
+        }
+        self.defaults.apply(&mut plain, class);
+        if plain.name == "site" && attribute(&plain, "type") == Some("mesh") {
+            // A site of a mesh is somewhere, too.
+            plain.attributes.shift_remove("type");
+            plain.attributes.shift_remove("mesh");
+        }
+        match plain.name.as_str() {
+            "joint" => self.joint(&mut plain),
+            "freejoint" => {}
+            "inertial" => {
+                let pose = self.angles.pose(&plain);
+                set_pose(&mut plain, &pose);
+                // Newer engines take the body's origin where none is given.
+                plain.attributes.insert("pos".into(), exact(pose.translation.vector.iter()));
+            }
+            _ => {
+                let material = plain.attributes.shift_remove("material");
+                if let Some(colour) = material.and_then(|material| self.colours.get(&material)) {
+                    plain.attributes.entry("rgba".into()).or_insert_with(|| colour.clone());
+                }
+                if attribute(&plain, "fromto").is_none() {
+                    let pose = self.angles.pose(&plain);
+                    set_pose(&mut plain, &pose);
+                }
+            }
+        }
+        plain
+    }
+
+    /// Writes out a joint's angles in radians, and whether it has limits.
+    fn joint(&self, joint: &mut Element) {
+        let kind = attribute(joint, "type").unwrap_or("hinge").to_string();
+        let angular = |name: &str| match name {
+            "range" => matches!(kind.as_str(), "hinge" | "ball"),
+            _ => kind == "hinge",
+        };
+        for name in ["range", "ref", "springref"] {
+            if let Some(value) = joint.attributes.get_mut(name).filter(|_| angular(name)) {
+                let radians: Vec<f64> = numbers(value).into_iter().map(|x| self.angles.radians(x)).collect();
+                *value = exact(&radians);
+            }
+        }
+        let range = attribute(joint, "range").map(numbers).unwrap_or_default();
+        let limited = match attribute(joint, "limited") {
+            Some(told @ ("true" | "false")) => told == "true",
+            _ => self.autolimits && range.iter().any(|&end| end != 0.0),
+        };
+        joint.attributes.insert("limited".into(), limited.to_string());
+    }
+
+    /// Repeats elements, each time moved on by the same way from where they were, their names with the replica's number.
+    fn replicate(&mut self, replicate: &Element, inner: &[Element]) -> Result<Vec<Element>, Refused> {
+        let refused = |message: String| self.source.files.refused(replicate, &self.source.path, message);
+        let count = attribute(replicate, "count").and_then(|count| count.trim().parse::<usize>().ok());
+        let count = count.ok_or_else(|| refused("<replicate> has no count; give it count=\"…\"".into()))?;
+        self.bounded(replicate, self.elements.saturating_add(count.saturating_mul(inner.len())))?;
+        let offset = attribute(replicate, "offset").and_then(vector).unwrap_or_default();
+        let turn = self.angles.orientation(replicate).unwrap_or_default();
+        let step = Isometry3::from_parts(offset.into(), turn);
+        let separator = attribute(replicate, "sep").unwrap_or_default();
+        let digits = count.saturating_sub(1).to_string().len();
+        let suffixed = |k: usize| move |name: &str| format!("{name}{separator}{k:0digits$}");
+        let mut replicated: BTreeSet<Name> = BTreeSet::new();
+        inner.iter().for_each(|element| names(element, &mut replicated));
+        let changes: Vec<_> = (0..count).map(suffixed).collect();
+        let changes: Vec<&dyn Fn(&str) -> String> = changes.iter().map(|change| change as _).collect();
+        for (section, entry) in std::mem::take(&mut self.references) {
+            let entries = repeated(&entry, &replicated, &changes);
+            self.references.extend(entries.into_iter().map(|entry| (section, entry)));
+        }
+        let (mut pose, mut plain) = (Isometry3::identity(), Vec::new());
+        for change in changes {
+            for element in inner {
+                let mut copy = element.clone();
+                rename(&mut copy, change);
+                put(&mut copy, &pose);
+                plain.push(copy);
+            }
+            pose *= step;
+        }
+        self.elements += plain.len();
+        Ok(plain)
+    }
+
+    /// The body of another model, or all of its world, every name with a prefix.
+    fn attach(&mut self, attach: &Element) -> Result<Vec<Element>, Refused> {
+        let refused = |message: String| self.source.files.refused(attach, &self.source.path, message);
+        let name = attribute(attach, "model").unwrap_or_default();
+        let file = self.models.get(name).and_then(|model| model_file(self.source, model)).ok_or_else(|| {
+            refused(format!(
+                "<attach> names the model {name}, which no <asset> has; give one with <model name=\"{name}\" \
+                 file=\"…\"/>"
+            ))
+        })?;
+        if attach.attributes.contains_key("frame") {
+            return Err(refused("<attach> names a frame, which cannot be read; name the body in it".into()));
+        }
+        if !file.is_file() {
+            let model = self.models[name];
+            let message = format!(
+                "model {name} is in {}, which cannot be found; correct the path there",
+                file.display()
+            );
+            return Err(self.source.files.refused(model, &self.source.path, message));
+        }
+        if self.nesting >= GREATEST_NESTING {
+            return Err(refused(
+                "models are attached to each other without end; remove this <attach>".into(),
+            ));
+        }
+        let attached = Source::read(&file)?;
+        limits::check(&attached)?;
+        let Expanded { mut world, meshes, references } =
+            Expanded::new(&attached, self.left_out, self.nesting + 1)?;
+        if let Some(body) = attribute(attach, "body") {
+            let found = world.iter().find_map(|element| find_body(element, body)).cloned();
+            world = vec![found.ok_or_else(|| {
+                refused(format!(
+                    "<attach> names the body {body}, which {} does not have; name one of its bodies",
+                    file.display()
+                ))
+            })?];
+        }
+        let prefix = attribute(attach, "prefix").unwrap_or_default();
+        let prefixed = |name: &str| format!("{prefix}{name}");
+        let mut taken: BTreeSet<Name> = BTreeSet::new();
+        world.iter().for_each(|element| names(element, &mut taken));
+        for (section, entry) in references.iter().filter(|(_, entry)| whole(entry, &taken)) {
+            self.references.extend(repeated(entry, &taken, &[&prefixed]).into_iter().map(|e| (*section, e)));
+        }
+        for mut mesh in meshes {
+            let name = prefixed(&mesh_name(&mesh).unwrap_or_default());
+            mesh.attributes.insert("name".into(), name.clone());
+            // A model may be attached several times.
+            if self.meshes.iter().all(|other| attribute(other, "name") != Some(&name)) {
+                self.meshes.push(mesh);
+            }
+        }
+        for element in &mut world {
+            rename(element, &prefixed);
+            super::each(element, &mut |element| {
+                if let Some(mesh) = element.attributes.get_mut("mesh") {
+                    *mesh = prefixed(mesh);
+                }
+            });
+        }
+        self.elements += world.len();
+        Ok(world)
+    }
+}
+
+/// Whether all that an entry of a section names is there.
+fn whole(entry: &Element, names: &BTreeSet<Name>) -> bool {
+    stands(entry, names) && entry.children.iter().filter_map(XMLNode::as_element).all(|e| stands(e, names))
+}
+
+fn find_body<'a>(element: &'a Element, name: &str) -> Option<&'a Element> {
+    if element.name == "body" && attribute(element, "name") == Some(name) {
+        return Some(element);
+    }
+    element.children.iter().filter_map(XMLNode::as_element).find_map(|child| find_body(child, name))
+}
+
+/// Moves an element of a frame to where it is in what holds the frame.
+fn put(element: &mut Element, pose: &Isometry3<f64>) {
+    if *pose == Isometry3::identity() {
+        return;
+    }
+    let point = |text: Option<&str>| pose * nalgebra::Point3::from(text.and_then(vector).unwrap_or_default());
+    match element.name.as_str() {
+        "freejoint" => {}
+        "joint" => {
+            let kind = attribute(element, "type").unwrap_or("hinge");
+            if kind == "free" {
+                return;
+            }
+            if kind != "ball" {
+                let axis = attribute(element, "axis").and_then(vector).unwrap_or(Vector3::z());
+                let axis = pose.rotation * axis;
+                element.attributes.insert("axis".into(), exact(axis.iter()));
+            }
+            let anchor = point(attribute(element, "pos"));
+            element.attributes.insert("pos".into(), exact(anchor.coords.iter()));
+        }
+        _ => match attribute(element, "fromto").map(numbers).as_deref() {
+            Some([a, b, c, d, e, f]) => {
+                let ends = [Vector3::new(*a, *b, *c), Vector3::new(*d, *e, *f)];
+                let ends = ends.map(|end| pose * nalgebra::Point3::from(end));
+                let ends = exact(ends.iter().flat_map(|end| end.coords.iter()));
+                element.attributes.insert("fromto".into(), ends);
+            }
+            _ => {
+                // Poses are in plain terms by now: a position and a quaternion.
+                let own = Angles::new(None, None).pose(element);
+                set_pose(element, &(pose * own));
+            }
+        },
+    }
+}

@@ -1,0 +1,108 @@
+//! Poses as MJCF writes them: in degrees or radians, by quaternions, axes, or angles in some order.
+
+use nalgebra::{Isometry3, Matrix3, Quaternion, Rotation3, Translation3, UnitQuaternion, Vector3};
+use xmltree::Element;
+
+use super::{attribute, exact};
+
+/// The ways to give an orientation.
+pub(super) const ORIENTATIONS: [&str; 5] = ["quat", "axisangle", "xyaxes", "zaxis", "euler"];
+
+/// How a file gives its angles.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Angles {
+    /// Whether angles are in degrees.
+    degrees: bool,
+    /// The axes of Euler angles in turn; capital letters stand still, small ones turn along.
+    sequence: Vec<u8>,
+}
+
+impl Angles {
+    /// By the settings `angle` and `eulerseq` of a compiler.
+    pub fn new(angle: Option<&str>, sequence: Option<&str>) -> Angles {
+        let sequence = sequence.filter(|sequence| sequence.len() == 3).unwrap_or("xyz");
+        Angles { degrees: angle != Some("radian"), sequence: sequence.as_bytes().to_vec() }
+    }
+
+    /// An angle as written in radians.
+    pub fn radians(&self, angle: f64) -> f64 {
+        if self.degrees { angle.to_radians() } else { angle }
+    }
+
+    fn euler(&self, angles: [f64; 3]) -> UnitQuaternion<f64> {
+        let turns = self.sequence.iter().zip(angles);
+        turns.fold(UnitQuaternion::identity(), |before, (axis, angle)| {
+            let unit = match axis.to_ascii_lowercase() {
+                b'x' => Vector3::x_axis(),
+                b'y' => Vector3::y_axis(),
+                _ => Vector3::z_axis(),
+            };
+            let turn = UnitQuaternion::from_axis_angle(&unit, self.radians(angle));
+            if axis.is_ascii_lowercase() { before * turn } else { turn * before }
+        })
+    }
+
+    /// The orientation that an element gives, if it gives one.
+    pub fn orientation(&self, element: &Element) -> Option<UnitQuaternion<f64>> {
+        let given = |name: &str| attribute(element, name).map(numbers);
+        if let Some([x, y, z]) = given("euler").as_deref() {
+            return Some(self.euler([*x, *y, *z]));
+        }
+        if let Some([x, y, z]) = given("zaxis").as_deref() {
+            return Some(onto(&Vector3::new(*x, *y, *z)));
+        }
+        if let Some([a, b, c, d, e, f]) = given("xyaxes").as_deref() {
+            let x = Vector3::new(*a, *b, *c).try_normalize(0.0)?;
+            let y = Vector3::new(*d, *e, *f);
+            let y = (y - x * x.dot(&y)).try_normalize(0.0)?;
+            let matrix = Matrix3::from_columns(&[x, y, x.cross(&y)]);
+            return Some(UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(matrix)));
+        }
+        if let Some([x, y, z, angle]) = given("axisangle").as_deref() {
+            let axis = Vector3::new(*x, *y, *z).try_normalize(0.0)?;
+            return Some(UnitQuaternion::from_scaled_axis(axis * self.radians(*angle)));
+        }
+        match given("quat").as_deref() {
+            Some([w, x, y, z]) => UnitQuaternion::try_new(Quaternion::new(*w, *x, *y, *z), 0.0),
+            _ => None,
+        }
+    }
+
+    /// The pose that an element gives; what it does not give is zero.
+    pub fn pose(&self, element: &Element) -> Isometry3<f64> {
+        let position = attribute(element, "pos").and_then(vector).unwrap_or_default();
+        let orientation = self.orientation(element).unwrap_or_default();
+        Isometry3::from_parts(Translation3::from(position), orientation)
+    }
+}
+
+/// The rotation that brings the z axis onto a direction by the shortest way, as MuJoCo has it.
+fn onto(direction: &Vector3<f64>) -> UnitQuaternion<f64> {
+    let opposite = || UnitQuaternion::from_axis_angle(&Vector3::x_axis(), std::f64::consts::PI);
+    UnitQuaternion::rotation_between(&Vector3::z(), direction).unwrap_or_else(opposite)
+}
+
+/// The numbers in a text; what is none ends them.
+pub(super) fn numbers(text: &str) -> Vec<f64> {
+    text.split_whitespace().map_while(|number| number.parse().ok()).collect()
+}
+
+/// A vector in a text of three numbers.
+pub(super) fn vector(text: &str) -> Option<Vector3<f64>> {
+    let numbers = numbers(text);
+    (numbers.len() == 3).then(|| Vector3::from_column_slice(&numbers))
+}
+
+/// Writes a pose into an element, in place of the one it has; zero is left out.
+pub(super) fn set_pose(element: &mut Element, pose: &Isometry3<f64>) {
+    for name in ORIENTATIONS.into_iter().chain(["pos"]) {
+        element.attributes.shift_remove(name);
+    }
+    if pose.translation.vector != Vector3::zeros() {
+        element.attributes.insert("pos".into(), exact(pose.translation.vector.iter()));
+    }
+    let turn = &pose.rotation;
+    if turn.imag() != Vector3::zeros() {
+        element.attributes.insert("quat".into(), exact(&[turn.w, turn.i, turn.j, turn.k]));
+    }
+}

@@ -1,0 +1,232 @@
+//! A model's file reduced to what a body schema needs: bodies, joints, geoms, meshes, inertias, and the sensors of
+//! touch and joints.
+//!
+//! What the engine does not know, because the file was written for a newer one, is put in plain terms or left out, and
+//! so is all that has nothing to do with where limbs are and what they can touch. What attributes the engine knows, it
+//! says itself ([`mujoco::schema`](crate::mujoco::schema)).
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use xmltree::{Element, XMLNode};
+
+use super::expand::Expanded;
+use super::left_out::LeftOut;
+use super::mesh_files::{fault, mesh_name};
+use super::references::{Name, names, stands};
+use super::schema::Schema;
+use super::source::{Refused, Source};
+use super::{attribute, each, element, remove};
+
+/// Settings of the compiler that every file in plain terms has alike, or that speak of what is left out.
+const SETTLED: [&str; 7] =
+    ["meshdir", "assetdir", "texturedir", "strippath", "angle", "eulerseq", "autolimits"];
+/// What of the physics is kept.
+const PHYSICS: [&str; 5] = ["timestep", "gravity", "wind", "density", "viscosity"];
+/// The sections that are put in plain terms, or of which something is kept.
+const READ: [&str; 9] =
+    ["compiler", "option", "default", "asset", "worldbody", "contact", "equality", "custom", "sensor"];
+/// Sections that may hold parts of bodies.
+const BODILY: [&str; 1] = ["deformable"];
+/// Attributes of newer engines that change nothing of where limbs are and what they can touch.
+const NEWER: [&str; 24] = [
+    "actuatorfrclimited",
+    "actuatorfrcrange",
+    "actuatorgravcomp",
+    "adhesion",
+    "align",
+    "castshadow",
+    "content_type",
+    "delay",
+    "fuse",
+    "gravcomp",
+    "group",
+    "inertia",
+    "interp",
+    "interval",
+    "material",
+    "maxhullvert",
+    "nsample",
+    "params",
+    "simple",
+    "sleep",
+    "smoothnormal",
+    "springyield",
+    "surfacevel",
+    "user",
+];
+/// The shapes of geoms that limbs can have.
+const SHAPES: [&str; 7] = ["plane", "sphere", "capsule", "ellipsoid", "cylinder", "box", "mesh"];
+
+/// A model in plain terms.
+pub(crate) struct Reduced {
+    /// Its tree.
+    pub root: Element,
+    /// What was left out of it.
+    pub left_out: LeftOut,
+}
+
+impl Reduced {
+    /// Reduces a file; `schema` is the engine's own.
+    ///
+    /// # Errors
+    /// Where the file refers to another that cannot be read, or comes to more than can be.
+    pub fn new(source: &Source, schema: &str) -> Result<Reduced, Refused> {
+        let schema = Schema::parse(schema);
+        let mut left_out = LeftOut::default();
+        let sections = || source.root.children.iter().filter_map(XMLNode::as_element);
+        for section in sections().filter(|section| !READ.contains(&section.name.as_str())) {
+            let what = format!("<{}>", section.name);
+            if BODILY.contains(&section.name.as_str()) {
+                left_out.lose(what, 1)
+            } else {
+                left_out.spare(what)
+            }
+        }
+        for asset in sections().filter(|e| e.name == "asset").flat_map(|e| &e.children) {
+            if let Some(asset) = asset.as_element().filter(|e| !matches!(e.name.as_str(), "mesh" | "model")) {
+                left_out.spare(format!("<{}>", asset.name));
+            }
+        }
+        let expanded = Expanded::new(source, &mut left_out, 0)?;
+        let mut compiler = element("compiler", &[("angle", "radian".into()), ("autolimits", "true".into())]);
+        let mut option = Element::new("option");
+        for section in sections() {
+            for (name, value) in &section.attributes {
+                if section.name == "compiler" && !SETTLED.contains(&name.as_str()) {
+                    compiler.attributes.insert(name.clone(), value.clone());
+                } else if section.name == "option" && PHYSICS.contains(&name.as_str()) {
+                    option.attributes.insert(name.clone(), value.clone());
+                }
+            }
+        }
+        let mut root = Element::new("mujoco");
+        if let Some(name) = source.root.attributes.get("model") {
+            root.attributes.insert("model".into(), name.clone());
+        }
+        let section = |name: &str, children: Vec<Element>| Element {
+            children: children.into_iter().map(XMLNode::Element).collect(),
+            ..Element::new(name)
+        };
+        let mut sections =
+            vec![compiler, option, section("asset", expanded.meshes), section("worldbody", expanded.world)];
+        for name in ["contact", "equality", "custom", "sensor"] {
+            let entries = expanded.references.iter().filter(|(section, _)| *section == name);
+            sections.push(section(name, entries.map(|(_, entry)| entry.clone()).collect()));
+        }
+        for section in &mut sections {
+            let name = section.name.clone();
+            known(section, &name, &schema, &mut left_out);
+        }
+        root.children = sections.into_iter().map(XMLNode::Element).collect();
+        let mut reduced = Reduced { root, left_out };
+        reduced.settle();
+        Ok(reduced)
+    }
+
+    /// A model that is in plain terms already.
+    pub fn plain(root: Element, left_out: LeftOut) -> Reduced {
+        let mut reduced = Reduced { root, left_out };
+        reduced.settle();
+        reduced
+    }
+
+    /// Leaves out what refers to what is not there.
+    fn settle(&mut self) {
+        let Reduced { root, left_out } = self;
+        let mut faulty: BTreeMap<&'static str, BTreeSet<String>> = BTreeMap::new();
+        each(root, &mut |e| {
+            if e.name == "mesh"
+                && let Some(fault) = fault(e)
+            {
+                faulty.entry(fault).or_default().insert(mesh_name(e).unwrap_or_default());
+            }
+        });
+        for (fault, meshes) in &faulty {
+            remove(root, &|e| e.name == "mesh" && mesh_name(e).is_some_and(|name| meshes.contains(&name)));
+            let gone = remove(root, &|e| {
+                e.name == "geom" && attribute(e, "mesh").is_some_and(|mesh| meshes.contains(mesh))
+            });
+            left_out.lose(format!("geom whose mesh {fault}"), gone);
+        }
+        let mut meshes = BTreeSet::new();
+        each(root, &mut |e| {
+            if e.name == "mesh" {
+                meshes.extend(mesh_name(e));
+            }
+        });
+        let gone = remove(root, &|e| {
+            e.name == "geom" && attribute(e, "mesh").is_some_and(|mesh| !meshes.contains(mesh))
+        });
+        left_out.lose("geom whose mesh is not there", gone);
+        for shape in other_shapes(root) {
+            let gone = remove(root, &|e| e.name == "geom" && attribute(e, "type") == Some(&shape));
+            // Height fields are ground, and not of a body.
+            if shape == "hfield" {
+                left_out.spare("<geom> of a height field");
+            } else {
+                left_out.lose(format!("geom of the shape {shape}"), gone);
+            }
+        }
+        let mut there: BTreeSet<Name> = BTreeSet::new();
+        if let Some(world) = root.get_child("worldbody") {
+            names(world, &mut there);
+        }
+        for section in ["contact", "equality", "custom", "sensor"] {
+            if let Some(section) = root.get_mut_child(section) {
+                let gone = remove(section, &|e| !stands(e, &there));
+                section.children.retain(|child| {
+                    child.as_element().is_some_and(|e| e.name != "tuple" || !e.children.is_empty())
+                });
+                for _ in 0..gone {
+                    left_out.spare(format!("entry of <{}> for what is not there", section.name));
+                }
+            }
+        }
+    }
+
+    /// Leaves out a mesh that the engine refuses, and all geoms of it; whether there was such a mesh.
+    pub fn drop_mesh(&mut self, name: &str) -> bool {
+        let found = remove(&mut self.root, &|e| e.name == "mesh" && mesh_name(e).as_deref() == Some(name));
+        if found > 0 {
+            let geoms = remove(&mut self.root, &|e| e.name == "geom" && attribute(e, "mesh") == Some(name));
+            self.left_out.lose(format!("geom of the mesh {name}, which this MuJoCo refuses"), geoms);
+        }
+        found > 0
+    }
+
+    /// The names of its meshes.
+    pub fn meshes(&self) -> Vec<String> {
+        let assets = self.root.get_child("asset").into_iter().flat_map(|asset| &asset.children);
+        assets.filter_map(XMLNode::as_element).filter_map(mesh_name).collect()
+    }
+}
+
+/// The shapes of geoms that no limb can have.
+fn other_shapes(root: &mut Element) -> BTreeSet<String> {
+    let mut shapes = BTreeSet::new();
+    each(root, &mut |e| {
+        let shape = attribute(e, "type").filter(|shape| e.name == "geom" && !SHAPES.contains(shape));
+        shapes.extend(shape.map(str::to_string));
+    });
+    shapes
+}
+
+/// Leaves out attributes that the engine does not know, all over a section.
+fn known(one: &mut Element, section: &str, schema: &Schema, left_out: &mut LeftOut) {
+    let name = one.name.clone();
+    for attribute in one.attributes.keys().cloned().collect::<Vec<_>>() {
+        if attribute == "user" {
+            one.attributes.shift_remove("user");
+        } else if !schema.knows(section, &name, &attribute) {
+            one.attributes.shift_remove(&attribute);
+            if section == "worldbody" && !NEWER.contains(&attribute.as_str()) {
+                left_out.lose(format!("{attribute} of <{name}>, which MuJoCo does not know"), 1);
+            } else {
+                left_out.spare(format!("{attribute} of <{name}>"));
+            }
+        }
+    }
+    one.children.iter_mut().filter_map(XMLNode::as_mut_element).for_each(|child| {
+        known(child, section, schema, left_out);
+    });
+}
