@@ -175,7 +175,7 @@ impl Model {
         unsafe {
             let room = &raw mut (*model.raw.as_ptr()).nconmax;
             if *room >= 0 {
-                *room = (*room).max(LEAST_CONTACTS);
+                *room = (*room).max(LEAST_CONTACTS as _);
             }
         }
         Ok(model)
@@ -201,6 +201,10 @@ fn refusal(message: &str, version: Version) -> String {
 
 /// What the engine passes on from its XML parser, in words: the parser gives codes.
 fn plain(message: &str) -> String {
+    const NOTHING: &str = "it holds no XML";
+    if message.contains("empty file") {
+        return NOTHING.to_string();
+    }
     let field = |name: &str| {
         let (_, rest) = message.split_once(name)?;
         rest.split([' ', ',', ':']).next()
@@ -214,7 +218,7 @@ fn plain(message: &str) -> String {
             let (_, place) = message.rsplit_once("', ").unwrap_or_default();
             format!("it includes {file}, which cannot be found, in {place}")
         }
-        ("EMPTY_DOCUMENT", _) => "it holds no XML".to_string(),
+        ("EMPTY_DOCUMENT", _) => NOTHING.to_string(),
         _ => format!("malformed XML ({}) in line {line}", code.to_lowercase().replace('_', " ")),
     }
 }
