@@ -104,6 +104,8 @@ fn build() -> Result<(), String> {
 
 /// Links the MuJoCo in `folder`, an installation or pip's package, and returns its include folder.
 fn link_folder(folder: &Path) -> Result<PathBuf, String> {
+    // The program looks for the library there, from whichever folder it is started.
+    let folder = &std::path::absolute(folder).unwrap_or_else(|_| folder.to_path_buf());
     let include = folder.join("include");
     let header = include.join("mujoco/mujoco.h");
     if !header.is_file() {

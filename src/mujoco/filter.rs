@@ -88,9 +88,13 @@ impl Model {
                 let (types, affinities) = geoms.fold((0, 0), |all, geom| (all.0 | geom.0, all.1 | geom.1));
                 (*(*raw).body_contype.add(b), *(*raw).body_conaffinity.add(b)) = (types, affinities);
             }
-            // The trees of bounding boxes leave out geoms that did not collide when the model was compiled.
             (*raw).opt.disableflags &= !((ffi::mjDSBL_CONSTRAINT | ffi::mjDSBL_CONTACT) as i32);
-            (*raw).opt.disableflags |= ffi::mjDSBL_MIDPHASE as i32;
+            // The trees of bounding boxes leave out geoms that did not collide when the model was compiled. Convex shapes
+            // are to meet as they do in every version, where newer ones have a way of their own besides.
+            (*raw).opt.disableflags |=
+                (ffi::mjDSBL_MIDPHASE | ffi::mjDSBL_NATIVECCD | ffi::mjDSBL_MULTICCD) as i32;
+            (*raw).opt.enableflags &=
+                !((ffi::mjENBL_NATIVECCD | ffi::mjENBL_MULTICCD | ffi::mjENBL_SPECULATIVE) as i32);
             // The engine draws noise from the process's one generator: with threads it is never the same twice.
             (*raw).opt.enableflags &= !(ffi::mjENBL_SENSORNOISE as i32);
             #[cfg(mujoco_collision_option)]
