@@ -1,8 +1,9 @@
 //! Makes Rust bindings from the MuJoCo headers that are installed, and links its library.
 //!
 //! Structure layouts differ between MuJoCo versions, so nothing is taken from a published binding:
-//! the headers beside the library are the only source. `MUJOCO_DIR` names an installation (the
-//! folder that holds `include/` and `lib/`) to use in place of the system's.
+//! the headers beside the library are the only source. `MUJOCO_DIR` names another MuJoCo to use in place of the
+//! system's: an installation (the folder that holds `include/` and `lib/`) or pip's package (the folder that holds
+//! `include/` and a library whose file name ends in its version).
 
 use std::env;
 use std::panic;
@@ -13,7 +14,7 @@ use std::sync::{Arc, Mutex};
 /// The calls that `src/mujoco` makes; with them bindgen takes along the types that they need.
 const FUNCTIONS: &str = "mj_(version|versionString|loadXML|printSchema|saveLastXML|copyModel|deleteModel|makeData|deleteData|resetData\
 |kinematics|comPos|collision|makeConstraint|projectConstraint|referenceConstraint|forward|step|step1|step2|mulM\
-|contactForce|sensorPos|id2name|name2id\
+|contactForce|sensorPos|id2name\
 |camlight|tendon\
 |defaultVFS|deleteVFS|makeEmptyFileVFS|findFileVFS|addBufferVFS)\
 |mju_(error|warning|warningText)\
@@ -23,10 +24,27 @@ const FUNCTIONS: &str = "mj_(version|versionString|loadXML|printSchema|saveLastX
 const TYPES: &str = "mjModel_?|mjData_?|mjContact_?|mjVFS_?\
 |mjt(Joint|Geom|Obj|Sensor|Warning|Collision|DisableBit|EnableBit|Integrator|Eq|Camera|Texture|CatBit|RndFlag|VisFlag|Framebuffer)_?";
 const VARIABLES: &str = "mju_user_(error|warning)|mjVERSION_HEADER|mjMAXVAL|mjNEQDATA";
+/// Bits of the model's options that some versions lack. Where one is lacking it is no bit at all, zero: to set or to
+/// clear that changes nothing.
+const OPTIONAL_BITS: [&str; 10] = [
+    "mjDSBL_ISLAND",
+    "mjDSBL_MIDPHASE",
+    "mjDSBL_MULTICCD",
+    "mjDSBL_NATIVECCD",
+    "mjENBL_ISLAND",
+    "mjENBL_MULTICCD",
+    "mjENBL_NATIVECCD",
+    "mjENBL_SENSORNOISE",
+    "mjENBL_SLEEP",
+    "mjENBL_SPECULATIVE",
+];
 
 /// How every complaint about MuJoCo itself ends.
 const MUJOCO_MEND: &str = "install Debian's package libmujoco-dev, or set MUJOCO_DIR to the folder \
-of another MuJoCo that holds include/ and lib/";
+of another MuJoCo, an installation with include/ and lib/ or pip's package";
+/// How every complaint about the folder of another MuJoCo ends.
+const FOLDER_MEND: &str = "set MUJOCO_DIR to a folder with include/ and lib/, or to pip's package, which is \
+`mujoco` in its site-packages, or unset it and install Debian's package libmujoco-dev";
 /// How every complaint about bindgen's tool ends.
 const LIBCLANG_MEND: &str = "install Debian's package libclang-dev, or set LIBCLANG_PATH to the \
 folder that holds libclang.so";
@@ -40,7 +58,7 @@ fn main() {
     println!("cargo::rustc-check-cfg=cfg(mujoco_collision_option)");
     println!("cargo::rustc-check-cfg=cfg(mujoco_signature_from_one)");
     println!("cargo::rustc-check-cfg=cfg(mujoco_eq_active0)");
-    println!("cargo::rustc-check-cfg=cfg(mujoco_sensornoise)");
+    println!("cargo::rustc-check-cfg=cfg(mujoco_body_contact_bits)");
     if let Err(sentence) = build() {
         println!("cargo::error={sentence}");
     }
@@ -52,11 +70,16 @@ fn main() {
 /// One sentence that says what is missing and how to mend it.
 fn build() -> Result<(), String> {
     let include = match env::var_os("MUJOCO_DIR").filter(|folder| !folder.is_empty()) {
-        Some(folder) => vec![link_installation(Path::new(&folder))?],
+        Some(folder) => vec![link_folder(Path::new(&folder))?],
         None => link_system()?,
     };
     let headers = Headers::default();
-    let bindings = generate(&include, headers.clone())?;
+    let mut bindings = generate(&include, headers.clone())?;
+    for bit in OPTIONAL_BITS {
+        if !bindings.contains(&format!("const {bit}:")) {
+            bindings.push_str(&format!("pub const {bit}: u32 = 0;\n"));
+        }
+    }
     // Older versions count the two bodies of a pair's signature from one; the header's comment tells.
     let comments = headers.read("mjmodel.h").replace(' ', "");
     if comments.contains("(body1+1)<<16") {
@@ -68,7 +91,7 @@ fn build() -> Result<(), String> {
         ("pub nstack:", "mujoco_nstack"),
         ("pub collision:", "mujoco_collision_option"),
         ("pub eq_active0:", "mujoco_eq_active0"),
-        ("const mjENBL_SENSORNOISE", "mujoco_sensornoise"),
+        ("pub body_contype:", "mujoco_body_contact_bits"),
     ] {
         if bindings.contains(needle) {
             println!("cargo::rustc-cfg={name}");
@@ -79,31 +102,61 @@ fn build() -> Result<(), String> {
         .map_err(|error| format!("cannot write the MuJoCo bindings into {}: {error}", out.display()))
 }
 
-/// Links the MuJoCo in `folder` and returns its include folder.
-fn link_installation(folder: &Path) -> Result<PathBuf, String> {
+/// Links the MuJoCo in `folder`, an installation or pip's package, and returns its include folder.
+fn link_folder(folder: &Path) -> Result<PathBuf, String> {
+    // The program looks for the library there, from whichever folder it is started.
+    let folder = &std::path::absolute(folder).unwrap_or_else(|_| folder.to_path_buf());
     let include = folder.join("include");
-    let library = folder.join("lib");
-    if !include.join("mujoco/mujoco.h").is_file() {
+    let header = include.join("mujoco/mujoco.h");
+    if !header.is_file() {
         return Err(format!(
-            "no MuJoCo header at {}, where MUJOCO_DIR points: set MUJOCO_DIR to the folder that holds \
-             include/ and lib/, or unset it and install Debian's package libmujoco-dev",
-            include.join("mujoco/mujoco.h").display()
+            "no MuJoCo header at {}, where MUJOCO_DIR points: {FOLDER_MEND}",
+            header.display()
         ));
     }
-    let names = ["libmujoco.so", "libmujoco.dylib", "mujoco.lib"];
-    if !names.iter().any(|name| library.join(name).exists()) {
-        return Err(format!(
-            "no MuJoCo library (libmujoco.so) in {}, where MUJOCO_DIR points: set MUJOCO_DIR to the \
-             folder that holds include/ and lib/, or unset it and install Debian's package libmujoco-dev",
-            library.display()
-        ));
-    }
-    println!("cargo::rustc-link-search=native={}", library.display());
-    println!("cargo::rustc-link-lib=dylib=mujoco");
+    // An installation has a folder of libraries; in pip's package the library lies beside the headers' folder.
+    let (place, name) = [folder.join("lib"), folder.to_path_buf()]
+        .into_iter()
+        .find_map(|place| library_in(&place).map(|name| (place, name)))
+        .ok_or_else(|| {
+            format!(
+                "no MuJoCo library (libmujoco.so) in {}, where MUJOCO_DIR points: {FOLDER_MEND}",
+                folder.display()
+            )
+        })?;
+    // Another version that is installed into the same place has another name, or another time.
+    println!("cargo::rerun-if-changed={}", place.join(&name).display());
+    println!("cargo::rustc-link-search=native={}", place.display());
+    println!("cargo::rustc-link-lib=dylib{}", linker_name(&name));
     if !cfg!(windows) {
-        println!("cargo::rustc-link-arg=-Wl,-rpath,{}", library.display());
+        println!("cargo::rustc-link-arg=-Wl,-rpath,{}", place.display());
     }
     Ok(include)
+}
+
+/// The file name of the MuJoCo library in a folder: the plain one, or one with a version, as pip's package has it.
+fn library_in(folder: &Path) -> Option<String> {
+    let entries = std::fs::read_dir(folder).ok()?.flatten();
+    let names = entries.filter_map(|entry| entry.file_name().into_string().ok());
+    // The shortest name is the plain one.
+    names.filter(|name| is_library(name)).min_by_key(|name| (name.len(), name.clone()))
+}
+
+/// Whether a file of this name is MuJoCo's library.
+fn is_library(name: &str) -> bool {
+    let versioned = |rest: &str| rest.is_empty() || rest.starts_with('.');
+    name == "mujoco.lib"
+        || name.strip_prefix("libmujoco.so").is_some_and(versioned)
+        || name.strip_prefix("libmujoco").and_then(|rest| rest.strip_suffix(".dylib")).is_some_and(versioned)
+}
+
+/// How cargo is told of a library by its file name: `=NAME`, or the file itself where a version follows its ending.
+fn linker_name(file: &str) -> String {
+    let stem = file.strip_suffix(".so").or_else(|| file.strip_suffix(".dylib"));
+    match stem.and_then(|stem| stem.strip_prefix("lib")).or_else(|| file.strip_suffix(".lib")) {
+        Some(name) => format!("={name}"),
+        None => format!(":+verbatim={file}"),
+    }
 }
 
 /// Links the system's MuJoCo and returns the include folders that pkg-config knows of, if any.

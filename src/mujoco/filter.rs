@@ -87,12 +87,22 @@ impl Model {
             }
             (*raw).nexclude = 0;
             (*raw).npair = 0;
-            (*raw).opt.disableflags &= !((ffi::mjDSBL_CONSTRAINT | ffi::mjDSBL_CONTACT) as i32);
-            // The engine draws noise from the process's one generator: with threads it is never the same twice.
-            #[cfg(mujoco_sensornoise)]
-            {
-                (*raw).opt.enableflags &= !(ffi::mjENBL_SENSORNOISE as i32);
+            // What newer engines keep of the filters per body.
+            #[cfg(mujoco_body_contact_bits)]
+            for b in 0..self.nbody() {
+                let geoms = self.body(b).geoms.map(&bits);
+                let (types, affinities) = geoms.fold((0, 0), |all, geom| (all.0 | geom.0, all.1 | geom.1));
+                (*(*raw).body_contype.add(b), *(*raw).body_conaffinity.add(b)) = (types, affinities);
             }
+            (*raw).opt.disableflags &= !((ffi::mjDSBL_CONSTRAINT | ffi::mjDSBL_CONTACT) as i32);
+            // The trees of bounding boxes leave out geoms that did not collide when the model was compiled. Convex shapes
+            // are to meet as they do in every version, where newer ones have a way of their own besides.
+            (*raw).opt.disableflags |=
+                (ffi::mjDSBL_MIDPHASE | ffi::mjDSBL_NATIVECCD | ffi::mjDSBL_MULTICCD) as i32;
+            (*raw).opt.enableflags &=
+                !((ffi::mjENBL_NATIVECCD | ffi::mjENBL_MULTICCD | ffi::mjENBL_SPECULATIVE) as i32);
+            // The engine draws noise from the process's one generator: with threads it is never the same twice.
+            (*raw).opt.enableflags &= !(ffi::mjENBL_SENSORNOISE as i32);
             #[cfg(mujoco_collision_option)]
             {
                 (*raw).opt.collision = ffi::mjCOL_DYNAMIC as i32;

@@ -341,7 +341,7 @@ fn load(vfs: &Vfs, version: Version) -> Result<std::result::Result<Model, String
     unsafe {
         let room = &raw mut (*model.raw.as_ptr()).nconmax;
         if *room >= 0 {
-            *room = (*room).max(LEAST_CONTACTS);
+            *room = (*room).max(LEAST_CONTACTS as _);
         }
     }
     Ok(Ok(model))

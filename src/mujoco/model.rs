@@ -1,7 +1,7 @@
 //! The model: a creature and its surroundings as MuJoCo compiled them; constant and shared. Long for its accessors, a few lines
 //! each.
 
-use std::ffi::{CStr, CString};
+use std::ffi::CStr;
 use std::ops::Range;
 use std::ptr::NonNull;
 
@@ -340,16 +340,9 @@ impl Model {
         self.raw().opt.disableflags as u32 & ffi::mjDSBL_SENSOR == 0
     }
 
-    /// Whether the file asks for the noise of its sensors.
-    #[cfg(mujoco_sensornoise)]
+    /// Whether the file asks for the noise of its sensors; newer engines know of no such wish.
     pub fn has_sensor_noise(&self) -> bool {
         self.raw().opt.enableflags as u32 & ffi::mjENBL_SENSORNOISE != 0
-    }
-
-    /// Newer engines know of no such wish: never.
-    #[cfg(not(mujoco_sensornoise))]
-    pub fn has_sensor_noise(&self) -> bool {
-        false
     }
 
     /// The active equality constraints, in the file's order.
@@ -409,12 +402,26 @@ impl Model {
         unsafe { CStr::from_ptr(self.raw().names).to_str().ok() }
     }
 
-    /// The index of the element called `name`, if there is one.
+    /// The index of the element called `name`, if there is one; none of elements that the crate has no word for.
+    ///
+    /// The engine's own index of names is of no use in copies: it goes by counts of excludes and pairs, which a copy may
+    /// have none of.
     pub fn id(&self, object: ObjectKind, name: &str) -> Option<usize> {
-        let name = CString::new(name).ok()?;
-        // SAFETY: the model is valid and the name zero-terminated; an unknown type or name gives -1.
-        let id = unsafe { ffi::mj_name2id(self.raw(), object.to_raw(), name.as_ptr()) };
-        usize::try_from(id).ok()
+        (0..self.count(object)).find(|&i| self.name(object, i) == Some(name))
+    }
+
+    /// How many elements of a type there are; none of those that the crate has no word for.
+    fn count(&self, object: ObjectKind) -> usize {
+        match object {
+            ObjectKind::Body => self.nbody(),
+            ObjectKind::Joint => self.njnt(),
+            ObjectKind::Geom => self.ngeom(),
+            ObjectKind::Site => self.nsite(),
+            ObjectKind::Sensor => self.nsensor(),
+            ObjectKind::Tuple => self.raw().ntuple as usize,
+            ObjectKind::Camera => self.raw().ncam as usize,
+            ObjectKind::Other(_) => 0,
+        }
     }
 
     /// The name of an element, if it has one and it is UTF-8.

@@ -36,7 +36,10 @@ impl Model {
             let option = &raw mut (*raw).opt;
             (*option).timestep = timestep;
             (*option).integrator = ffi::mjINT_EULER as i32;
-            (*option).disableflags |= ffi::mjDSBL_ACTUATION as i32;
+            // Constraints are made anew within a step where things pass through each other: they would no longer be those
+            // of the islands.
+            (*option).disableflags |= (ffi::mjDSBL_ACTUATION | ffi::mjDSBL_ISLAND) as i32;
+            (*option).enableflags &= !((ffi::mjENBL_ISLAND | ffi::mjENBL_SLEEP) as i32);
             if !sensing {
                 (*option).disableflags |= ffi::mjDSBL_SENSOR as i32;
             }
@@ -51,11 +54,11 @@ impl Model {
                 if *(*raw).eq_type.add(equality) as u32 != ffi::mjEQ_JOINT {
                     #[cfg(not(mujoco_eq_active0))]
                     {
-                        *(*raw).eq_active.add(equality) = 0 as _;
+                        *(*raw).eq_active.add(equality) = Default::default();
                     }
                     #[cfg(mujoco_eq_active0)]
                     {
-                        *(*raw).eq_active0.add(equality) = 0 as _;
+                        *(*raw).eq_active0.add(equality) = Default::default();
                     }
                 }
             }

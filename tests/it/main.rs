@@ -12,6 +12,7 @@ mod config;
 mod disturbance;
 mod documents;
 mod dynamic;
+mod engines;
 mod export;
 mod foreign;
 mod frames;
