@@ -213,7 +213,7 @@ impl<'a> Babbler<'a> {
             } else {
                 policy.missed(&ending, &mover.felt_posture().map_err(BabblingError::Engine)?);
                 if motion - last >= fruitless_motions {
-                    return Err(self.no_touch(&effort));
+                    break;
                 }
                 // A body may have got caught in itself, where all ways out begin with the contact that it is in.
                 if (motion - last).is_multiple_of(MOTIONS_PER_BOUT) {

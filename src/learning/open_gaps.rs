@@ -15,8 +15,11 @@ use crate::learning::touch_set::{PreparedTouch, TouchSet};
 use crate::learning::{AxisModel, Parameters};
 use crate::schema::BodySchema;
 
-/// A gap is open when it is wider than this, metres, and than [`DEVIATIONS`].
+/// A gap is open when it is wider than this, metres, and than [`DEVIATIONS`]; …
 const OPEN: f64 = 5e-5;
+/// … where touches are exact: right answers leave a tenth of it, and a wrong axis of a joint that turns little ten times as
+/// much.
+pub const EXACTLY_OPEN: f64 = 5e-6;
 /// Standard deviations of the gaps, as the gaps show it, that a closed gap stays within.
 const DEVIATIONS: f64 = 5.0;
 /// Share of open gaps that false touches may make up in the long run …
@@ -134,13 +137,14 @@ pub fn witnesses(
     exact: bool,
 ) -> TouchSet {
     let model = SurfaceGap::new(agent.skin(), 1.0);
+    let wide = if exact { EXACTLY_OPEN } else { OPEN };
     let mut found = GapTally::new(agent.creature().joints().len());
     let mut number = 0;
     for pair in &touches.pairs {
         for touch in &pair.touches {
             let frames = touch.frames(schema);
             let gap = model.gap(&touch.ends, &frames);
-            let is_open = gap.distance.abs() > OPEN.max(DEVIATIONS * deviation(number));
+            let is_open = gap.distance.abs() > wide.max(DEVIATIONS * deviation(number));
             let elsewhere = exact && !model.is_felt(&touch.ends, &frames, &gap);
             found.add(&pair.chain, is_open || elsewhere);
             number += 1;

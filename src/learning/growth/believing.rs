@@ -18,9 +18,7 @@ const FEW_OPEN: usize = 50;
 /// So many touches against a joint or a limb, and this share of all that tell of it, take it back.
 const CONTRADICTIONS: f64 = 3.0;
 const CONTRADICTED: f64 = 0.08;
-/// After a fit a gap is open that is wider than this, metres: motions stop to a micrometre …
-const OPEN: f64 = 5e-6;
-/// … and than so many standard deviations.
+/// After a fit a gap is open that is wider than [`EXACTLY_OPEN`] and than so many standard deviations.
 const DEVIATIONS: f64 = 5.0;
 /// A joint or a limb is wrong that leaves this share of its touches open, …
 const OPEN_SHARE: f64 = 0.05;
@@ -248,7 +246,7 @@ impl Growth {
     /// The joint or the limb of whose touches among some a fit to them leaves most open, where these are more than chance;
     /// `deviation` is that of a gap, metres.
     pub(super) fn most_open(&self, among: &[usize], schema: &BodySchema, deviation: f64) -> Option<Member> {
-        let wide = OPEN.max(DEVIATIONS * deviation);
+        let wide = EXACTLY_OPEN.max(DEVIATIONS * deviation);
         let model = SurfaceGap::new(self.agent.skin(), 1.0);
         let told = among.iter().map(|&number| {
             let touch = &self.touches[number];

@@ -3,13 +3,16 @@
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
-use super::Growth;
+use super::{Growth, moves};
 use crate::agent::Agent;
 use crate::deadline::Deadline;
 use crate::learning::initial_guess::random_guess;
-use crate::learning::{Basis, Input, Learned, Learner, SecondOrder, Verdict};
+use crate::learning::{Basis, Input, Learned, Learner, Online, SecondOrder, Verdict};
 use crate::schema::BodySchema;
 use crate::senses::Touch;
+
+/// Touches in which all joints move, from which a body is learned at once, at the least.
+const FEWEST_AT_LARGE: usize = 100;
 
 /// The learner `growth`: receptors on known surfaces.
 pub struct Grower<'a> {
@@ -28,6 +31,51 @@ impl<'a> Grower<'a> {
     /// A learner that goes on from what was learned of its first touches while they were made.
     pub fn from(agent: &'a Agent, growth: Growth, seed: u64) -> Grower<'a> {
         Grower { agent, growth, seed, touches: Vec::new() }
+    }
+
+    /// Where no part is found that places anything, all joints at once: from the touches in which all of them move, if there
+    /// are such.
+    fn learn_at_once(&self) -> Learned {
+        let creature = self.agent.creature();
+        let joints = self.growth.known_joints()[1];
+        let at_large = |touch: &&Touch| {
+            let moving = (0..creature.joints().len()).filter(|&joint| moves(creature, joint, &touch.posture));
+            moving.count() >= joints
+        };
+        let mut touches: Vec<&Touch> = self.touches.iter().filter(at_large).collect();
+        if touches.len() < FEWEST_AT_LARGE {
+            touches = self.touches.iter().collect();
+        }
+        if touches.len() >= FEWEST_AT_LARGE {
+            let mut learner = Online::new(self.agent, self.seed);
+            learner.end_at(self.growth.deadline);
+            touches.into_iter().for_each(|touch| learner.touch(touch));
+            let mut learned = learner.learn();
+            learned.initial_guesses += self.growth.starts();
+            // A body that is told to have changed while it babbled did not: nothing was known of it.
+            learned.changes.clear();
+            return learned;
+        }
+        let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
+        let reason = match self.growth.starts() {
+            0 => "no part of the body has touches enough that were made while few joints moved, as growth needs them: babble \
+                  by stages (--policy stages), or use another learner (--learner lm)"
+                .to_string(),
+            starts => format!(
+                "none of {starts} random initial guesses explains the touches of any part of the body; try another seed \
+                 (--seed), or random motions and contact points (--policy random --input contact)"
+            ),
+        };
+        Learned {
+            schema: random_guess(creature, &mut rng),
+            basis: Basis::SURFACES,
+            verdict: Verdict::Failed(reason),
+            initial_guesses: self.growth.starts(),
+            fresh_rms: f64::NAN,
+            account: None,
+            deviation: None,
+            changes: Vec::new(),
+        }
     }
 
     /// The last fit, to all touches that what is known should explain, and what they determine.
@@ -73,31 +121,13 @@ impl Learner for Grower<'_> {
 
     fn learn(&mut self) -> Learned {
         self.growth.grow_all();
-        match self.growth.schema() {
-            Some(schema) => self.conclude(schema),
-            None => Learned {
-                schema: random_guess(
-                    self.agent.creature(),
-                    &mut ChaCha8Rng::seed_from_u64(self.seed),
-                ),
-                basis: Basis::SURFACES,
-                verdict: Verdict::Failed(
-                    match self.growth.starts() {
-                        0 => "no part of the body has touches enough that were made while few joints moved, as growth \
-                              needs them: babble by stages (--policy stages), or use another learner (--learner lm)"
-                            .to_string(),
-                        starts => format!(
-                            "none of {starts} random initial guesses explains the touches of any part of the body; try \
-                             another seed (--seed), or random motions and contact points (--policy random --input contact)"
-                        ),
-                    },
-                ),
-                initial_guesses: self.growth.starts(),
-                fresh_rms: f64::NAN,
-                account: None,
-                deviation: None,
-                changes: Vec::new(),
-            },
+        let grown = self.growth.schema().map(|schema| self.conclude(schema));
+        match grown {
+            Some(grown) if grown.verdict.converged() => grown,
+            grown => {
+                let at_once = self.learn_at_once();
+                grown.filter(|_| !at_once.verdict.converged()).unwrap_or(at_once)
+            }
         }
     }
 

@@ -77,6 +77,11 @@ const ALIKE_UNPLACED: usize = 100;
 /// After so many touches, or this share of all, it is seen what can be learned.
 const EVERY: usize = 6;
 const EVERY_SHARE: usize = 100;
+/// Touches without a first part after which none is looked for any more: of some bodies all touches that few joints make are
+/// alike, or tell nothing.
+const MOST_AT_FIRST: usize = 1500;
+/// The same of starts from random initial guesses: of 40 first parts that were found none took more than 2,600.
+const MOST_STARTS: usize = 4000;
 /// Parts that are tried in vain before more touches are made.
 const TRIED: usize = 2;
 
@@ -190,7 +195,7 @@ impl Growth {
             spare,
             refused: None,
         });
-        let due = self.touches.len() >= self.next;
+        let due = self.touches.len() >= self.next && !self.gave_up();
         if due {
             self.next = self.touches.len() + EVERY.max(self.touches.len() / EVERY_SHARE);
         }
@@ -216,6 +221,11 @@ impl Growth {
     /// Starts from initial guesses made so far.
     pub fn starts(&self) -> usize {
         self.starts
+    }
+
+    /// Whether no first part was found, and none is looked for any more.
+    pub fn gave_up(&self) -> bool {
+        self.belief.is_none() && (self.touches.len() >= MOST_AT_FIRST || self.starts >= MOST_STARTS)
     }
 
     /// The touches so far.
@@ -279,7 +289,7 @@ impl Growth {
 
     /// Learns all that can be learned from the touches so far, for there will be no more; whether that was anything.
     pub fn grow_all(&mut self) -> bool {
-        self.grow_trying(usize::MAX)
+        !self.gave_up() && self.grow_trying(usize::MAX)
     }
 
     fn grow_trying(&mut self, tried: usize) -> bool {

@@ -43,9 +43,10 @@ const AIMS: usize = 8;
 const RETREAT: f64 = 0.5;
 /// Goals that are considered before a motion goes anywhere because none of them promises anything.
 const GOALS: usize = 3;
-/// Starts from random initial guesses after which it is given up to find a first part of the body: of 40 that were found
-/// none took more than 2,600.
-const MOST_STARTS: usize = 4000;
+/// Motions in a row without any touch after which it is given up to find a first part of the body with few joints moving.
+const MOST_IN_VAIN: usize = 3000;
+/// Touches at random with all joints, which are made where no first part was found.
+const AT_RANDOM: usize = 1000;
 /// Motions in a row without a touch that tells anything, after which a body caught in itself starts over.
 const CAUGHT: usize = 12;
 
@@ -84,8 +85,11 @@ pub struct Stages<'a> {
     start: Posture,
     /// What was met last and has not parted since.
     met: Option<Met>,
-    /// Motions in a row that told nothing.
+    /// Motions in a row that told nothing, and that ended in no touch.
     caught: usize,
+    untouched: usize,
+    /// Touches at random with all joints; none where the body grows.
+    at_random: Option<usize>,
     over: bool,
     done: bool,
 }
@@ -149,6 +153,8 @@ impl<'a> Stages<'a> {
             start: Posture::default(),
             met: None,
             caught: 0,
+            untouched: 0,
+            at_random: None,
             over: false,
             done: growth.resolved().iter().all(|&resolved| resolved),
             growth,
@@ -205,7 +211,13 @@ impl<'a> Stages<'a> {
     fn take_stock(&mut self) {
         let grown = std::mem::take(&mut self.grown);
         match self.growth.schema() {
-            None if self.growth.starts() >= MOST_STARTS => self.done = true,
+            None if self.at_random.is_some_and(|touches| touches >= AT_RANDOM) => self.done = true,
+            None if self.at_random.is_some() => {}
+            None if self.growth.gave_up() || self.untouched >= MOST_IN_VAIN => {
+                self.at_random = Some(0);
+                self.free.fill(true);
+                self.over = true;
+            }
             None => self.try_on(),
             Some(_) if grown || self.motions >= self.patience => self.next_goal(),
             Some(_) => {}
@@ -218,6 +230,9 @@ impl Policy for Stages<'_> {
         self.motions += 1;
         self.start = posture.into();
         let first = self.growth.schema().is_none();
+        if self.at_random.is_some() && first {
+            return self.anywhere(rng);
+        }
         if first && self.touches_seldom() && rng.random::<f64>() < REPEATED_AT_FIRST {
             return self.again(rng).unwrap_or_else(|| self.anywhere(rng));
         }
@@ -267,14 +282,18 @@ impl Policy for Stages<'_> {
             let tells = !felt.spare && felt.moving.iter().all(|&joint| self.free[joint]);
             let tells = tells && (!first || felt.freedom >= FREEDOM);
             self.caught = if tells { 0 } else { self.caught + 1 };
-            if tells && first {
-                self.count_trial();
+            self.untouched = 0;
+            match &mut self.at_random {
+                Some(touches) => *touches += 1,
+                None if tells && first => self.count_trial(),
+                None => {}
             }
         }
         self.take_stock();
     }
 
     fn missed(&mut self, ending: &Ending, posture: &[f64]) {
+        self.untouched += 1;
         match ending {
             Ending::Free => {
                 self.live_through(posture);
