@@ -260,8 +260,8 @@ fn mend(root: &mut Element, complaint: &Complaint) -> bool {
     } else {
         return false;
     };
-    let compilers = root.children.iter().filter_map(XMLNode::as_element).filter(|e| e.name == "compiler");
-    let last = compilers.last();
+    let mut compilers = root.children.iter().filter_map(XMLNode::as_element).filter(|e| e.name == "compiler");
+    let last = compilers.next_back();
     if settings.iter().all(|(name, value)| last.is_some_and(|e| attribute(e, name) == Some(value))) {
         return false;
     }
