@@ -31,13 +31,14 @@ impl LeftOut {
     /// nothing was.
     pub fn in_words(&self) -> Option<String> {
         const SHOWN: usize = 4;
-        let kinds = |count: usize, what: &str| {
-            let noun = if count == 1 { "kind" } else { "kinds" };
-            (count > 0).then(|| format!("{count} {noun} of {what}"))
+        let kinds = |count: usize, of: &str| match count {
+            0 => None,
+            1 => Some(format!("1 kind of {of}")),
+            count => Some(format!("{count} kinds of {of}")),
         };
         let lost = self.lost.iter().take(SHOWN).map(|(what, count)| counted(what, *count));
-        let more = kinds(self.lost.len().saturating_sub(SHOWN), "other parts of the body");
-        let unneeded = kinds(self.unneeded.len(), "things that a body schema does not need");
+        let more = kinds(self.lost.len().saturating_sub(SHOWN), "other part of the body");
+        let unneeded = kinds(self.unneeded.len(), "part that a body schema does not need");
         let all: Vec<String> = lost.chain(more).chain(unneeded).collect();
         (!all.is_empty()).then(|| all.join(", "))
     }

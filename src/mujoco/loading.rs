@@ -35,6 +35,9 @@ const LEAST_CONTACTS: i32 = 2000;
 /// bodies that only carry others.
 const LEAST_MASS: [(&str, &str); 2] = [("boundmass", "1e-6"), ("boundinertia", "1e-9")];
 
+/// What the engine says of a body whose geoms weigh too little for it to find where they are heaviest.
+const TOO_LIGHT: [&str; 2] = ["body mass is too small", "alternative for principal axes"];
+
 /// What the engine says of meshes that hold no volume; where a mesh is, its surface tells as well.
 const SURFACE_FAULTS: [&str; 3] = [
     "mesh volume is too small",
@@ -251,7 +254,7 @@ fn mend(root: &mut Element, complaint: &Complaint) -> bool {
         &[("balanceinertia", "true")]
     } else if complaint.message.contains("larger than mjMINVAL") {
         &LEAST_MASS
-    } else if complaint.message.contains("body mass is too small") {
+    } else if TOO_LIGHT.iter().any(|words| complaint.message.contains(words)) {
         return weigh(root, complaint);
     } else if complaint.message.contains("inertia alternative") {
         return unweigh(root, complaint);
@@ -260,8 +263,8 @@ fn mend(root: &mut Element, complaint: &Complaint) -> bool {
     } else {
         return false;
     };
-    let compilers = root.children.iter().filter_map(XMLNode::as_element).filter(|e| e.name == "compiler");
-    let last = compilers.last();
+    let mut compilers = root.children.iter().filter_map(XMLNode::as_element).filter(|e| e.name == "compiler");
+    let last = compilers.next_back();
     if settings.iter().all(|(name, value)| last.is_some_and(|e| attribute(e, name) == Some(value))) {
         return false;
     }

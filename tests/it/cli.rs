@@ -140,7 +140,11 @@ fn wrong_models() -> Vec<(&'static str, Option<String>, Vec<&'static str>)> {
         ("empty.xml", Some(String::new()), vec!["no XML"]),
         ("text.xml", Some("this is no XML".into()), vec![]),
         ("other.xml", Some("<svg/>".into()), vec![]),
-        ("unknown.xml", Some("<mujoco>\n<nonsense/>\n</mujoco>".into()), vec!["nonsense", "line 2"]),
+        (
+            "unknown.xml",
+            Some("<mujoco><worldbody>\n<geom sise='1'/>\n</worldbody></mujoco>".into()),
+            vec!["sise", "line 2"],
+        ),
         (
             "stiff.xml",
             Some("<mujoco><worldbody><body><geom size='1'/></body></worldbody></mujoco>".into()),
@@ -161,7 +165,7 @@ fn wrong_models() -> Vec<(&'static str, Option<String>, Vec<&'static str>)> {
             ),
             vec!["no two of its limbs", "only"],
         ),
-        ("deep.xml", Some("<body>".repeat(2000)), vec!["malformed XML", "line 1"]),
+        ("deep.xml", Some("<body>".repeat(2000)), vec!["deeper than 1000", "line 1"]),
         ("hostile.xml", Some(arms().replacen("0.12 0.2", "1e30 0.2", 1)), vec!["line 5", "1e30"]),
     ]
 }

@@ -170,7 +170,7 @@ fn inertias_stay_and_what_weighs_too_little_is_moved_all_the_same() {
     };
     assert_eq!(heavy(""), 4);
     assert_eq!(heavy("<newer/>"), 4);
-    for scale in [1e-3, 1e-2, 1.0, 1e3] {
+    for scale in [1e-4, 1e-3, 1e-2, 1.0, 1e3, 1e4] {
         let xml = tiny(scale);
         let body = Body::new(Arc::new(Model::from_xml(&xml).unwrap()), &JointSelection::All).unwrap();
         assert_eq!(body.creature.dof(), 3, "{scale}");
@@ -292,7 +292,7 @@ fn the_command_line_tells_what_was_left_out() {
         run(here, &["babble", path, "--touches", "1", "--joints", "elbow", "--out", "/nonexistent/session"]);
     let message = String::from_utf8(babbling.stderr).unwrap();
     let note = message.lines().find(|line| line.contains("was read without")).unwrap_or(&message);
-    assert!(note.contains("geom whose mesh has no file") && note.contains("kinds of things"), "{message}");
+    assert!(note.contains("geom whose mesh has no file") && note.contains("kinds of part that"), "{message}");
 }
 
 #[test]
