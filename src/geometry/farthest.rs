@@ -104,12 +104,12 @@ mod tests {
         let mut rng = ChaCha8Rng::seed_from_u64(1);
         for count in [0, 1, 4, 8, 12, 13, 100, 2000] {
             // All near a ball's surface, as a hull's corners are, and some twice.
-            let mut vector = || Vector3::from_fn(|_, _| rng.random_range(-1.0..1.0));
-            let mut points: Vec<Vector3<f64>> = (0..count).map(|_| 0.3 * vector().normalize()).collect();
+            let mut vector = || -> Vector3<f64> { Vector3::from_fn(|_, _| rng.random_range(-1.0..1.0)) };
+            let mut points: Vec<Vector3<f64>> = (0..count).map(|_| vector().normalize() * 0.3).collect();
             points.extend(points.clone().iter().take(3));
             let grouped = FarthestPoint::new(points.clone());
             for _ in 0..200 {
-                let direction = 5.0 * vector();
+                let direction: Vector3<f64> = vector() * 5.0;
                 let far = points.iter().map(|p| direction.dot(p)).fold(f64::NEG_INFINITY, f64::max);
                 let found = grouped.along(&direction);
                 match count {

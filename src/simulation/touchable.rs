@@ -247,3 +247,63 @@ fn bounded(body: &Body, g: usize) -> Option<BoundedGeom> {
         solid,
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::creature::JointSelection;
+    use crate::ground_truth::GroundTruth;
+    use crate::mujoco::Model;
+
+    /// A box on a trunk and a hand on an arm of two hinges, with more geoms in the hand.
+    fn touchable(more: &str, left_out: &BTreeSet<[usize; 2]>) -> TouchablePairs {
+        let xml = format!(
+            r#"<mujoco>
+  <compiler autolimits="true"/>
+  <asset><mesh name="grain" vertex="0 0 0 .02 0 0 0 .02 0 0 0 .02"/></asset>
+  <worldbody><body name="trunk"><geom type="box" size=".1 .1 .1"/>
+    <body name="arm" pos=".3 0 0"><joint axis="0 0 1" range="-90 90"/><geom size=".02"/>
+      <body name="hand" pos=".3 0 0"><joint axis="0 1 0" range="-90 90"/>
+        <geom type="box" size=".05 .06 .07"/>{more}
+      </body>
+    </body>
+  </body></worldbody>
+</mujoco>"#
+        );
+        let model = Model::from_xml(&xml).unwrap();
+        let body = Body::new(std::sync::Arc::new(model), &JointSelection::All).unwrap();
+        TouchablePairs::new(&body, &GroundTruth::new(&body).unwrap().schema, left_out)
+    }
+
+    fn geom_pairs(touchable: &TouchablePairs) -> Vec<[usize; 2]> {
+        touchable.encounters.keys().copied().collect()
+    }
+
+    #[test]
+    fn what_is_buried_in_another_geom_of_its_limb_meets_nothing() {
+        // The trunk's box is geom 0, the hand's geom 2, what comes after it the others.
+        let open = BTreeSet::new();
+        assert_eq!(geom_pairs(&touchable("", &open)), [[0, 2]]);
+        for inside in [
+            r#"<geom size=".0498"/>"#,
+            r#"<geom type="box" size=".0498 .0598 .0698"/>"#,
+            r#"<geom type="ellipsoid" size=".04 .04 .06"/>"#,
+            r#"<geom type="cylinder" size=".03 .06"/>"#,
+            r#"<geom type="capsule" size=".03 .03"/>"#,
+            r#"<geom type="mesh" mesh="grain"/>"#,
+        ] {
+            assert_eq!(geom_pairs(&touchable(inside, &open)), [[0, 2]], "{inside}");
+            // Where the outer one overlaps by construction, the inner one is all there is to touch.
+            let left_out = BTreeSet::from([[0, 2]]);
+            assert_eq!(geom_pairs(&touchable(inside, &left_out)), [[0, 3]], "{inside}");
+        }
+        for outside in [
+            r#"<geom size=".051"/>"#,
+            r#"<geom type="box" size=".0498 .0598 .0701"/>"#,
+            r#"<geom type="capsule" size=".03 .06"/>"#,
+            r#"<geom type="mesh" mesh="grain" pos=".045 0 0"/>"#,
+        ] {
+            assert_eq!(geom_pairs(&touchable(outside, &open)), [[0, 2], [0, 3]], "{outside}");
+        }
+    }
+}
