@@ -7,6 +7,7 @@ use super::{GrownTouch, Growth};
 use crate::learning::annealing::NARROWEST;
 use crate::learning::least_squares::LeastSquares;
 use crate::learning::online::{Belief, fit_again};
+use crate::learning::open_gaps::EXACTLY_OPEN;
 use crate::learning::prediction::{GapRow, add_row};
 use crate::learning::surface_gap::{SHARPEST, SurfaceGap};
 use crate::learning::touch_set::{TouchProblem, TouchSet};
