@@ -72,14 +72,9 @@ impl LearningOptions {
         }
     }
 
-    /// Whether touches are of receptors on known surfaces.
-    fn has_surfaces(&self) -> bool {
-        (self.input(), self.skin) == (Input::Receptor, SkinKnowledge::Surface)
-    }
-
     /// Whether a body can grow part by part with what is given: by receptors on known surfaces alone, undisturbed.
     pub fn grows(&self) -> bool {
-        self.has_surfaces()
+        self.skin == SkinKnowledge::Surface
             && self.frames == LimbFrames::Joint
             && self.known.is_none()
             && self.disturbances == DisturbanceLevels::default()
@@ -125,10 +120,9 @@ impl LearningOptions {
     /// # Errors
     /// Where limbs in frames of their own cannot be learned.
     pub fn check(&self, creature: &Creature) -> Result<(), ExperimentError> {
-        if self.learner.uses().surfaces_alone && !self.has_surfaces() {
+        if self.learner.uses().surfaces_alone && self.skin != SkinKnowledge::Surface {
             return Err(ExperimentError::refused(format!(
-                "--learner {} learns from receptors on known surfaces alone: leave out --input and --skin, or use \
-                 --learner {}",
+                "--learner {} learns by the surfaces under receptors: leave out --skin, or use --learner {}",
                 self.learner.name(),
                 LEARNERS[0].name()
             )));
@@ -193,7 +187,7 @@ impl LearningOptions {
         grown: Option<&Growth>,
         seed: u64,
     ) -> Box<dyn Learner + 'a> {
-        let goes_on = grown.and_then(|grown| self.learner.goes_on(agent, grown, seed));
+        let goes_on = grown.and_then(|grown| self.learner.goes_on(agent, &self.givens(), grown, seed));
         goes_on.unwrap_or_else(|| self.learner(agent, seed))
     }
 

@@ -103,6 +103,11 @@ pub enum Verdict {
 }
 
 impl Learned {
+    /// How many joints nothing is claimed across; where nothing is claimed at all, more than there are.
+    pub(crate) fn open_joints(&self) -> usize {
+        if self.verdict.converged() { self.undetermined().len() } else { usize::MAX }
+    }
+
     /// How sure the schema is: as sure as the touches make it where it stands up to fresh ones, unknown elsewhere.
     pub fn certainty(&self) -> Certainty {
         match &self.account {

@@ -168,7 +168,7 @@ impl<'a> SecondOrder<'a> {
         self
     }
 
-    fn basis(&self) -> Basis {
+    pub(crate) fn basis(&self) -> Basis {
         Basis { input: self.input, skin: self.knowledge, frames: self.frames }
     }
 

@@ -7,16 +7,19 @@ use super::{Growth, moves};
 use crate::agent::Agent;
 use crate::deadline::Deadline;
 use crate::learning::initial_guess::random_guess;
-use crate::learning::{Basis, Input, Learned, Learner, Online, SecondOrder, Verdict};
+use crate::learning::{Input, Learned, Learner, Online, SecondOrder, Verdict};
 use crate::schema::BodySchema;
 use crate::senses::Touch;
 
 /// Touches in which all joints move, from which a body is learned at once, at the least.
 const FEWEST_AT_LARGE: usize = 100;
 
-/// The learner `growth`: receptors on known surfaces.
+/// The learner `growth`: receptors on known surfaces, and contact points where there are such.
+///
+/// It grows by the surfaces in either case; contact points have the last word.
 pub struct Grower<'a> {
     agent: &'a Agent,
+    input: Input,
     growth: Growth,
     seed: u64,
     touches: Vec<Touch>,
@@ -30,7 +33,17 @@ impl<'a> Grower<'a> {
 
     /// A learner that goes on from what was learned of its first touches while they were made.
     pub fn from(agent: &'a Agent, growth: Growth, seed: u64) -> Grower<'a> {
-        Grower { agent, growth, seed, touches: Vec::new() }
+        Grower { agent, input: Input::Receptor, growth, seed, touches: Vec::new() }
+    }
+
+    /// The same with what touches report.
+    pub fn with_input(self, input: Input) -> Grower<'a> {
+        Grower { input, ..self }
+    }
+
+    /// Whether no more is to be had from the touches: points may tell of joints that surfaces tell nothing of.
+    fn suffices(&self, grown: &Learned) -> bool {
+        self.input == Input::Receptor || grown.undetermined().is_empty()
     }
 
     /// Where no part is found that places anything, all joints at once: from the touches in which all of them move, if there
@@ -47,7 +60,10 @@ impl<'a> Grower<'a> {
             touches = self.touches.iter().collect();
         }
         if touches.len() >= FEWEST_AT_LARGE {
-            let mut learner = Online::new(self.agent, self.seed);
+            let mut learner: Box<dyn Learner> = match self.input {
+                Input::Receptor => Box::new(Online::new(self.agent, self.seed)),
+                Input::Contact => Box::new(SecondOrder::new(self.agent, self.input, self.seed)),
+            };
             learner.end_at(self.growth.deadline);
             touches.into_iter().for_each(|touch| learner.touch(touch));
             let mut learned = learner.learn();
@@ -68,7 +84,7 @@ impl<'a> Grower<'a> {
         };
         Learned {
             schema: random_guess(creature, &mut rng),
-            basis: Basis::SURFACES,
+            basis: SecondOrder::new(self.agent, self.input, self.seed).basis(),
             verdict: Verdict::Failed(reason),
             initial_guesses: self.growth.starts(),
             fresh_rms: f64::NAN,
@@ -86,11 +102,15 @@ impl<'a> Grower<'a> {
             .filter(|&number| {
                 // Those that contradict what is known as well: the account is to hear of them.
                 let grown = &self.growth.touches()[number];
-                !grown.moving.is_empty() && self.growth.lacks(grown).is_nothing()
+                let lacks = self.growth.lacks(grown);
+                // Points place limbs that surfaces do not.
+                let told =
+                    lacks.joints.is_empty() && (lacks.limbs.is_empty() || self.input == Input::Contact);
+                told && !grown.moving.is_empty()
             })
             .collect();
         loop {
-            let mut last = SecondOrder::new(self.agent, Input::Receptor, self.seed);
+            let mut last = SecondOrder::new(self.agent, self.input, self.seed);
             told.iter().for_each(|&number| last.touch(&self.touches[number]));
             let known = vec![true; self.agent.creature().joints().len()];
             let mut learned = last.refine_known(schema, known);
@@ -123,10 +143,11 @@ impl Learner for Grower<'_> {
         self.growth.grow_all();
         let grown = self.growth.schema().map(|schema| self.conclude(schema));
         match grown {
-            Some(grown) if grown.verdict.converged() => grown,
+            Some(grown) if grown.verdict.converged() && self.suffices(&grown) => grown,
             grown => {
                 let at_once = self.learn_at_once();
-                grown.filter(|_| !at_once.verdict.converged()).unwrap_or(at_once)
+                let better = |grown: &Learned| grown.open_joints() <= at_once.open_joints();
+                grown.filter(better).unwrap_or(at_once)
             }
         }
     }

@@ -22,11 +22,17 @@ impl LearnerKind for PartByPart {
         LearnerUses { surfaces: true, surfaces_alone: true, ..LearnerUses::default() }
     }
 
-    fn learner<'a>(&self, agent: &'a Agent, _: &LearnerGivens, seed: u64) -> Box<dyn Learner + 'a> {
-        Box::new(Grower::new(agent, seed))
+    fn learner<'a>(&self, agent: &'a Agent, given: &LearnerGivens, seed: u64) -> Box<dyn Learner + 'a> {
+        Box::new(Grower::new(agent, seed).with_input(given.input))
     }
 
-    fn goes_on<'a>(&self, agent: &'a Agent, grown: &Growth, seed: u64) -> Option<Box<dyn Learner + 'a>> {
-        Some(Box::new(Grower::from(agent, grown.clone(), seed)))
+    fn goes_on<'a>(
+        &self,
+        agent: &'a Agent,
+        given: &LearnerGivens,
+        grown: &Growth,
+        seed: u64,
+    ) -> Option<Box<dyn Learner + 'a>> {
+        Some(Box::new(Grower::from(agent, grown.clone(), seed).with_input(given.input)))
     }
 }

@@ -37,7 +37,13 @@ pub trait LearnerKind: Sync {
     fn learner<'a>(&self, agent: &'a Agent, given: &LearnerGivens, seed: u64) -> Box<dyn Learner + 'a>;
 
     /// The same that goes on from what was learned while the touches were made; none where it makes nothing of that.
-    fn goes_on<'a>(&self, _agent: &'a Agent, _grown: &Growth, _seed: u64) -> Option<Box<dyn Learner + 'a>> {
+    fn goes_on<'a>(
+        &self,
+        _agent: &'a Agent,
+        _given: &LearnerGivens,
+        _grown: &Growth,
+        _seed: u64,
+    ) -> Option<Box<dyn Learner + 'a>> {
         None
     }
 
@@ -79,7 +85,7 @@ pub struct LearnerUses {
     pub known_joints: bool,
     /// Points in frames of the limbs' own.
     pub limb_frames: bool,
-    /// Nothing but receptors on known surfaces.
+    /// Nothing without the surfaces under the receptors.
     pub surfaces_alone: bool,
 }
 
