@@ -63,11 +63,9 @@ fn frames_turn_what_is_in_them_joints_as_well() {
         ("b", [4.0, 1.0, 5.0]),
         ("b", [3.0, 1.0, 0.0]),
         ("b", [3.0, 1.0, 0.0]),
-        ("b", [4.0, 0.0, 0.0].map(|x: f64| x)),
+        // The inner frame's z is the outer one's -y, which is the body's x, and the world's y.
+        ("b", [4.0, 2.0, 0.0]),
     ];
-    let mut expected = expected;
-    // z of the inner frame is -y of the outer one, which is x of the body, and y of the world.
-    expected[4].1 = [4.0, 2.0, 0.0];
     assert_places(xml, &expected);
     let model = Model::from_xml(xml).unwrap();
     let joint = |name: &str| model.joint(model.id(ObjectKind::Joint, name).unwrap());
