@@ -40,9 +40,11 @@ pub struct ConservativeAdvancement {
     free_until: Vec<f64>,
     /// Per pair, which of its geom pairs limited the motion when it was last looked at: most likely it still does.
     limiting: Vec<usize>,
-    /// Per pair of geoms that are not capsules, the normal of the plane that parted them when they were last looked at in
-    /// this motion, in the second limb's frame; zero where there is none. Those of a pair follow one another.
-    planes: Vec<Vector3<f64>>,
+    /// Per pair of geoms, the plane that parted them when they were last looked at, where they are no capsules. Those of a pair
+    /// of limbs follow one another.
+    planes: Vec<PartingPlane>,
+    /// Motions begun.
+    motions: u64,
     /// What the motion starts in contact with, until it has parted.
     start_contact: Option<Encounter>,
     /// Limb pairs looked at, for the statistics.
@@ -92,7 +94,8 @@ impl ConservativeAdvancement {
             acceleration: vec![0.0; count],
             free_until: vec![0.0; count],
             limiting: vec![0; count],
-            planes: vec![Vector3::zeros(); touchable.pairs.iter().map(|pair| pair.geoms.len()).sum()],
+            planes: vec![PartingPlane::default(); touchable.pairs.iter().map(|pair| pair.geoms.len()).sum()],
+            motions: 0,
             start_contact: None,
             checks: 0,
             steps: 0,
@@ -127,8 +130,7 @@ impl ConservativeAdvancement {
             self.acceleration[k] = acceleration;
             self.free_until[k] = if speed > 0.0 { 0.0 } else { f64::INFINITY };
         }
-        // What is known from another motion must not count: bouts are made in any order.
-        self.planes.fill(Vector3::zeros());
+        self.motions += 1;
         self.start_contact = contact;
     }
 
@@ -345,7 +347,7 @@ impl ConservativeAdvancement {
         motion: &PairMotion,
         bounds: [u32; 2],
         gap: &Gap,
-        plane: &mut Vector3<f64>,
+        plane: &mut PartingPlane,
         heeded: f64,
     ) -> f64 {
         let capsules = bounds.map(|bound| &self.world[bound as usize]);
@@ -378,7 +380,7 @@ impl ConservativeAdvancement {
         motion: &PairMotion,
         bounds: [u32; 2],
         about: &Gap,
-        plane: &mut Vector3<f64>,
+        plane: &mut PartingPlane,
         heeded: f64,
     ) -> f64 {
         if about.distance > FAR {
@@ -391,16 +393,17 @@ impl ConservativeAdvancement {
         };
         let orientation = &self.limbs[pair.limbs[1]].frame.rotation;
         let mut guess = about.normal;
-        // The plane that parted them before most likely still does.
-        if *plane != Vector3::zeros() {
-            guess = orientation * *plane;
+        // The plane that parted them before most likely still does. One of another motion must not count, for bouts are
+        // made in any order.
+        if plane.motion == self.motions {
+            guess = orientation * plane.normal;
             let kept = kept_apart(&guess);
             if kept >= heeded {
                 return kept;
             }
         }
         let (distance, normal) = separation(&first, &second, &guess, heeded * self.speed[k]);
-        *plane = orientation.tr_mul(&normal);
+        *plane = PartingPlane { normal: orientation.tr_mul(&normal), motion: self.motions };
         if distance <= NEARLY_MET {
             return 0.0;
         }
@@ -474,6 +477,15 @@ impl ConservativeAdvancement {
             ball.centre = self.limbs[cluster.limb].frame.point(&cluster.ball.centre);
         }
     }
+}
+
+/// A plane that parted two geoms.
+#[derive(Clone, Copy, Debug, Default)]
+struct PartingPlane {
+    /// Its unit normal in the second limb's frame, from the second geom to the first.
+    normal: Vector3<f64>,
+    /// The number of the motion that it was found in; 0 where there is none yet.
+    motion: u64,
 }
 
 /// The ball about a capsule.

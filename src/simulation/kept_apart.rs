@@ -14,6 +14,7 @@ const CLOSE: f64 = 0.05;
 const LOOKS: usize = 4;
 
 /// How long the plane keeps two capsules apart; where it is `heeded` or more, anything from there on.
+#[inline]
 pub(super) fn capsules(
     capsules: [&Capsule; 2],
     motion: &PairMotion,

@@ -32,6 +32,7 @@ pub(super) struct PairMotion {
 
 impl PairMotion {
     /// Of two limbs and their ancestor, all in one frame.
+    #[inline]
     pub fn new(limbs: [&LimbMotion; 2], ancestor: &LimbMotion) -> PairMotion {
         let sides = limbs.map(|limb| Twist {
             omega: limb.omega - ancestor.omega,
@@ -48,11 +49,13 @@ impl PairMotion {
 }
 
 /// Whether `gap + opening h − ½ acceleration h²`, which is not below zero at first, stays above it for longer than `time`.
+#[inline]
 pub(super) fn outlasts(gap: f64, opening: f64, acceleration: f64, time: f64) -> bool {
     gap + (opening - 0.5 * acceleration * time) * time > ROUNDING
 }
 
 /// The time for which `gap + opening h − ½ acceleration h²` stays above zero.
+#[inline]
 pub(super) fn until_zero(gap: f64, opening: f64, acceleration: f64) -> f64 {
     let root = (opening * opening + 2.0 * acceleration * gap).sqrt();
     if opening < 0.0 {
