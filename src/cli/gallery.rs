@@ -15,6 +15,10 @@ const PAGE_FILE: &str = "gallery.md";
 const TABLE_FILE: &str = "gallery.json";
 /// Width and height of a picture, pixels.
 const PICTURE: &str = "320x240";
+/// A claim is not wrong by less than this, millimetres, …
+const NEGLIGIBLE_MM: f64 = 1.0;
+/// … nor where all errors are, in the root mean square, so many times as large as noise makes them at the least.
+const BY_NOISE: f64 = 2.0;
 /// What touches report, in the order of the table's columns.
 const INPUTS: [&str; 2] = ["receptor", "contact"];
 
@@ -81,6 +85,13 @@ struct Came {
     undetermined_limbs: Vec<String>,
     changes: Vec<Value>,
     determined_mm: Option<Errors>,
+    bound_mm: Option<Bound>,
+}
+
+/// Errors beside the least that the touches allow.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+struct Bound {
+    ratio: Option<f64>,
 }
 
 /// Errors of what is claimed, millimetres.
@@ -247,7 +258,7 @@ impl Looked {
                 many => format!(", but for {many} limbs"),
             };
             let changes = if learned.iter().any(|came| !came.changes.is_empty()) { ", CHANGED" } else { "" };
-            let wrong = if worst > 1.0 { " WRONG" } else { "" };
+            let wrong = if learned.iter().any(|came| came.is_wrong()) { " WRONG" } else { "" };
             words.push(format!("learned{of}{except}; worst {} mm{wrong}{changes}", short(worst)));
         }
         if let Some(reason) = not.first().and_then(|came| came.reason.as_ref()) {
@@ -269,6 +280,15 @@ impl Looked {
         let (file, rest) = sentence.split_once(": ").unwrap_or(("", sentence));
         let reason = if Path::new(file).extension().is_some() { rest } else { sentence };
         reason.replace('|', "/")
+    }
+}
+
+impl Came {
+    /// Whether anything that is claimed is off by more than matters, and by more than noisy senses make up for.
+    fn is_wrong(&self) -> bool {
+        let worst = self.determined_mm.as_ref().and_then(|errors| errors.max).unwrap_or(0.0);
+        let ratio = self.bound_mm.as_ref().and_then(|bound| bound.ratio).unwrap_or(f64::INFINITY);
+        worst > NEGLIGIBLE_MM && ratio > BY_NOISE
     }
 }
 
@@ -319,6 +339,7 @@ mod tests {
                 undetermined_limbs: limbs.iter().map(ToString::to_string).collect(),
                 changes: Vec::new(),
                 determined_mm: Some(Errors { max: Some(max) }),
+                bound_mm: None,
             }),
         };
         let [right, wrong] = [came(0.02, &["leg", "eye"]), came(12.5, &[])];

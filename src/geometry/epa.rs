@@ -10,6 +10,10 @@ use super::simplex::{Corner, on_triangle, witnesses};
 
 /// How exact a depth is where no rounding is in the way, metres.
 const EXACT: f64 = 1e-9;
+/// … and of what is deep in each other, as a share of the depth: nobody builds on such a depth but to get out of it.
+const ROUGH: f64 = 1e-3;
+/// What is no deeper than this, metres, is found as exactly as it can be.
+const SHALLOW: f64 = 1e-3;
 /// Most support points looked for: round shapes need them.
 const MOST: usize = 200;
 /// How far a corner may be from a plane that it is in, metres.
@@ -53,7 +57,7 @@ pub(super) fn penetration(support: &dyn Fn(&Vector3<f64>) -> Corner, simplex: &[
         if best.is_none_or(|(least, _)| depth < least) {
             best = Some((depth, nearest.normal));
         }
-        if depth - nearest.offset < EXACT {
+        if depth - nearest.offset < EXACT.max(ROUGH * (depth - SHALLOW)) {
             break;
         }
         // The faces that see the new corner give way to those between it and their outline.

@@ -172,7 +172,7 @@ impl Growth {
     fn mended(&mut self, problem: &PartProblem, mut best: Solved) -> Solved {
         for round in 0..MENDS {
             let creature = self.agent.creature();
-            if !(WORTH_MENDING..AS_GOOD_AS_ALL).contains(&best.share) {
+            if !(WORTH_MENDING..AS_GOOD_AS_ALL).contains(&best.share) || self.deadline.has_passed() {
                 break;
             }
             let mut told: BTreeMap<usize, [f64; 2]> = BTreeMap::new();
@@ -332,7 +332,7 @@ impl Growth {
         schema = points(relaxed, schema, POINT_ITERATIONS);
         schema.normalize_axes(creature);
         schema = points(unit, schema, POINT_ITERATIONS / 2);
-        if misses(touches, &schema) > HOPELESS {
+        if misses(touches, &schema) > HOPELESS || self.deadline.has_passed() {
             return Solved { schema, share: 0.0, given_up: Vec::new(), others: Vec::new() };
         }
         self.closed(problem, schema, number)
