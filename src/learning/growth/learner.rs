@@ -7,7 +7,7 @@ use super::{Growth, moves};
 use crate::agent::Agent;
 use crate::deadline::Deadline;
 use crate::learning::initial_guess::random_guess;
-use crate::learning::{Input, Learned, Learner, Online, SecondOrder, Verdict};
+use crate::learning::{AxisModel, Input, Learned, Learner, Online, Parameters, SecondOrder, Verdict};
 use crate::schema::BodySchema;
 use crate::senses::Touch;
 
@@ -59,7 +59,11 @@ impl<'a> Grower<'a> {
         if touches.len() < FEWEST_AT_LARGE {
             touches = self.touches.iter().collect();
         }
-        if touches.len() >= FEWEST_AT_LARGE {
+        // One equation a touch, of points three.
+        let equations = touches.len() * if self.input == Input::Contact { 3 } else { 1 };
+        let unknowns = Parameters::new(creature, AxisModel::Unit, |_| true).len();
+        let enough = touches.len() >= FEWEST_AT_LARGE && equations >= unknowns;
+        if enough && !self.growth.deadline.has_passed() {
             let mut learner: Box<dyn Learner> = match self.input {
                 Input::Receptor => Box::new(Online::new(self.agent, self.seed)),
                 Input::Contact => Box::new(SecondOrder::new(self.agent, self.input, self.seed)),
