@@ -30,7 +30,7 @@ const INPUTS: [&str; 2] = ["receptor", "contact"];
 #[derive(clap::Args)]
 #[command(after_help = "Examples:
   bodyschema gallery mjcf/hexapod/hexapod.xml mjcf/snake/snake.xml --trials 1 --out bodies    # takes minutes
-  bodyschema gallery mjcf/*/*.xml --trials 3 --out bodies    # takes an hour")]
+  bodyschema gallery mjcf/*/*.xml --trials 3 --out bodies    # takes minutes")]
 pub struct GalleryArguments {
     /// MJCF files of creatures
     #[arg(required = true)]

@@ -5,8 +5,8 @@
 
 use nalgebra::Vector3;
 
-use super::Gap;
 use super::simplex::{Corner, on_triangle, witnesses};
+use super::{Gap, Precision};
 
 /// How exact a depth is where no rounding is in the way, metres.
 const EXACT: f64 = 1e-9;
@@ -31,7 +31,11 @@ struct Face {
 }
 
 /// How deep two bodies are in each other whose difference has the origin inside, or nearly on its surface.
-pub(super) fn penetration(support: &dyn Fn(&Vector3<f64>) -> Corner, simplex: &[Corner]) -> Gap {
+pub(super) fn penetration(
+    support: &dyn Fn(&Vector3<f64>) -> Corner,
+    simplex: &[Corner],
+    precision: Precision,
+) -> Gap {
     let mut corners = spanning(support, simplex);
     let face = |corners: &[Corner], at: [usize; 3]| {
         let [a, b, c] = at.map(|k| corners[k].difference);
@@ -57,7 +61,8 @@ pub(super) fn penetration(support: &dyn Fn(&Vector3<f64>) -> Corner, simplex: &[
         if best.is_none_or(|(least, _)| depth < least) {
             best = Some((depth, nearest.normal));
         }
-        if depth - nearest.offset < EXACT.max(ROUGH * (depth - SHALLOW)) {
+        let deep = if precision == Precision::ExactWhereShallow { depth - SHALLOW } else { 0.0 };
+        if depth - nearest.offset < EXACT.max(ROUGH * deep) {
             break;
         }
         // The faces that see the new corner give way to those between it and their outline.

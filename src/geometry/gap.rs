@@ -134,7 +134,7 @@ pub fn separation(
 }
 
 fn closed_form(a: &dyn ConvexBody, b: &dyn ConvexBody, precision: Precision) -> Option<Gap> {
-    let exact = precision == Precision::Exact;
+    let exact = precision != Precision::LowerBound;
     match (a.as_capsule(), b.as_capsule()) {
         (Some(a), Some(b)) => Some(a.gap(&b)),
         (Some(a), None) if exact => Some(capsule_gap(&a, |p| b.signed_distance(p))),

@@ -33,6 +33,8 @@ const MET: f64 = 1e-9;
 pub enum Precision {
     /// To a nanometre, overlaps included.
     Exact,
+    /// The same where bodies overlap by less than a millimetre; of what is deeper in each other, to a thousandth of the depth.
+    ExactWhereShallow,
     /// A lower bound of the distance, no worse than 5 % below it; not above 0 where the bodies overlap, and then of no
     /// further meaning. The points are near the closest ones at best.
     LowerBound,
@@ -41,7 +43,7 @@ pub enum Precision {
 impl Precision {
     fn most_supports(self) -> usize {
         match self {
-            Precision::Exact => MOST_EXACT,
+            Precision::Exact | Precision::ExactWhereShallow => MOST_EXACT,
             Precision::LowerBound => MOST,
         }
     }
@@ -49,7 +51,7 @@ impl Precision {
     /// Whether it is enough to know that a distance is between these bounds.
     fn is_reached(self, least: f64, most: f64, enough: f64) -> bool {
         match self {
-            Precision::Exact => most - least < EXACT.min(EXACT_SHARE * most),
+            Precision::Exact | Precision::ExactWhereShallow => most - least < EXACT.min(EXACT_SHARE * most),
             Precision::LowerBound => least >= enough.min(GOOD * most),
         }
     }
@@ -72,7 +74,9 @@ pub(super) fn gjk(
     for _ in 0..precision.most_supports() {
         let distance = nearest.point.norm();
         match precision {
-            Precision::Exact if distance < OVERLAPPING => return penetration(support, simplex.corners()),
+            Precision::Exact | Precision::ExactWhereShallow if distance < OVERLAPPING => {
+                return penetration(support, simplex.corners(), precision);
+            }
             Precision::LowerBound if distance < MET || precision.is_reached(best.0, distance, enough) => {
                 break;
             }
@@ -82,7 +86,7 @@ pub(super) fn gjk(
         let corner = support(&-direction);
         let bound = direction.dot(&corner.difference);
         // What is exact has the normal that leads to the nearest point: no other bound counts.
-        if bound > best.0 || precision == Precision::Exact {
+        if bound > best.0 || precision != Precision::LowerBound {
             best = (bound, direction);
         }
         let known = simplex.corners().iter().any(|other| other.difference == corner.difference);
@@ -93,7 +97,9 @@ pub(super) fn gjk(
         let closer = trial.nearest_to_origin();
         if closer.weights.iter().all(|&weight| weight > 0.0) {
             match precision {
-                Precision::Exact => return penetration(support, trial.corners()),
+                Precision::Exact | Precision::ExactWhereShallow => {
+                    return penetration(support, trial.corners(), precision);
+                }
                 Precision::LowerBound => break,
             }
         }
@@ -107,11 +113,11 @@ pub(super) fn gjk(
     }
     let points = witnesses(simplex.corners(), &nearest.weights);
     match precision {
-        Precision::Exact => {
+        Precision::Exact | Precision::ExactWhereShallow => {
             let distance = nearest.point.norm();
             // Of a flat simplex, rounding may hide the way on. So near to contact the polytope finds it.
             if distance < STALLED && distance - best.0 > EXACT {
-                return penetration(support, simplex.corners());
+                return penetration(support, simplex.corners(), precision);
             }
             Gap { distance, normal: nearest.point / distance, points }
         }

@@ -88,7 +88,8 @@ impl<'a> SurfaceGap<'a> {
             Gap { distance, normal, points: [lowest, lowest - normal * distance] }
         };
         match [solid(0), solid(1)] {
-            [Some(a), Some(b)] => gap_from(&a, &b, Precision::Exact, &normal(1)),
+            // How deep wrong limbs are in each other is of no use but to get them out.
+            [Some(a), Some(b)] => gap_from(&a, &b, Precision::ExactWhereShallow, &normal(1)),
             [Some(a), None] => over_patch(a, 1),
             [None, Some(b)] => over_patch(b, 0).reversed(),
             // Two flat patches say little more than that their centres are near.
