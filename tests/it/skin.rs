@@ -314,7 +314,9 @@ fn touch_sensors_that_are_there_stay_and_skin_grows_beside_them() {
     let skin = skin_of(&body);
     let egg = body.creature.limb("egg").unwrap();
     let ids: Vec<&str> = skin.receptors.iter().filter(|r| r.limb == egg).map(|r| r.id.as_str()).collect();
-    assert_eq!(ids, ["own"]);
+    // It lies on a little of it: the rest is not left bare.
+    assert_eq!(ids[0], "own");
+    assert!(ids.len() > 5, "{ids:?}");
     assert!(skin.receptors.len() > 100);
     assert!(body.model.id(ObjectKind::Sensor, "felt").is_some());
     for limb in ["trunk", "ball", "pill", "tube", "brick", "wedge"] {

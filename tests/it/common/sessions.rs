@@ -32,7 +32,7 @@ pub fn max() -> &'static Path {
         let folder = kept("max");
         let model = repository("mjcf/max/max.xml");
         let babble = format!(
-            "bodyschema babble {} --touches {MAX_TOUCHES} --input contact --out max",
+            "bodyschema babble {} --policy random --touches {MAX_TOUCHES} --input contact --out max",
             model.display()
         );
         run(&folder, &babble);
