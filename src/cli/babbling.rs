@@ -68,7 +68,7 @@ pub struct BabbleArguments {
     #[arg(long, value_parser = clap::value_parser!(u16).range(1..=1024), help_heading = "Babbling")]
     pub jobs: Option<u16>,
     /// How motions are chosen; all but random learn a schema on the way to choose by, on one thread [default: stages for
-    /// receptors on known surfaces, undisturbed, without physics and known joints, unless another learner than growth is
+    /// known surfaces, undisturbed, without physics and known joints, unless another learner than growth is
     /// named; else random]
     #[arg(long, value_enum, help_heading = "Babbling")]
     policy: Option<PolicyName>,

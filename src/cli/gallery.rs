@@ -13,6 +13,15 @@ use super::{Failure, Outcome, output, progress};
 const PAGE_FILE: &str = "gallery.md";
 /// The same for programs.
 const TABLE_FILE: &str = "gallery.json";
+/// How the page begins.
+const HEADING: &str = "# Gallery
+
+Touches and seconds are of the sessions by receptors: the median, and in parentheses the most. The worst is the greatest error of skin
+whose place is claimed, in another limb's frame, over random postures.
+
+| | body | joints, DOF | receptors | touches | seconds | by receptors | by contact points |
+|---|---|---|---|---|---|---|---|
+";
 /// Width and height of a picture, pixels.
 const PICTURE: &str = "320x240";
 /// A claim is not wrong by less than this, millimetres, …
@@ -201,16 +210,11 @@ fn told<T: for<'d> Deserialize<'d>>(command: &mut Command) -> Result<Result<T, S
     Ok(Err(if sentence.is_empty() { format!("it ended with {}", output.status) } else { sentence }))
 }
 
-/// The page: a row per body.
+/// The page: a row per body, and the command that made it.
 fn page(rows: &[Row]) -> String {
-    let mut text =
-        "| | body | joints, DOF | receptors | touches | seconds | by receptors | by contact points |\n\
-                    |---|---|---|---|---|---|---|---|\n"
-            .to_string();
-    for row in rows {
-        text += &row.line();
-    }
-    text
+    let mut text = HEADING.to_string();
+    rows.iter().for_each(|row| text += &row.line());
+    text + &format!("\n```text\n{}\n```\n", output::command_line().join(" "))
 }
 
 impl Row {

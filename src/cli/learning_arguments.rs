@@ -16,7 +16,7 @@ use crate::record::Session;
 #[derive(clap::Args, Clone, Debug)]
 #[command(next_help_heading = "Learning")]
 pub struct LearningArguments {
-    /// The learner [default: growth of touches made by stages, from receptors on known surfaces without any disturbance;
+    /// The learner [default: growth of touches made by stages, where surfaces are known and nothing is disturbed;
     /// else lm]
     #[arg(long, value_parser = learners())]
     learner: Option<String>,

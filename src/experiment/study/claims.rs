@@ -255,7 +255,7 @@ fn command(creature: &Embodied, condition: &Condition, seed: u64) -> String {
     words += &format!(" --seed {seed} --touches {}", condition.touches);
     words += &match condition.policy {
         PolicyName::Stages => " --policy stages --learner growth".to_string(),
-        _ => format!(" --input {}", condition.input),
+        _ => format!(" --policy random --input {}", condition.input),
     };
     let levels = [
         ("joint-noise", joint_noise),
