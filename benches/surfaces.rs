@@ -85,7 +85,7 @@ fn main() {
     println!("|---|---|---|---|---|---|---|---|---|");
     let named: Vec<&String> = files.collect();
     for file in &named {
-        match Model::from_path(file).or_else(|_| Model::stripped(file).map(|(model, _)| model)) {
+        match Model::from_path(file) {
             Ok(model) => measure(file, model, seconds),
             Err(error) => println!("| {file} | {error} |"),
         }
