@@ -3,7 +3,7 @@
 
 use std::sync::Arc;
 
-use crate::common::{babble, creature, max, repository, take, two_arms};
+use crate::common::{babble, creature, is_newer_engine, max, repository, take, two_arms};
 use bodyschema::agent::Agent;
 use bodyschema::babbling::Babbler;
 use bodyschema::creature::{Body, DofKind, JointSelection, Posture};
@@ -186,7 +186,9 @@ fn assert_confirmed(name: &str, body: &Body, skin: &Skin, touches: &[Touch]) {
         let mut confirmed = false;
         for (found, contact) in judge.contacts(&touch.posture) {
             let depth = -contact.distance;
-            assert!(depth <= DEEPEST, "{at}: limbs {found:?} are {depth} m deep, the touch is of {limbs:?}");
+            // Newer engines find contacts of round shapes step by step, and the same one not quite as deep each time.
+            let deepest = if is_newer_engine() { 2.0 * DEEPEST } else { DEEPEST };
+            assert!(depth <= deepest, "{at}: limbs {found:?} are {depth} m deep, the touch is of {limbs:?}");
             let same = found == limbs || found == [limbs[1], limbs[0]];
             confirmed |= same && depth >= 0.0;
         }

@@ -21,6 +21,11 @@ use bodyschema::schema::BodySchema;
 use bodyschema::senses::Touch;
 use bodyschema::simulation::{MotionName, Movers};
 
+/// Whether the engine is none of the family that Debian ships: docs/engines.md tells what is otherwise with these.
+pub fn is_newer_engine() -> bool {
+    bodyschema::mujoco::check().unwrap() >= bodyschema::mujoco::Version(300)
+}
+
 /// A file of the repository.
 pub fn repository(path: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join(path)

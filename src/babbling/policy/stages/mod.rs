@@ -44,7 +44,7 @@ const RETREAT: f64 = 0.5;
 /// Goals that are considered before a motion goes anywhere because none of them promises anything.
 const GOALS: usize = 3;
 /// Motions in a row without any touch after which it is given up to find a first part of the body with few joints moving.
-const MOST_IN_VAIN: usize = 3000;
+const MOST_IN_VAIN: usize = 15_000;
 /// Touches at random with all joints, which are made where no first part was found.
 const AT_RANDOM: usize = 1000;
 /// Motions in a row without a touch that tells anything, after which a body caught in itself starts over.
