@@ -65,6 +65,7 @@ struct Looked {
     joints: usize,
     dof: usize,
     receptors: usize,
+    #[serde(skip_serializing)]
     limb_pairs: Vec<LookedPair>,
 }
 
