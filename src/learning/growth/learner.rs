@@ -74,7 +74,10 @@ impl<'a> Grower<'a> {
             learned.initial_guesses += self.growth.starts();
             // A body that is told to have changed while it babbled did not: nothing was known of it.
             learned.changes.clear();
-            return learned;
+            return match self.input {
+                Input::Receptor if learned.verdict.converged() => self.conclude_claims(learned),
+                _ => learned,
+            };
         }
         let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
         let reason = match self.growth.starts() {
@@ -98,11 +101,28 @@ impl<'a> Grower<'a> {
         }
     }
 
+    /// What was learned at once, as far as it stands up to the same as what grew: by the touches between limbs that it claims
+    /// to place.
+    fn conclude_claims(&self, learned: Learned) -> Learned {
+        let claimed = |number: &usize| {
+            let [a, b] = self.growth.touches()[*number].limbs;
+            learned.account.as_ref().is_some_and(|account| account.claims(a, b))
+        };
+        let told: Vec<usize> = (0..self.touches.len()).filter(claimed).collect();
+        if told.len() < FEWEST_AT_LARGE {
+            let reason = "what was found explains touches, but too few of them are between limbs that it places; try more \
+                          touches (--touches) or another seed (--seed)";
+            return Learned { verdict: Verdict::Failed(reason.to_string()), account: None, ..learned };
+        }
+        let concluded = self.conclude_by(&learned.schema, told);
+        Learned { initial_guesses: learned.initial_guesses, ..concluded }
+    }
+
     /// The last fit, to all touches that what is known should explain, and what they determine.
     ///
     /// What leaves gaps open after it is not told of: a wrong axis of a joint that turns little closes its touches nearly.
     fn conclude(&self, schema: &BodySchema) -> Learned {
-        let mut told: Vec<usize> = (0..self.touches.len())
+        let told = (0..self.touches.len())
             .filter(|&number| {
                 // Those that contradict what is known as well: the account is to hear of them.
                 let grown = &self.growth.touches()[number];
@@ -113,6 +133,11 @@ impl<'a> Grower<'a> {
                 told && !grown.moving.is_empty()
             })
             .collect();
+        self.conclude_by(schema, told)
+    }
+
+    /// The same by some touches, of their numbers.
+    fn conclude_by(&self, schema: &BodySchema, mut told: Vec<usize>) -> Learned {
         loop {
             let mut last = SecondOrder::new(self.agent, self.input, self.seed);
             told.iter().for_each(|&number| last.touch(&self.touches[number]));
