@@ -97,10 +97,13 @@ impl<'a> Babbler<'a> {
         &self.movers
     }
 
-    /// Nothing was touched, whatever the effort.
-    fn no_touch<E>(&self, effort: &Effort) -> BabblingError<E> {
+    /// What so many touches cost; fails where some were wanted and there is none.
+    fn ended<E>(&self, wanted: usize, touches: usize, effort: Effort) -> Result<Effort, BabblingError<E>> {
+        if touches > 0 || wanted == 0 {
+            return Ok(effort);
+        }
         let nearest = self.movers.nearest_limbs().ok().flatten();
-        BabblingError::NoTouch { motions: effort.motions, bare: effort.bare, nearest }
+        Err(BabblingError::NoTouch { motions: effort.motions, bare: effort.bare, nearest })
     }
 
     /// Bouts without a single touch after which babbling is given up.
@@ -163,10 +166,8 @@ impl<'a> Babbler<'a> {
             done.store(true, Ordering::Relaxed);
             // Unblocks threads that wait to send.
             drop(receiver);
-            match result? {
-                done if done.touches == 0 && options.touches > 0 => Err(self.no_touch(&done.effort)),
-                done => Ok(done.effort),
-            }
+            let done = result?;
+            self.ended(options.touches, done.touches, done.effort)
         })
     }
 
@@ -223,10 +224,7 @@ impl<'a> Babbler<'a> {
             }
         }
         before += mover.effort();
-        match received {
-            0 if options.touches > 0 => Err(self.no_touch(&before)),
-            _ => Ok(before),
-        }
+        self.ended(options.touches, received, before)
     }
 
     /// Babbles by a policy of the creature's own, named: at random in bouts on all threads, or one motion

@@ -8,7 +8,7 @@ use rand_chacha::ChaCha8Rng;
 use super::{Relation, SelfContact};
 use crate::agent::Agent;
 use crate::creature::{Body, Posture};
-use crate::geometry::{Precision, gap};
+use crate::geometry::{PlacedShape, Precision, gap};
 use crate::ground_truth::GroundTruth;
 use crate::kinematics::limb_frames;
 use crate::mujoco;
@@ -24,8 +24,6 @@ pub struct NearestLimbs {
     pub limbs: [String; 2],
     /// The least gap between them in random postures, metres; 0 or less where they meet.
     pub gap: f64,
-    /// How many postures were looked at.
-    pub postures: usize,
 }
 
 impl NearestLimbs {
@@ -44,11 +42,13 @@ impl NearestLimbs {
         let mut rng = ChaCha8Rng::seed_from_u64(0);
         for _ in 0..POSTURES {
             let frames = limb_frames(creature, &schema, &Posture::random(creature, &mut rng));
+            let placed: Vec<Vec<PlacedShape>> = of_limb
+                .iter()
+                .zip(&frames)
+                .map(|(of_it, frame)| of_it.iter().filter_map(|surface| surface.placed(frame)).collect())
+                .collect();
             for (limbs, least) in &mut least {
-                let [first, second] = limbs.map(|limb| {
-                    let placed = of_limb[limb].iter().filter_map(|surface| surface.placed(&frames[limb]));
-                    placed.collect::<Vec<_>>()
-                });
+                let [first, second] = limbs.map(|limb| &placed[limb]);
                 for (a, b) in first.iter().flat_map(|a| second.iter().map(move |b| (a, b))) {
                     *least = least.min(gap(a, b, Precision::LowerBound).distance);
                 }
@@ -58,18 +58,17 @@ impl NearestLimbs {
         Ok(nearest.map(|(limbs, gap)| NearestLimbs {
             limbs: limbs.map(|limb| creature.limbs()[limb].clone()),
             gap,
-            postures: POSTURES,
         }))
     }
 }
 
 impl std::fmt::Display for NearestLimbs {
     fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
-        let NearestLimbs { limbs: [first, second], gap, postures } = self;
+        let NearestLimbs { limbs: [first, second], gap } = self;
         match *gap > 0.0 {
             true => write!(
                 f,
-                "of all limbs that may touch {first} and {second} come nearest, to {:.2} mm in {postures} random postures: \
+                "of all limbs that may touch {first} and {second} come nearest, to {:.2} mm in {POSTURES} random postures: \
                  give joints wider ranges, or limbs more girth",
                 1e3 * gap
             ),

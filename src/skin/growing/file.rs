@@ -11,7 +11,7 @@ use crate::creature::{Body, BodyError, JointSelection, body_name};
 use crate::geometry::Shape;
 use crate::mjcf_xml::{HALF_THICKNESS, Source, add_receptor_class, element, section, write};
 use crate::mujoco::{self, JointKind, Model, ObjectKind, SensorKind};
-use crate::skin::from_model::touch_sites;
+use crate::skin::from_model::{skin_of, touch_sites};
 
 /// The default class of the receptors' sites.
 const CLASS: &str = "receptor";
@@ -66,7 +66,7 @@ pub fn grow_skin_rooted(path: &Path, root: Option<&str>, options: &GrowOptions) 
             unsuitable("its bodies are not written out in the file: flatten it first".into())
         })?;
     }
-    let sprouts = sprouts(&body, options).map_err(|error| match error {
+    let sprouts = sprouts(&body, &skin_of(&body), options).map_err(|error| match error {
         GrowError::Options(message) => unsuitable(message),
         other => other,
     })?;

@@ -84,7 +84,7 @@ struct Sprout {
 /// fails.
 pub fn grow(body: &Body, options: &GrowOptions) -> Result<Skin, GrowError> {
     let mut skin = skin_of(body);
-    for sprout in sprouts(body, options)? {
+    for sprout in sprouts(body, &skin, options)? {
         let surface = skin.surfaces.iter().position(|surface| surface.geom == sprout.geom);
         let pose = body.pose_in_limb[sprout.body];
         let axes = matrix(&(pose.rotation * sprout.patch.orientation));
@@ -101,11 +101,11 @@ pub fn grow(body: &Body, options: &GrowOptions) -> Result<Skin, GrowError> {
     Ok(skin)
 }
 
-/// All receptors that a creature still wants, geom by geom in the model's order.
-fn sprouts(body: &Body, options: &GrowOptions) -> Result<Vec<Sprout>, GrowError> {
+/// All receptors that a creature still wants beside the `skin` of its model, geom by geom in the model's order.
+fn sprouts(body: &Body, skin: &Skin, options: &GrowOptions) -> Result<Vec<Sprout>, GrowError> {
     let model = &body.model;
     let exposure = Exposure::new(body)?;
-    let own = OwnReceptors::new(body);
+    let own = OwnReceptors::new(body, skin);
     let all: Vec<usize> = exposure.geoms().collect();
     let whole: f64 = all.iter().filter_map(|&g| exposure.surface(g)).map(|s| s.shape.area()).sum();
     let grounds = || -> Vec<Ground> {
@@ -161,14 +161,13 @@ fn sprouts(body: &Body, options: &GrowOptions) -> Result<Vec<Sprout>, GrowError>
 /// The receptors that a model has itself.
 struct OwnReceptors<'a> {
     body: &'a Body,
-    skin: Skin,
+    skin: &'a Skin,
     /// Per geom, its receptors.
     of_geom: Vec<Vec<usize>>,
 }
 
-impl OwnReceptors<'_> {
-    fn new(body: &Body) -> OwnReceptors<'_> {
-        let skin = skin_of(body);
+impl<'a> OwnReceptors<'a> {
+    fn new(body: &'a Body, skin: &'a Skin) -> OwnReceptors<'a> {
         let of_geom = skin.receptors_by_geom(body.model.ngeom());
         OwnReceptors { body, skin, of_geom }
     }
