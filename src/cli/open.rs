@@ -10,6 +10,7 @@ use super::{Failure, Outcome};
 use crate::creature::{Body, JointSelection};
 use crate::experiment::{self, Embodied, ModelSource};
 use crate::ground_truth::GroundTruth;
+use crate::mjcf_xml::unreadable_mesh;
 use crate::mujoco::{Data, LeftOut, Model};
 use crate::record::Session;
 
@@ -93,6 +94,9 @@ pub fn rehearse(path: &Path) -> Outcome {
     command.arg("rehearse").arg("--").arg(path);
     let Ok(output) = command.stdin(Stdio::null()).output() else { return Ok(()) };
     if let Some(reason) = reason(output.status) {
+        if let Some(refused) = unreadable_mesh(path) {
+            return Err(Failure(crate::mujoco::Error::from(refused).to_string()));
+        }
         return Err(Failure(format!(
             "{}: {reason}; look for huge numbers, sizes and meshes in it, or remove parts of it",
             path.display()

@@ -18,23 +18,31 @@ pub(super) struct Defaults {
 
 impl Defaults {
     /// Reads all `<default>` sections of a file, in order. The outermost class is the main one, whatever its name.
-    pub fn new<'a>(sections: impl Iterator<Item = &'a Element>) -> Defaults {
+    ///
+    /// # Errors
+    /// Where a class has no name or that of another, with the element that should have one.
+    pub fn new<'a>(sections: impl Iterator<Item = &'a Element>) -> Result<Defaults, (&'a Element, String)> {
         let mut defaults = Defaults::default();
         defaults.classes.insert(MAIN.into(), BTreeMap::new());
         for (k, section) in sections.enumerate() {
             let name = attribute(section, "class").unwrap_or(MAIN);
             let inherited =
                 if k == 0 || name == MAIN { defaults.classes[MAIN].clone() } else { BTreeMap::new() };
-            defaults.class(section, name, inherited);
+            defaults.class(section, name, inherited)?;
             if k == 0 {
                 let first = defaults.classes[name].clone();
                 defaults.classes.insert(MAIN.into(), first);
             }
         }
-        defaults
+        Ok(defaults)
     }
 
-    fn class(&mut self, section: &Element, name: &str, inherited: BTreeMap<String, Element>) {
+    fn class<'a>(
+        &mut self,
+        section: &'a Element,
+        name: &str,
+        inherited: BTreeMap<String, Element>,
+    ) -> Result<(), (&'a Element, String)> {
         let mut own = inherited;
         for child in section.children.iter().filter_map(XMLNode::as_element).filter(|e| e.name != "default") {
             let mut merged = child.clone();
@@ -45,10 +53,15 @@ impl Defaults {
         }
         self.classes.insert(name.to_string(), own.clone());
         for inner in section.children.iter().filter_map(XMLNode::as_element).filter(|e| e.name == "default") {
-            if let Some(name) = attribute(inner, "class") {
-                self.class(inner, name, own.clone());
+            match attribute(inner, "class").unwrap_or_default() {
+                "" => return Err((inner, "<default> in another has no class; give it class=\"…\"".into())),
+                name if name != MAIN && self.has(name) => {
+                    return Err((inner, format!("there are two classes {name}; rename one")));
+                }
+                name => self.class(inner, name, own.clone())?,
             }
         }
+        Ok(())
     }
 
     /// Whether there is such a class.

@@ -10,10 +10,10 @@ use xmltree::{Element, XMLNode};
 use super::defaults::Defaults;
 use super::left_out::LeftOut;
 use super::mesh_files::{MeshFolder, mesh_name};
-use super::pose::{Angles, numbers, set_pose, vector};
+use super::pose::{Angles, ORIENTATIONS, numbers, set_pose, vector};
 use super::references::{Name, names, rename, repeated, stands};
 use super::source::{Refused, Source, folder_of, with_slashes};
-use super::{attribute, exact, limits};
+use super::{attribute, exact, limits, titled, values};
 
 /// Elements that a file may come to with all its replicas.
 const GREATEST_TREE: usize = 200_000;
@@ -21,6 +21,10 @@ const GREATEST_TREE: usize = 200_000;
 const GREATEST_NESTING: usize = 16;
 /// What in a body has nothing to do with where limbs are and what they touch.
 const UNNEEDED: [&str; 3] = ["camera", "light", "plugin"];
+/// What a frame says besides its pose.
+const FRAME: [&str; 2] = ["name", "childclass"];
+/// What a replicate says besides how each replica is turned.
+const REPLICATE: [&str; 4] = ["count", "offset", "sep", "childclass"];
 
 /// A model in plain terms.
 pub(super) struct Expanded {
@@ -50,7 +54,8 @@ impl Expanded {
             source.root.children.iter().filter_map(XMLNode::as_element).filter(move |e| e.name == name)
         };
         let setting = |name: &str| sections("compiler").filter_map(|e| attribute(e, name)).next_back();
-        let defaults = Defaults::new(sections("default"));
+        let defaults = Defaults::new(sections("default"))
+            .map_err(|(element, message)| source.refused(element, message))?;
         let assets = || sections("asset").flat_map(|e| &e.children).filter_map(XMLNode::as_element);
         let colours = assets().filter(|e| e.name == "material").filter_map(|material| {
             let mut material = material.clone();
@@ -135,16 +140,18 @@ impl Expansion<'_> {
         for child in parent.children.iter().filter_map(XMLNode::as_element) {
             match child.name.as_str() {
                 "body" => plain.push(self.body(child, class)?),
-                "geom" | "site" | "joint" | "freejoint" | "inertial" => plain.push(self.part(child, class)),
+                "geom" | "site" | "joint" | "freejoint" | "inertial" => plain.push(self.part(child, class)?),
                 "frame" => {
                     let pose = self.angles.pose(child);
-                    let class = attribute(child, "childclass").or(class);
+                    self.lose_unknown(child, &FRAME);
+                    let class = self.class(child, "childclass")?.or(class);
                     let mut inner = self.children(child, class)?;
                     inner.iter_mut().for_each(|element| put(element, &pose));
                     plain.extend(inner);
                 }
                 "replicate" => {
-                    let inner = self.children(child, attribute(child, "childclass").or(class))?;
+                    self.lose_unknown(child, &REPLICATE);
+                    let inner = self.children(child, self.class(child, "childclass")?.or(class))?;
                     plain.extend(self.replicate(child, &inner)?);
                 }
                 "attach" => plain.extend(self.attach(child)?),
@@ -157,6 +164,16 @@ impl Expansion<'_> {
         Ok(plain)
     }
 
+    /// Tells what an element has besides these attributes and a pose.
+    fn lose_unknown(&mut self, element: &Element, known: &[&str]) {
+        for name in element.attributes.keys() {
+            let posed = name == "pos" || ORIENTATIONS.contains(&name.as_str());
+            if !posed && !known.contains(&name.as_str()) {
+                self.left_out.lose(format!("{name} of <{}>, which MuJoCo does not know", element.name), 1);
+            }
+        }
+    }
+
     /// Refuses a tree of too many elements.
     fn bounded(&self, at: &Element, elements: usize) -> Result<(), Refused> {
         if elements <= GREATEST_TREE {
@@ -165,29 +182,38 @@ impl Expansion<'_> {
         let message = format!(
             "with all its replicas it comes to more than {GREATEST_TREE} elements; give <replicate> a smaller count"
         );
-        Err(self.source.files.refused(at, &self.source.path, message))
+        Err(self.source.refused(at, message))
     }
 
     fn body(&mut self, body: &Element, class: Option<&str>) -> Result<Element, Refused> {
         let mut plain = Element { children: Vec::new(), ..body.clone() };
-        let own = plain.attributes.shift_remove("childclass");
-        if let Some(own) = own.as_deref().filter(|own| !self.defaults.has(own)) {
-            self.left_out.spare(format!("class {own}, which is not there"));
-        }
+        plain.attributes.shift_remove("childclass");
         set_pose(&mut plain, &self.angles.pose(body));
-        let children = self.children(body, own.as_deref().filter(|own| self.defaults.has(own)).or(class))?;
+        let children = self.children(body, self.class(body, "childclass")?.or(class))?;
         plain.children = children.into_iter().map(XMLNode::Element).collect();
         Ok(plain)
     }
 
+    /// The class that an element names.
+    fn class<'e>(&self, element: &'e Element, attribute: &str) -> Result<Option<&'e str>, Refused> {
+        match super::attribute(element, attribute) {
+            Some(class) if !class.is_empty() && !self.defaults.has(class) => {
+                let message = format!(
+                    "{attribute}=\"{class}\" of {} is the name of no <default>; define that class or correct the name",
+                    titled(element)
+                );
+                Err(self.source.refused(element, message))
+            }
+            class => Ok(class.filter(|class| !class.is_empty())),
+        }
+    }
+
     /// A geom, site or joint, or the inertia of a body, with all that its class says.
-    fn part(&mut self, part: &Element, class: Option<&str>) -> Element {
+    fn part(&mut self, part: &Element, class: Option<&str>) -> Result<Element, Refused> {
+        self.class(part, "class")?;
         let mut plain = Element { children: Vec::new(), ..part.clone() };
         // Newer engines take an empty attribute for none.
         plain.attributes.retain(|_, value| !value.trim().is_empty());
-        if let Some(own) = attribute(&plain, "class").filter(|own| !self.defaults.has(own)) {
-            self.left_out.spare(format!("class {own}, which is not there"));
-        }
         self.defaults.apply(&mut plain, class);
         if plain.name == "site" && attribute(&plain, "type") == Some("mesh") {
             // A site of a mesh is somewhere, too.
@@ -214,7 +240,7 @@ impl Expansion<'_> {
                 }
             }
         }
-        plain
+        Ok(plain)
     }
 
     /// Writes out a joint's angles in radians, and whether it has limits.
@@ -240,9 +266,12 @@ impl Expansion<'_> {
 
     /// Repeats elements, each time moved on by the same way from where they were, their names with the replica's number.
     fn replicate(&mut self, replicate: &Element, inner: &[Element]) -> Result<Vec<Element>, Refused> {
-        let refused = |message: String| self.source.files.refused(replicate, &self.source.path, message);
-        let count = attribute(replicate, "count").and_then(|count| count.trim().parse::<usize>().ok());
+        let refused = |message: String| self.source.refused(replicate, message);
+        let count = attribute(replicate, "count");
         let count = count.ok_or_else(|| refused("<replicate> has no count; give it count=\"…\"".into()))?;
+        let count = count.trim().parse::<usize>().map_err(|_| {
+            refused(format!("count=\"{count}\" of <replicate> is no whole number of 0 or above; give one"))
+        })?;
         self.bounded(replicate, self.elements.saturating_add(count.saturating_mul(inner.len())))?;
         let offset = attribute(replicate, "offset").and_then(vector).unwrap_or_default();
         let turn = self.angles.orientation(replicate).unwrap_or_default();
@@ -274,8 +303,9 @@ impl Expansion<'_> {
 
     /// The body of another model, or all of its world, every name with a prefix.
     fn attach(&mut self, attach: &Element) -> Result<Vec<Element>, Refused> {
-        let refused = |message: String| self.source.files.refused(attach, &self.source.path, message);
-        let name = attribute(attach, "model").unwrap_or_default();
+        let refused = |message: String| self.source.refused(attach, message);
+        let name = attribute(attach, "model").filter(|name| !name.is_empty());
+        let name = name.ok_or_else(|| refused("<attach> names no model; give it model=\"…\"".into()))?;
         let file = self.models.get(name).and_then(|model| model_file(self.source, model)).ok_or_else(|| {
             refused(format!(
                 "<attach> names the model {name}, which no <asset> has; give one with <model name=\"{name}\" \
@@ -291,7 +321,7 @@ impl Expansion<'_> {
                 "model {name} is in {}, which cannot be found; correct the path there",
                 file.display()
             );
-            return Err(self.source.files.refused(model, &self.source.path, message));
+            return Err(self.source.refused(model, message));
         }
         if self.nesting >= GREATEST_NESTING {
             return Err(refused(
@@ -299,7 +329,13 @@ impl Expansion<'_> {
             ));
         }
         let attached = Source::read(&file)?;
+        if attached.root.name != "mujoco" {
+            let message =
+                format!("model {name} is in {}, which is no MJCF; convert it first", file.display());
+            return Err(self.source.refused(self.models[name], message));
+        }
         limits::check(&attached)?;
+        values::check(&attached)?;
         let Expanded { mut world, meshes, references } =
             Expanded::new(&attached, self.left_out, self.nesting + 1)?;
         if let Some(body) = attribute(attach, "body") {

@@ -6,6 +6,7 @@
 use xmltree::{Element, XMLNode};
 
 use super::source::{Refused, Source};
+use super::titled;
 
 /// Greatest length, coordinate or scale accepted, in metres: a thousand kilometres.
 const GREATEST_LENGTH: f64 = 1e6;
@@ -70,13 +71,17 @@ pub(crate) fn check(source: &Source) -> Result<(), Refused> {
 fn within(source: &Source, element: &Element) -> Result<(), Refused> {
     for (attribute, value) in &element.attributes {
         let Some(greatest) = greatest(&element.name, attribute) else { continue };
-        if let Some(number) = excess(value, greatest) {
-            let message = format!(
-                "{attribute}=\"{number}\" of <{}> is beyond {greatest}, the greatest that MuJoCo takes safely; give a \
-                 smaller number",
-                element.name
-            );
-            return Err(source.files.refused(element, &source.path, message));
+        if let Some(token) = excess(value, greatest) {
+            let title = titled(element);
+            let message = if number(token).is_some_and(f64::is_finite) {
+                format!(
+                    "{attribute}=\"{token}\" of {title} is beyond {greatest}, the greatest that MuJoCo takes safely; give \
+                     a smaller number"
+                )
+            } else {
+                format!("{attribute}=\"{token}\" of {title} is no finite number; give one")
+            };
+            return Err(source.refused(element, message));
         }
     }
     element.children.iter().filter_map(XMLNode::as_element).try_for_each(|child| within(source, child))

@@ -5,7 +5,8 @@ use std::path::{Path, PathBuf};
 use xmltree::{Element, XMLNode};
 
 use super::attribute;
-use super::source::{Source, whole_folder_of, with_slashes};
+use super::mesh_corners::corners;
+use super::source::{Refused, Source, whole_folder_of, with_slashes};
 
 /// The kinds of files that the engine reads meshes from.
 const KINDS: [&str; 3] = ["stl", "obj", "msh"];
@@ -47,19 +48,63 @@ pub(super) fn mesh_name(mesh: &Element) -> Option<String> {
     attribute(mesh, "name").map(str::to_string).or_else(stem)
 }
 
+/// The kind of a file by its name, in small letters.
+pub(super) fn kind(file: &Path) -> String {
+    file.extension().and_then(|kind| kind.to_str()).unwrap_or_default().to_ascii_lowercase()
+}
+
+/// Gives a mesh the corners of its file in the place of the file, or takes its faces from it, so that the engine makes its
+/// hull; whether there was anything to be changed.
+pub(super) fn take_corners(mesh: &mut Element) -> bool {
+    if let Some(corners) = attribute(mesh, "file").and_then(|file| corners(Path::new(file))) {
+        let corners: Vec<String> = corners.as_flattened().iter().map(f32::to_string).collect();
+        mesh.attributes.shift_remove("file");
+        mesh.attributes.insert("vertex".into(), corners.join(" "));
+        return true;
+    }
+    mesh.attributes.contains_key("vertex") && mesh.attributes.shift_remove("face").is_some()
+}
+
+/// A refusal of a model by the first of its meshes whose file cannot be read, where there is one.
+pub(crate) fn unreadable_mesh(path: &Path) -> Option<Refused> {
+    let source = Source::read(path).ok()?;
+    let folder = MeshFolder::of(&source);
+    let root = if source.root.name == "robot" {
+        super::urdf_to_mjcf(&source).ok()?.root
+    } else {
+        source.root.clone()
+    };
+    let assets = root.children.iter().filter_map(XMLNode::as_element).filter(|e| e.name == "asset");
+    let meshes =
+        assets.flat_map(|e| &e.children).filter_map(XMLNode::as_element).filter(|e| e.name == "mesh");
+    { meshes }.find_map(|mesh| {
+        let mut settled = mesh.clone();
+        folder.settle(&mut settled);
+        let file = PathBuf::from(attribute(&settled, "file")?);
+        let sound = kind(&file) == "msh" || corners(&file).is_some();
+        (file.is_file() && !sound).then(|| {
+            let message = format!(
+                "the mesh {} cannot be read as STL or OBJ; correct the file or the path there",
+                file.display()
+            );
+            source.refused(mesh, message)
+        })
+    })
+}
+
 /// Why the engine cannot read a mesh, as far as that can be told from outside.
 pub(super) fn fault(mesh: &Element) -> Option<&'static str> {
     if attribute(mesh, "vertex").is_some() {
         return None;
     }
     let Some(file) = attribute(mesh, "file").map(Path::new) else {
-        return Some("is made by the engine it was written for");
+        return Some("has neither file nor vertices, or is made by the engine it was written for");
     };
-    let kind = file.extension().and_then(|kind| kind.to_str()).unwrap_or_default().to_ascii_lowercase();
+    let kind = kind(file);
     if !file.is_file() {
         Some("has no file")
     } else if !KINDS.contains(&kind.as_str()) {
-        Some("is in a file that is not STL, OBJ or MSH")
+        Some("is in a file that is not STL, OBJ, PLY or MSH")
     } else {
         None
     }

@@ -6,6 +6,7 @@ mod expand;
 mod hulls;
 mod left_out;
 mod limits;
+mod mesh_corners;
 mod mesh_files;
 mod pose;
 mod reduce;
@@ -13,14 +14,17 @@ mod references;
 mod schema;
 mod source;
 mod urdf;
+mod values;
 mod write;
 
 pub(crate) use hulls::open_meshes;
 pub use left_out::LeftOut;
 pub(crate) use limits::check as check_limits;
+pub(crate) use mesh_files::unreadable_mesh;
 pub(crate) use reduce::Reduced;
-pub(crate) use source::{Files, Refused, Source};
+pub(crate) use source::{Refused, Source, place};
 pub(crate) use urdf::to_mjcf as urdf_to_mjcf;
+pub(crate) use values::check as check_values;
 pub(crate) use write::{Texts, numbered, write};
 
 use xmltree::{Element, XMLNode};
@@ -72,6 +76,12 @@ pub(crate) fn add_receptor_class(root: &mut Element, name: &str) {
 pub(crate) fn exact<'a>(values: impl IntoIterator<Item = &'a f64>) -> String {
     // Adding zero turns -0 into 0.
     values.into_iter().map(|value| (value + 0.0).to_string()).collect::<Vec<_>>().join(" ")
+}
+
+/// What a person calls an element: its tag, and its name where it has one.
+pub(crate) fn titled(element: &Element) -> String {
+    let name = attribute(element, "name").map(|name| format!(" {name}")).unwrap_or_default();
+    format!("<{}>{name}", element.name)
 }
 
 /// An attribute of an element.

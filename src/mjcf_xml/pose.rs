@@ -49,7 +49,7 @@ impl Angles {
             return Some(self.euler([*x, *y, *z]));
         }
         if let Some([x, y, z]) = given("zaxis").as_deref() {
-            return Some(onto(&Vector3::new(*x, *y, *z)));
+            return Some(onto(&Vector3::new(*x, *y, *z).try_normalize(0.0)?));
         }
         if let Some([a, b, c, d, e, f]) = given("xyaxes").as_deref() {
             let x = Vector3::new(*a, *b, *c).try_normalize(0.0)?;

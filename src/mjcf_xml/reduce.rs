@@ -11,11 +11,11 @@ use xmltree::{Element, XMLNode};
 
 use super::expand::Expanded;
 use super::left_out::LeftOut;
-use super::mesh_files::{fault, mesh_name};
+use super::mesh_files::{fault, mesh_name, take_corners};
 use super::references::{Name, names, stands};
 use super::schema::Schema;
 use super::source::{Refused, Source};
-use super::{attribute, each, element, remove};
+use super::{attribute, each, element, remove, titled};
 
 /// Settings of the compiler that every file in plain terms has alike, or that speak of what is left out.
 const SETTLED: [&str; 7] =
@@ -25,6 +25,9 @@ const PHYSICS: [&str; 5] = ["timestep", "gravity", "wind", "density", "viscosity
 /// The sections that are put in plain terms, or of which something is kept.
 const READ: [&str; 9] =
     ["compiler", "option", "default", "asset", "worldbody", "contact", "equality", "custom", "sensor"];
+/// What is of the world and what is in it.
+const OF_BODIES: [&str; 10] =
+    ["body", "geom", "site", "joint", "freejoint", "inertial", "frame", "replicate", "attach", "composite"];
 /// Sections that may hold parts of bodies.
 const BODILY: [&str; 1] = ["deformable"];
 /// Attributes of newer engines that change nothing of where limbs are and what they can touch.
@@ -76,6 +79,10 @@ impl Reduced {
         let sections = || source.root.children.iter().filter_map(XMLNode::as_element);
         for section in sections().filter(|section| !READ.contains(&section.name.as_str())) {
             let what = format!("<{}>", section.name);
+            if OF_BODIES.contains(&section.name.as_str()) {
+                let message = format!("{} stands outside of <worldbody>; put it there", titled(section));
+                return Err(source.refused(section, message));
+            }
             if BODILY.contains(&section.name.as_str()) {
                 left_out.lose(what, 1)
             } else {
@@ -87,10 +94,19 @@ impl Reduced {
                 left_out.spare(format!("<{}>", asset.name));
             }
         }
+        for default in sections().filter(|e| e.name == "default") {
+            lose_unknown_defaults(default, &mut left_out);
+        }
         let expanded = Expanded::new(source, &mut left_out, 0)?;
         let mut compiler = element("compiler", &[("angle", "radian".into()), ("autolimits", "true".into())]);
         let mut option = Element::new("option");
         for section in sections() {
+            // What is wrong in one is looked for in its line.
+            match section.name.as_str() {
+                "compiler" => compiler.namespace.clone_from(&section.namespace),
+                "option" => option.namespace.clone_from(&section.namespace),
+                _ => {}
+            }
             for (name, value) in &section.attributes {
                 if section.name == "compiler" && !SETTLED.contains(&name.as_str()) {
                     compiler.attributes.insert(name.clone(), value.clone());
@@ -135,6 +151,9 @@ impl Reduced {
         let Reduced { root, left_out } = self;
         let mut faulty: BTreeMap<&'static str, BTreeSet<String>> = BTreeMap::new();
         each(root, &mut |e| {
+            if e.name == "mesh" && fault(e).is_some() && take_corners(e) {
+                return;
+            }
             if e.name == "mesh"
                 && let Some(fault) = fault(e)
             {
@@ -184,12 +203,28 @@ impl Reduced {
         }
     }
 
+    /// Has the engine make the hull of a mesh whose faces it refuses; whether there was such a mesh.
+    pub fn take_hull(&mut self, name: &str) -> bool {
+        let mut found = false;
+        each(&mut self.root, &mut |e| {
+            if e.name == "mesh" && mesh_name(e).as_deref() == Some(name) && take_corners(e) {
+                found = true;
+            }
+        });
+        if found {
+            self.left_out.spare("faces of a mesh, of which the hull is made");
+        }
+        found
+    }
+
     /// Leaves out a mesh that the engine refuses, and all geoms of it; whether there was such a mesh.
-    pub fn drop_mesh(&mut self, name: &str) -> bool {
+    /// `reason` is what the engine says of it.
+    pub fn drop_mesh(&mut self, name: &str, reason: &str) -> bool {
         let found = remove(&mut self.root, &|e| e.name == "mesh" && mesh_name(e).as_deref() == Some(name));
         if found > 0 {
             let geoms = remove(&mut self.root, &|e| e.name == "geom" && attribute(e, "mesh") == Some(name));
-            self.left_out.lose(format!("geom of the mesh {name}, which this MuJoCo refuses"), geoms);
+            self.left_out
+                .lose(format!("geom of the mesh {name}, which this MuJoCo refuses: {reason}"), geoms);
         }
         found > 0
     }
@@ -198,6 +233,42 @@ impl Reduced {
     pub fn meshes(&self) -> Vec<String> {
         let assets = self.root.get_child("asset").into_iter().flat_map(|asset| &asset.children);
         assets.filter_map(XMLNode::as_element).filter_map(mesh_name).collect()
+    }
+}
+
+/// What a default class can be of, in any version of the engine.
+const DEFAULTS: [&str; 21] = [
+    "mesh",
+    "material",
+    "joint",
+    "geom",
+    "site",
+    "camera",
+    "light",
+    "pair",
+    "equality",
+    "tendon",
+    "general",
+    "motor",
+    "position",
+    "velocity",
+    "intvelocity",
+    "damper",
+    "cylinder",
+    "muscle",
+    "adhesion",
+    "dcmotor",
+    "plugin",
+];
+
+/// Tells what default classes say of what nothing is known of.
+fn lose_unknown_defaults(class: &Element, left_out: &mut LeftOut) {
+    for child in class.children.iter().filter_map(XMLNode::as_element) {
+        match child.name.as_str() {
+            "default" => lose_unknown_defaults(child, left_out),
+            name if DEFAULTS.contains(&name) => {}
+            name => left_out.lose(format!("<{name}> in <default>"), 1),
+        }
     }
 }
 

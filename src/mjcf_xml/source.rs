@@ -30,34 +30,24 @@ impl Refused {
     pub fn file(path: &Path, message: impl Into<String>) -> Refused {
         Refused { path: path.to_path_buf(), line: None, message: message.into() }
     }
-}
-
-/// The files that a tree was read from; its elements say of which they are by number.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct Files(Vec<PathBuf>);
-
-impl Files {
-    /// The file and line in which an element stands.
-    pub fn place(&self, element: &Element) -> Option<(&Path, usize)> {
-        let (file, line) = element.namespace.as_deref()?.split_once(':')?;
-        Some((self.0.get(file.parse::<usize>().ok()?)?, line.parse().ok()?))
-    }
 
     /// A refusal of what an element says; of `path` where the element is of no file.
-    pub fn refused(&self, element: &Element, path: &Path, message: impl Into<String>) -> Refused {
-        let (path, line) = self.place(element).map_or((path, None), |(path, line)| (path, Some(line)));
+    pub fn of(element: &Element, path: &Path, message: impl Into<String>) -> Refused {
+        let (path, line) = place(element).map_or((path, None), |(path, line)| (path, Some(line)));
         Refused { path: path.to_path_buf(), line, message: message.into() }
-    }
-
-    fn add(&mut self, path: &Path) -> usize {
-        self.0.push(path.to_path_buf());
-        self.0.len() - 1
     }
 }
 
-/// Marks an element as of a line of a file. Model files have no namespaces: their field holds it.
-fn mark(element: &mut Element, file: usize, line: usize) {
-    element.namespace = Some(format!("{file}:{line}"));
+/// The file and line in which an element stands.
+pub(crate) fn place(element: &Element) -> Option<(&Path, usize)> {
+    let (line, file) = element.namespace.as_deref()?.split_once(':')?;
+    Some((Path::new(file), line.parse().ok()?))
+}
+
+/// Marks an element as of a line of a file. Model files have no namespaces: their field holds it, so that it stays with
+/// the element in whatever tree it ends up.
+fn mark(element: &mut Element, file: &Path, line: usize) {
+    element.namespace = Some(format!("{line}:{}", file.display()));
 }
 
 /// A model's file as a tree, with what it includes written out.
@@ -67,8 +57,6 @@ pub(crate) struct Source {
     pub path: PathBuf,
     /// The root element.
     pub root: Element,
-    /// Where its elements are from.
-    pub files: Files,
 }
 
 impl Source {
@@ -77,9 +65,7 @@ impl Source {
     /// # Errors
     /// Where a file cannot be read or is malformed.
     pub fn read(path: &Path) -> Result<Source, Refused> {
-        let mut files = Files::default();
-        let root = parse(path, &text_of(path)?, &mut files)?;
-        Source::included(path, root, files)
+        Source::included(path, parse(path, &text_of(path)?)?)
     }
 
     /// Reads a model's text, called `name` in messages; what it includes is sought in the working folder.
@@ -87,17 +73,20 @@ impl Source {
     /// # Errors
     /// As [`Source::read`].
     pub fn of_text(name: &Path, text: &str) -> Result<Source, Refused> {
-        let mut files = Files::default();
-        let root = parse(name, text, &mut files)?;
-        Source::included(name, root, files)
+        Source::included(name, parse(name, text)?)
     }
 
-    fn included(path: &Path, mut root: Element, mut files: Files) -> Result<Source, Refused> {
+    /// Refuses what an element of it says.
+    pub fn refused(&self, element: &Element, message: impl Into<String>) -> Refused {
+        Refused::of(element, &self.path, message)
+    }
+
+    fn included(path: &Path, mut root: Element) -> Result<Source, Refused> {
         let main = folder_of(path);
         let mut seen = HashSet::from([path.to_path_buf()]);
-        let mut include = Include { main: &main, files: &mut files, seen: &mut seen };
+        let mut include = Include { main: &main, seen: &mut seen };
         include.within(&mut root, &main, path, 0)?;
-        Ok(Source { path: path.to_path_buf(), root, files })
+        Ok(Source { path: path.to_path_buf(), root })
     }
 }
 
@@ -136,6 +125,9 @@ fn text_of(path: &Path) -> Result<String, Refused> {
     let bytes = std::fs::read(path).map_err(|error| {
         refused(format!("it cannot be read ({error}); give an MJCF or URDF file that can"))
     })?;
+    if bytes.starts_with(&[0xff, 0xfe]) || bytes.starts_with(&[0xfe, 0xff]) {
+        return Err(refused("it is in UTF-16; save it in UTF-8".into()));
+    }
     Ok(String::from_utf8_lossy(&bytes).into_owned())
 }
 
@@ -156,9 +148,8 @@ impl Lines<'_> {
     }
 }
 
-/// The first element of a text, with comments and text in it.
-fn parse(path: &Path, text: &str, files: &mut Files) -> Result<Element, Refused> {
-    let file = files.add(path);
+/// The one element that a text is, with comments and text in it.
+fn parse(path: &Path, text: &str) -> Result<Element, Refused> {
     let text = text.trim_start_matches('\u{feff}');
     let mut lines = Lines { text: text.as_bytes(), at: 0, line: 1 };
     let mut reader = Reader::from_str(text);
@@ -167,6 +158,10 @@ fn parse(path: &Path, text: &str, files: &mut Files) -> Result<Element, Refused>
         |line: usize, message: String| Refused { path: path.to_path_buf(), line: Some(line), message };
     let malformed =
         |line: usize, what: String| refused(line, format!("malformed XML ({what}); correct it there"));
+    if let Some(at) = text.find(|mark: char| mark < ' ' && !mark.is_ascii_whitespace()) {
+        let message = "a character there is none of XML; give an MJCF or URDF file, which is text";
+        return Err(refused(lines.of(at), message.into()));
+    }
     loop {
         let start = usize::try_from(reader.buffer_position()).unwrap_or(usize::MAX);
         let event = reader.read_event().map_err(|error| {
@@ -182,12 +177,12 @@ fn parse(path: &Path, text: &str, files: &mut Files) -> Result<Element, Refused>
                     );
                     return Err(refused(line, message));
                 }
-                open.push(element(&tag, file, line).map_err(|what| malformed(line, what))?);
+                open.push(element(&tag, path, line).map_err(|what| malformed(line, what))?);
                 continue;
             }
             Event::Empty(tag) => {
                 let line = lines.of(start);
-                element(&tag, file, line).map_err(|what| malformed(line, what))?
+                element(&tag, path, line).map_err(|what| malformed(line, what))?
             }
             Event::End(_) => match open.pop() {
                 Some(element) => element,
@@ -211,20 +206,42 @@ fn parse(path: &Path, text: &str, files: &mut Files) -> Result<Element, Refused>
         };
         match open.last_mut() {
             Some(parent) => parent.children.push(XMLNode::Element(closed)),
-            None => return Ok(closed),
+            None => match more(&mut reader, text) {
+                None => return Ok(closed),
+                Some(at) => {
+                    let what = format!("there is more after </{}>", closed.name);
+                    return Err(malformed(lines.of(at), what));
+                }
+            },
         }
     }
     match open.last() {
         Some(element) => {
-            let line = files.place(element).map_or(1, |(_, line)| line);
+            let line = place(element).map_or(1, |(_, line)| line);
             Err(malformed(line, format!("<{}> is not closed", element.name)))
         }
         None => Err(Refused::file(path, "it holds no XML: give the path of an MJCF or URDF file")),
     }
 }
 
+/// Where a text goes on after its one element with anything but remarks.
+fn more(reader: &mut Reader<&[u8]>, text: &str) -> Option<usize> {
+    loop {
+        let start = usize::try_from(reader.buffer_position()).unwrap_or(usize::MAX);
+        match reader.read_event() {
+            Ok(Event::Eof) => return None,
+            Ok(Event::Comment(_) | Event::PI(_)) => {}
+            Ok(Event::Text(words)) if words.trim_ascii().is_empty() => {}
+            _ => {
+                let rest = text.get(start..).unwrap_or_default();
+                return Some(start + rest.len() - rest.trim_start().len());
+            }
+        }
+    }
+}
+
 /// An element by its start tag.
-fn element(tag: &BytesStart, file: usize, line: usize) -> Result<Element, String> {
+fn element(tag: &BytesStart, file: &Path, line: usize) -> Result<Element, String> {
     let mut element = Element::new(&String::from_utf8_lossy(tag.name().as_ref()));
     mark(&mut element, file, line);
     // MuJoCo takes the first of two attributes of one name.
@@ -242,7 +259,6 @@ fn element(tag: &BytesStart, file: usize, line: usize) -> Result<Element, String
 /// What is known while includes are written out.
 struct Include<'a> {
     main: &'a Path,
-    files: &'a mut Files,
     seen: &'a mut HashSet<PathBuf>,
 }
 
@@ -267,21 +283,26 @@ impl Include<'_> {
                 continue;
             }
             let Some(name) = attribute(inner, "file").filter(|name| !name.is_empty()) else {
-                return Err(self.files.refused(inner, path, "<include> names no file; give it file=\"…\""));
+                return Err(Refused::of(inner, path, "<include> names no file; give it file=\"…\""));
             };
             let file = with_slashes(name);
             let candidates = [self.main.join(&file), folder.join(&file)];
             let Some(found) = candidates.iter().find(|candidate| candidate.is_file()) else {
                 let message = format!("it includes {name}, which cannot be found; correct the path there");
-                return Err(self.files.refused(inner, path, message));
+                return Err(Refused::of(inner, path, message));
             };
             if !self.seen.insert(found.clone()) {
                 let message = format!(
                     "it includes {name} a second time; MuJoCo allows each file once: remove it there"
                 );
-                return Err(self.files.refused(inner, path, message));
+                return Err(Refused::of(inner, path, message));
             }
-            let mut included = parse(found, &text_of(found)?, self.files)?;
+            let mut included = parse(found, &text_of(found)?)?;
+            if included.name == "robot" {
+                let message =
+                    format!("it includes {name}, which is URDF; convert it first, or remove it there");
+                return Err(Refused::of(inner, path, message));
+            }
             if depth >= GREATEST_DEPTH {
                 return Err(Refused::file(
                     found,

@@ -85,6 +85,9 @@ impl<'a> Robot<'a> {
         let mut robot = Robot { source, links: BTreeMap::new(), joints: Vec::new() };
         for child in source.root.children.iter().filter_map(XMLNode::as_element) {
             let name = || attribute(child, "name").unwrap_or_default();
+            if child.name == "link" && name().is_empty() {
+                return Err(robot.refused(child, "<link> has no name; give it name=\"…\""));
+            }
             if child.name == "link" && robot.links.insert(name(), child).is_some() {
                 return Err(robot.refused(child, format!("there are two links {}; rename one", name())));
             } else if child.name == "joint" {
@@ -105,7 +108,7 @@ impl<'a> Robot<'a> {
     }
 
     fn refused(&self, element: &Element, message: impl Into<String>) -> Refused {
-        self.source.files.refused(element, &self.source.path, message)
+        self.source.refused(element, message)
     }
 
     /// The link at an end of a joint.
@@ -172,15 +175,9 @@ impl<'a> Parts<'a> {
             parts.extend(self.joint(joint)?);
         }
         parts.extend(inertial(described));
-        let geometry = |kind: &str| {
-            let of_kind =
-                described.children.iter().filter_map(XMLNode::as_element).filter(|e| e.name == kind);
-            of_kind.collect::<Vec<_>>()
-        };
-        let mut geoms: Vec<Element> =
-            geometry("collision").into_iter().filter_map(|e| self.geom(e)).collect();
+        let mut geoms = self.geoms(described, "collision")?;
         if geoms.is_empty() {
-            geoms = geometry("visual").into_iter().filter_map(|e| self.geom(e)).collect();
+            geoms = self.geoms(described, "visual")?;
         }
         parts.extend(geoms);
         let robot = self.robot;
@@ -249,11 +246,7 @@ impl<'a> Parts<'a> {
             numbers(text).first().copied()
         };
         if let Some(mimic) = joint.get_child("mimic") {
-            let leader = attribute(mimic, "joint").unwrap_or_default();
-            if !self.robot.joints.iter().any(|joint| attribute(joint, "name") == Some(leader)) {
-                let message = format!("joint {name} mimics {leader}, which is not there; correct it there");
-                return Err(self.robot.refused(mimic, message));
-            }
+            let leader = self.leader(name, mimic)?;
             let number = |name: &str, default: f64| {
                 attribute(mimic, name).and_then(|text| numbers(text).first().copied()).unwrap_or(default)
             };
@@ -279,46 +272,92 @@ impl<'a> Parts<'a> {
         Ok(vec![moved])
     }
 
-    /// The geom of a `<collision>` or `<visual>`.
-    fn geom(&mut self, described: &Element) -> Option<Element> {
-        let shape = described.get_child("geometry")?.children.iter().find_map(XMLNode::as_element)?;
-        let number = |name: &str| numbers(attribute(shape, name)?).first().copied();
-        let half = |length: Option<f64>| length.map(|length| 0.5 * length);
-        let given = match shape.name.as_str() {
-            "box" => vector(attribute(shape, "size")?)
-                .map(|size| ("box", vec![0.5 * size.x, 0.5 * size.y, 0.5 * size.z])),
-            "sphere" => number("radius").map(|radius| ("sphere", vec![radius])),
-            "cylinder" => number("radius").zip(half(number("length"))).map(|(r, l)| ("cylinder", vec![r, l])),
-            "capsule" => number("radius").zip(half(number("length"))).map(|(r, l)| ("capsule", vec![r, l])),
+    /// The joint that another mimics.
+    fn leader<'e>(&self, name: &str, mimic: &'e Element) -> Result<&'e str, Refused> {
+        let refused = |message: String| Err(self.robot.refused(mimic, message));
+        let Some(leader) = attribute(mimic, "joint").filter(|leader| !leader.is_empty()) else {
+            return refused(format!("<mimic> of joint {name} names no joint; give it joint=\"…\""));
+        };
+        let joint =
+            |name: &str| self.robot.joints.iter().find(|joint| attribute(joint, "name") == Some(name));
+        if joint(leader).is_none() {
+            return refused(format!("joint {name} mimics {leader}, which is not there; correct it there"));
+        }
+        let next = |of: &&str| attribute(joint(of)?.get_child("mimic")?, "joint");
+        let mut followed = std::iter::successors(Some(leader), next).take(self.robot.joints.len());
+        if followed.any(|followed| followed == name) {
+            let way = if leader == name { String::new() } else { format!(" by way of {leader}") };
+            return refused(format!("joint {name} mimics itself{way}; remove one <mimic>"));
+        }
+        Ok(leader)
+    }
+
+    /// The geom of a `<collision>` or `<visual>`; none where it has a shape that cannot be read.
+    fn geom(&mut self, described: &Element) -> Result<Option<Element>, Refused> {
+        let shape =
+            described.get_child("geometry").and_then(|e| e.children.iter().find_map(XMLNode::as_element));
+        let Some(shape) = shape else {
+            self.left_out.lose(format!("<{}> without geometry", described.name), 1);
+            return Ok(None);
+        };
+        let lengths = |name: &str| {
+            let lengths = attribute(shape, name).map(numbers).filter(|lengths| !lengths.is_empty());
+            lengths.filter(|lengths| lengths.iter().all(|&length| length > 0.0)).ok_or_else(|| {
+                let message = format!("<{}> needs {name}=\"…\" of numbers above 0; give it that", shape.name);
+                self.robot.refused(shape, message)
+            })
+        };
+        let round = || Ok::<_, Refused>(vec![lengths("radius")?[0], 0.5 * lengths("length")?[0]]);
+        let (kind, size) = match shape.name.as_str() {
+            "box" => ("box", lengths("size")?.into_iter().map(|size| 0.5 * size).collect()),
+            "sphere" => ("sphere", lengths("radius")?),
+            "cylinder" => ("cylinder", round()?),
+            "capsule" => ("capsule", round()?),
             "mesh" => {
                 let mesh = self.mesh(shape)?;
                 let geom = element("geom", &[("type", "mesh".into()), ("mesh", mesh)]);
-                return Some(placed(geom, described));
+                return Ok(Some(placed(geom, described)));
             }
-            _ => None,
+            other => {
+                self.left_out.lose(format!("geometry <{other}>"), 1);
+                return Ok(None);
+            }
         };
-        let Some((kind, size)) = given else {
-            self.left_out.lose(format!("geometry <{}>", shape.name), 1);
-            return None;
-        };
-        Some(placed(element("geom", &[("type", kind.into()), ("size", exact(&size))]), described))
+        Ok(Some(placed(element("geom", &[("type", kind.into()), ("size", exact(&size))]), described)))
+    }
+
+    /// The geoms of all descriptions of a kind.
+    fn geoms(&mut self, link: &Element, kind: &str) -> Result<Vec<Element>, Refused> {
+        let mut geoms = Vec::new();
+        for described in link.children.iter().filter_map(XMLNode::as_element).filter(|e| e.name == kind) {
+            geoms.extend(self.geom(described)?);
+        }
+        Ok(geoms)
     }
 
     /// The name of a mesh, which is read with its scale.
-    fn mesh(&mut self, shape: &Element) -> Option<String> {
-        let file = self.file(attribute(shape, "filename")?);
+    fn mesh(&mut self, shape: &Element) -> Result<String, Refused> {
+        let file = attribute(shape, "filename").filter(|file| !file.trim().is_empty());
+        let file =
+            file.ok_or_else(|| self.robot.refused(shape, "<mesh> names no file; give it filename=\"…\""))?;
+        let file = self.file(file);
         let scale = attribute(shape, "scale").and_then(vector).unwrap_or(Vector3::repeat(1.0));
         let stem = file.file_stem().and_then(|stem| stem.to_str()).unwrap_or("mesh").to_string();
         let (file, scale) = (file.display().to_string(), exact(scale.iter()));
         let same = |mesh: &Element| {
             attribute(mesh, "file") == Some(&file) && attribute(mesh, "scale") == Some(&scale)
         };
-        let numbered = std::iter::once(stem.clone()).chain((2..).map(|k| format!("{stem}_{k}")));
-        let name = { numbered }.find(|name| self.meshes.get(name).is_none_or(same))?;
+        let mut name = stem.clone();
+        for number in 2.. {
+            if self.meshes.get(&name).is_none_or(same) {
+                break;
+            }
+            name = format!("{stem}_{number}");
+        }
         let mesh = [("name", name.clone()), ("file", file.clone()), ("scale", scale.clone())];
         let mesh = Element { namespace: shape.namespace.clone(), ..element("mesh", &mesh) };
         self.meshes.insert(name.clone(), mesh);
-        Some(name)
+        Ok(name)
     }
 
     /// Where a mesh's file is: of a package it is sought in the folders above the robot's.

@@ -19,8 +19,8 @@ use super::model::Model;
 use super::refusal::{Complaint, refusal};
 use super::vfs::{self, Vfs};
 use crate::mjcf_xml::{
-    LeftOut, Reduced, Refused, Source, Texts, anchor_assets, attribute, check_limits, each, element,
-    numbered, set_compiler, urdf_to_mjcf,
+    LeftOut, Reduced, Refused, Source, Texts, anchor_assets, attribute, check_limits, check_values, each,
+    element, numbered, set_compiler, urdf_to_mjcf,
 };
 
 /// Bytes for the engine's message about a file.
@@ -151,11 +151,12 @@ impl Loader {
     fn open(&self, mut source: Source, bodies: &[Element]) -> Result<(Model, LeftOut)> {
         let version = engine::check()?;
         check_limits(&source)?;
+        check_values(&source)?;
         let first = match source.root.name.as_str() {
             "mujoco" => {
                 let mut root = source.root.clone();
                 prepare(&mut root, &source, bodies);
-                match self.mended(&mut root, &source, version) {
+                match self.mended(&mut root, version) {
                     Ok(model) => return Ok((model, LeftOut::default())),
                     Err(Failed::Engine(error)) => return Err(error),
                     Err(Failed::Refused(complaint)) => Some(complaint),
@@ -171,21 +172,36 @@ impl Loader {
         prepare(&mut reduced.root, &source, bodies);
         source.root = Element::new("mujoco");
         loop {
-            let complaint = match self.mended(&mut reduced.root, &source, version) {
+            let complaint = match self.mended(&mut reduced.root, version) {
                 Ok(model) => return Ok((model, reduced.left_out)),
                 Err(Failed::Engine(error)) => return Err(error),
                 Err(Failed::Refused(complaint)) => complaint,
             };
             // A mesh that the engine cannot use, such as a flat one, need not be the end of it.
-            let meshes =
-                reduced.meshes().into_iter().filter(|mesh| complaint.message.contains(mesh.as_str()));
-            if let Some(mesh) = meshes.max_by_key(String::len)
-                && reduced.drop_mesh(&mesh)
+            let element = complaint.element.and_then(|number| numbered(&mut reduced.root, number));
+            let mesh = match element {
+                Some(element) => {
+                    attribute(element, "name").filter(|_| element.name == "mesh").map(str::to_string)
+                }
+                None => reduced
+                    .meshes()
+                    .into_iter()
+                    .filter(|mesh| complaint.words.contains(mesh))
+                    .max_by_key(String::len),
+            };
+            let mesh = mesh.filter(|_| !complaint.words.contains("repeated name"));
+            if let Some(mesh) = mesh
+                && (reduced.take_hull(&mesh) || reduced.drop_mesh(&mesh, &complaint.words))
             {
                 continue;
             }
-            // What the file says wrongly is in both readings; then the first one's words are those about the file.
-            let told = first.filter(|first| first.place.is_some() && first.place == complaint.place);
+            // What the file says wrongly is in both readings; then the first one's words are those about the file. An
+            // element that was but unknown to it, the second has put in plain terms.
+            let told = first.filter(|first| {
+                first.place.is_some()
+                    && first.place == complaint.place
+                    && !first.message.contains("unrecognized element")
+            });
             let Complaint { message, place, .. } = told.unwrap_or(complaint);
             let (path, line) = place.map_or((source.path, None), |(path, line)| (path, Some(line)));
             return Err(Error::Read { path, line, message: refusal(&message, version) });
@@ -193,12 +209,7 @@ impl Loader {
     }
 
     /// Loads a tree; where the engine asks for what changes nothing of where limbs are, it gets it.
-    fn mended(
-        &self,
-        root: &mut Element,
-        source: &Source,
-        version: Version,
-    ) -> std::result::Result<Model, Failed> {
+    fn mended(&self, root: &mut Element, version: Version) -> std::result::Result<Model, Failed> {
         loop {
             let texts = Texts::new(root, &vfs::FILE.to_string_lossy());
             let loaded = load(&Vfs::new(&texts.texts)?, version)?;
@@ -207,7 +218,7 @@ impl Loader {
                 Ok(model) => return Ok(model),
                 Err(words) => words,
             };
-            let complaint = Complaint::new(&words, root, &texts, &source.files);
+            let complaint = Complaint::new(&words, root, &texts);
             if !mend(root, &complaint) {
                 return Err(Failed::Refused(complaint));
             }
@@ -240,7 +251,7 @@ fn no_model(source: &Source, root: &str) -> Refused {
             "it begins with <{root}>, and is neither MJCF (<mujoco>) nor URDF (<robot>); give one of these"
         ),
     };
-    source.files.refused(&source.root, &source.path, message)
+    source.refused(&source.root, message)
 }
 
 /// Gives the engine what it asks for; whether there was anything that it does not have yet.

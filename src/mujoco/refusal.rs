@@ -2,16 +2,18 @@
 
 use std::path::PathBuf;
 
-use xmltree::Element;
+use xmltree::{Element, XMLNode};
 
 use super::engine::Version;
-use crate::mjcf_xml::{Files, Texts, attribute, numbered};
+use crate::mjcf_xml::{Texts, numbered, place, titled};
 
 /// What the engine says of a tree.
 #[derive(Clone, Debug)]
 pub(super) struct Complaint {
     /// Its words, without where; with the element where it is known.
     pub message: String,
+    /// The same without the element.
+    pub words: String,
     /// The user's file and the line in it.
     pub place: Option<(PathBuf, usize)>,
     /// The number of the element in the tree, where it is known.
@@ -20,18 +22,28 @@ pub(super) struct Complaint {
 
 impl Complaint {
     /// Finds what the engine's words are about in the tree that it was given.
-    pub fn new(words: &str, root: &mut Element, texts: &Texts, files: &Files) -> Complaint {
+    pub fn new(words: &str, root: &mut Element, texts: &Texts) -> Complaint {
         let words = words.trim_start_matches("XML Error: ").trim_start_matches("Error: ");
-        let (line, mut message) = cut(words);
+        let (line, kept) = cut(words);
         let number = line.and_then(|line| texts.element_in_line(line));
-        let element = number.and_then(|number| numbered(root, number));
-        if let Some(element) = &element {
-            let name = attribute(element, "name").map(|name| format!(" {name}")).unwrap_or_default();
-            message = format!("<{}>{name}: {message}", element.name);
-        }
-        let place = element.and_then(|element| files.place(element));
-        Complaint { message, place: place.map(|(path, line)| (path.to_path_buf(), line)), element: number }
+        let element = match number {
+            Some(number) => numbered(root, number).map(|element| &*element),
+            None => sensor(words, root),
+        };
+        let message = element.map_or(kept.clone(), |element| format!("{}: {kept}", titled(element)));
+        let place = element.and_then(place).map(|(path, line)| (path.to_path_buf(), line));
+        Complaint { message, words: kept, place, element: number }
     }
+}
+
+/// The sensor that the engine's words are about: of sensors it tells no line, but their number.
+fn sensor<'e>(words: &str, root: &'e Element) -> Option<&'e Element> {
+    let (_, number) = words.rsplit_once("id = ").filter(|_| words.contains("sensor"))?;
+    let elements = |element: &'e Element| element.children.iter().filter_map(XMLNode::as_element);
+    elements(root)
+        .filter(|section| section.name == "sensor")
+        .flat_map(elements)
+        .nth(number.trim().parse().ok()?)
 }
 
 /// Takes the engine's account of where out of its words: the line of the text that it was given, and the rest.
@@ -52,15 +64,18 @@ fn cut(words: &str) -> (Option<usize>, String) {
 /// Words without the engine's numbers of things, and without the thing itself where they end with it: it is named
 /// before them.
 fn unnumbered(words: &str) -> String {
+    let words = words.split(", position ").next().unwrap_or(words);
     let Some((before, rest)) = words.split_once(" (id = ") else { return words.to_string() };
     let Some((_, after)) = rest.split_once(')') else { return words.to_string() };
-    let thing = before.rsplit_once(" in ").filter(|(_, thing)| after.is_empty() && thing.ends_with('\''));
+    let is_thing = |thing: &str| thing.ends_with('\'') && thing.split_whitespace().count() <= 2;
+    let things = [": ", " in "].into_iter().filter_map(|mark| before.rsplit_once(mark));
+    let thing = { things }.find(|(_, thing)| after.is_empty() && is_thing(thing));
     thing.map_or_else(|| format!("{before}{after}"), |(before, _)| before.to_string())
 }
 
 /// What of the engine's words asks for what; the first that fits counts.
-const MENDS: [(&str, &str); 14] = [
-    ("repeated name", "another has this name: rename one"),
+const MENDS: [(&str, &str); 32] = [
+    ("repeated name in", "another has this name: rename one"),
     ("sizes must be positive", "give it a size=\"…\" of numbers above 0"),
     ("size 0 must be positive", "give it a size=\"…\" of numbers above 0"),
     ("axis too small", "give it an axis that is not zero"),
@@ -69,14 +84,32 @@ const MENDS: [(&str, &str); 14] = [
         "put its body into the world itself, or take three slides and a ball",
     ),
     ("World body cannot have joints", "put it into a <body>"),
-    ("range[0] should be smaller", "give the lower limit first"),
+    ("range[0] should be smaller", "give the lower limit first, then a higher one"),
     ("range[0] should be 0", "give the range of a ball as \"0 ANGLE\""),
     ("not have enough data", "give it more numbers"),
     ("too much data", "give it fewer numbers"),
-    ("problem reading attribute", "give it numbers"),
+    ("problem reading attribute", "give it numbers, with a point for decimals and spaces between them"),
+    ("single int expected", "give it one whole number"),
     ("invalid keyword", "give it a word that MJCF has"),
     ("required attribute missing", "add it there"),
     ("mass and inertia cannot be negative", "give it a mass above 0"),
+    ("inertia or density are negative", "give it numbers of 0 or above"),
+    ("plane and hfield only", "give it another shape, or put it into the world"),
+    ("must have valid meshid", "name one of the meshes of <asset> with mesh=\"…\""),
+    ("both pos and fromto", "remove one of them"),
+    ("fromto requires", "give it one of these shapes, or pos in place of fromto"),
+    ("invalid condim", "give 1, 3, 4 or 6"),
+    ("is not a fixed child of world", "remove mocap=\"true\", or put it into the world without joints"),
+    ("more than 6 dofs", "spread its joints over several bodies"),
+    ("followed by rotation", "put that rotation into a body of its own, or leave it out"),
+    ("unique sub-element", "remove all but one"),
+    ("is repeated in equality", "name another joint, or remove it"),
+    ("negative cutoff", "give it a cutoff of 0 or above"),
+    ("empty name in mesh", "give it a name or a file"),
+    ("repeated default class", "rename one"),
+    ("empty class name", "give it class=\"…\""),
+    ("unknown default c", "define that class or correct the name"),
+    ("multiple orientation", "remove all but one"),
 ];
 
 /// The engine's words with the mend.

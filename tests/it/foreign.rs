@@ -308,6 +308,7 @@ fn a_refusal_names_the_line_in_the_users_own_file() {
         "part.xml",
         "<mujocoinclude>\n<worldbody>\n<body name='p'>\n<geom size='-1'/></body></worldbody></mujocoinclude>",
     );
+    write("broken.xml", "<mujoco><worldbody>\n<body><geom size='1 2 3 4'/></body></worldbody></mujoco>");
     write(
         "arm.xml",
         "<mujoco model='arm'><worldbody>\n<body name='b'><joint/>\n<geom size='.1'/></body></worldbody></mujoco>",
@@ -321,7 +322,7 @@ fn a_refusal_names_the_line_in_the_users_own_file() {
     let cases = [
         (world("<geom size='-1'/>"), "main.xml, line 5", "above 0"),
         (world("<joint axis='0 0 0'/>"), "main.xml, line 5", "not zero"),
-        (world("<joint axis='1 0'/>"), "main.xml, line 5", "more numbers"),
+        (world("<joint axis='1 0'/>"), "main.xml, line 5", "give it 3"),
         (world("<geom size='1e30'/>"), "main.xml, line 5", "smaller"),
         (world("<replicate><geom size='.1'/></replicate>"), "main.xml, line 5", "count"),
         (
@@ -346,7 +347,38 @@ fn a_refusal_names_the_line_in_the_users_own_file() {
             "main.xml, line 5",
             "gone.xml",
         ),
+        // Errors of what is attached are in its own file.
+        (
+            world(
+                "</body></worldbody><asset><model name='arm' file='broken.xml'/></asset><worldbody><body>\n<attach model='arm'/>",
+            ),
+            "broken.xml, line 2",
+            "fewer numbers",
+        ),
+        (world("<attach/>"), "main.xml, line 5", "names no model"),
+        (world("<replicate count='2.5'><geom size='1'/></replicate>"), "main.xml, line 5", "no whole number"),
+        (
+            world("<replicate count='2'><body name='z'><geom size='1'/></body></replicate><body name='z0'/>"),
+            "main.xml, line 5",
+            "repeated name",
+        ),
+        (world("</body></worldbody><body/><worldbody><body>"), "main.xml, line 5", "outside of <worldbody>"),
+        (
+            world("</body></worldbody><option gravity='0 1'/><worldbody><body>"),
+            "main.xml, line 5",
+            "more numbers",
+        ),
+        (
+            world(
+                "<site name='s'/></body></worldbody><sensor>\n<touch site='s'/><touch site='s' cutoff='-1'/></sensor><worldbody><body>",
+            ),
+            "main.xml, line 6",
+            "of 0 or above",
+        ),
         (world("<body>"), "main.xml, line 6", "malformed"),
+        (world("a\u{1}b"), "main.xml, line 5", "none of XML"),
+        ("<mujoco/>\n<!-- a remark -->\n <mujoco/>".into(), "main.xml, line 3", "more after </mujoco>"),
+        ("<mujoco/>\n\nmore".into(), "main.xml, line 3", "more after </mujoco>"),
         ("<mujoco>\n\n<worldbody>".into(), "main.xml, line 3", "not closed"),
         ("<svg/>".into(), "main.xml, line 1", "<robot>"),
         ("<mujocoinclude/>".into(), "main.xml, line 1", "includes it"),
@@ -360,6 +392,128 @@ fn a_refusal_names_the_line_in_the_users_own_file() {
     // The program says the same, and nothing of an option that there was.
     let broken = refused(folder.path(), 1, &["inspect", "main.xml"]);
     assert!(broken.contains("main.xml") && !broken.contains("--strip"), "{broken}");
+}
+
+#[test]
+fn what_is_wrong_in_numbers_words_and_classes_is_refused_in_every_reading() {
+    // The new element has the file put in plain terms, where no engine checks what is written out before it.
+    let world = |class: &str, inside: &str| {
+        format!(
+            "<mujoco>\n<newer/><compiler angle='degree'/><default>{class}</default><worldbody><body>\n{inside}\n\
+             <joint/><geom size='.1'/></body></worldbody></mujoco>"
+        )
+    };
+    for (wrong, mend) in [
+        ("<body name='b' pos='0 .2'/>", "pos of <body> b has 2 numbers; give it 3"),
+        ("<body pos='here'/>", "\"here\" in pos of <body> is no number"),
+        ("<body pos='0,1 0 0'/>", "a point for decimals"),
+        ("<body quat='0 0 0 0'/>", "no direction"),
+        ("<geom size='.1' zaxis='0 0 0'/>", "no direction"),
+        ("<geom size='.1' xyaxes='1 0 0 2 0 0'/>", "no direction"),
+        ("<geom size='.1' euler='0 0 1' quat='1 0 0 0'/>", "turned by quat and by euler"),
+        ("<geom type='cube' size='.1'/>", "sphere"),
+        ("<joint name='j' range='-1'/>", "range of <joint> j has 1 number; give it 2"),
+        ("<joint range='-inf inf'/>", "no finite number"),
+        ("<joint armature='nan'/>", "no finite number"),
+        ("<joint limited='yes'/>", "true, false or auto"),
+        ("<joint type='revolute'/>", "hinge"),
+        ("<joint class='gone'/>", "class=\"gone\" of <joint> is the name of no <default>"),
+        ("<body childclass='gone'/>", "name of no <default>"),
+        ("<frame childclass='gone'/>", "name of no <default>"),
+        ("<frame pos='0 0'/>", "give it 3"),
+        ("<frame euler='x 0 0'/>", "no number"),
+        ("<replicate count='2' offset='1'/>", "give it 3"),
+    ] {
+        let told = Model::from_xml(&world("", wrong)).map(|_| ()).unwrap_err().to_string();
+        assert!(
+            told.contains("line 3") && told.contains(mend) && told.lines().count() == 1,
+            "{wrong}\n{told}"
+        );
+    }
+    for (class, mend) in [
+        ("<geom density='heavy'/>", "\"heavy\" in density of <geom> is no number"),
+        ("<joint axis='0 1'/>", "give it 3"),
+        ("<default><joint/></default>", "has no class"),
+        ("<default class='a'/><default class='a'/>", "two classes a"),
+    ] {
+        let told = Model::from_xml(&world(class, "")).map(|_| ()).unwrap_err().to_string();
+        assert!(told.contains("line 2") && told.contains(mend), "{class}\n{told}");
+    }
+    let told = |compiler: &str| {
+        let xml = world("", "").replace("<compiler angle='degree'/>", compiler);
+        Model::from_xml(&xml).map(|_| ()).unwrap_err().to_string()
+    };
+    assert!(told("<compiler angle='grad'/>").contains("degree or radian"));
+    assert!(told("<compiler eulerseq='xyq'/>").contains("no order of axes"));
+    // What no class can be of is told of, and nothing is an empty attribute.
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("odd.xml");
+    std::fs::write(&path, world("<jont axis='0 1 0'/>", "<frame foo='1'/><joint axis=''/>")).unwrap();
+    let (_, left_out) = Model::read(&path).unwrap();
+    for what in ["<jont> in <default>", "foo of <frame>, which MuJoCo does not know"] {
+        assert!(left_out.lost.contains_key(what), "{what} is not in {left_out:?}");
+    }
+}
+
+#[test]
+fn text_that_is_not_in_utf_8_is_told_by_its_encoding() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("wide.xml");
+    let wide = "\u{feff}<mujoco/>".encode_utf16().flat_map(u16::to_le_bytes).collect::<Vec<u8>>();
+    std::fs::write(&path, wide).unwrap();
+    let told = Model::from_path(&path).map(|_| ()).unwrap_err().to_string();
+    assert!(told.contains("save it in UTF-8"), "{told}");
+}
+
+#[test]
+fn of_a_mesh_whose_faces_or_kind_the_engine_refuses_the_hull_is_left() {
+    let folder = tempfile::tempdir().unwrap();
+    let write = |name: &str, text: &str| std::fs::write(folder.path().join(name), text).unwrap();
+    let corners = "v 0 0 0\nv .1 0 0\nv 0 .2 0\nv 0 0 .3\n";
+    let vertices = corners.replace('v', "vertex");
+    // Faces of no area, an STL of text, and PLY.
+    write("mesh.obj", &format!("{corners}f 1 1 1\nf 2 2 2\n"));
+    write("mesh.stl", &format!("solid a\n{vertices}{vertices}{vertices}endsolid a\n"));
+    write(
+        "mesh.ply",
+        &format!(
+            "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\nend_header\n{}",
+            corners.replace("v ", "")
+        ),
+    );
+    let xml = |file: &str| {
+        format!(
+            "<mujoco>\n<asset><mesh name='m' file='{file}' scale='2 2 2'/></asset><worldbody><body name='b'><joint/>\n\
+             <geom type='mesh' mesh='m' pos='0 0 1'/></body></worldbody></mujoco>"
+        )
+    };
+    let read = |file: &str| {
+        write("main.xml", &xml(file));
+        Model::read(folder.path().join("main.xml"))
+    };
+    for file in ["mesh.obj", "mesh.stl", "mesh.ply"] {
+        let (model, left_out) = read(file).unwrap();
+        assert!(left_out.lost.is_empty(), "{file}: {left_out:?}");
+        let model = Arc::new(model);
+        let mut data = Data::new(model.clone()).unwrap();
+        data.kinematics().unwrap();
+        let pose = data.geom_pose(0);
+        let heights = model.mesh_vertices(0).into_iter().map(|v| (pose * nalgebra::Point3::from(v)).z);
+        let top = heights.fold(f64::MIN, f64::max);
+        assert!((top - 1.6).abs() < 1e-6, "{file}: {top}");
+    }
+    // What cannot be read is told with the engine's reason.
+    write("cut.stl", "solid");
+    let (_, left_out) = read("cut.stl").unwrap();
+    let told: Vec<&String> = left_out.lost.keys().collect();
+    assert!(told[0].contains("mesh m, which this MuJoCo refuses: ") && told.len() == 1, "{told:?}");
+    if !is_newer_engine() {
+        // This crashes the engine.
+        write("text.obj", "v a b c\nv 1 2\n");
+        write("main.xml", &xml("text.obj"));
+        let told = refused(folder.path(), 1, &["inspect", "main.xml"]);
+        assert!(told.contains("main.xml, line 2: the mesh ") && told.contains("text.obj"), "{told}");
+    }
 }
 
 const TWO: &str = r#"<mujoco>

@@ -290,6 +290,9 @@ fn a_robot_that_is_no_tree_is_told_by_link_and_line() {
         )
     };
     let robot = |parts: &[String]| format!("<robot name='r'>\n{}</robot>", parts.concat());
+    let shaped = |shape: &str| {
+        robot(&[format!("<link name='a'><visual><geometry>{shape}</geometry></visual></link>\n")])
+    };
     let (a, b, c) = (link("a"), link("b"), link("c"));
     let cases = [
         (
@@ -320,6 +323,43 @@ fn a_robot_that_is_no_tree_is_told_by_link_and_line() {
             "no room",
         ),
         (robot(&[a.clone(), a.clone()]), "line 3", "two links a"),
+        (robot(&[a.clone(), "<link/>\n".into()]), "line 3", "no name"),
+        (
+            robot(&[a.clone(), b.clone(), joint("1", "a", "b", "<mimic joint='1'/>")]),
+            "line 4",
+            "mimics itself; remove",
+        ),
+        (
+            robot(&[
+                a.clone(),
+                b.clone(),
+                c.clone(),
+                joint("1", "a", "b", "<mimic joint='2'/>"),
+                joint("2", "b", "c", "<mimic joint='1'/>"),
+            ]),
+            "line 5",
+            "mimics itself by way of 2",
+        ),
+        (robot(&[a.clone(), b.clone(), joint("1", "a", "b", "<mimic/>")]), "line 4", "names no joint"),
+        (robot(&[a.clone(), b.clone(), joint("1", "a", "b", "<axis xyz='1 0'/>")]), "line 4", "give it 3"),
+        (
+            robot(&[a.clone(), b.clone(), joint("1", "a", "b", "<origin xyz='0, 0, 1'/>")]),
+            "line 4",
+            "spaces between numbers",
+        ),
+        (
+            robot(&[a.clone(), b.clone(), joint("1", "a", "b", "<origin xyz='0 0 ${h}'/>")]),
+            "line 4",
+            "xacro FILE",
+        ),
+        (
+            robot(&[a.clone(), b.clone(), joint("1", "a", "b", "<limit lower='low' upper='1'/>")]),
+            "line 4",
+            "\"low\" in lower",
+        ),
+        (shaped("<sphere radius='-1'/>"), "line 2", "numbers above 0"),
+        (shaped("<cylinder radius='1'/>"), "line 2", "length"),
+        (shaped("<mesh/>"), "line 2", "names no file"),
         ("<robot>\n<xacro:include filename='x'/></robot>".into(), "line 2", "xacro FILE"),
         ("<robot/>".into(), "urdf", "<link>"),
     ];
