@@ -70,12 +70,12 @@ impl Model {
     /// A copy in which geoms have these types and affinities, and no other filter.
     fn with_contact_bits(&self, bits: impl Fn(usize) -> (i32, i32)) -> Result<Model> {
         let mut copy = self.copy()?;
+        copy.set_contact_bits(bits);
         let raw = copy.raw_mut();
         // SAFETY: the copy is not shared yet; the arrays hold a number per geom, and so many geoms there are
         // in both models. Counts of zero leave arrays unread whose memory belongs to the model's one buffer.
         unsafe {
             for g in 0..self.ngeom() {
-                (*(*raw).geom_contype.add(g), *(*raw).geom_conaffinity.add(g)) = bits(g);
                 *(*raw).geom_margin.add(g) = 0.0;
                 *(*raw).geom_gap.add(g) = 0.0;
             }
@@ -87,13 +87,6 @@ impl Model {
             }
             (*raw).nexclude = 0;
             (*raw).npair = 0;
-            // What newer engines keep of the filters per body.
-            #[cfg(mujoco_body_contact_bits)]
-            for b in 0..self.nbody() {
-                let geoms = self.body(b).geoms.map(&bits);
-                let (types, affinities) = geoms.fold((0, 0), |all, geom| (all.0 | geom.0, all.1 | geom.1));
-                (*(*raw).body_contype.add(b), *(*raw).body_conaffinity.add(b)) = (types, affinities);
-            }
             (*raw).opt.disableflags &= !((ffi::mjDSBL_CONSTRAINT | ffi::mjDSBL_CONTACT) as i32);
             // The trees of bounding boxes leave out geoms that did not collide when the model was compiled. Convex shapes
             // are to meet as they do in every version, where newer ones have a way of their own besides.
@@ -120,12 +113,27 @@ impl Model {
                 .collect()
         };
         let same = self.nbody() == other.nbody() && geoms(self) == geoms(other);
-        let raw = self.raw_mut();
-        for g in (0..other.ngeom()).filter(|_| same) {
-            // SAFETY: the model is borrowed exclusively, and its arrays hold a number per geom.
-            unsafe { (*(*raw).geom_contype.add(g), *(*raw).geom_conaffinity.add(g)) = other.contact_bits(g) }
+        if same {
+            self.set_contact_bits(|g| other.contact_bits(g));
         }
         same
+    }
+
+    /// Gives geoms these types and affinities.
+    fn set_contact_bits(&mut self, bits: impl Fn(usize) -> (i32, i32)) {
+        let raw = self.raw_mut();
+        for g in 0..self.ngeom() {
+            // SAFETY: the model is borrowed exclusively, and its arrays hold a number per geom.
+            unsafe { (*(*raw).geom_contype.add(g), *(*raw).geom_conaffinity.add(g)) = bits(g) }
+        }
+        // What newer engines keep of the filters per body.
+        #[cfg(mujoco_body_contact_bits)]
+        for b in 0..self.nbody() {
+            let geoms = self.body(b).geoms.map(&bits);
+            let (types, affinities) = geoms.fold((0, 0), |all, geom| (all.0 | geom.0, all.1 | geom.1));
+            // SAFETY: as above, with a number per body.
+            unsafe { (*(*raw).body_contype.add(b), *(*raw).body_conaffinity.add(b)) = (types, affinities) }
+        }
     }
 
     /// The pairs of bodies that `<exclude>` keeps from touching, as they stand in the model.
