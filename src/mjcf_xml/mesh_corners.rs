@@ -40,7 +40,7 @@ fn is_flat(corners: &[[f32; 3]]) -> bool {
         points().map(|point| (point - mean) * (point - mean).transpose()).sum();
     let spread = spread.symmetric_eigenvalues();
     // The spread is that of squares.
-    !(spread.min() > FLAT * FLAT * spread.max())
+    spread.min() <= FLAT * FLAT * spread.max()
 }
 
 /// Each of its triangles is a normal, three corners and two bytes; it is as long as it says.

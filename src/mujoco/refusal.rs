@@ -64,7 +64,9 @@ fn cut(words: &str) -> (Option<usize>, String) {
 /// Words without the engine's numbers of things, and without the thing itself where they end with it: it is named
 /// before them.
 fn unnumbered(words: &str) -> String {
-    let words = words.split(", position ").next().unwrap_or(words);
+    // Of a repeated name it tells the place in a list of its own; of a mesh it guesses.
+    let end = [", position ", "; perhaps "].into_iter().filter_map(|mark| words.find(mark)).min();
+    let words = &words[..end.unwrap_or(words.len())];
     let Some((before, rest)) = words.split_once(" (id = ") else { return words.to_string() };
     let Some((_, after)) = rest.split_once(')') else { return words.to_string() };
     let is_thing = |thing: &str| thing.ends_with('\'') && thing.split_whitespace().count() <= 2;
