@@ -5,7 +5,7 @@
 //! a rigid part is for show alone, that is what it is touched on: the model is then compiled once more with those
 //! geoms colliding, and given the filters that its file has.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 
 use xmltree::Element;
 
@@ -41,24 +41,13 @@ impl Model {
         self
     }
 
-    /// The names of the meshes without a hull of parts of which nothing collides. Of what is fixed to the world, a part
-    /// begins at each body that is mounted on it.
+    /// The names of the meshes without a hull of parts of which nothing collides.
     fn meshes_without_hull(&self) -> BTreeSet<String> {
-        let part = |geom: usize| {
-            let body = self.geom_body(geom);
-            match self.weld(body) {
-                0 => std::iter::successors(Some(body), |&body| Some(self.parents()[body] as usize))
-                    .find(|&body| body == 0 || self.parents()[body] == 0)
-                    .unwrap_or(0),
-                weld => weld,
-            }
-        };
-        let mut collides: BTreeMap<usize, bool> = BTreeMap::new();
-        let geoms = || (0..self.ngeom()).filter(|&geom| self.geom_body(geom) > 0);
-        for geom in geoms() {
-            *collides.entry(part(geom)).or_default() |= self.contact_bits(geom) != (0, 0);
-        }
-        let shown = geoms().filter(|&geom| self.geom_kind(geom) == GeomKind::Mesh && !collides[&part(geom)]);
+        let of_bodies: Vec<bool> = (0..self.ngeom()).map(|geom| self.geom_body(geom) > 0).collect();
+        let surface = self.surface_among(&of_bodies);
+        let shown = (0..self.ngeom()).filter(|&geom| {
+            surface[geom] && self.geom_kind(geom) == GeomKind::Mesh && self.contact_bits(geom) == (0, 0)
+        });
         shown
             .filter_map(|geom| self.mesh_of_geom(geom))
             .filter_map(|mesh| self.name_without_hull(mesh))

@@ -27,6 +27,7 @@ mod refusal;
 #[cfg(feature = "render")]
 mod renderer;
 mod simulated;
+mod surface;
 mod vfs;
 
 pub use crate::mjcf_xml::LeftOut;
