@@ -14,7 +14,7 @@ use crate::experiment::skin_for;
 use crate::mujoco::LeftOut;
 use crate::senses::{JointSensor, joint_sensors, posture_in_words};
 use crate::simulation::{LimbPair, Relation, SelfContact};
-use crate::skin::{SomatotopicMap, skin_of};
+use crate::skin::SomatotopicMap;
 
 /// Tell a model's tree, degrees of freedom, limbs and receptors.
 #[derive(clap::Args)]
@@ -39,13 +39,12 @@ pub fn run(args: &InspectArguments) -> Outcome {
     let open = |joints| source(joints).body_in(model.clone());
     let (body, learned) = (open(JointSelection::All)?, open(JointSelection::Default)?);
     let contact = SelfContact::new(&learned)?;
-    let skin = skin_for(&args.model, &body, &Bars::default())?;
+    let (skin, own) = skin_for(&args.model, &body, &Bars::default())?;
     let map = SomatotopicMap::new(&skin);
     let sensors = joint_sensors(&body);
     spinner.finish_and_clear();
     let creature = &body.creature;
     let in_file = creatures(&model);
-    let own = skin_of(&body).receptors.len();
     // Per limb its receptors, and those of them that were grown.
     let mut by_limb: Vec<(String, usize, usize)> =
         creature.aura_limbs().iter().map(|a| (a.name.clone(), 0, 0)).collect();

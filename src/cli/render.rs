@@ -15,7 +15,6 @@ use crate::creature::{Body, BodyError, JointSelection, Posture};
 use crate::experiment::skin_for;
 use crate::mujoco::{Camera, Data, Image, Mark, Model, PICTURE_SIDES, Renderer};
 use crate::record::{SESSION_FILE, model_hash, write_whole};
-use crate::skin::skin_of;
 use crate::view::picture::{
     self, Direction, Film, Shot, Storyboard, corners_of, draw, extent, frame, is_film, outline, png,
 };
@@ -235,8 +234,7 @@ fn model(args: &RenderArguments, film: bool) -> Result<(RenderSubject, Storyboar
 
 /// The skin that a body babbles with, in the posture of data with poses computed.
 fn skin(args: &RenderArguments, body: &Body, data: &Data) -> Result<Vec<Mark>, Failure> {
-    let own = skin_of(body).receptors.len();
-    let whole = skin_for(&args.what, body, &Bars::default())?;
+    let (whole, own) = skin_for(&args.what, body, &Bars::default())?;
     let on_limbs = whole.receptors.iter().filter_map(|r| Some((r, body.limb_pose(data, r.limb)?)));
     let size = extent(&outline(data, &|geom| body.limb_of_geom(geom).is_some()));
     Ok(picture::skin(on_limbs, own, size))

@@ -11,7 +11,7 @@ use crate::creature::{Body, Creature, CreatureInFile, JointSelection, creatures}
 use crate::ground_truth::GroundTruth;
 use crate::mujoco::Model;
 use crate::simulation::{MotionName, Movers};
-use crate::skin::{GrowOptions, Skin, grow, skin_of};
+use crate::skin::{GrowOptions, Skin, grow_counted};
 
 /// A model's file, and what of it is the creature.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -109,7 +109,7 @@ impl Embodied {
         if let Some(sentence) = source.others(&body) {
             observer.note(&sentence);
         }
-        let skin = skin_for(&source.model, &body, observer)?;
+        let (skin, _) = skin_for(&source.model, &body, observer)?;
         let agent = Agent::new(body.creature.clone(), skin);
         let agent = agent.map_err(|error| ExperimentError::unfit(&source.model, error.to_string()))?;
         let truth = GroundTruth::new(&body)?;
@@ -156,13 +156,16 @@ impl Embodied {
 }
 
 /// The skin of a creature: the receptors in its model, and where these are too few or none, more that are grown in memory,
-/// of which the observer is told.
+/// of which the observer is told; and how many are the model's own, which come first.
 ///
 /// # Errors
 /// Where none can be grown.
-pub fn skin_for(model: &Path, body: &Body, observer: &dyn Observer) -> Result<Skin, ExperimentError> {
-    let own = skin_of(body).receptors.len();
-    let skin = grow(body, &GrowOptions::default()).map_err(ExperimentError::skin(model))?;
+pub fn skin_for(
+    model: &Path,
+    body: &Body,
+    observer: &dyn Observer,
+) -> Result<(Skin, usize), ExperimentError> {
+    let (skin, own) = grow_counted(body, &GrowOptions::default()).map_err(ExperimentError::skin(model))?;
     let grown = skin.receptors.len() - own;
     let model = model.display();
     match (own, grown) {
@@ -173,7 +176,7 @@ pub fn skin_for(model: &Path, body: &Body, observer: &dyn Observer) -> Result<Sk
             "the touch sensors of {model}, {own} of them, leave skin bare: {grown} receptors were grown there in memory"
         )),
     }
-    Ok(skin)
+    Ok((skin, own))
 }
 
 /// Prepares a body for babbling.

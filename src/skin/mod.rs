@@ -12,6 +12,7 @@ use crate::kinematics::Place;
 
 pub use from_model::skin_of;
 pub(crate) use from_model::{surface_of_body, surface_of_geom};
+pub(crate) use growing::grow_counted;
 pub use growing::{GrowError, GrowOptions, Grown, PatchSize, grow, grow_skin, grow_skin_rooted};
 pub use somatotopic_map::{MOST_NEIGHBOURS, SomatotopicMap};
 pub use surface::Surface;

@@ -83,7 +83,16 @@ struct Sprout {
 /// [`GrowError::Options`] where the options do not suit the creature, [`GrowError::Engine`] where the engine
 /// fails.
 pub fn grow(body: &Body, options: &GrowOptions) -> Result<Skin, GrowError> {
+    Ok(grow_counted(body, options)?.0)
+}
+
+/// The same, and how many of the receptors are the model's own: what grew comes after them.
+///
+/// # Errors
+/// As [`grow`].
+pub(crate) fn grow_counted(body: &Body, options: &GrowOptions) -> Result<(Skin, usize), GrowError> {
     let mut skin = skin_of(body);
+    let own = skin.receptors.len();
     for sprout in sprouts(body, &skin, options)? {
         let surface = skin.surfaces.iter().position(|surface| surface.geom == sprout.geom);
         let pose = body.pose_in_limb[sprout.body];
@@ -98,7 +107,7 @@ pub fn grow(body: &Body, options: &GrowOptions) -> Result<Skin, GrowError> {
             surface,
         });
     }
-    Ok(skin)
+    Ok((skin, own))
 }
 
 /// All receptors that a creature still wants beside the `skin` of its model, geom by geom in the model's order.
