@@ -11,6 +11,9 @@ const BEYOND: f64 = 1e-5;
 /// The triangles' area vectors of a closed surface add up to nothing: to this share of the area.
 const OPEN: f64 = 1e-3;
 
+/// Faces that are looked at first.
+const FACES_AROUND: usize = 16;
+
 /// A convex polyhedron with triangles for faces, in its mesh's axes; lengths in metres.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "Polyhedron", into = "Polyhedron")]
@@ -119,6 +122,13 @@ impl Hull {
         self.vertices().iter().fold(Vector3::zeros(), |half, v| half.sup(&v.abs()))
     }
 
+    /// Whether a point is deeper inside than `depth`, metres.
+    pub fn holds(&self, p: &Vector3<f64>, depth: f64) -> bool {
+        // Faces that follow each other lie beside each other: a few from all around tell of most points outside.
+        let around = self.planes.iter().step_by(self.planes.len() / FACES_AROUND + 1);
+        around.chain(&self.planes).all(|(normal, offset)| normal.dot(p) - offset < -depth)
+    }
+
     /// Distance of a point to the surface, negative inside, and the outward unit normal there.
     pub fn signed_distance(&self, p: &Vector3<f64>) -> (f64, Vector3<f64>) {
         let beyond = |(normal, offset): &(Vector3<f64>, f64)| normal.dot(p) - offset;
@@ -221,6 +231,7 @@ mod tests {
             let ((found, n), (expected, m)) = (hull.signed_distance(&p), shape.signed_distance(&p).unwrap());
             assert!((found - expected).abs() < 1e-12, "{p:?}: {found} for {expected}");
             assert!((n - m).norm() < 1e-9 || expected < 0.0, "{p:?}: {n} for {m}");
+            assert!([0.0, 0.03].iter().all(|&depth| hull.holds(&p, depth) == (found < -depth)), "{p:?}");
         }
     }
 

@@ -172,6 +172,15 @@ impl Shape {
         })
     }
 
+    /// Whether a point in the shape's axes is deeper inside than `depth`, metres; of a mesh without a hull it is not known, and none
+    /// is.
+    pub fn holds(&self, p: &Vector3<f64>, depth: f64) -> bool {
+        match self {
+            Shape::Hull(hull) => hull.holds(p, depth),
+            _ => self.signed_distance(p).is_some_and(|(distance, _)| distance < -depth),
+        }
+    }
+
     /// Its farthest point in a direction of any length, in the shape's axes; none for a mesh without a hull.
     pub fn support(&self, direction: &Vector3<f64>) -> Option<Vector3<f64>> {
         let d = direction;

@@ -115,17 +115,19 @@ impl TouchResiduals {
 
 /// How the two ends of a touch become residuals.
 pub trait ObservationModel {
-    /// The whitening of a touch at its present frames `X_CA` and `X_CB`; fixed during a step.
-    fn whitening(&self, ends: &[Observation; 2], frames: &[Frame; 2]) -> Matrix3<f64>;
-    /// The whitened residuals.
-    fn residuals(
+    /// What a linearization fixes of a touch, for the costs until the next one.
+    type Fixed: Clone + Default;
+
+    /// The whitened residuals at frames `X_CA` and `X_CB`, the touch's share of the cost, and what is fixed there; `fixed` is
+    /// that of the linearization before.
+    fn linearize(
         &self,
         ends: &[Observation; 2],
         frames: &[Frame; 2],
-        whitening: &Matrix3<f64>,
-    ) -> TouchResiduals;
+        fixed: &mut Self::Fixed,
+    ) -> (TouchResiduals, f64);
     /// The touch's share of the cost.
-    fn cost(&self, ends: &[Observation; 2], frames: &[Frame; 2], whitening: &Matrix3<f64>) -> f64;
+    fn cost(&self, ends: &[Observation; 2], frames: &[Frame; 2], fixed: &Self::Fixed) -> f64;
 }
 
 /// The two places are one point: the miss `p_CA − p_CB` is noise.
@@ -144,8 +146,9 @@ impl PointsMeet {
     }
 }
 
-impl ObservationModel for PointsMeet {
-    fn whitening(&self, ends: &[Observation; 2], frames: &[Frame; 2]) -> Matrix3<f64> {
+impl PointsMeet {
+    /// The whitening of a touch at its present frames `X_CA` and `X_CB`.
+    pub fn whitening(&self, ends: &[Observation; 2], frames: &[Frame; 2]) -> Matrix3<f64> {
         // The mean over all directions of how far apart the two places may be.
         let variance = (ends[0].covariance + ends[1].covariance).trace() / 3.0;
         if *self == PointsMeet::Anyhow {
@@ -161,19 +164,25 @@ impl ObservationModel for PointsMeet {
             .filter(|whitening| whitening.iter().all(|x| x.is_finite()))
             .unwrap_or_else(|| Matrix3::identity() / variance.sqrt())
     }
+}
 
-    fn residuals(
+impl ObservationModel for PointsMeet {
+    /// The whitening.
+    type Fixed = Matrix3<f64>;
+
+    fn linearize(
         &self,
         ends: &[Observation; 2],
         frames: &[Frame; 2],
-        whitening: &Matrix3<f64>,
-    ) -> TouchResiduals {
-        let values = whitening * PointsMeet::miss(ends, frames);
+        whitening: &mut Matrix3<f64>,
+    ) -> (TouchResiduals, f64) {
+        *whitening = self.whitening(ends, frames);
+        let values = *whitening * PointsMeet::miss(ends, frames);
         let mut residuals = TouchResiduals::new([ends[0].position, ends[1].position]);
         for (row, value) in values.iter().enumerate() {
             residuals.push(whitening.row(row).transpose(), *value);
         }
-        residuals
+        (residuals, 0.5 * values.norm_squared())
     }
 
     fn cost(&self, ends: &[Observation; 2], frames: &[Frame; 2], whitening: &Matrix3<f64>) -> f64 {

@@ -6,7 +6,7 @@
 //! contact's offset from each patch's centre along its sides, with the deviation of a uniform
 //! distribution.
 
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::Vector3;
 
 use crate::geometry::{ConvexBody, Frame, Gap, PlacedShape, Precision, gap_from};
 use crate::learning::observation::{Observation, ObservationModel, TouchResiduals};
@@ -77,6 +77,11 @@ impl<'a> SurfaceGap<'a> {
     /// Where the surfaces under two receptors come closest, given their limbs' frames `X_CA`, `X_CB`. A surface that is
     /// known only by its receptors is flat under each of them.
     pub fn gap(&self, ends: &[Observation; 2], frames: &[Frame; 2]) -> Gap {
+        self.gap_from(ends, frames, None)
+    }
+
+    /// The same, where the normal is nearly known, from the second surface to the first.
+    fn gap_from(&self, ends: &[Observation; 2], frames: &[Frame; 2], guess: Option<Vector3<f64>>) -> Gap {
         let receptors = [0, 1].map(|k| &self.skin.receptors[ends[k].receptor]);
         let solid = |k: usize| self.skin.surfaces[receptors[k].surface?].placed(&frames[k]);
         let normal = |k: usize| frames[k].rotation * receptors[k].normal;
@@ -89,7 +94,9 @@ impl<'a> SurfaceGap<'a> {
         };
         match [solid(0), solid(1)] {
             // How deep wrong limbs are in each other is of no use but to get them out.
-            [Some(a), Some(b)] => gap_from(&a, &b, Precision::ExactWhereShallow, &normal(1)),
+            [Some(a), Some(b)] => {
+                gap_from(&a, &b, Precision::ExactWhereShallow, &guess.unwrap_or_else(|| normal(1)))
+            }
             [Some(a), None] => over_patch(a, 1),
             [None, Some(b)] => over_patch(b, 0).reversed(),
             // Two flat patches say little more than that their centres are near.
@@ -119,44 +126,42 @@ impl SurfaceGap<'_> {
 }
 
 impl ObservationModel for SurfaceGap<'_> {
-    fn whitening(&self, _: &[Observation; 2], _: &[Frame; 2]) -> Matrix3<f64> {
-        Matrix3::identity()
-    }
+    /// The gap's normal in the common frame: steps are small, and the next one is near it.
+    type Fixed = Option<Vector3<f64>>;
 
-    fn residuals(
+    fn linearize(
         &self,
         ends: &[Observation; 2],
         frames: &[Frame; 2],
-        whitening: &Matrix3<f64>,
-    ) -> TouchResiduals {
-        let found = self.gap(ends, frames);
+        normal: &mut Option<Vector3<f64>>,
+    ) -> (TouchResiduals, f64) {
+        let found = self.gap_from(ends, frames, *normal);
+        *normal = Some(found.normal);
         let middle = found.middle();
         let points = [0, 1].map(|k| frames[k].inverse_point(&middle));
         let mut residuals = TouchResiduals::new(points);
-        // One over how much wider than another's the touch's gap may be.
-        let gap_deviation = self.gap_deviation / whitening[(0, 0)];
-        let gap = found.distance / gap_deviation;
+        let gap = found.distance / self.gap_deviation;
+        let mut cost = tailed(gap);
         let weight = 1.0 / (1.0 + (gap / TAIL).powi(2)).sqrt();
-        residuals.push(found.normal * (weight / gap_deviation), gap * weight);
+        residuals.push(found.normal * (weight / self.gap_deviation), gap * weight);
         for (k, offset, deviation, direction) in self.offsets(ends, &points) {
             let value = offset / deviation;
+            cost += tailed(value);
             let weight = 1.0 / (1.0 + (value / TAIL).powi(2)).sqrt();
             // The contact moves over a patch as the other limb moves against it.
             let sign = if k == 0 { -1.0 } else { 1.0 };
             residuals.push(frames[k].rotation * direction * (sign * weight / deviation), value * weight);
         }
-        residuals
+        (residuals, cost)
     }
 
-    fn cost(&self, ends: &[Observation; 2], frames: &[Frame; 2], whitening: &Matrix3<f64>) -> f64 {
-        let found = self.gap(ends, frames);
+    fn cost(&self, ends: &[Observation; 2], frames: &[Frame; 2], normal: &Option<Vector3<f64>>) -> f64 {
+        let found = self.gap_from(ends, frames, *normal);
         let middle = found.middle();
         let points = [0, 1].map(|k| frames[k].inverse_point(&middle));
-        let mut cost = tailed(found.distance / self.gap_deviation * whitening[(0, 0)]);
-        for (_, offset, deviation, _) in self.offsets(ends, &points) {
-            cost += tailed(offset / deviation);
-        }
-        cost
+        let offsets = self.offsets(ends, &points);
+        let places = offsets.map(|(_, offset, deviation, _)| tailed(offset / deviation));
+        tailed(found.distance / self.gap_deviation) + places.iter().sum::<f64>()
     }
 }
 

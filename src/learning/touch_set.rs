@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use nalgebra::{DMatrix, DVector, Matrix3, Matrix3x2, Vector3};
+use nalgebra::{DMatrix, DVector, Matrix3x2, Vector3};
 
 use crate::creature::Creature;
 use crate::geometry::Frame;
@@ -192,15 +192,15 @@ impl ChainColumns {
 }
 
 /// The least-squares problem of a touch set: parameters in, normal equations out.
-pub struct TouchProblem<'a, M> {
+pub struct TouchProblem<'a, M: ObservationModel> {
     creature: &'a Creature,
     touches: &'a TouchSet,
     parameters: &'a Parameters,
     model: M,
     prior: Option<&'a dyn PriorTerm>,
     columns: Vec<ChainColumns>,
-    /// Per touch, in the order of the set, the whitening that the last linearization fixed.
-    whitenings: Vec<Matrix3<f64>>,
+    /// Per touch, in the order of the set, what the last linearization fixed.
+    fixed: Vec<M::Fixed>,
 }
 
 impl<'a, M: ObservationModel> TouchProblem<'a, M> {
@@ -213,8 +213,8 @@ impl<'a, M: ObservationModel> TouchProblem<'a, M> {
     ) -> TouchProblem<'a, M> {
         let columns =
             touches.pairs.iter().map(|pair| ChainColumns::new(creature, &pair.chain, parameters)).collect();
-        let whitenings = vec![Matrix3::identity(); touches.len()];
-        TouchProblem { creature, touches, parameters, model, prior: None, columns, whitenings }
+        let fixed = vec![M::Fixed::default(); touches.len()];
+        TouchProblem { creature, touches, parameters, model, prior: None, columns, fixed }
     }
 
     /// Adds what is believed besides the touches.
@@ -232,7 +232,7 @@ impl<M: ObservationModel> LeastSquares for TouchProblem<'_, M> {
             AxisModel::Relaxed => Vec::new(),
             AxisModel::Unit => schema.axes.iter().map(tangent_basis).collect(),
         };
-        let mut whitenings = self.whitenings.iter_mut();
+        let mut fixed = self.fixed.iter_mut();
         let mut sides = [SideJacobian::default(), SideJacobian::default()];
         for (pair, columns) in self.touches.pairs.iter().zip(&self.columns) {
             let most_rows = pair.touches.len() * TouchResiduals::MOST;
@@ -242,10 +242,9 @@ impl<M: ObservationModel> LeastSquares for TouchProblem<'_, M> {
             let mut row = 0;
             for touch in &pair.touches {
                 let frames = touch.frames(schema);
-                let whitening = whitenings.next().expect("one whitening per touch");
-                *whitening = self.model.whitening(&touch.ends, &frames);
-                total.cost += self.model.cost(&touch.ends, &frames, whitening);
-                let found = self.model.residuals(&touch.ends, &frames, whitening);
+                let fixed = fixed.next().expect("one for each touch");
+                let (found, cost) = self.model.linearize(&touch.ends, &frames, fixed);
+                total.cost += cost;
                 for (k, side) in sides.iter_mut().enumerate() {
                     touch.sides[k].point_jacobian(schema, &found.points[k], side);
                     let sign = if k == 0 { 1.0 } else { -1.0 };
@@ -285,8 +284,8 @@ impl<M: ObservationModel> LeastSquares for TouchProblem<'_, M> {
     fn cost(&self, schema: &BodySchema) -> f64 {
         let touches = self.touches.touches();
         touches
-            .zip(&self.whitenings)
-            .map(|(touch, whitening)| self.model.cost(&touch.ends, &touch.frames(schema), whitening))
+            .zip(&self.fixed)
+            .map(|(touch, fixed)| self.model.cost(&touch.ends, &touch.frames(schema), fixed))
             .sum::<f64>()
             + self.prior.map_or(0.0, |prior| prior.cost(self.parameters, schema))
     }

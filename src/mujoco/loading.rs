@@ -129,6 +129,14 @@ impl Model {
 /// What is changed in every tree before the engine reads it, in this order.
 fn prepare(root: &mut Element, source: &Source, bodies: &[Element]) {
     anchor_assets(root, &source.path);
+    // A trunk that stands still would be joined to the world, and its limbs fall apart into creatures of their own; and what
+    // is for show alone may be all there is to touch.
+    for (name, kept) in [("fusestatic", "false"), ("discardvisual", "false")] {
+        let mut compilers = root.children.iter().filter_map(XMLNode::as_element).filter(|e| e.name == "compiler");
+        if compilers.any(|compiler| attribute(compiler, name).is_some()) {
+            set_compiler(root, name, kept);
+        }
+    }
     if !bodies.is_empty() {
         let world = crate::mjcf_xml::section(root, "worldbody");
         world.children.extend(bodies.iter().cloned().map(XMLNode::Element));

@@ -36,11 +36,11 @@ impl BoundedGeom {
     /// Whether the geom is inside another of the same limb, all around: what meets it meets the other before.
     fn is_buried_in(&self, other: &BoundedGeom) -> bool {
         let (Some(inner), Some(outer)) = (&self.solid, &other.solid) else { return false };
-        let depth = |p: &Vector3<f64>| outer.signed_distance(p).map_or(f64::NEG_INFINITY, |(d, _)| -d);
         // A convex shape holds all that is between points that it holds.
-        let holds_capsule = || self.capsule.ends.iter().all(|end| depth(end) > self.capsule.radius + BURIED);
+        let deep = self.capsule.radius + BURIED;
+        let holds_capsule = || self.capsule.ends.iter().all(|end| outer.holds(end, deep));
         let pose = inner.pose();
-        let holds = |corner: Vector3<f64>| depth(&pose.point(&corner)) > BURIED;
+        let holds = |corner: Vector3<f64>| outer.holds(&pose.point(&corner), BURIED);
         match inner.shape.hull() {
             Some(hull) => hull.vertices().iter().copied().all(holds),
             None if self.exact => holds_capsule(),

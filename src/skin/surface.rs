@@ -48,6 +48,11 @@ impl Surface {
         Some(self.rotation * point + self.origin)
     }
 
+    /// Whether a point of the limb's frame is deeper inside than `depth`, metres.
+    pub fn holds(&self, p_l: &Vector3<f64>, depth: f64) -> bool {
+        self.shape.holds(&self.to_shape(p_l), depth)
+    }
+
     /// Distance of a point to the surface, negative inside, and the outward unit normal there, both for
     /// the limb's frame; none for a mesh without a hull.
     pub fn signed_distance(&self, p_l: &Vector3<f64>) -> Option<(f64, Vector3<f64>)> {

@@ -115,8 +115,7 @@ impl Exposure {
                 (poses[geom] * self.poses[0][geom].inverse_transform_point(&(*point).into())).coords
             };
             !self.over[geom].iter().any(|&other| {
-                let inside = placed[other].as_ref().and_then(|surface| surface.signed_distance(&moved));
-                inside.is_some_and(|(distance, _)| distance < -depth)
+                placed[other].as_ref().is_some_and(|surface| surface.holds(&moved, depth))
             })
         })
     }
