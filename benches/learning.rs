@@ -8,6 +8,7 @@ use std::time::Duration;
 use bodyschema::agent::Agent;
 use bodyschema::babbling::Babbler;
 use bodyschema::creature::Creature;
+use bodyschema::deadline::Deadline;
 use bodyschema::ground_truth::GroundTruth;
 use bodyschema::learning::initial_guess::{random_direction, random_guess};
 use bodyschema::learning::least_squares::{Stopping, levenberg_marquardt};
@@ -32,7 +33,8 @@ const CONTACT_DEVIATION: f64 = 1e-4;
 /// Deviation of the surfaces' gap half-way through annealing, metres.
 const GAP_DEVIATION: f64 = 1e-3;
 /// One linearization, and the damped steps until one is accepted.
-const ONE_ITERATION: Stopping = Stopping { iterations: 1, relative_cost: 0.0, cost: 0.0 };
+const ONE_ITERATION: Stopping =
+    Stopping { iterations: 1, relative_cost: 0.0, cost: 0.0, deadline: Deadline::NEVER };
 
 /// Touches of exact points on `creature`, made ready for a solver.
 fn prepare(agent: &Agent, touches: &[Touch]) -> TouchSet {

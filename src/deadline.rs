@@ -8,6 +8,9 @@ use std::time::{Duration, Instant};
 pub struct Deadline(Option<Instant>);
 
 impl Deadline {
+    /// No such moment.
+    pub const NEVER: Deadline = Deadline(None);
+
     /// The moment after a time from `began` on; none where that is farther off than time can be told.
     pub fn after(began: Instant, time: Duration) -> Deadline {
         Deadline(began.checked_add(time))
@@ -34,9 +37,9 @@ mod tests {
         assert!(Deadline::after(began, Duration::ZERO).has_passed());
         assert!(!Deadline::after(began, Duration::from_secs(3600)).has_passed());
         assert!(!Deadline::after(began, Duration::MAX).has_passed());
-        assert!(!Deadline::default().has_passed());
+        assert!(!Deadline::NEVER.has_passed());
         assert_eq!(
-            [Deadline::default(), Deadline::after(began, Duration::ZERO)].map(|d| d.left()),
+            [Deadline::NEVER, Deadline::after(began, Duration::ZERO)].map(|d| d.left()),
             [None, Some(Duration::ZERO)]
         );
     }

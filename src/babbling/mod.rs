@@ -18,6 +18,7 @@ pub use policy::{Policy, PolicyName};
 use crate::babbling::bouts::{Bout, gather};
 use crate::babbling::policy::Random;
 use crate::deadline::Deadline;
+use crate::learning::Input;
 use crate::learning::growth::Growth;
 use crate::senses::Touch;
 use crate::simulation::{Effort, Ending, EngineError, EngineResult, MotionUntilTouch, Movers, NearestLimbs};
@@ -79,17 +80,23 @@ fn why(nearest: &Option<NearestLimbs>) -> String {
 pub struct Babbler<'a> {
     movers: Movers<'a>,
     deadline: Deadline,
+    input: Input,
 }
 
 impl<'a> Babbler<'a> {
     /// An agent that babbles by these movers of its body.
     pub fn new(movers: Movers<'a>) -> Babbler<'a> {
-        Babbler { movers, deadline: Deadline::default() }
+        Babbler { movers, deadline: Deadline::NEVER, input: Input::Receptor }
     }
 
     /// The same that begins no motion after a deadline: its touches are the first ones of those that it would have made.
     pub fn until(self, deadline: Deadline) -> Babbler<'a> {
         Babbler { deadline, ..self }
+    }
+
+    /// The same whose policies learn on the way from what touches report.
+    pub fn learning_from(self, input: Input) -> Babbler<'a> {
+        Babbler { input, ..self }
     }
 
     /// What moves its body.
@@ -242,6 +249,7 @@ impl<'a> Babbler<'a> {
             return Ok((self.babble_on(BoutsDone::default(), options, receive)?, None));
         }
         let mut policy = policy.policy(self.movers.agent(), options.seed);
+        policy.learns_from(self.input);
         policy.end_at(self.deadline);
         let effort = self.babble_with(policy.as_mut(), options, receive)?;
         Ok((effort, policy.grown().cloned()))

@@ -121,7 +121,7 @@ impl Prepared {
         let (began, seconds) = (Instant::now(), args.seconds());
         let deadline = |share: f64| {
             let time = seconds.and_then(|seconds| Duration::try_from_secs_f64(share * seconds).ok());
-            time.map_or(Deadline::default(), |time| Deadline::after(began, time))
+            time.map_or(Deadline::NEVER, |time| Deadline::after(began, time))
         };
         // The parser sees to it that there is one.
         let model = args.model.as_deref().ok_or(Failure("name the model's file".into()))?;

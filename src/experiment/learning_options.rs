@@ -58,7 +58,7 @@ impl Default for LearningOptions {
             frames: LimbFrames::default(),
             known: None,
             disturbances: DisturbanceLevels::default(),
-            deadline: Deadline::default(),
+            deadline: Deadline::NEVER,
         }
     }
 }

@@ -168,7 +168,8 @@ impl<'a> BabblingSession<'a> {
     /// can be resumed.
     pub fn babble(self, observer: &dyn Observer) -> Result<BabbledSession, ExperimentError> {
         let BabblingSession { embodied, setup, folder, mut session, mut log, done, spent, mut made } = self;
-        let babbler = embodied.babbler(setup.motion)?.until(setup.deadline);
+        let babbler =
+            embodied.babbler(setup.motion)?.until(setup.deadline).learning_from(setup.learning.input());
         observer.phase(Phase::Babbling {
             made: made.len(),
             touches: setup.babbling.touches,

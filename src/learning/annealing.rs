@@ -6,6 +6,7 @@
 //! themselves show, so that noisy joints or false touches do not turn the fit into a vote of a few.
 
 use crate::agent::Agent;
+use crate::deadline::Deadline;
 use crate::learning::Parameters;
 use crate::learning::least_squares::{Stopping, levenberg_marquardt};
 use crate::learning::prior::PriorTerm;
@@ -32,6 +33,28 @@ const VAIN: usize = 5;
 const ITERATIONS: usize = 3;
 /// Linearizations at the last deviation.
 const LAST_ITERATIONS: usize = 30;
+
+/// Without noise the gaps of a right answer close four times as far with every step once the deviation is below this, metres; …
+const NEARLY_CLOSED: f64 = 3e-4;
+/// … of what leaves gaps of this share of the deviation then, nothing will come.
+const HOPELESS: f64 = 0.5;
+
+/// When annealing ends.
+#[derive(Clone, Copy, Debug)]
+pub struct AnnealingLimits {
+    /// The least deviation of the gap, metres.
+    pub narrowest: f64,
+    /// The moment at which it ends wherever it is.
+    pub deadline: Deadline,
+    /// Whether touches have no noise: then what closes slowly is given up.
+    pub exact: bool,
+}
+
+impl Default for AnnealingLimits {
+    fn default() -> AnnealingLimits {
+        AnnealingLimits { narrowest: NARROWEST, deadline: Deadline::NEVER, exact: false }
+    }
+}
 
 /// What annealing came to.
 #[derive(Clone, Debug)]
@@ -80,18 +103,19 @@ pub fn anneal(
     prior: &dyn PriorTerm,
     start: BodySchema,
 ) -> Annealed {
-    anneal_to(NARROWEST, agent, touches, parameters, prior, start)
+    anneal_to(AnnealingLimits::default(), agent, touches, parameters, prior, start)
 }
 
-/// Like [`anneal`], but never narrower than `narrowest`, metres.
+/// Like [`anneal`], with other limits.
 pub fn anneal_to(
-    narrowest: f64,
+    limits: AnnealingLimits,
     agent: &Agent,
     touches: &TouchSet,
     parameters: &Parameters,
     prior: &dyn PriorTerm,
     start: BodySchema,
 ) -> Annealed {
+    let AnnealingLimits { narrowest, deadline, exact } = limits;
     let skin = agent.skin();
     let mut iterations = 0;
     let mut fit = |schema: BodySchema, deviation: f64, stopping: Stopping| {
@@ -114,7 +138,11 @@ pub fn anneal_to(
     let mut deviation = (2.0 * wide).clamp(narrowest, WIDEST);
     let mut vain = 0;
     loop {
-        schema = fit(schema, deviation, Stopping { iterations: ITERATIONS, relative_cost: 1e-2, cost: 0.0 });
+        schema = fit(
+            schema,
+            deviation,
+            Stopping { iterations: ITERATIONS, relative_cost: 1e-2, cost: 0.0, deadline },
+        );
         (noise, wide) = measure(&schema);
         if noise < 0.9 * least {
             vain = 0;
@@ -124,14 +152,19 @@ pub fn anneal_to(
         if noise < least {
             (least, best) = (noise, schema.clone());
         }
+        if exact && deviation < NEARLY_CLOSED && noise > HOPELESS * deviation {
+            let found = gaps(skin, touches, &best);
+            let (median_gap, p80_gap) = (quantile(&found, 0.5), quantile(&found, 0.8));
+            return Annealed { schema: best, gap_deviation: least, median_gap, p80_gap, iterations };
+        }
         // Narrower than the noise the fit becomes a vote of a few; a little way into it shows that it is noise.
-        if deviation <= narrowest || vain >= VAIN {
+        if deviation <= narrowest || vain >= VAIN || deadline.has_passed() {
             break;
         }
         deviation = (1.5 * wide).min(COOLING * deviation).max(0.25 * deviation).max(narrowest);
     }
     let mut deviation = least.clamp(narrowest, WIDEST);
-    let last = Stopping { iterations: LAST_ITERATIONS, relative_cost: 1e-6, cost: 0.0 };
+    let last = Stopping { iterations: LAST_ITERATIONS, relative_cost: 1e-6, cost: 0.0, deadline };
     schema = fit(best, deviation, last);
     let (again, _) = measure(&schema);
     if again.max(narrowest) > 1.2 * deviation {

@@ -19,7 +19,8 @@
 use rand_chacha::ChaCha8Rng;
 
 use crate::agent::Agent;
-use crate::learning::annealing::{NARROWEST, WIDEST, anneal_to, gaps, quantile};
+use crate::deadline::Deadline;
+use crate::learning::annealing::{AnnealingLimits, NARROWEST, WIDEST, anneal_to, gaps, quantile};
 use crate::learning::least_squares::{Stopping, levenberg_marquardt};
 use crate::learning::observation::PointsMeet;
 use crate::learning::open_gaps::OpenGaps;
@@ -115,6 +116,8 @@ pub struct Nursery<'a> {
     pub frozen: &'a [bool],
     /// The number of the start: starts differ in more than their random numbers.
     pub turn: usize,
+    /// When a start ends with what it has.
+    pub deadline: Deadline,
 }
 
 /// What a part's solution is judged by.
@@ -197,7 +200,8 @@ impl Nursery<'_> {
         let mut released = 0;
         loop {
             let touches = touches.filter(|pair| pair.chain.joints().all(|joint| !given_up[joint]));
-            let Some(part) = self.next_part(&touches, route, &known) else { break };
+            let part = self.next_part(&touches, route, &known).filter(|_| !self.deadline.has_passed());
+            let Some(part) = part else { break };
             let rest =
                 self.next_part(&touches, Route::Whole, &known).is_none_or(|all| all.len() == part.len());
             // A whole body has one initial guess a start; parts get several, for what is known is worth keeping.
@@ -313,7 +317,7 @@ impl Nursery<'_> {
         let mut open = OpenGaps::new(self.agent, &used, &start.schema);
         for round in 0..repairs {
             start.accepted = open.tolerable();
-            if start.accepted {
+            if start.accepted || self.deadline.has_passed() {
                 return;
             }
             start.initial_guesses += 1;
@@ -349,7 +353,8 @@ impl Nursery<'_> {
             AxisModel::Relaxed => RELAXED_GAPS[self.turn % 2 + 2 * (self.turn / 4 % 2)],
             AxisModel::Unit => NARROWEST,
         };
-        let annealed = anneal_to(narrowest, self.agent, touches, parameters, self.prior, start);
+        let limits = AnnealingLimits { narrowest, deadline: self.deadline, exact: false };
+        let annealed = anneal_to(limits, self.agent, touches, parameters, self.prior, start);
         let mut schema = annealed.schema;
         schema.normalize_axes(self.agent.creature());
         (schema, annealed.p80_gap)
@@ -505,6 +510,9 @@ impl Nursery<'_> {
             if Misfit(least).certain(&self.evidence) || (least <= 1.0 && agreeing >= 2) {
                 return best.expect("one was tried");
             }
+            if self.deadline.has_passed() {
+                break;
+            }
         }
         let (schema, misfit) = best.expect("at least one initial guess is tried");
         // Gaps that do not close, and no two initial guesses that leave the same ones: a wrong minimum, one of many.
@@ -574,7 +582,7 @@ impl Nursery<'_> {
         }
         // Far below what noise can do there is nothing left to gain here.
         let cost = 0.5 * count * 1e-6;
-        let stopping = Stopping { iterations, relative_cost: 1e-4, cost };
+        let stopping = Stopping { iterations, relative_cost: 1e-4, cost, deadline: self.deadline };
         let solution = levenberg_marquardt(&mut problem, parameters, start, stopping);
         (solution.schema, (2.0 * solution.cost / count).sqrt())
     }

@@ -17,6 +17,7 @@ use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
 use crate::creature::Creature;
+use crate::deadline::Deadline;
 use crate::geometry::Frame;
 use crate::learning::growing::{EXACT, Start};
 use crate::learning::initial_guess::randomize_joint;
@@ -53,6 +54,8 @@ pub struct LimbNursery<'a> {
     pub touches: &'a TouchSet,
     /// The number of the start: the first takes the easiest part each time, later ones vary.
     pub turn: usize,
+    /// When a start ends with what it has.
+    pub deadline: Deadline,
 }
 
 /// What is known on the way.
@@ -102,7 +105,7 @@ impl LimbNursery<'_> {
                 None => failed.push(part.joints),
             }
             let most = if growth.known.contains(&true) { MOST_FAILED } else { HOPELESS_PARTS };
-            if failed.len() >= most {
+            if failed.len() >= most || self.deadline.has_passed() {
                 break;
             }
         }
@@ -316,7 +319,12 @@ impl LimbNursery<'_> {
     ) -> (BodySchema, f64) {
         let count = (3 * touches.len()).max(1) as f64;
         let mut problem = TouchProblem::new(self.creature, touches, parameters, PointsMeet::Anyhow);
-        let stopping = Stopping { iterations, relative_cost: 1e-4, cost: 0.5 * count * ZERO * ZERO };
+        let stopping = Stopping {
+            iterations,
+            relative_cost: 1e-4,
+            cost: 0.5 * count * ZERO * ZERO,
+            deadline: self.deadline,
+        };
         let solution = levenberg_marquardt(&mut problem, parameters, start, stopping);
         (solution.schema, (2.0 * solution.cost / count).sqrt())
     }

@@ -5,6 +5,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
+use crate::deadline::Deadline;
 use crate::learning::Parameters;
 use crate::schema::BodySchema;
 
@@ -56,7 +57,7 @@ pub enum Termination {
 }
 
 /// When to stop.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub struct Stopping {
     /// Most linearizations.
     pub iterations: usize,
@@ -64,6 +65,8 @@ pub struct Stopping {
     pub relative_cost: f64,
     /// A cost that is as good as zero.
     pub cost: f64,
+    /// When it ends wherever it is.
+    pub deadline: Deadline,
 }
 
 /// Where the iteration stopped, and why.
@@ -92,6 +95,9 @@ pub fn levenberg_marquardt(
     let mut cost = f64::INFINITY;
     let mut small_steps = 0;
     for iteration in 0..stopping.iterations {
+        if stopping.deadline.has_passed() {
+            break;
+        }
         let model = problem.linearize(&schema);
         cost = model.cost;
         let done = |schema: BodySchema, cost, termination| Solution {

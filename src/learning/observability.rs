@@ -174,12 +174,21 @@ impl Observability {
     }
 
     /// The greatest share that some touches, of the information `JᵀWJ` (symmetric), have in what is known of any direction: 1
-    /// where nothing else tells of it. It is the greatest eigenvalue of `Lᵀ JᵀWJ L` with the covariance `L Lᵀ`.
+    /// where nothing else tells of it. It is the greatest eigenvalue of `Lᵀ JᵀWJ L` with the covariance `L Lᵀ` and, which is
+    /// less work for few touches, of `Rᵀ L Lᵀ R` with `R Rᵀ = JᵀWJ`.
     pub(super) fn greatest_leverage(&self, information: &DMatrix<f64>) -> f64 {
         let felt: Vec<usize> = (0..information.ncols()).filter(|&k| information[(k, k)] > 0.0).collect();
-        let factor = self.covariance_factor.select_rows(&felt);
-        let share = factor.tr_mul(&(information.select_rows(&felt).select_columns(&felt) * &factor));
-        if share.is_empty() { 0.0 } else { SymmetricEigen::new(share).eigenvalues.max() }
+        if felt.is_empty() {
+            return 0.0;
+        }
+        let told = SymmetricEigen::new(information.select_rows(&felt).select_columns(&felt));
+        let least = f64::EPSILON * felt.len() as f64 * told.eigenvalues.max();
+        let along: Vec<usize> = (0..felt.len()).filter(|&k| told.eigenvalues[k] > least).collect();
+        let mut root = told.eigenvectors.select_columns(&along);
+        let lengths = along.iter().map(|&k| told.eigenvalues[k].sqrt());
+        lengths.enumerate().for_each(|(column, length)| root.column_mut(column).scale_mut(length));
+        let factor = self.covariance_factor.select_rows(&felt).tr_mul(&root);
+        SymmetricEigen::new(factor.tr_mul(&factor)).eigenvalues.max()
     }
 
     /// The undetermined directions in the units of the parameters, one a column (m, 1).

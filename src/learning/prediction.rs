@@ -35,14 +35,40 @@ impl GapRow {
         let frames = touch.frames(schema);
         let found = SurfaceGap::new(skin, 1.0).gap(&touch.ends, &frames);
         self.gap = found.distance;
+        self.points = [0, 1].map(|k| frames[k].inverse_point(&found.middle()));
+        self.normals =
+            [0, 1].map(|k| frames[k].rotation.tr_mul(&found.normal) * if k == 0 { 1.0 } else { -1.0 });
+        self.fill(parameters, schema, touch, &found.normal);
+    }
+
+    /// Sets the row to how far apart a schema leaves the two places of a touch along a unit vector of the common frame.
+    pub fn set_miss(
+        &mut self,
+        parameters: &Parameters,
+        schema: &BodySchema,
+        touch: &PreparedTouch,
+        along: &Vector3<f64>,
+    ) {
+        let frames = touch.frames(schema);
+        self.gap = along.dot(&touch.miss(schema));
+        self.points = [0, 1].map(|k| touch.ends[k].position);
+        self.normals = [0, 1].map(|k| frames[k].rotation.tr_mul(along) * if k == 0 { 1.0 } else { -1.0 });
+        self.fill(parameters, schema, touch, along);
+    }
+
+    /// The derivative of how far apart the two points are along a unit vector of the common frame.
+    fn fill(
+        &mut self,
+        parameters: &Parameters,
+        schema: &BodySchema,
+        touch: &PreparedTouch,
+        along: &Vector3<f64>,
+    ) {
         self.entries.clear();
         for (k, sign) in [(0, 1.0), (1, -1.0)] {
-            let point = frames[k].inverse_point(&found.middle());
             let side = &mut self.sides[k];
-            touch.sides[k].point_jacobian(schema, &point, side);
-            let direction: Vector3<f64> = found.normal * sign;
-            self.points[k] = point;
-            self.normals[k] = frames[k].rotation.transpose() * direction;
+            touch.sides[k].point_jacobian(schema, &self.points[k], side);
+            let direction: Vector3<f64> = along * sign;
             for (joint, map) in &side.joints {
                 if let Some(offset) = parameters.positions[*joint] {
                     let slope = map.tr_mul(&direction);

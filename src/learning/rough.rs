@@ -11,7 +11,8 @@ use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 
 use crate::agent::Agent;
-use crate::learning::annealing::{NARROWEST, anneal_to, quantile};
+use crate::deadline::Deadline;
+use crate::learning::annealing::{AnnealingLimits, NARROWEST, anneal_to, quantile};
 use crate::learning::initial_guess::{random_guess, randomize_joint};
 use crate::learning::least_squares::{LeastSquares, Stopping, levenberg_marquardt};
 use crate::learning::observation::{Observation, ObservationModel, PointsMeet};
@@ -82,7 +83,7 @@ impl<'a> RoughFit<'a> {
         let parameters = Parameters::new(self.agent.creature(), axis_model, |_| true);
         let mut problem =
             TouchProblem::new(self.agent.creature(), touches, &parameters, model).with_prior(&self.prior);
-        let stopping = Stopping { iterations, relative_cost: 1e-3, cost: 0.0 };
+        let stopping = Stopping { iterations, relative_cost: 1e-3, cost: 0.0, deadline: Deadline::NEVER };
         levenberg_marquardt(&mut problem, &parameters, start, stopping).schema
     }
 
@@ -90,7 +91,8 @@ impl<'a> RoughFit<'a> {
     fn close(&self, touches: &TouchSet, axis_model: AxisModel, start: BodySchema) -> BodySchema {
         let parameters = Parameters::new(self.agent.creature(), axis_model, |_| true);
         let narrowest = if axis_model == AxisModel::Relaxed { RELAXED_GAP } else { NARROWEST };
-        let annealed = anneal_to(narrowest, self.agent, touches, &parameters, &self.prior, start);
+        let limits = AnnealingLimits { narrowest, ..AnnealingLimits::default() };
+        let annealed = anneal_to(limits, self.agent, touches, &parameters, &self.prior, start);
         let mut schema = annealed.schema;
         schema.normalize_axes(self.agent.creature());
         schema

@@ -8,7 +8,7 @@
 
 use std::collections::BTreeMap;
 
-use nalgebra::{DMatrix, Matrix3};
+use nalgebra::{DMatrix, Matrix3, Vector3};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
@@ -82,6 +82,9 @@ const FRESH_NOISE: f64 = 1.5;
 const NOISY_STARTS: usize = 8;
 /// How far a curved limb is taken to bulge out of a flat patch, metres.
 const NORMAL_DEVIATION: f64 = 6e-3;
+/// The share that noise may be of how far touches lie about their middle on the limbs: of more, a body whose limbs are all in
+/// one place would explain them as well.
+const MOST_OF_EXTENT: f64 = 0.5;
 /// The same as [`EXACT`] for receptor centres: they have a bias, the bulge of the limb.
 const BIASED: f64 = 1.5;
 /// Eight tenths of the gaps of touches not fitted to stay within this many of the deviations that the
@@ -144,7 +147,7 @@ impl<'a> SecondOrder<'a> {
             frames,
             seed,
             known,
-            deadline: Deadline::default(),
+            deadline: Deadline::NEVER,
             touches: Vec::new(),
         }
     }
@@ -284,7 +287,9 @@ impl<'a> SecondOrder<'a> {
                 // about `1 + p/n`.
                 let share = (unknowns / (3 * known.len()).max(1) as f64).min(0.9);
                 let expected = noise * ((1.0 + share) / (1.0 - share)).sqrt();
-                let misfit = (fresh / acceptance).max(fresh / (FRESH_NOISE * expected));
+                // Limbs that are all in one place explain touches as well as this.
+                let vague = noise * taken_deviation(&known) / (MOST_OF_EXTENT * extent(&known));
+                let misfit = (fresh / acceptance).max(fresh / (FRESH_NOISE * expected)).max(vague);
                 (misfit, noise)
             }
             Evidence::Surfaces(_) => self.judge_gaps(&fitted.filter(|pair| start.covers(pair)), &used, start),
@@ -384,7 +389,8 @@ impl<'a> SecondOrder<'a> {
                         } else {
                             &self.known.prior
                         });
-                let stopping = Stopping { iterations: 60, relative_cost: 1e-9, cost: 0.0 };
+                let stopping =
+                    Stopping { iterations: 60, relative_cost: 1e-9, cost: 0.0, deadline: Deadline::NEVER };
                 let schema = levenberg_marquardt(&mut problem, &parameters, schema, stopping).schema;
                 let schema = self.settled(schema, &start.placed);
                 let (account, deviation) = self.account_of(&used, &schema);
@@ -393,8 +399,12 @@ impl<'a> SecondOrder<'a> {
             Evidence::Surfaces(skin) => {
                 let annealed = anneal(self.agent, &used, &parameters, &self.known.prior, schema);
                 let mut schema = annealed.schema;
-                let stopping =
-                    Stopping { iterations: LAST_ITERATIONS, relative_cost: LAST_RELATIVE_COST, cost: 0.0 };
+                let stopping = Stopping {
+                    iterations: LAST_ITERATIONS,
+                    relative_cost: LAST_RELATIVE_COST,
+                    cost: 0.0,
+                    deadline: Deadline::NEVER,
+                };
                 if annealed.gap_deviation <= CERTAIN_NOISE {
                     let deviation = self.gap_deviation(skin, &used, &parameters, &schema);
                     let model = SurfaceGap::new(skin, deviation).with_biased_places();
@@ -721,6 +731,27 @@ fn taken_deviation(touches: &TouchSet) -> f64 {
     (touches().map(variance).sum::<f64>() / touches().count().max(1) as f64).sqrt()
 }
 
+/// How far, per coordinate and as a root mean square, the places of touches lie about their middle on a limb: on that of the
+/// two limbs of a touch on which they lie the farther, metres.
+fn extent(touches: &TouchSet) -> f64 {
+    let mut places: BTreeMap<usize, Vec<Vector3<f64>>> = BTreeMap::new();
+    for pair in &touches.pairs {
+        for (limb, end) in pair.limbs.into_iter().zip([0, 1]) {
+            places.entry(limb).or_default().extend(pair.touches.iter().map(|touch| touch.ends[end].position));
+        }
+    }
+    let variance = |places: Vec<Vector3<f64>>| {
+        let count = places.len() as f64;
+        let middle = places.iter().sum::<Vector3<f64>>() / count;
+        places.iter().map(|place| (place - middle).norm_squared()).sum::<f64>() / (3.0 * count)
+    };
+    let variances: BTreeMap<usize, f64> =
+        places.into_iter().map(|(limb, places)| (limb, variance(places))).collect();
+    let larger = |pair: &PairTouches| variances[&pair.limbs[0]].max(variances[&pair.limbs[1]]);
+    let sum: f64 = touches.pairs.iter().map(|pair| pair.touches.len() as f64 * larger(pair)).sum();
+    (sum / touches.len().max(1) as f64).sqrt()
+}
+
 fn kept_back(touch: usize) -> bool {
     touch % KEPT_BACK == KEPT_BACK - 1
 }
@@ -851,11 +882,11 @@ impl<'a> SecondOrder<'a> {
 
     fn nursery<'t>(&'t self, evidence: Evidence<'t>, touches: &'t TouchSet, turn: usize) -> Nursery<'t> {
         let PriorKnowledge { prior, frozen, .. } = &self.known;
-        Nursery { agent: self.agent, touches, evidence, prior, frozen, turn }
+        Nursery { agent: self.agent, touches, evidence, prior, frozen, turn, deadline: self.deadline }
     }
 
     fn limb_nursery<'t>(&'t self, touches: &'t TouchSet, turn: usize) -> LimbNursery<'t> {
-        LimbNursery { creature: self.agent.creature(), touches, turn }
+        LimbNursery { creature: self.agent.creature(), touches, turn, deadline: self.deadline }
     }
 
     /// The searches to try one after the other until one finds an answer. There is one, but for points with

@@ -132,7 +132,8 @@ fn prepare(root: &mut Element, source: &Source, bodies: &[Element]) {
     // A trunk that stands still would be joined to the world, and its limbs fall apart into creatures of their own; and what
     // is for show alone may be all there is to touch.
     for (name, kept) in [("fusestatic", "false"), ("discardvisual", "false")] {
-        let mut compilers = root.children.iter().filter_map(XMLNode::as_element).filter(|e| e.name == "compiler");
+        let mut compilers =
+            root.children.iter().filter_map(XMLNode::as_element).filter(|e| e.name == "compiler");
         if compilers.any(|compiler| attribute(compiler, name).is_some()) {
             set_compiler(root, name, kept);
         }

@@ -12,6 +12,7 @@ use rand_chacha::ChaCha8Rng;
 use serde::Serialize;
 
 use crate::creature::{Body, Posture};
+use crate::kinematics::Chain;
 use crate::mujoco::{self, Data};
 
 /// Random postures that are looked at, always the same ones.
@@ -22,6 +23,9 @@ const ALWAYS: f64 = 0.9;
 const OFTEN: f64 = 0.15;
 /// A reference posture in which geoms overlap that do so in fewer postures than this is a tangle.
 const SELDOM: f64 = 0.5;
+
+/// Shares of the way to the ends of their ranges that joints are moved by where a body is tangled at rest.
+const SHARES: [f64; 4] = [0.1, 0.25, 0.5, 1.0];
 
 /// What is between two limbs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -87,11 +91,17 @@ impl SelfContact {
         let tangled = |posture: &BTreeSet<[usize; 2]>, below: f64| {
             posture.iter().filter(|pair| share(pair) < below && !excluded.contains(*pair)).count()
         };
-        let chosen = match tangled(&seen[0], SELDOM) {
-            0 => 0,
-            _ => (0..seen.len()).min_by_key(|&k| tangled(&seen[k], ALWAYS)).unwrap_or(0),
+        let (start, met_at_start) = match tangled(&seen[0], SELDOM) {
+            0 => (postures.swap_remove(0), seen[0].clone()),
+            _ => match untangled(body, &mut overlaps, &postures[0], |seen| tangled(seen, SELDOM))? {
+                Some(found) => found,
+                None => {
+                    let chosen = (0..seen.len()).min_by_key(|&k| tangled(&seen[k], ALWAYS)).unwrap_or(0);
+                    (postures.swap_remove(chosen), seen[chosen].clone())
+                }
+            },
         };
-        let mut left_out: BTreeSet<[usize; 2]> = always.union(&seen[chosen]).copied().collect();
+        let mut left_out: BTreeSet<[usize; 2]> = always.union(&met_at_start).copied().collect();
         let joined: BTreeSet<[usize; 2]> = left_out.iter().map(limbs).collect();
         left_out.extend(
             counts.keys().filter(|pair| share(pair) >= OFTEN && joined.contains(&limbs(pair))).copied(),
@@ -132,13 +142,56 @@ impl SelfContact {
                 meeting: meeting.get(&limbs).map_or(0.0, |&n| n as f64 / POSTURES as f64),
             }
         });
-        Ok(SelfContact { pairs: pairs.collect(), left_out, start: postures.swap_remove(chosen) })
+        Ok(SelfContact { pairs: pairs.collect(), left_out, start })
     }
 
     /// The number of limb pairs in a relation.
     pub fn count(&self, relation: Relation) -> usize {
         self.pairs.iter().filter(|pair| pair.relation == relation).count()
     }
+}
+
+/// A posture near a tangled one in which nothing is tangled, and what overlaps there: joint by joint the turn or shift that
+/// leaves least. Few joints away from the reference posture leave most of a body's joints at rest.
+fn untangled(
+    body: &Body,
+    overlaps: &mut Overlaps,
+    from: &Posture,
+    tangled: impl Fn(&BTreeSet<[usize; 2]>) -> usize,
+) -> mujoco::Result<Option<(Posture, BTreeSet<[usize; 2]>)>> {
+    let creature = &body.creature;
+    let mut best = from.clone();
+    let mut seen = overlaps.at(&best)?;
+    while tangled(&seen) > 0 {
+        let between: BTreeSet<usize> = seen
+            .iter()
+            .flat_map(|&[a, b]| {
+                let [a, b] = limb_pair(body, a, b);
+                Chain::between(creature, a, b).joints().collect::<Vec<usize>>()
+            })
+            .collect();
+        let mut found: Option<(Posture, BTreeSet<[usize; 2]>)> = None;
+        for share in SHARES {
+            for joint in between.iter().map(|&joint| &creature.joints()[joint]) {
+                for at in joint.elements().filter(|at| !at.is_ball()) {
+                    for end in at.range {
+                        let mut posture = best.clone();
+                        let now = posture[at.coordinate()];
+                        posture[at.coordinate()] = now + share * (end - now);
+                        creature.couple(&mut posture);
+                        let left = overlaps.at(&posture)?;
+                        let least = found.as_ref().map_or(tangled(&seen), |(_, least)| tangled(least));
+                        if tangled(&left) < least {
+                            found = Some((posture, left));
+                        }
+                    }
+                }
+            }
+        }
+        let Some(less) = found else { return Ok(None) };
+        (best, seen) = less;
+    }
+    Ok(Some((best, seen)))
 }
 
 /// What there is between two limbs, geom by geom.

@@ -26,8 +26,8 @@ pub use working_schema::WorkingSchema;
 use crate::agent::Agent;
 use crate::creature::Posture;
 use crate::deadline::Deadline;
-use crate::learning::RoughFit;
 use crate::learning::growth::Growth;
+use crate::learning::{Input, RoughFit};
 use crate::named::named;
 use crate::senses::Touch;
 use crate::simulation::Ending;
@@ -46,6 +46,9 @@ pub trait Policy {
     fn is_done(&self) -> bool {
         false
     }
+
+    /// Takes in what touches are to be learned from: what their ends report.
+    fn learns_from(&mut self, _input: Input) {}
 
     /// Lets nothing more be learned on the way after a deadline.
     fn end_at(&mut self, _deadline: Deadline) {}

@@ -1,12 +1,16 @@
 //! Whether an answer stands.
 
+use std::collections::BTreeMap;
+
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 
+use super::evidence::Equation;
+use super::part::Member;
 use super::solving::{PartProblem, Solved};
 use super::{FREEDOM, GrownTouch, Growth, LIMB_FREEDOM};
 use crate::learning::Parameters;
-use crate::learning::prediction::{GapRow, add_row, information_inverse, row_variance};
+use crate::learning::prediction::{add_row, information_inverse, row_variance};
 use crate::schema::BodySchema;
 
 /// Touches that others check which a joint needs, …
@@ -35,13 +39,17 @@ const FEWEST: usize = 5;
 impl Growth {
     /// Takes a part's answer in, as far as touches check it; whether anything is left of it.
     pub(super) fn accept(&mut self, problem: &PartProblem, solved: &Solved) -> bool {
-        let given_up = |touch: &GrownTouch| touch.limbs.iter().any(|limb| solved.given_up.contains(limb));
+        let given_up = |touch: &GrownTouch| solved.given_up.iter().any(|&member| touch.tells_of(member));
         let stands = |&number: &usize| {
             let touch = &self.touches[number];
-            !given_up(touch) && self.closes(&touch.prepared, &solved.schema)
+            !given_up(touch) && self.closes(touch, &solved.schema)
         };
         let new: Vec<usize> = problem.numbers.iter().copied().filter(stands).collect();
         let Some((joints, new)) = self.checked_part(problem, solved, new) else { return false };
+        // What speaks against an answer was perhaps not looked at to the end.
+        if self.deadline.has_passed() {
+            return false;
+        }
         let before = self.clone_belief();
         joints.iter().for_each(|&joint| self.resolved[joint] = true);
         let stands = self.believe(solved.schema.clone(), &new);
@@ -62,23 +70,25 @@ impl Growth {
     ) -> Option<(Vec<usize>, Vec<usize>)> {
         let (part, schema) = (problem.part, &solved.schema);
         let mut joints = part.joints.clone();
-        let mut rows: Vec<Vec<(usize, f64)>> = vec![Vec::new(); self.touches.len()];
-        let mut row = GapRow::default();
+        joints.retain(|&joint| !solved.given_up.contains(&Member::Joint(joint)));
+        let is_nothing =
+            |joints: &[usize]| joints.is_empty() && (self.belief.is_none() || part.limbs.is_empty());
+        let mut rows: BTreeMap<usize, Vec<Equation>> = BTreeMap::new();
         for &number in &new {
-            row.set(self.agent.skin(), &problem.unit, schema, &self.touches[number].prepared);
-            rows[number] = row.entries.clone();
+            rows.insert(number, self.equations(&self.touches[number], &problem.unit, schema));
         }
         let believed = problem.information(schema);
         let may_turn_back = self.may_turn_back(problem, solved, &new);
         loop {
-            if new.len() < FEWEST {
+            if new.len() < FEWEST || is_nothing(&joints) {
                 return None;
             }
             let mut information = believed.clone();
-            new.iter().for_each(|&number| add_row(&mut information, &rows[number], self.weight()));
+            let told = new.iter().flat_map(|number| &rows[number]);
+            told.for_each(|row| add_row(&mut information, &row.entries, self.weight()));
             let covariance = information_inverse(information, &problem.unit)?;
-            let leverage =
-                |number: usize| (row_variance(&rows[number], &covariance) * self.weight()).min(1.0);
+            let of_row = |row: &Equation| (row_variance(&row.entries, &covariance) * self.weight()).min(1.0);
+            let leverage = |number: usize| rows[&number].iter().map(of_row).fold(0.0, f64::max);
             let leverages: Vec<(usize, f64)> = new.iter().map(|&number| (number, leverage(number))).collect();
             let mut unchecked: Vec<(usize, f64)> =
                 leverages.iter().copied().filter(|(_, leverage)| *leverage > UNCHECKED).collect();
@@ -112,9 +122,6 @@ impl Growth {
                 joints.iter().copied().filter(doubtful).max_by(|&a, &b| doubt(a).total_cmp(&doubt(b)));
             if let Some(worst) = worst {
                 joints.retain(|&joint| joint != worst);
-                if joints.is_empty() && (self.belief.is_none() || part.limbs.is_empty()) {
-                    return None;
-                }
                 new.retain(|&number| !self.touches[number].moving.contains(&worst));
                 continue;
             }
@@ -142,8 +149,7 @@ impl Growth {
             let other = self.closed_from(problem, other);
             let of_it: Vec<usize> =
                 new.iter().copied().filter(|&number| self.touches[number].moving.contains(&joint)).collect();
-            let closed =
-                of_it.iter().filter(|&&number| self.closes(&self.touches[number].prepared, &other)).count();
+            let closed = of_it.iter().filter(|&&number| self.closes(&self.touches[number], &other)).count();
             let turned = creature.joints()[joint]
                 .dof_indices()
                 .any(|dof| (other.axes[dof] - solved.schema.axes[dof]).norm() > TWIN_AXIS);

@@ -2,15 +2,13 @@
 
 use nalgebra::{DMatrix, DVector};
 
+use super::evidence::Equation;
 use super::part::Member;
 use super::{GrownTouch, Growth};
-use crate::learning::annealing::NARROWEST;
-use crate::learning::least_squares::LeastSquares;
-use crate::learning::online::{Belief, fit_again};
+use crate::learning::online::Belief;
 use crate::learning::open_gaps::EXACTLY_OPEN;
-use crate::learning::prediction::{GapRow, add_row};
-use crate::learning::surface_gap::{SHARPEST, SurfaceGap};
-use crate::learning::touch_set::{TouchProblem, TouchSet};
+use crate::learning::prediction::add_row;
+use crate::learning::surface_gap::SHARPEST;
 use crate::learning::{AxisModel, Parameters};
 use crate::schema::BodySchema;
 
@@ -82,19 +80,18 @@ impl Growth {
         let (deviation, weight) = (self.deviation(), self.weight());
         let same = self.belief.as_ref().is_some_and(|belief| belief.parameters.len() == parameters.len());
         let mut gradient = DVector::zeros(parameters.len());
-        let mut row = GapRow::default();
-        let rows = new.iter().map(|&number| {
-            row.set(self.agent.skin(), &parameters, &schema, &self.touches[number].prepared);
-            row.entries.iter().for_each(|&(place, slope)| gradient[place] += weight * slope * row.gap);
-            row.entries.clone()
-        });
-        let rows: Vec<Vec<(usize, f64)>> = rows.collect();
+        let told = new.iter().map(|&number| &self.touches[number]);
+        let rows: Vec<Equation> =
+            told.flat_map(|touch| self.equations(touch, &parameters, &schema)).collect();
         let mut information = self.information_over(&parameters);
-        rows.iter().for_each(|row| add_row(&mut information, row, weight));
+        for row in &rows {
+            row.entries.iter().for_each(|&(place, slope)| gradient[place] += weight * slope * row.gap);
+            add_row(&mut information, &row.entries, weight);
+        }
         let before = self.belief.take();
         let belief = match before.clone().filter(|_| same) {
             Some(mut belief) => {
-                rows.iter().for_each(|row| belief.tell(row));
+                rows.iter().for_each(|row| belief.tell(&row.entries));
                 belief.schema = schema;
                 Some(belief)
             }
@@ -140,7 +137,7 @@ impl Growth {
         let (mut open, mut used) = ([0; 2], 0);
         for (number, touch) in self.touches.iter().enumerate().filter(|(_, touch)| touch.used) {
             used += 1;
-            if !self.closes(&touch.prepared, schema) {
+            if !self.closes(touch, schema) {
                 open[usize::from(new.binary_search(&number).is_ok())] += 1;
             }
         }
@@ -175,29 +172,20 @@ impl Growth {
     /// The same, but leaves out single touches alone; the standard deviation of a gap, metres.
     fn fit_once(&mut self) -> Option<f64> {
         let belief = self.belief.as_ref()?;
-        let (creature, skin) = (self.agent.creature(), self.agent.skin());
         let set = self.set(self.used());
-        let (schema, deviation) =
-            fit_again(&self.agent, &set, &belief.parameters, &self.prior, belief.schema.clone(), NARROWEST);
+        let (schema, deviation) = self.fitted_to(&set, &belief.parameters, belief.schema.clone());
         let opened: Vec<usize> = (0..self.touches.len())
-            .filter(|&number| {
-                self.touches[number].used && !self.closes(&self.touches[number].prepared, &schema)
-            })
+            .filter(|&number| self.touches[number].used && !self.closes(&self.touches[number], &schema))
             .collect();
         opened.into_iter().for_each(|number| self.touches[number].used = false);
         let parameters = self.parameters();
-        // A place in a patch is no evidence.
         let sharp = deviation.max(SHARPEST);
-        let model = SurfaceGap::new(skin, sharp).without_places();
-        let set: TouchSet = self.set(self.used());
-        let mut information =
-            TouchProblem::new(creature, &set, &parameters, model).linearize(&schema).hessian;
-        information.fill_upper_triangle_with_lower_triangle();
+        let information = self.information_at(&parameters, &schema, sharp);
         let mut all = information.clone();
         self.prior.add_information(&parameters, &mut all);
         self.belief = Some(Belief::new(schema, parameters, all, sharp)?);
         self.information = information;
-        self.fitted = set.len();
+        self.fitted = self.used().count();
         Some(deviation)
     }
 
@@ -218,9 +206,7 @@ impl Growth {
             {
                 continue;
             }
-            let frames = touch.prepared.frames(&schema);
-            let gap = SurfaceGap::new(self.agent.skin(), 1.0).gap(&touch.prepared.ends, &frames);
-            match gap.distance.abs() < super::placement::PLACED {
+            match self.miss(touch, &schema) < super::placement::PLACED {
                 true => new.push(number),
                 false => contradicted.push(number),
             }
@@ -248,12 +234,8 @@ impl Growth {
     /// `deviation` is that of a gap, metres.
     pub(super) fn most_open(&self, among: &[usize], schema: &BodySchema, deviation: f64) -> Option<Member> {
         let wide = EXACTLY_OPEN.max(DEVIATIONS * deviation);
-        let model = SurfaceGap::new(self.agent.skin(), 1.0);
-        let told = among.iter().map(|&number| {
-            let touch = &self.touches[number];
-            let gap = model.gap(&touch.prepared.ends, &touch.prepared.frames(schema));
-            (touch, gap.distance.abs() > wide)
-        });
+        let told = among.iter().map(|&number| &self.touches[number]);
+        let told = told.map(|touch| (touch, self.miss(touch, schema) > wide));
         self.most_suspect(told, |of_it, others| share(of_it) > OPEN_SHARE + MORE_OPEN * share(others))
     }
 

@@ -38,7 +38,9 @@ impl<'a> Grower<'a> {
 
     /// The same with what touches report.
     pub fn with_input(self, input: Input) -> Grower<'a> {
-        Grower { input, ..self }
+        let mut grower = Grower { input, ..self };
+        grower.growth.learn_from(input);
+        grower
     }
 
     /// Whether no more is to be had from the touches: points may tell of joints that surfaces tell nothing of.

@@ -13,6 +13,7 @@
 
 mod acceptance;
 mod believing;
+mod evidence;
 mod learner;
 mod part;
 mod placement;
@@ -21,7 +22,7 @@ mod solving;
 use std::collections::{BTreeMap, BTreeSet};
 
 pub use learner::Grower;
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, Matrix3};
 pub use part::{GrownTouch, Part};
 pub use placement::rest;
 use rand::SeedableRng;
@@ -37,15 +38,17 @@ use crate::learning::initial_guess::random_guess;
 use crate::learning::online::Anchor;
 use crate::learning::online::Belief;
 use crate::learning::rough::imagined;
-use crate::learning::surface_gap::SurfaceGap;
-use crate::learning::touch_set::{PreparedTouch, TouchSet};
-use crate::learning::{Prior, PriorKnowledge};
+use crate::learning::touch_set::TouchSet;
+use crate::learning::{Input, Prior, PriorKnowledge};
 use crate::schema::BodySchema;
 use crate::senses::Touch;
 
 /// A gap narrower than this is closed, metres: a fiftieth of what a wrong answer leaves, and fifty times what a motion
 /// that stops at touch does.
 const CLOSED: f64 = 5e-5;
+/// Deviation that contact points are given, metres: they are exact, and what is believed before the first touch is to move
+/// nothing.
+const POINT: f64 = 1e-4;
 /// Coordinates that move between two limbs whose touches check their joints at the least, …
 pub const FREEDOM: usize = 4;
 /// … and where two limbs are that do not move on their joints.
@@ -94,6 +97,7 @@ pub struct Growth {
     agent: Agent,
     prior: Prior,
     seed: u64,
+    input: Input,
     deadline: Deadline,
     /// Parts solved so far: each has its own random numbers.
     solves: u64,
@@ -148,7 +152,8 @@ impl Growth {
             reach,
             prior: PriorKnowledge::nothing(agent).prior,
             seed,
-            deadline: Deadline::default(),
+            input: Input::Receptor,
+            deadline: Deadline::NEVER,
             solves: 0,
             starts: 0,
             touches: Vec::new(),
@@ -170,7 +175,13 @@ impl Growth {
     pub fn touch(&mut self, touch: &Touch) -> bool {
         let creature = self.agent.creature();
         let receptors = touch.ends.map(|end| end.receptor);
-        let (limbs, prepared) = imagined(self.agent.skin(), receptors, &touch.posture).prepare(creature);
+        let mut felt = imagined(self.agent.skin(), receptors, &touch.posture);
+        if self.input == Input::Contact {
+            for (end, contact) in felt.ends.iter_mut().zip(touch.ends.map(|end| end.contact)) {
+                (end.position, end.covariance) = (contact, Matrix3::from_diagonal_element(POINT.powi(2)));
+            }
+        }
+        let (limbs, prepared) = felt.prepare(creature);
         let chain: Vec<usize> = Chain::between(creature, limbs[0], limbs[1]).joints().collect();
         let moves = |joint: usize| moves(creature, joint, &touch.posture);
         let moving: Vec<usize> = chain.iter().copied().filter(|&joint| moves(joint)).collect();
@@ -211,6 +222,11 @@ impl Growth {
             }
         }
         grown
+    }
+
+    /// Learns by what touches report, from the next one on.
+    pub fn learn_from(&mut self, input: Input) {
+        self.input = input;
     }
 
     /// Tries no more parts after a deadline.
@@ -408,14 +424,6 @@ impl Growth {
             set.push_prepared(self.agent.creature(), touch.limbs, touch.prepared.clone());
         }
         set
-    }
-
-    /// Whether a schema has the two surfaces of a touch meet, within the patches that felt it.
-    fn closes(&self, touch: &PreparedTouch, schema: &BodySchema) -> bool {
-        let model = SurfaceGap::new(self.agent.skin(), 1.0);
-        let frames = touch.frames(schema);
-        let found = model.gap(&touch.ends, &frames);
-        found.distance.abs() < CLOSED && model.is_felt(&touch.ends, &frames, &found)
     }
 }
 

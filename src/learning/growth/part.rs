@@ -24,7 +24,7 @@ const ADDED: u32 = 2;
 pub struct GrownTouch {
     /// The limbs, the earlier one first.
     pub limbs: [usize; 2],
-    /// The touch, ready for a solver.
+    /// The touch by its receptors or contact points, ready for a solver.
     pub prepared: PreparedTouch,
     /// The joints between the limbs.
     pub chain: Vec<usize>,
@@ -41,7 +41,7 @@ pub struct GrownTouch {
 }
 
 /// What touches tell of.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Member {
     /// A joint.
     Joint(usize),

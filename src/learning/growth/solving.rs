@@ -8,11 +8,12 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use rayon::prelude::*;
 
+use super::part::Member;
 use super::{FEWEST_UNKNOWNS, FREEDOM, GrownTouch, Growth, Part};
-use crate::learning::annealing::{NARROWEST, anneal_to, quantile};
+use crate::learning::annealing::{NARROWEST, quantile};
 use crate::learning::initial_guess::randomize_joint;
 use crate::learning::least_squares::{Linearization, Stopping, levenberg_marquardt};
-use crate::learning::observation::{ObservationModel, PointsMeet};
+use crate::learning::observation::{Input, ObservationModel, PointsMeet};
 use crate::learning::online::Anchor;
 use crate::learning::prediction::invert;
 use crate::learning::prior::PriorTerm;
@@ -56,22 +57,32 @@ const MOST_TOUCHES: usize = 8;
 /// Positions and axes known to this, metres and radians, are held while a part is solved: it makes no difference.
 const KNOWN_POSITION: f64 = 3e-5;
 const KNOWN_AXIS: f64 = 3e-4;
-/// Share of a limb's touches that stay open and give it up, where there are …
+/// Share of a limb's or joint's touches that stay open and give it up, where there are …
 const OPEN_SHARE: f64 = 0.25;
-/// … so many of them at the least. As many limbs at the most are given up.
+/// … so many of them at the least. As many at the most are given up, …
 const OPEN_TOUCHES: f64 = 2.0;
 const GIVEN_UP: usize = 6;
+/// … and an answer explains this share of a part's touches without them, or none.
+const MOST_OF_ALL: f64 = 0.6;
 
 /// An answer for a part.
 pub(super) struct Solved {
     /// The schema with it.
     pub schema: BodySchema,
-    /// The share of the touches that it closes.
+    /// The share of the touches that it closes, but for those of what is given up; and how many it closes.
     pub share: f64,
-    /// Limbs without whose touches it does.
-    pub given_up: Vec<usize>,
+    pub closed: usize,
+    /// Limbs and joints without whose touches it does.
+    pub given_up: Vec<Member>,
     /// Answers of other starts that close as much.
     pub others: Vec<BodySchema>,
+}
+
+impl Solved {
+    /// What makes one answer better than another: what explains nearly all of its touches, by how many.
+    fn worth(&self) -> f64 {
+        self.share + if self.share > ENOUGH { self.closed as f64 } else { 0.0 }
+    }
 }
 
 /// What is believed besides the touches: little of what is new, much of what is known.
@@ -98,6 +109,7 @@ pub(super) struct PartProblem<'a> {
     pub part: &'a Part,
     /// The touches that tell of it, by their numbers; and those that it is solved by.
     pub numbers: Vec<usize>,
+    solved_by: Vec<usize>,
     touches: TouchSet,
     /// Per joint, whether it is between limbs that touched, and whether its position is free.
     between: Vec<bool>,
@@ -147,13 +159,13 @@ impl Growth {
             let again = drawn && solved.iter().filter(as_good).count() >= AGREEING;
             // Where an answer is among those whose points nearly meet, it is one in three.
             let near = solved.iter().filter(|solved| solved.share > 0.0).count();
-            let in_vain = self.belief.is_none() && near >= MOST_NEAR && most <= WORTH_MENDING;
+            let in_vain = self.belief.is_none() && near >= MOST_NEAR && most <= ENOUGH;
             let late = self.deadline.has_passed();
             if late || again || in_vain || good >= if small { AGREEING } else { 1 } {
                 break;
             }
         }
-        let at = (0..solved.len()).max_by(|&a, &b| solved[a].share.total_cmp(&solved[b].share))?;
+        let at = (0..solved.len()).max_by(|&a, &b| solved[a].worth().total_cmp(&solved[b].worth()))?;
         let best = solved.swap_remove(at);
         let mut best = self.mended(problem, best);
         let good = solved.into_iter().filter(|other| other.share > ENOUGH && other.given_up == best.given_up);
@@ -178,7 +190,7 @@ impl Growth {
             let mut told: BTreeMap<usize, [f64; 2]> = BTreeMap::new();
             for &number in &problem.numbers {
                 let touch = &self.touches[number];
-                let open = usize::from(!self.closes(&touch.prepared, &best.schema));
+                let open = usize::from(!self.closes(touch, &best.schema));
                 for joint in touch.moving.iter().filter(|joint| problem.part.joints.contains(joint)) {
                     told.entry(*joint).or_default()[open] += 1.0;
                 }
@@ -204,8 +216,8 @@ impl Growth {
             });
             let tried: Vec<Solved> = tried.collect();
             self.starts += tried.len();
-            let better = tried.into_iter().filter(|other| other.share > best.share);
-            if let Some(better) = better.max_by(|a, b| a.share.total_cmp(&b.share)) {
+            let better = tried.into_iter().filter(|other| other.worth() > best.worth());
+            if let Some(better) = better.max_by(|a, b| a.worth().total_cmp(&b.worth())) {
                 best = better;
             }
         }
@@ -218,34 +230,37 @@ impl Growth {
         let joints = creature.joints();
         let numbers: Vec<usize> =
             (0..self.touches.len()).filter(|&number| self.is_of(&self.touches[number], part)).collect();
-        let mut touches: Vec<&GrownTouch> = numbers.iter().map(|&number| &self.touches[number]).collect();
+        let mut solved_by = numbers.clone();
         if self.belief.is_none() {
             // Limbs beyond joints that rest only add unknowns, where touches of the others are enough.
-            let within = |touch: &&GrownTouch| touch.chain.iter().all(|joint| part.joints.contains(joint));
-            let inner: Vec<&GrownTouch> = touches.iter().copied().filter(within).collect();
-            let free = inner.iter().filter(|touch| touch.freedom >= FREEDOM).count() as f64;
+            let of = |number: &usize| &self.touches[*number];
+            let within = |number: &usize| of(number).chain.iter().all(|joint| part.joints.contains(joint));
+            let inner: Vec<usize> = solved_by.iter().copied().filter(within).collect();
+            let free = inner.iter().filter(|number| of(number).freedom >= FREEDOM).count() as f64;
             let width = self.width(&part.joints);
             if free >= INNER_TOUCHES * width as f64 && width >= FEWEST_UNKNOWNS {
-                touches = inner;
+                solved_by = inner;
             }
             // Limbs that are hardly touched are found later.
             let mut before = usize::MAX;
-            while touches.len() < before {
-                before = touches.len();
+            while solved_by.len() < before {
+                before = solved_by.len();
                 let mut counts = vec![0; creature.limbs().len()];
-                touches.iter().for_each(|touch| touch.limbs.iter().for_each(|&limb| counts[limb] += 1));
-                touches.retain(|touch| touch.limbs.iter().all(|&limb| counts[limb] >= OFTEN));
+                let limbs = solved_by.iter().flat_map(|number| of(number).limbs);
+                limbs.for_each(|limb| counts[limb] += 1);
+                solved_by.retain(|number| of(number).limbs.iter().all(|&limb| counts[limb] >= OFTEN));
             }
         }
-        if touches.is_empty() {
+        if solved_by.is_empty() {
             return None;
         }
         // Of very many the freest do.
         let most = MOST_TOUCHES * (self.width(&part.joints) + 3 * part.limbs.len());
-        if self.belief.is_some() && touches.len() > most {
-            touches.sort_by_key(|touch| std::cmp::Reverse(touch.freedom));
-            touches.truncate(most);
+        if self.belief.is_some() && solved_by.len() > most {
+            solved_by.sort_by_key(|&number| std::cmp::Reverse(self.touches[number].freedom));
+            solved_by.truncate(most);
         }
+        let touches: Vec<&GrownTouch> = solved_by.iter().map(|&number| &self.touches[number]).collect();
         let (mut between, mut moving) = (vec![false; joints.len()], vec![false; joints.len()]);
         let mut touched = vec![false; creature.limbs().len()];
         for touch in &touches {
@@ -294,6 +309,7 @@ impl Growth {
             part,
             numbers,
             touches: self.set(touches.into_iter()),
+            solved_by,
             relaxed: Parameters::of(
                 creature,
                 AxisModel::Relaxed,
@@ -310,8 +326,8 @@ impl Growth {
         })
     }
 
-    /// One start: the receptors' places as points with relaxed axes, which is cheap, and only from what comes near them the
-    /// surfaces.
+    /// One start: the receptors' places, or the contact points, as points with relaxed axes, which is cheap, and only from what
+    /// comes near them the surfaces.
     fn start(&self, problem: &PartProblem, number: usize) -> Solved {
         let creature = self.agent.creature();
         let PartProblem { touches, relaxed, unit, .. } = problem;
@@ -326,14 +342,15 @@ impl Growth {
         let points = |parameters: &Parameters, start: BodySchema, iterations: usize| {
             let mut problem =
                 TouchProblem::new(creature, touches, parameters, PointsMeet::Anyhow).with_prior(&beliefs);
-            let stopping = Stopping { iterations, relative_cost: 1e-4, cost: 0.0 };
+            let stopping = Stopping { iterations, relative_cost: 1e-4, cost: 0.0, deadline: self.deadline };
             levenberg_marquardt(&mut problem, parameters, start, stopping).schema
         };
         schema = points(relaxed, schema, POINT_ITERATIONS);
         schema.normalize_axes(creature);
         schema = points(unit, schema, POINT_ITERATIONS / 2);
-        if misses(touches, &schema) > HOPELESS || self.deadline.has_passed() {
-            return Solved { schema, share: 0.0, given_up: Vec::new(), others: Vec::new() };
+        let hopeless = self.input == Input::Receptor && misses(touches, &schema) > HOPELESS;
+        if hopeless || self.deadline.has_passed() {
+            return Solved { schema, share: 0.0, closed: 0, given_up: Vec::new(), others: Vec::new() };
         }
         self.closed(problem, schema, number)
     }
@@ -345,32 +362,37 @@ impl Growth {
         let first = self.belief.is_none();
         let beliefs = problem.beliefs();
         let narrowest = RELAXED_GAPS[number % RELAXED_GAPS.len()];
-        schema = anneal_to(narrowest, &self.agent, touches, relaxed, &beliefs, schema).schema;
+        schema = self.closest(narrowest, touches, relaxed, &beliefs, schema);
         schema.normalize_axes(creature);
-        schema = anneal_to(NARROWEST, &self.agent, touches, unit, &beliefs, schema).schema;
-        // Limbs that stay open are given up, one after the other.
-        let mut touches = touches.clone();
+        schema = self.closest(NARROWEST, touches, unit, &beliefs, schema);
+        // What stays open is given up, one after the other: most of a part may be right where a joint is not.
+        let all = problem.solved_by.len() as f64;
+        let mut numbers = problem.solved_by.clone();
         let mut given_up = Vec::new();
         loop {
-            let (share, worst) =
-                self.open_limb(&touches, &schema, |limb| first || problem.part.limbs.contains(&limb));
+            let may = |member| match member {
+                Member::Limb(limb) => first || problem.part.limbs.contains(&limb),
+                Member::Joint(joint) => problem.part.joints.contains(&joint),
+            };
+            let (open, worst) = self.open_member(&numbers, &schema, may);
+            let closed = numbers.len() - open;
+            let share = closed as f64 / numbers.len().max(1) as f64;
             let hopeful = share > 0.5 && share < AS_GOOD_AS_ALL && given_up.len() < GIVEN_UP;
             let Some(worst) = worst.filter(|_| hopeful) else {
-                return Solved { schema, share, given_up, others: Vec::new() };
+                let share = if closed as f64 >= MOST_OF_ALL * all { share } else { closed as f64 / all };
+                return Solved { schema, share, closed, given_up, others: Vec::new() };
             };
             given_up.push(worst);
-            touches = touches.filter(|pair| !pair.limbs.contains(&worst));
-            if touches.is_empty() {
-                return Solved { schema, share: 0.0, given_up, others: Vec::new() };
-            }
-            schema = anneal_to(NARROWEST, &self.agent, &touches, unit, &beliefs, schema).schema;
+            numbers.retain(|&number| !self.touches[number].tells_of(worst));
+            let touches = self.set(numbers.iter().map(|&number| &self.touches[number]));
+            schema = self.closest(NARROWEST, &touches, unit, &beliefs, schema);
         }
     }
 
     /// The answer that is nearest to a schema.
     pub(super) fn closed_from(&self, problem: &PartProblem, schema: BodySchema) -> BodySchema {
         let beliefs = problem.beliefs();
-        anneal_to(NARROWEST, &self.agent, &problem.touches, &problem.unit, &beliefs, schema).schema
+        self.closest(NARROWEST, &problem.touches, &problem.unit, &beliefs, schema)
     }
 
     /// An initial guess of a body of which nothing is known.
@@ -421,30 +443,31 @@ impl Growth {
         guess
     }
 
-    /// The share of touches that a schema closes, and the limb among those that may be given up of whose touches most
-    /// stay open.
-    fn open_limb(
+    /// How many of some touches a schema leaves open, and the limb or joint among those that may be given up of whose touches
+    /// most stay open.
+    fn open_member(
         &self,
-        touches: &TouchSet,
+        numbers: &[usize],
         schema: &BodySchema,
-        may: impl Fn(usize) -> bool,
-    ) -> (f64, Option<usize>) {
-        let mut counts = vec![[0.0; 2]; self.placement.len()];
-        let [mut open, mut all] = [0.0; 2];
-        for pair in &touches.pairs {
-            for touch in &pair.touches {
-                let is_open = f64::from(u8::from(!self.closes(touch, schema)));
-                (open, all) = (open + is_open, all + 1.0);
-                for &limb in &pair.limbs {
-                    counts[limb] = [counts[limb][0] + is_open, counts[limb][1] + 1.0];
-                }
+        may: impl Fn(Member) -> bool,
+    ) -> (usize, Option<Member>) {
+        let mut counts: BTreeMap<Member, [f64; 2]> = BTreeMap::new();
+        let mut all_open = 0;
+        for touch in numbers.iter().map(|&number| &self.touches[number]) {
+            let is_open = !self.closes(touch, schema);
+            all_open += usize::from(is_open);
+            let limbs = touch.limbs.iter().copied().map(Member::Limb);
+            for member in limbs.chain(touch.moving.iter().copied().map(Member::Joint)) {
+                let [open, all] = counts.entry(member).or_default();
+                (*open, *all) = (*open + f64::from(u8::from(is_open)), *all + 1.0);
             }
         }
-        let share = |limb: usize| counts[limb][0] / counts[limb][1];
-        let bad = |limb: &usize| counts[*limb][0] >= OPEN_TOUCHES && share(*limb) > OPEN_SHARE && may(*limb);
-        let worst =
-            (0..counts.len()).filter(bad).max_by(|&a: &usize, &b: &usize| share(a).total_cmp(&share(b)));
-        (1.0 - open / f64::max(all, 1.0), worst)
+        let share = |[open, all]: [f64; 2]| open / all;
+        let bad = counts.into_iter().filter(|&(member, counts)| {
+            counts[0] >= OPEN_TOUCHES && share(counts) > OPEN_SHARE && may(member)
+        });
+        let worst = bad.max_by(|a, b| share(a.1).total_cmp(&share(b.1)));
+        (all_open, worst.map(|(member, _)| member))
     }
 
     /// What follows for all that is believed from what an answer says of some of it: a Gaussian's conditional mean.

@@ -14,6 +14,7 @@
 use nalgebra::{DMatrix, DVector, Matrix2};
 
 use crate::agent::Agent;
+use crate::deadline::Deadline;
 use crate::kinematics::tangent_basis;
 use crate::learning::Parameters;
 use crate::learning::annealing::{NARROWEST, WIDEST, gaps, quantile, typical_gap};
@@ -187,7 +188,8 @@ pub fn fit_again(
     loop {
         let model = SurfaceGap::new(skin, deviation);
         let mut problem = TouchProblem::new(agent.creature(), touches, parameters, model).with_prior(prior);
-        let stopping = Stopping { iterations: ITERATIONS, relative_cost: 1e-3, cost: 0.0 };
+        let stopping =
+            Stopping { iterations: ITERATIONS, relative_cost: 1e-3, cost: 0.0, deadline: Deadline::NEVER };
         schema = levenberg_marquardt(&mut problem, parameters, schema, stopping).schema;
         found = gaps(skin, touches, &schema);
         let next = (1.5 * quantile(&found, 0.9)).min(0.5 * deviation).max(noise(&found));

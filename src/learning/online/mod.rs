@@ -156,7 +156,7 @@ impl<'a> Online<'a> {
             agent,
             known,
             batch,
-            deadline: Deadline::default(),
+            deadline: Deadline::NEVER,
             seen: 0,
             next_trial: if agent.creature().dof() > WHOLE_DOF { usize::MAX } else { FIRST_TRIAL },
             locked: None,

@@ -114,9 +114,9 @@ impl Exposure {
             } else {
                 (poses[geom] * self.poses[0][geom].inverse_transform_point(&(*point).into())).coords
             };
-            !self.over[geom].iter().any(|&other| {
-                placed[other].as_ref().is_some_and(|surface| surface.holds(&moved, depth))
-            })
+            !self.over[geom]
+                .iter()
+                .any(|&other| placed[other].as_ref().is_some_and(|surface| surface.holds(&moved, depth)))
         })
     }
 }

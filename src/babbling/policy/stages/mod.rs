@@ -23,6 +23,7 @@ use super::foresight::Foresight;
 use crate::agent::Agent;
 use crate::creature::Posture;
 use crate::deadline::Deadline;
+use crate::learning::Input;
 use crate::learning::growth::{FREEDOM, Growth};
 use crate::senses::Touch;
 use crate::simulation::Ending;
@@ -83,6 +84,8 @@ pub struct Stages<'a> {
     /// Per touch, its posture and where the motion to it began.
     remembered: Vec<[Posture; 2]>,
     start: Posture,
+    /// Where the body starts, and joints rest.
+    home: Posture,
     /// What was met last and has not parted since.
     met: Option<Met>,
     /// Motions in a row that told nothing, and that ended in no touch.
@@ -91,6 +94,7 @@ pub struct Stages<'a> {
     /// Touches at random with all joints; none where the body grows.
     at_random: Option<usize>,
     over: bool,
+    begun: bool,
     done: bool,
 }
 
@@ -151,11 +155,13 @@ impl<'a> Stages<'a> {
             tries: BTreeMap::new(),
             remembered: Vec::new(),
             start: Posture::default(),
+            home: Posture::start(creature),
             met: None,
             caught: 0,
             untouched: 0,
             at_random: None,
             over: false,
+            begun: false,
             done: growth.resolved().iter().all(|&resolved| resolved),
             growth,
         };
@@ -229,6 +235,9 @@ impl Policy for Stages<'_> {
     fn next_target(&mut self, posture: &[f64], rng: &mut ChaCha8Rng) -> Posture {
         self.motions += 1;
         self.start = posture.into();
+        if !std::mem::replace(&mut self.begun, true) {
+            self.home = posture.into();
+        }
         let first = self.growth.schema().is_none();
         if self.at_random.is_some() && first {
             return self.anywhere(rng);
@@ -316,6 +325,10 @@ impl Policy for Stages<'_> {
 
     fn is_done(&self) -> bool {
         self.done
+    }
+
+    fn learns_from(&mut self, input: Input) {
+        self.growth.learn_from(input);
     }
 
     fn end_at(&mut self, deadline: Deadline) {

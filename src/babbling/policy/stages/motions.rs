@@ -51,10 +51,18 @@ impl Stages<'_> {
         posture
     }
 
+    /// Puts a joint where it is when the body starts; a ball stays as it is, for nothing of it is unknown.
+    fn rest(&self, joint: usize, posture: &mut Posture) {
+        let elements = self.agent.creature().joints()[joint].elements();
+        for at in elements.filter(|at| !at.is_ball()) {
+            posture[at.coordinate()] = self.home[at.coordinate()];
+        }
+    }
+
     pub(super) fn rest_others(&self, posture: &mut Posture) {
         let creature = self.agent.creature();
         let held = (0..self.free.len()).filter(|&joint| !self.free[joint]);
-        held.for_each(|joint| rest(creature, joint, posture));
+        held.for_each(|joint| self.rest(joint, posture));
         creature.couple(posture);
     }
 
