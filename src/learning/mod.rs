@@ -28,6 +28,7 @@ pub mod rough;
 mod second_order;
 pub mod surface_gap;
 pub mod touch_set;
+mod twins;
 
 pub use account::{Account, Openness, PLACED, Witnesses};
 pub use certainty::{Basis, Certainty};

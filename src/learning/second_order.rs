@@ -27,6 +27,7 @@ use crate::learning::open_gaps::{GapTally, MOST_FALSE, OpenGaps, witnesses};
 use crate::learning::prediction::{GapRow, covariance, information_inverse};
 use crate::learning::surface_gap::{CERTAIN_NOISE, MEAN_WEIGHT, SHARPEST, SurfaceGap, TAIL, gap_scale};
 use crate::learning::touch_set::{LimbTouch, PairTouches, PreparedTouch, TouchProblem, TouchSet};
+use crate::learning::twins::without_twins;
 use crate::learning::{
     Account, AxisModel, Basis, Learned, Learner, LimbFrames, Parameters, PriorKnowledge, Verdict, Witnesses,
 };
@@ -393,7 +394,13 @@ impl<'a> SecondOrder<'a> {
                     Stopping { iterations: 60, relative_cost: 1e-9, cost: 0.0, deadline: Deadline::NEVER };
                 let schema = levenberg_marquardt(&mut problem, &parameters, schema, stopping).schema;
                 let schema = self.settled(schema, &start.placed);
-                let (account, deviation) = self.account_of(&used, &schema);
+                let told = match self.frames {
+                    LimbFrames::Joint if self.input == Input::Contact => {
+                        without_twins(self.agent.creature(), &used, &schema, &self.known.frozen)
+                    }
+                    _ => used,
+                };
+                let (account, deviation) = self.account_of(&told, &schema);
                 (schema, account, deviation)
             }
             Evidence::Surfaces(skin) => {
