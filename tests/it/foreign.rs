@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use crate::common::program::{refused, run};
 use crate::common::{creature, is_newer_engine, repository};
-use bodyschema::creature::{Body, BodyError, Creature, JointSelection, Posture};
+use bodyschema::creature::{Body, BodyError, Creature, JointSelection, Posture, creatures};
 use bodyschema::mujoco::{Data, Model, ObjectKind, SensorKind};
 use bodyschema::simulation::{Relation, SelfContact};
 use bodyschema::skin::Skin;
@@ -727,6 +727,7 @@ fn a_body_that_is_tangled_where_its_joints_are_zero_starts_elsewhere() {
             r#"<mujoco><compiler autolimits="true"/><worldbody><body name="trunk"><geom size=".01"/>
             <body name="a"><joint axis="0 0 1" name="a" range="-90 90"/><geom type="capsule" size=".02" fromto="0 0 0 .3 0 0"/></body>
             <body name="b" pos="{pos}"><joint axis="0 0 1" name="b" range="-90 90"/><geom type="capsule" size=".02" fromto="0 0 0 0 .3 0"/></body>
+            <body name="far" pos="0 0 3"><joint axis="0 0 1" name="far" range="-90 90"/><geom size=".02"/></body>
             </body></worldbody></mujoco>"#
         )
     };
@@ -734,8 +735,28 @@ fn a_body_that_is_tangled_where_its_joints_are_zero_starts_elsewhere() {
     let (apart, tangled) = (creature(&xml(".1 .1 0")), creature(&xml(".25 -.25 0")));
     assert!(zero(&SelfContact::new(&apart).unwrap().start));
     let contact = SelfContact::new(&tangled).unwrap();
-    assert!(!zero(&contact.start));
+    // Of the three joints one is turned, and no farther than it takes.
+    let turned: Vec<f64> = contact.start.iter().copied().filter(|&q| q != 0.0).collect();
+    assert!(turned.len() == 1 && turned[0].abs() < 1.0 && contact.start[2] == 0.0, "{:?}", contact.start);
     assert_eq!(relation(&tangled, "a", "b"), (Relation::Touch, false));
+}
+
+#[test]
+fn a_trunk_that_stands_still_is_part_of_what_hangs_on_it() {
+    let xml = |setting: &str| {
+        format!(
+            r#"<mujoco><compiler {setting}/><worldbody><body name="fly"><body name="thorax"><geom size=".1"/>
+            <body name="left" pos="0 .2 0"><joint name="left" axis="1 0 0"/><geom size=".05"/></body>
+            <body name="right" pos="0 -.2 0"><joint name="right" axis="1 0 0"/><geom size=".05"/></body>
+            </body></body></worldbody></mujoco>"#
+        )
+    };
+    for setting in ["", r#"fusestatic="true""#, r#"discardvisual="true""#] {
+        let model = Model::from_xml(&xml(setting)).unwrap();
+        let found: Vec<(String, usize)> =
+            creatures(&model).into_iter().map(|creature| (creature.name, creature.joints)).collect();
+        assert_eq!(found, [("fly".to_string(), 2)], "{setting}");
+    }
 }
 
 mod slow {
