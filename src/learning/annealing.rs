@@ -132,6 +132,11 @@ pub fn anneal_to(
         let found = gaps(skin, touches, schema);
         (scatter * quantile(&found, 0.5), quantile(&found, WIDE))
     };
+    let annealed = |schema: BodySchema, gap_deviation: f64, iterations: usize| {
+        let found = gaps(skin, touches, &schema);
+        let (median_gap, p80_gap) = (quantile(&found, 0.5), quantile(&found, 0.8));
+        Annealed { schema, gap_deviation, median_gap, p80_gap, iterations }
+    };
     let (mut noise, mut wide) = measure(&start);
     let (mut least, mut best) = (noise, start.clone());
     let mut schema = start;
@@ -153,9 +158,7 @@ pub fn anneal_to(
             (least, best) = (noise, schema.clone());
         }
         if exact && deviation < NEARLY_CLOSED && noise > HOPELESS * deviation {
-            let found = gaps(skin, touches, &best);
-            let (median_gap, p80_gap) = (quantile(&found, 0.5), quantile(&found, 0.8));
-            return Annealed { schema: best, gap_deviation: least, median_gap, p80_gap, iterations };
+            return annealed(best, least, iterations);
         }
         // Narrower than the noise the fit becomes a vote of a few; a little way into it shows that it is noise.
         if deviation <= narrowest || vain >= VAIN || deadline.has_passed() {
@@ -171,7 +174,5 @@ pub fn anneal_to(
         deviation = again.clamp(narrowest, WIDEST);
         schema = fit(schema, deviation, last);
     }
-    let found = gaps(skin, touches, &schema);
-    let (median_gap, p80_gap) = (quantile(&found, 0.5), quantile(&found, 0.8));
-    Annealed { schema, gap_deviation: deviation, median_gap, p80_gap, iterations }
+    annealed(schema, deviation, iterations)
 }

@@ -164,6 +164,11 @@ impl PointsMeet {
             .filter(|whitening| whitening.iter().all(|x| x.is_finite()))
             .unwrap_or_else(|| Matrix3::identity() / variance.sqrt())
     }
+
+    /// The sum of the squares of a touch's three whitened residuals at frames `X_CA` and `X_CB`.
+    pub fn squared_misfit(&self, ends: &[Observation; 2], frames: &[Frame; 2]) -> f64 {
+        2.0 * self.cost(ends, frames, &self.whitening(ends, frames))
+    }
 }
 
 impl ObservationModel for PointsMeet {

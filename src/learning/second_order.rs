@@ -22,7 +22,7 @@ use crate::learning::growing_limbs::LimbNursery;
 use crate::learning::least_squares::{LeastSquares, Stopping, levenberg_marquardt};
 use crate::learning::noise::{Noise, NoisyGap, NoisyProblem, gaps_of, information, likeness, widening};
 use crate::learning::observability::Observability;
-use crate::learning::observation::{Input, Observation, ObservationModel, PointsMeet, SkinKnowledge};
+use crate::learning::observation::{Input, Observation, PointsMeet, SkinKnowledge};
 use crate::learning::open_gaps::{GapTally, MOST_FALSE, OpenGaps, witnesses};
 use crate::learning::prediction::{GapRow, covariance, information_inverse};
 use crate::learning::surface_gap::{CERTAIN_NOISE, MEAN_WEIGHT, SHARPEST, SurfaceGap, TAIL, gap_scale};
@@ -779,11 +779,7 @@ fn usual_point_misfit(touches: &TouchSet, schema: &BodySchema) -> f64 {
 
 /// Per touch, the sum of the squares of its three whitened residuals.
 fn squared_point_misfits(touches: &TouchSet, schema: &BodySchema) -> impl Iterator<Item = f64> {
-    touches.touches().map(|touch| {
-        let frames = touch.frames(schema);
-        let whitening = PointsMeet::Shaped.whitening(&touch.ends, &frames);
-        2.0 * PointsMeet::Shaped.cost(&touch.ends, &frames, &whitening)
-    })
+    touches.touches().map(|touch| PointsMeet::Shaped.squared_misfit(&touch.ends, &touch.frames(schema)))
 }
 
 /// How to look for an answer.

@@ -7,7 +7,7 @@
 use crate::creature::Creature;
 use crate::deadline::Deadline;
 use crate::learning::least_squares::{Stopping, levenberg_marquardt};
-use crate::learning::observation::{ObservationModel, PointsMeet};
+use crate::learning::observation::PointsMeet;
 use crate::learning::touch_set::{PairTouches, PreparedTouch, TouchProblem, TouchSet};
 use crate::learning::{AxisModel, Parameters};
 use crate::schema::BodySchema;
@@ -85,13 +85,9 @@ fn has_twin(creature: &Creature, pair: &PairTouches, open: &[usize], schema: &Bo
 
 /// Root mean square of what points miss each other by, in their deviations.
 fn misfit(touches: &TouchSet, schema: &BodySchema) -> f64 {
-    let model = PointsMeet::Anyhow;
-    let cost = |touch: &PreparedTouch| {
-        let frames = touch.frames(schema);
-        let whitening = model.whitening(&touch.ends, &frames);
-        model.cost(&touch.ends, &frames, &whitening)
-    };
-    (2.0 * touches.touches().map(cost).sum::<f64>() / (3 * touches.len().max(1)) as f64).sqrt()
+    let squared =
+        |touch: &PreparedTouch| PointsMeet::Anyhow.squared_misfit(&touch.ends, &touch.frames(schema));
+    (touches.touches().map(squared).sum::<f64>() / (3 * touches.len().max(1)) as f64).sqrt()
 }
 
 #[cfg(test)]

@@ -93,13 +93,16 @@ impl SelfContact {
         };
         let (start, met_at_start) = match tangled(&seen[0], SELDOM) {
             0 => (postures.swap_remove(0), seen[0].clone()),
-            _ => match untangled(body, &mut overlaps, &postures[0], |seen| tangled(seen, SELDOM))? {
-                Some(found) => found,
-                None => {
-                    let chosen = (0..seen.len()).min_by_key(|&k| tangled(&seen[k], ALWAYS)).unwrap_or(0);
-                    (postures.swap_remove(chosen), seen[chosen].clone())
+            _ => {
+                match untangled(body, &mut overlaps, (&postures[0], &seen[0]), |seen| tangled(seen, SELDOM))?
+                {
+                    Some(found) => found,
+                    None => {
+                        let chosen = (0..seen.len()).min_by_key(|&k| tangled(&seen[k], ALWAYS)).unwrap_or(0);
+                        (postures.swap_remove(chosen), seen[chosen].clone())
+                    }
                 }
-            },
+            }
         };
         let mut left_out: BTreeSet<[usize; 2]> = always.union(&met_at_start).copied().collect();
         let joined: BTreeSet<[usize; 2]> = left_out.iter().map(limbs).collect();
@@ -151,17 +154,16 @@ impl SelfContact {
     }
 }
 
-/// A posture near a tangled one in which nothing is tangled, and what overlaps there: joint by joint the turn or shift that
+/// A posture near a tangled one, given with what overlaps there, in which nothing is tangled; and what overlaps in that: joint by joint the turn or shift that
 /// leaves least. Few joints away from the reference posture leave most of a body's joints at rest.
 fn untangled(
     body: &Body,
     overlaps: &mut Overlaps,
-    from: &Posture,
+    (from, overlapping): (&Posture, &BTreeSet<[usize; 2]>),
     tangled: impl Fn(&BTreeSet<[usize; 2]>) -> usize,
 ) -> mujoco::Result<Option<(Posture, BTreeSet<[usize; 2]>)>> {
     let creature = &body.creature;
-    let mut best = from.clone();
-    let mut seen = overlaps.at(&best)?;
+    let (mut best, mut seen) = (from.clone(), overlapping.clone());
     while tangled(&seen) > 0 {
         let between: BTreeSet<usize> = seen
             .iter()
@@ -170,6 +172,7 @@ fn untangled(
                 Chain::between(creature, a, b).joints().collect::<Vec<usize>>()
             })
             .collect();
+        let mut least = tangled(&seen);
         let mut found: Option<(Posture, BTreeSet<[usize; 2]>)> = None;
         for share in SHARES {
             for joint in between.iter().map(|&joint| &creature.joints()[joint]) {
@@ -180,8 +183,9 @@ fn untangled(
                         posture[at.coordinate()] = now + share * (end - now);
                         creature.couple(&mut posture);
                         let left = overlaps.at(&posture)?;
-                        let least = found.as_ref().map_or(tangled(&seen), |(_, least)| tangled(least));
-                        if tangled(&left) < least {
+                        let tangles = tangled(&left);
+                        if tangles < least {
+                            least = tangles;
                             found = Some((posture, left));
                         }
                     }

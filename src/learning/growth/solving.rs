@@ -13,7 +13,7 @@ use super::{FEWEST_UNKNOWNS, FREEDOM, GrownTouch, Growth, Part};
 use crate::learning::annealing::{NARROWEST, quantile};
 use crate::learning::initial_guess::randomize_joint;
 use crate::learning::least_squares::{Linearization, Stopping, levenberg_marquardt};
-use crate::learning::observation::{Input, ObservationModel, PointsMeet};
+use crate::learning::observation::{Input, PointsMeet};
 use crate::learning::online::Anchor;
 use crate::learning::prediction::invert;
 use crate::learning::prior::PriorTerm;
@@ -486,12 +486,8 @@ impl Growth {
 
 /// How many deviations receptors that touched stay apart in most touches.
 fn misses(touches: &TouchSet, schema: &BodySchema) -> f64 {
-    let model = PointsMeet::Anyhow;
-    let miss = |touch: &PreparedTouch| {
-        let frames = touch.frames(schema);
-        let whitening = model.whitening(&touch.ends, &frames);
-        (2.0 * model.cost(&touch.ends, &frames, &whitening)).sqrt()
-    };
+    let miss =
+        |touch: &PreparedTouch| PointsMeet::Anyhow.squared_misfit(&touch.ends, &touch.frames(schema)).sqrt();
     let mut misses: Vec<f64> = touches.touches().map(miss).collect();
     misses.sort_by(f64::total_cmp);
     quantile(&misses, MOST_MISSES)

@@ -84,8 +84,8 @@ pub struct Stages<'a> {
     /// Per touch, its posture and where the motion to it began.
     remembered: Vec<[Posture; 2]>,
     start: Posture,
-    /// Where the body starts, and joints rest.
-    home: Posture,
+    /// Where the body starts, and joints rest; none before it moves.
+    home: Option<Posture>,
     /// What was met last and has not parted since.
     met: Option<Met>,
     /// Motions in a row that told nothing, and that ended in no touch.
@@ -94,7 +94,6 @@ pub struct Stages<'a> {
     /// Touches at random with all joints; none where the body grows.
     at_random: Option<usize>,
     over: bool,
-    begun: bool,
     done: bool,
 }
 
@@ -155,13 +154,12 @@ impl<'a> Stages<'a> {
             tries: BTreeMap::new(),
             remembered: Vec::new(),
             start: Posture::default(),
-            home: Posture::start(creature),
+            home: None,
             met: None,
             caught: 0,
             untouched: 0,
             at_random: None,
             over: false,
-            begun: false,
             done: growth.resolved().iter().all(|&resolved| resolved),
             growth,
         };
@@ -235,9 +233,7 @@ impl Policy for Stages<'_> {
     fn next_target(&mut self, posture: &[f64], rng: &mut ChaCha8Rng) -> Posture {
         self.motions += 1;
         self.start = posture.into();
-        if !std::mem::replace(&mut self.begun, true) {
-            self.home = posture.into();
-        }
+        self.home.get_or_insert_with(|| posture.into());
         let first = self.growth.schema().is_none();
         if self.at_random.is_some() && first {
             return self.anywhere(rng);

@@ -53,9 +53,10 @@ impl Stages<'_> {
 
     /// Puts a joint where it is when the body starts; a ball stays as it is, for nothing of it is unknown.
     fn rest(&self, joint: usize, posture: &mut Posture) {
+        let Some(home) = &self.home else { return };
         let elements = self.agent.creature().joints()[joint].elements();
         for at in elements.filter(|at| !at.is_ball()) {
-            posture[at.coordinate()] = self.home[at.coordinate()];
+            posture[at.coordinate()] = home[at.coordinate()];
         }
     }
 
