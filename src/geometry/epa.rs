@@ -85,8 +85,9 @@ pub(super) fn penetration(
         });
         let (before, added) = (faces.len(), edges.len());
         faces.extend(edges.into_iter().filter_map(|[a, b]| face(&corners, [a, b, number])));
-        // A sliver without a normal: what is known is as good as rounding allows.
-        if faces.len() != before + added {
+        // A sliver without a normal, or an outline that rounding tore (a body of so many corners has fewer faces, and torn ones
+        // would multiply): what is known is as good as rounding allows.
+        if faces.len() != before + added || faces.len() > 2 * corners.len() {
             break;
         }
     }
@@ -147,4 +148,42 @@ fn spanning(support: &dyn Fn(&Vector3<f64>) -> Corner, given: &[Corner]) -> Vec<
         }
     }
     found
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::{Rotation3, Vector3};
+    use rand::{RngExt, SeedableRng};
+    use rand_chacha::ChaCha8Rng;
+
+    use crate::geometry::{ConvexBody, Frame, PlacedShape, Precision, Shape, gap_from};
+
+    /// Faces in one plane, or all but: rounding tears the outline of what a new corner sees, and a torn polytope would have
+    /// ever more faces.
+    #[test]
+    fn bodies_with_faces_in_one_plane_are_parted_by_what_is_found() {
+        let mut rng = ChaCha8Rng::seed_from_u64(1);
+        let shapes = [
+            Shape::Cylinder { radius: 0.045, half_length: 0.035 },
+            Shape::Cylinder { radius: 0.013, half_length: 0.13 },
+            Shape::Box { half_extents: [0.09, 0.026, 0.025] },
+        ];
+        for _ in 0..20_000 {
+            let mut any = |values: &[f64]| values[rng.random_range(0..values.len())];
+            let (tilt, lift) = (any(&[0.0, 1e-12, 1e-9, 1e-5]), any(&[0.0, 1e-12, 1e-9, 1e-5]));
+            let level = any(&[0.0, 0.01, 0.06]) + lift;
+            let rotation = Rotation3::from_axis_angle(&Vector3::x_axis(), tilt)
+                * Rotation3::from_axis_angle(&Vector3::z_axis(), rng.random_range(0.0..6.3));
+            let beside = [0, 1].map(|_| rng.random_range(-0.1..0.1));
+            let at =
+                Frame { rotation: *rotation.matrix(), origin: Vector3::new(beside[0], beside[1], level) };
+            let [first, second] = [at, Frame::identity()].map(|frame| {
+                PlacedShape::new(&shapes[rng.random_range(0..3)], frame, Frame::identity()).unwrap()
+            });
+            let gap = gap_from(&first, &second, Precision::ExactWhereShallow, &Vector3::z());
+            // The first leaves the second by as much along the normal.
+            let reach = gap.normal.dot(&(second.support(&gap.normal) - first.support(&-gap.normal)));
+            assert!((reach + gap.distance).abs() < 1e-7, "{gap:?}, by the normal {reach}");
+        }
+    }
 }

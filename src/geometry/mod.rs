@@ -5,6 +5,7 @@
 
 mod bounds;
 mod capsule;
+mod contact_region;
 mod epa;
 mod farthest;
 mod formats;
@@ -18,6 +19,7 @@ mod simplex;
 
 pub use bounds::{Ball, Cluster, clusters};
 pub use capsule::{Capsule, closest_points};
+pub use contact_region::ContactRegion;
 pub use formats::UrdfGeometry;
 pub use frame::Frame;
 pub(crate) use frame::product;

@@ -8,9 +8,9 @@
 
 use nalgebra::Vector3;
 
-use crate::geometry::{ConvexBody, Frame, Gap, PlacedShape, Precision, gap_from};
+use crate::geometry::{ContactRegion, ConvexBody, Frame, Gap, PlacedShape, Precision, gap_from};
 use crate::learning::observation::{Observation, ObservationModel, TouchResiduals};
-use crate::skin::Skin;
+use crate::skin::{Receptor, Skin};
 
 /// Residuals beyond this many deviations count ever less (Cauchy weights).
 pub const TAIL: f64 = 3.0;
@@ -112,16 +112,43 @@ impl<'a> SurfaceGap<'a> {
 
 impl SurfaceGap<'_> {
     /// Whether a contact where the surfaces under two receptors come closest is one that the two patches feel: within them,
-    /// and on their outside. Limbs that are mirrored close gaps as well, on the wrong side.
+    /// and on their outside. Limbs that are mirrored close gaps as well, on the wrong side. Where a face or an edge lies on
+    /// another, any place that both have may be the one that was felt.
     pub fn is_felt(&self, ends: &[Observation; 2], frames: &[Frame; 2], gap: &Gap) -> bool {
-        [0, 1].into_iter().all(|end| {
-            let receptor = &self.skin.receptors[ends[end].receptor];
-            let at = receptor.patch_coordinates(&frames[end].inverse_point(&gap.middle()));
+        let receptors = [0, 1].map(|end| &self.skin.receptors[ends[end].receptor]);
+        let most = receptors.map(|receptor| receptor.half_extents.map(|half| BEYOND * half + BEYOND_BY));
+        let outside = [0, 1].into_iter().all(|end| {
             // The gap's normal points from the second surface to the first.
             let outward = frames[end].rotation.tr_mul(&gap.normal) * if end == 0 { -1.0 } else { 1.0 };
-            let [across, along] = receptor.half_extents.map(|half| BEYOND * half + BEYOND_BY);
-            outward.dot(&receptor.normal) > FACING && at.x.abs() < across && at.y.abs() < along
-        })
+            outward.dot(&receptors[end].normal) > FACING
+        });
+        let inside = |end: usize| {
+            let at = receptors[end].patch_coordinates(&frames[end].inverse_point(&gap.middle()));
+            at.x.abs() < most[end][0] && at.y.abs() < most[end][1]
+        };
+        outside && ((inside(0) && inside(1)) || self.is_felt_somewhere(receptors, frames, gap, most))
+    }
+
+    /// Whether any place at which the surfaces touch is within both patches, of these half extents (metres).
+    fn is_felt_somewhere(
+        &self,
+        receptors: [&Receptor; 2],
+        frames: &[Frame; 2],
+        gap: &Gap,
+        most: [[f64; 2]; 2],
+    ) -> bool {
+        let solid = |end: usize| self.skin.surfaces[receptors[end].surface?].placed(&frames[end]);
+        let [Some(first), Some(second)] = [solid(0), solid(1)] else { return false };
+        let mut region = ContactRegion::new(&first, &second, gap, BEYOND_BY);
+        for (end, receptor) in receptors.into_iter().enumerate() {
+            let centre = frames[end].point(&receptor.position);
+            for (side, most) in [receptor.tangent, receptor.bitangent()].into_iter().zip(most[end]) {
+                let side = frames[end].rotation * side;
+                region.cut(&side, &centre, most);
+                region.cut(&-side, &centre, most);
+            }
+        }
+        !region.is_empty()
     }
 }
 
