@@ -20,6 +20,12 @@ const ENGINE_STEP: f64 = 8e-6;
 /// … up to this.
 const LONGEST_ENGINE_STEP: f64 = 1e-3;
 
+/// How deep limbs are in each other in the posture of a touch, metres: little enough for learning, and more than rounding, so
+/// that the engine finds the contact again.
+const BARELY: f64 = 1e-9;
+/// Steps from an overlap of a micrometre to there.
+const TO_SURFACE: usize = 2;
+
 /// Way of the fastest point within which geoms in contact must part, where only the engine can tell,
 /// metres.
 const PARTING: f64 = 1e-4;
@@ -249,7 +255,7 @@ impl<'a> Mover<'a> {
             let Some(place) = place.filter(|place| *place <= 1.0) else { continue };
             match self.contact_at(&encounter, place)? {
                 Some((met, contact)) if contact.distance >= -DEEPEST => {
-                    return Ok(self.stop(place, met, contact));
+                    return self.stop(place, met, contact);
                 }
                 Some(deep) => return self.search(&encounter, t.min(place), place, deep),
                 // Grazed, or not there yet.
@@ -319,7 +325,7 @@ impl<'a> Mover<'a> {
             let middle = 0.5 * (free + met);
             match self.contact_at(encounter, middle)? {
                 Some((found, contact)) if contact.distance >= -DEEPEST => {
-                    return Ok(self.stop(middle, found, contact));
+                    return self.stop(middle, found, contact);
                 }
                 Some(found) => (met, deep) = (middle, found),
                 None => free = middle,
@@ -349,20 +355,40 @@ impl<'a> Mover<'a> {
     }
 
     /// Stops where the engine has just found `contact`, and reads it.
-    fn stop(&mut self, t: f64, encounter: Encounter, contact: Contact) -> Ending {
-        self.posture = self.clearance.posture(t);
+    fn stop(&mut self, t: f64, encounter: Encounter, contact: Contact) -> mujoco::Result<Ending> {
         self.contact = Some(encounter);
         for other in self.data.contacts() {
             if self.reader.read(self.body, self.skin, &self.data, &other) == Reading::Neighbours {
                 self.effort.neighbours += 1;
             }
         }
-        match self.reader.read(self.body, self.skin, &self.data, &contact) {
+        let at = self.at_touch(t, &encounter);
+        self.posture = self.clearance.posture(at);
+        self.body.write_qpos(&self.posture, &mut self.qpos);
+        self.data.set_qpos(&self.qpos)?;
+        self.data.kinematics()?;
+        Ok(match self.reader.read(self.body, self.skin, &self.data, &contact) {
             Reading::Touch(spots) => Ending::Touch(spots.map(TouchEnd::from)),
             _ => {
                 self.effort.bare += 1;
                 Ending::Bare
             }
+        })
+    }
+
+    /// Where surfaces barely meet that overlap by up to a micrometre at `t`. How deep they are there is always on the same side:
+    /// of bodies that move in a plane it would look like an offset across it.
+    fn at_touch(&mut self, t: f64, encounter: &Encounter) -> f64 {
+        let mut at = t;
+        for _ in 0..TO_SURFACE {
+            let Some((gap, opening)) = self.clearance.gap(encounter, at) else { return t };
+            // Limbs that slide along each other, or rest, are no farther apart anywhere near.
+            let closing = opening < -SLIDING * self.clearance.speed(encounter);
+            if !closing || gap.abs() > 2.0 * DEEPEST {
+                return t;
+            }
+            at -= (gap + BARELY) / opening;
         }
+        at
     }
 }
