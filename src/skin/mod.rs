@@ -84,6 +84,12 @@ pub struct Skin {
 }
 
 impl Skin {
+    /// Whether the surfaces under some receptors are known and curved wherever something touches them.
+    pub(crate) fn all_round(&self, mut receptors: impl Iterator<Item = usize>) -> bool {
+        let surface = |receptor: usize| self.receptors[receptor].surface;
+        receptors.all(|receptor| surface(receptor).is_some_and(|surface| self.surfaces[surface].is_round()))
+    }
+
     /// Per geom of the model that the skin lies on, its receptors.
     pub(crate) fn receptors_by_geom(&self, geoms: usize) -> Vec<Vec<usize>> {
         let mut by_geom = vec![Vec::new(); geoms];

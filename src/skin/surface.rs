@@ -37,6 +37,11 @@ impl Surface {
         self.shape.as_capsule(&self.pose())
     }
 
+    /// Whether it is a ball or a capsule: curved wherever something touches it.
+    pub fn is_round(&self) -> bool {
+        self.as_capsule().is_some()
+    }
+
     /// A point of the limb in the shape's own axes.
     pub fn to_shape(&self, p_l: &Vector3<f64>) -> Vector3<f64> {
         self.rotation.tr_mul(&(p_l - self.origin))

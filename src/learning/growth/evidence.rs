@@ -42,13 +42,18 @@ impl Growth {
 
     /// Whether a schema has what touched meet, of surfaces within the patches that felt it.
     pub(super) fn closes(&self, touch: &GrownTouch, schema: &BodySchema) -> bool {
+        self.closes_to(CLOSED, touch, schema)
+    }
+
+    /// The same to a tolerance, metres.
+    pub(super) fn closes_to(&self, tolerance: f64, touch: &GrownTouch, schema: &BodySchema) -> bool {
         if self.by_points() {
-            return self.miss(touch, schema) < CLOSED;
+            return self.miss(touch, schema) < tolerance;
         }
         let model = SurfaceGap::new(self.agent.skin(), 1.0);
         let frames = touch.prepared.frames(schema);
         let found = model.gap(&touch.prepared.ends, &frames);
-        found.distance.abs() < CLOSED && model.is_felt(&touch.prepared.ends, &frames, &found)
+        found.distance.abs() < tolerance && model.is_felt(&touch.prepared.ends, &frames, &found)
     }
 
     /// The equations of a touch at a schema: one of surfaces, three of points.

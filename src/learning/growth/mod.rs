@@ -45,7 +45,9 @@ use crate::senses::Touch;
 
 /// A gap narrower than this is closed, metres: a fiftieth of what a wrong answer leaves, and fifty times what a motion
 /// that stops at touch does.
-const CLOSED: f64 = 5e-5;
+const CLOSED: f64 = 1e-6;
+/// Deviation of a gap down to which answers are sought, metres.
+const SHARP: f64 = 1e-8;
 /// Deviation that contact points are given, metres: they are exact, and what is believed before the first touch is to move
 /// nothing.
 const POINT: f64 = 1e-4;
@@ -411,7 +413,7 @@ impl Growth {
     /// Solves a part and takes it in where it stands.
     fn learn(&mut self, problem: &PartProblem, starts: usize) -> bool {
         let Some(solved) = self.solve(problem, starts) else { return false };
-        solved.share > solving::ENOUGH && self.accept(problem, &solved)
+        solved.exact > solving::ENOUGH && self.accept(problem, &solved)
     }
 
     fn placed_limbs(&self) -> usize {

@@ -9,8 +9,8 @@ use rand_distr::{Distribution, StandardNormal};
 use rayon::prelude::*;
 
 use super::part::Member;
-use super::{FEWEST_UNKNOWNS, FREEDOM, GrownTouch, Growth, Part};
-use crate::learning::annealing::{NARROWEST, quantile};
+use super::{CLOSED, FEWEST_UNKNOWNS, FREEDOM, GrownTouch, Growth, Part, SHARP};
+use crate::learning::annealing::quantile;
 use crate::learning::initial_guess::randomize_joint;
 use crate::learning::least_squares::{Linearization, Stopping, levenberg_marquardt};
 use crate::learning::observation::{Input, PointsMeet};
@@ -21,6 +21,10 @@ use crate::learning::touch_set::{PreparedTouch, TouchProblem, TouchSet};
 use crate::learning::{AxisModel, Parameters, Prior};
 use crate::schema::BodySchema;
 
+/// A gap narrower than this is nearly closed, metres: an answer that leaves most of them may be right but for a joint.
+const NEARLY: f64 = 5e-5;
+/// What stays open of an answer is worth looking at where this share of its touches is closed.
+const HOPEFUL: f64 = 0.5;
 /// The share of a part's touches that an answer closes.
 pub(super) const ENOUGH: f64 = 0.95;
 /// … and from which on none better is looked for.
@@ -42,6 +46,8 @@ const MOST_MISSES: f64 = 0.7;
 const HOPELESS: f64 = 2.5;
 /// Starts of the first part whose points nearly meet and whose surfaces do not, after which no more are made.
 const MOST_NEAR: usize = 16;
+/// The same where all surfaces are round: their gaps cost next to nothing.
+const MOST_NEAR_OF_ROUND: usize = 64;
 /// Deviations of the gap, metres, down to which axes stay relaxed: joints that turn little are caught in one wrong minimum
 /// or another, and which depends on this.
 const RELAXED_GAPS: [f64; 2] = [3e-3, 0.02];
@@ -62,15 +68,19 @@ const OPEN_SHARE: f64 = 0.25;
 /// … so many of them at the least. As many at the most are given up, …
 const OPEN_TOUCHES: f64 = 2.0;
 const GIVEN_UP: usize = 6;
-/// … and an answer explains this share of a part's touches without them, or none.
+/// … and an answer explains this share of a part's touches without them, …
 const MOST_OF_ALL: f64 = 0.6;
+/// … or so many in units of its unknowns, or none.
+const MANY: usize = 3;
 
 /// An answer for a part.
 pub(super) struct Solved {
     /// The schema with it.
     pub schema: BodySchema,
-    /// The share of the touches that it closes, but for those of what is given up; and how many it closes.
+    /// The share of the touches that it nearly closes, but for those of what is given up: by it answers are looked for.
     pub share: f64,
+    /// The share of them that it closes: by it an answer stands; and how many these are.
+    pub exact: f64,
     pub closed: usize,
     /// Limbs and joints without whose touches it does.
     pub given_up: Vec<Member>,
@@ -81,7 +91,7 @@ pub(super) struct Solved {
 impl Solved {
     /// What makes one answer better than another: what explains nearly all of its touches, by how many.
     fn worth(&self) -> f64 {
-        self.share + if self.share > ENOUGH { self.closed as f64 } else { 0.0 }
+        self.share + if self.exact > ENOUGH { self.closed as f64 } else { 0.0 }
     }
 }
 
@@ -145,11 +155,14 @@ impl Growth {
         self.solves += 1;
         let numbers: Vec<usize> = (0..starts).collect();
         let mut solved: Vec<Solved> = Vec::new();
+        let is_round =
+            |touch: &PreparedTouch| self.agent.skin().all_round(touch.ends.iter().map(|end| end.receptor));
+        let most_near = if problem.touches.touches().all(is_round) { MOST_NEAR_OF_ROUND } else { MOST_NEAR };
         for wave in numbers.chunks(AT_ONCE) {
             let made: Vec<Solved> = wave.par_iter().map(|&number| self.start(problem, number)).collect();
             self.starts += made.len();
             solved.extend(made);
-            let good = solved.iter().filter(|solved| solved.share > AS_GOOD_AS_ALL).count();
+            let good = solved.iter().filter(|solved| solved.exact > AS_GOOD_AS_ALL).count();
             let known = self.belief.is_some() || self.width(&part.joints) < FEWEST_UNKNOWNS;
             let small = known && problem.unit.len() <= SMALL;
             let most = solved.iter().map(|solved| solved.share).fold(0.0, f64::max);
@@ -159,7 +172,7 @@ impl Growth {
             let again = drawn && solved.iter().filter(as_good).count() >= AGREEING;
             // Where an answer is among those whose points nearly meet, it is one in three.
             let near = solved.iter().filter(|solved| solved.share > 0.0).count();
-            let in_vain = self.belief.is_none() && near >= MOST_NEAR && most <= ENOUGH;
+            let in_vain = self.belief.is_none() && near >= most_near && most <= ENOUGH;
             let late = self.deadline.has_passed();
             if late || again || in_vain || good >= if small { AGREEING } else { 1 } {
                 break;
@@ -168,12 +181,12 @@ impl Growth {
         let at = (0..solved.len()).max_by(|&a, &b| solved[a].worth().total_cmp(&solved[b].worth()))?;
         let best = solved.swap_remove(at);
         let mut best = self.mended(problem, best);
-        let good = solved.into_iter().filter(|other| other.share > ENOUGH && other.given_up == best.given_up);
+        let good = solved.into_iter().filter(|other| other.exact > ENOUGH && other.given_up == best.given_up);
         best.others = good.map(|other| other.schema).collect();
         if let Some(known) = &problem.known {
             best.schema = self.carried(known, &best.schema);
         }
-        if best.share > PROMISING {
+        if best.exact > PROMISING {
             self.tentative.retain(|(joints, _)| *joints != part.joints);
             self.tentative.push((part.joints.clone(), best.schema.clone()));
         }
@@ -190,7 +203,7 @@ impl Growth {
             let mut told: BTreeMap<usize, [f64; 2]> = BTreeMap::new();
             for &number in &problem.numbers {
                 let touch = &self.touches[number];
-                let open = usize::from(!self.closes(touch, &best.schema));
+                let open = usize::from(!self.closes_to(NEARLY, touch, &best.schema));
                 for joint in touch.moving.iter().filter(|joint| problem.part.joints.contains(joint)) {
                     told.entry(*joint).or_default()[open] += 1.0;
                 }
@@ -350,7 +363,14 @@ impl Growth {
         schema = points(unit, schema, POINT_ITERATIONS / 2);
         let hopeless = self.input == Input::Receptor && misses(touches, &schema) > HOPELESS;
         if hopeless || self.deadline.has_passed() {
-            return Solved { schema, share: 0.0, closed: 0, given_up: Vec::new(), others: Vec::new() };
+            return Solved {
+                schema,
+                share: 0.0,
+                exact: 0.0,
+                closed: 0,
+                given_up: Vec::new(),
+                others: Vec::new(),
+            };
         }
         self.closed(problem, schema, number)
     }
@@ -359,40 +379,58 @@ impl Growth {
     fn closed(&self, problem: &PartProblem, mut schema: BodySchema, number: usize) -> Solved {
         let creature = self.agent.creature();
         let PartProblem { touches, relaxed, unit, .. } = problem;
-        let first = self.belief.is_none();
         let beliefs = problem.beliefs();
         let narrowest = RELAXED_GAPS[number % RELAXED_GAPS.len()];
         schema = self.closest(narrowest, touches, relaxed, &beliefs, schema);
         schema.normalize_axes(creature);
-        schema = self.closest(NARROWEST, touches, unit, &beliefs, schema);
-        // What stays open is given up, one after the other: most of a part may be right where a joint is not.
+        schema = self.closest(SHARP, touches, unit, &beliefs, schema);
+        let exactly = self.without_open(problem, schema, CLOSED);
+        if exactly.exact > HOPEFUL {
+            return exactly;
+        }
+        let nearly = self.without_open(problem, exactly.schema.clone(), NEARLY);
+        if nearly.worth() > exactly.worth() { nearly } else { exactly }
+    }
+
+    /// What is left of an answer without what stays open, a limb or a joint given up after the other: most of a part may be
+    /// right where a joint is not. Open is what leaves a gap of more than a `tolerance`, metres.
+    fn without_open(&self, problem: &PartProblem, mut schema: BodySchema, tolerance: f64) -> Solved {
+        let first = self.belief.is_none();
+        let beliefs = problem.beliefs();
+        let unit = &problem.unit;
         let all = problem.solved_by.len() as f64;
         let mut numbers = problem.solved_by.clone();
         let mut given_up = Vec::new();
+        let may = |member| match member {
+            Member::Limb(limb) => first || problem.part.limbs.contains(&limb),
+            Member::Joint(joint) => problem.part.joints.contains(&joint),
+        };
         loop {
-            let may = |member| match member {
-                Member::Limb(limb) => first || problem.part.limbs.contains(&limb),
-                Member::Joint(joint) => problem.part.joints.contains(&joint),
-            };
-            let (open, worst) = self.open_member(&numbers, &schema, may);
-            let closed = numbers.len() - open;
-            let share = closed as f64 / numbers.len().max(1) as f64;
-            let hopeful = share > 0.5 && share < AS_GOOD_AS_ALL && given_up.len() < GIVEN_UP;
+            let (open, worst) = self.open_member(&numbers, &schema, tolerance, may);
+            let share = (numbers.len() - open) as f64 / numbers.len().max(1) as f64;
+            let hopeful = share > HOPEFUL && share < AS_GOOD_AS_ALL && given_up.len() < GIVEN_UP;
             let Some(worst) = worst.filter(|_| hopeful) else {
-                let share = if closed as f64 >= MOST_OF_ALL * all { share } else { closed as f64 / all };
-                return Solved { schema, share, closed, given_up, others: Vec::new() };
+                let share_within = |tolerance: f64| {
+                    let closed = numbers.len() - self.open_member(&numbers, &schema, tolerance, may).0;
+                    let enough = closed as f64 >= MOST_OF_ALL * all || closed >= MANY * unit.len();
+                    let of = if enough { numbers.len().max(1) as f64 } else { all };
+                    (closed as f64 / of, closed)
+                };
+                let (exact, closed) = share_within(CLOSED);
+                let share = share_within(NEARLY).0;
+                return Solved { schema, share, exact, closed, given_up, others: Vec::new() };
             };
             given_up.push(worst);
             numbers.retain(|&number| !self.touches[number].tells_of(worst));
             let touches = self.set(numbers.iter().map(|&number| &self.touches[number]));
-            schema = self.closest(NARROWEST, &touches, unit, &beliefs, schema);
+            schema = self.closest(SHARP, &touches, unit, &beliefs, schema);
         }
     }
 
     /// The answer that is nearest to a schema.
     pub(super) fn closed_from(&self, problem: &PartProblem, schema: BodySchema) -> BodySchema {
         let beliefs = problem.beliefs();
-        self.closest(NARROWEST, &problem.touches, &problem.unit, &beliefs, schema)
+        self.closest(SHARP, &problem.touches, &problem.unit, &beliefs, schema)
     }
 
     /// An initial guess of a body of which nothing is known.
@@ -449,12 +487,13 @@ impl Growth {
         &self,
         numbers: &[usize],
         schema: &BodySchema,
+        tolerance: f64,
         may: impl Fn(Member) -> bool,
     ) -> (usize, Option<Member>) {
         let mut counts: BTreeMap<Member, [f64; 2]> = BTreeMap::new();
         let mut all_open = 0;
         for touch in numbers.iter().map(|&number| &self.touches[number]) {
-            let is_open = !self.closes(touch, schema);
+            let is_open = !self.closes_to(tolerance, touch, schema);
             all_open += usize::from(is_open);
             let limbs = touch.limbs.iter().copied().map(Member::Limb);
             for member in limbs.chain(touch.moving.iter().copied().map(Member::Joint)) {
