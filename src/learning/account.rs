@@ -93,6 +93,17 @@ impl Account {
         Account::of_distances(creature, observability, limbs, distances, witnesses)
     }
 
+    /// The same account with how far off skin may be by what else is known, metres, a row and a column per limb of
+    /// [`limbs`](Account::limbs).
+    pub(super) fn with_distances(self, creature: &Creature, distances: DMatrix<f64>) -> Account {
+        Account::of_distances(creature, self.observability, self.limbs, distances, self.witnesses)
+    }
+
+    /// How far off skin may be between each two of [`limbs`](Account::limbs), metres at 95 %.
+    pub(super) fn distances(&self) -> &DMatrix<f64> {
+        &self.distances
+    }
+
     /// An account of which the distances (metres, a row and a column per limb of `limbs`) were worked out before.
     pub fn of_distances(
         creature: &Creature,

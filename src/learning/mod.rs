@@ -6,6 +6,7 @@
 mod account;
 pub mod annealing;
 mod certainty;
+mod curvature;
 mod growing;
 mod growing_limbs;
 pub mod growth;

@@ -191,6 +191,23 @@ impl Observability {
         SymmetricEigen::new(factor.tr_mul(&factor)).eigenvalues.max()
     }
 
+    /// Directions of unit length in scaled parameters, in the units of the parameters, one a column (m, 1): those known to this
+    /// standard deviation or better, radians or characteristic lengths, and all others.
+    pub(super) fn directions(&self, deviation: f64) -> [DMatrix<f64>; 2] {
+        let well =
+            self.singular_values[..self.rank].iter().take_while(|&&value| value * deviation >= 1.0).count();
+        let mut determined = self.covariance_factor.clone();
+        for (mut column, value) in determined.column_iter_mut().zip(&self.singular_values) {
+            column *= *value;
+        }
+        let badly = determined.columns(well, self.rank - well);
+        let open = &self.unscaled_null_space;
+        let mut others = DMatrix::zeros(open.nrows(), badly.ncols() + open.ncols());
+        others.columns_mut(0, badly.ncols()).copy_from(&badly);
+        others.columns_mut(badly.ncols(), open.ncols()).copy_from(open);
+        [determined.columns(0, well).into_owned(), others]
+    }
+
     /// The undetermined directions in the units of the parameters, one a column (m, 1).
     pub(super) fn open_directions(&self) -> &DMatrix<f64> {
         &self.unscaled_null_space

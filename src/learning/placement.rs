@@ -67,7 +67,7 @@ pub(super) fn distances(
 }
 
 /// Up to `most` receptors of a limb that are far from one another, metres in the limb's frame.
-fn far_apart(skin: &Skin, limb: usize, most: usize) -> Vec<Vector3<f64>> {
+pub(super) fn far_apart(skin: &Skin, limb: usize, most: usize) -> Vec<Vector3<f64>> {
     let all: Vec<Vector3<f64>> =
         skin.receptors.iter().filter(|receptor| receptor.limb == limb).map(|r| r.position).collect();
     let mut chosen: Vec<Vector3<f64>> = all.first().copied().into_iter().collect();

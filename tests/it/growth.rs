@@ -5,7 +5,7 @@ use std::path::Path;
 use serde_json::Value;
 
 use crate::common::program::{refused, succeeds};
-use crate::common::two_arms;
+use crate::common::{repository, two_arms};
 
 /// A folder's `arms.xml`, with a grown skin.
 fn arms(place: &Path) {
@@ -56,6 +56,25 @@ fn a_body_grows_by_default_where_nothing_stands_against_it() {
         assert!(touches == if other.contains(&"--touches") { 60 } else { 1000 }, "{touches}");
     }
     assert_eq!(chosen(&["--policy", "random", "--input", "contact", "--touches", "60"]).1, "lm");
+}
+
+/// In a plane no gap feels to first order what is across it; how round limbs are tells it all the same, but not how a body turns
+/// about a line that all of its limbs lie along.
+#[test]
+fn what_moves_in_a_plane_is_placed_across_it_where_its_limbs_are_round() {
+    let place = tempfile::tempdir().unwrap();
+    let learned = |body: &str, out: &str| {
+        let model = repository(&format!("mjcf/bodies/{body}.xml"));
+        let model = model.to_str().unwrap();
+        json(place.path(), &["babble", model, "--touches", "600", "--seed", "2", "--out", out, "--json"])
+    };
+    let hopper = learned("hopper", "hopper");
+    assert_eq!(hopper["converged"], true, "{hopper}");
+    assert!(hopper["determined_mm"]["max"].as_f64().unwrap() < 0.5, "{hopper}");
+    // Nothing touches the pelvis, which may slide along its axes.
+    assert_eq!(hopper["undetermined_limbs"], serde_json::json!(["pelvis"]), "{hopper}");
+    let swimmer = learned("swimmer", "swimmer");
+    assert_eq!(swimmer["converged"], false, "{swimmer}");
 }
 
 /// A fit closes some touches of a joint whatever is wrong with it. That others stay open is to be heard of.

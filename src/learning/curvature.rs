@@ -1,0 +1,323 @@
+//! What gaps tell of directions that they do not feel at first.
+//!
+//! Where a body moves in a plane, all of its touches are in that plane. A joint that is a little beside it, or an axis a
+//! little aslant, changes no gap to first order: the normal equations leave all of that open. But round limbs beside one
+//! another are a little farther apart, by `d²/2r`: exact touches feel a millimetre as ten micrometres.
+//!
+//! Along the directions `s` that are known badly at first order the gaps are `L s + ½ sᵀ H s`, less what the well-known
+//! directions take up. That skin might be off by `d` though touches are explained as well asks for the least sum of these
+//! gaps' squares with the skin displaced so: of so many unknowns and no touch any more, a small problem. It falls with the
+//! fourth power of `d`, so one such minimum tells how far off the skin may be. Exact slides along an axis, which no order
+//! feels, have a minimum of nothing.
+//!
+//! Curvature is asked of round surfaces alone; a box that tilts has kinks where these have curvature.
+
+use nalgebra::{DMatrix, DVector, Vector3};
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+use rayon::prelude::*;
+
+use super::observability::Observability;
+use super::placement::{Z95, far_apart};
+use super::prediction::GapRow;
+use super::touch_set::{PreparedTouch, TouchSet};
+use crate::agent::Agent;
+use crate::creature::Posture;
+use crate::geometry::Frame;
+use crate::kinematics::{Chain, limb_frames, tangent_basis};
+use crate::schema::BodySchema;
+
+/// Directions known no better than this at first order are looked at, radians or characteristic lengths.
+const BADLY_KNOWN: f64 = 1e-3;
+/// … as long as there are no more of them.
+const MOST_DIRECTIONS: usize = 40;
+/// Step of the differences, in the same units: as far as skin may be off that is placed.
+const STEP: f64 = 5e-3;
+/// Touches that are looked at, in units of the numbers that describe the gaps.
+const TOUCHES: usize = 2;
+/// Points of a limb that stand for its skin, and postures in which they are looked at.
+const POINTS: usize = 2;
+const POSTURES: usize = 2;
+/// Pairs of limbs that are looked at, those nearest in the tree first.
+const MOST_PAIRS: usize = 60;
+/// Initial guesses of each minimum, and its steps.
+const STARTS: usize = 4;
+const ITERATIONS: usize = 40;
+/// How exactly the skin is displaced, as a share.
+const DISPLACED: f64 = 1e-2;
+/// The seed of postures and initial guesses.
+const SEED: u64 = 0;
+
+/// How far off skin may be by exact touches that leave gaps of one `deviation` (metres), where it is more than `limit` by
+/// first order: `first` with the smaller ones in place, metres at 95 %.
+pub(super) fn distances_by_curvature(
+    agent: &Agent,
+    schema: &BodySchema,
+    found: &Observability,
+    touches: &TouchSet,
+    [deviation, limit]: [f64; 2],
+    first: &DMatrix<f64>,
+) -> DMatrix<f64> {
+    let mut distances = first.clone();
+    let [well, badly] = found.directions(BADLY_KNOWN);
+    if badly.ncols() == 0 || badly.ncols() > MOST_DIRECTIONS {
+        return distances;
+    }
+    let Some(gaps) = CurvedGaps::new(agent, schema, found, touches, [&well, &badly], deviation) else {
+        return distances;
+    };
+    let limbs = agent.limbs_with_skin();
+    let shifts = Shifts::new(agent, schema, found, &badly);
+    let chain = |a: usize, b: usize| Chain::between(agent.creature(), limbs[a], limbs[b]);
+    let is_known = |a: usize, b: usize| {
+        let placed = found.placed()[limbs[a]] && found.placed()[limbs[b]];
+        placed && !chain(a, b).joints().any(|joint| found.untouched(joint))
+    };
+    let mut pairs: Vec<[usize; 2]> = (0..limbs.len())
+        .flat_map(|a| (a + 1..limbs.len()).map(move |b| [a, b]))
+        .filter(|&[a, b]| first[(a, b)] > limit && is_known(a, b))
+        .collect();
+    pairs.sort_by_key(|&[a, b]| chain(a, b).joints().count());
+    pairs.truncate(MOST_PAIRS);
+    let found: Vec<f64> =
+        pairs.par_iter().map(|&[a, b]| gaps.distance(&shifts, [limbs[a], limbs[b]], limit)).collect();
+    for ([a, b], distance) in pairs.into_iter().zip(found) {
+        let least = distance.min(first[(a, b)]);
+        (distances[(a, b)], distances[(b, a)]) = (least, least);
+    }
+    distances
+}
+
+/// The gaps of touches over badly known directions, in units of their deviation, as an upper triangle over the directions
+/// and their products.
+struct CurvedGaps {
+    directions: usize,
+    triangle: DMatrix<f64>,
+}
+
+impl CurvedGaps {
+    /// None where round limbs have too few touches.
+    fn new(
+        agent: &Agent,
+        schema: &BodySchema,
+        found: &Observability,
+        touches: &TouchSet,
+        [well, badly]: [&DMatrix<f64>; 2],
+        deviation: f64,
+    ) -> Option<CurvedGaps> {
+        let k = badly.ncols();
+        let numbers = k + k * (k + 1) / 2;
+        let is_round =
+            |touch: &&PreparedTouch| agent.skin().all_round(touch.ends.iter().map(|end| end.receptor));
+        let all: Vec<&PreparedTouch> = touches.touches().filter(is_round).collect();
+        let wanted = TOUCHES * (numbers + well.ncols());
+        let every = (all.len() / wanted).max(1);
+        let told: Vec<&PreparedTouch> = all.into_iter().step_by(every).collect();
+        if told.len() < k + well.ncols() {
+            return None;
+        }
+        let steps: Vec<DVector<f64>> = badly.column_iter().map(|column| column * STEP).collect();
+        let displaced: Vec<[BodySchema; 2]> = steps
+            .iter()
+            .map(|step| [1.0, -1.0].map(|sign| found.parameters.step(schema, &(step * sign))))
+            .collect();
+        let slope = |row: &mut GapRow, there: &BodySchema, touch: &PreparedTouch| {
+            row.set(agent.skin(), &found.parameters, there, touch);
+            let mut slope = DVector::zeros(found.parameters.len());
+            row.entries.iter().for_each(|&(place, by)| slope[place] += by);
+            // The present basis of an axis may not be the one at the schema.
+            for (axis, offset) in found.parameters.axes.iter().enumerate() {
+                let Some(offset) = *offset else { continue };
+                let turn = tangent_basis(&schema.axes[axis]).tr_mul(&tangent_basis(&there.axes[axis]));
+                let turned = turn * slope.fixed_rows::<2>(offset);
+                slope.fixed_rows_mut::<2>(offset).copy_from(&turned);
+            }
+            slope
+        };
+        let rows: Vec<[DVector<f64>; 2]> = told
+            .par_iter()
+            .map(|touch| {
+                let mut row = GapRow::default();
+                let here = slope(&mut row, schema, touch);
+                let mut numbers_of_it = DVector::zeros(numbers);
+                numbers_of_it.rows_mut(0, k).copy_from(&badly.tr_mul(&here));
+                let bends: Vec<DVector<f64>> = displaced
+                    .iter()
+                    .map(|[plus, minus]| {
+                        let change = slope(&mut row, plus, touch) - slope(&mut row, minus, touch);
+                        badly.tr_mul(&change) / (2.0 * STEP)
+                    })
+                    .collect();
+                for (at, (i, j)) in products(k).enumerate() {
+                    let bend = 0.5 * (bends[i][j] + bends[j][i]);
+                    // Half of it stands twice beside the diagonal.
+                    numbers_of_it[k + at] = if i == j { 0.5 * bend } else { bend };
+                }
+                [well.tr_mul(&here), numbers_of_it / deviation]
+            })
+            .collect();
+        let strong = DMatrix::from_fn(rows.len(), well.ncols(), |i, j| rows[i][0][j]);
+        let mut all = DMatrix::from_fn(rows.len(), numbers, |i, j| rows[i][1][j]);
+        if well.ncols() > 0 {
+            // What the well-known directions take up.
+            let taken = strong.qr().q();
+            let shares = taken.tr_mul(&all);
+            all -= taken * shares;
+        }
+        Some(CurvedGaps { directions: k, triangle: all.qr().r() })
+    }
+
+    /// How far off any skin of either limb may be in the other's frame, metres at 95 %.
+    fn distance(&self, shifts: &Shifts, limbs: [usize; 2], limit: f64) -> f64 {
+        let mut worst: f64 = 0.0;
+        for map in shifts.of(limbs) {
+            let mut squares = 0.0;
+            for along in map.row_iter() {
+                let along = along.transpose();
+                // Nothing moves it.
+                if along.norm() * STEP < limit * 1e-6 {
+                    continue;
+                }
+                let least = self.least_cost(&along, limit);
+                // The cost grows with the fourth power.
+                let may_be = limit * (Z95 * Z95 / least.max(f64::MIN_POSITIVE)).powf(0.25);
+                squares += may_be * may_be;
+            }
+            worst = worst.max(squares.sqrt());
+        }
+        worst
+    }
+
+    /// The least sum of squared gaps, in units of their variance, with a displacement along a direction.
+    fn least_cost(&self, along: &DVector<f64>, displacement: f64) -> f64 {
+        let mut rng = ChaCha8Rng::seed_from_u64(SEED);
+        let nearest = along * (displacement / along.norm_squared());
+        let starts = (0..STARTS).map(|start| {
+            let size = if start == 0 { 0.0 } else { nearest.norm() };
+            let aside = DVector::from_fn(self.directions, |_, _| {
+                let standard: f64 = StandardNormal.sample(&mut rng);
+                standard * size / (self.directions as f64).sqrt()
+            });
+            &nearest + aside
+        });
+        let starts: Vec<DVector<f64>> = starts.collect();
+        starts
+            .into_iter()
+            .map(|start| self.descended(start, along, displacement))
+            .fold(f64::INFINITY, f64::min)
+    }
+
+    /// The sum of squared gaps where Levenberg's and Marquardt's steps lead, with the displacement held.
+    fn descended(&self, mut s: DVector<f64>, along: &DVector<f64>, displacement: f64) -> f64 {
+        let tight = 1.0 / (DISPLACED * displacement);
+        let cost = |gaps: &DVector<f64>, s: &DVector<f64>| {
+            gaps.norm_squared() + ((along.dot(s) - displacement) * tight).powi(2)
+        };
+        let mut gaps = self.gaps(&s);
+        let mut damping = 1e-3;
+        for _ in 0..ITERATIONS {
+            let slopes = self.slopes(&s);
+            let mut hessian = slopes.tr_mul(&slopes);
+            let mut gradient = slopes.tr_mul(&gaps);
+            hessian.ger(tight * tight, along, along, 1.0);
+            gradient.axpy(tight * tight * (along.dot(&s) - displacement), along, 1.0);
+            let before = cost(&gaps, &s);
+            let floor = 1e-12 * hessian.diagonal().amax();
+            let improved = (0..8).find_map(|_| {
+                let mut damped = hessian.clone();
+                (0..self.directions).for_each(|i| damped[(i, i)] += damping * hessian[(i, i)].max(floor));
+                let trial = damped.cholesky().map(|factor| &s - factor.solve(&gradient));
+                let better = trial.map(|trial| (self.gaps(&trial), trial));
+                let better = better.filter(|(gaps, trial)| cost(gaps, trial) < before);
+                damping *= if better.is_some() { 0.2 } else { 5.0 };
+                better
+            });
+            let Some((found, trial)) = improved else { break };
+            let now = cost(&found, &trial);
+            (gaps, s) = (found, trial);
+            if now > (1.0 - 1e-4) * before {
+                break;
+            }
+        }
+        // A displacement that was not reached counts as if it had been.
+        gaps.norm_squared() * (displacement / along.dot(&s).abs().max(DISPLACED * displacement)).powi(4)
+    }
+
+    fn gaps(&self, s: &DVector<f64>) -> DVector<f64> {
+        let mut numbers = DVector::zeros(self.triangle.ncols());
+        numbers.rows_mut(0, self.directions).copy_from(s);
+        for (at, (i, j)) in products(self.directions).enumerate() {
+            numbers[self.directions + at] = s[i] * s[j];
+        }
+        &self.triangle * numbers
+    }
+
+    fn slopes(&self, s: &DVector<f64>) -> DMatrix<f64> {
+        let k = self.directions;
+        let mut slopes = self.triangle.columns(0, k).into_owned();
+        for (at, (i, j)) in products(k).enumerate() {
+            let column = self.triangle.column(k + at);
+            slopes.column_mut(i).axpy(s[j], &column, 1.0);
+            slopes.column_mut(j).axpy(s[i], &column, 1.0);
+        }
+        slopes
+    }
+}
+
+/// The products of two of so many numbers.
+fn products(count: usize) -> impl Iterator<Item = (usize, usize)> {
+    (0..count).flat_map(move |i| (i..count).map(move |j| (i, j)))
+}
+
+/// How skin shifts with the badly known directions.
+struct Shifts<'a> {
+    agent: &'a Agent,
+    directions: usize,
+    /// Per posture the frames of all limbs, at the schema and on both sides of it along each direction.
+    frames: Vec<Vec<[Vec<Frame>; 2]>>,
+    here: Vec<Vec<Frame>>,
+}
+
+impl<'a> Shifts<'a> {
+    fn new(agent: &'a Agent, schema: &BodySchema, found: &Observability, badly: &DMatrix<f64>) -> Shifts<'a> {
+        let creature = agent.creature();
+        let mut rng = ChaCha8Rng::seed_from_u64(SEED);
+        let postures: Vec<Posture> = (0..POSTURES).map(|_| Posture::random(creature, &mut rng)).collect();
+        let moved =
+            |column: usize, sign: f64| found.parameters.step(schema, &(badly.column(column) * (sign * STEP)));
+        let of_posture = |posture: &Posture| {
+            let sides =
+                |column: usize| [1.0, -1.0].map(|sign| limb_frames(creature, &moved(column, sign), posture));
+            (0..badly.ncols()).map(sides).collect()
+        };
+        Shifts {
+            agent,
+            directions: badly.ncols(),
+            frames: postures.iter().map(of_posture).collect(),
+            here: postures.iter().map(|posture| limb_frames(creature, schema, posture)).collect(),
+        }
+    }
+
+    /// The derivative of where points of either limb are in the other's frame, per posture and point 3 rows (m).
+    fn of(&self, [a, b]: [usize; 2]) -> Vec<DMatrix<f64>> {
+        let mut maps = Vec::new();
+        for (limb, other) in [(a, b), (b, a)] {
+            for point in far_apart(self.agent.skin(), limb, POINTS) {
+                for (frames, here) in self.frames.iter().zip(&self.here) {
+                    let place = |frames: &[Frame]| -> Vector3<f64> {
+                        let at = frames[other].inverse_point(&frames[limb].point(&point));
+                        // Along the axes of the root at the schema: of a plane's body two of three rows are then nothing.
+                        here[other].rotation * at
+                    };
+                    let mut map = DMatrix::zeros(3, self.directions);
+                    for (column, [plus, minus]) in frames.iter().enumerate() {
+                        map.column_mut(column).copy_from(&((place(plus) - place(minus)) / (2.0 * STEP)));
+                    }
+                    maps.push(map);
+                }
+            }
+        }
+        maps
+    }
+}
