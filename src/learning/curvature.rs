@@ -31,19 +31,19 @@ use crate::schema::BodySchema;
 /// Directions known no better than this at first order are looked at, radians or characteristic lengths.
 const BADLY_KNOWN: f64 = 1e-3;
 /// … as long as there are no more of them.
-const MOST_DIRECTIONS: usize = 40;
+const MOST_DIRECTIONS: usize = 24;
 /// Step of the differences, in the same units: as far as skin may be off that is placed.
 const STEP: f64 = 5e-3;
 /// Touches that are looked at, in units of the numbers that describe the gaps.
 const TOUCHES: usize = 2;
 /// Points of a limb that stand for its skin, and postures in which they are looked at.
 const POINTS: usize = 2;
-const POSTURES: usize = 2;
+const POSTURES: usize = 1;
 /// Pairs of limbs that are looked at, those nearest in the tree first.
-const MOST_PAIRS: usize = 60;
+const MOST_PAIRS: usize = 30;
 /// Initial guesses of each minimum, and its steps.
-const STARTS: usize = 4;
-const ITERATIONS: usize = 40;
+const STARTS: usize = 3;
+const ITERATIONS: usize = 25;
 /// How exactly the skin is displaced, as a share.
 const DISPLACED: f64 = 1e-2;
 /// The seed of postures and initial guesses.
@@ -185,6 +185,10 @@ impl CurvedGaps {
                 squares += may_be * may_be;
             }
             worst = worst.max(squares.sqrt());
+            // It is not placed: how badly is of no matter.
+            if worst > limit {
+                break;
+            }
         }
         worst
     }

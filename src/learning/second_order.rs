@@ -515,8 +515,8 @@ impl<'a> SecondOrder<'a> {
 
     /// What all touches so far determine at a schema, and the deviation of a touch that they show, metres.
     pub fn observe(&self, schema: &BodySchema) -> (Observability, f64) {
-        let (found, _, deviation) = self.observe_touches(&self.placed_touches(schema), schema);
-        (found, deviation)
+        let seen = self.observe_touches(&self.placed_touches(schema), schema);
+        (seen.observability, seen.deviation)
     }
 
     /// The account of a schema by all touches so far, and the deviation of a touch that they show, metres.
@@ -532,15 +532,15 @@ impl<'a> SecondOrder<'a> {
     }
 
     fn account_of(&self, used: &TouchSet, schema: &BodySchema) -> (Account, f64) {
-        let (found, witnesses, deviation) = self.observe_touches(used, schema);
-        let account = Account::new(self.agent, schema, found, witnesses);
-        (self.with_curvature(account, used, schema), deviation)
+        let Seen { observability, witnesses, checked, deviation } = self.observe_touches(used, schema);
+        let account = Account::new(self.agent, schema, observability, witnesses);
+        (self.with_curvature(account, &checked, schema), deviation)
     }
 
     /// An account with what exact touches of round limbs tell at second order, where limbs are open at first order.
-    fn with_curvature(&self, account: Account, used: &TouchSet, schema: &BodySchema) -> Account {
+    fn with_curvature(&self, account: Account, checked: &TouchSet, schema: &BodySchema) -> Account {
         let Evidence::Surfaces(skin) = self.evidence() else { return account };
-        let left = typical_gap(&gaps(skin, used, schema));
+        let left = typical_gap(&gaps(skin, checked, schema));
         let deviation = SHARPLY.max(TAKEN_UP * left);
         let all_placed = account.classes().len() <= 1;
         if all_placed || deviation > SHARPEST || self.frames != LimbFrames::Joint {
@@ -551,15 +551,15 @@ impl<'a> SecondOrder<'a> {
             self.agent,
             schema,
             &account.observability,
-            used,
+            checked,
             limits,
             account.distances(),
         );
         account.with_distances(self.agent.creature(), distances)
     }
 
-    /// What touches determine at a schema, those that count, and the deviation of a touch that they show, metres.
-    fn observe_touches(&self, used: &TouchSet, schema: &BodySchema) -> (Observability, Witnesses, f64) {
+    /// What touches determine at a schema.
+    fn observe_touches(&self, used: &TouchSet, schema: &BodySchema) -> Seen {
         let Evidence::Surfaces(skin) = self.evidence() else { return self.observe_witnesses(used, schema) };
         let parameters = self.touched(used).0;
         let deviation = self.gap_deviation(skin, used, &parameters, schema);
@@ -602,12 +602,12 @@ impl<'a> SecondOrder<'a> {
         (self.parameters(&touched, &placed), placed)
     }
 
-    fn observe_witnesses(&self, used: &TouchSet, schema: &BodySchema) -> (Observability, Witnesses, f64) {
+    fn observe_witnesses(&self, used: &TouchSet, schema: &BodySchema) -> Seen {
         let (parameters, placed) = self.touched(used);
         let mut spread = 0.0;
+        let mut touches = used.clone();
         let (found, deviation, at_floor) = match self.evidence() {
             Evidence::Points { .. } => {
-                let mut touches = used.clone();
                 let (found, misses) = loop {
                     let mut problem =
                         TouchProblem::new(self.agent.creature(), &touches, &parameters, PointsMeet::Shaped);
@@ -627,7 +627,6 @@ impl<'a> SecondOrder<'a> {
             }
             Evidence::Surfaces(skin) => {
                 let mut deviation = self.gap_deviation(skin, used, &parameters, schema);
-                let mut touches = used.clone();
                 let mut noise = Noise::of_gaps(deviation);
                 let noisy = deviation > CERTAIN_NOISE;
                 if noisy {
@@ -664,7 +663,7 @@ impl<'a> SecondOrder<'a> {
             point_deviation: if self.input == Input::Contact { deviation } else { spread },
             at_floor,
         };
-        (found.with_placed(placed), witnesses, deviation)
+        Seen { observability: found.with_placed(placed), witnesses, checked: touches, deviation }
     }
 
     /// The same as [`checked`] of points, of which each gives three equations: those are left whose every equation others
@@ -842,6 +841,16 @@ fn usual_point_misfit(touches: &TouchSet, schema: &BodySchema) -> f64 {
 /// Per touch, the sum of the squares of its three whitened residuals.
 fn squared_point_misfits(touches: &TouchSet, schema: &BodySchema) -> impl Iterator<Item = f64> {
     touches.touches().map(|touch| PointsMeet::Shaped.squared_misfit(&touch.ends, &touch.frames(schema)))
+}
+
+/// What touches determine at a schema.
+struct Seen {
+    observability: Observability,
+    witnesses: Witnesses,
+    /// The touches that others check: what it all rests on.
+    checked: TouchSet,
+    /// The deviation of a touch that they show, metres.
+    deviation: f64,
 }
 
 /// How to look for an answer.

@@ -11,6 +11,8 @@ use crate::learning::{AxisModel, Input, Learned, Learner, Online, Parameters, Se
 use crate::schema::BodySchema;
 use crate::senses::Touch;
 
+/// Times that a body is learned at once: an answer that explains touches and places nothing is no answer.
+const ATTEMPTS: u64 = 5;
 /// Touches in which all joints move, from which a body is learned at once, at the least.
 const FEWEST_AT_LARGE: usize = 100;
 
@@ -66,20 +68,20 @@ impl<'a> Grower<'a> {
         let unknowns = Parameters::new(creature, AxisModel::Unit, |_| true).len();
         let enough = touches.len() >= FEWEST_AT_LARGE && equations >= unknowns;
         if enough && !self.growth.deadline.has_passed() {
-            let mut learner: Box<dyn Learner> = match self.input {
-                Input::Receptor => Box::new(Online::new(self.agent, self.seed)),
-                Input::Contact => Box::new(SecondOrder::new(self.agent, self.input, self.seed)),
-            };
-            learner.end_at(self.growth.deadline);
-            touches.into_iter().for_each(|touch| learner.touch(touch));
-            let mut learned = learner.learn();
-            learned.initial_guesses += self.growth.starts();
-            // A body that is told to have changed while it babbled did not: nothing was known of it.
-            learned.changes.clear();
-            return match self.input {
-                Input::Receptor if learned.verdict.converged() => self.conclude_claims(learned),
-                _ => learned,
-            };
+            let mut found = self.learn_from(&touches, self.seed);
+            for attempt in 1..ATTEMPTS {
+                if found.verdict.converged() || self.growth.deadline.has_passed() {
+                    break;
+                }
+                let other = self.learn_from(&touches, self.seed.wrapping_add(attempt << 32));
+                let initial_guesses = found.initial_guesses + other.initial_guesses;
+                if other.verdict.converged() {
+                    found = other;
+                }
+                found.initial_guesses = initial_guesses;
+            }
+            found.initial_guesses += self.growth.starts();
+            return found;
         }
         let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
         let reason = match self.growth.starts() {
@@ -100,6 +102,23 @@ impl<'a> Grower<'a> {
             account: None,
             deviation: None,
             changes: Vec::new(),
+        }
+    }
+
+    /// Learns at once, from random initial guesses of a seed.
+    fn learn_from(&self, touches: &[&Touch], seed: u64) -> Learned {
+        let mut learner: Box<dyn Learner> = match self.input {
+            Input::Receptor => Box::new(Online::new(self.agent, seed)),
+            Input::Contact => Box::new(SecondOrder::new(self.agent, self.input, seed)),
+        };
+        learner.end_at(self.growth.deadline);
+        touches.iter().for_each(|touch| learner.touch(touch));
+        let mut learned = learner.learn();
+        // A body that is told to have changed while it babbled did not: nothing was known of it.
+        learned.changes.clear();
+        match self.input {
+            Input::Receptor if learned.verdict.converged() => self.conclude_claims(learned),
+            _ => learned,
         }
     }
 
