@@ -68,12 +68,12 @@ impl<'a> Grower<'a> {
         let unknowns = Parameters::new(creature, AxisModel::Unit, |_| true).len();
         let enough = touches.len() >= FEWEST_AT_LARGE && equations >= unknowns;
         if enough && !self.growth.deadline.has_passed() {
-            let mut found = self.learn_from(&touches, self.seed);
+            let mut found = self.learn_whole(&touches, self.seed);
             for attempt in 1..ATTEMPTS {
                 if found.verdict.converged() || self.growth.deadline.has_passed() {
                     break;
                 }
-                let other = self.learn_from(&touches, self.seed.wrapping_add(attempt << 32));
+                let other = self.learn_whole(&touches, self.seed.wrapping_add(attempt << 32));
                 let initial_guesses = found.initial_guesses + other.initial_guesses;
                 if other.verdict.converged() {
                     found = other;
@@ -106,7 +106,7 @@ impl<'a> Grower<'a> {
     }
 
     /// Learns at once, from random initial guesses of a seed.
-    fn learn_from(&self, touches: &[&Touch], seed: u64) -> Learned {
+    fn learn_whole(&self, touches: &[&Touch], seed: u64) -> Learned {
         let mut learner: Box<dyn Learner> = match self.input {
             Input::Receptor => Box::new(Online::new(self.agent, seed)),
             Input::Contact => Box::new(SecondOrder::new(self.agent, self.input, seed)),
