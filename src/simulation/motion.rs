@@ -24,7 +24,7 @@ const LONGEST_ENGINE_STEP: f64 = 1e-3;
 /// that the engine finds the contact again.
 const BARELY: f64 = 1e-9;
 /// Steps from an overlap of a micrometre to there.
-const TO_SURFACE: usize = 2;
+const TO_SURFACE: usize = 4;
 
 /// Way of the fastest point within which geoms in contact must part, where only the engine can tell,
 /// metres.
