@@ -18,6 +18,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use rayon::prelude::*;
 
+use super::Account;
 use super::observability::Observability;
 use super::placement::{Z95, far_apart};
 use super::prediction::GapRow;
@@ -49,16 +50,17 @@ const DISPLACED: f64 = 1e-2;
 /// The seed of postures and initial guesses.
 const SEED: u64 = 0;
 
-/// How far off skin may be by exact touches that leave gaps of one `deviation` (metres), where it is more than `limit` by
-/// first order: `first` with the smaller ones in place, metres at 95 %.
+/// How far off skin may be between each two limbs of an account, metres at 95 %: as the account has it or, where that is more
+/// than what is placed, by exact touches that leave gaps of one `deviation`, metres. The account is by the same touches.
 pub(super) fn distances_by_curvature(
     agent: &Agent,
     schema: &BodySchema,
-    found: &Observability,
+    account: &Account,
     touches: &TouchSet,
-    [deviation, limit]: [f64; 2],
-    first: &DMatrix<f64>,
+    deviation: f64,
 ) -> DMatrix<f64> {
+    let (found, limbs, limit) = (&account.observability, account.limbs(), account.limit());
+    let first = account.distances();
     let mut distances = first.clone();
     let [well, badly] = found.directions(BADLY_KNOWN);
     if badly.ncols() == 0 || badly.ncols() > MOST_DIRECTIONS {
@@ -67,7 +69,6 @@ pub(super) fn distances_by_curvature(
     let Some(gaps) = CurvedGaps::new(agent, schema, found, touches, [&well, &badly], deviation) else {
         return distances;
     };
-    let limbs = agent.limbs_with_skin();
     let shifts = Shifts::new(agent, schema, found, &badly);
     let chain = |a: usize, b: usize| Chain::between(agent.creature(), limbs[a], limbs[b]);
     let is_known = |a: usize, b: usize| {

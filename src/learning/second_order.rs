@@ -540,21 +540,15 @@ impl<'a> SecondOrder<'a> {
     /// An account with what exact touches of round limbs tell at second order, where limbs are open at first order.
     fn with_curvature(&self, account: Account, checked: &TouchSet, schema: &BodySchema) -> Account {
         let Evidence::Surfaces(skin) = self.evidence() else { return account };
-        let left = typical_gap(&gaps(skin, checked, schema));
-        let deviation = SHARPLY.max(TAKEN_UP * left);
         let all_placed = account.classes().len() <= 1;
-        if all_placed || deviation > SHARPEST || self.frames != LimbFrames::Joint {
+        if all_placed || self.frames != LimbFrames::Joint {
             return account;
         }
-        let limits = [deviation, account.limit()];
-        let distances = distances_by_curvature(
-            self.agent,
-            schema,
-            &account.observability,
-            checked,
-            limits,
-            account.distances(),
-        );
+        let deviation = SHARPLY.max(TAKEN_UP * typical_gap(&gaps(skin, checked, schema)));
+        if deviation > SHARPEST {
+            return account;
+        }
+        let distances = distances_by_curvature(self.agent, schema, &account, checked, deviation);
         account.with_distances(self.agent.creature(), distances)
     }
 

@@ -74,6 +74,11 @@ impl<'a> SurfaceGap<'a> {
         SurfaceGap { patch_deviation: NO_EVIDENCE, ..self }
     }
 
+    /// The surfaces under two receptors where their limbs are; none where one is known only by its receptors.
+    fn solids(&self, receptors: [&Receptor; 2], frames: &[Frame; 2]) -> [Option<PlacedShape<'a>>; 2] {
+        [0, 1].map(|end| self.skin.surfaces[receptors[end].surface?].placed(&frames[end]))
+    }
+
     /// Where the surfaces under two receptors come closest, given their limbs' frames `X_CA`, `X_CB`. A surface that is
     /// known only by its receptors is flat under each of them.
     pub fn gap(&self, ends: &[Observation; 2], frames: &[Frame; 2]) -> Gap {
@@ -83,7 +88,6 @@ impl<'a> SurfaceGap<'a> {
     /// The same, where the normal is nearly known, from the second surface to the first.
     fn gap_from(&self, ends: &[Observation; 2], frames: &[Frame; 2], guess: Option<Vector3<f64>>) -> Gap {
         let receptors = [0, 1].map(|k| &self.skin.receptors[ends[k].receptor]);
-        let solid = |k: usize| self.skin.surfaces[receptors[k].surface?].placed(&frames[k]);
         let normal = |k: usize| frames[k].rotation * receptors[k].normal;
         // The solid's lowest point over the flat patch.
         let over_patch = |solid: PlacedShape, k: usize| {
@@ -92,7 +96,7 @@ impl<'a> SurfaceGap<'a> {
             let distance = receptors[k].patch_coordinates(&frames[k].inverse_point(&lowest)).z;
             Gap { distance, normal, points: [lowest, lowest - normal * distance] }
         };
-        match [solid(0), solid(1)] {
+        match self.solids(receptors, frames) {
             // How deep wrong limbs are in each other is of no use but to get them out.
             [Some(a), Some(b)] => {
                 gap_from(&a, &b, Precision::ExactWhereShallow, &guess.unwrap_or_else(|| normal(1)))
@@ -137,8 +141,7 @@ impl SurfaceGap<'_> {
         gap: &Gap,
         most: [[f64; 2]; 2],
     ) -> bool {
-        let solid = |end: usize| self.skin.surfaces[receptors[end].surface?].placed(&frames[end]);
-        let [Some(first), Some(second)] = [solid(0), solid(1)] else { return false };
+        let [Some(first), Some(second)] = self.solids(receptors, frames) else { return false };
         let mut region = ContactRegion::new(&first, &second, gap, BEYOND_BY);
         for (end, receptor) in receptors.into_iter().enumerate() {
             let centre = frames[end].point(&receptor.position);

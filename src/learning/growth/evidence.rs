@@ -47,13 +47,21 @@ impl Growth {
 
     /// The same to a tolerance, metres.
     pub(super) fn closes_to(&self, tolerance: f64, touch: &GrownTouch, schema: &BodySchema) -> bool {
+        self.felt_gap(tolerance, touch, schema) < tolerance
+    }
+
+    /// How far apart a schema leaves what touched, metres; infinitely where surfaces nearer than the `widest` tolerance that is
+    /// asked for meet out of the patches that felt it.
+    pub(super) fn felt_gap(&self, widest: f64, touch: &GrownTouch, schema: &BodySchema) -> f64 {
         if self.by_points() {
-            return self.miss(touch, schema) < tolerance;
+            return self.miss(touch, schema);
         }
         let model = SurfaceGap::new(self.agent.skin(), 1.0);
         let frames = touch.prepared.frames(schema);
         let found = model.gap(&touch.prepared.ends, &frames);
-        found.distance.abs() < tolerance && model.is_felt(&touch.prepared.ends, &frames, &found)
+        let gap = found.distance.abs();
+        let is_elsewhere = gap < widest && !model.is_felt(&touch.prepared.ends, &frames, &found);
+        if is_elsewhere { f64::INFINITY } else { gap }
     }
 
     /// The equations of a touch at a schema: one of surfaces, three of points.

@@ -16,9 +16,7 @@ const ATTEMPTS: u64 = 5;
 /// Touches in which all joints move, from which a body is learned at once, at the least.
 const FEWEST_AT_LARGE: usize = 100;
 
-/// The learner `growth`: receptors on known surfaces, and contact points where there are such.
-///
-/// It grows by the surfaces in either case; contact points have the last word.
+/// The learner `growth`: from receptors on known surfaces, or from contact points where touches report such.
 pub struct Grower<'a> {
     agent: &'a Agent,
     input: Input,

@@ -406,12 +406,14 @@ impl Growth {
             Member::Joint(joint) => problem.part.joints.contains(&joint),
         };
         loop {
-            let (open, worst) = self.open_member(&numbers, &schema, tolerance, may);
+            let gap = |&number: &usize| self.felt_gap(NEARLY, &self.touches[number], &schema);
+            let gaps: Vec<f64> = numbers.iter().map(gap).collect();
+            let (open, worst) = self.open_member(&numbers, &gaps, tolerance, may);
             let share = (numbers.len() - open) as f64 / numbers.len().max(1) as f64;
             let hopeful = share > HOPEFUL && share < AS_GOOD_AS_ALL && given_up.len() < GIVEN_UP;
             let Some(worst) = worst.filter(|_| hopeful) else {
                 let share_within = |tolerance: f64| {
-                    let closed = numbers.len() - self.open_member(&numbers, &schema, tolerance, may).0;
+                    let closed = gaps.iter().filter(|&&gap| gap < tolerance).count();
                     let enough = closed as f64 >= MOST_OF_ALL * all || closed >= MANY * unit.len();
                     let of = if enough { numbers.len().max(1) as f64 } else { all };
                     (closed as f64 / of, closed)
@@ -481,19 +483,20 @@ impl Growth {
         guess
     }
 
-    /// How many of some touches a schema leaves open, and the limb or joint among those that may be given up of whose touches
+    /// How many of some touches leave gaps (metres) open, and the limb or joint among those that may be given up of whose touches
     /// most stay open.
     fn open_member(
         &self,
         numbers: &[usize],
-        schema: &BodySchema,
+        gaps: &[f64],
         tolerance: f64,
         may: impl Fn(Member) -> bool,
     ) -> (usize, Option<Member>) {
         let mut counts: BTreeMap<Member, [f64; 2]> = BTreeMap::new();
         let mut all_open = 0;
-        for touch in numbers.iter().map(|&number| &self.touches[number]) {
-            let is_open = !self.closes_to(tolerance, touch, schema);
+        for (touch, gap) in numbers.iter().map(|&number| &self.touches[number]).zip(gaps) {
+            let is_closed = *gap < tolerance;
+            let is_open = !is_closed;
             all_open += usize::from(is_open);
             let limbs = touch.limbs.iter().copied().map(Member::Limb);
             for member in limbs.chain(touch.moving.iter().copied().map(Member::Joint)) {
