@@ -59,6 +59,7 @@
 
 pub mod agent;
 pub mod babbling;
+pub mod calibration;
 #[cfg(feature = "cli")]
 pub mod cli;
 pub mod creature;

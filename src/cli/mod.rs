@@ -16,6 +16,7 @@ macro_rules! tell {
 mod arguments;
 mod babble;
 mod babbling;
+mod calibrate;
 mod completions;
 mod config;
 mod convert;
@@ -104,6 +105,8 @@ enum Command {
     Babble(babbling::BabbleArguments),
     /// Learn again from the touches of a session, or from a recording of a real body
     Learn(learn::LearnArguments),
+    /// Put a robot's numbers right by its own touches
+    Calibrate(calibrate::CalibrateArguments),
     /// Measure a session's schema against the model it was babbled on
     Evaluate(evaluate::EvaluateArguments),
     /// Tell what a session's touches determine, how well, and what they leave open
@@ -195,6 +198,7 @@ fn carry_out() -> Outcome {
     match cli.command {
         Command::Babble(args) => babble::run(&args, given()),
         Command::Learn(args) => learn::run(&args, given()),
+        Command::Calibrate(args) => calibrate::run(&args),
         Command::Evaluate(args) => evaluate::run(&args),
         Command::Observe(args) => observe::run(&args),
         Command::Report(args) => report::run(&args),

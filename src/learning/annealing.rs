@@ -121,9 +121,9 @@ pub fn anneal_to(
     let mut fit = |schema: BodySchema, deviation: f64, stopping: Stopping| {
         let model = SurfaceGap::new(skin, deviation);
         let mut problem = TouchProblem::new(agent.creature(), touches, parameters, model).with_prior(prior);
-        let solution = levenberg_marquardt(&mut problem, parameters, schema, stopping);
+        let solution = levenberg_marquardt(&mut problem, schema, stopping);
         iterations += solution.iterations;
-        solution.schema
+        solution.state
     };
     // Parameters take up a part of the gaps.
     let spare = (touches.len() as f64 - 0.7 * parameters.len() as f64).max(1.0);

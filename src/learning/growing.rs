@@ -583,8 +583,8 @@ impl Nursery<'_> {
         // Far below what noise can do there is nothing left to gain here.
         let cost = 0.5 * count * 1e-6;
         let stopping = Stopping { iterations, relative_cost: 1e-4, cost, deadline: self.deadline };
-        let solution = levenberg_marquardt(&mut problem, parameters, start, stopping);
-        (solution.schema, (2.0 * solution.cost / count).sqrt())
+        let solution = levenberg_marquardt(&mut problem, start, stopping);
+        (solution.state, (2.0 * solution.cost / count).sqrt())
     }
 }
 

@@ -325,8 +325,8 @@ impl LimbNursery<'_> {
             cost: 0.5 * count * ZERO * ZERO,
             deadline: self.deadline,
         };
-        let solution = levenberg_marquardt(&mut problem, parameters, start, stopping);
-        (solution.schema, (2.0 * solution.cost / count).sqrt())
+        let solution = levenberg_marquardt(&mut problem, start, stopping);
+        (solution.state, (2.0 * solution.cost / count).sqrt())
     }
 }
 

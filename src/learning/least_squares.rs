@@ -1,4 +1,4 @@
-//! Levenberg-Marquardt on a body schema.
+//! Levenberg-Marquardt, whatever is stepped: a body schema, or the quantities of a robot.
 //!
 //! The problem supplies normal equations and a cost; here are only the damping (Marquardt's scaling with
 //! Nielsen's update, "Damping parameter in Marquardt's method", 1999) and the reasons to stop.
@@ -6,10 +6,8 @@
 use nalgebra::{DMatrix, DVector};
 
 use crate::deadline::Deadline;
-use crate::learning::Parameters;
-use crate::schema::BodySchema;
 
-/// The Gauss-Newton model of a cost about one schema.
+/// The Gauss-Newton model of a cost about one state.
 pub struct Linearization {
     /// `JᵀWJ`; only the lower triangle is read.
     pub hessian: DMatrix<f64>,
@@ -34,13 +32,17 @@ impl Linearization {
     }
 }
 
-/// A least-squares problem over a schema.
+/// A least-squares problem.
 pub trait LeastSquares {
-    /// Normal equations at `schema`. May fix weights (covariances, robust weights) that
+    /// What is looked for.
+    type State: Clone;
+    /// Normal equations at `state`. May fix weights (covariances, robust weights) that
     /// [`LeastSquares::cost`] uses until the next linearization.
-    fn linearize(&mut self, schema: &BodySchema) -> Linearization;
-    /// The cost at `schema` under the weights of the last linearization.
-    fn cost(&self, schema: &BodySchema) -> f64;
+    fn linearize(&mut self, state: &Self::State) -> Linearization;
+    /// The cost at `state` under the weights of the last linearization.
+    fn cost(&self, state: &Self::State) -> f64;
+    /// `state` after a step, a number for each parameter of the normal equations.
+    fn step(&self, state: &Self::State, step: &DVector<f64>) -> Self::State;
 }
 
 /// Why the iteration stopped.
@@ -71,9 +73,9 @@ pub struct Stopping {
 
 /// Where the iteration stopped, and why.
 #[derive(Clone, Debug)]
-pub struct Solution {
-    /// The schema of least cost.
-    pub schema: BodySchema,
+pub struct Solution<S> {
+    /// The state of least cost.
+    pub state: S,
     /// Its cost under the last weights.
     pub cost: f64,
     /// Linearizations used.
@@ -82,14 +84,13 @@ pub struct Solution {
     pub termination: Termination,
 }
 
-/// Minimises the problem's cost over `parameters` from `start`.
-pub fn levenberg_marquardt(
-    problem: &mut impl LeastSquares,
-    parameters: &Parameters,
-    start: BodySchema,
+/// Minimises the problem's cost from `start`.
+pub fn levenberg_marquardt<P: LeastSquares>(
+    problem: &mut P,
+    start: P::State,
     stopping: Stopping,
-) -> Solution {
-    let mut schema = start;
+) -> Solution<P::State> {
+    let mut state = start;
     let mut damping = 1e-3;
     let mut growth = 2.0;
     let mut cost = f64::INFINITY;
@@ -98,19 +99,19 @@ pub fn levenberg_marquardt(
         if stopping.deadline.has_passed() {
             break;
         }
-        let model = problem.linearize(&schema);
+        let model = problem.linearize(&state);
         cost = model.cost;
-        let done = |schema: BodySchema, cost, termination| Solution {
-            schema,
+        let done = |state: P::State, cost, termination| Solution {
+            state,
             cost,
             iterations: iteration + 1,
             termination,
         };
         if !cost.is_finite() {
-            return done(schema, cost, Termination::NotFinite);
+            return done(state, cost, Termination::NotFinite);
         }
-        if cost <= stopping.cost || parameters.is_empty() {
-            return done(schema, cost, Termination::Converged);
+        if cost <= stopping.cost || model.gradient.is_empty() {
+            return done(state, cost, Termination::Converged);
         }
         let floor = 1e-9 * model.scale.amax().max(f64::MIN_POSITIVE);
         loop {
@@ -120,7 +121,7 @@ pub fn levenberg_marquardt(
             }
             let step = damped.cholesky().map(|factor| factor.solve(&-&model.gradient));
             if let Some(step) = step {
-                let trial = parameters.step(&schema, &step);
+                let trial = problem.step(&state, &step);
                 let trial_cost = problem.cost(&trial);
                 if trial_cost < cost {
                     let predicted = -model.gradient.dot(&step) - 0.5 * quadratic(&model.hessian, &step);
@@ -129,7 +130,7 @@ pub fn levenberg_marquardt(
                     damping = damping.max(1e-12);
                     growth = 2.0;
                     let fall = (cost - trial_cost) / cost;
-                    schema = trial;
+                    state = trial;
                     cost = trial_cost;
                     small_steps = if fall < stopping.relative_cost { small_steps + 1 } else { 0 };
                     break;
@@ -138,14 +139,14 @@ pub fn levenberg_marquardt(
             damping *= growth;
             growth *= 2.0;
             if damping > 1e12 {
-                return done(schema, cost, Termination::NoLowerCost);
+                return done(state, cost, Termination::NoLowerCost);
             }
         }
         if small_steps >= 2 {
-            return done(schema, cost, Termination::Converged);
+            return done(state, cost, Termination::Converged);
         }
     }
-    Solution { schema, cost, iterations: stopping.iterations, termination: Termination::IterationLimit }
+    Solution { state, cost, iterations: stopping.iterations, termination: Termination::IterationLimit }
 }
 
 /// `xᵀ A x` of a symmetric matrix given by its lower triangle.

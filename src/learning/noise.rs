@@ -542,6 +542,8 @@ impl<'a> NoisyProblem<'a> {
 }
 
 impl LeastSquares for NoisyProblem<'_> {
+    type State = BodySchema;
+
     fn linearize(&mut self, schema: &BodySchema) -> Linearization {
         let n = self.parameters.len();
         let gaps = gaps_of(self.agent, self.touches, self.parameters, schema, self.widening);
@@ -567,6 +569,10 @@ impl LeastSquares for NoisyProblem<'_> {
     fn cost(&self, schema: &BodySchema) -> f64 {
         let gaps = gaps_of(self.agent, self.touches, self.parameters, schema, self.widening);
         self.cost_of(&gaps) + self.prior.cost(self.parameters, schema)
+    }
+
+    fn step(&self, schema: &BodySchema, step: &DVector<f64>) -> BodySchema {
+        self.parameters.step(schema, step)
     }
 }
 

@@ -84,7 +84,7 @@ impl<'a> RoughFit<'a> {
         let mut problem =
             TouchProblem::new(self.agent.creature(), touches, &parameters, model).with_prior(&self.prior);
         let stopping = Stopping { iterations, relative_cost: 1e-3, cost: 0.0, deadline: Deadline::NEVER };
-        levenberg_marquardt(&mut problem, &parameters, start, stopping).schema
+        levenberg_marquardt(&mut problem, start, stopping).state
     }
 
     /// By the surfaces; relaxed axes are put back on the sphere.

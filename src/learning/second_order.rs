@@ -401,7 +401,7 @@ impl<'a> SecondOrder<'a> {
                         });
                 let stopping =
                     Stopping { iterations: 60, relative_cost: 1e-9, cost: 0.0, deadline: Deadline::NEVER };
-                let schema = levenberg_marquardt(&mut problem, &parameters, schema, stopping).schema;
+                let schema = levenberg_marquardt(&mut problem, schema, stopping).state;
                 let schema = self.settled(schema, &start.placed);
                 let told = match self.frames {
                     LimbFrames::Joint if self.input == Input::Contact => {
@@ -426,7 +426,7 @@ impl<'a> SecondOrder<'a> {
                     let model = SurfaceGap::new(skin, deviation).with_biased_places();
                     let mut problem = TouchProblem::new(self.agent.creature(), &used, &parameters, model)
                         .with_prior(&self.known.prior);
-                    schema = levenberg_marquardt(&mut problem, &parameters, schema, stopping).schema;
+                    schema = levenberg_marquardt(&mut problem, schema, stopping).state;
                     schema = self.sharpened(skin, &used, &parameters, schema);
                 } else {
                     let mut noise: Option<Noise> = None;
@@ -435,7 +435,7 @@ impl<'a> SecondOrder<'a> {
                         let prior = &self.known.prior;
                         let mut problem =
                             NoisyProblem::new(self.agent, &used, &parameters, prior, (found, &widening));
-                        schema = levenberg_marquardt(&mut problem, &parameters, schema, stopping).schema;
+                        schema = levenberg_marquardt(&mut problem, schema, stopping).state;
                         noise = Some(found);
                     }
                 }
@@ -465,7 +465,7 @@ impl<'a> SecondOrder<'a> {
             let model = SurfaceGap::new(skin, left).without_places();
             let mut problem = TouchProblem::new(self.agent.creature(), touches, parameters, model)
                 .with_prior(&self.known.prior);
-            let sharper = levenberg_marquardt(&mut problem, parameters, schema.clone(), stopping).schema;
+            let sharper = levenberg_marquardt(&mut problem, schema.clone(), stopping).state;
             let now = typical_gap(&gaps(skin, touches, &sharper));
             if now >= left {
                 break;

@@ -225,6 +225,8 @@ impl<'a, M: ObservationModel> TouchProblem<'a, M> {
 }
 
 impl<M: ObservationModel> LeastSquares for TouchProblem<'_, M> {
+    type State = BodySchema;
+
     fn linearize(&mut self, schema: &BodySchema) -> Linearization {
         debug_assert!(schema.fits(self.creature));
         let mut total = Linearization::nothing(self.parameters.len());
@@ -288,6 +290,10 @@ impl<M: ObservationModel> LeastSquares for TouchProblem<'_, M> {
             .map(|(touch, fixed)| self.model.cost(&touch.ends, &touch.frames(schema), fixed))
             .sum::<f64>()
             + self.prior.map_or(0.0, |prior| prior.cost(self.parameters, schema))
+    }
+
+    fn step(&self, schema: &BodySchema, step: &DVector<f64>) -> BodySchema {
+        self.parameters.step(schema, step)
     }
 }
 

@@ -77,7 +77,7 @@ fn has_twin(creature: &Creature, pair: &PairTouches, open: &[usize], schema: &Bo
         let stopping =
             Stopping { iterations: STEPS, relative_cost: 1e-6, cost: 0.0, deadline: Deadline::NEVER };
         let mut problem = TouchProblem::new(creature, &few, &parameters, PointsMeet::Anyhow);
-        let other = levenberg_marquardt(&mut problem, &parameters, other, stopping).schema;
+        let other = levenberg_marquardt(&mut problem, other, stopping).state;
         let elsewhere = axes.iter().any(|&axis| (other.axes[axis] - schema.axes[axis]).norm() > SAME_AXIS);
         elsewhere && misfit(&few, &other) <= AS_WELL * now + AS_EXACTLY
     })

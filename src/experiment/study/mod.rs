@@ -8,6 +8,7 @@
 pub mod approach;
 mod at_table;
 pub mod avoid;
+pub mod calibration;
 mod changed_body;
 pub mod claims;
 pub mod coverage;
@@ -54,6 +55,7 @@ pub const STUDIES: &[&Study] = &[
     &farthest::STUDY,
     &avoid::STUDY,
     &reachable::STUDY,
+    &calibration::STUDY,
 ];
 
 /// A question that is answered by measuring over several seeds.

@@ -101,7 +101,7 @@ impl Growth {
             Stopping { iterations: POINT_STEPS, relative_cost: 1e-6, cost: 0.0, deadline: self.deadline };
         let mut problem = TouchProblem::new(self.agent.creature(), touches, parameters, PointsMeet::Anyhow)
             .with_prior(prior);
-        levenberg_marquardt(&mut problem, parameters, schema, stopping).schema
+        levenberg_marquardt(&mut problem, schema, stopping).state
     }
 
     /// Fits parameters to touches from a schema that is nearly right: the schema, and the deviation of what is left of the
@@ -119,7 +119,7 @@ impl Growth {
         let mut problem = TouchProblem::new(self.agent.creature(), touches, parameters, PointsMeet::Anyhow)
             .with_prior(&self.prior);
         // Points have no noise where bodies grow.
-        (levenberg_marquardt(&mut problem, parameters, schema, stopping).schema, 0.0)
+        (levenberg_marquardt(&mut problem, schema, stopping).state, 0.0)
     }
 
     /// What the touches in use tell of parameters at a schema, for a deviation of the gap, metres.

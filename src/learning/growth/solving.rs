@@ -356,7 +356,7 @@ impl Growth {
             let mut problem =
                 TouchProblem::new(creature, touches, parameters, PointsMeet::Anyhow).with_prior(&beliefs);
             let stopping = Stopping { iterations, relative_cost: 1e-4, cost: 0.0, deadline: self.deadline };
-            levenberg_marquardt(&mut problem, parameters, start, stopping).schema
+            levenberg_marquardt(&mut problem, start, stopping).state
         };
         schema = points(relaxed, schema, POINT_ITERATIONS);
         schema.normalize_axes(creature);

@@ -190,7 +190,7 @@ pub fn fit_again(
         let mut problem = TouchProblem::new(agent.creature(), touches, parameters, model).with_prior(prior);
         let stopping =
             Stopping { iterations: ITERATIONS, relative_cost: 1e-3, cost: 0.0, deadline: Deadline::NEVER };
-        schema = levenberg_marquardt(&mut problem, parameters, schema, stopping).schema;
+        schema = levenberg_marquardt(&mut problem, schema, stopping).state;
         found = gaps(skin, touches, &schema);
         let next = (1.5 * quantile(&found, 0.9)).min(0.5 * deviation).max(noise(&found));
         if next > 0.7 * deviation {

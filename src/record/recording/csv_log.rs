@@ -78,7 +78,7 @@ pub(super) fn read(path: &Path, bytes: &[u8], creature: &Creature) -> Result<Vec
 
 /// The line on which a record begins, from 1. The reader counts from where it began to look, blank lines and
 /// comments before the record included.
-fn line_of(record: &StringRecord, bytes: &[u8]) -> u64 {
+pub(in crate::record) fn line_of(record: &StringRecord, bytes: &[u8]) -> u64 {
     let Some(position) = record.position() else { return 1 };
     let rest = &bytes[(position.byte() as usize).min(bytes.len())..];
     let skipped = rest

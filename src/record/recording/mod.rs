@@ -16,6 +16,7 @@ use std::path::Path;
 use nalgebra::Vector3;
 
 pub use creature_file::{CreatureFile, read_creature};
+pub(super) use csv_log::line_of;
 use raw::{RawEnd, RawTouch};
 
 use super::touch_line::check;

@@ -1,0 +1,302 @@
+//! The estimator: the quantities that touches, and what was known before, make most likely.
+
+use nalgebra::DMatrix;
+
+use super::noise::{Groups, Noise, NoiseSource, Seen};
+use super::problem::{Problem, Weighing, add_to};
+use super::robot::{Robot, Value};
+use super::told::Told;
+use super::touch::{End, Feature, Touch};
+use super::unknowns::Unknowns;
+use crate::learning::least_squares::{LeastSquares, Linearization, Stopping, levenberg_marquardt};
+
+/// Fits from afar, each with the deviation that the one before left.
+const APPROACHES: usize = 12;
+/// Rounds of what the touches say and how much noise they have, one after the other.
+const ROUNDS: usize = 60;
+/// Change of the cost that is none: odds of one to a thousand.
+const SETTLED: f64 = 1e-3;
+/// Linearizations of one fit.
+const ITERATIONS: usize = 20;
+/// That some touches are false is believed if all are so much likelier then, as a logarithm, …
+const FALSE_GAIN: f64 = 10.0;
+/// … and the rest have so much less noise: the tails of honest noise gain likelihood, too, but hardly any exactness.
+const FALSE_SHARE_OF_NOISE: f64 = 0.7;
+/// The median of the absolute value of normal noise, over its deviation.
+const NORMAL_MEDIAN: f64 = 0.6745;
+
+/// What noise there may be.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum JointNoise {
+    /// Encoders are exact.
+    None,
+    /// Of this deviation, radians and metres.
+    Given(f64),
+    /// How much the touches show.
+    Estimated,
+}
+
+/// Whether touches may be false.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FalseTouches {
+    /// None is.
+    None,
+    /// If the touches show it.
+    Maybe,
+}
+
+/// How to calibrate.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct EstimatorOptions {
+    /// Noise of encoders.
+    pub joint_noise: JointNoise,
+    /// False touches.
+    pub false_touches: FalseTouches,
+}
+
+impl Default for EstimatorOptions {
+    fn default() -> EstimatorOptions {
+        EstimatorOptions { joint_noise: JointNoise::None, false_touches: FalseTouches::Maybe }
+    }
+}
+
+/// A robot and its touches, ready to be calibrated.
+pub struct Estimator<'a> {
+    /// The robot.
+    pub robot: &'a Robot,
+    /// What is to be found.
+    pub unknowns: Unknowns,
+    touches: &'a [Touch],
+    sources: Vec<Vec<NoiseSource>>,
+    groups: Groups<Kind>,
+    options: EstimatorOptions,
+}
+
+/// What was found.
+#[derive(Clone, Debug)]
+pub struct Fit {
+    /// The values of the robot's quantities.
+    pub values: Vec<Value>,
+    /// The noise of the touches.
+    pub noise: Noise,
+    /// `−log` of how likely the touches and the values are together.
+    pub cost: f64,
+    /// What is told.
+    pub told: Told,
+    /// The touches as they are seen at the values: which, who met whom, what is left.
+    pub seen: Vec<SeenTouch>,
+}
+
+impl Fit {
+    /// The deviation of a residual, on average over the touches, metres.
+    fn typical_deviation(&self) -> f64 {
+        let variance = |seen: &Seen| {
+            let covariance = self.noise.covariance(seen);
+            (0..seen.residuals.size).map(|i| covariance[(i, i)]).sum::<f64>() / seen.residuals.size as f64
+        };
+        let logarithms = self.seen.iter().map(|(_, _, seen)| 0.5 * variance(seen).ln());
+        (logarithms.sum::<f64>() / self.seen.len().max(1) as f64).exp()
+    }
+}
+
+impl<'a> Estimator<'a> {
+    /// An estimator of a robot's open quantities from touches.
+    pub fn new(robot: &'a Robot, touches: &'a [Touch], options: EstimatorOptions) -> Estimator<'a> {
+        let kinds: Vec<Kind> = touches.iter().flat_map(|touch| kinds_of(touch, robot)).collect();
+        let groups = Groups::of(&kinds);
+        let sources = sources_of(robot, &groups, touches);
+        Estimator { robot, unknowns: Unknowns::of(robot), touches, sources, groups, options }
+    }
+
+    /// Other touches as they are seen at some values, with the noise of these.
+    pub fn seen_of(&self, touches: &[Touch], values: &[Value], noise: &Noise) -> Vec<SeenTouch> {
+        let sources = sources_of(self.robot, &self.groups, touches);
+        let weighing = Weighing::ByNoise;
+        Problem::new(self.robot, &self.unknowns, touches, &sources, noise.clone(), weighing).seen(values)
+    }
+
+    /// The touches.
+    pub fn touches(&self) -> &'a [Touch] {
+        self.touches
+    }
+
+    fn problem(&self, noise: Noise, weighing: Weighing) -> Problem<'_> {
+        Problem::new(self.robot, &self.unknowns, self.touches, &self.sources, noise, weighing)
+    }
+
+    /// What the touches look like at some values, in some noise.
+    pub fn seen(&self, values: &[Value], noise: &Noise) -> Vec<SeenTouch> {
+        self.problem(noise.clone(), Weighing::ByNoise).seen(values)
+    }
+
+    /// Deviations by the medians of what is left, group by group.
+    fn typical(&self, seen: &[SeenTouch], before: &Noise) -> Noise {
+        let mut noise = before.clone();
+        for (group, deviation) in noise.groups.iter_mut().enumerate() {
+            let mut sizes: Vec<f64> = seen
+                .iter()
+                .filter(|(_, _, seen)| seen.source.group == group)
+                .map(|(_, _, seen)| seen.residuals.value.norm() / (seen.residuals.size as f64).sqrt())
+                .collect();
+            if !sizes.is_empty() {
+                sizes.sort_by(f64::total_cmp);
+                *deviation = (sizes[sizes.len() / 2] / NORMAL_MEDIAN).max(1e-9);
+            }
+        }
+        noise
+    }
+
+    /// Approaches from values that may be far off: fits by weights that bear with any miss.
+    pub fn approach(&self, start: Vec<Value>) -> (Vec<Value>, Noise) {
+        let mut values = start;
+        let mut noise = Noise::alike(self.groups.count(), 1.0);
+        for _ in 0..APPROACHES {
+            let seen = self.seen(&values, &noise);
+            let next = self.typical(&seen, &noise);
+            let settled = next.groups.iter().zip(&noise.groups).all(|(a, b)| (a / b - 1.0).abs() < 0.02);
+            noise = next;
+            if settled {
+                break;
+            }
+            let mut problem = self.problem(noise.clone(), Weighing::FromAfar);
+            let stopping = Stopping { iterations: ITERATIONS, relative_cost: 1e-3, ..Stopping::default() };
+            values = self.canonical(levenberg_marquardt(&mut problem, values, stopping).state);
+        }
+        (values, noise)
+    }
+
+    /// Fits from where the search begins: the nominal values.
+    pub fn fit(&self) -> Fit {
+        let start = self.robot.nominal();
+        let start = if self.open_signs().is_empty() { start } else { self.with_likely_signs(start) };
+        self.fit_from(start)
+    }
+
+    /// The same from other values: by weights that bear with false touches first, and by all touches alike, for what few touches
+    /// tell looks false as long as it is wrong. Where touches may be false, that some are is believed if they are much likelier
+    /// then.
+    pub fn fit_from(&self, start: Vec<Value>) -> Fit {
+        let (values, noise) = self.approach(start.clone());
+        let alike = self.settled(start, Noise::alike(self.groups.count(), 1.0), false);
+        let apart = self.settled(values.clone(), noise.clone(), false);
+        let all = if alike.cost < apart.cost { alike } else { apart };
+        if self.options.false_touches == FalseTouches::None {
+            return all;
+        }
+        let some = self.settled(values, noise, true);
+        let sharper = some.typical_deviation() < FALSE_SHARE_OF_NOISE * all.typical_deviation();
+        if sharper && some.cost < all.cost - FALSE_GAIN { some } else { all }
+    }
+
+    /// Values and noise in turn, until neither changes.
+    fn settled(&self, mut values: Vec<Value>, mut noise: Noise, with_false: bool) -> Fit {
+        let with_joints = self.options.joint_noise == JointNoise::Estimated;
+        if let JointNoise::Given(deviation) = self.options.joint_noise {
+            noise.joint = deviation;
+        }
+        let seen = self.seen(&values, &noise);
+        if with_false {
+            noise.false_share = 0.1;
+            noise.widen(&only(&seen));
+        }
+        let mut cost = f64::INFINITY;
+        for _ in 0..ROUNDS {
+            let mut problem = self.problem(noise.clone(), Weighing::ByNoise);
+            let stopping = Stopping { iterations: ITERATIONS, relative_cost: 1e-9, ..Stopping::default() };
+            values = self.canonical(levenberg_marquardt(&mut problem, values, stopping).state);
+            let seen = self.seen(&values, &noise);
+            let told = Told::by(&self.information(&seen, &noise, true));
+            noise = noise.estimated(&only(&seen), &told.covariance, with_joints, with_false);
+            let now = self.cost_of(&self.seen(&values, &noise), &values, &noise);
+            let settled = (cost - now).abs() < SETTLED;
+            cost = now;
+            if settled || !now.is_finite() {
+                break;
+            }
+        }
+        let seen = self.seen(&values, &noise);
+        let told = Told::by(&self.information(&seen, &noise, true));
+        let cost = self.cost_of(&seen, &values, &noise);
+        Fit { values, noise, cost, told, seen }
+    }
+
+    /// Values fitted from others in noise that stays as it is, and `−log` of how likely they and the touches are.
+    pub(super) fn refitted(&self, start: Vec<Value>, noise: &Noise) -> (Vec<Value>, f64) {
+        let mut problem = self.problem(noise.clone(), Weighing::ByNoise);
+        let stopping = Stopping { iterations: ITERATIONS, relative_cost: 1e-6, ..Stopping::default() };
+        let values = self.canonical(levenberg_marquardt(&mut problem, start, stopping).state);
+        let cost = self.cost_of(&self.seen(&values, noise), &values, noise);
+        (values, cost)
+    }
+
+    /// `−log` of how likely touches and values are together.
+    fn cost_of(&self, seen: &[SeenTouch], values: &[Value], noise: &Noise) -> f64 {
+        let touches: f64 = seen.iter().map(|(_, _, seen)| noise.cost(seen)).sum();
+        touches + self.unknowns.prior_cost(self.robot, values)
+    }
+
+    /// The information about the unknowns in touches, symmetric; with what was known before.
+    pub fn information(&self, seen: &[SeenTouch], noise: &Noise, with_prior: bool) -> DMatrix<f64> {
+        let mut total = Linearization::nothing(self.unknowns.len());
+        for (_, _, seen) in seen {
+            let Some(inverse) = noise.covariance(seen).try_inverse() else { continue };
+            let weight = inverse * noise.honesty(seen);
+            add_to(&mut total, &seen.residuals.slopes, &seen.residuals.value, &weight);
+        }
+        let mut information = total.hessian;
+        if with_prior {
+            self.unknowns.add_information(&mut information);
+        }
+        information.fill_upper_triangle_with_lower_triangle();
+        information
+    }
+
+    /// Whether a problem has a cost at all where the search begins.
+    pub fn is_finite(&self, values: &[Value]) -> bool {
+        let problem = self.problem(Noise::alike(self.groups.count(), 1.0), Weighing::ByNoise);
+        problem.seen(values).iter().all(|(_, _, seen)| seen.residuals.value.iter().all(|x| x.is_finite()))
+            && LeastSquares::cost(&problem, &values.to_vec()).is_finite()
+    }
+}
+
+/// What kind a touch is of, for its noise: the two links, and whether points met.
+type Kind = (usize, usize, bool);
+
+/// A touch, an index, which of its ends met, and what is left.
+pub type SeenTouch = (usize, [usize; 2], Seen);
+
+fn kind_of([a, b]: [&End; 2], robot: &Robot) -> Kind {
+    let (a_link, b_link) = (a.feature.link(robot), b.feature.link(robot));
+    (a_link.min(b_link), a_link.max(b_link), is_point(&a.feature) && is_point(&b.feature))
+}
+
+/// The kinds of all pairs of a touch's ends.
+fn kinds_of(touch: &Touch, robot: &Robot) -> Vec<Kind> {
+    pairs(touch).map(|ends| kind_of(ends, robot)).collect()
+}
+
+fn pairs(touch: &Touch) -> impl Iterator<Item = [&End; 2]> {
+    touch.ends[0].iter().flat_map(|a| touch.ends[1].iter().map(move |b| [a, b]))
+}
+
+fn sources_of(robot: &Robot, groups: &Groups<Kind>, touches: &[Touch]) -> Vec<Vec<NoiseSource>> {
+    let of_pair = |ends: [&End; 2]| {
+        let variance: f64 =
+            ends.iter().filter_map(|end| end.deviation).map(|deviation| deviation.powi(2)).sum();
+        // Surfaces are as they are; where a point is felt and nothing is said of how exactly, or nothing at all is said, the
+        // touches tell.
+        let unsaid = |end: &&&End| end.deviation.is_none();
+        let estimated = ends.iter().filter(unsaid).any(|end| is_point(&end.feature))
+            || ends.iter().filter(unsaid).count() == 2;
+        NoiseSource { group: groups.group(&kind_of(ends, robot)), given: variance, estimated }
+    };
+    touches.iter().map(|touch| pairs(touch).map(of_pair).collect()).collect()
+}
+
+fn is_point(feature: &Feature) -> bool {
+    matches!(feature, Feature::Point(..))
+}
+
+fn only(seen: &[SeenTouch]) -> Vec<Seen> {
+    seen.iter().map(|(_, _, seen)| seen.clone()).collect()
+}

@@ -1,0 +1,28 @@
+//! Calibration: a robot whose maker says where its joints are, put right by its own touches.
+//!
+//! ```text
+//! robot (links, quantities by name, what is known of each) + touches ─ problem ─ estimate ─ fit
+//! fit ─ told (deviations, what cannot be told apart) ─ judgement (touches that it was not fitted to)
+//! ```
+//!
+//! Where [`learning`](crate::learning) begins from nothing, this begins from nominal values, and knows more kinds of what may
+//! be wrong: see [`robot`].
+
+mod estimate;
+mod judgement;
+mod noise;
+mod pairing;
+mod problem;
+pub mod robot;
+mod signs;
+pub mod simulated;
+mod told;
+mod touch;
+mod unknowns;
+
+pub use estimate::{Estimator, EstimatorOptions, FalseTouches, Fit, JointNoise, SeenTouch};
+pub use judgement::{Judgement, Misses, judge, split};
+pub use noise::{Noise, NoiseSource, Seen};
+pub use told::{Told, Untold};
+pub use touch::{End, Feature, Residuals, Touch};
+pub use unknowns::Unknowns;

@@ -1,0 +1,235 @@
+//! How much touches miss by: deviations for each pair of links, of encoders, and the share of touches that say nothing.
+//!
+//! With its derivative `∂r/∂q` by the joints as they are, a residual of `d` numbers is
+//!
+//! ```text
+//! r ~ N(0, σ² I + σ_q² ∂r/∂q ∂r/∂qᵀ)  with probability 1 − ε,  else uniform in a ball (an interval) as wide as misses get
+//! ```
+//!
+//! where σ is given with the touch, or estimated for its pair of links. The deviations are of greatest restricted likelihood
+//! by steps that cannot overshoot (Zhou, Hu, Zhou and Lange, "MM Algorithms for Variance Components Models", 2019).
+
+use nalgebra::{DMatrix, Matrix3, Vector3};
+
+use super::touch::Residuals;
+
+/// No touch is more exact than this, metres: rounding.
+const FINEST: f64 = 1e-10;
+/// Pairs of links with fewer touches than this share one deviation.
+const FEW: usize = 20;
+/// Widths of a distribution by which a false touch may miss at the least.
+const WIDEST: f64 = 10.0;
+
+/// How much noise there is.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Noise {
+    /// Per group of touches the standard deviation of each residual, metres.
+    pub groups: Vec<f64>,
+    /// Standard deviation of joints as they are about what encoders read, radians and metres.
+    pub joint: f64,
+    /// Share of touches that are false.
+    pub false_share: f64,
+    /// Per group how far false touches may miss, metres.
+    pub widths: Vec<f64>,
+}
+
+/// Which group a residual is of, and what is known of its noise.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct NoiseSource {
+    /// The group, an index into [`Noise::groups`].
+    pub group: usize,
+    /// The variance that was given with its ends, m².
+    pub given: f64,
+    /// How many of its ends came without: the group's variance counts once where there are any.
+    pub estimated: bool,
+}
+
+/// A residual at the present values, with what its noise depends on.
+#[derive(Clone, Debug)]
+pub struct Seen {
+    /// The residuals.
+    pub residuals: Residuals,
+    /// Where their noise comes from.
+    pub source: NoiseSource,
+}
+
+impl Noise {
+    /// So many groups of the same noise.
+    pub fn alike(groups: usize, deviation: f64) -> Noise {
+        Noise { groups: vec![deviation; groups], joint: 0.0, false_share: 0.0, widths: vec![1.0; groups] }
+    }
+
+    /// The covariance of a residual, the unit beyond its size.
+    pub fn covariance(&self, seen: &Seen) -> Matrix3<f64> {
+        let group = if seen.source.estimated { self.groups[seen.source.group].powi(2) } else { 0.0 };
+        let variance = (seen.source.given + group).max(FINEST * FINEST);
+        let mut covariance = Matrix3::identity();
+        (0..seen.residuals.size).for_each(|i| covariance[(i, i)] = variance);
+        if self.joint > 0.0 {
+            covariance += joint_part(seen) * self.joint.powi(2);
+        }
+        covariance
+    }
+
+    /// `−log p(r)` of a residual if it is honest.
+    pub fn honest_cost(&self, seen: &Seen) -> f64 {
+        let covariance = self.covariance(seen);
+        let Some(factor) = covariance.cholesky() else { return f64::INFINITY };
+        let size = seen.residuals.size as f64;
+        let whitened = factor.solve(&seen.residuals.value).dot(&seen.residuals.value);
+        0.5 * (whitened + size * std::f64::consts::TAU.ln()) + factor.l().diagonal().map(f64::ln).sum()
+    }
+
+    /// `−log p(r)` of a residual if it is false.
+    pub fn false_cost(&self, seen: &Seen) -> f64 {
+        let width = self.widths[seen.source.group];
+        match seen.residuals.size {
+            3 => (4.0 / 3.0 * std::f64::consts::PI * width.powi(3)).ln(),
+            _ => (2.0 * width).ln(),
+        }
+    }
+
+    /// How likely a touch is honest.
+    pub fn honesty(&self, seen: &Seen) -> f64 {
+        if self.false_share <= 0.0 {
+            return 1.0;
+        }
+        let odds = (self.false_share / (1.0 - self.false_share)).ln() + self.honest_cost(seen)
+            - self.false_cost(seen);
+        1.0 / (1.0 + odds.exp())
+    }
+
+    /// `−log p(r)`, whichever it is.
+    pub fn cost(&self, seen: &Seen) -> f64 {
+        let honest = self.honest_cost(seen);
+        if self.false_share <= 0.0 {
+            return honest;
+        }
+        let honest = honest - (1.0 - self.false_share).ln();
+        let least = self.false_cost(seen) - self.false_share.ln();
+        let low = honest.min(least);
+        low - ((low - honest).exp() + (low - least).exp()).ln()
+    }
+
+    /// The noise of greatest restricted likelihood for residuals with what is known after them: `covariance` of the
+    /// parameters takes account of what they took up. `with_joints` says whether encoders are noisy, too, `with_false` whether
+    /// touches may be false.
+    pub fn estimated(
+        &self,
+        seen: &[Seen],
+        covariance: &DMatrix<f64>,
+        with_joints: bool,
+        with_false: bool,
+    ) -> Noise {
+        let mut noise = self.clone();
+        let taken_up: Vec<Matrix3<f64>> =
+            seen.iter().map(|seen| taken_up(&seen.residuals, covariance)).collect();
+        let rounds = if with_joints { 40 } else { 1 };
+        let honesty: Vec<f64> = seen.iter().map(|seen| self.honesty(seen)).collect();
+        if with_joints && noise.joint == 0.0 {
+            noise.joint = noise.start_of_joints(seen);
+        }
+        for _ in 0..rounds {
+            let mut sums = vec![[0.0; 2]; noise.groups.len()];
+            let mut joints = [0.0; 2];
+            for ((seen, taken_up), honesty) in seen.iter().zip(&taken_up).zip(&honesty) {
+                let Some(inverse) = noise.covariance(seen).try_inverse() else { continue };
+                let residual = seen.residuals.value;
+                let squares = residual * residual.transpose() + taken_up;
+                let pulled = inverse * squares * inverse;
+                let mut ones = Matrix3::zeros();
+                (0..seen.residuals.size).for_each(|i| ones[(i, i)] = 1.0);
+                let add = |sums: &mut [f64; 2], part: &Matrix3<f64>| {
+                    sums[0] += honesty * (pulled * part).trace();
+                    sums[1] += honesty * (inverse * part).trace();
+                };
+                if seen.source.estimated {
+                    add(&mut sums[seen.source.group], &ones);
+                }
+                if with_joints {
+                    add(&mut joints, &joint_part(seen));
+                }
+            }
+            // Without encoders' noise one such step is exact where all of a group are alike.
+            let share = |[above, below]: [f64; 2]| if below > 0.0 { (above / below).sqrt() } else { 1.0 };
+            for (deviation, sums) in noise.groups.iter_mut().zip(sums) {
+                let share = share(sums);
+                *deviation *= if with_joints { share.sqrt() } else { share };
+                *deviation = deviation.max(FINEST);
+            }
+            noise.joint *= share(joints).sqrt();
+        }
+        if with_false {
+            let most = seen.len() as f64;
+            noise.false_share =
+                (honesty.iter().map(|honesty| 1.0 - honesty).sum::<f64>() / most).clamp(1e-6, 0.6);
+        }
+        noise
+    }
+
+    /// Encoders' noise that would explain half of the misses.
+    fn start_of_joints(&self, seen: &[Seen]) -> f64 {
+        let (mut squares, mut slopes) = (0.0, 0.0);
+        for seen in seen {
+            squares += seen.residuals.value.norm_squared();
+            slopes += joint_part(seen).trace();
+        }
+        if slopes > 0.0 { (0.5 * squares / slopes).sqrt() } else { 0.0 }
+    }
+
+    /// Sets how far false touches may miss by what is missed now.
+    pub fn widen(&mut self, seen: &[Seen]) {
+        for (group, width) in self.widths.iter_mut().enumerate() {
+            let misses = seen.iter().filter(|seen| seen.source.group == group);
+            let most = misses.map(|seen| seen.residuals.value.norm()).fold(0.0, f64::max);
+            *width = most.max(WIDEST * self.groups[group]).max(FINEST);
+        }
+    }
+}
+
+/// `∂r/∂q ∂r/∂qᵀ`.
+fn joint_part(seen: &Seen) -> Matrix3<f64> {
+    // Both sides may move with one joint.
+    let mut slopes: Vec<(usize, Vector3<f64>)> = Vec::with_capacity(seen.residuals.by_dof.len());
+    for (dof, slope) in &seen.residuals.by_dof {
+        match slopes.iter_mut().find(|(other, _)| other == dof) {
+            Some((_, sum)) => *sum += slope,
+            None => slopes.push((*dof, *slope)),
+        }
+    }
+    slopes.iter().map(|(_, slope)| slope * slope.transpose()).sum()
+}
+
+/// What the parameters' covariance makes of a residual's: `J Σ Jᵀ`.
+pub fn taken_up(residuals: &Residuals, covariance: &DMatrix<f64>) -> Matrix3<f64> {
+    let mut sum = Matrix3::zeros();
+    for (i, a) in &residuals.slopes {
+        for (j, b) in &residuals.slopes {
+            sum += a * b.transpose() * covariance[(*i, *j)];
+        }
+    }
+    sum
+}
+
+/// Groups of touches by what they are between: those of fewer than a few touches are one.
+#[derive(Clone, Debug)]
+pub struct Groups<K>(Vec<K>);
+
+impl<K: Ord + Copy> Groups<K> {
+    /// Of so many touches' keys.
+    pub fn of(keys: &[K]) -> Groups<K> {
+        let mut counts = std::collections::BTreeMap::new();
+        keys.iter().for_each(|key| *counts.entry(*key).or_insert(0) += 1);
+        Groups(counts.into_iter().filter(|(_, count)| *count >= FEW).map(|(key, _)| key).collect())
+    }
+
+    /// The group of a key.
+    pub fn group(&self, key: &K) -> usize {
+        self.0.iter().position(|other| other == key).unwrap_or(self.0.len())
+    }
+
+    /// How many there are, that of the rest included.
+    pub fn count(&self) -> usize {
+        self.0.len() + 1
+    }
+}

@@ -1,0 +1,246 @@
+//! Where a robot's links are in a posture, and how they move with what may be unknown.
+
+use nalgebra::{Matrix3, Vector3};
+
+use super::{DofQuantities, Element, Robot, Value};
+use crate::creature::{DofKind, ball};
+use crate::geometry::Frame;
+use crate::kinematics::{rotation, tangent_basis};
+
+/// Rounds in which gravity's torques and the joints that give way to them settle.
+const SAGGING_ROUNDS: usize = 4;
+
+/// How a rigid body moves with one parameter: the velocity of a point `p` of it is `linear + angular × p`, all in one frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Twist {
+    /// Angular velocity.
+    pub angular: Vector3<f64>,
+    /// Velocity of the point of the body that is at the frame's origin.
+    pub linear: Vector3<f64>,
+}
+
+impl Twist {
+    fn turning(angular: Vector3<f64>, about: &Vector3<f64>) -> Twist {
+        Twist { angular, linear: about.cross(&angular) }
+    }
+
+    fn shifting(linear: Vector3<f64>) -> Twist {
+        Twist { angular: Vector3::zeros(), linear }
+    }
+
+    fn scaled(&self, by: f64) -> Twist {
+        Twist { angular: self.angular * by, linear: self.linear * by }
+    }
+
+    /// The velocity of a point.
+    pub fn at(&self, p: &Vector3<f64>) -> Vector3<f64> {
+        self.linear + self.angular.cross(p)
+    }
+}
+
+/// A robot at values of its quantities, in a posture as its encoders read it.
+pub struct Posed<'a> {
+    robot: &'a Robot,
+    values: &'a [Value],
+    posture: &'a [f64],
+    /// Gravity's torque on each degree of freedom, newton metres or newtons; empty where nothing gives way.
+    torques: Vec<f64>,
+}
+
+impl<'a> Posed<'a> {
+    /// `posture` holds the encoders' readings: radians, metres of slides, a ball's unit quaternion w x y z.
+    pub fn new(robot: &'a Robot, values: &'a [Value], posture: &'a [f64]) -> Posed<'a> {
+        let mut posed = Posed { robot, values, posture, torques: Vec::new() };
+        let gives_way = |dof: &DofQuantities| {
+            values[dof.compliance].number() != 0.0 || robot.quantities[dof.compliance].is_open()
+        };
+        if robot.dofs.iter().filter_map(|dof| dof.quantities.as_ref()).any(gives_way) {
+            posed.torques = vec![0.0; robot.dofs.len()];
+            for _ in 0..SAGGING_ROUNDS {
+                posed.torques = posed.gravity_torques();
+            }
+        }
+        posed
+    }
+
+    /// The robot.
+    pub fn robot(&self) -> &'a Robot {
+        self.robot
+    }
+
+    /// The values that its quantities have.
+    pub fn values(&self) -> &'a [Value] {
+        self.values
+    }
+
+    /// A hinge's angle or a slide's distance as it is: what its encoder reads put right.
+    pub fn actual(&self, dof: usize) -> f64 {
+        let read = self.posture[self.robot.dofs[dof].coordinate];
+        let Some(q) = self.robot.dofs[dof].quantities else { return read };
+        let number = |quantity: usize| self.values[quantity].number();
+        let torque = self.torques.get(dof).copied().unwrap_or(0.0);
+        number(q.sign) * number(q.gain) * read + number(q.offset) + number(q.compliance) * torque
+    }
+
+    /// Gravity's torque on every degree of freedom, as the joints are with the torques so far.
+    fn gravity_torques(&self) -> Vec<f64> {
+        let robot = self.robot;
+        let mut torques = vec![0.0; robot.dofs.len()];
+        for mass in &robot.masses {
+            let path = self.path_from(0, mass.link);
+            let mut twists = Vec::new();
+            let frame = self.walk(&path, |dof, twist| twists.push((dof, twist)), |_, _, _| {});
+            let centre = frame.point(&mass.centre);
+            for (dof, twist) in twists {
+                torques[dof] += mass.mass * robot.gravity.dot(&twist.at(&centre));
+            }
+        }
+        torques
+    }
+
+    /// The links from below `ancestor` out to `link`.
+    fn path_from(&self, ancestor: usize, link: usize) -> Vec<usize> {
+        let mut path = Vec::new();
+        let mut at = link;
+        while at != ancestor {
+            path.push(at);
+            at = self.robot.links[at].parent;
+        }
+        path.reverse();
+        path
+    }
+
+    /// The paths to two links from the last link that is on both ways.
+    pub fn paths(&self, [a, b]: [usize; 2]) -> [Vec<usize>; 2] {
+        let (mut x, mut y) = (a, b);
+        while x != y {
+            // A link comes after the one it is on.
+            if x > y {
+                x = self.robot.links[x].parent;
+            } else {
+                y = self.robot.links[y].parent;
+            }
+        }
+        [self.path_from(x, a), self.path_from(x, b)]
+    }
+
+    /// `X_CL` at the end of a path, C where it begins.
+    pub fn frame(&self, path: &[usize]) -> Frame {
+        self.walk(path, |_, _| {}, |_, _, _| {})
+    }
+
+    /// `X_RL` of every link in the root's frame.
+    pub fn frames(&self) -> Vec<Frame> {
+        let mut frames: Vec<Frame> = vec![Frame::identity()];
+        for (link, about) in self.robot.links.iter().enumerate().skip(1) {
+            frames.push(frames[about.parent] * self.frame(&[link]));
+        }
+        frames
+    }
+
+    /// The same as [`Posed::frame`], with how the end moves with each degree of freedom as it is, and with each parameter of
+    /// quantities on the way: a quantity, which of its parameters, and the twist in C.
+    pub fn walk(
+        &self,
+        path: &[usize],
+        mut on_dof: impl FnMut(usize, Twist),
+        mut on_parameter: impl FnMut(usize, usize, Twist),
+    ) -> Frame {
+        let mut frame = Frame::identity();
+        for &link in path {
+            for element in &self.robot.links[link].elements {
+                self.pass(element, &mut frame, &mut on_dof, &mut on_parameter);
+            }
+        }
+        frame
+    }
+
+    fn pass(
+        &self,
+        element: &Element,
+        frame: &mut Frame,
+        on_dof: &mut impl FnMut(usize, Twist),
+        on_parameter: &mut impl FnMut(usize, usize, Twist),
+    ) {
+        let column = |frame: &Frame, i: usize| -> Vector3<f64> { frame.rotation.column(i).into() };
+        match *element {
+            Element::Fixed(pose) => *frame = *frame * pose,
+            Element::Shift(quantity) => {
+                for i in 0..3 {
+                    on_parameter(quantity, i, Twist::shifting(column(frame, i)));
+                }
+                frame.origin = frame.point(&self.values[quantity].vector());
+            }
+            Element::Turn(quantity) => {
+                for i in 0..3 {
+                    on_parameter(quantity, i, Twist::turning(column(frame, i), &frame.origin));
+                }
+                if let Value::Orientation(turn) = &self.values[quantity] {
+                    frame.rotation *= turn;
+                }
+            }
+            Element::ShiftAlong(axis, quantity) => {
+                on_parameter(quantity, 0, Twist::shifting(column(frame, axis)));
+                frame.origin += column(frame, axis) * self.values[quantity].number();
+            }
+            Element::TurnAbout(axis, quantity) => {
+                on_parameter(quantity, 0, Twist::turning(column(frame, axis), &frame.origin));
+                let angle = self.values[quantity].number();
+                frame.rotation *= turn(&Vector3::ith(axis, 1.0), angle);
+            }
+            Element::Dof(dof) => self.pass_dof(dof, frame, on_dof, on_parameter),
+        }
+    }
+
+    fn pass_dof(
+        &self,
+        dof: usize,
+        frame: &mut Frame,
+        on_dof: &mut impl FnMut(usize, Twist),
+        on_parameter: &mut impl FnMut(usize, usize, Twist),
+    ) {
+        let about = &self.robot.dofs[dof];
+        let Some(q) = about.quantities else {
+            let coordinates = &self.posture[about.coordinate..about.coordinate + 4];
+            frame.rotation *= ball(coordinates).to_rotation_matrix().into_inner();
+            return;
+        };
+        let axis = self.values[q.axis].vector();
+        let basis = tangent_basis(&axis);
+        let amount = self.actual(dof);
+        let read = self.posture[about.coordinate];
+        let number = |quantity: usize| self.values[quantity].number();
+        let before = *frame;
+        let moved = match about.kind {
+            DofKind::Slide => {
+                frame.origin += before.direction(&axis) * amount;
+                for i in 0..2 {
+                    let aside = before.direction(&basis.column(i).into()) * amount;
+                    on_parameter(q.axis, i, Twist::shifting(aside));
+                }
+                Twist::shifting(before.direction(&axis))
+            }
+            DofKind::Hinge | DofKind::Ball => {
+                frame.rotation *= turn(&axis, amount);
+                for i in 0..2 {
+                    // An axis that turns by ω takes its hinge along: E R E⁻¹ moves as ω before it, less ω behind it.
+                    let omega: Vector3<f64> = axis.cross(&basis.column(i).into_owned());
+                    let angular = before.direction(&omega) - frame.direction(&omega);
+                    on_parameter(q.axis, i, Twist::turning(angular, &before.origin));
+                }
+                Twist::turning(before.direction(&axis), &before.origin)
+            }
+        };
+        on_dof(dof, moved);
+        on_parameter(q.offset, 0, moved);
+        on_parameter(q.gain, 0, moved.scaled(number(q.sign) * read));
+        let torque = self.torques.get(dof).copied().unwrap_or(0.0);
+        on_parameter(q.compliance, 0, moved.scaled(torque));
+    }
+}
+
+/// The rotation about a unit axis by an angle, radians.
+fn turn(axis: &Vector3<f64>, angle: f64) -> Matrix3<f64> {
+    let (sine, cosine) = angle.sin_cos();
+    rotation(axis, sine, 1.0 - cosine)
+}

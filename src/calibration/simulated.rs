@@ -1,0 +1,140 @@
+//! Touches of a simulated robot as its encoders and skins would report them: to see what a calibration is worth where the
+//! truth is known.
+
+use nalgebra::Vector3;
+use rand::{Rng, RngExt};
+use rand_distr::{Distribution, StandardNormal};
+
+use super::robot::{Form, NominalJoint, Posed, Robot, Value};
+use super::touch::{End, Feature, Touch};
+use crate::agent::Agent;
+use crate::creature::DofKind;
+use crate::geometry::Frame;
+use crate::schema::BodySchema;
+
+/// The robot of an agent whose joints are where a schema says.
+pub fn robot_of(agent: &Agent, schema: &BodySchema) -> Robot {
+    let creature = agent.creature();
+    let nominal: Vec<NominalJoint> = creature
+        .joints()
+        .iter()
+        .enumerate()
+        .map(|(j, joint)| NominalJoint {
+            position: schema.positions[j],
+            axes: joint.dof_indices().map(|k| schema.axes[k]).collect(),
+        })
+        .collect();
+    Robot::of_creature(creature, &nominal)
+}
+
+/// Touches of an agent as a log of points tells them.
+pub fn point_touches(agent: &Agent, robot: &Robot, touches: &[crate::senses::Touch]) -> Vec<Touch> {
+    let limbs = agent.creature().limbs();
+    let end = |end: &crate::senses::TouchEnd| {
+        let limb = agent.skin().receptors[end.receptor].limb;
+        // Every limb of a creature's robot has a mount.
+        let link = robot.points_of(&limbs[limb]).unwrap_or(limb);
+        vec![End { feature: Feature::Point(link, end.contact), deviation: None }]
+    };
+    let one = |(i, touch): (usize, &crate::senses::Touch)| Touch {
+        line: i + 1,
+        posture: touch.posture.to_vec(),
+        ends: [end(&touch.ends[0]), end(&touch.ends[1])],
+        distance: 0.0,
+    };
+    touches.iter().enumerate().map(one).collect()
+}
+
+/// Touches of an agent as a log of surfaces tells them: which two met, and no more. Its limbs' surfaces are added to the robot.
+pub fn surface_touches(agent: &Agent, robot: &mut Robot, touches: &[crate::senses::Touch]) -> Vec<Touch> {
+    let limbs = agent.creature().limbs();
+    let surfaces: Vec<usize> = agent
+        .skin()
+        .surfaces
+        .iter()
+        .enumerate()
+        .map(|(k, surface)| {
+            let pose = Frame { rotation: surface.rotation, origin: surface.origin };
+            let link = robot.points_of(&limbs[surface.limb]).unwrap_or(surface.limb);
+            let name = format!("{}/{k}", limbs[surface.limb]);
+            robot.add_surface(&name, link, pose, Form::Solid(surface.shape.clone()))
+        })
+        .collect();
+    let one = |(i, touch): (usize, &crate::senses::Touch)| {
+        let felt = |k: usize| agent.skin().receptors[touch.ends[k].receptor].surface;
+        let end =
+            |surface: usize| vec![End { feature: Feature::Surface(surfaces[surface]), deviation: None }];
+        let [a, b] = [felt(0)?, felt(1)?];
+        Some(Touch { line: i + 1, posture: touch.posture.to_vec(), ends: [end(a), end(b)], distance: 0.0 })
+    };
+    touches.iter().enumerate().filter_map(one).collect()
+}
+
+/// Adds a second contact to touches of points, as where a limb lies on another: a point a few centimetres from the first on one
+/// side, and what is there on the other by the robot's `values`. Which contact of a side met which of the other is not told.
+pub fn double(robot: &Robot, values: &[Value], touches: &mut [Touch], rng: &mut impl Rng) {
+    const APART: f64 = 0.04;
+    for touch in touches {
+        let posed = Posed::new(robot, values, &touch.posture);
+        let [Feature::Point(a, p), Feature::Point(b, _)] =
+            [touch.ends[0][0].feature, touch.ends[1][0].feature]
+        else {
+            continue;
+        };
+        let aside = Vector3::from_fn(|_, _| APART * normal(rng));
+        let [to_a, to_b] = posed.paths([a, b]);
+        let there = posed.frame(&to_b).inverse_point(&posed.frame(&to_a).point(&(p + aside)));
+        let deviation = None;
+        touch.ends[0].push(End { feature: Feature::Point(a, p + aside), deviation });
+        touch.ends[1].insert(0, End { feature: Feature::Point(b, there), deviation });
+    }
+}
+
+/// What encoders that are off make of touches whose postures are as the joints are; `values` says how they are off. Joints that
+/// give way are left as they are.
+pub fn misread(robot: &Robot, values: &[Value], touches: &mut [Touch]) {
+    let number = |quantity: usize| values[quantity].number();
+    for dof in &robot.dofs {
+        let Some(q) = dof.quantities else { continue };
+        for touch in touches.iter_mut() {
+            let at = &mut touch.posture[dof.coordinate];
+            *at = (*at - number(q.offset)) / (number(q.sign) * number(q.gain));
+        }
+    }
+}
+
+/// Adds normal noise to what encoders of hinges read, radians.
+pub fn add_joint_noise(robot: &Robot, touches: &mut [Touch], deviation: f64, rng: &mut impl Rng) {
+    for touch in touches {
+        for dof in robot.dofs.iter().filter(|dof| dof.kind == DofKind::Hinge) {
+            touch.posture[dof.coordinate] += deviation * normal(rng);
+        }
+    }
+}
+
+/// Adds normal noise to the coordinates of points, metres.
+pub fn add_point_noise(touches: &mut [Touch], deviation: f64, rng: &mut impl Rng) {
+    for end in touches.iter_mut().flat_map(|touch| &mut touch.ends).flatten() {
+        if let Feature::Point(_, point) = &mut end.feature {
+            point.iter_mut().for_each(|x| *x += deviation * normal(rng));
+        }
+    }
+}
+
+/// Makes a share of touches false: one of their ends is that of another touch of the log.
+pub fn falsify(touches: &mut [Touch], share: f64, rng: &mut impl Rng) {
+    let honest = touches.to_vec();
+    for touch in touches.iter_mut() {
+        if rng.random_bool(share) {
+            let other = &honest[rng.random_range(0..honest.len())];
+            let side = rng.random_range(0..2);
+            touch.ends[side].clone_from(&other.ends[side]);
+            touch.ends[side].truncate(touch.ends[1 - side].len());
+        }
+    }
+}
+
+/// A number from the standard normal distribution.
+pub fn normal(rng: &mut impl Rng) -> f64 {
+    StandardNormal.sample(rng)
+}

@@ -1,0 +1,227 @@
+//! What a touch says about a robot: two features of it, or of the world about it, are in one place.
+
+use nalgebra::Vector3;
+
+use super::robot::{Form, Posed, Robot, Twist, Value};
+use crate::geometry::{Frame, Gap, PlacedShape, Precision, Shape, gap};
+
+/// What touched on one side.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Feature {
+    /// A point of a link: the link, and where in its frame, metres.
+    Point(usize, Vector3<f64>),
+    /// A surface, an index into the robot's; where it was touched is not known.
+    Surface(usize),
+}
+
+/// A feature, and how exactly it is known.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct End {
+    /// What touched.
+    pub feature: Feature,
+    /// Standard deviation of each coordinate, or of the distance from a surface, metres; none where it is not known.
+    pub deviation: Option<f64>,
+}
+
+/// A touch, or several in one posture of which nobody knows which of one side met which of the other.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Touch {
+    /// The line of the log that it is on, or begins on.
+    pub line: usize,
+    /// What the encoders read.
+    pub posture: Vec<f64>,
+    /// What was felt on either side.
+    pub ends: [Vec<End>; 2],
+    /// How far apart the two are, metres: 0 where they touched.
+    pub distance: f64,
+}
+
+/// The residuals of one pair of ends and how they change; one where a surface is touched, three where points meet.
+#[derive(Clone, Debug, Default)]
+pub struct Residuals {
+    /// How many there are: 1 or 3.
+    pub size: usize,
+    /// The residuals, metres.
+    pub value: Vector3<f64>,
+    /// A parameter's place and the residuals' derivative by it.
+    pub slopes: Vec<(usize, Vector3<f64>)>,
+    /// Their derivative by each degree of freedom as it is; empty unless asked for.
+    pub by_dof: Vec<(usize, Vector3<f64>)>,
+}
+
+impl Feature {
+    /// The link that it is on.
+    pub fn link(&self, robot: &Robot) -> usize {
+        match *self {
+            Feature::Point(link, _) => link,
+            Feature::Surface(surface) => robot.surfaces[surface].link,
+        }
+    }
+}
+
+impl Posed<'_> {
+    /// How far two features are from where they would be if they touched; `place` gives a quantity's parameter its place among
+    /// the unknowns. Points that meet leave their difference in the frame of the last link on both ways, of surfaces the gap's
+    /// excess over `distance` is left.
+    pub fn residuals(
+        &self,
+        [a, b]: [&Feature; 2],
+        distance: f64,
+        place: &dyn Fn(usize, usize) -> Option<usize>,
+        with_dofs: bool,
+    ) -> Residuals {
+        let robot = self.robot();
+        let paths = self.paths([a.link(robot), b.link(robot)]);
+        let mut parameters: [Vec<(usize, Twist)>; 2] = Default::default();
+        let mut dofs: [Vec<(usize, Twist)>; 2] = Default::default();
+        let mut frames = [Frame::identity(); 2];
+        for side in 0..2 {
+            frames[side] = self.walk(
+                &paths[side],
+                |dof, twist| {
+                    if with_dofs {
+                        dofs[side].push((dof, twist));
+                    }
+                },
+                |quantity, component, twist| {
+                    if let Some(at) = place(quantity, component) {
+                        parameters[side].push((at, twist));
+                    }
+                },
+            );
+        }
+        let met = self.meeting([a, b], &frames);
+        let mut found = Residuals { size: met.size, ..Residuals::default() };
+        let along =
+            |v: Vector3<f64>| if met.size == 3 { v } else { Vector3::new(met.normal.dot(&v), 0.0, 0.0) };
+        found.value = match met.size {
+            3 => met.points[0] - met.points[1],
+            _ => Vector3::new(met.gap - distance, 0.0, 0.0),
+        };
+        for side in 0..2 {
+            let sign = if side == 0 { 1.0 } else { -1.0 };
+            let slope = |twist: &Twist| along(twist.at(&met.points[side]) * sign);
+            found.slopes.extend(parameters[side].iter().map(|(at, twist)| (*at, slope(twist))));
+            found.by_dof.extend(dofs[side].iter().map(|(dof, twist)| (*dof, slope(twist))));
+        }
+        for radius in met.radii.into_iter().flatten() {
+            found.slopes.extend(place(radius, 0).map(|at| (at, Vector3::new(-1.0, 0.0, 0.0))));
+        }
+        found
+    }
+
+    /// The residuals alone, and how many they are.
+    pub fn miss(&self, [a, b]: [&Feature; 2], distance: f64) -> (usize, Vector3<f64>) {
+        let robot = self.robot();
+        let paths = self.paths([a.link(robot), b.link(robot)]);
+        let met = self.meeting([a, b], &[self.frame(&paths[0]), self.frame(&paths[1])]);
+        match met.size {
+            3 => (3, met.points[0] - met.points[1]),
+            _ => (1, Vector3::new(met.gap - distance, 0.0, 0.0)),
+        }
+    }
+
+    fn meeting(&self, features: [&Feature; 2], frames: &[Frame; 2]) -> Meeting {
+        let placed = [0, 1].map(|side| self.placed(features[side], &frames[side]));
+        match &placed {
+            [Placed::Point(p), Placed::Point(q)] => {
+                Meeting { size: 3, points: [*p, *q], normal: Vector3::zeros(), gap: 0.0, radii: [None; 2] }
+            }
+            [a, b] => {
+                let Gap { distance, normal, points } = gap_between(a, b);
+                let radii = [a.radius(), b.radius()];
+                let shrunk: f64 = radii.iter().flatten().map(|(_, radius)| radius).sum();
+                let radii = radii.map(|radius| radius.map(|(quantity, _)| quantity));
+                Meeting { size: 1, points, normal, gap: distance - shrunk, radii }
+            }
+        }
+    }
+
+    fn placed(&self, feature: &Feature, frame: &Frame) -> Placed<'_> {
+        let surface = match *feature {
+            Feature::Point(_, p) => return Placed::Point(frame.point(&p)),
+            Feature::Surface(surface) => &self.robot().surfaces[surface],
+        };
+        let pose = *frame * surface.pose;
+        match &surface.form {
+            Form::Sphere(radius) => Placed::Sphere(pose.origin, *radius, self.number(*radius)),
+            Form::Plane => Placed::Plane(pose),
+            Form::Solid(shape) => Placed::Solid(shape, pose),
+        }
+    }
+
+    fn number(&self, quantity: usize) -> f64 {
+        match self.values()[quantity] {
+            Value::Number(number) => number,
+            _ => 0.0,
+        }
+    }
+}
+
+/// Where two features come closest.
+struct Meeting {
+    size: usize,
+    points: [Vector3<f64>; 2],
+    /// From the second to the first.
+    normal: Vector3<f64>,
+    gap: f64,
+    /// Quantities that are radii of the two.
+    radii: [Option<usize>; 2],
+}
+
+/// A feature in the common frame. Spheres count as their centres: their radii are taken off the gap.
+enum Placed<'a> {
+    Point(Vector3<f64>),
+    Sphere(Vector3<f64>, usize, f64),
+    Plane(Frame),
+    Solid(&'a Shape, Frame),
+}
+
+impl Placed<'_> {
+    fn radius(&self) -> Option<(usize, f64)> {
+        if let Placed::Sphere(_, quantity, radius) = self { Some((*quantity, *radius)) } else { None }
+    }
+
+    /// Its shape and where it is; none of what counts as a point.
+    fn body(&self) -> (Option<&Shape>, Frame) {
+        match self {
+            Placed::Solid(shape, pose) => (Some(shape), *pose),
+            _ => (None, Frame { origin: self.support(&Vector3::zeros()), ..Frame::identity() }),
+        }
+    }
+
+    /// Its farthest point in a direction; of a plane, which has none, where it begins.
+    fn support(&self, direction: &Vector3<f64>) -> Vector3<f64> {
+        match self {
+            Placed::Point(p) | Placed::Sphere(p, ..) => *p,
+            Placed::Plane(pose) => pose.origin,
+            Placed::Solid(shape, pose) => {
+                let local = shape.support(&pose.rotation.tr_mul(direction));
+                local.map_or(pose.origin, |local| pose.point(&local))
+            }
+        }
+    }
+}
+
+/// The gap between two features of which one at least is a surface.
+fn gap_between(a: &Placed, b: &Placed) -> Gap {
+    let point = Shape::Sphere { radius: 0.0 };
+    match (a, b) {
+        (_, Placed::Plane(pose)) => {
+            let normal: Vector3<f64> = pose.rotation.column(2).into();
+            let lowest = a.support(&-normal);
+            let distance = normal.dot(&(lowest - pose.origin));
+            Gap { distance, normal, points: [lowest, lowest - normal * distance] }
+        }
+        (Placed::Plane(_), _) => gap_between(b, a).reversed(),
+        _ => {
+            let ((a, at_a), (b, at_b)) = (a.body(), b.body());
+            let placed = |shape, at| PlacedShape::new(shape, Frame::identity(), at);
+            match (placed(a.unwrap_or(&point), at_a), placed(b.unwrap_or(&point), at_b)) {
+                (Some(a), Some(b)) => gap(&a, &b, Precision::Exact),
+                // A mesh without a hull is nowhere: those who read robots refuse it.
+                _ => Gap { distance: 0.0, normal: Vector3::z(), points: [at_a.origin, at_b.origin] },
+            }
+        }
+    }
+}

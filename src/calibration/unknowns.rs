@@ -1,0 +1,122 @@
+//! The parameters that are to be found, in the order of the normal equations, and what is known of them.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::robot::{Knowledge, Robot, Value};
+use crate::learning::least_squares::Linearization;
+
+/// The open parameters of a robot.
+#[derive(Clone, Debug)]
+pub struct Unknowns {
+    /// Quantity and which of its parameters.
+    pub parameters: Vec<(usize, usize)>,
+    /// Per quantity the places of its parameters.
+    places: Vec<[Option<usize>; 3]>,
+    /// Quantity, parameter, standard deviation of what is nearly known; of a direction once.
+    near: Vec<(usize, usize, f64)>,
+}
+
+impl Unknowns {
+    /// Those of a robot whose knowledge says so.
+    pub fn of(robot: &Robot) -> Unknowns {
+        let mut unknowns = Unknowns {
+            parameters: Vec::new(),
+            places: vec![[None; 3]; robot.quantities.len()],
+            near: Vec::new(),
+        };
+        // Which way an encoder counts is no matter of small steps.
+        let signs: Vec<usize> = robot.dofs.iter().filter_map(|dof| Some(dof.quantities?.sign)).collect();
+        for (q, quantity) in robot.quantities.iter().enumerate() {
+            if signs.contains(&q) {
+                continue;
+            }
+            for component in 0..quantity.nominal.size() {
+                let knowledge = quantity.knowledge[component];
+                if knowledge == Knowledge::Known {
+                    continue;
+                }
+                unknowns.places[q][component] = Some(unknowns.parameters.len());
+                unknowns.parameters.push((q, component));
+                if let Knowledge::Near(deviation) = knowledge {
+                    unknowns.near.push((q, component, deviation));
+                }
+            }
+        }
+        unknowns
+    }
+
+    /// How many there are.
+    pub fn len(&self) -> usize {
+        self.parameters.len()
+    }
+
+    /// Whether nothing is to be found.
+    pub fn is_empty(&self) -> bool {
+        self.parameters.is_empty()
+    }
+
+    /// Where a quantity's parameter is among them.
+    pub fn place(&self, quantity: usize, component: usize) -> Option<usize> {
+        self.places[quantity][component]
+    }
+
+    /// The standard deviation to which a parameter is known before any touch.
+    pub fn deviation_before(&self, place: usize) -> Option<f64> {
+        let (quantity, component) = self.parameters[place];
+        let of = self.near.iter().find(|(q, c, _)| *q == quantity && *c == component);
+        of.map(|(_, _, deviation)| *deviation)
+    }
+
+    /// Values after a step of all parameters.
+    pub fn step(&self, values: &[Value], step: &DVector<f64>) -> Vec<Value> {
+        let mut values = values.to_vec();
+        for (value, places) in values.iter_mut().zip(&self.places) {
+            if places.iter().any(Option::is_some) {
+                let own = places.map(|place| place.map_or(0.0, |place| step[place]));
+                *value = value.stepped(&own[..value.size()]);
+            }
+        }
+        values
+    }
+
+    /// `½ Σ (difference / deviation)²` of what is nearly known.
+    pub fn prior_cost(&self, robot: &Robot, values: &[Value]) -> f64 {
+        let squares = self.near.iter().map(|&(q, component, deviation)| {
+            let difference = values[q].difference(&robot.quantities[q].nominal);
+            match values[q] {
+                // Both parameters of a direction share the difference of the vectors.
+                Value::Direction(_) => 0.5 * difference.norm_squared() / (deviation * deviation),
+                _ => (difference[component] / deviation).powi(2),
+            }
+        });
+        0.5 * squares.sum::<f64>()
+    }
+
+    /// Adds what is nearly known to normal equations, its cost included.
+    pub fn add_prior(&self, robot: &Robot, values: &[Value], model: &mut Linearization) {
+        model.cost += self.prior_cost(robot, values);
+        for &(q, component, deviation) in &self.near {
+            let Some(at) = self.places[q][component] else { continue };
+            let difference = values[q].difference(&robot.quantities[q].nominal);
+            let weight = deviation.powi(-2);
+            let along = match &values[q] {
+                Value::Direction(axis) => {
+                    crate::kinematics::tangent_basis(axis).column(component).dot(&difference)
+                }
+                _ => difference[component],
+            };
+            model.hessian[(at, at)] += weight;
+            model.scale[at] += weight;
+            model.gradient[at] += weight * along;
+        }
+    }
+
+    /// Adds the information in what is nearly known.
+    pub fn add_information(&self, information: &mut DMatrix<f64>) {
+        for place in 0..self.len() {
+            if let Some(deviation) = self.deviation_before(place) {
+                information[(place, place)] += deviation.powi(-2);
+            }
+        }
+    }
+}

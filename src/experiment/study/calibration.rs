@@ -1,0 +1,344 @@
+//! Whether a robot whose numbers are off is put right by touching itself: encoders, joints, and logs as they come.
+
+use std::time::Instant;
+
+use nalgebra::{Rotation3, Vector3};
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+
+use super::plot::{AxisScale, PlotAxis, PlotSeries, StudyPlot};
+use super::subject::{Subject, median, share};
+use super::table::row;
+use super::{Findings, Study};
+use crate::calibration::robot::{Element, Knowledge, Posed, Quantity, Robot, Value};
+use crate::calibration::simulated::{
+    add_joint_noise, add_point_noise, double, falsify, misread, normal, point_touches, robot_of,
+    surface_touches,
+};
+use crate::calibration::{End, Estimator, EstimatorOptions, JointNoise, Touch};
+use crate::experiment::ExperimentError;
+
+/// The study `calibration`.
+pub const STUDY: Study = Study {
+    name: "calibration",
+    about: "whether a robot whose encoders or joints are off is put right by self-touch, from logs clean and not",
+    touches: true,
+    several: false,
+    measure: |subject| Ok(measure(subject)?.into()),
+};
+
+/// The greatest offset, degrees, and how far gains are from 1.
+const OFFSET: f64 = 10.0;
+const GAIN: f64 = 0.05;
+/// Noise of encoders, degrees, and of points, metres, in the conditions that have some.
+const JOINT_NOISE: f64 = 0.1;
+const POINT_NOISE: f64 = 1e-3;
+/// Share of false touches in the condition that has some.
+const FALSE: f64 = 0.2;
+/// How far surfaces that touch are apart by a robot whose joints are off, metres: the worst of them.
+const OFF: f64 = 17.7e-3;
+/// Deviations of how joints are off, before they are scaled to that: metres and radians.
+const POSITIONS: f64 = 5e-3;
+const AXES: f64 = 0.05;
+/// What counts as right without noise: degrees, and of gains a ratio.
+const RIGHT_OFFSET: f64 = 1e-3;
+const RIGHT_GAIN: f64 = 1e-5;
+/// Every so many touches one is held out.
+const HELD_OUT: usize = 4;
+
+/// What is off, and how the log is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Case {
+    Encoders,
+    NoisyEncoders,
+    NoisyPoints,
+    FalseTouches,
+    Unpaired,
+    FalseAndUnpaired,
+    Joints,
+    JointsNoisy,
+}
+
+const CASES: [Case; 8] = [
+    Case::Encoders,
+    Case::NoisyEncoders,
+    Case::NoisyPoints,
+    Case::FalseTouches,
+    Case::Unpaired,
+    Case::FalseAndUnpaired,
+    Case::Joints,
+    Case::JointsNoisy,
+];
+
+impl Case {
+    fn name(self) -> &'static str {
+        match self {
+            Case::Encoders => "encoders",
+            Case::NoisyEncoders => "encoders, 0.1°",
+            Case::NoisyPoints => "encoders, points 1 mm",
+            Case::FalseTouches => "the same, 20 % false",
+            Case::Unpaired => "the same, unpaired",
+            Case::FalseAndUnpaired => "the same, both",
+            Case::Joints => "joints by surfaces",
+            Case::JointsNoisy => "the same, 0.1°",
+        }
+    }
+
+    fn is_of_joints(self) -> bool {
+        matches!(self, Case::Joints | Case::JointsNoisy)
+    }
+
+    fn joint_noise(self) -> f64 {
+        if matches!(self, Case::NoisyEncoders | Case::JointsNoisy) { JOINT_NOISE.to_radians() } else { 0.0 }
+    }
+
+    fn point_noise(self) -> f64 {
+        match self {
+            Case::NoisyPoints | Case::FalseTouches | Case::Unpaired | Case::FalseAndUnpaired => POINT_NOISE,
+            _ => 0.0,
+        }
+    }
+}
+
+row! {
+    /// A measurement of the study `calibration`.
+    pub struct CalibrationMeasurement {
+        case: String = "case",
+        seed: u64 = "seed",
+        touches: usize = "touches",
+        before_mm: f64 = "before, worst, mm",
+        after_mm: f64 = "after, RMS, mm",
+        worst_mm: f64 = "after, worst, mm",
+        wrong_signs: usize = "wrong signs",
+        offset_deg: f64 = "worst offset, °",
+        gain: f64 = "worst gain",
+        ratio: f64 = "error / bound",
+        right: bool = "right",
+        seconds: f64 = "seconds",
+        untold: String = "not told",
+    }
+}
+
+row! {
+    /// A row of the summary of the study `calibration`.
+    pub struct CalibrationSummary {
+        case: String = "case",
+        trials: usize = "trials",
+        right: f64 = "right, share",
+        before_mm: f64 = "before, worst, mm",
+        after_mm: f64 = "after, RMS, mm",
+        worst_mm: f64 = "after, worst, mm",
+        offset_deg: f64 = "worst offset, °",
+        gain: f64 = "worst gain",
+        ratio: f64 = "error / bound",
+        seconds: f64 = "seconds",
+    }
+}
+
+/// Measures; a trial that does not succeed is a finding.
+///
+/// # Errors
+/// Where something cannot be measured at all.
+pub fn measure(
+    subject: &Subject,
+) -> Result<Findings<CalibrationMeasurement, CalibrationSummary>, ExperimentError> {
+    let mut measurements: Vec<CalibrationMeasurement> = Vec::new();
+    for &seed in &subject.seeds {
+        let babbled = subject.babble(seed)?;
+        for case in CASES {
+            subject.tell(seed, case.name());
+            let mut robot = robot_of(subject.agent(), &subject.truth().schema);
+            let touches = if case.is_of_joints() {
+                let touches = surface_touches(subject.agent(), &mut robot, &babbled);
+                touches
+                    .into_iter()
+                    .filter(|touch| touch.ends.iter().all(|ends| is_tip(&robot, &ends[0])))
+                    .collect()
+            } else {
+                point_touches(subject.agent(), &robot, &babbled)
+            };
+            measurements.push(trial(case, robot, touches, seed));
+        }
+    }
+    let summary = CASES.map(|case| {
+        let of = || measurements.iter().filter(|found| found.case == case.name());
+        let each = |value: fn(&CalibrationMeasurement) -> f64| of().map(value).collect::<Vec<f64>>();
+        let worst = |value: fn(&CalibrationMeasurement) -> f64| each(value).into_iter().fold(0.0, f64::max);
+        let rms = |values: Vec<f64>| {
+            (values.iter().map(|x| x * x).sum::<f64>() / values.len().max(1) as f64).sqrt()
+        };
+        CalibrationSummary {
+            case: case.name().into(),
+            trials: of().count(),
+            right: share(of().map(|found| found.right)),
+            before_mm: median(each(|found| found.before_mm)),
+            after_mm: rms(each(|found| found.after_mm)),
+            worst_mm: worst(|found| found.worst_mm),
+            offset_deg: worst(|found| found.offset_deg),
+            gain: worst(|found| found.gain),
+            ratio: rms(each(|found| found.ratio)),
+            seconds: median(each(|found| found.seconds)),
+        }
+    });
+    let notes = vec![format!(
+        "Encoders are off by up to {OFFSET}°, gains by up to {GAIN}, signs are drawn; joints are off so that what touches is \
+         up to {} mm apart. Apart are exact touches that were not fitted to. Without noise, right is to {RIGHT_OFFSET}° and \
+         {RIGHT_GAIN} in all that is not named as not told; with noise, within five deviations. Error / bound is the root \
+         mean square of encoders' errors in units of their deviations.",
+        1e3 * OFF
+    )];
+    let dots = |(k, case): (usize, &Case)| PlotSeries {
+        name: case.name().into(),
+        line: Vec::new(),
+        dots: measurements
+            .iter()
+            .filter(|found| found.case == case.name())
+            .map(|found| (found.after_mm.max(1e-9), k as f64))
+            .collect(),
+    };
+    let plot = StudyPlot {
+        x: PlotAxis { title: "what touches, apart after calibration, mm", scale: AxisScale::Logarithmic },
+        series: CASES.iter().enumerate().map(dots).collect(),
+        y: PlotAxis { title: "", scale: AxisScale::Names(CASES.map(|case| case.name().into()).to_vec()) },
+    };
+    Ok(Findings { measurements, summary: summary.into(), notes, plot, numbers: Vec::new() })
+}
+
+/// Whether an end is of a limb that carries no other: a fingertip.
+fn is_tip(robot: &Robot, end: &End) -> bool {
+    let limb = robot.links[end.feature.link(robot)].parent;
+    !robot
+        .links
+        .iter()
+        .any(|link| link.parent == limb && link.elements.iter().any(|e| matches!(e, Element::Dof(_))))
+}
+
+/// Says what is unknown; the truth, about which the robot's nominal values are off.
+fn disturbed(case: Case, robot: &mut Robot, exact: &[Touch], seed: u64) -> Vec<Value> {
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    let mut truth = robot.nominal();
+    let open = |robot: &mut Robot, what: &str, knowledge| {
+        let called = format!(".{what}");
+        for quantity in robot.quantities.iter_mut().filter(|quantity| quantity.name.ends_with(&called)) {
+            // Mounts have positions, too, and are as they are.
+            if !quantity.name.contains(".mount.") {
+                quantity.knowledge = [knowledge; 3];
+            }
+        }
+    };
+    if !case.is_of_joints() {
+        for q in robot.dofs.iter().filter_map(|dof| dof.quantities) {
+            let mut even = |size: f64| rng.random_range(-size..=size);
+            truth[q.offset] = Value::Number(even(OFFSET.to_radians()));
+            truth[q.gain] = Value::Number(1.0 + even(GAIN));
+            truth[q.sign] = Value::Number(even(1.0).signum());
+        }
+        for what in ["offset", "gain", "sign"] {
+            open(robot, what, Knowledge::Free);
+        }
+        return truth;
+    }
+    open(robot, "position", Knowledge::Near(POSITIONS));
+    open(robot, "axis", Knowledge::Near(AXES));
+    let nominal_at = |size: f64| -> Vec<Value> {
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        let off = |(quantity, true_value): (&Quantity, &Value)| {
+            let step = Vector3::from_fn(|_, _| size * normal(&mut rng));
+            match true_value {
+                _ if !quantity.is_open() => *true_value,
+                Value::Position(at) => Value::Position(at + step * POSITIONS),
+                Value::Direction(axis) => Value::Direction(Rotation3::new(step * AXES) * axis),
+                other => *other,
+            }
+        };
+        robot.quantities.iter().zip(&truth).map(off).collect()
+    };
+    // The size at which what touched is as far apart as it shall be: halving, for it grows with the size.
+    let (mut low, mut high) = (0.0, 4.0);
+    for _ in 0..30 {
+        let middle = 0.5 * (low + high);
+        let worst = sizes(robot, &nominal_at(middle), exact).into_iter().fold(0.0, f64::max);
+        if worst < OFF { low = middle } else { high = middle }
+    }
+    let nominal = nominal_at(low);
+    for (quantity, value) in robot.quantities.iter_mut().zip(nominal) {
+        quantity.nominal = value;
+    }
+    truth
+}
+
+/// How far apart what touched is by some values, metres.
+fn sizes(robot: &Robot, values: &[Value], touches: &[Touch]) -> Vec<f64> {
+    let size = |touch: &Touch| {
+        let posed = Posed::new(robot, values, &touch.posture);
+        posed.miss([&touch.ends[0][0].feature, &touch.ends[1][0].feature], touch.distance).1.norm()
+    };
+    touches.iter().map(size).collect()
+}
+
+fn trial(case: Case, mut robot: Robot, mut exact: Vec<Touch>, seed: u64) -> CalibrationMeasurement {
+    let truth = disturbed(case, &mut robot, &exact, seed);
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    let (mut fitted, mut fresh) = (Vec::new(), Vec::new());
+    for (i, touch) in exact.drain(..).enumerate() {
+        if i % HELD_OUT == 0 { fresh.push(touch) } else { fitted.push(touch) }
+    }
+    if matches!(case, Case::Unpaired | Case::FalseAndUnpaired) {
+        // The nominal encoders read right: postures are still as they are.
+        double(&robot, &robot.nominal(), &mut fitted, &mut rng);
+    }
+    for touches in [&mut fitted, &mut fresh] {
+        misread(&robot, &truth, touches);
+    }
+    add_joint_noise(&robot, &mut fitted, case.joint_noise(), &mut rng);
+    add_point_noise(&mut fitted, case.point_noise(), &mut rng);
+    if matches!(case, Case::FalseTouches | Case::FalseAndUnpaired) {
+        falsify(&mut fitted, FALSE, &mut rng);
+    }
+    let joint_noise = if case.joint_noise() > 0.0 { JointNoise::Estimated } else { JointNoise::None };
+    let options = EstimatorOptions { joint_noise, ..EstimatorOptions::default() };
+    let started = Instant::now();
+    let estimator = Estimator::new(&robot, &fitted, options);
+    let fit = estimator.fit();
+    let untold_signs = estimator.untold_signs(&fit);
+    let seconds = started.elapsed().as_secs_f64();
+    let told =
+        |quantity: usize| estimator.unknowns.place(quantity, 0).filter(|place| fit.told.is_told(*place));
+    let error = |quantity: usize| (fit.values[quantity].number() - truth[quantity].number()).abs();
+    let (mut wrong_signs, mut offset, mut gain) = (0, 0.0f64, 0.0f64);
+    let mut squares = Vec::new();
+    for q in robot.dofs.iter().filter_map(|dof| dof.quantities) {
+        wrong_signs += usize::from(!untold_signs.contains(&q.sign) && error(q.sign) > 0.0);
+        for (quantity, worst) in [(q.offset, &mut offset), (q.gain, &mut gain)] {
+            if let Some(place) = told(quantity) {
+                *worst = worst.max(error(quantity));
+                squares.push((error(quantity) / fit.told.deviation(place)).powi(2));
+            }
+        }
+    }
+    let after = sizes(&robot, &fit.values, &fresh);
+    let most = |sizes: &[f64]| sizes.iter().fold(0.0f64, |most, size| most.max(*size));
+    let noisy = case.joint_noise() > 0.0 || case.point_noise() > 0.0;
+    let offset_deg = offset.to_degrees();
+    let right = match (case.is_of_joints(), noisy) {
+        (true, _) => most(&after) < if noisy { 1e-3 } else { 5e-5 },
+        (false, false) => offset_deg < RIGHT_OFFSET && gain < RIGHT_GAIN,
+        (false, true) => squares.iter().all(|square| *square < 25.0),
+    };
+    let untold = fit.told.untold(&robot, &estimator.unknowns);
+    CalibrationMeasurement {
+        case: case.name().into(),
+        seed,
+        touches: fitted.len(),
+        before_mm: 1e3 * most(&sizes(&robot, &robot.nominal(), &fresh)),
+        after_mm: 1e3 * (after.iter().map(|x| x * x).sum::<f64>() / after.len().max(1) as f64).sqrt(),
+        worst_mm: 1e3 * most(&after),
+        wrong_signs,
+        offset_deg,
+        gain,
+        ratio: (squares.iter().sum::<f64>() / squares.len().max(1) as f64).sqrt(),
+        right: right && wrong_signs == 0,
+        seconds,
+        untold: untold.iter().map(ToString::to_string).collect::<Vec<_>>().join("; "),
+    }
+}

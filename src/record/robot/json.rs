@@ -1,0 +1,296 @@
+//! A robot in JSON: a creature's tree with its maker's numbers, and what is mounted on it.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use nalgebra::{Rotation3, Vector3};
+use serde::Deserialize;
+use serde::de::IgnoredAny;
+
+use super::RobotFile;
+use crate::calibration::robot::{Form, Knowledge, LinkMass, NominalJoint, Robot, Unit};
+use crate::creature::{Creature, Dof, DofKind, Joint};
+use crate::geometry::{Frame, Shape};
+use crate::record::RecordError;
+
+const PI: f64 = std::f64::consts::PI;
+
+/// The file, or the `creature` of a session.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RobotJson {
+    name: String,
+    limbs: Vec<String>,
+    joints: Vec<JointJson>,
+    #[serde(flatten)]
+    extras: Extras,
+    #[serde(default, rename = "aura_limbs")]
+    _aura_limbs: IgnoredAny,
+}
+
+/// What is on a robot, and what is known of it.
+#[derive(Default, Deserialize)]
+struct Extras {
+    #[serde(default)]
+    frames: Vec<FrameJson>,
+    #[serde(default)]
+    points: Vec<PointJson>,
+    #[serde(default)]
+    surfaces: Vec<SurfaceJson>,
+    #[serde(default)]
+    masses: Vec<MassJson>,
+    gravity: Option<[f64; 3]>,
+    #[serde(default)]
+    free: Vec<String>,
+    #[serde(default)]
+    fix: Vec<String>,
+    #[serde(default)]
+    prior: BTreeMap<String, Deviation>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct JointJson {
+    name: String,
+    parent: NameOrIndex,
+    #[serde(default, rename = "limb")]
+    _limb: IgnoredAny,
+    position: Option<[f64; 3]>,
+    dofs: Vec<DofJson>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct DofJson {
+    name: String,
+    kind: DofKind,
+    range: Option<[f64; 2]>,
+    axis: Option<[f64; 3]>,
+    #[serde(default, rename = "follows")]
+    _follows: IgnoredAny,
+}
+
+#[derive(Deserialize)]
+#[serde(untagged, expecting = "a limb's name or its index")]
+enum NameOrIndex {
+    Name(String),
+    Index(usize),
+}
+
+/// A deviation: a number in the quantity's own unit, or a text with a unit.
+#[derive(Clone, Deserialize)]
+#[serde(untagged, expecting = "a deviation such as 0.01 or \"5 mm\"")]
+enum Deviation {
+    Number(f64),
+    Text(String),
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct FrameJson {
+    name: String,
+    on: String,
+    #[serde(default)]
+    position: [f64; 3],
+    #[serde(default)]
+    rpy: [f64; 3],
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct PointJson {
+    name: String,
+    on: String,
+    #[serde(default)]
+    position: [f64; 3],
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct SurfaceJson {
+    name: String,
+    on: String,
+    #[serde(default)]
+    position: [f64; 3],
+    #[serde(default)]
+    rpy: [f64; 3],
+    shape: ShapeJson,
+}
+
+#[derive(Deserialize)]
+#[serde(rename_all = "snake_case")]
+enum ShapeJson {
+    Plane,
+    #[serde(untagged)]
+    Solid(Shape),
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct MassJson {
+    on: String,
+    mass: f64,
+    #[serde(default)]
+    centre: [f64; 3],
+}
+
+/// Reads a robot from the bytes of a JSON file.
+pub(super) fn read(path: &Path, bytes: &[u8]) -> Result<RobotFile, RecordError> {
+    let refuse = |message: String| RecordError::format(path, None, message);
+    let text = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
+    let mut value: serde_json::Value = serde_json::from_slice(text)
+        .map_err(|error| RecordError::json(path, "description of a robot", &error))?;
+    // Of a session the creature is what is asked for.
+    if let Some(creature) = value.get_mut("creature").map(serde_json::Value::take) {
+        value = creature;
+    }
+    let json: RobotJson = serde_path_to_error::deserialize(value).map_err(|error| {
+        let place = error.path().to_string();
+        let place = if place == "." { String::new() } else { format!("{place}: ") };
+        refuse(format!("{place}{}: mend it as the documentation of a robot's file says", error.inner()))
+    })?;
+    robot(json).map_err(refuse)
+}
+
+fn robot(json: RobotJson) -> Result<RobotFile, String> {
+    let mut joints = Vec::new();
+    let mut nominal = Vec::new();
+    let mut unplaced = Vec::new();
+    for joint in &json.joints {
+        let parent = match &joint.parent {
+            NameOrIndex::Index(index) => *index,
+            NameOrIndex::Name(name) => json.limbs.iter().position(|limb| limb == name).ok_or_else(|| {
+                format!("joint {}: there is no limb \"{name}\" in limbs: add it, or name another", joint.name)
+            })?,
+        };
+        let mut dofs = Vec::new();
+        let mut axes = Vec::new();
+        let mut placed = joint.position.is_some();
+        for dof in &joint.dofs {
+            let range = match (dof.range, dof.kind) {
+                (Some(range), _) => range,
+                (None, DofKind::Hinge) => [-PI, PI],
+                (None, DofKind::Ball) => [0.0, PI],
+                (None, DofKind::Slide) => {
+                    return Err(format!("{} is a slide and has no range: give its ends in metres", dof.name));
+                }
+            };
+            dofs.push(Dof { name: dof.name.clone(), kind: dof.kind, range, follows: None });
+            placed &= dof.axis.is_some() || dof.kind == DofKind::Ball;
+            let axis = Vector3::from(dof.axis.unwrap_or([0.0, 0.0, 1.0]));
+            axes.push(
+                axis.try_normalize(1e-9)
+                    .ok_or_else(|| format!("the axis of {} has no length: give a direction", dof.name))?,
+            );
+        }
+        if !placed {
+            unplaced.push(joint.name.clone());
+        }
+        nominal.push(NominalJoint { position: joint.position.unwrap_or_default().into(), axes });
+        joints.push(Joint::new(joint.name.clone(), parent, dofs));
+    }
+    let creature =
+        Creature::new(json.name, json.limbs, joints, Vec::new()).map_err(|error| error.to_string())?;
+    let mut robot = Robot::of_creature(&creature, &nominal);
+    let says_what_is_open = add_extras(&mut robot, json.extras)?;
+    Ok(RobotFile { robot, creature: Some(creature), unplaced, says_what_is_open })
+}
+
+/// Adds what is on a robot; whether it is said what is unknown.
+fn add_extras(robot: &mut Robot, extras: Extras) -> Result<bool, String> {
+    for frame in extras.frames {
+        let on = named(robot, &frame.name, &frame.on)?;
+        robot.add_mount(&frame.name, on, pose(frame.position, frame.rpy));
+    }
+    for point in extras.points {
+        let on = named(robot, &point.name, &point.on)?;
+        robot.add_place(&point.name, on, point.position.into());
+    }
+    for surface in extras.surfaces {
+        let on = named(robot, &surface.name, &surface.on)?;
+        let pose = pose(surface.position, surface.rpy);
+        match surface.shape {
+            ShapeJson::Plane => {
+                robot.add_surface(&surface.name, on, pose, Form::Plane);
+            }
+            ShapeJson::Solid(Shape::Sphere { radius }) => {
+                robot.add_sphere(&surface.name, on, pose, radius);
+            }
+            ShapeJson::Solid(shape) if shape.is_solid() => {
+                robot.add_surface(&surface.name, on, pose, Form::Solid(shape));
+            }
+            ShapeJson::Solid(_) => {
+                return Err(format!(
+                    "surface {} is a mesh without a hull: give a shape that is known",
+                    surface.name
+                ));
+            }
+        }
+    }
+    for mass in extras.masses {
+        let link = named(robot, "a mass", &mass.on)?;
+        robot.masses.push(LinkMass { link, mass: mass.mass, centre: mass.centre.into() });
+    }
+    if let Some(gravity) = extras.gravity {
+        robot.gravity = gravity.into();
+    }
+    let says = !extras.free.is_empty() || !extras.prior.is_empty();
+    for pattern in &extras.free {
+        robot.set_knowledge(pattern, Knowledge::Free)?;
+    }
+    for (pattern, deviation) in &extras.prior {
+        let text = match deviation {
+            Deviation::Number(number) => number.to_string(),
+            Deviation::Text(text) => text.clone(),
+        };
+        set_prior(robot, pattern, &text)?;
+    }
+    for pattern in &extras.fix {
+        robot.set_knowledge(pattern, Knowledge::Known)?;
+    }
+    Ok(says)
+}
+
+/// Says that what a pattern names is known to a deviation, a number and perhaps its unit: `0.01`, `5mm`, `2 deg`.
+pub(crate) fn set_prior(robot: &mut Robot, pattern: &str, deviation: &str) -> Result<(), String> {
+    let trimmed = deviation.trim();
+    let units = [
+        ("mm", 1e-3, Unit::Metre),
+        ("cm", 1e-2, Unit::Metre),
+        ("deg", PI / 180.0, Unit::Radian),
+        ("°", PI / 180.0, Unit::Radian),
+        ("rad", 1.0, Unit::Radian),
+        ("m", 1.0, Unit::Metre),
+    ];
+    let unit = units.iter().find(|(name, ..)| trimmed.ends_with(name));
+    let number = unit.map_or(trimmed, |(name, ..)| trimmed.trim_end_matches(name).trim());
+    let number: f64 = number
+        .parse()
+        .ok()
+        .filter(|x: &f64| x.is_finite() && *x > 0.0)
+        .ok_or_else(|| format!("\"{deviation}\" is no deviation of {pattern}: give a number above 0 and a unit, such as 5mm or 2deg"))?;
+    let value = number * unit.map_or(1.0, |(_, factor, _)| *factor);
+    robot.set_knowledge(pattern, Knowledge::Near(value))?;
+    let Some((name, _, wanted)) = unit else { return Ok(()) };
+    let near = |quantity: &&crate::calibration::robot::Quantity| {
+        quantity.knowledge.contains(&Knowledge::Near(value))
+    };
+    match robot.quantities.iter().filter(near).find(|quantity| quantity.unit != *wanted) {
+        Some(other) => {
+            Err(format!("{} is not measured in {name}: give its deviation in its own unit", other.name))
+        }
+        None => Ok(()),
+    }
+}
+
+fn named(robot: &Robot, what: &str, link: &str) -> Result<usize, String> {
+    robot.link(link).ok_or_else(|| {
+        format!("{what} is on \"{link}\", which there is not: name a limb or a frame before it")
+    })
+}
+
+/// A pose of a position and URDF's roll, pitch and yaw.
+fn pose(position: [f64; 3], [roll, pitch, yaw]: [f64; 3]) -> Frame {
+    let rotation = Rotation3::from_euler_angles(roll, pitch, yaw).into_inner();
+    Frame { rotation, origin: position.into() }
+}

@@ -1,0 +1,451 @@
+//! A log of touches to calibrate by: comma-separated values, a touch a line.
+//!
+//! | column | is |
+//! |---|---|
+//! | `limb_a`, `limb_b` | what touched: a limb (with a point), or a named point or surface |
+//! | `ax`, `ay`, `az`, `bx`, `by`, `bz` | the point on a limb or frame, in its frame |
+//! | `a_std`, `b_std` | standard deviation of each coordinate |
+//! | `distance` | how far apart the two were, where they did not touch |
+//! | `touch` | the same in lines of one posture: contacts of which nobody knows who met whom |
+//! | a joint's name | what its encoder read; empty where it has no part in the touch |
+//!
+//! A unit behind a name (`ax_mm`, `elbow [deg]`) is minded; without one it is metres and radians. Other columns are passed over.
+
+use std::collections::HashMap;
+use std::path::Path;
+
+use csv::StringRecord;
+use nalgebra::Vector3;
+
+use super::columns::{Column, Table, read_table};
+use crate::calibration::robot::{Robot, nearest_name};
+use crate::calibration::{End, Feature, Touch};
+use crate::creature::DofKind;
+use crate::record::{RecordError, files};
+
+const NAMES: [[&str; 2]; 2] = [["limb_a", "receptor_a"], ["limb_b", "receptor_b"]];
+const POINTS: [[&str; 3]; 2] = [["ax", "ay", "az"], ["bx", "by", "bz"]];
+const DEVIATIONS: [&str; 2] = ["a_std", "b_std"];
+const DISTANCE: &str = "distance";
+const TOUCH: &str = "touch";
+/// Columns of other formats that are no oversight.
+const QUIET: [&str; 2] = ["bout", "motion"];
+/// What the columns of a ball's quaternion have behind its name.
+const QUATERNION: [&str; 4] = ["_w", "_x", "_y", "_z"];
+/// Points farther from their limb than so many times the robot's size look like another unit.
+const FAR: f64 = 20.0;
+
+/// A log, read.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CalibrationLog {
+    /// The touches.
+    pub touches: Vec<Touch>,
+    /// What looks odd, in sentences: nothing that stands in the way.
+    pub notes: Vec<String>,
+}
+
+/// Reads a log of touches of a robot.
+///
+/// # Errors
+/// [`RecordError::Io`] where it cannot be read; [`RecordError::Format`], with line, column and mend, where it is none.
+pub fn read_calibration_log(path: &Path, robot: &Robot) -> Result<CalibrationLog, RecordError> {
+    let bytes = files::read(path)?;
+    let table = read_table(path, &bytes)?;
+    let head = Head::new(&table, robot).map_err(|fault| RecordError::format(path, Some(1), fault))?;
+    let mut touches: Vec<Touch> = Vec::new();
+    let mut by_name: HashMap<(String, [usize; 2]), usize> = HashMap::new();
+    for (line, row) in &table.rows {
+        let refuse = |fault: String| RecordError::format(path, Some(*line), fault);
+        let (name, ends, distance) = head.contact(&table, row, robot).map_err(refuse)?;
+        let links =
+            [0, 1].map(|side: usize| ends[side].as_ref().map_or(usize::MAX, |end| end.feature.link(robot)));
+        let posture = head.posture(&table, row, robot, links).map_err(refuse)?;
+        let known = name.as_ref().and_then(|name| by_name.get(&(name.clone(), links)).copied());
+        match known {
+            Some(at) => {
+                let touch = &mut touches[at];
+                if touch.posture != posture {
+                    let name = name.unwrap_or_default();
+                    return Err(refuse(format!(
+                        "touch {name} has another posture than on line {}: give lines of one posture one name, others another",
+                        touch.line
+                    )));
+                }
+                for (side, end) in ends.into_iter().enumerate() {
+                    touch.ends[side].extend(end);
+                }
+            }
+            None => {
+                if let Some(name) = name {
+                    by_name.insert((name, links), touches.len());
+                }
+                touches.push(Touch {
+                    line: *line,
+                    posture,
+                    ends: ends.map(|end| end.into_iter().collect()),
+                    distance,
+                });
+            }
+        }
+    }
+    let before = touches.len();
+    touches.retain(|touch| touch.ends.iter().all(|ends| !ends.is_empty()));
+    let mut notes = head.notes.clone();
+    if touches.len() < before {
+        notes.push(format!(
+            "{} touches have contacts on one side alone: they are left out",
+            before - touches.len()
+        ));
+    }
+    if touches.is_empty() {
+        return Err(RecordError::format(path, None, "it holds no touch: give one with a touch a line"));
+    }
+    refuse_degrees(path, &table, robot, &head, &touches)?;
+    refuse_millimetres(path, robot, &table, &head, &touches)?;
+    Ok(CalibrationLog { touches, notes })
+}
+
+/// Which column holds what.
+struct Head {
+    /// Per coordinate of a posture.
+    posture: Vec<Option<usize>>,
+    fields: HashMap<&'static str, usize>,
+    notes: Vec<String>,
+}
+
+impl Head {
+    fn new(table: &Table, robot: &Robot) -> Result<Head, String> {
+        // A name as it stands counts before one without its unit.
+        let find = |name: &str| {
+            let titled = table.columns.iter().position(|column| column.title == name);
+            titled.or_else(|| table.columns.iter().position(|column| column.name == name))
+        };
+        let mut posture = Vec::new();
+        for dof in &robot.dofs {
+            match dof.kind {
+                DofKind::Ball => posture.extend(QUATERNION.map(|part| find(&format!("{}{part}", dof.name)))),
+                _ => posture.push(find(&dof.name)),
+            }
+        }
+        let mut fields: HashMap<&'static str, usize> = HashMap::new();
+        let all = NAMES
+            .iter()
+            .flatten()
+            .chain(POINTS.iter().flatten())
+            .chain(&DEVIATIONS)
+            .chain([&DISTANCE, &TOUCH]);
+        for name in all {
+            if let Some(at) = find(name) {
+                fields.insert(name, at);
+            }
+        }
+        for side in 0..2 {
+            if NAMES[side].iter().all(|name| !fields.contains_key(name)) {
+                return Err(format!("there is no column {}: name what touched on this side", NAMES[side][0]));
+            }
+            let points = POINTS[side].iter().filter(|name| fields.contains_key(**name)).count();
+            if points != 0 && points != 3 {
+                let missing = POINTS[side]
+                    .iter()
+                    .find(|name| !fields.contains_key(**name))
+                    .copied()
+                    .unwrap_or_default();
+                return Err(format!("there is no column {missing}: a point has three coordinates"));
+            }
+        }
+        let used: Vec<usize> = posture.iter().flatten().chain(fields.values()).copied().collect();
+        let spare: Vec<&Column> = table
+            .columns
+            .iter()
+            .enumerate()
+            .filter(|(i, column)| !used.contains(i) && !QUIET.contains(&column.name.as_str()))
+            .map(|(_, column)| column)
+            .collect();
+        let missing: Vec<&str> = robot
+            .dofs
+            .iter()
+            .filter(|dof| posture[dof.coordinate].is_none())
+            .map(|dof| dof.name.as_str())
+            .collect();
+        if missing.len() == robot.dofs.len() && !missing.is_empty() {
+            let example = spare.first().map_or(String::new(), |column| format!(", not \"{}\"", column.title));
+            return Err(format!(
+                "no column is called as a joint of {}: name them {} …{example}",
+                robot.name, missing[0]
+            ));
+        }
+        let mut notes = Vec::new();
+        for column in &spare {
+            // A column that nearly has a missing joint's name is a slip, one of anything else is somebody's own.
+            let near = nearest_name(&column.name, missing.iter().copied());
+            let slip = near.filter(|near| near.to_lowercase() == column.name.to_lowercase());
+            if let Some(near) = slip {
+                return Err(format!(
+                    "column \"{}\" is nearly called as the joint {near}: rename it",
+                    column.title
+                ));
+            }
+        }
+        if !spare.is_empty() {
+            let names: Vec<&str> = spare.iter().map(|column| column.title.as_str()).collect();
+            notes.push(format!("columns that are not used: {}", names.join(", ")));
+        }
+        Ok(Head { posture, fields, notes })
+    }
+
+    fn field<'r>(&self, row: &'r StringRecord, name: &str) -> Option<&'r str> {
+        self.fields.get(name).map(|at| &row[*at]).filter(|cell| !cell.is_empty())
+    }
+
+    fn number(&self, table: &Table, row: &StringRecord, at: usize) -> Result<f64, String> {
+        let (cell, column) = (&row[at], &table.columns[at]);
+        let place = format!("column {}, {}", at + 1, column.title);
+        if cell.is_empty() {
+            return Err(format!("{place}: it is empty: give a number, or leave the touch out"));
+        }
+        match cell.parse::<f64>() {
+            Ok(x) if x.is_finite() => Ok(x * column.factor.unwrap_or(1.0)),
+            Ok(_) => Err(format!("{place}: {cell} is not finite: give a number, or leave the touch out")),
+            Err(_) => Err(format!("{place}: \"{cell}\" is no number: give one")),
+        }
+    }
+
+    /// The name of the touch, what touched on either side, and how far apart they were.
+    #[allow(clippy::type_complexity)]
+    fn contact(
+        &self,
+        table: &Table,
+        row: &StringRecord,
+        robot: &Robot,
+    ) -> Result<(Option<String>, [Option<End>; 2], f64), String> {
+        let name = self.field(row, TOUCH).map(str::to_string);
+        let ends = [self.end(table, row, robot, 0)?, self.end(table, row, robot, 1)?];
+        if name.is_none() && ends.iter().any(Option::is_none) {
+            let side = usize::from(ends[0].is_some());
+            return Err(format!("column {} is empty: name what touched", NAMES[side][0]));
+        }
+        let distance = match self.fields.get(DISTANCE).filter(|at| !row[**at].is_empty()) {
+            Some(at) => self.number(table, row, *at)?,
+            None => 0.0,
+        };
+        Ok((name, ends, distance))
+    }
+
+    fn end(
+        &self,
+        table: &Table,
+        row: &StringRecord,
+        robot: &Robot,
+        side: usize,
+    ) -> Result<Option<End>, String> {
+        let [limb, receptor] = NAMES[side].map(|name| self.field(row, name));
+        // A receptor is a point of its own; the limb beside it says no more.
+        let receptor = receptor.filter(|name| limb.is_none() || robot.link(name).is_some());
+        let Some(name) = receptor.or(limb) else { return Ok(None) };
+        let deviation = match self.fields.get(DEVIATIONS[side]).filter(|at| !row[**at].is_empty()) {
+            None => None,
+            Some(at) => {
+                let deviation = self.number(table, row, *at)?;
+                if deviation < 0.0 {
+                    let title = &table.columns[*at].title;
+                    return Err(format!(
+                        "column {title}: {deviation} is negative: give metres, or leave it empty"
+                    ));
+                }
+                Some(deviation)
+            }
+        };
+        let point = match POINTS[side].map(|name| self.fields.get(name).filter(|at| !row[**at].is_empty())) {
+            [Some(x), Some(y), Some(z)] => Some(Vector3::new(
+                self.number(table, row, *x)?,
+                self.number(table, row, *y)?,
+                self.number(table, row, *z)?,
+            )),
+            [None, None, None] => None,
+            _ => {
+                let [x, y, z] = POINTS[side];
+                return Err(format!("one of {x}, {y}, {z} is empty: give all three, or none"));
+            }
+        };
+        let feature = match (point, robot.surface(name), robot.points_of(name)) {
+            (Some(point), _, Some(link)) => Feature::Point(link, point),
+            (None, Some(surface), _) => Feature::Surface(surface),
+            (None, None, Some(link)) if is_place(robot, link) => Feature::Point(link, Vector3::zeros()),
+            (None, None, Some(_)) => {
+                return Err(format!(
+                    "{name} has no point: give {} and the others, or name a surface of it",
+                    POINTS[side][0]
+                ));
+            }
+            (Some(_), Some(_), None) => {
+                return Err(format!(
+                    "{name} is a surface: leave its point out, or name the limb that it is on"
+                ));
+            }
+            (_, None, None) => {
+                let links = robot.links.iter().map(|link| link.name.as_str());
+                let names = links.chain(robot.surfaces.iter().map(|surface| surface.name.as_str()));
+                let near =
+                    nearest_name(name, names.filter(|name| !name.ends_with(".mount"))).unwrap_or_default();
+                return Err(format!(
+                    "column {}: {} has nothing called \"{name}\": name a limb, a point or a surface of it, such as {near}",
+                    NAMES[side][0], robot.name
+                ));
+            }
+        };
+        Ok(Some(End { feature, deviation }))
+    }
+
+    /// The posture; joints between the two must have been read.
+    fn posture(
+        &self,
+        table: &Table,
+        row: &StringRecord,
+        robot: &Robot,
+        links: [usize; 2],
+    ) -> Result<Vec<f64>, String> {
+        let mut posture = Vec::with_capacity(self.posture.len());
+        for at in &self.posture {
+            posture.push(match at {
+                Some(at) if !row[*at].is_empty() => Some(self.number(table, row, *at)?),
+                _ => None,
+            });
+        }
+        for dof in &robot.dofs {
+            let own = dof.coordinate..dof.coordinate + dof.kind.coordinates();
+            if posture[own].iter().any(Option::is_none)
+                && is_between(robot, dof_index(robot, &dof.name), links)
+            {
+                return Err(format!(
+                    "{} moves what touched and was not read: give a column {} with its {}",
+                    dof.name,
+                    dof.name,
+                    if dof.kind == DofKind::Slide { "metres" } else { "angle" }
+                ));
+            }
+        }
+        let mut posture: Vec<f64> = posture.into_iter().map(Option::unwrap_or_default).collect();
+        for dof in robot.dofs.iter().filter(|dof| dof.kind == DofKind::Ball) {
+            let own = &mut posture[dof.coordinate..dof.coordinate + 4];
+            let length = own.iter().map(|x| x * x).sum::<f64>().sqrt();
+            if length < 0.5 {
+                own.copy_from_slice(&[1.0, 0.0, 0.0, 0.0]);
+            } else {
+                own.iter_mut().for_each(|x| *x /= length);
+            }
+        }
+        Ok(posture)
+    }
+}
+
+fn dof_index(robot: &Robot, name: &str) -> usize {
+    robot.dof(name).unwrap_or(usize::MAX)
+}
+
+/// Whether a degree of freedom moves one of two links and not the other.
+fn is_between(robot: &Robot, dof: usize, links: [usize; 2]) -> bool {
+    let moves = |mut link: usize| {
+        loop {
+            let own = robot.links.get(link)?;
+            if own.elements.contains(&crate::calibration::robot::Element::Dof(dof)) {
+                return Some(true);
+            }
+            if own.parent == link {
+                return Some(false);
+            }
+            link = own.parent;
+        }
+    };
+    moves(links[0]) != moves(links[1])
+}
+
+/// Whether a link is a place: a point that needs no coordinates.
+fn is_place(robot: &Robot, link: usize) -> bool {
+    use crate::calibration::robot::Element;
+    matches!(robot.links[link].elements.as_slice(), [Element::Shift(_)])
+}
+
+/// Refuses angles that most of them are beyond a full turn.
+fn refuse_degrees(
+    path: &Path,
+    table: &Table,
+    robot: &Robot,
+    head: &Head,
+    touches: &[Touch],
+) -> Result<(), RecordError> {
+    let full = std::f64::consts::TAU;
+    for dof in robot.dofs.iter().filter(|dof| dof.kind == DofKind::Hinge) {
+        let Some(at) = head.posture[dof.coordinate] else { continue };
+        if table.columns[at].factor.is_some() {
+            continue;
+        }
+        let angles =
+            || touches.iter().map(|touch| touch.posture[dof.coordinate]).filter(|angle| *angle != 0.0);
+        let beyond = angles()
+            .filter(|angle| angle.abs() > full && !(dof.range[0]..=dof.range[1]).contains(angle))
+            .count();
+        if 2 * beyond > angles().count() {
+            let example = angles().find(|angle| angle.abs() > full).unwrap_or_default();
+            let message = format!(
+                "{} is {example} and mostly beyond a full turn of 6.283 radians: if these are degrees, call the column {}_deg",
+                dof.name, dof.name
+            );
+            return Err(RecordError::format(path, Some(1), message));
+        }
+    }
+    Ok(())
+}
+
+/// Refuses points that are far from their limb for a robot of this size.
+fn refuse_millimetres(
+    path: &Path,
+    robot: &Robot,
+    table: &Table,
+    head: &Head,
+    touches: &[Touch],
+) -> Result<(), RecordError> {
+    let size = reach(robot).max(0.05);
+    for side in 0..2 {
+        let Some(at) = head.fields.get(POINTS[side][0]) else { continue };
+        if table.columns[*at].factor.is_some() {
+            continue;
+        }
+        let mut distances: Vec<f64> = touches
+            .iter()
+            .flat_map(|touch| &touch.ends[side])
+            .filter_map(|end| match end.feature {
+                Feature::Point(_, point) => Some(point.norm()),
+                Feature::Surface(_) => None,
+            })
+            .collect();
+        distances.sort_by(f64::total_cmp);
+        let Some(median) = distances.get(distances.len() / 2).copied() else { continue };
+        if median > FAR * size {
+            let [x, y, z] = POINTS[side];
+            let message = format!(
+                "half of the points {x}, {y}, {z} are more than {median:.0} m from their limb's origin, and {} is about \
+                 {size:.1} m long: if these are millimetres, call the columns {x}_mm, {y}_mm, {z}_mm",
+                robot.name
+            );
+            return Err(RecordError::format(path, Some(1), message));
+        }
+    }
+    Ok(())
+}
+
+/// The longest way from the root out along positions, metres.
+fn reach(robot: &Robot) -> f64 {
+    let values = robot.nominal();
+    let posture = vec![0.0; robot.coordinates()];
+    let posture =
+        robot.dofs.iter().filter(|dof| dof.kind == DofKind::Ball).fold(posture, |mut posture, dof| {
+            posture[dof.coordinate] = 1.0;
+            posture
+        });
+    let posed = crate::calibration::robot::Posed::new(robot, &values, &posture);
+    let mut ways = vec![0.0f64; robot.links.len()];
+    for link in 1..robot.links.len() {
+        ways[link] = ways[robot.links[link].parent] + posed.frame(&[link]).origin.norm();
+    }
+    ways.into_iter().fold(0.0, f64::max)
+}
