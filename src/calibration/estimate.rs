@@ -115,6 +115,11 @@ impl<'a> Estimator<'a> {
         Problem::new(self.robot, &self.unknowns, touches, &sources, noise.clone(), weighing).seen(values)
     }
 
+    /// Noise of one deviation in all touches, metres, and of encoders, radians.
+    pub fn noise(&self, deviation: f64, joint: f64) -> Noise {
+        Noise { joint, ..Noise::alike(self.groups.count(), deviation) }
+    }
+
     /// The touches.
     pub fn touches(&self) -> &'a [Touch] {
         self.touches

@@ -118,6 +118,23 @@ pub fn split(touches: &[Touch], held_out: f64, seed: u64) -> [Vec<Touch>; 2] {
     [part(&order[held..]), part(&order[..held])]
 }
 
+/// Divides touches at random into so many parts, each of which is held out once: what is fitted to, and what is held out.
+pub fn folds(touches: &[Touch], count: usize, seed: u64) -> Vec<[Vec<Touch>; 2]> {
+    let mut order: Vec<usize> = (0..touches.len()).collect();
+    order.shuffle(&mut ChaCha8Rng::seed_from_u64(seed));
+    let mut part = vec![0; touches.len()];
+    order.iter().enumerate().for_each(|(rank, touch)| part[*touch] = rank % count.max(1));
+    let of = |held: bool, k: usize| {
+        touches
+            .iter()
+            .zip(&part)
+            .filter(|(_, part)| (**part == k) == held)
+            .map(|(touch, _)| touch.clone())
+            .collect()
+    };
+    (0..count).map(|k| [of(false, k), of(true, k)]).collect()
+}
+
 /// The value below which a share of sorted values lies.
 fn quantile(sorted: &[f64], share: f64) -> f64 {
     let at = share * sorted.len().saturating_sub(1) as f64;

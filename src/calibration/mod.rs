@@ -3,6 +3,7 @@
 //! ```text
 //! robot (links, quantities by name, what is known of each) + touches ─ problem ─ estimate ─ fit
 //! fit ─ told (deviations, what cannot be told apart) ─ judgement (touches that it was not fitted to)
+//! robot + touches that could be made ─ plan (those that tell most)
 //! ```
 //!
 //! Where [`learning`](crate::learning) begins from nothing, this begins from nominal values, and knows more kinds of what may
@@ -12,6 +13,7 @@ mod estimate;
 mod judgement;
 mod noise;
 mod pairing;
+mod plan;
 mod problem;
 pub mod robot;
 mod signs;
@@ -21,8 +23,9 @@ mod touch;
 mod unknowns;
 
 pub use estimate::{Estimator, EstimatorOptions, FalseTouches, Fit, JointNoise, SeenTouch};
-pub use judgement::{Judgement, Misses, judge, split};
+pub use judgement::{Judgement, Misses, folds, judge, split};
 pub use noise::{Noise, NoiseSource, Seen};
+pub use plan::{Plan, Planned, plan};
 pub use told::{Told, Untold};
 pub use touch::{End, Feature, Residuals, Touch};
 pub use unknowns::Unknowns;

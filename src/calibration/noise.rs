@@ -211,25 +211,36 @@ pub fn taken_up(residuals: &Residuals, covariance: &DMatrix<f64>) -> Matrix3<f64
     sum
 }
 
-/// Groups of touches by what they are between: those of fewer than a few touches are one.
+/// Groups of touches by what they are between. Those of few touches are one, and where all these are few, too, they are taken to
+/// be as noisy as the most frequent ones.
 #[derive(Clone, Debug)]
-pub struct Groups<K>(Vec<K>);
+pub struct Groups<K> {
+    of_many: Vec<K>,
+    /// The group of all others.
+    rest: usize,
+}
 
 impl<K: Ord + Copy> Groups<K> {
     /// Of so many touches' keys.
     pub fn of(keys: &[K]) -> Groups<K> {
         let mut counts = std::collections::BTreeMap::new();
         keys.iter().for_each(|key| *counts.entry(*key).or_insert(0) += 1);
-        Groups(counts.into_iter().filter(|(_, count)| *count >= FEW).map(|(key, _)| key).collect())
+        let most = counts.iter().max_by_key(|(_, count)| **count).map(|(key, _)| *key);
+        let of_many: Vec<K> =
+            counts.iter().filter(|(_, count)| **count >= FEW).map(|(key, _)| *key).collect();
+        let few: usize = counts.values().filter(|count| **count < FEW).sum();
+        let most = of_many.iter().position(|key| Some(*key) == most);
+        let rest = most.filter(|_| few < FEW).unwrap_or(of_many.len());
+        Groups { of_many, rest }
     }
 
     /// The group of a key.
     pub fn group(&self, key: &K) -> usize {
-        self.0.iter().position(|other| other == key).unwrap_or(self.0.len())
+        self.of_many.iter().position(|other| other == key).unwrap_or(self.rest)
     }
 
-    /// How many there are, that of the rest included.
+    /// How many there are.
     pub fn count(&self) -> usize {
-        self.0.len() + 1
+        self.of_many.len().max(self.rest + 1)
     }
 }

@@ -12,10 +12,14 @@ use crate::creature::DofKind;
 
 /// Touches that signs are looked for by.
 const TOUCHES: usize = 250;
-/// Random signs that a search begins from.
-const STARTS: usize = 24;
-/// Of what the search ends with, so many are fitted.
-const FITTED: usize = 6;
+/// Random signs that a search begins from, in each of so many batches at the most.
+const BATCH: usize = 8;
+const BATCHES: usize = 8;
+/// How far off encoders may be where a search begins, radians.
+const ASIDE: f64 = 0.2;
+/// The best is found when so many starts end there, as nearly as this.
+const AGREEING: usize = 2;
+const AGREE: f64 = 1.0;
 /// Misses that are told apart while offsets are still wrong, and when they are right, metres.
 const ROUGH: f64 = 0.05;
 const FINE: f64 = 1e-3;
@@ -31,39 +35,57 @@ impl Estimator<'_> {
     }
 
     /// Values with likely signs: by exchanging one at a time, from the nominal ones and from random ones, as long as touches
-    /// miss less; then with all else fitted, the same again.
+    /// miss less; then with all else fitted, the same again. Begun anew until the best is found several times.
     pub fn with_likely_signs(&self, start: Vec<Value>) -> Vec<Value> {
         let signs = self.open_signs();
         let mut rng = ChaCha8Rng::seed_from_u64(SEED);
-        let starts: Vec<Vec<Value>> = (0..STARTS)
-            .map(|k| {
-                let mut values = start.clone();
-                for sign in signs.iter().filter(|_| k > 0) {
-                    values[*sign] = Value::Number(if rng.random_bool(0.5) { 1.0 } else { -1.0 });
-                }
-                values
-            })
-            .collect();
-        let descended = starts.into_par_iter().map(|values| {
-            self.exchanged(values, &signs, |values| (self.scatter(values, ROUGH), values.to_vec()))
-        });
-        let mut found: Vec<(f64, Vec<Value>)> = descended.collect();
-        found.sort_by(|a, b| a.0.total_cmp(&b.0));
-        found.dedup_by(|a, b| a.1 == b.1);
-        found.truncate(FITTED);
         let fitted = |values: &[Value]| {
             let fitted = self.approach(values.to_vec()).0;
             (self.scatter(&fitted, FINE), fitted)
         };
-        let mut best: Option<(f64, Vec<Value>)> = None;
-        for (_, values) in found {
-            let found = fitted(&values);
-            if best.as_ref().is_none_or(|best| found.0 < best.0) {
-                best = Some(found);
+        let mut found: Vec<(f64, Vec<Value>)> = Vec::new();
+        for batch in 0..BATCHES {
+            let starts: Vec<Vec<Value>> =
+                (0..BATCH).map(|k| self.begun(&start, &signs, batch + k == 0, &mut rng)).collect();
+            let descended = starts.into_par_iter().map(|values| {
+                let rough = |values: &[Value]| (self.scatter(values, ROUGH), values.to_vec());
+                fitted(&self.exchanged(values, &signs, rough).1)
+            });
+            found.extend(descended.collect::<Vec<_>>());
+            found.sort_by(|a, b| a.0.total_cmp(&b.0));
+            let agree = |other: &&(f64, Vec<Value>)| {
+                signs.iter().all(|sign| other.1[*sign] == found[0].1[*sign]) && other.0 < found[0].0 + AGREE
+            };
+            if found.iter().filter(agree).count() >= AGREEING {
+                break;
+            }
+            // The best may be right but for a sign or two, of joints that few touches tell of.
+            let (size, values) = self.exchanged(found[0].1.clone(), &signs, fitted);
+            if size < found[0].0 {
+                found.insert(0, (size, values));
             }
         }
-        let Some((_, values)) = best else { return start };
+        let Some((_, values)) = found.into_iter().next() else { return start };
         self.exchanged(values, &signs, fitted).1
+    }
+
+    /// Where a search begins: at nominal values, or with random signs and encoders some way off.
+    fn begun(&self, start: &[Value], signs: &[usize], nominal: bool, rng: &mut ChaCha8Rng) -> Vec<Value> {
+        let mut values = start.to_vec();
+        if nominal {
+            return values;
+        }
+        for sign in signs {
+            values[*sign] = Value::Number(if rng.random_bool(0.5) { 1.0 } else { -1.0 });
+        }
+        for dof in self.robot.dofs.iter().filter(|dof| dof.kind == DofKind::Hinge) {
+            let Some(q) = dof.quantities.filter(|q| self.robot.quantities[q.offset].is_open()) else {
+                continue;
+            };
+            let aside = rng.random_range(-ASIDE..ASIDE);
+            values[q.offset] = Value::Number(values[q.offset].number() + aside);
+        }
+        values
     }
 
     /// Signs exchanged one at a time as long as a measure falls, which may change the values, too.

@@ -8,8 +8,9 @@ use rand_distr::{Distribution, StandardNormal};
 use super::robot::{Form, NominalJoint, Posed, Robot, Value};
 use super::touch::{End, Feature, Touch};
 use crate::agent::Agent;
-use crate::creature::DofKind;
+use crate::creature::{DofKind, Posture};
 use crate::geometry::Frame;
+use crate::kinematics::limb_frames;
 use crate::schema::BodySchema;
 
 /// The robot of an agent whose joints are where a schema says.
@@ -27,22 +28,50 @@ pub fn robot_of(agent: &Agent, schema: &BodySchema) -> Robot {
     Robot::of_creature(creature, &nominal)
 }
 
-/// Touches of an agent as a log of points tells them.
-pub fn point_touches(agent: &Agent, robot: &Robot, touches: &[crate::senses::Touch]) -> Vec<Touch> {
-    let limbs = agent.creature().limbs();
+/// Touches of an agent, whose joints are where a schema says, as a log of points tells them for a robot with links and degrees
+/// of freedom of the same names. The robot's frames may be others: with all joints at zero both are the same body. Of limbs that
+/// the robot does not have there is no touch.
+pub fn point_touches(
+    agent: &Agent,
+    schema: &BodySchema,
+    robot: &Robot,
+    touches: &[crate::senses::Touch],
+) -> Vec<Touch> {
+    let creature = agent.creature();
+    let zero = Posture::reference(creature);
+    let own = limb_frames(creature, schema, &zero);
+    let nominal = robot.nominal();
+    let mut posture = vec![0.0; robot.coordinates()];
+    for dof in robot.dofs.iter().filter(|dof| dof.kind == DofKind::Ball) {
+        posture[dof.coordinate] = 1.0;
+    }
+    let theirs = Posed::new(robot, &nominal, &posture).frames();
+    // Per limb the robot's link for its points, and the limb's frame in that link's.
+    let places: Vec<Option<(usize, Frame)>> = creature
+        .limbs()
+        .iter()
+        .zip(&own)
+        .map(|(name, frame)| robot.points_of(name).map(|link| (link, theirs[link].inverse() * *frame)))
+        .collect();
     let end = |end: &crate::senses::TouchEnd| {
-        let limb = agent.skin().receptors[end.receptor].limb;
-        // Every limb of a creature's robot has a mount.
-        let link = robot.points_of(&limbs[limb]).unwrap_or(limb);
-        vec![End { feature: Feature::Point(link, end.contact), deviation: None }]
+        let (link, pose) = places[agent.skin().receptors[end.receptor].limb]?;
+        Some(vec![End { feature: Feature::Point(link, pose.point(&end.contact)), deviation: None }])
     };
-    let one = |(i, touch): (usize, &crate::senses::Touch)| Touch {
-        line: i + 1,
-        posture: touch.posture.to_vec(),
-        ends: [end(&touch.ends[0]), end(&touch.ends[1])],
-        distance: 0.0,
+    let one = |(i, touch): (usize, &crate::senses::Touch)| {
+        let mut there = posture.clone();
+        for element in creature.elements() {
+            let dof = &robot.dofs[robot.dof(&element.dof().name)?];
+            there[dof.coordinate..dof.coordinate + element.kind.coordinates()]
+                .copy_from_slice(element.of(&touch.posture));
+        }
+        Some(Touch {
+            line: i + 2,
+            posture: there,
+            ends: [end(&touch.ends[0])?, end(&touch.ends[1])?],
+            distance: 0.0,
+        })
     };
-    touches.iter().enumerate().map(one).collect()
+    touches.iter().enumerate().filter_map(one).collect()
 }
 
 /// Touches of an agent as a log of surfaces tells them: which two met, and no more. Its limbs' surfaces are added to the robot.

@@ -76,6 +76,7 @@ type Outcome = Result<(), Failure>;
   bodyschema skin creature.xml --out with_skin.xml           # grow a skin on another creature
   bodyschema learn sessions/max-1 --learner hersch           # learn again from a session's touches
   bodyschema learn --creature robot.json --log touches.csv   # learn from a recording of a real body
+  bodyschema calibrate robot.urdf touches.csv                # put a robot's numbers right by its touches
   bodyschema render sessions/max-1 --touch 3 --out touch.png # what a touch looks like
   bodyschema space sessions/max-1                            # where its hands can get to
   bodyschema export sessions/max-1 --urdf                    # the learned body for other programs
@@ -107,6 +108,8 @@ enum Command {
     Learn(learn::LearnArguments),
     /// Put a robot's numbers right by its own touches
     Calibrate(calibrate::CalibrateArguments),
+    /// Choose the touches that would tell most about what is unknown of a robot
+    Plan(calibrate::plan::PlanArguments),
     /// Measure a session's schema against the model it was babbled on
     Evaluate(evaluate::EvaluateArguments),
     /// Tell what a session's touches determine, how well, and what they leave open
@@ -199,6 +202,7 @@ fn carry_out() -> Outcome {
         Command::Babble(args) => babble::run(&args, given()),
         Command::Learn(args) => learn::run(&args, given()),
         Command::Calibrate(args) => calibrate::run(&args),
+        Command::Plan(args) => calibrate::plan::run(&args),
         Command::Evaluate(args) => evaluate::run(&args),
         Command::Observe(args) => observe::run(&args),
         Command::Report(args) => report::run(&args),

@@ -30,7 +30,8 @@ use crate::learning::surface_gap::{CERTAIN_NOISE, MEAN_WEIGHT, SHARPEST, Surface
 use crate::learning::touch_set::{LimbTouch, PairTouches, PreparedTouch, TouchProblem, TouchSet};
 use crate::learning::twins::without_twins;
 use crate::learning::{
-    Account, AxisModel, Basis, Learned, Learner, LimbFrames, Parameters, PriorKnowledge, Verdict, Witnesses,
+    Account, AxisModel, Basis, Learned, Learner, LimbFrames, Parameters, Prior, PriorKnowledge, Verdict,
+    Witnesses,
 };
 use crate::schema::{BodySchema, unfelt_shifts};
 use crate::senses::Touch;
@@ -392,16 +393,26 @@ impl<'a> SecondOrder<'a> {
         let schema = self.with_frozen(&start.schema);
         match self.evidence() {
             Evidence::Points { .. } => {
-                let mut problem =
-                    TouchProblem::new(self.agent.creature(), &used, &parameters, PointsMeet::Shaped)
-                        .with_prior(if self.input == Input::Contact {
-                            &self.known.given
-                        } else {
-                            &self.known.prior
-                        });
                 let stopping =
                     Stopping { iterations: 60, relative_cost: 1e-9, cost: 0.0, deadline: Deadline::NEVER };
-                let schema = levenberg_marquardt(&mut problem, schema, stopping).state;
+                let fit = |schema: BodySchema, prior: &Prior| {
+                    let mut problem =
+                        TouchProblem::new(self.agent.creature(), &used, &parameters, PointsMeet::Shaped)
+                            .with_prior(prior);
+                    levenberg_marquardt(&mut problem, schema, stopping).state
+                };
+                let mut schema = match self.input {
+                    Input::Receptor => fit(schema, &self.known.prior),
+                    Input::Contact => fit(schema, &self.known.given),
+                };
+                if self.input == Input::Contact && self.known.is_given() && !self.noise_is_given() {
+                    // What is known weighs as much as it should against touches as noisy as they are, not as they were taken to
+                    // be.
+                    for _ in 0..WEIGHINGS {
+                        let noise = self.excess_noise(&used, &parameters, &schema);
+                        schema = fit(schema, &self.known.given.sharpened(noise));
+                    }
+                }
                 let schema = self.settled(schema, &start.placed);
                 let told = match self.frames {
                     LimbFrames::Joint if self.input == Input::Contact => {
@@ -443,6 +454,22 @@ impl<'a> SecondOrder<'a> {
                 (schema, account, deviation)
             }
         }
+    }
+
+    /// Whether any touch says how exact its points are.
+    fn noise_is_given(&self) -> bool {
+        self.touches.iter().flat_map(|touch| &touch.ends).any(|end| end.deviation.is_some())
+    }
+
+    /// How many times more noise points have than they are taken to have: by what is left of each of their equations that
+    /// parameters do not take up.
+    fn excess_noise(&self, used: &TouchSet, parameters: &Parameters, schema: &BodySchema) -> f64 {
+        let misfit: f64 = used
+            .touches()
+            .map(|touch| PointsMeet::Shaped.squared_misfit(&touch.ends, &touch.frames(schema)))
+            .sum();
+        let spare = 3.0 * used.len() as f64 - parameters.len() as f64;
+        (misfit / spare.max(1.0)).sqrt()
     }
 
     /// The fit to touches that show no noise, as far as they go: where surfaces are round and bodies move in a plane, gaps hardly

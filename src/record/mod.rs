@@ -41,8 +41,11 @@ pub use model_hash::model_hash;
 pub use parquet::write_parquet;
 pub use progress::BabblingProgress;
 pub use recording::{CreatureFile, Recording, read_creature, read_recording};
-pub(crate) use robot::set_prior;
-pub use robot::{CalibrationLog, RobotFile, apply_known, read_calibration_log, read_robot};
+pub use robot::{
+    CalibrationLog, RobotFile, RobotFormat, Written, apply_known, calibration_table, read_calibration_log,
+    read_robot,
+};
+pub(crate) use robot::{json_of, name_of, set_prior};
 pub use schema::{read_schema, read_schema_with_std, write_schema, write_schema_with_std};
 pub use session::{BabblingEffort, RecordingFiles, Session, SessionOptions};
 pub use space_record::{SpaceRecord, SpaceSlice};

@@ -38,7 +38,7 @@ impl Robot {
     }
 
     /// Gives every link so far a mount at rest, called after it, that its points are on.
-    pub(super) fn mount_all(&mut self) {
+    pub fn mount_all(&mut self) {
         for link in 0..self.links.len() {
             let name = mount_name(&self.links[link].name);
             self.add_mount(&name, link, Frame::identity());

@@ -229,7 +229,7 @@ impl Robot {
 
     /// How many coordinates a posture has.
     pub fn coordinates(&self) -> usize {
-        self.dofs.last().map_or(0, |dof| dof.coordinate + dof.kind.coordinates())
+        self.dofs.iter().map(|dof| dof.coordinate + dof.kind.coordinates()).max().unwrap_or(0)
     }
 
     /// All quantities at their nominal values.

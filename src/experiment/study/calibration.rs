@@ -15,7 +15,7 @@ use crate::calibration::simulated::{
     add_joint_noise, add_point_noise, double, falsify, misread, normal, point_touches, robot_of,
     surface_touches,
 };
-use crate::calibration::{End, Estimator, EstimatorOptions, JointNoise, Touch};
+use crate::calibration::{End, Estimator, EstimatorOptions, JointNoise, Touch, plan};
 use crate::experiment::ExperimentError;
 
 /// The study `calibration`.
@@ -43,6 +43,11 @@ const AXES: f64 = 0.05;
 /// What counts as right without noise: degrees, and of gains a ratio.
 const RIGHT_OFFSET: f64 = 1e-3;
 const RIGHT_GAIN: f64 = 1e-5;
+/// Touches that are made at random, and those that are chosen of all, to compare them.
+const RANDOM: usize = 300;
+const PLANNED: usize = 50;
+/// Noise of points where there is none, for a plan, metres.
+const EXACT: f64 = 1e-5;
 /// Every so many touches one is held out.
 const HELD_OUT: usize = 4;
 
@@ -57,9 +62,11 @@ enum Case {
     FalseAndUnpaired,
     Joints,
     JointsNoisy,
+    Random,
+    Planned,
 }
 
-const CASES: [Case; 8] = [
+const CASES: [Case; 10] = [
     Case::Encoders,
     Case::NoisyEncoders,
     Case::NoisyPoints,
@@ -68,6 +75,8 @@ const CASES: [Case; 8] = [
     Case::FalseAndUnpaired,
     Case::Joints,
     Case::JointsNoisy,
+    Case::Random,
+    Case::Planned,
 ];
 
 impl Case {
@@ -81,6 +90,8 @@ impl Case {
             Case::FalseAndUnpaired => "the same, both",
             Case::Joints => "joints by surfaces",
             Case::JointsNoisy => "the same, 0.1°",
+            Case::Random => "encoders, 0.1°, 300 random",
+            Case::Planned => "encoders, 0.1°, 50 planned",
         }
     }
 
@@ -89,7 +100,12 @@ impl Case {
     }
 
     fn joint_noise(self) -> f64 {
-        if matches!(self, Case::NoisyEncoders | Case::JointsNoisy) { JOINT_NOISE.to_radians() } else { 0.0 }
+        match self {
+            Case::NoisyEncoders | Case::JointsNoisy | Case::Random | Case::Planned => {
+                JOINT_NOISE.to_radians()
+            }
+            _ => 0.0,
+        }
     }
 
     fn point_noise(self) -> f64 {
@@ -111,6 +127,7 @@ row! {
         worst_mm: f64 = "after, worst, mm",
         wrong_signs: usize = "wrong signs",
         offset_deg: f64 = "worst offset, °",
+        offset_rms_deg: f64 = "offset, RMS, °",
         gain: f64 = "worst gain",
         ratio: f64 = "error / bound",
         right: bool = "right",
@@ -129,6 +146,7 @@ row! {
         after_mm: f64 = "after, RMS, mm",
         worst_mm: f64 = "after, worst, mm",
         offset_deg: f64 = "worst offset, °",
+        offset_rms_deg: f64 = "offset, RMS, °",
         gain: f64 = "worst gain",
         ratio: f64 = "error / bound",
         seconds: f64 = "seconds",
@@ -155,7 +173,7 @@ pub fn measure(
                     .filter(|touch| touch.ends.iter().all(|ends| is_tip(&robot, &ends[0])))
                     .collect()
             } else {
-                point_touches(subject.agent(), &robot, &babbled)
+                point_touches(subject.agent(), &subject.truth().schema, &robot, &babbled)
             };
             measurements.push(trial(case, robot, touches, seed));
         }
@@ -175,6 +193,7 @@ pub fn measure(
             after_mm: rms(each(|found| found.after_mm)),
             worst_mm: worst(|found| found.worst_mm),
             offset_deg: worst(|found| found.offset_deg),
+            offset_rms_deg: rms(each(|found| found.offset_rms_deg)),
             gain: worst(|found| found.gain),
             ratio: rms(each(|found| found.ratio)),
             seconds: median(each(|found| found.seconds)),
@@ -267,6 +286,14 @@ fn disturbed(case: Case, robot: &mut Robot, exact: &[Touch], seed: u64) -> Vec<V
     truth
 }
 
+/// Those of some touches that a plan chooses, with all encoders taken to be right.
+fn planned(robot: &Robot, touches: &[Touch]) -> Vec<Touch> {
+    let estimator = Estimator::new(robot, touches, EstimatorOptions::default());
+    let noise = estimator.noise(EXACT, JOINT_NOISE.to_radians());
+    let plan = plan(&estimator, &robot.nominal(), &noise, PLANNED);
+    plan.touches.iter().map(|planned| touches[planned.candidate].clone()).collect()
+}
+
 /// How far apart what touched is by some values, metres.
 fn sizes(robot: &Robot, values: &[Value], touches: &[Touch]) -> Vec<f64> {
     let size = |touch: &Touch| {
@@ -287,6 +314,12 @@ fn trial(case: Case, mut robot: Robot, mut exact: Vec<Touch>, seed: u64) -> Cali
         // The nominal encoders read right: postures are still as they are.
         double(&robot, &robot.nominal(), &mut fitted, &mut rng);
     }
+    if case == Case::Random {
+        fitted.truncate(RANDOM);
+    }
+    if case == Case::Planned {
+        fitted = planned(&robot, &fitted);
+    }
     for touches in [&mut fitted, &mut fresh] {
         misread(&robot, &truth, touches);
     }
@@ -306,9 +339,10 @@ fn trial(case: Case, mut robot: Robot, mut exact: Vec<Touch>, seed: u64) -> Cali
         |quantity: usize| estimator.unknowns.place(quantity, 0).filter(|place| fit.told.is_told(*place));
     let error = |quantity: usize| (fit.values[quantity].number() - truth[quantity].number()).abs();
     let (mut wrong_signs, mut offset, mut gain) = (0, 0.0f64, 0.0f64);
-    let mut squares = Vec::new();
+    let (mut squares, mut offsets) = (Vec::new(), Vec::new());
     for q in robot.dofs.iter().filter_map(|dof| dof.quantities) {
         wrong_signs += usize::from(!untold_signs.contains(&q.sign) && error(q.sign) > 0.0);
+        offsets.extend(told(q.offset).map(|_| error(q.offset)));
         for (quantity, worst) in [(q.offset, &mut offset), (q.gain, &mut gain)] {
             if let Some(place) = told(quantity) {
                 *worst = worst.max(error(quantity));
@@ -335,6 +369,9 @@ fn trial(case: Case, mut robot: Robot, mut exact: Vec<Touch>, seed: u64) -> Cali
         worst_mm: 1e3 * most(&after),
         wrong_signs,
         offset_deg,
+        offset_rms_deg: (offsets.iter().map(|x: &f64| x * x).sum::<f64>() / offsets.len().max(1) as f64)
+            .sqrt()
+            .to_degrees(),
         gain,
         ratio: (squares.iter().sum::<f64>() / squares.len().max(1) as f64).sqrt(),
         right: right && wrong_signs == 0,

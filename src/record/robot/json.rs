@@ -7,8 +7,8 @@ use nalgebra::{Rotation3, Vector3};
 use serde::Deserialize;
 use serde::de::IgnoredAny;
 
-use super::RobotFile;
-use crate::calibration::robot::{Form, Knowledge, LinkMass, NominalJoint, Robot, Unit};
+use super::{RobotFile, RobotFormat, Written};
+use crate::calibration::robot::{Form, Knowledge, LinkMass, NominalJoint, Robot, Unit, Value};
 use crate::creature::{Creature, Dof, DofKind, Joint};
 use crate::geometry::{Frame, Shape};
 use crate::record::RecordError;
@@ -40,6 +40,8 @@ struct Extras {
     #[serde(default)]
     masses: Vec<MassJson>,
     gravity: Option<[f64; 3]>,
+    #[serde(default)]
+    values: BTreeMap<String, Numbers>,
     #[serde(default)]
     free: Vec<String>,
     #[serde(default)]
@@ -83,6 +85,14 @@ enum NameOrIndex {
 enum Deviation {
     Number(f64),
     Text(String),
+}
+
+/// A quantity's value: a number, three of a position or an axis, the rotation vector of an orientation.
+#[derive(Clone, Deserialize)]
+#[serde(untagged, expecting = "a number or three")]
+enum Numbers {
+    One(f64),
+    Three([f64; 3]),
 }
 
 #[derive(Deserialize)]
@@ -135,9 +145,9 @@ struct MassJson {
 }
 
 /// Reads a robot from the bytes of a JSON file.
-pub(super) fn read(path: &Path, bytes: &[u8]) -> Result<RobotFile, RecordError> {
+pub(super) fn read(path: &Path, bytes: Vec<u8>) -> Result<RobotFile, RecordError> {
     let refuse = |message: String| RecordError::format(path, None, message);
-    let text = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
+    let text = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(&bytes);
     let mut value: serde_json::Value = serde_json::from_slice(text)
         .map_err(|error| RecordError::json(path, "description of a robot", &error))?;
     // Of a session the creature is what is asked for.
@@ -149,7 +159,8 @@ pub(super) fn read(path: &Path, bytes: &[u8]) -> Result<RobotFile, RecordError> 
         let place = if place == "." { String::new() } else { format!("{place}: ") };
         refuse(format!("{place}{}: mend it as the documentation of a robot's file says", error.inner()))
     })?;
-    robot(json).map_err(refuse)
+    let read = robot(json).map_err(refuse)?;
+    Ok(RobotFile { bytes, ..read })
 }
 
 fn robot(json: RobotJson) -> Result<RobotFile, String> {
@@ -193,7 +204,15 @@ fn robot(json: RobotJson) -> Result<RobotFile, String> {
         Creature::new(json.name, json.limbs, joints, Vec::new()).map_err(|error| error.to_string())?;
     let mut robot = Robot::of_creature(&creature, &nominal);
     let says_what_is_open = add_extras(&mut robot, json.extras)?;
-    Ok(RobotFile { robot, creature: Some(creature), unplaced, says_what_is_open })
+    Ok(RobotFile {
+        robot,
+        format: RobotFormat::Json,
+        bytes: Vec::new(),
+        creature: Some(creature),
+        unplaced,
+        says_what_is_open,
+        notes: Vec::new(),
+    })
 }
 
 /// Adds what is on a robot; whether it is said what is unknown.
@@ -233,6 +252,9 @@ fn add_extras(robot: &mut Robot, extras: Extras) -> Result<bool, String> {
     }
     if let Some(gravity) = extras.gravity {
         robot.gravity = gravity.into();
+    }
+    for (name, numbers) in &extras.values {
+        set_value(robot, name, numbers)?;
     }
     let says = !extras.free.is_empty() || !extras.prior.is_empty();
     for pattern in &extras.free {
@@ -293,4 +315,75 @@ fn named(robot: &Robot, what: &str, link: &str) -> Result<usize, String> {
 fn pose(position: [f64; 3], [roll, pitch, yaw]: [f64; 3]) -> Frame {
     let rotation = Rotation3::from_euler_angles(roll, pitch, yaw).into_inner();
     Frame { rotation, origin: position.into() }
+}
+
+/// Gives a quantity a value of its own.
+fn set_value(robot: &mut Robot, name: &str, numbers: &Numbers) -> Result<(), String> {
+    let at = robot
+        .quantity(name)
+        .ok_or_else(|| format!("values: nothing of {} is called \"{name}\": leave it out", robot.name))?;
+    let value = match (robot.quantities[at].nominal, numbers) {
+        (Value::Number(_), Numbers::One(x)) => Value::Number(*x),
+        (Value::Position(_), Numbers::Three(at)) => Value::Position((*at).into()),
+        (Value::Orientation(_), Numbers::Three(turn)) => {
+            Value::Orientation(Rotation3::new(Vector3::from(*turn)).into_inner())
+        }
+        (Value::Direction(_), Numbers::Three(axis)) => {
+            let axis = Vector3::from(*axis).try_normalize(1e-9);
+            Value::Direction(axis.ok_or_else(|| format!("values: {name} has no length: give a direction"))?)
+        }
+        (Value::Number(_), _) => return Err(format!("values: {name} is one number: give one")),
+        _ => return Err(format!("values: {name} has three numbers: give all")),
+    };
+    robot.quantities[at].nominal = value;
+    Ok(())
+}
+
+/// The file with other values: all that are not the maker's stand by name in a field of their own, before all others.
+pub(super) fn with_values(bytes: &[u8], robot: &Robot, values: &[Value]) -> Written {
+    let others = robot.quantities.iter().zip(values).filter(|(quantity, value)| quantity.nominal != **value);
+    let mut named: BTreeMap<String, serde_json::Value> = BTreeMap::new();
+    let before: Option<BTreeMap<String, serde_json::Value>> =
+        serde_json::from_slice::<serde_json::Value>(bytes)
+            .ok()
+            .and_then(|file| serde_json::from_value(file.get("values")?.clone()).ok());
+    named.extend(before.clone().unwrap_or_default());
+    for (quantity, value) in others {
+        named.insert(quantity.name.clone(), json_of(value));
+    }
+    let lines: Vec<String> = named
+        .iter()
+        .map(|(name, value)| format!("    {}: {value}", serde_json::Value::from(name.as_str())))
+        .collect();
+    let field = format!("\"values\": {{\n{}\n  }}", lines.join(",\n"));
+    let text = String::from_utf8_lossy(bytes);
+    let object: Result<BTreeMap<&str, &serde_json::value::RawValue>, _> =
+        serde_json::from_str(text.trim_start_matches('\u{feff}'));
+    let left_out = match &object {
+        Ok(object) if object.contains_key("limbs") => Vec::new(),
+        _ => vec![
+            "a whole session keeps its creature as it was: the new values are in calibration.json"
+                .to_string(),
+        ],
+    };
+    if !left_out.is_empty() {
+        return Written { bytes: bytes.to_vec(), left_out };
+    }
+    let old = object.ok().and_then(|object| object.get("values").map(|raw| raw.get().to_string()));
+    let text = match old {
+        // The old values' text is there once with its name before it.
+        Some(old) => text.replacen(&old, field.trim_start_matches("\"values\": "), 1),
+        None => text.replacen('{', &format!("{{\n  {field},"), 1),
+    };
+    Written { bytes: text.into_bytes(), left_out }
+}
+
+/// A value as a file has it.
+pub(crate) fn json_of(value: &Value) -> serde_json::Value {
+    let three = |v: Vector3<f64>| serde_json::json!([v.x, v.y, v.z]);
+    match value {
+        Value::Position(v) | Value::Direction(v) => three(*v),
+        Value::Orientation(r) => three(Rotation3::from_matrix_unchecked(*r).scaled_axis()),
+        Value::Number(x) => serde_json::json!(x),
+    }
 }

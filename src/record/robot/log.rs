@@ -121,7 +121,11 @@ impl Head {
             titled.or_else(|| table.columns.iter().position(|column| column.name == name))
         };
         let mut posture = Vec::new();
-        for dof in &robot.dofs {
+        // What mimics another has its coordinate.
+        for (i, dof) in robot.dofs.iter().enumerate() {
+            if robot.dofs[..i].iter().any(|other| other.coordinate == dof.coordinate) {
+                continue;
+            }
             match dof.kind {
                 DofKind::Ball => posture.extend(QUATERNION.map(|part| find(&format!("{}{part}", dof.name)))),
                 _ => posture.push(find(&dof.name)),

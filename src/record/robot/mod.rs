@@ -2,39 +2,102 @@
 //! Denavit and Hartenberg's numbers; comma-separated values in the units that their columns say.
 
 mod columns;
+mod dh;
+mod dh_table;
+mod dh_writer;
+mod edits;
 mod json;
 mod log;
+mod log_writer;
+mod tags;
+mod urdf;
+mod urdf_elements;
+mod urdf_writer;
 
 use std::path::Path;
 
-pub(crate) use json::set_prior;
+pub use edits::Written;
+pub(crate) use json::{json_of, set_prior};
 pub use log::{CalibrationLog, read_calibration_log};
+pub use log_writer::calibration_table;
+pub(crate) use log_writer::name_of;
 
 use super::{RecordError, files};
 use crate::calibration::robot::{Knowledge, Robot, Value};
 use crate::creature::Creature;
 use crate::learning::KnownJoint;
 
+/// What a robot's file is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum RobotFormat {
+    /// A description in JSON.
+    Json,
+    /// URDF.
+    Urdf,
+    /// A table of Denavit and Hartenberg's numbers, as comma-separated values or JSON.
+    Dh,
+}
+
 /// A robot's file, read.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RobotFile {
     /// The robot at its maker's numbers.
     pub robot: Robot,
+    /// What the file is.
+    pub format: RobotFormat,
+    /// Its bytes, for the same with other numbers.
+    bytes: Vec<u8>,
     /// Its tree as a creature, where the file is one.
     pub creature: Option<Creature>,
     /// Joints of which the file does not say where they are.
     pub unplaced: Vec<String>,
     /// Whether the file says what is unknown.
     pub says_what_is_open: bool,
+    /// What was passed over, in sentences.
+    pub notes: Vec<String>,
 }
 
-/// Reads a robot from a file: JSON, as `docs/calibration.md` says.
+/// Reads a robot from a file: a description in JSON, URDF, or a table of Denavit and Hartenberg's numbers, by its content.
 ///
 /// # Errors
 /// [`RecordError::Io`] where it cannot be read; [`RecordError::Format`], with the place and the mend, where it is none.
 pub fn read_robot(path: &Path) -> Result<RobotFile, RecordError> {
     let bytes = files::read(path)?;
-    json::read(path, &bytes)
+    let plain = |mut robot: Robot, format, notes, bytes| {
+        robot.mount_all();
+        RobotFile {
+            robot,
+            format,
+            bytes,
+            creature: None,
+            unplaced: Vec::new(),
+            says_what_is_open: false,
+            notes,
+        }
+    };
+    match edits::first_byte(&bytes) {
+        Some(b'<') => {
+            let read = urdf::read_urdf(path, &bytes)?;
+            Ok(plain(read.robot, RobotFormat::Urdf, read.passed_over, bytes))
+        }
+        Some(b'{') if !dh_table::is_dh_json(&bytes) => json::read(path, bytes),
+        _ => Ok(plain(dh::read_dh(path, &bytes)?, RobotFormat::Dh, Vec::new(), bytes)),
+    }
+}
+
+impl RobotFile {
+    /// The file with other values, in the frames and units that it was given in: only the numbers that changed are others.
+    /// What it cannot say is told.
+    ///
+    /// # Errors
+    /// [`RecordError::Format`] where the file has no place for them.
+    pub fn with_values(&self, path: &Path, values: &[Value]) -> Result<Written, RecordError> {
+        match self.format {
+            RobotFormat::Json => Ok(json::with_values(&self.bytes, &self.robot, values)),
+            RobotFormat::Urdf => urdf_writer::write_urdf(path, &self.bytes, &self.robot, values),
+            RobotFormat::Dh => dh_writer::write_dh(path, &self.bytes, &self.robot, values),
+        }
+    }
 }
 
 /// Puts what is known of a creature's joints into its robot: nominal values, and how nearly they are known.

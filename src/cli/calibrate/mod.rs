@@ -1,0 +1,246 @@
+//! `bodyschema calibrate`: put a robot's numbers right by its own touches.
+
+pub mod plan;
+mod results;
+
+use std::path::{Path, PathBuf};
+
+use super::{Failure, Outcome, output, progress};
+use crate::calibration::robot::{Knowledge, Robot};
+use crate::calibration::{
+    Estimator, EstimatorOptions, FalseTouches, Fit, JointNoise, Judgement, Touch, folds, judge, split,
+};
+use crate::record::{RobotFile, apply_known, read_calibration_log, read_known, read_robot, set_prior};
+use results::Results;
+
+/// Put a robot's numbers right by its own touches.
+///
+/// From what its maker says of it and a log of touches. Whatever may be wrong has a name, such as elbow.offset,
+/// wrist.position or skin.orientation: what is free is found, what is nearly known is found near where it is said to be.
+#[derive(clap::Args)]
+#[command(after_help = format!("Examples:
+  bodyschema calibrate robot.json touches.csv --free '*.offset'
+  bodyschema calibrate arm.urdf touches.csv --free 'hand.mount.*' --held-out 0.3 --splits 10
+  bodyschema calibrate dh.csv touches.csv --prior '*.theta=1deg' --prior '*.a=2mm' --out calibrated
+  bodyschema calibrate robot.json touches.csv --known near.json --held-out fresh.csv --json\n\n{ROBOT_HELP}"))]
+pub struct CalibrateArguments {
+    /// The robot: URDF, a table of Denavit and Hartenberg's numbers (CSV or JSON), or a description in JSON
+    robot: PathBuf,
+    /// The log of touches: comma-separated values
+    log: PathBuf,
+    #[command(flatten)]
+    unknowns: UnknownArguments,
+    #[command(flatten)]
+    noise: NoiseArguments,
+    #[command(flatten)]
+    judging: JudgingArguments,
+    /// The folder for results: the robot with its new numbers, tables of quantities, residuals and correlations
+    #[arg(long, short, value_name = "DIR", help_heading = "Output")]
+    out: Option<PathBuf>,
+    /// Print one JSON object
+    #[arg(long, help_heading = "Output")]
+    json: bool,
+}
+
+/// What robots and logs look like, for the help.
+const ROBOT_HELP: &str = r#"What may be unknown, by name; * stands for any part of one:
+  JOINT.position  JOINT.axis  JOINT.orientation        where a joint is and how it turns (of URDF: on its parent link)
+  JOINT.a  JOINT.alpha  JOINT.d  JOINT.theta           the same of a table of Denavit and Hartenberg's numbers
+  JOINT.offset  JOINT.sign  JOINT.gain  JOINT.compliance   what its encoder reads, and how far it gives way to a torque
+  LINK.mount.position  LINK.mount.orientation          where the skin is whose points are on a link
+  POINT.position  FRAME.position  SURFACE.radius       tools, receptors, patches, trackers, spheres
+Columns of a log: limb_a, limb_b (links, points or surfaces), ax, ay, az, bx, by, bz, a_std, b_std, distance, touch (one
+name for contacts in one posture that nobody paired), and one for each joint. Metres and radians, or a unit behind the
+name, as in ax_mm and elbow_deg."#;
+
+/// What is unknown.
+#[derive(clap::Args)]
+#[command(next_help_heading = "What is unknown")]
+struct UnknownArguments {
+    /// Quantities of which nothing is known, by name; * stands for any part of one
+    #[arg(long, value_name = "NAME")]
+    free: Vec<String>,
+    /// Quantities that are as they are given
+    #[arg(long, value_name = "NAME")]
+    fix: Vec<String>,
+    /// Quantities that are nearly as they are given, to a standard deviation
+    #[arg(long, value_name = "NAME=DEVIATION")]
+    prior: Vec<String>,
+    /// What is known of joints, as for learn: positions and axes with their deviations
+    #[arg(long, value_name = "FILE")]
+    known: Option<PathBuf>,
+}
+
+/// What noise there is.
+#[derive(clap::Args)]
+#[command(next_help_heading = "Noise")]
+struct NoiseArguments {
+    /// Standard deviation of encoders, degrees (millimetres of slides), or auto: as much as the touches show
+    #[arg(long, value_name = "DEG|auto", default_value = "0")]
+    joint_noise: String,
+    /// Whether touches may be false: no, or maybe if the touches show it
+    #[arg(long, value_name = "no|maybe", default_value = "maybe", value_parser = ["no", "maybe"])]
+    false_touches: String,
+}
+
+/// How it is judged.
+#[derive(clap::Args)]
+#[command(next_help_heading = "Judging")]
+struct JudgingArguments {
+    /// Touches that are not fitted to and by which the rest is judged: a share of the log, or another log
+    #[arg(long, value_name = "SHARE|FILE")]
+    held_out: Option<String>,
+    /// Divide the log anew so many times, with --held-out SHARE
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u64).range(1..))]
+    splits: u64,
+    /// Divide the log into so many parts and hold out each in turn
+    #[arg(long, value_name = "K", conflicts_with = "held_out", value_parser = clap::value_parser!(u64).range(2..))]
+    folds: Option<u64>,
+    /// Divide the log by another seed
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+}
+
+pub fn run(args: &CalibrateArguments) -> Outcome {
+    let (file, touches) = given(args)?;
+    let robot = &file.robot;
+    let options = args.noise.options()?;
+    let spinner = progress::spinner("calibrating");
+    let estimator = Estimator::new(robot, &touches, options);
+    if estimator.unknowns.is_empty() && estimator.open_signs().is_empty() {
+        return Err("nothing is unknown: say what is by --free or --prior".into());
+    }
+    let fit = estimator.fit();
+    let untold_signs = estimator.untold_signs(&fit);
+    let judged = args.judging.judged(robot, &touches, options, (&estimator, &fit))?;
+    spinner.finish_and_clear();
+    let results =
+        Results { robot, touches: &touches, estimator: &estimator, fit: &fit, judged: &judged, untold_signs };
+    if args.json {
+        output::json(&results.as_json())?;
+    } else {
+        results.print();
+    }
+    match &args.out {
+        Some(folder) => results.write(folder, &args.robot, &file, args.json),
+        None => Ok(()),
+    }
+}
+
+/// The robot with what is known of it, and the touches.
+fn given(args: &CalibrateArguments) -> Result<(RobotFile, Vec<Touch>), Failure> {
+    let mut file = read_robot(&args.robot)?;
+    let place = args.robot.display().to_string();
+    for note in &file.notes {
+        tell!("{place}: {note}");
+    }
+    let mut unplaced = std::mem::take(&mut file.unplaced);
+    if let Some(known) = &args.unknowns.known {
+        let creature = file.creature.as_ref().ok_or_else(|| {
+            format!("{place} is no description in JSON: say what is known by --prior in place of --known")
+        })?;
+        let joints = read_known(known, creature)?;
+        apply_known(&mut file.robot, creature, &joints);
+        unplaced.retain(|name| {
+            !joints
+                .iter()
+                .any(|joint| creature.joints()[joint.joint].name == *name && joint.position.is_some())
+        });
+    }
+    if let Some(name) = unplaced.first() {
+        return Err(format!(
+            "{place}: nothing is said of where joint {name} is: give its position and axes, or --known, or learn from \
+             nothing with `bodyschema learn --creature {place} --log {}`",
+            args.log.display()
+        )
+        .into());
+    }
+    let says = args.unknowns.apply(&mut file.robot)?;
+    if !says && !file.says_what_is_open && args.unknowns.known.is_none() {
+        open_encoders(&mut file.robot);
+        tell!(
+            "Nothing is said to be unknown: encoders' offsets are taken to be; say what is by --free and --prior."
+        );
+    }
+    let log = read_calibration_log(&args.log, &file.robot)?;
+    for note in &log.notes {
+        tell!("{}: {note}", args.log.display());
+    }
+    Ok((file, log.touches))
+}
+
+/// Says that encoders' offsets are unknown.
+fn open_encoders(robot: &mut Robot) {
+    let offsets: Vec<usize> = robot.dofs.iter().filter_map(|dof| Some(dof.quantities?.offset)).collect();
+    for offset in offsets {
+        robot.quantities[offset].knowledge[0] = Knowledge::Free;
+    }
+}
+
+impl UnknownArguments {
+    /// Says what is unknown of a robot; whether anything is said.
+    fn apply(&self, robot: &mut Robot) -> Result<bool, Failure> {
+        for pattern in &self.free {
+            robot.set_knowledge(pattern, Knowledge::Free).map_err(|fault| format!("--free: {fault}"))?;
+        }
+        for prior in &self.prior {
+            let (pattern, deviation) = prior.split_once('=').ok_or_else(|| {
+                format!("--prior {prior}: give a name and a deviation, such as {prior}=5mm")
+            })?;
+            set_prior(robot, pattern, deviation).map_err(|fault| format!("--prior: {fault}"))?;
+        }
+        for pattern in &self.fix {
+            robot.set_knowledge(pattern, Knowledge::Known).map_err(|fault| format!("--fix: {fault}"))?;
+        }
+        Ok(!self.free.is_empty() || !self.prior.is_empty())
+    }
+}
+
+impl NoiseArguments {
+    fn options(&self) -> Result<EstimatorOptions, Failure> {
+        let joint_noise = match self.joint_noise.as_str() {
+            "auto" => JointNoise::Estimated,
+            text => match text.parse::<f64>() {
+                Ok(0.0) => JointNoise::None,
+                Ok(degrees) if degrees.is_finite() && degrees > 0.0 => {
+                    JointNoise::Given(degrees.to_radians())
+                }
+                _ => return Err(format!("--joint-noise {text}: give degrees, or auto").into()),
+            },
+        };
+        let false_touches = if self.false_touches == "no" { FalseTouches::None } else { FalseTouches::Maybe };
+        Ok(EstimatorOptions { joint_noise, false_touches })
+    }
+}
+
+impl JudgingArguments {
+    /// What touches that are held out say, part by part.
+    fn judged(
+        &self,
+        robot: &Robot,
+        touches: &[Touch],
+        options: EstimatorOptions,
+        (estimator, fit): (&Estimator, &Fit),
+    ) -> Result<Vec<Judgement>, Failure> {
+        let one = |[fitted, fresh]: [Vec<Touch>; 2]| {
+            let estimator = Estimator::new(robot, &fitted, options);
+            judge(&estimator, &estimator.fit(), &fresh)
+        };
+        if let Some(count) = self.folds {
+            let count = usize::try_from(count).unwrap_or(usize::MAX).min(touches.len());
+            return Ok(folds(touches, count, self.seed).into_iter().map(one).collect());
+        }
+        let Some(held_out) = &self.held_out else { return Ok(Vec::new()) };
+        let Ok(share) = held_out.parse::<f64>() else {
+            let fresh = read_calibration_log(Path::new(held_out), robot)?;
+            return Ok(vec![judge(estimator, fit, &fresh.touches)]);
+        };
+        if !(share > 0.0 && share < 1.0) {
+            return Err(format!(
+                "--held-out {held_out}: give a share between 0 and 1, such as 0.3, or a log"
+            )
+            .into());
+        }
+        Ok((0..self.splits).map(|k| one(split(touches, share, self.seed + k))).collect())
+    }
+}

@@ -1,0 +1,139 @@
+//! `bodyschema plan`: what to measure next.
+
+use std::path::PathBuf;
+
+use super::{Knowledge, UnknownArguments, open_encoders};
+use crate::babbling::{BabblingOptions, PolicyName};
+use crate::calibration::robot::Robot;
+use crate::calibration::simulated::{point_touches, robot_of};
+use crate::calibration::{Estimator, EstimatorOptions, Plan, Touch, plan};
+use crate::cli::open::{ModelArguments, embodied};
+use crate::cli::{Outcome, output, progress};
+use crate::creature::JointSelection;
+use crate::record::{calibration_table, name_of, read_robot};
+use crate::simulation::MotionName;
+
+/// Choose the touches that would tell most about what is unknown of a robot.
+///
+/// From its model, with its shapes and the limits of its joints: it babbles in simulation, and of all touches that it
+/// finds those are chosen that together tell most, with what each would tell. The table is a list of postures to
+/// drive to, in degrees, with the limbs that meet there.
+#[derive(clap::Args)]
+#[command(after_help = "Examples:
+  bodyschema plan robot.urdf --free '*.offset' --out plan.csv
+  bodyschema plan robot.xml --free 'left_*.offset' --free 'left_*.gain' --touches 30 --between left_hand,torso --out plan.csv")]
+pub struct PlanArguments {
+    /// The model: MJCF or URDF with shapes that may touch
+    model: PathBuf,
+    /// How many touches to choose
+    #[arg(long, value_name = "N", default_value_t = 50, value_parser = clap::value_parser!(u64).range(1..))]
+    touches: u64,
+    /// How many touches to choose from
+    #[arg(long, value_name = "N", default_value_t = 3000, value_parser = clap::value_parser!(u64).range(1..))]
+    candidates: u64,
+    /// Only touches between these links, with commas between them
+    #[arg(long, value_name = "LINKS", value_delimiter = ',')]
+    between: Vec<String>,
+    #[command(flatten)]
+    unknowns: UnknownArguments,
+    /// Standard deviation of encoders, degrees
+    #[arg(long, value_name = "DEG", default_value_t = 0.1, help_heading = "Noise")]
+    joint_noise: f64,
+    /// Standard deviation of where touch is felt, millimetres
+    #[arg(long, value_name = "MM", default_value_t = 1.0, help_heading = "Noise")]
+    point_noise: f64,
+    /// Babble by another seed
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    #[command(flatten)]
+    model_arguments: ModelArguments,
+    /// The table of touches to make [default: printed]
+    #[arg(long, short, value_name = "FILE", help_heading = "Output")]
+    out: Option<PathBuf>,
+}
+
+pub fn run(args: &PlanArguments) -> Outcome {
+    let source = args.model_arguments.source(&args.model, JointSelection::default());
+    let embodied = embodied(source)?;
+    let limbs = embodied.creature().limbs().to_vec();
+    if let Some(name) = args.between.iter().find(|name| !limbs.contains(name)) {
+        return Err(
+            format!("--between: there is no link \"{name}\": name some of {}", limbs.join(", ")).into()
+        );
+    }
+    for (option, value) in [("--joint-noise", args.joint_noise), ("--point-noise", args.point_noise)] {
+        if !(value.is_finite() && value >= 0.0) {
+            return Err(format!("{option} {value}: give a number that is not negative").into());
+        }
+    }
+    let spinner = progress::spinner("babbling");
+    let (truth, agent) = (embodied.truth().schema.clone(), embodied.agent().clone());
+    let jobs = std::thread::available_parallelism().map_or(1, usize::from);
+    let count = usize::try_from(args.candidates).unwrap_or(usize::MAX);
+    let options = BabblingOptions { touches: count, seed: args.seed, jobs };
+    let babbled = embodied.babble_by(PolicyName::Random, MotionName::default(), &options)?;
+    let urdf = args.model.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("urdf"));
+    // A URDF's own frames; MJCF has none for limbs.
+    let mut robot = if urdf { read_robot(&args.model)?.robot } else { robot_of(&agent, &truth) };
+    if !args.unknowns.apply(&mut robot)? {
+        open_encoders(&mut robot);
+        tell!(
+            "Nothing is said to be unknown: encoders' offsets are taken to be; say what is by --free and --prior."
+        );
+    }
+    let touches: Vec<Touch> = point_touches(&agent, &truth, &robot, babbled.touches())
+        .into_iter()
+        .filter(|touch| {
+            args.between.is_empty()
+                || (0..2).all(|side| args.between.contains(&name_of(&robot, &touch.ends[side][0].feature)))
+        })
+        .collect();
+    if touches.is_empty() {
+        return Err(
+            "no touch was found between these links: name others, or babble more (--candidates)".into()
+        );
+    }
+    spinner.set_message("choosing");
+    let estimator = Estimator::new(&robot, &touches, EstimatorOptions::default());
+    let noise = estimator.noise(1e-3 * args.point_noise.max(1e-3), args.joint_noise.to_radians());
+    let count = usize::try_from(args.touches).unwrap_or(usize::MAX);
+    let chosen = plan(&estimator, &robot.nominal(), &noise, count);
+    spinner.finish_and_clear();
+    let table = table(&robot, &touches, &estimator, &chosen);
+    match &args.out {
+        None => say!("{}", table.trim_end()),
+        Some(path) => {
+            output::file(path, &table)?;
+            report(&robot, &estimator, &chosen, touches.len());
+            say!("{}: {} touches to make", path.display(), chosen.touches.len());
+        }
+    }
+    Ok(())
+}
+
+/// The touches in the order in which they are to be made, as a log has them.
+fn table(robot: &Robot, touches: &[Touch], estimator: &Estimator, plan: &Plan) -> String {
+    let chosen: Vec<&Touch> = plan.touches.iter().map(|planned| &touches[planned.candidate]).collect();
+    let gains = plan.touches.iter().map(|planned| format!("{:.3}", planned.gain)).collect();
+    let tells = plan.touches.iter().map(|planned| {
+        let (q, part) = estimator.unknowns.parameters[planned.tells.0];
+        robot.quantities[q].component_name(part)
+    });
+    let times = plan.touches.iter().map(|planned| format!("{:.2}", planned.tells.1)).collect();
+    calibration_table(robot, &chosen, &[("gain", gains), ("tells", tells.collect()), ("times", times)])
+}
+
+/// What would be known after all of them.
+fn report(robot: &Robot, estimator: &Estimator, plan: &Plan, candidates: usize) {
+    say!("{}: {} of {candidates} touches chosen", robot.name, plan.touches.len());
+    say!("  {:<40}{:>14}", "quantity", "± deviation");
+    for (place, (q, part)) in estimator.unknowns.parameters.iter().enumerate() {
+        let quantity = &robot.quantities[*q];
+        if quantity.knowledge[*part] == Knowledge::Known {
+            continue;
+        }
+        let (factor, unit) = quantity.unit.for_readers();
+        let deviation = plan.covariance[(place, place)].max(0.0).sqrt();
+        say!("  {:<40}{:>14} {unit}", quantity.component_name(*part), output::number(factor * deviation));
+    }
+}

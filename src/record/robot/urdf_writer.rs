@@ -1,0 +1,477 @@
+//! What calibration found, written into the URDF file that the robot is from.
+//!
+//! URDF has no words for encoders. An offset goes into the joint's origin, for `X · R(a, q + o) = X · R(a, o) · R(a, q)`; an
+//! encoder that counts the other way turns the axis round, and with it the limits. What follows another joint has words:
+//! `<mimic multiplier offset>`.
+
+use std::collections::BTreeSet;
+use std::ops::Range;
+use std::path::Path;
+
+use nalgebra::{Matrix3, Rotation3, Unit, Vector3};
+use quick_xml::escape::escape;
+
+use super::edits::{Edits, Written, digits, unsaid_compliance, unsaid_gain};
+use super::tags::{Fault, Tag};
+use super::urdf::root;
+use super::urdf_elements::{Origin, axis_of, follows, number, rotation, shapes};
+use crate::calibration::robot::{Element, Form, Posed, Robot, Value};
+use crate::creature::DofKind;
+use crate::geometry::Frame;
+use crate::record::RecordError;
+
+/// How the format is called in what is left out.
+const FORMAT: &str = "URDF";
+/// Angles that differ by less are the same but for rounding, radians.
+const ROUNDING: f64 = 1e-14;
+/// Cosine of a pitch at which roll and yaw turn about the same axis, but for rounding.
+const UPRIGHT: f64 = 1e-12;
+
+/// The URDF file `original`, which `robot` was read from, with `values` in the place of the numbers that differ from them, and
+/// every other byte as it was. Links that were added to the robot and whose pose was to be found are added to the file.
+///
+/// `path` is what the file is called in messages.
+///
+/// # Errors
+/// Where `original` is no URDF.
+pub fn write_urdf(
+    path: &Path,
+    original: &[u8],
+    robot: &Robot,
+    values: &[Value],
+) -> Result<Written, RecordError> {
+    written(original, robot, values).map_err(|(line, message)| RecordError::format(path, Some(line), message))
+}
+
+fn written(original: &[u8], robot: &Robot, values: &[Value]) -> Result<Written, Fault> {
+    let root = root(original)?;
+    let mut writer = Writer { original, robot, values, edits: Edits::default(), left_out: Vec::new() };
+    for joint in root.children_of("joint") {
+        writer.joint(joint)?;
+    }
+    for link in root.children_of("link") {
+        writer.radii(link)?;
+    }
+    writer.added(&root);
+    Ok(Written { bytes: writer.edits.of(original), left_out: writer.left_out })
+}
+
+struct Writer<'a> {
+    original: &'a [u8],
+    robot: &'a Robot,
+    values: &'a [Value],
+    edits: Edits,
+    left_out: Vec<String>,
+}
+
+/// Numbers of an attribute as they were and as they are to be.
+struct Change {
+    attribute: &'static str,
+    old: Vec<f64>,
+    new: Vec<f64>,
+    /// What counts as no difference.
+    negligible: f64,
+}
+
+impl Change {
+    fn of(attribute: &'static str, old: impl Into<Vec<f64>>, new: impl Into<Vec<f64>>) -> Change {
+        Change { attribute, old: old.into(), new: new.into(), negligible: 0.0 }
+    }
+
+    fn keeps(&self, i: usize) -> bool {
+        (self.new[i] - self.old[i]).abs() <= self.negligible
+    }
+}
+
+impl<'a> Writer<'a> {
+    fn value(&self, name: &str) -> Option<Value> {
+        self.robot.quantity(name).map(|quantity| self.values[quantity])
+    }
+
+    /// A joint's origin and axis, and what of its encoder can be said.
+    fn joint(&mut self, tag: &Tag) -> Result<(), Fault> {
+        let name = tag.value("name").unwrap_or_default();
+        let old = Origin::of(tag, &format!("joint {name}"))?;
+        let (Some(Value::Position(mut place)), Some(Value::Orientation(mut turn))) =
+            (self.value(&format!("{name}.position")), self.value(&format!("{name}.orientation")))
+        else {
+            return Ok(());
+        };
+        let mut missing = self.degree_of_freedom(tag, name, &mut place, &mut turn)?;
+        let mut changes = Vec::new();
+        if place != old.place {
+            changes.push(Change::of("xyz", old.place.as_slice(), place.as_slice()));
+        }
+        if turn != rotation(old.turns) {
+            let change = Change::of("rpy", old.turns, turns(&turn, old.turns));
+            changes.push(Change { negligible: ROUNDING, ..change });
+        }
+        match tag.child("origin") {
+            _ if changes.is_empty() => {}
+            Some(origin) => self.set(origin, &changes),
+            None => missing.insert_str(0, &new_element("origin", &changes)),
+        }
+        if !missing.is_empty() {
+            let before =
+                self.indentation(tag.children.first().map_or(tag.start.end, |child| child.start.start));
+            let missing = missing.replace('\n', &before);
+            self.edits.insert(tag.start.end, missing);
+        }
+        Ok(())
+    }
+
+    /// What of a degree of freedom can be said: its offset goes into the pose of its joint, its sign into its axis. An
+    /// element for the axis where the file has none.
+    fn degree_of_freedom(
+        &mut self,
+        tag: &Tag,
+        name: &str,
+        place: &mut Vector3<f64>,
+        turn: &mut Matrix3<f64>,
+    ) -> Result<String, Fault> {
+        let Some(dof) = self.robot.dof(name) else { return Ok(String::new()) };
+        let Some(q) = self.robot.dofs[dof].quantities else { return Ok(String::new()) };
+        let [sign, gain, offset] = [q.sign, q.gain, q.offset].map(|quantity| self.values[quantity].number());
+        let mut axis = self.values[q.axis].vector();
+        if let Some(mimic) = tag.child("mimic") {
+            let [multiplier, shift] = follows(mimic, name)?;
+            self.set(mimic, &[Change::of("multiplier", [multiplier], [sign * gain])]);
+            self.set(mimic, &[Change::of("offset", [shift], [offset])]);
+        } else {
+            match self.robot.dofs[dof].kind {
+                _ if offset == 0.0 => {}
+                DofKind::Slide => *place += *turn * axis * offset,
+                DofKind::Hinge | DofKind::Ball => {
+                    *turn *= Rotation3::from_axis_angle(&Unit::new_normalize(axis), offset).matrix();
+                }
+            }
+            if sign < 0.0 {
+                axis = -axis;
+                self.turn_limits_round(tag);
+            }
+            self.left_out.extend(unsaid_gain(self.robot, self.values, dof, FORMAT));
+        }
+        self.left_out.extend(unsaid_compliance(self.robot, self.values, dof, FORMAT));
+        let was = axis_of(tag, name)?;
+        if axis == was {
+            return Ok(String::new());
+        }
+        let change = Change::of("xyz", was.as_slice(), axis.as_slice());
+        match tag.child("axis") {
+            // Where the file's axis is not of length 1, none of its numbers stays.
+            Some(found) => {
+                let given = number_list(found.value("xyz").unwrap_or("1 0 0"));
+                self.set(found, &[Change { old: given, ..change }]);
+                Ok(String::new())
+            }
+            None => Ok(new_element("axis", &[change])),
+        }
+    }
+
+    /// The limits of an axis that points the other way: each is the other's negative.
+    fn turn_limits_round(&mut self, joint: &Tag) {
+        for (child, lower, upper) in
+            [("limit", "lower", "upper"), ("safety_controller", "soft_lower_limit", "soft_upper_limit")]
+        {
+            let Some(limit) = joint.child(child) else { continue };
+            for (name, other) in [(lower, upper), (upper, lower)] {
+                let opposite = limit.value(other).map(negative);
+                match (limit.attribute(name), opposite) {
+                    (Some(own), opposite) => {
+                        self.edits.replace(own.at.clone(), opposite.unwrap_or_else(|| "0".into()));
+                    }
+                    (None, Some(opposite)) => {
+                        self.edits.insert(limit.after_name(), format!(" {name}=\"{opposite}\""));
+                    }
+                    (None, None) => {}
+                }
+            }
+        }
+    }
+
+    /// The radii of a link's spheres.
+    fn radii(&mut self, tag: &Tag) -> Result<(), Fault> {
+        let link = tag.value("name").unwrap_or_default();
+        for (name, _, shape) in shapes(link, tag) {
+            let surface = self.robot.surface(&name).map(|surface| &self.robot.surfaces[surface].form);
+            if let (Some(Form::Sphere(radius)), "sphere") = (surface, shape.name.as_str()) {
+                let old = number(shape, "radius", &format!("link {link}"))?.unwrap_or_default();
+                self.set(shape, &[Change::of("radius", [old], [self.values[*radius].number()])]);
+            }
+        }
+        Ok(())
+    }
+
+    /// Changes the numbers of an element's attributes; those that stay keep their text.
+    fn set(&mut self, tag: &Tag, changes: &[Change]) {
+        for change in changes {
+            let all: Vec<usize> = (0..change.new.len()).collect();
+            if all.iter().all(|&i| change.keeps(i)) {
+                continue;
+            }
+            let Some(attribute) = tag.attribute(change.attribute) else {
+                self.edits.insert(tag.after_name(), attribute_text(change));
+                continue;
+            };
+            let words = words(self.original, &attribute.at);
+            if words.len() != change.new.len() {
+                // Its blanks are written in some other way.
+                self.edits.replace(attribute.at.clone(), number_text(change));
+                continue;
+            }
+            for (i, at) in words.into_iter().enumerate().filter(|(i, _)| !change.keeps(*i)) {
+                self.edits.replace(at, digits(change.new[i]));
+            }
+        }
+    }
+
+    /// Links that are not of the file, where their pose was to be found.
+    fn added(&mut self, root: &Tag) {
+        let mut there: BTreeSet<&str> =
+            root.children_of("link").filter_map(|link| link.value("name")).collect();
+        let rest = vec![0.0; self.robot.coordinates()];
+        let posed = Posed::new(self.robot, self.values, &rest);
+        let mut text = String::new();
+        for (index, link) in self.robot.links.iter().enumerate().skip(1) {
+            let open = link.elements.iter().any(|element| match element {
+                Element::Shift(q)
+                | Element::Turn(q)
+                | Element::ShiftAlong(_, q)
+                | Element::TurnAbout(_, q) => self.robot.quantities[*q].is_open(),
+                Element::Fixed(_) | Element::Dof(_) => false,
+            });
+            let pose = posed.frame(&[index]);
+            if there.contains(link.name.as_str()) || !open || pose == Frame::identity() {
+                continue;
+            }
+            let parent = self.robot.links[link.parent].name.as_str();
+            if !there.contains(parent)
+                || link.elements.iter().any(|element| matches!(element, Element::Dof(_)))
+            {
+                self.left_out.push(format!(
+                    "link {} on {parent} is not of the file and cannot be added to it: add {} there by hand",
+                    link.name,
+                    if there.contains(parent) { "its joint" } else { parent }
+                ));
+                continue;
+            }
+            there.insert(&link.name);
+            let zero = [0.0; 3];
+            let changes = [
+                Change::of("xyz", zero, pose.origin.as_slice()),
+                Change::of("rpy", zero, turns(&pose.rotation, zero)),
+            ];
+            let (name, parent) = (escape(link.name.as_str()), escape(parent));
+            text += &format!(
+                "\n<link name=\"{name}\"/>\n<joint name=\"{name}.joint\" type=\"fixed\">\n  <parent \
+                 link=\"{parent}\"/>\n  <child link=\"{name}\"/>{}\n</joint>",
+                new_element("origin", &changes).replace('\n', "\n  ")
+            );
+        }
+        if !text.is_empty() {
+            let first = root.children.first().map_or(root.start.end, |child| child.start.start);
+            let text = text.replace('\n', &self.indentation(first));
+            // After the last line that is not blank.
+            let at = self.original[..root.end].trim_ascii_end().len();
+            self.edits.insert(at, text);
+        }
+    }
+
+    /// The line break and the blanks before a place; a line break alone where something else stands there.
+    fn indentation(&self, at: usize) -> String {
+        let before = &self.original[..at];
+        let line = before.iter().rposition(|&byte| byte == b'\n').map_or(0, |end| end + 1);
+        let blanks = &before[line..];
+        let lines = if before[..line].ends_with(b"\r\n") { "\r\n" } else { "\n" };
+        match std::str::from_utf8(blanks) {
+            Ok(blanks) if line > 0 && blanks.trim().is_empty() => format!("{lines}{blanks}"),
+            _ => lines.to_string(),
+        }
+    }
+}
+
+/// An element of its own line with the new numbers of attributes.
+fn new_element(name: &str, changes: &[Change]) -> String {
+    format!("\n<{name}{}/>", changes.iter().map(attribute_text).collect::<String>())
+}
+
+/// An attribute with its new numbers.
+fn attribute_text(change: &Change) -> String {
+    format!(" {}=\"{}\"", change.attribute, number_text(change))
+}
+
+/// The new numbers of a change.
+fn number_text(change: &Change) -> String {
+    change.new.iter().copied().map(digits).collect::<Vec<_>>().join(" ")
+}
+
+/// The numbers in a text.
+fn number_list(text: &str) -> Vec<f64> {
+    text.split_ascii_whitespace().filter_map(|word| word.parse().ok()).collect()
+}
+
+/// Where the words of a stretch of a file are.
+fn words(bytes: &[u8], at: &Range<usize>) -> Vec<Range<usize>> {
+    let mut words = Vec::new();
+    let mut begin = None;
+    for i in at.clone() {
+        match (bytes[i].is_ascii_whitespace(), begin) {
+            (false, None) => begin = Some(i),
+            (true, Some(from)) => {
+                words.push(from..i);
+                begin = None;
+            }
+            _ => {}
+        }
+    }
+    words.extend(begin.map(|from| from..at.end));
+    words
+}
+
+/// The negative of a number as it is written.
+fn negative(text: &str) -> String {
+    let text = text.trim();
+    match (text.strip_prefix('-'), text.parse::<f64>()) {
+        (Some(positive), _) => positive.to_string(),
+        (None, Ok(0.0)) => text.to_string(),
+        _ => format!("-{}", text.trim_start_matches('+')),
+    }
+}
+
+/// Roll, pitch and yaw of a rotation: of the two ways to write it the one nearer to `near`.
+fn turns(rotation: &Matrix3<f64>, near: [f64; 3]) -> [f64; 3] {
+    let r = rotation;
+    let ways = [1.0, -1.0].map(|side: f64| {
+        let yaw = match r.m11.hypot(r.m21) {
+            // Roll and yaw turn about one axis: the yaw may stay.
+            cosine if cosine < UPRIGHT => near[2],
+            _ => (side * r.m21).atan2(side * r.m11),
+        };
+        // What is left without the yaw: exact even where the yaw is not.
+        let (sine, cosine) = yaw.sin_cos();
+        let pitch = (-r.m31).atan2(cosine * r.m11 + sine * r.m21);
+        let roll = (sine * r.m13 - cosine * r.m23).atan2(cosine * r.m22 - sine * r.m12);
+        let found = Vector3::new(roll, pitch, yaw);
+        let near = Vector3::from(near);
+        found.zip_map(&near, |found, near| {
+            found + ((near - found) / std::f64::consts::TAU).round() * std::f64::consts::TAU
+        })
+    });
+    let far = |way: &Vector3<f64>| (way - Vector3::from(near)).norm();
+    let [first, second] = ways;
+    if far(&second) < far(&first) { second.into() } else { first.into() }
+}
+
+#[cfg(test)]
+mod tests {
+    use rand::{RngExt, SeedableRng};
+    use rand_chacha::ChaCha8Rng;
+
+    use super::*;
+    use crate::calibration::robot::Knowledge;
+    use crate::record::robot::urdf::tests::{ARM, about, assert_near, read};
+
+    fn write(text: &str, robot: &Robot, values: &[Value]) -> (String, Vec<String>) {
+        let Written { bytes, left_out } =
+            write_urdf(Path::new("arm.urdf"), text.as_bytes(), robot, values).unwrap();
+        (String::from_utf8(bytes).unwrap(), left_out)
+    }
+
+    /// Frames of the links of one robot in another, by name.
+    fn assert_same_links(one: (&Robot, &[Value]), other: (&Robot, &[Value]), names: &[&str], seed: u64) {
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        for _ in 0..20 {
+            let posture: Vec<f64> = (0..one.0.coordinates()).map(|_| rng.random_range(-2.0..2.0)).collect();
+            let frames = [one, other].map(|(robot, values)| Posed::new(robot, values, &posture).frames());
+            for name in names {
+                let link = [one, other].map(|(robot, _)| robot.link(name).unwrap());
+                assert_near(&frames[0][link[0]], &frames[1][link[1]], name);
+            }
+        }
+    }
+
+    #[test]
+    fn what_did_not_change_is_written_byte_for_byte() {
+        for text in [ARM.to_string(), ARM.replace('\n', "\r\n"), format!("\u{feff}{ARM}")] {
+            let robot = read(&text).unwrap().robot;
+            assert_eq!(write(&text, &robot, &robot.nominal()), (text, Vec::new()));
+        }
+    }
+
+    #[test]
+    fn only_the_numbers_that_changed_are_written() {
+        let robot = read(ARM).unwrap().robot;
+        let mut values = robot.nominal();
+        values[robot.quantity("shoulder.position").unwrap()] =
+            Value::Position(Vector3::new(0.1, 0.002, 0.30));
+        values[robot.quantity("base.radius").unwrap()] = Value::Number(0.051);
+        values[robot.quantity("elbow.position").unwrap()] = Value::Position(Vector3::new(0.0, 0.001, 0.0));
+        let expected = ARM
+            .replace("0.1 0 0.30", "0.1 0.002 0.30")
+            .replace("'0.05'", "'0.051'")
+            .replace(r#""continuous">"#, "\"continuous\">\n    <origin xyz=\"0 0.001 0\"/>");
+        assert_eq!(write(ARM, &robot, &values), (expected, Vec::new()));
+    }
+
+    #[test]
+    fn a_calibrated_robot_reads_back_as_the_same() {
+        let mut robot = read(ARM).unwrap().robot;
+        let names: Vec<String> = robot.links.iter().map(|link| link.name.clone()).collect();
+        let hand = robot.link("hand").unwrap();
+        robot.add_mount("hand.mount", hand, Frame::identity());
+        robot.add_place("tool", hand, Vector3::new(0.0, 0.0, 0.3));
+        for quantity in &mut robot.quantities {
+            quantity.knowledge = [Knowledge::Near(0.1); 3];
+        }
+        let mut rng = ChaCha8Rng::seed_from_u64(1);
+        for trial in 0..10 {
+            let mut values = robot.nominal();
+            for (quantity, value) in robot.quantities.iter().zip(&mut values) {
+                let step: Vec<f64> = (0..3).map(|_| rng.random_range(-0.1..0.1)).collect();
+                let what = quantity.name.rsplit('.').next().unwrap();
+                match what {
+                    "gain" | "compliance" if quantity.name != "thumb.gain" => {}
+                    "radius" => *value = value.stepped(&[0.1 * step[0]]),
+                    "sign" => *value = Value::Number(if rng.random() { 1.0 } else { -1.0 }),
+                    _ => *value = value.stepped(&step[..value.size()]),
+                }
+            }
+            let (text, left_out) = write(ARM, &robot, &values);
+            assert_eq!(left_out, Vec::<String>::new());
+            let again = read(&text).unwrap().robot;
+            let all: Vec<&str> = names.iter().map(String::as_str).chain(["hand.mount", "tool"]).collect();
+            assert_same_links((&robot, &values), (&again, &again.nominal()), &all, trial);
+            let turned = values[robot.quantity("shoulder.sign").unwrap()].number() < 0.0;
+            assert_eq!(again.dofs[0].range, if turned { [-2.0, 1.0] } else { [-1.0, 2.0] });
+        }
+    }
+
+    #[test]
+    fn what_urdf_cannot_say_is_told() {
+        let robot = read(ARM).unwrap().robot;
+        let mut values = robot.nominal();
+        values[robot.quantity("elbow.gain").unwrap()] = Value::Number(1.03);
+        values[robot.quantity("finger.compliance").unwrap()] = Value::Number(1e-4);
+        let (text, left_out) = write(ARM, &robot, &values);
+        assert_eq!(text, ARM);
+        assert!(left_out[0].starts_with("gain of elbow (1.030000) cannot be said in URDF: "), "{left_out:?}");
+        assert!(
+            left_out[1].starts_with("compliance of finger (1.000e-4 m/N) cannot be said"),
+            "{left_out:?}"
+        );
+    }
+
+    #[test]
+    fn an_upright_pitch_keeps_its_rotation() {
+        let mut rng = ChaCha8Rng::seed_from_u64(2);
+        let upright = 0.5 * std::f64::consts::PI;
+        for pitch in [upright, upright + 4e-6, 1e-4 - upright, 1.6, 0.3] {
+            let near = [rng.random_range(-3.0..3.0), pitch, rng.random_range(-3.0..3.0)];
+            for turn in [rotation(near), rotation(near) * about(0, 1e-3).rotation] {
+                assert!((rotation(turns(&turn, near)) - turn).norm() < 1e-14, "{near:?}");
+            }
+            let same = turns(&rotation(near), near);
+            assert!(pitch.cos().abs() < 1e-3 || (Vector3::from(same) - Vector3::from(near)).norm() < 1e-13);
+        }
+    }
+}
