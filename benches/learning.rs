@@ -118,8 +118,7 @@ fn lm_iteration(
     group.sample_size(20);
     group.bench_function(name, |bencher| {
         let initial_guess = || start.clone();
-        let iterate =
-            |initial_guess| levenberg_marquardt(&mut problem, &parameters, initial_guess, ONE_ITERATION);
+        let iterate = |initial_guess| levenberg_marquardt(&mut problem, initial_guess, ONE_ITERATION);
         bencher.iter_batched(initial_guess, iterate, BatchSize::SmallInput);
     });
     group.finish();

@@ -105,6 +105,25 @@ fn spread(fit: &Fit, seen: &Seen, value: nalgebra::Vector3<f64>) -> f64 {
     whitened.map_or(f64::INFINITY, |squares| (squares / size).sqrt())
 }
 
+/// How far apart touches would be whose ends are those of different ones: what a body that explains nothing leaves. None where no
+/// two touches are between the same links.
+pub fn apart_at_random(estimator: &Estimator, fit: &Fit) -> Option<Misses> {
+    let touches = estimator.touches();
+    let links = |touch: &Touch| touch.ends.each_ref().map(|ends| ends[0].feature.link(estimator.robot));
+    let mut exchanged = Vec::new();
+    for (i, touch) in touches.iter().enumerate() {
+        // One from far down the log: neighbours are often alike.
+        let after = (1..touches.len()).map(|step| &touches[(i + touches.len() / 2 + step) % touches.len()]);
+        if let Some(other) = after.take(touches.len() - 1).find(|other| links(other) == links(touch)) {
+            let mut mixed = touch.clone();
+            mixed.ends[1].clone_from(&other.ends[1]);
+            exchanged.push(mixed);
+        }
+    }
+    let seen = estimator.seen_of(&exchanged, &fit.values, &fit.noise);
+    (!seen.is_empty()).then(|| Misses::of(&seen))
+}
+
 /// Divides touches at random into those to fit to and a share that is held out.
 pub fn split(touches: &[Touch], held_out: f64, seed: u64) -> [Vec<Touch>; 2] {
     let mut order: Vec<usize> = (0..touches.len()).collect();

@@ -13,6 +13,7 @@ mod estimate;
 mod judgement;
 mod noise;
 mod pairing;
+mod places;
 mod plan;
 mod problem;
 pub mod robot;
@@ -23,8 +24,9 @@ mod touch;
 mod unknowns;
 
 pub use estimate::{Estimator, EstimatorOptions, FalseTouches, Fit, JointNoise, SeenTouch};
-pub use judgement::{Judgement, Misses, folds, judge, split};
+pub use judgement::{Judgement, Misses, apart_at_random, folds, judge, split};
 pub use noise::{Noise, NoiseSource, Seen};
+pub use places::{add_places, put_on_places};
 pub use plan::{Plan, Planned, plan};
 pub use told::{Told, Untold};
 pub use touch::{End, Feature, Residuals, Touch};

@@ -76,7 +76,7 @@ type Outcome = Result<(), Failure>;
   bodyschema skin creature.xml --out with_skin.xml           # grow a skin on another creature
   bodyschema learn sessions/max-1 --learner hersch           # learn again from a session's touches
   bodyschema learn --creature robot.json --log touches.csv   # learn from a recording of a real body
-  bodyschema calibrate robot.urdf touches.csv                # put a robot's numbers right by its touches
+  bodyschema calibrate examples/robot/arms.urdf examples/robot/touches.csv --out calibrated
   bodyschema render sessions/max-1 --touch 3 --out touch.png # what a touch looks like
   bodyschema space sessions/max-1                            # where its hands can get to
   bodyschema export sessions/max-1 --urdf                    # the learned body for other programs

@@ -11,7 +11,7 @@ use crate::common::sessions;
 use crate::common::shell::{Line, copy, run};
 
 /// The documents, in the order in which they are read; what one leaves is there for the next.
-const DOCUMENTS: [&str; 13] = [
+const DOCUMENTS: [&str; 14] = [
     "README.md",
     "docs/commands.md",
     "docs/looking.md",
@@ -22,6 +22,7 @@ const DOCUMENTS: [&str; 13] = [
     "docs/acting.md",
     "docs/creatures.md",
     "docs/recordings.md",
+    "docs/calibration.md",
     "docs/performance.md",
     "docs/files.md",
     "docs/library.md",

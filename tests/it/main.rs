@@ -7,6 +7,7 @@ mod avoiding;
 mod babbling;
 mod bound;
 mod boundary;
+mod calibration;
 mod cli;
 mod config;
 mod disturbance;

@@ -53,6 +53,11 @@ pub fn nearest_name<'a>(name: &str, names: impl Iterator<Item = &'a str>) -> Opt
     names.min_by_key(|other| edits(&name.to_lowercase(), &other.to_lowercase()))
 }
 
+/// Whether one name is likely another with a slip of the pen: two letters, whatever their case.
+pub fn likely(name: &str, other: &str) -> bool {
+    edits(&name.to_lowercase(), &other.to_lowercase()) <= 2
+}
+
 /// Whether a name is of a pattern in which `*` stands for any letters.
 fn matches(pattern: &str, name: &str) -> bool {
     let Some((first, rest)) = pattern.split_once('*') else { return pattern == name };

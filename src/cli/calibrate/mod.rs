@@ -8,9 +8,12 @@ use std::path::{Path, PathBuf};
 use super::{Failure, Outcome, output, progress};
 use crate::calibration::robot::{Knowledge, Robot};
 use crate::calibration::{
-    Estimator, EstimatorOptions, FalseTouches, Fit, JointNoise, Judgement, Touch, folds, judge, split,
+    Estimator, EstimatorOptions, FalseTouches, Fit, JointNoise, Judgement, Touch, add_places, folds, judge,
+    put_on_places, split,
 };
-use crate::record::{RobotFile, apply_known, read_calibration_log, read_known, read_robot, set_prior};
+use crate::record::{
+    RobotFile, apply_known, length, read_calibration_log, read_known, read_robot, set_prior,
+};
 use results::Results;
 
 /// Put a robot's numbers right by its own touches.
@@ -19,10 +22,9 @@ use results::Results;
 /// wrist.position or skin.orientation: what is free is found, what is nearly known is found near where it is said to be.
 #[derive(clap::Args)]
 #[command(after_help = format!("Examples:
-  bodyschema calibrate robot.json touches.csv --free '*.offset'
-  bodyschema calibrate arm.urdf touches.csv --free 'hand.mount.*' --held-out 0.3 --splits 10
-  bodyschema calibrate dh.csv touches.csv --prior '*.theta=1deg' --prior '*.a=2mm' --out calibrated
-  bodyschema calibrate robot.json touches.csv --known near.json --held-out fresh.csv --json\n\n{ROBOT_HELP}"))]
+  bodyschema calibrate examples/robot/arms.urdf examples/robot/touches.csv --free '*.offset'
+  bodyschema calibrate examples/robot/arms.urdf examples/robot/touches.csv --prior '*.offset=5deg' --joint-noise auto --folds 5
+  bodyschema calibrate examples/robot/arms.urdf examples/robot/touches.csv --free '*.offset' --free 'left_hand.mount.*' --out calibrated\n\n{ROBOT_HELP}"))]
 pub struct CalibrateArguments {
     /// The robot: URDF, a table of Denavit and Hartenberg's numbers (CSV or JSON), or a description in JSON
     robot: PathBuf,
@@ -66,6 +68,9 @@ struct UnknownArguments {
     /// Quantities that are nearly as they are given, to a standard deviation
     #[arg(long, value_name = "NAME=DEVIATION")]
     prior: Vec<String>,
+    /// Points of the log that recur are receptors, each known to this deviation
+    #[arg(long, value_name = "DEVIATION")]
+    places: Option<String>,
     /// What is known of joints, as for learn: positions and axes with their deviations
     #[arg(long, value_name = "FILE")]
     known: Option<PathBuf>,
@@ -102,7 +107,13 @@ struct JudgingArguments {
 }
 
 pub fn run(args: &CalibrateArguments) -> Outcome {
-    let (file, touches) = given(args)?;
+    let (mut file, mut touches) = given(args)?;
+    if let Some(deviation) = &args.unknowns.places {
+        let deviation = length(deviation).map_err(|fault| format!("--places: {fault}"))?;
+        if add_places(&mut file.robot, &mut touches, deviation) == 0 {
+            tell!("{}: no point recurs: --places says nothing.", args.log.display());
+        }
+    }
     let robot = &file.robot;
     let options = args.noise.options()?;
     let spinner = progress::spinner("calibrating");
@@ -155,13 +166,7 @@ fn given(args: &CalibrateArguments) -> Result<(RobotFile, Vec<Touch>), Failure> 
         )
         .into());
     }
-    let says = args.unknowns.apply(&mut file.robot)?;
-    if !says && !file.says_what_is_open && args.unknowns.known.is_none() {
-        open_encoders(&mut file.robot);
-        tell!(
-            "Nothing is said to be unknown: encoders' offsets are taken to be; say what is by --free and --prior."
-        );
-    }
+    args.unknowns.apply(&mut file.robot, file.says_what_is_open)?;
     let log = read_calibration_log(&args.log, &file.robot)?;
     for note in &log.notes {
         tell!("{}: {note}", args.log.display());
@@ -178,8 +183,14 @@ fn open_encoders(robot: &mut Robot) {
 }
 
 impl UnknownArguments {
-    /// Says what is unknown of a robot; whether anything is said.
-    fn apply(&self, robot: &mut Robot) -> Result<bool, Failure> {
+    /// Says what is unknown of a robot: encoders' offsets, where nothing is said here nor by its file.
+    fn apply(&self, robot: &mut Robot, says_itself: bool) -> Outcome {
+        if !says_itself && self.free.is_empty() && self.prior.is_empty() && self.known.is_none() {
+            open_encoders(robot);
+            tell!(
+                "Nothing is said to be unknown: encoders' offsets are taken to be; say what is by --free and --prior."
+            );
+        }
         for pattern in &self.free {
             robot.set_knowledge(pattern, Knowledge::Free).map_err(|fault| format!("--free: {fault}"))?;
         }
@@ -192,7 +203,7 @@ impl UnknownArguments {
         for pattern in &self.fix {
             robot.set_knowledge(pattern, Knowledge::Known).map_err(|fault| format!("--fix: {fault}"))?;
         }
-        Ok(!self.free.is_empty() || !self.prior.is_empty())
+        Ok(())
     }
 }
 
@@ -232,7 +243,8 @@ impl JudgingArguments {
         }
         let Some(held_out) = &self.held_out else { return Ok(Vec::new()) };
         let Ok(share) = held_out.parse::<f64>() else {
-            let fresh = read_calibration_log(Path::new(held_out), robot)?;
+            let mut fresh = read_calibration_log(Path::new(held_out), robot)?;
+            put_on_places(robot, &mut fresh.touches);
             return Ok(vec![judge(estimator, fit, &fresh.touches)]);
         };
         if !(share > 0.0 && share < 1.0) {

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use super::{Knowledge, UnknownArguments, open_encoders};
+use super::{Knowledge, UnknownArguments};
 use crate::babbling::{BabblingOptions, PolicyName};
 use crate::calibration::robot::Robot;
 use crate::calibration::simulated::{point_touches, robot_of};
@@ -20,8 +20,8 @@ use crate::simulation::MotionName;
 /// drive to, in degrees, with the limbs that meet there.
 #[derive(clap::Args)]
 #[command(after_help = "Examples:
-  bodyschema plan robot.urdf --free '*.offset' --out plan.csv
-  bodyschema plan robot.xml --free 'left_*.offset' --free 'left_*.gain' --touches 30 --between left_hand,torso --out plan.csv")]
+  bodyschema plan examples/robot/arms.urdf --free '*.offset' --out plan.csv
+  bodyschema plan mjcf/bodies/two_arms.xml --free 'left_*.offset' --free 'left_*.gain' --touches 30 --between left_paddle,torso")]
 pub struct PlanArguments {
     /// The model: MJCF or URDF with shapes that may touch
     model: PathBuf,
@@ -75,12 +75,7 @@ pub fn run(args: &PlanArguments) -> Outcome {
     let urdf = args.model.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("urdf"));
     // A URDF's own frames; MJCF has none for limbs.
     let mut robot = if urdf { read_robot(&args.model)?.robot } else { robot_of(&agent, &truth) };
-    if !args.unknowns.apply(&mut robot)? {
-        open_encoders(&mut robot);
-        tell!(
-            "Nothing is said to be unknown: encoders' offsets are taken to be; say what is by --free and --prior."
-        );
-    }
+    args.unknowns.apply(&mut robot, false)?;
     let touches: Vec<Touch> = point_touches(&agent, &truth, &robot, babbled.touches())
         .into_iter()
         .filter(|touch| {

@@ -7,7 +7,7 @@ use nalgebra::{Rotation3, Vector3};
 use serde_json::json;
 
 use crate::calibration::robot::{Quantity, Robot, Value};
-use crate::calibration::{Estimator, Fit, Judgement, Misses, SeenTouch, Touch};
+use crate::calibration::{Estimator, Fit, Judgement, Misses, SeenTouch, Touch, apart_at_random};
 use crate::cli::{Failure, Outcome, folders, output};
 use crate::record::{RobotFile, RobotFormat, json_of, name_of};
 
@@ -16,6 +16,11 @@ const CALIBRATION_FILE: &str = "calibration.json";
 /// Correlations from which on two parameters are told of, and how many at the most.
 const CORRELATED: f64 = 0.95;
 const MOST_CORRELATIONS: usize = 5;
+
+/// A robot explains its touches if they are apart by less than this share of what touches mixed at random are.
+const EXPLAINED: f64 = 0.5;
+/// … and no more of them are false.
+const MOST_FALSE: f64 = 0.4;
 
 /// What was found, of whom and by what.
 pub(super) struct Results<'a> {
@@ -83,6 +88,44 @@ impl Results<'_> {
         found
     }
 
+    /// Whether the robot explains its touches, and if not, what may be the reason.
+    fn verdict(&self) -> (bool, String) {
+        let honest: Vec<SeenTouch> =
+            self.fit.seen.iter().filter(|(_, _, seen)| self.fit.noise.honesty(seen) > 0.5).cloned().collect();
+        let apart = Misses::of(&honest);
+        let false_share = self.fit.noise.false_share;
+        let equations: usize = self.fit.seen.iter().map(|(_, _, seen)| seen.residuals.size).sum();
+        let unknowns = self.estimator.unknowns.len() - self.fit.told.ties.len();
+        let mm = |metres: f64| output::number(1e3 * metres);
+        let mend = "limbs or columns may be exchanged, units wrong, or what is off is not among what is said to be unknown";
+        // Touches that are taken to be false are not what is explained.
+        if let Some(random) = apart_at_random(self.estimator, self.fit)
+            && apart.rms >= EXPLAINED * random.rms
+        {
+            let (apart, random) = (mm(apart.rms), mm(random.rms));
+            return (
+                false,
+                format!(
+                    "NOT calibrated: what touched stays {apart} mm apart, and {random} mm with touches mixed at random: \
+                     {mend}"
+                ),
+            );
+        }
+        if false_share >= MOST_FALSE {
+            let share = 100.0 * false_share;
+            return (false, format!("NOT calibrated: {share:.0} % of the touches are not explained: {mend}"));
+        }
+        if equations <= unknowns {
+            let reason = format!(
+                "NOT calibrated: {equations} equations of {} touches for {unknowns} unknown numbers explain themselves: make \
+                 more touches (`bodyschema plan`), or say less to be unknown",
+                self.touches.len()
+            );
+            return (false, reason);
+        }
+        (true, "calibrated: the touches are explained by what was found".into())
+    }
+
     /// Prints what a person wants to know.
     pub fn print(&self) {
         let (robot, fit) = (self.robot, self.fit);
@@ -92,6 +135,7 @@ impl Results<'_> {
             self.touches.len(),
             self.estimator.unknowns.len()
         );
+        say!("{}", self.verdict().1);
         say!("");
         say!("  {:<34}{:>9} {:>9} {:>9} {:>9}", "what touched, apart", "RMS", "median", "95 %", "max");
         let row = |name: &str, misses: &Misses| {
@@ -182,6 +226,8 @@ impl Results<'_> {
             "robot": self.robot.name,
             "touches": self.touches.len(),
             "unknowns": self.estimator.unknowns.len(),
+            "calibrated": self.verdict().0,
+            "verdict": self.verdict().1,
             "cost": self.fit.cost,
             "before": Misses::of(&self.before()),
             "after": Misses::of(&self.fit.seen),

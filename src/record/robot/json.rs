@@ -273,31 +273,50 @@ fn add_extras(robot: &mut Robot, extras: Extras) -> Result<bool, String> {
     Ok(says)
 }
 
-/// Says that what a pattern names is known to a deviation, a number and perhaps its unit: `0.01`, `5mm`, `2 deg`.
-pub(crate) fn set_prior(robot: &mut Robot, pattern: &str, deviation: &str) -> Result<(), String> {
-    let trimmed = deviation.trim();
-    let units = [
-        ("mm", 1e-3, Unit::Metre),
-        ("cm", 1e-2, Unit::Metre),
-        ("deg", PI / 180.0, Unit::Radian),
-        ("°", PI / 180.0, Unit::Radian),
-        ("rad", 1.0, Unit::Radian),
-        ("m", 1.0, Unit::Metre),
-    ];
-    let unit = units.iter().find(|(name, ..)| trimmed.ends_with(name));
-    let number = unit.map_or(trimmed, |(name, ..)| trimmed.trim_end_matches(name).trim());
-    let number: f64 = number
-        .parse()
-        .ok()
-        .filter(|x: &f64| x.is_finite() && *x > 0.0)
-        .ok_or_else(|| format!("\"{deviation}\" is no deviation of {pattern}: give a number above 0 and a unit, such as 5mm or 2deg"))?;
-    let value = number * unit.map_or(1.0, |(_, factor, _)| *factor);
+/// Units of deviations, longest first, and what they are of.
+const UNITS: [(&str, f64, Unit); 6] = [
+    ("mm", 1e-3, Unit::Metre),
+    ("cm", 1e-2, Unit::Metre),
+    ("deg", PI / 180.0, Unit::Radian),
+    ("°", PI / 180.0, Unit::Radian),
+    ("rad", 1.0, Unit::Radian),
+    ("m", 1.0, Unit::Metre),
+];
+
+/// The name of a unit, and what it is of.
+type NamedUnit = (&'static str, Unit);
+
+/// A deviation above 0 in its base unit, and its unit where it has one: `0.01`, `5mm`, `2 deg`.
+fn deviation(text: &str) -> Result<(f64, Option<NamedUnit>), String> {
+    let text = text.trim();
+    let unit = UNITS.iter().find(|(name, ..)| text.ends_with(name));
+    let number = unit.map_or(text, |(name, ..)| text.trim_end_matches(name).trim());
+    let number = number.parse().ok().filter(|x: &f64| x.is_finite() && *x > 0.0);
+    let number: f64 = number.ok_or_else(|| {
+        format!("\"{text}\" is no deviation: give a number above 0 and a unit, such as 5mm or 2deg")
+    })?;
+    Ok((number * unit.map_or(1.0, |(_, factor, _)| *factor), unit.map(|(name, _, unit)| (*name, *unit))))
+}
+
+/// A deviation of a position, metres.
+pub(crate) fn length(text: &str) -> Result<f64, String> {
+    match deviation(text)? {
+        (_, Some((name, Unit::Radian))) => {
+            Err(format!("a position is not measured in {name}: give millimetres"))
+        }
+        (metres, _) => Ok(metres),
+    }
+}
+
+/// Says that what a pattern names is known to a deviation.
+pub(crate) fn set_prior(robot: &mut Robot, pattern: &str, text: &str) -> Result<(), String> {
+    let (value, unit) = deviation(text).map_err(|fault| format!("{pattern}: {fault}"))?;
     robot.set_knowledge(pattern, Knowledge::Near(value))?;
-    let Some((name, _, wanted)) = unit else { return Ok(()) };
+    let Some((name, wanted)) = unit else { return Ok(()) };
     let near = |quantity: &&crate::calibration::robot::Quantity| {
         quantity.knowledge.contains(&Knowledge::Near(value))
     };
-    match robot.quantities.iter().filter(near).find(|quantity| quantity.unit != *wanted) {
+    match robot.quantities.iter().filter(near).find(|quantity| quantity.unit != wanted) {
         Some(other) => {
             Err(format!("{} is not measured in {name}: give its deviation in its own unit", other.name))
         }

@@ -18,7 +18,7 @@ use csv::StringRecord;
 use nalgebra::Vector3;
 
 use super::columns::{Column, Table, read_table};
-use crate::calibration::robot::{Robot, nearest_name};
+use crate::calibration::robot::{Robot, likely, nearest_name};
 use crate::calibration::{End, Feature, Touch};
 use crate::creature::DofKind;
 use crate::record::{RecordError, files};
@@ -105,12 +105,24 @@ pub fn read_calibration_log(path: &Path, robot: &Robot) -> Result<CalibrationLog
     Ok(CalibrationLog { touches, notes })
 }
 
+/// Whether bytes look like a log of touches.
+pub(super) fn is_log(bytes: &[u8]) -> bool {
+    let head = bytes.split(|byte| *byte == b'\n').find(|line| !line.starts_with(b"#")).unwrap_or_default();
+    let head = String::from_utf8_lossy(head);
+    NAMES.iter().flatten().any(|name| head.split(',').any(|title| title.trim() == *name))
+}
+
+/// The name of a touch, what touched on either side, and how far apart they were.
+type Contact = (Option<String>, [Option<End>; 2], f64);
+
 /// Which column holds what.
 struct Head {
     /// Per coordinate of a posture.
     posture: Vec<Option<usize>>,
     fields: HashMap<&'static str, usize>,
     notes: Vec<String>,
+    /// Columns that mean nothing, without their units.
+    spare: Vec<String>,
 }
 
 impl Head {
@@ -194,7 +206,8 @@ impl Head {
             let names: Vec<&str> = spare.iter().map(|column| column.title.as_str()).collect();
             notes.push(format!("columns that are not used: {}", names.join(", ")));
         }
-        Ok(Head { posture, fields, notes })
+        let spare = spare.iter().map(|column| column.name.clone()).collect();
+        Ok(Head { posture, fields, notes, spare })
     }
 
     fn field<'r>(&self, row: &'r StringRecord, name: &str) -> Option<&'r str> {
@@ -215,13 +228,7 @@ impl Head {
     }
 
     /// The name of the touch, what touched on either side, and how far apart they were.
-    #[allow(clippy::type_complexity)]
-    fn contact(
-        &self,
-        table: &Table,
-        row: &StringRecord,
-        robot: &Robot,
-    ) -> Result<(Option<String>, [Option<End>; 2], f64), String> {
+    fn contact(&self, table: &Table, row: &StringRecord, robot: &Robot) -> Result<Contact, String> {
         let name = self.field(row, TOUCH).map(str::to_string);
         let ends = [self.end(table, row, robot, 0)?, self.end(table, row, robot, 1)?];
         if name.is_none() && ends.iter().any(Option::is_none) {
@@ -320,11 +327,13 @@ impl Head {
             if posture[own].iter().any(Option::is_none)
                 && is_between(robot, dof_index(robot, &dof.name), links)
             {
+                let unit = if dof.kind == DofKind::Slide { "metres" } else { "angle" };
+                let meant = self.spare.iter().find(|name| likely(name, &dof.name));
+                let meant =
+                    meant.map_or(String::new(), |name| format!(", or is {name} meant? Then rename it"));
                 return Err(format!(
-                    "{} moves what touched and was not read: give a column {} with its {}",
-                    dof.name,
-                    dof.name,
-                    if dof.kind == DofKind::Slide { "metres" } else { "angle" }
+                    "{} moves what touched and was not read: give a column {} with its {unit}{meant}",
+                    dof.name, dof.name
                 ));
             }
         }
@@ -409,8 +418,8 @@ fn refuse_millimetres(
     touches: &[Touch],
 ) -> Result<(), RecordError> {
     let size = reach(robot).max(0.05);
-    for side in 0..2 {
-        let Some(at) = head.fields.get(POINTS[side][0]) else { continue };
+    for (side, [x, y, z]) in POINTS.into_iter().enumerate() {
+        let Some(at) = head.fields.get(x) else { continue };
         if table.columns[*at].factor.is_some() {
             continue;
         }
@@ -425,7 +434,6 @@ fn refuse_millimetres(
         distances.sort_by(f64::total_cmp);
         let Some(median) = distances.get(distances.len() / 2).copied() else { continue };
         if median > FAR * size {
-            let [x, y, z] = POINTS[side];
             let message = format!(
                 "half of the points {x}, {y}, {z} are more than {median:.0} m from their limb's origin, and {} is about \
                  {size:.1} m long: if these are millimetres, call the columns {x}_mm, {y}_mm, {z}_mm",

@@ -17,7 +17,7 @@ mod urdf_writer;
 use std::path::Path;
 
 pub use edits::Written;
-pub(crate) use json::{json_of, set_prior};
+pub(crate) use json::{json_of, length, set_prior};
 pub use log::{CalibrationLog, read_calibration_log};
 pub use log_writer::calibration_table;
 pub(crate) use log_writer::name_of;
@@ -80,6 +80,11 @@ pub fn read_robot(path: &Path) -> Result<RobotFile, RecordError> {
             let read = urdf::read_urdf(path, &bytes)?;
             Ok(plain(read.robot, RobotFormat::Urdf, read.passed_over, bytes))
         }
+        Some(_) if log::is_log(&bytes) => Err(RecordError::format(
+            path,
+            Some(1),
+            "it is a log of touches, where a robot belongs: give the robot first, then the log",
+        )),
         Some(b'{') if !dh_table::is_dh_json(&bytes) => json::read(path, bytes),
         _ => Ok(plain(dh::read_dh(path, &bytes)?, RobotFormat::Dh, Vec::new(), bytes)),
     }

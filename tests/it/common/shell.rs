@@ -80,9 +80,10 @@ pub fn run(folder: &Path, line: &str) -> String {
     out
 }
 
-/// Copies the repository's models into a folder, as a checkout has them.
+/// Copies the repository's models and its robot into a folder, as a checkout has them.
 pub fn copy_models(folder: &Path) {
     copy(&repository("mjcf"), &folder.join("mjcf"));
+    copy(&repository("examples/robot"), &folder.join("examples/robot"));
 }
 
 /// Copies a folder with all that is in it.
