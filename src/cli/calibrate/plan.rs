@@ -21,7 +21,7 @@ use crate::simulation::MotionName;
 #[derive(clap::Args)]
 #[command(after_help = "Examples:
   bodyschema plan examples/robot/arms.urdf --free '*.offset' --out plan.csv
-  bodyschema plan mjcf/bodies/two_arms.xml --free 'left_*.offset' --free 'left_*.gain' --touches 30 --between left_paddle,torso")]
+  bodyschema plan mjcf/bodies/two_arms.xml --free 'left_*.offset' --free 'left_*.gain' --touches 30 --between left_l7,right_l7")]
 pub struct PlanArguments {
     /// The model: MJCF or URDF with shapes that may touch
     model: PathBuf,
