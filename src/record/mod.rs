@@ -6,6 +6,7 @@
 //! files. Numbers are written in the shortest form that reads back to the same bits.
 
 mod account;
+mod columns;
 mod error;
 mod files;
 mod firing_log;

@@ -163,7 +163,10 @@ fn a_row_that_cannot_be_read_is_named_by_line_and_column() {
 fn columns_that_are_missing_unknown_or_doubled_are_named() {
     let place = Place::new();
     let wrong = [
-        (HEADER.replace("lift", "lft"), "column 13, \"lft\": it is neither a degree of freedom of crane"),
+        (
+            HEADER.replace("lift", "lft"),
+            "there is no column lift: add this degree of freedom, or is lft meant?",
+        ),
         (HEADER.replace(",lift", ""), "there is no column lift"),
         (HEADER.replace("turn_y", "turn_x"), "column 11, turn_x: it occurs twice"),
         (HEADER.replace(",by", ""), "there is no column by: a point has three coordinates"),
@@ -177,6 +180,22 @@ fn columns_that_are_missing_unknown_or_doubled_are_named() {
     }
     assert!(place.crane("touches.csv", &format!("{HEADER}\n")).unwrap_err().contains("it holds no touch"));
     assert!(place.crane("touches.jsonl", "\n").unwrap_err().contains("it holds no touch"));
+}
+
+#[test]
+fn units_are_read_from_columns_and_what_means_nothing_is_passed_over() {
+    let place = Place::new();
+    let log = |header: &str, row: &str| place.crane("touches.csv", &format!("{header}\n{row}\n")).unwrap();
+    let plain = log(HEADER, ROW);
+    assert!(plain.notes.is_empty(), "{:?}", plain.notes);
+    let header = HEADER.replace("lift", "lift_deg").replace("ax,ay,az", "ax [mm],ay [mm],az [mm]");
+    let row =
+        ROW.replace("0.1,0.2,0.3", "100,200,300").replace(",0.5,", &format!(",{},", 0.5f64.to_degrees()));
+    let other = log(&format!("{header},temperature"), &format!("{row},21"));
+    assert_eq!(other.notes, ["columns that are not used: temperature"]);
+    let (a, b) = (&plain.touches[0], &other.touches[0]);
+    assert!(a.posture.iter().zip(b.posture.iter()).all(|(a, b)| (a - b).abs() < 1e-12));
+    assert!(a.ends.iter().zip(&b.ends).all(|(a, b)| (a.contact - b.contact).norm() < 1e-12));
 }
 
 #[test]

@@ -3,13 +3,15 @@
 use std::collections::HashMap;
 use std::path::Path;
 
-use csv::{ReaderBuilder, StringRecord};
+use csv::StringRecord;
 use nalgebra::Vector3;
 
 use super::posture::unit_quaternions;
 use super::raw::{RawEnd, RawTouch};
+use crate::calibration::robot::likely;
 use crate::creature::{Creature, DofKind};
 use crate::record::RecordError;
+use crate::record::columns::{Column, Table, read_table};
 use crate::record::error::ContentFault;
 
 /// The columns beside those of the degrees of freedom, end a then end b.
@@ -36,76 +38,30 @@ fn posture_columns(creature: &Creature) -> Vec<String> {
     creature.dofs().flat_map(of_dof).collect()
 }
 
-/// The touches.
-pub(super) fn read(path: &Path, bytes: &[u8], creature: &Creature) -> Result<Vec<RawTouch>, RecordError> {
-    let refuse = |line: u64, message: String| RecordError::format(path, Some(line as usize), message);
-    let mut reader = ReaderBuilder::new()
-        .has_headers(false)
-        .flexible(true)
-        .comment(Some(b'#'))
-        .trim(csv::Trim::All)
-        .from_reader(bytes);
-    let mut record = StringRecord::new();
-    let mut columns: Option<CsvColumns> = None;
-    let mut touches = Vec::new();
-    loop {
-        match reader.read_record(&mut record) {
-            Ok(true) => {}
-            Ok(false) => break,
-            Err(error) => {
-                let line = error.position().map_or(0, csv::Position::line);
-                return Err(refuse(line, format!("it is no text in UTF-8 ({error}): save the file as such")));
-            }
-        }
-        let line = line_of(&record, bytes);
-        match &columns {
-            None => {
-                columns =
-                    Some(CsvColumns::new(&record, creature).map_err(|fault| refuse(line, fault.into()))?)
-            }
-            Some(columns) => {
-                let touch =
-                    columns.touch(&record, line, creature).map_err(|fault| refuse(line, fault.into()))?;
-                touches.push(touch);
-            }
-        }
-    }
-    if columns.is_none() {
-        return Err(refuse(1, "there is no line of column names: begin with one".into()));
-    }
-    Ok(touches)
-}
-
-/// The line on which a record begins, from 1. The reader counts from where it began to look, blank lines and
-/// comments before the record included.
-pub(in crate::record) fn line_of(record: &StringRecord, bytes: &[u8]) -> u64 {
-    let Some(position) = record.position() else { return 1 };
-    let rest = &bytes[(position.byte() as usize).min(bytes.len())..];
-    let skipped = rest
-        .split(|&byte| byte == b'\n')
-        .take_while(|line| line.trim_ascii().is_empty() || line.starts_with(b"#"))
-        .count();
-    position.line() + skipped as u64
+/// The touches, and which columns were passed over.
+pub(super) fn read(
+    path: &Path,
+    bytes: &[u8],
+    creature: &Creature,
+) -> Result<(Vec<RawTouch>, Option<String>), RecordError> {
+    let Table { line, columns, rows } = read_table(path, bytes)?;
+    let refuse = |line: usize| move |fault: ContentFault| RecordError::format(path, Some(line), fault);
+    let (columns, spare) = CsvColumns::new(columns, creature).map_err(refuse(line))?;
+    let touches = rows.iter().map(|(line, row)| columns.touch(row, *line, creature).map_err(refuse(*line)));
+    let note = (!spare.is_empty()).then(|| format!("columns that are not used: {}", spare.join(", ")));
+    Ok((touches.collect::<Result<_, _>>()?, note))
 }
 
 /// Which cell of a row holds what.
 struct CsvColumns {
-    names: Vec<String>,
+    columns: Vec<Column>,
     posture: Vec<usize>,
     reserved: HashMap<&'static str, usize>,
 }
 
 impl CsvColumns {
-    fn new(header: &StringRecord, creature: &Creature) -> Result<CsvColumns, ContentFault> {
-        let names: Vec<String> =
-            header.iter().map(|name| name.trim_start_matches('\u{feff}').to_string()).collect();
-        if let [only] = names.as_slice()
-            && let Some(separator) = [';', '\t'].into_iter().find(|separator| only.contains(*separator))
-        {
-            return Err(format!(
-                "its columns are separated by {separator:?}: separate them by commas, and write decimals with a point"
-            ).into());
-        }
+    /// Those of a head, and the titles of those that mean nothing.
+    fn new(columns: Vec<Column>, creature: &Creature) -> Result<(CsvColumns, Vec<String>), ContentFault> {
         let wanted = posture_columns(creature);
         if let Some(name) = wanted.iter().find(|name| reserved().any(|other| other == **name)) {
             return Err(format!(
@@ -113,23 +69,24 @@ impl CsvColumns {
                  file, or give the log as lines of JSON"
             ).into());
         }
-        for (i, name) in names.iter().enumerate() {
-            let column = i + 1;
-            if names[..i].contains(name) {
-                return Err(format!("column {column}, {name}: it occurs twice: leave one of them out").into());
-            }
-            if !wanted.contains(name) && !reserved().any(|other| other == name) {
-                return Err(format!(
-                    "column {column}, \"{name}\": it is neither a degree of freedom of {} nor one of {}: rename it or \
-                     leave it out",
-                    creature.name(),
-                    reserved().collect::<Vec<_>>().join(", ")
-                ).into());
-            }
-        }
-        let place = |name: &str| names.iter().position(|other| other == name);
+        // A name as it stands counts before one without its unit.
+        let place = |name: &str| {
+            let titled = columns.iter().position(|column| column.title == name);
+            titled.or_else(|| columns.iter().position(|column| column.name == name))
+        };
+        let known = |column: &Column| {
+            let means = |name: &str| column.title == name || column.name == name;
+            wanted.iter().any(|name| means(name)) || reserved().any(means)
+        };
+        let spare: Vec<String> =
+            columns.iter().filter(|column| !known(column)).map(|column| column.title.clone()).collect();
         let posture = wanted.iter().map(|name| {
-            place(name).ok_or_else(|| format!("there is no column {name}: add this degree of freedom"))
+            place(name).ok_or_else(|| {
+                let meant = spare.iter().find(|other| likely(&Column::new(other).name, name));
+                let meant =
+                    meant.map_or(String::new(), |other| format!(", or is {other} meant? Then rename it"));
+                format!("there is no column {name}: add this degree of freedom{meant}")
+            })
         });
         let posture = posture.collect::<Result<Vec<usize>, String>>()?;
         let reserved: HashMap<&'static str, usize> =
@@ -152,19 +109,11 @@ impl CsvColumns {
                 .into());
             }
         }
-        Ok(CsvColumns { names, posture, reserved })
+        Ok((CsvColumns { columns, posture, reserved }, spare))
     }
 
-    fn touch(&self, row: &StringRecord, line: u64, creature: &Creature) -> Result<RawTouch, ContentFault> {
-        if row.len() != self.names.len() {
-            return Err(format!(
-                "it has {} cells in place of {}: give one for each column",
-                row.len(),
-                self.names.len()
-            )
-            .into());
-        }
-        let place = |column: usize| format!("column {}, {}", column + 1, self.names[column]);
+    fn touch(&self, row: &StringRecord, line: usize, creature: &Creature) -> Result<RawTouch, ContentFault> {
+        let place = |column: usize| format!("column {}, {}", column + 1, self.columns[column].title);
         let number = |column: usize, unit: &str| -> Result<f64, ContentFault> {
             let cell = &row[column];
             if cell.is_empty() {
@@ -173,7 +122,7 @@ impl CsvColumns {
                 );
             }
             match cell.parse::<f64>() {
-                Ok(value) if value.is_finite() => Ok(value),
+                Ok(value) if value.is_finite() => Ok(value * self.columns[column].factor.unwrap_or(1.0)),
                 Ok(_) => Err(format!(
                     "{}: {cell} is not finite: give {unit}, or leave the touch out",
                     place(column)
@@ -232,7 +181,7 @@ impl CsvColumns {
             })
         };
         Ok(RawTouch {
-            line: line as usize,
+            line,
             bout: count("bout")?,
             motion: count("motion")?,
             ends: [end(0)?, end(1)?],

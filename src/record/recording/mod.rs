@@ -16,7 +16,6 @@ use std::path::Path;
 use nalgebra::Vector3;
 
 pub use creature_file::{CreatureFile, read_creature};
-pub(super) use csv_log::line_of;
 use raw::{RawEnd, RawTouch};
 
 use super::touch_line::check;
@@ -53,8 +52,11 @@ pub fn read_recording(path: &Path, agent: &Agent) -> Result<Recording, RecordErr
     let creature = agent.creature();
     let bytes = files::read(path)?;
     let is_csv = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("csv"));
+    let mut spare = None;
     let (raw, truncated) = if is_csv {
-        (csv_log::read(path, &bytes, creature)?, None)
+        let (raw, note) = csv_log::read(path, &bytes, creature)?;
+        spare = note;
+        (raw, None)
     } else {
         json_log::read(path, &bytes, creature)?
     };
@@ -65,6 +67,7 @@ pub fn read_recording(path: &Path, agent: &Agent) -> Result<Recording, RecordErr
     posture::refuse_degrees(path, creature, &raw)?;
     let mut recording = resolve(path, agent, &raw)?;
     recording.notes = posture::notes(creature, &raw);
+    recording.notes.extend(spare);
     recording.notes.extend(truncated.map(|line| {
         format!("it ends in the middle of line {line}: that touch is left out, all before it are used")
     }));

@@ -17,10 +17,10 @@ use std::path::Path;
 use csv::StringRecord;
 use nalgebra::Vector3;
 
-use super::columns::{Column, Table, read_table};
 use crate::calibration::robot::{Robot, likely, nearest_name};
 use crate::calibration::{End, Feature, Touch};
 use crate::creature::DofKind;
+use crate::record::columns::{Column, Table, read_table};
 use crate::record::{RecordError, files};
 
 const NAMES: [[&str; 2]; 2] = [["limb_a", "receptor_a"], ["limb_b", "receptor_b"]];

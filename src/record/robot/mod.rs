@@ -1,7 +1,6 @@
 //! Robots to be calibrated and the logs of their touches, as people have them: a description in JSON, URDF, a table of
 //! Denavit and Hartenberg's numbers; comma-separated values in the units that their columns say.
 
-mod columns;
 mod dh;
 mod dh_table;
 mod dh_writer;

@@ -47,6 +47,8 @@ impl Column {
 
 /// A table: its columns, and its rows with the lines that they are on.
 pub(super) struct Table {
+    /// The line that the names are on.
+    pub line: usize,
     pub columns: Vec<Column>,
     pub rows: Vec<(usize, StringRecord)>,
 }
@@ -84,10 +86,11 @@ pub(super) fn read_table(path: &Path, bytes: &[u8]) -> Result<Table, RecordError
                 return Err(refuse(line, format!("it is no text in UTF-8 ({error}): save the file as such")));
             }
         }
-        let line = crate::record::recording::line_of(&record, bytes) as usize;
+        let line = line_of(&record, bytes);
         match &mut table {
             None => {
                 table = Some(Table {
+                    line,
                     columns: head(&record).map_err(|fault| refuse(line, fault))?,
                     rows: Vec::new(),
                 })
@@ -106,6 +109,18 @@ pub(super) fn read_table(path: &Path, bytes: &[u8]) -> Result<Table, RecordError
         }
     }
     table.ok_or_else(|| refuse(1, "there is no line of column names: begin with one".into()))
+}
+
+/// The line on which a record begins, from 1. The reader counts from where it began to look, blank lines and
+/// comments before the record included.
+fn line_of(record: &StringRecord, bytes: &[u8]) -> usize {
+    let Some(position) = record.position() else { return 1 };
+    let rest = &bytes[(position.byte() as usize).min(bytes.len())..];
+    let skipped = rest
+        .split(|&byte| byte == b'\n')
+        .take_while(|line| line.trim_ascii().is_empty() || line.starts_with(b"#"))
+        .count();
+    position.line() as usize + skipped
 }
 
 fn head(record: &StringRecord) -> Result<Vec<Column>, String> {
