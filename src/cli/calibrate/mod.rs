@@ -36,7 +36,7 @@ pub struct CalibrateArguments {
     noise: NoiseArguments,
     #[command(flatten)]
     judging: JudgingArguments,
-    /// The folder for results: the robot with its new numbers, tables of quantities, residuals and correlations
+    /// The folder for results: the robot with its new numbers, tables of quantities and residuals, and all as JSON
     #[arg(long, short, value_name = "DIR", help_heading = "Output")]
     out: Option<PathBuf>,
     /// Print one JSON object
