@@ -8,7 +8,7 @@ use super::robot::{Robot, Value};
 use super::told::Told;
 use super::touch::{End, Feature, Touch};
 use super::unknowns::Unknowns;
-use crate::learning::least_squares::{LeastSquares, Linearization, Stopping, levenberg_marquardt};
+use crate::learning::least_squares::{Linearization, Stopping, levenberg_marquardt};
 
 /// Fits from afar, each with the deviation that the one before left.
 const APPROACHES: usize = 12;
@@ -199,8 +199,8 @@ impl<'a> Estimator<'a> {
         if let JointNoise::Given(deviation) = self.options.joint_noise {
             noise.joint = deviation;
         }
-        let seen = self.seen(&values, &noise);
         if with_false {
+            let seen = self.seen(&values, &noise);
             noise.false_share = 0.1;
             noise.widen(&only(&seen));
         }
@@ -254,13 +254,6 @@ impl<'a> Estimator<'a> {
         }
         information.fill_upper_triangle_with_lower_triangle();
         information
-    }
-
-    /// Whether a problem has a cost at all where the search begins.
-    pub fn is_finite(&self, values: &[Value]) -> bool {
-        let problem = self.problem(Noise::alike(self.groups.count(), 1.0), Weighing::ByNoise);
-        problem.seen(values).iter().all(|(_, _, seen)| seen.residuals.value.iter().all(|x| x.is_finite()))
-            && LeastSquares::cost(&problem, &values.to_vec()).is_finite()
     }
 }
 

@@ -41,10 +41,7 @@ pub fn point_touches(
     let zero = Posture::reference(creature);
     let own = limb_frames(creature, schema, &zero);
     let nominal = robot.nominal();
-    let mut posture = vec![0.0; robot.coordinates()];
-    for dof in robot.dofs.iter().filter(|dof| dof.kind == DofKind::Ball) {
-        posture[dof.coordinate] = 1.0;
-    }
+    let posture = robot.zero_posture();
     let theirs = Posed::new(robot, &nominal, &posture).frames();
     // Per limb the robot's link for its points, and the limb's frame in that link's.
     let places: Vec<Option<(usize, Frame)>> = creature

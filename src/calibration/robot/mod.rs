@@ -232,6 +232,23 @@ impl Robot {
         self.dofs.iter().map(|dof| dof.coordinate + dof.kind.coordinates()).max().unwrap_or(0)
     }
 
+    /// Degrees of freedom that have coordinates of their own: what mimics another has that one's.
+    pub fn leaders(&self) -> impl Iterator<Item = &RobotDof> {
+        let first = |(i, dof): &(usize, &RobotDof)| {
+            self.dofs[..*i].iter().all(|other| other.coordinate != dof.coordinate)
+        };
+        self.dofs.iter().enumerate().filter(first).map(|(_, dof)| dof)
+    }
+
+    /// The posture in which all encoders read zero.
+    pub fn zero_posture(&self) -> Vec<f64> {
+        let mut posture = vec![0.0; self.coordinates()];
+        for dof in self.dofs.iter().filter(|dof| dof.kind == DofKind::Ball) {
+            posture[dof.coordinate] = 1.0;
+        }
+        posture
+    }
+
     /// All quantities at their nominal values.
     pub fn nominal(&self) -> Vec<Value> {
         self.quantities.iter().map(|quantity| quantity.nominal).collect()

@@ -133,11 +133,7 @@ impl Head {
             titled.or_else(|| table.columns.iter().position(|column| column.name == name))
         };
         let mut posture = Vec::new();
-        // What mimics another has its coordinate.
-        for (i, dof) in robot.dofs.iter().enumerate() {
-            if robot.dofs[..i].iter().any(|other| other.coordinate == dof.coordinate) {
-                continue;
-            }
+        for dof in robot.leaders() {
             match dof.kind {
                 DofKind::Ball => posture.extend(QUATERNION.map(|part| find(&format!("{}{part}", dof.name)))),
                 _ => posture.push(find(&dof.name)),
@@ -322,11 +318,9 @@ impl Head {
                 _ => None,
             });
         }
-        for dof in &robot.dofs {
+        for (index, dof) in robot.dofs.iter().enumerate() {
             let own = dof.coordinate..dof.coordinate + dof.kind.coordinates();
-            if posture[own].iter().any(Option::is_none)
-                && is_between(robot, dof_index(robot, &dof.name), links)
-            {
+            if posture[own].iter().any(Option::is_none) && is_between(robot, index, links) {
                 let unit = if dof.kind == DofKind::Slide { "metres" } else { "angle" };
                 let meant = self.spare.iter().find(|name| likely(name, &dof.name));
                 let meant =
@@ -349,10 +343,6 @@ impl Head {
         }
         Ok(posture)
     }
-}
-
-fn dof_index(robot: &Robot, name: &str) -> usize {
-    robot.dof(name).unwrap_or(usize::MAX)
 }
 
 /// Whether a degree of freedom moves one of two links and not the other.
@@ -448,12 +438,7 @@ fn refuse_millimetres(
 /// The longest way from the root out along positions, metres.
 fn reach(robot: &Robot) -> f64 {
     let values = robot.nominal();
-    let posture = vec![0.0; robot.coordinates()];
-    let posture =
-        robot.dofs.iter().filter(|dof| dof.kind == DofKind::Ball).fold(posture, |mut posture, dof| {
-            posture[dof.coordinate] = 1.0;
-            posture
-        });
+    let posture = robot.zero_posture();
     let posed = crate::calibration::robot::Posed::new(robot, &values, &posture);
     let mut ways = vec![0.0f64; robot.links.len()];
     for link in 1..robot.links.len() {

@@ -9,19 +9,12 @@ use crate::creature::DofKind;
 /// Touches as a log that [`read_calibration_log`](super::read_calibration_log) reads, with further columns behind: a title and a
 /// cell for each touch. Of several contacts the first of either side is written.
 pub fn calibration_table(robot: &Robot, touches: &[&Touch], further: &[(&str, Vec<String>)]) -> String {
-    let leaders = || {
-        // What mimics another has its coordinate.
-        let first = |(i, dof): &(usize, &RobotDof)| {
-            robot.dofs[..*i].iter().all(|other| other.coordinate != dof.coordinate)
-        };
-        robot.dofs.iter().enumerate().filter(first).map(|(_, dof)| dof)
-    };
     let title = |dof: &RobotDof| match dof.kind {
         DofKind::Hinge => format!("{}_deg", dof.name),
         DofKind::Slide => dof.name.clone(),
         DofKind::Ball => ["w", "x", "y", "z"].map(|part| format!("{}_{part}", dof.name)).join(","),
     };
-    let mut titles: Vec<String> = leaders().map(title).collect();
+    let mut titles: Vec<String> = robot.leaders().map(title).collect();
     titles.extend(further.iter().map(|(title, _)| title.to_string()));
     let mut table = format!("limb_a,limb_b,ax,ay,az,bx,by,bz,{}\n", titles.join(","));
     for (k, touch) in touches.iter().enumerate() {
@@ -33,7 +26,7 @@ pub fn calibration_table(robot: &Robot, touches: &[&Touch], further: &[(&str, Ve
                 Feature::Surface(_) => ",,".into(),
             });
         }
-        for dof in leaders() {
+        for dof in robot.leaders() {
             let own = &touch.posture[dof.coordinate..dof.coordinate + dof.kind.coordinates()];
             let number = |x: &f64| match dof.kind {
                 DofKind::Hinge => format!("{:.5}", x.to_degrees()),
