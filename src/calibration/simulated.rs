@@ -8,7 +8,7 @@ use rand_distr::{Distribution, StandardNormal};
 use super::robot::{Form, NominalJoint, Posed, Robot, Value};
 use super::touch::{End, Feature, Touch};
 use crate::agent::Agent;
-use crate::creature::{DofKind, Posture};
+use crate::creature::{DofKind, Posture, ball};
 use crate::geometry::Frame;
 use crate::kinematics::limb_frames;
 use crate::schema::BodySchema;
@@ -29,8 +29,8 @@ pub fn robot_of(agent: &Agent, schema: &BodySchema) -> Robot {
 }
 
 /// Touches of an agent, whose joints are where a schema says, as a log of points tells them for a robot with links and degrees
-/// of freedom of the same names. The robot's frames may be others: with all joints at zero both are the same body. Of limbs that
-/// the robot does not have there is no touch.
+/// of freedom of the same names. The robot's frames may be others, and its root one that carries the agent's: with all joints
+/// at their references both are the same body. Of limbs that the robot does not have there is no touch.
 pub fn point_touches(
     agent: &Agent,
     schema: &BodySchema,
@@ -38,32 +38,50 @@ pub fn point_touches(
     touches: &[crate::senses::Touch],
 ) -> Vec<Touch> {
     let creature = agent.creature();
-    let zero = Posture::reference(creature);
-    let own = limb_frames(creature, schema, &zero);
+    let own = limb_frames(creature, schema, &Posture::reference(creature));
     let nominal = robot.nominal();
-    let posture = robot.zero_posture();
-    let theirs = Posed::new(robot, &nominal, &posture).frames();
+    let mut reference = robot.reference_posture();
+    // Joints that the agent does not move are where their limits let them be.
+    for dof in robot.leaders().filter(|dof| dof.kind != DofKind::Ball) {
+        if creature.dofs().all(|other| other.name != dof.name) {
+            let at = &mut reference[dof.coordinate];
+            *at = at.max(dof.range[0]).min(dof.range[1]);
+        }
+    }
+    let theirs = Posed::new(robot, &nominal, &reference).frames();
+    let root = robot.link(&creature.limbs()[0]).map_or(Frame::identity(), |link| theirs[link]);
     // Per limb the robot's link for its points, and the limb's frame in that link's.
     let places: Vec<Option<(usize, Frame)>> = creature
         .limbs()
         .iter()
         .zip(&own)
-        .map(|(name, frame)| robot.points_of(name).map(|link| (link, theirs[link].inverse() * *frame)))
+        .map(|(name, frame)| robot.points_of(name).map(|link| (link, theirs[link].inverse() * root * *frame)))
         .collect();
     let end = |end: &crate::senses::TouchEnd| {
         let (link, pose) = places[agent.skin().receptors[end.receptor].limb]?;
         Some(vec![End { feature: Feature::Point(link, pose.point(&end.contact)), deviation: None }])
     };
     let one = |(i, touch): (usize, &crate::senses::Touch)| {
-        let mut there = posture.clone();
-        for element in creature.elements() {
-            let dof = &robot.dofs[robot.dof(&element.dof().name)?];
-            there[dof.coordinate..dof.coordinate + element.kind.coordinates()]
-                .copy_from_slice(element.of(&touch.posture));
+        let mut posture = reference.clone();
+        for (joint, place) in creature.joints().iter().zip(&places[1..]) {
+            for element in joint.elements() {
+                let Some(dof) = robot.leaders().find(|dof| dof.name == element.dof().name) else { continue };
+                let (at, read) = (dof.coordinate, element.of(&touch.posture));
+                match (dof.kind, place) {
+                    (DofKind::Ball, Some((_, pose))) => {
+                        // The same turn, about axes of the link's frame.
+                        let turn = ball(read);
+                        let axis = pose.direction(&turn.imag());
+                        posture[at..at + 4].copy_from_slice(&[turn.w, axis.x, axis.y, axis.z]);
+                    }
+                    (DofKind::Ball, None) => posture[at..at + 4].copy_from_slice(read),
+                    (DofKind::Hinge | DofKind::Slide, _) => posture[at] += read[0],
+                }
+            }
         }
         Some(Touch {
             line: i + 2,
-            posture: there,
+            posture,
             ends: [end(&touch.ends[0])?, end(&touch.ends[1])?],
             distance: 0.0,
         })

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
+use super::from_model::joint_name;
 use super::{BodyError, Creature, Dof};
 use crate::mujoco::{Equality, Model};
 
@@ -40,7 +41,7 @@ pub(super) fn couple(
     dof_of_joint: &[Option<usize>],
     reference: impl Fn(usize) -> f64,
 ) -> Result<(), BodyError> {
-    let name = |joint: usize| model.joint(joint).name.map_or_else(|| format!("joint{joint}"), str::to_string);
+    let name = |joint: usize| joint_name(model, joint);
     // Of several couplings of a joint the first counts.
     let mut couplings: BTreeMap<usize, (Option<usize>, [f64; 5])> = BTreeMap::new();
     for equality in model.equalities() {

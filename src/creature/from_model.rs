@@ -229,7 +229,7 @@ fn group_by_anchor(model: &Model, joints: impl Iterator<Item = usize>) -> Vec<Ve
 /// One MuJoCo joint as the agent knows it: coordinates count from the reference posture.
 fn dof(model: &Model, j: usize) -> Dof {
     let joint = model.joint(j);
-    let name = joint.name.map_or_else(|| format!("joint{j}"), str::to_string);
+    let name = joint_name(model, j);
     let reference = model.qpos0()[joint.qposadr];
     let (kind, range) = match joint.kind {
         JointKind::Ball => {
@@ -278,6 +278,11 @@ fn unused(name: String, joints: &[Joint]) -> String {
 /// A body's name, or one made from its number.
 pub(crate) fn body_name(model: &Model, body: usize) -> String {
     model.body(body).name.map_or_else(|| format!("body{body}"), str::to_string)
+}
+
+/// A joint's name, or one made from its number.
+pub(crate) fn joint_name(model: &Model, joint: usize) -> String {
+    model.joint(joint).name.map_or_else(|| format!("joint{joint}"), str::to_string)
 }
 
 /// The aura limbs that the model's tuples define; each limb by itself where it defines none.

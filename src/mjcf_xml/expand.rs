@@ -81,7 +81,7 @@ impl Expanded {
         }
         let mut expansion = Expansion {
             source,
-            angles: Angles::new(setting("angle"), setting("eulerseq")),
+            angles: Angles::of(&source.root),
             autolimits: setting("autolimits") != Some("false"),
             colours: colours.collect(),
             models: assets().filter(|e| e.name == "model").map(|e| (model_name(source, e), e)).collect(),

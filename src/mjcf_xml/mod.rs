@@ -21,6 +21,7 @@ pub(crate) use hulls::open_meshes;
 pub use left_out::LeftOut;
 pub(crate) use limits::check as check_limits;
 pub(crate) use mesh_files::unreadable_mesh;
+pub(crate) use pose::{Angles, ORIENTATIONS};
 pub(crate) use reduce::Reduced;
 pub(crate) use source::{Refused, Source, place};
 pub(crate) use urdf::to_mjcf as urdf_to_mjcf;

@@ -1,16 +1,16 @@
 //! Poses as MJCF writes them: in degrees or radians, by quaternions, axes, or angles in some order.
 
 use nalgebra::{Isometry3, Matrix3, Quaternion, Rotation3, Translation3, UnitQuaternion, Vector3};
-use xmltree::Element;
+use xmltree::{Element, XMLNode};
 
 use super::{attribute, exact};
 
 /// The ways to give an orientation.
-pub(super) const ORIENTATIONS: [&str; 5] = ["quat", "axisangle", "xyaxes", "zaxis", "euler"];
+pub(crate) const ORIENTATIONS: [&str; 5] = ["quat", "axisangle", "xyaxes", "zaxis", "euler"];
 
 /// How a file gives its angles.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Angles {
+pub(crate) struct Angles {
     /// Whether angles are in degrees.
     degrees: bool,
     /// The axes of Euler angles in turn; capital letters stand still, small ones turn along.
@@ -24,9 +24,22 @@ impl Angles {
         Angles { degrees: angle != Some("radian"), sequence: sequence.as_bytes().to_vec() }
     }
 
+    /// By what a model's file says, with what it includes written out.
+    pub fn of(root: &Element) -> Angles {
+        // A later setting overrides an earlier one.
+        let compilers = root.children.iter().filter_map(XMLNode::as_element).filter(|e| e.name == "compiler");
+        let setting = |name: &str| compilers.clone().filter_map(|e| attribute(e, name)).next_back();
+        Angles::new(setting("angle"), setting("eulerseq"))
+    }
+
     /// An angle as written in radians.
     pub fn radians(&self, angle: f64) -> f64 {
         if self.degrees { angle.to_radians() } else { angle }
+    }
+
+    /// Radians as the file writes them.
+    pub fn written(&self, radians: f64) -> f64 {
+        if self.degrees { radians.to_degrees() } else { radians }
     }
 
     fn euler(&self, angles: [f64; 3]) -> UnitQuaternion<f64> {

@@ -25,6 +25,10 @@ pub struct ModelBody<'m> {
     pub joints: Range<usize>,
     /// Its geoms.
     pub geoms: Range<usize>,
+    /// Its mass, kilograms.
+    pub mass: f64,
+    /// Its centre of mass in its frame, in metres.
+    pub ipos: Vector3<f64>,
 }
 
 /// A joint between a body and its parent.

@@ -125,6 +125,11 @@ impl Model {
         self.raw().opt.timestep
     }
 
+    /// The acceleration of free fall in the world's frame, m/s².
+    pub fn gravity(&self) -> Vector3<f64> {
+        vector(&self.raw().opt.gravity)
+    }
+
     /// The number of degrees of freedom.
     pub fn nv(&self) -> usize {
         self.raw().nv as usize
@@ -182,6 +187,8 @@ impl Model {
             quat: quaternion(&array!(self, body_quat[nbody * 4])[4 * i..]),
             joints: range(array!(self, body_jntadr[nbody])[i], array!(self, body_jntnum[nbody])[i]),
             geoms: range(array!(self, body_geomadr[nbody])[i], array!(self, body_geomnum[nbody])[i]),
+            mass: array!(self, body_mass[nbody])[i],
+            ipos: vector(&array!(self, body_ipos[nbody * 3])[3 * i..]),
         }
     }
 

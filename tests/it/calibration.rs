@@ -2,9 +2,8 @@
 //! what engineers get wrong.
 
 use std::fs;
-use std::path::PathBuf;
-use std::process::{Command, Output};
 
+use crate::common::calibrating::Place;
 use crate::common::repository;
 use bodyschema::agent::Agent;
 use bodyschema::calibration::robot::{Element, Form, Knowledge, Posed, Robot, Unit, Value};
@@ -22,7 +21,6 @@ use nalgebra::{Rotation3, Vector3};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use serde_json::Value as Json;
-use tempfile::TempDir;
 
 /// The robot of the examples, and exact touches of it.
 fn arms(touches: usize) -> (Robot, Vec<Touch>) {
@@ -364,44 +362,6 @@ fn points_that_recur_are_places() {
     let noise = Noise { groups: vec![1e-3; 8], joint: 0.0, false_share: 0.0, widths: vec![1.0; 8] };
     let seen = Estimator::new(&robot, &all, EstimatorOptions::default()).seen(&robot.nominal(), &noise);
     assert!(seen.iter().all(|(_, _, seen)| seen.residuals.value.norm() < 1e-9));
-}
-
-/// A folder to calibrate in.
-struct Place(TempDir);
-
-impl Place {
-    fn new() -> Place {
-        Place(tempfile::tempdir().unwrap())
-    }
-
-    fn path(&self, name: &str) -> PathBuf {
-        self.0.path().join(name)
-    }
-
-    fn write(&self, name: &str, text: impl AsRef<[u8]>) {
-        fs::write(self.path(name), text).unwrap();
-    }
-
-    fn run(&self, arguments: &[&str]) -> Output {
-        let program = env!("CARGO_BIN_EXE_bodyschema");
-        Command::new(program).current_dir(self.0.path()).arg("calibrate").args(arguments).output().unwrap()
-    }
-
-    fn json(&self, arguments: &[&str]) -> Json {
-        let output = self.run(&[arguments, &["--json"]].concat());
-        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-        serde_json::from_slice(&output.stdout).unwrap()
-    }
-
-    fn fails(&self, arguments: &[&str], words: &[&str]) {
-        let output = self.run(arguments);
-        let told = String::from_utf8_lossy(&output.stderr);
-        assert!(!output.status.success(), "{arguments:?}");
-        let last = told.lines().last().unwrap_or_default();
-        for word in words {
-            assert!(last.contains(word), "{last} lacks {word}");
-        }
-    }
 }
 
 #[test]

@@ -8,6 +8,7 @@ mod babbling;
 mod bound;
 mod boundary;
 mod calibration;
+mod calibration_mjcf;
 mod cli;
 mod config;
 mod disturbance;

@@ -37,11 +37,13 @@ impl Robot {
         robot
     }
 
-    /// Gives every link so far a mount at rest, called after it, that its points are on.
+    /// Gives every link so far a mount at rest, called after it, that its points are on; none where it has one, or is one.
     pub fn mount_all(&mut self) {
         for link in 0..self.links.len() {
             let name = mount_name(&self.links[link].name);
-            self.add_mount(&name, link, Frame::identity());
+            if self.link(&name).is_none() && !self.links[link].name.ends_with(MOUNT) {
+                self.add_mount(&name, link, Frame::identity());
+            }
         }
     }
 
@@ -51,7 +53,10 @@ impl Robot {
     }
 }
 
+/// How the names of mounts end.
+const MOUNT: &str = ".mount";
+
 /// What the mount of a link is called.
 fn mount_name(link: &str) -> String {
-    format!("{link}.mount")
+    format!("{link}{MOUNT}")
 }

@@ -249,6 +249,18 @@ impl Robot {
         posture
     }
 
+    /// What encoders read where every hinge and slide is at its own zero, by nominal values: `−offset / (sign · gain)`.
+    pub fn reference_posture(&self) -> Vec<f64> {
+        let mut posture = self.zero_posture();
+        for dof in self.leaders() {
+            let Some(q) = dof.quantities else { continue };
+            let [sign, gain, offset] =
+                [q.sign, q.gain, q.offset].map(|q| self.quantities[q].nominal.number());
+            posture[dof.coordinate] = 0.0 - offset / (sign * gain);
+        }
+        posture
+    }
+
     /// All quantities at their nominal values.
     pub fn nominal(&self) -> Vec<Value> {
         self.quantities.iter().map(|quantity| quantity.nominal).collect()

@@ -5,6 +5,7 @@ mod results;
 
 use std::path::{Path, PathBuf};
 
+use super::open::rehearse;
 use super::{Failure, Outcome, output, progress};
 use crate::calibration::robot::{Knowledge, Robot};
 use crate::calibration::{
@@ -12,7 +13,7 @@ use crate::calibration::{
     put_on_places, split,
 };
 use crate::record::{
-    RobotFile, apply_known, length, read_calibration_log, read_known, read_robot, set_prior,
+    RobotFile, apply_known, is_mjcf, length, read_calibration_log, read_known, read_robot, set_prior,
 };
 use results::Results;
 
@@ -26,7 +27,7 @@ use results::Results;
   bodyschema calibrate examples/robot/arms.urdf examples/robot/touches.csv --prior '*.offset=5deg' --joint-noise auto --folds 5
   bodyschema calibrate examples/robot/arms.urdf examples/robot/touches.csv --free '*.offset' --free 'left_hand.mount.*' --out calibrated\n\n{ROBOT_HELP}"))]
 pub struct CalibrateArguments {
-    /// The robot: URDF, a table of Denavit and Hartenberg's numbers (CSV or JSON), or a description in JSON
+    /// The robot: URDF, MJCF, a table of Denavit and Hartenberg's numbers (CSV or JSON), or a description in JSON
     robot: PathBuf,
     /// The log of touches: comma-separated values
     log: PathBuf,
@@ -47,6 +48,7 @@ pub struct CalibrateArguments {
 /// What robots and logs look like, for the help.
 const ROBOT_HELP: &str = r#"What may be unknown, by name; * stands for any part of one:
   JOINT.position  JOINT.axis  JOINT.orientation        where a joint is and how it turns (of URDF: on its parent link)
+  BODY.position  BODY.orientation                      of MJCF: where a body is in its parent body; the axis is its joint's
   JOINT.a  JOINT.alpha  JOINT.d  JOINT.theta           the same of a table of Denavit and Hartenberg's numbers
   JOINT.offset  JOINT.sign  JOINT.gain  JOINT.compliance   what its encoder reads, and how far it gives way to a torque
   LINK.mount.position  LINK.mount.orientation          where the skin is whose points are on a link
@@ -140,6 +142,9 @@ pub fn run(args: &CalibrateArguments) -> Outcome {
 
 /// The robot with what is known of it, and the touches.
 fn given(args: &CalibrateArguments) -> Result<(RobotFile, Vec<Touch>), Failure> {
+    if is_mjcf(&args.robot) {
+        rehearse(&args.robot)?;
+    }
     let mut file = read_robot(&args.robot)?;
     let place = args.robot.display().to_string();
     for note in &file.notes {

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use super::{Knowledge, UnknownArguments};
 use crate::babbling::{BabblingOptions, PolicyName};
 use crate::calibration::robot::Robot;
-use crate::calibration::simulated::{point_touches, robot_of};
+use crate::calibration::simulated::point_touches;
 use crate::calibration::{Estimator, EstimatorOptions, Plan, Touch, plan};
 use crate::cli::open::{ModelArguments, embodied};
 use crate::cli::{Outcome, output, progress};
@@ -72,9 +72,8 @@ pub fn run(args: &PlanArguments) -> Outcome {
     let count = usize::try_from(args.candidates).unwrap_or(usize::MAX);
     let options = BabblingOptions { touches: count, seed: args.seed, jobs };
     let babbled = embodied.babble_by(PolicyName::Random, MotionName::default(), &options)?;
-    let urdf = args.model.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("urdf"));
-    // A URDF's own frames; MJCF has none for limbs.
-    let mut robot = if urdf { read_robot(&args.model)?.robot } else { robot_of(&agent, &truth) };
+    // The file's own frames and names, by which its touches are logged and calibrated.
+    let mut robot = read_robot(&args.model)?.robot;
     args.unknowns.apply(&mut robot, false)?;
     let touches: Vec<Touch> = point_touches(&agent, &truth, &robot, babbled.touches())
         .into_iter()

@@ -260,6 +260,7 @@ impl Results<'_> {
         if !quiet {
             let kind = match file.format {
                 RobotFormat::Urdf => "URDF",
+                RobotFormat::Mjcf => "MJCF",
                 RobotFormat::Dh => "table",
                 RobotFormat::Json => "description",
             };

@@ -2,8 +2,8 @@
 
 use std::ops::Range;
 
-use super::tags::text_begins;
-use crate::calibration::robot::{Robot, RobotDof, Value};
+use super::tags::{Tag, text_begins};
+use crate::calibration::robot::{Element, Robot, RobotDof, Value};
 use crate::creature::DofKind;
 
 /// A robot's file with what calibration found.
@@ -32,6 +32,25 @@ impl Edits {
         self.replace(at..at, text);
     }
 
+    /// Changes the numbers of an element's attributes; those that stay keep their text.
+    pub fn set(&mut self, original: &[u8], tag: &Tag, changes: &[Change]) {
+        for change in changes.iter().filter(|change| !change.is_none()) {
+            let Some(attribute) = tag.attribute(change.attribute) else {
+                self.insert(tag.after_attributes(), change.text());
+                continue;
+            };
+            let words = words(original, &attribute.at);
+            if words.len() != change.new.len() {
+                // Its blanks are written in some other way.
+                self.replace(attribute.at.clone(), change.numbers());
+                continue;
+            }
+            for (i, at) in words.into_iter().enumerate().filter(|(i, _)| !change.keeps(*i)) {
+                self.replace(at, digits(change.new[i]));
+            }
+        }
+    }
+
     /// The file with all changes, which must not overlap.
     pub fn of(mut self, bytes: &[u8]) -> Vec<u8> {
         self.all.sort_by_key(|(at, _)| at.start);
@@ -45,6 +64,104 @@ impl Edits {
         written.extend_from_slice(&bytes[done..]);
         written
     }
+}
+
+/// Numbers of an attribute as they were and as they are to be.
+pub(super) struct Change {
+    /// The attribute.
+    pub attribute: &'static str,
+    /// Its numbers as they were.
+    pub old: Vec<f64>,
+    /// Its numbers as they are to be.
+    pub new: Vec<f64>,
+    /// What counts as no difference.
+    pub negligible: f64,
+}
+
+impl Change {
+    /// A change of which any difference counts.
+    pub fn of(attribute: &'static str, old: impl Into<Vec<f64>>, new: impl Into<Vec<f64>>) -> Change {
+        Change { attribute, old: old.into(), new: new.into(), negligible: 0.0 }
+    }
+
+    /// Whether nothing changes.
+    fn is_none(&self) -> bool {
+        self.old.len() == self.new.len() && (0..self.new.len()).all(|i| self.keeps(i))
+    }
+
+    fn keeps(&self, i: usize) -> bool {
+        self.old.get(i).is_some_and(|old| (self.new[i] - old).abs() <= self.negligible)
+    }
+
+    /// The new numbers.
+    pub fn numbers(&self) -> String {
+        self.new.iter().copied().map(digits).collect::<Vec<_>>().join(" ")
+    }
+
+    /// The attribute with its new numbers.
+    pub fn text(&self) -> String {
+        format!(" {}=\"{}\"", self.attribute, self.numbers())
+    }
+}
+
+/// An element of its own line with the new numbers of attributes.
+pub(super) fn new_element(name: &str, changes: &[Change]) -> String {
+    format!("\n<{name}{}/>", changes.iter().map(Change::text).collect::<String>())
+}
+
+/// The numbers in a text.
+pub(super) fn number_list(text: &str) -> Vec<f64> {
+    text.split_ascii_whitespace().filter_map(|word| word.parse().ok()).collect()
+}
+
+/// Where the words of a stretch of a file are.
+fn words(bytes: &[u8], at: &Range<usize>) -> Vec<Range<usize>> {
+    let mut words = Vec::new();
+    let mut begin = None;
+    for i in at.clone() {
+        match (bytes[i].is_ascii_whitespace(), begin) {
+            (false, None) => begin = Some(i),
+            (true, Some(from)) => {
+                words.push(from..i);
+                begin = None;
+            }
+            _ => {}
+        }
+    }
+    words.extend(begin.map(|from| from..at.end));
+    words
+}
+
+/// The negative of a number as it is written.
+pub(super) fn negative(text: &str) -> String {
+    let text = text.trim();
+    match (text.strip_prefix('-'), text.parse::<f64>()) {
+        (Some(positive), _) => positive.to_string(),
+        (None, Ok(0.0)) => text.to_string(),
+        _ => format!("-{}", text.trim_start_matches('+')),
+    }
+}
+
+/// The line break and the blanks before a place; a line break alone where something else stands there.
+pub(super) fn indentation(bytes: &[u8], at: usize) -> String {
+    let before = &bytes[..at];
+    let line = before.iter().rposition(|&byte| byte == b'\n').map_or(0, |end| end + 1);
+    let blanks = &before[line..];
+    let lines = if before[..line].ends_with(b"\r\n") { "\r\n" } else { "\n" };
+    match std::str::from_utf8(blanks) {
+        Ok(blanks) if line > 0 && blanks.trim().is_empty() => format!("{lines}{blanks}"),
+        _ => lines.to_string(),
+    }
+}
+
+/// Whether a link's pose at rest was to be found.
+pub(super) fn is_to_be_found(robot: &Robot, link: usize) -> bool {
+    robot.links[link].elements.iter().any(|element| match element {
+        Element::Shift(q) | Element::Turn(q) | Element::ShiftAlong(_, q) | Element::TurnAbout(_, q) => {
+            robot.quantities[*q].is_open()
+        }
+        Element::Fixed(_) | Element::Dof(_) => false,
+    })
 }
 
 /// A number to the last digit.

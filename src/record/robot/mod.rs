@@ -1,5 +1,5 @@
-//! Robots to be calibrated and the logs of their touches, as people have them: a description in JSON, URDF, a table of
-//! Denavit and Hartenberg's numbers; comma-separated values in the units that their columns say.
+//! Robots to be calibrated and the logs of their touches, as people have them: a description in JSON, URDF, MJCF, a table
+//! of Denavit and Hartenberg's numbers; comma-separated values in the units that their columns say.
 
 mod dh;
 mod dh_table;
@@ -8,6 +8,8 @@ mod edits;
 mod json;
 mod log;
 mod log_writer;
+mod mjcf;
+mod mjcf_writer;
 mod tags;
 mod urdf;
 mod urdf_elements;
@@ -33,6 +35,8 @@ pub enum RobotFormat {
     Json,
     /// URDF.
     Urdf,
+    /// MJCF.
+    Mjcf,
     /// A table of Denavit and Hartenberg's numbers, as comma-separated values or JSON.
     Dh,
 }
@@ -56,7 +60,17 @@ pub struct RobotFile {
     pub notes: Vec<String>,
 }
 
-/// Reads a robot from a file: a description in JSON, URDF, or a table of Denavit and Hartenberg's numbers, by its content.
+/// Whether a file is MJCF, which MuJoCo reads: one that is not to be trusted may crash it.
+pub fn is_mjcf(path: &Path) -> bool {
+    std::fs::read(path).is_ok_and(|bytes| begins_as_mjcf(&bytes))
+}
+
+fn begins_as_mjcf(bytes: &[u8]) -> bool {
+    edits::first_byte(bytes) == Some(b'<') && tags::parse(bytes).is_ok_and(|root| root.name == "mujoco")
+}
+
+/// Reads a robot from a file: a description in JSON, URDF, MJCF, or a table of Denavit and Hartenberg's numbers, by its
+/// content.
 ///
 /// # Errors
 /// [`RecordError::Io`] where it cannot be read; [`RecordError::Format`], with the place and the mend, where it is none.
@@ -75,6 +89,10 @@ pub fn read_robot(path: &Path) -> Result<RobotFile, RecordError> {
         }
     };
     match edits::first_byte(&bytes) {
+        Some(b'<') if begins_as_mjcf(&bytes) => {
+            let read = mjcf::read_mjcf(path)?;
+            Ok(plain(read.robot, RobotFormat::Mjcf, read.passed_over, bytes))
+        }
         Some(b'<') => {
             let read = urdf::read_urdf(path, &bytes)?;
             Ok(plain(read.robot, RobotFormat::Urdf, read.passed_over, bytes))
@@ -99,6 +117,7 @@ impl RobotFile {
         match self.format {
             RobotFormat::Json => Ok(json::with_values(&self.bytes, &self.robot, values)),
             RobotFormat::Urdf => urdf_writer::write_urdf(path, &self.bytes, &self.robot, values),
+            RobotFormat::Mjcf => mjcf_writer::write_mjcf(path, &self.bytes, &self.robot, values),
             RobotFormat::Dh => dh_writer::write_dh(path, &self.bytes, &self.robot, values),
         }
     }

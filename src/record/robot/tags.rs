@@ -18,6 +18,8 @@ pub(super) struct Attribute {
     pub name: String,
     /// Its value, with entities resolved.
     pub value: String,
+    /// Where the name is in the file.
+    pub name_at: Range<usize>,
     /// Where the value is in the file, without its quotes.
     pub at: Range<usize>,
 }
@@ -58,6 +60,12 @@ impl Tag {
     /// Its children of a name.
     pub fn children_of(&self, name: &'static str) -> impl Iterator<Item = &Tag> {
         self.children.iter().filter(move |child| child.name == name)
+    }
+
+    /// Where its last attribute ends in the file.
+    pub fn after_attributes(&self) -> usize {
+        // A value has a quote behind it.
+        self.attributes.last().map_or(self.after_name(), |last| last.at.end + 1)
     }
 
     /// Where its own name ends in the file, after which an attribute may be put.
@@ -139,12 +147,15 @@ fn element(tag: &BytesStart, at: Range<usize>, line: usize) -> Result<Tag, Strin
     let mut attributes = Vec::new();
     for attribute in tag.attributes() {
         let attribute = attribute.map_err(|error| error.to_string())?;
-        // The value is a part of the tag, which begins after its "<".
-        let begins = at.start + 1 + (attribute.value.as_ptr() as usize - inside.as_ptr() as usize);
+        // Name and value are parts of the tag, which begins after its "<".
+        let place = |part: &[u8]| {
+            let begins = at.start + 1 + (part.as_ptr() as usize - inside.as_ptr() as usize);
+            begins..begins + part.len()
+        };
         let raw = text(&attribute.value);
         let value = unescape(&raw).map(|value| value.into_owned()).map_err(|error| error.to_string())?;
-        let at = begins..begins + attribute.value.len();
-        attributes.push(Attribute { name: text(attribute.key.as_ref()), value, at });
+        let (name_at, at) = (place(attribute.key.as_ref()), place(&attribute.value));
+        attributes.push(Attribute { name: text(attribute.key.as_ref()), value, name_at, at });
     }
     Ok(Tag {
         name: text(tag.name().as_ref()),

@@ -5,13 +5,15 @@
 //! `<mimic multiplier offset>`.
 
 use std::collections::BTreeSet;
-use std::ops::Range;
 use std::path::Path;
 
 use nalgebra::{Matrix3, Rotation3, Unit, Vector3};
 use quick_xml::escape::escape;
 
-use super::edits::{Edits, Written, digits, unsaid_compliance, unsaid_gain};
+use super::edits::{
+    Change, Edits, Written, indentation, is_to_be_found, negative, new_element, number_list,
+    unsaid_compliance, unsaid_gain,
+};
 use super::tags::{Fault, Tag};
 use super::urdf::root;
 use super::urdf_elements::{Origin, axis_of, follows, number, rotation, shapes};
@@ -64,25 +66,6 @@ struct Writer<'a> {
     left_out: Vec<String>,
 }
 
-/// Numbers of an attribute as they were and as they are to be.
-struct Change {
-    attribute: &'static str,
-    old: Vec<f64>,
-    new: Vec<f64>,
-    /// What counts as no difference.
-    negligible: f64,
-}
-
-impl Change {
-    fn of(attribute: &'static str, old: impl Into<Vec<f64>>, new: impl Into<Vec<f64>>) -> Change {
-        Change { attribute, old: old.into(), new: new.into(), negligible: 0.0 }
-    }
-
-    fn keeps(&self, i: usize) -> bool {
-        (self.new[i] - self.old[i]).abs() <= self.negligible
-    }
-}
-
 impl<'a> Writer<'a> {
     fn value(&self, name: &str) -> Option<Value> {
         self.robot.quantity(name).map(|quantity| self.values[quantity])
@@ -108,12 +91,14 @@ impl<'a> Writer<'a> {
         }
         match tag.child("origin") {
             _ if changes.is_empty() => {}
-            Some(origin) => self.set(origin, &changes),
+            Some(origin) => self.edits.set(self.original, origin, &changes),
             None => missing.insert_str(0, &new_element("origin", &changes)),
         }
         if !missing.is_empty() {
-            let before =
-                self.indentation(tag.children.first().map_or(tag.start.end, |child| child.start.start));
+            let before = indentation(
+                self.original,
+                tag.children.first().map_or(tag.start.end, |child| child.start.start),
+            );
             let missing = missing.replace('\n', &before);
             self.edits.insert(tag.start.end, missing);
         }
@@ -135,8 +120,8 @@ impl<'a> Writer<'a> {
         let mut axis = self.values[q.axis].vector();
         if let Some(mimic) = tag.child("mimic") {
             let [multiplier, shift] = follows(mimic, name)?;
-            self.set(mimic, &[Change::of("multiplier", [multiplier], [sign * gain])]);
-            self.set(mimic, &[Change::of("offset", [shift], [offset])]);
+            self.edits.set(self.original, mimic, &[Change::of("multiplier", [multiplier], [sign * gain])]);
+            self.edits.set(self.original, mimic, &[Change::of("offset", [shift], [offset])]);
         } else {
             match self.robot.dofs[dof].kind {
                 _ if offset == 0.0 => {}
@@ -161,7 +146,7 @@ impl<'a> Writer<'a> {
             // Where the file's axis is not of length 1, none of its numbers stays.
             Some(found) => {
                 let given = number_list(found.value("xyz").unwrap_or("1 0 0"));
-                self.set(found, &[Change { old: given, ..change }]);
+                self.edits.set(self.original, found, &[Change { old: given, ..change }]);
                 Ok(String::new())
             }
             None => Ok(new_element("axis", &[change])),
@@ -196,33 +181,14 @@ impl<'a> Writer<'a> {
             let surface = self.robot.surface(&name).map(|surface| &self.robot.surfaces[surface].form);
             if let (Some(Form::Sphere(radius)), "sphere") = (surface, shape.name.as_str()) {
                 let old = number(shape, "radius", &format!("link {link}"))?.unwrap_or_default();
-                self.set(shape, &[Change::of("radius", [old], [self.values[*radius].number()])]);
+                self.edits.set(
+                    self.original,
+                    shape,
+                    &[Change::of("radius", [old], [self.values[*radius].number()])],
+                );
             }
         }
         Ok(())
-    }
-
-    /// Changes the numbers of an element's attributes; those that stay keep their text.
-    fn set(&mut self, tag: &Tag, changes: &[Change]) {
-        for change in changes {
-            let all: Vec<usize> = (0..change.new.len()).collect();
-            if all.iter().all(|&i| change.keeps(i)) {
-                continue;
-            }
-            let Some(attribute) = tag.attribute(change.attribute) else {
-                self.edits.insert(tag.after_name(), attribute_text(change));
-                continue;
-            };
-            let words = words(self.original, &attribute.at);
-            if words.len() != change.new.len() {
-                // Its blanks are written in some other way.
-                self.edits.replace(attribute.at.clone(), number_text(change));
-                continue;
-            }
-            for (i, at) in words.into_iter().enumerate().filter(|(i, _)| !change.keeps(*i)) {
-                self.edits.replace(at, digits(change.new[i]));
-            }
-        }
     }
 
     /// Links that are not of the file, where their pose was to be found.
@@ -233,13 +199,7 @@ impl<'a> Writer<'a> {
         let posed = Posed::new(self.robot, self.values, &rest);
         let mut text = String::new();
         for (index, link) in self.robot.links.iter().enumerate().skip(1) {
-            let open = link.elements.iter().any(|element| match element {
-                Element::Shift(q)
-                | Element::Turn(q)
-                | Element::ShiftAlong(_, q)
-                | Element::TurnAbout(_, q) => self.robot.quantities[*q].is_open(),
-                Element::Fixed(_) | Element::Dof(_) => false,
-            });
+            let open = is_to_be_found(self.robot, index);
             let pose = posed.frame(&[index]);
             if there.contains(link.name.as_str()) || !open || pose == Frame::identity() {
                 continue;
@@ -270,71 +230,11 @@ impl<'a> Writer<'a> {
         }
         if !text.is_empty() {
             let first = root.children.first().map_or(root.start.end, |child| child.start.start);
-            let text = text.replace('\n', &self.indentation(first));
+            let text = text.replace('\n', &indentation(self.original, first));
             // After the last line that is not blank.
             let at = self.original[..root.end].trim_ascii_end().len();
             self.edits.insert(at, text);
         }
-    }
-
-    /// The line break and the blanks before a place; a line break alone where something else stands there.
-    fn indentation(&self, at: usize) -> String {
-        let before = &self.original[..at];
-        let line = before.iter().rposition(|&byte| byte == b'\n').map_or(0, |end| end + 1);
-        let blanks = &before[line..];
-        let lines = if before[..line].ends_with(b"\r\n") { "\r\n" } else { "\n" };
-        match std::str::from_utf8(blanks) {
-            Ok(blanks) if line > 0 && blanks.trim().is_empty() => format!("{lines}{blanks}"),
-            _ => lines.to_string(),
-        }
-    }
-}
-
-/// An element of its own line with the new numbers of attributes.
-fn new_element(name: &str, changes: &[Change]) -> String {
-    format!("\n<{name}{}/>", changes.iter().map(attribute_text).collect::<String>())
-}
-
-/// An attribute with its new numbers.
-fn attribute_text(change: &Change) -> String {
-    format!(" {}=\"{}\"", change.attribute, number_text(change))
-}
-
-/// The new numbers of a change.
-fn number_text(change: &Change) -> String {
-    change.new.iter().copied().map(digits).collect::<Vec<_>>().join(" ")
-}
-
-/// The numbers in a text.
-fn number_list(text: &str) -> Vec<f64> {
-    text.split_ascii_whitespace().filter_map(|word| word.parse().ok()).collect()
-}
-
-/// Where the words of a stretch of a file are.
-fn words(bytes: &[u8], at: &Range<usize>) -> Vec<Range<usize>> {
-    let mut words = Vec::new();
-    let mut begin = None;
-    for i in at.clone() {
-        match (bytes[i].is_ascii_whitespace(), begin) {
-            (false, None) => begin = Some(i),
-            (true, Some(from)) => {
-                words.push(from..i);
-                begin = None;
-            }
-            _ => {}
-        }
-    }
-    words.extend(begin.map(|from| from..at.end));
-    words
-}
-
-/// The negative of a number as it is written.
-fn negative(text: &str) -> String {
-    let text = text.trim();
-    match (text.strip_prefix('-'), text.parse::<f64>()) {
-        (Some(positive), _) => positive.to_string(),
-        (None, Ok(0.0)) => text.to_string(),
-        _ => format!("-{}", text.trim_start_matches('+')),
     }
 }
 

@@ -1,6 +1,7 @@
 //! Creatures and small helpers that several test files share.
 
 pub mod browser;
+pub mod calibrating;
 pub mod drawing;
 pub mod program;
 pub mod sessions;

@@ -1,0 +1,282 @@
+//! A robot from MJCF: its bodies and joints as quantities, its masses and its geoms, with the numbers that MuJoCo compiled.
+//!
+//! The pose of a body on its parent is `BODY.position`, then `BODY.orientation`, then what its joints do, one after the
+//! other, each about its anchor. An encoder reads `qpos`: a joint's `offset` is −`ref`, for at `ref` the body is where the
+//! file has it.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use nalgebra::{Matrix3, Rotation3, UnitVector3, Vector3};
+
+use crate::calibration::robot::{Element, Form, LinkMass, Robot, RobotDof, Unit, Value};
+use crate::creature::{DofKind, UNLIMITED_SLIDE, body_name, creatures, joint_name, matrix};
+use crate::geometry::{Frame, Shape};
+use crate::mujoco::{self, Equality, GeomKind, JointKind, Model, ModelJoint};
+use crate::record::RecordError;
+
+/// A robot of an MJCF file.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MjcfRobot {
+    /// The robot, in its maker's frames. Of a model that stands on the world the world is the root; of one that a free joint
+    /// carries the body that it carries. A joint that an equality lets follow another by a straight line is a degree of
+    /// freedom after all that do not, with that one's coordinate.
+    pub robot: Robot,
+    /// What of the file is of no use here, a sentence each.
+    pub passed_over: Vec<String>,
+}
+
+/// Reads a robot from an MJCF file and what it includes.
+///
+/// # Errors
+/// Where MuJoCo does not take it, or nothing in it can move.
+pub fn read_mjcf(path: &Path) -> Result<MjcfRobot, RecordError> {
+    let (model, left_out) = Model::read(path).map_err(|error| match error {
+        mujoco::Error::Read { path, line, message } => RecordError::Format { path, line, message },
+        other => RecordError::format(path, None, other.to_string()),
+    })?;
+    // Of two trees with as many joints the first.
+    let largest = creatures(&model).into_iter().rev().max_by_key(|creature| creature.joints);
+    let Some(top) = largest.map(|creature| creature.root) else {
+        let message = "the model has no hinge, slide or ball joint: give a robot that can move";
+        return Err(RecordError::format(path, None, message));
+    };
+    let root = if is_free(&model, top) { top } else { 0 };
+    let mut reader = Reader {
+        model: &model,
+        robot: Robot::new(model.model_name().unwrap_or("robot"), body_name(&model, root)),
+        links: vec![None; model.nbody()],
+        dofs: vec![None; model.njnt()],
+        held: Vec::new(),
+        followers: followers(&model),
+        passed_over: left_out
+            .in_words()
+            .map(|what| format!("MuJoCo does not take {what}"))
+            .into_iter()
+            .collect(),
+    };
+    reader.links[root] = Some(0);
+    reader.tree(root);
+    reader.follow();
+    reader.masses();
+    reader.surfaces();
+    let turned = if root == 0 { Matrix3::identity() } else { matrix(&model.body(root).quat) };
+    reader.robot.gravity = turned.tr_mul(&model.gravity());
+    Ok(MjcfRobot { robot: reader.robot, passed_over: reader.passed_over })
+}
+
+/// Whether a body flies freely.
+fn is_free(model: &Model, body: usize) -> bool {
+    model.body(body).joints.into_iter().any(|j| model.joint(j).kind == JointKind::Free)
+}
+
+/// How far a joint is from its reference by how far another is.
+#[derive(Clone, Copy)]
+struct Following {
+    /// The joint that it follows in the end; none where it stands still.
+    leader: Option<usize>,
+    gain: f64,
+    offset: f64,
+}
+
+/// Joints that equalities let follow others; none of those that follow by no straight line.
+fn followers(model: &Model) -> BTreeMap<usize, Option<Following>> {
+    let mut direct: BTreeMap<usize, (Option<usize>, [f64; 5])> = BTreeMap::new();
+    for equality in model.equalities() {
+        if let Equality::Joint { follower, leader, polynomial } = equality {
+            direct.entry(follower).or_insert((leader.filter(|leader| *leader != follower), polynomial));
+        }
+    }
+    let following = |joint: usize| {
+        let mut found = Following { leader: Some(joint), gain: 1.0, offset: 0.0 };
+        // Who follows in a circle follows nobody.
+        for _ in 0..=direct.len() {
+            let Some((leader, [constant, slope, curved @ ..])) = found.leader.and_then(|on| direct.get(&on))
+            else {
+                return Some(found);
+            };
+            if leader.is_some() && *curved != [0.0; 3] {
+                return None;
+            }
+            found.offset += found.gain * constant;
+            found.gain *= if leader.is_some() { *slope } else { 0.0 };
+            found.leader = *leader;
+        }
+        None
+    };
+    direct.keys().map(|joint| (*joint, following(*joint))).collect()
+}
+
+struct Reader<'a> {
+    model: &'a Model,
+    robot: Robot,
+    /// Per body its link, where it is the robot's.
+    links: Vec<Option<usize>>,
+    /// Per joint its degree of freedom.
+    dofs: Vec<Option<usize>>,
+    /// Joints that follow others, and which element of which link they are to be.
+    held: Vec<(usize, Following, [usize; 2])>,
+    followers: BTreeMap<usize, Option<Following>>,
+    passed_over: Vec<String>,
+}
+
+impl Reader<'_> {
+    /// The bodies that the root carries, with all joints that do not follow others.
+    fn tree(&mut self, root: usize) {
+        let mut loose = Vec::new();
+        for (i, body) in self.model.bodies().enumerate().skip(1) {
+            let name = body_name(self.model, i);
+            let Some(parent) = self.links[body.parent].filter(|_| i != root && !is_free(self.model, i))
+            else {
+                if i != root && body.parent == 0 {
+                    loose.push(name);
+                }
+                continue;
+            };
+            let shift = Value::Position(body.pos);
+            let shift = self.robot.add_quantity(format!("{name}.position"), Unit::Metre, shift);
+            let turn = Value::Orientation(matrix(&body.quat));
+            let turn = self.robot.add_quantity(format!("{name}.orientation"), Unit::Radian, turn);
+            let mut elements = vec![Element::Shift(shift), Element::Turn(turn)];
+            for j in body.joints {
+                let joint = self.model.joint(j);
+                let anchor = Frame { origin: joint.pos, ..Frame::identity() };
+                // A slide has no anchor.
+                let anchored = joint.kind != JointKind::Slide && joint.pos != Vector3::zeros();
+                elements.extend(anchored.then_some(Element::Fixed(anchor)));
+                let does = self.joint(j, [self.robot.links.len(), elements.len()]);
+                elements.push(does);
+                elements.extend(anchored.then_some(Element::Fixed(anchor.inverse())));
+            }
+            self.links[i] = Some(self.robot.add_link(name, parent, elements));
+        }
+        if !loose.is_empty() {
+            let root = &self.robot.links[0].name;
+            self.passed_over.push(format!(
+                "{} {} not carried by {root}, and touches of what moves freely are of no use: passed over",
+                loose.join(", "),
+                if loose.len() == 1 { "is" } else { "are" }
+            ));
+        }
+    }
+
+    /// What a joint does, which is the element of a link; nothing yet where it follows another.
+    fn joint(&mut self, j: usize, at: [usize; 2]) -> Element {
+        let joint = self.model.joint(j);
+        match self.followers.get(&j) {
+            Some(Some(Following { leader: None, offset, .. })) => {
+                return Element::Fixed(moved(&joint, *offset));
+            }
+            Some(Some(following)) => {
+                self.held.push((j, *following, at));
+                return Element::Fixed(Frame::identity());
+            }
+            Some(None) => {
+                let name = joint_name(self.model, j);
+                self.passed_over.push(format!(
+                    "joint {name} follows another by a curve: a log needs a column {name} of its own"
+                ));
+            }
+            None => {}
+        }
+        Element::Dof(self.dof(j))
+    }
+
+    fn dof(&mut self, j: usize) -> usize {
+        let joint = self.model.joint(j);
+        let (kind, span) = match joint.kind {
+            JointKind::Slide => (DofKind::Slide, UNLIMITED_SLIDE),
+            JointKind::Ball => (DofKind::Ball, std::f64::consts::PI),
+            JointKind::Hinge | JointKind::Free => (DofKind::Hinge, std::f64::consts::PI),
+        };
+        let reference = if kind == DofKind::Ball { 0.0 } else { self.model.qpos0()[joint.qposadr] };
+        let range = match (kind, joint.limited) {
+            (DofKind::Ball, limited) => [0.0, if limited { joint.range[1] } else { span }],
+            (_, true) => joint.range,
+            (_, false) => [reference - span, reference + span],
+        };
+        let dof = self.robot.add_dof(&joint_name(self.model, j), kind, range, joint.axis);
+        if let Some(q) = self.robot.dofs[dof].quantities {
+            self.robot.quantities[q.offset].nominal = Value::Number(0.0 - reference);
+        }
+        self.dofs[j] = Some(dof);
+        dof
+    }
+
+    /// Joints that follow others, after those. What follows a joint that is not the robot's stands still.
+    fn follow(&mut self) {
+        for (j, Following { leader, gain, offset }, [link, element]) in std::mem::take(&mut self.held) {
+            let Some(leader) = leader.and_then(|leader| self.dofs[leader]) else { continue };
+            let RobotDof { coordinate, quantities, .. } = self.robot.dofs[leader];
+            let begins = quantities.map_or(0.0, |q| self.robot.quantities[q.offset].nominal.number());
+            let dof = self.dof(j);
+            self.robot.dofs[dof].coordinate = coordinate;
+            if let Some(q) = self.robot.dofs[dof].quantities {
+                self.robot.quantities[q.gain].nominal = Value::Number(gain);
+                self.robot.quantities[q.offset].nominal = Value::Number(offset + gain * begins);
+            }
+            self.robot.links[link].elements[element] = Element::Dof(dof);
+        }
+    }
+
+    fn masses(&mut self) {
+        for (i, body) in self.model.bodies().enumerate().skip(1).filter(|(_, body)| body.mass > 0.0) {
+            if let Some(link) = self.links[i] {
+                self.robot.masses.push(LinkMass { link, mass: body.mass, centre: body.ipos });
+            }
+        }
+    }
+
+    /// Its geoms that may touch as surfaces: a geom without a name is called after its body, with a number where that has
+    /// several.
+    fn surfaces(&mut self) {
+        let own: Vec<bool> = self
+            .model
+            .geoms()
+            .map(|geom| {
+                let known = geom.kind == GeomKind::Plane || Shape::is_of_kind(geom.kind);
+                self.links[geom.body].is_some() && known
+            })
+            .collect();
+        let touchable = self.model.surface_among(&own);
+        for (g, geom) in self.model.geoms().enumerate().filter(|(g, _)| touchable[*g]) {
+            let Some(link) = self.links[geom.body] else { continue };
+            let name = geom_name(self.model, g);
+            let pose = Frame { rotation: matrix(&geom.quat), origin: geom.pos };
+            let form = match Shape::of_geom(self.model, g) {
+                Some(Shape::Sphere { radius }) => {
+                    self.robot.add_sphere(&name, link, pose, radius);
+                    continue;
+                }
+                Some(shape) if shape.is_solid() => Form::Solid(shape),
+                None if geom.kind == GeomKind::Plane => Form::Plane,
+                _ => continue,
+            };
+            self.robot.add_surface(&name, link, pose, form);
+        }
+    }
+}
+
+/// What a hinge or slide does at a distance from its reference.
+fn moved(joint: &ModelJoint, by: f64) -> Frame {
+    match joint.kind {
+        JointKind::Slide => Frame { origin: joint.axis * by, ..Frame::identity() },
+        _ => {
+            let turn = Rotation3::from_axis_angle(&UnitVector3::new_normalize(joint.axis), by);
+            Frame { rotation: turn.into_inner(), origin: Vector3::zeros() }
+        }
+    }
+}
+
+/// A geom's name, or one made from its body's.
+fn geom_name(model: &Model, geom: usize) -> String {
+    let about = model.geom(geom);
+    let geoms = model.body(about.body).geoms;
+    let own = about.name.map(str::to_string);
+    own.unwrap_or_else(|| surface_name(&body_name(model, about.body), geom - geoms.start, geoms.len()))
+}
+
+/// What a geom without a name is called: the one of so many of its body, counted from 0.
+pub(super) fn surface_name(body: &str, place: usize, count: usize) -> String {
+    if count == 1 { body.to_string() } else { format!("{body}.{}", place + 1) }
+}
