@@ -38,7 +38,10 @@ pub fn point_touches(
     touches: &[crate::senses::Touch],
 ) -> Vec<Touch> {
     let creature = agent.creature();
-    let own = limb_frames(creature, schema, &Posture::reference(creature));
+    // What follows another joint need not be at zero where that one is.
+    let mut zero = Posture::reference(creature);
+    creature.couple(&mut zero);
+    let own = limb_frames(creature, schema, &zero);
     let nominal = robot.nominal();
     let mut reference = robot.reference_posture();
     // Joints that the agent does not move are where their limits let them be.
