@@ -46,7 +46,7 @@ pub use robot::{
     CalibrationLog, RobotFile, RobotFormat, Written, apply_known, calibration_table, is_mjcf,
     read_calibration_log, read_robot,
 };
-pub(crate) use robot::{json_of, length, name_of, set_prior};
+pub(crate) use robot::{joint_cells, joint_titles, json_of, length, name_of, set_prior};
 pub use schema::{read_schema, read_schema_with_std, write_schema, write_schema_with_std};
 pub use session::{BabblingEffort, RecordingFiles, Session, SessionOptions};
 pub use space_record::{SpaceRecord, SpaceSlice};

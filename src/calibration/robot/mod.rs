@@ -240,6 +240,28 @@ impl Robot {
         self.dofs.iter().enumerate().filter(first).map(|(_, dof)| dof)
     }
 
+    /// Whether a degree of freedom moves one of two links and not the other.
+    pub fn is_between(&self, dof: usize, links: [usize; 2]) -> bool {
+        let moves = |mut link: usize| {
+            loop {
+                let own = self.links.get(link)?;
+                if own.elements.contains(&Element::Dof(dof)) {
+                    return Some(true);
+                }
+                if own.parent == link {
+                    return Some(false);
+                }
+                link = own.parent;
+            }
+        };
+        moves(links[0]) != moves(links[1])
+    }
+
+    /// Whether a link is a place: a point that needs no coordinates.
+    pub fn is_place(&self, link: usize) -> bool {
+        matches!(self.links[link].elements.as_slice(), [Element::Shift(_)])
+    }
+
     /// The posture in which all encoders read zero.
     pub fn zero_posture(&self) -> Vec<f64> {
         let mut posture = vec![0.0; self.coordinates()];

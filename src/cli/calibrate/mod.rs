@@ -1,7 +1,9 @@
 //! `bodyschema calibrate`: put a robot's numbers right by its own touches.
 
 pub mod plan;
+mod report;
 mod results;
+mod tables;
 
 use std::path::{Path, PathBuf};
 
@@ -37,7 +39,8 @@ pub struct CalibrateArguments {
     noise: NoiseArguments,
     #[command(flatten)]
     judging: JudgingArguments,
-    /// The folder for results: the robot with its new numbers, tables of quantities and residuals, and all as JSON
+    /// The folder for results: the robot with its new numbers, a page to read, tables of quantities, residuals and correlations,
+    /// and all as JSON
     #[arg(long, short, value_name = "DIR", help_heading = "Output")]
     out: Option<PathBuf>,
     /// Print one JSON object

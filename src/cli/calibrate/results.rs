@@ -1,15 +1,16 @@
 //! What a calibration found: as a person reads it, as JSON, and as files.
 
-use std::fmt::Write;
 use std::path::Path;
 
-use nalgebra::{Rotation3, Vector3};
 use serde_json::json;
 
-use crate::calibration::robot::{Quantity, Robot, Value};
+use super::report::words;
+use crate::calibration::robot::{Quantity, Robot};
 use crate::calibration::{Estimator, Fit, Judgement, Misses, SeenTouch, Touch, apart_at_random};
 use crate::cli::{Failure, Outcome, folders, output};
-use crate::record::{RobotFile, RobotFormat, json_of, name_of};
+use crate::record::{RobotFile, RobotFormat, json_of};
+use crate::view::report::REPORT_FILE;
+use crate::view::report::calibration::html;
 
 /// The file that holds all.
 const CALIBRATION_FILE: &str = "calibration.json";
@@ -34,17 +35,17 @@ pub(super) struct Results<'a> {
 
 impl Results<'_> {
     /// The touches as they are seen at nominal values.
-    fn before(&self) -> Vec<SeenTouch> {
+    pub fn before(&self) -> Vec<SeenTouch> {
         self.estimator.seen(&self.robot.nominal(), &self.fit.noise)
     }
 
     /// Quantities that were to be found.
-    fn open(&self) -> impl Iterator<Item = (usize, &Quantity)> {
+    pub fn open(&self) -> impl Iterator<Item = (usize, &Quantity)> {
         self.robot.quantities.iter().enumerate().filter(|(_, quantity)| quantity.is_open())
     }
 
     /// The standard deviations of a quantity's parameters, infinite where they are not told.
-    fn deviations(&self, q: usize) -> Vec<f64> {
+    pub fn deviations(&self, q: usize) -> Vec<f64> {
         let unknowns = &self.estimator.unknowns;
         if self.estimator.open_signs().contains(&q) {
             return vec![if self.untold_signs.contains(&q) { f64::INFINITY } else { 0.0 }];
@@ -54,7 +55,7 @@ impl Results<'_> {
     }
 
     /// What cannot be told, in sentences.
-    fn untold(&self) -> Vec<String> {
+    pub fn untold(&self) -> Vec<String> {
         let told = self.fit.told.untold(self.robot, &self.estimator.unknowns);
         let (alone, together): (Vec<_>, Vec<_>) =
             told.into_iter().partition(|untold| untold.names.len() == 1);
@@ -67,20 +68,24 @@ impl Results<'_> {
         sentences
     }
 
-    /// Pairs of parameters that are known together much better than each, the most alike first.
-    fn correlations(&self) -> Vec<(String, String, f64)> {
-        let unknowns = &self.estimator.unknowns;
-        let name = |place: usize| {
-            let (q, part) = unknowns.parameters[place];
-            self.robot.quantities[q].component_name(part)
-        };
-        let told: Vec<usize> = (0..unknowns.len()).filter(|place| self.fit.told.is_told(*place)).collect();
+    /// Parameters that are told, by their names and places among the unknowns.
+    pub fn told(&self) -> Vec<(String, usize)> {
+        let parameters = self.estimator.unknowns.parameters.iter().enumerate();
+        parameters
+            .filter(|(place, _)| self.fit.told.is_told(*place))
+            .map(|(place, (q, part))| (self.robot.quantities[*q].component_name(*part), place))
+            .collect()
+    }
+
+    /// Pairs of parameters and how much they are known together, the most alike first; those of `least` or more.
+    pub fn correlations(&self, least: f64) -> Vec<(String, String, f64)> {
+        let told = self.told();
         let mut found = Vec::new();
-        for (k, i) in told.iter().enumerate() {
-            for j in &told[..k] {
+        for (k, (name, i)) in told.iter().enumerate() {
+            for (other, j) in &told[..k] {
                 let correlation = self.fit.told.correlation(*i, *j);
-                if correlation.abs() >= CORRELATED {
-                    found.push((name(*j), name(*i), correlation));
+                if correlation.abs() >= least {
+                    found.push((other.clone(), name.clone(), correlation));
                 }
             }
         }
@@ -89,7 +94,7 @@ impl Results<'_> {
     }
 
     /// Whether the robot explains its touches, and if not, what may be the reason.
-    fn verdict(&self) -> (bool, String) {
+    pub fn verdict(&self) -> (bool, String) {
         let honest: Vec<SeenTouch> =
             self.fit.seen.iter().filter(|(_, _, seen)| self.fit.noise.honesty(seen) > 0.5).cloned().collect();
         let apart = Misses::of(&honest);
@@ -126,6 +131,32 @@ impl Results<'_> {
         (true, "calibrated: the touches are explained by what was found".into())
     }
 
+    /// How far apart what touched is put, before and after.
+    pub fn misses(&self) -> Vec<(String, Misses)> {
+        let of_all = [("before", Misses::of(&self.before())), ("after", Misses::of(&self.fit.seen))];
+        let mut misses = of_all.map(|(name, misses)| (name.to_string(), misses)).to_vec();
+        if let Some(first) = self.judged.first() {
+            let parts =
+                if self.judged.len() > 1 { format!("{} × ", self.judged.len()) } else { String::new() };
+            let name = |what: &str| format!("{what}, {parts}{} held out", first.touches);
+            misses.push((name("before"), mean(self.judged, |judgement| judgement.before)));
+            misses.push((name("after"), mean(self.judged, |judgement| judgement.after)));
+        }
+        misses
+    }
+
+    /// How many of the touches that were held out are where the deviations say.
+    pub fn held_out(&self) -> Option<String> {
+        let count = (!self.judged.is_empty()).then_some(self.judged.len() as f64)?;
+        let within = self.judged.iter().map(|judgement| judgement.within).sum::<f64>() / count;
+        let interval = self.judged.iter().map(|judgement| judgement.interval).sum::<f64>() / count;
+        Some(format!(
+            "{:.1} % of what was held out is within the interval that should hold 95 % ({} mm wide on average)",
+            100.0 * within,
+            output::number(1e3 * interval)
+        ))
+    }
+
     /// Prints what a person wants to know.
     pub fn print(&self) {
         let (robot, fit) = (self.robot, self.fit);
@@ -144,22 +175,11 @@ impl Results<'_> {
             let [rms, median, p95, max] = numbers;
             say!("  {name:<34}{rms:>9} {median:>9} {p95:>9} {max:>9}  mm");
         };
-        row("before", &Misses::of(&self.before()));
-        row("after", &Misses::of(&fit.seen));
-        if let Some(first) = self.judged.first() {
-            let parts =
-                if self.judged.len() > 1 { format!("{} × ", self.judged.len()) } else { String::new() };
-            let name = |what: &str| format!("{what}, {parts}{} held out", first.touches);
-            row(&name("before"), &mean(self.judged, |judgement| judgement.before));
-            row(&name("after"), &mean(self.judged, |judgement| judgement.after));
-            let count = self.judged.len() as f64;
-            let within = self.judged.iter().map(|judgement| judgement.within).sum::<f64>() / count;
-            let interval = self.judged.iter().map(|judgement| judgement.interval).sum::<f64>() / count;
-            say!(
-                "  {:.1} % of what was held out is within the interval that should hold 95 % ({} mm wide on average)",
-                100.0 * within,
-                output::number(1e3 * interval)
-            );
+        for (name, misses) in self.misses() {
+            row(&name, &misses);
+        }
+        if let Some(sentence) = self.held_out() {
+            say!("  {sentence}");
         }
         if fit.noise.false_share > 0.0 {
             let share = 100.0 * fit.noise.false_share;
@@ -195,13 +215,13 @@ impl Results<'_> {
         for sentence in untold {
             say!("  {sentence}");
         }
-        for (a, b, correlation) in self.correlations().into_iter().take(MOST_CORRELATIONS) {
+        for (a, b, correlation) in self.correlations(CORRELATED).into_iter().take(MOST_CORRELATIONS) {
             say!("  {a} and {b} are known together much better than each (correlation {correlation:.3})");
         }
     }
 
     /// Whether any touch tells of a quantity, alone or with others.
-    fn is_touched(&self, q: usize) -> bool {
+    pub fn is_touched(&self, q: usize) -> bool {
         let unknowns = &self.estimator.unknowns;
         let mut places =
             (0..self.robot.quantities[q].nominal.size()).filter_map(|part| unknowns.place(q, part));
@@ -221,7 +241,7 @@ impl Results<'_> {
                 "deviation": self.deviations(q),
             })
         });
-        let correlations = self.correlations().into_iter().map(|(a, b, r)| json!([a, b, r]));
+        let correlations = self.correlations(CORRELATED).into_iter().map(|(a, b, r)| json!([a, b, r]));
         json!({
             "robot": self.robot.name,
             "touches": self.touches.len(),
@@ -255,71 +275,30 @@ impl Results<'_> {
         }
         output::file(&folder.join("quantities.csv"), &self.quantities_table())?;
         output::file(&folder.join("residuals.csv"), &self.residuals_table())?;
+        output::file(&folder.join("correlations.csv"), &self.correlations_table())?;
+        output::file(&folder.join(REPORT_FILE), &html(&self.report(file)))?;
         let all = serde_json::to_string_pretty(&self.as_json())?;
         output::file(&folder.join(CALIBRATION_FILE), &format!("{all}\n"))?;
         if !quiet {
-            let kind = match file.format {
-                RobotFormat::Urdf => "URDF",
-                RobotFormat::Mjcf => "MJCF",
-                RobotFormat::Dh => "table",
-                RobotFormat::Json => "description",
-            };
+            let kind = kind(file.format);
             say!("");
             say!(
-                "{}: the {kind} with its new numbers, quantities.csv, residuals.csv and {CALIBRATION_FILE}",
+                "{}: the {kind} with its new numbers, {REPORT_FILE}, quantities.csv, residuals.csv, correlations.csv and \
+                 {CALIBRATION_FILE}",
                 folder.join(name).display()
             );
         }
         Ok(())
     }
+}
 
-    fn quantities_table(&self) -> String {
-        let mut table = String::from("quantity,unit,before,after,change,deviation\n");
-        for (q, quantity) in self.open() {
-            let (before, after) = (numbers(&quantity.nominal), numbers(&self.fit.values[q]));
-            let deviations = self.deviations(q);
-            let parts = ["x", "y", "z"];
-            for (k, (before, after)) in before.iter().zip(&after).enumerate() {
-                let name = if before_is_one(&quantity.nominal) {
-                    quantity.name.clone()
-                } else {
-                    format!("{}.{}", quantity.name, parts[k])
-                };
-                // Of a direction there is one for each way it turns aside.
-                let deviation =
-                    deviations.get(k).or(deviations.last()).filter(|deviation| deviation.is_finite());
-                let deviation = deviation.map_or(String::new(), ToString::to_string);
-                let _ = writeln!(
-                    table,
-                    "{name},{},{before},{after},{},{deviation}",
-                    quantity.unit.name(),
-                    after - before
-                );
-            }
-        }
-        table
-    }
-
-    fn residuals_table(&self) -> String {
-        let mut table = String::from("line,a,b,before_mm,after_mm,honest\n");
-        let before = self.before();
-        let name = |touch: usize, side: usize, end: usize| {
-            name_of(self.robot, &self.touches[touch].ends[side][end].feature)
-        };
-        for ((touch, ends, seen), (_, _, was)) in self.fit.seen.iter().zip(&before) {
-            let size = |value: &Vector3<f64>| 1e3 * value.norm();
-            let _ = writeln!(
-                table,
-                "{},{},{},{},{},{:.3}",
-                self.touches[*touch].line,
-                name(*touch, 0, ends[0]),
-                name(*touch, 1, ends[1]),
-                size(&was.residuals.value),
-                size(&seen.residuals.value),
-                self.fit.noise.honesty(seen)
-            );
-        }
-        table
+/// What a file is called.
+pub(super) fn kind(format: RobotFormat) -> &'static str {
+    match format {
+        RobotFormat::Urdf => "URDF",
+        RobotFormat::Mjcf => "MJCF",
+        RobotFormat::Dh => "table",
+        RobotFormat::Json => "description",
     }
 }
 
@@ -330,36 +309,9 @@ fn put(path: &Path, bytes: &[u8]) -> Outcome {
     })
 }
 
-fn before_is_one(value: &Value) -> bool {
-    matches!(value, Value::Number(_))
-}
-
-fn numbers(value: &Value) -> Vec<f64> {
-    match value {
-        Value::Position(v) | Value::Direction(v) => v.iter().copied().collect(),
-        Value::Orientation(r) => Rotation3::from_matrix_unchecked(*r).scaled_axis().iter().copied().collect(),
-        Value::Number(x) => vec![*x],
-    }
-}
-
 fn mean(judged: &[Judgement], of: impl Fn(&Judgement) -> Misses) -> Misses {
     let count = judged.len().max(1) as f64;
     let sum =
         |part: fn(&Misses) -> f64| judged.iter().map(|judgement| part(&of(judgement))).sum::<f64>() / count;
     Misses { rms: sum(|m| m.rms), median: sum(|m| m.median), p95: sum(|m| m.p95), max: sum(|m| m.max) }
-}
-
-/// A value as a person reads it.
-fn words(value: &Value, factor: f64) -> String {
-    let three = |v: Vector3<f64>, decimals: usize| {
-        format!("{:.*} {:.*} {:.*}", decimals, v.x, decimals, v.y, decimals, v.z)
-    };
-    match value {
-        Value::Position(at) => three(at * factor, 3),
-        Value::Direction(axis) => three(*axis, 4),
-        Value::Orientation(rotation) => {
-            three(Rotation3::from_matrix_unchecked(*rotation).scaled_axis() * factor, 3)
-        }
-        Value::Number(number) => format!("{:.4}", number * factor),
-    }
 }

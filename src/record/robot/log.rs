@@ -277,7 +277,7 @@ impl Head {
         let feature = match (point, robot.surface(name), robot.points_of(name)) {
             (Some(point), _, Some(link)) => Feature::Point(link, point),
             (None, Some(surface), _) => Feature::Surface(surface),
-            (None, None, Some(link)) if is_place(robot, link) => Feature::Point(link, Vector3::zeros()),
+            (None, None, Some(link)) if robot.is_place(link) => Feature::Point(link, Vector3::zeros()),
             (None, None, Some(_)) => {
                 return Err(format!(
                     "{name} has no point: give {} and the others, or name a surface of it",
@@ -320,7 +320,7 @@ impl Head {
         }
         for (index, dof) in robot.dofs.iter().enumerate() {
             let own = dof.coordinate..dof.coordinate + dof.kind.coordinates();
-            if posture[own].iter().any(Option::is_none) && is_between(robot, index, links) {
+            if posture[own].iter().any(Option::is_none) && robot.is_between(index, links) {
                 let unit = if dof.kind == DofKind::Slide { "metres" } else { "angle" };
                 let meant = self.spare.iter().find(|name| likely(name, &dof.name));
                 let meant =
@@ -343,29 +343,6 @@ impl Head {
         }
         Ok(posture)
     }
-}
-
-/// Whether a degree of freedom moves one of two links and not the other.
-fn is_between(robot: &Robot, dof: usize, links: [usize; 2]) -> bool {
-    let moves = |mut link: usize| {
-        loop {
-            let own = robot.links.get(link)?;
-            if own.elements.contains(&crate::calibration::robot::Element::Dof(dof)) {
-                return Some(true);
-            }
-            if own.parent == link {
-                return Some(false);
-            }
-            link = own.parent;
-        }
-    };
-    moves(links[0]) != moves(links[1])
-}
-
-/// Whether a link is a place: a point that needs no coordinates.
-fn is_place(robot: &Robot, link: usize) -> bool {
-    use crate::calibration::robot::Element;
-    matches!(robot.links[link].elements.as_slice(), [Element::Shift(_)])
 }
 
 /// Refuses angles that most of them are beyond a full turn.

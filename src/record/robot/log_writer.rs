@@ -9,12 +9,7 @@ use crate::creature::DofKind;
 /// Touches as a log that [`read_calibration_log`](super::read_calibration_log) reads, with further columns behind: a title and a
 /// cell for each touch. Of several contacts the first of either side is written.
 pub fn calibration_table(robot: &Robot, touches: &[&Touch], further: &[(&str, Vec<String>)]) -> String {
-    let title = |dof: &RobotDof| match dof.kind {
-        DofKind::Hinge => format!("{}_deg", dof.name),
-        DofKind::Slide => dof.name.clone(),
-        DofKind::Ball => ["w", "x", "y", "z"].map(|part| format!("{}_{part}", dof.name)).join(","),
-    };
-    let mut titles: Vec<String> = robot.leaders().map(title).collect();
+    let mut titles = joint_titles(robot);
     titles.extend(further.iter().map(|(title, _)| title.to_string()));
     let mut table = format!("limb_a,limb_b,ax,ay,az,bx,by,bz,{}\n", titles.join(","));
     for (k, touch) in touches.iter().enumerate() {
@@ -26,18 +21,35 @@ pub fn calibration_table(robot: &Robot, touches: &[&Touch], further: &[(&str, Ve
                 Feature::Surface(_) => ",,".into(),
             });
         }
-        for dof in robot.leaders() {
-            let own = &touch.posture[dof.coordinate..dof.coordinate + dof.kind.coordinates()];
-            let number = |x: &f64| match dof.kind {
-                DofKind::Hinge => format!("{:.5}", x.to_degrees()),
-                DofKind::Slide | DofKind::Ball => format!("{x:.7}"),
-            };
-            cells.extend(own.iter().map(number));
-        }
+        cells.extend(joint_cells(robot, &touch.posture));
         cells.extend(further.iter().filter_map(|(_, column)| column.get(k).cloned()));
         let _ = writeln!(table, "{}", cells.join(","));
     }
     table
+}
+
+/// The columns of what encoders read.
+pub(crate) fn joint_titles(robot: &Robot) -> Vec<String> {
+    let title = |dof: &RobotDof| match dof.kind {
+        DofKind::Hinge => format!("{}_deg", dof.name),
+        DofKind::Slide => dof.name.clone(),
+        DofKind::Ball => ["w", "x", "y", "z"].map(|part| format!("{}_{part}", dof.name)).join(","),
+    };
+    robot.leaders().map(title).collect()
+}
+
+/// What encoders read in these columns.
+pub(crate) fn joint_cells(robot: &Robot, posture: &[f64]) -> Vec<String> {
+    let mut cells = Vec::new();
+    for dof in robot.leaders() {
+        let own = &posture[dof.coordinate..dof.coordinate + dof.kind.coordinates()];
+        let number = |x: &f64| match dof.kind {
+            DofKind::Hinge => format!("{:.5}", x.to_degrees()),
+            DofKind::Slide | DofKind::Ball => format!("{x:.7}"),
+        };
+        cells.extend(own.iter().map(number));
+    }
+    cells
 }
 
 /// What a log calls a feature: its surface, or the link that its point is on.

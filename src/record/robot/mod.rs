@@ -21,7 +21,7 @@ pub use edits::Written;
 pub(crate) use json::{json_of, length, set_prior};
 pub use log::{CalibrationLog, read_calibration_log};
 pub use log_writer::calibration_table;
-pub(crate) use log_writer::name_of;
+pub(crate) use log_writer::{joint_cells, joint_titles, name_of};
 
 use super::{RecordError, files};
 use crate::calibration::robot::{Knowledge, Robot, Value};

@@ -44,21 +44,8 @@ pub(super) fn figure_of(input: &ReportInput, residuals: &Residuals) -> String {
         return "<p class=\"note\">There is nothing to measure a joint's error by.</p>\n".into();
     }
     let mut marks = Vec::new();
-    for (k, (name, [least, low, middle, high, greatest])) in boxes.iter().enumerate() {
-        let row = k as f64;
-        marks.push(ChartMark::Line { points: vec![[*least, row], [*greatest, row]], dashes: "", width: 1.0 });
-        let says = format!(
-            "{name}: {} mm on the median, half of it from {} to {} mm, all from {} to {} mm",
-            number(*middle),
-            number(*low),
-            number(*high),
-            number(*least),
-            number(*greatest)
-        );
-        let (from, to) = ([*low, row - 0.32], [*high, row + 0.32]);
-        marks.push(ChartMark::Cell { from, to, opacity: 0.5, text: String::new(), says });
-        let points = vec![[*middle, row - 0.32], [*middle, row + 0.32]];
-        marks.push(ChartMark::Line { points, dashes: "", width: 2.2 });
+    for (k, (name, values)) in boxes.iter().enumerate() {
+        marks.extend(box_marks(k, name, *values));
     }
     let scale = Scale::logarithmic(boxes.iter().flat_map(|(_, values)| [values[0], values[4]]));
     let height = ROW * boxes.len() as f64;
@@ -85,8 +72,33 @@ pub(super) fn figure_of(input: &ReportInput, residuals: &Residuals) -> String {
     figure("joint-errors", &Chart::new("Error per joint", panel), caption)
 }
 
+/// A box in a row, with whiskers, of the least, the three quartiles and the greatest of some millimetres.
+pub(super) fn box_marks(
+    row: usize,
+    name: &str,
+    [least, low, middle, high, greatest]: [f64; 5],
+) -> [ChartMark; 3] {
+    let row = row as f64;
+    let says = format!(
+        "{name}: {} mm on the median, half of it from {} to {} mm, all from {} to {} mm",
+        number(middle),
+        number(low),
+        number(high),
+        number(least),
+        number(greatest)
+    );
+    let whiskers = vec![[least, row], [greatest, row]];
+    let (from, to) = ([low, row - 0.32], [high, row + 0.32]);
+    let points = vec![[middle, row - 0.32], [middle, row + 0.32]];
+    [
+        ChartMark::Line { points: whiskers, dashes: "", width: 1.0 },
+        ChartMark::Cell { from, to, opacity: 0.5, text: String::new(), says },
+        ChartMark::Line { points, dashes: "", width: 2.2 },
+    ]
+}
+
 /// The least, the three quartiles and the greatest of values that are finite; none where there is none.
-fn quartiles(values: Vec<f64>) -> Option<[f64; 5]> {
+pub(super) fn quartiles(values: Vec<f64>) -> Option<[f64; 5]> {
     let mut values: Vec<f64> =
         values.into_iter().filter(|value| value.is_finite()).map(|value| value.max(LEAST)).collect();
     values.sort_by(f64::total_cmp);

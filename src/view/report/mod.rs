@@ -4,6 +4,7 @@
 //! light or dark as the reader's screen is, and can be printed.
 
 mod body;
+pub mod calibration;
 mod curve;
 mod joint_errors;
 mod reachable;

@@ -31,15 +31,21 @@ pub(super) fn facts(input: &ReportInput) -> String {
     ];
     let counted = counted.map(|(name, value)| (name.to_string(), value));
     let seed = [("Seed".to_string(), input.seed.to_string())];
-    let row = |(name, value): &(String, String)| {
-        format!("<div><dt>{}</dt><dd>{}</dd></div>\n", escape(name), escape(value))
-    };
     let commands = |(name, command): &(String, String)| {
         format!("<p>{} <code>{}</code></p>\n", escape(name), escape(command))
     };
-    let rows: String = counted.iter().chain(&input.facts).chain(&seed).map(row).collect();
+    let rows = definitions(counted.iter().chain(&input.facts).chain(&seed));
     let commands: String = input.commands.iter().map(commands).collect();
-    format!("{commands}<dl>\n{rows}</dl>\n")
+    commands + &rows
+}
+
+/// A list of names and values.
+pub(super) fn definitions<'a>(facts: impl IntoIterator<Item = &'a (String, String)>) -> String {
+    let row = |(name, value): &(String, String)| {
+        format!("<div><dt>{}</dt><dd>{}</dd></div>\n", escape(name), escape(value))
+    };
+    let rows: String = facts.into_iter().map(row).collect();
+    format!("<dl>\n{rows}</dl>\n")
 }
 
 /// The table of error measures.
