@@ -374,9 +374,24 @@ fn a_urdf_comes_back_with_its_encoders_put_right() {
     let found = place.json(&arguments);
     assert_eq!(found["calibrated"], true);
     assert!(found["after"]["rms"].as_f64().unwrap() < 2e-3);
-    for file in ["quantities.csv", "residuals.csv", "calibration.json"] {
+    for file in ["quantities.csv", "calibration.json"] {
         assert!(place.path("made").join(file).exists(), "{file}");
     }
+    // The page says what was found, and draws it.
+    let page = fs::read_to_string(place.path("made/report.html")).unwrap();
+    assert!(page.contains("calibrated: the touches are explained by what was found"), "{page}");
+    let quantities = found["quantities"].as_array().unwrap();
+    assert!(quantities.iter().all(|quantity| page.contains(quantity["name"].as_str().unwrap())));
+    assert!(page.contains("id=\"by-pair\"") && page.contains("id=\"by-joint\""));
+    // A matrix of all with all, and what was read beside what is left.
+    let table = |name: &str| -> Vec<Vec<String>> {
+        let text = fs::read_to_string(place.path("made").join(name)).unwrap();
+        text.lines().map(|line| line.split(',').map(str::to_string).collect()).collect()
+    };
+    let correlations = table("correlations.csv");
+    assert_eq!((correlations.len(), correlations[0].len()), (11, 11));
+    assert_eq!((correlations[0][3].as_str(), correlations[3][3].as_str()), ("left_roll.offset", "1.000000"));
+    assert!(table("residuals.csv").iter().all(|row| row.len() == 6 + 10));
     // What is written reads encoders right: offsets are in the origins now.
     place.write("again.urdf", fs::read(place.path("made/arms.urdf")).unwrap());
     let again = place.json(&["again.urdf", "touches.csv", "--free", "*.offset"]);

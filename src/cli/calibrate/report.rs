@@ -43,15 +43,7 @@ impl Results<'_> {
         let millimetres: Vec<String> =
             noise.groups.iter().map(|metres| output::number(1e3 * metres)).collect();
         let mut facts = vec![
-            (
-                "robot",
-                format!(
-                    "{}, {} links, {} degrees of freedom",
-                    kind(file.format),
-                    robot.links.len(),
-                    robot.dofs.len()
-                ),
-            ),
+            ("robot", format!("{}, {} degrees of freedom", kind(file.format), robot.dofs.len())),
             ("touches", self.touches.len().to_string()),
             ("unknown numbers", self.estimator.unknowns.len().to_string()),
             ("noise of touch, mm", millimetres.join(", ")),
@@ -116,7 +108,7 @@ impl Results<'_> {
         let name = name_of(self.robot, feature);
         match *feature {
             Feature::Point(link, p) if !self.robot.is_place(link) => {
-                let [x, y, z] = [p.x, p.y, p.z].map(|x| format!("{:.1}", 1e3 * x + 0.0));
+                let [x, y, z] = [p.x, p.y, p.z].map(|x| format!("{:.1}", 1e3 * x + 0.0).replace('-', "−"));
                 format!("{name} {x} {y} {z}")
             }
             _ => name,

@@ -93,11 +93,15 @@ impl Results<'_> {
         found
     }
 
+    /// The touches that are not taken to be false, as they are seen at what was found.
+    fn honest(&self) -> Vec<SeenTouch> {
+        let honest = |(_, _, seen): &&SeenTouch| self.fit.noise.honesty(seen) > 0.5;
+        self.fit.seen.iter().filter(honest).cloned().collect()
+    }
+
     /// Whether the robot explains its touches, and if not, what may be the reason.
     pub fn verdict(&self) -> (bool, String) {
-        let honest: Vec<SeenTouch> =
-            self.fit.seen.iter().filter(|(_, _, seen)| self.fit.noise.honesty(seen) > 0.5).cloned().collect();
-        let apart = Misses::of(&honest);
+        let apart = Misses::of(&self.honest());
         let false_share = self.fit.noise.false_share;
         let equations: usize = self.fit.seen.iter().map(|(_, _, seen)| seen.residuals.size).sum();
         let unknowns = self.estimator.unknowns.len() - self.fit.told.ties.len();
@@ -135,6 +139,9 @@ impl Results<'_> {
     pub fn misses(&self) -> Vec<(String, Misses)> {
         let of_all = [("before", Misses::of(&self.before())), ("after", Misses::of(&self.fit.seen))];
         let mut misses = of_all.map(|(name, misses)| (name.to_string(), misses)).to_vec();
+        if self.fit.noise.false_share > 0.0 {
+            misses.push(("after, without false ones".into(), Misses::of(&self.honest())));
+        }
         if let Some(first) = self.judged.first() {
             let parts =
                 if self.judged.len() > 1 { format!("{} × ", self.judged.len()) } else { String::new() };

@@ -130,7 +130,7 @@ pub(super) fn by_joint(report: &CalibrationReport) -> String {
         charts += &Chart { says: "Residuals by what joints' encoders read".into(), panels }.in_page();
     }
     let mut caption = String::from(
-        "How far apart what touched is put, mm, by what each joint between the two read; crosses are touches that are taken \
+        "How far apart what touched is put, mm, by what each joint between the two read, ° (slides mm); crosses are touches that are taken \
          to be false. The line is the mean; of how much the touches differ it explains the share in brackets: a joint \
          of which much is explained is not yet as its encoder says.",
     );
@@ -142,7 +142,7 @@ pub(super) fn by_joint(report: &CalibrationReport) -> String {
     )
 }
 
-/// Honest touches by stretches of an angle: the middle of each stretch, and its touches' millimetres.
+/// Honest touches by stretches of an angle, of those that hold enough: the middle of each, and its touches' millimetres.
 fn stretches(read: &[(f64, &ReportedTouch)]) -> Vec<(f64, Vec<f64>)> {
     let honest: Vec<(f64, f64)> = read
         .iter()
@@ -160,7 +160,7 @@ fn stretches(read: &[(f64, &ReportedTouch)]) -> Vec<(f64, Vec<f64>)> {
     stretches
         .into_iter()
         .enumerate()
-        .filter(|(_, own)| !own.is_empty())
+        .filter(|(_, own)| own.len() >= FEWEST)
         .map(|(k, own)| (middle(k), own))
         .collect()
 }
@@ -187,11 +187,7 @@ fn explained(read: &[(f64, &ReportedTouch)]) -> f64 {
 fn small(title: String, unit: &str, read: Vec<(f64, &ReportedTouch)>) -> Panel {
     let honest_apart =
         read.iter().filter(|(_, touch)| !touch.is_false()).map(|(_, touch)| touch.millimetres());
-    let line: Vec<[f64; 2]> = stretches(&read)
-        .into_iter()
-        .filter(|(_, own)| own.len() >= FEWEST)
-        .map(|(angle, own)| [angle, mean(&own)])
-        .collect();
+    let line: Vec<[f64; 2]> = stretches(&read).into_iter().map(|(angle, own)| [angle, mean(&own)]).collect();
     let low = read.iter().map(|(angle, _)| *angle).fold(f64::INFINITY, f64::min);
     let high = read.iter().map(|(angle, _)| *angle).fold(f64::NEG_INFINITY, f64::max);
     let room = (0.04 * (high - low)).max(1e-6);

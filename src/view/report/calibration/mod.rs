@@ -88,6 +88,9 @@ pub struct ReportedJoint {
     pub unit: &'static str,
 }
 
+/// Rows of small charts stand apart.
+const STYLE: &str = "#by-joint .chart + .chart { margin-top: .8rem; }\n";
+
 /// The whole page.
 pub fn html(report: &CalibrationReport) -> String {
     let sections = [
@@ -111,5 +114,5 @@ pub fn html(report: &CalibrationReport) -> String {
         if report.calibrated { "" } else { " open" },
         escape(&report.verdict),
     );
-    page(&format!("{}: calibrated by its own touches", report.robot), "", &content, "")
+    page(&format!("{}: calibrated by its own touches", report.robot), STYLE, &content, "")
 }
