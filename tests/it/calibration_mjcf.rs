@@ -31,6 +31,7 @@ const ODD: &str = r#"<mujoco model="odd">
   </default>
   <worldbody>
     <geom name="plate" type="plane" size="1 1 .1"/>
+    <geom name="ball" size=".07" pos="1 0 0"/>
     <body name="base" pos="0 0 .1" euler="10 20 30">
       <geom type="box" size=".1 .1 .1"/>
       <body name="upper"   axisangle="0 1 0 40" pos=".1 0 0.30">

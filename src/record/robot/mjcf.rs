@@ -10,7 +10,7 @@ use std::path::Path;
 use nalgebra::{Matrix3, Rotation3, UnitVector3, Vector3};
 
 use crate::calibration::robot::{Element, Form, LinkMass, Robot, RobotDof, Unit, Value};
-use crate::creature::{DofKind, UNLIMITED_SLIDE, body_name, creatures, joint_name, matrix};
+use crate::creature::{BodyError, DofKind, UNLIMITED_SLIDE, body_name, creatures, joint_name, matrix};
 use crate::geometry::{Frame, Shape};
 use crate::mujoco::{self, Equality, GeomKind, JointKind, Model, ModelJoint};
 use crate::record::RecordError;
@@ -38,8 +38,7 @@ pub fn read_mjcf(path: &Path) -> Result<MjcfRobot, RecordError> {
     // Of two trees with as many joints the first.
     let largest = creatures(&model).into_iter().rev().max_by_key(|creature| creature.joints);
     let Some(top) = largest.map(|creature| creature.root) else {
-        let message = "the model has no hinge, slide or ball joint: give a robot that can move";
-        return Err(RecordError::format(path, None, message));
+        return Err(RecordError::format(path, None, BodyError::NoJoints.to_string()));
     };
     let root = if is_free(&model, top) { top } else { 0 };
     let mut reader = Reader {
@@ -51,7 +50,7 @@ pub fn read_mjcf(path: &Path) -> Result<MjcfRobot, RecordError> {
         followers: followers(&model),
         passed_over: left_out
             .in_words()
-            .map(|what| format!("MuJoCo does not take {what}"))
+            .map(|what| format!("read without {what}, which MuJoCo does not take"))
             .into_iter()
             .collect(),
     };

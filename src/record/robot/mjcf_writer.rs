@@ -59,7 +59,7 @@ pub fn write_mjcf(
     let bodies = Bodies::of(&root, writer.file);
     writer.bodies(&bodies);
     writer.equalities(&root);
-    writer.added(&root, &bodies);
+    writer.added(&bodies);
     for dof in 0..writer.file.dofs.len() {
         if !writer.follows(dof) {
             writer.left_out.extend(unsaid_gain(robot, values, dof, FORMAT));
@@ -87,6 +87,7 @@ impl<'a> Bodies<'a> {
         let mut bodies = Bodies { links: Vec::new(), joints: Vec::new() };
         let mut count = Count { file, bodies: 1, joints: 0, known: true };
         for world in root.children_of("worldbody") {
+            bodies.links.extend(file.link("world").map(|link| (link, world)));
             count.inside(world, &mut bodies);
         }
         bodies
@@ -156,6 +157,10 @@ impl Writer<'_> {
     fn bodies(&mut self, bodies: &Bodies) {
         let mut said = vec![false; self.file.quantities.len()];
         for (link, tag) in &bodies.links {
+            if *link == 0 {
+                // Where the root is does not matter.
+                self.radii(*link, tag, &mut said);
+            }
             if !self.stands_so(*link, tag) {
                 continue;
             }
@@ -233,7 +238,7 @@ impl Writer<'_> {
         if !self.follows(dof) {
             if self.number(q.sign) < 0.0 {
                 axis = -axis;
-                self.turn_limits_round(tag, dof);
+                self.turn_limits_round(tag, dof, nominal(q.offset).number() == 0.0);
             }
             let (before, reference) = (-nominal(q.offset).number(), -self.beginning(dof));
             if reference != before {
@@ -263,8 +268,8 @@ impl Writer<'_> {
         !self.file.leaders().any(|leader| leader.name == *name)
     }
 
-    /// The limits of an axis that points the other way: each is the other's negative.
-    fn turn_limits_round(&mut self, tag: &Tag, dof: usize) {
+    /// The limits of an axis that points the other way: each is the other's negative. Without any they are even about `ref`.
+    fn turn_limits_round(&mut self, tag: &Tag, dof: usize, begins_at_zero: bool) {
         let range = self.file.dofs[dof].range;
         let text = |low: &str, high: &str| format!("{} {}", negative(high), negative(low));
         match tag.attribute("range") {
@@ -273,8 +278,8 @@ impl Writer<'_> {
                     self.edits.replace(own.at.clone(), text(low, high));
                 }
             }
-            // Those of a default class; without any they are even.
-            None if range[0] + range[1] != 0.0 && self.file.nominal()[self.offset(dof)].number() == 0.0 => {
+            // Those of a default class.
+            None if begins_at_zero && range[0] + range[1] != 0.0 => {
                 let hinge = self.file.dofs[dof].kind == DofKind::Hinge;
                 let range = range.map(|x| if hinge { self.angles.written(x) } else { x });
                 self.edits
@@ -282,10 +287,6 @@ impl Writer<'_> {
             }
             None => {}
         }
-    }
-
-    fn offset(&self, dof: usize) -> usize {
-        self.file.dofs[dof].quantities.map_or(0, |q| q.offset)
     }
 
     /// The radii of a body's spheres.
@@ -300,12 +301,14 @@ impl Writer<'_> {
             let Some((on, Form::Sphere(q))) = surface.map(|surface| (surface.link, &surface.form)) else {
                 continue;
             };
-            if on != link {
+            let old = number_list(geom.value("size").unwrap_or_default());
+            let radius = self.file.quantities[*q].nominal.number();
+            // Geoms without names may be counted otherwise where something makes others.
+            if on != link || old.first().is_some_and(|old| (old - radius).abs() > ROUNDING) {
                 continue;
             }
             said[*q] = true;
             if self.changed(*q) {
-                let old = number_list(geom.value("size").unwrap_or_default());
                 let mut new = old.clone();
                 new.truncate(3);
                 new.splice(..new.len().min(1), [self.number(*q)]);
@@ -351,7 +354,7 @@ impl Writer<'_> {
     }
 
     /// Links that are not of the file, where their pose was to be found: bodies in those that they are on.
-    fn added(&mut self, root: &Tag, bodies: &Bodies) {
+    fn added(&mut self, bodies: &Bodies) {
         let rest = self.robot.zero_posture();
         let posed = Posed::new(self.robot, self.values, &rest);
         let count = self.file.links.len();
@@ -369,10 +372,7 @@ impl Writer<'_> {
             if pose == Frame::identity() {
                 continue;
             }
-            let world = || root.children_of("worldbody").last().filter(|_| on == 0);
-            let parent =
-                bodies.links.iter().find(|(link, _)| *link == on).map(|(_, tag)| *tag).or_else(world);
-            let Some(tag) = parent else {
+            let Some((_, tag)) = bodies.links.iter().find(|(link, _)| *link == on) else {
                 self.unsaid.push(link.name.clone());
                 continue;
             };

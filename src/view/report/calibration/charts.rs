@@ -16,7 +16,7 @@ const WIDTH: f64 = 560.0;
 /// Joints that are drawn at the most, so many side by side, each so large, pixels.
 const MOST_JOINTS: usize = 24;
 const SIDE_BY_SIDE: usize = 3;
-const SMALL: [f64; 2] = [210.0, 120.0];
+const SMALL: [f64; 2] = [245.0, 120.0];
 /// Dots of a small chart at the most.
 const MOST_DOTS: usize = 300;
 /// Stretches of a joint's angle in which the mean is taken, and touches in each at the least.
