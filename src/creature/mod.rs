@@ -232,6 +232,28 @@ impl Creature {
         Ok(Creature { parts, coordinates, elements })
     }
 
+    /// The same creature with the ranges that some postures visit; those of couplings, and of balls, stay as they are.
+    pub fn visited<'a>(&self, postures: impl Iterator<Item = &'a Posture> + Clone) -> Creature {
+        let mut narrowed = self.clone();
+        for joint in &mut narrowed.parts.joints {
+            let elements: Vec<DofElement> = joint.elements().collect();
+            let ranges: Vec<Option<[f64; 2]>> = elements
+                .iter()
+                .map(|element| {
+                    let single = element.dof().kind != DofKind::Ball && element.dof().follows.is_none();
+                    let visited = postures.clone().map(|posture| element.of(posture)[0]);
+                    let none = [f64::INFINITY, f64::NEG_INFINITY];
+                    let [low, high] = visited.fold(none, |[low, high], at| [low.min(at), high.max(at)]);
+                    (single && low <= high).then_some([low, high])
+                })
+                .collect();
+            for (dof, range) in joint.dofs.iter_mut().zip(ranges) {
+                dof.range = range.unwrap_or(dof.range);
+            }
+        }
+        narrowed
+    }
+
     /// The model's name.
     pub fn name(&self) -> &str {
         &self.parts.name

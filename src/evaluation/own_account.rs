@@ -20,17 +20,15 @@ pub struct OwnAccount {
     /// is not in it. None where nothing is determined.
     pub expected_mm: Option<f64>,
     /// Every fifth touch under a schema fitted anew to the others: how far apart it puts the two points or, of
-    /// receptors, the two surfaces, millimetres. None where too few touches are left.
+    /// receptors, the two surfaces, millimetres; of limbs that are claimed, or of all where none is. None where too few touches
+    /// are left.
     pub fresh_mm: Option<Summary>,
 }
 
 impl OwnAccount {
-    /// The account of what the learner `lm` came to; none where it can give none.
+    /// The account of what the learner `lm` came to; none where it can give none, as where nothing explains the touches.
     pub fn new(agent: &Agent, touches: &[Touch], learned: &Learned) -> Option<OwnAccount> {
         let (creature, input) = (agent.creature(), learned.basis.input);
-        if !learned.verdict.converged() {
-            return None;
-        }
         let account = learned.account.as_ref()?;
         let observability = &account.observability;
         let (mut squares, mut count) = (0.0, 0);
@@ -45,8 +43,10 @@ impl OwnAccount {
         }
         let expected_mm = (count > 0).then(|| (squares / f64::from(count)).sqrt());
 
+        // A body that places no skin may explain touches all the same, as far as one arm at one place tells.
+        let all = !account.claims_any();
         let known =
-            (0..creature.joints().len()).map(|joint| !account.undetermined().contains(&joint)).collect();
+            (0..creature.joints().len()).map(|joint| all || !account.undetermined().contains(&joint)).collect();
         let mut fitted = SecondOrder::new(agent, input, 0);
         let mut fresh = SecondOrder::new(agent, input, 0);
         for (i, touch) in touches.iter().enumerate() {
@@ -55,7 +55,7 @@ impl OwnAccount {
         }
         let schema = fitted.refine_known(&learned.schema, known).schema;
         let mut set = TouchSet::default();
-        for (limbs, touch) in fresh.prepared().filter(|([a, b], _)| account.claims(*a, *b)) {
+        for (limbs, touch) in fresh.prepared().filter(|([a, b], _)| all || account.claims(*a, *b)) {
             set.push_prepared(creature, limbs, touch);
         }
         let misses = match input {

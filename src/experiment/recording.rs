@@ -6,6 +6,7 @@ use super::error::ExperimentError;
 use super::learning_options::LearningOptions;
 use super::observer::Observer;
 use super::session::Provenance;
+use crate::agent::Agent;
 use crate::record::{
     Host, PROGRAM, RecordingFiles, Session, SessionOptions, TouchWriter, read_creature, read_recording,
 };
@@ -31,7 +32,8 @@ pub struct RecordedSession {
 
 impl RecordedSession {
     /// Reads a recording, of which the first touches are used, at most so many; the observer is told of what is odd
-    /// about it. Where no seed is given it is the description's.
+    /// about it. Where no seed is given it is the description's. Ranges of joints become what the touches visit: a log tells of
+    /// no other postures, and a description often says a whole turn for want of better.
     ///
     /// # Errors
     /// Where a file cannot be read, or is not what it should be.
@@ -50,6 +52,9 @@ impl RecordedSession {
         }
         let mut touches = recording.touches;
         touches.truncate(most);
+        let creature = recording.agent.creature().visited(touches.iter().map(|touch| &touch.posture));
+        let agent = Agent::new(creature, recording.agent.skin().clone())
+            .map_err(|error| ExperimentError::refused(error.to_string()))?;
         let path = |path: &Path| path.display().to_string();
         let session = Session {
             program: PROGRAM.to_string(),
@@ -70,7 +75,7 @@ impl RecordedSession {
                 ..SessionOptions::default()
             },
             effort: None,
-            agent: recording.agent,
+            agent,
         };
         Ok(RecordedSession { session, touches })
     }

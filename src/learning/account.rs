@@ -181,7 +181,10 @@ impl Account {
     /// How far off a limb's skin may be in the frames of the largest class' other limbs, metres: in that where it is
     /// known best, and in that where it is known worst. None where there is no such limb.
     pub fn distance_to_most(&self, limb: usize) -> Option<[f64; 2]> {
-        let others = self.classes.first()?.iter().filter(|&&other| other != limb);
+        let largest = self.classes.first()?;
+        // Where nothing is placed against anything no class is better than others.
+        let most = if largest.len() > 1 { largest } else { &self.limbs };
+        let others = most.iter().filter(|&&other| other != limb);
         others.map(|&other| self.distance(limb, other)).fold(None, |found, d| {
             let [least, most] = found.unwrap_or([d, d]);
             Some([d.min(least), d.max(most)])
@@ -219,16 +222,32 @@ impl Account {
         Some(if bounded { Openness::TooFewTouches } else { Openness::MovesUnfelt })
     }
 
-    /// What may be said of a schema that explains fresh touches: that it does, if anything is claimed by it.
-    pub fn verdict(&self) -> Verdict {
+    /// What may be said of a schema that explains fresh touches: that it does, if anything is claimed by it; else what stands in
+    /// the way.
+    pub fn verdict(&self, creature: &Creature) -> Verdict {
         if self.claims_any() {
             return Verdict::Converged;
         }
-        Verdict::Failed(
-            "what was found explains touches that it was not fitted to, but they place no limb's skin in another limb's \
-             frame; try more touches (--touches) or another seed (--seed)"
-                .to_string(),
-        )
+        let pairs = (0..self.limbs.len()).flat_map(|i| (0..i).map(move |j| (j, i)));
+        let nearest = pairs.min_by(|a, b| self.distances[*a].total_cmp(&self.distances[*b]));
+        let explains = "what was found explains touches that it was not fitted to, but places no limb's skin in another limb's frame";
+        Verdict::Failed(match nearest {
+            Some(pair) if self.distances[pair].is_finite() => {
+                let [a, b] = [pair.0, pair.1].map(|limb| &creature.limbs()[self.limbs[limb]]);
+                let (off, limit) = (self.distances[pair], self.limit);
+                format!(
+                    "{explains} to {:.1} mm: of {b} in that of {a}, the best known, some may be {:.1} mm off; about {:.1} times as \
+                     many touches of the same noise would do, or fewer in postures that differ more",
+                    1e3 * limit,
+                    1e3 * off,
+                    (off / limit).powi(2)
+                )
+            }
+            _ => format!(
+                "{explains}: each can move without any touch feeling it, for touches are between too few limbs or always at the \
+                 same points of them; touch other places, or say what is known of joints (--known)"
+            ),
+        })
     }
 }
 

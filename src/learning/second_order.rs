@@ -1115,7 +1115,7 @@ impl<'a> SecondOrder<'a> {
             return Learned {
                 schema,
                 basis: self.basis(),
-                verdict: self.few_tell(&account, deviation).unwrap_or_else(|| account.verdict()),
+                verdict: self.few_tell(&account, deviation).unwrap_or_else(|| account.verdict(self.agent.creature())),
                 initial_guesses,
                 fresh_rms: judged,
                 account: Some(account),

@@ -169,7 +169,7 @@ impl<'a> Grower<'a> {
             }
             learned.initial_guesses = self.growth.starts();
             learned.verdict =
-                learned.account.as_ref().map_or(Verdict::Converged, |account| account.verdict());
+                learned.account.as_ref().map_or(Verdict::Converged, |account| account.verdict(self.agent.creature()));
             return learned;
         }
     }

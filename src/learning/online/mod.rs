@@ -398,7 +398,7 @@ impl<'a> Online<'a> {
             let known = (0..self.agent.creature().joints().len()).map(known).collect();
             let refined = self.batch.refine_known(&belief.schema, known);
             return Some(Learned {
-                verdict: refined.account.as_ref()?.verdict(),
+                verdict: refined.account.as_ref()?.verdict(self.agent.creature()),
                 initial_guesses: self.initial_guesses,
                 fresh_rms,
                 changes: Vec::new(),
@@ -429,7 +429,7 @@ impl<'a> Online<'a> {
         Some(Learned {
             schema: belief.schema.clone(),
             basis: Basis::SURFACES,
-            verdict: account.verdict(),
+            verdict: account.verdict(self.agent.creature()),
             initial_guesses: self.initial_guesses,
             fresh_rms,
             account: Some(account),
