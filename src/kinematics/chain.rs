@@ -69,6 +69,19 @@ impl ChainSide {
         side
     }
 
+    /// The same side in a posture in which each joint is as on another of some sides like it, `of` says which of them by the
+    /// joint's place: a posture that may never have been.
+    pub fn mixed<'a>(&self, of: impl Fn(usize) -> &'a ChainSide) -> ChainSide {
+        let mut mixed =
+            ChainSide { joints: self.joints.clone(), steps: Vec::with_capacity(self.steps.len()) };
+        let mut first = 0;
+        for (place, (_, count)) in self.joints.iter().enumerate() {
+            mixed.steps.extend_from_slice(&of(place).steps[first..first + count]);
+            first += count;
+        }
+        mixed
+    }
+
     /// `X_CL`: the pose of the limb at the end of the side in its ancestor.
     pub fn frame(&self, schema: &BodySchema) -> Frame {
         self.walk(schema, |_, _, _| {})

@@ -88,6 +88,8 @@ const NORMAL_DEVIATION: f64 = 6e-3;
 /// The share that noise may be of how far touches lie about their middle on the limbs: of more, a body whose limbs are all in
 /// one place would explain them as well.
 const MOST_OF_EXTENT: f64 = 0.5;
+/// Limbs that meet within this in any posture are a point, metres.
+const POINT: f64 = 1e-6;
 /// The same as [`EXACT`] for receptor centres: they have a bias, the bulge of the limb.
 const BIASED: f64 = 1.5;
 /// Eight tenths of the gaps of touches not fitted to stay within this many of the deviations that the
@@ -282,15 +284,16 @@ impl<'a> SecondOrder<'a> {
                     return (f64::INFINITY, f64::INFINITY);
                 }
                 let fresh = point_misfit(&foretold, &start.schema);
+                let shrunk = shrunk(&foretold, &start.schema);
                 // Points without noise are their own proof; others are not.
                 if !search.noisy {
-                    return (fresh / acceptance, 0.0);
+                    return ((fresh / acceptance).max(shrunk), 0.0);
                 }
                 let known = fitted.filter(|pair| start.covers(pair));
                 let noise = point_misfit(&known, &start.schema);
                 // What few touches leave open is no noise.
                 if usual_point_misfit(&known, &start.schema) < EXACTLY {
-                    return (fresh / acceptance, 0.0);
+                    return ((fresh / acceptance).max(shrunk), 0.0);
                 }
                 let free = |joint: usize| start.known[joint] && !self.known.frozen[joint];
                 let unknowns = Parameters::new(self.agent.creature(), AxisModel::Unit, free).len() as f64;
@@ -300,7 +303,8 @@ impl<'a> SecondOrder<'a> {
                 let expected = noise * ((1.0 + share) / (1.0 - share)).sqrt();
                 // Limbs that are all in one place explain touches as well as this.
                 let vague = noise * taken_deviation(&known) / (MOST_OF_EXTENT * extent(&known));
-                let misfit = (fresh / acceptance).max(fresh / (FRESH_NOISE * expected)).max(vague);
+                let misfit =
+                    (fresh / acceptance).max(fresh / (FRESH_NOISE * expected)).max(vague).max(shrunk);
                 (misfit, noise)
             }
             Evidence::Surfaces(_) => self.judge_gaps(&fitted.filter(|pair| start.covers(pair)), &used, start),
@@ -841,6 +845,31 @@ fn extent(touches: &TouchSet) -> f64 {
     (sum / touches.len().max(1) as f64).sqrt()
 }
 
+/// How nearly touches would be explained in any postures as well, 1 is just too nearly: as by a body that is shrunk to the point
+/// where its limbs meet. In the postures for comparison each joint is as in another touch of the same limbs.
+fn shrunk(touches: &TouchSet, schema: &BodySchema) -> f64 {
+    let (mut honest, mut mixed) = (Vec::new(), Vec::new());
+    for pair in touches.pairs.iter().filter(|pair| pair.touches.len() > 1) {
+        let count = pair.touches.len();
+        for (i, touch) in pair.touches.iter().enumerate() {
+            let other = |side: usize, place: usize| {
+                &pair.touches[(i + 1 + (2 * place + side) % (count - 1)) % count].sides[side]
+            };
+            let sides = [0, 1].map(|side| touch.sides[side].mixed(|place| other(side, place)));
+            honest.push(touch.miss(schema).norm());
+            mixed.push(PreparedTouch { sides, ends: touch.ends }.miss(schema).norm());
+        }
+    }
+    if honest.is_empty() {
+        return 0.0;
+    }
+    let [honest, mixed] = [honest, mixed].map(|mut misses: Vec<f64>| {
+        misses.sort_by(f64::total_cmp);
+        quantile(&misses, 0.5)
+    });
+    honest.max(POINT) / (MOST_OF_EXTENT * mixed.max(POINT))
+}
+
 fn kept_back(touch: usize) -> bool {
     touch % KEPT_BACK == KEPT_BACK - 1
 }
@@ -1107,6 +1136,13 @@ impl<'a> SecondOrder<'a> {
         })
     }
 
+    /// Whether the touches of every limb are so near one point that a body without size explains them as well.
+    fn is_at_one_point(&self, schema: &BodySchema) -> bool {
+        let touches = self.prepare(self.touches.iter());
+        let points = matches!(self.evidence(), Evidence::Points { .. });
+        points && !touches.is_empty() && shrunk(&touches, schema) >= 1.0
+    }
+
     /// Fits what was found to all touches, or says why nothing was.
     fn conclude(&self, found: Judged, initial_guesses: usize) -> Learned {
         let Judged { start, judged, .. } = found;
@@ -1115,7 +1151,9 @@ impl<'a> SecondOrder<'a> {
             return Learned {
                 schema,
                 basis: self.basis(),
-                verdict: self.few_tell(&account, deviation).unwrap_or_else(|| account.verdict(self.agent.creature())),
+                verdict: self
+                    .few_tell(&account, deviation)
+                    .unwrap_or_else(|| account.verdict(self.agent.creature())),
                 initial_guesses,
                 fresh_rms: judged,
                 account: Some(account),
@@ -1125,6 +1163,10 @@ impl<'a> SecondOrder<'a> {
         }
         let why = if initial_guesses == 0 {
             "no joint has as many touches as it has unknowns: give more touches".to_string()
+        } else if self.is_at_one_point(&start.schema) {
+            "all touches are at one point of each limb, and a body that is shrunk to a point explains that as well: touch other \
+             places of a limb, or say what is known of joints (--known)"
+                .to_string()
         } else {
             format!(
                 "none of {initial_guesses} random initial guesses explains the touches that it was not fitted to; try more touches \

@@ -444,3 +444,45 @@ fn touches_of_chance_are_not_learned() {
     assert!(!learned.verdict.converged());
     assert_eq!(learned.undetermined().len(), body.creature.joints().len());
 }
+
+/// Two arms of three hinges each on one base, which meet tip to tip: all of it could be one point.
+#[test]
+fn a_body_that_may_be_shrunk_to_a_point_is_not_claimed() {
+    const UPPER: f64 = 0.3;
+    const LOWER: f64 = 0.25;
+    let mut log = "limb_a,limb_b,ax,ay,az,bx,by,bz,l0,l1,l2,r0,r1,r2\n".to_string();
+    for k in 0..200 {
+        // A place in front of the shoulders, which are 0.4 m apart, and the angles that bring both tips there.
+        let k = f64::from(k);
+        let place = [0.3 + 0.1 * (2.3 * k).cos(), 0.1 * (1.7 * k).sin(), 0.12 * (3.1 * k).sin()];
+        let angles = |shoulder: f64, bend: f64| {
+            let (x, y, z) = (place[0], place[1] - shoulder, place[2]);
+            let far = x.hypot(y);
+            let cosine = (far * far + z * z - UPPER * UPPER - LOWER * LOWER) / (2.0 * UPPER * LOWER);
+            let elbow = bend * cosine.clamp(-1.0, 1.0).acos();
+            let lift = z.atan2(far) - (LOWER * elbow.sin()).atan2(UPPER + LOWER * elbow.cos());
+            [y.atan2(x), lift, elbow]
+        };
+        let ([l0, l1, l2], [r0, r1, r2]) = (angles(0.2, 1.0), angles(-0.2, -1.0));
+        log += &format!("left,right,0.25,0,0,0.25,0,0,{l0},{l1},{l2},{r0},{r1},{r2}\n");
+    }
+    let joint = |name: &str, parent: &str, limb: &str| {
+        let dof = json!({"name": name, "kind": "hinge", "range": [-3.2, 3.2]});
+        json!({"name": name, "parent": parent, "limb": limb, "dofs": [dof]})
+    };
+    let body = json!({
+        "name": "tips",
+        "limbs": ["base", "left_turret", "left_upper", "left", "right_turret", "right_upper", "right"],
+        "joints": [
+            joint("l0", "base", "left_turret"), joint("l1", "left_turret", "left_upper"),
+            joint("l2", "left_upper", "left"), joint("r0", "base", "right_turret"),
+            joint("r1", "right_turret", "right_upper"), joint("r2", "right_upper", "right"),
+        ],
+    });
+    let place = Place::new();
+    let (body, log) = (place.write("tips.json", &body.to_string()), place.write("tips.csv", &log));
+    let [body, log, session] =
+        [body, log, place.path("session")].map(|path| path.to_str().unwrap().to_string());
+    let said = place.succeeds(&["learn", "--creature", &body, "--log", &log, "--out", &session]);
+    assert!(said.contains("NOT learned: all touches are at one point of each limb"), "{said}");
+}

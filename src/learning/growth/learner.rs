@@ -168,8 +168,10 @@ impl<'a> Grower<'a> {
                 continue;
             }
             learned.initial_guesses = self.growth.starts();
-            learned.verdict =
-                learned.account.as_ref().map_or(Verdict::Converged, |account| account.verdict(self.agent.creature()));
+            learned.verdict = learned
+                .account
+                .as_ref()
+                .map_or(Verdict::Converged, |account| account.verdict(self.agent.creature()));
             return learned;
         }
     }
