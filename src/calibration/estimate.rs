@@ -5,6 +5,7 @@ use nalgebra::DMatrix;
 use super::noise::{Groups, Noise, NoiseSource, Seen};
 use super::problem::{Problem, Weighing, add_to};
 use super::robot::{Robot, Value};
+use super::signs::SignStarts;
 use super::told::Told;
 use super::touch::{End, Feature, Touch};
 use super::unknowns::Unknowns;
@@ -85,6 +86,8 @@ pub struct Fit {
     pub told: Told,
     /// The touches as they are seen at the values: which, who met whom, what is left.
     pub seen: Vec<SeenTouch>,
+    /// How many starts came to the signs of encoders, where these were to be found.
+    pub sign_starts: Option<SignStarts>,
 }
 
 impl Fit {
@@ -118,6 +121,11 @@ impl<'a> Estimator<'a> {
     /// Noise of one deviation in all touches, metres, and of encoders, radians.
     pub fn noise(&self, deviation: f64, joint: f64) -> Noise {
         Noise { joint, ..Noise::alike(self.groups.count(), deviation) }
+    }
+
+    /// What noise there may be.
+    pub fn options(&self) -> EstimatorOptions {
+        self.options
     }
 
     /// The touches.
@@ -173,8 +181,11 @@ impl<'a> Estimator<'a> {
     /// Fits from where the search begins: the nominal values.
     pub fn fit(&self) -> Fit {
         let start = self.robot.nominal();
-        let start = if self.open_signs().is_empty() { start } else { self.with_likely_signs(start) };
-        self.fit_from(start)
+        if self.open_signs().is_empty() {
+            return self.fit_from(start);
+        }
+        let (start, starts) = self.with_likely_signs(start);
+        Fit { sign_starts: Some(starts), ..self.fit_from(start) }
     }
 
     /// The same from other values: by weights that bear with false touches first, and by all touches alike, for what few touches
@@ -222,7 +233,7 @@ impl<'a> Estimator<'a> {
         let seen = self.seen(&values, &noise);
         let told = Told::by(&self.information(&seen, &noise, true));
         let cost = self.cost_of(&seen, &values, &noise);
-        Fit { values, noise, cost, told, seen }
+        Fit { values, noise, cost, told, seen, sign_starts: None }
     }
 
     /// Values fitted from others in noise that stays as it is, and `−log` of how likely they and the touches are.

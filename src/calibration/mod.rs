@@ -28,6 +28,7 @@ pub use judgement::{Judgement, Misses, apart_at_random, folds, judge, split};
 pub use noise::{Noise, NoiseSource, Seen};
 pub use places::{add_places, put_on_places};
 pub use plan::{Plan, Planned, plan};
+pub use signs::SignStarts;
 pub use told::{Told, Untold};
 pub use touch::{End, Feature, Residuals, Touch};
 pub use unknowns::Unknowns;

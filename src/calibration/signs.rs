@@ -18,7 +18,7 @@ const BATCHES: usize = 8;
 /// How far off encoders may be where a search begins, radians.
 const ASIDE: f64 = 0.2;
 /// The best is found when so many starts end there, as nearly as this.
-const AGREEING: usize = 2;
+const AGREEING: usize = 3;
 const AGREE: f64 = 1.0;
 /// Misses that are told apart while offsets are still wrong, and when they are right, metres.
 const ROUGH: f64 = 0.05;
@@ -27,6 +27,22 @@ const FINE: f64 = 1e-3;
 const TOLD: f64 = 5.0;
 const SEED: u64 = 20;
 
+/// How many starts came to the same signs, and of how many.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SignStarts {
+    /// Those that came to what was found.
+    pub agreeing: usize,
+    /// All.
+    pub all: usize,
+}
+
+impl SignStarts {
+    /// Whether what was found is the best, as far as starts tell.
+    pub fn agree(&self) -> bool {
+        self.agreeing >= 2
+    }
+}
+
 impl Estimator<'_> {
     /// Signs that are to be found.
     pub fn open_signs(&self) -> Vec<usize> {
@@ -34,39 +50,47 @@ impl Estimator<'_> {
         signs.filter(|sign| self.robot.quantities[*sign].knowledge[0] != Knowledge::Known).collect()
     }
 
-    /// Values with likely signs: by exchanging one at a time, from the nominal ones and from random ones, as long as touches
-    /// miss less; then with all else fitted, the same again. Begun anew until the best is found several times.
-    pub fn with_likely_signs(&self, start: Vec<Value>) -> Vec<Value> {
+    /// Values with likely signs, and how many starts came to them. Signs are exchanged, one or two at a time, from the nominal ones
+    /// and from random ones, as long as touches miss less; the rest is fitted, gains last, for with gains that are free wrong signs
+    /// find ways out; then signs are exchanged with all else fitted. Begun anew until the best is found several times.
+    pub fn with_likely_signs(&self, start: Vec<Value>) -> (Vec<Value>, SignStarts) {
         let signs = self.open_signs();
         let mut rng = ChaCha8Rng::seed_from_u64(SEED);
+        let even = self.robot.with_gains_known();
+        let even = Estimator::new(&even, self.touches(), self.options());
         let fitted = |values: &[Value]| {
-            let fitted = self.approach(values.to_vec()).0;
+            let fitted = self.approach(even.approach(values.to_vec()).0).0;
             (self.scatter(&fitted, FINE), fitted)
         };
+        let one: Vec<Vec<usize>> = signs.iter().map(|sign| vec![*sign]).collect();
+        let two = signs.iter().enumerate().flat_map(|(k, a)| signs[..k].iter().map(move |b| vec![*b, *a]));
+        let one_or_two: Vec<Vec<usize>> = one.iter().cloned().chain(two).collect();
         let mut found: Vec<(f64, Vec<Value>)> = Vec::new();
+        let mut starts = SignStarts { agreeing: 0, all: 0 };
         for batch in 0..BATCHES {
-            let starts: Vec<Vec<Value>> =
+            let begun: Vec<Vec<Value>> =
                 (0..BATCH).map(|k| self.begun(&start, &signs, batch + k == 0, &mut rng)).collect();
-            let descended = starts.into_par_iter().map(|values| {
+            let descended = begun.into_par_iter().map(|values| {
                 let rough = |values: &[Value]| (self.scatter(values, ROUGH), values.to_vec());
-                fitted(&self.exchanged(values, &signs, rough).1)
+                fitted(&self.exchanged(values, &one_or_two, rough).1)
             });
             found.extend(descended.collect::<Vec<_>>());
             found.sort_by(|a, b| a.0.total_cmp(&b.0));
             let agree = |other: &&(f64, Vec<Value>)| {
                 signs.iter().all(|sign| other.1[*sign] == found[0].1[*sign]) && other.0 < found[0].0 + AGREE
             };
-            if found.iter().filter(agree).count() >= AGREEING {
+            starts = SignStarts { agreeing: found.iter().filter(agree).count(), all: starts.all + BATCH };
+            if starts.agreeing >= AGREEING {
                 break;
             }
             // The best may be right but for a sign or two, of joints that few touches tell of.
-            let (size, values) = self.exchanged(found[0].1.clone(), &signs, fitted);
+            let (size, values) = self.exchanged(found[0].1.clone(), &one, fitted);
             if size < found[0].0 {
                 found.insert(0, (size, values));
             }
         }
-        let Some((_, values)) = found.into_iter().next() else { return start };
-        self.exchanged(values, &signs, fitted).1
+        let Some((_, values)) = found.into_iter().next() else { return (start, starts) };
+        (self.exchanged(values, &one, fitted).1, starts)
     }
 
     /// Where a search begins: at nominal values, or with random signs and encoders some way off.
@@ -92,15 +116,15 @@ impl Estimator<'_> {
     fn exchanged(
         &self,
         start: Vec<Value>,
-        signs: &[usize],
+        together: &[Vec<usize>],
         measure: impl Fn(&[Value]) -> (f64, Vec<Value>),
     ) -> (f64, Vec<Value>) {
         let (mut least, mut values) = measure(&start);
         loop {
             let before = least;
-            for sign in signs {
+            for signs in together {
                 let mut other = values.clone();
-                other[*sign] = Value::Number(-values[*sign].number());
+                signs.iter().for_each(|sign| other[*sign] = Value::Number(-values[*sign].number()));
                 let (size, other) = measure(&other);
                 if size < least - 1e-9 * least.abs() {
                     (least, values) = (size, other);

@@ -45,8 +45,9 @@ impl OwnAccount {
 
         // A body that places no skin may explain touches all the same, as far as one arm at one place tells.
         let all = !account.claims_any();
-        let known =
-            (0..creature.joints().len()).map(|joint| all || !account.undetermined().contains(&joint)).collect();
+        let known = (0..creature.joints().len())
+            .map(|joint| all || !account.undetermined().contains(&joint))
+            .collect();
         let mut fitted = SecondOrder::new(agent, input, 0);
         let mut fresh = SecondOrder::new(agent, input, 0);
         for (i, touch) in touches.iter().enumerate() {

@@ -283,6 +283,17 @@ impl Robot {
         posture
     }
 
+    /// The same robot whose encoders' gains are known, and whose joints do not give way: where a search is rough.
+    pub fn with_gains_known(&self) -> Robot {
+        let mut robot = self.clone();
+        for quantities in self.dofs.iter().filter_map(|dof| dof.quantities) {
+            for quantity in [quantities.gain, quantities.compliance] {
+                robot.quantities[quantity].knowledge = [Knowledge::Known; 3];
+            }
+        }
+        robot
+    }
+
     /// All quantities at their nominal values.
     pub fn nominal(&self) -> Vec<Value> {
         self.quantities.iter().map(|quantity| quantity.nominal).collect()

@@ -124,6 +124,14 @@ impl Results<'_> {
             let share = 100.0 * false_share;
             return (false, format!("NOT calibrated: {share:.0} % of the touches are not explained: {mend}"));
         }
+        if let Some(starts) = self.fit.sign_starts.filter(|starts| !starts.agree()) {
+            let reason = format!(
+                "NOT calibrated: of {} starts only one came to these signs of encoders, which may be the wrong ones: make more \
+                 touches, or say signs that are known (--fix)",
+                starts.all
+            );
+            return (false, reason);
+        }
         if equations <= unknowns {
             let reason = format!(
                 "NOT calibrated: {equations} equations of {} touches for {unknowns} unknown numbers explain themselves: make \
