@@ -90,6 +90,8 @@ const NORMAL_DEVIATION: f64 = 6e-3;
 const MOST_OF_EXTENT: f64 = 0.5;
 /// Limbs that meet within this in any posture are a point, metres.
 const POINT: f64 = 1e-6;
+/// Touches of a limb that lie less about their middle than this share of how far they are from its joint are at one point.
+const ONE_POINT: f64 = 0.05;
 /// The same as [`EXACT`] for receptor centres: they have a bias, the bulge of the limb.
 const BIASED: f64 = 1.5;
 /// Eight tenths of the gaps of touches not fitted to stay within this many of the deviations that the
@@ -1136,11 +1138,16 @@ impl<'a> SecondOrder<'a> {
         })
     }
 
-    /// Whether the touches of every limb are so near one point that a body without size explains them as well.
-    fn is_at_one_point(&self, schema: &BodySchema) -> bool {
+    /// Whether all touches of each limb are so near one point that a body without size explains them as well.
+    fn is_at_one_point(&self) -> bool {
+        if !matches!(self.evidence(), Evidence::Points { .. }) {
+            return false;
+        }
         let touches = self.prepare(self.touches.iter());
-        let points = matches!(self.evidence(), Evidence::Points { .. });
-        points && !touches.is_empty() && shrunk(&touches, schema) >= 1.0
+        let from_joints =
+            touches.touches().flat_map(|touch| touch.ends).map(|end| end.position.norm_squared());
+        let size = (from_joints.sum::<f64>() / (2 * touches.len()).max(1) as f64).sqrt();
+        extent(&touches) < ONE_POINT * size
     }
 
     /// Fits what was found to all touches, or says why nothing was.
@@ -1163,7 +1170,7 @@ impl<'a> SecondOrder<'a> {
         }
         let why = if initial_guesses == 0 {
             "no joint has as many touches as it has unknowns: give more touches".to_string()
-        } else if self.is_at_one_point(&start.schema) {
+        } else if self.is_at_one_point() {
             "all touches are at one point of each limb, and a body that is shrunk to a point explains that as well: touch other \
              places of a limb, or say what is known of joints (--known)"
                 .to_string()
