@@ -20,6 +20,8 @@ const ASIDE: f64 = 0.2;
 /// The best is found when so many starts end there, as nearly as this.
 const AGREEING: usize = 3;
 const AGREE: f64 = 1.0;
+/// Of fewer, nothing confirms that it is.
+const CONFIRMED: usize = 2;
 /// Misses that are told apart while offsets are still wrong, and when they are right, metres.
 const ROUGH: f64 = 0.05;
 const FINE: f64 = 1e-3;
@@ -39,7 +41,7 @@ pub struct SignStarts {
 impl SignStarts {
     /// Whether what was found is the best, as far as starts tell.
     pub fn agree(&self) -> bool {
-        self.agreeing >= 2
+        self.agreeing >= CONFIRMED
     }
 }
 
@@ -66,7 +68,14 @@ impl Estimator<'_> {
         let two = signs.iter().enumerate().flat_map(|(k, a)| signs[..k].iter().map(move |b| vec![*b, *a]));
         let one_or_two: Vec<Vec<usize>> = one.iter().cloned().chain(two).collect();
         let mut found: Vec<(f64, Vec<Value>)> = Vec::new();
-        let mut starts = SignStarts { agreeing: 0, all: 0 };
+        let mut all = 0;
+        let agreeing = |found: &[(f64, Vec<Value>)]| {
+            let Some((least, best)) = found.first() else { return 0 };
+            let agrees = |(size, values): &&(f64, Vec<Value>)| {
+                *size < least + AGREE && signs.iter().all(|sign| values[*sign] == best[*sign])
+            };
+            found.iter().filter(agrees).count()
+        };
         for batch in 0..BATCHES {
             let begun: Vec<Vec<Value>> =
                 (0..BATCH).map(|k| self.begun(&start, &signs, batch + k == 0, &mut rng)).collect();
@@ -76,11 +85,8 @@ impl Estimator<'_> {
             });
             found.extend(descended.collect::<Vec<_>>());
             found.sort_by(|a, b| a.0.total_cmp(&b.0));
-            let agree = |other: &&(f64, Vec<Value>)| {
-                signs.iter().all(|sign| other.1[*sign] == found[0].1[*sign]) && other.0 < found[0].0 + AGREE
-            };
-            starts = SignStarts { agreeing: found.iter().filter(agree).count(), all: starts.all + BATCH };
-            if starts.agreeing >= AGREEING {
+            all += BATCH;
+            if agreeing(&found) >= AGREEING {
                 break;
             }
             // The best may be right but for a sign or two, of joints that few touches tell of.
@@ -89,6 +95,7 @@ impl Estimator<'_> {
                 found.insert(0, (size, values));
             }
         }
+        let starts = SignStarts { agreeing: agreeing(&found), all };
         let Some((_, values)) = found.into_iter().next() else { return (start, starts) };
         (self.exchanged(values, &one, fitted).1, starts)
     }

@@ -85,10 +85,7 @@ pub fn html(input: &ReportInput) -> String {
         ("Where the hands can get to", reachable::figure_of(input.space)),
         ("Joint by joint", tables::joints(input)),
     ];
-    let sections: String = sections
-        .iter()
-        .map(|(title, content)| format!("<section>\n<h2>{title}</h2>\n{content}</section>\n"))
-        .collect();
+    let sections = in_sections(&sections);
     let content = format!(
         "<header>\n<h1>{}</h1>\n<p>A body schema learned from self-touch, seed {seed}</p>\n</header>\n\
          <p class=\"verdict\">{}</p>\n{sections}",
@@ -96,4 +93,11 @@ pub fn html(input: &ReportInput) -> String {
         escape(&input.verdict),
     );
     page(&format!("{name}, seed {seed}: a learned body schema"), "", &content, include_str!("report.js"))
+}
+
+/// Titles and contents as sections of a page.
+fn in_sections(sections: &[(&str, String)]) -> String {
+    let section =
+        |(title, content): &(&str, String)| format!("<section>\n<h2>{title}</h2>\n{content}</section>\n");
+    sections.iter().map(section).collect()
 }

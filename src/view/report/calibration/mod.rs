@@ -103,10 +103,7 @@ pub fn html(report: &CalibrationReport) -> String {
         ("What is left, by place", charts::by_place(report)),
         ("What is known together", tables::correlations(report)),
     ];
-    let sections: String = sections
-        .iter()
-        .map(|(title, content)| format!("<section>\n<h2>{title}</h2>\n{content}</section>\n"))
-        .collect();
+    let sections = super::in_sections(&sections);
     let content = format!(
         "<header>\n<h1>{}</h1>\n<p>A robot calibrated by its own touches</p>\n</header>\n\
          <p class=\"verdict{}\">{}</p>\n{sections}",
