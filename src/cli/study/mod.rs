@@ -15,6 +15,7 @@ use super::progress::Bars;
 use super::{Failure, Outcome, output};
 use crate::babbling::{self, PolicyName};
 use crate::creature::JointSelection;
+use crate::experiment::study::calibration::{CalibrationCase, STUDY as CALIBRATION};
 use crate::experiment::study::claims::{POLICIES as CLAIMS_POLICIES, STUDY as CLAIMS};
 use crate::experiment::study::hersch::{STUDY as HERSCH, TOUCHES as HERSCH_TOUCHES};
 use crate::experiment::study::{FoundTables, STUDIES, Study, Subject};
@@ -79,6 +80,15 @@ pub struct StudyArguments {
     /// Only sessions that this policy babbled: random or stages
     #[arg(long, value_name = "POLICY", value_parser = policy, help_heading = "Of the study claims")]
     policy: Option<PolicyName>,
+    /// Only these of its cases, separated by commas
+    #[arg(
+        long = "case",
+        value_name = "CASES",
+        value_delimiter = ',',
+        value_parser = case(),
+        help_heading = "Of the study calibration"
+    )]
+    cases: Vec<CalibrationCase>,
     #[command(flatten)]
     hersch: hersch::HerschArguments,
 }
@@ -95,6 +105,12 @@ fn study() -> impl TypedValueParser<Value = &'static Study> {
 fn policy(name: &str) -> Result<PolicyName, String> {
     let found = CLAIMS_POLICIES.into_iter().find(|policy| policy.to_string() == name);
     found.ok_or_else(|| "give one of random and stages".to_string())
+}
+
+/// A case of the study `calibration`.
+fn case() -> impl TypedValueParser<Value = CalibrationCase> {
+    let names = CalibrationCase::ALL.iter().map(|case| case.name());
+    PossibleValuesParser::new(names).try_map(|name| name.parse::<CalibrationCase>())
 }
 
 pub fn run(args: &StudyArguments) -> Outcome {
@@ -121,6 +137,9 @@ pub fn run(args: &StudyArguments) -> Outcome {
     if args.policy.is_some() && study.name != CLAIMS.name {
         return Err(Failure(format!("study {} is not of one policy: leave out --policy", study.name)));
     }
+    if !args.cases.is_empty() && study.name != CALIBRATION.name {
+        return Err(Failure(format!("study {} has no cases: leave out --case", study.name)));
+    }
     let rule = args.hersch.options(study)?;
     let touches = args.touches.unwrap_or(if study.name == HERSCH.name { HERSCH_TOUCHES } else { TOUCHES });
     let selection = args.joints.clone().unwrap_or_default();
@@ -134,6 +153,7 @@ pub fn run(args: &StudyArguments) -> Outcome {
     subject.session.clone_from(&args.session);
     subject.hersch = rule;
     subject.policy = args.policy;
+    subject.cases.clone_from(&args.cases);
     let numbered = |k: u32| match k {
         1 => Path::new("studies").join(study.name),
         _ => Path::new("studies").join(format!("{}-{k}", study.name)),
@@ -162,6 +182,7 @@ pub fn run(args: &StudyArguments) -> Outcome {
             "joints": selection.to_string(),
             "session": args.session,
             "policy": args.policy.map(|policy| policy.to_string()),
+            "cases": args.cases.iter().map(|case| case.name()).collect::<Vec<_>>(),
         },
         "seeds": subject.seeds,
         "seconds": seconds,

@@ -1,5 +1,6 @@
 //! Whether a robot whose numbers are off is put right by touching itself: encoders, joints, and logs as they come.
 
+use std::collections::BTreeSet;
 use std::time::Instant;
 
 use nalgebra::{Rotation3, Vector3};
@@ -10,13 +11,14 @@ use super::plot::{AxisScale, PlotAxis, PlotSeries, StudyPlot};
 use super::subject::{Subject, median, share};
 use super::table::row;
 use super::{Findings, Study};
-use crate::calibration::robot::{Element, Knowledge, Posed, Quantity, Robot, Value};
+use crate::calibration::robot::{Element, Knowledge, Link, Posed, Quantity, Robot, Unit, Value};
 use crate::calibration::simulated::{
     add_joint_noise, add_point_noise, double, falsify, misread, normal, point_touches, robot_of,
     surface_touches,
 };
 use crate::calibration::{End, Estimator, EstimatorOptions, JointNoise, Touch, plan};
 use crate::experiment::ExperimentError;
+use crate::named::named;
 
 /// The study `calibration`.
 pub const STUDY: Study = Study {
@@ -30,6 +32,9 @@ pub const STUDY: Study = Study {
 /// The greatest offset, degrees, and how far gains are from 1.
 const OFFSET: f64 = 10.0;
 const GAIN: f64 = 0.05;
+/// How far off mounts are: deviations, metres and radians.
+const MOUNT_POSITION: f64 = 5e-3;
+const MOUNT_ANGLE: f64 = 0.05;
 /// Noise of encoders, degrees, and of points, metres, in the conditions that have some.
 const JOINT_NOISE: f64 = 0.1;
 const POINT_NOISE: f64 = 1e-3;
@@ -53,64 +58,66 @@ const HELD_OUT: usize = 4;
 
 /// What is off, and how the log is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Case {
+pub enum CalibrationCase {
+    /// Encoders, in exact touches.
     Encoders,
+    /// Encoders, that are noisy, too.
     NoisyEncoders,
+    /// Encoders, in touches of noisy points.
     NoisyPoints,
+    /// The same with false touches among them.
     FalseTouches,
+    /// The same with two contacts in each posture, of which nobody knows who met whom.
     Unpaired,
+    /// Both.
     FalseAndUnpaired,
+    /// Encoders, and where the skins of fingertips are: what nothing tells apart is to be named.
+    Mounts,
+    /// Joints, by surfaces that touch.
     Joints,
-    JointsNoisy,
+    /// The same with noisy encoders.
+    NoisyJoints,
+    /// Noisy encoders, by touches at random.
     Random,
+    /// The same by fewer that were planned.
     Planned,
 }
 
-const CASES: [Case; 10] = [
-    Case::Encoders,
-    Case::NoisyEncoders,
-    Case::NoisyPoints,
-    Case::FalseTouches,
-    Case::Unpaired,
-    Case::FalseAndUnpaired,
-    Case::Joints,
-    Case::JointsNoisy,
-    Case::Random,
-    Case::Planned,
-];
+named!(CalibrationCase, "case", {
+    Encoders => "encoders",
+    NoisyEncoders => "noisy-encoders",
+    NoisyPoints => "noisy-points",
+    FalseTouches => "false-touches",
+    Unpaired => "unpaired",
+    FalseAndUnpaired => "false-and-unpaired",
+    Mounts => "mounts",
+    Joints => "joints",
+    NoisyJoints => "noisy-joints",
+    Random => "random",
+    Planned => "planned",
+});
 
-impl Case {
-    fn name(self) -> &'static str {
-        match self {
-            Case::Encoders => "encoders",
-            Case::NoisyEncoders => "encoders, 0.1°",
-            Case::NoisyPoints => "encoders, points 1 mm",
-            Case::FalseTouches => "the same, 20 % false",
-            Case::Unpaired => "the same, unpaired",
-            Case::FalseAndUnpaired => "the same, both",
-            Case::Joints => "joints by surfaces",
-            Case::JointsNoisy => "the same, 0.1°",
-            Case::Random => "encoders, 0.1°, 300 random",
-            Case::Planned => "encoders, 0.1°, 50 planned",
-        }
-    }
-
+impl CalibrationCase {
     fn is_of_joints(self) -> bool {
-        matches!(self, Case::Joints | Case::JointsNoisy)
+        matches!(self, CalibrationCase::Joints | CalibrationCase::NoisyJoints)
     }
 
     fn joint_noise(self) -> f64 {
         match self {
-            Case::NoisyEncoders | Case::JointsNoisy | Case::Random | Case::Planned => {
-                JOINT_NOISE.to_radians()
-            }
+            CalibrationCase::NoisyEncoders
+            | CalibrationCase::NoisyJoints
+            | CalibrationCase::Random
+            | CalibrationCase::Planned => JOINT_NOISE.to_radians(),
             _ => 0.0,
         }
     }
 
     fn point_noise(self) -> f64 {
         match self {
-            Case::NoisyPoints | Case::FalseTouches | Case::Unpaired | Case::FalseAndUnpaired => POINT_NOISE,
+            CalibrationCase::NoisyPoints
+            | CalibrationCase::FalseTouches
+            | CalibrationCase::Unpaired
+            | CalibrationCase::FalseAndUnpaired => POINT_NOISE,
             _ => 0.0,
         }
     }
@@ -160,25 +167,26 @@ row! {
 pub fn measure(
     subject: &Subject,
 ) -> Result<Findings<CalibrationMeasurement, CalibrationSummary>, ExperimentError> {
+    let cases = if subject.cases.is_empty() { CalibrationCase::ALL } else { &subject.cases };
     let mut measurements: Vec<CalibrationMeasurement> = Vec::new();
     for &seed in &subject.seeds {
         let babbled = subject.babble(seed)?;
-        for case in CASES {
+        for &case in cases {
             subject.tell(seed, case.name());
             let mut robot = robot_of(subject.agent(), &subject.truth().schema);
             let touches = if case.is_of_joints() {
                 let touches = surface_touches(subject.agent(), &mut robot, &babbled);
-                touches
-                    .into_iter()
-                    .filter(|touch| touch.ends.iter().all(|ends| is_tip(&robot, &ends[0])))
-                    .collect()
+                let tips = tips(&robot);
+                let is_of_tips =
+                    |touch: &Touch| touch.ends.iter().all(|ends| is_tip(&tips, &robot, &ends[0]));
+                touches.into_iter().filter(is_of_tips).collect()
             } else {
                 point_touches(subject.agent(), &subject.truth().schema, &robot, &babbled)
             };
             measurements.push(trial(case, robot, touches, seed));
         }
     }
-    let summary = CASES.map(|case| {
+    let summary = cases.iter().map(|&case| {
         let of = || measurements.iter().filter(|found| found.case == case.name());
         let each = |value: fn(&CalibrationMeasurement) -> f64| of().map(value).collect::<Vec<f64>>();
         let worst = |value: fn(&CalibrationMeasurement) -> f64| each(value).into_iter().fold(0.0, f64::max);
@@ -199,6 +207,7 @@ pub fn measure(
             seconds: median(each(|found| found.seconds)),
         }
     });
+    let summary = summary.collect();
     let notes = vec![format!(
         "Encoders are off by up to {OFFSET}°, gains by up to {GAIN}, signs are drawn; joints are off so that what touches is \
          up to {} mm apart. Apart are exact touches that were not fitted to. Without noise, right is to {RIGHT_OFFSET}° and \
@@ -206,7 +215,7 @@ pub fn measure(
          mean square of encoders' errors in units of their deviations.",
         1e3 * OFF
     )];
-    let dots = |(k, case): (usize, &Case)| PlotSeries {
+    let dots = |(k, case): (usize, &CalibrationCase)| PlotSeries {
         name: case.name().into(),
         line: Vec::new(),
         dots: measurements
@@ -217,23 +226,46 @@ pub fn measure(
     };
     let plot = StudyPlot {
         x: PlotAxis { title: "what touches, apart after calibration, mm", scale: AxisScale::Logarithmic },
-        series: CASES.iter().enumerate().map(dots).collect(),
-        y: PlotAxis { title: "", scale: AxisScale::Names(CASES.map(|case| case.name().into()).to_vec()) },
+        series: cases.iter().enumerate().map(dots).collect(),
+        y: PlotAxis {
+            title: "",
+            scale: AxisScale::Names(cases.iter().map(|case| case.name().into()).collect()),
+        },
     };
-    Ok(Findings { measurements, summary: summary.into(), notes, plot, numbers: Vec::new() })
+    Ok(Findings { measurements, summary, notes, plot, numbers: Vec::new() })
 }
 
-/// Whether an end is of a limb that carries no other: a fingertip.
-fn is_tip(robot: &Robot, end: &End) -> bool {
-    let limb = robot.links[end.feature.link(robot)].parent;
-    !robot
-        .links
-        .iter()
-        .any(|link| link.parent == limb && link.elements.iter().any(|e| matches!(e, Element::Dof(_))))
+/// Limbs that carry no other and are carried themselves: fingertips.
+fn tips(robot: &Robot) -> Vec<usize> {
+    let moves = |link: &Link| link.elements.iter().any(|element| matches!(element, Element::Dof(_)));
+    let carries = |limb: usize| robot.links.iter().any(|link| link.parent == limb && moves(link));
+    (0..robot.links.len()).filter(|limb| moves(&robot.links[*limb]) && !carries(*limb)).collect()
+}
+
+/// Whether an end is of a fingertip.
+fn is_tip(tips: &[usize], robot: &Robot, end: &End) -> bool {
+    tips.contains(&robot.links[end.feature.link(robot)].parent)
+}
+
+/// What a limb's mount is called by.
+fn mount_of(limb: &str) -> [String; 2] {
+    ["position", "orientation"].map(|what| format!("{limb}.mount.{what}"))
+}
+
+/// What touches cannot tell apart where the fingertips' mounts are unknown: of each, the encoder that turns it last and the mount.
+fn ties_of_mounts(robot: &Robot) -> Vec<BTreeSet<String>> {
+    let of_tip = |tip: usize| {
+        let last = robot.links[tip].elements.iter().rev().find_map(|element| match element {
+            Element::Dof(dof) => Some(format!("{}.offset", robot.dofs[*dof].name)),
+            _ => None,
+        });
+        last.into_iter().chain(mount_of(&robot.links[tip].name)).collect()
+    };
+    tips(robot).into_iter().map(of_tip).collect()
 }
 
 /// Says what is unknown; the truth, about which the robot's nominal values are off.
-fn disturbed(case: Case, robot: &mut Robot, exact: &[Touch], seed: u64) -> Vec<Value> {
+fn disturbed(case: CalibrationCase, robot: &mut Robot, exact: &[Touch], seed: u64) -> Vec<Value> {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let mut truth = robot.nominal();
     let open = |robot: &mut Robot, what: &str, knowledge| {
@@ -254,6 +286,16 @@ fn disturbed(case: Case, robot: &mut Robot, exact: &[Touch], seed: u64) -> Vec<V
         }
         for what in ["offset", "gain", "sign"] {
             open(robot, what, Knowledge::Free);
+        }
+        if case == CalibrationCase::Mounts {
+            for name in tips(robot).iter().flat_map(|tip| mount_of(&robot.links[*tip].name)) {
+                let Some(quantity) = robot.quantity(&name) else { continue };
+                let quantity = &mut robot.quantities[quantity];
+                let step: [f64; 3] = std::array::from_fn(|_| normal(&mut rng));
+                let size = if quantity.unit == Unit::Metre { MOUNT_POSITION } else { MOUNT_ANGLE };
+                quantity.nominal = quantity.nominal.stepped(&step.map(|x| size * x));
+                quantity.knowledge = [Knowledge::Free; 3];
+            }
         }
         return truth;
     }
@@ -303,21 +345,26 @@ fn sizes(robot: &Robot, values: &[Value], touches: &[Touch]) -> Vec<f64> {
     touches.iter().map(size).collect()
 }
 
-fn trial(case: Case, mut robot: Robot, mut exact: Vec<Touch>, seed: u64) -> CalibrationMeasurement {
+fn trial(
+    case: CalibrationCase,
+    mut robot: Robot,
+    mut exact: Vec<Touch>,
+    seed: u64,
+) -> CalibrationMeasurement {
     let truth = disturbed(case, &mut robot, &exact, seed);
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let (mut fitted, mut fresh) = (Vec::new(), Vec::new());
     for (i, touch) in exact.drain(..).enumerate() {
         if i % HELD_OUT == 0 { fresh.push(touch) } else { fitted.push(touch) }
     }
-    if matches!(case, Case::Unpaired | Case::FalseAndUnpaired) {
+    if matches!(case, CalibrationCase::Unpaired | CalibrationCase::FalseAndUnpaired) {
         // The nominal encoders read right: postures are still as they are.
         double(&robot, &robot.nominal(), &mut fitted, &mut rng);
     }
-    if case == Case::Random {
+    if case == CalibrationCase::Random {
         fitted.truncate(RANDOM);
     }
-    if case == Case::Planned {
+    if case == CalibrationCase::Planned {
         fitted = planned(&robot, &fitted);
     }
     for touches in [&mut fitted, &mut fresh] {
@@ -325,7 +372,7 @@ fn trial(case: Case, mut robot: Robot, mut exact: Vec<Touch>, seed: u64) -> Cali
     }
     add_joint_noise(&robot, &mut fitted, case.joint_noise(), &mut rng);
     add_point_noise(&mut fitted, case.point_noise(), &mut rng);
-    if matches!(case, Case::FalseTouches | Case::FalseAndUnpaired) {
+    if matches!(case, CalibrationCase::FalseTouches | CalibrationCase::FalseAndUnpaired) {
         falsify(&mut fitted, FALSE, &mut rng);
     }
     let joint_noise = if case.joint_noise() > 0.0 { JointNoise::Estimated } else { JointNoise::None };
@@ -360,6 +407,14 @@ fn trial(case: Case, mut robot: Robot, mut exact: Vec<Touch>, seed: u64) -> Cali
         (false, true) => squares.iter().all(|square| *square < 25.0),
     };
     let untold = fit.told.untold(&robot, &estimator.unknowns);
+    let ties: Vec<BTreeSet<String>> =
+        untold.iter().map(|untold| untold.names.iter().cloned().collect()).collect();
+    // A part of a mount that does not change with the last encoder need not be named.
+    let is_named = case != CalibrationCase::Mounts
+        || ties_of_mounts(&robot).iter().all(|tie| {
+            let of_it: Vec<usize> = (0..ties.len()).filter(|k| !ties[*k].is_disjoint(tie)).collect();
+            matches!(of_it.as_slice(), [k] if ties[*k].is_subset(tie) && untold[*k].ways == 1)
+        });
     CalibrationMeasurement {
         case: case.name().into(),
         seed,
@@ -374,7 +429,7 @@ fn trial(case: Case, mut robot: Robot, mut exact: Vec<Touch>, seed: u64) -> Cali
             .to_degrees(),
         gain,
         ratio: (squares.iter().sum::<f64>() / squares.len().max(1) as f64).sqrt(),
-        right: right && wrong_signs == 0,
+        right: right && is_named && wrong_signs == 0,
         seconds,
         untold: untold.iter().map(ToString::to_string).collect::<Vec<_>>().join("; "),
     }

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Instant;
 
+use super::calibration::CalibrationCase;
 use super::hersch::HerschOptions;
 use crate::agent::Agent;
 use crate::babbling::{BabblingOptions, PolicyName, motions_until};
@@ -36,6 +37,8 @@ pub struct Subject<'a> {
     pub session: Option<PathBuf>,
     /// The policy that the study `claims` is about; all that it knows where it is none.
     pub policy: Option<PolicyName>,
+    /// The cases of the study `calibration`; all where none is named.
+    pub cases: Vec<CalibrationCase>,
     /// How the study `hersch` applies the rule.
     pub hersch: HerschOptions,
     jobs: usize,
@@ -82,6 +85,7 @@ impl<'a> Subject<'a> {
             seeds,
             session: None,
             policy: None,
+            cases: Vec::new(),
             hersch: HerschOptions::default(),
             jobs,
             observer,
