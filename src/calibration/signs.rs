@@ -132,6 +132,8 @@ impl Estimator<'_> {
             for signs in together {
                 let mut other = values.clone();
                 signs.iter().for_each(|sign| other[*sign] = Value::Number(-values[*sign].number()));
+                // What a wrong sign made of its encoder's gain and offset would keep the right one out.
+                self.at_nominal(&mut other, signs);
                 let (size, other) = measure(&other);
                 if size < least - 1e-9 * least.abs() {
                     (least, values) = (size, other);
@@ -139,6 +141,15 @@ impl Estimator<'_> {
             }
             if least >= before {
                 return (least, values);
+            }
+        }
+    }
+
+    /// Sets the gains and offsets of some signs' encoders to what they nominally are.
+    fn at_nominal(&self, values: &mut [Value], signs: &[usize]) {
+        for q in self.robot.dofs.iter().filter_map(|dof| dof.quantities).filter(|q| signs.contains(&q.sign)) {
+            for quantity in [q.gain, q.offset] {
+                values[quantity] = self.robot.quantities[quantity].nominal;
             }
         }
     }
