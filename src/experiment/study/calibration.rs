@@ -186,7 +186,7 @@ pub fn measure(
             measurements.push(trial(case, robot, touches, seed));
         }
     }
-    let summary = cases.iter().map(|&case| {
+    let summarized = |&case: &CalibrationCase| {
         let of = || measurements.iter().filter(|found| found.case == case.name());
         let each = |value: fn(&CalibrationMeasurement) -> f64| of().map(value).collect::<Vec<f64>>();
         let worst = |value: fn(&CalibrationMeasurement) -> f64| each(value).into_iter().fold(0.0, f64::max);
@@ -206,8 +206,8 @@ pub fn measure(
             ratio: rms(each(|found| found.ratio)),
             seconds: median(each(|found| found.seconds)),
         }
-    });
-    let summary = summary.collect();
+    };
+    let summary = cases.iter().map(summarized).collect();
     let notes = vec![format!(
         "Encoders are off by up to {OFFSET}°, gains by up to {GAIN}, signs are drawn; joints are off so that what touches is \
          up to {} mm apart. Apart are exact touches that were not fitted to. Without noise, right is to {RIGHT_OFFSET}° and \
@@ -247,19 +247,25 @@ fn is_tip(tips: &[usize], robot: &Robot, end: &End) -> bool {
     tips.contains(&robot.links[end.feature.link(robot)].parent)
 }
 
-/// What a limb's mount is called by.
-fn mount_of(limb: &str) -> [String; 2] {
-    ["position", "orientation"].map(|what| format!("{limb}.mount.{what}"))
+/// The quantities of the mount that a limb's points are on.
+fn mount_of(robot: &Robot, limb: usize) -> Vec<usize> {
+    let mount = robot.points_of(&robot.links[limb].name).map(|mount| robot.links[mount].elements.iter());
+    let quantity = |element: &Element| match *element {
+        Element::Shift(quantity) | Element::Turn(quantity) => Some(quantity),
+        _ => None,
+    };
+    mount.into_iter().flatten().filter_map(quantity).collect()
 }
 
 /// What touches cannot tell apart where the fingertips' mounts are unknown: of each, the encoder that turns it last and the mount.
 fn ties_of_mounts(robot: &Robot) -> Vec<BTreeSet<String>> {
     let of_tip = |tip: usize| {
         let last = robot.links[tip].elements.iter().rev().find_map(|element| match element {
-            Element::Dof(dof) => Some(format!("{}.offset", robot.dofs[*dof].name)),
+            Element::Dof(dof) => robot.dofs[*dof].quantities.map(|q| q.offset),
             _ => None,
         });
-        last.into_iter().chain(mount_of(&robot.links[tip].name)).collect()
+        let tied = last.into_iter().chain(mount_of(robot, tip));
+        tied.map(|quantity| robot.quantities[quantity].name.clone()).collect()
     };
     tips(robot).into_iter().map(of_tip).collect()
 }
@@ -288,8 +294,7 @@ fn disturbed(case: CalibrationCase, robot: &mut Robot, exact: &[Touch], seed: u6
             open(robot, what, Knowledge::Free);
         }
         if case == CalibrationCase::Mounts {
-            for name in tips(robot).iter().flat_map(|tip| mount_of(&robot.links[*tip].name)) {
-                let Some(quantity) = robot.quantity(&name) else { continue };
+            for quantity in tips(robot).into_iter().flat_map(|tip| mount_of(robot, tip)).collect::<Vec<_>>() {
                 let quantity = &mut robot.quantities[quantity];
                 let step: [f64; 3] = std::array::from_fn(|_| normal(&mut rng));
                 let size = if quantity.unit == Unit::Metre { MOUNT_POSITION } else { MOUNT_ANGLE };
