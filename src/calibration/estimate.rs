@@ -88,6 +88,8 @@ pub struct Fit {
     pub seen: Vec<SeenTouch>,
     /// How many starts came to the signs of encoders, where these were to be found.
     pub sign_starts: Option<SignStarts>,
+    /// Signs of encoders that the touches do not tell.
+    pub untold_signs: Vec<usize>,
 }
 
 impl Fit {
@@ -185,7 +187,7 @@ impl<'a> Estimator<'a> {
             return self.fit_from(start);
         }
         let (start, starts) = self.with_likely_signs(start);
-        Fit { sign_starts: Some(starts), ..self.fit_from(start) }
+        self.with_best_signs(Fit { sign_starts: Some(starts), ..self.fit_from(start) })
     }
 
     /// The same from other values: by weights that bear with false touches first, and by all touches alike, for what few touches
@@ -233,7 +235,7 @@ impl<'a> Estimator<'a> {
         let seen = self.seen(&values, &noise);
         let told = Told::by(&self.information(&seen, &noise, true));
         let cost = self.cost_of(&seen, &values, &noise);
-        Fit { values, noise, cost, told, seen, sign_starts: None }
+        Fit { values, noise, cost, told, seen, sign_starts: None, untold_signs: Vec::new() }
     }
 
     /// Values fitted from others in noise that stays as it is, and `−log` of how likely they and the touches are.

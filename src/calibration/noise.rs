@@ -7,7 +7,9 @@
 //! ```
 //!
 //! where σ is given with the touch, or estimated for its pair of links. The deviations are of greatest restricted likelihood
-//! by steps that cannot overshoot (Zhou, Hu, Zhou and Lange, "MM Algorithms for Variance Components Models", 2019).
+//! by steps that cannot overshoot (Zhou, Hu, Zhou and Lange, "MM Algorithms for Variance Components Models", 2019). A pair's
+//! deviation is held to those of the others as if it had been seen a few times more at their mean (Smyth, "Linear Models and
+//! Empirical Bayes Methods", 2004): few touches that the parameters can fit exactly would come out as exact.
 
 use nalgebra::{DMatrix, Matrix3, Vector3};
 
@@ -17,6 +19,8 @@ use super::touch::Residuals;
 const FINEST: f64 = 1e-10;
 /// Pairs of links with fewer touches than this share one deviation.
 const FEW: usize = 20;
+/// So many numbers a pair of links is taken to have been seen by besides its own, as noisy as the other pairs are.
+const AS_OTHERS: f64 = 4.0;
 /// Widths of a distribution by which a false touch may miss at the least.
 const WIDEST: f64 = 10.0;
 
@@ -131,6 +135,8 @@ impl Noise {
         }
         for _ in 0..rounds {
             let mut sums = vec![[0.0; 2]; noise.groups.len()];
+            // Numbers that are left of each group's once the parameters took up theirs.
+            let mut left = vec![0.0; noise.groups.len()];
             let mut joints = [0.0; 2];
             for ((seen, taken_up), honesty) in seen.iter().zip(&taken_up).zip(&honesty) {
                 let Some(inverse) = noise.covariance(seen).try_inverse() else { continue };
@@ -145,6 +151,8 @@ impl Noise {
                 };
                 if seen.source.estimated {
                     add(&mut sums[seen.source.group], &ones);
+                    let own = (inverse * ones).trace() - (inverse * taken_up * inverse * ones).trace();
+                    left[seen.source.group] += honesty * noise.groups[seen.source.group].powi(2) * own;
                 }
                 if with_joints {
                     add(&mut joints, &joint_part(seen));
@@ -152,6 +160,13 @@ impl Noise {
             }
             // Without encoders' noise one such step is exact where all of a group are alike.
             let share = |[above, below]: [f64; 2]| if below > 0.0 { (above / below).sqrt() } else { 1.0 };
+            let others = mean_of_many(&noise.groups, &left);
+            for (deviation, sums) in noise.groups.iter_mut().zip(&mut sums) {
+                if let Some(others) = others {
+                    sums[0] += AS_OTHERS * others.powi(2) / deviation.powi(4);
+                    sums[1] += AS_OTHERS / deviation.powi(2);
+                }
+            }
             for (deviation, sums) in noise.groups.iter_mut().zip(sums) {
                 let share = share(sums);
                 *deviation *= if with_joints { share.sqrt() } else { share };
@@ -185,6 +200,15 @@ impl Noise {
             *width = most.max(WIDEST * self.groups[group]).max(FINEST);
         }
     }
+}
+
+/// The geometric mean of deviations, each counted as often as numbers were left to tell it; none where hardly any were.
+fn mean_of_many(deviations: &[f64], left: &[f64]) -> Option<f64> {
+    let weights = left.iter().map(|left| left.max(0.0));
+    let all: f64 = weights.clone().sum();
+    let logarithms: f64 =
+        deviations.iter().zip(weights).map(|(deviation, weight)| weight * deviation.ln()).sum();
+    (all > 1.0).then(|| (logarithms / all).exp())
 }
 
 /// `∂r/∂q ∂r/∂qᵀ`.

@@ -60,8 +60,9 @@ impl Estimator<'_> {
         let mut rng = ChaCha8Rng::seed_from_u64(SEED);
         let even = self.robot.with_gains_known();
         let even = Estimator::new(&even, self.touches(), self.options());
-        let fitted = |values: &[Value]| {
-            let fitted = self.approach(even.approach(values.to_vec()).0).0;
+        let fitted = |mut values: Vec<Value>, exchanged: &[usize]| {
+            self.forget(&mut values, exchanged);
+            let fitted = self.approach(even.approach(values).0).0;
             (self.scatter(&fitted, FINE), fitted)
         };
         let one: Vec<Vec<usize>> = signs.iter().map(|sign| vec![*sign]).collect();
@@ -80,8 +81,8 @@ impl Estimator<'_> {
             let begun: Vec<Vec<Value>> =
                 (0..BATCH).map(|k| self.begun(&start, &signs, batch + k == 0, &mut rng)).collect();
             let descended = begun.into_par_iter().map(|values| {
-                let rough = |values: &[Value]| (self.scatter(values, ROUGH), values.to_vec());
-                fitted(&self.exchanged(values, &one_or_two, rough).1)
+                let rough = |values: Vec<Value>, _: &[usize]| (self.scatter(&values, ROUGH), values);
+                fitted(self.exchanged(values, &one_or_two, rough).1, &[])
             });
             found.extend(descended.collect::<Vec<_>>());
             found.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -119,22 +120,18 @@ impl Estimator<'_> {
         values
     }
 
-    /// Signs exchanged one at a time as long as a measure falls, which may change the values, too.
+    /// Signs exchanged, some together, as long as a measure of values and what was exchanged falls; it may change the values, too.
     fn exchanged(
         &self,
         start: Vec<Value>,
         together: &[Vec<usize>],
-        measure: impl Fn(&[Value]) -> (f64, Vec<Value>),
+        measure: impl Fn(Vec<Value>, &[usize]) -> (f64, Vec<Value>),
     ) -> (f64, Vec<Value>) {
-        let (mut least, mut values) = measure(&start);
+        let (mut least, mut values) = measure(start, &[]);
         loop {
             let before = least;
             for signs in together {
-                let mut other = values.clone();
-                signs.iter().for_each(|sign| other[*sign] = Value::Number(-values[*sign].number()));
-                // What a wrong sign made of its encoder's gain and offset would keep the right one out.
-                self.at_nominal(&mut other, signs);
-                let (size, other) = measure(&other);
+                let (size, other) = measure(other_signs(&values, signs), signs);
                 if size < least - 1e-9 * least.abs() {
                     (least, values) = (size, other);
                 }
@@ -145,11 +142,16 @@ impl Estimator<'_> {
         }
     }
 
-    /// Sets the gains and offsets of some signs' encoders to what they nominally are.
-    fn at_nominal(&self, values: &mut [Value], signs: &[usize]) {
-        for q in self.robot.dofs.iter().filter_map(|dof| dof.quantities).filter(|q| signs.contains(&q.sign)) {
-            for quantity in [q.gain, q.offset] {
-                values[quantity] = self.robot.quantities[quantity].nominal;
+    /// Takes what wrong signs may have been made up for with back to what it nominally is: all open gains, and the offsets of the
+    /// encoders whose signs were exchanged. It would keep the right ones out.
+    fn forget(&self, values: &mut [Value], exchanged: &[usize]) {
+        for q in self.robot.dofs.iter().filter_map(|dof| dof.quantities) {
+            let offset = exchanged.contains(&q.sign).then_some(q.offset);
+            for quantity in [Some(q.gain), offset].into_iter().flatten() {
+                let known = &self.robot.quantities[quantity];
+                if known.is_open() {
+                    values[quantity] = known.nominal;
+                }
             }
         }
     }
@@ -168,15 +170,36 @@ impl Estimator<'_> {
         self.touches().iter().step_by(step.max(1)).map(of_touch).sum()
     }
 
-    /// Signs that the touches do not tell: with the other one, all are explained about as well.
-    pub fn untold_signs(&self, fit: &Fit) -> Vec<usize> {
-        let untold = |sign: &usize| {
-            let mut other = fit.values.clone();
-            other[*sign] = Value::Number(-other[*sign].number());
-            let (values, cost) = self.refitted(other, &fit.noise);
-            values[*sign] != fit.values[*sign] && cost < fit.cost + TOLD
-        };
-        self.open_signs().into_iter().filter(untold).collect()
+    /// A fit whose signs are none that another of them explains better: each is exchanged once more, with all the rest fitted
+    /// anew, and a better fit is taken. Signs that the touches do not tell are those with which all are explained about as well.
+    pub(super) fn with_best_signs(&self, mut fit: Fit) -> Fit {
+        let signs = self.open_signs();
+        loop {
+            let exchanged = signs.par_iter().map(|sign| {
+                let other = other_signs(&fit.values, &[*sign]);
+                let mut afar = other.clone();
+                self.forget(&mut afar, &[*sign]);
+                let starts = [other, self.approach(afar).0];
+                let fits = starts.map(|start| self.refitted(start, &fit.noise));
+                let differs = |values: &[Value]| values[*sign] != fit.values[*sign];
+                let best = fits.into_iter().filter(|(values, _)| differs(values));
+                best.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(values, cost)| (*sign, values, cost))
+            });
+            let exchanged: Vec<(usize, Vec<Value>, f64)> = exchanged.flatten().collect();
+            let best = exchanged.iter().min_by(|a, b| a.2.total_cmp(&b.2));
+            if let Some((_, values, cost)) = best
+                && *cost < fit.cost - AGREE
+            {
+                let better = self.fit_from(values.clone());
+                if better.cost < fit.cost - AGREE {
+                    fit = Fit { sign_starts: fit.sign_starts, ..better };
+                    continue;
+                }
+            }
+            let untold = exchanged.iter().filter(|(_, _, cost)| *cost < fit.cost + TOLD);
+            fit.untold_signs = untold.map(|(sign, ..)| *sign).collect();
+            return fit;
+        }
     }
 
     /// Values that mean the same in one way of saying it: gains are positive where a sign is to be found that can be exchanged
@@ -198,4 +221,11 @@ impl Estimator<'_> {
         }
         values
     }
+}
+
+/// Values with some signs exchanged.
+fn other_signs(values: &[Value], signs: &[usize]) -> Vec<Value> {
+    let mut other = values.to_vec();
+    signs.iter().for_each(|sign| other[*sign] = Value::Number(-values[*sign].number()));
+    other
 }

@@ -127,11 +127,9 @@ pub fn run(args: &CalibrateArguments) -> Outcome {
         return Err("nothing is unknown: say what is by --free or --prior".into());
     }
     let fit = estimator.fit();
-    let untold_signs = estimator.untold_signs(&fit);
     let judged = args.judging.judged(robot, &touches, options, (&estimator, &fit))?;
     spinner.finish_and_clear();
-    let results =
-        Results { robot, touches: &touches, estimator: &estimator, fit: &fit, judged: &judged, untold_signs };
+    let results = Results { robot, touches: &touches, estimator: &estimator, fit: &fit, judged: &judged };
     if args.json {
         output::json(&results.as_json())?;
     } else {

@@ -30,7 +30,6 @@ pub(super) struct Results<'a> {
     pub estimator: &'a Estimator<'a>,
     pub fit: &'a Fit,
     pub judged: &'a [Judgement],
-    pub untold_signs: Vec<usize>,
 }
 
 impl Results<'_> {
@@ -48,7 +47,7 @@ impl Results<'_> {
     pub fn deviations(&self, q: usize) -> Vec<f64> {
         let unknowns = &self.estimator.unknowns;
         if self.estimator.open_signs().contains(&q) {
-            return vec![if self.untold_signs.contains(&q) { f64::INFINITY } else { 0.0 }];
+            return vec![if self.fit.untold_signs.contains(&q) { f64::INFINITY } else { 0.0 }];
         }
         let places = (0..self.robot.quantities[q].nominal.size()).filter_map(|part| unknowns.place(q, part));
         places.map(|place| self.fit.told.deviation(place)).collect()
@@ -60,7 +59,7 @@ impl Results<'_> {
         let (alone, together): (Vec<_>, Vec<_>) =
             told.into_iter().partition(|untold| untold.names.len() == 1);
         let mut sentences: Vec<String> = together.iter().map(ToString::to_string).collect();
-        let signs = self.untold_signs.iter().map(|sign| self.robot.quantities[*sign].name.clone());
+        let signs = self.fit.untold_signs.iter().map(|sign| self.robot.quantities[*sign].name.clone());
         let names: Vec<String> = alone.into_iter().flat_map(|untold| untold.names).chain(signs).collect();
         if !names.is_empty() {
             sentences.push(format!("not told by these touches at all: {}", names.join(", ")));

@@ -385,7 +385,6 @@ fn trial(
     let started = Instant::now();
     let estimator = Estimator::new(&robot, &fitted, options);
     let fit = estimator.fit();
-    let untold_signs = estimator.untold_signs(&fit);
     let seconds = started.elapsed().as_secs_f64();
     let told =
         |quantity: usize| estimator.unknowns.place(quantity, 0).filter(|place| fit.told.is_told(*place));
@@ -393,7 +392,7 @@ fn trial(
     let (mut wrong_signs, mut offset, mut gain) = (0, 0.0f64, 0.0f64);
     let (mut squares, mut offsets) = (Vec::new(), Vec::new());
     for q in robot.dofs.iter().filter_map(|dof| dof.quantities) {
-        wrong_signs += usize::from(!untold_signs.contains(&q.sign) && error(q.sign) > 0.0);
+        wrong_signs += usize::from(!fit.untold_signs.contains(&q.sign) && error(q.sign) > 0.0);
         offsets.extend(told(q.offset).map(|_| error(q.offset)));
         for (quantity, worst) in [(q.offset, &mut offset), (q.gain, &mut gain)] {
             if let Some(place) = told(quantity) {
