@@ -151,7 +151,7 @@ impl Noise {
                 };
                 if seen.source.estimated {
                     add(&mut sums[seen.source.group], &ones);
-                    let own = (inverse * ones).trace() - (inverse * taken_up * inverse * ones).trace();
+                    let own = ((inverse - inverse * taken_up * inverse) * ones).trace();
                     left[seen.source.group] += honesty * noise.groups[seen.source.group].powi(2) * own;
                 }
                 if with_joints {

@@ -147,11 +147,8 @@ impl Estimator<'_> {
     fn forget(&self, values: &mut [Value], exchanged: &[usize]) {
         for q in self.robot.dofs.iter().filter_map(|dof| dof.quantities) {
             let offset = exchanged.contains(&q.sign).then_some(q.offset);
-            for quantity in [Some(q.gain), offset].into_iter().flatten() {
-                let known = &self.robot.quantities[quantity];
-                if known.is_open() {
-                    values[quantity] = known.nominal;
-                }
+            for quantity in offset.into_iter().chain([q.gain]) {
+                values[quantity] = self.robot.quantities[quantity].nominal;
             }
         }
     }
