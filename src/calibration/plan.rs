@@ -1,8 +1,14 @@
 //! What to measure next: of touches that could be made, those that tell most.
 //!
-//! A touch with whitened slopes `A` adds `log det(I + A Σ Aᵀ)` to the logarithm of how small the volume is that the unknowns
-//! may lie in, where `Σ` is their covariance so far (D-optimality; Fedorov, "Theory of Optimal Experiments", 1972). The touches are
-//! chosen one after the other, each the one that adds most, and then each is exchanged for a better one as long as there is one.
+//! With the unknowns' covariance `Σ` so far, what touches will be predicted to miss by has the mean square `tr(M Σ)`, where `M` is
+//! the mean of `JᵀJ` over all that could be made. A touch of noise `W⁻¹` takes `tr(S⁻¹ J Σ M Σ Jᵀ)` off it, `S = W⁻¹ + J Σ Jᵀ`
+//! (I-optimality; Fedorov, "Theory of Optimal Experiments", 1972). The touches are chosen one after the other, each the one that
+//! takes off most, and then each is exchanged for a better one as long as there is one.
+//!
+//! How good a choice can be at all is told by shares `w` of touches in its place: `φ(w) = tr(M Σ(w))` is convex, so that from any
+//! shares on no choice of `n` comes below `φ − n (max g − Σ w g)`, where `−n g` is its slope by each (Kiefer and Wolfowitz, "The
+//! Equivalence of Two Extremum Problems", 1960). The shares are multiplied by `√g` until that is near (Silvey, Titterington and
+//! Torsney, "An Algorithm for Optimal Designs on a Finite Design Space", 1978).
 
 use nalgebra::{DMatrix, Matrix3};
 use rayon::prelude::*;
@@ -17,15 +23,20 @@ const OPEN_ANGLE: f64 = 0.5;
 const OPEN_RATIO: f64 = 0.2;
 /// Rounds of exchanges at the most.
 const ROUNDS: usize = 5;
-/// What an exchange must gain.
-const WORTHWHILE: f64 = 1e-3;
+/// Which share of the mean square an exchange must take off.
+const WORTHWHILE: f64 = 1e-4;
+/// Rounds at the most in which shares are bettered, and how near the best they need to be.
+const SHARE_ROUNDS: usize = 300;
+const NEAR: f64 = 0.02;
+/// More touches at random are not asked for.
+const MANY: f64 = 1e6;
 
 /// A touch that is worth making.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Planned {
     /// Which of the candidates.
     pub candidate: usize,
-    /// What it adds to those before it, in nats.
+    /// By how much the touches before it and it are predicted better than without it: root mean squares, metres.
     pub gain: f64,
     /// The parameter whose deviation it makes smaller most, and by which factor.
     pub tells: (usize, f64),
@@ -38,46 +49,32 @@ pub struct Plan {
     pub touches: Vec<Planned>,
     /// The covariance of the unknowns after them.
     pub covariance: DMatrix<f64>,
+    /// What all candidates will then be predicted to miss by for the unknowns' sake: the root mean square, metres.
+    pub predicted: f64,
+    /// Below this no choice of as many of the candidates comes, metres.
+    pub floor: f64,
+    /// So many candidates at random come to as much.
+    pub at_random: f64,
 }
 
 /// Chooses `count` of the estimator's touches, as they would be at `values` in some noise.
 pub fn plan(estimator: &Estimator, values: &[Value], noise: &Noise, count: usize) -> Plan {
-    let seen = estimator.seen(values, noise);
-    // Of several contacts of a touch the first speaks for it.
-    let mut candidates: Vec<(usize, Seen)> = seen.into_iter().map(|(touch, _, seen)| (touch, seen)).collect();
-    candidates.dedup_by_key(|(touch, _)| *touch);
-    let weights: Vec<Matrix3<f64>> = candidates
-        .iter()
-        .map(|(_, seen)| noise.covariance(seen).try_inverse().unwrap_or_else(Matrix3::zeros))
-        .collect();
-    let gain = |covariance: &DMatrix<f64>, k: usize| {
-        let spread = Matrix3::identity() + weights[k] * taken_up(&candidates[k].1.residuals, covariance);
-        spread.determinant().max(f64::MIN_POSITIVE).ln()
-    };
+    let candidates = Candidates::new(estimator, values, noise);
     let mut chosen: Vec<usize> = Vec::new();
-    let mut covariance = before(estimator);
-    let best = |covariance: &DMatrix<f64>, chosen: &[usize]| -> Option<(usize, f64)> {
-        let gains: Vec<f64> = (0..candidates.len())
-            .into_par_iter()
-            .map(|k| if chosen.contains(&k) { f64::NEG_INFINITY } else { gain(covariance, k) })
-            .collect();
-        (0..gains.len()).max_by(|a, b| gains[*a].total_cmp(&gains[*b])).map(|k| (k, gains[k]))
-    };
-    while chosen.len() < count.min(candidates.len()) {
-        let Some((k, _)) = best(&covariance, &chosen) else { break };
-        update(&mut covariance, &candidates[k].1, &weights[k], 1.0);
+    let mut known = Known::new(candidates.before.clone(), &candidates);
+    while chosen.len() < count.min(candidates.touches.len()) {
+        let Some((k, _)) = candidates.best(&known, &chosen) else { break };
+        known = known.with(&candidates, k, 1.0);
         chosen.push(k);
     }
     for _ in 0..ROUNDS {
         let mut exchanged = false;
         for place in 0..chosen.len() {
             let own = chosen[place];
-            let mut without = covariance.clone();
-            update(&mut without, &candidates[own].1, &weights[own], -1.0);
-            let Some((other, more)) = best(&without, &chosen) else { continue };
-            if more > gain(&without, own) + WORTHWHILE {
-                update(&mut without, &candidates[other].1, &weights[other], 1.0);
-                covariance = without;
+            let without = known.with(&candidates, own, -1.0);
+            let Some((other, gain)) = candidates.best(&without, &chosen) else { continue };
+            if gain > candidates.gain(&without, own) + WORTHWHILE * known.mean_square(&candidates) {
+                known = without.with(&candidates, other, 1.0);
                 chosen[place] = other;
                 exchanged = true;
             }
@@ -86,35 +83,175 @@ pub fn plan(estimator: &Estimator, values: &[Value], noise: &Noise, count: usize
             break;
         }
     }
-    told_in_order(estimator, &candidates, &weights, &chosen, gain)
+    candidates.in_order(chosen)
 }
 
-/// The touches from the one that tells most on, with what each adds.
-fn told_in_order(
-    estimator: &Estimator,
-    candidates: &[(usize, Seen)],
-    weights: &[Matrix3<f64>],
-    chosen: &[usize],
-    gain: impl Fn(&DMatrix<f64>, usize) -> f64,
-) -> Plan {
-    let mut left = chosen.to_vec();
-    let mut covariance = before(estimator);
-    let mut touches = Vec::new();
-    while !left.is_empty() {
-        let gains: Vec<f64> = left.iter().map(|k| gain(&covariance, *k)).collect();
-        let most = (0..left.len()).max_by(|a, b| gains[*a].total_cmp(&gains[*b])).unwrap_or(0);
-        let k = left.swap_remove(most);
-        let deviations = covariance.diagonal();
-        update(&mut covariance, &candidates[k].1, &weights[k], 1.0);
-        let shrinks = |i: usize| (deviations[i] / covariance[(i, i)].max(f64::MIN_POSITIVE)).sqrt();
-        let tells = (0..deviations.len()).max_by(|a, b| shrinks(*a).total_cmp(&shrinks(*b))).unwrap_or(0);
-        touches.push(Planned {
-            candidate: candidates[k].0,
-            gain: gains[most],
-            tells: (tells, shrinks(tells)),
-        });
+/// Touches that could be made.
+struct Candidates {
+    /// Which touch, and how it would be seen. Of several contacts of a touch the first speaks for it.
+    touches: Vec<(usize, Seen)>,
+    /// `W⁻¹` of each.
+    noise: Vec<Matrix3<f64>>,
+    /// `M`, the mean of `JᵀJ`.
+    mean: DMatrix<f64>,
+    /// What is known of the unknowns before.
+    before: DMatrix<f64>,
+}
+
+/// What is known of the unknowns.
+#[derive(Clone)]
+struct Known {
+    /// `Σ`.
+    covariance: DMatrix<f64>,
+    /// `Σ M Σ`.
+    weighted: DMatrix<f64>,
+}
+
+impl Candidates {
+    fn new(estimator: &Estimator, values: &[Value], noise: &Noise) -> Candidates {
+        let seen = estimator.seen(values, noise);
+        let mut touches: Vec<(usize, Seen)> =
+            seen.into_iter().map(|(touch, _, seen)| (touch, seen)).collect();
+        touches.dedup_by_key(|(touch, _)| *touch);
+        let covariances = touches.iter().map(|(_, seen)| noise.covariance(seen)).collect();
+        let n = estimator.unknowns.len();
+        let mut mean = DMatrix::zeros(n, n);
+        for (_, seen) in &touches {
+            for (i, a) in &seen.residuals.slopes {
+                for (j, b) in &seen.residuals.slopes {
+                    mean[(*i, *j)] += a.dot(b) / touches.len() as f64;
+                }
+            }
+        }
+        Candidates { touches, noise: covariances, mean, before: before(estimator) }
     }
-    Plan { touches, covariance }
+
+    /// What a touch takes off the mean square.
+    fn gain(&self, known: &Known, k: usize) -> f64 {
+        let residuals = &self.touches[k].1.residuals;
+        let spread = self.noise[k] + taken_up(residuals, &known.covariance);
+        spread.try_inverse().map_or(0.0, |inverse| (inverse * taken_up(residuals, &known.weighted)).trace())
+    }
+
+    /// The touch that takes off most besides those that are chosen, and what.
+    fn best(&self, known: &Known, chosen: &[usize]) -> Option<(usize, f64)> {
+        let gains: Vec<f64> = (0..self.touches.len())
+            .into_par_iter()
+            .map(|k| if chosen.contains(&k) { f64::NEG_INFINITY } else { self.gain(known, k) })
+            .collect();
+        (0..gains.len()).max_by(|a, b| gains[*a].total_cmp(&gains[*b])).map(|k| (k, gains[k]))
+    }
+
+    /// The touches from the one that takes off most on.
+    fn in_order(&self, mut left: Vec<usize>) -> Plan {
+        let mut known = Known::new(self.before.clone(), self);
+        let mut touches = Vec::new();
+        while !left.is_empty() {
+            let gains: Vec<f64> = left.iter().map(|k| self.gain(&known, *k)).collect();
+            let most = (0..left.len()).max_by(|a, b| gains[*a].total_cmp(&gains[*b])).unwrap_or(0);
+            let k = left.swap_remove(most);
+            let without = known;
+            known = without.with(self, k, 1.0);
+            let shrinks = |i: usize| {
+                (without.covariance[(i, i)] / known.covariance[(i, i)].max(f64::MIN_POSITIVE)).sqrt()
+            };
+            let unknowns = 0..without.covariance.nrows();
+            let tells = unknowns.max_by(|a, b| shrinks(*a).total_cmp(&shrinks(*b))).unwrap_or(0);
+            touches.push(Planned {
+                candidate: self.touches[k].0,
+                gain: without.predicted(self) - known.predicted(self),
+                tells: (tells, shrinks(tells)),
+            });
+        }
+        let predicted = known.predicted(self);
+        Plan {
+            predicted,
+            floor: self.floor(touches.len() as f64).sqrt(),
+            at_random: self.at_random(predicted.powi(2)),
+            touches,
+            covariance: known.covariance,
+        }
+    }
+}
+
+/// What touches come to of which each has a share.
+impl Candidates {
+    /// What is known after so many touches of these shares.
+    fn known(&self, count: f64, shares: &[f64]) -> Option<Known> {
+        let mut told = self.before.clone().try_inverse()?;
+        for (((_, seen), noise), share) in self.touches.iter().zip(&self.noise).zip(shares) {
+            let weight = noise.try_inverse()? * (share * count);
+            for (i, a) in &seen.residuals.slopes {
+                for (j, b) in &seen.residuals.slopes {
+                    told[(*i, *j)] += a.dot(&(weight * b));
+                }
+            }
+        }
+        Some(Known::new(told.try_inverse()?, self))
+    }
+
+    /// Below this mean square no choice of so many comes.
+    fn floor(&self, count: f64) -> f64 {
+        let mut shares = vec![1.0 / self.touches.len() as f64; self.touches.len()];
+        let mut floor = 0.0f64;
+        for _ in 0..SHARE_ROUNDS {
+            let Some(known) = self.known(count, &shares) else { break };
+            let slopes: Vec<f64> = (0..shares.len())
+                .into_par_iter()
+                .map(|k| {
+                    let of_it = taken_up(&self.touches[k].1.residuals, &known.weighted);
+                    self.noise[k].try_inverse().map_or(0.0, |weight| (weight * of_it).trace().max(0.0))
+                })
+                .collect();
+            let mean: f64 = slopes.iter().zip(&shares).map(|(slope, share)| slope * share).sum();
+            let most = slopes.iter().copied().fold(0.0, f64::max);
+            let reached = known.mean_square(self);
+            floor = floor.max(reached - count * (most - mean));
+            if floor > (1.0 - NEAR) * reached {
+                break;
+            }
+            shares.iter_mut().zip(&slopes).for_each(|(share, slope)| *share *= slope.sqrt());
+            let sum: f64 = shares.iter().sum();
+            shares.iter_mut().for_each(|share| *share /= sum);
+        }
+        floor
+    }
+
+    /// How many touches at random come to a mean square.
+    fn at_random(&self, mean_square: f64) -> f64 {
+        let shares = vec![1.0 / self.touches.len() as f64; self.touches.len()];
+        let is_enough =
+            |count: f64| self.known(count, &shares).is_some_and(|it| it.mean_square(self) <= mean_square);
+        let (mut low, mut high) = (0.0, MANY);
+        for _ in 0..30 {
+            let middle = 0.5 * (low + high);
+            if is_enough(middle) { high = middle } else { low = middle }
+        }
+        high
+    }
+}
+
+impl Known {
+    fn new(covariance: DMatrix<f64>, candidates: &Candidates) -> Known {
+        let weighted = &covariance * &candidates.mean * &covariance;
+        Known { covariance, weighted }
+    }
+
+    /// After a touch more, or with one less where `sign` is −1.
+    fn with(&self, candidates: &Candidates, k: usize, sign: f64) -> Known {
+        let mut covariance = self.covariance.clone();
+        update(&mut covariance, &candidates.touches[k].1, &(candidates.noise[k] * sign));
+        Known::new(covariance, candidates)
+    }
+
+    fn mean_square(&self, candidates: &Candidates) -> f64 {
+        candidates.mean.dot(&self.covariance).max(0.0)
+    }
+
+    /// By how much the touches are predicted to miss: the root mean square, metres.
+    fn predicted(&self, candidates: &Candidates) -> f64 {
+        self.mean_square(candidates).sqrt()
+    }
 }
 
 /// What is known before: what is nearly known, and of what is free that it is not beyond all measure.
@@ -132,8 +269,8 @@ fn before(estimator: &Estimator) -> DMatrix<f64> {
     DMatrix::from_fn(n, n, |i, j| if i == j { open(i).powi(2) } else { 0.0 })
 }
 
-/// The covariance after a touch more, or with one less where `sign` is −1: `Σ ∓ Σ Jᵀ (W⁻¹ ± J Σ Jᵀ)⁻¹ J Σ`.
-fn update(covariance: &mut DMatrix<f64>, seen: &Seen, weight: &Matrix3<f64>, sign: f64) {
+/// The covariance after a touch more, or with one less where its noise `±W⁻¹` is negative: `Σ − Σ Jᵀ (±W⁻¹ + J Σ Jᵀ)⁻¹ J Σ`.
+fn update(covariance: &mut DMatrix<f64>, seen: &Seen, noise: &Matrix3<f64>) {
     let n = covariance.nrows();
     // Σ Jᵀ, n × 3.
     let mut across: DMatrix<f64> = DMatrix::zeros(n, 3);
@@ -143,19 +280,6 @@ fn update(covariance: &mut DMatrix<f64>, seen: &Seen, weight: &Matrix3<f64>, sig
             (0..3).for_each(|k| across[(row, k)] += c * slope[k]);
         }
     }
-    let Some(noise) = weight.try_inverse() else { return };
-    let spread = noise * sign + taken_up(&seen.residuals, covariance);
-    let Some(inverse) = spread.try_inverse() else { return };
-    for row in 0..n {
-        for column in 0..=row {
-            let mut less = 0.0;
-            for k in 0..3 {
-                for l in 0..3 {
-                    less += across[(row, k)] * inverse[(k, l)] * across[(column, l)];
-                }
-            }
-            covariance[(row, column)] -= less;
-            covariance[(column, row)] = covariance[(row, column)];
-        }
-    }
+    let Some(inverse) = (noise + taken_up(&seen.residuals, covariance)).try_inverse() else { return };
+    *covariance -= &across * inverse * across.transpose();
 }

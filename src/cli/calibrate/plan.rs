@@ -108,18 +108,25 @@ pub fn run(args: &PlanArguments) -> Outcome {
 /// The touches in the order in which they are to be made, as a log has them.
 fn table(robot: &Robot, touches: &[Touch], estimator: &Estimator, plan: &Plan) -> String {
     let chosen: Vec<&Touch> = plan.touches.iter().map(|planned| &touches[planned.candidate]).collect();
-    let gains = plan.touches.iter().map(|planned| format!("{:.3}", planned.gain)).collect();
+    let gains = plan.touches.iter().map(|planned| format!("{:.4}", 1e3 * planned.gain)).collect();
     let tells = plan.touches.iter().map(|planned| {
         let (q, part) = estimator.unknowns.parameters[planned.tells.0];
         robot.quantities[q].component_name(part)
     });
     let times = plan.touches.iter().map(|planned| format!("{:.2}", planned.tells.1)).collect();
-    calibration_table(robot, &chosen, &[("gain", gains), ("tells", tells.collect()), ("times", times)])
+    calibration_table(robot, &chosen, &[("gain_mm", gains), ("tells", tells.collect()), ("times", times)])
 }
 
 /// What would be known after all of them.
 fn report(robot: &Robot, estimator: &Estimator, plan: &Plan, candidates: usize) {
     say!("{}: {} of {candidates} touches chosen", robot.name, plan.touches.len());
+    say!(
+        "  Touches will then be predicted to {} mm: as by {:.0} touches at random; no {} of these do better than {} mm.",
+        output::number(1e3 * plan.predicted),
+        plan.at_random,
+        plan.touches.len(),
+        output::number(1e3 * plan.floor)
+    );
     say!("  {:<40}{:>14}", "quantity", "± deviation");
     for (place, (q, part)) in estimator.unknowns.parameters.iter().enumerate() {
         let quantity = &robot.quantities[*q];
