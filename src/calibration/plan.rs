@@ -11,6 +11,9 @@
 //! Torsney, "An Algorithm for Optimal Designs on a Finite Design Space", 1978).
 
 use nalgebra::{DMatrix, Matrix3};
+use rand::SeedableRng;
+use rand::seq::SliceRandom;
+use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 
 use super::estimate::Estimator;
@@ -28,8 +31,8 @@ const WORTHWHILE: f64 = 1e-4;
 /// Rounds at the most in which shares are bettered, and how near the best they need to be.
 const SHARE_ROUNDS: usize = 300;
 const NEAR: f64 = 0.02;
-/// More touches at random are not asked for.
-const MANY: f64 = 1e6;
+/// Orders at random in which touches are made to compare.
+const ORDERS: usize = 9;
 
 /// A touch that is worth making.
 #[derive(Clone, Debug, PartialEq)]
@@ -53,8 +56,8 @@ pub struct Plan {
     pub predicted: f64,
     /// Below this no choice of as many of the candidates comes, metres.
     pub floor: f64,
-    /// So many candidates at random come to as much.
-    pub at_random: f64,
+    /// So many candidates at random come to as much; none where it takes all of them.
+    pub at_random: Option<usize>,
 }
 
 /// Chooses `count` of the estimator's touches, as they would be at `values` in some noise.
@@ -217,17 +220,24 @@ impl Candidates {
         floor
     }
 
-    /// How many touches at random come to a mean square.
-    fn at_random(&self, mean_square: f64) -> f64 {
-        let shares = vec![1.0 / self.touches.len() as f64; self.touches.len()];
-        let is_enough =
-            |count: f64| self.known(count, &shares).is_some_and(|it| it.mean_square(self) <= mean_square);
-        let (mut low, mut high) = (0.0, MANY);
-        for _ in 0..30 {
-            let middle = 0.5 * (low + high);
-            if is_enough(middle) { high = middle } else { low = middle }
-        }
-        high
+    /// How many touches at random come to a mean square: the median of several orders; none where most come to it with all of
+    /// the candidates at the earliest.
+    fn at_random(&self, mean_square: f64) -> Option<usize> {
+        let mut order: Vec<usize> = (0..self.touches.len()).collect();
+        let mut rng = ChaCha8Rng::seed_from_u64(0);
+        let mut counts: Vec<usize> = (0..ORDERS)
+            .map(|_| {
+                order.shuffle(&mut rng);
+                let mut covariance = self.before.clone();
+                let enough = order.iter().position(|&k| {
+                    update(&mut covariance, &self.touches[k].1, &self.noise[k]);
+                    self.mean.dot(&covariance) <= mean_square
+                });
+                enough.map_or(usize::MAX, |last| last + 1)
+            })
+            .collect();
+        counts.sort_unstable();
+        Some(counts[ORDERS / 2]).filter(|count| *count < self.touches.len())
     }
 }
 

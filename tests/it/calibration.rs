@@ -329,7 +329,7 @@ fn a_plan_tells_more_than_chance() {
     assert!(chosen.touches.iter().all(|planned| planned.gain > 0.0 && planned.tells.1 > 1.0));
     // It comes near what no choice can better, and to what takes more touches at random.
     assert!((0.9..1.0).contains(&(chosen.floor / chosen.predicted)), "{} {}", chosen.floor, chosen.predicted);
-    assert!(chosen.at_random > 30.0, "{}", chosen.at_random);
+    assert!(chosen.at_random.is_none_or(|count| count > 30), "{:?}", chosen.at_random);
 }
 
 #[test]

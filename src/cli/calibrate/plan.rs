@@ -120,10 +120,10 @@ fn table(robot: &Robot, touches: &[Touch], estimator: &Estimator, plan: &Plan) -
 /// What would be known after all of them.
 fn report(robot: &Robot, estimator: &Estimator, plan: &Plan, candidates: usize) {
     say!("{}: {} of {candidates} touches chosen", robot.name, plan.touches.len());
+    let at_random = plan.at_random.map_or("no fewer than all".into(), |count| count.to_string());
     say!(
-        "  Touches will then be predicted to {} mm: as by {:.0} touches at random; no {} of these do better than {} mm.",
+        "  Touches will then be predicted to {} mm, as by {at_random} at random; no {} of these do better than {} mm.",
         output::number(1e3 * plan.predicted),
-        plan.at_random,
         plan.touches.len(),
         output::number(1e3 * plan.floor)
     );
