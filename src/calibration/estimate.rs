@@ -3,13 +3,13 @@
 use nalgebra::DMatrix;
 
 use super::noise::{Groups, Noise, NoiseSource, Seen};
-use super::problem::{Problem, Weighing, add_to};
+use super::problem::{Problem, Weighing, information};
 use super::robot::{Robot, Value};
 use super::signs::SignStarts;
 use super::told::Told;
 use super::touch::{End, Feature, Touch};
 use super::unknowns::Unknowns;
-use crate::learning::least_squares::{Linearization, Stopping, levenberg_marquardt};
+use crate::learning::least_squares::{Stopping, levenberg_marquardt};
 
 /// Fits from afar, each with the deviation that the one before left.
 const APPROACHES: usize = 12;
@@ -255,17 +255,13 @@ impl<'a> Estimator<'a> {
 
     /// The information about the unknowns in touches, symmetric; with what was known before.
     pub fn information(&self, seen: &[SeenTouch], noise: &Noise, with_prior: bool) -> DMatrix<f64> {
-        let mut total = Linearization::nothing(self.unknowns.len());
-        for (_, _, seen) in seen {
-            let Some(inverse) = noise.covariance(seen).try_inverse() else { continue };
-            let weight = inverse * noise.honesty(seen);
-            add_to(&mut total, &seen.residuals.slopes, &seen.residuals.value, &weight);
-        }
-        let mut information = total.hessian;
+        let weighed = seen.iter().filter_map(|(_, _, seen)| {
+            Some((seen, noise.covariance(seen).try_inverse()? * noise.honesty(seen)))
+        });
+        let mut information = information(self.unknowns.len(), weighed);
         if with_prior {
             self.unknowns.add_information(&mut information);
         }
-        information.fill_upper_triangle_with_lower_triangle();
         information
     }
 }

@@ -18,6 +18,7 @@ use rayon::prelude::*;
 
 use super::estimate::Estimator;
 use super::noise::{Noise, Seen, taken_up};
+use super::problem::information;
 use super::robot::{Unit, Value};
 
 /// How far what is free may be off: enough to say where to begin.
@@ -102,7 +103,6 @@ struct Candidates {
 }
 
 /// What is known of the unknowns.
-#[derive(Clone)]
 struct Known {
     /// `Σ`.
     covariance: DMatrix<f64>,
@@ -117,16 +117,11 @@ impl Candidates {
             seen.into_iter().map(|(touch, _, seen)| (touch, seen)).collect();
         touches.dedup_by_key(|(touch, _)| *touch);
         let covariances = touches.iter().map(|(_, seen)| noise.covariance(seen)).collect();
-        let n = estimator.unknowns.len();
-        let mut mean = DMatrix::zeros(n, n);
-        for (_, seen) in &touches {
-            for (i, a) in &seen.residuals.slopes {
-                for (j, b) in &seen.residuals.slopes {
-                    mean[(*i, *j)] += a.dot(b) / touches.len() as f64;
-                }
-            }
-        }
-        Candidates { touches, noise: covariances, mean, before: before(estimator) }
+        let before = before(estimator);
+        let share = 1.0 / touches.len() as f64;
+        let mean =
+            information(before.nrows(), touches.iter().map(|(_, seen)| (seen, Matrix3::identity() * share)));
+        Candidates { touches, noise: covariances, mean, before }
     }
 
     /// What a touch takes off the mean square.
@@ -177,33 +172,28 @@ impl Candidates {
     }
 }
 
-/// What touches come to of which each has a share.
+/// What choices of them can come to.
 impl Candidates {
-    /// What is known after so many touches of these shares.
-    fn known(&self, count: f64, shares: &[f64]) -> Option<Known> {
-        let mut told = self.before.clone().try_inverse()?;
-        for (((_, seen), noise), share) in self.touches.iter().zip(&self.noise).zip(shares) {
-            let weight = noise.try_inverse()? * (share * count);
-            for (i, a) in &seen.residuals.slopes {
-                for (j, b) in &seen.residuals.slopes {
-                    told[(*i, *j)] += a.dot(&(weight * b));
-                }
-            }
-        }
-        Some(Known::new(told.try_inverse()?, self))
-    }
-
     /// Below this mean square no choice of so many comes.
     fn floor(&self, count: f64) -> f64 {
+        let weights: Option<Vec<Matrix3<f64>>> = self.noise.iter().map(|noise| noise.try_inverse()).collect();
+        let (Some(weights), Some(told_before)) = (weights, self.before.clone().try_inverse()) else {
+            return 0.0;
+        };
         let mut shares = vec![1.0 / self.touches.len() as f64; self.touches.len()];
         let mut floor = 0.0f64;
         for _ in 0..SHARE_ROUNDS {
-            let Some(known) = self.known(count, &shares) else { break };
-            let slopes: Vec<f64> = (0..shares.len())
-                .into_par_iter()
-                .map(|k| {
-                    let of_it = taken_up(&self.touches[k].1.residuals, &known.weighted);
-                    self.noise[k].try_inverse().map_or(0.0, |weight| (weight * of_it).trace().max(0.0))
+            let shared = self.touches.iter().zip(&weights).zip(&shares);
+            let shared = shared.map(|(((_, seen), weight), share)| (seen, weight * (share * count)));
+            let told = &told_before + information(self.before.nrows(), shared);
+            let Some(covariance) = told.try_inverse() else { break };
+            let known = Known::new(covariance, self);
+            let slopes: Vec<f64> = self
+                .touches
+                .par_iter()
+                .zip(&weights)
+                .map(|((_, seen), weight)| {
+                    (weight * taken_up(&seen.residuals, &known.weighted)).trace().max(0.0)
                 })
                 .collect();
             let mean: f64 = slopes.iter().zip(&shares).map(|(slope, share)| slope * share).sum();

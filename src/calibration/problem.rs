@@ -1,6 +1,6 @@
 //! Touches as a least-squares problem over a robot's unknowns.
 
-use nalgebra::{DVector, Matrix3, Vector3};
+use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 use rayon::prelude::*;
 
 use super::noise::{Noise, NoiseSource, Seen};
@@ -155,7 +155,7 @@ impl LeastSquares for Problem<'_> {
 }
 
 /// Adds a residual to normal equations, of which the lower triangle is kept.
-pub(super) fn add_to(
+fn add_to(
     total: &mut Linearization,
     slopes: &[(usize, Vector3<f64>)],
     value: &Vector3<f64>,
@@ -170,4 +170,17 @@ pub(super) fn add_to(
             }
         }
     }
+}
+
+/// `Σ Jᵀ W J` of residuals with a weight each, for so many unknowns: symmetric.
+pub(super) fn information<'a>(
+    unknowns: usize,
+    weighed: impl Iterator<Item = (&'a Seen, Matrix3<f64>)>,
+) -> DMatrix<f64> {
+    let mut total = Linearization::nothing(unknowns);
+    for (seen, weight) in weighed {
+        add_to(&mut total, &seen.residuals.slopes, &seen.residuals.value, &weight);
+    }
+    total.hessian.fill_upper_triangle_with_lower_triangle();
+    total.hessian
 }
