@@ -7,6 +7,7 @@ mod conversation;
 mod error;
 mod own_spot;
 mod tasks;
+mod things;
 
 pub use actor::{Actor, CAREFUL, FoundThing, Hand, SWIFT, Stop};
 pub use avoiding::{Avoiding, QUICK};
@@ -14,3 +15,4 @@ pub use conversation::{Conversation, Intent, Reply, understood};
 pub use error::ActorError;
 pub use own_spot::OwnTouch;
 pub use tasks::{Spot, Touching, Trouble};
+pub use things::{KnownThing, Things};

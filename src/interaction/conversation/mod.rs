@@ -9,13 +9,12 @@ use serde_json::{Value, json};
 
 pub use requests::{Intent, understood};
 
-use super::actor::{Actor, FoundThing};
+use super::actor::Actor;
 use super::tasks::Trouble;
+use super::things::{KnownThing, Things};
 use crate::creature::Posture;
 use crate::simulation::EngineError;
 
-/// Two things felt nearer than this to each other are one, metres.
-const SAME: f64 = 0.09;
 /// What it answers.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Reply {
@@ -45,16 +44,6 @@ impl Reply {
     }
 }
 
-/// What it remembers of a thing.
-#[derive(Clone, Debug)]
-struct KnownThing {
-    found: FoundThing,
-    /// Where it is, in the root's frame, metres.
-    at: Vector3<f64>,
-    /// The receptor of a hand that touches it, while one does.
-    in_touch: Option<usize>,
-}
-
 /// A request that it waits to know more of, or may do again.
 #[derive(Clone, Copy, Debug)]
 struct Request {
@@ -67,9 +56,8 @@ struct Request {
 pub struct Conversation {
     /// Who talks.
     pub actor: Actor,
-    things: Vec<KnownThing>,
-    /// Which thing "it" is.
-    it: Option<usize>,
+    /// What it remembers of things, and which of them is meant.
+    things: Things,
     pending: Option<Request>,
     last: Option<Request>,
     ready: Posture,
@@ -92,8 +80,7 @@ impl Conversation {
         actor.wait(0.5)?;
         Ok(Conversation {
             actor,
-            things: Vec::new(),
-            it: None,
+            things: Things::default(),
             pending: None,
             last: None,
             ready,
@@ -114,7 +101,7 @@ impl Conversation {
             if let Some(which) = self.which(&text)
                 && matches!(intent, Intent::Unknown | Intent::Touch | Intent::Explore)
             {
-                self.it = Some(which);
+                self.things.mean(Some(which));
                 return self.act(asked);
             }
             if intent == Intent::Unknown {
@@ -131,7 +118,7 @@ impl Conversation {
         if let Some(which) = self.which(&text)
             && self.things.len() > 1
         {
-            self.it = Some(which);
+            self.things.mean(Some(which));
         }
         self.act(Request { intent, hand, lean: false })
     }
@@ -188,7 +175,7 @@ impl Conversation {
         }
         if kind.needs_thing {
             self.last = Some(request);
-            match self.it {
+            match self.things.it() {
                 None if self.things.is_empty() => {
                     let said = "I have not felt anything yet: ask me to feel about first".to_string();
                     return Ok(self.reply(intent, said, Some(false), false));
@@ -197,7 +184,7 @@ impl Conversation {
                     self.pending = Some(request);
                     return Ok(self.reply(intent, self.question(), None, true));
                 }
-                None => self.it = Some(0),
+                None => self.things.mean(Some(0)),
                 Some(_) => {}
             }
         }
@@ -258,7 +245,7 @@ impl Conversation {
                 .any(|limb| text.contains(&format!("{side} {limb}")))
         };
         if text.contains("other hand") || text.contains("other arm") {
-            let it = self.it.or((!self.things.is_empty()).then_some(0))?;
+            let it = self.things.it().or((!self.things.is_empty()).then_some(0))?;
             return self.actor.arm_of(self.things[it].found.receptor).map(|hand| 1 - hand);
         }
         let left = (0..2).find(|&hand| self.actor.side(hand) > 0.0).unwrap_or(0);
@@ -275,9 +262,7 @@ impl Conversation {
         let has = |word: &str| words.contains(&word);
         let left = self.actor.left();
         let front = self.actor.front;
-        let most = |value: &dyn Fn(&KnownThing) -> f64| {
-            (0..self.things.len()).max_by(|&i, &j| value(&self.things[i]).total_cmp(&value(&self.things[j])))
-        };
+        let most = |value: &dyn Fn(&KnownThing) -> f64| self.things.most(value);
         let by_hand = text.contains("hand") || text.contains("arm");
         match () {
             () if has("first") => (!self.things.is_empty()).then_some(0),
@@ -305,22 +290,6 @@ impl Conversation {
             _ => "straight ahead".into(),
         };
         format!("{:.0} cm in front of me, {side}", 100.0 * at.dot(&self.actor.front))
-    }
-
-    fn remember(&mut self, found: &FoundThing, in_touch: Option<usize>) -> usize {
-        let at = found.point + found.direction * 0.02;
-        let known = KnownThing { found: found.clone(), at, in_touch };
-        let same = |other: &KnownThing| (other.at - known.at).norm() < SAME;
-        match self.things.iter().position(same) {
-            Some(i) => {
-                self.things[i] = known;
-                i
-            }
-            None => {
-                self.things.push(known);
-                self.things.len() - 1
-            }
-        }
     }
 
     /// Both hands to a posture; whether they got there.

@@ -39,7 +39,7 @@ impl Conversation {
         }
         // What is known already is kept clear of.
         let table = self.actor.clearance.obstacles.clone();
-        for known in &self.things {
+        for known in self.things.iter() {
             self.actor.clearance.obstacles.push(Obstacle::Capsule(Capsule::ball(known.at, 0.07)));
         }
         let first = hand.unwrap_or(1);
@@ -66,8 +66,8 @@ impl Conversation {
             return Ok(self.reply(Intent::Explore, said.into(), Some(true), false));
         };
         let before = self.things.len();
-        let i = self.remember(&found, Some(found.receptor));
-        self.it = (self.things.len() == 1).then_some(i);
+        let i = self.things.remember(&found, Some(found.receptor));
+        self.things.mean((self.things.len() == 1).then_some(i));
         let limb = self.limb_in_words(found.receptor);
         let something = if self.things.len() > before && before > 0 { "something else" } else { "something" };
         let said = format!("Yes, I feel {something} with my {limb}, {}", self.place(&self.things[i].at));

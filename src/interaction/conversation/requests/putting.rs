@@ -32,7 +32,7 @@ pub(super) const BRING_NEAR: RequestKind = RequestKind {
 impl Conversation {
     fn put(&mut self, far: bool, hand: Option<usize>, lean: bool) -> Result<Reply, EngineError> {
         let intent = if far { Intent::PutFar } else { Intent::BringNear };
-        let i = self.it.expect("it is known which");
+        let i = self.things.it().expect("it is known which");
         let by_hand = |receptor: &usize| {
             let by = self.actor.arm_of(*receptor);
             by.is_some_and(|by| {
@@ -80,9 +80,7 @@ impl Conversation {
         match self.actor.put(receptor, &spot, lean) {
             Ok(()) => {
                 let known = &mut self.things[i];
-                known.at += moved;
-                known.found.point += moved;
-                known.in_touch = None;
+                known.carried(&moved);
                 let at = known.at;
                 let ready = self.ready.clone();
                 let back = self.settle(&ready);

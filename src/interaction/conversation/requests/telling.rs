@@ -36,7 +36,7 @@ pub(super) const HELP: RequestKind = RequestKind {
 
 impl Conversation {
     fn how_far(&self) -> Reply {
-        let it = self.it.or((self.things.len() == 1).then_some(0));
+        let it = self.things.it().or((self.things.len() == 1).then_some(0));
         let Some(known) = it.map(|i| &self.things[i]) else {
             let said =
                 if self.things.is_empty() { "I have not felt anything yet".into() } else { self.question() };
@@ -70,7 +70,7 @@ impl Conversation {
                 )
             })
             .collect();
-        let said = match (told.is_empty(), self.it.or(self.things.len().checked_sub(1))) {
+        let said = match (told.is_empty(), self.things.it().or(self.things.len().checked_sub(1))) {
             (false, _) => told.join("; "),
             (true, Some(i)) => {
                 let known = &self.things[i];

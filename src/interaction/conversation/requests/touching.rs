@@ -15,7 +15,7 @@ pub(super) const TOUCH: RequestKind = RequestKind {
 
 impl Conversation {
     pub(super) fn touch(&mut self, hand: Option<usize>, lean: bool) -> Result<Reply, EngineError> {
-        let i = self.it.expect("it is known which");
+        let i = self.things.it().expect("it is known which");
         let found = self.things[i].found.clone();
         let touching = self.things[i].in_touch.and_then(|receptor| self.actor.arm_of(receptor));
         let hand = hand.or_else(|| touching.map(|hand| 1 - hand)).unwrap_or(0);
@@ -41,9 +41,7 @@ impl Conversation {
         let name = self.actor.hands[hand].name.replace('_', " ");
         match result {
             Ok(touching) => {
-                self.things[i].found = touching.found.clone();
-                self.things[i].at = touching.found.point + touching.found.direction * 0.02;
-                self.things[i].in_touch = Some(touching.found.receptor);
+                self.things.felt_again(i, &touching.found);
                 let said = match touching.corrections {
                     0 => format!("I touch it with my {name}"),
                     _ => format!("I had to feel about for it, and now touch it with my {name}"),
