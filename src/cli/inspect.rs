@@ -11,10 +11,11 @@ use super::progress::Bars;
 use super::{output, progress};
 use crate::creature::{Creature, CreatureInFile, Dof, JointSelection, creatures};
 use crate::experiment::skin_for;
+use crate::geometry::Frame;
 use crate::mujoco::LeftOut;
 use crate::senses::{JointSensor, joint_sensors, posture_in_words};
 use crate::simulation::{LimbPair, Relation, SelfContact};
-use crate::skin::SomatotopicMap;
+use crate::skin::{ProximityGeometry, Skin, SomatotopicMap, aura_of};
 
 /// Tell a model's tree, degrees of freedom, limbs and receptors.
 #[derive(clap::Args)]
@@ -41,6 +42,9 @@ pub fn run(args: &InspectArguments) -> Outcome {
     let contact = SelfContact::new(&learned)?;
     let (skin, own) = skin_for(&args.model, &body, &Bars::default())?;
     let map = SomatotopicMap::new(&skin);
+    let frames = body.limb_frames(&body.reference_data()?);
+    let auras = aura_of(&body, &skin, &frames);
+    let neighbours = Neighbours::new(&skin, &map);
     let sensors = joint_sensors(&body);
     spinner.finish_and_clear();
     let creature = &body.creature;
@@ -72,9 +76,24 @@ pub fn run(args: &InspectArguments) -> Outcome {
             "torso_dof": learned.creature.dof(),
             "limbs": creature.limbs().len(),
             "aura_limbs": creature.aura_limbs().len(),
+            "auras": auras.iter().map(|aura| json!({
+                "aura_limb": creature.aura_limbs()[aura.aura_limb].name,
+                "limb": creature.limbs()[aura.limb],
+                "ends": aura.capsule.ends,
+                "radius": aura.capsule.radius,
+                "reach": aura.reach(creature, &skin, &frames),
+                "of_model": aura.of_model,
+            })).collect::<Vec<_>>(),
             "receptors": skin.receptors.len(),
             "receptors_by_limb": receptors_by_limb,
             "receptors_grown": skin.receptors.len() - own,
+            "neighbours_mean": neighbours.mean,
+            "neighbours_none": neighbours.none,
+            "links_across_limbs": neighbours.across,
+            "neighbours": (0..skin.receptors.len()).map(|r| {
+                let ids: Vec<&String> = map.neighbours(r).iter().map(|&n| &skin.receptors[n].id).collect();
+                (skin.receptors[r].id.clone(), json!(ids))
+            }).collect::<serde_json::Map<String, serde_json::Value>>(),
             "joint_sensors": sensors_json(creature, &sensors),
             "constraints_not_heeded": body.constraints_not_heeded(),
             "limb_pairs": contact.pairs.iter().map(|pair| json!({
@@ -121,12 +140,52 @@ pub fn run(args: &InspectArguments) -> Outcome {
     if skin.receptors.is_empty() {
         say!("\nno touch sensors: grow a skin with `bodyschema skin {} --out NEW`", args.model.display());
     } else {
-        let links: usize = (0..skin.receptors.len()).map(|r| map.neighbours(r).len()).sum();
-        let mean = links as f64 / skin.receptors.len() as f64;
-        say!("\neach receptor has {mean:.1} neighbours on average");
-        say!("to see them: bodyschema render {} --skin --out skin.png", args.model.display());
+        print_auras(creature, &skin, &frames, &auras);
+        let Neighbours { mean, none, across, pairs } = neighbours;
+        say!(
+            "\neach receptor has {mean:.1} neighbours on average, {} have none; {across} of {pairs} links are across limbs",
+            none.len()
+        );
+        let model = args.model.display();
+        say!("to see them: bodyschema render {model} --skin --map --auras --out senses.png");
     }
     Ok(())
+}
+
+/// The somatotopic map in numbers.
+struct Neighbours {
+    mean: f64,
+    /// Ids of receptors without any.
+    none: Vec<String>,
+    /// Pairs on two limbs, and pairs in all.
+    across: usize,
+    pairs: usize,
+}
+
+impl Neighbours {
+    fn new(skin: &Skin, map: &SomatotopicMap) -> Neighbours {
+        let receptors = &skin.receptors;
+        let alone = (0..receptors.len()).filter(|&r| map.neighbours(r).is_empty());
+        let across = map.pairs().filter(|&[a, b]| receptors[a].limb != receptors[b].limb).count();
+        let pairs = map.pairs().count();
+        Neighbours {
+            mean: 2.0 * pairs as f64 / receptors.len().max(1) as f64,
+            none: alone.map(|r| receptors[r].id.clone()).collect(),
+            across,
+            pairs,
+        }
+    }
+}
+
+/// The geometries of the aura: capsules, their length without the round ends.
+fn print_auras(creature: &Creature, skin: &Skin, frames: &[Frame], auras: &[ProximityGeometry]) {
+    say!("\n{:<24} {:>9} {:>9} {:>8}  {:<10}", "aura", "radius, m", "length, m", "reach, m", "from");
+    for aura in auras {
+        let length = (aura.capsule.ends[1] - aura.capsule.ends[0]).norm();
+        let reach = aura.reach(creature, skin, frames).unwrap_or(f64::NAN);
+        let from = if aura.of_model { "the model" } else { "grown here" };
+        say!("{:<24} {:>9.3} {length:>9.3} {reach:>8.3}  {from:<10}", aura.name, aura.capsule.radius);
+    }
 }
 
 /// The creatures of the file where it holds several, and what was left out of it.

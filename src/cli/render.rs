@@ -13,8 +13,9 @@ use super::progress::Bars;
 use super::{Failure, Outcome, progress};
 use crate::creature::{Body, BodyError, JointSelection, Posture};
 use crate::experiment::skin_for;
-use crate::mujoco::{Camera, Data, Image, Mark, Model, PICTURE_SIDES, Renderer};
+use crate::mujoco::{Camera, Data, Image, MOST_MARKS, Model, PICTURE_SIDES, Renderer};
 use crate::record::{SESSION_FILE, model_hash, write_whole};
+use crate::skin::{Skin, SomatotopicMap, aura_of};
 use crate::view::picture::{
     self, Direction, Film, Shot, Storyboard, corners_of, draw, extent, frame, is_film, outline, png,
 };
@@ -30,6 +31,8 @@ use crate::view::picture::{
   bodyschema render mjcf/max/max.xml --out max.png
   bodyschema render mjcf/max/table.xml --posture left_elbow_flexion=90 --camera 140,-20 --out table.png
   bodyschema render mjcf/hexapod/hexapod.xml --skin --out skin.png
+  bodyschema render mjcf/max/max.xml --auras --out auras.png
+  bodyschema render mjcf/max/max.xml --map --camera 180,0 --out map.png
   bodyschema render sessions/max-1 --touch 3 --schema --out touch.png
   bodyschema render sessions/max-1 --touches 1..2 --size 320x240 --out touches.mp4    # needs ffmpeg
   bodyschema render sessions/max-1 --learning --size 320x320 --out learning.mp4
@@ -52,6 +55,12 @@ pub struct RenderArguments {
     /// Of a model, its skin: receptors of its own in blue, those that are grown on it in orange
     #[arg(long, help_heading = "What is drawn")]
     skin: bool,
+    /// The auras about its limbs: what is inside one is near that limb
+    #[arg(long, help_heading = "What is drawn")]
+    auras: bool,
+    /// The somatotopic map: which receptors are neighbours, red across limbs
+    #[arg(long, help_heading = "What is drawn")]
+    map: bool,
     /// Of a session, the posture of a touch, counted from 1, its places lit
     #[arg(long, value_name = "N", conflicts_with = "posture", help_heading = "What is drawn")]
     touch: Option<usize>,
@@ -108,6 +117,8 @@ struct RenderSubject {
     place: String,
     model: Arc<Model>,
     body: Option<Body>,
+    /// The skin that it is drawn with.
+    skin: Option<Skin>,
     /// Whether only the creature is to fill the picture, and not all that is about it.
     alone: bool,
 }
@@ -149,8 +160,9 @@ pub fn run(args: &RenderArguments) -> Outcome {
         makes("film", args.learning, "--learning", mend)?;
     }
     let spinner = progress::spinner("getting ready");
-    let (subject, plan) =
+    let (subject, mut plan) =
         if args.what.join(SESSION_FILE).exists() { session::plan(args, film)? } else { model(args, film)? };
+    add_layers(args, &subject, &mut plan)?;
     let [width, height] = args.size;
     let mut renderer = Renderer::new(&subject.model, width, height)
         .map_err(|error| Failure(format!("{}: {error}", args.out.display())))?;
@@ -224,20 +236,52 @@ fn model(args: &RenderArguments, film: bool) -> Result<(RenderSubject, Storyboar
         };
         body.write_qpos(&posture, &mut qpos);
     }
-    let subject = RenderSubject { place, model, body, alone: args.skin };
-    let marks = match (&subject.body, args.skin) {
-        (Some(body), true) => skin(args, body, &subject.data(&qpos)?)?,
-        _ => Vec::new(),
-    };
+    let mut marks = Vec::new();
+    let mut subject =
+        RenderSubject { place, model, body, skin: None, alone: args.skin || args.auras || args.map };
+    if let Some(body) = subject.body.as_ref().filter(|_| subject.alone) {
+        // The skin that a body babbles with.
+        let (skin, own) = skin_for(&args.what, body, &Bars::default())?;
+        if args.skin {
+            let data = subject.data(&qpos)?;
+            let on_limbs = skin.receptors.iter().filter_map(|r| Some((r, body.limb_pose(&data, r.limb)?)));
+            marks = picture::skin(on_limbs, own, size_of(body, &data));
+        }
+        subject.skin = Some(skin);
+    }
     Ok((subject, Storyboard::still(Shot { qpos, marks, lit: Vec::new() }, false)))
 }
 
-/// The skin that a body babbles with, in the posture of data with poses computed.
-fn skin(args: &RenderArguments, body: &Body, data: &Data) -> Result<Vec<Mark>, Failure> {
-    let (whole, own) = skin_for(&args.what, body, &Bars::default())?;
-    let on_limbs = whole.receptors.iter().filter_map(|r| Some((r, body.limb_pose(data, r.limb)?)));
-    let size = extent(&outline(data, &|geom| body.limb_of_geom(geom).is_some()));
-    Ok(picture::skin(on_limbs, own, size))
+/// How large a body is, metres, given data with poses computed.
+fn size_of(body: &Body, data: &Data) -> f64 {
+    extent(&outline(data, &|geom| body.limb_of_geom(geom).is_some()))
+}
+
+/// Draws the aura and the somatotopic map into every picture where they are asked for.
+fn add_layers(args: &RenderArguments, subject: &RenderSubject, plan: &mut Storyboard) -> Outcome {
+    let (Some(body), Some(skin)) = (&subject.body, &subject.skin) else { return Ok(()) };
+    let at_rest = body.reference_data()?;
+    let size = size_of(body, &at_rest);
+    let geometries = match args.auras {
+        true => aura_of(body, skin, &body.limb_frames(&at_rest)),
+        false => Vec::new(),
+    };
+    let map = args.map.then(|| SomatotopicMap::new(skin));
+    for shot in &mut plan.shots {
+        if args.auras || args.map {
+            let frames = body.limb_frames(&subject.data(&shot.qpos)?);
+            shot.marks.extend(picture::auras(&geometries, &frames));
+            shot.marks.extend(map.iter().flat_map(|map| picture::map(skin, map, &frames, size)));
+        }
+        let count = shot.marks.len() + shot.lit.len();
+        if count > MOST_MARKS {
+            return Err(Failure(format!(
+                "{}: {count} marks are more than the {MOST_MARKS} of a picture: leave out --map or --skin",
+                subject.place
+            )));
+        }
+    }
+    Ok(())
 }
 
 /// The camera that is asked for, or one that holds all that is shown.

@@ -73,7 +73,8 @@ pub fn run(args: &SkinArguments) -> Outcome {
                 0 => String::new(),
                 kept => format!(", {kept} touch sensors kept"),
             };
-            tell!("{} receptors written to {}{kept}", grown.receptors, path.display());
+            let (receptors, auras) = (grown.receptors, grown.auras);
+            tell!("{receptors} receptors and {auras} auras written to {}{kept}", path.display());
         }
     }
     Ok(())

@@ -67,9 +67,14 @@ pub(crate) fn anchor_assets(root: &mut Element, path: &std::path::Path) {
 
 /// The default class of the receptors' sites.
 pub(crate) fn add_receptor_class(root: &mut Element, name: &str) {
-    let mut class = element("default", &[("class", name.into())]);
     let look = [("type", "box".into()), ("group", "3".into()), ("rgba", "0.2 0.6 0.9 0.5".into())];
-    class.children.push(XMLNode::Element(element("site", &look)));
+    add_class(root, name, element("site", &look));
+}
+
+/// A default class of one kind of element.
+pub(crate) fn add_class(root: &mut Element, name: &str, of: Element) {
+    let mut class = element("default", &[("class", name.into())]);
+    class.children.push(XMLNode::Element(of));
     section(root, "default").children.push(XMLNode::Element(class));
 }
 

@@ -29,6 +29,10 @@ pub struct ModelBody<'m> {
     pub mass: f64,
     /// Its centre of mass in its frame, in metres.
     pub ipos: Vector3<f64>,
+    /// The orientation of its principal axes in its frame.
+    pub iquat: UnitQuaternion<f64>,
+    /// Its moments of inertia about these, kg·m².
+    pub inertia: Vector3<f64>,
 }
 
 /// A joint between a body and its parent.

@@ -5,6 +5,9 @@ use super::error::Result;
 use super::ffi;
 use super::model::Model;
 
+/// The radius about an aura's middle that the engine is told of, metres: 0 would be that of a plane without end.
+const AURA_BOUND: f64 = 1e-6;
+
 impl Model {
     /// Whether the engine reports a contact when geoms `a` and `b` come close enough.
     ///
@@ -71,6 +74,7 @@ impl Model {
     fn with_contact_bits(&self, bits: impl Fn(usize) -> (i32, i32)) -> Result<Model> {
         let mut copy = self.copy()?;
         copy.set_contact_bits(bits);
+        let auras: Vec<usize> = (0..self.ngeom()).filter(|&geom| self.is_aura(geom)).collect();
         let raw = copy.raw_mut();
         // SAFETY: the copy is not shared yet; the arrays hold a number per geom, and so many geoms there are
         // in both models. Counts of zero leave arrays unread whose memory belongs to the model's one buffer.
@@ -78,6 +82,10 @@ impl Model {
             for g in 0..self.ngeom() {
                 *(*raw).geom_margin.add(g) = 0.0;
                 *(*raw).geom_gap.add(g) = 0.0;
+            }
+            // What touches nothing counts in the boxes about bodies, too: large auras would make all of them meet.
+            for g in auras {
+                *(*raw).geom_rbound.add(g) = AURA_BOUND;
             }
             // Where no poses are wanted a rangefinder has no direction to look in, which the engine takes for an error.
             for (s, sensor) in self.sensors().enumerate() {

@@ -43,5 +43,6 @@ pub use model::Model;
 #[cfg(feature = "render")]
 pub use opengl::OPENGL_VARIABLE;
 #[cfg(feature = "render")]
-pub use renderer::{Camera, Image, Mark, PICTURE_SIDES, Renderer, View};
+pub use renderer::{Camera, Image, MOST_MARKS, Mark, PICTURE_SIDES, Renderer, View};
 pub use simulated::LONGEST_STEP;
+pub use surface::AURA_GEOM;

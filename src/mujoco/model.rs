@@ -189,6 +189,8 @@ impl Model {
             geoms: range(array!(self, body_geomadr[nbody])[i], array!(self, body_geomnum[nbody])[i]),
             mass: array!(self, body_mass[nbody])[i],
             ipos: vector(&array!(self, body_ipos[nbody * 3])[3 * i..]),
+            iquat: quaternion(&array!(self, body_iquat[nbody * 4])[4 * i..]),
+            inertia: vector(&array!(self, body_inertia[nbody * 3])[3 * i..]),
         }
     }
 

@@ -13,8 +13,8 @@ use super::ffi;
 use super::model::Model;
 use super::opengl::OffscreenContext;
 
-/// Most marks of a picture.
-const MOST_MARKS: usize = 10_000;
+/// Most marks of a picture: the largest skin with all its neighbours.
+pub const MOST_MARKS: usize = 100_000;
 /// Sides of a picture, pixels: a buffer of the largest takes half a gigabyte.
 pub const PICTURE_SIDES: std::ops::RangeInclusive<usize> = 16..=4096;
 /// MuJoCo's head light where a model says nothing of it: ambient, diffuse and specular, …
@@ -149,8 +149,16 @@ impl Renderer {
         };
         // Receptors cover all of a skin: over the body's own looks they would be all that is seen.
         option.sitegroup.fill(0);
-        if !copy.geoms().any(|geom| geom.body != 0 && (0..SHOWN_GROUPS as i32).contains(&geom.group)) {
-            option.geomgroup.fill(1);
+        let limbs = || copy.geoms().enumerate().filter(|(g, geom)| geom.body != 0 && !copy.is_aura(*g));
+        if !limbs().any(|(_, geom)| (0..SHOWN_GROUPS as i32).contains(&geom.group)) {
+            // The aura alone stays hidden.
+            for (group, shown) in option.geomgroup.iter_mut().enumerate() {
+                let of_group = |geom: &super::element::Geom| usize::try_from(geom.group) == Ok(group);
+                let any = copy.geoms().any(|geom| of_group(&geom));
+                *shown = u8::from(
+                    !any || copy.geoms().enumerate().any(|(g, geom)| of_group(&geom) && !copy.is_aura(g)),
+                );
+            }
         }
         let data = Data::new(copy)?;
         Ok(Renderer { buffers, scene, context, option, data, width, height })
@@ -180,7 +188,7 @@ impl Renderer {
     /// and where OpenGL fails.
     ///
     /// # Panics
-    /// Where there are more than 10,000 marks, or one is a plane, mesh or height field.
+    /// Where there are more than [`MOST_MARKS`] marks, or one is a plane, mesh or height field.
     pub fn render(&mut self, qpos: &[f64], view: &View) -> Result<Image> {
         self.data.set_qpos(qpos)?;
         self.data.place()?;

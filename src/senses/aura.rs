@@ -1,21 +1,17 @@
 //! The aura: proximity geometries about the limbs that tell what is about to touch, and where.
 //!
-//! "Around every geometry representing a limb of Max's body, 17 proximity geometries were added forming a 'proximity
-//! aura'" (IVA 2009, section 2). Here a limb's geometry is a capsule about its surfaces, grown by how far it
-//! reaches; it takes part in no contact. What is inside one is measured exactly, against the surfaces of its limb:
-//! the engine's own distances between shapes that do not touch are right for capsules and boxes alone.
+//! What is inside a [`ProximityGeometry`] is measured exactly, against the surfaces of its limb: the engine's own distances
+//! between shapes that do not touch are right for capsules and boxes alone.
 
 use std::collections::{BTreeMap, VecDeque};
 
 use nalgebra::{Point3, Vector3};
 
 use crate::creature::Body;
-use crate::geometry::{Ball, Capsule, Frame, Precision, gap};
+use crate::geometry::{Ball, Frame, Precision, gap};
 use crate::mujoco::Data;
-use crate::skin::{Skin, Surface, surface_of_body};
+use crate::skin::{AURA_REACH, ProximityGeometry, Skin, Surface, aura_of, surface_of_body};
 
-/// How far an aura reaches beyond its limb, metres: an object of 1 m/s is noticed a third of a second before.
-pub const REACH: f64 = 0.35;
 /// How far ahead a contact is predicted, seconds.
 pub const HORIZON: f64 = 0.6;
 /// Receptors named for a contact that is predicted.
@@ -26,45 +22,15 @@ pub const LOOK_PERIOD: f64 = 0.01;
 const LOOKS: usize = 5;
 /// An object this near counts as there, metres.
 const THERE: f64 = 5e-4;
-
-/// The proximity geometry of one aura limb: a capsule in the frame of one of its limbs.
-#[derive(Clone, Debug, PartialEq)]
-pub struct ProximityGeometry {
-    /// The aura limb, an index into the creature's.
-    pub aura_limb: usize,
-    /// The limb that carries it.
-    pub limb: usize,
-    /// The capsule in that limb's frame, its reach beyond the limb included.
-    pub capsule: Capsule,
-}
-
-impl ProximityGeometry {
-    /// Whether a ball, in the frame of [`ProximityGeometry::limb`], is partly inside.
-    fn holds(&self, ball: &Ball) -> bool {
-        self.capsule.distance_to(ball) < 0.0
-    }
-}
-
-/// Makes the proximity geometries of a creature, one for each aura limb that has a surface: about it in the
-/// reference posture, whose limb frames `X_WL` are given.
-pub fn grow_aura(body: &Body, skin: &Skin, frames: &[Frame]) -> Vec<ProximityGeometry> {
-    let directions: Vec<Vector3<f64>> = (0..26)
-        .map(|k| Vector3::new((k % 3) as f64 - 1.0, (k / 3 % 3) as f64 - 1.0, (k / 9) as f64 - 1.0))
-        .filter(|direction| direction.norm() > 0.0)
-        .collect();
-    let geometry = |(aura_limb, aura): (usize, &crate::creature::AuraLimb)| {
-        let limb = *aura.limbs.first()?;
-        let mut points = Vec::new();
-        for surface in skin.surfaces.iter().filter(|surface| aura.limbs.contains(&surface.limb)) {
-            let farthest = directions.iter().filter_map(|direction| surface.support(direction));
-            points.extend(farthest.map(|p| frames[limb].inverse_point(&frames[surface.limb].point(&p))));
-        }
-        let limbs = Capsule::about_points(&points)?;
-        let capsule = Capsule { radius: limbs.radius + REACH, ..limbs };
-        Some(ProximityGeometry { aura_limb, limb, capsule })
-    };
-    body.creature.aura_limbs().iter().enumerate().filter_map(geometry).collect()
-}
+/// An object this near touches a limb, metres: what rests on skin is in it by less, and rises by less as it rolls …
+const TOUCHING: f64 = 1e-3;
+/// … and this near it touches it still for so long after, seconds: contacts flicker.
+const STILL_TOUCHING: f64 = 3e-3;
+const FLICKER: f64 = 0.1;
+/// A limb in whose frame an object moves by less than this share of its way goes along with it.
+const ALONG: f64 = 0.1;
+/// An object that moves into a limb it touches by more than this is stopped by it, metres a second.
+const STOPPED: f64 = 0.01;
 
 /// An object inside an aura.
 #[derive(Clone, Debug, PartialEq)]
@@ -83,7 +49,8 @@ pub struct Approach {
     pub toward: Vector3<f64>,
     /// How fast the distance becomes less, metres a second; below 0 where the object recedes.
     pub speed: f64,
-    /// The contact that is predicted, if the object goes on as it does and the creature stays as it is.
+    /// The contact that is predicted, if the object goes on as it does and the creature stays as it is: with a limb that it
+    /// does not touch yet.
     pub contact: Option<PredictedContact>,
 }
 
@@ -103,7 +70,7 @@ pub struct PredictedContact {
 pub enum AuraEvent {
     /// An object has come into the aura of a limb.
     Entered(Approach),
-    /// A contact is predicted, with a limb that was not predicted for this object before.
+    /// A contact is predicted, with a limb that was not predicted for this object before and that it does not touch.
     Alarm(Approach),
     /// The object has left all auras.
     Left {
@@ -139,6 +106,12 @@ struct NearestLimb {
 struct Followed {
     /// When and where it was.
     looks: VecDeque<(f64, Vector3<f64>)>,
+    /// Where it was in the frame of every limb, at the last of these looks, as far as it was in an aura.
+    seen_from: VecDeque<Vec<Vector3<f64>>>,
+    /// The limbs that it touches, and when it was last surely there.
+    touched: BTreeMap<usize, f64>,
+    /// The limb that a contact was foreseen with at the last look, and in how many looks on end.
+    foreseen: Option<(usize, usize)>,
     within: bool,
     alarm: Option<usize>,
     approach: Option<Approach>,
@@ -148,7 +121,7 @@ impl Aura {
     /// The aura of a creature whose limbs are at `X_WL` in its reference posture, with the bodies that are no part of it
     /// for objects.
     pub fn new(body: &Body, skin: &Skin, frames: &[Frame]) -> Aura {
-        let geometries = grow_aura(body, skin, frames);
+        let geometries = aura_of(body, skin, frames);
         let mut objects: BTreeMap<usize, Vec<Surface>> = BTreeMap::new();
         let foreign = |b: &usize| body.limb_of_body[*b].is_none() && body.model.weld(*b) != 0;
         for object in (1..body.model.nbody()).filter(foreign) {
@@ -188,7 +161,7 @@ impl Aura {
             };
             let followed = self.followed.entry(object).or_default();
             // What jumps was carried elsewhere: its motion begins anew.
-            if followed.looks.back().is_some_and(|(_, before)| (place - before).norm() > REACH) {
+            if followed.looks.back().is_some_and(|(_, before)| (place - before).norm() > AURA_REACH) {
                 followed.looks.clear();
             }
             followed.looks.push_back((time, place));
@@ -200,6 +173,8 @@ impl Aura {
                     events.push(AuraEvent::Left { object });
                 }
                 (followed.approach, followed.alarm) = (None, None);
+                followed.seen_from.clear();
+                followed.touched.clear();
                 continue;
             }
             let frames = frames.get_or_insert_with(|| body.limb_frames(data));
@@ -215,11 +190,47 @@ impl Aura {
             let before = nearest(&at(place - velocity * 1e-3));
             let speed = before.map_or(0.0, |before| (before.distance - distance) / 1e-3);
             let (point, toward) = (frames[limb].inverse_point(&point), frames[limb].rotation.tr_mul(&toward));
-            let contact =
-                predict(&nearest, &at, place, velocity, acceleration).map(|(seconds, limb, point)| {
-                    let receptors = likeliest(skin, limb, &frames[limb].inverse_point(&point));
-                    PredictedContact { limb, seconds, receptors }
-                });
+            followed.seen_from.push_back(frames.iter().map(|frame| frame.inverse_point(&place)).collect());
+            if followed.seen_from.len() > LOOKS {
+                followed.seen_from.pop_front();
+            }
+            let of_limb = |limb: usize| nearest_limb(skin, frames, &[limb], surfaces, &at(place));
+            let touching = if distance < STILL_TOUCHING {
+                followed.touching(time, &limbs, &of_limb)
+            } else {
+                Vec::new()
+            };
+            // What touches a limb and moves into it goes no farther.
+            let stopped = touching.iter().any(|touched| {
+                let toward = frames[touched.limb].rotation.tr_mul(&touched.toward);
+                followed.seen_moving(touched.limb).is_some_and(|seen| seen.dot(&toward) < -STOPPED)
+            });
+            let threatened: Vec<usize> = limbs
+                .iter()
+                .copied()
+                .filter(|&limb| {
+                    !touching.iter().any(|touched| touched.limb == limb) && !followed.goes_along(limb)
+                })
+                .collect();
+            let threatened = |frame: &Frame| nearest_limb(skin, frames, &threatened, surfaces, frame);
+            // What the skin carries is shaken by it: how it speeds up says nothing of where it goes.
+            let motion = if touching.is_empty() {
+                (velocity, acceleration)
+            } else {
+                (followed.drift(), Vector3::zeros())
+            };
+            let found = (!stopped).then(|| predict(&threatened, &at, place, motion)).flatten();
+            followed.foreseen = match (followed.foreseen, &found) {
+                (Some((limb, looks)), Some((_, again, _))) if limb == *again => Some((limb, looks + 1)),
+                (_, found) => found.as_ref().map(|(_, limb, _)| (*limb, 1)),
+            };
+            // Shaken things seem to go anywhere for a moment.
+            let steady = touching.is_empty() || followed.foreseen.is_some_and(|(_, looks)| looks >= LOOKS);
+            let found = found.filter(|_| steady);
+            let contact = found.map(|(seconds, limb, point)| {
+                let receptors = likeliest(skin, limb, &frames[limb].inverse_point(&point));
+                PredictedContact { limb, seconds, receptors }
+            });
             let aura_limb = body.creature.aura_of(limb).unwrap_or(within[0].aura_limb);
             let approach = Approach { object, aura_limb, limb, distance, point, toward, speed, contact };
             if !std::mem::replace(&mut followed.within, true) {
@@ -237,6 +248,53 @@ impl Aura {
 }
 
 impl Followed {
+    /// The limbs that it touches at a look, with where: what is in reach of nothing has touched nothing.
+    fn touching(
+        &mut self,
+        time: f64,
+        limbs: &[usize],
+        of_limb: &dyn Fn(usize) -> Option<NearestLimb>,
+    ) -> Vec<NearestLimb> {
+        let mut touching = Vec::new();
+        for nearest in limbs.iter().filter_map(|&limb| of_limb(limb)) {
+            if nearest.distance < TOUCHING {
+                self.touched.insert(nearest.limb, time);
+            }
+            let surely = self.touched.get(&nearest.limb);
+            if nearest.distance < STILL_TOUCHING && surely.is_some_and(|surely| time - surely <= FLICKER) {
+                touching.push(nearest);
+            }
+        }
+        touching
+    }
+
+    /// How it moves as seen from a limb, in that limb's frame, metres a second; none where it was seen but once.
+    fn seen_moving(&self, limb: usize) -> Option<Vector3<f64>> {
+        let seen = self.seen_from.len();
+        let (first, last) = (self.seen_from.front()?, self.seen_from.back()?);
+        let begun = self.looks.get(self.looks.len().checked_sub(seen)?)?.0;
+        let seconds = self.looks.back()?.0 - begun;
+        (seconds > 0.0).then(|| (last[limb] - first[limb]) / seconds)
+    }
+
+    /// Whether it moves and a limb moves with it, as one that holds it does, or that it lies on.
+    fn goes_along(&self, limb: usize) -> bool {
+        let begun = self.looks.len().checked_sub(self.seen_from.len()).and_then(|k| self.looks.get(k));
+        let (Some(begun), Some(now), Some(seen)) = (begun, self.looks.back(), self.seen_moving(limb)) else {
+            return false;
+        };
+        let speed = (now.1 - begun.1).norm() / (now.0 - begun.0);
+        seen.norm() < ALONG * speed
+    }
+
+    /// Its mean velocity over all looks, metres a second.
+    fn drift(&self) -> Vector3<f64> {
+        let [Some(first), Some(last)] = [self.looks.front(), self.looks.back()] else {
+            return Vector3::zeros();
+        };
+        if last.0 > first.0 { (last.1 - first.1) / (last.0 - first.0) } else { Vector3::zeros() }
+    }
+
     /// Velocity now and acceleration, metres and seconds, by the parabola through three looks.
     fn motion(&self) -> (Vector3<f64>, Vector3<f64>) {
         let looks: Vec<&(f64, Vector3<f64>)> = self.looks.iter().collect();
@@ -282,8 +340,7 @@ fn predict(
     nearest: &dyn Fn(&Frame) -> Option<NearestLimb>,
     at: &dyn Fn(Vector3<f64>) -> Frame,
     place: Vector3<f64>,
-    velocity: Vector3<f64>,
-    acceleration: Vector3<f64>,
+    (velocity, acceleration): (Vector3<f64>, Vector3<f64>),
 ) -> Option<(f64, usize, Vector3<f64>)> {
     let fastest = velocity.norm() + acceleration.norm() * HORIZON;
     if fastest < 1e-3 {

@@ -111,7 +111,7 @@ impl TouchablePairs {
         let creature = &body.creature;
         let mut by_limb: Vec<Vec<u32>> = vec![Vec::new(); creature.limbs().len()];
         let mut bounds = Vec::new();
-        for g in 0..body.model.ngeom() {
+        for g in (0..body.model.ngeom()).filter(|&g| body.feels(g)) {
             let Some(limb) = body.limb_of_geom(g) else { continue };
             let Some(bound) = bounded(body, g) else { continue };
             by_limb[limb].push(bounds.len() as u32);

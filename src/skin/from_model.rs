@@ -49,7 +49,7 @@ pub(crate) fn surface_of_geom(body: &Body, geom: usize) -> Option<Surface> {
 
 /// The surfaces of a model's body, whoever's it is, in its own frame; their limb means nothing.
 pub(crate) fn surface_of_body(model: &Model, body: usize) -> Vec<Surface> {
-    let geoms = (0..model.ngeom()).filter(|&geom| model.geom_body(geom) == body);
+    let geoms = (0..model.ngeom()).filter(|&geom| model.geom_body(geom) == body && !model.is_aura(geom));
     let surface = |geom: usize| {
         let (info, shape) = (model.geom(geom), Shape::of_geom(model, geom)?);
         Some(Surface { limb: 0, origin: info.pos, rotation: matrix(&info.quat), shape, geom })

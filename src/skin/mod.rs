@@ -1,5 +1,6 @@
 //! The skin: receptors on the limbs, and which of them are neighbours.
 
+mod aura;
 mod from_model;
 mod growing;
 mod somatotopic_map;
@@ -10,6 +11,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::kinematics::Place;
 
+pub use aura::{AURA_REACH, ProximityGeometry, aura_of, grow_aura};
 pub use from_model::skin_of;
 pub(crate) use from_model::{surface_of_body, surface_of_geom};
 pub(crate) use growing::grow_counted;

@@ -333,7 +333,32 @@ fn inspect_prints_one_json_object_and_knows_max() {
     assert_eq!(sum, found["receptors"].as_u64().unwrap());
     assert!(by_limb["left_hand"].as_u64().unwrap() > 30);
     let (text, _) = place.succeeds(&["inspect", max.to_str().unwrap()]);
-    has(&text, &["57 joints", "103 degrees of freedom", "left_hand"]);
+    has(
+        &text,
+        &["57 joints", "103 degrees of freedom", "left_hand", "neighbours on average", "across limbs"],
+    );
+    // His auras, and the neighbours of every receptor, which are mutual.
+    let auras = found["auras"].as_array().unwrap();
+    assert_eq!(auras.len(), 17);
+    for aura in auras {
+        assert_eq!(aura["of_model"], true, "{aura}");
+        assert!((aura["reach"].as_f64().unwrap() - 0.35).abs() < 1e-4, "{aura}");
+    }
+    let neighbours = found["neighbours"].as_object().unwrap();
+    assert_eq!(neighbours.len() as u64, found["receptors"].as_u64().unwrap());
+    let links: usize = neighbours.values().map(|of| of.as_array().unwrap().len()).sum();
+    let mean = found["neighbours_mean"].as_f64().unwrap();
+    assert!((mean - links as f64 / neighbours.len() as f64).abs() < 1e-9 && mean > 3.0, "{mean}");
+    for (id, of) in neighbours {
+        for other in of.as_array().unwrap() {
+            assert!(
+                neighbours[other.as_str().unwrap()].as_array().unwrap().contains(&id.as_str().into()),
+                "{id}"
+            );
+        }
+    }
+    let alone = neighbours.values().filter(|of| of.as_array().unwrap().is_empty()).count();
+    assert_eq!(found["neighbours_none"].as_array().unwrap().len(), alone);
 }
 
 #[test]

@@ -3,6 +3,7 @@
 mod common;
 
 mod account;
+mod aura;
 mod avoiding;
 mod babbling;
 mod bound;

@@ -140,14 +140,27 @@ fn every_picture_is_drawn_and_nothing_is_fetched() {
     );
     assert_ne!(picture(&tab), before);
 
-    // What is switched off is not drawn.
-    let switch = r#"await (async () => {
-        document.querySelectorAll(".switches input").forEach((box) => box.click());
-        await new Promise((done) => setTimeout(done, 500));
-        return 0;
-    })()"#;
-    tab.evaluate(switch);
+    // What is switched off is not drawn; auras and neighbours are off at first.
+    let switch = |which: &str| {
+        tab.evaluate(&format!(
+            r#"await (async () => {{
+                document.querySelectorAll(".switches input{which}").forEach((box) => box.click());
+                await new Promise((done) => setTimeout(done, 500));
+                return 0;
+            }})()"#
+        ))
+    };
+    switch(":checked");
     assert_eq!(pixels(&tab, "body"), (0.0, 0));
+    // Auras are veils that fill much of it, the map is of lines.
+    switch("[data-layer='auras']");
+    assert!(pixels(&tab, "body").0 > 0.01, "{:?}", pixels(&tab, "body"));
+    switch("[data-layer='auras']");
+    assert_eq!(pixels(&tab, "body"), (0.0, 0));
+    switch("[data-layer='neighbouring receptors']");
+    let (lines, _) = pixels(&tab, "body");
+    assert!((0.001..0.2).contains(&lines), "{lines}");
+    switch("[data-layer='neighbouring receptors']");
 
     // Dark: the ink of labels is light.
     let ink = r#"getComputedStyle(document.querySelector("\#residuals text")).fill"#;
@@ -182,7 +195,7 @@ fn a_recording_has_a_page_without_the_truth() {
     let tab = open(browser, &place.path().join("recorded/report.html"));
     let names = tab
         .evaluate("[...document.querySelectorAll('.switches label')].map((label) => label.innerText.trim())");
-    assert_eq!(names, serde_json::json!(["limbs", "receptors", "joints"]));
+    assert_eq!(names, serde_json::json!(["limbs", "receptors", "joints", "auras", "neighbouring receptors"]));
     let (share, colours) = pixels(&tab, "body");
     assert!(share > 0.01 && colours > 20, "{share} of it drawn on in {colours} colours");
 }

@@ -79,6 +79,32 @@ fn a_model_at_ease_fills_its_picture() {
 }
 
 #[test]
+fn auras_are_veils_about_a_body_that_is_seen_through_them_and_the_map_is_of_lines() {
+    if !opengl() {
+        return;
+    }
+    let place = tempfile::tempdir().unwrap();
+    // From so far that the auras are within the picture.
+    let from = ["--size", "300x300", "--camera", "180,0,4"];
+    let drawn = |more: &[&str]| picture(place.path(), &[&[max().as_str()], more, &from].concat());
+    let (plain, auras, map) = (drawn(&[]), drawn(&["--auras"]), drawn(&["--map"]));
+    let [bare, veiled, lined] = [&plain, &auras, &map].map(|drawn| 1.0 - drawn.share(is_white));
+    assert!(veiled > 2.0 * bare, "{veiled} of it is drawn on with auras, {bare} without");
+    assert!(lined < 1.5 * bare, "{lined} of it is drawn on with the map, {bare} without");
+    let line = |pixel: &[u8; 3]| pixel[0] > 150 && pixel[1] > 90 && pixel[2] < 90;
+    assert!(map.share(line) > plain.share(line) + 0.002, "{}", map.share(line));
+    // A pixel of the dark trousers is darker than the veils beside it.
+    let grey = |pixel: &[u8; 3]| pixel.iter().map(|part| u32::from(*part)).sum::<u32>();
+    let darkest = |drawn: &Picture| drawn.pixels.iter().map(grey).min().unwrap();
+    assert!(darkest(&auras) < 300, "{}", darkest(&auras));
+    // Of a session as of a model.
+    let touch = ["--touch", "3", "--size", "300x300"];
+    let of_session = |more: &[&str]| picture(session(), &[&["session"], more, &touch].concat());
+    let share = |drawn: Picture| 1.0 - drawn.share(is_white);
+    assert!(share(of_session(&["--auras", "--map"])) > share(of_session(&[])) + 0.1);
+}
+
+#[test]
 fn a_posture_is_drawn_as_words_or_a_file_give_it() {
     if !opengl() {
         return;

@@ -63,7 +63,8 @@ pub fn plan(args: &RenderArguments, film: bool) -> Result<(RenderSubject, Storyb
         (false, _) => still(args, &session, &drawn)?,
     };
     let (place, model) = (args.what.display().to_string(), body.declared.clone());
-    Ok((RenderSubject { place, model, body: Some(body), alone: true }, board))
+    let skin = Some(agent.skin().clone());
+    Ok((RenderSubject { place, model, body: Some(body), skin, alone: true }, board))
 }
 
 /// One picture: of a touch, or in a posture.

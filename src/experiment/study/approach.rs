@@ -18,7 +18,8 @@ use crate::simulation::{PROBE_RADIUS, ProbePath, Stage, StepSenses};
 /// The study `approach`.
 pub const STUDY: Study = Study {
     name: "approach",
-    about: "how well the aura predicts which limb is hit, and where; a trial is an approach, a pass and a retreat",
+    about: "how well the aura predicts which limb is hit, and where; a trial is an approach, a pass, a retreat and a touch that \
+            lasts",
     touches: false,
     several: false,
     measure: |subject| Ok(measure(subject)?.into()),
@@ -59,8 +60,15 @@ row! {
     }
 }
 
-/// The ways that an object takes.
-const WAYS: [&str; 3] = ["approach", "pass", "retreat"];
+/// The ways that an object takes; one that touches already when it is first looked at presses, then goes along the skin.
+const WAYS: [&str; 4] = ["approach", "pass", "retreat", "touching"];
+/// How deep what touches already presses into the skin, metres, how long it stays before it goes on, and how long after
+/// that it is watched, seconds.
+const PRESSED: [f64; 2] = [5e-4, 3e-3];
+const STAYS: f64 = 0.5;
+const GOES_ON: f64 = 0.7;
+/// The fastest that it goes along the skin, metres a second.
+const ALONG_SKIN: f64 = 0.1;
 
 fn direction(rng: &mut ChaCha8Rng) -> Vector3<f64> {
     let (z, angle) = (rng.random_range(-1.0..1.0_f64), rng.random_range(0.0..TAU));
@@ -104,6 +112,59 @@ fn way(stage: &Stage, name: &str, time: f64, rng: &mut ChaCha8Rng) -> (ProbePath
     (ProbePath(points.collect()), speed)
 }
 
+/// A way that begins on a random place of the skin, stays there, and then goes straight on along the skin or away from it.
+fn touching_way(stage: &Stage, time: f64, rng: &mut ChaCha8Rng) -> ProbePath {
+    let skin = stage.skin();
+    let receptor = &skin.receptors[rng.random_range(0..skin.receptors.len())];
+    let pose = stage.limb_pose(receptor.limb);
+    let [depth, speed] = [rng.random_range(PRESSED[0]..PRESSED[1]), rng.random_range(0.0..ALONG_SKIN)];
+    let start = pose * nalgebra::Point3::from(receptor.place(PROBE_RADIUS - depth).point);
+    let drawn = direction(rng);
+    let normal = pose.rotation * receptor.normal;
+    // Never farther into it.
+    let along = drawn - normal * drawn.dot(&normal).min(0.0);
+    let end = start.coords + along * (speed * GOES_ON);
+    ProbePath(vec![(time, start.coords), (time + STAYS, start.coords), (time + STAYS + GOES_ON, end)])
+}
+
+/// What came of a touch that lasts.
+struct LastingTouch {
+    /// Whether it touched at all.
+    touched: bool,
+    /// Alarms in all, …
+    alarms: usize,
+    /// … those for a limb that was touched then, …
+    for_touched: usize,
+    /// … and those for another that it would have met later and did not.
+    for_missed: usize,
+}
+
+/// Watches what touches already, along its way.
+fn lasting_touch(stage: &Stage, path: ProbePath) -> Result<LastingTouch, ExperimentError> {
+    let end = path.end();
+    stage.send_probe(0, path)?;
+    stage.grow_aura();
+    let mut found = LastingTouch { touched: false, alarms: 0, for_touched: 0, for_missed: 0 };
+    let mut announced: Vec<usize> = Vec::new();
+    while stage.time() < end {
+        let StepSenses { time, contacts, near, .. } = stage.step()?;
+        let touched: Vec<usize> = contacts.iter().map(|contact| contact.spot.limb).collect();
+        found.touched |= !touched.is_empty();
+        announced.retain(|limb| !touched.contains(limb));
+        for event in &near {
+            let AuraEvent::Alarm(Approach { contact: Some(contact), .. }) = event else { continue };
+            found.alarms += 1;
+            found.for_touched += usize::from(touched.contains(&contact.limb));
+            // What would be met after the end of the way is not known to be wrong.
+            if !touched.contains(&contact.limb) && time + contact.seconds < end {
+                announced.push(contact.limb);
+            }
+        }
+    }
+    found.for_missed = announced.len();
+    Ok(found)
+}
+
 /// Measures; a trial that does not succeed is a finding.
 ///
 /// # Errors
@@ -112,12 +173,33 @@ pub fn measure(subject: &Subject) -> Result<Findings<ApproachMeasurement, Approa
     let stage = subject.stage()?;
     let mut measurements: Vec<ApproachMeasurement> = Vec::new();
     // Per way: trials, hits, limbs right, receptors named, alarms without a hit.
-    let mut counts = [[0usize; 5]; 3];
-    let mut leads: [Vec<f64>; 3] = Default::default();
+    let mut counts = [[0usize; 5]; WAYS.len()];
+    let mut touched_alarms = 0;
+    let mut leads: [Vec<f64>; WAYS.len()] = Default::default();
     for &seed in &subject.seeds {
         for (k, name) in WAYS.iter().enumerate() {
             let mut rng = ChaCha8Rng::seed_from_u64(seed);
             rng.set_stream(k as u64);
+            if *name == "touching" {
+                let path = touching_way(&stage, stage.time(), &mut rng);
+                let found = lasting_touch(&stage, path)?;
+                counts[k][0] += usize::from(found.touched);
+                counts[k][4] += found.for_missed;
+                touched_alarms += found.for_touched;
+                measurements.push(ApproachMeasurement {
+                    way: (*name).into(),
+                    seed,
+                    speed_m_s: 0.0,
+                    hit_limb: "none".into(),
+                    hit_receptor: "none".into(),
+                    predicted_limb: "none".into(),
+                    limb_right: false,
+                    receptor_named: false,
+                    alarms: found.alarms,
+                    first_alarm_s: f64::NAN,
+                });
+                continue;
+            }
             let (path, speed) = way(&stage, name, stage.time(), &mut rng);
             let end = path.end();
             stage.send_probe(0, path)?;
@@ -200,6 +282,7 @@ pub fn measure(subject: &Subject) -> Result<Findings<ApproachMeasurement, Approa
         ("accuracy", json!(share(counts.iter().map(|count| count[2]).sum(), hits))),
         ("receptor_accuracy", json!(share(counts.iter().map(|count| count[3]).sum(), hits))),
         ("receding_alarms", json!(counts[2][4])),
+        ("touched_alarms", json!(touched_alarms)),
         ("hits", json!(hits)),
     ];
     let notes = vec![
@@ -207,6 +290,10 @@ pub fn measure(subject: &Subject) -> Result<Findings<ApproachMeasurement, Approa
          from 3 cm above one."
             .to_string(),
         "Hits are predicted from what the aura said 0.3 s before the first contact.".to_string(),
+        format!(
+            "What touches already presses for 0.5 s and goes along the skin at up to 10 cm/s: {touched_alarms} alarms for a \
+             limb that it touched then."
+        ),
     ];
     let series = WAYS.iter().zip(&leads).enumerate().map(|(k, (name, leads))| PlotSeries {
         name: (*name).to_string(),

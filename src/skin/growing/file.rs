@@ -6,6 +6,7 @@ use std::sync::Arc;
 
 use xmltree::{Element, XMLNode};
 
+use super::auras::add_auras;
 use super::{GrowError, GrowOptions, Sprout, sprouts, wxyz};
 use crate::creature::{Body, BodyError, JointSelection, body_name};
 use crate::geometry::Shape;
@@ -29,12 +30,15 @@ pub struct Grown {
     pub receptors: usize,
     /// Touch sensors that were there.
     pub kept: usize,
+    /// Geometries of the aura that were added, one for each aura limb that had none.
+    pub auras: usize,
 }
 
 /// Reads a model's file and grows a skin on all that can be touched and has no touch sensors.
 ///
-/// Sites with touch sensors are added, a `jointpos` sensor for each hinge and slide without one, and names for
-/// the creature's bodies and joints that have none. What is there stays.
+/// Sites with touch sensors are added, a `jointpos` sensor for each hinge and slide without one, a geom without contact and
+/// mass for the aura of each aura limb that has none, and names for the creature's bodies and joints that have none. What
+/// is there stays.
 ///
 /// # Errors
 /// Where the file cannot be read, MuJoCo refuses it or it has no creature, where nothing of it can be touched,
@@ -81,12 +85,13 @@ pub fn grow_skin_rooted(path: &Path, root: Option<&str>, options: &GrowOptions) 
             "no geom of a moving body can touch anything: give it geoms".into()
         }));
     }
+    let auras = add_auras(&mut root, &body, digits(&sprouts))?;
     let sensors = add(&mut root, &body, &sprouts).map_err(|fault| unsuitable(fault.to_string()))?;
     if !sensors.is_empty() {
         let section = section(&mut root, "sensor");
         section.children.extend(sensors.into_iter().map(XMLNode::Element));
     }
-    Ok(Grown { root, source: path.to_path_buf(), receptors: sprouts.len(), kept })
+    Ok(Grown { root, source: path.to_path_buf(), receptors: sprouts.len(), kept, auras })
 }
 
 impl Grown {
@@ -151,18 +156,20 @@ fn add(root: &mut Element, body: &Body, sprouts: &[Sprout]) -> Result<Vec<Elemen
     let mut number = 0;
     each_body(root, &mut |element| {
         number += 1;
-        let new = sites.remove(&number).into_iter().flatten().map(XMLNode::Element);
-        // Behind the body's geoms.
-        let geom = |child: &XMLNode| child.as_element().is_some_and(|e| e.name == "geom");
-        let at = element.children.iter().rposition(geom).map_or(0, |k| k + 1);
-        element.children.splice(at..at, new);
+        insert_behind_geoms(element, sites.remove(&number).into_iter().flatten());
     });
     Ok(sensors)
 }
 
+/// Puts elements into a body, behind its geoms.
+pub(super) fn insert_behind_geoms(body: &mut Element, new: impl Iterator<Item = Element>) {
+    let geom = |child: &XMLNode| child.as_element().is_some_and(|e| e.name == "geom");
+    let at = body.children.iter().rposition(geom).map_or(0, |k| k + 1);
+    body.children.splice(at..at, new.map(XMLNode::Element));
+}
+
 /// Makes the class of the receptors' sites, and returns its name.
 fn receptor_class(root: &mut Element) -> Result<String, StickyDefault> {
-    let mut taken = BTreeSet::new();
     for default in root.children.iter().filter_map(XMLNode::as_element).filter(|e| e.name == "default") {
         // Every class inherits from the outermost.
         if let Some(site) = default.get_child("site")
@@ -170,14 +177,22 @@ fn receptor_class(root: &mut Element) -> Result<String, StickyDefault> {
         {
             return Err(StickyDefault(sticky));
         }
-        classes(default, &mut taken);
     }
-    let mut class = CLASS.to_string();
+    let class = free_class(root, CLASS);
+    add_receptor_class(root, &class);
+    Ok(class)
+}
+
+/// A name for a class of defaults that a file has not taken yet.
+pub(super) fn free_class(root: &Element, name: &str) -> String {
+    let mut taken = BTreeSet::new();
+    let sections = root.children.iter().filter_map(XMLNode::as_element);
+    sections.filter(|section| section.name == "default").for_each(|section| classes(section, &mut taken));
+    let mut class = name.to_string();
     while taken.contains(&class) {
         class = format!("grown_{class}");
     }
-    add_receptor_class(root, &class);
-    Ok(class)
+    class
 }
 
 fn classes(element: &Element, taken: &mut BTreeSet<String>) {
@@ -242,7 +257,7 @@ fn name_all(root: &mut Element, body: &Body) -> Option<()> {
 }
 
 /// Visits the bodies of a file in its order.
-fn each_body(root: &mut Element, visit: &mut impl FnMut(&mut Element)) {
+pub(super) fn each_body(root: &mut Element, visit: &mut impl FnMut(&mut Element)) {
     for child in root.children.iter_mut().filter_map(XMLNode::as_mut_element) {
         if child.name == "body" {
             visit(child);
@@ -311,7 +326,7 @@ fn digits(sprouts: &[Sprout]) -> usize {
 }
 
 /// Numbers as MJCF wants them.
-fn numbers<'a>(values: impl Iterator<Item = &'a f64>, digits: usize) -> String {
+pub(super) fn numbers<'a>(values: impl Iterator<Item = &'a f64>, digits: usize) -> String {
     let text = |value: &f64| {
         let text = format!("{value:.digits$}");
         let text = text.trim_end_matches('0').trim_end_matches('.');

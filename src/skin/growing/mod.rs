@@ -6,9 +6,12 @@
 //! touched, whatever the shape. They go straight into a [`Skin`], or into the model's file as sites with
 //! touch sensors.
 //!
+//! About each limb that has an aura the file also gets its geometry of proximity.
+//!
 //! How fine the skin is, the model may say itself: a tuple `limb/NAME` names the bodies of a limb, and the
 //! `prm` of each is the area of a receptor there in cm².
 
+mod auras;
 mod cells;
 mod exposed;
 mod file;

@@ -12,6 +12,13 @@ const Body = (figure) => {
   const BONE = "#1f6fb2";
   const OPEN = "#e08214";
   const NOBODY = -1;
+  // The colours of auras, and how opaque each is.
+  const VEILS = ["#3a8be0", "#1fae94", "#8f6fdc", "#e8963a", "#dc5a80"];
+  const VEIL = 0.05;
+  // Lines between neighbours on a limb and across limbs, and how far behind what is seen they still show, metres.
+  const WITHIN = "#252c5c";
+  const ACROSS = "#d11a6e";
+  const BEFORE = 0.012;
 
   const canvas = figure.querySelector("canvas");
   const context = canvas.getContext("2d", { willReadFrequently: true });
@@ -21,6 +28,8 @@ const Body = (figure) => {
   const view = { turn: 0.55, tilt: 0.2, zoom: 1 };
   const { layers, paint, project, placed, cameraOf, point } = Paint(scene, poses);
   const skeletons = scene.skeletons.map((skeleton) => ({ ...skeleton, shown: true, joints: [] }));
+  const auras = scene.auras.map((own) => ({ ...own, shown: false }));
+  const maps = scene.maps.map((own) => ({ ...own, shown: false }));
   const skin = layers.find(({ look }) => look === "receptors");
   let values = scene.values;
   let seen = null;
@@ -58,6 +67,50 @@ const Body = (figure) => {
     }
   };
 
+  // An aura is a capsule, and a capsule's outline the one of two circles: each is a veil with a thin edge.
+  const aura = (own, camera, ratio) => {
+    const pose = poses[own.poses];
+    own.capsules.forEach(([limb, ...numbers], k) => {
+      const [a, b] = [0, 3].map((from) => project(camera, placed(pose, limb, numbers.slice(from, from + 3).map((n) => n / PARTS))));
+      const radius = (numbers[6] / PARTS) * camera.scales[0];
+      const along = Math.atan2(b[1] - a[1], b[0] - a[0]);
+      context.beginPath();
+      context.arc(a[0], a[1], radius, along + Math.PI / 2, along - Math.PI / 2);
+      context.arc(b[0], b[1], radius, along - Math.PI / 2, along + Math.PI / 2);
+      context.closePath();
+      context.fillStyle = context.strokeStyle = VEILS[k % VEILS.length];
+      context.globalAlpha = VEIL;
+      context.fill();
+      context.globalAlpha = 0.55;
+      context.lineWidth = ratio;
+      context.stroke();
+    });
+    context.globalAlpha = 1;
+  };
+
+  // Lines between neighbouring receptors that are both in sight.
+  const map = (own, camera, ratio) => {
+    const pose = poses[own.poses];
+    const at = own.points.map(([limb, ...p]) => project(camera, placed(pose, limb, p.map((n) => n / PARTS))));
+    const sight = at.map(([x, y, z]) => {
+      const [column, row] = [Math.floor(x), Math.floor(y)];
+      const inside = column >= 0 && row >= 0 && column < seen.width && row < seen.height;
+      return inside && seen.depth[row * seen.width + column] <= z + BEFORE * camera.scales[0];
+    });
+    context.lineCap = "round";
+    for (const across of [false, true]) {
+      context.strokeStyle = across ? ACROSS : WITHIN;
+      context.lineWidth = (across ? 1.8 : 1.1) * ratio;
+      context.beginPath();
+      for (const [a, b] of own.links) {
+        if (!sight[a] || !sight[b] || (own.points[a][0] !== own.points[b][0]) !== across) continue;
+        context.moveTo(at[a][0], at[a][1]);
+        context.lineTo(at[b][0], at[b][1]);
+      }
+      context.stroke();
+    }
+  };
+
   const draw = (ratio) => {
     if (canvas.clientWidth === 0) return;
     const [width, height] = [canvas.clientWidth, canvas.clientHeight].map((x) => Math.max(1, Math.round(x * ratio)));
@@ -65,6 +118,8 @@ const Body = (figure) => {
     seen = { ...paint(context, camera, width, height, values), ratio };
     if (canvas.width !== width || canvas.height !== height) [canvas.width, canvas.height] = [width, height];
     context.putImageData(seen.image, 0, 0);
+    for (const own of auras) if (own.shown && poses[own.poses]) aura(own, camera, ratio);
+    for (const own of maps) if (own.shown && poses[own.poses]) map(own, camera, ratio);
     for (const own of skeletons) if (own.shown && poses[own.poses]) skeleton(own, camera, ratio);
     draws += 1;
   };
@@ -185,7 +240,7 @@ const Body = (figure) => {
 
   for (const box of figure.querySelectorAll("[data-layer]")) {
     const toggle = () => {
-      const own = [...layers, ...skeletons].filter(({ name }) => name === box.dataset.layer);
+      const own = [...layers, ...skeletons, ...auras, ...maps].filter(({ name }) => name === box.dataset.layer);
       own.forEach((part) => { part.shown = box.checked; });
       soon();
     };

@@ -1,11 +1,12 @@
 //! One body, drawn one way: its triangles, its postures, and the viewer that report and live page share.
 //!
 //! A [`BodyScene`] is what the viewer is given: meshes on limbs whose poses it is told, layers that draw a mesh at some
-//! poses in one look, and skeletons. The viewer is `paint.js`, which fills pixels, and `body.js`, which turns, points
+//! poses in one look, skeletons, and what its senses are: auras and which receptors are neighbours. The viewer is `paint.js`, which fills pixels, and `body.js`, which turns, points
 //! and switches.
 
 mod mesh;
 mod pose;
+mod senses;
 
 use std::fmt::Write;
 
@@ -16,6 +17,7 @@ use serde_json::{Map, Value, json};
 pub(super) use mesh::BodyMesh;
 use mesh::Topology;
 pub(super) use pose::Pose;
+pub(super) use senses::{AURAS, AuraOverlay, MAP, MapOverlay};
 
 use super::text::{escape, harmless};
 use crate::agent::Agent;
@@ -136,6 +138,10 @@ pub(super) struct BodyScene {
     pub layers: Vec<Layer>,
     /// What is drawn over it.
     pub skeletons: Vec<Skeleton>,
+    /// The auras about limbs.
+    pub auras: Vec<AuraOverlay>,
+    /// Which receptors are neighbours.
+    pub maps: Vec<MapOverlay>,
     /// Poses by name, as they are at first; those that are missing are told later.
     pub poses: Vec<(&'static str, Pose)>,
     /// Per receptor how much it is touched, 0 to 1.
@@ -190,6 +196,8 @@ impl BodyScene {
             "meshes": self.meshes.iter().map(mesh).collect::<Vec<_>>(),
             "layers": self.layers,
             "skeletons": self.skeletons,
+            "auras": self.auras,
+            "maps": self.maps,
             "poses": poses,
             "values": self.values.iter().map(|value| (value * 1e3).round() / 1e3).collect::<Vec<_>>(),
             "steps": steps,
@@ -202,7 +210,9 @@ impl BodyScene {
     pub fn figure(&self, says: &str, height: usize, legend: &str, caption: &str) -> String {
         let mut names: Vec<&str> = Vec::new();
         let layers = self.layers.iter().map(|layer| layer.name.as_str());
-        for name in layers.chain(self.skeletons.iter().map(|skeleton| skeleton.name.as_str())) {
+        let senses = [(AURAS, !self.auras.is_empty()), (MAP, !self.maps.is_empty())];
+        let senses = senses.into_iter().filter_map(|(name, there)| there.then_some(name));
+        for name in layers.chain(self.skeletons.iter().map(|skeleton| skeleton.name.as_str())).chain(senses) {
             if !names.contains(&name) {
                 names.push(name);
             }

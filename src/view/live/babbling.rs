@@ -14,7 +14,10 @@ use crate::agent::Agent;
 use crate::creature::Posture;
 use crate::schema::BodySchema;
 use crate::senses::Touch;
-use crate::view::body::{BodyMesh, BodyScene, LEARNED, LIMB, Layer, Pose, Skeleton};
+use crate::skin::SomatotopicMap;
+use crate::view::body::{
+    AURAS, AuraOverlay, BodyMesh, BodyScene, LEARNED, LIMB, Layer, MAP, MapOverlay, Pose, Skeleton,
+};
 use crate::view::charts::{Chart, ChartGroup, ChartMark, Ink, Panel, Ruler, Scale};
 use crate::view::figure;
 use crate::view::text::short_number as number;
@@ -260,7 +263,9 @@ impl LivePage for BabblingView {
             ],
             skeletons: vec![Skeleton::learned(&self.agent, &[])],
             room: [Vector3::new(-r, -r, -r), Vector3::new(r, self.aside() + r, r)],
-            hidden: vec!["joints"],
+            auras: vec![AuraOverlay::by_schema(&self.agent, &self.simulated, &[], "own")],
+            maps: vec![MapOverlay::new(self.agent.skin(), &SomatotopicMap::new(self.agent.skin()), "own")],
+            hidden: vec!["joints", AURAS, MAP],
             ..BodyScene::default()
         };
         let caption = "Left as it touches itself, right the body that it has learned so far, in the same posture. \

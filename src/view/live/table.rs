@@ -11,8 +11,8 @@ use super::{HEIGHT, page};
 use crate::geometry::Frame;
 use crate::senses::SkinContact;
 use crate::simulation::Stage;
-use crate::skin::{Skin, surface_of_body};
-use crate::view::body::{BodyMesh, BodyScene, LIMB, Layer, Pose};
+use crate::skin::{Skin, SomatotopicMap, aura_of, surface_of_body};
+use crate::view::body::{AURAS, AuraOverlay, BodyMesh, BodyScene, LIMB, Layer, MAP, MapOverlay, Pose};
 
 /// Most lines of the conversation that are shown.
 const MOST_LINES: usize = 200;
@@ -32,6 +32,8 @@ pub struct TableView {
     name: String,
     limbs: BodyMesh,
     receptors: BodyMesh,
+    auras: AuraOverlay,
+    map: MapOverlay,
     /// What receptors are called.
     ids: Vec<String>,
     /// Per body of the scene that is not the creature's, its name and its mesh.
@@ -86,6 +88,8 @@ impl TableView {
             name: body.creature.name().to_string(),
             limbs: BodyMesh::of_surfaces(skin),
             receptors: BodyMesh::of_receptors(skin),
+            auras: AuraOverlay::new(&aura_of(body, skin, &stage.limb_frames()), "own"),
+            map: MapOverlay::new(skin, &SomatotopicMap::new(skin), "own"),
             ids: skin.receptors.iter().map(|receptor| receptor.id.clone()).collect(),
             things,
             bodies,
@@ -152,6 +156,9 @@ impl LivePage for TableView {
         let scene = BodyScene {
             meshes,
             layers,
+            auras: vec![self.auras.clone()],
+            maps: vec![self.map.clone()],
+            hidden: vec![AURAS, MAP],
             poses: vec![("own", own), ("things", things)],
             room,
             ..BodyScene::default()

@@ -100,11 +100,11 @@ pub fn extent(points: &[Point3<f64>]) -> f64 {
     (most - least).max().max(0.0)
 }
 
-/// Points about all geoms of a model that are `shown` and end somewhere, given data with poses computed.
+/// Points about all geoms of a model that are `shown` and end somewhere, auras left out, given data with poses computed.
 pub fn outline(data: &Data, shown: &dyn Fn(usize) -> bool) -> Vec<Point3<f64>> {
     let model: &Model = data.model();
     let mut points = Vec::new();
-    for (g, geom) in model.geoms().enumerate().filter(|(g, _)| shown(*g)) {
+    for (g, geom) in model.geoms().enumerate().filter(|(g, _)| shown(*g) && !model.is_aura(*g)) {
         let pose = data.geom_pose(g);
         match geom.kind {
             GeomKind::Mesh => {

@@ -6,6 +6,7 @@
 mod figure;
 mod film;
 mod framing;
+mod layers;
 mod still;
 mod storyboard;
 
@@ -14,6 +15,7 @@ use crate::mujoco::{self, Camera, Image, Mark, Renderer, View};
 pub use figure::{between, learned_body, lit_touch, skin};
 pub use film::{Film, FilmError, is_film};
 pub use framing::{Direction, corners_of, extent, frame, outline};
+pub use layers::{auras, map};
 pub use still::png;
 pub use storyboard::{SessionDrawing, Storyboard};
 

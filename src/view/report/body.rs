@@ -4,7 +4,10 @@ use std::fmt::Write;
 
 use super::ReportInput;
 use crate::record::Checkpoint;
-use crate::view::body::{BodyMesh, BodyScene, LIMB, Layer, Look, Pose, SHADE, Skeleton};
+use crate::skin::SomatotopicMap;
+use crate::view::body::{
+    AURAS, AuraOverlay, BodyMesh, BodyScene, LIMB, Layer, Look, MAP, MapOverlay, Pose, SHADE, Skeleton,
+};
 use crate::view::text::plural;
 
 /// Most steps of the slider: each takes some three kilobytes of the page.
@@ -57,7 +60,14 @@ pub(super) fn figure_of(input: &ReportInput) -> String {
         values: counts.iter().map(|count| shade(*count)).collect(),
         steps,
         room,
-        hidden: Vec::new(),
+        // Where the learned body has them: what it acts on.
+        auras: if bare {
+            Vec::new()
+        } else {
+            vec![AuraOverlay::by_schema(input.agent, input.schema, input.undetermined, "learned")]
+        },
+        maps: vec![MapOverlay::new(skin, &SomatotopicMap::new(skin), "learned")],
+        hidden: vec![AURAS, MAP],
     };
     let over = if input.truth.is_some() { " before the true one, grey" } else { "" };
     let caption = format!(

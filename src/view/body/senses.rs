@@ -1,0 +1,71 @@
+//! What of a body's senses is drawn over it: the aura about its limbs, and which receptors are neighbours.
+
+use serde::Serialize;
+
+use super::whole;
+use crate::agent::Agent;
+use crate::kinematics::limb_frames;
+use crate::schema::BodySchema;
+use crate::skin::{ProximityGeometry, Skin, SomatotopicMap, grow_aura};
+
+/// What the auras and the map are called where they are switched on; both are hidden at first.
+pub(in crate::view) const AURAS: &str = "auras";
+pub(in crate::view) const MAP: &str = "neighbouring receptors";
+
+/// Capsules about limbs that all else is seen through.
+#[derive(Clone, Debug, Serialize)]
+pub(in crate::view) struct AuraOverlay {
+    name: &'static str,
+    poses: &'static str,
+    /// Per aura its limb, both ends of its segment in that limb's frame, and its radius.
+    capsules: Vec<[i64; 8]>,
+}
+
+impl AuraOverlay {
+    /// Geometries on limbs at some poses.
+    pub fn new(geometries: &[ProximityGeometry], poses: &'static str) -> AuraOverlay {
+        let told = |geometry: &ProximityGeometry| {
+            let [a, b] = geometry.capsule.ends.map(|end| [end.x, end.y, end.z].map(whole));
+            let radius = whole(geometry.capsule.radius);
+            [geometry.limb as i64, a[0], a[1], a[2], b[0], b[1], b[2], radius]
+        };
+        AuraOverlay { name: AURAS, poses, capsules: geometries.iter().map(told).collect() }
+    }
+
+    /// Those that a schema gives, but about limbs beyond joints that are not determined, the `open` ones.
+    pub fn by_schema(agent: &Agent, schema: &BodySchema, open: &[usize], poses: &'static str) -> AuraOverlay {
+        let creature = agent.creature();
+        let mut unknown = vec![false; creature.limbs().len()];
+        for (j, joint) in creature.joints().iter().enumerate() {
+            unknown[j + 1] = unknown[joint.parent] || open.contains(&j);
+        }
+        let frames = limb_frames(creature, schema, &creature.reference_posture());
+        let grown = grow_aura(creature, agent.skin(), &frames);
+        let limbs = |geometry: &ProximityGeometry| &creature.aura_limbs()[geometry.aura_limb].limbs;
+        let known = |geometry: &ProximityGeometry| limbs(geometry).iter().all(|&limb| !unknown[limb]);
+        AuraOverlay::new(&grown.into_iter().filter(known).collect::<Vec<_>>(), poses)
+    }
+}
+
+/// Lines between receptors that are neighbours.
+#[derive(Clone, Debug, Serialize)]
+pub(in crate::view) struct MapOverlay {
+    name: &'static str,
+    poses: &'static str,
+    /// Per receptor its limb and its middle in that limb's frame.
+    points: Vec<[i64; 4]>,
+    /// Pairs of receptors.
+    links: Vec<[usize; 2]>,
+}
+
+impl MapOverlay {
+    /// The somatotopic map of a skin on limbs at some poses.
+    pub fn new(skin: &Skin, map: &SomatotopicMap, poses: &'static str) -> MapOverlay {
+        let point = |receptor: &crate::skin::Receptor| {
+            let [x, y, z] = [receptor.position.x, receptor.position.y, receptor.position.z].map(whole);
+            [receptor.limb as i64, x, y, z]
+        };
+        let points = skin.receptors.iter().map(point).collect();
+        MapOverlay { name: MAP, poses, points, links: map.pairs().collect() }
+    }
+}
