@@ -7,6 +7,7 @@ use std::path::Path;
 use std::sync::{Arc, mpsc};
 use std::time::{Duration, Instant};
 
+use super::typed::Typed;
 use super::{Failure, Outcome, output};
 use crate::agent::Agent;
 use crate::babbling::BabblingOptions;
@@ -175,8 +176,8 @@ pub fn talk(
     let (hear, heard) = mpsc::channel();
     let typed = hear.clone();
     std::thread::spawn(move || {
-        for line in std::io::stdin().lock().lines().map_while(Result::ok) {
-            let line = line.trim().to_string();
+        let Ok(mut lines) = Typed::new() else { return };
+        while let Ok(Some(line)) = lines.line() {
             if !line.is_empty() && typed.send(Heard::Asked(Asked::Say(line))).is_err() {
                 return;
             }
@@ -193,6 +194,9 @@ pub fn talk(
             output::line(format_args!("{}", reply.to_json(&request)));
         } else {
             say!("> {request}\n{}", reply.said);
+        }
+        if conversation.is_over() {
+            break;
         }
     }
     view.ends();

@@ -45,6 +45,7 @@ mod skin;
 mod space;
 mod study;
 mod talk;
+mod typed;
 
 use std::fmt::Display;
 use std::process::ExitCode;

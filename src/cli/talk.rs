@@ -1,9 +1,9 @@
 //! `bodyschema talk`: a conversation with a creature among things.
 
-use std::io::{BufRead, IsTerminal, Write};
 use std::path::PathBuf;
 
 use super::live::LiveOptions;
+use super::typed::Typed;
 use super::{Failure, Outcome, output, progress};
 use crate::creature::JointSelection;
 use crate::experiment::own_body;
@@ -14,10 +14,16 @@ use crate::simulation::{Stage, StageOptions};
 /// Talk to a creature among things: it answers what a partner asks of it, line by line.
 ///
 /// It is blindfolded: all that it knows of its body is the schema of a session, and all that it knows of the scene it
-/// has felt. Ask it in plain words, from a terminal or through a pipe: whether there is something in front of it, to
-/// touch it with a hand, how far it is, where it feels it, to put it as far away as possible, to bring it near, to lean
-/// forward and try again. What a hand touches it can hold: it is welded to the hand until it is put down. With --live
-/// there is a page beside that shows it all as fast as it would really move, on which you can also touch its skin.
+/// has felt. Ask it in plain English, from a terminal or through a pipe, to
+///
+///   feel about for things, touch them, feel their shape, pick them up, put them far away or near, let go;
+///   touch its own nose, left elbow or right knee; lean forward and try again, lean back, rest, get out of the way;
+///   tell where a thing or a part of its body is, how far, how many, how big, near or far, what it feels, what it did.
+///
+/// It moves for a command or a polite request alone; a question it answers, "don't" it remembers, and where it is not sure
+/// it asks. "Goodbye", Ctrl-D or the end of the input ends the talk; an empty line does nothing. What a hand touches it can
+/// hold: it is welded to the hand until it is put down. With --live there is a page beside that shows it all as fast as it
+/// would really move, on which you can also touch its skin.
 #[derive(clap::Args)]
 #[command(after_help = "Examples:
   bodyschema babble mjcf/max/max.xml
@@ -67,43 +73,30 @@ pub fn run(args: &TalkArguments) -> Outcome {
     if let Some(address) = args.live.address() {
         return super::live::talk(conversation, &stage, address, session.agent.creature().name(), args.json);
     }
-    let terminal = std::io::stdin().is_terminal();
+    let mut typed = Typed::new()?;
+    let terminal = typed.in_terminal();
     if terminal {
         tell!(
-            "{} listens. An empty line or end of file ends the conversation.",
+            "{} listens. Say goodbye, or end it with Ctrl-D; \"help\" tells what can be said.",
             session.agent.creature().name()
         );
     }
-    for line in prompted(terminal && !super::message::quiet()) {
-        let line = line.map_err(|error| Failure(format!("standard input cannot be read: {error}")))?;
-        let request = line.trim();
-        if request.is_empty() && terminal {
-            break;
-        }
+    while let Some(request) = typed.line()? {
         if request.is_empty() {
             continue;
         }
-        let reply = conversation.hear(request)?;
+        let reply = conversation.hear(&request)?;
         if args.json {
-            output::line(format_args!("{}", reply.to_json(request)));
+            output::line(format_args!("{}", reply.to_json(&request)));
         } else {
             if !terminal {
                 say!("> {request}");
             }
             say!("{}", reply.said);
         }
+        if conversation.is_over() {
+            break;
+        }
     }
     Ok(())
-}
-
-/// The lines of standard input, each asked for where a person types.
-fn prompted(terminal: bool) -> impl Iterator<Item = std::io::Result<String>> {
-    let mut lines = std::io::stdin().lock().lines();
-    std::iter::from_fn(move || {
-        if terminal {
-            eprint!("> ");
-            let _ = std::io::stderr().flush();
-        }
-        lines.next()
-    })
 }

@@ -3,15 +3,20 @@
 
 mod actor;
 mod avoiding;
+mod body_part;
 mod conversation;
 mod error;
+mod leaning;
+mod lifting;
 mod own_spot;
 mod tasks;
 mod things;
 
 pub use actor::{Actor, CAREFUL, FoundThing, Hand, SWIFT, Stop};
 pub use avoiding::{Avoiding, QUICK};
-pub use conversation::{Conversation, Intent, Reply, understood};
+pub use body_part::{BodyPart, UnknownPart};
+pub use conversation::language::{HandName, Language, Mood, PartName, Understood, Which, understood};
+pub use conversation::{Conversation, Intent, Reply};
 pub use error::ActorError;
 pub use own_spot::OwnTouch;
 pub use tasks::{Spot, Touching, Trouble};

@@ -24,6 +24,14 @@ impl Actor {
     /// # Errors
     /// [`Trouble`] of the last hand that was tried.
     pub fn touch_own(&mut self, receptor: usize) -> Result<OwnTouch, Trouble> {
+        self.touch_own_with(receptor, None)
+    }
+
+    /// The same with a hand that is named, where one is.
+    ///
+    /// # Errors
+    /// [`Trouble`] of the last hand that was tried; [`OutOfReach::Barred`] where it is the hand of the same arm.
+    pub fn touch_own_with(&mut self, receptor: usize, by: Option<usize>) -> Result<OwnTouch, Trouble> {
         let (point, normal) = self.feels_at(receptor);
         let limb = self.own.skin().receptors[receptor].limb;
         let own_side = usize::from(self.side(0) * point.dot(&self.left()) < 0.0);
@@ -32,7 +40,7 @@ impl Actor {
             None => vec![own_side, 1 - own_side],
         };
         let mut trouble = Trouble::Reach(OutOfReach::Barred);
-        for hand in hands {
+        for hand in hands.into_iter().filter(|hand| by.is_none_or(|by| by == *hand)) {
             let aim = ReachTarget { point, direction: -normal };
             let (arm, receptors) = (self.hands[hand].arm.clone(), self.hands[hand].receptors.clone());
             let from = self.posture();

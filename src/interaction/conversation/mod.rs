@@ -1,19 +1,31 @@
 //! A partner's requests in plain words, and what a blindfolded creature says and does (IVA 2009, section 4).
 //!
-//! To teach it a request, see `requests/`.
+//! To teach it a request, see `requests/`; what words mean is found out in `language/`.
 
+pub mod language;
+mod mind;
 mod requests;
+mod speaking;
+
+use std::cell::OnceCell;
 
 use nalgebra::Vector3;
 use serde_json::{Value, json};
 
-pub use requests::{Intent, understood};
+pub use requests::Intent;
 
+use self::language::{HandName, Language, Leave, PartName, Understood, Which};
+use self::mind::{Deed, Forbidden, Mind};
+use self::requests::{Act, Answer};
 use super::actor::Actor;
 use super::tasks::Trouble;
-use super::things::{KnownThing, Things};
+use super::things::Things;
 use crate::creature::Posture;
+use crate::peripersonal::ReachableMap;
 use crate::simulation::EngineError;
+
+/// The voxels of the map that tells what its hands reach, metres.
+const VOXEL: f64 = 0.04;
 
 /// What it answers.
 #[derive(Clone, Debug, PartialEq)]
@@ -44,25 +56,79 @@ impl Reply {
     }
 }
 
-/// A request that it waits to know more of, or may do again.
-#[derive(Clone, Copy, Debug)]
+/// A request, with what it names.
+#[derive(Clone, Debug)]
 struct Request {
     intent: Intent,
-    hand: Option<usize>,
+    hand: Option<HandName>,
+    part: Option<PartName>,
+    which: Option<Which>,
+    /// Whether the trunk helps.
     lean: bool,
+    /// Whether what was done before is to be done again.
+    again: bool,
+    /// Whether it is about all things.
+    all: bool,
+    /// Whether it asks what, not whether.
+    open: bool,
+    /// What is forbidden, or asked about.
+    about: Option<Intent>,
+}
+
+impl Request {
+    fn of(understood: &Understood) -> Request {
+        Request {
+            intent: understood.intent,
+            hand: understood.hand,
+            part: understood.part.clone(),
+            which: understood.which,
+            lean: understood.lean,
+            again: understood.again,
+            all: understood.all,
+            open: understood.open,
+            about: understood.about,
+        }
+    }
+}
+
+/// What it waits to be told.
+enum Pending {
+    /// Which thing is meant; there is leave for the rest.
+    Which(Request, Leave),
+    /// Whether it is to do it.
+    Whether(Request),
+}
+
+/// What a hand holds.
+struct Held {
+    /// The receptor that touches it.
+    receptor: usize,
+    /// How much higher it is than it stood, metres.
+    raised: f64,
 }
 
 /// A creature in conversation.
 pub struct Conversation {
     /// Who talks.
     pub actor: Actor,
+    language: Language,
     /// What it remembers of things, and which of them is meant.
     things: Things,
-    pending: Option<Request>,
+    /// Where it felt things, in the root's frame, metres.
+    felt: Vec<Vector3<f64>>,
+    deeds: Vec<Deed>,
+    forbidden: Vec<Forbidden>,
+    pending: Option<Pending>,
     last: Option<Request>,
     ready: Posture,
-    /// Whether a hand is where it was touched.
-    at_spot: bool,
+    /// The receptor that a hand of its own touches.
+    spot: Option<usize>,
+    holding: Option<Held>,
+    /// Whether it keeps still until it is asked for something.
+    still: bool,
+    over: bool,
+    /// What its hands reach, once it was asked.
+    reachable: OnceCell<Option<[ReachableMap; 2]>>,
 }
 
 impl Conversation {
@@ -79,51 +145,72 @@ impl Conversation {
         }
         actor.wait(0.5)?;
         Ok(Conversation {
+            language: Language::of(&actor.own),
             actor,
             things: Things::default(),
+            felt: Vec::new(),
+            deeds: Vec::new(),
+            forbidden: Vec::new(),
             pending: None,
             last: None,
             ready,
-            at_spot: false,
+            spot: None,
+            holding: None,
+            still: false,
+            over: false,
+            reachable: OnceCell::new(),
         })
     }
 
-    /// Hears a request, does what it can, and answers.
+    /// Whether a partner has ended it.
+    pub fn is_over(&self) -> bool {
+        self.over
+    }
+
+    /// Hears what is said, does what it can if that is wanted, and answers.
     ///
     /// # Errors
     /// Where the engine fails; all else is said in the reply.
-    pub fn hear(&mut self, request: &str) -> Result<Reply, EngineError> {
-        self.leave_spot();
-        let intent = understood(request);
-        let text = request.to_lowercase();
-        // An answer to its own question.
-        if let Some(asked) = self.pending.take() {
-            if let Some(which) = self.which(&text)
-                && matches!(intent, Intent::Unknown | Intent::Touch | Intent::Explore)
-            {
-                self.things.mean(Some(which));
-                return self.act(asked);
+    pub fn hear(&mut self, said: &str) -> Result<Reply, EngineError> {
+        let mut understood = self.language.understand(said);
+        match self.pending.take() {
+            Some(Pending::Whether(request)) => {
+                if let Some(leave) = Leave::by_yes(&understood) {
+                    self.forbidden.retain(|told| !told.bars(request.intent, request.part.as_ref()));
+                    return self.moves(&request, leave);
+                }
             }
-            if intent == Intent::Unknown {
-                self.pending = Some(asked);
-                return Ok(self.reply(
-                    asked.intent,
-                    format!("I did not understand which one. {}", self.question()),
-                    None,
-                    true,
-                ));
+            Some(Pending::Which(request, leave)) => {
+                let which = understood.which.and_then(|which| self.which(which));
+                let answers = matches!(
+                    understood.intent,
+                    Intent::Which | Intent::Unknown | Intent::Yes | Intent::Touch
+                );
+                if let Some(i) = which.filter(|_| answers && !understood.forbids) {
+                    self.things.mean(Some(i));
+                    return self.moves(&request, leave);
+                }
+                if matches!(understood.intent, Intent::Unknown | Intent::Which | Intent::Yes)
+                    && !understood.forbids
+                {
+                    let intent = request.intent;
+                    self.pending = Some(Pending::Which(request, leave));
+                    let said = format!("I did not understand which one. {}", self.question());
+                    return Ok(self.reply(intent, said, None, true));
+                }
             }
+            None => {}
         }
-        let hand = self.hand_named(&text);
-        if let Some(which) = self.which(&text)
-            && self.things.len() > 1
-        {
-            self.things.mean(Some(which));
+        let request = Request::of(&understood);
+        if let Some(i) = request.which.and_then(|which| self.which(which)) {
+            self.things.mean(Some(i));
         }
-        self.act(Request { intent, hand, lean: false })
+        let leave = understood.leave.take();
+        self.act(request, leave, &understood.unknown)
     }
 
-    /// Is touched by its partner where a receptor is: says what it feels, and puts a hand there.
+    /// Is touched by its partner where a receptor is: says what it feels, and puts a hand there, unless it was told to
+    /// keep still.
     ///
     /// The touch itself is not simulated: the receptor feels it.
     ///
@@ -132,14 +219,17 @@ impl Conversation {
     pub fn touched(&mut self, receptor: usize) -> Result<Reply, EngineError> {
         let id = &self.actor.own.skin().receptors[receptor].id;
         let feels = format!("I feel you touch my {} (receptor {id})", self.limb_in_words(receptor));
+        if self.still {
+            return Ok(self.reply(Intent::FeelTouch, format!("{feels}, and keep still"), None, false));
+        }
         if let Some(doubt) = self.doubt() {
             return Ok(self.reply(Intent::FeelTouch, format!("{feels}. {doubt}"), Some(false), false));
         }
-        self.leave_spot();
+        let leave = Leave::by_touch();
+        self.leave_spot(&leave);
         self.let_be();
         let (said, done) = match self.actor.touch_own(receptor) {
             Ok(touch) => {
-                self.at_spot = true;
                 let name = self.actor.hands[touch.hand].name.replace('_', " ");
                 let there = match touch.off {
                     off if off < 0.005 => "there".to_string(),
@@ -149,147 +239,173 @@ impl Conversation {
             }
             Err(Trouble::Engine(error)) => return Err(error),
             Err(trouble) => {
-                self.at_spot = true;
                 (format!("{feels}, but cannot put a hand there: {}", self.in_words(&trouble)), false)
             }
         };
+        self.spot = Some(receptor);
         Ok(self.reply(Intent::FeelTouch, said, Some(done), false))
     }
 
-    /// Takes a hand back from where it was touched.
-    fn leave_spot(&mut self) {
-        if std::mem::take(&mut self.at_spot) {
+    /// Takes a hand back from where it touches its own skin.
+    fn leave_spot(&mut self, _leave: &Leave) {
+        if self.spot.take().is_some() {
             let ready = self.ready.clone();
             // Where it cannot, the next motion says so.
             self.settle(&ready);
         }
     }
 
-    fn act(&mut self, request: Request) -> Result<Reply, EngineError> {
+    /// Answers a request, or does what it asks for where there is leave.
+    fn act(
+        &mut self,
+        request: Request,
+        leave: Option<Leave>,
+        unknown: &[String],
+    ) -> Result<Reply, EngineError> {
         let intent = request.intent;
-        let Some(kind) = intent.kind() else { return Ok(self.not_understood()) };
+        let Some(kind) = intent.kind() else { return Ok(self.not_understood(unknown)) };
+        let answer = match (&kind.act, leave) {
+            (Act::Tells(_) | Act::Minds(_), _) if kind.needs_body && self.doubt().is_some() => {
+                Answer::does(self.doubt().unwrap_or_default(), false)
+            }
+            (Act::Tells(tell), _) => tell(self, &request),
+            (Act::Minds(mind), _) => mind(&mut self.mind(), &request),
+            (Act::Moves(_), None) => self.asks_whether(request, unknown),
+            (Act::Moves(_), Some(leave)) => {
+                let barred = self.forbidden.iter().any(|told| told.bars(intent, request.part.as_ref()));
+                if !barred {
+                    return self.moves(&request, leave);
+                }
+                let said = format!("You told me not to {}: do you want me to do it now?", doing(&request));
+                self.pending = Some(Pending::Whether(request));
+                Answer { said, done: None, asks: true }
+            }
+        };
+        Ok(self.reply(intent, answer.said, answer.done, answer.asks))
+    }
+
+    /// Asks whether it is to do what was not clearly asked for.
+    fn asks_whether(&mut self, request: Request, unknown: &[String]) -> Answer {
+        let doing = doing(&request);
+        let said = match unknown {
+            [] => format!("Do you want me to {doing}?"),
+            [word, ..] => format!("I do not know the word \"{word}\": do you want me to {doing}?"),
+        };
+        self.pending = Some(Pending::Whether(request));
+        Answer { said, done: None, asks: true }
+    }
+
+    /// Does what is asked for, for which there is leave.
+    fn moves(&mut self, request: &Request, leave: Leave) -> Result<Reply, EngineError> {
+        let intent = request.intent;
+        let Some(kind) = intent.kind() else { return Ok(self.not_understood(&[])) };
+        let Act::Moves(act) = kind.act else { return Ok(self.not_understood(&[])) };
         if kind.needs_body
             && let Some(doubt) = self.doubt()
         {
             return Ok(self.reply(intent, doubt, Some(false), false));
         }
+        if !matches!(
+            intent,
+            Intent::Repeat | Intent::LeanForward | Intent::LeanBack | Intent::Rest | Intent::LetGo
+        ) {
+            self.last = Some(request.clone());
+        }
         if kind.needs_thing {
-            self.last = Some(request);
             match self.things.it() {
                 None if self.things.is_empty() => {
                     let said = "I have not felt anything yet: ask me to feel about first".to_string();
                     return Ok(self.reply(intent, said, Some(false), false));
                 }
                 None if self.things.len() > 1 => {
-                    self.pending = Some(request);
+                    self.pending = Some(Pending::Which(request.clone(), leave));
                     return Ok(self.reply(intent, self.question(), None, true));
                 }
                 None => self.things.mean(Some(0)),
                 Some(_) => {}
             }
         }
-        (kind.act)(self, request)
-    }
-
-    fn reply(&self, intent: Intent, said: String, done: Option<bool>, asks: bool) -> Reply {
-        let said = if said.ends_with(['.', '?']) { said } else { format!("{said}.") };
-        let felt = self.things.iter().map(|known| self.known_json(known)).collect();
-        Reply { intent, said, done, asks, felt }
-    }
-
-    fn known_json(&self, known: &KnownThing) -> Value {
-        let receptor = &self.actor.own.skin().receptors[known.found.receptor];
-        json!({
-            "thing": known.found.thing,
-            "felt_by": self.actor.own.creature().limbs()[receptor.limb],
-            "receptor": receptor.id,
-            "at": known.at.as_slice(),
-            "in_touch": known.in_touch.is_some(),
-        })
-    }
-
-    /// What went wrong, in words.
-    fn in_words(&self, trouble: &Trouble) -> String {
-        match trouble {
-            Trouble::Hit(contacts) if !contacts.is_empty() => {
-                format!("I ran into something with my {}", self.limb_in_words(contacts[0].spot.receptor))
+        self.still = false;
+        self.leave_spot(&leave);
+        if !matches!(
+            intent,
+            Intent::Lift | Intent::LetGo | Intent::LeanForward | Intent::LeanBack | Intent::Repeat
+        ) && let Some(held) = self.holding.take()
+        {
+            self.put_down(&held)?;
+            if !matches!(intent, Intent::PutFar | Intent::BringNear) {
+                self.actor.let_go();
             }
-            trouble => trouble.to_string(),
+        }
+        let reply = act(self, request, &leave)?;
+        for known in self.things.iter().filter(|known| known.in_touch.is_some()) {
+            mind::felt_at(&mut self.felt, known.found.point);
+        }
+        if intent != Intent::Repeat
+            && !(intent == Intent::LeanForward && (request.again || request.about.is_some()))
+        {
+            self.did(request, &reply);
+        }
+        Ok(reply)
+    }
+
+    /// All that may change without moving.
+    fn mind(&mut self) -> Mind<'_> {
+        Mind {
+            actor: &self.actor,
+            things: &mut self.things,
+            forbidden: &mut self.forbidden,
+            felt: &mut self.felt,
+            still: &mut self.still,
+            over: &mut self.over,
         }
     }
 
-    /// The limb that a receptor is on, as it says it.
-    fn limb_in_words(&self, receptor: usize) -> String {
-        let own = &self.actor.own;
-        let limb = own.skin().receptors[receptor].limb;
-        let aura = own.creature().aura_of(limb).map(|aura| own.creature().aura_limbs()[aura].name.clone());
-        aura.unwrap_or_else(|| own.creature().limbs()[limb].clone()).replace('_', " ")
+    /// Which thing words mean.
+    fn which(&self, which: Which) -> Option<usize> {
+        mind::find(&self.actor, &self.things, which)
     }
 
-    /// What it says where it does not know its body well enough; none where it does.
-    fn doubt(&self) -> Option<String> {
-        let actor = &self.actor;
-        let [a, b] = actor.hands.each_ref().map(|hand| actor.own.place(hand.tip));
-        let posture = actor.posture();
-        let doubt = actor.own.trusts(&posture, [a.limb, b.limb], &a.point).err()?;
-        Some(format!(
-            "I do not know my body well enough for this: {doubt}. I should babble and touch myself more first"
-        ))
+    /// Where a thing was felt.
+    fn felt_places(&self, i: usize) -> Vec<Vector3<f64>> {
+        mind::places_of(&self.felt, &self.things[i].at)
     }
 
-    fn hand_named(&self, text: &str) -> Option<usize> {
-        // "The left one" is a thing, "your left hand" is not.
-        let named = |side: &str| {
-            ["hand", "arm", "foot", "claw", "side"]
-                .iter()
-                .any(|limb| text.contains(&format!("{side} {limb}")))
-        };
-        if text.contains("other hand") || text.contains("other arm") {
-            let it = self.things.it().or((!self.things.is_empty()).then_some(0))?;
-            return self.actor.arm_of(self.things[it].found.receptor).map(|hand| 1 - hand);
-        }
+    /// The hand that touches something now, or did last.
+    fn hand_touching(&self) -> Option<usize> {
+        let it = self.things.it().or((!self.things.is_empty()).then_some(0))?;
+        let touching = self.things.iter().find_map(|known| known.in_touch);
+        self.actor.arm_of(touching.unwrap_or(self.things[it].found.receptor))
+    }
+
+    /// The hand that words mean.
+    fn hand_for(&self, name: Option<HandName>) -> Option<usize> {
         let left = (0..2).find(|&hand| self.actor.side(hand) > 0.0).unwrap_or(0);
-        match (named("left"), named("right")) {
-            (true, false) => Some(left),
-            (false, true) => Some(1 - left),
-            _ => None,
+        match name? {
+            HandName::Left => Some(left),
+            HandName::Right => Some(1 - left),
+            HandName::Other => self.hand_touching().map(|hand| 1 - hand),
         }
     }
 
-    /// Which of the things words tell apart.
-    fn which(&self, text: &str) -> Option<usize> {
-        let words: Vec<&str> = text.split(|c: char| !c.is_alphanumeric()).collect();
-        let has = |word: &str| words.contains(&word);
-        let left = self.actor.left();
-        let front = self.actor.front;
-        let most = |value: &dyn Fn(&KnownThing) -> f64| self.things.most(value);
-        let by_hand = text.contains("hand") || text.contains("arm");
-        match () {
-            () if has("first") => (!self.things.is_empty()).then_some(0),
-            () if has("second") || has("last") || has("latter") => self.things.len().checked_sub(1),
-            () if has("left") && !by_hand => most(&|known| known.at.dot(&left)),
-            () if has("right") && !by_hand => most(&|known| -known.at.dot(&left)),
-            () if has("nearest") || has("nearer") => most(&|known| -known.at.dot(&front)),
-            () if has("farthest") || has("farther") => most(&|known| known.at.dot(&front)),
-            () => None,
+    /// What either hand reaches; none where that cannot be told.
+    fn reachable(&self) -> Option<&[ReachableMap; 2]> {
+        let made = self.reachable.get_or_init(|| {
+            let own = &self.actor.own;
+            let limbs = self.actor.hands.each_ref().map(|hand| hand.limb);
+            let chest = own.carrier_of(&limbs);
+            let [a, b] = limbs.map(|limb| ReachableMap::new(own, limb, chest, VOXEL).ok());
+            Some([a?, b?])
+        });
+        made.as_ref()
+    }
+
+    /// Lowers what it holds until it stands; the receptor that holds it, and whether it was felt to stand.
+    fn put_down(&mut self, held: &Held) -> Result<(usize, bool), EngineError> {
+        match self.actor.lower(held.receptor, held.raised) {
+            Err(Trouble::Engine(error)) => Err(error),
+            lowered => Ok((held.receptor, lowered.unwrap_or(false))),
         }
-    }
-
-    fn question(&self) -> String {
-        let places: Vec<String> =
-            self.things.iter().map(|known| format!("the one {}", self.place(&known.at))).collect();
-        format!("I felt {} things: which one do you mean, {}?", places.len(), places.join(" or "))
-    }
-
-    /// Where a point is, in words.
-    fn place(&self, at: &Vector3<f64>) -> String {
-        let left = at.dot(&self.actor.left());
-        let side = match left {
-            x if x > 0.05 => format!("{:.0} cm to my left", 100.0 * x),
-            x if x < -0.05 => format!("{:.0} cm to my right", -100.0 * x),
-            _ => "straight ahead".into(),
-        };
-        format!("{:.0} cm in front of me, {side}", 100.0 * at.dot(&self.actor.front))
     }
 
     /// Both hands to a posture; whether they got there.
@@ -314,5 +430,13 @@ impl Conversation {
                 let _ = self.actor.withdraw(&found, &ready);
             }
         }
+    }
+}
+
+/// What a request asks for, as it says it.
+fn doing(request: &Request) -> String {
+    match (&request.part, request.intent) {
+        (Some(part), Intent::TouchOwn) => format!("touch my {}", part.text()),
+        (_, intent) => intent.kind().map_or("do that", |kind| kind.doing[0]).to_string(),
     }
 }

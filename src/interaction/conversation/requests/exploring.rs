@@ -1,33 +1,51 @@
 //! "Is there something in front of you?": it feels about on the table.
 
 use super::super::Conversation;
-use super::{Intent, Reply, RequestKind, Utterance};
+use super::{Act, Intent, Reply, RequestKind};
 use crate::geometry::Capsule;
+use crate::interaction::conversation::language::Leave;
 use crate::interaction::tasks::Trouble;
 use crate::peripersonal::Obstacle;
 use crate::simulation::EngineError;
 
 pub(super) const EXPLORE: RequestKind = RequestKind {
-    means: |utterance: &Utterance| {
-        utterance.any(&[
-            "something",
-            "anything",
-            "explore",
-            "search",
-            "find",
-            "look",
-            "feel",
-            "around",
-            "there",
-        ]) && !utterance.any(&["touch", "reach"])
-    },
+    told: &[
+        "explore|search|scan|scour|sweep|comb|probe|survey|examine|check|inspect|feel|grope|fumble|investigate|rummage ?out|through|over|across|along|on|all|around|about|round ?over|across|on|at|all|of ?the|your|this|what ?whole|entire table|tabletop|space|area|surroundings|desk|surface|scene|environment|place|vicinity|top|front|region|room",
+        "feel|look|search|grope|fumble|sweep|hunt|probe|cast|scout|explore|move|wave ?HAND|your ?hands ?out ?all around|about|round",
+        "feel|look|search|grope|reach|sweep|move|explore ?HAND ?out ?all over|across|along|in|on|upon ?front ?of ?the|this ?whole table|tabletop|you|surface|desk",
+        "look|search|feel|grope|hunt|seek|check|scan|scout|probe|fish ?out|around|about|round|over ?with ?HAND ?on for SOME|THING|more|another",
+        "look|search|feel|grope|seek|check ?around|about ?with ?HAND SOME",
+        "look|search|feel|check ?out if|whether",
+        "find|locate|discover|detect|seek|identify|spot|encounter|uncover ?out|me|us ?if|whether|another|what|all ?there ?be SOME|THING|there|more|another",
+        "see|check|find|test|feel|learn|determine|verify|look ?out if|whether|what ?THING|SOME|there|you ?be",
+        "reach ?out ?HAND ?over|out|around ?for|to|into|toward ?find SOME",
+        "reach|stretch ?out ?your|HAND ?out|forward|ahead|forth $",
+        "reach|stretch ?HAND out|forward|ahead $",
+        "sweep|run|move|slide|pass|swing|swipe|wave|glide|drag|pat ?your HAND ?slowly|all|back|gently ?and|over ?forth over|across|along|about|around|on|through|above ?the|top ?of ?the table|tabletop|surface|desk",
+        "touch|grab|get|take SOME",
+        "explore|search|sweep $",
+        "what else",
+        "^ ?for|try|search ?another|any|some SOME|other|another|more ?else|more|SOME|one $",
+        "find|locate|seek|discover THING",
+        "run|bump|come|stumble ?up into|across|upon|against SOME",
+        "have|take a ?good|quick ?look feel|search|rummage|look ?around|about|round|for",
+        "get to know your|the surroundings|table|space|environment",
+        "^ explore|search",
+        "keep =looking|=searching|=exploring|=feeling",
+        "tell|show ?me what|whether ?SOME be on|in|there",
+    ],
     needs_body: true,
-    needs_thing: false,
-    act: |creature, request| creature.explore(request.hand),
+    ..RequestKind::new(
+        ["feel about for things", "felt about for things"],
+        Act::Moves(|creature, request, leave| {
+            let hand = creature.hand_for(request.hand);
+            creature.explore(hand, leave)
+        }),
+    )
 };
 
 impl Conversation {
-    fn explore(&mut self, hand: Option<usize>) -> Result<Reply, EngineError> {
+    fn explore(&mut self, hand: Option<usize>, _leave: &Leave) -> Result<Reply, EngineError> {
         self.let_be();
         if self.actor.table.is_none() {
             let heights: Vec<f64> = (0..2).filter_map(|hand| self.actor.feel_table(hand).ok()).collect();

@@ -1,19 +1,101 @@
-//! "Lean forward and try again."
+//! "Lean forward and try again", "lean back".
 
-use super::super::Request;
-use super::{RequestKind, Utterance};
+use super::super::{Conversation, Request};
+use super::{Act, Intent, Reply, RequestKind};
+use crate::interaction::conversation::language::Leave;
+use crate::interaction::tasks::Trouble;
+use crate::simulation::EngineError;
 
-pub(super) const LEAN_AND_RETRY: RequestKind = RequestKind {
-    means: |utterance: &Utterance| utterance.any(&["lean", "leaning"]),
-    needs_body: false,
-    needs_thing: false,
-    act: |creature, request| match creature.last {
-        Some(last) => {
-            creature.act(Request { intent: last.intent, hand: request.hand.or(last.hand), lean: true })
-        }
-        None => {
-            let said = "There is nothing yet that I could try again leaning".into();
-            Ok(creature.reply(request.intent, said, Some(false), false))
-        }
-    },
+pub(super) const LEAN_FORWARD: RequestKind = RequestKind {
+    told: &[
+        "lean|bend|tilt|bow|stoop|hunch|incline|tip|reach|stretch|move|come|get|push|bring ?PART|yourself ?a ?bit|little|lot|way|from|at ?the ?waist|hips ?far|further|farther|more forward|forwards",
+        "lean|bend|tilt|bow|stoop|hunch|incline ?PART|yourself ?a ?bit|little ?further|farther|more over|down|in|into|toward|towards|across|closer|ahead|to|out|at|from",
+        "tilt|bend|incline|bow PART",
+        "lean|bow|stoop|hunch|forward|forwards $",
+        "^ lean more|further|farther|again|and|as|then",
+        "=leaning forward|over|in",
+        "^ forward|forwards $",
+        "bend|bow|stoop|hunch $",
+        "move|bring PART|yourself ?closer|nearer to|toward|towards ?the ?THING|table|front",
+        "get PART over ?the THING|table",
+    ],
+    needs_body: true,
+    ..RequestKind::new(
+        ["lean forward", "leaned forward"],
+        Act::Moves(|creature, request, leave| creature.lean(request, leave)),
+    )
 };
+
+pub(super) const LEAN_BACK: RequestKind = RequestKind {
+    told: &[
+        "lean|tilt|bend|tip|sit|rock|recline ?PART|yourself|right|well|all ?the ?way back|backward|backwards",
+        "move|bring|pull|draw PART|yourself ?right back|backward|backwards|upright",
+        "sit|stand|get|straighten|come|rise|raise|go ?yourself|PART|right ?back ?right up|upright|straight|tall|erect|vertical",
+        "be|stay ?yourself upright|erect|straight",
+        "stop|cease =leaning|=bending|=bowing",
+        "straighten ?your|out|yourself|BODY",
+        "upright|erect|vertical",
+        "unbend|recline",
+        "raise|lift|straighten PART ?back ?again ?upright|up $",
+        "pull PART back|upright|up $",
+        "away from the table",
+        "^ back up $",
+        "lean the other way",
+        "undo ?the|your lean|leaning",
+        "no longer|not lean",
+    ],
+    needs_body: true,
+    ..RequestKind::new(["lean back", "leaned back"], Act::Moves(|creature, _, _| creature.upright()))
+};
+
+impl Conversation {
+    /// Leans; and where something was asked for before that failed or that goes farther so, does that again.
+    fn lean(&mut self, request: &Request, leave: &Leave) -> Result<Reply, EngineError> {
+        if request.again {
+            return match self.last.clone() {
+                Some(last) => {
+                    let retried = Request { lean: true, hand: request.hand.or(last.hand), ..last };
+                    let reply = self.moves(&retried, leave.again())?;
+                    Ok(Reply { intent: Intent::LeanForward, ..reply })
+                }
+                None => {
+                    let said = "There is nothing yet that I could try again leaning".to_string();
+                    Ok(self.reply(Intent::LeanForward, said, Some(false), false))
+                }
+            };
+        }
+        if let Some(intent) = request.about {
+            let leaning = Request { intent, about: None, lean: true, ..request.clone() };
+            let reply = self.moves(&leaning, leave.again())?;
+            return Ok(Reply { intent: Intent::LeanForward, ..reply });
+        }
+        match self.actor.lean_forward() {
+            Ok(far) if far > 0.005 => {
+                let said = format!("I lean forward: my shoulders came {:.0} cm farther", 100.0 * far);
+                Ok(self.reply(Intent::LeanForward, said, Some(true), false))
+            }
+            Ok(_) => Ok(self.reply(
+                Intent::LeanForward,
+                "I lean forward already as far as I can".into(),
+                Some(true),
+                false,
+            )),
+            Err(Trouble::Engine(error)) => Err(error),
+            Err(trouble) => {
+                let said = format!("I cannot lean forward: {}", self.in_words(&trouble));
+                Ok(self.reply(Intent::LeanForward, said, Some(false), false))
+            }
+        }
+    }
+
+    fn upright(&mut self) -> Result<Reply, EngineError> {
+        let ready = self.ready.clone();
+        if !self.actor.leans_from(&ready) {
+            return Ok(self.reply(Intent::LeanBack, "I am upright".into(), Some(true), false));
+        }
+        self.let_be();
+        let went = self.settle(&ready);
+        let said = if went { "I am upright again" } else { "I cannot get upright: something is in the way" };
+        Ok(self.reply(Intent::LeanBack, said.into(), Some(went), false))
+    }
+}

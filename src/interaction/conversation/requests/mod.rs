@@ -1,52 +1,116 @@
-//! What a partner may ask for: the words that mean it, and what the creature then does.
+//! What a partner may ask for: the words that mean it, what it needs, and what the creature then does.
 //!
-//! To add a request, write a file with a [`RequestKind`], and name it in the table below.
+//! To add a request, write a file with a [`RequestKind`], and name it in the table below. Its words are patterns
+//! ([`language`](super::language)); an utterance is taken for the first request of the table that it means, so what is
+//! told more exactly stands before what is told less.
 
+mod answering;
+mod avoiding;
+mod counting;
 mod exploring;
+mod feeling_shape;
+mod forgetting;
+mod helping;
+mod keeping_still;
 mod leaning;
+mod letting_go;
+mod lifting;
+mod locating;
+mod meeting;
+mod prohibiting;
 mod putting;
+mod quitting;
+mod repeating;
+mod reporting;
 mod resting;
-mod telling;
+mod shape_known;
+mod stopping;
 mod touching;
+mod touching_own;
 
 use serde::Serialize;
 
-use super::{Conversation, Reply, Request};
+use super::language::Leave;
+use super::{Conversation, Mind, Reply, Request};
 use crate::simulation::EngineError;
+
+pub(super) use keeping_still::STILL;
 
 /// A request that a creature understands.
 pub(super) struct RequestKind {
-    /// Whether words mean it.
-    pub means: fn(&Utterance) -> bool,
+    /// What it is called in a sentence, and when it is done: `touch it`, `touched it`.
+    pub doing: [&'static str; 2],
+    /// The words by which it is told or asked to do it …
+    pub told: &'static [&'static str],
+    /// … asked for it, where an answer is all that is wanted …
+    pub asked: &'static [&'static str],
+    /// … asked for it of the past …
+    pub past: &'static [&'static str],
+    /// … and those that say it by themselves, in whatever sentence.
+    pub said: &'static [&'static str],
     /// Whether it must know its body for it.
     pub needs_body: bool,
     /// Whether it is about a thing that was felt before.
     pub needs_thing: bool,
     /// Does it, and answers.
-    pub act: fn(&mut Conversation, Request) -> Result<Reply, EngineError>,
+    pub act: Act,
 }
 
-/// What was said.
-pub(super) struct Utterance {
-    /// In small letters.
-    pub text: String,
-    words: Vec<String>,
+/// What a request does, by what it can change.
+pub(super) enum Act {
+    /// It tells, and changes nothing.
+    Tells(fn(&Conversation, &Request) -> Answer),
+    /// It changes what is remembered, and nothing else.
+    Minds(fn(&mut Mind<'_>, &Request) -> Answer),
+    /// It moves, for which there has to be leave.
+    Moves(fn(&mut Conversation, &Request, &Leave) -> Result<Reply, EngineError>),
 }
 
-impl Utterance {
-    fn new(request: &str) -> Utterance {
-        let text = request.to_lowercase();
-        let words = text.split(|c: char| !c.is_alphanumeric()).filter(|word| !word.is_empty());
-        Utterance { words: words.map(String::from).collect(), text }
+/// What is said to a request that moves nothing.
+pub(super) struct Answer {
+    /// What it says.
+    pub said: String,
+    /// Whether it did what was wanted, where something was.
+    pub done: Option<bool>,
+    /// Whether it waits for an answer.
+    pub asks: bool,
+}
+
+impl Answer {
+    /// It tells something.
+    pub fn tells(said: impl Into<String>) -> Answer {
+        Answer { said: said.into(), done: None, asks: false }
     }
 
-    /// Whether one of these words is among it.
-    fn any(&self, list: &[&str]) -> bool {
-        self.words.iter().any(|word| list.contains(&word.as_str()))
+    /// It did what was wanted, or did not.
+    pub fn does(said: impl Into<String>, done: bool) -> Answer {
+        Answer { said: said.into(), done: Some(done), asks: false }
     }
 }
 
-/// Names the requests, a line each. Words are taken for the first that they mean.
+impl RequestKind {
+    /// One without words, which needs nothing.
+    const fn new(doing: [&'static str; 2], act: Act) -> RequestKind {
+        let none: &[&str] = &[];
+        RequestKind {
+            doing,
+            told: none,
+            asked: none,
+            past: none,
+            said: none,
+            needs_body: false,
+            needs_thing: false,
+            act,
+        }
+    }
+
+    /// All its patterns.
+    pub fn patterns(&self) -> impl Iterator<Item = &'static str> {
+        [self.told, self.asked, self.past, self.said].into_iter().flatten().copied()
+    }
+}
+
+/// Names the requests, a line each.
 macro_rules! requests {
     ($($(#[$about:meta])* $intent:ident => $kind:expr;)+) => {
         /// What a partner may want.
@@ -60,29 +124,79 @@ macro_rules! requests {
             Unknown,
         }
 
-        const REQUESTS: &[(Intent, RequestKind)] = &[$((Intent::$intent, $kind)),+];
+        pub(super) const REQUESTS: &[(Intent, RequestKind)] = &[$((Intent::$intent, $kind)),+];
     };
 }
 
 requests! {
-    /// That what failed, or was done before, is done again with the trunk leaning.
-    LeanAndRetry => leaning::LEAN_AND_RETRY;
+    /// That something is not done.
+    Dont => prohibiting::DONT;
+    /// That it does not move.
+    KeepStill => keeping_still::KEEP_STILL;
+    /// That it leans forward, and tries again what failed.
+    LeanForward => leaning::LEAN_FORWARD;
+    /// That it is upright again.
+    LeanBack => leaning::LEAN_BACK;
+    /// To know how many things it found.
+    HowMany => counting::HOW_MANY;
+    /// To know whether it reaches a thing, and how.
+    NearOrFar => locating::NEAR_OR_FAR;
+    /// To know where a part of its body is.
+    WhereOwn => locating::WHERE_OWN;
     /// To know how far away a thing is.
-    HowFar => telling::HOW_FAR;
+    HowFar => locating::HOW_FAR;
+    /// That it feels how a thing is shaped.
+    FeelShape => feeling_shape::FEEL_SHAPE;
+    /// To know how big a thing is.
+    HowBig => shape_known::HOW_BIG;
+    /// To know what shape a thing has.
+    WhatShape => shape_known::WHAT_SHAPE;
     /// To know where something is felt.
-    WhereFelt => telling::WHERE_FELT;
-    /// That a thing is put far away.
-    PutFar => putting::PUT_FAR;
+    WhereFelt => locating::WHERE_FELT;
+    /// That a part of its own body is touched.
+    TouchOwn => touching_own::TOUCH_OWN;
     /// That a thing is brought near.
     BringNear => putting::BRING_NEAR;
-    /// That it goes back to rest.
-    Rest => resting::REST;
-    /// To know what it can do.
-    Help => telling::HELP;
+    /// That a thing is put far away.
+    PutFar => putting::PUT_FAR;
+    /// That it gets out of the way.
+    Avoid => avoiding::AVOID;
+    /// That what it holds is let go.
+    LetGo => letting_go::LET_GO;
+    /// That a thing is picked up.
+    Lift => lifting::LIFT;
+    /// To know what it did.
+    Report => reporting::REPORT;
+    /// That things are forgotten.
+    Forget => forgetting::FORGET;
     /// To know whether something is there.
     Explore => exploring::EXPLORE;
+    /// That it goes back to rest.
+    Rest => resting::REST;
     /// That a thing is touched.
     Touch => touching::TOUCH;
+    /// To know what it feels.
+    WhatFelt => locating::WHAT_FELT;
+    /// To know who it is.
+    Who => meeting::WHO;
+    /// To know what it can do.
+    Help => helping::HELP;
+    /// That what was done before is done again.
+    Repeat => repeating::REPEAT;
+    /// That it stops.
+    Stop => stopping::STOP;
+    /// Yes.
+    Yes => answering::YES;
+    /// No.
+    No => answering::NO;
+    /// That the conversation ends.
+    Quit => quitting::QUIT;
+    /// Thanks.
+    Thanks => meeting::THANKS;
+    /// A greeting.
+    Greet => meeting::GREET;
+    /// The answer to which of several things.
+    Which => answering::WHICH;
 }
 
 impl Intent {
@@ -90,43 +204,9 @@ impl Intent {
     pub(super) fn kind(self) -> Option<&'static RequestKind> {
         REQUESTS.iter().find(|(intent, _)| *intent == self).map(|(_, kind)| kind)
     }
-}
 
-/// What words mean.
-pub fn understood(request: &str) -> Intent {
-    let utterance = Utterance::new(request);
-    REQUESTS.iter().find(|(_, kind)| (kind.means)(&utterance)).map_or(Intent::Unknown, |(intent, _)| *intent)
-}
-
-impl Conversation {
-    /// What it says where it did not understand.
-    pub(super) fn not_understood(&self) -> Reply {
-        let said = format!("I did not understand that. {}.", telling::ABILITIES);
-        self.reply(Intent::Unknown, said, None, false)
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn requests_are_taken_for_what_they_mean() {
-        for (request, intent) in [
-            ("Is there something in front of you?", Intent::Explore),
-            ("is there anything else?", Intent::Explore),
-            ("touch it with your left hand", Intent::Touch),
-            ("How far is it?", Intent::HowFar),
-            ("put it as far away as possible", Intent::PutFar),
-            ("bring it near", Intent::BringNear),
-            ("put it back closer", Intent::BringNear),
-            ("lean forward and try again", Intent::LeanAndRetry),
-            ("Where do you feel this?", Intent::WhereFelt),
-            ("what can you do?", Intent::Help),
-            ("sing a song", Intent::Unknown),
-            ("", Intent::Unknown),
-        ] {
-            assert_eq!(understood(request), intent, "{request}");
-        }
+    /// Whether it may move for it.
+    pub fn moves(self) -> bool {
+        self.kind().is_some_and(|kind| matches!(kind.act, Act::Moves(_)))
     }
 }

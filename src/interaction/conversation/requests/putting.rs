@@ -1,7 +1,8 @@
 //! "Put it as far away as possible", and "bring it near".
 
-use super::super::Conversation;
-use super::{Intent, Reply, RequestKind, Utterance};
+use super::super::{Conversation, Request};
+use super::{Act, Intent, Reply, RequestKind};
+use crate::interaction::conversation::language::Leave;
 use crate::interaction::tasks::Trouble;
 use crate::simulation::EngineError;
 
@@ -9,45 +10,66 @@ use crate::simulation::EngineError;
 const NEAR: f64 = 0.14;
 
 pub(super) const PUT_FAR: RequestKind = RequestKind {
-    means: |utterance: &Utterance| {
-        utterance.any(&["put", "push", "place", "move", "set"])
-            && utterance.any(&["far", "away", "farther", "farthest"])
-    },
+    told: &[
+        "put|push|move|place|set|shove|slide|send|carry|take|throw|shift|get|bring|transport|position|deliver|displace|nudge|keep|reposition|stow|lay|drag|relocate|toss|stand THING|SOME .. far|farther|further|farthest|furthest|away|off|distant|remote|distance",
+        "put|push|move|place|set|shove|slide|send|carry|take|shift|transport|position|nudge THING|SOME ?straight|right|all ?the ?way out|forward|forwards|ahead|outward|outwards|across|beyond|aside|yonder|over",
+        "put|push|move|place|set|shove|slide|send|carry|take|get|shift|transport|position|stretch|hold|deposit .. arms|BODY|full|at|arm|maximum|maximal|max ?is|own length|reach|extent|stretch|distance|range",
+        "put|push|move|place|set|shove|slide|send|carry|take|get|shift|transport|position THING .. end|edge|side|rear|border|rim|corner|limit",
+        "out of ?my|your|the|easy ?easy reach|range",
+        "get|be|make ?yourself rid of",
+        "increase|widen|maximise|maximize|extend|enlarge|lengthen ?the|a|its|THING ?a distance|gap|space|room|separation",
+        "push|shove|nudge THING|SOME",
+        "give THING ?a ?little|gentle|good push|shove|nudge",
+        "like|want|need|have THING ?a ?bit|little|lot|much|as far|farther|further|away",
+        "^ put|push|shove ?as|so|very far|away|further|farther",
+        "put|push|move|get|take|carry|shift|set THING|SOME out of",
+        "^ ?even|a|as|much|still ?bit|little|lot farther|further|away|far ?away|off|out|as $",
+        "clear|clean|tidy|remove THING ?aside|away|from",
+        "put THING to|at|on|over|in|behind|beyond|near ?the far|other|farther|opposite|distance",
+        "more distance|space|room between|from",
+        "make THING ?be further|farther|far|more|distant|remote",
+        "banish|remove THING",
+        "away with THING",
+    ],
     needs_body: true,
     needs_thing: true,
-    act: |creature, request| creature.put(true, request.hand, request.lean),
+    ..RequestKind::new(
+        ["put it far away", "put it far away"],
+        Act::Moves(|creature, request, leave| creature.put(true, request, leave)),
+    )
 };
 
 pub(super) const BRING_NEAR: RequestKind = RequestKind {
-    means: |utterance: &Utterance| {
-        utterance.any(&["bring", "pull", "fetch"])
-            || (utterance.any(&["put", "move", "place"])
-                && utterance.any(&["near", "nearer", "closer", "close", "back"]))
-    },
+    told: &[
+        "bring|pull|fetch|draw|drag|haul|tug|retrieve|recover|collect THING|SOME|them|me",
+        "get THING|SOME ?over ?back ?right here|closer|nearer|near|back|to|toward|towards|in",
+        "put|move|place|slide|shift|set|take|push|come|transport|scoot|nudge|reposition|carry|have|bring|pull|get ?THING|SOME ?a|as|right|very|all|over|up|even|much|bit|little|rather|back ?bit|little|lot|way|more|to near|nearer|close|closer|here|nearest|closest|toward|towards|adjacent|beside|inward|inwards|this",
+        "put|move|place|slide|shift|set|take|push|carry THING|SOME ?back|right|up|over|close|in|just ?right|front|close|back ?of to|toward|towards|by|near|beside|next|before|against|into|in ?front ?of ?your|to ?own you|me|yourself|PART|here|body|lap|self",
+        "^ ?a|much|even|still ?bit|little|lot closer|nearer|near",
+        "reduce|decrease|shorten|close|narrow|lessen|minimise|minimize|shrink|cut ?the|its|your distance|gap|space|separation",
+        "like|want|need|have THING ?a ?bit|little|lot|much closer|nearer|near|here|close",
+        "^ bring|pull|fetch|draw|drag|retrieve|haul $",
+        "come ?back here|back|closer|nearer with THING",
+        "make THING ?come|be closer|nearer|near",
+        "^ ?over here $",
+    ],
     needs_body: true,
     needs_thing: true,
-    act: |creature, request| creature.put(false, request.hand, request.lean),
+    ..RequestKind::new(
+        ["bring it near", "brought it near"],
+        Act::Moves(|creature, request, leave| creature.put(false, request, leave)),
+    )
 };
 
 impl Conversation {
-    fn put(&mut self, far: bool, hand: Option<usize>, lean: bool) -> Result<Reply, EngineError> {
+    fn put(&mut self, far: bool, request: &Request, leave: &Leave) -> Result<Reply, EngineError> {
         let intent = if far { Intent::PutFar } else { Intent::BringNear };
-        let i = self.things.it().expect("it is known which");
-        let by_hand = |receptor: &usize| {
-            let by = self.actor.arm_of(*receptor);
-            by.is_some_and(|by| {
-                self.actor.hands[by].receptors.contains(receptor) && hand.is_none_or(|hand| hand == by)
-            })
+        let lean = request.lean;
+        let receptor = match self.in_hand(self.hand_for(request.hand), lean, leave)? {
+            Ok(receptor) => receptor,
+            Err(touched) => return Ok(Reply { intent, ..touched }),
         };
-        if self.things[i].in_touch.filter(by_hand).is_none() {
-            // Only what a hand touches can be held.
-            let own_side = usize::from(self.actor.side(0) * self.things[i].at.dot(&self.actor.left()) < 0.0);
-            let touched = self.touch(Some(hand.unwrap_or(own_side)), lean)?;
-            if touched.done != Some(true) {
-                return Ok(Reply { intent, ..touched });
-            }
-        }
-        let receptor = self.things[i].in_touch.expect("a hand touches it");
+        let i = self.things.it().expect("it is known which");
         if !self.actor.hold(receptor) {
             self.things[i].in_touch = None;
             return Ok(self.reply(intent, "It slipped away: I no longer feel it".into(), Some(false), false));

@@ -1,20 +1,56 @@
 //! "Touch it with your left hand."
 
 use super::super::Conversation;
-use super::{Intent, Reply, RequestKind, Utterance};
+use super::{Act, Intent, Reply, RequestKind};
+use crate::interaction::conversation::language::Leave;
 use crate::interaction::tasks::Trouble;
 use crate::peripersonal::OutOfReach;
 use crate::simulation::EngineError;
 
 pub(super) const TOUCH: RequestKind = RequestKind {
-    means: |utterance: &Utterance| utterance.any(&["touch", "reach", "tap", "point"]),
+    told: &[
+        "touch|tap|poke|contact|stroke|pat|prod|nudge|brush|press|rub|tickle|knock ?on|at|against|up THING|SOME|HAND|them",
+        "touch|tap|poke|contact|feel THING",
+        "^ touch|tap|poke|contact $",
+        "^ touch|tap|poke|contact with|using|by|again",
+        "reach|go|stretch|grope|extend|head ?out ?HAND ?over|out|across for|to|towards|toward|at|and THING",
+        "reach THING",
+        "put|lay|place|rest|set|get|position|move|bring|keep|press|hold|stretch|extend|push|lower|have|land ?your|one|a|both ?down|out HAND|finger|hand ?up|down|out|over|back ?right on|onto|upon|to|against|at|towards|near|over|in ?contact|touch|top ?with|of THING|SOME",
+        "make|establish|get|come|have ?into|in ?a|physical|skin contact|touch with",
+        "make contact",
+        "give THING ?a ?little|gentle|quick touch|poke|tap|pat|stroke|prod",
+        "^ use HAND $",
+        "use HAND to|for|on ?touch",
+        "^ HAND on|onto|to|against THING",
+        "lay|put|place ?a|one finger|hand|HAND on|upon THING",
+        "feel THING with HAND",
+        "meet THING",
+        "^ with HAND $",
+        "^ HAND $",
+        "with HAND ?instead|now $",
+        "^ THING with HAND $",
+        "reach ?out ?and|to touch",
+        "switch|change ?over ?to HAND",
+    ],
     needs_body: true,
     needs_thing: true,
-    act: |creature, request| creature.touch(request.hand, request.lean),
+    ..RequestKind::new(
+        ["touch it", "touched it"],
+        Act::Moves(|creature, request, leave| {
+            let hand = creature.hand_for(request.hand);
+            creature.touch(hand, request.lean, leave)
+        }),
+    )
 };
 
 impl Conversation {
-    pub(super) fn touch(&mut self, hand: Option<usize>, lean: bool) -> Result<Reply, EngineError> {
+    /// Touches the thing of which they talk, with a hand or with the one that does not touch it yet.
+    pub(super) fn touch(
+        &mut self,
+        hand: Option<usize>,
+        lean: bool,
+        _leave: &Leave,
+    ) -> Result<Reply, EngineError> {
         let i = self.things.it().expect("it is known which");
         let found = self.things[i].found.clone();
         let touching = self.things[i].in_touch.and_then(|receptor| self.actor.arm_of(receptor));
@@ -58,5 +94,31 @@ impl Conversation {
                 Ok(self.reply(Intent::Touch, said, Some(false), false))
             }
         }
+    }
+
+    /// The receptor of a hand that touches the thing of which they talk, after touching it where none does; what it says
+    /// where it cannot. Only what a hand touches can be held.
+    pub(super) fn in_hand(
+        &mut self,
+        hand: Option<usize>,
+        lean: bool,
+        leave: &Leave,
+    ) -> Result<Result<usize, Reply>, EngineError> {
+        let i = self.things.it().expect("it is known which");
+        let by_hand = |receptor: &usize| {
+            let by = self.actor.arm_of(*receptor);
+            by.is_some_and(|by| {
+                self.actor.hands[by].receptors.contains(receptor) && hand.is_none_or(|hand| hand == by)
+            })
+        };
+        if let Some(receptor) = self.things[i].in_touch.filter(by_hand) {
+            return Ok(Ok(receptor));
+        }
+        let own_side = usize::from(self.actor.side(0) * self.things[i].at.dot(&self.actor.left()) < 0.0);
+        let touched = self.touch(Some(hand.unwrap_or(own_side)), lean, leave)?;
+        Ok(match self.things[i].in_touch {
+            Some(receptor) if touched.done == Some(true) => Ok(receptor),
+            _ => Err(touched),
+        })
     }
 }

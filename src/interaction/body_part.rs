@@ -1,0 +1,450 @@
+//! Where a part of its own body is that is called by name: skin, found by what a creature's limbs and joints are called,
+//! by the schema and by where on a limb it lies.
+//!
+//! A creature's own names come first, then everyday ones: the nose is the foremost skin of the head, an elbow is the skin
+//! behind the joint of this name.
+
+use std::fmt;
+
+use nalgebra::Vector3;
+
+use super::actor::Actor;
+use super::conversation::language::{PartName, name_words, own_names, patch_name};
+use crate::geometry::Frame;
+
+/// How far from a joint the skin is that is taken for it, metres: half a limb's thickness.
+const ABOUT_JOINT: f64 = 0.04;
+
+/// A part of the body: what it is called, and its skin.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BodyPart {
+    /// What it is called: `left elbow`.
+    pub name: String,
+    /// Its receptors, the one that it is first.
+    pub receptors: Vec<usize>,
+    /// The limb and the point of it that it is about, in the limb's frame, metres.
+    place: (usize, Vector3<f64>),
+}
+
+impl BodyPart {
+    /// Where it is in the root's frame, by the limbs' poses, metres.
+    pub fn at(&self, _actor: &Actor, frames: &[Frame]) -> Vector3<f64> {
+        frames[self.place.0].point(&self.place.1)
+    }
+
+    /// How far a receptor is from the nearest of those that are this part, in the posture now, metres.
+    pub fn off(&self, actor: &Actor, receptor: usize) -> f64 {
+        let frames = actor.frames();
+        let at = |receptor: usize| {
+            let receptor = &actor.own.skin().receptors[receptor];
+            frames[receptor.limb].point(&receptor.position)
+        };
+        let half = |receptor: usize| {
+            let [a, b] = actor.own.skin().receptors[receptor].half_extents;
+            a.max(b)
+        };
+        let Some(&first) = self.receptors.first() else { return f64::NAN };
+        if self.receptors.contains(&receptor) && self.is_whole(actor) {
+            return 0.0;
+        }
+        ((at(receptor) - at(first)).norm() - half(first)).max(0.0)
+    }
+
+    /// Whether all of its skin is as good as any: a whole limb.
+    fn is_whole(&self, actor: &Actor) -> bool {
+        let words: Vec<&str> = self.name.split(' ').collect();
+        own_names(&actor.own).iter().any(|name| name_words(name) == words)
+    }
+}
+
+/// Why a part is not known.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum UnknownPart {
+    /// It has no part of this name.
+    NoSuchPart(String),
+    /// It is not told which.
+    WhichHand,
+}
+
+impl fmt::Display for UnknownPart {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            UnknownPart::NoSuchPart(name) => write!(f, "I know of no {name} of mine"),
+            UnknownPart::WhichHand => {
+                write!(f, "I do not know which is the other one: name the left or the right")
+            }
+        }
+    }
+}
+
+impl std::error::Error for UnknownPart {}
+
+/// How skin of an everyday name is found.
+enum Rule {
+    /// The farthest in a direction of a region: to the front, to its own side (or to the left), up.
+    Toward(&'static [&'static str], [f64; 3]),
+    /// About a joint by its name, or where two regions meet, in a direction.
+    About(&'static str, [&'static str; 2], [f64; 3]),
+    /// The farthest from where a region is carried.
+    Tip(&'static [&'static str]),
+    /// All of a region.
+    All(&'static [&'static str]),
+}
+
+/// An everyday name: its nouns, whether there is one on either side, whether skin of a side is a limb of that side, and how
+/// it is found.
+struct Everyday(&'static [&'static str], bool, Rule);
+
+const ARM: &[&str] = &["upper_arm", "forearm", "hand"];
+const LEG: &[&str] = &["thigh", "shank", "foot"];
+
+const EVERYDAY: &[Everyday] = &[
+    Everyday(&["nose", "tip of nose"], false, Rule::Toward(&["head"], [1.0, 0.0, 0.0])),
+    Everyday(&["mouth", "lip", "lips"], false, Rule::Toward(&["head"], [1.0, 0.0, -0.4])),
+    Everyday(&["chin", "jaw"], false, Rule::Toward(&["head"], [1.0, 0.0, -1.0])),
+    Everyday(&["forehead", "brow"], false, Rule::Toward(&["head"], [1.0, 0.0, 0.8])),
+    Everyday(&["face"], false, Rule::Toward(&["head"], [1.0, 0.0, 0.0])),
+    Everyday(&["back of head"], false, Rule::Toward(&["head"], [-1.0, 0.0, 0.0])),
+    Everyday(&["top of head", "crown", "scalp", "hair"], false, Rule::Toward(&["head"], [0.0, 0.0, 1.0])),
+    Everyday(&["cheek", "cheeks"], true, Rule::Toward(&["head"], [1.0, 0.9, -0.2])),
+    Everyday(&["eye", "eyes"], true, Rule::Toward(&["head"], [1.0, 0.5, 0.35])),
+    Everyday(&["temple", "temples"], true, Rule::Toward(&["head"], [0.5, 1.0, 0.3])),
+    Everyday(&["ear", "ears", "side of head"], true, Rule::Toward(&["head"], [0.0, 1.0, 0.0])),
+    Everyday(&["throat"], false, Rule::Toward(&["neck"], [1.0, 0.0, 0.0])),
+    Everyday(&["nape", "back of neck"], false, Rule::Toward(&["neck"], [-1.0, 0.0, 0.0])),
+    Everyday(
+        &["belly", "tummy", "stomach", "navel", "belly button", "waist"],
+        false,
+        Rule::Toward(&["abdomen"], [1.0, 0.0, 0.0]),
+    ),
+    Everyday(
+        &["breastbone", "sternum", "breast", "torso", "trunk"],
+        false,
+        Rule::Toward(&["chest"], [1.0, 0.0, 0.0]),
+    ),
+    Everyday(&["heart"], false, Rule::Toward(&["chest"], [1.0, 0.3, 0.0])),
+    Everyday(&["rib", "ribs"], true, Rule::Toward(&["chest"], [0.2, 1.0, -0.3])),
+    Everyday(&["collarbone", "clavicle"], true, Rule::Toward(&["chest"], [1.0, 0.6, 1.0])),
+    Everyday(&["shoulder blade"], true, Rule::Toward(&["chest"], [-1.0, 0.6, 0.5])),
+    Everyday(&["back", "upper back", "spine"], false, Rule::Toward(&["chest"], [-1.0, 0.0, 0.0])),
+    Everyday(&["lower back"], false, Rule::Toward(&["abdomen"], [-1.0, 0.0, 0.0])),
+    Everyday(&["hip", "hips"], true, Rule::Toward(&["pelvis"], [0.0, 1.0, 0.0])),
+    Everyday(&["bottom", "bum", "buttocks", "backside"], false, Rule::Toward(&["pelvis"], [-1.0, 0.0, -0.3])),
+    Everyday(&["armpit"], true, Rule::About("shoulder", ["upper_arm", "chest"], [0.0, -0.3, -1.0])),
+    Everyday(
+        &["shoulder", "shoulders"],
+        true,
+        Rule::About("shoulder", ["upper_arm", "chest"], [0.0, 1.0, 0.6]),
+    ),
+    Everyday(&["elbow", "elbows"], true, Rule::About("elbow", ["upper_arm", "forearm"], [-1.0, 0.3, 0.0])),
+    Everyday(&["wrist", "wrists"], true, Rule::About("wrist", ["forearm", "hand"], [0.0, 1.0, 0.0])),
+    Everyday(&["lower arm"], true, Rule::All(&["forearm"])),
+    Everyday(&["arm", "arms"], true, Rule::All(ARM)),
+    Everyday(&["upper arms"], true, Rule::All(&["upper_arm"])),
+    Everyday(&["palm", "palms", "palm of hand"], true, Rule::Toward(&["hand"], [0.0, -1.0, 0.0])),
+    Everyday(&["back of hand"], true, Rule::Toward(&["hand"], [0.0, 1.0, 0.0])),
+    Everyday(&["hands", "fist"], true, Rule::All(&["hand"])),
+    Everyday(&["knuckle", "knuckles"], true, Rule::Toward(&["hand"], [0.0, 1.0, -0.3])),
+    Everyday(&["thumb", "thumbs"], true, Rule::Toward(&["hand"], [1.0, 0.0, 0.0])),
+    Everyday(
+        &[
+            "finger",
+            "fingers",
+            "fingertip",
+            "fingertips",
+            "index",
+            "index finger",
+            "middle finger",
+            "ring finger",
+            "little finger",
+        ],
+        true,
+        Rule::Tip(&["hand"]),
+    ),
+    Everyday(&["lap"], true, Rule::Toward(&["thigh"], [1.0, 0.0, 0.6])),
+    Everyday(&["upper leg", "thighs"], true, Rule::All(&["thigh"])),
+    Everyday(&["leg", "legs"], true, Rule::All(LEG)),
+    Everyday(&["knee", "knees"], true, Rule::About("knee", ["thigh", "shank"], [1.0, 0.0, 0.0])),
+    Everyday(&["shin", "shins", "lower leg"], true, Rule::Toward(&["shank"], [1.0, 0.0, 0.0])),
+    Everyday(&["calf", "calves"], true, Rule::Toward(&["shank"], [-1.0, 0.0, 0.0])),
+    Everyday(&["ankle", "ankles"], true, Rule::About("ankle", ["shank", "foot"], [0.0, 1.0, 0.0])),
+    Everyday(&["feet"], true, Rule::All(&["foot"])),
+    Everyday(&["heel", "heels"], true, Rule::Toward(&["foot"], [-1.0, 0.0, -0.5])),
+    Everyday(&["toe", "toes", "big toe"], true, Rule::Toward(&["foot"], [1.0, 0.0, 0.0])),
+    Everyday(&["sole", "soles", "sole of foot"], true, Rule::Toward(&["foot"], [0.0, 0.0, -1.0])),
+    Everyday(&["skin", "body"], false, Rule::Toward(&["chest", "abdomen"], [1.0, 0.0, 0.0])),
+];
+
+/// The parts that a name may mean, most often one; both where there is one on either side and none is named. `touching` is
+/// the hand that acts now, of which the other is "the other".
+///
+/// # Errors
+/// [`UnknownPart`].
+pub(super) fn find(
+    actor: &Actor,
+    part: &PartName,
+    touching: Option<usize>,
+) -> Result<Vec<BodyPart>, UnknownPart> {
+    let body = Body::new(actor);
+    let mut words: Vec<String> = part.words.clone();
+    if words.first().is_some_and(|word| word == "other") {
+        let left = usize::from(actor.side(0) < 0.0);
+        let other = 1 - touching.ok_or(UnknownPart::WhichHand)?;
+        words[0] = if other == left { "left" } else { "right" }.into();
+    }
+    words.retain(|word| word != "both" && word != "own");
+    let found = body
+        .by_own_name(&words)
+        .or_else(|| body.by_everyday_name(&words))
+        .or_else(|| body.by_part_of_name(&words));
+    found.filter(|found| !found.is_empty()).ok_or(UnknownPart::NoSuchPart(part.text()))
+}
+
+/// A body at ease, in which skin is told apart by where it lies.
+struct Body<'a> {
+    actor: &'a Actor,
+    frames: Vec<Frame>,
+    /// Per receptor, the words of all names that it has: its own, its limb's, its aura's.
+    names: Vec<Vec<Vec<String>>>,
+}
+
+impl Body<'_> {
+    fn new(actor: &Actor) -> Body<'_> {
+        let own = &actor.own;
+        let frames = own.frames(&own.at_ease());
+        let known = own_names_of_limbs(actor);
+        let names = own.skin().receptors.iter().map(|receptor| {
+            let aura = own
+                .creature()
+                .aura_of(receptor.limb)
+                .map(|aura| own.creature().aura_limbs()[aura].name.clone());
+            let limb = own.creature().limbs()[receptor.limb].clone();
+            let patch = patch_name(&receptor.id).to_string();
+            // Skin that is called otherwise than its limb is not that limb's: legs that do not move are the pelvis'.
+            let patch_words = name_words(&patch);
+            let foreign = aura.as_ref().is_some_and(|aura| name_words(aura) != patch_words)
+                && !known.contains(&patch_words)
+                && !patch_words.is_empty();
+            let mut names = vec![patch_words];
+            if !foreign {
+                names.push(name_words(&limb));
+                names.extend(aura.iter().map(|aura| name_words(aura)));
+            }
+            names
+        });
+        let names = names.collect();
+        Body { actor, frames, names }
+    }
+
+    fn at(&self, receptor: usize) -> Vector3<f64> {
+        let receptor = &self.actor.own.skin().receptors[receptor];
+        self.frames[receptor.limb].point(&receptor.position)
+    }
+
+    fn outward(&self, receptor: usize) -> Vector3<f64> {
+        let receptor = &self.actor.own.skin().receptors[receptor];
+        self.frames[receptor.limb].rotation * receptor.normal
+    }
+
+    /// The receptors that have a name.
+    fn region(&self, words: &[String]) -> Vec<usize> {
+        let named = |r: &usize| self.names[*r].iter().any(|name| same(name, words));
+        (0..self.names.len()).filter(named).collect()
+    }
+
+    fn regions(&self, names: &[&str], side: Option<&str>) -> Vec<usize> {
+        let mut found = Vec::new();
+        for name in names {
+            let mut words = name_words(name);
+            let whole = self.region(&words);
+            if let (Some(side), true) = (side, whole.is_empty()) {
+                words.insert(0, side.to_string());
+            }
+            found.extend(if whole.is_empty() { self.region(&words) } else { whole });
+        }
+        found
+    }
+
+    /// To the front, to a side, up: in the root's frame.
+    fn direction(&self, [front, side, up]: [f64; 3], of: Option<&str>) -> Vector3<f64> {
+        let outward = if of == Some("right") { -self.actor.left() } else { self.actor.left() };
+        (self.actor.front * front + outward * side + self.actor.up * up).normalize()
+    }
+
+    /// A part of skin that is as good everywhere: that nearest to its middle first.
+    fn whole(&self, name: String, receptors: Vec<usize>) -> Option<BodyPart> {
+        let count = receptors.len().max(1) as f64;
+        let middle = receptors.iter().map(|&r| self.at(r)).sum::<Vector3<f64>>() / count;
+        // What faces the front is easier met than what lies behind.
+        let front = self.actor.front;
+        self.sorted(
+            name,
+            receptors,
+            |r| (self.at(r) - middle).norm() - 0.05 * self.outward(r).dot(&front),
+            None,
+        )
+    }
+
+    fn sorted(
+        &self,
+        name: String,
+        mut receptors: Vec<usize>,
+        cost: impl Fn(usize) -> f64,
+        about: Option<(usize, Vector3<f64>)>,
+    ) -> Option<BodyPart> {
+        receptors.sort_by(|&a, &b| cost(a).total_cmp(&cost(b)));
+        receptors.dedup();
+        let first = &self.actor.own.skin().receptors[*receptors.first()?];
+        let place = about.unwrap_or((first.limb, first.position));
+        Some(BodyPart { name, receptors, place })
+    }
+
+    fn tip(&self, name: String, receptors: Vec<usize>) -> Option<BodyPart> {
+        let own = &self.actor.own;
+        let first = *receptors.iter().min_by_key(|&&r| own.skin().receptors[r].limb)?;
+        let root = self.frames[own.skin().receptors[first].limb].origin;
+        self.sorted(name, receptors, |r| -(self.at(r) - root).norm(), None)
+    }
+
+    /// By a name that a limb, an aura, a patch of skin or a joint has.
+    fn by_own_name(&self, words: &[String]) -> Option<Vec<BodyPart>> {
+        let name = words.join(" ");
+        let (tip, words) = match words.split_last() {
+            Some((last, rest)) if last == "tip" && !rest.is_empty() => (true, rest),
+            _ => (false, words),
+        };
+        let sided = |side: &str| {
+            let mut words = words.to_vec();
+            words.insert(0, side.to_string());
+            words
+        };
+        let whole = |name: String, receptors: Vec<usize>| {
+            if tip { self.tip(name, receptors) } else { self.whole(name, receptors) }
+        };
+        let exact = self.region(words);
+        if !exact.is_empty() {
+            return Some(whole(name, exact).into_iter().collect());
+        }
+        let both = ["left", "right"].map(|side| (side, self.region(&sided(side))));
+        let both: Vec<BodyPart> = both
+            .into_iter()
+            .filter(|(_, receptors)| !receptors.is_empty())
+            .filter_map(|(side, receptors)| whole(format!("{side} {name}"), receptors))
+            .collect();
+        (!both.is_empty()).then_some(both)
+    }
+
+    /// By what everybody calls it.
+    fn by_everyday_name(&self, words: &[String]) -> Option<Vec<BodyPart>> {
+        let side = words.iter().find(|word| ["left", "right"].contains(&word.as_str()));
+        let tip = words.last().is_some_and(|last| last == "tip") && words.len() > 1;
+        let noun: Vec<&str> = words
+            .iter()
+            .map(String::as_str)
+            .filter(|word| !["left", "right"].contains(word) && !(tip && *word == "tip"))
+            .collect();
+        let noun = noun.join(" ");
+        let Everyday(_, sided, rule) =
+            EVERYDAY.iter().find(|Everyday(nouns, ..)| nouns.contains(&noun.as_str()))?;
+        let sides: Vec<Option<&str>> = match (sided, side) {
+            (false, _) => vec![None],
+            (true, Some(side)) => vec![Some(side.as_str())],
+            (true, None) => vec![Some("left"), Some("right")],
+        };
+        let found = sides.into_iter().filter_map(|side| {
+            let name = side.map_or(noun.clone(), |side| format!("{side} {noun}"));
+            match rule {
+                _ if tip => self.tip(format!("{name} tip"), self.regions(rule.regions(), side)),
+                Rule::All(names) => self.whole(name, self.regions(names, side)),
+                Rule::Tip(names) => self.tip(name, self.regions(names, side)),
+                Rule::Toward(names, toward) => {
+                    let toward = self.direction(*toward, side);
+                    let skin = self.regions(names, side);
+                    let facing = |r: usize| -(self.at(r).dot(&toward) + 0.02 * self.outward(r).dot(&toward));
+                    self.sorted(name, skin, facing, None)
+                }
+                Rule::About(joint, names, toward) => {
+                    self.about(name, joint, names, self.direction(*toward, side), side)
+                }
+            }
+        });
+        Some(found.collect())
+    }
+
+    /// Skin about a joint; where there is none of the name, about where two regions meet.
+    fn about(
+        &self,
+        name: String,
+        joint: &str,
+        regions: &[&str],
+        toward: Vector3<f64>,
+        side: Option<&str>,
+    ) -> Option<BodyPart> {
+        let own = &self.actor.own;
+        let wanted: Vec<String> = side.iter().chain(&[joint]).map(|word| word.to_string()).collect();
+        let called = |j: &usize| {
+            let words = name_words(&own.creature().joints()[*j].name);
+            wanted.iter().all(|word| words.contains(word))
+        };
+        let [a, b] = [regions[0], regions[1]].map(|name| self.regions(&[name], side));
+        let joint = (0..own.creature().joints().len()).find(called);
+        let (centre, about) = match joint {
+            Some(j) => (self.frames[j + 1].origin, Some((j + 1, Vector3::zeros()))),
+            None => {
+                let pairs = a.iter().flat_map(|&r| b.iter().map(move |&s| (r, s)));
+                let gap = |(r, s): &(usize, usize)| (self.at(*r) - self.at(*s)).norm();
+                let (r, s) = pairs.min_by(|x, y| gap(x).total_cmp(&gap(y)))?;
+                (0.5 * (self.at(r) + self.at(s)), None)
+            }
+        };
+        let meant = centre + toward * ABOUT_JOINT;
+        let skin: Vec<usize> = a.into_iter().chain(b).collect();
+        self.sorted(name, skin, |r| (self.at(r) - meant).norm() - 0.02 * self.outward(r).dot(&toward), about)
+    }
+
+    /// By some words of a creature's own names: "front left leg" of `left_front_leg_upper`. "Leg" and the like may be what no
+    /// name has, where the rest tells limbs apart.
+    fn by_part_of_name(&self, words: &[String]) -> Option<Vec<BodyPart>> {
+        let name = words.join(" ");
+        let tip = words.len() > 1 && words.last().is_some_and(|last| last == "tip");
+        let words = if tip { &words[..words.len() - 1] } else { words };
+        let general = ["leg", "arm", "limb", "foot", "paw", "claw", "hand", "wing", "finger"];
+        let having = |wanted: &[&String]| -> Vec<usize> {
+            let has =
+                |r: &usize| self.names[*r].iter().any(|name| wanted.iter().all(|word| name.contains(word)));
+            (0..self.names.len()).filter(has).collect()
+        };
+        let all: Vec<&String> = words.iter().collect();
+        let mut skin = having(&all);
+        let telling: Vec<&String> = words.iter().filter(|word| !general.contains(&word.as_str())).collect();
+        if skin.is_empty() && !telling.is_empty() && telling.len() < words.len() {
+            skin = having(&telling);
+        }
+        if skin.is_empty() {
+            return None;
+        }
+        let part = if tip { self.tip(name, skin) } else { self.whole(name, skin) };
+        Some(part.into_iter().collect())
+    }
+}
+
+impl Rule {
+    fn regions(&self) -> &'static [&'static str] {
+        match self {
+            Rule::Toward(names, _) | Rule::Tip(names) | Rule::All(names) => names,
+            Rule::About(..) => &[],
+        }
+    }
+}
+
+/// The words of the names of limbs and auras.
+fn own_names_of_limbs(actor: &Actor) -> Vec<Vec<String>> {
+    let creature = actor.own.creature();
+    let auras = creature.aura_limbs().iter().map(|aura| aura.name.as_str());
+    creature.limbs().iter().map(String::as_str).chain(auras).map(name_words).collect()
+}
+
+/// Whether two names are of the same words, in whatever order.
+fn same(a: &[String], b: &[String]) -> bool {
+    a.len() == b.len() && a.iter().all(|word| b.contains(word))
+}

@@ -1,0 +1,214 @@
+//! What parts of a body are called: in everyday words, and as a creature's own limbs, joints and skin are named.
+
+use crate::peripersonal::OwnBody;
+
+/// What is said of a part before its name: which one of several it is.
+const WHICH: &[&str] = &[
+    "left", "right", "other", "upper", "lower", "front", "middle", "hind", "rear", "own", "both", "back",
+    "fore", "top", "bottom",
+];
+/// Everyday nouns of a body, and those that two or three words make.
+const NOUNS: &str = "nose chin forehead brow head face mouth lip lips cheek cheeks ear ears eye eyes temple temples crown scalp jaw \
+    neck throat nape belly tummy stomach navel abdomen waist chest breast heart rib ribs sternum spine back hip hips pelvis \
+    bottom bum buttocks lap shoulder shoulders armpit collarbone clavicle elbow elbows wrist wrists forearm forearms \
+    hand hands arm arms palm palms fist thumb thumbs finger fingers fingertip fingertips knuckle knuckles index \
+    leg legs thigh thighs knee knees shin shins calf calves shank ankle ankles foot feet heel heels toe toes sole soles \
+    torso trunk breastbone backside hair limb limbs";
+/// The same of more than one word.
+const COMPOUNDS: &[&str] = &[
+    "index finger",
+    "middle finger",
+    "ring finger",
+    "little finger",
+    "big toe",
+    "upper arm",
+    "lower arm",
+    "upper arms",
+    "lower back",
+    "upper back",
+    "upper leg",
+    "lower leg",
+    "upper body",
+    "shoulder blade",
+    "belly button",
+    "back of hand",
+    "back of head",
+    "back of neck",
+    "top of head",
+    "sole of foot",
+    "side of head",
+    "palm of hand",
+    "tip of nose",
+];
+/// Nouns that mean something else as often: they are a part only after one of [`OWNERS`].
+const DOUBTFUL: &[&str] = &[
+    "back", "face", "head", "crown", "bottom", "index", "lap", "sole", "heart", "temple", "trunk", "calf",
+    "middle", "tip",
+];
+/// Words after which a doubtful noun is a part.
+const OWNERS: &[&str] = &["your", "his", "own", "left", "right", "upper", "lower", "yourself"];
+/// The nouns of what acts.
+const HANDS: &[&str] = &[
+    "hand",
+    "hands",
+    "arm",
+    "arms",
+    "palm",
+    "palms",
+    "fist",
+    "finger",
+    "fingers",
+    "fingertip",
+    "fingertips",
+];
+
+/// A part of the body as it was named.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct PartName {
+    /// Its words without whose it is: `left elbow`.
+    pub words: Vec<String>,
+}
+
+impl PartName {
+    /// Its words in one.
+    pub fn text(&self) -> String {
+        self.words.join(" ")
+    }
+
+    /// Whether one of its words is this.
+    pub fn has(&self, word: &str) -> bool {
+        self.words.iter().any(|own| own == word)
+    }
+
+    /// Whether it is what acts: a hand, an arm, a finger.
+    pub fn is_hand(&self) -> bool {
+        let last = self.words.last().is_some_and(|last| HANDS.contains(&last.as_str()));
+        last && !self
+            .words
+            .iter()
+            .any(|word| ["upper", "lower", "index", "ring", "little", "back"].contains(&word.as_str()))
+    }
+}
+
+/// The names that a creature's parts have.
+pub struct BodyNames {
+    /// Everyday nouns and its own, each in words.
+    names: Vec<Vec<String>>,
+    adjectives: Vec<String>,
+}
+
+impl BodyNames {
+    /// Everyday names alone.
+    pub fn everyday() -> BodyNames {
+        let nouns = NOUNS.split_whitespace().map(|noun| vec![noun.to_string()]);
+        let compounds = COMPOUNDS.iter().map(|name| name.split(' ').map(String::from).collect());
+        let adjectives = WHICH.iter().map(|word| word.to_string()).collect();
+        let mut names: Vec<Vec<String>> = nouns.chain(compounds).collect();
+        names.sort_by_key(|name| std::cmp::Reverse(name.len()));
+        BodyNames { names, adjectives }
+    }
+
+    /// Those, and the names of a creature's limbs, auras, joints and skin.
+    pub fn of(own: &OwnBody) -> BodyNames {
+        let mut all = BodyNames::everyday();
+        for name in own_names(own) {
+            let mut words = name_words(&name);
+            // What tells sides apart stands where it is said.
+            let which = words.iter().take_while(|word| WHICH.contains(&word.as_str())).count();
+            let noun = words.split_off(which.min(words.len().saturating_sub(1)));
+            // A name's every word may stand for it with others: the front leg.
+            for word in &noun {
+                if word.chars().count() > 2 {
+                    all.names.push(vec![word.clone()]);
+                }
+            }
+            all.names.push(noun);
+        }
+        all.names.sort_by_key(|name| std::cmp::Reverse(name.len()));
+        all.names.dedup();
+        all
+    }
+
+    /// All their words.
+    pub fn words(&self) -> impl Iterator<Item = &str> {
+        self.names.iter().flatten().chain(&self.adjectives).map(String::as_str)
+    }
+
+    /// The part that some words begin with, and how many words of them it is: `your left elbow`, `the tip of your nose`.
+    /// None where it is somebody else's, or no part.
+    pub(super) fn at(&self, words: &[&str]) -> Option<(PartName, usize)> {
+        let skipped =
+            words.iter().take_while(|word| ["your", "the", "his", "its", "that"].contains(*word)).count();
+        let owned = words[..skipped].iter().any(|word| ["your", "his"].contains(word));
+        let rest = &words[skipped..];
+        let which = rest.iter().take_while(|word| WHICH.contains(*word)).count();
+        // The noun may begin with what tells which as well: "upper arm", "back".
+        for before in (0..=which).rev() {
+            for name in &self.names {
+                let Some(length) = begins(&rest[before..], name) else { continue };
+                let noun = &rest[before..before + length];
+                let doubtful = name.len() == 1 && DOUBTFUL.contains(&name[0].as_str());
+                let told = owned || (0..before).any(|k| OWNERS.contains(&rest[k]));
+                if doubtful && !told {
+                    continue;
+                }
+                let named: Vec<String> =
+                    rest[..before].iter().chain(noun).map(|word| word.to_string()).collect();
+                let named = named.into_iter().filter(|word| !["your", "the", "own"].contains(&word.as_str()));
+                let mut end = skipped + before + length;
+                let mut words_of: Vec<String> = named.collect();
+                if words.get(end) == Some(&"tip") {
+                    words_of.push("tip".into());
+                    end += 1;
+                }
+                return Some((PartName { words: words_of }, end));
+            }
+        }
+        // "The tip of …".
+        if rest.first() == Some(&"tip") && rest.get(1) == Some(&"of") {
+            let (mut part, length) = self.at(&rest[2..])?;
+            part.words.push("tip".into());
+            return Some((part, skipped + 2 + length));
+        }
+        None
+    }
+}
+
+/// How many of some words a name takes that they begin with; after "of" it may be told whose it is, or of which side.
+fn begins(words: &[&str], name: &[String]) -> Option<usize> {
+    let mut k = 0;
+    for part in name {
+        if k > 0 && words[k - 1] == "of" {
+            k +=
+                words[k..].iter().take_while(|word| ["your", "the", "left", "right"].contains(*word)).count();
+        }
+        if words.get(k) != Some(&part.as_str()) {
+            return None;
+        }
+        k += 1;
+    }
+    Some(k)
+}
+
+/// The names of a creature's limbs, auras, joints, and of its skin's patches without their numbers.
+pub(in crate::interaction) fn own_names(own: &OwnBody) -> Vec<String> {
+    let creature = own.creature();
+    let mut names: Vec<String> = creature.limbs().to_vec();
+    names.extend(creature.aura_limbs().iter().map(|aura| aura.name.clone()));
+    names.extend(creature.joints().iter().map(|joint| joint.name.clone()));
+    names.extend(own.skin().receptors.iter().map(|receptor| patch_name(&receptor.id).to_string()));
+    names.sort_unstable();
+    names.dedup();
+    names
+}
+
+/// A patch's name without its number.
+pub(in crate::interaction) fn patch_name(id: &str) -> &str {
+    id.trim_end_matches(|c: char| c.is_ascii_digit()).trim_end_matches(['_', '-', '.', ' '])
+}
+
+/// The words of a name as models have them, small letters.
+pub(in crate::interaction) fn name_words(name: &str) -> Vec<String> {
+    let words = name.split(|c: char| !c.is_alphanumeric()).filter(|word| !word.is_empty());
+    words.map(str::to_lowercase).collect()
+}

@@ -1,0 +1,201 @@
+//! What an utterance means: its words, mended; what they name; what kind of sentence each clause is; and the request.
+//!
+//! ```text
+//! words ─ lexicon, spelling ─▶ pieces (a thing, a hand, a part: slots, body_names) ─▶ clauses ─▶ mood ─▶ request
+//!                                                                                            └──▶ leave to move
+//! ```
+
+mod body_names;
+mod clauses;
+mod lexicon;
+mod mood;
+mod patterns;
+mod slots;
+mod spelling;
+mod words;
+
+pub use body_names::PartName;
+pub(in crate::interaction) use body_names::{name_words, own_names, patch_name};
+pub use mood::{Leave, Mood};
+pub use slots::{HandName, Which};
+
+use self::body_names::BodyNames;
+use self::clauses::Clause;
+use self::lexicon::Lexicon;
+use self::slots::{Piece, Sense};
+use super::requests::{Intent, REQUESTS, STILL};
+use crate::peripersonal::OwnBody;
+
+/// Words before a noun that nobody knows here: what it names is what the utterance is about.
+const BEFORE_NOUNS: &[&str] = &[
+    "the", "a", "an", "my", "your", "our", "some", "any", "this", "that", "of", "about", "to", "from",
+    "with", "in", "on", "at", "for", "into", "no", "up", "down", "over",
+];
+
+/// What an utterance means.
+#[derive(Debug)]
+pub struct Understood {
+    /// What is wanted.
+    pub intent: Intent,
+    /// What kind of sentence says so.
+    pub mood: Mood,
+    /// The hand that is to do it.
+    pub hand: Option<HandName>,
+    /// The part of the body that it is about.
+    pub part: Option<PartName>,
+    /// Which of several things.
+    pub which: Option<Which>,
+    /// Whether the trunk is to help.
+    pub lean: bool,
+    /// Whether what was done before is to be done again.
+    pub again: bool,
+    /// Whether it is about all things.
+    pub all: bool,
+    /// Whether it asks what or which, not whether.
+    pub open: bool,
+    /// Whether anything is forbidden.
+    pub forbids: bool,
+    /// What a prohibition forbids, or a report is about.
+    pub about: Option<Intent>,
+    /// The words of it that are not known.
+    pub unknown: Vec<String>,
+    /// Leave to move, where it gives any.
+    pub leave: Option<Leave>,
+}
+
+/// All that is needed to understand a partner.
+pub struct Language {
+    lexicon: Lexicon,
+    names: BodyNames,
+}
+
+impl Language {
+    /// The language without names of any creature's own.
+    pub fn everyday() -> Language {
+        Language::with(BodyNames::everyday())
+    }
+
+    /// The language, and what a creature's parts are called.
+    pub fn of(own: &OwnBody) -> Language {
+        Language::with(BodyNames::of(own))
+    }
+
+    fn with(names: BodyNames) -> Language {
+        let patterns = REQUESTS.iter().flat_map(|(_, kind)| kind.patterns()).flat_map(patterns::words);
+        let still = STILL.iter().copied().flat_map(patterns::words);
+        let mut words: Vec<&str> = patterns.chain(still).chain(slots::words()).collect();
+        words.extend(names.words());
+        let lexicon = Lexicon::new(words);
+        Language { lexicon, names }
+    }
+
+    /// What was said means.
+    pub fn understand(&self, heard: &str) -> Understood {
+        let words = words::words(heard, &self.lexicon);
+        let pieces = slots::pieces(&words, &self.names);
+        let clauses = clauses::of(&pieces);
+        // Across clauses as well: "anything but …".
+        let said: Vec<&Piece> = pieces.iter().filter(|piece| piece.sense != Sense::Filler).collect();
+        let forbids = clauses.iter().any(Clause::forbids) || mood::forbids(&said);
+        let unknown: Vec<String> = pieces
+            .iter()
+            .filter(|piece| piece.sense == Sense::Word && !piece.word.known)
+            .map(|piece| piece.word.text.clone())
+            .collect();
+        let meant = self.meant(&pieces, &clauses);
+        let (intent, clause) = meant.unwrap_or((Intent::Unknown, 0));
+        let mood = clauses.get(clause).map_or(Mood::Statement, |clause| clause.mood);
+        let hypothesis = clauses.iter().any(|clause| clause.mood == Mood::Hypothesis);
+        // Whatever is denied anywhere, it is better to ask.
+        let denied = pieces.iter().any(|piece| piece.word.is(&["not", "never", "no", "nope", "nah"]));
+        let whole = unknown.is_empty() && !hypothesis && !denied;
+        let leave = (intent.moves()).then(|| Leave::by_words(mood, whole, forbids)).flatten();
+        let about = match intent {
+            Intent::Dont | Intent::Report => clauses.iter().find_map(Clause::about),
+            // "Lean forward and touch it."
+            Intent::LeanForward => clauses.iter().skip(clause + 1).find_map(Clause::meant),
+            _ => None,
+        };
+        let about = about
+            .filter(|about| intent != Intent::LeanForward || (about.moves() && *about != Intent::Repeat));
+        let lean = leans(&pieces) && !matches!(intent, Intent::LeanForward | Intent::LeanBack);
+        let (hand, part) = slots::hand_and_part(&pieces, about.unwrap_or(intent));
+        let any =
+            |lemmas: &[&str]| pieces.iter().any(|piece| piece.words.len() == 1 && piece.word.is(lemmas));
+        Understood {
+            intent,
+            mood,
+            hand,
+            part,
+            which: slots::which(&pieces),
+            lean,
+            again: any(&["again", "retry", "repeat", "try", "once"]),
+            all: any(&["everything", "all"])
+                || pieces.iter().any(|piece| piece.words.iter().any(|word| word == "all")),
+            open: any(&["what", "which", "where", "how", "when", "why", "who"]),
+            forbids,
+            about,
+            unknown,
+            leave,
+        }
+    }
+
+    /// The request, and in which clause it is.
+    fn meant(&self, pieces: &[Piece], clauses: &[Clause]) -> Option<(Intent, usize)> {
+        let found: Vec<(Intent, usize)> =
+            clauses.iter().enumerate().filter_map(|(k, clause)| Some((clause.meant()?, k))).collect();
+        // What is wanted comes before what is forbidden beside it.
+        let wanted = found.iter().find(|(intent, _)| *intent != Intent::Dont).or(found.first()).copied();
+        // What is said of it before it is told: "it's coming, dodge".
+        let told = |(intent, k): &(Intent, usize)| {
+            wanted.is_some_and(|(first, _)| first == *intent)
+                && matches!(clauses[*k].mood, Mood::Command | Mood::Polite)
+        };
+        let wanted = found.iter().copied().find(told).or(wanted);
+        // To bend down is but the way to touch one's own leg.
+        let own = found.iter().find(|(intent, _)| *intent == Intent::TouchOwn).copied();
+        let wanted = if matches!(wanted, Some((Intent::LeanForward, _))) { own.or(wanted) } else { wanted };
+        let about_nothing = strange_noun(pieces);
+        match wanted {
+            Some((Intent::Dont, clause)) => Some((Intent::Dont, clause)),
+            Some(wanted) if !about_nothing => Some(wanted),
+            _ => clauses.iter().enumerate().find_map(|(k, clause)| Some((clause.by_itself()?, k))),
+        }
+    }
+}
+
+/// Whether the trunk is to help: "leaning forward", "lean".
+fn leans(pieces: &[Piece]) -> bool {
+    pieces.iter().any(|piece| piece.sense == Sense::Word && piece.word.lemma == "lean")
+}
+
+/// Whether an utterance is about something that nobody here knows: the moon, politics.
+fn strange_noun(pieces: &[Piece]) -> bool {
+    let foreign = |piece: &Piece| piece.sense == Sense::Word && !piece.word.known;
+    (0..pieces.len()).any(|k| {
+        if !foreign(&pieces[k]) {
+            return false;
+        }
+        let ends_phrase = pieces[k].word.mark.is_some()
+            || pieces.get(k + 1).is_none_or(|next| {
+                next.sense != Sense::Thing
+                    && next.sense != Sense::Some
+                    && !next.is_body()
+                    && (next.word.is(BEFORE_NOUNS)
+                        || foreign(next)
+                        || next.word.form != lexicon::Form::Other
+                        || next.word.is(&["and", "or", "be", "please"]))
+            });
+        let object = k == 0
+            || pieces[k - 1].word.is(BEFORE_NOUNS)
+            || foreign(&pieces[k - 1])
+            || pieces[k - 1].word.form != lexicon::Form::Other;
+        ends_phrase && object
+    })
+}
+
+/// What words mean, without a creature's own names.
+pub fn understood(request: &str) -> Understood {
+    static EVERYDAY: std::sync::LazyLock<Language> = std::sync::LazyLock::new(Language::everyday);
+    EVERYDAY.understand(request)
+}

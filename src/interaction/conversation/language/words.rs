@@ -1,0 +1,192 @@
+//! An utterance's words: small letters, apostrophes resolved, what people run together taken apart.
+
+use super::lexicon::{Form, Lexicon};
+use super::spelling;
+
+/// What ends a clause, or a sentence.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) enum Mark {
+    /// A comma, a colon, a semicolon, a dash.
+    Pause,
+    /// A full stop or an exclamation mark.
+    Stop,
+    /// A question mark.
+    Question,
+}
+
+/// A word of an utterance.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Word {
+    /// As it was mended.
+    pub text: String,
+    /// Its dictionary form: `touch` of `touched`.
+    pub lemma: String,
+    /// Which form it is.
+    pub(super) form: Form,
+    /// Whether the lexicon has it.
+    pub known: bool,
+    /// What follows it.
+    pub(super) mark: Option<Mark>,
+}
+
+impl Word {
+    /// Whether it is one of some words in their dictionary form.
+    pub fn is(&self, lemmas: &[&str]) -> bool {
+        lemmas.contains(&self.lemma.as_str())
+    }
+}
+
+/// What people write together or short, and the words that it stands for.
+const SHORT: &[(&str, &str)] = &[
+    ("dont", "do not"),
+    ("dnt", "do not"),
+    ("donot", "do not"),
+    ("doesnt", "does not"),
+    ("didnt", "did not"),
+    ("isnt", "is not"),
+    ("arent", "are not"),
+    ("aint", "is not"),
+    ("wasnt", "was not"),
+    ("werent", "were not"),
+    ("havent", "have not"),
+    ("hasnt", "has not"),
+    ("hadnt", "had not"),
+    ("wont", "will not"),
+    ("cant", "can not"),
+    ("cannot", "can not"),
+    ("couldnt", "could not"),
+    ("wouldnt", "would not"),
+    ("shouldnt", "should not"),
+    ("mustnt", "must not"),
+    ("neednt", "need not"),
+    ("oughtnt", "ought not"),
+    ("shant", "shall not"),
+    ("mightnt", "might not"),
+    ("whats", "what is"),
+    ("wheres", "where is"),
+    ("hows", "how is"),
+    ("whos", "who is"),
+    ("thats", "that is"),
+    ("theres", "there is"),
+    ("lets", "let us"),
+    ("im", "i am"),
+    ("ive", "i have"),
+    ("youre", "you are"),
+    ("youve", "you have"),
+    ("youll", "you will"),
+    ("gonna", "going to"),
+    ("wanna", "want to"),
+    ("gotta", "have to"),
+    ("gimme", "give me"),
+    ("lemme", "let me"),
+    ("kinda", "kind of"),
+    ("whatcha", "what are you"),
+    ("dunno", "do not know"),
+    ("plz", "please"),
+    ("pls", "please"),
+    ("pleas", "please"),
+    ("u", "you"),
+    ("ur", "your"),
+    ("ya", "you"),
+    ("r", "are"),
+    ("thx", "thanks"),
+    ("ty", "thanks"),
+    ("cya", "bye"),
+    ("rn", "now"),
+    ("infront", "in front"),
+    ("alot", "a lot"),
+];
+
+/// What an apostrophe and these letters stand for at a word's end.
+const ENDINGS: &[(&str, &str)] =
+    &[("n't", "not"), ("'re", "are"), ("'ll", "will"), ("'ve", "have"), ("'m", "am"), ("'d", "would")];
+
+/// The words of an utterance, spelling mistakes mended.
+pub(super) fn words(heard: &str, lexicon: &Lexicon) -> Vec<Word> {
+    let mut words: Vec<Word> = Vec::new();
+    for (token, mark) in tokens(heard) {
+        words.extend(pieces(&token, lexicon).into_iter().map(|piece| word(piece, lexicon)));
+        if let Some(last) = words.last_mut() {
+            last.mark = last.mark.max(mark);
+        }
+    }
+    // "don t", as who types in haste has it.
+    let mut k = 0;
+    while k + 1 < words.len() {
+        if words[k].text == "don" && words[k + 1].text == "t" {
+            words[k] = word("do".into(), lexicon);
+            words[k + 1] = Word { mark: words[k + 1].mark, ..word("not".into(), lexicon) };
+        }
+        k += 1;
+    }
+    words
+}
+
+/// The runs of letters and digits, with the apostrophes within them, and the mark that follows each.
+fn tokens(heard: &str) -> Vec<(String, Option<Mark>)> {
+    let mut tokens: Vec<(String, Option<Mark>)> = Vec::new();
+    let mut within = false;
+    for c in heard.chars().flat_map(char::to_lowercase) {
+        let apostrophe = matches!(c, '\'' | '’' | '‘' | '`' | '´');
+        if c.is_alphanumeric() || (apostrophe && within) {
+            if !within {
+                tokens.push((String::new(), None));
+            }
+            if let Some((token, _)) = tokens.last_mut() {
+                token.push(if apostrophe { '\'' } else { c });
+            }
+            within = true;
+            continue;
+        }
+        within = false;
+        let mark = match c {
+            '?' | '？' => Mark::Question,
+            '.' | '!' | '\n' => Mark::Stop,
+            ',' | ';' | ':' | '–' | '—' => Mark::Pause,
+            _ => continue,
+        };
+        if let Some((_, before)) = tokens.last_mut() {
+            *before = (*before).max(Some(mark));
+        }
+    }
+    tokens
+}
+
+/// What a token stands for, word by word.
+fn pieces(token: &str, lexicon: &Lexicon) -> Vec<String> {
+    let split = |words: &str| words.split(' ').map(String::from).collect::<Vec<_>>();
+    let short = |token: &str| SHORT.iter().find(|(short, _)| *short == token).map(|(_, long)| split(long));
+    let bare: String = token.chars().filter(|c| *c != '\'').collect();
+    if let Some(long) = short(&bare).filter(|_| !lexicon.has(token)) {
+        return long;
+    }
+    if token.contains('\'') {
+        if let Some((stem, long)) =
+            ENDINGS.iter().find_map(|(end, long)| Some((token.strip_suffix(end)?, long)))
+        {
+            return [pieces(stem, lexicon), vec![long.to_string()]].concat();
+        }
+        if let Some(stem) = token.strip_suffix("'s") {
+            // Either "is" or whose it is; the one is no harm where the other is meant.
+            return [pieces(stem, lexicon), vec!["is".to_string()]].concat();
+        }
+    }
+    if lexicon.has(&bare) {
+        return vec![bare];
+    }
+    let mended = spelling::mended(&bare, lexicon);
+    short(&mended).unwrap_or_else(|| vec![mended])
+}
+
+fn word(text: String, lexicon: &Lexicon) -> Word {
+    let (lemma, form, known) = match lexicon.entry(&text) {
+        Some((lemma, form)) => (lemma.to_string(), form, true),
+        None => (text.clone(), Form::Other, text.chars().all(|c| c.is_ascii_digit())),
+    };
+    Word { text, lemma, form, known, mark: None }
+}
+
+/// What is written short, as it is written.
+pub(super) fn short_words<'a>() -> impl Iterator<Item = &'a str> {
+    SHORT.iter().map(|(short, _)| *short).filter(|short| short.len() > 2)
+}

@@ -1,0 +1,61 @@
+//! "Let go."
+
+use super::super::Conversation;
+use super::{Act, Intent, Reply, RequestKind};
+use crate::simulation::EngineError;
+
+pub(super) const LET_GO: RequestKind = RequestKind {
+    told: &[
+        "let ?THING|SOME|it go|loose|fall|drop|off|slip",
+        "release|drop|unhand|relinquish|free|unclasp|ungrip THING|SOME|the|your|HAND|it|them",
+        "^ release|drop ?now $",
+        "put|set|lay|place|lower|sit|stand|rest THING|SOME ?back ?right down|gently",
+        "put|set|lay|place|lower|stand down|back THING|SOME",
+        "put|set|lay|place|lower|rest|stand|deposit THING|SOME ?back ?down on|onto|upon ?to ?top ?of THING|the|SOME ?table|tabletop|surface|desk",
+        "open|loosen|relax|unclench|ease HAND|your|THING ?own ?grip|grasp|hold|fist|fingers",
+        "leave ?go|hold of|go THING",
+        "leave THING ?there|here|where|standing|lying|be ?it $",
+        "lose|give ?up your|the grip|hold|grasp",
+        "take|get|pull HAND off|away|from ?of ?from THING",
+        "put down $",
+        "let THING be|stay|stand",
+        "^ lower THING",
+        "stop|quit =holding",
+        "^ loosen|unhand",
+        "return THING to THING|the ?table|place",
+        "put|set|place|give THING back where|in|there|to|on|again",
+        "put|set|place|give THING back $",
+        "unload THING",
+    ],
+    ..RequestKind::new(["let go", "let go"], Act::Moves(|creature, _, _| creature.release()))
+};
+
+impl Conversation {
+    /// Lets go of what it holds, and takes its hand back from it.
+    fn release(&mut self) -> Result<Reply, EngineError> {
+        let held = std::mem::take(&mut self.holding);
+        let said = match held {
+            Some(held) => {
+                let (receptor, lowered) = self.put_down(&held)?;
+                self.actor.let_go();
+                self.actor.wait(0.2)?;
+                let name = self.limb_in_words(receptor);
+                if lowered {
+                    format!("I put it down and let go of it with my {name}")
+                } else {
+                    format!("I let go of it with my {name}")
+                }
+            }
+            None => {
+                self.actor.let_go();
+                let touching = self.things.iter().any(|known| known.in_touch.is_some());
+                match touching {
+                    true => "I hold nothing, and took my hand back from what I touched".to_string(),
+                    false => "I hold nothing".to_string(),
+                }
+            }
+        };
+        self.let_be();
+        Ok(self.reply(Intent::LetGo, said, Some(true), false))
+    }
+}

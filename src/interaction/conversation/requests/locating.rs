@@ -1,0 +1,247 @@
+//! "Where is it?", "how far is it?", "is it near or far?", "where is your left elbow?", "what do you feel?"
+
+use super::super::{Conversation, Request};
+use super::{Act, Answer, RequestKind};
+use crate::interaction::body_part;
+use crate::peripersonal::Level;
+
+pub(super) const HOW_FAR: RequestKind = RequestKind {
+    asked: &[
+        "how far|distant",
+        "how near|close be|to|do|does|THING|it|$",
+        "distance",
+        "how much farther|further|space|room",
+        "how many centimetres|centimeters|cm|inches|metres|meters|steps|millimetres|feet",
+        "metre|meter|centimetre|foot|metres|centimetres off|away|from|or",
+        "gap|space between",
+        "in ?terms ?of centimetres|cm|centimeters|metres|inches",
+        "the range to|of THING",
+        "how ?great|large|big|long be the way|gap|distance",
+        "how long be the|your way|reach",
+    ],
+    past: &["how far|near|close be THING|SOME", "distance"],
+    ..RequestKind::new(
+        ["tell how far it is", "told how far it is"],
+        Act::Tells(|creature, request| creature.how_far(request)),
+    )
+};
+
+pub(super) const NEAR_OR_FAR: RequestKind = RequestKind {
+    asked: &[
+        "near|nearby|close far",
+        "near|nearby|close or|versus far|distant|not|away|farther|out",
+        "far or|versus near|close|not",
+        "within|in|inside|out|outside|beyond|at ?of ?easy ?arm|is|your|the|BODY ?easy|is|own ?arm reach|range|grasp|length|distance",
+        "reachable|touchable|accessible|graspable|unreachable|attainable",
+        "too|very far|distant|remote",
+        "near|close|far enough",
+        "be THING|SOME|there ?quite|very|really|still|all|somewhat|pretty ?that near|nearby|close|far|distant|remote",
+        "have|need|must|do you|i|BODY ?have|need to stretch|lean|bend|strain|step|extend",
+        "would you|i|BODY ?have|need ?to stretch|lean|bend|strain|extend|need",
+        "can|could|would|will|able|might you|BODY|i|to|either|one ?still|even|ever|able ?manage ?to reach|grasp ?at|to|for THING",
+        "get at|to|hold ?of THING",
+        "able|capable|possible|manage of|to|for ?you ?to reach|=reaching|touch|get|grasp",
+        "which ?THING|one|of be ?the nearer|closer|nearest|closest|farther|farthest",
+        "do|would BODY ?ever reach|get|stretch|make|extend",
+        "BODY long|enough ?enough",
+        "reach THING",
+        "get at THING",
+        "get to THING ?without|with|from|if",
+        "far away or",
+        "close ?by|at $",
+        "can|could THING be reached|touched|grasped",
+        "be THING =reached",
+    ],
+    needs_body: true,
+    ..RequestKind::new(
+        ["tell whether I reach it", "told whether I reach it"],
+        Act::Tells(|creature, request| creature.near_or_far(request)),
+    )
+};
+
+pub(super) const WHERE_OWN: RequestKind = RequestKind {
+    told: &["locate BODY", "find|locate BODY $", "show ?me BODY"],
+    asked: &[
+        "where|whereabouts ?exactly|precisely ?do|be|would|can|have|about ?i|THING|you ?find|keep|hold|see|leave|have|locate BODY",
+        "where BODY ?be",
+        "BODY .. where",
+        "whereabouts|location|position|place|posture|pose|direction|spot|coordinates|orientation|height ?of|are|be BODY",
+        "locate|place BODY",
+        "be BODY ?still|now|hanging|resting|pointing|above|near|close|in|on|to|bent|raised|up|down|out|over|under|below|behind|beside|left|right|by|at|stretched|straight|extended|high|low|higher|lower",
+        "how|what do|be BODY ?held|positioned|placed|doing|lie|bent|high|far|hold",
+        "how|in|which|what ?way|direction|side|height high|low|far|bent|be|way|direction|does|do|is ?be BODY",
+        "which|what side|way|direction|height|level .. BODY",
+        "how far|high .. BODY from|above|to|off",
+        "know|say|tell|describe|find BODY $",
+        "show me BODY",
+        "BODY be where|located|now",
+    ],
+    needs_body: true,
+    ..RequestKind::new(
+        ["tell where it is", "told where it is"],
+        Act::Tells(|creature, request| creature.where_own(request)),
+    )
+};
+
+pub(super) const WHERE_FELT: RequestKind = RequestKind {
+    asked: &[
+        "where|whereabouts .. THING|SOME|feel|touch|contact|they|find",
+        "^ where|whereabouts ?exactly|precisely|about ?be|now $",
+        "whereabouts|location|position|place|coordinates|spot|direction|bearing|site",
+        "on|at|in|by|to|from which|what side|direction|place|spot|part|limb|way|location|position|point",
+        "which|what side|direction|place|spot|part|limb|way|receptor|finger",
+        "be THING ?more|now|still|somewhere|straight ?to|on|at|in ?the|your left|right|ahead|front|behind|side|above|below|middle|centre|center",
+        "which|what HAND|BODY|limb|hand|arm do|be|feel|touch",
+        "with which|what HAND|BODY|part|limb|hand|arm",
+        "which of your HAND|BODY|limbs",
+        "left or right",
+    ],
+    past: &["where"],
+    ..RequestKind::new(
+        ["tell where I feel it", "told where I feel it"],
+        Act::Tells(|creature, _| creature.where_felt()),
+    )
+};
+
+pub(super) const WHAT_FELT: RequestKind = RequestKind {
+    asked: &[
+        "what|do|be|can|how|tell|if|whether .. feel|sense|perceive|notice|detect|contact",
+        "what|be|do|how .. =touching|=touches|=feeling",
+        "any|which|what|your|the ?any contact|sensation|sensations|touch|feeling|feelings|pressure",
+        "SOME|THING|who|i touch|press|hold|push|contact|poke|tap|brush BODY|you|your",
+        "be|do SOME|THING|you|BODY|there ?now|still|currently|in|any touch|contact|press|against|hold|feel|SOME",
+        "what be in|on|at|under|against HAND|BODY",
+        "you feel|sense|touch|hold",
+        "what be you touch|hold|feel",
+        "how do THING|that|BODY|your feel",
+        "feel SOME",
+        "do|be you|BODY ?still hold|touch|carry|feel|grasp|grip",
+        "hold SOME|THING",
+        "what ?do your skin|BODY|HAND|receptors say|feel|sense|tell|notice|touch|report",
+        "at your BODY|HAND",
+    ],
+    ..RequestKind::new(
+        ["tell what I feel", "told what I feel"],
+        Act::Tells(|creature, _| creature.what_felt()),
+    )
+};
+
+impl Conversation {
+    /// The thing that a question is about.
+    fn asked_about(&self, request: &Request) -> Result<usize, Answer> {
+        let named = request.which.and_then(|which| self.which(which));
+        match named.or(self.things.it()).or((self.things.len() == 1).then_some(0)) {
+            Some(i) => Ok(i),
+            None if self.things.is_empty() => Err(Answer::tells("I have not felt anything yet")),
+            None => Err(Answer { said: self.question(), done: None, asks: true }),
+        }
+    }
+
+    fn how_far(&self, request: &Request) -> Answer {
+        let known = match self.asked_about(request) {
+            Ok(i) => &self.things[i],
+            Err(answer) => return answer,
+        };
+        let distances = self.actor.distances(&known.at);
+        let nearest = distances.iter().min_by(|a, b| a.1.total_cmp(&b.1));
+        let hands = self.actor.hands.each_ref().map(|hand| {
+            let distance =
+                distances.iter().find(|(limb, _)| *limb == hand.limb).map_or(f64::NAN, |(_, d)| *d);
+            format!("{:.0} cm from my {}", 100.0 * distance.max(0.0), hand.name.replace('_', " "))
+        });
+        let near = nearest.map_or(String::new(), |(limb, distance)| {
+            let limb = self.actor.own.creature().limbs()[*limb].replace('_', " ");
+            format!("; the nearest to it is my {limb}, {:.0} cm away", 100.0 * distance.max(0.0))
+        });
+        Answer::tells(format!("It is {}: {} and {}{near}", self.place(&known.at), hands[0], hands[1]))
+    }
+
+    /// From the map of what its hands reach, which knows joints' ranges and nothing in the way.
+    fn near_or_far(&self, request: &Request) -> Answer {
+        let known = match self.asked_about(request) {
+            Ok(i) => &self.things[i],
+            Err(answer) => return answer,
+        };
+        let Some(maps) = self.reachable() else {
+            return Answer::tells("I do not know how far my hands reach");
+        };
+        let only = self.hand_for(request.hand);
+        let levels: Vec<(usize, Level)> = (0..2)
+            .filter(|hand| only.is_none_or(|only| only == *hand))
+            .map(|hand| (hand, maps[hand].level(&maps[hand].frame.inverse_point(&known.at))))
+            .collect();
+        let with = |wanted: Level| -> Vec<String> {
+            let hands = levels.iter().filter(|(_, level)| *level == wanted);
+            hands.map(|(hand, _)| format!("my {}", self.actor.hands[*hand].name.replace('_', " "))).collect()
+        };
+        let (near, far) = (with(Level::Near), with(Level::Far));
+        let verb = |hands: &[String]| if hands.len() == 1 { "reaches" } else { "reach" };
+        Answer::tells(match (near.as_slice(), far.as_slice()) {
+            ([], []) => "It is out of reach, even if I lean forward".to_string(),
+            ([], far) => format!("It is far: {} {} it only if I lean forward", far.join(" and "), verb(far)),
+            (near, []) => format!("It is near: {} {} it without leaning", near.join(" and "), verb(near)),
+            (near, far) => format!(
+                "It is near: {} {} it without leaning, {} only if I lean forward",
+                near.join(" and "),
+                verb(near),
+                far.join(" and ")
+            ),
+        })
+    }
+
+    fn where_own(&self, request: &Request) -> Answer {
+        let Some(part) = &request.part else {
+            return Answer::tells("I do not know which part of me you mean");
+        };
+        let found = match body_part::find(&self.actor, part, self.hand_touching()) {
+            Ok(found) => found,
+            Err(unknown) => return Answer::tells(unknown.to_string()),
+        };
+        let told: Vec<String> = found
+            .iter()
+            .map(|part| {
+                let at = part.at(&self.actor, &self.actor.frames());
+                format!("my {} is {}", part.name, self.place_of_own(&at))
+            })
+            .collect();
+        let said = told.join("; ");
+        Answer::tells(format!("{}{}", said[..1].to_uppercase(), &said[1..]))
+    }
+
+    fn where_felt(&self) -> Answer {
+        let touching =
+            self.things.iter().filter_map(|known| known.in_touch.map(|receptor| (known, receptor)));
+        let told: Vec<String> = touching
+            .map(|(known, receptor)| {
+                let id = &self.actor.own.skin().receptors[receptor].id;
+                format!(
+                    "I feel it with my {} (receptor {id}), {}",
+                    self.limb_in_words(receptor),
+                    self.place(&known.at)
+                )
+            })
+            .collect();
+        Answer::tells(match (told.is_empty(), self.things.it().or(self.things.len().checked_sub(1))) {
+            (false, _) => told.join("; "),
+            (true, Some(i)) => {
+                let known = &self.things[i];
+                format!(
+                    "I do not feel it now; I felt it with my {}, and it is {}",
+                    self.limb_in_words(known.found.receptor),
+                    self.place(&known.at)
+                )
+            }
+            (true, None) => "I do not feel anything".into(),
+        })
+    }
+
+    fn what_felt(&self) -> Answer {
+        if let Some(receptor) = self.spot {
+            return Answer::tells(format!("I feel my own hand on my {}", self.limb_in_words(receptor)));
+        }
+        match self.things.iter().any(|known| known.in_touch.is_some()) {
+            true => self.where_felt(),
+            false => Answer::tells("I do not feel anything now"),
+        }
+    }
+}

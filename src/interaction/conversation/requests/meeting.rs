@@ -1,0 +1,78 @@
+//! "Hello", "who are you?", "thank you".
+
+use super::{Act, Answer, RequestKind};
+
+pub(super) const GREET: RequestKind = RequestKind {
+    asked: &[
+        "how be you ?doing|feeling|today|going|all|$",
+        "how do you do $",
+        "how be THING|life|everything|things going",
+        "how be THING|life $",
+        "what be|is up $",
+        "you|are|be ?you ok|okay|alright|well $",
+    ],
+    said: &[
+        "^ hello|hi|hey|hiya|howdy|greetings|welcome|yo|salutations",
+        "^ good morning|afternoon|evening|day",
+        "^ ?it ?be nice|pleased|good|lovely|glad|great|pleasure|delighted to|meeting|seeing ?meet|see|you",
+        "how be|do you ?doing|feeling|today|going|do|$",
+        "what be up",
+        "^ morning|evening|afternoon",
+        "how have you be",
+        "long time no see",
+    ],
+    ..RequestKind::new(
+        ["", ""],
+        Act::Tells(|_, _| Answer::tells("Hello. I cannot see you, but I hear you: what shall I do?")),
+    )
+};
+
+pub(super) const THANKS: RequestKind = RequestKind {
+    said: &[
+        "thank|thanks|grateful|ta|appreciate|appreciated|thankful|cheers|obliged|indebted|kudos|bravo",
+        "^ well|nicely do|done",
+        "good|great|nice|excellent|perfect|brilliant|wonderful|fantastic|awesome|lovely job|work",
+        "^ good|great|nice|excellent|perfect|brilliant|wonderful|fantastic|awesome|lovely ?one $",
+        "very|so|most|how kind",
+        "that|THING be ?very|really|so ?a good|great|nice|perfect|kind|helpful|excellent|lovely|well|brilliant|help",
+        "you be ?very|so|a|really|most kind|helpful|great|good|best",
+    ],
+    ..RequestKind::new(["", ""], Act::Tells(|_, _| Answer::tells("You are welcome")))
+};
+
+pub(super) const WHO: RequestKind = RequestKind {
+    told: &[
+        "introduce|present yourself",
+        "say|tell|give ?me|us ?your who|name|yourself $",
+        "tell me ?SOME|more|a ?bit|little about yourself",
+    ],
+    asked: &[
+        "^ ?and ?so who|whom ?exactly|the be|am you|this|there|i|THING",
+        "who ?exactly you be",
+        "who be you",
+        "your name",
+        "have ?you a name",
+        "what be you ?exactly|call|name|then|anyway $",
+        "what do|should|may|can|shall|must|would ?people|i|they|we call|name you",
+        "about yourself|you $",
+        "be you ?really ?a|an|the|called|named human|robot|real|person|machine|alive|virtual|computer|man|max|creature",
+        "what|which kind|sort|type of THING|creature|robot|being|person|machine be|are|do you",
+        "who|whom do|am|have|be i|we ?have talk|talking|speak|speaking|deal|dealing",
+        "introduce yourself",
+        "how be you called",
+        "what sort|kind of .. be you",
+        "call|named you",
+    ],
+    ..RequestKind::new(
+        ["tell who I am", "told who I am"],
+        Act::Tells(|creature, _| {
+            let name = creature.actor.own.creature().name();
+            let mut capital = name.chars();
+            let name =
+                capital.next().map_or(String::new(), |first| first.to_uppercase().chain(capital).collect());
+            Answer::tells(format!(
+                "I am {name}. I am blindfolded: I know my body from touching myself, and what is about me from what I feel"
+            ))
+        }),
+    )
+};

@@ -1,0 +1,47 @@
+//! "Again."
+
+use super::super::{Conversation, Request};
+use super::{Act, Intent, Reply, RequestKind};
+use crate::interaction::conversation::language::Leave;
+use crate::simulation::EngineError;
+
+pub(super) const REPEAT: RequestKind = RequestKind {
+    told: &[
+        "^ ?and|now ?try again|repeat|retry|redo|encore|rerun",
+        "once|one|twice|another ?more|last more|again|time",
+        "one|another|a ?more|last|second|third more|time|try|go|attempt|shot|round",
+        "do|try|attempt|perform ?THING|so|the|that ?same ?thing ?all|over again|over|anew|afresh",
+        "do the same",
+        "do THING ?one|once more",
+        "another|one|have|give|make ?THING ?another|a|one ?more|second|last go|try|attempt|shot|crack|whirl",
+        "same again|thing|procedure",
+        "try ?THING|it ?all again|anew|harder|more|over",
+        "repeat ?what|that|it|THING|the|your",
+        "^ same THING $",
+        "go|start|try over again",
+        "^ try ?that|THING ?harder|more $",
+        "do what you =did",
+        "keep =trying|going",
+        "as|like before",
+    ],
+    ..RequestKind::new(
+        ["do it again", "did it again"],
+        Act::Moves(|creature, request, leave| creature.repeat(request, leave)),
+    )
+};
+
+impl Conversation {
+    fn repeat(&mut self, request: &Request, leave: &Leave) -> Result<Reply, EngineError> {
+        let Some(last) = self.last.clone() else {
+            return Ok(self.reply(
+                Intent::Repeat,
+                "I have not done anything yet that I could do again".into(),
+                Some(false),
+                false,
+            ));
+        };
+        let again = Request { hand: request.hand.or(last.hand), lean: request.lean || last.lean, ..last };
+        let reply = self.moves(&again, leave.again())?;
+        Ok(Reply { intent: Intent::Repeat, ..reply })
+    }
+}

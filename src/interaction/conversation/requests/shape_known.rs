@@ -1,0 +1,79 @@
+//! "How big is it?", "what shape is it?": from where it was felt, which is little.
+
+use super::super::Conversation;
+use super::{Act, Answer, RequestKind};
+
+pub(super) const HOW_BIG: RequestKind = RequestKind {
+    asked: &[
+        "how ?very big|large|small|wide|tall|long|high|thick|thin|broad|huge|tiny|deep|bulky",
+        "size|sizes|dimensions|dimension|extent|extents|diameter|width|breadth|volume|length|height|girth|measurements|radius|thickness|proportions",
+        "be|do THING|SOME ?seem|feel|look ?very|really|quite|rather|fairly|that|a ?all|bit big|bigger|large|larger|small|smaller|huge|tiny|wide|tall|long|thick|narrow|bulky|little",
+        "bigger|smaller|larger|taller|wider|longer",
+        "what do THING measure",
+        "fit in|into ?one|your HAND|BODY",
+        "how much space|room do|does THING",
+    ],
+    past: &["how big|large|small|wide|tall|long", "size"],
+    ..RequestKind::new(
+        ["tell how big it is", "told how big it is"],
+        Act::Tells(|creature, _| Answer::tells(creature.size_in_words())),
+    )
+};
+
+pub(super) const WHAT_SHAPE: RequestKind = RequestKind {
+    told: &["describe THING|SOME|its"],
+    asked: &[
+        "shape|shaped|form|outline|geometry|contour|contours|silhouette",
+        "be|do THING|SOME ?seem|feel|look|have|got ?any|more|very|rather|quite|like|all|perfectly|to ?a|an|be ?be ?like round|square|flat|rectangular|spherical|cylindrical|cubic|curved|pointed|sharp|smooth|rough|hard|soft|angular|corners|edges|corner|edge|oval|sphere|cylinder|boxy|pointy|cubical|bumpy|elongated|hollow|straight|conical|symmetric|symmetrical|sides|rounded",
+        "be|do THING|SOME ?seem|feel|look ?more ?like|to ?be a|an|SOME",
+        "describe THING|SOME|its",
+        "what ?kind|sort|type|manner ?of ?SOME|THING do|be THING|SOME ?look|feel|seem ?like|resemble $",
+        "what do THING look|feel|seem|resemble ?like",
+        "what kind|sort|type of THING|SOME",
+        "round or|and|nor",
+        "more like a|an|SOME",
+        "corners|edges|roundness|curved|rounded|angular",
+        "how|what would|do|can you describe THING",
+        "what be THING|SOME $",
+    ],
+    past: &["what shape|form", "shape"],
+    ..RequestKind::new(
+        ["tell its shape", "told its shape"],
+        Act::Tells(|creature, _| Answer::tells(creature.shape_in_words())),
+    )
+};
+
+impl Conversation {
+    /// What it may say of the size of the thing of which they talk.
+    fn size_in_words(&self) -> String {
+        self.felt_in_words("how big it is")
+    }
+
+    /// What it may say of its shape.
+    pub(super) fn shape_in_words(&self) -> String {
+        self.felt_in_words("its shape")
+    }
+
+    fn felt_in_words(&self, what: &str) -> String {
+        let it = self.things.it().or((self.things.len() == 1).then_some(0));
+        let Some(i) = it else {
+            return match self.things.is_empty() {
+                true => "I have not felt anything yet".into(),
+                false => self.question(),
+            };
+        };
+        let places = self.felt_places(i);
+        let apart =
+            places.iter().enumerate().flat_map(|(k, a)| places[..k].iter().map(move |b| (a - b).norm()));
+        let widest = apart.fold(0.0, f64::max);
+        match places.len() {
+            0 | 1 => {
+                format!("I have felt it at one place only, so I cannot tell {what}: ask me to feel its shape")
+            }
+            n => format!(
+                "I have felt it at {n} places, at most {:.0} cm apart: so wide it is at least, more I do not know of {what}",
+                100.0 * widest
+            ),
+        }
+    }
+}

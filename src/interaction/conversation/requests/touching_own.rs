@@ -1,0 +1,88 @@
+//! "Touch your nose."
+
+use super::super::{Conversation, Request};
+use super::{Act, Intent, Reply, RequestKind};
+use crate::interaction::body_part;
+use crate::interaction::tasks::Trouble;
+use crate::simulation::EngineError;
+
+/// Places of a part that are tried, the one that it is first.
+const TRIES: usize = 6;
+
+pub(super) const TOUCH_OWN: RequestKind = RequestKind {
+    told: &[
+        "touch|tap|poke|contact|pat|stroke|prod|rub|scratch|grab|grasp|clasp|grip|feel|reach|squeeze|tickle|brush|press|pinch|cover|pull|tug|find|slap|nudge|massage|cup|approach|clutch|hit|meet|hug ?gently|with|for|to|at|on|onto|against|up|down|behind|out|over ?HAND ?to|for|on|towards|at|onto ?your PART",
+        "touch|tap|poke|contact|pat|stroke|prod|rub|scratch|squeeze|press|clasp|grip|massage|feel|hold BODY",
+        "grab|grasp|reach|hold|take BODY with HAND",
+        "hold PART",
+        "put|lay|place|rest|set|get|position|move|bring|keep|press|point|have|lift|raise|stretch|extend|hold|guide|let|take ?a|one|the ?both HAND|finger|hand|palm ?up|down|over|back|rest|go|out ?right on|onto|upon|to|against|at|towards|over|around|in|touch|by|behind|near ?contact|top|touch ?with|of BODY",
+        "put|lay|place|rest ?a ?finger|hand on|to|onto BODY",
+        "get|take|catch|have|lay|keep|grab hold of BODY",
+        "^ HAND to|onto|on|against|at BODY",
+        "PART .. touch|tap|poke|pat|grab|reach|feel THING",
+        "use HAND .. PART",
+        "with HAND .. PART",
+        "make|get|establish contact|touch with|between|to BODY",
+        "touch yourself",
+        "bend ?down and touch|reach|grab BODY",
+        "BODY and BODY together",
+        "point at|to PART",
+        "reach ?up|down|out|over|back|behind ?to|for|and|at|towards ?touch ?behind BODY",
+    ],
+    needs_body: true,
+    ..RequestKind::new(
+        ["touch myself there", "touched myself"],
+        Act::Moves(|creature, request, _| creature.touch_part(request)),
+    )
+};
+
+impl Conversation {
+    fn touch_part(&mut self, request: &Request) -> Result<Reply, EngineError> {
+        let Some(part) = &request.part else {
+            return Ok(self.reply(Intent::TouchOwn, "Which part of me do you mean?".into(), None, true));
+        };
+        let found = match body_part::find(&self.actor, part, self.hand_touching()) {
+            Ok(found) => found,
+            Err(unknown) => return Ok(self.reply(Intent::TouchOwn, unknown.to_string(), Some(false), false)),
+        };
+        let by = self.hand_for(request.hand);
+        self.let_be();
+        let mut trouble = None;
+        for part in &found {
+            for &receptor in part.receptors.iter().take(TRIES) {
+                match self.actor.touch_own_with(receptor, by) {
+                    Ok(touch) => {
+                        self.spot = Some(receptor);
+                        let name = self.actor.hands[touch.hand].name.replace('_', " ");
+                        let off = part.off(&self.actor, touch.felt);
+                        let there = match off {
+                            off if off < 0.01 => format!("I touch my {} with my {name}", part.name),
+                            off => format!(
+                                "I touch myself {:.0} cm from my {} with my {name}",
+                                100.0 * off,
+                                part.name
+                            ),
+                        };
+                        return Ok(self.reply(Intent::TouchOwn, there, Some(true), false));
+                    }
+                    Err(Trouble::Engine(error)) => return Err(error),
+                    Err(this) => {
+                        let met = matches!(this, Trouble::Hit(_) | Trouble::Nothing);
+                        trouble.get_or_insert((part.name.clone(), this));
+                        if met {
+                            let ready = self.ready.clone();
+                            self.settle(&ready);
+                        }
+                    }
+                }
+            }
+        }
+        let ready = self.ready.clone();
+        self.settle(&ready);
+        let said = match trouble {
+            Some((name, trouble)) => format!("I cannot touch my {name}: {}", self.in_words(&trouble)),
+            None => format!("I have no skin at my {} that could be touched", part.text()),
+        };
+        Ok(self.reply(Intent::TouchOwn, said, Some(false), false))
+    }
+}

@@ -1,0 +1,80 @@
+//! Leaning the trunk forward, and back upright.
+
+use super::actor::Actor;
+use super::tasks::Trouble;
+use crate::creature::Posture;
+
+/// Shares of the farthest that it leans, the first that keeps clear.
+const SHARES: [f64; 6] = [1.0, 0.85, 0.7, 0.5, 0.35, 0.2];
+/// How clear of everything it stays, metres, …
+const CLEAR: f64 = 0.01;
+/// … looked at in so many steps.
+const STEPS: u32 = 10;
+
+impl Actor {
+    /// The joints of the trunk that carry both hands.
+    fn trunk(&self) -> Vec<usize> {
+        let [a, b] = &self.hands;
+        a.leaning.iter().copied().filter(|joint| b.leaning.contains(joint)).collect()
+    }
+
+    /// How far forward the limb is that carries both arms, in the root's frame, metres.
+    fn shoulders_forward(&self, posture: &[f64]) -> f64 {
+        let frames = self.own.frames(posture);
+        let of = |hand: usize| frames[self.hands[hand].arm[0] + 1].origin.dot(&self.front);
+        0.5 * (of(0) + of(1))
+    }
+
+    /// Leans forward as far as it keeps clear of itself and of what it knows; by how far its shoulders came forward, metres.
+    ///
+    /// # Errors
+    /// [`Trouble`] where it cannot, or meets something.
+    pub(super) fn lean_forward(&mut self) -> Result<f64, Trouble> {
+        let from = self.posture();
+        let mut bent = from.clone();
+        for joint in self.trunk() {
+            let joint = &self.own.creature().joints()[joint];
+            for at in joint.elements().filter(|at| !at.is_ball() && at.follows.is_none()) {
+                let q = at.coordinate();
+                let forward = |value: f64| {
+                    let mut posture = bent.clone();
+                    posture[q] = value;
+                    self.shoulders_forward(&posture)
+                };
+                let [low, high] = at.range;
+                let (low_at, high_at, here) = (forward(low), forward(high), forward(bent[q]));
+                // What does not lead forward stays.
+                if low_at.max(high_at) > here + 1e-3 {
+                    bent[q] = if high_at > low_at { high } else { low };
+                }
+            }
+        }
+        self.own.creature().couple(&mut bent);
+        let before = self.shoulders_forward(&from);
+        let clearance = self.clearance.eased_at(&[self.own.frames(&from)], CLEAR);
+        let clear = |posture: &[f64]| {
+            (1..=STEPS).all(|k| {
+                let on_the_way =
+                    Posture::between(self.own.creature(), &from, posture, f64::from(k) / f64::from(STEPS));
+                clearance.free(&self.own.frames(&on_the_way), CLEAR)
+            })
+        };
+        let leaning = SHARES
+            .into_iter()
+            .map(|share| Posture::between(self.own.creature(), &from, &bent, share))
+            .find(|posture| clear(posture));
+        let Some(leaning) = leaning else { return Err(crate::peripersonal::OutOfReach::Barred.into()) };
+        let way = crate::peripersonal::PosturePath(vec![leaning]);
+        self.pass(&way, super::actor::SWIFT)?;
+        Ok(self.shoulders_forward(&self.posture()) - before)
+    }
+
+    /// Whether the trunk is not as it is in a posture.
+    pub(super) fn leans_from(&self, upright: &[f64]) -> bool {
+        let now = self.posture();
+        let off = |joint: usize| {
+            self.own.creature().joints()[joint].coordinates().any(|q| (now[q] - upright[q]).abs() > 1e-3)
+        };
+        self.trunk().into_iter().any(off)
+    }
+}
