@@ -1,15 +1,19 @@
 //! Leaning the trunk forward, and back upright.
 
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+
 use super::actor::Actor;
 use super::tasks::Trouble;
 use crate::creature::Posture;
+use crate::peripersonal::OutOfReach;
 
 /// Shares of the farthest that it leans, the first that keeps clear.
 const SHARES: [f64; 6] = [1.0, 0.85, 0.7, 0.5, 0.35, 0.2];
 /// How clear of everything it stays, metres, …
 const CLEAR: f64 = 0.01;
-/// … looked at in so many steps.
-const STEPS: u32 = 10;
+/// … and postures of the arms that are drawn for it.
+const DRAWN: usize = 60;
 
 impl Actor {
     /// The joints of the trunk that carry both hands.
@@ -51,22 +55,33 @@ impl Actor {
         }
         self.own.creature().couple(&mut bent);
         let before = self.shoulders_forward(&from);
-        let clearance = self.clearance.eased_at(&[self.own.frames(&from)], CLEAR);
-        let clear = |posture: &[f64]| {
-            (1..=STEPS).all(|k| {
-                let on_the_way =
-                    Posture::between(self.own.creature(), &from, posture, f64::from(k) / f64::from(STEPS));
-                clearance.free(&self.own.frames(&on_the_way), CLEAR)
-            })
-        };
-        let leaning = SHARES
-            .into_iter()
-            .map(|share| Posture::between(self.own.creature(), &from, &bent, share))
-            .find(|posture| clear(posture));
-        let Some(leaning) = leaning else { return Err(crate::peripersonal::OutOfReach::Barred.into()) };
-        let way = crate::peripersonal::PosturePath(vec![leaning]);
-        self.pass(&way, super::actor::SWIFT)?;
+        let Some(leaning) = self.leaning_towards(&from, &bent) else { return Err(OutOfReach::Barred.into()) };
+        self.go(&leaning)?;
         Ok(self.shoulders_forward(&self.posture()) - before)
+    }
+
+    /// A posture with the trunk as far on the way to a bent one as there are postures of the arms that keep clear: as they
+    /// are, at ease, or drawn.
+    fn leaning_towards(&mut self, from: &[f64], bent: &[f64]) -> Option<Posture> {
+        self.seed = self.seed.wrapping_add(1);
+        let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
+        let arms: Vec<usize> = self.hands.iter().flat_map(|hand| hand.arm.clone()).collect();
+        let ease = self.own.at_ease();
+        let creature = self.own.creature();
+        for share in SHARES {
+            let trunk = Posture::between(creature, from, bent, share);
+            let mut with_ease = trunk.clone();
+            for &joint in &arms {
+                let q = creature.joints()[joint].coordinates();
+                with_ease[q.clone()].copy_from_slice(&ease[q]);
+            }
+            let drawn = (0..DRAWN).map(|_| self.own.random_posture(&trunk, &arms, &mut rng));
+            let mut all = [trunk.clone(), with_ease].into_iter().chain(drawn);
+            if let Some(found) = all.find(|posture| self.clearance.free(&self.own.frames(posture), CLEAR)) {
+                return Some(found);
+            }
+        }
+        None
     }
 
     /// Whether the trunk is not as it is in a posture.

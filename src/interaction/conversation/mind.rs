@@ -18,6 +18,8 @@ pub(super) struct Deed {
     pub intent: Intent,
     /// Whether it came off.
     pub done: bool,
+    /// Whether it touched a thing by it.
+    pub touched: bool,
     /// What it was, as one who did it says it: `touched it with my left hand`.
     pub words: String,
 }
@@ -25,8 +27,7 @@ pub(super) struct Deed {
 impl Deed {
     /// Whether a question about what is wanted is about this.
     pub fn is(&self, about: Intent) -> bool {
-        let touches = [Intent::Touch, Intent::TouchOwn, Intent::FeelShape];
-        self.intent == about || (about == Intent::Touch && touches.contains(&self.intent))
+        self.intent == about || (about == Intent::Touch && self.touched)
     }
 }
 

@@ -176,7 +176,10 @@ impl Conversation {
         match self.pending.take() {
             Some(Pending::Whether(request)) => {
                 if let Some(leave) = Leave::by_yes(&understood) {
-                    self.forbidden.retain(|told| !told.bars(request.intent, request.part.as_ref()));
+                    self.forbidden.retain(|told| {
+                        let leaning = request.lean && told.bars(Intent::LeanForward, None);
+                        !told.bars(request.intent, request.part.as_ref()) && !leaning
+                    });
                     return self.moves(&request, leave);
                 }
             }
@@ -184,7 +187,7 @@ impl Conversation {
                 let which = understood.which.and_then(|which| self.which(which));
                 let answers = matches!(
                     understood.intent,
-                    Intent::Which | Intent::Unknown | Intent::Yes | Intent::Touch
+                    Intent::Which | Intent::Unknown | Intent::Yes | Intent::Touch | Intent::Lift
                 );
                 if let Some(i) = which.filter(|_| answers && !understood.forbids) {
                     self.things.mean(Some(i));
@@ -272,7 +275,11 @@ impl Conversation {
             (Act::Minds(mind), _) => mind(&mut self.mind(), &request),
             (Act::Moves(_), None) => self.asks_whether(request, unknown),
             (Act::Moves(_), Some(leave)) => {
-                let barred = self.forbidden.iter().any(|told| told.bars(intent, request.part.as_ref()));
+                let bars = |told: &Forbidden| {
+                    told.bars(intent, request.part.as_ref())
+                        || (request.lean && told.bars(Intent::LeanForward, None))
+                };
+                let barred = self.forbidden.iter().any(bars);
                 if !barred {
                     return self.moves(&request, leave);
                 }

@@ -111,6 +111,7 @@ impl Conversation {
             }
             _ => did.to_string(),
         };
-        self.deeds.push(Deed { intent, done, words });
+        let touched = self.things.iter().any(|known| known.in_touch.is_some());
+        self.deeds.push(Deed { intent, done, touched, words });
     }
 }

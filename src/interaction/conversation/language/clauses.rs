@@ -24,6 +24,7 @@ const ENDING: &[(&str, Intent)] = &[
     ("stop|quit|cease =holding|=gripping|=grasping", Intent::LetGo),
     ("stop|quit|cease =leaning|=bending", Intent::LeanBack),
     ("stop|quit|cease =talking|=listening", Intent::Quit),
+    ("nothing|nobody touch|hit|reach|get you|PART", Intent::Avoid),
     ("not let THING|SOME touch|hit|reach|get you|BODY", Intent::Avoid),
 ];
 

@@ -104,7 +104,7 @@ const DOUBLING: &[&str] = &[
 ];
 
 /// Words that bend not, or whose forms are words of their own.
-const OTHERS: &str = "i me my mine myself you your yours yourself he him his she her it its itself we us our they them their \
+const OTHERS: &str = "whatever whoever whichever i me my mine myself you your yours yourself he him his she her it its itself we us our they them their \
     this that these those there here one ones another other others both each every all any some none no not nothing \
     something anything everything nobody somebody anybody someone anyone thing things object objects item items stuff \
     obstacle obstacles \

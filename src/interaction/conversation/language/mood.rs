@@ -422,7 +422,9 @@ fn past(pieces: &[&Piece]) -> bool {
             && !first.word.is(TELLING)
             && !first.word.is(HELPING)
     });
-    if begins && !has(pieces, "^ let|give|show") {
+    let does =
+        pieces.first().is_some_and(|first| first.word.text == "do") && has(pieces, "^ do what|as|THING|SOME");
+    if (begins && !has(pieces, "^ let|give|show")) || does {
         return false;
     }
     let done = pieces.iter().any(|piece| {

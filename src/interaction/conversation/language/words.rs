@@ -39,6 +39,7 @@ impl Word {
 /// What people write together or short, and the words that it stands for.
 const SHORT: &[(&str, &str)] = &[
     ("dont", "do not"),
+    ("nt", "not"),
     ("dnt", "do not"),
     ("donot", "do not"),
     ("doesnt", "does not"),

@@ -43,6 +43,7 @@ pub(super) const NO: RequestKind = RequestKind {
 
 pub(super) const WHICH: RequestKind = RequestKind {
     said: &[
+        "^ THING farther|further|closer|nearer ?away $",
         "^ ?not ?the|it|take|choose|mean|be|want|that|prefer THING ?on|to|at|with|by|that|which|in|i|from|further|closer ?the|your ?my ?left|right|side|front|back|mean|want|end|other $",
         "^ ?the first|second|third|last|left|right|nearer|farther|nearest|farthest|closer|further|closest $",
         "^ ?the first|second|third|last THING",
@@ -60,6 +61,9 @@ pub(super) const WHICH: RequestKind = RequestKind {
             Some(i) => {
                 mind.things.mean(Some(i));
                 Answer::tells(format!("You mean the one {}", mind.place(i)))
+            }
+            None if mind.things.len() == 1 => {
+                Answer::tells(format!("I know of one thing only, {}", mind.place(0)))
             }
             None if mind.things.is_empty() => {
                 Answer::tells("I have not felt anything yet, so I do not know which you mean")

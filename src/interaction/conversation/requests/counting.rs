@@ -20,7 +20,14 @@ pub(super) const HOW_MANY: RequestKind = RequestKind {
         "one or two|more|several",
         "how numerous",
     ],
-    past: &["how many", "more than one|two", "count|tally", "what number", "number of"],
+    past: &[
+        "one|two|three|four or",
+        "how many",
+        "more than one|two",
+        "count|tally",
+        "what number",
+        "number of",
+    ],
     ..RequestKind::new(
         ["count the things", "counted the things"],
         Act::Tells(|creature, _| {

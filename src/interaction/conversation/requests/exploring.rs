@@ -28,7 +28,7 @@ pub(super) const EXPLORE: RequestKind = RequestKind {
         "^ ?for|try|search ?another|any|some SOME|other|another|more ?else|more|SOME|one $",
         "find|locate|seek|discover THING",
         "run|bump|come|stumble ?up into|across|upon|against SOME",
-        "have|take a ?good|quick ?look feel|search|rummage|look ?around|about|round|for",
+        "have|take a ?good|quick ?look feel|search|rummage|look around|about|round|for",
         "get to know your|the surroundings|table|space|environment",
         "^ explore|search",
         "keep =looking|=searching|=exploring|=feeling",

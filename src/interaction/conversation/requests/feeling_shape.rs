@@ -7,6 +7,7 @@ use crate::simulation::EngineError;
 
 pub(super) const FEEL_SHAPE: RequestKind = RequestKind {
     told: &[
+        "have|take|get a ?good|proper feel of|for THING",
         "feel|explore|examine|inspect|investigate|palpate|study|trace|follow|check|find|discover|learn|work|figure|determine|measure|test|make|map|get|see|probe|scan|sense|recognise|recognize|identify .. shape|form|outline|contour|contours|size|edges|edge|corners|outside|dimensions|rim|curves|geometry|sides|surface|extent|proportions",
         "feel|find|work|figure|see|check|learn|explore|discover|determine|test|measure .. how big|large|wide|tall|long|thick|high|round|small|broad|deep",
         "run|pass|slide|move|glide|stroke|let|guide|trace|draw|brush|wander|go|walk ?with HAND|PART ?all ?the|slowly ?way over|along|around|round|across|about THING|the|its ?whole|entire ?edge|edges|surface|outline|outside|sides|$",

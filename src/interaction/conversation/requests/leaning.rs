@@ -55,7 +55,7 @@ impl Conversation {
             return match self.last.clone() {
                 Some(last) => {
                     let retried = Request { lean: true, hand: request.hand.or(last.hand), ..last };
-                    let reply = self.moves(&retried, leave.again())?;
+                    let reply = self.act(retried, Some(leave.again()), &[])?;
                     Ok(Reply { intent: Intent::LeanForward, ..reply })
                 }
                 None => {
@@ -66,9 +66,10 @@ impl Conversation {
         }
         if let Some(intent) = request.about {
             let leaning = Request { intent, about: None, lean: true, ..request.clone() };
-            let reply = self.moves(&leaning, leave.again())?;
+            let reply = self.act(leaning, Some(leave.again()), &[])?;
             return Ok(Reply { intent: Intent::LeanForward, ..reply });
         }
+        self.let_be();
         match self.actor.lean_forward() {
             Ok(far) if far > 0.005 => {
                 let said = format!("I lean forward: my shoulders came {:.0} cm farther", 100.0 * far);
@@ -81,6 +82,10 @@ impl Conversation {
                 false,
             )),
             Err(Trouble::Engine(error)) => Err(error),
+            Err(Trouble::Reach(_)) => {
+                let said = "I cannot lean forward: something would be in the way".to_string();
+                Ok(self.reply(Intent::LeanForward, said, Some(false), false))
+            }
             Err(trouble) => {
                 let said = format!("I cannot lean forward: {}", self.in_words(&trouble));
                 Ok(self.reply(Intent::LeanForward, said, Some(false), false))

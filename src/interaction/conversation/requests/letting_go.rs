@@ -6,6 +6,7 @@ use crate::simulation::EngineError;
 
 pub(super) const LET_GO: RequestKind = RequestKind {
     told: &[
+        "leave THING on",
         "let ?THING|SOME|it go|loose|fall|drop|off|slip",
         "release|drop|unhand|relinquish|free|unclasp|ungrip THING|SOME|the|your|HAND|it|them",
         "^ release|drop ?now $",

@@ -11,6 +11,7 @@ const HEIGHT: f64 = 0.1;
 
 pub(super) const LIFT: RequestKind = RequestKind {
     told: &[
+        "^ up with THING",
         "pick .. up",
         "pick|take|lift|get up THING|SOME",
         "lift|raise|hoist|heave|elevate THING|SOME|them|up",

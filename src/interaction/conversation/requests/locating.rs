@@ -28,6 +28,8 @@ pub(super) const HOW_FAR: RequestKind = RequestKind {
 
 pub(super) const NEAR_OR_FAR: RequestKind = RequestKind {
     asked: &[
+        "THING be ?still near|close|far|reachable",
+        "BODY be ?long enough|long",
         "near|nearby|close far",
         "near|nearby|close or|versus far|distant|not|away|farther|out",
         "far or|versus near|close|not",

@@ -47,6 +47,7 @@ pub(super) const WHO: RequestKind = RequestKind {
         "tell me ?SOME|more|a ?bit|little about yourself",
     ],
     asked: &[
+        "who might|may|would you be",
         "^ ?and ?so who|whom ?exactly|the be|am you|this|there|i|THING",
         "who ?exactly you be",
         "who be you",

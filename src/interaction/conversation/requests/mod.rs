@@ -137,6 +137,8 @@ requests! {
     LeanForward => leaning::LEAN_FORWARD;
     /// That it is upright again.
     LeanBack => leaning::LEAN_BACK;
+    /// That things are forgotten.
+    Forget => forgetting::FORGET;
     /// To know how many things it found.
     HowMany => counting::HOW_MANY;
     /// To know whether it reaches a thing, and how.
@@ -167,8 +169,6 @@ requests! {
     Lift => lifting::LIFT;
     /// To know what it did.
     Report => reporting::REPORT;
-    /// That things are forgotten.
-    Forget => forgetting::FORGET;
     /// To know whether something is there.
     Explore => exploring::EXPLORE;
     /// That it goes back to rest.
@@ -185,10 +185,10 @@ requests! {
     Repeat => repeating::REPEAT;
     /// That it stops.
     Stop => stopping::STOP;
-    /// Yes.
-    Yes => answering::YES;
     /// No.
     No => answering::NO;
+    /// Yes.
+    Yes => answering::YES;
     /// That the conversation ends.
     Quit => quitting::QUIT;
     /// Thanks.

@@ -12,7 +12,7 @@ pub(super) const QUIT: RequestKind = RequestKind {
         "^ log|sign out|off",
         "^ shut down|off",
         "^ turn|switch yourself off",
-        "^ stop|end|finish|leave here|it|there|for",
+        "^ stop|end|finish here|it|there|for",
     ],
     said: &[
         "^ bye|goodbye|farewell|ciao|adieu|quit|exit|byebye",

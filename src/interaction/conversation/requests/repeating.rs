@@ -41,7 +41,7 @@ impl Conversation {
             ));
         };
         let again = Request { hand: request.hand.or(last.hand), lean: request.lean || last.lean, ..last };
-        let reply = self.moves(&again, leave.again())?;
+        let reply = self.act(again, Some(leave.again()), &[])?;
         Ok(Reply { intent: Intent::Repeat, ..reply })
     }
 }

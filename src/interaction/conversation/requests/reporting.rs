@@ -1,7 +1,8 @@
 //! "What did you do?", "did you touch it?"
 
 use super::super::{Conversation, Request};
-use super::{Act, Answer, RequestKind};
+use super::{Act, Answer, Intent, RequestKind};
+use crate::interaction::conversation::mind::Deed;
 
 /// How many of the last things that it did are told.
 const LAST: usize = 4;
@@ -39,25 +40,24 @@ pub(super) const REPORT: RequestKind = RequestKind {
 
 impl Conversation {
     fn report(&self, request: &Request) -> Answer {
-        let Some(about) =
-            request.about.filter(|about| !request.open || self.deeds.iter().any(|deed| deed.is(*about)))
-        else {
-            let from = self.deeds.len().saturating_sub(LAST);
-            let told: Vec<String> = self.deeds[from..].iter().map(|deed| deed.words.clone()).collect();
+        // "What did you touch?" is about its own body as well.
+        let asked = |deed: &&Deed| match request.about {
+            Some(Intent::Touch) if request.open => deed.is(Intent::Touch) || deed.is(Intent::TouchOwn),
+            Some(about) => deed.is(about),
+            None => true,
+        };
+        let deeds: Vec<&Deed> = self.deeds.iter().filter(asked).collect();
+        if request.open || request.about.is_none() {
+            let told: Vec<&str> =
+                deeds[deeds.len().saturating_sub(LAST)..].iter().map(|deed| deed.words.as_str()).collect();
             return Answer::tells(match told.as_slice() {
-                [] => "I have not done anything yet".to_string(),
+                [] if self.deeds.is_empty() => "I have not done anything yet".to_string(),
+                [] => "I have done nothing of that kind".to_string(),
                 told => format!("I {}", told.join("; then I ")),
             });
-        };
-        if request.open {
-            let told: Vec<&str> =
-                self.deeds.iter().filter(|deed| deed.is(about)).map(|deed| deed.words.as_str()).collect();
-            let from = told.len().saturating_sub(LAST);
-            return Answer::tells(format!("I {}", told[from..].join("; then I ")));
         }
-        let did: Vec<_> = self.deeds.iter().filter(|deed| deed.is(about)).collect();
-        let [doing, _] = about.kind().map_or(["do that", "did that"], |kind| kind.doing);
-        Answer::tells(match (did.iter().rev().find(|deed| deed.done), did.last()) {
+        let doing = request.about.and_then(Intent::kind).map_or("do that", |kind| kind.doing[0]);
+        Answer::tells(match (deeds.iter().rev().find(|deed| deed.done), deeds.last()) {
             (Some(deed), _) => format!("Yes: I {}", deed.words),
             (None, Some(deed)) => format!("No: I {}", deed.words),
             (None, None) => format!("No, I did not {doing}"),

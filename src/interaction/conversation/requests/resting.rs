@@ -6,6 +6,7 @@ use crate::simulation::EngineError;
 
 pub(super) const REST: RequestKind = RequestKind {
     told: &[
+        "back to the|your ?old start|rest|beginning|place",
         "^ rest|relax|unwind|chill ?yourself|BODY|for|now|a|well ?while|bit|moment $",
         "have|take a|your ?good|little|short|well ?earned rest|break|breather",
         "at ease|rest $",

@@ -5,6 +5,7 @@ use super::{Act, Answer, RequestKind};
 
 pub(super) const HOW_BIG: RequestKind = RequestKind {
     asked: &[
+        "THING be|might ?be big|large|small|wide|tall|long|thick|bigger|larger|smaller",
         "how ?very big|large|small|wide|tall|long|high|thick|thin|broad|huge|tiny|deep|bulky",
         "size|sizes|dimensions|dimension|extent|extents|diameter|width|breadth|volume|length|height|girth|measurements|radius|thickness|proportions",
         "be|do THING|SOME ?seem|feel|look ?very|really|quite|rather|fairly|that|a ?all|bit big|bigger|large|larger|small|smaller|huge|tiny|wide|tall|long|thick|narrow|bulky|little",
@@ -23,8 +24,9 @@ pub(super) const HOW_BIG: RequestKind = RequestKind {
 pub(super) const WHAT_SHAPE: RequestKind = RequestKind {
     told: &["describe THING|SOME|its"],
     asked: &[
+        "THING be ?more|like|a round|square|flat|rectangular|spherical|cylindrical|cubic|curved|pointed|smooth|oval|angular|sphere|cylinder",
         "shape|shaped|form|outline|geometry|contour|contours|silhouette",
-        "be|do THING|SOME ?seem|feel|look|have|got ?any|more|very|rather|quite|like|all|perfectly|to ?a|an|be ?be ?like round|square|flat|rectangular|spherical|cylindrical|cubic|curved|pointed|sharp|smooth|rough|hard|soft|angular|corners|edges|corner|edge|oval|sphere|cylinder|boxy|pointy|cubical|bumpy|elongated|hollow|straight|conical|symmetric|symmetrical|sides|rounded",
+        "be|do THING|SOME ?seem|feel|look|have|got ?any|more|very|rather|quite|like|all|perfectly|to ?a|an|be ?be ?like round|square|flat|rectangular|spherical|cylindrical|cubic|curved|pointed|sharp|smooth|rough|hard|soft|angular|corners|edges|corner|edge|oval|sphere|cylinder|boxy|pointy|cubical|bumpy|elongated|hollow|conical|symmetric|symmetrical|sides|rounded",
         "be|do THING|SOME ?seem|feel|look ?more ?like|to ?be a|an|SOME",
         "describe THING|SOME|its",
         "what ?kind|sort|type|manner ?of ?SOME|THING do|be THING|SOME ?look|feel|seem ?like|resemble $",

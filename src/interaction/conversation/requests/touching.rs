@@ -9,6 +9,7 @@ use crate::simulation::EngineError;
 
 pub(super) const TOUCH: RequestKind = RequestKind {
     told: &[
+        "swap|switch|change|exchange ?over ?the|your hands|HAND",
         "touch|tap|poke|contact|stroke|pat|prod|nudge|brush|press|rub|tickle|knock ?on|at|against|up THING|SOME|HAND|them",
         "touch|tap|poke|contact|feel THING",
         "^ touch|tap|poke|contact $",

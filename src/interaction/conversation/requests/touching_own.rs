@@ -8,9 +8,12 @@ use crate::simulation::EngineError;
 
 /// Places of a part that are tried, the one that it is first.
 const TRIES: usize = 6;
+/// Skin this near to a part is that part, metres: a patch's width.
+const NEAR: f64 = 0.01;
 
 pub(super) const TOUCH_OWN: RequestKind = RequestKind {
     told: &[
+        "run|pass|draw|glide HAND|hand|finger ?all through|over|across|along|down PART",
         "touch|tap|poke|contact|pat|stroke|prod|rub|scratch|grab|grasp|clasp|grip|feel|reach|squeeze|tickle|brush|press|pinch|cover|pull|tug|find|slap|nudge|massage|cup|approach|clutch|hit|meet|hug ?gently|with|for|to|at|on|onto|against|up|down|behind|out|over ?HAND ?to|for|on|towards|at|onto ?your PART",
         "touch|tap|poke|contact|pat|stroke|prod|rub|scratch|squeeze|press|clasp|grip|massage|feel|hold BODY",
         "grab|grasp|reach|hold|take BODY with HAND",
@@ -49,29 +52,34 @@ impl Conversation {
         self.let_be();
         let mut trouble = None;
         for part in &found {
-            for &receptor in part.receptors.iter().take(TRIES) {
-                match self.actor.touch_own_with(receptor, by) {
-                    Ok(touch) => {
-                        self.spot = Some(receptor);
-                        let name = self.actor.hands[touch.hand].name.replace('_', " ");
-                        let off = part.off(&self.actor, touch.felt);
-                        let there = match off {
-                            off if off < 0.01 => format!("I touch my {} with my {name}", part.name),
-                            off => format!(
-                                "I touch myself {:.0} cm from my {} with my {name}",
-                                100.0 * off,
-                                part.name
-                            ),
-                        };
-                        return Ok(self.reply(Intent::TouchOwn, there, Some(true), false));
-                    }
-                    Err(Trouble::Engine(error)) => return Err(error),
-                    Err(this) => {
-                        let met = matches!(this, Trouble::Hit(_) | Trouble::Nothing);
-                        trouble.get_or_insert((part.name.clone(), this));
-                        if met {
-                            let ready = self.ready.clone();
-                            self.settle(&ready);
+            // As the arms are, and then with the arm that it is on held out to the other.
+            for held_out in [false, true] {
+                if held_out && !self.holds_out(part.receptors[0])? {
+                    break;
+                }
+                for &receptor in part.receptors.iter().take(TRIES) {
+                    match self.actor.touch_own_with(receptor, by) {
+                        Ok(touch) => {
+                            self.spot = Some(receptor);
+                            let name = self.actor.hands[touch.hand].name.replace('_', " ");
+                            let said = match part.off(&self.actor, touch.felt) {
+                                off if off < NEAR => format!("I touch my {} with my {name}", part.name),
+                                off => format!(
+                                    "I touch myself {:.0} cm from my {} with my {name}",
+                                    100.0 * off,
+                                    part.name
+                                ),
+                            };
+                            return Ok(self.reply(Intent::TouchOwn, said, Some(true), false));
+                        }
+                        Err(Trouble::Engine(error)) => return Err(error),
+                        Err(this) => {
+                            let met = matches!(this, Trouble::Hit(_) | Trouble::Nothing);
+                            trouble.get_or_insert((part.name.clone(), this));
+                            if met {
+                                let ready = self.ready.clone();
+                                self.settle(&ready);
+                            }
                         }
                     }
                 }
@@ -84,5 +92,13 @@ impl Conversation {
             None => format!("I have no skin at my {} that could be touched", part.text()),
         };
         Ok(self.reply(Intent::TouchOwn, said, Some(false), false))
+    }
+
+    /// Holds an arm out so that a spot of it can be touched; whether it does.
+    fn holds_out(&mut self, receptor: usize) -> Result<bool, EngineError> {
+        match self.actor.present(receptor) {
+            Err(Trouble::Engine(error)) => Err(error),
+            held_out => Ok(held_out.unwrap_or(false)),
+        }
     }
 }
