@@ -11,7 +11,7 @@ pub(super) const LEAN_FORWARD: RequestKind = RequestKind {
         "lean|bend|tilt|bow|stoop|hunch|incline|tip|reach|stretch|move|come|get|push|bring ?PART|yourself ?a ?bit|little|lot|way|from|at ?the ?waist|hips ?far|further|farther|more forward|forwards",
         "lean|bend|tilt|bow|stoop|hunch|incline ?PART|yourself ?a ?bit|little ?further|farther|more over|down|in|into|toward|towards|across|closer|ahead|to|out|at|from",
         "tilt|bend|incline|bow PART",
-        "lean|bow|stoop|hunch|forward|forwards $",
+        "lean|bow|stoop|hunch $",
         "^ lean more|further|farther|again|and|as|then",
         "=leaning forward|over|in",
         "^ forward|forwards $",
