@@ -7,7 +7,8 @@
 //! compares, on the true one.
 //!
 //! ```text
-//! schema + skin + touches ─ own_body ─┬─ prediction   where a receptor is in another limb's frame, how surely
+//! schema + skin + touches ─ own_body ─┬─ own_aura     which of its limbs something is near to
+//!                                     ├─ prediction   where a receptor is in another limb's frame, how surely
 //!                                     ├─ collision    how far surfaces are from each other and from what was felt
 //!                                     ├─ path         paths through postures that keep clear
 //!                                     ├─ reaching     postures and paths that touch a place, or how far it is out of reach
@@ -21,6 +22,7 @@ mod collision;
 mod flood;
 mod lattice;
 mod obstacle;
+mod own_aura;
 mod own_body;
 mod path;
 mod prediction;
@@ -32,6 +34,7 @@ mod tip;
 pub use collision::CollisionChecker;
 pub use lattice::Lattice;
 pub use obstacle::Obstacle;
+pub use own_aura::{NearLimb, OwnAura};
 pub use own_body::{Doubt, OwnBody, TRUSTED};
 pub use path::{PosturePath, distance, find_path, straight};
 pub use prediction::{PossibleTouch, Predicted};

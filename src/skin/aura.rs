@@ -85,7 +85,7 @@ pub fn grow_aura(creature: &Creature, skin: &Skin, frames: &[Frame]) -> Vec<Prox
 }
 
 /// Makes the proximity geometry about some limbs of an aura limb, on the first of them; none where they have no surface.
-fn grow_about(
+pub(crate) fn grow_about(
     aura_limb: usize,
     aura: &AuraLimb,
     limbs: &[usize],
