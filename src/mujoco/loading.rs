@@ -75,7 +75,7 @@ impl Model {
         Ok(Loader::new().open(Source::of_text(Path::new(Self::STRING_NAME), xml)?, &[])?.0)
     }
 
-    /// Reads a file with more bodies in its world, given as their elements.
+    /// Reads a file with more bodies in its world, and the meshes that they are made of, given as their elements.
     ///
     /// # Errors
     /// As [`Model::from_path`].
@@ -139,8 +139,12 @@ fn prepare(root: &mut Element, source: &Source, bodies: &[Element]) {
         }
     }
     if !bodies.is_empty() {
-        let world = crate::mjcf_xml::section(root, "worldbody");
-        world.children.extend(bodies.iter().cloned().map(XMLNode::Element));
+        let (assets, bodies): (Vec<_>, Vec<_>) = bodies.iter().cloned().partition(|e| e.name == "mesh");
+        let nodes = |elements: Vec<Element>| elements.into_iter().map(XMLNode::Element);
+        crate::mjcf_xml::section(root, "worldbody").children.extend(nodes(bodies));
+        if !assets.is_empty() {
+            crate::mjcf_xml::section(root, "asset").children.extend(nodes(assets));
+        }
     }
 }
 

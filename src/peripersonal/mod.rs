@@ -19,6 +19,7 @@
 //! reachable in the chest's frame `C` as it is at ease.
 
 mod collision;
+mod felt_shape;
 mod flood;
 mod lattice;
 mod obstacle;
@@ -32,6 +33,7 @@ mod shell;
 mod tip;
 
 pub use collision::CollisionChecker;
+pub use felt_shape::{FeltShape, PlacedSkin, ShapeEstimate, directions};
 pub use lattice::Lattice;
 pub use obstacle::Obstacle;
 pub use own_aura::{NearLimb, OwnAura};

@@ -18,6 +18,7 @@ mod documents;
 mod dynamic;
 mod engines;
 mod export;
+mod felt_shape;
 mod foreign;
 mod frames;
 mod geometry;

@@ -14,6 +14,7 @@ pub mod claims;
 pub mod coverage;
 pub mod disturbances;
 pub mod farthest;
+pub mod felt_shape;
 pub mod frames;
 pub mod growth;
 pub mod hersch;
@@ -53,6 +54,7 @@ pub const STUDIES: &[&Study] = &[
     &map::STUDY,
     &other_hand::STUDY,
     &farthest::STUDY,
+    &felt_shape::STUDY,
     &avoid::STUDY,
     &reachable::STUDY,
     &calibration::STUDY,

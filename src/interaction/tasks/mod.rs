@@ -2,6 +2,7 @@
 //! puts it far away or near (IVA 2009, section 4).
 
 mod exploring;
+mod feeling_shape;
 mod putting;
 mod touching;
 
@@ -9,6 +10,7 @@ use nalgebra::Vector3;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
+pub use feeling_shape::ShapeFeeling;
 pub use putting::Spot;
 pub use touching::Touching;
 

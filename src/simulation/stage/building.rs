@@ -36,7 +36,8 @@ pub fn build(path: &Path, options: &StageOptions) -> Result<StageCore, Simulatio
         None if !probes.is_empty() => root_of(path)?,
         root => root.clone(),
     };
-    let added = things.iter().map(thing::described).chain(probes.iter().map(|name| probe::described(name)));
+    let added =
+        things.iter().flat_map(thing::described).chain(probes.iter().map(|name| probe::described(name)));
     let declared = Arc::new(Model::with_bodies(path, added.collect())?);
     let mut body = Body::rooted(declared.clone(), joints, root.as_deref())?;
     let agent = Agent::new(body.creature.clone(), grow(&body, &GrowOptions::default())?)?;
