@@ -312,7 +312,7 @@ impl Actor {
         self.handle.step(towards)
     }
 
-    /// Holds what the limb of a receptor touches, until it is let go; whether there was something that can be held.
+    /// Holds what the limb of a receptor touches by a weld, until it is let go; whether there was something that can be held.
     pub fn hold(&mut self, receptor: usize) -> bool {
         self.handle.hold(receptor)
     }

@@ -10,11 +10,22 @@ pub const LONGEST_STEP: f64 = 0.002;
 /// metres: so much that no force of a creature's size moves it.
 const RIGID: f64 = 1e6;
 
+/// Rounds in which the engine's solver lets friction hold without creeping.
+const NO_SLIP_ROUNDS: i32 = 5;
+
 /// Least room for rows of constraints in the data of a simulated model: a curled body has many contacts.
 #[cfg(mujoco_nstack)]
 const LEAST_ROWS: i32 = 1000;
 
 impl Model {
+    /// The same model where friction holds what it can hold: the engine's own creeps by millimetres a second under a
+    /// steady load.
+    pub fn without_creep(mut self) -> Model {
+        // SAFETY: the model is borrowed by nobody else yet.
+        unsafe { (*self.raw_mut()).opt.noslip_iterations = NO_SLIP_ROUNDS };
+        self
+    }
+
     /// A copy that forces from outside move, in steps of `timestep` seconds: without actuators and dampers of joints, with
     /// no equality but those that couple joints; degrees of freedom marked in `rigid` as good as stand still. Its sensors
     /// are computed only where `sensing` says so, and the file does not disable them.

@@ -12,6 +12,7 @@
 //!                                     ├─ collision    how far surfaces are from each other and from what was felt
 //!                                     ├─ path         paths through postures that keep clear
 //!                                     ├─ reaching     postures and paths that touch a place, or how far it is out of reach
+//!                                     ├─ palm         which side of a hand is hollow; limb_pose: postures with a limb placed and turned
 //!                                     └─ reachable    the voxels that a hand can get to: tip, flood, shell, lattice
 //! ```
 //!
@@ -22,9 +23,11 @@ mod collision;
 mod felt_shape;
 mod flood;
 mod lattice;
+mod limb_pose;
 mod obstacle;
 mod own_aura;
 mod own_body;
+mod palm;
 mod path;
 mod prediction;
 mod reachable;
@@ -35,9 +38,11 @@ mod tip;
 pub use collision::CollisionChecker;
 pub use felt_shape::{FeltShape, PlacedSkin, ShapeEstimate, directions};
 pub use lattice::Lattice;
+pub use limb_pose::{LimbGoal, LimbPosture, limb_posture};
 pub use obstacle::Obstacle;
 pub use own_aura::{NearLimb, OwnAura};
 pub use own_body::{Doubt, OwnBody, TRUSTED};
+pub use palm::{Palm, palm_turn};
 pub use path::{PosturePath, distance, find_path, straight};
 pub use prediction::{PossibleTouch, Predicted};
 pub use reachable::{Level, ReachableMap, Unmappable, Whereabouts};

@@ -62,7 +62,7 @@ impl AgentHandle {
         self.stage.step_towards(towards).map(|(_, present)| present)
     }
 
-    /// Holds what the limb of a receptor touches, until it is let go; whether there was something that can be held.
+    /// Holds what the limb of a receptor touches by a weld, until it is let go; whether there was something that can be held.
     pub fn hold(&mut self, receptor: usize) -> bool {
         self.stage.hold(receptor)
     }

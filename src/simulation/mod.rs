@@ -36,7 +36,7 @@ pub use path::ProbePath;
 pub use probe::{PROBE_RADIUS, STIFFNESS};
 pub use self_contact::{LimbPair, Relation, SelfContact};
 pub use stage::{Stage, StageOptions, StepSenses, Watcher};
-pub use thing::Thing;
+pub use thing::{Substance, Thing};
 
 /// Why the engine failed, for those who must not reach into it.
 pub use crate::mujoco::Error as EngineError;

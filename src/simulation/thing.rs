@@ -1,25 +1,46 @@
 //! Things that are put on a stage.
 
 use nalgebra::Isometry3;
+use xmltree::{Element, XMLNode};
 
 use crate::geometry::Shape;
 use crate::mjcf_xml::{element, exact};
+
+/// Density of what a thing is made of where its mass is not said, kilograms a cubic metre: light wood.
+const DENSITY: f64 = 300.0;
+/// Coefficient of friction of a thing where it is not said.
+const FRICTION: f64 = 0.8;
+/// A contact resists turning about its normal as by friction over a metre's so-manieth part, a soft patch's radius, and
+/// rolling a tenth of that.
+const TURNING: f64 = 80.0;
+const ROLLING: f64 = 800.0;
 
 /// A thing of one shape that is put on a stage.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Thing {
     /// Its name, which no other body of the stage has.
     pub name: String,
-    /// Its shape; a hull's vertices are about its origin.
+    /// Its shape; a hull's vertices are about its origin, and a mesh without a hull stands in as a small ball.
     pub shape: Shape,
     /// `X_WT`: where it is at first, in the world.
     pub pose: Isometry3<f64>,
     /// Whether it stays there whatever touches it.
     pub fixed: bool,
+    /// What it is made of.
+    pub substance: Substance,
 }
 
-/// The body of a thing as MJCF, after the mesh that it is made of where it is one.
-pub(super) fn described(thing: &Thing) -> Vec<xmltree::Element> {
+/// What a thing is made of, as far as it matters to who lifts it.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Substance {
+    /// Its mass, kilograms; none for that of light wood of its shape.
+    pub mass: Option<f64>,
+    /// The coefficient of friction of it with everything; none for 0.8, or more with what is rougher.
+    pub friction: Option<f64>,
+}
+
+/// The body of a thing as MJCF, and the mesh that it is made of where it is one.
+pub(super) fn described(thing: &Thing) -> Vec<Element> {
     let translation = thing.pose.translation.vector;
     let turn = thing.pose.rotation.quaternion();
     let pose = [
@@ -29,30 +50,45 @@ pub(super) fn described(thing: &Thing) -> Vec<xmltree::Element> {
     ];
     let mut body = element("body", &pose);
     if !thing.fixed {
-        body.children.push(xmltree::XMLNode::Element(element("freejoint", &[])));
+        body.children.push(XMLNode::Element(element("freejoint", &[])));
     }
-    let mut elements = Vec::new();
-    let made = match (&thing.shape, thing.shape.mjcf()) {
-        (Shape::Hull(hull), _) => {
-            let corners: Vec<f64> =
-                hull.vertices().iter().flat_map(|corner| [corner.x, corner.y, corner.z]).collect();
-            elements.push(element("mesh", &[("name", thing.name.clone()), ("vertex", exact(&corners))]));
-            [("type", "mesh".into()), ("mesh", thing.name.clone())]
-        }
-        (_, Some((kind, size))) => [("type", kind.into()), ("size", exact(&size))],
-        // A thing of which no shape is known stands in as a small ball.
-        (_, None) => [("type", "sphere".into()), ("size", "0.01".into())],
+    let Substance { mass, friction } = thing.substance;
+    let coefficient = friction.unwrap_or(FRICTION);
+    let mut geom = element(
+        "geom",
+        &[
+            ("name", thing.name.clone()),
+            ("contype", "1".into()),
+            ("conaffinity", "1".into()),
+            ("condim", "4".into()),
+            ("friction", exact(&[coefficient, coefficient / TURNING, coefficient / ROLLING])),
+        ],
+    );
+    let mut set = |key: &str, value: String| geom.attributes.insert(key.into(), value);
+    match mass {
+        Some(mass) => set("mass", exact(&[mass])),
+        None => set("density", exact(&[DENSITY])),
     };
-    let rest = [
-        ("name", thing.name.clone()),
-        ("density", "300".into()),
-        ("contype", "1".into()),
-        ("conaffinity", "1".into()),
-        ("condim", "4".into()),
-        ("friction", "0.8 0.01 0.001".into()),
-    ];
-    let geom: Vec<(&str, String)> = made.into_iter().chain(rest).collect();
-    body.children.push(xmltree::XMLNode::Element(element("geom", &geom)));
-    elements.push(body);
-    elements
+    if friction.is_some() {
+        // Of two geoms that touch, the engine takes the greater friction unless one goes first.
+        set("priority", "1".into());
+    }
+    let mut described = Vec::new();
+    match (thing.shape.hull(), thing.shape.mjcf().filter(|(_, size)| !size.is_empty())) {
+        (Some(hull), _) => {
+            let corners = hull.vertices().iter().flat_map(|corner| corner.iter());
+            let mesh = [("name", thing.name.clone()), ("vertex", exact(corners))];
+            described.push(element("mesh", &mesh));
+            set("type", "mesh".into());
+            set("mesh", thing.name.clone());
+        }
+        (None, primitive) => {
+            let (kind, size) = primitive.unwrap_or(("sphere", vec![0.01]));
+            set("type", kind.into());
+            set("size", exact(&size));
+        }
+    }
+    body.children.push(XMLNode::Element(geom));
+    described.push(body);
+    described
 }

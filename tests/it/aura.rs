@@ -13,7 +13,7 @@ use bodyschema::learning::{Certainty, Input};
 use bodyschema::mujoco::Model;
 use bodyschema::peripersonal::{Doubt, OwnAura, OwnBody};
 use bodyschema::senses::Toucher;
-use bodyschema::simulation::{AgentHandle, ProbePath, Stage, StageOptions, Thing};
+use bodyschema::simulation::{AgentHandle, ProbePath, Stage, StageOptions, Substance, Thing};
 use bodyschema::skin::{AURA_REACH, GrowOptions, ProximityGeometry, aura_of, grow_skin, skin_of};
 use nalgebra::{Isometry3, Point3, Vector3};
 use rand::{RngExt, SeedableRng};
@@ -220,6 +220,7 @@ fn holding() -> (Stage, AgentHandle, usize) {
         shape: Shape::Sphere { radius: 0.03 },
         pose: Isometry3::translation(3.0, if name == "ball" { 0.0 } else { 1.0 }, 1.0),
         fixed: false,
+        substance: Substance::default(),
     };
     let options = StageOptions {
         joints: "torso".parse().unwrap(),

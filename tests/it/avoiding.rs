@@ -8,7 +8,7 @@ use bodyschema::interaction::{Actor, Avoiding};
 use bodyschema::learning::Certainty;
 use bodyschema::peripersonal::OwnBody;
 use bodyschema::senses::Toucher;
-use bodyschema::simulation::{ProbePath, Stage, StageOptions, Thing};
+use bodyschema::simulation::{ProbePath, Stage, StageOptions, Substance, Thing};
 use nalgebra::{Isometry3, Point3, Vector3};
 
 const RADIUS: f64 = 0.03;
@@ -24,6 +24,7 @@ fn beside_a_ball() -> (Stage, Actor, usize) {
         shape: Shape::Sphere { radius: RADIUS },
         pose: Isometry3::translation(3.0, 0.0, 1.0),
         fixed: false,
+        substance: Substance::default(),
     };
     let joints: JointSelection = "torso".parse().unwrap();
     let options = StageOptions { joints, things: vec![ball], ..StageOptions::default() };

@@ -14,7 +14,7 @@ use bodyschema::interaction::{Actor, Conversation, Intent, Stop};
 use bodyschema::learning::{Input, Learner, SecondOrder};
 use bodyschema::peripersonal::{OwnBody, PosturePath};
 use bodyschema::senses::Toucher;
-use bodyschema::simulation::{ProbePath, Stage, StageOptions, Thing};
+use bodyschema::simulation::{ProbePath, Stage, StageOptions, Substance, Thing};
 use nalgebra::{Isometry3, Vector3};
 
 /// The height of the table's top in the world, metres.
@@ -110,6 +110,7 @@ fn a_motion_ends_where_something_is_felt_and_what_is_held_goes_with_the_hand() {
         shape: Shape::Sphere { radius: 0.04 },
         pose: Isometry3::translation(x, 0.0, 1.2),
         fixed,
+        substance: Substance::default(),
     };
     let start = own.at_ease();
     let tip = |own: &OwnBody, actor: &Actor| {

@@ -27,6 +27,7 @@ mod interaction;
 mod kinematics;
 mod known;
 mod learning;
+mod lifting;
 mod live;
 mod map;
 mod max;

@@ -12,7 +12,7 @@ use crate::geometry::{Capsule, Frame, Shape};
 use crate::interaction::Actor;
 use crate::mujoco;
 use crate::peripersonal::{CollisionChecker, OwnBody};
-use crate::simulation::{Stage, StageOptions, Thing};
+use crate::simulation::{Stage, StageOptions, Substance, Thing};
 
 /// The height of the table's top in the world, metres.
 pub const TOP: f64 = 0.98;
@@ -34,6 +34,7 @@ pub fn table() -> Thing {
         shape: Shape::Box { half_extents: half },
         pose: Isometry3::from_parts(middle, UnitQuaternion::identity()),
         fixed: true,
+        substance: Substance::default(),
     }
 }
 
@@ -64,7 +65,7 @@ pub fn standing(shape: &Shape, heading: f64) -> (f64, UnitQuaternion<f64>) {
 pub fn on_table(shape: Shape, x: f64, y: f64, heading: f64) -> Thing {
     let (height, turn) = standing(&shape, heading);
     let pose = Isometry3::from_parts(Translation3::new(x, y, TOP + height), turn);
-    Thing { name: THING.into(), shape, pose, fixed: false }
+    Thing { name: THING.into(), shape, pose, fixed: false, substance: Substance::default() }
 }
 
 /// What a creature knows, and its surfaces.

@@ -19,7 +19,7 @@ use crate::experiment::ExperimentError;
 use crate::geometry::Shape;
 use crate::interaction::{Actor, Avoiding};
 use crate::senses::{SkinContact, Toucher};
-use crate::simulation::{ProbePath, Thing};
+use crate::simulation::{ProbePath, Substance, Thing};
 
 /// The study `avoid`.
 pub const STUDY: Study = Study {
@@ -290,7 +290,8 @@ pub fn measure(subject: &Subject) -> Result<Findings<AvoidMeasurement, AvoidSumm
             Translation3::new(3.0, 0.0, 1.0),
             UnitQuaternion::from_scaled_axis(Vector3::from_fn(|_, _| rng.random_range(-1.5..1.5))),
         );
-        let things = vec![Thing { name: THING.into(), shape, pose, fixed: false }];
+        let substance = Substance::default();
+        let things = vec![Thing { name: THING.into(), shape, pose, fixed: false, substance }];
         let mut actor = OnStage::new(subject, &truth, things, seed)?;
         let thing = actor.the_thing()?;
         let ready = actor.ready();

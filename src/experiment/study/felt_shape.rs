@@ -15,7 +15,7 @@ use crate::experiment::ExperimentError;
 use crate::geometry::{Hull, Shape};
 use crate::interaction::Trouble;
 use crate::peripersonal::ShapeEstimate;
-use crate::simulation::Thing;
+use crate::simulation::{Substance, Thing};
 
 /// The study `shape`.
 pub const STUDY: Study = Study {
@@ -224,7 +224,7 @@ fn random_thing(rng: &mut ChaCha8Rng) -> Thing {
     let down = turn.inverse_transform_vector(&-Vector3::z());
     let low = shape.support(&down).map_or(half.z, |point| point.dot(&down));
     let pose = Isometry3::from_parts(Translation3::new(x, y, TOP + low), turn);
-    Thing { name: THING.into(), fixed: kind > 1, shape, pose }
+    Thing { name: THING.into(), fixed: kind > 1, shape, pose, substance: Substance::default() }
 }
 
 /// The hull of points on a rounded body between an ellipsoid and a box, wider at one end: a bottle's, a fruit's.

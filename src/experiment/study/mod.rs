@@ -19,6 +19,8 @@ pub mod frames;
 pub mod growth;
 pub mod hersch;
 pub mod learners;
+pub mod lift;
+mod liftable;
 pub mod map;
 pub mod other_hand;
 mod plot;
@@ -54,6 +56,7 @@ pub const STUDIES: &[&Study] = &[
     &map::STUDY,
     &other_hand::STUDY,
     &farthest::STUDY,
+    &lift::STUDY,
     &felt_shape::STUDY,
     &avoid::STUDY,
     &reachable::STUDY,

@@ -18,7 +18,7 @@ use crate::interaction::{FoundThing, Hand, Trouble};
 use crate::kinematics::REACHED;
 use crate::peripersonal::ReachTarget;
 use crate::senses::Toucher;
-use crate::simulation::Thing;
+use crate::simulation::{Substance, Thing};
 use crate::skin::Surface;
 
 /// The study `other-hand`.
@@ -83,9 +83,9 @@ struct TouchAttempt {
 }
 
 /// What is felt, and by what.
-struct FeltThing {
-    found: FoundThing,
-    hand: usize,
+pub(super) struct FeltThing {
+    pub found: FoundThing,
+    pub hand: usize,
     limb: usize,
     /// Where on the thing, in its frame, metres.
     at: Vector3<f64>,
@@ -227,10 +227,10 @@ pub fn measure(
 }
 
 /// A thing in its place, and the hand that is to feel it: by sweeping, or where it is put against an arm in a posture.
-struct PlacedThing {
-    thing: Thing,
-    hand: usize,
-    arm: Option<Posture>,
+pub(super) struct PlacedThing {
+    pub thing: Thing,
+    pub hand: usize,
+    pub arm: Option<Posture>,
 }
 
 fn random_on_table(rng: &mut ChaCha8Rng) -> Thing {
@@ -239,7 +239,11 @@ fn random_on_table(rng: &mut ChaCha8Rng) -> Thing {
 }
 
 /// Whether both hands could truly be where a thing stands.
-fn both_reach(subject: &Subject, truth: &Knowledge, thing: &Thing) -> Result<bool, ExperimentError> {
+pub(super) fn both_reach(
+    subject: &Subject,
+    truth: &Knowledge,
+    thing: &Thing,
+) -> Result<bool, ExperimentError> {
     let mut actor = at_table(subject, truth, &[], 0)?;
     let from = actor.posture();
     let point = actor.stage.root_pose().inverse_transform_point(&Point3::from(thing.pose.translation.vector));
@@ -287,12 +291,12 @@ fn in_air(
     let Some(deepest) = shape.support(&turn.inverse_transform_vector(&-normal)) else { return Ok(None) };
     let origin = point.coords - normal * 3e-4 - turn * deepest;
     let pose = Isometry3::from_parts(Translation3::from(origin), turn);
-    let thing = Thing { name: THING.into(), shape, pose, fixed: true };
+    let thing = Thing { name: THING.into(), shape, pose, fixed: true, substance: Substance::default() };
     Ok(Some(PlacedThing { thing, hand, arm: Some(posture) }))
 }
 
 /// Lets the creature feel the thing; none where it does not, or feels more than it should.
-fn feel(
+pub(super) fn feel(
     subject: &Subject,
     own: &Knowledge,
     put: &PlacedThing,

@@ -1,18 +1,22 @@
 //! What a creature does about what it feels: explores a table blind, touches with the other hand what it felt, holds it,
-//! puts it far away or near (IVA 2009, section 4).
+//! puts it far away or near (IVA 2009, section 4); lifts it between both palms, by friction.
 
 mod exploring;
 mod feeling_shape;
+mod lifting;
 mod putting;
 mod touching;
+mod two_palms;
 
 use nalgebra::Vector3;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
 pub use feeling_shape::ShapeFeeling;
+pub use lifting::{Grip, LiftTrouble};
 pub use putting::Spot;
 pub use touching::Touching;
+pub use two_palms::PalmPlan;
 
 use super::actor::{Actor, Hand, SWIFT, Stop};
 use crate::creature::Posture;

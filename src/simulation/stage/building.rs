@@ -54,7 +54,11 @@ pub fn build(path: &Path, options: &StageOptions) -> Result<StageCore, Simulatio
     }
     let mut overlapping = SelfContact::new(&body)?.left_out;
     let step = declared.timestep().min(LONGEST_STEP);
-    let simulated = declared.simulated(step, &own_dof, true)?;
+    let mut simulated = declared.simulated(step, &own_dof, true)?;
+    // Who says how a thing's friction is wants it borne by that; it makes contacts dearer.
+    if things.iter().any(|thing| thing.substance.friction.is_some()) {
+        simulated = simulated.without_creep();
+    }
     body.model = Arc::new(simulated.touching_with(&touchable)?);
     let proprioception = Proprioception::new(&body, ChaCha8Rng::seed_from_u64(0))?;
     let reader = ContactReader::new(&body, agent.skin());

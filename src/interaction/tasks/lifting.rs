@@ -1,0 +1,565 @@
+//! Lifting a thing between both palms, blind: it is held by friction alone, as hard as the palms squeeze it.
+//!
+//! The palms come down on either side of where the thing was felt, close until each feels it, and shift along it until it
+//! lies about their middles. They squeeze until both feel force enough: what stands askew turns until a side lies against a
+//! palm, as between the jaws of a gripper (Goldberg 1993). Then they rise, and go on to press where the force falls off.
+//! That it slips is felt: a palm feels nothing any more, or feels it lower and lower.
+
+use nalgebra::Vector3;
+
+use super::Trouble;
+use super::two_palms::{PalmPlan, RISE};
+use crate::creature::Posture;
+use crate::interaction::actor::{Actor, CAREFUL, FoundThing};
+use crate::senses::{SkinContact, Toucher};
+
+/// How far behind the place where it was felt the middle of a thing is taken to be, metres: half of a small one.
+const BEHIND: f64 = 0.04;
+/// How high a thing is lifted, metres.
+pub const LIFT: f64 = 0.11;
+/// The least that counts as lifted, metres.
+const HIGH_ENOUGH: f64 = 0.09;
+/// How fast, metres a second.
+const LIFTING: f64 = 0.1;
+/// Steps in which palms go where they expect something, metres, …
+const STEP: f64 = 1e-3;
+/// … and in which they squeeze, metres, …
+const SQUEEZE: f64 = 1e-4;
+/// … one in so many seconds.
+const SQUEEZE_TIME: f64 = 4e-3;
+/// The force that each palm is to feel at first, newtons: more than twice what friction of 0.5 needs to bear a kilogram.
+const FORCE: f64 = 25.0;
+/// By how much harder it squeezes what slipped.
+const HARDER: f64 = 3.0;
+/// Of the force wanted: below this share a palm presses on, …
+const SLACK: f64 = 0.6;
+/// … above this one it eases.
+const TIGHT: f64 = 4.0;
+/// Palms that are no farther apart than this have nothing between them, metres.
+const NOTHING_BETWEEN: f64 = 0.025;
+/// How far from where the fingertips press they still feel a thing with their tips, metres.
+const OFF_TIPS: f64 = 0.03;
+/// How far ahead a thing is looked for that is not between the palms, metres.
+const NEXT: f64 = 0.04;
+/// Steps in which the sides of a thing are felt along, metres, …
+const ALONG: f64 = 0.025;
+/// … and how many to either end.
+const SIDES: u32 = 3;
+/// How often the palms shift along a thing.
+const SHIFTS: usize = 3;
+/// How far palms open to shift, metres.
+const SHIFT_OPEN: f64 = 0.03;
+/// How far aside palms go where one came down on the thing, metres, …
+const ASIDE: f64 = 0.03;
+/// … and how often.
+const DESCENTS: usize = 4;
+/// How long a palm feels nothing until the thing has slipped, seconds.
+const LOST: f64 = 0.05;
+/// How high it is when it is felt where on the palms it hangs, metres.
+const OFF_TABLE: f64 = 0.015;
+/// How much lower than then a thing is felt that has slipped, metres.
+const SLIPPED: f64 = 0.04;
+/// Squeezes after which a force is taken to be there to stay.
+const FIRM: usize = 6;
+/// What a hand beside a thing feels no higher than this over the table is the table, metres.
+const LOW: f64 = 0.03;
+/// How far palms open to let go, metres.
+const LET_GO: f64 = 0.05;
+
+/// Why a thing could not be lifted.
+#[derive(Debug)]
+pub enum LiftTrouble {
+    /// The palms cannot both get to its sides.
+    NoSides,
+    /// It is wider than the palms come apart.
+    TooWide,
+    /// It slipped out from between the palms.
+    Slipped,
+    /// Something else went wrong.
+    Other(Trouble),
+}
+
+impl<T: Into<Trouble>> From<T> for LiftTrouble {
+    fn from(trouble: T) -> LiftTrouble {
+        LiftTrouble::Other(trouble.into())
+    }
+}
+
+impl std::fmt::Display for LiftTrouble {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            LiftTrouble::NoSides => write!(f, "I cannot get my hands to both sides of it"),
+            LiftTrouble::TooWide => write!(f, "it is too wide for my hands"),
+            LiftTrouble::Slipped => write!(f, "it slips from between my hands"),
+            LiftTrouble::Other(trouble) => trouble.fmt(f),
+        }
+    }
+}
+
+/// A thing between both palms.
+#[derive(Clone, Debug)]
+pub struct Grip {
+    /// How the palms face each other.
+    pub plan: PalmPlan,
+    /// What is held.
+    pub thing: usize,
+    /// How far each palm is from the middle of the plan, metres.
+    pub apart: [f64; 2],
+    /// How far it is raised, metres.
+    pub rise: f64,
+    /// The force that each palm is to feel, newtons.
+    pub force: f64,
+    /// How often he had to begin again.
+    pub corrections: usize,
+    /// How high on the palms it was felt when it came off the table, metres.
+    felt_at: Option<f64>,
+}
+
+/// What both palms feel of a thing while they move.
+#[derive(Clone, Debug, Default)]
+struct PalmFeeling {
+    /// Mean normal force on each, newtons.
+    force: [f64; 2],
+    /// Whether each felt it at the last.
+    touches: [bool; 2],
+    /// Where each felt it on the palm: towards the fingertips and up, metres.
+    place: [Option<[f64; 2]>; 2],
+    /// Whether anything else was felt than the thing by hands, and the table.
+    hit: Vec<SkinContact>,
+}
+
+impl PalmFeeling {
+    /// The mean over both palms of where they felt it, along one way.
+    fn mean_place(&self, way: usize) -> Option<f64> {
+        let felt: Vec<f64> = self.place.iter().flatten().map(|place| place[way]).collect();
+        (!felt.is_empty()).then(|| felt.iter().sum::<f64>() / felt.len() as f64)
+    }
+}
+
+impl Actor {
+    /// Takes a thing that was felt between both palms, and lifts it. What felt it goes back first. Where that does not come
+    /// off it is taken again, otherwise and harder, up to `corrections` times.
+    ///
+    /// # Errors
+    /// [`LiftTrouble`].
+    pub fn lift(&mut self, found: &FoundThing, corrections: usize) -> Result<Grip, LiftTrouble> {
+        let ready = self.ready();
+        match self.withdraw(found, &ready) {
+            Err(Trouble::Hit(contacts)) => self.back_off(&contacts)?,
+            Err(Trouble::Reach(_)) => {}
+            went => went?,
+        }
+        let level = (found.direction - self.up * found.direction.dot(&self.up)).try_normalize(0.3);
+        let mut middle = found.point + level.unwrap_or(self.front) * BEHIND;
+        let (mut tried, mut force) = (Vec::new(), FORCE);
+        for correction in 0..=corrections {
+            let planned = self.plan_palms(&middle, &tried);
+            let (plan, yaw) = planned.or_else(|_| self.plan_palms(&middle, &[]))?;
+            tried.push(yaw);
+            let mut grip = Grip {
+                apart: plan.openings,
+                rise: RISE,
+                thing: found.thing,
+                corrections: correction,
+                felt_at: None,
+                force,
+                plan,
+            };
+            match self.raise_palms_over(&grip.plan) {
+                // Another way, with the palms otherwise.
+                Err(Trouble::Hit(contacts)) if correction < corrections => {
+                    self.back_off(&contacts)?;
+                    continue;
+                }
+                went => went?,
+            }
+            let lifted = self.take(&mut grip).and_then(|()| self.carry(&mut grip, LIFT));
+            let trouble = match lifted {
+                Ok(()) => return Ok(grip),
+                Err(LiftTrouble::Other(Trouble::Engine(error))) => return Err(error.into()),
+                Err(trouble) => trouble,
+            };
+            middle = grip.middle();
+            self.give_up(&mut grip)?;
+            if correction == corrections {
+                return Err(trouble);
+            }
+            if matches!(trouble, LiftTrouble::Slipped) {
+                force *= HARDER;
+            }
+        }
+        Err(LiftTrouble::Slipped)
+    }
+
+    /// Holds what is between the palms up for some time.
+    ///
+    /// # Errors
+    /// [`LiftTrouble::Slipped`] where it is felt to slip.
+    pub fn hold_up(&mut self, grip: &mut Grip, seconds: f64) -> Result<(), LiftTrouble> {
+        let (mut lost, step) = (0.0, STEP / LIFTING);
+        for _ in 0..(seconds / step).ceil() as usize {
+            self.bear(grip, grip.rise, step, &mut lost)?;
+        }
+        Ok(())
+    }
+
+    /// Sets what is between the palms down where it was, and lets go of it.
+    ///
+    /// # Errors
+    /// [`LiftTrouble::Slipped`] where it fell on the way.
+    pub fn set_down(&mut self, grip: &mut Grip) -> Result<(), LiftTrouble> {
+        let down = self.carry(grip, 0.0);
+        self.open(grip, LET_GO)?;
+        self.palms_up(grip)?;
+        down
+    }
+
+    /// Comes down on both sides of a thing, feels along them, closes about the middle, and squeezes.
+    fn take(&mut self, grip: &mut Grip) -> Result<(), LiftTrouble> {
+        self.come_down(grip)?;
+        self.find_middle(grip)?;
+        self.squeeze(grip)
+    }
+
+    /// Feels the sides of a thing from end to end with the fingertips, and closes the palms about the middle of them.
+    fn find_middle(&mut self, grip: &mut Grip) -> Result<(), LiftTrouble> {
+        let wide = grip.apart;
+        // First where anything is felt, and with the fingertips.
+        let mut felt = None;
+        for ahead in [0.0, NEXT, -2.0 * NEXT] {
+            if !self.go_along(grip, ahead, wide)? {
+                continue;
+            }
+            felt = self.feel_sides(grip, wide)?;
+            if felt.is_some() {
+                break;
+            }
+        }
+        let mut place = felt.ok_or(Trouble::Nothing)?;
+        for _ in 0..SHIFTS {
+            if place.abs() <= OFF_TIPS {
+                break;
+            }
+            let apart = grip.apart.map(|apart| apart + SHIFT_OPEN);
+            if !self.go_along(grip, place, apart)? {
+                break;
+            }
+            match self.feel_sides(grip, wide)? {
+                Some(now) => place = now,
+                None => break,
+            }
+        }
+        let apart = grip.apart.map(|apart| apart + SHIFT_OPEN);
+        let mut ends = [0.0; 2];
+        let mut at = 0.0;
+        for (end, way) in ends.iter_mut().zip([1.0, -1.0]) {
+            for k in 1..=SIDES {
+                let next = way * ALONG * f64::from(k);
+                if !self.go_along(grip, next - at, apart)? {
+                    break;
+                }
+                at = next;
+                match self.feel_sides(grip, apart)? {
+                    Some(place) if place.abs() <= OFF_TIPS => *end = next,
+                    _ => break,
+                }
+            }
+        }
+        let middle = 0.5 * (ends[0] + ends[1]);
+        self.go_along(grip, middle - at, apart)?;
+        self.close(grip)?;
+        Ok(())
+    }
+
+    /// Closes the palms, and tells how far towards the fingertips they feel the thing, metres; none where there is nothing
+    /// between them, which leaves them apart.
+    fn feel_sides(&mut self, grip: &mut Grip, apart: [f64; 2]) -> Result<Option<f64>, LiftTrouble> {
+        match self.close(grip) {
+            Err(LiftTrouble::Other(Trouble::Nothing)) => {
+                self.open_to(grip, apart)?;
+                Ok(None)
+            }
+            Err(LiftTrouble::NoSides) => {
+                self.open_to(grip, apart)?;
+                Ok(None)
+            }
+            felt => felt.map(Some),
+        }
+    }
+
+    /// Opens the palms, and shifts them towards where the fingers point; whether the arms get there. Where they do not, they
+    /// are where they were.
+    fn go_along(&mut self, grip: &mut Grip, far: f64, apart: [f64; 2]) -> Result<bool, LiftTrouble> {
+        self.open_to(grip, apart)?;
+        let begun = grip.plan.middle;
+        match self.shift(grip, grip.plan.forward * far) {
+            Err(LiftTrouble::NoSides) => {
+                let back = begun - grip.plan.middle;
+                self.shift(grip, back)?;
+                Ok(false)
+            }
+            shifted => shifted.map(|()| true),
+        }
+    }
+
+    /// Opens the palms to so far from the middle each.
+    fn open_to(&mut self, grip: &mut Grip, apart: [f64; 2]) -> Result<(), LiftTrouble> {
+        let start = grip.apart;
+        let far = (0..2).map(|k| (apart[k] - start[k]).abs()).fold(0.0, f64::max);
+        let steps = (far / STEP).ceil();
+        for k in 1..=steps as usize {
+            let share = k as f64 / steps;
+            let apart = [0, 1].map(|hand| start[hand] + share * (apart[hand] - start[hand]));
+            match self.move_palms(grip, apart, grip.rise, STEP / CAREFUL, [false; 2]) {
+                Err(LiftTrouble::NoSides) => break,
+                moved => moved?,
+            };
+        }
+        Ok(())
+    }
+
+    /// Lowers the palms until they are down, without meeting anything; where one comes down on the thing, both go aside.
+    fn come_down(&mut self, grip: &mut Grip) -> Result<(), LiftTrouble> {
+        let mut met = [false; 2];
+        for _ in 0..DESCENTS {
+            let mut feeling = PalmFeeling::default();
+            while grip.rise > 0.0 {
+                let rise = (grip.rise - STEP).max(0.0);
+                feeling = self.move_palms(grip, grip.apart, rise, STEP / CAREFUL, [true; 2])?;
+                if feeling.touches != [false; 2] || !feeling.hit.is_empty() {
+                    break;
+                }
+            }
+            if grip.rise <= 0.0 && feeling.touches == [false; 2] {
+                return Ok(());
+            }
+            self.unintended += 1;
+            if !feeling.hit.is_empty() {
+                return Err(Trouble::Hit(feeling.hit).into());
+            }
+            for (met, touches) in met.iter_mut().zip(feeling.touches) {
+                *met |= touches;
+            }
+            self.palms_up(grip)?;
+            if met == [true; 2] {
+                return Err(LiftTrouble::TooWide);
+            }
+            let aside = grip.plan.outward[usize::from(met[1])] * ASIDE;
+            self.shift(grip, aside)?;
+        }
+        Err(LiftTrouble::TooWide)
+    }
+
+    /// Closes the palms until both feel the thing: how far towards the fingertips they do, metres.
+    fn close(&mut self, grip: &mut Grip) -> Result<f64, LiftTrouble> {
+        let mut felt = PalmFeeling::default();
+        while felt.touches != [true; 2] {
+            if grip.width() < NOTHING_BETWEEN {
+                return Err(Trouble::Nothing.into());
+            }
+            let apart = [0, 1].map(|k| grip.apart[k] - if felt.touches[k] { 0.0 } else { STEP });
+            let until = felt.touches.map(|touches| !touches);
+            let feeling = self.move_palms(grip, apart, grip.rise, STEP / CAREFUL, until)?;
+            for k in 0..2 {
+                felt.touches[k] |= feeling.touches[k];
+                felt.place[k] = feeling.place[k].or(felt.place[k]);
+            }
+            // Where the hands meet each other there is nothing between them.
+            if feeling.hit.iter().any(|contact| matches!(contact.by, Toucher::Own(_))) {
+                return Err(Trouble::Nothing.into());
+            }
+            if !feeling.hit.is_empty() {
+                self.unintended += 1;
+                return Err(Trouble::Hit(feeling.hit).into());
+            }
+        }
+        Ok(felt.mean_place(0).unwrap_or(0.0))
+    }
+
+    /// Opens the palms so far each, metres.
+    fn open(&mut self, grip: &mut Grip, far: f64) -> Result<(), LiftTrouble> {
+        let steps = (far / STEP).ceil();
+        for k in 0..steps as usize {
+            // Slowly at first: what stands askew is to settle.
+            let speed = if k < 5 { 0.2 * CAREFUL } else { CAREFUL };
+            let apart = grip.apart.map(|apart| apart + far / steps);
+            match self.move_palms(grip, apart, grip.rise, STEP / speed, [false; 2]) {
+                Err(LiftTrouble::NoSides) => break,
+                moved => moved?,
+            };
+        }
+        Ok(())
+    }
+
+    /// Moves both palms, and the middle between them, along the table. Where the arms do not get there, they stay where they
+    /// got to.
+    fn shift(&mut self, grip: &mut Grip, by: Vector3<f64>) -> Result<(), LiftTrouble> {
+        let steps = (by.norm() / STEP).ceil().max(1.0);
+        for _ in 0..steps as usize {
+            let before = grip.plan.middle;
+            grip.plan.middle += by / steps;
+            let moved = self.move_palms(grip, grip.apart, grip.rise, STEP / CAREFUL, [false; 2]);
+            if let Err(trouble) = moved {
+                grip.plan.middle = before;
+                return Err(trouble);
+            }
+        }
+        Ok(())
+    }
+
+    /// Squeezes until both palms feel the force wanted.
+    fn squeeze(&mut self, grip: &mut Grip) -> Result<(), LiftTrouble> {
+        let mut firm = 0;
+        let mut feeling = PalmFeeling::default();
+        while firm < FIRM {
+            if grip.width() < NOTHING_BETWEEN {
+                return Err(Trouble::Nothing.into());
+            }
+            let presses = |k: usize| if feeling.force[k] < grip.force { SQUEEZE } else { 0.0 };
+            let apart = [0, 1].map(|k| grip.apart[k] - presses(k));
+            feeling = self.move_palms(grip, apart, grip.rise, SQUEEZE_TIME, [false; 2])?;
+            firm = if feeling.force.iter().all(|force| *force >= grip.force) { firm + 1 } else { 0 };
+        }
+        Ok(())
+    }
+
+    /// Raises or lowers what is between the palms to a height over where it stood, metres.
+    fn carry(&mut self, grip: &mut Grip, to: f64) -> Result<(), LiftTrouble> {
+        let mut lost = 0.0;
+        while grip.rise != to {
+            let rise = if to > grip.rise { (grip.rise + STEP).min(to) } else { (grip.rise - STEP).max(to) };
+            match self.bear(grip, rise, STEP / LIFTING, &mut lost) {
+                // As high as the arms go.
+                Err(LiftTrouble::NoSides) if to > rise && rise > HIGH_ENOUGH => break,
+                borne => borne?,
+            }
+        }
+        Ok(())
+    }
+
+    /// Goes on for a moment with a thing between the palms, and presses as it is felt; `lost` is for how long a palm has felt
+    /// nothing.
+    fn bear(&mut self, grip: &mut Grip, rise: f64, seconds: f64, lost: &mut f64) -> Result<(), LiftTrouble> {
+        let feeling = self.move_palms(grip, grip.apart, rise, seconds, [false; 2])?;
+        for k in 0..2 {
+            if feeling.force[k] < SLACK * grip.force {
+                grip.apart[k] -= SQUEEZE;
+            } else if feeling.force[k] > TIGHT * grip.force {
+                grip.apart[k] += 0.5 * SQUEEZE;
+            }
+        }
+        *lost = if feeling.touches == [true; 2] { 0.0 } else { *lost + seconds };
+        if grip.felt_at.is_none() && rise >= OFF_TABLE && feeling.touches == [true; 2] {
+            grip.felt_at = feeling.mean_place(1);
+        }
+        let sunk = grip.felt_at.zip(feeling.mean_place(1)).map_or(0.0, |(before, now)| before - now);
+        if *lost > LOST || sunk > SLIPPED || grip.width() < NOTHING_BETWEEN {
+            return Err(LiftTrouble::Slipped);
+        }
+        Ok(())
+    }
+
+    /// Lowers the hands, lets go, and raises them again.
+    fn give_up(&mut self, grip: &mut Grip) -> Result<(), LiftTrouble> {
+        let down = grip.rise.min(LIFT);
+        let steps = (down / STEP).ceil().max(1.0);
+        for k in 1..=steps as usize {
+            let rise = down * (1.0 - k as f64 / steps);
+            match self.move_palms(grip, grip.apart, rise, STEP / LIFTING, [false; 2]) {
+                Err(LiftTrouble::NoSides) => break,
+                moved => moved?,
+            };
+        }
+        self.open(grip, LET_GO)?;
+        self.palms_up(grip)
+    }
+
+    /// Raises the palms to where they came down from.
+    fn palms_up(&mut self, grip: &mut Grip) -> Result<(), LiftTrouble> {
+        while grip.rise < RISE {
+            let rise = (grip.rise + STEP).min(RISE);
+            match self.move_palms(grip, grip.apart, rise, STEP / CAREFUL, [false; 2]) {
+                Err(LiftTrouble::NoSides) => break,
+                moved => moved?,
+            };
+        }
+        Ok(())
+    }
+
+    /// Takes the palms straight to a distance from the middle and a height; `until` tells which of them are to stop all where
+    /// they feel the thing. The grip is then where they got to.
+    fn move_palms(
+        &mut self,
+        grip: &mut Grip,
+        apart: [f64; 2],
+        rise: f64,
+        seconds: f64,
+        until: [bool; 2],
+    ) -> Result<PalmFeeling, LiftTrouble> {
+        let start = self.posture();
+        let target = self.palms_at(&grip.plan, apart, rise, &start).ok_or(LiftTrouble::NoSides)?;
+        let steps = (seconds / self.handle.timestep()).round().max(1.0) as usize;
+        let mut feeling = PalmFeeling::default();
+        let mut gone = 0;
+        for k in 1..=steps {
+            gone = k;
+            let posture = Posture::between(self.own.creature(), &start, &target, k as f64 / steps as f64);
+            let felt = self.step(&posture)?;
+            feeling.touches = [false; 2];
+            let mut places = [(0.0, [0.0; 2]); 2];
+            for contact in felt {
+                let receptor = contact.spot.receptor;
+                let hand = self.hands.iter().position(|hand| hand.receptors.contains(&receptor));
+                match (contact.by, hand) {
+                    (Toucher::Thing(thing), Some(hand)) if thing == grip.thing => {
+                        feeling.touches[hand] = true;
+                        feeling.force[hand] += contact.force;
+                        if k == steps || until[hand] {
+                            let [along, up] = grip.plan.place_of(&self.own, hand, receptor);
+                            let (weight, sum) = &mut places[hand];
+                            *weight += contact.force;
+                            sum[0] += contact.force * along;
+                            sum[1] += contact.force * up;
+                        }
+                    }
+                    (Toucher::Thing(thing), _) if thing != grip.thing && self.is_low(&contact) => {}
+                    _ => feeling.hit.push(contact),
+                }
+            }
+            for (place, (weight, sum)) in feeling.place.iter_mut().zip(places) {
+                if weight > 0.0 {
+                    *place = Some(sum.map(|sum| sum / weight));
+                }
+            }
+            if (0..2).any(|hand| until[hand] && feeling.touches[hand]) {
+                break;
+            }
+        }
+        let share = gone as f64 / steps as f64;
+        for k in 0..2 {
+            grip.apart[k] += share * (apart[k] - grip.apart[k]);
+            feeling.force[k] /= gone as f64;
+        }
+        grip.rise = if gone == steps { rise } else { grip.rise + share * (rise - grip.rise) };
+        Ok(feeling)
+    }
+
+    /// Whether something is felt so low that it is the table that a hand goes along.
+    fn is_low(&self, contact: &SkinContact) -> bool {
+        let height = self.feels_at(contact.spot.receptor).0.dot(&self.up);
+        self.table.is_some_and(|table| height - table < LOW)
+    }
+}
+
+impl Grip {
+    /// How far the palms are apart, metres.
+    fn width(&self) -> f64 {
+        self.apart[0] + self.apart[1]
+    }
+
+    /// Between the palms as they are, at the height of the table, in the root's frame.
+    fn middle(&self) -> Vector3<f64> {
+        let [one, other] = self.plan.outward;
+        self.plan.middle + 0.5 * (one * self.apart[0] + other * self.apart[1])
+    }
+}

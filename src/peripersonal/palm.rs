@@ -1,0 +1,156 @@
+//! The palm of a hand: the side on which its skin lies about a plane and is hollow, told from the skin alone.
+
+use nalgebra::{Matrix3, Vector3};
+
+use super::own_body::OwnBody;
+use crate::geometry::Frame;
+
+/// Skin faces the palm's way when the cosine between is at least this.
+const FACING: f64 = 0.5;
+/// Skin this far from the palm's plane counts half, metres: a thumb that stands off is not to tilt it.
+const OFF_PLANE: f64 = 0.008;
+/// The part of the hand's length, from the wrist, beyond which a palm presses: where the fingers stand out over its hollow.
+const FINGERTIPS: f64 = 2.0 / 3.0;
+/// Rounds in which the plane is found.
+const ROUNDS: usize = 8;
+
+/// The palm of a hand with its fingers, which can press on things.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Palm {
+    /// The limb that it is fixed to: the hand.
+    pub limb: usize,
+    /// `X_LP`: the place that presses in the hand's frame, between the fingertips, x out of the skin, y to the fingertips. No
+    /// fingertip is beyond its y–z plane.
+    pub frame: Frame,
+}
+
+impl Palm {
+    /// The palm of a hand, by its limb; none where its skin tells none. Limbs that the hand carries are taken to be held as
+    /// they are at ease.
+    pub fn of(own: &OwnBody, limb: usize) -> Option<Palm> {
+        let frames = own.frames(&own.at_ease());
+        let into = |other: usize| frames[limb].inverse() * frames[other];
+        let skin: Vec<(Vector3<f64>, Vector3<f64>)> = own
+            .receptors_on(&own.hand_of(limb))
+            .into_iter()
+            .map(|receptor| {
+                let place = own.place(receptor);
+                let frame = into(place.limb);
+                (frame.point(&place.point), frame.direction(&place.direction))
+            })
+            .collect();
+        let flat = spread(skin.iter().map(|(point, _)| (*point, 1.0)))?.1;
+        let axis: Vector3<f64> = flat.column(2).into_owned();
+        let (normal, hollow) = [axis, -axis]
+            .into_iter()
+            .filter_map(|side| side_of(&skin, side))
+            .max_by(|a, b| a.1.total_cmp(&b.1))?;
+        if !hollow.is_finite() {
+            return None;
+        }
+        let facing: Vec<_> = skin.iter().filter(|(_, outward)| outward.dot(&normal) > FACING).collect();
+        let middle = facing.iter().map(|(point, _)| *point).sum::<Vector3<f64>>() / facing.len() as f64;
+        // The fingers point away from the wrist, where the hand's frame begins.
+        let along = (middle - normal * middle.dot(&normal)).try_normalize(1e-6)?;
+        let length = facing.iter().map(|(point, _)| point.dot(&along)).fold(0.0, f64::max);
+        let tips: Vec<Vector3<f64>> = facing
+            .iter()
+            .filter(|(point, _)| point.dot(&along) >= FINGERTIPS * length)
+            .map(|(point, _)| *point)
+            .collect();
+        let pressing = tips.iter().sum::<Vector3<f64>>() / tips.len().max(1) as f64;
+        // A patch's middle is where its skin stands out, but for its bend.
+        let face = tips.iter().map(|tip| tip.dot(&normal)).fold(pressing.dot(&normal), f64::max);
+        let origin = pressing + normal * (face - pressing.dot(&normal));
+        let rotation = Matrix3::from_columns(&[normal, along, normal.cross(&along)]);
+        let frame = Frame { origin, rotation };
+        Some(Palm { limb, frame })
+    }
+
+    /// Where the hand's limb is when the palm is at `X_RP`.
+    pub fn limb_at(&self, palm: &Frame) -> Frame {
+        *palm * self.frame.inverse()
+    }
+
+    /// How far the lowest skin of the hand is below the palm's middle when the palm is turned so, metres; `up` in the same
+    /// frame.
+    pub fn depth_below(&self, own: &OwnBody, turn: &Matrix3<f64>, up: &Vector3<f64>) -> f64 {
+        let at_ease = own.frames(&own.at_ease());
+        let hand = self.limb_at(&Frame { origin: Vector3::zeros(), rotation: *turn });
+        let carried = own.carried_by(self.limb);
+        let surfaces = own.skin().surfaces.iter().filter(|surface| carried[surface.limb]);
+        let below = surfaces.filter_map(|surface| {
+            let frame = hand * (at_ease[self.limb].inverse() * at_ease[surface.limb]);
+            let point = surface.support(&frame.rotation.tr_mul(&-up))?;
+            Some(-frame.point(&point).dot(up))
+        });
+        below.fold(0.0, f64::max)
+    }
+
+    /// Where a receptor of the hand is in the palm's frame, metres.
+    pub fn place_of(&self, own: &OwnBody, receptor: usize) -> Vector3<f64> {
+        let at_ease = own.frames(&own.at_ease());
+        let place = own.place(receptor);
+        let in_hand = (at_ease[self.limb].inverse() * at_ease[place.limb]).point(&place.point);
+        self.frame.inverse_point(&in_hand)
+    }
+}
+
+/// The orientation of a palm that faces one way, its fingers another, as far as they can.
+pub fn palm_turn(facing: &Vector3<f64>, fingers: &Vector3<f64>) -> Option<Matrix3<f64>> {
+    let along = (fingers - facing * fingers.dot(facing)).try_normalize(1e-6)?;
+    Some(Matrix3::from_columns(&[*facing, along, facing.cross(&along)]))
+}
+
+/// The mean of weighted points, and the axes of their spread, the greatest first.
+fn spread(points: impl Iterator<Item = (Vector3<f64>, f64)> + Clone) -> Option<(Vector3<f64>, Matrix3<f64>)> {
+    let weight: f64 = points.clone().map(|(_, weight)| weight).sum();
+    if weight <= 0.0 {
+        return None;
+    }
+    let mean = points.clone().map(|(point, weight)| point * weight).sum::<Vector3<f64>>() / weight;
+    let squares: Matrix3<f64> =
+        points.map(|(point, weight)| (point - mean) * (point - mean).transpose() * weight).sum();
+    let eigen = squares.symmetric_eigen();
+    let mut order = [0, 1, 2];
+    order.sort_by(|&a, &b| eigen.eigenvalues[b].total_cmp(&eigen.eigenvalues[a]));
+    let axes = order.map(|k| eigen.eigenvectors.column(k).into_owned());
+    Some((mean, Matrix3::from_columns(&axes)))
+}
+
+/// The normal of the plane that the skin of one side lies about, and how hollow that side is: how far its rim stands out
+/// over its middle, metres for each square metre.
+fn side_of(skin: &[(Vector3<f64>, Vector3<f64>)], side: Vector3<f64>) -> Option<(Vector3<f64>, f64)> {
+    let facing: Vec<Vector3<f64>> =
+        skin.iter().filter(|(_, outward)| outward.dot(&side) > FACING).map(|(point, _)| *point).collect();
+    if facing.len() < 3 {
+        return None;
+    }
+    let (mut normal, mut weights) = (side, vec![1.0; facing.len()]);
+    let mut mean = Vector3::zeros();
+    for _ in 0..ROUNDS {
+        let weighted = facing.iter().zip(&weights).map(|(point, weight)| (*point, *weight));
+        let (middle, axes) = spread(weighted)?;
+        let across: Vector3<f64> = axes.column(2).into_owned();
+        // No farther from the side that was asked for than a quarter of a turn.
+        normal = if across.dot(&side) < 0.0 { -across } else { across };
+        mean = middle;
+        for (point, weight) in facing.iter().zip(&mut weights) {
+            *weight = 1.0 / (1.0 + ((point - mean).dot(&normal) / OFF_PLANE).powi(2));
+        }
+    }
+    let level = facing.iter().map(|point| {
+        let offset = point - mean;
+        let out = offset.dot(&normal);
+        ((offset.norm_squared() - out * out), out)
+    });
+    let count = facing.len() as f64;
+    let (wide, out) = level.clone().fold((0.0, 0.0), |(a, b), (wide, out)| (a + wide, b + out));
+    let (wide, out) = (wide / count, out / count);
+    let (mut with, mut square) = (0.0, 0.0);
+    for (w, o) in level {
+        with += (w - wide) * (o - out);
+        square += (w - wide) * (w - wide);
+    }
+    Some((normal, with / square.max(1e-12)))
+}
