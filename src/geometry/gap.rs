@@ -143,7 +143,12 @@ fn closed_form(a: &dyn ConvexBody, b: &dyn ConvexBody, precision: Precision) -> 
     }
 }
 
-fn iterated(a: &dyn ConvexBody, b: &dyn ConvexBody, precision: Precision, guess: &Vector3<f64>) -> Gap {
+pub(super) fn iterated(
+    a: &dyn ConvexBody,
+    b: &dyn ConvexBody,
+    precision: Precision,
+    guess: &Vector3<f64>,
+) -> Gap {
     gjk(&difference(a, b), guess, precision, f64::INFINITY)
 }
 

@@ -16,6 +16,7 @@ mod hull;
 mod samples;
 mod shape;
 mod simplex;
+mod swept;
 
 pub use bounds::{Ball, Cluster, clusters};
 pub use capsule::{Capsule, closest_points};
@@ -28,3 +29,4 @@ pub use gjk::Precision;
 pub use hull::Hull;
 pub use samples::SurfaceSample;
 pub use shape::Shape;
+pub use swept::SweptShape;

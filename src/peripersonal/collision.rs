@@ -6,7 +6,7 @@ use nalgebra::Vector3;
 
 use super::obstacle::Obstacle;
 use super::own_body::OwnBody;
-use crate::geometry::{Ball, Frame, PlacedShape, Precision, gap};
+use crate::geometry::{Ball, Capsule, ConvexBody, Frame, Gap, PlacedShape, Precision, gap};
 use crate::kinematics::Chain;
 use crate::skin::Surface;
 
@@ -31,6 +31,17 @@ struct GuardedPair {
     pieces: Vec<[usize; 2]>,
     /// No greater margin is asked of them, metres.
     eased: f64,
+}
+
+/// A limb that is near another one, or near something that is known to be there.
+#[derive(Clone, Copy, Debug)]
+pub struct Nearness {
+    /// The limb.
+    pub limb: usize,
+    /// The other limb; none where it is an obstacle.
+    pub other: Option<usize>,
+    /// Where they are nearest, in the root's frame, the normal from the other to the limb.
+    pub gap: Gap,
 }
 
 /// The surfaces of a body, and what is known to be about it.
@@ -172,6 +183,75 @@ impl CollisionChecker {
             if bound > below { bound } else { obstacle.gap(&piece.placed(&frames[limb])) }
         });
         gaps.fold(f64::INFINITY, f64::min)
+    }
+
+    /// The gap between a limb and a body that is all inside a capsule where it is below `below`, metres, negative by how deep
+    /// they are in each other; more than that elsewhere. The root limb is measured, too.
+    pub fn to_body(
+        &self,
+        frames: &[Frame],
+        limb: usize,
+        body: &dyn ConvexBody,
+        about: &Capsule,
+        below: f64,
+    ) -> f64 {
+        let gaps = self.pieces[limb].iter().map(|piece| {
+            let ball = Ball { centre: frames[limb].point(&piece.ball.centre), ..piece.ball };
+            let bound = about.distance_to(&ball);
+            if bound > below {
+                return bound;
+            }
+            gap(&piece.placed(&frames[limb]), body, Precision::ExactWhereShallow).distance
+        });
+        gaps.fold(f64::INFINITY, f64::min)
+    }
+
+    /// All pairs of limbs that feel each other, and limbs and obstacles, that are nearer than `below`, metres.
+    pub fn near(&self, frames: &[Frame], below: f64) -> Vec<Nearness> {
+        let mut found = Vec::new();
+        for pair in &self.pairs {
+            let [a, b] = pair.limbs;
+            if ball_gap(&self.bounds, frames, pair.limbs) > below {
+                continue;
+            }
+            let gaps = pair.pieces.iter().filter_map(|&[i, j]| {
+                let (p, q) = (&self.pieces[a][i], &self.pieces[b][j]);
+                let [centre, other] = [frames[a].point(&p.ball.centre), frames[b].point(&q.ball.centre)];
+                (p.ball.gap_at(&centre, &q.ball, &other) <= below)
+                    .then(|| gap(&p.placed(&frames[a]), &q.placed(&frames[b]), Precision::Exact))
+            });
+            let nearest = gaps.min_by(|a, b| a.distance.total_cmp(&b.distance));
+            let nearest = nearest.filter(|gap| gap.distance <= below);
+            found.extend(nearest.map(|gap| Nearness { limb: a, other: Some(b), gap }));
+        }
+        for obstacle in &self.obstacles {
+            found.extend(self.near_to(frames, obstacle, below));
+        }
+        found
+    }
+
+    /// The limbs that are nearer to an obstacle than `below`, metres.
+    pub fn near_to<'a>(
+        &'a self,
+        frames: &'a [Frame],
+        obstacle: &'a Obstacle,
+        below: f64,
+    ) -> impl Iterator<Item = Nearness> + 'a {
+        (0..self.pieces.len()).filter(|&limb| self.exposed[limb]).filter_map(move |limb| {
+            let gaps = self.pieces[limb].iter().filter_map(|piece| {
+                let ball = Ball { centre: frames[limb].point(&piece.ball.centre), ..piece.ball };
+                let far = obstacle.bound(&ball) > below;
+                if far { None } else { obstacle.nearest(&piece.placed(&frames[limb]), Precision::Exact) }
+            });
+            let nearest = gaps.min_by(|a, b| a.distance.total_cmp(&b.distance));
+            let nearest = nearest.filter(|gap| gap.distance <= below)?;
+            Some(Nearness { limb, other: None, gap: nearest })
+        })
+    }
+
+    /// The middle of a limb's surfaces in its own frame, metres; none where it has none.
+    pub fn middle(&self, limb: usize) -> Option<Vector3<f64>> {
+        self.bounds[limb].as_ref().map(|ball| ball.centre)
     }
 
     /// The least gap anywhere, up to `below`, metres.

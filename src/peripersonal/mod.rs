@@ -10,6 +10,7 @@
 //! schema + skin + touches ─ own_body ─┬─ own_aura     which of its limbs something is near to
 //!                                     ├─ prediction   where a receptor is in another limb's frame, how surely
 //!                                     ├─ collision    how far surfaces are from each other and from what was felt
+//!                                     ├─ velocity     joint velocities that do one thing and keep clear of others
 //!                                     ├─ path         paths through postures that keep clear
 //!                                     ├─ reaching     postures and paths that touch a place, or how far it is out of reach
 //!                                     ├─ palm         which side of a hand is hollow; limb_pose: postures with a limb placed and turned
@@ -34,8 +35,9 @@ mod reachable;
 mod reaching;
 mod shell;
 mod tip;
+mod velocity;
 
-pub use collision::CollisionChecker;
+pub use collision::{CollisionChecker, Nearness};
 pub use felt_shape::{FeltShape, PlacedSkin, ShapeEstimate, directions};
 pub use lattice::Lattice;
 pub use limb_pose::{LimbGoal, LimbPosture, limb_posture};
@@ -48,3 +50,4 @@ pub use prediction::{PossibleTouch, Predicted};
 pub use reachable::{Level, ReachableMap, Unmappable, Whereabouts};
 pub use reaching::{OutOfReach, ReachPlan, ReachTarget, Reaching};
 pub use tip::{TipChain, Workspace};
+pub use velocity::{Barrier, JointVelocity, PlaceVelocity, VelocityProgram};

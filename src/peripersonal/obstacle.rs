@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 
-use crate::geometry::{Ball, Capsule, ConvexBody, Precision, gap};
+use crate::geometry::{Ball, Capsule, ConvexBody, Gap, Precision, gap};
 
 /// Something that is known to be there, in the root's frame.
 #[derive(Clone, Debug, PartialEq)]
@@ -44,21 +44,32 @@ impl Obstacle {
     /// The gap to a body, metres, below 0 where they overlap; a lower bound, no worse than 5 % below it, for a body that
     /// is neither ball nor capsule. Of a table only its top counts, for what reaches over its edge.
     pub(super) fn gap(&self, body: &dyn ConvexBody) -> f64 {
+        self.nearest(body, Precision::LowerBound).map_or(f64::INFINITY, |gap| gap.distance)
+    }
+
+    /// Where a body is nearest to it, the normal from it to the body; none where it does not matter to the body.
+    pub(super) fn nearest(&self, body: &dyn ConvexBody, precision: Precision) -> Option<Gap> {
         match self {
-            Obstacle::Capsule(capsule) => gap(body, capsule, Precision::LowerBound).distance,
+            Obstacle::Capsule(capsule) => Some(gap(body, capsule, precision)),
             Obstacle::Table { up, height, front, edge } => {
                 let lowest = match body.as_capsule() {
                     Some(capsule) => lowest_over(&capsule, up, front, *edge),
-                    None => (body.support(front).dot(front) > *edge).then(|| body.support(&-up).dot(up)),
-                };
-                lowest.map_or(f64::INFINITY, |lowest| lowest - height)
+                    None => (body.support(front).dot(front) > *edge).then(|| body.support(&-up)),
+                }?;
+                let distance = lowest.dot(up) - height;
+                Some(Gap { distance, normal: *up, points: [lowest, lowest - up * distance] })
             }
         }
     }
 }
 
 /// The lowest point, along `up`, of the part of a capsule that may be beyond the edge of a table.
-fn lowest_over(capsule: &Capsule, up: &Vector3<f64>, front: &Vector3<f64>, edge: f64) -> Option<f64> {
+fn lowest_over(
+    capsule: &Capsule,
+    up: &Vector3<f64>,
+    front: &Vector3<f64>,
+    edge: f64,
+) -> Option<Vector3<f64>> {
     let Capsule { ends, radius } = capsule;
     let beyond = ends.map(|end| end.dot(front) - (edge - radius));
     if beyond[0].max(beyond[1]) <= 0.0 {
@@ -70,5 +81,6 @@ fn lowest_over(capsule: &Capsule, up: &Vector3<f64>, front: &Vector3<f64>, edge:
         ends[from] + (ends[to] - ends[from]) * share
     };
     let inside = [0, 1].map(|k| if beyond[k] >= 0.0 { ends[k] } else { crossing(1 - k, k) });
-    Some(inside[0].dot(up).min(inside[1].dot(up)) - radius)
+    let lowest = if inside[0].dot(up) < inside[1].dot(up) { inside[0] } else { inside[1] };
+    Some(lowest - up * *radius)
 }

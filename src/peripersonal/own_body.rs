@@ -129,6 +129,23 @@ impl OwnBody {
         posture
     }
 
+    /// A posture in which some joints differ from `from` by at most `radius`, radians (or metres), and stay in their ranges;
+    /// the others, and balls, stay as they are.
+    pub fn posture_near(&self, from: &[f64], joints: &[usize], radius: f64, rng: &mut impl Rng) -> Posture {
+        let mut posture = Posture::from(from);
+        for &joint in joints {
+            let joint = &self.creature().joints()[joint];
+            for at in joint.elements().filter(|at| !at.is_ball() && at.follows.is_none()) {
+                let ([low, high], q) = (at.range, at.coordinate());
+                if high > low {
+                    posture[q] = (posture[q] + rng.random_range(-radius..radius)).clamp(low, high);
+                }
+            }
+        }
+        self.creature().couple(&mut posture);
+        posture
+    }
+
     /// A place of a limb's skin under a receptor's middle: on the surface itself, where the patch is but flat.
     pub fn place(&self, receptor: usize) -> Place {
         let place = self.skin().receptors[receptor].place(0.0);
