@@ -13,7 +13,7 @@ mod tasks;
 mod things;
 
 pub use actor::{Actor, CAREFUL, FoundThing, Hand, SWIFT, Stop};
-pub use avoiding::{Avoiding, QUICK};
+pub use avoiding::{Avoiding, PlaceGoal, QUICK};
 pub use body_part::{BodyPart, UnknownPart};
 pub use conversation::language::{HandName, Language, Mood, PartName, Understood, Which, understood};
 pub use conversation::{Conversation, Intent, Reply};

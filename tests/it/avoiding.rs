@@ -1,12 +1,13 @@
 //! Getting out of the way of what comes near, by the schema and the aura.
 
+use crate::common::program::succeeds;
 use crate::common::{babble, max, repository, truth};
 use bodyschema::agent::Agent;
 use bodyschema::creature::{JointSelection, Posture};
 use bodyschema::geometry::Shape;
-use bodyschema::interaction::{Actor, Avoiding};
+use bodyschema::interaction::{Actor, Avoiding, PlaceGoal};
 use bodyschema::learning::Certainty;
-use bodyschema::peripersonal::OwnBody;
+use bodyschema::peripersonal::{Barrier, OwnBody, PlaceVelocity, VelocityProgram};
 use bodyschema::senses::Toucher;
 use bodyschema::simulation::{ProbePath, Stage, StageOptions, Substance, Thing};
 use nalgebra::{Isometry3, Point3, Vector3};
@@ -108,4 +109,110 @@ fn the_aura_tells_where_the_nearest_point_of_a_thing_is() {
     let off = (nearest - stage.thing_pose(thing).translation.vector).coords.norm() - RADIUS;
     assert!(off.abs() < 1e-4, "{off}");
     assert!((approach.toward.norm() - 1.0).abs() < 1e-9);
+}
+
+#[test]
+fn a_hand_stays_at_its_place_while_the_head_gets_out_of_the_way() {
+    let (stage, mut actor, thing) = beside_a_ball();
+    let ready = actor.ready();
+    let receptors = actor.own.receptors_on(&actor.own.limbs_called("head").unwrap());
+    let ahead = |&receptor: &usize| actor.feels_at(receptor).1.x;
+    let face = receptors.into_iter().max_by(|a, b| ahead(a).total_cmp(&ahead(b))).unwrap();
+    let place = actor.own.place(actor.hands[0].tip);
+    let mut comes_at_the_face = |avoids: bool| {
+        stage.place(&ready).unwrap();
+        actor.was_placed();
+        let (point, _) = actor.feels_at(face);
+        let x_wr = stage.root_pose();
+        let at = |off: f64| (x_wr * Point3::from(point + Vector3::new(off, 0.3 * off, 0.0))).coords;
+        let path = ProbePath(vec![(stage.time(), at(0.8)), (stage.time() + 3.0, at(-0.4))]);
+        let end = path.end();
+        stage.send_thing(thing, path);
+        actor.step(&ready).unwrap();
+        let tip = |actor: &Actor| actor.frames()[place.limb].point(&place.point);
+        let begin = tip(&actor);
+        let mut avoiding = Avoiding::new(&mut actor);
+        avoiding.goal = Some(PlaceGoal { place, point: begin, velocity: Vector3::zeros() });
+        let (mut touched, mut off) = (false, 0.0_f64);
+        while stage.time() < end {
+            let felt = if avoids { avoiding.step(&mut actor) } else { actor.step(&ready) }.unwrap();
+            touched |= felt.iter().any(|contact| contact.by == Toucher::Thing(thing));
+            off = off.max((tip(&actor) - begin).norm());
+        }
+        let moved = actor.posture().iter().zip(&ready).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        (touched, off, moved)
+    };
+    assert!(comes_at_the_face(false).0, "whoever holds still is touched");
+    let (touched, off, moved) = comes_at_the_face(true);
+    assert!(!touched);
+    assert!(off < 0.02, "{off}");
+    assert!(moved > 0.05, "{moved}");
+}
+
+#[test]
+fn joint_velocities_keep_barriers_and_ranges_and_say_what_they_give_up() {
+    let (_stage, actor, _) = beside_a_ball();
+    let own = &actor.own;
+    let posture = actor.posture();
+    let frames = own.frames(&posture);
+    let hand = actor.hands[0].limb;
+    let point = frames[hand].origin;
+    let joints: Vec<usize> = (0..own.creature().joints().len()).collect();
+    const FASTEST: f64 = 3.0;
+    const SECONDS: f64 = 1e-4;
+    // Where a point of the hand goes, by the difference of two postures.
+    let goes = |barriers: &[Barrier]| {
+        let mut program = VelocityProgram::new(own, &posture, &frames, &joints, FASTEST, SECONDS);
+        let velocity = Vector3::new(0.3, -0.1, 0.2);
+        program.want(&PlaceVelocity { limb: hand, point, velocity, weight: 100.0 });
+        barriers.iter().for_each(|barrier| program.keep(*barrier));
+        let found = program.solve().unwrap();
+        assert!(found.coordinates.iter().all(|v| v.abs() <= FASTEST));
+        let after = found.after(own, &posture, SECONDS);
+        assert!(own.creature().elements().filter(|at| !at.is_ball()).all(|at| {
+            let [low, high] = at.range;
+            (low..=high).contains(&after[at.coordinate()])
+        }));
+        let moved = own.frames(&after)[hand].point(&frames[hand].inverse_point(&point)) - point;
+        (moved / SECONDS, found.given_up)
+    };
+    let (free, given_up) = goes(&[]);
+    assert!((free - Vector3::new(0.3, -0.1, 0.2)).norm() < 0.02 && given_up == 0.0, "{free}");
+    let barrier = |normal: Vector3<f64>, rate: f64, yields: bool| Barrier {
+        limb: hand,
+        point,
+        other: None,
+        normal,
+        rate,
+        yields,
+    };
+    let wall = [barrier(-Vector3::x(), -0.05, false), barrier(Vector3::y(), 0.0, false)];
+    let (walled, given_up) = goes(&wall);
+    assert!((walled - Vector3::new(0.05, 0.0, 0.2)).norm() < 0.02, "{walled}");
+    assert!(walled.x < 0.0505 && walled.y > -5e-4 && given_up < 1e-4, "{walled} {given_up}");
+    // Two that ask for opposite ways cannot both be kept; one that does not yield is.
+    let torn = [barrier(-Vector3::x(), -0.05, false), barrier(Vector3::x(), 1.0, true)];
+    let (torn, given_up) = goes(&torn);
+    assert!(torn.x < 0.0505 && torn.x > 0.04, "{torn}");
+    assert!((given_up - 0.95).abs() < 0.01, "{given_up}");
+}
+
+#[test]
+fn the_study_says_what_any_posture_avoids() {
+    let place = tempfile::tempdir().unwrap();
+    let model = repository("mjcf/max/max.xml");
+    let arguments =
+        ["study", "avoid-busy", model.to_str().unwrap(), "--trials", "2", "--seed", "4", "--touches", "400"];
+    let told = succeeds(place.path(), &[&arguments[..], &["--json"]].concat());
+    let found: serde_json::Value = serde_json::from_str(&told).unwrap();
+    let rows = found["rows"].as_array().unwrap();
+    assert_eq!(rows.len(), 4, "two creatures in two trials");
+    for row in rows {
+        let holds = |name: &str| row[name].as_bool().unwrap();
+        assert!(holds("avoidable") || !holds("avoidable_in_time"));
+        assert!(holds("avoidable_twice") || !holds("avoidable"));
+        assert!(holds("avoidable") || !holds("task_possible"));
+        assert!((0.0..=1.0).contains(&row["at_task"].as_f64().unwrap()));
+        assert_eq!(holds("no_touch"), row["touched_limb"] == "none");
+    }
 }

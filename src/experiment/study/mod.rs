@@ -59,6 +59,7 @@ pub const STUDIES: &[&Study] = &[
     &lift::STUDY,
     &felt_shape::STUDY,
     &avoid::STUDY,
+    &avoid::BUSY,
     &reachable::STUDY,
     &calibration::STUDY,
 ];
