@@ -10,6 +10,7 @@ use nalgebra::Vector3;
 use super::error::ActorError;
 use crate::creature::{Creature, Posture};
 use crate::geometry::Frame;
+use crate::kinematics::Place;
 use crate::peripersonal::{
     CollisionChecker, Obstacle, OwnBody, PosturePath, ReachTarget, Reaching, distance,
 };
@@ -299,6 +300,21 @@ impl Actor {
         Ok(Stop::Arrived)
     }
 
+    /// The posture of so many steps of the last motion ago; none where it has not moved so long.
+    pub(super) fn steps_ago(&self, steps: usize) -> Option<&Posture> {
+        self.trail.len().checked_sub(1 + steps).map(|k| &self.trail[k])
+    }
+
+    /// Forgets the last motion, and hands it out.
+    pub(super) fn take_trail(&mut self) -> VecDeque<Posture> {
+        std::mem::take(&mut self.trail)
+    }
+
+    /// Takes a motion for the last one again: it has ended near where that ended.
+    pub(super) fn give_trail(&mut self, trail: VecDeque<Posture>) {
+        self.trail = trail;
+    }
+
     /// Has been put into a posture by a partner: nothing is remembered of how it came there.
     pub fn was_placed(&mut self) {
         self.trail.clear();
@@ -354,6 +370,13 @@ impl Actor {
         };
         let (point, direction) = (frame.point(&place.point), frame.rotation * place.direction);
         Some(FoundThing { receptor, thing, posture: self.posture(), point, direction })
+    }
+
+    /// The place of the skin that felt something.
+    pub fn felt_with(&self, found: &FoundThing) -> Place {
+        let place = self.own.place(found.receptor);
+        let frame = self.own.frames(&found.posture)[place.limb];
+        self.own.on_surface(found.receptor, &frame.inverse_point(&found.point)).unwrap_or(place)
     }
 
     /// The way back on which the skin of a receptor came here, `far` metres of it; none where it has not moved.

@@ -11,6 +11,7 @@
 //!                                     ├─ prediction   where a receptor is in another limb's frame, how surely
 //!                                     ├─ collision    how far surfaces are from each other and from what was felt
 //!                                     ├─ velocity     joint velocities that do one thing and keep clear of others
+//!                                     ├─ felt_surface where on a receptor something touches, and how it is curved
 //!                                     ├─ path         paths through postures that keep clear
 //!                                     ├─ reaching     postures and paths that touch a place, or how far it is out of reach
 //!                                     ├─ palm         which side of a hand is hollow; limb_pose: postures with a limb placed and turned
@@ -22,6 +23,7 @@
 
 mod collision;
 mod felt_shape;
+mod felt_surface;
 mod flood;
 mod lattice;
 mod limb_pose;
@@ -39,6 +41,7 @@ mod velocity;
 
 pub use collision::{CollisionChecker, Nearness};
 pub use felt_shape::{FeltShape, PlacedSkin, ShapeEstimate, directions};
+pub use felt_surface::{FeltPose, FeltSurface};
 pub use lattice::Lattice;
 pub use limb_pose::{LimbGoal, LimbPosture, limb_posture};
 pub use obstacle::Obstacle;

@@ -9,6 +9,16 @@ use crate::geometry::{Ball, Capsule, ConvexBody, Gap, Precision, gap};
 pub enum Obstacle {
     /// A capsule, or a ball.
     Capsule(Capsule),
+    /// The part of a ball that lies beyond a plane through its centre: where a convex thing of no known size may be that was
+    /// touched there.
+    Dome {
+        /// The centre of the ball, metres.
+        centre: Vector3<f64>,
+        /// The unit vector that leads from the plane into the dome.
+        into: Vector3<f64>,
+        /// The radius of the ball, metres.
+        radius: f64,
+    },
     /// All that lies below a plane and in front of another, as a table does.
     Table {
         /// Unit vector against gravity.
@@ -27,6 +37,10 @@ impl Obstacle {
     pub(super) fn is_at(&self, point: &Vector3<f64>, near: f64) -> bool {
         match self {
             Obstacle::Capsule(capsule) => capsule.distance_to(&Ball { centre: *point, radius: 0.0 }) <= near,
+            Obstacle::Dome { centre, into, radius } => {
+                let offset = point - centre;
+                offset.dot(into) >= -near && offset.norm() <= radius + near
+            }
             Obstacle::Table { up, height, front, edge } => {
                 point.dot(front) >= *edge && point.dot(up) - height <= near
             }
@@ -37,12 +51,13 @@ impl Obstacle {
     pub(super) fn bound(&self, ball: &Ball) -> f64 {
         match self {
             Obstacle::Capsule(capsule) => capsule.distance_to(ball),
+            Obstacle::Dome { centre, radius, .. } => (ball.centre - centre).norm() - radius - ball.radius,
             Obstacle::Table { .. } => f64::NEG_INFINITY,
         }
     }
 
     /// The gap to a body, metres, below 0 where they overlap; a lower bound, no worse than 5 % below it, for a body that
-    /// is neither ball nor capsule. Of a table only its top counts, for what reaches over its edge.
+    /// is neither ball nor capsule, and for what is beside the rim of a dome. Of a table only its top counts, for what reaches over its edge.
     pub(super) fn gap(&self, body: &dyn ConvexBody) -> f64 {
         self.nearest(body, Precision::LowerBound).map_or(f64::INFINITY, |gap| gap.distance)
     }
@@ -51,6 +66,16 @@ impl Obstacle {
     pub(super) fn nearest(&self, body: &dyn ConvexBody, precision: Precision) -> Option<Gap> {
         match self {
             Obstacle::Capsule(capsule) => Some(gap(body, capsule, precision)),
+            // What is clear of the ball or of the plane is clear of the dome, if only of its rim a little farther.
+            Obstacle::Dome { centre, into, radius } => {
+                let ball = gap(body, &Capsule::ball(*centre, *radius), precision);
+                let lowest = body.support(into);
+                let before = (centre - lowest).dot(into);
+                Some(match before > ball.distance {
+                    true => Gap { distance: before, normal: -into, points: [lowest, lowest + into * before] },
+                    false => ball,
+                })
+            }
             Obstacle::Table { up, height, front, edge } => {
                 let lowest = match body.as_capsule() {
                     Some(capsule) => lowest_over(&capsule, up, front, *edge),

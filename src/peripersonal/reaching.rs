@@ -40,6 +40,10 @@ const PROTRUDING: f64 = 120.0;
 const BESIDE: f64 = 0.012;
 /// … to.
 const ABOUT: f64 = 0.12;
+/// How often it is looked which skin is ahead, which changes as the limb turns …
+const FORESIGHT: usize = 4;
+/// … until it stays within this, metres.
+const SETTLED: f64 = 5e-4;
 /// How far behind the place other skin had better be, metres.
 const BEHIND: f64 = 0.02;
 
@@ -57,6 +61,8 @@ pub struct ReachTarget {
 pub struct ReachPlan {
     /// The receptor that is to touch it.
     pub receptor: usize,
+    /// Where on its limb's skin.
+    pub place: Place,
     /// The posture in which it does.
     pub touching: Posture,
     /// A way from where one is to shortly before the place.
@@ -95,6 +101,8 @@ pub struct Reaching<'a> {
     pub joints: Vec<usize>,
     /// The limb of one's own that is to be touched, where it is one.
     meeting: Option<usize>,
+    /// The unit normal into the surface that is to be touched, where it is known and not the way there.
+    onto: Option<Vector3<f64>>,
     seed: u64,
 }
 
@@ -114,12 +122,18 @@ impl<'a> Reaching<'a> {
         joints: Vec<usize>,
         seed: u64,
     ) -> Reaching<'a> {
-        Reaching { own, clearance, joints, meeting: None, seed }
+        Reaching { own, clearance, joints, meeting: None, onto: None, seed }
     }
 
     /// The same where the place is on the skin of a limb, which the straight approach may therefore meet.
     pub fn meeting(self, limb: usize) -> Reaching<'a> {
         Reaching { meeting: Some(limb), ..self }
+    }
+
+    /// The same where the unit normal into what is to be touched is known: no skin is to be beyond the plane before that which
+    /// touches, from wherever it comes.
+    pub fn onto(self, normal: Vector3<f64>) -> Reaching<'a> {
+        Reaching { onto: Some(normal), ..self }
     }
 
     /// The posture, moving the joints from `start`, in which a place of the body is nearest to a place in space, and
@@ -173,10 +187,23 @@ impl<'a> Reaching<'a> {
                 if reach.miss > REACHED || reach.facing <= 0.0 {
                     continue;
                 }
-                // What touches is the part of the patch that leads.
-                let ahead = self.own.frames(&reach.posture)[flat.limb].rotation.tr_mul(&aim.direction);
-                let place = Place { direction, ..self.own.leading(receptor, &ahead) };
-                let reach = self.solve(place, aim, &reach.posture);
+                // What touches first is the skin of the limb that is ahead of all other.
+                let mut found = (receptor, Place { direction, ..flat }, reach);
+                for _ in 0..FORESIGHT {
+                    let (receptor, place, reach) = &found;
+                    let normal = self.onto.unwrap_or(aim.direction);
+                    let ahead = self.own.frames(&reach.posture)[flat.limb].rotation.tr_mul(&normal);
+                    let foremost = self.foremost(receptors, flat.limb, &ahead);
+                    let (receptor, point) =
+                        foremost.unwrap_or_else(|| (*receptor, self.own.leading(*receptor, &ahead).point));
+                    let settled = (point - place.point).norm() < SETTLED;
+                    let place = Place { point, ..*place };
+                    found = (receptor, place, self.solve(place, aim, &reach.posture));
+                    if settled {
+                        break;
+                    }
+                }
+                let (receptor, place, reach) = found;
                 if reach.miss <= REACHED && reach.facing > 0.0 {
                     let cost = self.effort(from, &reach.posture) - FACING * reach.facing
                         + PROTRUDING * self.protrusion(place.limb, &reach.posture, aim);
@@ -234,7 +261,8 @@ impl<'a> Reaching<'a> {
                 find_path(self.own, self.clearance, [from, &before], &self.joints, MARGIN, &mut rng)
             {
                 let touching = candidate.reach.posture.clone();
-                return Ok(ReachPlan { receptor: candidate.receptor, touching, way, straight });
+                let Candidate { receptor, place, .. } = *candidate;
+                return Ok(ReachPlan { receptor, place, touching, way, straight });
             }
             if looked_at == CANDIDATES {
                 break;
@@ -295,6 +323,25 @@ impl<'a> Reaching<'a> {
             }
         }
         starts
+    }
+
+    /// The receptor, among some, and the point of a limb's skin that is farthest in a direction, both in the limb's frame; none
+    /// where skin without one of those receptors is.
+    fn foremost(
+        &self,
+        receptors: &[usize],
+        limb: usize,
+        ahead: &Vector3<f64>,
+    ) -> Option<(usize, Vector3<f64>)> {
+        let skin = self.own.skin();
+        let surfaces = skin.surfaces.iter().enumerate().filter(|(_, surface)| surface.limb == limb);
+        let (surface, point) = surfaces
+            .filter_map(|(index, surface)| Some((index, surface.support(ahead)?)))
+            .max_by(|a, b| a.1.dot(ahead).total_cmp(&b.1.dot(ahead)))?;
+        let on_it = receptors.iter().copied().filter(|&r| skin.receptors[r].surface == Some(surface));
+        let away = |receptor: usize| (skin.receptors[receptor].position - point).norm();
+        let receptor = on_it.min_by(|&a, &b| away(a).total_cmp(&away(b)))?;
+        Some((receptor, point))
     }
 
     /// By how much other skin of the limb that touches, or of the one that carries it, fails to be well behind the place,

@@ -3,16 +3,16 @@
 use crate::common::{babble, creature, max, own_body, take, truth, two_arms};
 use bodyschema::agent::Agent;
 use bodyschema::creature::Posture;
-use bodyschema::geometry::Capsule;
+use bodyschema::geometry::{Capsule, Frame, Precision, gap};
 use bodyschema::kinematics::{Facing, InverseKinematics, Place, REACHED};
 use bodyschema::learning::{Certainty, Input};
 use bodyschema::mujoco::Data;
 use bodyschema::peripersonal::{
-    CollisionChecker, Doubt, Obstacle, OutOfReach, OwnBody, ReachTarget, Reaching,
+    CollisionChecker, Doubt, FeltPose, FeltSurface, Obstacle, OutOfReach, OwnBody, ReachTarget, Reaching,
 };
 use bodyschema::skin::skin_of;
-use nalgebra::{Point3, Vector3};
-use rand::SeedableRng;
+use nalgebra::{Point3, Rotation3, Vector3};
+use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 /// How far this program's kinematics and the engine's may differ, metres.
@@ -189,9 +189,15 @@ fn a_way_to_a_place_keeps_clear_and_ends_there() {
     let start = own.at_ease();
     let aim = ReachTarget { point: Vector3::new(0.3, 0.1, 0.2), direction: Vector3::new(1.0, 0.0, 0.0) };
     let found = reaching.approach(&start, &receptors, &aim).unwrap();
-    let place = own.place(found.receptor);
-    let arrived = own.frames(&found.touching)[place.limb].point(&place.point);
-    assert!((arrived - aim.point).norm() <= REACHED);
+    let frame = own.frames(&found.touching)[found.place.limb];
+    assert!((frame.point(&found.place.point) - aim.point).norm() <= REACHED);
+    // No other skin of the hand is there before.
+    let ahead = own.skin().surfaces.iter().filter(|surface| surface.limb == hand).map(|surface| {
+        let point = frame.point(&surface.support(&frame.rotation.tr_mul(&aim.direction)).unwrap());
+        (point - aim.point).dot(&aim.direction)
+    });
+    let ahead = ahead.fold(f64::NEG_INFINITY, f64::max);
+    assert!(ahead <= 2.0 * REACHED, "{ahead} m beyond the place");
     assert_eq!(found.way.0[0], start);
     assert_eq!(found.way.end(), found.straight.0.first().map(|posture| &posture[..]));
     for pair in found.way.0.windows(2) {
@@ -206,4 +212,59 @@ fn a_way_to_a_place_keeps_clear_and_ends_there() {
         Err(OutOfReach::TooFar(by)) => assert!(by > 0.4 && by < 1.0, "{by}"),
         other => panic!("{other:?}"),
     }
+}
+
+/// A forearm is tilted and shifted about what touches it: from the poses in which it begins to feel that, it knows where on
+/// the patch it does, for corners, balls and edges; from the first one alone it does not.
+#[test]
+fn small_motions_tell_where_on_a_patch_something_touches() {
+    let own = knowing_max();
+    let forearm = own.creature().limb("left_forearm").unwrap();
+    let receptor = own.receptors_on(&[forearm])[2];
+    let patch = &own.skin().receptors[receptor];
+    let surface = &own.skin().surfaces[patch.surface.unwrap()];
+    let mut rng = ChaCha8Rng::seed_from_u64(5);
+    let (mut errors, mut unsure) = (Vec::new(), Vec::new());
+    for trial in 0..24 {
+        let mut inside = |half: f64| rng.random_range(-0.8 * half..0.8 * half);
+        let flat = patch.position
+            + patch.tangent * inside(patch.half_extents[0])
+            + patch.bitangent() * inside(patch.half_extents[1]);
+        let Some(place) = own.on_surface(receptor, &flat).filter(|place| patch.holds(&place.point)) else {
+            continue;
+        };
+        let n = place.direction;
+        let radius = [0.0, 0.02, 0.06][trial % 3];
+        let length = [0.0, 0.02][trial / 3 % 2] * n.cross(&Vector3::new(0.3, 0.5, 0.8)).normalize();
+        let centre = place.point + n * radius;
+        let thing = Capsule { ends: [centre - length, centre + length], radius };
+        let mut poses = Vec::new();
+        let first = Frame::identity();
+        let at_first = FeltSurface::of(&own, receptor, &first, &poses, &mut rng).unwrap();
+        let across = at_first.direction.cross(&patch.tangent).normalize();
+        for (k, axis) in [across, patch.tangent].into_iter().cycle().take(8).enumerate() {
+            let angle = [0.12, 0.12, -0.12, -0.12, 0.0, 0.0, 0.0, 0.0][k];
+            let aside = axis * [0.0, 0.0, 0.0, 0.0, 0.005, 0.005, -0.005, -0.005][k];
+            let rotation = Rotation3::new(axis * angle).into_inner();
+            for step in -50..80 {
+                let middle = at_first.point + aside + at_first.direction * (1e-4 * f64::from(step));
+                let limb = Frame { rotation, origin: middle - rotation * at_first.point };
+                let found = gap(&surface.placed(&limb).unwrap(), &thing, Precision::Exact);
+                if found.distance < 0.0 {
+                    let felt = patch.holds(&limb.inverse_point(&found.points[0]));
+                    poses.extend(felt.then_some(FeltPose { limb, receptor: Some(receptor) }));
+                    break;
+                }
+            }
+        }
+        let felt = FeltSurface::of(&own, receptor, &first, &poses, &mut rng).unwrap();
+        errors.push((felt.point - place.point).norm());
+        unsure.push((at_first.point - place.point).norm());
+    }
+    let median = |errors: &mut Vec<f64>| {
+        errors.sort_by(f64::total_cmp);
+        errors[errors.len() / 2]
+    };
+    let (felt_on, once) = (median(&mut errors), median(&mut unsure));
+    assert!(felt_on < 2e-3 && once > 1e-2, "{felt_on} m after feeling on, {once} m before");
 }

@@ -49,6 +49,7 @@ row! {
         error_mm: f64 = "error, mm",
         contact_mm: f64 = "contacts apart, mm",
         felt_mm: f64 = "felt, mm",
+        felt_on_mm: f64 = "felt on, mm",
         unintended: usize = "unintended",
         result: String = "result",
     }
@@ -64,6 +65,7 @@ row! {
         error_mm: f64 = "error, mm",
         contact_mm: f64 = "contacts apart, mm",
         felt_mm: f64 = "felt, mm",
+        felt_on_mm: f64 = "felt on, mm",
         unintended: f64 = "unintended, share",
     }
 }
@@ -78,6 +80,8 @@ struct TouchAttempt {
     contact: f64,
     /// From where the arm took itself to be touched to where it was, metres.
     felt: f64,
+    /// The same after it has felt on.
+    felt_on: f64,
     unintended: usize,
     result: String,
 }
@@ -145,6 +149,7 @@ pub fn measure(
                             error: f64::NAN,
                             contact: f64::NAN,
                             felt: f64::NAN,
+                            felt_on: f64::NAN,
                             unintended: 0,
                             result: "not felt".into(),
                         },
@@ -161,6 +166,7 @@ pub fn measure(
                     error_mm: 1e3 * attempt.error,
                     contact_mm: 1e3 * attempt.contact,
                     felt_mm: 1e3 * attempt.felt,
+                    felt_on_mm: 1e3 * attempt.felt_on,
                     unintended: attempt.unintended,
                     result: attempt.result.clone(),
                 });
@@ -182,6 +188,7 @@ pub fn measure(
             error_mm: error(attempts, |a| a.error),
             contact_mm: error(attempts, |a| a.contact),
             felt_mm: error(attempts, |a| a.felt),
+            felt_on_mm: error(attempts, |a| a.felt_on),
             unintended: rate(attempts, |a| a.unintended > 0),
         });
     }
@@ -190,7 +197,7 @@ pub fn measure(
     let notes = vec![
         "error: from where the arm touched the thing to the nearest skin of the hand when it touches; contacts apart: to \
          where the hand touches, on the thing, which may be another side of it; felt: from where the arm, whose receptors \
-         have an extent, took itself to be touched to where it was. Medians over what was touched."
+         have an extent, took itself to be touched to where it was; felt on: the same after small motions of it. Medians over what was touched."
             .to_string(),
         format!("Successes with the learned schema over those with the true one: {ratio:.3}. {passed_over} things were drawn that the other hand could truly not have reached."),
     ];
@@ -360,6 +367,7 @@ fn attempt(mut actor: OnStage, felt: &FeltThing) -> Result<TouchAttempt, Experim
         error: f64::NAN,
         contact: f64::NAN,
         felt: (really - believed).norm(),
+        felt_on: f64::NAN,
         unintended: actor.unintended,
         result: String::new(),
     };
@@ -367,6 +375,8 @@ fn attempt(mut actor: OnStage, felt: &FeltThing) -> Result<TouchAttempt, Experim
         Ok(touching) if touching.found.thing == felt.found.thing => {
             let by = actor.own.skin().receptors[touching.found.receptor].limb;
             attempt.touched = true;
+            let felt_on = actor.stage.root_pose() * Point3::from(touching.felt.found.point);
+            attempt.felt_on = (really - felt_on).norm();
             attempt.first = touching.corrections == 0;
             if let Some(at) = actor.stage.touching_at(by, touching.found.thing) {
                 attempt.contact = (at - felt.at).norm();

@@ -4,6 +4,7 @@
 mod exploring;
 mod feeling_shape;
 mod lifting;
+mod feeling;
 mod putting;
 mod touching;
 mod two_palms;
@@ -14,6 +15,7 @@ use rand_chacha::ChaCha8Rng;
 
 pub use feeling_shape::ShapeFeeling;
 pub use lifting::{Grip, LiftTrouble};
+pub use feeling::FeltOn;
 pub use putting::Spot;
 pub use touching::Touching;
 pub use two_palms::PalmPlan;

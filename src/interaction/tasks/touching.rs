@@ -7,7 +7,7 @@ use nalgebra::{Rotation3, Vector3};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
-use super::{BACK, MARGIN, Trouble};
+use super::{BACK, FeltOn, MARGIN, Trouble};
 use crate::creature::Posture;
 use crate::geometry::Capsule;
 use crate::interaction::actor::{Actor, CAREFUL, FoundThing, SWIFT, Stop};
@@ -21,6 +21,8 @@ use crate::senses::Toucher;
 /// greatest that leaves a way.
 const ROOMS: [f64; 4] = [0.15, 0.1, 0.06, 0.03];
 
+/// A place that is known to this, metres, is where the thing begins: all of it is beyond the plane there.
+const SHARP: f64 = 3e-3;
 /// How much lower than where it was felt a thing is met that stands on a table, in shares of the height over the table.
 const LOWER: f64 = 0.3;
 /// How often an arm that withdraws may meet a thing on its way.
@@ -39,16 +41,53 @@ pub struct Touching {
     pub receptor: usize,
     /// How often it had to correct itself.
     pub corrections: usize,
+    /// What was felt before, as the arm that felt it had it in the end.
+    pub felt: FeltOn,
+}
+
+/// Where a thing was met, to be given room.
+#[derive(Clone, Copy, Debug)]
+struct Room {
+    aim: ReachTarget,
+    /// Whether all of it lies beyond the plane through that place.
+    sharp: bool,
+}
+
+impl Room {
+    fn of(found: &FoundThing) -> Room {
+        Room { aim: found.aim(), sharp: false }
+    }
+
+    /// What it may fill: a dome on the plane, or a ball that the place is on.
+    fn obstacle(&self, radius: f64) -> Obstacle {
+        let ReachTarget { point, direction } = self.aim;
+        match self.sharp {
+            true => Obstacle::Dome { centre: point, into: direction, radius },
+            false => Obstacle::Capsule(Capsule::ball(point + direction * radius, radius)),
+        }
+    }
+}
+
+impl FeltOn {
+    fn is_sharp(&self) -> bool {
+        self.deviation.is_some_and(|deviation| deviation <= SHARP)
+    }
+
+    fn room(&self) -> Room {
+        Room { aim: self.found.aim(), sharp: self.is_sharp() }
+    }
 }
 
 impl Actor {
     /// The aims at a thing that was felt at one place: on from where the skin went, then from above and from about it.
-    fn aims(&self, found: &FoundThing) -> Vec<ReachTarget> {
-        let FoundThing { point, direction, .. } = *found;
+    fn aims(&self, felt: &FeltOn) -> Vec<ReachTarget> {
+        let FoundThing { point, direction, .. } = felt.found;
         let level = (direction - self.up * direction.dot(&self.up)).try_normalize(0.3);
         let mut aims = Vec::new();
         let resting = self.table.is_some_and(|height| (point.dot(&self.up) - height).abs() < 0.12);
         match level {
+            // Where the thing begins is known: it is met there.
+            _ if felt.is_sharp() => aims.push(ReachTarget { point, direction }),
             // What stands on a table is met level, and lower than the patch that felt it, which may stand out above it.
             Some(level) if resting => {
                 let above = point.dot(&self.up) - self.table.unwrap_or_default();
@@ -58,10 +97,15 @@ impl Actor {
             }
             _ => aims.push(ReachTarget { point, direction }),
         }
+        let first = aims[0].direction;
+        let axis = if level.is_some() { self.up } else { self.left() };
+        let mut axes = vec![axis];
+        if felt.is_sharp() {
+            axes.extend(axis.cross(&first).try_normalize(0.1));
+        }
         for angle in [0.5, -0.5, 0.9, -0.9] {
-            let axis = if level.is_some() { self.up } else { self.left() };
-            let turn = Rotation3::new(axis * angle);
-            aims.push(ReachTarget { point, direction: turn * aims[0].direction });
+            let turned = axes.iter().map(|axis| Rotation3::new(axis * angle) * first);
+            aims.extend(turned.map(|direction| ReachTarget { point, direction }));
         }
         aims
     }
@@ -79,13 +123,17 @@ impl Actor {
         lean: bool,
         corrections: usize,
     ) -> Result<Touching, Trouble> {
+        let mut felt = self.feel_on(found)?;
+        if self.fine_touch {
+            felt.deviation = Some(0.0);
+        }
         let ready = self.ready();
-        match self.withdraw(found, &ready) {
+        match self.withdraw_felt(&felt, &ready) {
             // It touches something where it is: it stays there, a little back, and the other hand finds its way.
             Err(Trouble::Hit(contacts)) => self.back_off(&contacts)?,
             went => went?,
         }
-        self.touch_again(found, hand, lean, corrections)
+        self.touch_felt(felt, hand, lean, corrections)
     }
 
     /// The same where what felt the thing is away from it already.
@@ -99,20 +147,37 @@ impl Actor {
         lean: bool,
         corrections: usize,
     ) -> Result<Touching, Trouble> {
+        self.touch_felt(FeltOn::once(found), hand, lean, corrections)
+    }
+
+    fn touch_felt(
+        &mut self,
+        felt: FeltOn,
+        hand: usize,
+        lean: bool,
+        corrections: usize,
+    ) -> Result<Touching, Trouble> {
         let receptors = self.hands[hand].receptors.clone();
         let (mut corrected, mut trouble) = (0, Trouble::Nothing);
         // With the arm alone first, then with the trunk.
         let helps = if lean { vec![false, true] } else { vec![false] };
-        let aims = self.aims(found);
+        let aims = self.aims(&felt);
         let mut goes: VecDeque<(bool, ReachTarget)> =
             helps.into_iter().flat_map(|lean| aims.iter().map(move |aim| (lean, *aim))).collect();
         let mut met = Vec::new();
         while let Some((lean, aim)) = goes.pop_front() {
             let joints = self.hands[hand].joints(lean).to_vec();
             let from = self.posture();
-            let places: Vec<ReachTarget> = met.iter().copied().chain([aim]).collect();
+            // A sharp place is the thing's, from wherever it is aimed at.
+            let place = if felt.is_sharp() { felt.room() } else { Room { aim, sharp: false } };
+            let places: Vec<Room> = met.iter().copied().chain([place]).collect();
             let planned = self.making_room(&places, |actor| {
-                Ok(actor.reaching(joints.clone()).approach(&from, &receptors, &aim)?)
+                let reaching = actor.reaching(joints.clone());
+                let reaching = match felt.is_sharp() {
+                    true => reaching.onto(felt.found.direction),
+                    false => reaching,
+                };
+                Ok(reaching.approach(&from, &receptors, &aim)?)
             });
             let plan = match planned {
                 Ok(plan) => plan,
@@ -131,9 +196,9 @@ impl Actor {
                 }
                 Err(trouble) => return Err(trouble),
             };
-            let touched = self.try_touch([&plan.way, &plan.straight], hand);
+            let touched = self.try_touch([&plan.way, &plan.straight], hand, &aim);
             if let Ok(Some(found)) = touched {
-                return Ok(Touching { found, receptor: plan.receptor, corrections: corrected });
+                return Ok(Touching { found, receptor: plan.receptor, corrections: corrected, felt });
             }
             if corrected == corrections {
                 return Err(touched.err().unwrap_or(Trouble::Nothing));
@@ -141,8 +206,8 @@ impl Actor {
             corrected += 1;
             match touched {
                 Ok(_) => {
-                    if let Ok(Some(found)) = self.search(plan.receptor, &aim, &joints, hand) {
-                        return Ok(Touching { found, receptor: plan.receptor, corrections: corrected });
+                    if let Ok(Some(found)) = self.search(plan.place, &aim, &joints, hand) {
+                        return Ok(Touching { found, receptor: plan.receptor, corrections: corrected, felt });
                     }
                     trouble = Trouble::Nothing;
                     let back = plan.straight.0[0].clone();
@@ -151,7 +216,10 @@ impl Actor {
                 Err(Trouble::Hit(contacts)) => {
                     // Back the way that it came, and another way, about what it met.
                     met.extend(
-                        contacts.iter().filter_map(|contact| self.found(contact)).map(|found| found.aim()),
+                        contacts
+                            .iter()
+                            .filter_map(|contact| self.found(contact))
+                            .map(|found| Room::of(&found)),
                     );
                     goes.push_front((lean, aim));
                     self.back_off(&contacts)?;
@@ -166,17 +234,13 @@ impl Actor {
     /// Does something with room left for a thing that was met at some places: as much as leaves a way.
     fn making_room<T>(
         &mut self,
-        met: &[ReachTarget],
+        met: &[Room],
         mut act: impl FnMut(&mut Actor) -> Result<T, Trouble>,
     ) -> Result<T, Trouble> {
         let mut outcome = Err(OutOfReach::Barred.into());
         for radius in ROOMS {
             let known = self.clearance.obstacles.len();
-            // A ball that the place is on.
-            let ball = |aim: &ReachTarget| {
-                Obstacle::Capsule(Capsule::ball(aim.point + aim.direction * radius, radius))
-            };
-            self.clearance.obstacles.extend(met.iter().map(ball));
+            self.clearance.obstacles.extend(met.iter().map(|room| room.obstacle(radius)));
             outcome = act(self);
             self.clearance.obstacles.truncate(known);
             if !matches!(outcome, Err(Trouble::Reach(OutOfReach::Barred))) {
@@ -194,6 +258,7 @@ impl Actor {
         &mut self,
         [way, straight]: [&PosturePath; 2],
         hand: usize,
+        aim: &ReachTarget,
     ) -> Result<Option<FoundThing>, Trouble> {
         let receptors = self.hands[hand].receptors.clone();
         let stop = match self.follow(way, SWIFT, |_, _| true)? {
@@ -207,7 +272,9 @@ impl Actor {
                 && matches!(contact.by, Toucher::Thing(_))
                 && !self.is_table(contact)
         });
-        match by_hand.and_then(|contact| self.found(contact)) {
+        // What is farther off than a thing is large is another one.
+        let near = |found: &FoundThing| (found.point - aim.point).norm() <= ROOMS[1];
+        match by_hand.and_then(|contact| self.found(contact)).filter(near) {
             Some(found) => Ok(Some(found)),
             None => {
                 self.unintended += 1;
@@ -219,12 +286,11 @@ impl Actor {
     /// Feels about where something was expected, in circles across the way that the hand came.
     fn search(
         &mut self,
-        receptor: usize,
+        place: Place,
         aim: &ReachTarget,
         joints: &[usize],
         hand: usize,
     ) -> Result<Option<FoundThing>, Trouble> {
-        let place = self.own.place(receptor);
         let across = aim.direction.cross(&self.up).try_normalize(1e-3).unwrap_or_else(|| self.left());
         let along = aim.direction.cross(&across);
         let (mut posture, mut way) = (self.posture(), Vec::new());
@@ -246,7 +312,7 @@ impl Actor {
         if way.is_empty() {
             return Ok(None);
         }
-        self.try_touch([&PosturePath(Vec::new()), &PosturePath(way)], hand)
+        self.try_touch([&PosturePath(Vec::new()), &PosturePath(way)], hand, aim)
     }
 
     /// Takes the arm that felt something back to where it was ready, away from the thing.
@@ -255,6 +321,11 @@ impl Actor {
         found: &FoundThing,
         ready: &[f64],
     ) -> Result<(), Trouble> {
+        self.withdraw_felt(&FeltOn::once(found), ready)
+    }
+
+    fn withdraw_felt(&mut self, felt: &FeltOn, ready: &[f64]) -> Result<(), Trouble> {
+        let found = &felt.found;
         let Some(hand) = self.arm_of(found.receptor) else { return Ok(()) };
         let arm = self.hands[hand].arm.clone();
         let back = match self.back_by(found.receptor, BACK) {
@@ -265,7 +336,7 @@ impl Actor {
             }
             // It has not come here by itself.
             None => {
-                let way = self.way_off(found, &arm)?;
+                let way = self.way_off(felt, &arm)?;
                 self.pass(&way, SWIFT)?;
                 self.posture()
             }
@@ -276,7 +347,7 @@ impl Actor {
             let q = self.own.creature().joints()[joint].coordinates();
             target[q.clone()].copy_from_slice(&ready[q]);
         }
-        let mut met = vec![found.aim()];
+        let mut met = vec![felt.room()];
         for _ in 0..WITHDRAWALS {
             let from = self.posture();
             let Err(trouble) = self.making_room(&met, |actor| actor.go_by(&from, &target, &arm)) else {
@@ -284,7 +355,9 @@ impl Actor {
             };
             let Trouble::Hit(contacts) = trouble else { return Err(trouble) };
             // It is larger than thought: back, and about what it met as well.
-            met.extend(contacts.iter().filter_map(|contact| self.found(contact)).map(|found| found.aim()));
+            met.extend(
+                contacts.iter().filter_map(|contact| self.found(contact)).map(|found| Room::of(&found)),
+            );
             self.back_off(&contacts)?;
         }
         Err(OutOfReach::Barred.into())
@@ -292,11 +365,12 @@ impl Actor {
 
     /// A way on which an arm takes skin off a thing that it touches, as straight as it can without meeting the thing with
     /// other skin, or the table, or the body.
-    fn way_off(&mut self, found: &FoundThing, arm: &[usize]) -> Result<PosturePath, Trouble> {
+    fn way_off(&mut self, felt: &FeltOn, arm: &[usize]) -> Result<PosturePath, Trouble> {
         let from = self.posture();
-        let place = self.own.place(found.receptor);
-        let (here, outward) = self.feels_at(found.receptor);
-        let direction = found.direction;
+        let place = self.felt_with(&felt.found);
+        let frame = self.frames()[place.limb];
+        let (here, outward) = (frame.point(&place.point), frame.direction(&place.direction));
+        let direction = felt.found.direction;
         let off = |own: &OwnBody, posture: &[f64]| {
             (here - own.frames(posture)[place.limb].point(&place.point)).dot(&direction)
         };
@@ -336,8 +410,7 @@ impl Actor {
         others.sort_by(|a, b| far(a).total_cmp(&far(b)));
         ways.extend(others);
         let straight = ways[0].clone();
-        let aim = found.aim();
-        let found = self.making_room(&[aim], |actor| {
+        let found = self.making_room(&[felt.room()], |actor| {
             let clearance = actor.clearance.moved_by(&actor.own, arm);
             let clearance = clearance.eased_at(&[actor.own.frames(&from)], MARGIN);
             let clear = |way: &Vec<Posture>| {
