@@ -103,6 +103,8 @@ pub struct Actor {
     pub table: Option<f64>,
     /// Whether it feels where on a receptor it is touched, not only on which.
     pub fine_touch: bool,
+    /// Whether an arm that touches something feels on with small motions before the other hand comes to it.
+    pub feels_on: bool,
     /// Contacts that no motion was meant to bring about.
     pub unintended: usize,
     /// The postures of the last motion, step by step.
@@ -181,6 +183,7 @@ impl Actor {
             table,
             unintended,
             fine_touch: false,
+            feels_on: false,
             trail: VecDeque::new(),
             seed,
         })

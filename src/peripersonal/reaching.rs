@@ -187,23 +187,8 @@ impl<'a> Reaching<'a> {
                 if reach.miss > REACHED || reach.facing <= 0.0 {
                     continue;
                 }
-                // What touches first is the skin of the limb that is ahead of all other.
-                let mut found = (receptor, Place { direction, ..flat }, reach);
-                for _ in 0..FORESIGHT {
-                    let (receptor, place, reach) = &found;
-                    let normal = self.onto.unwrap_or(aim.direction);
-                    let ahead = self.own.frames(&reach.posture)[flat.limb].rotation.tr_mul(&normal);
-                    let foremost = self.foremost(receptors, flat.limb, &ahead);
-                    let (receptor, point) =
-                        foremost.unwrap_or_else(|| (*receptor, self.own.leading(*receptor, &ahead).point));
-                    let settled = (point - place.point).norm() < SETTLED;
-                    let place = Place { point, ..*place };
-                    found = (receptor, place, self.solve(place, aim, &reach.posture));
-                    if settled {
-                        break;
-                    }
-                }
-                let (receptor, place, reach) = found;
+                let (receptor, place, reach) =
+                    self.first_to_touch(receptors, receptor, reach, direction, aim);
                 if reach.miss <= REACHED && reach.facing > 0.0 {
                     let cost = self.effort(from, &reach.posture) - FACING * reach.facing
                         + PROTRUDING * self.protrusion(place.limb, &reach.posture, aim);
@@ -323,6 +308,40 @@ impl<'a> Reaching<'a> {
             }
         }
         starts
+    }
+
+    /// What touches first in a posture that brings a receptor to a place, and the posture that brings this there: the part of
+    /// the patch that leads; where the normal of what is to be touched is known, the skin of the limb that is ahead of all other.
+    fn first_to_touch(
+        &self,
+        receptors: &[usize],
+        receptor: usize,
+        reach: Reach,
+        direction: Vector3<f64>,
+        aim: &ReachTarget,
+    ) -> (usize, Place, Reach) {
+        let flat = self.own.place(receptor);
+        let ahead = |reach: &Reach, normal: &Vector3<f64>| {
+            self.own.frames(&reach.posture)[flat.limb].rotation.tr_mul(normal)
+        };
+        let Some(normal) = self.onto else {
+            let place = Place { direction, ..self.own.leading(receptor, &ahead(&reach, &aim.direction)) };
+            let reach = self.solve(place, aim, &reach.posture);
+            return (receptor, place, reach);
+        };
+        let mut found = (receptor, Place { direction, ..flat }, reach);
+        for _ in 0..FORESIGHT {
+            let (_, before, reach) = &found;
+            let foremost = self.foremost(receptors, flat.limb, &ahead(reach, &normal));
+            let Some((receptor, point)) = foremost else { break };
+            let settled = (point - before.point).norm() < SETTLED;
+            let place = Place { point, ..*before };
+            found = (receptor, place, self.solve(place, aim, &reach.posture));
+            if settled {
+                break;
+            }
+        }
+        found
     }
 
     /// The receptor, among some, and the point of a limb's skin that is farthest in a direction, both in the limb's frame; none

@@ -188,6 +188,7 @@ fn a_way_to_a_place_keeps_clear_and_ends_there() {
     let receptors = own.receptors_on(&[hand]);
     let start = own.at_ease();
     let aim = ReachTarget { point: Vector3::new(0.3, 0.1, 0.2), direction: Vector3::new(1.0, 0.0, 0.0) };
+    let reaching = reaching.onto(aim.direction);
     let found = reaching.approach(&start, &receptors, &aim).unwrap();
     let frame = own.frames(&found.touching)[found.place.limb];
     assert!((frame.point(&found.place.point) - aim.point).norm() <= REACHED);

@@ -312,6 +312,7 @@ pub(super) fn feel(
 ) -> Result<Option<(OnStage, FeltThing)>, ExperimentError> {
     let mut actor = at_table(subject, own, std::slice::from_ref(&put.thing), seed)?;
     actor.fine_touch = fine;
+    actor.feels_on = true;
     let thing = actor.the_thing()?;
     if actor.wait(0.01)?.iter().any(|contact| contact.by == Toucher::Thing(thing)) && put.arm.is_none() {
         return Ok(None);

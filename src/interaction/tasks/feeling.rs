@@ -88,7 +88,10 @@ impl Actor {
         let limb = self.own.skin().receptors[found.receptor].limb;
         let Some(hand) = self.arm_of(found.receptor) else { return Ok(as_it_was) };
         let posture = self.posture();
-        if self.fine_touch || posture != found.posture {
+        if self.fine_touch {
+            return Ok(FeltOn { deviation: Some(0.0), ..as_it_was });
+        }
+        if posture != found.posture {
             return Ok(as_it_was);
         }
         let carrying = self.own.joints_to(limb);

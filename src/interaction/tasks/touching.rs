@@ -123,10 +123,7 @@ impl Actor {
         lean: bool,
         corrections: usize,
     ) -> Result<Touching, Trouble> {
-        let mut felt = self.feel_on(found)?;
-        if self.fine_touch {
-            felt.deviation = Some(0.0);
-        }
+        let felt = if self.feels_on { self.feel_on(found)? } else { FeltOn::once(found) };
         let ready = self.ready();
         match self.withdraw_felt(&felt, &ready) {
             // It touches something where it is: it stays there, a little back, and the other hand finds its way.
@@ -196,7 +193,7 @@ impl Actor {
                 }
                 Err(trouble) => return Err(trouble),
             };
-            let touched = self.try_touch([&plan.way, &plan.straight], hand, &aim);
+            let touched = self.try_touch([&plan.way, &plan.straight], hand);
             if let Ok(Some(found)) = touched {
                 return Ok(Touching { found, receptor: plan.receptor, corrections: corrected, felt });
             }
@@ -258,7 +255,6 @@ impl Actor {
         &mut self,
         [way, straight]: [&PosturePath; 2],
         hand: usize,
-        aim: &ReachTarget,
     ) -> Result<Option<FoundThing>, Trouble> {
         let receptors = self.hands[hand].receptors.clone();
         let stop = match self.follow(way, SWIFT, |_, _| true)? {
@@ -272,9 +268,7 @@ impl Actor {
                 && matches!(contact.by, Toucher::Thing(_))
                 && !self.is_table(contact)
         });
-        // What is farther off than a thing is large is another one.
-        let near = |found: &FoundThing| (found.point - aim.point).norm() <= ROOMS[1];
-        match by_hand.and_then(|contact| self.found(contact)).filter(near) {
+        match by_hand.and_then(|contact| self.found(contact)) {
             Some(found) => Ok(Some(found)),
             None => {
                 self.unintended += 1;
@@ -312,7 +306,7 @@ impl Actor {
         if way.is_empty() {
             return Ok(None);
         }
-        self.try_touch([&PosturePath(Vec::new()), &PosturePath(way)], hand, aim)
+        self.try_touch([&PosturePath(Vec::new()), &PosturePath(way)], hand)
     }
 
     /// Takes the arm that felt something back to where it was ready, away from the thing.
