@@ -14,6 +14,8 @@ use crate::skin::Surface;
 const PASSING: f64 = 2e-3;
 /// How much nearer than in a harmless pose things may come, metres: rounding on the way.
 const EASED: f64 = 1e-4;
+/// Nearer than this to the nearest place of two capsules, metres, another one is the same.
+const APART: f64 = 0.01;
 
 /// A convex piece of a limb.
 #[derive(Clone, Debug)]
@@ -58,6 +60,21 @@ pub struct CollisionChecker {
     eased: Vec<Vec<f64>>,
     /// What is known to be there.
     pub obstacles: Vec<Obstacle>,
+}
+
+/// A place at which two surfaces are near each other, or a surface and an obstacle.
+#[derive(Clone, Copy, Debug)]
+pub struct Nearness {
+    /// The limb that the first surface is of, and the other's; none for an obstacle.
+    pub limbs: (usize, Option<usize>),
+    /// The gap there, metres, negative where they overlap.
+    pub distance: f64,
+    /// How it grows with the first point, and shrinks with the second, in the root's frame.
+    pub normal: Vector3<f64>,
+    /// A point of each limb, of a capsule on its axis, in the root's frame, metres.
+    pub points: [Vector3<f64>; 2],
+    /// No greater margin is asked of them, metres.
+    pub eased: f64,
 }
 
 impl CollisionChecker {
@@ -125,6 +142,14 @@ impl CollisionChecker {
         rest.pairs.retain(|GuardedPair { limbs: [a, b], .. }| {
             !(*a == limb && others.contains(b) || *b == limb && others.contains(a))
         });
+        rest
+    }
+
+    /// The same as if some limbs were not there: per limb, whether it is one of them.
+    pub fn without(&self, left_out: &[bool]) -> CollisionChecker {
+        let mut rest = self.clone();
+        rest.pairs.retain(|pair| pair.limbs.iter().all(|&limb| !left_out[limb]));
+        rest.exposed.iter_mut().zip(left_out).for_each(|(exposed, out)| *exposed &= !out);
         rest
     }
 
@@ -264,6 +289,55 @@ impl CollisionChecker {
         own.chain(others).fold(below, f64::min)
     }
 
+    /// Where anything is nearer to something else than `below`, metres: all places of pieces that may become the nearest of
+    /// theirs, so that who keeps each of them apart keeps the pieces apart.
+    pub fn near(&self, frames: &[Frame], below: f64) -> Vec<Nearness> {
+        let mut near = Vec::new();
+        for pair in &self.pairs {
+            let [a, b] = pair.limbs;
+            if ball_gap(&self.bounds, frames, pair.limbs) > below {
+                continue;
+            }
+            for &[i, j] in &pair.pieces {
+                let (p, q) = (&self.pieces[a][i], &self.pieces[b][j]);
+                let centres = [frames[a].point(&p.ball.centre), frames[b].point(&q.ball.centre)];
+                if p.ball.gap_at(&centres[0], &q.ball, &centres[1]) > below {
+                    continue;
+                }
+                let (p, q) = (p.placed(&frames[a]), q.placed(&frames[b]));
+                let places = near_places(&p, &q).into_iter().filter(|gap| gap.distance <= below);
+                near.extend(places.map(|Gap { distance, normal, points }| Nearness {
+                    limbs: (a, Some(b)),
+                    distance,
+                    normal,
+                    points,
+                    eased: pair.eased,
+                }));
+            }
+        }
+        for (k, obstacle) in self.obstacles.iter().enumerate() {
+            for limb in (0..self.pieces.len()).filter(|&limb| self.exposed[limb]) {
+                let eased = self.eased.get(k).map_or(f64::INFINITY, |eased| eased[limb]);
+                for piece in &self.pieces[limb] {
+                    let ball = Ball { centre: frames[limb].point(&piece.ball.centre), ..piece.ball };
+                    if obstacle.bound(&ball) > below {
+                        continue;
+                    }
+                    let places = obstacle.near(&piece.placed(&frames[limb]));
+                    let places = places.into_iter().filter(|place| place.distance <= below);
+                    near.extend(places.map(|place| Nearness {
+                        limbs: (limb, None),
+                        distance: place.distance,
+                        normal: place.normal,
+                        points: [place.point; 2],
+                        eased: eased.min(place.most),
+                    }));
+                }
+            }
+        }
+        near
+    }
+
     /// Whether limbs that feel each other are at least `margin` apart, but for those `left_out`.
     fn parted(&self, frames: &[Frame], margin: f64, left_out: &dyn Fn([usize; 2]) -> bool) -> bool {
         self.pairs.iter().all(|pair| {
@@ -308,4 +382,16 @@ fn ball_gap(bounds: &[Option<Ball>], frames: &[Frame], [a, b]: [usize; 2]) -> f6
         (Some(p), Some(q)) => p.gap_at(&frames[a].point(&p.centre), q, &frames[b].point(&q.centre)),
         _ => f64::INFINITY,
     }
+}
+
+/// Where two pieces come closest; of capsules also where an end of one is closest to the other, and the points on their axes.
+fn near_places(p: &PlacedShape, q: &PlacedShape) -> Vec<Gap> {
+    let (Some(a), Some(b)) = (p.as_capsule(), q.as_capsule()) else {
+        return vec![gap(p, q, Precision::ExactWhereShallow)];
+    };
+    let least = a.gap_at_segments(&b);
+    let ends = a.ends.iter().map(|&end| Capsule { ends: [end; 2], ..a }.gap_at_segments(&b));
+    let others = b.ends.iter().map(|&end| a.gap_at_segments(&Capsule { ends: [end; 2], ..b }));
+    let apart = |gap: &Gap| (gap.points[0] - least.points[0]).norm() > APART;
+    std::iter::once(least).chain(ends.chain(others).filter(apart)).collect()
 }

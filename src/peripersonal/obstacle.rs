@@ -4,6 +4,18 @@ use nalgebra::Vector3;
 
 use crate::geometry::{Ball, Capsule, ConvexBody, Gap, Precision, gap};
 
+/// A place at which a body is near an obstacle.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct NearPlace {
+    /// The gap, metres, and how it grows with the point.
+    pub distance: f64,
+    pub normal: Vector3<f64>,
+    /// A point of the body.
+    pub point: Vector3<f64>,
+    /// No greater margin is asked here, metres.
+    pub most: f64,
+}
+
 /// Something that is known to be there, in the root's frame.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Obstacle {
@@ -86,6 +98,68 @@ impl Obstacle {
             }
         }
     }
+}
+
+impl Obstacle {
+    /// The places at which a body may come closest: of a table its lowest ones over it, or those that reach over the edge
+    /// where it takes less to draw them back behind that.
+    pub(super) fn near(&self, body: &dyn ConvexBody) -> Vec<NearPlace> {
+        match self {
+            Obstacle::Capsule(capsule) => {
+                let gap = gap(body, capsule, Precision::ExactWhereShallow);
+                let most = f64::INFINITY;
+                vec![NearPlace { distance: gap.distance, normal: gap.normal, point: gap.points[0], most }]
+            }
+            Obstacle::Table { up, height, front, edge } => {
+                let (ends, radius) = match body.as_capsule() {
+                    Some(Capsule { ends, radius }) => (ends.to_vec(), radius),
+                    None => (vec![body.support(front), body.support(&-up)], 0.0),
+                };
+                let is_capsule = body.as_capsule().is_some();
+                let behind = ends.iter().map(|&point| {
+                    let distance = edge - point.dot(front) - radius;
+                    NearPlace { distance, normal: -front, point, most: 0.0 }
+                });
+                let behind: Vec<NearPlace> = behind.collect();
+                let mut lowest: Vec<(Vector3<f64>, Vector3<f64>)> = Vec::new();
+                if is_capsule {
+                    let over = |k: usize| behind[k].distance <= 0.0;
+                    lowest.extend((0..2).filter(|&k| over(k)).map(|k| (ends[k], *up)));
+                    if over(0) != over(1) {
+                        lowest.push(cut(&ends, [behind[0].distance, behind[1].distance], up, front));
+                    }
+                } else if behind[0].distance <= 0.0 {
+                    lowest.push((ends[1], *up));
+                }
+                let above: Vec<NearPlace> = lowest
+                    .into_iter()
+                    .map(|(point, normal)| NearPlace {
+                        distance: point.dot(up) - radius - height,
+                        normal,
+                        point,
+                        most: f64::INFINITY,
+                    })
+                    .collect();
+                let least = |places: &[NearPlace]| {
+                    places.iter().map(|place| place.distance).fold(f64::INFINITY, f64::min)
+                };
+                if above.is_empty() || least(&behind) > least(&above) { behind } else { above }
+            }
+        }
+    }
+}
+
+/// Where the edge of a table cuts a segment, by how far its ends are behind the edge, and how the height there changes as
+/// the segment moves: the cut goes along it.
+fn cut(
+    ends: &[Vector3<f64>],
+    behind: [f64; 2],
+    up: &Vector3<f64>,
+    front: &Vector3<f64>,
+) -> (Vector3<f64>, Vector3<f64>) {
+    let along = ends[1] - ends[0];
+    let point = ends[0] + along * (behind[0] / (behind[0] - behind[1]));
+    (point, up - front * (along.dot(up) / along.dot(front)))
 }
 
 /// The lowest point, along `up`, of the part of a capsule that may be beyond the edge of a table.

@@ -4,11 +4,11 @@
 use crate::common::{creature, max, take, truth};
 use bodyschema::creature::{Body, Creature, DofKind, JointSelection, Posture};
 use bodyschema::geometry::Frame;
-use bodyschema::kinematics::{Chain, ChainSide, SideJacobian, limb_frames};
+use bodyschema::kinematics::{Chain, ChainSide, Freedoms, SideJacobian, limb_frames};
 use bodyschema::mujoco::{Data, JointKind, ObjectKind};
 use bodyschema::schema::BodySchema;
 use bodyschema::skin::skin_of;
-use nalgebra::{Isometry3, Matrix3, Vector3};
+use nalgebra::{DMatrix, Isometry3, Matrix3, Vector3};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -300,6 +300,62 @@ fn point_jacobians_agree_with_central_differences_on_the_sphere_and_off_it() {
     for kind in [DofKind::Hinge, DofKind::Slide, DofKind::Ball] {
         assert!(kinds.contains(&kind), "no {kind:?} was checked");
     }
+}
+
+#[test]
+fn freedoms_move_points_and_directions_as_central_differences_do() {
+    let (mut rates_compared, mut curvatures_compared) = (0, 0);
+    for (name, body) in creatures() {
+        let (creature, schema) = (&body.creature, truth(&body));
+        let mut rng = ChaCha8Rng::seed_from_u64(11);
+        let joints: Vec<usize> = (0..creature.joints().len()).collect();
+        let freedoms = Freedoms::new(creature, &schema, &joints);
+        // Half way to the middle, no coordinate is at the end of its range.
+        let middle = Posture::start(creature);
+        let posture = Posture::between(creature, &Posture::random(creature, &mut rng), &middle, 0.5);
+        let count = freedoms.count();
+        for limb in 1..creature.limbs().len() {
+            let p_l = Vector3::from_fn(|_, _| rng.random_range(-0.3..0.3));
+            let along = Vector3::from_fn(|_, _| rng.random_range(-1.0..1.0));
+            // Where the point and the direction are along `along`, and how fast that grows.
+            let at = |posture: &[f64]| {
+                let now = freedoms.at(posture);
+                let (point, direction) = (now.frames[limb].point(&p_l), now.frames[limb].direction(&p_l));
+                let mut rates = [vec![0.0; count], vec![0.0; count]];
+                now.add_point_rates(limb, &point, &along, &mut rates[0]);
+                now.add_direction_rates(limb, &direction, &along, &mut rates[1]);
+                ([point.dot(&along), direction.dot(&along)], rates)
+            };
+            let now = freedoms.at(&posture);
+            let (point, direction) = (now.frames[limb].point(&p_l), now.frames[limb].direction(&p_l));
+            let mut curvatures = [DMatrix::zeros(count, count), DMatrix::zeros(count, count)];
+            now.add_point_curvature(limb, &point, &along, &mut curvatures[0]);
+            now.add_direction_curvature(limb, &direction, &along, &mut curvatures[1]);
+            let (_, rates) = at(&posture);
+            for k in 0..count {
+                let mut step = vec![0.0; count];
+                step[k] = STEP;
+                let more = at(&freedoms.changed(&posture, &step));
+                step[k] = -STEP;
+                let less = at(&freedoms.changed(&posture, &step));
+                for of in 0..2 {
+                    let rate = (more.0[of] - less.0[of]) / (2.0 * STEP);
+                    assert!((rate - rates[of][k]).abs() < DERIVATIVE, "{name}, limb {limb}, {k}");
+                    rates_compared += 1;
+                    // A ball's turns about three axes are one after the other: their order matters.
+                    if creature.dofs().all(|dof| dof.kind != DofKind::Ball) {
+                        for i in 0..count {
+                            let second = (more.1[of][i] - less.1[of][i]) / (2.0 * STEP);
+                            let off = (second - curvatures[of][(i, k)]).abs();
+                            assert!(off < DERIVATIVE, "{name}, limb {limb}, {i} and {k}: {off}");
+                            curvatures_compared += 1;
+                        }
+                    }
+                }
+            }
+        }
+    }
+    assert!(rates_compared > 1000 && curvatures_compared > 1000, "{rates_compared} {curvatures_compared}");
 }
 
 #[test]

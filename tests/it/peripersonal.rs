@@ -8,7 +8,8 @@ use bodyschema::kinematics::{Facing, InverseKinematics, Place, REACHED};
 use bodyschema::learning::{Certainty, Input};
 use bodyschema::mujoco::Data;
 use bodyschema::peripersonal::{
-    CollisionChecker, Doubt, FeltPose, FeltSurface, Obstacle, OutOfReach, OwnBody, ReachTarget, Reaching,
+    CollisionChecker, Doubt, FeltPose, FeltSurface, KEPT, Obstacle, OutOfReach, OwnBody, PostureProgram, ReachTarget, Reaching,
+    farthest_postures,
 };
 use bodyschema::skin::skin_of;
 use nalgebra::{Point3, Rotation3, Vector3};
@@ -268,4 +269,95 @@ fn small_motions_tell_where_on_a_patch_something_touches() {
     };
     let (felt_on, once) = (median(&mut errors), median(&mut unsure));
     assert!(felt_on < 2e-3 && once > 1e-2, "{felt_on} m after feeling on, {once} m before");
+/// An arm of three links in a plane, along x, that turn about y.
+const PLANAR: &str = r#"<mujoco model="planar">
+  <compiler angle="radian" autolimits="true"/>
+  <worldbody><body name="base"><geom type="sphere" size="0.02"/>
+    <body name="upper"><joint name="shoulder" axis="0 1 0" range="-2.5 2.5"/>
+      <geom type="capsule" fromto="0.05 0 0 0.3 0 0" size="0.01"/>
+      <body name="lower" pos="0.3 0 0"><joint name="elbow" axis="0 1 0" range="-2.5 2.5"/>
+        <geom type="capsule" fromto="0.05 0 0 0.25 0 0" size="0.01"/>
+        <body name="hand" pos="0.25 0 0"><joint name="wrist" axis="0 1 0" range="-2.5 2.5"/>
+          <geom type="capsule" fromto="0.05 0 0 0.15 0 0" size="0.01"/>
+        </body>
+      </body>
+    </body>
+  </body></worldbody>
+</mujoco>"#;
+
+#[test]
+fn the_farthest_of_an_arm_in_a_plane_is_where_geometry_has_it() {
+    let body = creature(PLANAR);
+    let agent = Agent::of(&body).unwrap();
+    let own = OwnBody::new(&agent, truth(&body), Certainty::Exact, &[]);
+    let place = Place {
+        limb: own.creature().limb("hand").unwrap(),
+        point: Vector3::new(0.15, 0.0, 0.0),
+        direction: Vector3::x(),
+    };
+    let joints: Vec<usize> = (0..own.creature().joints().len()).collect();
+    let height = -0.2;
+    let farthest = |clearance: &CollisionChecker, seed: u64| {
+        let program = PostureProgram::farthest(&own, clearance, &joints, place, Vector3::x(), 0.002)
+            .at_level(Vector3::z(), height)
+            .parallel_to(Vector3::x());
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        let starts: Vec<Posture> =
+            (0..4).map(|_| own.random_posture(&own.at_ease(), &joints, &mut rng)).collect();
+        farthest_postures(&own, &program, &joints, &starts, &mut rng)
+    };
+    let clearance = CollisionChecker::new(&own);
+    // Two links stretched out to the height, and the hand level at their end.
+    let stretched = 0.15 + f64::sqrt(0.55f64.powi(2) - height * height);
+    for seed in 1..=5 {
+        let found = farthest(&clearance, seed);
+        let best = found.first().expect("there is a farthest one");
+        assert!((best.along - stretched).abs() < 1e-3, "{} and {stretched}", best.along);
+        let frame = own.frames(&best.posture)[place.limb];
+        assert!((frame.point(&place.point).z - height).abs() < KEPT);
+        assert!(frame.direction(&Vector3::x()).x > 0.999_999);
+    }
+    assert_eq!(farthest(&clearance, 1), farthest(&clearance, 1), "the same seed, the same postures");
+    // A pole across the way that the stretched arm takes: the elbow goes over it or under it, and gets less far.
+    let mut barred = clearance.clone();
+    let pole = Vector3::new(0.28, 0.0, -0.11);
+    barred.obstacles.push(Obstacle::Capsule(Capsule::ball(pole, 0.02)));
+    let found = farthest(&barred, 1);
+    let best = found.first().expect("there is a way about the pole");
+    assert!(best.along < stretched - 1e-3 && best.along > stretched - 0.2, "{}", best.along);
+    assert!(barred.free(&own.frames(&best.posture), 0.0015), "it is in the pole");
+}
+
+#[test]
+fn the_farthest_postures_of_a_leaning_body_keep_all_that_they_are_to_keep() {
+    let own = knowing_max();
+    let hand = own.creature().limb("left_hand").unwrap();
+    let joints = own.joints_to(hand);
+    let place = Place { direction: Vector3::y(), ..own.place(own.receptors_on(&[hand])[0]) };
+    let (up, front, height) = (Vector3::z(), Vector3::x(), 0.1);
+    let mut clearance = CollisionChecker::new(&own);
+    clearance.obstacles.push(Obstacle::Table { up, height: 0.03, front, edge: 0.1 });
+    let program = PostureProgram::farthest(&own, &clearance, &joints, place, front, 0.003)
+        .at_level(up, height)
+        .parallel_to(up);
+    let mut rng = ChaCha8Rng::seed_from_u64(1);
+    let starts: Vec<Posture> =
+        (0..8).map(|_| own.random_posture(&own.at_ease(), &joints, &mut rng)).collect();
+    let found = farthest_postures(&own, &program, &joints, &starts, &mut rng);
+    assert!(!found.is_empty());
+    assert!(found.windows(2).all(|two| two[0].along >= two[1].along), "the farthest first");
+    for posed in &found {
+        let frames = own.frames(&posed.posture);
+        let point = frames[hand].point(&place.point);
+        assert!((point.z - height).abs() <= KEPT && (point.x - posed.along).abs() < 1e-9);
+        assert!((frames[hand].rotation * place.direction).z > 0.999_99);
+        assert!(clearance.moved_by(&own, &joints).free(&frames, 0.0027), "a limb is in something");
+        for (dof, angle) in own.creature().dofs().zip(&posed.posture) {
+            assert!((dof.range[0]..=dof.range[1]).contains(angle), "{} at {angle}", dof.name);
+        }
+    }
+    // The trunk bends: an arm alone does not get as far.
+    let arm = own.joints_of(hand, &[own.creature().limb("right_hand").unwrap()]);
+    let length = 0.65;
+    assert!(found[0].along > length, "{} with {} joints of {}", found[0].along, joints.len(), arm.len());
 }

@@ -1,17 +1,21 @@
 //! How far away a creature puts what it holds, against how far it truly could.
 
+use nalgebra::{Isometry3, Translation3, Vector3};
 use rand::RngExt;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use serde_json::json;
 
-use super::at_table::{Knowledge, OnStage, at_table, on_table, shape};
+use super::at_table::{Knowledge, OnStage, TOP, at_table, on_table, shape};
+use super::exhaustive_reach::GripProblem;
 use super::plot::{AxisScale, PlotAxis, PlotSeries, StudyPlot};
 use super::subject::{Subject, median, share};
 use super::table::row;
 use super::{Findings, Study};
 use crate::experiment::ExperimentError;
-use crate::interaction::{Actor, Spot, Trouble};
+use crate::interaction::Trouble;
+use crate::kinematics::Place;
+use crate::simulation::Stage;
 
 /// The study `farthest`.
 pub const STUDY: Study = Study {
@@ -24,8 +28,18 @@ pub const STUDY: Study = Study {
 
 /// Draws of a thing until there is one that a hand finds and holds.
 const DRAWS: usize = 20;
-/// Random postures that the truth's search begins with beside those of the creature's.
-const EFFORT: usize = 9;
+/// How much effort the creature makes.
+const EFFORT: usize = 3;
+/// Runs of the exhaustive search, upright and leaning.
+const RUNS: [usize; 2] = [2, 6];
+/// A reach of at least this share of the maximum counts as the farthest.
+const FARTHEST: f64 = 0.97;
+/// What is farther from where it was to be than this, metres, is not put there …
+const OFF: f64 = 0.03;
+/// … and what is tilted by more, degrees, fell over.
+const FELL: f64 = 30.0;
+/// What is lower than the table by this, metres, fell off it.
+const BELOW: f64 = 0.01;
 
 row! {
     /// A measurement of the study `farthest`.
@@ -33,8 +47,15 @@ row! {
         seed: u64 = "seed",
         leaning: bool = "leaning",
         forward_m: f64 = "reached, m",
+        true_schema_forward_m: f64 = "reached by the true schema, m",
         true_maximum_m: f64 = "true maximum, m",
+        searched_m: f64 = "maximum by the search, m",
+        half_search_m: f64 = "maximum by half the search, m",
+        bound_m: f64 = "no farther than, m",
         ratio: f64 = "ratio",
+        put: bool = "put",
+        off_mm: f64 = "off, mm",
+        tilt_deg: f64 = "tilt, °",
         moved_m: f64 = "moved, m",
         result: String = "result",
     }
@@ -47,16 +68,34 @@ row! {
         trials: usize = "trials",
         put: f64 = "put, share",
         forward_m: f64 = "reached, m",
+        true_schema_forward_m: f64 = "by the true schema, m",
         true_maximum_m: f64 = "true maximum, m",
+        bound_m: f64 = "no farther than, m",
         ratio: f64 = "ratio, median",
         least: f64 = "ratio, least",
+        farthest: f64 = "at least 97 %, share",
+        off_mm: f64 = "off, mm",
+        tilt_deg: f64 = "tilt, °",
     }
 }
 
 struct PlacingTrial {
+    seed: u64,
     forward: f64,
+    by_truth: f64,
     maximum: f64,
+    searched: f64,
+    half: f64,
+    bound: f64,
     put: bool,
+    off: f64,
+    tilt: f64,
+}
+
+impl PlacingTrial {
+    fn ratio(&self) -> f64 {
+        self.forward / self.maximum
+    }
 }
 
 /// Measures; a trial that does not succeed is a finding.
@@ -68,6 +107,7 @@ pub fn measure(subject: &Subject) -> Result<Findings<FarthestMeasurement, Farthe
     let truth = Knowledge::new(learned.own.with_schema(subject.truth().schema.clone()));
     let mut measurements: Vec<FarthestMeasurement> = Vec::new();
     let mut trials: [Vec<PlacingTrial>; 2] = Default::default();
+    let (mut looked_at, mut not_held) = (0, 0);
     for &seed in &subject.seeds {
         subject.tell(seed, "holding");
         for (k, lean) in [false, true].into_iter().enumerate() {
@@ -79,89 +119,171 @@ pub fn measure(subject: &Subject) -> Result<Findings<FarthestMeasurement, Farthe
                     break;
                 }
             }
-            let Some((mut actor, receptor)) = held else { continue };
-            if lean && let Some(hand) = actor.arm_of(receptor) {
-                // The other arm makes way as far as it can.
-                if let Err(Trouble::Engine(error)) = actor.make_way_to_lean(hand) {
-                    return Err(error.into());
-                }
+            let Some((mut actor, receptor)) = held else {
+                not_held += 1;
+                continue;
+            };
+            let Some(hand) = actor.arm_of(receptor) else { continue };
+            if lean && let Err(Trouble::Engine(error)) = actor.make_way_to_lean(hand) {
+                return Err(error.into());
             }
             let limb = actor.own.place(receptor).limb;
             let upright = actor.frames()[limb].rotation.tr_mul(&actor.up);
             let height = actor.feels_at(receptor).0.dot(&actor.up);
-            let Some(spot) = actor.farthest(receptor, height, upright, lean, 3) else { continue };
-            // The same question to the truth, with more starts and what was found for one of them.
+            let spot = actor.farthest(receptor, height, upright, lean, EFFORT);
+            // The same question to the same search with the true kinematics, …
             actor.own = truth.own.clone();
-            let maximum = actor.farthest(receptor, height, upright, lean, EFFORT);
-            let forward = |actor: &Actor, spot: &Spot| {
-                let place = actor.own.place(receptor);
-                actor.own.frames(&spot.posture)[place.limb].point(&place.point).dot(&actor.front)
-            };
-            let reached = forward(&actor, &spot);
-            let maximum = maximum.map_or(reached, |spot| forward(&actor, &spot).max(reached));
+            let by_truth = actor.farthest(receptor, height, upright, lean, EFFORT);
+            // … and to another one that takes its time, as if the arm that is idle were out of the way.
+            let place = Place { direction: upright, ..truth.own.place(receptor) };
+            let (up, front) = (actor.up, actor.front);
+            let joints = actor.hands[hand].joints(lean).to_vec();
+            let idle = truth.own.moved_by(&actor.hands[1 - hand].arm);
+            let clearance = actor.clearance.moved_by(&truth.own, &joints).without(&idle);
+            let from = actor.posture();
+            let problem =
+                GripProblem { own: &truth.own, clearance, joints: &joints, place, up, front, height, from };
+            let maximum = problem.search(RUNS[k], &mut rng);
+            let bound = problem.upper_bound().unwrap_or(f64::NAN);
+            looked_at += maximum.looked_at;
             actor.own = learned.own.clone();
+            let forward = |posture: &[f64]| truth.own.frames(posture)[limb].point(&place.point).dot(&front);
+            // Without a spot nothing is reached.
+            let reached = spot.as_ref().map_or(0.0, |spot| forward(&spot.posture));
+            let by_truth = by_truth.map_or(0.0, |spot| forward(&spot.posture));
+            // What any of them found can be.
+            let best = [reached, by_truth].into_iter().fold(maximum.forward, f64::max);
             let thing = actor.the_thing()?;
-            let before = actor.stage.thing_pose(thing).translation.vector;
-            let result = actor.put(receptor, &spot, lean);
-            let after = actor.stage.thing_pose(thing).translation.vector;
-            let stands = after.z > super::at_table::TOP - 0.01;
-            let put = result.is_ok() && stands;
-            let told = match result {
-                Ok(()) if stands => "put".to_string(),
-                Ok(()) => "it fell".to_string(),
-                Err(Trouble::Engine(error)) => return Err(error.into()),
-                Err(trouble) => trouble.to_string(),
+            let before = actor.stage.thing_pose(thing);
+            let (mut told, mut off, mut tilt, mut put) =
+                ("there is no way".to_string(), f64::NAN, 0.0, false);
+            if let Some(spot) = &spot {
+                // Where the thing is to be, rigidly in the hand.
+                let grip = actor.stage.limb_pose(limb).inv_mul(&before);
+                let at_spot = truth.own.frames(&spot.posture)[limb];
+                let in_root = Isometry3::from_parts(Translation3::from(at_spot.origin), at_spot.quaternion());
+                let wanted = actor.stage.root_pose() * in_root * grip;
+                let result = actor.put(receptor, spot, lean);
+                let after = actor.stage.thing_pose(thing);
+                off = (after.translation.vector - wanted.translation.vector).xy().norm();
+                tilt = tilted(&before, &after);
+                let stands = stands(&actor.stage, thing);
+                put = result.is_ok() && stands && off <= OFF && tilt <= FELL;
+                told = match result {
+                    Err(Trouble::Engine(error)) => return Err(error.into()),
+                    Err(trouble) => trouble.to_string(),
+                    Ok(()) if put => "put".into(),
+                    Ok(()) if !stands => "it fell off the table".into(),
+                    Ok(()) if tilt > FELL => "it fell over".into(),
+                    Ok(()) => "it is not where it was to be".into(),
+                };
+            }
+            let moved = actor.stage.thing_pose(thing).translation.vector - before.translation.vector;
+            let trial = PlacingTrial {
+                seed,
+                forward: reached,
+                by_truth,
+                maximum: best,
+                searched: maximum.forward,
+                half: maximum.half,
+                bound,
+                put,
+                off,
+                tilt,
             };
             measurements.push(FarthestMeasurement {
                 seed,
                 leaning: lean,
                 forward_m: reached,
-                true_maximum_m: maximum,
-                ratio: reached / maximum,
-                moved_m: (after - before).norm(),
+                true_schema_forward_m: by_truth,
+                true_maximum_m: best,
+                searched_m: maximum.forward,
+                half_search_m: maximum.half,
+                bound_m: bound,
+                ratio: trial.ratio(),
+                put,
+                off_mm: 1e3 * off,
+                tilt_deg: tilt,
+                moved_m: moved.norm(),
                 result: told,
             });
-            trials[k].push(PlacingTrial { forward: reached, maximum, put });
+            trials[k].push(trial);
         }
     }
     let mut summary: Vec<FarthestSummary> = Vec::new();
-    let ratios = |trials: &[PlacingTrial]| trials.iter().map(|t| t.forward / t.maximum).collect::<Vec<_>>();
     for (lean, trials) in [false, true].into_iter().zip(&trials) {
-        let least = ratios(trials).into_iter().fold(f64::NAN, f64::min);
         summary.push(FarthestSummary {
             leaning: lean,
             trials: trials.len(),
             put: share(trials.iter().map(|t| t.put)),
             forward_m: median(trials.iter().map(|t| t.forward)),
+            true_schema_forward_m: median(trials.iter().map(|t| t.by_truth)),
             true_maximum_m: median(trials.iter().map(|t| t.maximum)),
-            ratio: median(ratios(trials)),
-            least,
+            bound_m: median(trials.iter().map(|t| t.bound)),
+            ratio: median(trials.iter().map(PlacingTrial::ratio)),
+            least: trials.iter().map(PlacingTrial::ratio).fold(f64::NAN, f64::min),
+            farthest: share(trials.iter().map(|t| t.ratio() >= FARTHEST)),
+            off_mm: 1e3 * median(trials.iter().map(|t| t.off)),
+            tilt_deg: median(trials.iter().map(|t| t.tilt)),
         });
     }
-    let gain = |of: fn(&PlacingTrial) -> f64| {
-        median(trials[0].iter().zip(&trials[1]).map(|(upright, leaning)| of(leaning) - of(upright)))
-    };
-    let (extends, truly) = (gain(|t| t.forward), gain(|t| t.maximum));
+    // What leaning adds, trial by trial, by the creature and by the truth.
+    let gains: Vec<[f64; 2]> = trials[1]
+        .iter()
+        .filter_map(|leaning| {
+            let upright = trials[0].iter().find(|upright| upright.seed == leaning.seed)?;
+            Some([leaning.forward - upright.forward, leaning.maximum - upright.maximum])
+        })
+        .collect();
+    let (extends, truly) = (median(gains.iter().map(|g| g[0])), median(gains.iter().map(|g| g[1])));
+    let short = |gain: &[f64; 2]| (gain[1] - gain[0]).abs();
+    let within = share(gains.iter().map(|gain| short(gain) <= 0.01));
     let all = || trials.iter().flatten();
-    let least = ratios(&trials[0]).into_iter().chain(ratios(&trials[1])).fold(f64::NAN, f64::min);
+    let grown: Vec<f64> = all().map(|trial| 1e3 * (trial.searched - trial.half)).collect();
+    let most = |grown: &[f64]| grown.iter().fold(0.0f64, |most, grown| most.max(*grown));
+    let most_grown = most(&grown);
+    let missed: Vec<f64> = all().map(|trial| 1e3 * (trial.maximum - trial.searched)).collect();
+    let bounded = median(all().map(|trial| trial.maximum / trial.bound));
     let notes = vec![
-        "Distances are of the skin that holds the thing, forward from the root's origin, at the height where the thing \
-         stands; the true maximum is found by the same search with the true kinematics and more starts."
+        "Distances are of the skin that holds the thing, by the true kinematics, forward from the root's origin, at the \
+         height where the thing stands. The true maximum is found by another search with the true kinematics, as if the \
+         idle arm were out of the way; what is put stands within 3 cm of where the hand was to leave it."
             .to_string(),
-        format!("Leaning extends the reach by {extends:.3} m; by the truth it is {truly:.3} m."),
+        format!(
+            "That search looked at {:.0} postures a trial; its second half raised the maximum by {:.1} mm in the median and \
+             {most_grown:.1} at most; the creature's own was farther in {:.0} % of the trials, by {:.1} mm at most, and then \
+             counts. It is {:.1} % of what no posture exceeds, where limbs may be in each other and in the table (median).",
+            looked_at as f64 / all().count().max(1) as f64,
+            median(grown.iter().copied()),
+            1e2 * share(missed.iter().map(|missed| *missed > 0.1)),
+            most(&missed),
+            1e2 * bounded,
+        ),
+        format!(
+            "Leaning extends the reach by {extends:.3} m; by the truth it is {truly:.3} m; within 1 cm in {:.0} % of the \
+             trials, {:.1} mm at the median and {:.1} at the worst. Things that could not be held at first: {not_held}.",
+            1e2 * within,
+            1e3 * median(gains.iter().map(short)),
+            1e3 * gains.iter().map(short).fold(0.0, f64::max),
+        ),
     ];
+    let least = all().map(PlacingTrial::ratio).fold(f64::NAN, f64::min);
     let numbers = vec![
-        ("ratio_of_true_maximum", json!(median(all().map(|t| t.forward / t.maximum)))),
+        ("ratio_of_true_maximum", json!(median(all().map(PlacingTrial::ratio)))),
         ("least_ratio_of_true_maximum", json!(least)),
         ("success", json!(share(all().map(|t| t.put)))),
         ("leaning_extends_m", json!(extends)),
         ("leaning_truly_extends_m", json!(truly)),
+        ("leaning_within_a_centimetre", json!(within)),
+        ("maximum_raised_by_second_half_mm", json!(most_grown)),
+        ("maximum_missed_by_search_mm", json!(most(&missed))),
+        ("maximum_of_upper_bound", json!(bounded)),
     ];
     let series =
         ["upright", "leaning"].into_iter().zip(&trials).enumerate().map(|(k, (name, trials))| PlotSeries {
             name: name.to_string(),
             line: Vec::new(),
-            dots: trials.iter().map(|trial| (trial.forward / trial.maximum, k as f64)).collect(),
+            dots: trials.iter().map(|trial| (trial.ratio(), k as f64)).collect(),
         });
     let plot = StudyPlot {
         x: PlotAxis { title: "reached, of the true maximum", scale: AxisScale::Logarithmic },
@@ -169,6 +291,17 @@ pub fn measure(subject: &Subject) -> Result<Findings<FarthestMeasurement, Farthe
         series: series.collect(),
     };
     Ok(Findings { measurements, summary, notes, plot, numbers })
+}
+
+/// By how much a thing leans from how it stood, whichever way it is turned about the vertical, degrees.
+fn tilted(before: &Isometry3<f64>, after: &Isometry3<f64>) -> f64 {
+    let upright = before.rotation.inverse() * Vector3::z();
+    (after.rotation * upright).z.clamp(-1.0, 1.0).acos().to_degrees()
+}
+
+/// Whether a thing is on the table, not below it.
+fn stands(stage: &Stage, thing: usize) -> bool {
+    stage.thing_pose(thing).translation.z > TOP - BELOW
 }
 
 /// A creature that has found a random thing and holds it with a receptor of a hand; none where it did not come to that.

@@ -1,6 +1,7 @@
 //! What a creature does about what it feels: explores a table blind, touches with the other hand what it felt, holds it,
 //! puts it far away or near (IVA 2009, section 4); lifts it between both palms, by friction.
 
+mod carrying;
 mod exploring;
 mod feeling_shape;
 mod lifting;

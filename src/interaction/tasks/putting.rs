@@ -5,30 +5,26 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
 use super::Trouble;
+use super::carrying::{CarryingPlan, upright_at};
 use crate::creature::Posture;
-use crate::interaction::actor::{Actor, CAREFUL, Hand, SWIFT};
-use crate::kinematics::{Facing, InverseKinematics, Place, REACHED};
-use crate::peripersonal::{OutOfReach, OwnBody, PosturePath};
-use crate::senses::{SkinContact, Toucher};
+use crate::interaction::actor::{Actor, Hand};
+use crate::kinematics::{Place, REACHED};
+use crate::peripersonal::{PosedPlace, PostureProgram, farthest_postures};
 
-/// Steps to the side in which the farthest spot is looked for, how many to either side, and how finely forward, metres.
-const ASIDE: f64 = 0.05;
-const LATERAL: u32 = 11;
-const FINEST: f64 = 1e-3;
-/// How high a thing is lifted, metres: the highest of these that its way allows.
-const LIFTS: [f64; 3] = [0.12, 0.08, 0.05];
-/// How far a hand is raised off what it let go, metres.
-const LIFT: f64 = 0.05;
-/// Least size of a thing's height, metres: the table is not felt through what is lower.
-const SETTLE: f64 = 0.002;
+/// How clear limbs are of each other and of the table where something is put, metres, …
+const MARGIN: f64 = 0.002;
+/// … and a little more, for what is but nearly kept.
+const AIMED_MARGIN: f64 = 0.0023;
+/// Random postures that the search begins with for each unit of effort, with the trunk as it is bent and with any.
+const DRAWN: usize = 4;
+/// How much less far than the farthest something is put where there is no way to that, metres.
+const NEARER: [f64; 5] = [0.0, 0.005, 0.015, 0.03, 0.06];
 /// How clear an arm stays of everything while the trunk leans, metres, …
 const CLEAR: f64 = 0.03;
 /// … at so many steps of leaning; …
 const LEANINGS: u32 = 5;
 /// … postures drawn for it.
 const IDLE_POSTURES: usize = 400;
-/// What a radian is worth in metres where a grip is to stay upright, at first and at the last.
-const UPRIGHT: [f64; 2] = [0.05, 0.02];
 
 /// A place on the table, or above it, where something can be put.
 #[derive(Clone, Debug, PartialEq)]
@@ -37,11 +33,14 @@ pub struct Spot {
     pub point: Vector3<f64>,
     /// The posture.
     pub posture: Posture,
+    /// The way there from where it was chosen.
+    pub(super) plan: CarryingPlan,
 }
 
 impl Actor {
     /// The spot farthest in front at which the receptor that grips can be over the table at a height, the grip upright
-    /// as it is now: `upright` is the direction of the limb that is up now, in the limb's frame.
+    /// as it is now: `upright` is the direction of the limb that is up now, in the limb's frame. There is a way to it on
+    /// which what is held is lifted. The search begins from more postures the greater the `effort`.
     pub fn farthest(
         &mut self,
         receptor: usize,
@@ -53,57 +52,59 @@ impl Actor {
         let hand = self.arm_of(receptor)?;
         let joints = self.hands[hand].joints(lean).to_vec();
         let place = Place { direction: upright, ..self.own.place(receptor) };
-        let (front, left, up, side) = (self.front, self.left(), self.up, self.side(hand));
-        let from = self.posture();
-        let own = &self.own;
-        let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
-        let mut starts = vec![from.clone(), own.at_ease()];
-        if lean {
-            let bent = self.bent_forward(hand, &place, &from);
-            starts.insert(0, Posture::between(own.creature(), &from, &bent, 0.7));
-            starts.insert(0, bent);
-        }
-        starts.resize_with(starts.len() + effort, || own.random_posture(&from, &joints, &mut rng));
-        let solve = |forward: f64, across: f64, start: &[f64]| {
-            let point = front * forward + left * across + up * height;
-            let target = Place { limb: 0, point, direction: up };
-            let reach = upright_at(own, &joints, [place, target]).with_steps([20, 25]).solve(start);
-            let fits = reach.miss <= REACHED
-                && reach.facing > 0.99
-                && self.clearance.free(&own.frames(&reach.posture), 0.002);
-            fits.then_some(reach.posture)
-        };
-        // From where it is, sideways in steps, and from each forward as far as there is a posture.
-        let here = self.feels_at(receptor).0;
-        let (near, middle) = (here.dot(&front), here.dot(&left));
-        let anew = |forward: f64, across: f64| starts.iter().find_map(|start| solve(forward, across, start));
-        let mut best: Option<(f64, Spot)> = None;
-        for sideways in [side, -side] {
-            let mut beside = from.clone();
-            for k in 0..LATERAL {
-                let across = middle + sideways * ASIDE * f64::from(k);
-                let Some(begin) = solve(near, across, &beside).or_else(|| anew(near, across)) else { break };
-                beside.clone_from(&begin);
-                let (mut forward, mut posture, mut step) = (near, begin, 2.0 * ASIDE);
-                while step > FINEST {
-                    let further = forward + step;
-                    let reached = solve(further, across, &posture).or_else(|| {
-                        let farthest =
-                            best.as_ref().and_then(|(_, spot)| solve(further, across, &spot.posture));
-                        farthest.or_else(|| anew(further, across))
-                    });
-                    match reached {
-                        Some(reached) => (forward, posture) = (further, reached),
-                        None => step *= 0.5,
-                    }
-                }
-                if best.as_ref().is_none_or(|(before, _)| forward > *before) {
-                    let point = front * forward + left * across + up * height;
-                    best = Some((forward, Spot { point, posture }));
+        let mut found = self.farthest_postures(hand, place, height, lean, effort);
+        for nearer in NEARER {
+            for posed in &found {
+                if let Ok(plan) = self.plan_carrying(place, &posed.posture, &joints) {
+                    let point = self.own.frames(&posed.posture)[place.limb].point(&place.point);
+                    return Some(Spot { point, posture: posed.posture.clone(), plan });
                 }
             }
+            let best = found.first()?;
+            let program = self.put_at(&joints, place, height).at_level(self.front, best.along - nearer);
+            found =
+                found.iter().map(|posed| program.solve(&posed.posture)).filter(PosedPlace::kept).collect();
         }
-        best.map(|(_, spot)| spot)
+        None
+    }
+
+    /// The postures in which a place of a hand's limb is farthest in front, at a height and its direction up, the farthest
+    /// first; whether there is a way to them is not looked at.
+    pub fn farthest_postures(
+        &self,
+        hand: usize,
+        place: Place,
+        height: f64,
+        lean: bool,
+        effort: usize,
+    ) -> Vec<PosedPlace> {
+        let own = &self.own;
+        let joints = self.hands[hand].joints(lean);
+        let arm = &self.hands[hand].arm;
+        let from = self.posture();
+        let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
+        let mut starts = vec![from.clone()];
+        if lean {
+            let bent = self.bent_forward(hand, &place, &from);
+            for share in [0.3, 0.6, 1.0] {
+                starts.push(Posture::between(own.creature(), &from, &bent, share));
+            }
+            let drawn = (0..DRAWN * effort).map(|_| own.random_posture(&bent, arm, &mut rng));
+            starts.extend(drawn);
+        }
+        starts.extend((0..DRAWN * effort).map(|_| own.random_posture(&from, joints, &mut rng)));
+        let program = self.put_at(joints, place, height);
+        let clearance = self.clearance.moved_by(own, joints);
+        let mut found = farthest_postures(own, &program, joints, &starts, &mut rng);
+        found.retain(|posed| clearance.free(&own.frames(&posed.posture), MARGIN));
+        found
+    }
+
+    /// How a place that grips is to be where something is put: at a height and its direction up, as far in front as can be.
+    fn put_at(&self, joints: &[usize], place: Place, height: f64) -> PostureProgram<'_> {
+        PostureProgram::farthest(&self.own, &self.clearance, joints, place, self.front, AIMED_MARGIN)
+            .at_level(self.up, height)
+            .parallel_to(self.up)
     }
 
     /// A posture bent as far to the front as the trunk that carries a hand goes, joint by joint from the hips, for a place
@@ -196,8 +197,9 @@ impl Actor {
             let reach = upright_at(&self.own, &joints, [place, target]).solve(&from);
             let fits = reach.miss <= REACHED
                 && reach.facing > 0.98
-                && clearance.free(&self.own.frames(&reach.posture), 0.002);
-            fits.then_some(Spot { point, posture: reach.posture })
+                && clearance.free(&self.own.frames(&reach.posture), MARGIN);
+            let plan = fits.then(|| self.plan_carrying(place, &reach.posture, &joints).ok()).flatten()?;
+            Some(Spot { point, posture: reach.posture, plan })
         })
     }
 
@@ -206,68 +208,4 @@ impl Actor {
         let distances = self.own.distances(&self.frames(), point);
         distances.into_iter().enumerate().filter_map(|(limb, distance)| Some((limb, distance?))).collect()
     }
-
-    /// Carries what a receptor holds to a spot: up, over, and down until it is felt to stand; then lets go and comes
-    /// back.
-    ///
-    /// # Errors
-    /// [`Trouble`].
-    pub fn put(&mut self, receptor: usize, spot: &Spot, lean: bool) -> Result<(), Trouble> {
-        let Some(hand) = self.arm_of(receptor) else { return Err(Trouble::Nothing) };
-        let joints = self.hands[hand].joints(lean).to_vec();
-        let up = self.up;
-        let limb = self.own.place(receptor).limb;
-        let upright = self.frames()[limb].rotation.tr_mul(&up);
-        let place = Place { direction: upright, ..self.own.place(receptor) };
-        let lifted = |actor: &Actor, point: Vector3<f64>, start: &[f64]| {
-            let target = Place { limb: 0, point, direction: up };
-            upright_at(&actor.own, &joints, [place, target]).solve(start).posture
-        };
-        let from = self.posture();
-        let here = self.feels_at(receptor).0;
-        let high = |actor: &Actor, point: Vector3<f64>, lift: f64, start: &[f64]| {
-            let posture = lifted(actor, point + up * lift, start);
-            let frame = actor.own.frames(&posture)[limb];
-            ((frame.point(&place.point) - point).dot(&up) > 0.8 * lift).then_some(posture)
-        };
-        let raise = |actor: &Actor, point, start: &[f64]| {
-            LIFTS.into_iter().find_map(|lift| Some((lift, high(actor, point, lift, start)?)))
-        };
-        let (Some((_, raised)), Some((lift, above))) =
-            (raise(self, here, &from), raise(self, spot.point, &spot.posture))
-        else {
-            return Err(OutOfReach::Barred.into());
-        };
-        // What is held may scrape over what it stands on: that is no surprise.
-        let expected = |_: &Actor, contact: &SkinContact| !matches!(contact.by, Toucher::Through(_));
-        self.follow(&PosturePath(vec![raised.clone()]), CAREFUL, expected)?;
-        let way = self.find_path([&raised, &above], &joints)?;
-        self.pass(&way, SWIFT)?;
-        let mut down = Vec::new();
-        let mut posture = above.clone();
-        for k in 1..=12 {
-            let share = f64::from(k) / 12.0;
-            let point = spot.point + up * (lift * (1.0 - share));
-            posture = if k == 12 { spot.posture.clone() } else { lifted(self, point, &posture) };
-            down.push(posture.clone());
-        }
-        let sinking = lifted(self, spot.point - up * SETTLE, &posture);
-        down.push(sinking);
-        self.follow(&PosturePath(down), CAREFUL, |_, contact| matches!(contact.by, Toucher::Through(_)))?;
-        self.let_go();
-        let stay = self.posture();
-        self.wait(0.2)?;
-        let point = self.feels_at(receptor).0;
-        let back = lifted(self, point + up * LIFT, &stay);
-        self.follow(&PosturePath(vec![back]), CAREFUL, |_, _| false)?;
-        Ok(())
-    }
-}
-
-/// Postures, moving some joints, in which a place of the body is at a target and keeps upright.
-fn upright_at<'a>(own: &'a OwnBody, joints: &[usize], ends: [Place; 2]) -> InverseKinematics<'a> {
-    InverseKinematics::new(own.creature(), &own.schema, ends)
-        .with_facing(Facing::Parallel)
-        .with_direction_lengths(UPRIGHT)
-        .moving(|joint| joints.contains(&joint))
 }

@@ -1,0 +1,139 @@
+//! Carrying what is held to a spot: all of the way is planned before it moves, up, over, and down.
+
+use super::Trouble;
+use super::putting::Spot;
+use crate::creature::Posture;
+use crate::interaction::actor::{Actor, CAREFUL, SWIFT};
+use crate::kinematics::{Facing, InverseKinematics, Place, REACHED};
+use crate::peripersonal::{OutOfReach, OwnBody, PosturePath, distance};
+use crate::senses::{SkinContact, Toucher};
+
+/// How high a thing is lifted, metres: the highest of these that its way allows.
+const LIFTS: [f64; 3] = [0.12, 0.08, 0.05];
+/// How far towards oneself it is lifted, metres: straight up where that can be done. An arm that is stretched out cannot.
+const DRAWN_BACK: [f64; 5] = [0.0, 0.03, 0.06, 0.1, 0.15];
+/// Steps in which it is lifted or put down.
+const LIFTING: u32 = 12;
+/// How clear of everything limbs keep while it is lifted, where they are not nearer before, metres.
+const LIFTING_MARGIN: f64 = 0.004;
+/// Cosine of the most that it is tilted on its way up and down, by about 5 degrees.
+const TILTED: f64 = 0.996;
+/// How far a hand is raised off what it let go, metres.
+const LIFT: f64 = 0.05;
+/// Least size of a thing's height, metres: the table is not felt through what is lower.
+const SETTLE: f64 = 0.002;
+/// What a radian is worth in metres where a grip is to stay upright, at first and at the last.
+const UPRIGHT: [f64; 2] = [0.05, 0.02];
+/// Nearer than this a posture is the one that a plan begins in, radians.
+const SAME: f64 = 1e-6;
+
+/// How to carry what is held from where it is to a spot.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CarryingPlan {
+    /// The posture that it begins in.
+    from: Posture,
+    /// Up from where it stands.
+    up: PosturePath,
+    /// From there to over the spot.
+    over: PosturePath,
+    /// Down to the spot and, where nothing is felt, a little farther.
+    down: PosturePath,
+}
+
+impl Actor {
+    /// How to carry what a place of a limb holds, its direction up, from the present posture to another one: lifted as high
+    /// as can be, on a way that keeps clear.
+    ///
+    /// # Errors
+    /// [`OutOfReach::Barred`] where there is no such way.
+    pub(super) fn plan_carrying(
+        &mut self,
+        place: Place,
+        to: &[f64],
+        joints: &[usize],
+    ) -> Result<CarryingPlan, OutOfReach> {
+        let from = self.posture();
+        let mut up = self.lifted(place, &from, joints, &DRAWN_BACK[..1]).ok_or(OutOfReach::Barred)?;
+        let mut down = self.lifted(place, to, joints, &DRAWN_BACK).ok_or(OutOfReach::Barred)?;
+        let (Some(raised), Some(above)) = (up.0.last().cloned(), down.0.last().cloned()) else {
+            return Err(OutOfReach::Barred);
+        };
+        let over = self.find_path([&raised, &above], joints)?;
+        up.0.remove(0);
+        down.0.reverse();
+        let point = self.own.frames(to)[place.limb].point(&place.point) - self.up * SETTLE;
+        let target = Place { limb: 0, point, direction: self.up };
+        down.0.push(upright_at(&self.own, joints, [place, target]).solve(to).posture);
+        Ok(CarryingPlan { from, up, over, down })
+    }
+
+    /// The way on which a place is lifted from a posture, as high as can be and as straight up, its direction up and limbs
+    /// clear; begins with the posture.
+    fn lifted(&self, place: Place, start: &[f64], joints: &[usize], back: &[f64]) -> Option<PosturePath> {
+        let own = &self.own;
+        let frames = own.frames(start);
+        let here = frames[place.limb].point(&place.point);
+        let clearance =
+            self.clearance.moved_by(own, joints).eased_at(std::slice::from_ref(&frames), LIFTING_MARGIN);
+        let whole = |lift: f64, back: f64| {
+            let mut way = vec![Posture::from(start)];
+            for k in 1..=LIFTING {
+                let share = f64::from(k) / f64::from(LIFTING);
+                let point = here + (self.up * lift - self.front * back) * share;
+                let target = Place { limb: 0, point, direction: self.up };
+                let reach = upright_at(own, joints, [place, target]).solve(&way[way.len() - 1]);
+                let goes = reach.miss <= REACHED
+                    && reach.facing >= TILTED
+                    && clearance.free(&own.frames(&reach.posture), LIFTING_MARGIN);
+                if !goes {
+                    return None;
+                }
+                way.push(reach.posture);
+            }
+            Some(PosturePath(way))
+        };
+        LIFTS
+            .into_iter()
+            .flat_map(|lift| back.iter().map(move |&back| (lift, back)))
+            .find_map(|(l, b)| whole(l, b))
+    }
+
+    /// Carries what a receptor holds to a spot: up, over, and down until it is felt to stand; then lets go and comes
+    /// back.
+    ///
+    /// # Errors
+    /// [`Trouble`].
+    pub fn put(&mut self, receptor: usize, spot: &Spot, lean: bool) -> Result<(), Trouble> {
+        let Some(hand) = self.arm_of(receptor) else { return Err(Trouble::Nothing) };
+        let joints = self.hands[hand].joints(lean).to_vec();
+        let up = self.up;
+        let limb = self.own.place(receptor).limb;
+        let upright = self.frames()[limb].rotation.tr_mul(&up);
+        let place = Place { direction: upright, ..self.own.place(receptor) };
+        let plan = match distance(&self.posture(), &spot.plan.from) < SAME {
+            true => spot.plan.clone(),
+            false => self.plan_carrying(place, &spot.posture, &joints)?,
+        };
+        // What is held may scrape over what it stands on: that is no surprise.
+        let expected = |_: &Actor, contact: &SkinContact| !matches!(contact.by, Toucher::Through(_));
+        self.follow(&plan.up, CAREFUL, expected)?;
+        self.pass(&plan.over, SWIFT)?;
+        self.follow(&plan.down, CAREFUL, |_, contact| matches!(contact.by, Toucher::Through(_)))?;
+        self.let_go();
+        let stay = self.posture();
+        self.wait(0.2)?;
+        let point = self.feels_at(receptor).0 + up * LIFT;
+        let target = Place { limb: 0, point, direction: up };
+        let back = upright_at(&self.own, &joints, [place, target]).solve(&stay).posture;
+        self.follow(&PosturePath(vec![back]), CAREFUL, |_, _| false)?;
+        Ok(())
+    }
+}
+
+/// Postures, moving some joints, in which a place of the body is at a target and keeps upright.
+pub(super) fn upright_at<'a>(own: &'a OwnBody, joints: &[usize], ends: [Place; 2]) -> InverseKinematics<'a> {
+    InverseKinematics::new(own.creature(), &own.schema, ends)
+        .with_facing(Facing::Parallel)
+        .with_direction_lengths(UPRIGHT)
+        .moving(|joint| joints.contains(&joint))
+}

@@ -1,0 +1,264 @@
+//! How limbs move as single coordinates of a posture change: the first and second derivatives of points and directions.
+//!
+//! Every limb that a hinge carries turns about the hinge's axis, so that with the axes `a_i` in the root's frame, the
+//! root's side first, `∂p/∂q_j = a_j × (p − o_j)` and `∂²p/∂q_i∂q_j = a_i × ∂p/∂q_j` for i no farther from the root
+//! than j. A slide shifts along its axis and turns nothing; a ball counts as three hinges about its parent's axes.
+
+use nalgebra::{DMatrix, Vector3};
+
+use super::forward::{carry_through, joint_transforms, limb_frames};
+use crate::creature::{Creature, DofKind, Posture, turn_ball};
+use crate::geometry::Frame;
+use crate::schema::BodySchema;
+
+/// One way in which a posture may change: a hinge or slide with what follows it, or a ball's turn about one axis.
+#[derive(Clone, Debug)]
+struct Freedom {
+    coordinate: usize,
+    /// The least and greatest coordinate; a ball's largest angle is kept by its turn.
+    range: Option<[f64; 2]>,
+    /// Which axis of a ball.
+    part: usize,
+    /// Its axis among all axes, and those of what follows it.
+    axis: usize,
+    followers: Vec<usize>,
+}
+
+/// The ways in which some joints may change a posture, by a schema.
+#[derive(Clone, Debug)]
+pub struct Freedoms<'a> {
+    creature: &'a Creature,
+    schema: &'a BodySchema,
+    list: Vec<Freedom>,
+    /// Per limb, which limbs it carries, itself among them.
+    carries: Vec<Vec<bool>>,
+}
+
+/// How a limb moves as one coordinate grows.
+#[derive(Clone, Copy, Debug)]
+struct Screw {
+    /// The limb that it moves first, and its place among all screws of the body, root's side first.
+    limb: usize,
+    order: usize,
+    /// Its axis times the coordinate's rate, and a point on it, in the root's frame.
+    axis: Vector3<f64>,
+    origin: Vector3<f64>,
+    turns: bool,
+}
+
+/// A body in a posture, and how it moves from there.
+#[derive(Clone, Debug)]
+pub struct FreeMotions<'a> {
+    /// `X_RL` of every limb.
+    pub frames: Vec<Frame>,
+    carries: &'a [Vec<bool>],
+    /// Per freedom, what it moves.
+    screws: Vec<Vec<Screw>>,
+}
+
+impl<'a> Freedoms<'a> {
+    /// The freedoms of some joints, by their indices, root's side first.
+    pub fn new(creature: &'a Creature, schema: &'a BodySchema, joints: &[usize]) -> Freedoms<'a> {
+        let mut list = Vec::new();
+        for (j, joint) in creature.joints().iter().enumerate() {
+            for at in joint.elements().filter(|at| joints.contains(&j) && at.follows.is_none()) {
+                let leads = |other: usize| other == at.axis();
+                let followers = creature
+                    .elements()
+                    .filter(|other| other.follows.is_some_and(|coupling| leads(coupling.leader)))
+                    .map(|other| other.axis());
+                let freedom = Freedom {
+                    coordinate: at.coordinate(),
+                    range: (!at.is_ball()).then_some(at.range),
+                    part: 0,
+                    axis: at.axis(),
+                    followers: followers.collect(),
+                };
+                let parts = if at.is_ball() { 3 } else { 1 };
+                list.extend((0..parts).map(|part| Freedom { part, ..freedom.clone() }));
+            }
+        }
+        let limbs = creature.limbs().len();
+        let mut carries = vec![vec![false; limbs]; limbs];
+        for limb in 0..limbs {
+            carries[limb][limb] = true;
+            for other in limb + 1..limbs {
+                carries[limb][other] = creature.parent_of(other).is_some_and(|parent| carries[limb][parent]);
+            }
+        }
+        Freedoms { creature, schema, list, carries }
+    }
+
+    /// How many there are.
+    pub fn count(&self) -> usize {
+        self.list.len()
+    }
+
+    /// The least and greatest change of a freedom from a posture that keeps within its range and within `most`, radians
+    /// or metres.
+    pub fn bounds(&self, freedom: usize, posture: &[f64], most: f64) -> [f64; 2] {
+        let Freedom { coordinate, range, .. } = &self.list[freedom];
+        match range {
+            Some([low, high]) => {
+                let at = posture[*coordinate];
+                [(low - at).clamp(-most, 0.0), (high - at).clamp(0.0, most)]
+            }
+            None => [-most, most],
+        }
+    }
+
+    /// The posture that differs from another by a change of each freedom, within the joints' ranges.
+    pub fn changed(&self, posture: &[f64], change: &[f64]) -> Posture {
+        let mut changed = Posture::from(posture);
+        let mut turn = Vector3::zeros();
+        for (freedom, change) in self.list.iter().zip(change) {
+            let at = freedom.coordinate;
+            match freedom.range {
+                Some([low, high]) => changed[at] = (changed[at] + change).clamp(low, high),
+                None => {
+                    turn[freedom.part] = *change;
+                    if freedom.part == 2 {
+                        let ball = self.creature.elements().find(|other| other.axis() == freedom.axis);
+                        let most = ball.map_or(std::f64::consts::PI, |ball| ball.range[1]);
+                        turn_ball(&mut changed[at..], &turn, most);
+                    }
+                }
+            }
+        }
+        self.creature.couple(&mut changed);
+        changed
+    }
+
+    /// The body in a posture, and how it moves from there.
+    pub fn at(&self, posture: &[f64]) -> FreeMotions<'_> {
+        let frames = limb_frames(self.creature, self.schema, posture);
+        // Of every axis the joint, the direction, a point and the kind.
+        let mut axes: Vec<(usize, [Vector3<f64>; 3], Vector3<f64>, DofKind)> = Vec::new();
+        for (j, joint) in self.creature.joints().iter().enumerate() {
+            let mut frame = frames[joint.parent];
+            let mut kinds = joint.dofs.iter().map(|dof| dof.kind);
+            carry_through(self.schema, j, joint_transforms(joint, posture), &mut frame, |dof, _, before| {
+                let kind = kinds.next().expect("a kind for each degree of freedom");
+                let directions = match kind {
+                    DofKind::Ball => [0, 1, 2].map(|k| before.rotation.column(k).into_owned()),
+                    _ => [before.direction(&self.schema.axes[dof]); 3],
+                };
+                axes.push((j, directions, before.origin, kind));
+            });
+        }
+        let coordinates: Vec<_> = self.creature.elements().collect();
+        let screws = self.list.iter().map(|freedom| {
+            let screw = |axis: usize, rate: f64| {
+                let (joint, directions, origin, kind) = &axes[axis];
+                Screw {
+                    limb: joint + 1,
+                    order: 3 * axis + freedom.part,
+                    axis: directions[freedom.part] * rate,
+                    origin: *origin,
+                    turns: *kind != DofKind::Slide,
+                }
+            };
+            let following = freedom.followers.iter().map(|&axis| {
+                let rate = coordinates[axis].follows.map_or(0.0, |coupling| {
+                    let [_, a, b, c, d] = coupling.polynomial;
+                    let x = posture[freedom.coordinate];
+                    a + x * (2.0 * b + x * (3.0 * c + x * 4.0 * d))
+                });
+                screw(axis, rate)
+            });
+            std::iter::once(screw(freedom.axis, 1.0)).chain(following).collect()
+        });
+        FreeMotions { screws: screws.collect(), carries: &self.carries, frames }
+    }
+}
+
+impl FreeMotions<'_> {
+    /// What moves a limb: freedom and screw.
+    fn moving(&self, limb: usize) -> impl Iterator<Item = (usize, &Screw)> {
+        self.screws
+            .iter()
+            .enumerate()
+            .flat_map(|(k, screws)| screws.iter().map(move |screw| (k, screw)))
+            .filter(move |(_, screw)| self.carries[screw.limb][limb])
+    }
+
+    /// Adds to each freedom's entry how fast a point of a limb, given in the root's frame, moves along a direction.
+    pub fn add_point_rates(
+        &self,
+        limb: usize,
+        point: &Vector3<f64>,
+        along: &Vector3<f64>,
+        rates: &mut [f64],
+    ) {
+        for (k, screw) in self.moving(limb) {
+            rates[k] += screw.point_rate(point).dot(along);
+        }
+    }
+
+    /// The same for a direction that is fixed to a limb, given in the root's frame.
+    pub fn add_direction_rates(
+        &self,
+        limb: usize,
+        direction: &Vector3<f64>,
+        along: &Vector3<f64>,
+        rates: &mut [f64],
+    ) {
+        for (k, screw) in self.moving(limb).filter(|(_, screw)| screw.turns) {
+            rates[k] += screw.axis.cross(direction).dot(along);
+        }
+    }
+
+    /// Adds the second derivatives of where a point of a limb is along a direction.
+    pub fn add_point_curvature(
+        &self,
+        limb: usize,
+        point: &Vector3<f64>,
+        along: &Vector3<f64>,
+        sum: &mut DMatrix<f64>,
+    ) {
+        self.add_curvature(limb, along, sum, |screw| screw.point_rate(point));
+    }
+
+    /// The same for a direction that is fixed to a limb.
+    pub fn add_direction_curvature(
+        &self,
+        limb: usize,
+        direction: &Vector3<f64>,
+        along: &Vector3<f64>,
+        sum: &mut DMatrix<f64>,
+    ) {
+        self.add_curvature(limb, along, sum, |screw| match screw.turns {
+            true => screw.axis.cross(direction),
+            false => Vector3::zeros(),
+        });
+    }
+
+    fn add_curvature(
+        &self,
+        limb: usize,
+        along: &Vector3<f64>,
+        sum: &mut DMatrix<f64>,
+        rate: impl Fn(&Screw) -> Vector3<f64>,
+    ) {
+        let moving: Vec<(usize, &Screw, Vector3<f64>)> =
+            self.moving(limb).map(|(k, screw)| (k, screw, rate(screw))).collect();
+        for (i, outer, _) in moving.iter().filter(|(_, screw, _)| screw.turns) {
+            // The turn nearer to the root turns the rate of the other.
+            let turned = along.cross(&outer.axis);
+            for (k, inner, rate) in moving.iter().filter(|(_, inner, _)| inner.order >= outer.order) {
+                let second = turned.dot(rate);
+                sum[(*i, *k)] += second;
+                if inner.order > outer.order {
+                    sum[(*k, *i)] += second;
+                }
+            }
+        }
+    }
+}
+
+impl Screw {
+    /// How fast a point that it carries moves.
+    fn point_rate(&self, point: &Vector3<f64>) -> Vector3<f64> {
+        if self.turns { self.axis.cross(&(point - self.origin)) } else { self.axis }
+    }
+}

@@ -1,0 +1,392 @@
+//! Reaching as one optimisation: of all postures that keep clear and have a place of the body as it is to be, the one that
+//! has it farthest along a direction.
+//!
+//! ```text
+//! most   a · p(q)                             p: the place, in the root's frame
+//! where  a_k · p(q) = h_k                     levels: a height that it keeps, or all of where it is to be
+//!        R(q) u ∥ v                           a direction of its limb that is to lead along one of space
+//!        gap_i(q) ≥ margin                    limbs from each other and from what is known to be there
+//!        ranges of the joints
+//! ```
+//!
+//! Sequential quadratic programming with an ℓ1 merit function and a trust region (Fletcher 1985; Nocedal and Wright 2006,
+//! section 18.5): every step solves a quadratic program that has the exact second derivatives of the place, its negative
+//! curvature left out, and the gaps' planes of closest approach; what it cannot keep it breaks at a price. What it finds is
+//! the best near where it begins, so that it is begun from many postures (`farthest`).
+
+use clarabel::algebra::CscMatrix;
+use clarabel::solver::{DefaultSettings, DefaultSolver, IPSolver, NonnegativeConeT, SolverStatus, ZeroConeT};
+use nalgebra::{DMatrix, DVector, Vector3};
+
+use super::collision::{CollisionChecker, Nearness};
+use super::own_body::OwnBody;
+use crate::creature::Posture;
+use crate::kinematics::{FreeMotions, Freedoms, Place, tangent_basis};
+
+/// What a radian that a direction is off counts as, metres: an arm's half.
+const DIRECTION_LENGTH: f64 = 0.3;
+/// What a metre of what is not kept costs in metres of reach: more than any multiplier away from a straight arm.
+const PRICE: f64 = 20.0;
+/// The farthest that a freedom goes in one step, radians or metres: at first, …
+const FIRST_STEP: f64 = 0.3;
+/// … at most, …
+const LONGEST_STEP: f64 = 0.5;
+/// … and where it ends.
+const SHORTEST_STEP: f64 = 1e-5;
+/// Gaps up to this are looked after in a step, metres for each radian or metre that it may go.
+const OUTLOOK: f64 = 0.15;
+/// Steps at most.
+const STEPS: usize = 50;
+/// The least gain for which another step is made, metres.
+const GAIN: f64 = 2e-5;
+/// The least curvature that a step counts with, metres a squared radian.
+const CURVATURE: f64 = 1e-3;
+/// How often a step is corrected at most.
+const CORRECTIONS: usize = 3;
+/// What is off by less than this is not corrected, metres.
+const EXACT: f64 = 1e-7;
+/// How far what is to be kept may be off in a posture that keeps it, metres.
+pub const KEPT: f64 = 2e-4;
+
+/// What a posture is to be like.
+#[derive(Clone, Debug)]
+pub struct PostureProgram<'a> {
+    own: &'a OwnBody,
+    clearance: CollisionChecker,
+    freedoms: Freedoms<'a>,
+    place: Place,
+    along: Vector3<f64>,
+    levels: Vec<(Vector3<f64>, f64)>,
+    /// A direction of space that the place's direction is to be parallel to, and two across it.
+    parallel: Option<[Vector3<f64>; 2]>,
+    margin: f64,
+}
+
+/// A posture that a program found.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PosedPlace {
+    /// The posture.
+    pub posture: Posture,
+    /// How far the place is along the direction, metres.
+    pub along: f64,
+    /// What is not kept, all in all, metres.
+    pub broken: f64,
+    /// Steps that it took.
+    pub steps: usize,
+}
+
+impl PosedPlace {
+    /// Whether all is kept that is to be.
+    pub fn kept(&self) -> bool {
+        self.broken <= KEPT
+    }
+}
+
+/// One thing that is to be zero: what it is now, and how it changes with the freedoms.
+struct Equality {
+    value: f64,
+    rates: Vec<f64>,
+}
+
+impl<'a> PostureProgram<'a> {
+    /// The farthest that a place gets along a unit direction of the root's frame, moving some joints, where limbs keep
+    /// `margin` metres clear of each other and of what is known to be there.
+    pub fn farthest(
+        own: &'a OwnBody,
+        clearance: &CollisionChecker,
+        joints: &[usize],
+        place: Place,
+        along: Vector3<f64>,
+        margin: f64,
+    ) -> PostureProgram<'a> {
+        PostureProgram {
+            own,
+            clearance: clearance.moved_by(own, joints),
+            freedoms: Freedoms::new(own.creature(), &own.schema, joints),
+            place,
+            along,
+            levels: Vec::new(),
+            parallel: None,
+            margin,
+        }
+    }
+
+    /// The same where the place keeps at a level along a unit direction of the root's frame, metres.
+    pub fn at_level(mut self, direction: Vector3<f64>, level: f64) -> Self {
+        self.levels.push((direction, level));
+        self
+    }
+
+    /// The same where the place's direction is to lead along a unit direction of the root's frame.
+    pub fn parallel_to(mut self, direction: Vector3<f64>) -> Self {
+        let across = tangent_basis(&direction);
+        self.parallel = Some([0, 1].map(|k| across.column(k).into_owned()));
+        self
+    }
+
+    /// The best posture that steps from a start lead to; joints that do not move stay as they are there.
+    pub fn solve(&self, start: &[f64]) -> PosedPlace {
+        self.solve_within(start, STEPS)
+    }
+
+    /// The same with so many steps at most.
+    pub fn solve_within(&self, start: &[f64], most_steps: usize) -> PosedPlace {
+        let mut posture = self.freedoms.changed(start, &vec![0.0; self.freedoms.count()]);
+        let mut merit = self.merit(&posture);
+        let mut reach = FIRST_STEP;
+        let mut multipliers = Multipliers::default();
+        let mut steps = 0;
+        while steps < most_steps && reach > SHORTEST_STEP {
+            steps += 1;
+            let body = self.freedoms.at(&posture);
+            let equalities = self.equalities(&body);
+            let near = self.clearance.near(&body.frames, self.margin + OUTLOOK * reach);
+            let Some((change, gain, found)) =
+                self.step(&posture, &body, &equalities, &near, reach, &multipliers)
+            else {
+                reach *= 0.25;
+                continue;
+            };
+            multipliers = found;
+            if gain < GAIN {
+                break;
+            }
+            let (trial, after) = self.drawn_back(self.freedoms.changed(&posture, &change));
+            let share = (merit - after) / gain;
+            let longest = change.iter().fold(0.0f64, |most, x| most.max(x.abs()));
+            if share > 0.05 {
+                (posture, merit) = (trial, after);
+            }
+            if share < 0.25 {
+                reach = 0.35 * reach.min(longest);
+            } else if share > 0.7 {
+                reach = (2.0 * reach).min(LONGEST_STEP);
+            }
+        }
+        let (along, broken) = self.measured(&posture);
+        PosedPlace { posture, along, broken, steps }
+    }
+
+    /// How far the place is along the direction, and all that is not kept, metres.
+    fn measured(&self, posture: &[f64]) -> (f64, f64) {
+        let body = self.own.frames(posture);
+        let frame = &body[self.place.limb];
+        let point = frame.point(&self.place.point);
+        let levels = self.levels.iter().map(|(direction, level)| (direction.dot(&point) - level).abs());
+        let direction = frame.rotation * self.place.direction;
+        let tilts =
+            self.parallel.iter().flatten().map(|across| DIRECTION_LENGTH * across.dot(&direction).abs());
+        let near = self.clearance.near(&body, self.margin);
+        let gaps = near.iter().map(|near| (self.asked(near) - near.distance).max(0.0));
+        (point.dot(&self.along), levels.chain(tilts).chain(gaps).sum())
+    }
+
+    /// The gap that is asked for, metres: a little more than what must be, where that is less than the margin.
+    fn asked(&self, near: &Nearness) -> f64 {
+        self.margin.min(near.eased + KEPT)
+    }
+
+    fn merit(&self, posture: &[f64]) -> f64 {
+        let (along, broken) = self.measured(posture);
+        PRICE * broken - along
+    }
+
+    fn equalities(&self, body: &FreeMotions) -> Vec<Equality> {
+        let frame = &body.frames[self.place.limb];
+        let point = frame.point(&self.place.point);
+        let blank = || vec![0.0; self.freedoms.count()];
+        let levels = self.levels.iter().map(|(direction, level)| {
+            let mut rates = blank();
+            body.add_point_rates(self.place.limb, &point, direction, &mut rates);
+            Equality { value: direction.dot(&point) - level, rates }
+        });
+        let leading = frame.rotation * self.place.direction;
+        let tilts = self.parallel.iter().flatten().map(|across| {
+            let mut rates = blank();
+            let across = across * DIRECTION_LENGTH;
+            body.add_direction_rates(self.place.limb, &leading, &across, &mut rates);
+            Equality { value: across.dot(&leading), rates }
+        });
+        levels.chain(tilts).collect()
+    }
+
+    /// A posture drawn back by a least change to where what is to be zero is so and gaps are as wide as is asked, as their
+    /// slopes tell: what a step along bent surfaces leaves them by (a second-order correction). Where that betters it; and
+    /// its merit.
+    fn drawn_back(&self, posture: Posture) -> (Posture, f64) {
+        let merit = self.merit(&posture);
+        let mut best = (posture, merit);
+        for _ in 0..CORRECTIONS {
+            let body = self.freedoms.at(&best.0);
+            let mut rows = self.equalities(&body);
+            for near in self.clearance.near(&body.frames, self.margin) {
+                let lacking = self.asked(&near) - near.distance;
+                if lacking > 0.0 {
+                    let mut rates = vec![0.0; self.freedoms.count()];
+                    self.add_gap_rates(&body, &near, 1.0, &mut rates);
+                    rows.push(Equality { value: -lacking, rates });
+                }
+            }
+            if rows.iter().all(|row| row.value.abs() < EXACT) {
+                break;
+            }
+            let count = rows.len();
+            let matrix = DMatrix::from_fn(count, self.freedoms.count(), |i, k| rows[i].rates[k]);
+            let values = DVector::from_iterator(count, rows.iter().map(|row| row.value));
+            let normal = &matrix * matrix.transpose() + DMatrix::identity(count, count) * 1e-6;
+            let Some(factor) = normal.cholesky() else { break };
+            let change = -(matrix.transpose() * factor.solve(&values));
+            let corrected = self.freedoms.changed(&best.0, change.as_slice());
+            let merit = self.merit(&corrected);
+            if merit >= best.1 {
+                break;
+            }
+            best = (corrected, merit);
+        }
+        best
+    }
+
+    /// Adds how fast a gap grows with each freedom, times a factor.
+    fn add_gap_rates(&self, body: &FreeMotions, near: &Nearness, factor: f64, rates: &mut [f64]) {
+        let along = near.normal * factor;
+        body.add_point_rates(near.limbs.0, &near.points[0], &along, rates);
+        if let Some(other) = near.limbs.1 {
+            body.add_point_rates(other, &near.points[1], &-along, rates);
+        }
+    }
+
+    /// The step that promises most, what it promises in merit, and what each condition holds it back by.
+    fn step(
+        &self,
+        posture: &[f64],
+        body: &FreeMotions,
+        equalities: &[Equality],
+        near: &[Nearness],
+        reach: f64,
+        multipliers: &Multipliers,
+    ) -> Option<(Vec<f64>, f64, Multipliers)> {
+        let n = self.freedoms.count();
+        let (m, k) = (equalities.len(), near.len());
+        let variables = n + 2 * m + k;
+        let limb = self.place.limb;
+        let point = body.frames[limb].point(&self.place.point);
+        let leading = body.frames[limb].rotation * self.place.direction;
+        // The curvature of reach and conditions, by what the last step was held back by.
+        let mut curvature = DMatrix::zeros(n, n);
+        let mut pull = -self.along;
+        for ((direction, _), by) in self.levels.iter().zip(&multipliers.equalities) {
+            pull += direction * *by;
+        }
+        body.add_point_curvature(limb, &point, &pull, &mut curvature);
+        let tilts = self.parallel.iter().flatten().zip(multipliers.equalities.iter().skip(self.levels.len()));
+        let turn: Vector3<f64> = tilts.map(|(across, by)| across * (DIRECTION_LENGTH * *by)).sum();
+        if turn != Vector3::zeros() {
+            body.add_direction_curvature(limb, &leading, &turn, &mut curvature);
+        }
+        // Where two limbs were held apart, it is now their nearest places that do so.
+        for (limbs, by) in &multipliers.gaps {
+            let nearest = near.iter().filter(|near| near.limbs == *limbs);
+            if let Some(near) = nearest.min_by(|a, b| a.distance.total_cmp(&b.distance)) {
+                let along = near.normal * -*by;
+                body.add_point_curvature(near.limbs.0, &near.points[0], &along, &mut curvature);
+                if let Some(other) = near.limbs.1 {
+                    body.add_point_curvature(other, &near.points[1], &-along, &mut curvature);
+                }
+            }
+        }
+        let mut eigen = curvature.symmetric_eigen();
+        eigen.eigenvalues.iter_mut().for_each(|value| *value = value.max(CURVATURE));
+        let curvature = eigen.recompose();
+        let mut slope = vec![0.0; n];
+        body.add_point_rates(limb, &point, &-self.along, &mut slope);
+
+        let mut p = Entries::default();
+        for column in 0..n {
+            (0..=column).for_each(|row| p.push(row, column, curvature[(row, column)]));
+        }
+        let mut q = slope.clone();
+        q.resize(variables, PRICE);
+        let mut a = Entries::default();
+        let mut b = Vec::with_capacity(m + k + 2 * n + 2 * m + k);
+        for (i, equality) in equalities.iter().enumerate() {
+            equality.rates.iter().enumerate().for_each(|(column, rate)| a.push(i, column, *rate));
+            a.push(i, n + 2 * i, 1.0);
+            a.push(i, n + 2 * i + 1, -1.0);
+            b.push(-equality.value);
+        }
+        for (i, near) in near.iter().enumerate() {
+            let row = b.len();
+            let mut rates = vec![0.0; n];
+            self.add_gap_rates(body, near, -1.0, &mut rates);
+            rates.iter().enumerate().for_each(|(column, rate)| a.push(row, column, *rate));
+            a.push(row, n + 2 * m + i, -1.0);
+            b.push(near.distance - self.asked(near));
+        }
+        for column in 0..n {
+            let [low, high] = self.freedoms.bounds(column, posture, reach);
+            a.push(b.len(), column, -1.0);
+            b.push(-low);
+            a.push(b.len(), column, 1.0);
+            b.push(high);
+        }
+        for column in n..variables {
+            a.push(b.len(), column, -1.0);
+            b.push(0.0);
+        }
+        let cones = [ZeroConeT(m), NonnegativeConeT(b.len() - m)];
+        let settings = DefaultSettings { verbose: false, max_iter: 60, ..DefaultSettings::default() };
+        let (p, a) = (p.matrix(variables, variables), a.matrix(b.len(), variables));
+        let mut solver = DefaultSolver::new(&p, &q, &a, &b, &cones, settings).ok()?;
+        solver.solve();
+        if !matches!(solver.solution.status, SolverStatus::Solved | SolverStatus::AlmostSolved) {
+            return None;
+        }
+        let solution = &solver.solution;
+        let change = solution.x[..n].to_vec();
+        // What is not kept now and what would not be by the planes, against what is won.
+        let now: f64 = equalities.iter().map(|equality| equality.value.abs()).sum::<f64>()
+            + near.iter().map(|near| (self.asked(near) - near.distance).max(0.0)).sum::<f64>();
+        let promised = PRICE * now - solution.obj_val;
+        let mut gaps: Vec<(Limbs, f64)> = Vec::new();
+        for (near, &by) in near.iter().zip(&solution.z[m..m + k]).filter(|(_, by)| **by > 1e-3) {
+            match gaps.iter_mut().find(|(limbs, _)| *limbs == near.limbs) {
+                Some((_, sum)) => *sum += by,
+                None => gaps.push((near.limbs, by)),
+            }
+        }
+        let multipliers = Multipliers { equalities: solution.z[..m].to_vec(), gaps };
+        Some((change, promised, multipliers))
+    }
+}
+
+/// What conditions hold a step back by, metres of reach for each metre.
+#[derive(Clone, Debug, Default)]
+struct Multipliers {
+    equalities: Vec<f64>,
+    gaps: Vec<(Limbs, f64)>,
+}
+
+/// The limbs of a gap; none for an obstacle.
+type Limbs = (usize, Option<usize>);
+
+/// The entries of a sparse matrix.
+#[derive(Default)]
+struct Entries {
+    rows: Vec<usize>,
+    columns: Vec<usize>,
+    values: Vec<f64>,
+}
+
+impl Entries {
+    fn push(&mut self, row: usize, column: usize, value: f64) {
+        if value != 0.0 {
+            self.rows.push(row);
+            self.columns.push(column);
+            self.values.push(value);
+        }
+    }
+
+    fn matrix(self, rows: usize, columns: usize) -> CscMatrix<f64> {
+        CscMatrix::new_from_triplets(rows, columns, self.rows, self.columns, self.values)
+    }
+}
