@@ -25,6 +25,8 @@ use crate::kinematics::{FreeMotions, Freedoms, Place, tangent_basis};
 
 /// What a radian that a direction is off counts as, metres: an arm's half.
 const DIRECTION_LENGTH: f64 = 0.3;
+/// Nearer to a right angle a direction counts as if its cosine were this.
+const UPSIDE: f64 = 0.3;
 /// What a metre of what is not kept costs in metres of reach: more than any multiplier away from a straight arm.
 const PRICE: f64 = 20.0;
 /// The farthest that a freedom goes in one step, radians or metres: at first, …
@@ -57,8 +59,8 @@ pub struct PostureProgram<'a> {
     place: Place,
     along: Vector3<f64>,
     levels: Vec<(Vector3<f64>, f64)>,
-    /// A direction of space that the place's direction is to be parallel to, and two across it.
-    parallel: Option<[Vector3<f64>; 2]>,
+    /// A direction of space along which the place's is to lead, and two across it.
+    parallel: Option<[Vector3<f64>; 3]>,
     margin: f64,
 }
 
@@ -80,6 +82,12 @@ impl PosedPlace {
     pub fn kept(&self) -> bool {
         self.broken <= KEPT
     }
+}
+
+/// How far a direction is off in two directions across it, metres, and along what of space that grows with the direction.
+struct Tilt {
+    values: [f64; 2],
+    across: [Vector3<f64>; 2],
 }
 
 /// One thing that is to be zero: what it is now, and how it changes with the freedoms.
@@ -120,7 +128,7 @@ impl<'a> PostureProgram<'a> {
     /// The same where the place's direction is to lead along a unit direction of the root's frame.
     pub fn parallel_to(mut self, direction: Vector3<f64>) -> Self {
         let across = tangent_basis(&direction);
-        self.parallel = Some([0, 1].map(|k| across.column(k).into_owned()));
+        self.parallel = Some([direction, across.column(0).into_owned(), across.column(1).into_owned()]);
         self
     }
 
@@ -174,8 +182,8 @@ impl<'a> PostureProgram<'a> {
         let point = frame.point(&self.place.point);
         let levels = self.levels.iter().map(|(direction, level)| (direction.dot(&point) - level).abs());
         let direction = frame.rotation * self.place.direction;
-        let tilts =
-            self.parallel.iter().flatten().map(|across| DIRECTION_LENGTH * across.dot(&direction).abs());
+        let tilt = self.tilt(&direction);
+        let tilts = tilt.iter().flat_map(|tilt| tilt.values).map(f64::abs);
         let near = self.clearance.near(&body, self.margin);
         let gaps = near.iter().map(|near| (self.asked(near) - near.distance).max(0.0));
         (point.dot(&self.along), levels.chain(tilts).chain(gaps).sum())
@@ -191,6 +199,23 @@ impl<'a> PostureProgram<'a> {
         PRICE * broken - along
     }
 
+    /// How far the place's direction leads away from where it is to, by the angle between them.
+    fn tilt(&self, leading: &Vector3<f64>) -> Option<Tilt> {
+        let [direction, across @ ..] = self.parallel.as_ref()?;
+        let cosine = leading.dot(direction);
+        let [a, b] = [0, 1].map(|k| across[k].dot(leading));
+        let sine = a.hypot(b);
+        let angle = sine.atan2(cosine);
+        // Against its direction it may turn any way.
+        let [a, b] = if sine > 1e-9 { [a / sine, b / sine] } else { [1.0, 0.0] };
+        // Beyond a right angle what is across grows as the angle shrinks.
+        let grows = if cosine.abs() < UPSIDE { UPSIDE.copysign(cosine) } else { cosine };
+        Some(Tilt {
+            values: [a, b].map(|part| DIRECTION_LENGTH * angle * part),
+            across: [0, 1].map(|k| across[k] * (DIRECTION_LENGTH / grows)),
+        })
+    }
+
     fn equalities(&self, body: &FreeMotions) -> Vec<Equality> {
         let frame = &body.frames[self.place.limb];
         let point = frame.point(&self.place.point);
@@ -201,12 +226,13 @@ impl<'a> PostureProgram<'a> {
             Equality { value: direction.dot(&point) - level, rates }
         });
         let leading = frame.rotation * self.place.direction;
-        let tilts = self.parallel.iter().flatten().map(|across| {
-            let mut rates = blank();
-            let across = across * DIRECTION_LENGTH;
-            body.add_direction_rates(self.place.limb, &leading, &across, &mut rates);
-            Equality { value: across.dot(&leading), rates }
-        });
+        let tilt = self.tilt(&leading);
+        let tilts =
+            tilt.iter().flat_map(|tilt| tilt.values.into_iter().zip(&tilt.across)).map(|(value, across)| {
+                let mut rates = blank();
+                body.add_direction_rates(self.place.limb, &leading, across, &mut rates);
+                Equality { value, rates }
+            });
         levels.chain(tilts).collect()
     }
 
@@ -278,8 +304,12 @@ impl<'a> PostureProgram<'a> {
             pull += direction * *by;
         }
         body.add_point_curvature(limb, &point, &pull, &mut curvature);
-        let tilts = self.parallel.iter().flatten().zip(multipliers.equalities.iter().skip(self.levels.len()));
-        let turn: Vector3<f64> = tilts.map(|(across, by)| across * (DIRECTION_LENGTH * *by)).sum();
+        let tilt = self.tilt(&leading);
+        let tilts = tilt
+            .iter()
+            .flat_map(|tilt| tilt.across)
+            .zip(&multipliers.equalities[..][self.levels.len().min(multipliers.equalities.len())..]);
+        let turn: Vector3<f64> = tilts.map(|(across, by)| across * *by).sum();
         if turn != Vector3::zeros() {
             body.add_direction_curvature(limb, &leading, &turn, &mut curvature);
         }

@@ -172,10 +172,10 @@ pub fn measure(subject: &Subject) -> Result<Findings<FarthestMeasurement, Farthe
                 told = match result {
                     Err(Trouble::Engine(error)) => return Err(error.into()),
                     Err(trouble) => trouble.to_string(),
-                    Ok(()) if put => "put".into(),
-                    Ok(()) if !stands => "it fell off the table".into(),
-                    Ok(()) if tilt > FELL => "it fell over".into(),
-                    Ok(()) => "it is not where it was to be".into(),
+                    Ok(_) if put => "put".into(),
+                    Ok(_) if !stands => "it fell off the table".into(),
+                    Ok(_) if tilt > FELL => "it fell over".into(),
+                    Ok(_) => "it is not where it was to be".into(),
                 };
             }
             let moved = actor.stage.thing_pose(thing).translation.vector - before.translation.vector;

@@ -1,11 +1,14 @@
 //! Carrying what is held to a spot: all of the way is planned before it moves, up, over, and down.
 
+use nalgebra::Vector3;
+
 use super::Trouble;
 use super::putting::Spot;
 use crate::creature::Posture;
+use crate::geometry::Capsule;
 use crate::interaction::actor::{Actor, CAREFUL, SWIFT};
 use crate::kinematics::{Facing, InverseKinematics, Place, REACHED};
-use crate::peripersonal::{OutOfReach, OwnBody, PosturePath, distance};
+use crate::peripersonal::{Obstacle, OutOfReach, OwnBody, PosturePath, distance};
 use crate::senses::{SkinContact, Toucher};
 
 /// How high a thing is lifted, metres: the highest of these that its way allows.
@@ -24,6 +27,13 @@ const LIFT: f64 = 0.05;
 const SETTLE: f64 = 0.002;
 /// What a radian is worth in metres where a grip is to stay upright, at first and at the last.
 const UPRIGHT: [f64; 2] = [0.05, 0.02];
+/// How often it is carried anew at most, after something was met on the way.
+const ATTEMPTS: usize = 4;
+/// How large what was met is taken to be, metres: by what skin meets, and by what what is held meets.
+const MET: f64 = 0.04;
+const MET_THROUGH: f64 = 0.08;
+/// How far it goes back from there, metres.
+const MET_BACK: f64 = 0.06;
 /// Nearer than this a posture is the one that a plan begins in, radians.
 const SAME: f64 = 1e-6;
 
@@ -52,14 +62,29 @@ impl Actor {
         to: &[f64],
         joints: &[usize],
     ) -> Result<CarryingPlan, OutOfReach> {
-        let from = self.posture();
-        let mut up = self.lifted(place, &from, joints, &DRAWN_BACK[..1]).ok_or(OutOfReach::Barred)?;
+        let up = self.lifted_here(place, joints).ok_or(OutOfReach::Barred)?;
+        self.plan_after(place, up, to, joints)
+    }
+
+    /// The way on which what a place holds is lifted from where it stands now.
+    pub(super) fn lifted_here(&self, place: Place, joints: &[usize]) -> Option<PosturePath> {
+        self.lifted(place, &self.posture(), joints, &DRAWN_BACK[..1])
+    }
+
+    /// The same where what is held has been lifted on a way already.
+    pub(super) fn plan_after(
+        &mut self,
+        place: Place,
+        mut up: PosturePath,
+        to: &[f64],
+        joints: &[usize],
+    ) -> Result<CarryingPlan, OutOfReach> {
         let mut down = self.lifted(place, to, joints, &DRAWN_BACK).ok_or(OutOfReach::Barred)?;
         let (Some(raised), Some(above)) = (up.0.last().cloned(), down.0.last().cloned()) else {
             return Err(OutOfReach::Barred);
         };
         let over = self.find_path([&raised, &above], joints)?;
-        up.0.remove(0);
+        let from = up.0.remove(0);
         down.0.reverse();
         let point = self.own.frames(to)[place.limb].point(&place.point) - self.up * SETTLE;
         let target = Place { limb: 0, point, direction: self.up };
@@ -99,33 +124,91 @@ impl Actor {
     }
 
     /// Carries what a receptor holds to a spot: up, over, and down until it is felt to stand; then lets go and comes
-    /// back.
+    /// back. Where something is met on the way, it keeps off that from then on; where the spot was the farthest, another is
+    /// chosen that does. Tells where the grip was when it let go, in the root's frame, metres.
     ///
     /// # Errors
     /// [`Trouble`].
-    pub fn put(&mut self, receptor: usize, spot: &Spot, lean: bool) -> Result<(), Trouble> {
+    pub fn put(&mut self, receptor: usize, spot: &Spot, lean: bool) -> Result<Vector3<f64>, Trouble> {
         let Some(hand) = self.arm_of(receptor) else { return Err(Trouble::Nothing) };
         let joints = self.hands[hand].joints(lean).to_vec();
-        let up = self.up;
         let limb = self.own.place(receptor).limb;
-        let upright = self.frames()[limb].rotation.tr_mul(&up);
+        let upright = self.frames()[limb].rotation.tr_mul(&self.up);
         let place = Place { direction: upright, ..self.own.place(receptor) };
-        let plan = match distance(&self.posture(), &spot.plan.from) < SAME {
-            true => spot.plan.clone(),
-            false => self.plan_carrying(place, &spot.posture, &joints)?,
-        };
-        // What is held may scrape over what it stands on: that is no surprise.
-        let expected = |_: &Actor, contact: &SkinContact| !matches!(contact.by, Toucher::Through(_));
-        self.follow(&plan.up, CAREFUL, expected)?;
-        self.pass(&plan.over, SWIFT)?;
-        self.follow(&plan.down, CAREFUL, |_, contact| matches!(contact.by, Toucher::Through(_)))?;
+        let known = self.clearance.obstacles.len();
+        let carried = self.carry_to(receptor, place, spot, &joints);
+        self.clearance.obstacles.truncate(known);
+        carried?;
         self.let_go();
         let stay = self.posture();
         self.wait(0.2)?;
-        let point = self.feels_at(receptor).0 + up * LIFT;
-        let target = Place { limb: 0, point, direction: up };
+        let point = self.feels_at(receptor).0;
+        let target = Place { limb: 0, point: point + self.up * LIFT, direction: self.up };
         let back = upright_at(&self.own, &joints, [place, target]).solve(&stay).posture;
         self.follow(&PosturePath(vec![back]), CAREFUL, |_, _| false)?;
+        Ok(point)
+    }
+
+    /// Carries what is held until it stands at a spot.
+    fn carry_to(
+        &mut self,
+        receptor: usize,
+        place: Place,
+        spot: &Spot,
+        joints: &[usize],
+    ) -> Result<(), Trouble> {
+        let mut spot = spot.clone();
+        if distance(&self.posture(), &spot.plan.from) >= SAME {
+            spot.plan = self.plan_carrying(place, &spot.posture, joints)?;
+        }
+        // What is held may scrape over what it stands on: that is no surprise.
+        let expected = |_: &Actor, contact: &SkinContact| !matches!(contact.by, Toucher::Through(_));
+        self.follow(&spot.plan.up, CAREFUL, expected)?;
+        for attempt in 1.. {
+            match self.pass(&spot.plan.over, SWIFT) {
+                Err(Trouble::Hit(contacts)) if attempt < ATTEMPTS => {
+                    self.keep_off(receptor, &contacts)?;
+                    let from = self.posture();
+                    let again = spot.chosen.and_then(|chosen| {
+                        self.farthest_from(place, chosen, joints, &PosturePath(vec![from.clone()]))
+                    });
+                    match again {
+                        Some(again) => spot = again,
+                        None => {
+                            let above = spot.plan.over.end().map(Posture::from);
+                            let above = above.ok_or(OutOfReach::Barred)?;
+                            spot.plan.over = self.find_path([&from, &above], joints)?;
+                        }
+                    }
+                }
+                Err(trouble) => return Err(trouble),
+                Ok(()) => break,
+            }
+        }
+        self.follow(&spot.plan.down, CAREFUL, |_, contact| matches!(contact.by, Toucher::Through(_)))?;
+        Ok(())
+    }
+
+    /// Goes back from what was met and takes it for a ball, of which the hand, and what it holds, is to keep clear.
+    fn keep_off(&mut self, receptor: usize, contacts: &[SkinContact]) -> Result<(), Trouble> {
+        let Some(contact) = contacts.first() else { return Ok(()) };
+        let (grip, _) = self.feels_at(receptor);
+        let (point, into) = self.feels_at(contact.spot.receptor);
+        let way = self.back_by(contact.spot.receptor, MET_BACK);
+        let before = way.as_ref().and_then(PosturePath::end).map(|posture| {
+            let place = self.own.place(receptor);
+            self.own.frames(posture)[place.limb].point(&place.point)
+        });
+        let ahead = before.and_then(|before| (grip - before).try_normalize(1e-4)).unwrap_or(into);
+        let ball = match contact.by {
+            // What is held met it, somewhere ahead.
+            Toucher::Through(_) => Capsule::ball(grip + ahead * MET_THROUGH, MET_THROUGH),
+            _ => Capsule::ball(point + into * MET, MET),
+        };
+        if let Some(way) = way {
+            self.follow(&way, SWIFT, |_, _| false)?;
+        }
+        self.clearance.obstacles.push(Obstacle::Capsule(ball));
         Ok(())
     }
 }

@@ -9,7 +9,7 @@ use super::carrying::{CarryingPlan, upright_at};
 use crate::creature::Posture;
 use crate::interaction::actor::{Actor, Hand};
 use crate::kinematics::{Place, REACHED};
-use crate::peripersonal::{PosedPlace, PostureProgram, farthest_postures};
+use crate::peripersonal::{PosedPlace, PosturePath, PostureProgram, farthest_postures};
 
 /// How clear limbs are of each other and of the table where something is put, metres, …
 const MARGIN: f64 = 0.002;
@@ -35,6 +35,19 @@ pub struct Spot {
     pub posture: Posture,
     /// The way there from where it was chosen.
     pub(super) plan: CarryingPlan,
+    /// How it was chosen, where it is the farthest.
+    pub(super) chosen: Option<FarthestChoice>,
+}
+
+/// What a farthest spot is chosen by.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct FarthestChoice {
+    /// The hand that holds.
+    pub hand: usize,
+    /// The grip's height, metres.
+    pub height: f64,
+    pub lean: bool,
+    pub effort: usize,
 }
 
 impl Actor {
@@ -52,16 +65,29 @@ impl Actor {
         let hand = self.arm_of(receptor)?;
         let joints = self.hands[hand].joints(lean).to_vec();
         let place = Place { direction: upright, ..self.own.place(receptor) };
+        let up = self.lifted_here(place, &joints)?;
+        self.farthest_from(place, FarthestChoice { hand, height, lean, effort }, &joints, &up)
+    }
+
+    /// The farthest spot for a place that has been lifted on a way, its first posture that in which one is.
+    pub(super) fn farthest_from(
+        &mut self,
+        place: Place,
+        chosen: FarthestChoice,
+        joints: &[usize],
+        up: &PosturePath,
+    ) -> Option<Spot> {
+        let FarthestChoice { hand, height, lean, effort } = chosen;
         let mut found = self.farthest_postures(hand, place, height, lean, effort);
         for nearer in NEARER {
             for posed in &found {
-                if let Ok(plan) = self.plan_carrying(place, &posed.posture, &joints) {
+                if let Ok(plan) = self.plan_after(place, up.clone(), &posed.posture, joints) {
                     let point = self.own.frames(&posed.posture)[place.limb].point(&place.point);
-                    return Some(Spot { point, posture: posed.posture.clone(), plan });
+                    return Some(Spot { point, posture: posed.posture.clone(), plan, chosen: Some(chosen) });
                 }
             }
             let best = found.first()?;
-            let program = self.put_at(&joints, place, height).at_level(self.front, best.along - nearer);
+            let program = self.put_at(joints, place, height).at_level(self.front, best.along - nearer);
             found =
                 found.iter().map(|posed| program.solve(&posed.posture)).filter(PosedPlace::kept).collect();
         }
@@ -199,7 +225,7 @@ impl Actor {
                 && reach.facing > 0.98
                 && clearance.free(&self.own.frames(&reach.posture), MARGIN);
             let plan = fits.then(|| self.plan_carrying(place, &reach.posture, &joints).ok()).flatten()?;
-            Some(Spot { point, posture: reach.posture, plan })
+            Some(Spot { point, posture: reach.posture, plan, chosen: None })
         })
     }
 

@@ -99,9 +99,9 @@ impl Conversation {
             actor.let_go();
             return Ok(self.reply(intent, "I find no place for it that I reach".into(), Some(false), false));
         };
-        let moved = spot.point - point;
         match self.actor.put(receptor, &spot, lean) {
-            Ok(()) => {
+            Ok(stands) => {
+                let moved = stands - point;
                 let known = &mut self.things[i];
                 known.carried(&moved);
                 let at = known.at;
