@@ -25,6 +25,8 @@ const ROOMS: [f64; 4] = [0.15, 0.1, 0.06, 0.03];
 const SHARP: f64 = 3e-3;
 /// How much lower than where it was felt a thing is met that stands on a table, in shares of the height over the table.
 const LOWER: f64 = 0.3;
+/// What is felt farther than this from where a thing was felt is something else, metres: about as much as a thing is large.
+const ELSEWHERE: f64 = 0.2;
 /// How often an arm that withdraws may meet a thing on its way.
 const WITHDRAWALS: usize = 3;
 /// Steps of a straight way off a thing …
@@ -194,7 +196,11 @@ impl Actor {
                 Err(trouble) => return Err(trouble),
             };
             let touched = self.try_touch([&plan.way, &plan.straight], hand);
-            if let Ok(Some(found)) = touched {
+            let elsewhere = |at: &FoundThing| (at.point - felt.found.point).norm() > ELSEWHERE;
+            if let Ok(Some(found)) = &touched
+                && !elsewhere(found)
+            {
+                let found = found.clone();
                 return Ok(Touching { found, receptor: plan.receptor, corrections: corrected, felt });
             }
             if corrected == corrections {
@@ -202,6 +208,15 @@ impl Actor {
             }
             corrected += 1;
             match touched {
+                // Another thing on the way: back, and about it.
+                Ok(Some(other)) => {
+                    met.push(Room::of(&other));
+                    goes.push_front((lean, aim));
+                    if let Some(way) = self.back_by(other.receptor, BACK) {
+                        self.follow(&way, SWIFT, |_, _| false)?;
+                    }
+                    trouble = Trouble::Nothing;
+                }
                 Ok(_) => {
                     if let Ok(Some(found)) = self.search(plan.place, &aim, &joints, hand) {
                         return Ok(Touching { found, receptor: plan.receptor, corrections: corrected, felt });
