@@ -34,6 +34,14 @@ pub struct Freedoms<'a> {
     carries: Vec<Vec<bool>>,
 }
 
+/// An axis in a posture: its joint, its direction, of a ball all three, and a point on it, in the root's frame.
+struct Axis {
+    joint: usize,
+    directions: [Vector3<f64>; 3],
+    origin: Vector3<f64>,
+    kind: DofKind,
+}
+
 /// How a limb moves as one coordinate grows.
 #[derive(Clone, Copy, Debug)]
 struct Screw {
@@ -79,13 +87,15 @@ impl<'a> Freedoms<'a> {
             }
         }
         let limbs = creature.limbs().len();
-        let mut carries = vec![vec![false; limbs]; limbs];
-        for limb in 0..limbs {
-            carries[limb][limb] = true;
-            for other in limb + 1..limbs {
-                carries[limb][other] = creature.parent_of(other).is_some_and(|parent| carries[limb][parent]);
+        let carried_by = |limb: usize| {
+            let mut carried = vec![false; limbs];
+            carried[limb] = true;
+            for (j, joint) in creature.joints().iter().enumerate() {
+                carried[j + 1] |= carried[joint.parent];
             }
-        }
+            carried
+        };
+        let carries = (0..limbs).map(carried_by).collect();
         Freedoms { creature, schema, list, carries }
     }
 
@@ -132,8 +142,7 @@ impl<'a> Freedoms<'a> {
     /// The body in a posture, and how it moves from there.
     pub fn at(&self, posture: &[f64]) -> FreeMotions<'_> {
         let frames = limb_frames(self.creature, self.schema, posture);
-        // Of every axis the joint, the direction, a point and the kind.
-        let mut axes: Vec<(usize, [Vector3<f64>; 3], Vector3<f64>, DofKind)> = Vec::new();
+        let mut axes: Vec<Axis> = Vec::new();
         for (j, joint) in self.creature.joints().iter().enumerate() {
             let mut frame = frames[joint.parent];
             let mut kinds = joint.dofs.iter().map(|dof| dof.kind);
@@ -143,13 +152,13 @@ impl<'a> Freedoms<'a> {
                     DofKind::Ball => [0, 1, 2].map(|k| before.rotation.column(k).into_owned()),
                     _ => [before.direction(&self.schema.axes[dof]); 3],
                 };
-                axes.push((j, directions, before.origin, kind));
+                axes.push(Axis { joint: j, directions, origin: before.origin, kind });
             });
         }
         let coordinates: Vec<_> = self.creature.elements().collect();
         let screws = self.list.iter().map(|freedom| {
             let screw = |axis: usize, rate: f64| {
-                let (joint, directions, origin, kind) = &axes[axis];
+                let Axis { joint, directions, origin, kind } = &axes[axis];
                 Screw {
                     limb: joint + 1,
                     order: 3 * axis + freedom.part,

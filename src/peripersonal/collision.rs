@@ -2,11 +2,11 @@
 
 use std::collections::BTreeSet;
 
-use nalgebra::Vector3;
+use nalgebra::{Matrix3, Vector3};
 
 use super::obstacle::Obstacle;
 use super::own_body::OwnBody;
-use crate::geometry::{Ball, Capsule, ConvexBody, Frame, Gap, PlacedShape, Precision, gap};
+use crate::geometry::{Ball, Capsule, ConvexBody, Frame, Gap, PlacedShape, Precision, Shape, gap};
 use crate::kinematics::Chain;
 use crate::skin::Surface;
 
@@ -143,6 +143,23 @@ impl CollisionChecker {
             !(*a == limb && others.contains(b) || *b == limb && others.contains(a))
         });
         rest
+    }
+
+    /// The same where a limb carries something that fills some balls in its frame: they keep clear of obstacles as the limb
+    /// does; that they touch the body is left out.
+    pub fn carrying(&self, limb: usize, balls: &[Ball]) -> CollisionChecker {
+        let mut carrying = self.clone();
+        carrying.pieces[limb].extend(balls.iter().map(|ball| {
+            let surface = Surface {
+                limb,
+                origin: ball.centre,
+                rotation: Matrix3::identity(),
+                shape: Shape::Sphere { radius: ball.radius },
+                geom: 0,
+            };
+            LimbPiece { surface, ball: *ball }
+        }));
+        carrying
     }
 
     /// The same as if some limbs were not there: per limb, whether it is one of them.

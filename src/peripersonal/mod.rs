@@ -13,6 +13,7 @@
 //!                                     ├─ velocity     joint velocities that do one thing and keep clear of others
 //!                                     ├─ felt_surface where on a receptor something touches, and how it is curved
 //!                                     ├─ path         paths through postures that keep clear
+//!                                     ├─ posture_program, farthest   postures that are best and keep all they are to keep
 //!                                     ├─ reaching     postures and paths that touch a place, or how far it is out of reach
 //!                                     ├─ palm         which side of a hand is hollow; limb_pose: postures with a limb placed and turned
 //!                                     └─ reachable    the voxels that a hand can get to: tip, flood, shell, lattice

@@ -5,14 +5,14 @@ use nalgebra::Vector3;
 use super::Trouble;
 use super::putting::Spot;
 use crate::creature::Posture;
-use crate::geometry::Capsule;
+use crate::geometry::{Ball, Capsule};
 use crate::interaction::actor::{Actor, CAREFUL, SWIFT};
 use crate::kinematics::{Facing, InverseKinematics, Place, REACHED};
 use crate::peripersonal::{Obstacle, OutOfReach, OwnBody, PosturePath, distance};
 use crate::senses::{SkinContact, Toucher};
 
 /// How high a thing is lifted, metres: the highest of these that its way allows.
-const LIFTS: [f64; 3] = [0.12, 0.08, 0.05];
+const LIFTS: [f64; 4] = [0.2, 0.12, 0.08, 0.05];
 /// How far towards oneself it is lifted, metres: straight up where that can be done. An arm that is stretched out cannot.
 const DRAWN_BACK: [f64; 5] = [0.0, 0.03, 0.06, 0.1, 0.15];
 /// Steps in which it is lifted or put down.
@@ -28,10 +28,12 @@ const SETTLE: f64 = 0.002;
 /// What a radian is worth in metres where a grip is to stay upright, at first and at the last.
 const UPRIGHT: [f64; 2] = [0.05, 0.02];
 /// How often it is carried anew at most, after something was met on the way.
-const ATTEMPTS: usize = 4;
+const ATTEMPTS: usize = 8;
 /// How large what was met is taken to be, metres: by what skin meets, and by what what is held meets.
 const MET: f64 = 0.04;
 const MET_THROUGH: f64 = 0.08;
+/// Half of how wide what is held is taken to be under the grip, metres.
+const HALF_WIDTH: f64 = 0.015;
 /// How far it goes back from there, metres.
 const MET_BACK: f64 = 0.06;
 /// Nearer than this a posture is the one that a plan begins in, radians.
@@ -66,6 +68,30 @@ impl Actor {
         self.plan_after(place, up, to, joints)
     }
 
+    /// A way on which what a place holds keeps off the table, as far down as it is known to reach: to where it stood, the place
+    /// at the height `stood` and its direction up.
+    fn way_over(
+        &mut self,
+        place: Place,
+        ends: [&[f64]; 2],
+        joints: &[usize],
+        stood: f64,
+    ) -> Result<PosturePath, OutOfReach> {
+        let bare = self.clearance.clone();
+        if let Some(hangs) = self.table.map(|table| stood - table).filter(|hangs| *hangs > HALF_WIDTH) {
+            let count = (hangs / (2.0 * HALF_WIDTH)).ceil().max(1.0);
+            let ball = |k: f64| Ball {
+                centre: place.point - place.direction * (hangs - HALF_WIDTH) * (k / count),
+                radius: HALF_WIDTH,
+            };
+            let balls: Vec<Ball> = (0..=count as usize).map(|k| ball(k as f64)).collect();
+            self.clearance = bare.carrying(place.limb, &balls);
+        }
+        let way = self.find_path(ends, joints);
+        self.clearance = bare;
+        way
+    }
+
     /// The way on which what a place holds is lifted from where it stands now.
     pub(super) fn lifted_here(&self, place: Place, joints: &[usize]) -> Option<PosturePath> {
         self.lifted(place, &self.posture(), joints, &DRAWN_BACK[..1])
@@ -83,7 +109,8 @@ impl Actor {
         let (Some(raised), Some(above)) = (up.0.last().cloned(), down.0.last().cloned()) else {
             return Err(OutOfReach::Barred);
         };
-        let over = self.find_path([&raised, &above], joints)?;
+        let stood = self.own.frames(to)[place.limb].point(&place.point).dot(&self.up);
+        let over = self.way_over(place, [&raised, &above], joints, stood)?;
         let from = up.0.remove(0);
         down.0.reverse();
         let point = self.own.frames(to)[place.limb].point(&place.point) - self.up * SETTLE;
@@ -177,7 +204,8 @@ impl Actor {
                         None => {
                             let above = spot.plan.over.end().map(Posture::from);
                             let above = above.ok_or(OutOfReach::Barred)?;
-                            spot.plan.over = self.find_path([&from, &above], joints)?;
+                            spot.plan.over =
+                                self.way_over(place, [&from, &above], joints, spot.point.dot(&self.up))?;
                         }
                     }
                 }
