@@ -64,7 +64,7 @@ pub struct CollisionChecker {
 
 /// A place at which two surfaces are near each other, or a surface and an obstacle.
 #[derive(Clone, Copy, Debug)]
-pub struct Nearness {
+pub struct NearPieces {
     /// The limb that the first surface is of, and the other's; none for an obstacle.
     pub limbs: (usize, Option<usize>),
     /// The gap there, metres, negative where they overlap.
@@ -308,7 +308,7 @@ impl CollisionChecker {
 
     /// Where anything is nearer to something else than `below`, metres: all places of pieces that may become the nearest of
     /// theirs, so that who keeps each of them apart keeps the pieces apart.
-    pub fn near(&self, frames: &[Frame], below: f64) -> Vec<Nearness> {
+    pub fn near_places(&self, frames: &[Frame], below: f64) -> Vec<NearPieces> {
         let mut near = Vec::new();
         for pair in &self.pairs {
             let [a, b] = pair.limbs;
@@ -323,7 +323,7 @@ impl CollisionChecker {
                 }
                 let (p, q) = (p.placed(&frames[a]), q.placed(&frames[b]));
                 let places = near_places(&p, &q).into_iter().filter(|gap| gap.distance <= below);
-                near.extend(places.map(|Gap { distance, normal, points }| Nearness {
+                near.extend(places.map(|Gap { distance, normal, points }| NearPieces {
                     limbs: (a, Some(b)),
                     distance,
                     normal,
@@ -342,7 +342,7 @@ impl CollisionChecker {
                     }
                     let places = obstacle.near(&piece.placed(&frames[limb]));
                     let places = places.into_iter().filter(|place| place.distance <= below);
-                    near.extend(places.map(|place| Nearness {
+                    near.extend(places.map(|place| NearPieces {
                         limbs: (limb, None),
                         distance: place.distance,
                         normal: place.normal,

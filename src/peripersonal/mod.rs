@@ -23,9 +23,9 @@
 //! reachable in the chest's frame `C` as it is at ease.
 
 mod collision;
+mod farthest;
 mod felt_shape;
 mod felt_surface;
-mod farthest;
 mod flood;
 mod lattice;
 mod limb_pose;
@@ -42,10 +42,10 @@ mod shell;
 mod tip;
 mod velocity;
 
-pub use collision::{CollisionChecker, Nearness};
+pub use collision::{CollisionChecker, NearPieces, Nearness};
+pub use farthest::farthest_postures;
 pub use felt_shape::{FeltShape, PlacedSkin, ShapeEstimate, directions};
 pub use felt_surface::{FeltPose, FeltSurface};
-pub use farthest::farthest_postures;
 pub use lattice::Lattice;
 pub use limb_pose::{LimbGoal, LimbPosture, limb_posture};
 pub use obstacle::Obstacle;

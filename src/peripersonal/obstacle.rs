@@ -110,6 +110,16 @@ impl Obstacle {
                 let most = f64::INFINITY;
                 vec![NearPlace { distance: gap.distance, normal: gap.normal, point: gap.points[0], most }]
             }
+            Obstacle::Dome { .. } => {
+                let gap = self.nearest(body, Precision::ExactWhereShallow);
+                let place = |gap: Gap| NearPlace {
+                    distance: gap.distance,
+                    normal: gap.normal,
+                    point: gap.points[0],
+                    most: f64::INFINITY,
+                };
+                gap.map(place).into_iter().collect()
+            }
             Obstacle::Table { up, height, front, edge } => {
                 let (ends, radius) = match body.as_capsule() {
                     Some(Capsule { ends, radius }) => (ends.to_vec(), radius),

@@ -18,7 +18,7 @@ use clarabel::algebra::CscMatrix;
 use clarabel::solver::{DefaultSettings, DefaultSolver, IPSolver, NonnegativeConeT, SolverStatus, ZeroConeT};
 use nalgebra::{DMatrix, DVector, Vector3};
 
-use super::collision::{CollisionChecker, Nearness};
+use super::collision::{CollisionChecker, NearPieces};
 use super::own_body::OwnBody;
 use crate::creature::Posture;
 use crate::kinematics::{FreeMotions, Freedoms, Place, tangent_basis};
@@ -148,7 +148,7 @@ impl<'a> PostureProgram<'a> {
             steps += 1;
             let body = self.freedoms.at(&posture);
             let equalities = self.equalities(&body);
-            let near = self.clearance.near(&body.frames, self.margin + OUTLOOK * reach);
+            let near = self.clearance.near_places(&body.frames, self.margin + OUTLOOK * reach);
             let Some((change, gain, found)) =
                 self.step(&posture, &body, &equalities, &near, reach, &multipliers)
             else {
@@ -184,13 +184,13 @@ impl<'a> PostureProgram<'a> {
         let direction = frame.rotation * self.place.direction;
         let tilt = self.tilt(&direction);
         let tilts = tilt.iter().flat_map(|tilt| tilt.values).map(f64::abs);
-        let near = self.clearance.near(&body, self.margin);
+        let near = self.clearance.near_places(&body, self.margin);
         let gaps = near.iter().map(|near| (self.asked(near) - near.distance).max(0.0));
         (point.dot(&self.along), levels.chain(tilts).chain(gaps).sum())
     }
 
     /// The gap that is asked for, metres: a little more than what must be, where that is less than the margin.
-    fn asked(&self, near: &Nearness) -> f64 {
+    fn asked(&self, near: &NearPieces) -> f64 {
         self.margin.min(near.eased + KEPT)
     }
 
@@ -245,7 +245,7 @@ impl<'a> PostureProgram<'a> {
         for _ in 0..CORRECTIONS {
             let body = self.freedoms.at(&best.0);
             let mut rows = self.equalities(&body);
-            for near in self.clearance.near(&body.frames, self.margin) {
+            for near in self.clearance.near_places(&body.frames, self.margin) {
                 let lacking = self.asked(&near) - near.distance;
                 if lacking > 0.0 {
                     let mut rates = vec![0.0; self.freedoms.count()];
@@ -273,7 +273,7 @@ impl<'a> PostureProgram<'a> {
     }
 
     /// Adds how fast a gap grows with each freedom, times a factor.
-    fn add_gap_rates(&self, body: &FreeMotions, near: &Nearness, factor: f64, rates: &mut [f64]) {
+    fn add_gap_rates(&self, body: &FreeMotions, near: &NearPieces, factor: f64, rates: &mut [f64]) {
         let along = near.normal * factor;
         body.add_point_rates(near.limbs.0, &near.points[0], &along, rates);
         if let Some(other) = near.limbs.1 {
@@ -287,7 +287,7 @@ impl<'a> PostureProgram<'a> {
         posture: &[f64],
         body: &FreeMotions,
         equalities: &[Equality],
-        near: &[Nearness],
+        near: &[NearPieces],
         reach: f64,
         multipliers: &Multipliers,
     ) -> Option<(Vec<f64>, f64, Multipliers)> {

@@ -8,8 +8,8 @@ use bodyschema::kinematics::{Facing, InverseKinematics, Place, REACHED};
 use bodyschema::learning::{Certainty, Input};
 use bodyschema::mujoco::Data;
 use bodyschema::peripersonal::{
-    CollisionChecker, Doubt, FeltPose, FeltSurface, KEPT, Obstacle, OutOfReach, OwnBody, PostureProgram, ReachTarget, Reaching,
-    farthest_postures,
+    CollisionChecker, Doubt, FeltPose, FeltSurface, KEPT, Obstacle, OutOfReach, OwnBody, PostureProgram,
+    ReachTarget, Reaching, farthest_postures,
 };
 use bodyschema::skin::skin_of;
 use nalgebra::{Point3, Rotation3, Vector3};
@@ -269,6 +269,8 @@ fn small_motions_tell_where_on_a_patch_something_touches() {
     };
     let (felt_on, once) = (median(&mut errors), median(&mut unsure));
     assert!(felt_on < 2e-3 && once > 1e-2, "{felt_on} m after feeling on, {once} m before");
+}
+
 /// An arm of three links in a plane, along x, that turn about y.
 const PLANAR: &str = r#"<mujoco model="planar">
   <compiler angle="radian" autolimits="true"/>

@@ -3,9 +3,9 @@
 
 mod carrying;
 mod exploring;
+mod feeling;
 mod feeling_shape;
 mod lifting;
-mod feeling;
 mod putting;
 mod touching;
 mod two_palms;
@@ -14,9 +14,9 @@ use nalgebra::Vector3;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
+pub use feeling::FeltOn;
 pub use feeling_shape::ShapeFeeling;
 pub use lifting::{Grip, LiftTrouble};
-pub use feeling::FeltOn;
 pub use putting::Spot;
 pub use touching::Touching;
 pub use two_palms::PalmPlan;
