@@ -185,7 +185,7 @@ pub(super) fn find(
     part: &PartName,
     touching: Option<usize>,
 ) -> Result<Vec<BodyPart>, UnknownPart> {
-    let body = Body::new(actor);
+    let body = PosedBody::new(actor);
     let mut words: Vec<String> = part.words.clone();
     if words.first().is_some_and(|word| word == "other") {
         let left = usize::from(actor.side(0) < 0.0);
@@ -201,15 +201,15 @@ pub(super) fn find(
 }
 
 /// A body at ease, in which skin is told apart by where it lies.
-struct Body<'a> {
+struct PosedBody<'a> {
     actor: &'a Actor,
     frames: Vec<Frame>,
     /// Per receptor, the words of all names that it has: its own, its limb's, its aura's.
     names: Vec<Vec<Vec<String>>>,
 }
 
-impl Body<'_> {
-    fn new(actor: &Actor) -> Body<'_> {
+impl PosedBody<'_> {
+    fn new(actor: &Actor) -> PosedBody<'_> {
         let own = &actor.own;
         let frames = own.frames(&own.at_ease());
         let known = own_names_of_limbs(actor);
@@ -233,7 +233,7 @@ impl Body<'_> {
             names
         });
         let names = names.collect();
-        Body { actor, frames, names }
+        PosedBody { actor, frames, names }
     }
 
     fn at(&self, receptor: usize) -> Vector3<f64> {

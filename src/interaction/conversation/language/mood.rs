@@ -312,6 +312,8 @@ fn searching(pieces: &[&Piece]) -> bool {
     ]
     .iter()
     .any(|pattern| has(pieces, pattern))
+        // What was there nobody feels now.
+        && !has(pieces, "=was|=were")
         && !has(pieces, "touch|contact|press|push|hold")
         && !has(pieces, "more than|or")
         && !has(pieces, "be there|SOME BODY|you")
