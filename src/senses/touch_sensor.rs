@@ -166,11 +166,6 @@ impl TouchSensor {
         TouchSensor { surface, touches: Vec::new(), count: 0, present: Vec::new() }
     }
 
-    /// Which receptors it takes for neighbours.
-    pub fn map(&self) -> &SomatotopicMap {
-        &self.surface.map
-    }
-
     /// Takes in the contacts of one step at `time`, seconds, later than the last one.
     pub fn step(&mut self, time: f64, contacts: &[SkinContact]) -> Vec<TouchEvent> {
         let mut events = Vec::new();

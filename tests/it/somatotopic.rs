@@ -90,7 +90,7 @@ fn neighbours_go_across_joints_and_never_through_air_or_limbs() {
         }
     }
     assert!(round_rims > 0, "the halves of a finger meet along its rim");
-    for limb in ["pelvis", "thoracic1"] {
+    for limb in ["pelvis", "thoracic1", "left_thigh", "left_shank", "left_upper_arm", "head"] {
         let on = |r: usize| body.creature.limbs()[skin.receptors[r].limb] == limb;
         let opposite = |pair: &[usize; 2]| {
             let [one, other] = pair.map(|r| &skin.receptors[r]);

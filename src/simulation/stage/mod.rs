@@ -157,11 +157,6 @@ impl Stage {
         Ok((senses, present))
     }
 
-    /// Which receptors its touch sensor takes for neighbours.
-    pub fn map(&self) -> SomatotopicMap {
-        self.core.borrow().touch_sensor.map().clone()
-    }
-
     /// Gives its touch sensor another map of which receptors are neighbours than that of the reference posture; it feels
     /// nothing yet.
     pub fn feel_by(&self, map: SomatotopicMap) {
