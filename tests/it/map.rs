@@ -175,47 +175,8 @@ fn a_snake_that_is_stroked_for_a_minute_learns_true_neighbours() {
     );
     let table = succeeds(place.path(), &["map", "stroked"]);
     assert!(table.contains("geometric") && table.contains("agreement"), "{table}");
-    let felt = ["feel", snake.to_str().unwrap(), "--stimulations", "2", "--map", "map.json"];
-    assert!(succeeds(place.path(), &felt).contains("\"sensed\""));
-    wrong_maps_are_told_in_one_sentence(place.path(), &felt, &map);
     wrong_logs_are_told_in_one_sentence(place.path(), &log);
     assert!(refused(place.path(), 1, &stroke).contains("holds a session already"));
-}
-
-/// What is wrong with a map, by a word that the message must have.
-fn wrong_maps_are_told_in_one_sentence(place: &Path, feel: &[&str], map: &Value) {
-    let text = map.to_string();
-    let neighbours = map["neighbours"].as_object().unwrap();
-    let (id, of) = neighbours.iter().find(|(_, of)| of.as_array().unwrap().len() > 1).unwrap();
-    let other = of[0].as_str().unwrap();
-    let with = |list: Value| {
-        let mut map = map.clone();
-        map["neighbours"][id] = list;
-        map.to_string()
-    };
-    let others: Vec<&str> = of.as_array().unwrap().iter().map(|other| other.as_str().unwrap()).collect();
-    let many: Vec<&str> = neighbours.keys().filter(|key| *key != id).take(9).map(String::as_str).collect();
-    let cases = [
-        ("{".to_string(), "format"),
-        (text.replace("bodyschema map", "bodyschema firings"), "bodyschema firings"),
-        (text.replace("\"version\":1", "\"version\":7"), "newer"),
-        (text.replace("\"snake\"", "\"worm\""), "worm"),
-        (with(Value::from([&others[..], &["third_elbow"]].concat())), "third_elbow"),
-        (with(Value::from([&others[..], &[other]].concat())), "twice"),
-        (with(Value::from([&others[..], &[id.as_str()]].concat())), "its own"),
-        (with(Value::from(others[1..].to_vec())), "the other way round"),
-        (with(Value::from(many)), "at the most"),
-        (text.replacen("\"neighbours\":{", &format!("\"neighbours\":{{\"{id}\":[],"), 1), "listed twice"),
-        (with(Value::from(7)), "no map of neighbours"),
-    ];
-    for (text, word) in cases {
-        fs::write(place.join("map.json"), &text).unwrap();
-        let message = refused(place, 1, feel);
-        assert_eq!(message.trim_end().lines().count(), 1, "{message}");
-        assert!(message.contains(word) && message.contains("map.json"), "no \"{word}\" in: {message}");
-    }
-    fs::remove_file(place.join("map.json")).unwrap();
-    assert!(refused(place, 1, feel).contains("map.json"));
 }
 
 /// What is wrong with a log, by a word that the message must have.
