@@ -26,7 +26,7 @@ const WITHIN: usize = 6;
 const SHARE: f64 = 0.35;
 /// Receptors are linked up to this many times their limbs' mean distance between those that fired in succession. On squares
 /// these are 0.8 sides apart by the measure here and diagonal ones 1.26: it reaches nearly that far, as the geometry does.
-const REACH: f64 = 1.45;
+const REACH: f64 = 1.55;
 /// Pairs on a limb that fired in succession from which on they tell its unit: a finger's bone has one, of front and back.
 const FEW: f64 = 4.0;
 /// So much nearer, in the same unit, two receptors are taken to be when one has fired right after the other.

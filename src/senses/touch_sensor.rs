@@ -30,8 +30,6 @@ const NEAR: f64 = 0.03;
 /// Contacts of one party no farther apart are one touch, metres: the two sides of a crease that a fingertip lies in are
 /// that far apart at the most, and two fingers side by side are farther.
 const TOGETHER: f64 = 0.018;
-/// The same over a joint, where the way is known less exactly, metres.
-const TOGETHER_ACROSS: f64 = 0.025;
 /// How far apart receptors of two limbs are taken to be where the map tells that they are neighbours, but not where the
 /// skins of their limbs meet, metres: near enough to go on from one to the other, if nothing is nearer.
 const SOMEWHERE_ACROSS: f64 = 0.015;
@@ -182,7 +180,7 @@ impl TouchSensor {
         }
         self.present = if contacts.is_empty() { Vec::new() } else { self.patches(time) };
         let surface = &self.surface;
-        for touch in self.touches.extract_if(.., |touch| touch.is_over(time, surface)) {
+        for touch in self.touches.extract_if(.., |touch| time - touch.last > touch.patience(surface)) {
             events.push(TouchEvent::Sensed { number: touch.number, sensation: touch.sensation() });
         }
         events
@@ -218,15 +216,10 @@ impl TouchSensor {
             let mut nearest: Option<(f64, usize, usize)> = None;
             for c in (0..contacts.len()).filter(|&c| !taken[c]) {
                 for (s, (_, share)) in shares.iter().enumerate() {
-                    // How near it is, as a share of how near belongs together.
-                    let near = share.iter().map(|other| {
-                        let across = other.spot.limb != contacts[c].spot.limb;
-                        let together = if across { TOGETHER_ACROSS } else { TOGETHER };
-                        self.surface.apart(other, &contacts[c]) / together
-                    });
-                    let near = near.fold(f64::INFINITY, f64::min);
-                    if near <= 1.0 && nearest.is_none_or(|(least, ..)| near < least) {
-                        nearest = Some((near, s, c));
+                    let apart = share.iter().map(|other| self.surface.apart(other, &contacts[c]));
+                    let apart = apart.fold(f64::INFINITY, f64::min);
+                    if apart <= TOGETHER && nearest.is_none_or(|(least, ..)| apart < least) {
+                        nearest = Some((apart, s, c));
                     }
                 }
             }
@@ -411,15 +404,11 @@ impl FollowedTouch {
         self.steps += 1;
     }
 
-    /// Whether nothing has touched for so long that it has ended: for longer where it was about to go on to another limb.
-    fn is_over(&self, time: f64, surface: &FeltSurface) -> bool {
-        let silent = time - self.last;
-        if silent <= RELEASE || silent > RELEASE + LONGEST_GAP {
-            return silent > RELEASE;
-        }
+    /// How long nothing must touch before it has ended, seconds: longer where it was about to go on to another limb.
+    fn patience(&self, surface: &FeltSurface) -> f64 {
         let brink = self.heads.iter().flat_map(SkinContact::spots).any(|spot| surface.is_brink(&spot));
         let pace = self.trails.iter().filter_map(|trail| trail.pace(self.last)).fold(0.0, f64::max);
-        !brink || pace == 0.0 || silent > RELEASE + GAP / pace
+        if brink && pace > 0.0 { RELEASE + (GAP / pace).min(LONGEST_GAP) } else { RELEASE }
     }
 
     fn sensation(self) -> Sensation {

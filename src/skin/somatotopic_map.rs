@@ -16,9 +16,8 @@ use crate::mujoco;
 
 /// The most neighbours of a receptor.
 pub const MOST_NEIGHBOURS: usize = 8;
-/// Places that are kept of where two patches on two limbs meet: on a border as long as a patch they are nearer to each
-/// other than a fingertip is wide.
-const CROSSINGS: usize = 40;
+/// Places that are kept of where the patches of two limbs meet: a border is no longer than a patch.
+const CROSSINGS: usize = 8;
 
 /// Per receptor, its neighbours along the skin, nearest first.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -49,13 +48,13 @@ impl SomatotopicMap {
         let mut links: Vec<(f64, [usize; 2])> = met.iter().map(|(pair, met)| (met.distance, *pair)).collect();
         links.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
         let mut map = SomatotopicMap::of_links(skin.receptors.len(), links.into_iter().map(|(_, pair)| pair));
-        for ([a, b], meeting) in met {
+        for (pair, meeting) in met {
             let every = meeting.crossings.len().div_ceil(CROSSINGS).max(1);
-            let crossings = meeting.crossings.into_iter().step_by(every);
-            let limbs = [a, b].map(|r| skin.receptors[r].limb);
-            if limbs[0] != limbs[1] {
+            let limbs = pair.map(|r| skin.receptors[r].limb);
+            for crossing in meeting.crossings.into_iter().step_by(every) {
+                let sorted = if limbs[0] < limbs[1] { crossing } else { crossing.reversed() };
                 let limbs = [limbs[0].min(limbs[1]), limbs[0].max(limbs[1])];
-                map.crossings.entry(limbs).or_default().extend(crossings);
+                map.crossings.entry(limbs).or_default().push(sorted);
             }
         }
         map
@@ -118,7 +117,9 @@ impl SomatotopicMap {
     pub fn way_across(&self, from: (usize, Vector3<f64>), to: (usize, Vector3<f64>)) -> Option<f64> {
         let [from, to] = if from.0 < to.0 { [from, to] } else { [to, from] };
         let crossings = self.crossings.get(&[from.0, to.0])?;
-        let way = |[here, there]: &Crossing| (here - from.1).norm() + (there - to.1).norm();
+        let way = |Crossing { ends: [here, there], gap }: &Crossing| {
+            (here - from.1).norm() + gap + (there - to.1).norm()
+        };
         crossings.iter().map(way).min_by(f64::total_cmp)
     }
 
@@ -127,7 +128,7 @@ impl SomatotopicMap {
     pub fn way_to_border(&self, limb: usize, point: &Vector3<f64>) -> Option<f64> {
         let borders = self.crossings.iter().filter_map(|(limbs, crossings)| {
             let side = limbs.iter().position(|on| *on == limb)?;
-            Some(crossings.iter().map(move |crossing| (crossing[side] - point).norm()))
+            Some(crossings.iter().map(move |crossing| (crossing.ends[side] - point).norm()))
         });
         borders.flatten().min_by(f64::total_cmp)
     }

@@ -58,13 +58,25 @@ impl Sheet {
 pub(super) struct Meeting {
     /// Length of the shortest way along the skin between the centres, metres.
     pub distance: f64,
-    /// Where the skins of two limbs meet, if they are on two.
+    /// Where the skins of two limbs meet.
     pub crossings: Vec<Crossing>,
 }
 
-/// A place where the skin goes from one limb on to another: the same point in both limbs' frames, the earlier limb's
-/// first, metres.
-pub(super) type Crossing = [Vector3<f64>; 2];
+/// Where the skin goes from one limb on to another.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Crossing {
+    /// A point on the earlier receptor's limb and one on the other's, in the limbs' frames, metres.
+    pub ends: [Vector3<f64>; 2],
+    /// How far it is from one to the other, metres.
+    pub gap: f64,
+}
+
+impl Crossing {
+    /// The same from the other side.
+    pub fn reversed(self) -> Crossing {
+        Crossing { ends: [self.ends[1], self.ends[0]], ..self }
+    }
+}
 
 /// The graph of one posture.
 pub(super) struct SurfaceGraph<'a> {
@@ -285,15 +297,14 @@ impl<'a> SurfaceGraph<'a> {
     pub fn meetings(&self) -> Vec<([usize; 2], Meeting)> {
         let mut borders: std::collections::BTreeMap<[usize; 2], Meeting> = Default::default();
         for (i, links) in self.links.iter().enumerate() {
-            for &(j, _) in links {
+            for &(j, gap) in links {
                 let (from, to) = (&self.points[i], &self.points[j as usize]);
                 let (Some(a), Some(b)) = (from.receptor, to.receptor) else { continue };
                 if a < b {
                     let meeting = borders.entry([a, b]).or_default();
                     if from.limb != to.limb {
-                        let middle = 0.5 * (from.at + to.at);
-                        let limbs = [from.limb.min(to.limb), from.limb.max(to.limb)];
-                        meeting.crossings.push(limbs.map(|limb| self.frames[limb].inverse_point(&middle)));
+                        let local = |point: &SurfacePoint| self.frames[point.limb].inverse_point(&point.at);
+                        meeting.crossings.push(Crossing { ends: [local(from), local(to)], gap });
                     }
                 }
             }

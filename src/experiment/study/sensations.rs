@@ -151,17 +151,18 @@ impl Told {
         let mut left: Vec<&(Sensation, f64)> = trial.felt.iter().collect();
         let alone = trial.felt.len() == done.len();
         let mut all_right = alone;
-        let two = matches!(doing, Doing::Two { .. });
         for (done, truly) in done.iter().zip(&trial.truly) {
-            // Of several of its party, the one that is most like it is taken for it, and of these the one that lasted
-            // longest.
-            let like = |(felt, _): &(Sensation, f64)| {
-                let alike = agrees(done, felt).iter().filter(|yes| **yes).count();
-                (if two { alike } else { 0 }, felt.ended - felt.began)
+            // Of several, the one that is most like it is taken for it, and of these the one that lasted longest.
+            let like = |(felt, _): &&(Sensation, f64)| {
+                let count = if trial.truly.len() > 1 {
+                    agrees(done, felt).iter().filter(|yes| **yes).count()
+                } else {
+                    0
+                };
+                (count, felt.ended - felt.began)
             };
             let order = |a: &(usize, f64), b: &(usize, f64)| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1));
-            let own = (0..left.len()).filter(|&k| left[k].0.by == truly.party);
-            let best = own.max_by(|&a, &b| order(&like(left[a]), &like(left[b])));
+            let best = (0..left.len()).max_by(|&a, &b| order(&like(&left[a]), &like(&left[b])));
             let felt = best.map(|best| left.remove(best));
             let [kind, limbs] = felt.map_or([false; 2], |(felt, _)| agrees(done, felt));
             all_right &= kind && limbs;
@@ -172,8 +173,7 @@ impl Told {
             self.kinds[told.unwrap_or(4)] += 1;
             let last = truly.span.map(|span| span[1]);
             let latency = felt.zip(last).map(|((_, decided), last)| decided - last);
-            // Which of two of one party a sensation is of is a guess.
-            self.latencies.extend(latency.filter(|_| !two));
+            self.latencies.extend(latency);
             let side = felt.map(|(felt, _)| &felt.sides[0]);
             measurements.push(SensationsMeasurement {
                 done: doing.name().into(),

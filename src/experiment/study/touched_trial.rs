@@ -109,10 +109,8 @@ fn two(stage: &Stage, strokes: &Strokes, rng: &mut ChaCha8Rng) -> Option<Vec<Sti
 }
 
 /// What the engine says that a probe did.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct TrueTouch {
-    /// The party that it is felt as.
-    pub party: Party,
     /// The limbs that it touched in its first step, and in its last one.
     pub ends: [BTreeSet<usize>; 2],
     /// All limbs that it touched.
@@ -126,11 +124,6 @@ pub struct TrueTouch {
 }
 
 impl TrueTouch {
-    fn of(party: Party) -> TrueTouch {
-        let (ends, limbs) = Default::default();
-        TrueTouch { party, ends, limbs, span: None, pause: 0.0, met: false }
-    }
-
     fn take(&mut self, stage: &Stage, body: usize, time: f64) {
         let data = stage.data();
         let on = |geom: usize| stage.body().limb_of_geom(geom);
@@ -197,9 +190,7 @@ pub fn touch(stage: &Stage, done: &[Stimulation], one_party: bool) -> mujoco::Re
         true => Some(TouchSensor::new(SomatotopicMap::at_ease(stage.body(), stage.skin())?, stage.skin())),
         false => None,
     };
-    let felt_as = |body: &usize| Party::Thing(if one_party { bodies[0] } else { *body });
-    let truly = bodies.iter().map(|body| TrueTouch::of(felt_as(body)));
-    let mut trial = TouchedTrial { truly: truly.collect(), felt: Vec::new() };
+    let mut trial = TouchedTrial { truly: vec![TrueTouch::default(); done.len()], felt: Vec::new() };
     let mut quiet_since = stage.time();
     loop {
         let StepSenses { time, contacts, touches, .. } = stage.step()?;

@@ -30,17 +30,6 @@ impl Strokes<'_> {
         })
     }
 
-    /// A stroke from one receptor to another, over the limbs between them; none where no way leads there.
-    pub fn between(&self, from: usize, to: usize, time: f64, rng: &mut ChaCha8Rng) -> Option<Stimulation> {
-        let [one, other] = [from, to].map(|receptor| &self.skin.receptors[receptor]);
-        let row = (1..self.frames.len()).find_map(|length| {
-            let mut rows = self.rows(length).into_iter();
-            rows.find(|row| row[0] == one.limb && row[row.len() - 1] == other.limb)
-        })?;
-        let [from, to] = [one, other].map(|receptor| self.frames[receptor.limb].point(&receptor.position));
-        Some(laid(TouchKind::Stroke, &self.towards(&row, &from, &to)?, time, rng))
-    }
-
     /// All rows of so many limbs with skin, each joined to the next.
     fn rows(&self, length: usize) -> Vec<Vec<usize>> {
         let has_skin = |limb: &usize| self.skin.receptors.iter().any(|receptor| receptor.limb == *limb);
