@@ -46,7 +46,6 @@ mod rerun;
 mod resume;
 mod senses;
 mod skin;
-mod somatotopic;
 mod study;
 mod surfaces;
 mod tables;

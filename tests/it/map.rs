@@ -5,9 +5,7 @@ use std::path::Path;
 
 use crate::common::program::{refused, succeeds};
 use crate::common::repository;
-use bodyschema::creature::{Creature, Joint};
 use bodyschema::evaluation::MapAgreement;
-use bodyschema::geometry::Frame;
 use bodyschema::senses::{Firing, FiringRecorder, SkinContact, SkinSpot, Toucher, learn_map};
 use bodyschema::skin::{Receptor, Skin, SomatotopicMap};
 use nalgebra::Vector3;
@@ -70,14 +68,6 @@ fn strokes(count: usize, seed: u64) -> Vec<Firing> {
     firings
 }
 
-/// What the geometry says of the two walls, which lie far apart.
-fn geometric(skin: &Skin) -> SomatotopicMap {
-    let limbs = ["one", "other"].map(str::to_string).to_vec();
-    let creature = Creature::new("walls".into(), limbs, vec![Joint::new("between", 0, vec![])], vec![]);
-    let other = Frame { origin: Vector3::new(0.0, 0.0, 50.0), ..Frame::identity() };
-    SomatotopicMap::new(&creature.unwrap(), skin, &[vec![Frame::identity(), other]])
-}
-
 fn limbs(skin: &Skin) -> Vec<usize> {
     skin.receptors.iter().map(|receptor| receptor.limb).collect()
 }
@@ -85,10 +75,9 @@ fn limbs(skin: &Skin) -> Vec<usize> {
 #[test]
 fn on_bricks_the_learned_neighbours_are_those_of_the_geometry() {
     let skin = bricks();
-    let geometric = geometric(&skin);
-    assert_eq!(geometric.neighbours(SIDE + 1).len(), 6, "one within has six");
+    assert_eq!(SomatotopicMap::new(&skin).neighbours(SIDE + 1).len(), 6, "one within has six");
     let learned = learn_map(&limbs(&skin), &strokes(1500, 1));
-    let all = MapAgreement::of_all(&learned.map, &geometric);
+    let all = MapAgreement::of_all(&MapAgreement::by_limb(&learned.map, &skin, 2));
     assert!(all.recall() >= 0.95 && all.precision() >= 0.95, "{all:?}");
     assert!((1400..=1500).contains(&learned.strokes), "some miss the wall, none is two: {}", learned.strokes);
     for receptor in 0..skin.receptors.len() {
@@ -114,7 +103,7 @@ fn what_never_fired_or_fired_alone_has_no_neighbours() {
     for firings in [&[][..], &alone, &[Firing { receptor: 1000, span: [0.0, 1.0] }]] {
         let learned = learn_map(&limbs(&skin), firings);
         assert_eq!(learned.map.pairs().count(), 0, "{firings:?}");
-        let all = MapAgreement::of_all(&learned.map, &geometric(&skin));
+        let all = MapAgreement::of_all(&MapAgreement::by_limb(&learned.map, &skin, 2));
         assert_eq!((all.learned, all.recall()), (0, 0.0));
         assert!(all.precision().is_nan());
     }
@@ -156,23 +145,14 @@ fn a_snake_that_is_stroked_for_a_minute_learns_true_neighbours() {
     let of_limbs = |key: &str| -> u64 {
         found["limbs"].as_array().unwrap().iter().map(|limb| limb[key].as_u64().unwrap()).sum()
     };
-    for key in ["receptors", "visited"] {
+    for key in ["receptors", "visited", "learned", "geometric", "shared"] {
         assert_eq!(found[key], of_limbs(key), "{key}");
     }
-    let across = |key: &str| found["across_joints"][key].as_u64().unwrap();
-    for key in ["learned", "geometric", "shared"] {
-        assert_eq!(found[key], of_limbs(key) + across(key), "{key}");
-        assert_eq!(found["within_limbs"][key], of_limbs(key), "{key}");
-    }
-    assert!(across("shared") > 10, "strokes go over joints: {found}");
     let map: Value =
         serde_json::from_str(&fs::read_to_string(place.path().join("map.json")).unwrap()).unwrap();
     let neighbours = map["neighbours"].as_object().unwrap();
     let links: usize = neighbours.values().map(|of| of.as_array().unwrap().len()).sum();
-    assert_eq!(
-        (neighbours.len() as u64, links as u64),
-        (of_limbs("receptors"), 2 * found["learned"].as_u64().unwrap())
-    );
+    assert_eq!((neighbours.len() as u64, links as u64), (of_limbs("receptors"), 2 * of_limbs("learned")));
     let table = succeeds(place.path(), &["map", "stroked"]);
     assert!(table.contains("geometric") && table.contains("agreement"), "{table}");
     wrong_logs_are_told_in_one_sentence(place.path(), &log);

@@ -31,8 +31,8 @@ struct Skinned {
 
 impl Skinned {
     fn new() -> Skinned {
-        let (body, agent) = with_agent(max("torso"));
-        let map = SomatotopicMap::at_ease(&body, agent.skin()).unwrap();
+        let (_, agent) = with_agent(max("torso"));
+        let map = SomatotopicMap::new(agent.skin());
         Skinned { skin: agent.skin().clone(), map }
     }
 
@@ -84,7 +84,7 @@ impl Skinned {
 
     /// The events of contacts step by step, and of nothing for long enough after them.
     fn events(&self, steps: &[Vec<SkinContact>]) -> Vec<TouchEvent> {
-        let mut sensor = TouchSensor::new(self.map.clone(), &self.skin);
+        let mut sensor = TouchSensor::new(self.map.clone());
         let silence = vec![Vec::new(); (2.0 * RELEASE / STEP) as usize];
         let steps = steps.iter().chain(&silence).enumerate();
         steps.flat_map(|(k, contacts)| sensor.step(STEP * k as f64, contacts)).collect()
@@ -224,7 +224,7 @@ fn random_stimulations_of_max_are_told_right_and_soon() {
             let longest = felt.iter().max_by(|a, b| lasted(&a.0).total_cmp(&lasted(&b.0)));
             let (told, _) = longest.unwrap_or_else(|| panic!("{kind:?} of seed {seed} was not felt"));
             let as_told = (told.kind, told.by, told.sides[0].limb);
-            assert_eq!(as_told, (kind, Party::Thing(probe), done.limbs[0]), "seed {seed}");
+            assert_eq!(as_told, (kind, Party::Thing(probe), done.limb), "seed {seed}");
             let decided = felt.last().expect("it was felt").1;
             assert!(decided - last_contact <= 0.05, "{kind:?} of seed {seed}: after {decided} s");
         }
