@@ -341,7 +341,7 @@ impl PosedBody<'_> {
         let noun: Vec<&str> = words
             .iter()
             .map(String::as_str)
-            .filter(|word| !["left", "right"].contains(word) && !(tip && *word == "tip"))
+            .filter(|word| !(["left", "right"].contains(word) || tip && *word == "tip"))
             .collect();
         let noun = noun.join(" ");
         let Everyday(_, sided, rule) =

@@ -536,8 +536,8 @@ impl Actor {
             }
         }
         let share = gone as f64 / steps as f64;
-        for k in 0..2 {
-            grip.apart[k] += share * (apart[k] - grip.apart[k]);
+        for (k, wanted) in apart.into_iter().enumerate() {
+            grip.apart[k] += share * (wanted - grip.apart[k]);
             feeling.force[k] /= gone as f64;
         }
         grip.rise = if gone == steps { rise } else { grip.rise + share * (rise - grip.rise) };

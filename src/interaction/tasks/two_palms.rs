@@ -158,9 +158,9 @@ impl Actor {
                     let both =
                         |station: usize| self.with_arms(&trunk, pair.map(|arm| &arm.postures[station]));
                     if (0..4).all(|k| clearance.free(&self.own.frames(&both(k)), CLEAR)) {
-                        for hand in 0..2 {
-                            self.turn_palm(&mut plan, hand, pair[hand].pitch);
-                            plan.openings[hand] = pair[hand].opening;
+                        for (hand, arm) in pair.into_iter().enumerate() {
+                            self.turn_palm(&mut plan, hand, arm.pitch);
+                            plan.openings[hand] = arm.opening;
                         }
                         plan.raised = both(3);
                         return Ok((plan, yaw));
@@ -324,8 +324,8 @@ impl Actor {
         near: &[f64],
     ) -> Option<Posture> {
         let mut posture = Posture::from(near);
-        for hand in 0..2 {
-            let goal = plan.goal(hand, apart[hand], rise);
+        for (hand, apart) in apart.into_iter().enumerate() {
+            let goal = plan.goal(hand, apart, rise);
             let reach = limb_posture(&self.own, &self.hands[hand].arm, &goal, &posture, None, 8);
             if reach.miss > CARRIED_MISS || reach.turn > CARRIED_TILT {
                 return None;

@@ -273,13 +273,13 @@ struct Fit<'a> {
 
 impl Fit<'_> {
     /// Residuals over their deviations, and per residual the direction in which the body's extent tells of it and what a
-    /// metre of extent does to it; none for priors.
-    fn residuals(&self, n: &Numbers) -> Vec<(f64, Option<(Vector3<f64>, f64)>)> {
+    /// metre of extent does to it.
+    fn residuals(&self, n: &Numbers) -> Vec<(f64, Vector3<f64>, f64)> {
         let body = RoundedFrustum::of(n);
         let mut found = Vec::new();
         for skin in &self.felt.touching {
             let gap = skin.gap_to(&body, Precision::ExactWhereShallow);
-            found.push((gap.distance / self.touched, Some((gap.normal, -1.0 / self.touched))));
+            found.push((gap.distance / self.touched, gap.normal, -1.0 / self.touched));
         }
         for skin in &self.felt.clear {
             // Most are parted from it by a plane across the way between the middles.
@@ -290,12 +290,12 @@ impl Fit<'_> {
                 continue;
             }
             if let Some(gap) = skin.overlap_with(&body) {
-                found.push((gap.distance / self.touched, Some((gap.normal, -1.0 / self.touched))));
+                found.push((gap.distance / self.touched, gap.normal, -1.0 / self.touched));
             }
         }
         if let Some(height) = self.felt.stands {
             let (down, stands) = (-self.felt.up, STANDS.max(self.touched));
-            found.push(((-body.extent(&down) - height) / stands, Some((down, -1.0 / stands))));
+            found.push(((-body.extent(&down) - height) / stands, down, -1.0 / stands));
         }
         found
     }
@@ -313,8 +313,8 @@ impl Fit<'_> {
         prior[11] = (0.0, USUAL_ASIDE * USUAL_SIZE.0);
         prior[12] = (0.0, USUAL_ASIDE * USUAL_SIZE.0);
         prior[13] = (self.start[13], USUAL_SQUARENESS);
-        for k in 14..17 {
-            prior[k] = (self.start[k], USUAL_ROUNDING.1);
+        for (k, prior) in prior.iter_mut().enumerate().skip(14) {
+            *prior = (self.start[k], USUAL_ROUNDING.1);
         }
         prior
     }
@@ -335,8 +335,7 @@ impl LeastSquares for Fit<'_> {
             .collect();
         let mut hessian = DMatrix::zeros(NUMBERS, NUMBERS);
         let mut gradient = DVector::zeros(NUMBERS);
-        for (residual, told) in self.residuals(n) {
-            let Some((normal, by)) = told else { continue };
+        for (residual, normal, by) in self.residuals(n) {
             let extent = body.extent(&normal);
             let row = DVector::from_iterator(
                 NUMBERS,
@@ -359,7 +358,7 @@ impl LeastSquares for Fit<'_> {
     }
 
     fn cost(&self, n: &Numbers) -> f64 {
-        let told: f64 = self.residuals(n).iter().map(|(residual, _)| residual * residual).sum();
+        let told: f64 = self.residuals(n).iter().map(|(residual, ..)| residual * residual).sum();
         let prior = self.prior().into_iter().enumerate();
         let before: f64 = prior.map(|(k, (mean, deviation))| ((n[k] - mean) / deviation).powi(2)).sum();
         0.5 * (told + before)

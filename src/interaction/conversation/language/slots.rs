@@ -477,10 +477,9 @@ pub(super) fn which(pieces: &[Piece]) -> Option<Which> {
             || (k >= 1
                 && piece.words.first().is_some_and(|first| first == "the")
                 && pieces[k - 1].word.is(&["on", "to", "at"]));
-        if !thing
-            && !(beside && piece.sense == Sense::Word)
-            && !(piece.sense == Sense::Word && piece.word.is(&["first", "last"]))
-        {
+        let ordinal = piece.word.is(&["first", "last"]);
+        let picks = thing || piece.sense == Sense::Word && (beside || ordinal);
+        if !picks {
             continue;
         }
         let has = |words: &[&str]| piece.words.iter().any(|word| words.contains(&word.as_str()));
