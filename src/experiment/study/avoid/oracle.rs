@@ -136,7 +136,7 @@ impl<'a> Oracle<'a> {
         (1..=steps).all(|k| {
             let share = k as f64 / steps as f64;
             let frames = own.frames(&Posture::between(own.creature(), from, posture, share));
-            let [before, after] = [-0.5, 0.5].map(|half| {
+            let [before, after] = [-1.0, 0.0].map(|half| {
                 (self.noticed + (k as f64 + half) / steps as f64 * seconds * per_second).min(1.0)
             });
             self.gap(&frames, [before, after], CLEAR) >= CLEAR && self.clearance.free(&frames, 0.0)
