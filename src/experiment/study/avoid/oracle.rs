@@ -136,9 +136,8 @@ impl<'a> Oracle<'a> {
         (1..=steps).all(|k| {
             let share = k as f64 / steps as f64;
             let frames = own.frames(&Posture::between(own.creature(), from, posture, share));
-            let [before, after] = [-1.0, 0.0].map(|half| {
-                (self.noticed + (k as f64 + half) / steps as f64 * seconds * per_second).min(1.0)
-            });
+            let [before, after] = [-1.0, 0.0]
+                .map(|off| (self.noticed + (k as f64 + off) / steps as f64 * seconds * per_second).min(1.0));
             self.gap(&frames, [before, after], CLEAR) >= CLEAR && self.clearance.free(&frames, 0.0)
         })
     }
@@ -278,8 +277,9 @@ mod tests {
         assert!(found.any && found.in_time);
         let found = search(head, 0.03, 300.0);
         assert!(found.any && !found.in_time, "nobody is that quick");
-        let found = search(head, 0.6, 0.3);
-        assert!(!found.any && found.postures > DRAWS);
+        // One that misses the pelvis, and takes in all above.
+        let found = search(head, 0.42, 0.3);
+        assert!(!found.any && found.postures > DRAWS, "{found:?}");
         assert!(!search(Vector3::zeros(), 0.03, 0.3).any);
     }
 }
