@@ -70,16 +70,16 @@ fn utterances_are_taken_for_what_they_mean_and_none_moves_that_may_not() {
                 understood.unknown
             );
             wrong
-                .entry(format!(
-                    "{}",
-                    if means && slots {
+                .entry(
+                    (if means && slots {
                         "kept"
                     } else if means {
                         "slots"
                     } else {
                         "intent"
-                    }
-                ))
+                    })
+                    .to_string(),
+                )
                 .or_default()
                 .push(format!("{:60} {told}", example.say));
         }
