@@ -62,7 +62,7 @@ fn quiet_keeps_messages_back_but_not_errors() {
         assert_eq!(output.status.code(), Some(0));
         String::from_utf8_lossy(&output.stderr).into_owned()
     };
-    assert!(skin(&[]).contains("receptors written to"));
+    assert!(skin(&[]).contains("auras written to"));
     for quiet in ["--quiet", "-q"] {
         assert_eq!(skin(&[quiet]), "");
         let output = plain(&["inspect", "none.xml", quiet]);
