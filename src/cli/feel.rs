@@ -14,7 +14,9 @@ use super::open::{ModelArguments, open_body};
 use super::{Failure, Outcome, progress};
 use crate::agent::Agent;
 use crate::creature::JointSelection;
-use crate::record::{FiringWriter, Host, PROGRAM, SENSATIONS_FILE, Session, SessionOptions, model_hash};
+use crate::record::{
+    FiringWriter, Host, PROGRAM, SENSATIONS_FILE, Session, SessionOptions, model_hash, read_map,
+};
 use crate::senses::{FiringRecorder, TouchEvent, TouchKind};
 use crate::simulation::partner::{Script, Strokes, stroke_for};
 use crate::simulation::{Stage, StageOptions, StepSenses, aura_event_json, event_json};
@@ -37,7 +39,7 @@ const AFTER: f64 = 0.1;
 ///
 /// With --strokes it is stroked all over for so many minutes, and what it feels goes into a session's folder:
 /// firings.jsonl has which receptor fired and when, sensations.jsonl what the touch sensor made of it. `bodyschema map`
-/// learns from the former which receptors are neighbours.
+/// learns from the former which receptors are neighbours; with --map the touch sensor goes by such a map.
 #[derive(clap::Args)]
 #[command(after_help = "Examples:
   bodyschema feel mjcf/max/max.xml
@@ -58,6 +60,9 @@ pub struct FeelArguments {
     /// The session's folder, with --strokes [default: the first free of sessions/CREATURE-1, -2, …]
     #[arg(long, short, value_name = "DIR", requires = "strokes", help_heading = "Output")]
     out: Option<PathBuf>,
+    /// A map of neighbours that `bodyschema map` learned, for the touch sensor [default: that of the geometry]
+    #[arg(long, value_name = "FILE")]
+    map: Option<PathBuf>,
     /// Seed of the random touches
     #[arg(long, default_value_t = 1)]
     seed: u64,
@@ -74,6 +79,9 @@ pub fn run(args: &FeelArguments, given: Arguments) -> Outcome {
     let options = StageOptions { joints: JointSelection::All, root, probes, ..StageOptions::default() };
     let stage = Stage::new(&args.model, &options);
     let stage = stage.map_err(|error| Failure(format!("{}: {error}", args.model.display())))?;
+    if let Some(file) = &args.map {
+        stage.feel_by(read_map(file, stage.agent().creature().name(), stage.skin())?);
+    }
     if stage.skin().receptors.is_empty() {
         return Err(Failure(format!("{}: nothing of this creature can be touched", args.model.display())));
     }

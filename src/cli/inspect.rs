@@ -41,8 +41,8 @@ pub fn run(args: &InspectArguments) -> Outcome {
     let (body, learned) = (open(JointSelection::All)?, open(JointSelection::Default)?);
     let contact = SelfContact::new(&learned)?;
     let (skin, own) = skin_for(&args.model, &body, &Bars::default())?;
-    let map = SomatotopicMap::new(&skin);
     let frames = body.limb_frames(&body.reference_data()?);
+    let map = SomatotopicMap::new(&body.creature, &skin, std::slice::from_ref(&frames));
     let auras = aura_of(&body, &skin, &frames);
     let neighbours = Neighbours::new(&skin, &map);
     let sensors = joint_sensors(&body);

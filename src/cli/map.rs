@@ -1,24 +1,28 @@
 //! `bodyschema map`: which receptors are neighbours, learned from touch alone.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use serde_json::{Value, json};
 
+use super::open::session_body;
 use super::{Failure, Outcome, output, progress};
 use crate::evaluation::MapAgreement;
-use crate::record::{FIRINGS_FILE, Session, read_firings};
-use crate::senses::{LearnedMap, learn_map};
+use crate::record::{FIRINGS_FILE, Session, read_firings, write_map};
+use crate::senses::learn_map;
+use crate::skin::SomatotopicMap;
 
 /// Learn which receptors are neighbours from nothing but when they fired.
 ///
-/// Receptors that fire one after the other under strokes are neighbours. The log of a session that
-/// `bodyschema feel --strokes` wrote is read, the map is learned, and it is compared with the one that the places of
-/// the receptors give: how many of its pairs were learned (recall), and how many of the learned pairs it has (precision).
+/// Receptors that fire one after the other under strokes are neighbours, on one limb and across joints. The log of a
+/// session that `bodyschema feel --strokes` wrote is read, the map is learned, and it is compared with the one that the
+/// places of the receptors give: how many of its pairs were learned (recall), and how many of the learned pairs it has
+/// (precision). What --out writes `bodyschema feel --map` gives to the touch sensor.
 #[derive(clap::Args)]
 #[command(after_help = "Examples:
   bodyschema feel mjcf/max/max.xml --strokes 20 --out sessions/stroked     # takes minutes
   bodyschema map sessions/stroked
-  bodyschema map sessions/stroked --out map.json --json")]
+  bodyschema map sessions/stroked --out map.json --json
+  bodyschema feel mjcf/max/max.xml --map map.json")]
 pub struct MapArguments {
     /// The session's folder
     session: PathBuf,
@@ -45,11 +49,14 @@ pub fn run(args: &MapArguments) -> Outcome {
     let limbs: Vec<usize> = agent.skin().receptors.iter().map(|receptor| receptor.limb).collect();
     let spinner = progress::spinner(&format!("learning from {} firings", firings.len()));
     let learned = learn_map(&limbs, &firings);
-    let by_limb = MapAgreement::by_limb(&learned.map, agent.skin(), creature.limbs().len());
-    let all = MapAgreement::of_all(&by_limb);
+    let body = session_body(&session, None)?;
+    let geometric = SomatotopicMap::at_ease(&body, agent.skin())?;
+    let [within, across] = MapAgreement::within_and_across(&learned.map, &geometric, agent.skin());
+    let by_limb = MapAgreement::by_limb(&learned.map, &geometric, agent.skin(), creature.limbs().len());
+    let all = MapAgreement::of_all(&learned.map, &geometric);
     spinner.finish_and_clear();
     if let Some(path) = &args.out {
-        write_map(path, &session, &learned)?;
+        write_map(path, creature.name(), agent.skin(), &learned.map)?;
     }
     let on = |limb: usize| limbs.iter().enumerate().filter(move |(_, on)| **on == limb);
     let receptors = |limb: usize| on(limb).count();
@@ -80,6 +87,8 @@ pub fn run(args: &MapArguments) -> Outcome {
             "recall": all.recall(),
             "precision": all.precision(),
             "agreement": all.agreement(),
+            "within_limbs": agreement_json(&within),
+            "across_joints": agreement_json(&across),
             "limbs": felt.iter().map(row).collect::<Vec<_>>(),
         }));
     }
@@ -106,6 +115,7 @@ pub fn run(args: &MapArguments) -> Outcome {
     for &limb in &felt {
         line(&creature.limbs()[limb], receptors(limb), visited(limb), &by_limb[limb]);
     }
+    line("across joints", 0, 0, &across);
     line("all", limbs.len(), all_visited, &all);
     say!(
         "\nof the pairs of the geometry {} were learned, of the learned pairs {} are the geometry's: agreement {}",
@@ -113,19 +123,20 @@ pub fn run(args: &MapArguments) -> Outcome {
         output::number(all.precision()),
         output::number(all.agreement())
     );
+    if across.geometric + across.learned > 0 {
+        say!("across joints {} and {}", output::number(across.recall()), output::number(across.precision()));
+    }
     Ok(())
 }
 
-/// Writes the neighbours of every receptor, by their ids, nearest first.
-fn write_map(path: &Path, session: &Session, learned: &LearnedMap) -> Outcome {
-    let receptors = &session.agent.skin().receptors;
-    let neighbours: serde_json::Map<String, Value> = (0..receptors.len())
-        .map(|receptor| {
-            let ids = learned.map.neighbours(receptor).iter().map(|&other| receptors[other].id.as_str());
-            (receptors[receptor].id.clone(), json!(ids.collect::<Vec<_>>()))
-        })
-        .collect();
-    let map = json!({"creature": session.agent.creature().name(), "neighbours": neighbours});
-    std::fs::write(path, serde_json::to_string_pretty(&map)? + "\n")
-        .map_err(|error| Failure(format!("cannot write {}: {error}: give another --out", path.display())))
+/// What is counted of pairs, and the shares.
+fn agreement_json(of: &MapAgreement) -> Value {
+    json!({
+        "learned": of.learned,
+        "geometric": of.geometric,
+        "shared": of.shared,
+        "recall": of.recall(),
+        "precision": of.precision(),
+        "agreement": of.agreement(),
+    })
 }

@@ -266,7 +266,7 @@ fn add_layers(args: &RenderArguments, subject: &RenderSubject, plan: &mut Storyb
         true => aura_of(body, skin, &body.limb_frames(&at_rest)),
         false => Vec::new(),
     };
-    let map = args.map.then(|| SomatotopicMap::new(skin));
+    let map = args.map.then(|| SomatotopicMap::at_ease(body, skin)).transpose()?;
     for shot in &mut plan.shots {
         if args.auras || args.map {
             let frames = body.limb_frames(&subject.data(&shot.qpos)?);

@@ -16,26 +16,48 @@ pub struct MapAgreement {
 }
 
 impl MapAgreement {
-    /// Compares maps of one skin: per limb.
-    pub fn by_limb(learned: &SomatotopicMap, skin: &Skin, limbs: usize) -> Vec<MapAgreement> {
-        let geometric = SomatotopicMap::new(skin);
-        let mut found = vec![MapAgreement::default(); limbs];
-        let limb = |receptor: usize| skin.receptors[receptor].limb;
-        geometric.pairs().for_each(|[a, _]| found[limb(a)].geometric += 1);
-        for [a, b] in learned.pairs() {
-            found[limb(a)].learned += 1;
-            found[limb(a)].shared += usize::from(geometric.adjacent(a, b));
-        }
-        found
+    /// Compares maps of one skin: all pairs.
+    pub fn of_all(learned: &SomatotopicMap, geometric: &SomatotopicMap) -> MapAgreement {
+        MapAgreement::of_pairs(learned, geometric, |_| true)
     }
 
-    /// All limbs as one.
-    pub fn of_all(limbs: &[MapAgreement]) -> MapAgreement {
-        limbs.iter().fold(MapAgreement::default(), |all, limb| MapAgreement {
-            learned: all.learned + limb.learned,
-            geometric: all.geometric + limb.geometric,
-            shared: all.shared + limb.shared,
+    /// Compares maps of one skin: per limb, the pairs on it.
+    pub fn by_limb(
+        learned: &SomatotopicMap,
+        geometric: &SomatotopicMap,
+        skin: &Skin,
+        limbs: usize,
+    ) -> Vec<MapAgreement> {
+        let on = |limb: usize| move |pair: [usize; 2]| pair.map(|r| skin.receptors[r].limb) == [limb; 2];
+        (0..limbs).map(|limb| MapAgreement::of_pairs(learned, geometric, on(limb))).collect()
+    }
+
+    /// Compares maps of one skin: the pairs of receptors on one limb each, all limbs together, and those of receptors on
+    /// two limbs.
+    pub fn within_and_across(
+        learned: &SomatotopicMap,
+        geometric: &SomatotopicMap,
+        skin: &Skin,
+    ) -> [MapAgreement; 2] {
+        [false, true].map(|across| {
+            MapAgreement::of_pairs(learned, geometric, |[a, b]| {
+                (skin.receptors[a].limb != skin.receptors[b].limb) == across
+            })
         })
+    }
+
+    fn of_pairs(
+        learned: &SomatotopicMap,
+        geometric: &SomatotopicMap,
+        counts: impl Fn([usize; 2]) -> bool,
+    ) -> MapAgreement {
+        let geometric_pairs = geometric.pairs().filter(|pair| counts(*pair)).count();
+        let mut found = MapAgreement { geometric: geometric_pairs, ..MapAgreement::default() };
+        for [a, b] in learned.pairs().filter(|pair| counts(*pair)) {
+            found.learned += 1;
+            found.shared += usize::from(geometric.adjacent(a, b));
+        }
+        found
     }
 
     /// The share of the geometry's pairs that were learned; NaN where it has none.

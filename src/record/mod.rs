@@ -15,6 +15,7 @@ mod json_lines;
 mod known;
 mod learning_record;
 mod learning_table;
+mod map_file;
 mod model_hash;
 #[cfg(feature = "parquet")]
 mod parquet;
@@ -37,6 +38,7 @@ pub use host::Host;
 pub use known::read_known;
 pub use learning_record::{Checkpoint, LearningRecord};
 pub use learning_table::{LearningRows, LearningTable, Prediction, read_learning_table, read_predictions};
+pub use map_file::{read_map, write_map};
 pub use model_hash::model_hash;
 #[cfg(feature = "parquet")]
 pub use parquet::write_parquet;

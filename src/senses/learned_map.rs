@@ -1,31 +1,34 @@
 //! The somatotopic map from experience: receptors that fire one after the other under strokes are neighbours.
 //!
 //! What is known is which limb each receptor is on and when it fired; places, sizes and speeds are not. A stroke is
-//! what fires on a limb without a pause. Strokes differ in how fast they are, so each is given a pace, under which a
-//! receptor takes the same time in all of them: then times between receptors are as good as distances along the
-//! skin. The nearest are linked, at most eight to each, as the geometry would.
+//! what fires without a pause, over joints, too. Strokes differ in how fast they are, so each is given a pace, under
+//! which a receptor takes the same time in all of them: then times between receptors are as good as distances along
+//! the skin. The nearest are linked, at most eight to each, as the geometry would: near is measured by how far apart
+//! receptors of the same limbs are that fired one right after the other, for a hand's are smaller than a back's.
 
 use std::collections::BTreeMap;
 
 use super::Firing;
 use crate::skin::SomatotopicMap;
 
-/// How long a limb must be silent before a stroke has ended, seconds.
+/// How long all must be silent before a stroke has ended, seconds.
 const PAUSE: f64 = 0.06;
 /// Firings that are shorter say nothing about a stroke's pace, seconds: the probe cut a corner.
 const PASSING: f64 = 0.01;
 /// Rounds in which paces and widths are made to agree.
 const ROUNDS: usize = 30;
-/// How many receptors of the limb's mean width a receptor, or a stroke, is taken to have been before it was.
+/// How many receptors of their limb's mean width a receptor, or a stroke, is taken to have been before it was.
 const PRIOR: f64 = 2.0;
 /// How many receptors later in a stroke one is still related to.
 const WITHIN: usize = 6;
 /// Of the distances of two receptors in several strokes, this share is shorter than the one that counts: ways may be
 /// round about, and none is shorter than the straight one.
 const SHARE: f64 = 0.35;
-/// Receptors are linked up to this many times the limb's mean distance between those that fired in succession. On squares
+/// Receptors are linked up to this many times their limbs' mean distance between those that fired in succession. On squares
 /// these are 0.8 sides apart by the measure here and diagonal ones 1.26: it reaches nearly that far, as the geometry does.
-const REACH: f64 = 1.55;
+const REACH: f64 = 1.45;
+/// Pairs on a limb that fired in succession from which on they tell its unit: a finger's bone has one, of front and back.
+const FEW: f64 = 4.0;
 /// So much nearer, in the same unit, two receptors are taken to be when one has fired right after the other.
 const SUCCESSION: f64 = 0.6;
 
@@ -36,40 +39,33 @@ pub struct LearnedMap {
     pub map: SomatotopicMap,
     /// Per receptor, how often it fired.
     pub firings: Vec<usize>,
-    /// Strokes, each on one limb.
+    /// Strokes.
     pub strokes: usize,
 }
 
-/// A stroke: firings of one limb in the order of their middles.
+/// A stroke: firings in the order of their middles.
 struct Stroke {
     firings: Vec<Firing>,
-    /// Width of skin that it passes in a second, in a unit of its limb.
+    /// Width of skin that it passes in a second, in a unit of all.
     pace: f64,
 }
 
 /// Learns the map of receptors, each on its limb, from firings in any order. Firings of receptors that there are not
 /// are left out.
 pub fn learn_map(limbs: &[usize], firings: &[Firing]) -> LearnedMap {
+    let firings = firings.iter().copied().filter(|firing| firing.receptor < limbs.len());
+    let firings: Vec<Firing> = firings.collect();
     let mut fired = vec![0; limbs.len()];
-    let mut by_limb: BTreeMap<usize, Vec<Firing>> = BTreeMap::new();
-    for firing in firings.iter().filter(|firing| firing.receptor < limbs.len()) {
-        fired[firing.receptor] += 1;
-        by_limb.entry(limbs[firing.receptor]).or_default().push(*firing);
-    }
-    let mut strokes_made = 0;
-    let mut links = Vec::new();
-    for firings in by_limb.into_values() {
-        let mut strokes = strokes_of(firings);
-        strokes_made += strokes.len();
-        agree(&mut strokes, limbs.len());
-        links.extend(links_of(&strokes, limbs.len()));
-    }
+    firings.iter().for_each(|firing| fired[firing.receptor] += 1);
+    let mut strokes = strokes_of(firings);
+    agree(&mut strokes, limbs);
+    let mut links = links_of(&strokes, limbs);
     links.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
     let map = SomatotopicMap::of_links(limbs.len(), links.into_iter().map(|(_, pair)| pair));
-    LearnedMap { map, firings: fired, strokes: strokes_made }
+    LearnedMap { map, firings: fired, strokes: strokes.len() }
 }
 
-/// Parts the firings of a limb where it is silent.
+/// Parts the firings where all is silent.
 fn strokes_of(mut firings: Vec<Firing>) -> Vec<Stroke> {
     firings.sort_by(|a, b| a.span[0].total_cmp(&b.span[0]).then(a.receptor.cmp(&b.receptor)));
     let mut strokes: Vec<Stroke> = Vec::new();
@@ -103,28 +99,58 @@ impl Stroke {
     }
 }
 
-/// Gives strokes of one limb their paces: a receptor is as wide in every stroke.
-fn agree(strokes: &mut [Stroke], receptors: usize) {
+/// A mean per limb of what is told of it; of all where nothing is.
+struct LimbMeans {
+    of_limb: Vec<[f64; 2]>,
+    all: [f64; 2],
+}
+
+impl LimbMeans {
+    fn new(limbs: &[usize]) -> LimbMeans {
+        let count = limbs.iter().max().map_or(0, |last| last + 1);
+        LimbMeans { of_limb: vec![[0.0; 2]; count], all: [0.0; 2] }
+    }
+
+    fn add(&mut self, limb: usize, value: f64) {
+        for sums in [&mut self.of_limb[limb], &mut self.all] {
+            sums[0] += value;
+            sums[1] += 1.0;
+        }
+    }
+
+    fn of(&self, limb: usize) -> f64 {
+        let [sum, count] = if self.of_limb[limb][1] > 0.0 { self.of_limb[limb] } else { self.all };
+        sum / count
+    }
+}
+
+/// Gives strokes their paces: a receptor is as wide in every stroke.
+fn agree(strokes: &mut [Stroke], limbs: &[usize]) {
     for _ in 0..ROUNDS {
-        let (mut sums, mut counts) = (vec![0.0; receptors], vec![0.0; receptors]);
+        let (mut sums, mut counts) = (vec![0.0; limbs.len()], vec![0.0; limbs.len()]);
+        let mut means = LimbMeans::new(limbs);
         for stroke in strokes.iter() {
             for firing in stroke.crossings() {
-                sums[firing.receptor] += stroke.pace * lasted(firing);
+                let width = stroke.pace * lasted(firing);
+                sums[firing.receptor] += width;
                 counts[firing.receptor] += 1.0;
+                means.add(limbs[firing.receptor], width);
             }
         }
-        let count: f64 = counts.iter().sum();
-        if count == 0.0 {
+        if means.all[1] == 0.0 {
             return;
         }
-        let mean = sums.iter().sum::<f64>() / count;
-        let width = |receptor: usize| (sums[receptor] + PRIOR * mean) / (counts[receptor] + PRIOR);
+        let usual_width = |receptor: usize| means.of(limbs[receptor]);
+        let width =
+            |receptor: usize| (sums[receptor] + PRIOR * usual_width(receptor)) / (counts[receptor] + PRIOR);
         let mut paces: Vec<f64> = strokes.iter().map(|stroke| stroke.pace).collect();
         paces.sort_by(f64::total_cmp);
         let usual = paces[paces.len() / 2];
         for stroke in strokes.iter_mut() {
             let seconds: f64 = stroke.crossings().map(lasted).sum();
             let passed: f64 = stroke.crossings().map(|firing| width(firing.receptor)).sum();
+            let count = stroke.firings.len() as f64;
+            let mean = stroke.firings.iter().map(|firing| usual_width(firing.receptor)).sum::<f64>() / count;
             stroke.pace = (passed + PRIOR * mean) / (seconds + PRIOR * mean / usual);
         }
         // Only ratios can be told.
@@ -134,7 +160,7 @@ fn agree(strokes: &mut [Stroke], receptors: usize) {
     }
 }
 
-/// What strokes tell of two receptors of a limb.
+/// What strokes tell of two receptors.
 #[derive(Default)]
 struct Pair {
     /// Distances, each with how much of both receptors the stroke passed, up to 1.
@@ -161,9 +187,9 @@ fn sorted([a, b]: [usize; 2]) -> [usize; 2] {
     [a.min(b), a.max(b)]
 }
 
-/// Receptors of one limb near enough to be neighbours, and how far apart, in the limb's own unit.
-fn links_of(strokes: &[Stroke], receptors: usize) -> Vec<(f64, [usize; 2])> {
-    let (mut sums, mut counts) = (vec![0.0; receptors], vec![0.0; receptors]);
+/// Receptors near enough to be neighbours, and how far apart, in their limbs' own unit.
+fn links_of(strokes: &[Stroke], limbs: &[usize]) -> Vec<(f64, [usize; 2])> {
+    let (mut sums, mut counts) = (vec![0.0; limbs.len()], vec![0.0; limbs.len()]);
     for (stroke, firing) in strokes.iter().flat_map(|s| s.firings.iter().map(move |f| (s, f))) {
         sums[firing.receptor] += stroke.pace * lasted(firing);
         counts[firing.receptor] += 1.0;
@@ -193,9 +219,23 @@ fn links_of(strokes: &[Stroke], receptors: usize) -> Vec<(f64, [usize; 2])> {
     }
     let told: Vec<([usize; 2], f64, bool)> =
         pairs.into_iter().map(|(at, mut pair)| (at, pair.distance(), pair.succession)).collect();
-    let next: Vec<f64> = told.iter().filter(|(.., succession)| *succession).map(|told| told.1).collect();
-    let unit = next.iter().sum::<f64>() / next.len() as f64;
-    let far = |distance: f64, succession: bool| distance / unit - if succession { SUCCESSION } else { 0.0 };
-    let links = told.into_iter().map(|(at, distance, succession)| (far(distance, succession), at));
+    // Those of one limb tell its unit; where it has none, all that lead onto it.
+    let (mut within, mut onto) = (LimbMeans::new(limbs), LimbMeans::new(limbs));
+    for ([a, b], distance, _) in told.iter().filter(|(.., succession)| *succession) {
+        let [a, b] = [limbs[*a], limbs[*b]];
+        [a, b].into_iter().for_each(|limb| onto.add(limb, *distance));
+        if a == b {
+            within.add(a, *distance);
+        }
+    }
+    let unit = |limb: usize| {
+        let told = if within.of_limb[limb][1] >= FEW { &within } else { &onto };
+        told.of(limb)
+    };
+    let far = |[a, b]: [usize; 2], distance: f64, succession: bool| {
+        let unit = 0.5 * (unit(limbs[a]) + unit(limbs[b]));
+        distance / unit - if succession { SUCCESSION } else { 0.0 }
+    };
+    let links = told.into_iter().map(|(at, distance, succession)| (far(at, distance, succession), at));
     links.filter(|(far, _)| *far <= REACH).collect()
 }

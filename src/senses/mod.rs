@@ -22,6 +22,7 @@ mod sense;
 mod skin_contact;
 mod touch;
 pub mod touch_sensor;
+mod touch_trail;
 
 pub use aura::{Approach, Aura, AuraEvent, LOOK_PERIOD};
 pub use balance::Balance;
@@ -34,4 +35,4 @@ pub use proprioception::{JointSensor, Proprioception, joint_sensors, posture_in_
 pub use sense::{NewSense, SENSES, Sense, SensedStep};
 pub use skin_contact::{Party, SkinContact, SkinSpot, Toucher};
 pub use touch::{Moment, Touch, TouchEnd};
-pub use touch_sensor::{LimbSensation, Sensation, TouchEvent, TouchKind, TouchSensor};
+pub use touch_sensor::{LimbSensation, Sensation, SensationSide, TouchEvent, TouchKind, TouchSensor};

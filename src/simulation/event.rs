@@ -2,7 +2,9 @@
 
 use serde_json::{Value, json};
 
-use crate::senses::{Approach, AuraEvent, LimbSensation, Party, Sensation, SkinSpot, TouchEvent};
+use crate::senses::{
+    Approach, AuraEvent, LimbSensation, Party, Sensation, SensationSide, SkinSpot, TouchEvent,
+};
 use crate::simulation::Stage;
 
 /// The object that tells an event: all names, metres, newtons and seconds; points and directions in their limb's
@@ -94,7 +96,7 @@ fn spot_json(stage: &Stage, spot: &SkinSpot) -> Value {
     told
 }
 
-fn side_json(stage: &Stage, side: &LimbSensation) -> Value {
+fn side_json(stage: &Stage, side: &SensationSide) -> Value {
     let mut told = limb_json(stage, side.limb);
     told["receptors"] = side
         .receptors
@@ -107,5 +109,18 @@ fn side_json(stage: &Stage, side: &LimbSensation) -> Value {
     told["path"] = json!(side.path);
     told["direction"] = json!(side.direction.as_slice());
     told["speed"] = json!(side.speed);
+    told["limbs"] = side.limbs.iter().map(|part| part_json(stage, part)).collect();
+    told["last_limb"] = json!(stage.agent().creature().limbs()[side.last_limb]);
+    told
+}
+
+fn part_json(stage: &Stage, part: &LimbSensation) -> Value {
+    let mut told = limb_json(stage, part.limb);
+    told["first"] = json!(part.span[0]);
+    told["last"] = json!(part.span[1]);
+    told["point"] = json!(part.point.as_slice());
+    told["end"] = json!(part.end.as_slice());
+    told["path"] = json!(part.path);
+    told["direction"] = json!(part.direction.as_slice());
     told
 }

@@ -3,8 +3,10 @@
 mod aura;
 mod from_model;
 mod growing;
+mod joined_limbs;
 mod somatotopic_map;
 mod surface;
+mod surface_graph;
 
 use nalgebra::{Matrix3, Vector3};
 use serde::{Deserialize, Serialize};
@@ -17,6 +19,7 @@ pub use from_model::skin_of;
 pub(crate) use from_model::{surface_of_body, surface_of_geom};
 pub(crate) use growing::grow_counted;
 pub use growing::{GrowError, GrowOptions, Grown, PatchSize, grow, grow_skin, grow_skin_rooted};
+pub(crate) use joined_limbs::JoinedLimbs;
 pub use somatotopic_map::{MOST_NEIGHBOURS, SomatotopicMap};
 pub use surface::Surface;
 

@@ -1,40 +1,73 @@
-//! The somatotopic map: which receptors are neighbours on a limb's surface.
+//! The somatotopic map: which receptors are neighbours along the skin.
 //!
 //! "The skin receptors are organized in 8-neighborhoods" (IVA 2009, section 2); there the map was made by
-//! hand, here the geometry gives it.
+//! hand, here the geometry gives it, or [experience](crate::senses::learn_map). The skin is one: neighbours may be on two
+//! limbs that a joint connects.
 
-use super::{Receptor, Skin};
+use std::collections::BTreeMap;
+
+use nalgebra::Vector3;
+
+use super::Skin;
+use super::surface_graph::{Crossing, Meeting, SurfaceGraph};
+use crate::creature::{Body, Creature};
+use crate::geometry::Frame;
+use crate::mujoco;
 
 /// The most neighbours of a receptor.
 pub const MOST_NEIGHBOURS: usize = 8;
-/// Patches whose rims are no farther apart than this share of their sizes are neighbours.
-const REACH: f64 = 1.3;
+/// Places that are kept of where two patches on two limbs meet: on a border as long as a patch they are nearer to each
+/// other than a fingertip is wide.
+const CROSSINGS: usize = 40;
 
-/// Per receptor, its neighbours on the same limb, nearest first.
-#[derive(Clone, Debug, PartialEq, Eq)]
+/// Per receptor, its neighbours along the skin, nearest first.
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct SomatotopicMap {
     neighbours: Vec<Vec<usize>>,
+    /// Per pair of limbs, the earlier first, where their skins meet. None for what was learned without places.
+    crossings: BTreeMap<[usize; 2], Vec<Crossing>>,
 }
 
 impl SomatotopicMap {
-    /// Works out the map from the receptors' places: neighbours lie on the same limb, face less than a
-    /// right angle and a half away from each other, and their patches meet or nearly do. The relation is
+    /// Works out the map from the receptors' places, where the limbs are at these frames (`X_CL` for any frame C, a
+    /// frame per limb) in each of some postures. Neighbours are receptors whose patches meet on the skin in any of the
+    /// postures, on one limb or across a joint, at most [`MOST_NEIGHBOURS`], nearest along the skin first. The relation is
     /// mutual.
-    pub fn new(skin: &Skin) -> SomatotopicMap {
-        let receptors = &skin.receptors;
-        let size = |r: &Receptor| r.half_extents[0].hypot(r.half_extents[1]);
-        let mut links = Vec::new();
-        for (i, a) in receptors.iter().enumerate() {
-            for (j, b) in receptors.iter().enumerate().skip(i + 1) {
-                let distance = (a.position - b.position).norm();
-                let facing = a.normal.dot(&b.normal) > -0.7;
-                if a.limb == b.limb && facing && distance <= REACH * (size(a) + size(b)) * 0.75 {
-                    links.push((distance, i, j));
-                }
+    ///
+    /// # Panics
+    /// Where a posture has not a frame per limb.
+    pub fn new(creature: &Creature, skin: &Skin, postures: &[Vec<Frame>]) -> SomatotopicMap {
+        let mut met: BTreeMap<[usize; 2], Meeting> = BTreeMap::new();
+        for frames in postures {
+            assert_eq!(frames.len(), creature.limbs().len(), "a posture has a frame per limb");
+            for (pair, meeting) in SurfaceGraph::new(creature, skin, frames).meetings() {
+                let known = met.entry(pair).or_insert(Meeting { distance: f64::INFINITY, crossings: vec![] });
+                known.distance = known.distance.min(meeting.distance);
+                known.crossings.extend(meeting.crossings);
             }
         }
-        links.sort_by(|a, b| a.0.total_cmp(&b.0).then((a.1, a.2).cmp(&(b.1, b.2))));
-        SomatotopicMap::of_links(receptors.len(), links.into_iter().map(|(_, i, j)| [i, j]))
+        let mut links: Vec<(f64, [usize; 2])> = met.iter().map(|(pair, met)| (met.distance, *pair)).collect();
+        links.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        let mut map = SomatotopicMap::of_links(skin.receptors.len(), links.into_iter().map(|(_, pair)| pair));
+        for ([a, b], meeting) in met {
+            let every = meeting.crossings.len().div_ceil(CROSSINGS).max(1);
+            let crossings = meeting.crossings.into_iter().step_by(every);
+            let limbs = [a, b].map(|r| skin.receptors[r].limb);
+            if limbs[0] != limbs[1] {
+                let limbs = [limbs[0].min(limbs[1]), limbs[0].max(limbs[1])];
+                map.crossings.entry(limbs).or_default().extend(crossings);
+            }
+        }
+        map
+    }
+
+    /// The map of a creature's skin as it is in its model's reference posture.
+    ///
+    /// # Errors
+    /// Where the engine fails.
+    pub fn at_ease(body: &Body, skin: &Skin) -> mujoco::Result<SomatotopicMap> {
+        let frames = body.limb_frames(&body.reference_data()?);
+        Ok(SomatotopicMap::new(&body.creature, skin, &[frames]))
     }
 
     /// The map of so many receptors that has as many of these links as there is room for, the first ones first: no
@@ -47,7 +80,12 @@ impl SomatotopicMap {
                 neighbours[j].push(i);
             }
         }
-        SomatotopicMap { neighbours }
+        SomatotopicMap { neighbours, crossings: BTreeMap::new() }
+    }
+
+    /// The map in which each receptor has these neighbours, nearest first; who has a neighbour is one of its own.
+    pub(crate) fn of_lists(neighbours: Vec<Vec<usize>>) -> SomatotopicMap {
+        SomatotopicMap { neighbours, crossings: BTreeMap::new() }
     }
 
     /// Whether two receptors are neighbours, or one.
@@ -68,5 +106,29 @@ impl SomatotopicMap {
     /// The neighbours of a receptor, nearest first.
     pub fn neighbours(&self, receptor: usize) -> &[usize] {
         &self.neighbours[receptor]
+    }
+
+    /// How many receptors it has.
+    pub fn receptors(&self) -> usize {
+        self.neighbours.len()
+    }
+
+    /// About how long the way along the skin is between points of two limbs, each in its limb's frame, by where the
+    /// limbs' skins meet and thus in any posture; metres. None where that is not known.
+    pub fn way_across(&self, from: (usize, Vector3<f64>), to: (usize, Vector3<f64>)) -> Option<f64> {
+        let [from, to] = if from.0 < to.0 { [from, to] } else { [to, from] };
+        let crossings = self.crossings.get(&[from.0, to.0])?;
+        let way = |[here, there]: &Crossing| (here - from.1).norm() + (there - to.1).norm();
+        crossings.iter().map(way).min_by(f64::total_cmp)
+    }
+
+    /// How far a point of a limb, in the limb's frame, is from where the skin of another limb begins, metres. None where
+    /// that is not known.
+    pub fn way_to_border(&self, limb: usize, point: &Vector3<f64>) -> Option<f64> {
+        let borders = self.crossings.iter().filter_map(|(limbs, crossings)| {
+            let side = limbs.iter().position(|on| *on == limb)?;
+            Some(crossings.iter().map(move |crossing| (crossing[side] - point).norm()))
+        });
+        borders.flatten().min_by(f64::total_cmp)
     }
 }

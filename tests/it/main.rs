@@ -46,6 +46,7 @@ mod rerun;
 mod resume;
 mod senses;
 mod skin;
+mod somatotopic;
 mod study;
 mod surfaces;
 mod tables;

@@ -5,7 +5,9 @@ use std::path::Path;
 
 use crate::common::program::{refused, succeeds};
 use crate::common::repository;
+use bodyschema::creature::{Creature, Joint};
 use bodyschema::evaluation::MapAgreement;
+use bodyschema::geometry::Frame;
 use bodyschema::senses::{Firing, FiringRecorder, SkinContact, SkinSpot, Toucher, learn_map};
 use bodyschema::skin::{Receptor, Skin, SomatotopicMap};
 use nalgebra::Vector3;
@@ -68,6 +70,14 @@ fn strokes(count: usize, seed: u64) -> Vec<Firing> {
     firings
 }
 
+/// What the geometry says of the two walls, which lie far apart.
+fn geometric(skin: &Skin) -> SomatotopicMap {
+    let limbs = ["one", "other"].map(str::to_string).to_vec();
+    let creature = Creature::new("walls".into(), limbs, vec![Joint::new("between", 0, vec![])], vec![]);
+    let other = Frame { origin: Vector3::new(0.0, 0.0, 50.0), ..Frame::identity() };
+    SomatotopicMap::new(&creature.unwrap(), skin, &[vec![Frame::identity(), other]])
+}
+
 fn limbs(skin: &Skin) -> Vec<usize> {
     skin.receptors.iter().map(|receptor| receptor.limb).collect()
 }
@@ -75,9 +85,10 @@ fn limbs(skin: &Skin) -> Vec<usize> {
 #[test]
 fn on_bricks_the_learned_neighbours_are_those_of_the_geometry() {
     let skin = bricks();
-    assert_eq!(SomatotopicMap::new(&skin).neighbours(SIDE + 1).len(), 6, "one within has six");
+    let geometric = geometric(&skin);
+    assert_eq!(geometric.neighbours(SIDE + 1).len(), 6, "one within has six");
     let learned = learn_map(&limbs(&skin), &strokes(1500, 1));
-    let all = MapAgreement::of_all(&MapAgreement::by_limb(&learned.map, &skin, 2));
+    let all = MapAgreement::of_all(&learned.map, &geometric);
     assert!(all.recall() >= 0.95 && all.precision() >= 0.95, "{all:?}");
     assert!((1400..=1500).contains(&learned.strokes), "some miss the wall, none is two: {}", learned.strokes);
     for receptor in 0..skin.receptors.len() {
@@ -103,7 +114,7 @@ fn what_never_fired_or_fired_alone_has_no_neighbours() {
     for firings in [&[][..], &alone, &[Firing { receptor: 1000, span: [0.0, 1.0] }]] {
         let learned = learn_map(&limbs(&skin), firings);
         assert_eq!(learned.map.pairs().count(), 0, "{firings:?}");
-        let all = MapAgreement::of_all(&MapAgreement::by_limb(&learned.map, &skin, 2));
+        let all = MapAgreement::of_all(&learned.map, &geometric(&skin));
         assert_eq!((all.learned, all.recall()), (0, 0.0));
         assert!(all.precision().is_nan());
     }
@@ -145,18 +156,66 @@ fn a_snake_that_is_stroked_for_a_minute_learns_true_neighbours() {
     let of_limbs = |key: &str| -> u64 {
         found["limbs"].as_array().unwrap().iter().map(|limb| limb[key].as_u64().unwrap()).sum()
     };
-    for key in ["receptors", "visited", "learned", "geometric", "shared"] {
+    for key in ["receptors", "visited"] {
         assert_eq!(found[key], of_limbs(key), "{key}");
     }
+    let across = |key: &str| found["across_joints"][key].as_u64().unwrap();
+    for key in ["learned", "geometric", "shared"] {
+        assert_eq!(found[key], of_limbs(key) + across(key), "{key}");
+        assert_eq!(found["within_limbs"][key], of_limbs(key), "{key}");
+    }
+    assert!(across("shared") > 10, "strokes go over joints: {found}");
     let map: Value =
         serde_json::from_str(&fs::read_to_string(place.path().join("map.json")).unwrap()).unwrap();
     let neighbours = map["neighbours"].as_object().unwrap();
     let links: usize = neighbours.values().map(|of| of.as_array().unwrap().len()).sum();
-    assert_eq!((neighbours.len() as u64, links as u64), (of_limbs("receptors"), 2 * of_limbs("learned")));
+    assert_eq!(
+        (neighbours.len() as u64, links as u64),
+        (of_limbs("receptors"), 2 * found["learned"].as_u64().unwrap())
+    );
     let table = succeeds(place.path(), &["map", "stroked"]);
     assert!(table.contains("geometric") && table.contains("agreement"), "{table}");
+    let felt = ["feel", snake.to_str().unwrap(), "--stimulations", "2", "--map", "map.json"];
+    assert!(succeeds(place.path(), &felt).contains("\"sensed\""));
+    wrong_maps_are_told_in_one_sentence(place.path(), &felt, &map);
     wrong_logs_are_told_in_one_sentence(place.path(), &log);
     assert!(refused(place.path(), 1, &stroke).contains("holds a session already"));
+}
+
+/// What is wrong with a map, by a word that the message must have.
+fn wrong_maps_are_told_in_one_sentence(place: &Path, feel: &[&str], map: &Value) {
+    let text = map.to_string();
+    let neighbours = map["neighbours"].as_object().unwrap();
+    let (id, of) = neighbours.iter().find(|(_, of)| of.as_array().unwrap().len() > 1).unwrap();
+    let other = of[0].as_str().unwrap();
+    let with = |list: Value| {
+        let mut map = map.clone();
+        map["neighbours"][id] = list;
+        map.to_string()
+    };
+    let others: Vec<&str> = of.as_array().unwrap().iter().map(|other| other.as_str().unwrap()).collect();
+    let many: Vec<&str> = neighbours.keys().filter(|key| *key != id).take(9).map(String::as_str).collect();
+    let cases = [
+        ("{".to_string(), "format"),
+        (text.replace("bodyschema map", "bodyschema firings"), "bodyschema firings"),
+        (text.replace("\"version\":1", "\"version\":7"), "newer"),
+        (text.replace("\"snake\"", "\"worm\""), "worm"),
+        (with(Value::from([&others[..], &["third_elbow"]].concat())), "third_elbow"),
+        (with(Value::from([&others[..], &[other]].concat())), "twice"),
+        (with(Value::from([&others[..], &[id.as_str()]].concat())), "its own"),
+        (with(Value::from(others[1..].to_vec())), "the other way round"),
+        (with(Value::from(many)), "at the most"),
+        (text.replacen("\"neighbours\":{", &format!("\"neighbours\":{{\"{id}\":[],"), 1), "listed twice"),
+        (with(Value::from(7)), "no map of neighbours"),
+    ];
+    for (text, word) in cases {
+        fs::write(place.join("map.json"), &text).unwrap();
+        let message = refused(place, 1, feel);
+        assert_eq!(message.trim_end().lines().count(), 1, "{message}");
+        assert!(message.contains(word) && message.contains("map.json"), "no \"{word}\" in: {message}");
+    }
+    fs::remove_file(place.join("map.json")).unwrap();
+    assert!(refused(place, 1, feel).contains("map.json"));
 }
 
 /// What is wrong with a log, by a word that the message must have.

@@ -9,7 +9,7 @@ use bodyschema::creature::DofKind;
 use bodyschema::mujoco::{Data, JointKind, Model, ObjectKind, SensorKind};
 use bodyschema::record::RecordError;
 use bodyschema::simulation::{MotionName, Movers};
-use bodyschema::skin::{GrowOptions, MOST_NEIGHBOURS, Receptor, Skin, SomatotopicMap, grow_skin, skin_of};
+use bodyschema::skin::{GrowOptions, Receptor, grow_skin, skin_of};
 
 /// How far a receptor's centre may be from its surface: the digits that the file keeps, metres.
 const ON_SURFACE: f64 = 1e-6;
@@ -176,48 +176,6 @@ fn every_receptor_lies_on_its_surface_and_faces_outward() {
             assert!(receptor.half_extents.iter().all(|&half| half > 0.0 && half < 0.2), "{id}");
             assert!(receptor.holds(&receptor.position), "{id} does not hold its own centre");
         }
-    }
-}
-
-/// The receptors without a neighbour.
-fn alone<'s>(skin: &'s Skin, map: &SomatotopicMap) -> Vec<&'s Receptor> {
-    let alone = (0..skin.receptors.len()).filter(|&r| map.neighbours(r).is_empty());
-    alone.map(|r| &skin.receptors[r]).collect()
-}
-
-#[test]
-fn the_somatotopic_map_is_mutual_and_stays_within_limbs() {
-    for joints in ["all", "torso"] {
-        let skin = skin_of(&max(joints));
-        let map = SomatotopicMap::new(&skin);
-        for (r, receptor) in skin.receptors.iter().enumerate() {
-            let neighbours = map.neighbours(r);
-            let distinct: BTreeSet<usize> = neighbours.iter().copied().collect();
-            assert_eq!(distinct.len(), neighbours.len(), "{}", receptor.id);
-            assert!(neighbours.len() <= MOST_NEIGHBOURS, "{}", receptor.id);
-            let distance = |n: usize| (skin.receptors[n].position - receptor.position).norm();
-            assert!(neighbours.is_sorted_by(|&a, &b| distance(a) <= distance(b)), "{}", receptor.id);
-            for &n in neighbours {
-                assert_ne!(n, r);
-                assert_eq!(skin.receptors[n].limb, receptor.limb, "{}", receptor.id);
-                assert!(map.neighbours(n).contains(&r), "{} and {}", receptor.id, skin.receptors[n].id);
-            }
-        }
-    }
-}
-
-#[test]
-fn no_receptor_of_max_is_without_a_neighbour_where_its_limb_has_others_on_that_side() {
-    let skin = skin_of(&max("torso"));
-    let ids: Vec<&str> = alone(&skin, &SomatotopicMap::new(&skin)).iter().map(|r| r.id.as_str()).collect();
-    assert!(ids.is_empty(), "{ids:?}");
-    // With fingers that move, a phalanx is a limb of its own: one receptor in front, one behind.
-    let skin = skin_of(&max("all"));
-    for receptor in alone(&skin, &SomatotopicMap::new(&skin)) {
-        assert!(receptor.id.contains("hand"), "{}", receptor.id);
-        let mut others =
-            skin.receptors.iter().filter(|other| other.limb == receptor.limb && other.id != receptor.id);
-        assert!(others.all(|other| other.normal.dot(&receptor.normal) < -0.5), "{}", receptor.id);
     }
 }
 

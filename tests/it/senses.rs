@@ -25,15 +25,16 @@ const PEN: usize = 1002;
 
 /// Max's skin, for contacts that nothing has simulated.
 struct Skinned {
+    limbs: Vec<String>,
     skin: Skin,
     map: SomatotopicMap,
 }
 
 impl Skinned {
     fn new() -> Skinned {
-        let (_, agent) = with_agent(max("torso"));
-        let map = SomatotopicMap::new(agent.skin());
-        Skinned { skin: agent.skin().clone(), map }
+        let (body, agent) = with_agent(max("torso"));
+        let map = SomatotopicMap::at_ease(&body, agent.skin()).unwrap();
+        Skinned { limbs: agent.creature().limbs().to_vec(), skin: agent.skin().clone(), map }
     }
 
     fn receptor(&self, id: &str) -> usize {
@@ -84,8 +85,8 @@ impl Skinned {
 
     /// The events of contacts step by step, and of nothing for long enough after them.
     fn events(&self, steps: &[Vec<SkinContact>]) -> Vec<TouchEvent> {
-        let mut sensor = TouchSensor::new(self.map.clone());
-        let silence = vec![Vec::new(); (2.0 * RELEASE / STEP) as usize];
+        let mut sensor = TouchSensor::new(self.map.clone(), &self.skin);
+        let silence = vec![Vec::new(); (10.0 * RELEASE / STEP) as usize];
         let steps = steps.iter().chain(&silence).enumerate();
         steps.flat_map(|(k, contacts)| sensor.step(STEP * k as f64, contacts)).collect()
     }
@@ -224,10 +225,164 @@ fn random_stimulations_of_max_are_told_right_and_soon() {
             let longest = felt.iter().max_by(|a, b| lasted(&a.0).total_cmp(&lasted(&b.0)));
             let (told, _) = longest.unwrap_or_else(|| panic!("{kind:?} of seed {seed} was not felt"));
             let as_told = (told.kind, told.by, told.sides[0].limb);
-            assert_eq!(as_told, (kind, Party::Thing(probe), done.limb), "seed {seed}");
+            assert_eq!(as_told, (kind, Party::Thing(probe), done.limbs[0]), "seed {seed}");
             let decided = felt.last().expect("it was felt").1;
             assert!(decided - last_contact <= 0.05, "{kind:?} of seed {seed}: after {decided} s");
         }
+    }
+}
+
+/// Where the skins of two limbs meet: a receptor on each, and a point on each so near the border that the way between is
+/// short.
+fn border(max: &Skinned, limbs: [&str; 2]) -> [(usize, Vector3<f64>); 2] {
+    let on = |name: &str| {
+        let limb = max.limbs.iter().position(|limb| limb == name).unwrap();
+        (0..max.skin.receptors.len()).filter(move |&r| max.skin.receptors[r].limb == limb)
+    };
+    let way = |a: usize, b: usize| {
+        let [a, b] = [a, b].map(|r| (max.skin.receptors[r].limb, max.skin.receptors[r].position));
+        max.map.way_across(a, b).unwrap()
+    };
+    let pairs = on(limbs[0]).flat_map(|a| on(limbs[1]).map(move |b| (a, b)));
+    let (a, b) = pairs.min_by(|x, y| way(x.0, x.1).total_cmp(&way(y.0, y.1))).unwrap();
+    [a, b].map(|r| (r, max.skin.receptors[r].position))
+}
+
+/// The point near one of a limb where its skin ends and another's begins, downhill from there.
+fn towards_border(max: &Skinned, limb: usize, p: Vector3<f64>) -> Vector3<f64> {
+    let way = |p: &Vector3<f64>| max.map.way_to_border(limb, p).unwrap();
+    let step = |k: usize| Vector3::ith(k % 3, if k < 3 { 1e-4 } else { -1e-4 });
+    let mut p = p;
+    while let Some(next) = (0..6).map(|k| p + step(k)).find(|next| way(next) < way(&p)) {
+        p = next;
+    }
+    p
+}
+
+/// A finger that goes at 0.1 m/s from one place of a limb to another, in the limb's frame.
+fn going(max: &Skinned, receptor: usize, from: Vector3<f64>, to: Vector3<f64>) -> Vec<Vec<SkinContact>> {
+    let count = ((to - from).norm() / (0.1 * STEP)).ceil() as usize;
+    let at = |k: usize| from + (to - from) * (k as f64 / count as f64);
+    let contact = |k| SkinContact { spot: max.spot(receptor, at(k)), by: Toucher::Thing(FINGER), force: 1.0 };
+    (0..count).map(|k| vec![contact(k)]).collect()
+}
+
+#[test]
+fn from_one_limb_on_to_the_next_is_one_stroke_over_a_short_gap_and_none_through_air() {
+    let max = Skinned::new();
+    let [(a, p_a), (b, p_b)] = border(&max, ["left_upper_arm", "left_forearm"]);
+    let [limb_a, limb_b] = [a, b].map(|r| max.skin.receptors[r].limb);
+    let [leaves, arrives] = [(limb_a, p_a), (limb_b, p_b)].map(|(limb, p)| towards_border(&max, limb, p));
+    for pause in [0, 20] {
+        let gap = vec![Vec::new(); pause];
+        let steps = [going(&max, a, p_a, leaves), gap, going(&max, b, arrives, p_b)].concat();
+        let felt = max.sensation(&steps);
+        assert_eq!(felt.kind, TouchKind::Stroke);
+        let [side] = &felt.sides[..] else { panic!("{} sides", felt.sides.len()) };
+        assert_eq!([side.limb, side.last_limb], [limb_a, limb_b]);
+        assert_eq!(side.limbs.iter().map(|part| part.limb).collect::<Vec<_>>(), [limb_a, limb_b]);
+        assert_eq!(side.receptors.iter().map(|(r, _)| *r).collect::<Vec<_>>(), [a, b]);
+        let [first, second] = [&side.limbs[0], &side.limbs[1]];
+        let way = (leaves - p_a).norm() + (p_b - arrives).norm();
+        assert!(side.path > way - 0.01 && side.path < way + 0.03, "{} m of {way}", side.path);
+        assert!(first.direction.dot(&(leaves - p_a)) > 0.0 && second.direction.dot(&(p_b - arrives)) > 0.0);
+        assert!(first.span[1] < second.span[0]);
+    }
+    // A finger of the other arm is no neighbour: nothing goes on there.
+    let far = max.receptor("right_forearm_05");
+    let steps = [going(&max, a, p_a, leaves), vec![vec![max.on(far, FINGER)]; 20]].concat();
+    assert_eq!(max.sensations(&steps).len(), 2);
+}
+
+#[test]
+fn two_fingers_of_one_party_stay_two_and_the_two_sides_of_a_crease_are_one() {
+    let max = Skinned::new();
+    let receptor = max.receptor("left_forearm_05");
+    let middle = max.skin.receptors[receptor].position;
+    let along = max.skin.receptors[receptor].tangent;
+    let at = |distance: f64| SkinContact {
+        spot: max.spot(receptor, middle + along * distance),
+        by: Toucher::Thing(FINGER),
+        force: 1.0,
+    };
+    for (apart, count) in [(0.025, 2), (0.012, 1)] {
+        let felt = max.sensations(&vec![vec![at(-0.5 * apart), at(0.5 * apart)]; 20]);
+        assert_eq!(felt.len(), count, "{apart} m apart");
+    }
+    // One lies still while the other passes it: a press and a stroke, though they come near each other.
+    let passing = |k: usize| {
+        let stays = at(0.0);
+        let passes = SkinContact {
+            spot: max.spot(
+                receptor,
+                middle
+                    + along * (-0.03 + 0.1 * STEP * k as f64)
+                    + max.skin.receptors[receptor].bitangent() * 0.012,
+            ),
+            ..at(0.0)
+        };
+        vec![stays, passes]
+    };
+    let felt = max.sensations(&(0..300).map(passing).collect::<Vec<_>>());
+    let mut kinds: Vec<TouchKind> = felt.iter().map(|sensation| sensation.kind).collect();
+    kinds.sort_unstable();
+    assert_eq!(kinds, [TouchKind::Press, TouchKind::Stroke]);
+    // Where a finger lies in the bend of a joint both limbs feel it: that is one press. Farther apart along the skin, on
+    // either side of the joint, are two fingers.
+    let [(a, p_a), (b, p_b)] = border(&max, ["left_forearm", "left_hand"]);
+    let ends = [(a, p_a), (b, p_b)].map(|(r, p)| (r, p, towards_border(&max, max.skin.receptors[r].limb, p)));
+    let spots = |share: f64| ends.map(|(r, p, to)| max.spot(r, to + (p - to) * share));
+    let way = |[one, other]: [SkinSpot; 2]| {
+        max.map.way_across((one.limb, one.point), (other.limb, other.point)).unwrap()
+    };
+    for (apart, count) in [(0.012, 1), (0.035, 2)] {
+        let wide = (0..400).map(|k| spots(0.01 * f64::from(k))).find(|spots| way(*spots) >= apart);
+        let wide = wide.expect("the limbs are long enough");
+        assert!(way(wide) < apart + 0.003, "{} m in place of {apart}", way(wide));
+        let both = wide.map(|spot| SkinContact { spot, by: Toucher::Thing(FINGER), force: 1.0 });
+        assert_eq!(max.sensations(&vec![both.to_vec(); 200]).len(), count, "{apart} m apart over the wrist");
+    }
+}
+
+#[test]
+fn strokes_over_joints_of_max_are_one_sensation_each() {
+    let options = StageOptions {
+        joints: JointSelection::All,
+        probes: vec!["probe".to_string()],
+        ..StageOptions::default()
+    };
+    let stage = Stage::new(&repository("mjcf/max/max.xml"), &options).expect("Max can be touched");
+    let on = |name: &str| -> Vec<usize> {
+        let limb = stage.agent().creature().limb(name).unwrap();
+        let receptors = &stage.skin().receptors;
+        (0..receptors.len()).filter(|&r| receptors[r].limb == limb).collect()
+    };
+    let arm = vec![["left_upper_arm", "left_forearm"], ["right_upper_arm", "right_forearm"]];
+    // From the back of the hand to a fingertip, on whichever finger a probe gets there between the others.
+    let fingers = ["thumb", "index", "middle", "ring", "little"].map(|name| format!("left_{name}_distal"));
+    let finger: Vec<[&str; 2]> = fingers.iter().map(|tip| ["left_hand", tip.as_str()]).collect();
+    for ways in [arm, finger] {
+        let mut rng = ChaCha8Rng::seed_from_u64(1);
+        let done = ways.iter().find_map(|[from, to]| {
+            let (first, last) = (on(from), on(to));
+            let mut pairs = first.iter().flat_map(|&a| last.iter().map(move |&b| (a, b)));
+            let done = pairs.find_map(|(a, b)| Strokes::new(&stage).between(a, b, stage.time(), &mut rng))?;
+            Some((done, *from, *to))
+        });
+        let (done, from, to) = done.unwrap_or_else(|| panic!("no way for any of {ways:?}"));
+        let end = done.path.end();
+        stage.send_probe(0, done.path).unwrap();
+        let mut felt = Vec::new();
+        while stage.time() < end + 0.1 {
+            felt.extend(stage.step().unwrap().touches.into_iter().filter_map(|event| match event {
+                TouchEvent::Sensed { sensation, .. } => Some(sensation),
+                TouchEvent::Began { .. } => None,
+            }));
+        }
+        let [felt] = &felt[..] else { panic!("from {from} to {to} are {} sensations", felt.len()) };
+        let limbs = |ends: [usize; 2]| ends.map(|limb| stage.agent().creature().limbs()[limb].clone());
+        assert_eq!(felt.kind, TouchKind::Stroke);
+        assert_eq!(limbs([felt.sides[0].limb, felt.sides[0].last_limb]), [from, to]);
     }
 }
 

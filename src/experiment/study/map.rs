@@ -12,6 +12,7 @@ use crate::evaluation::MapAgreement;
 use crate::experiment::ExperimentError;
 use crate::senses::{FiringRecorder, learn_map};
 use crate::simulation::partner::stroke_for;
+use crate::skin::SomatotopicMap;
 
 /// The study `map`.
 pub const STUDY: Study = Study {
@@ -38,6 +39,10 @@ row! {
         recall: f64 = "recall",
         precision: f64 = "precision",
         agreement: f64 = "agreement",
+        recall_within: f64 = "recall within limbs",
+        precision_within: f64 = "precision within limbs",
+        recall_across: f64 = "recall across joints",
+        precision_across: f64 = "precision across joints",
     }
 }
 
@@ -51,13 +56,17 @@ row! {
         recall: f64 = "recall",
         precision: f64 = "precision",
         agreement: f64 = "agreement",
+        recall_within: f64 = "recall within limbs",
+        precision_within: f64 = "precision within limbs",
+        recall_across: f64 = "recall across joints",
+        precision_across: f64 = "precision across joints",
     }
 }
 
 /// One of the measures of agreement.
 type AgreementMeasure = fn(&MapAgreement) -> f64;
-/// What a map came to: strokes, share of receptors visited, and agreement.
-type MapFigures = (usize, f64, MapAgreement);
+/// What a map came to: strokes, share of receptors visited, and agreement: of all, within limbs and across joints.
+type MapFigures = (usize, f64, [MapAgreement; 3]);
 
 /// Measures; a trial that does not succeed is a finding.
 ///
@@ -71,6 +80,7 @@ pub fn measure(subject: &Subject) -> Result<Findings<MapMeasurement, MapSummary>
         let stage = subject.stage()?;
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         let limbs: Vec<usize> = stage.skin().receptors.iter().map(|receptor| receptor.limb).collect();
+        let geometric = SomatotopicMap::at_ease(stage.body(), stage.skin())?;
         let (mut recorder, mut firings, mut before) = (FiringRecorder::default(), Vec::new(), 0.0);
         for (minutes, found) in MINUTES.into_iter().zip(&mut found) {
             let room = stroke_for::<ExperimentError>(
@@ -90,11 +100,8 @@ pub fn measure(subject: &Subject) -> Result<Findings<MapMeasurement, MapSummary>
             }
             before = minutes;
             let learned = learn_map(&limbs, &firings);
-            let agreement = MapAgreement::of_all(&MapAgreement::by_limb(
-                &learned.map,
-                stage.skin(),
-                stage.agent().creature().limbs().len(),
-            ));
+            let agreement = MapAgreement::of_all(&learned.map, &geometric);
+            let [within, across] = MapAgreement::within_and_across(&learned.map, &geometric, stage.skin());
             let visited = learned.firings.iter().filter(|count| **count > 0).count();
             measurements.push(MapMeasurement {
                 seed,
@@ -107,8 +114,12 @@ pub fn measure(subject: &Subject) -> Result<Findings<MapMeasurement, MapSummary>
                 recall: agreement.recall(),
                 precision: agreement.precision(),
                 agreement: agreement.agreement(),
+                recall_within: within.recall(),
+                precision_within: within.precision(),
+                recall_across: across.recall(),
+                precision_across: across.precision(),
             });
-            found.push((learned.strokes, visited as f64 / limbs.len() as f64, agreement));
+            found.push((learned.strokes, visited as f64 / limbs.len() as f64, [agreement, within, across]));
         }
     }
     let mut summary: Vec<MapSummary> = Vec::new();
@@ -118,13 +129,17 @@ pub fn measure(subject: &Subject) -> Result<Findings<MapMeasurement, MapSummary>
             trials: found.len(),
             strokes: median(found.iter().map(|(strokes, ..)| *strokes as f64)),
             visited: median(found.iter().map(|(_, visited, _)| *visited)),
-            recall: median(found.iter().map(|(.., of)| of.recall())),
-            precision: median(found.iter().map(|(.., of)| of.precision())),
-            agreement: median(found.iter().map(|(.., of)| of.agreement())),
+            recall: median(found.iter().map(|(.., [of, ..])| of.recall())),
+            precision: median(found.iter().map(|(.., [of, ..])| of.precision())),
+            agreement: median(found.iter().map(|(.., [of, ..])| of.agreement())),
+            recall_within: median(found.iter().map(|(.., [_, of, _])| of.recall())),
+            precision_within: median(found.iter().map(|(.., [_, of, _])| of.precision())),
+            recall_across: median(found.iter().map(|(.., [.., of])| of.recall())),
+            precision_across: median(found.iter().map(|(.., [.., of])| of.precision())),
         });
     }
     let last = &found[MINUTES.len() - 1];
-    let of = |measure: AgreementMeasure| median(last.iter().map(|(.., of)| measure(of)));
+    let of = |measure: AgreementMeasure| median(last.iter().map(|(.., [of, ..])| measure(of)));
     let numbers = vec![
         ("recall", json!(of(MapAgreement::recall))),
         ("precision", json!(of(MapAgreement::precision))),
@@ -146,7 +161,7 @@ pub fn measure(subject: &Subject) -> Result<Findings<MapMeasurement, MapSummary>
         line: MINUTES
             .into_iter()
             .zip(&found)
-            .map(|(minutes, found)| (minutes, median(found.iter().map(|(.., of)| measure(of)))))
+            .map(|(minutes, found)| (minutes, median(found.iter().map(|(.., [of, ..])| measure(of)))))
             .collect(),
         dots: Vec::new(),
     });

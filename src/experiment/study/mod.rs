@@ -32,6 +32,7 @@ pub mod self_touch;
 pub mod sensations;
 mod subject;
 mod table;
+mod touched_trial;
 pub mod turned;
 
 use serde_json::Value;

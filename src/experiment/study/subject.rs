@@ -132,10 +132,18 @@ impl<'a> Subject<'a> {
     /// # Errors
     /// Where it cannot be simulated.
     pub fn stage(&self) -> Result<Stage, ExperimentError> {
+        self.stage_with(&["probe"])
+    }
+
+    /// The same with probes of these names.
+    ///
+    /// # Errors
+    /// Where it cannot be simulated.
+    pub fn stage_with(&self, probes: &[&str]) -> Result<Stage, ExperimentError> {
         let options = StageOptions {
             joints: JointSelection::All,
             root: self.body().root_name().map(str::to_string),
-            probes: vec!["probe".to_string()],
+            probes: probes.iter().map(|name| name.to_string()).collect(),
             ..StageOptions::default()
         };
         Stage::new(self.model(), &options).map_err(ExperimentError::simulation(self.model()))

@@ -7,7 +7,7 @@ use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::StandardNormal;
 
-use super::stimulation::{STEP, SkinPoint, Stimulation, Strokes, TRIES};
+use super::stimulation::{STEP, SkinPoint, Stimulation, Strokes, TRIES, evened_out};
 use crate::mujoco;
 use crate::senses::{SkinContact, TouchEvent, TouchKind};
 use crate::simulation::{ProbePath, STIFFNESS, Stage, StepSenses};
@@ -31,7 +31,8 @@ const UP: f64 = 0.05;
 
 impl Strokes<'_> {
     /// A long random stroke, setting out at `time`: a receptor is drawn, then a place on it, a direction, a length, a
-    /// speed and a force; from there the probe wanders over the limb's skin, round edges and away from folds. None
+    /// speed and a force; from there the probe wanders over the skin, round edges, over joints
+    /// and away from folds. None
     /// where there is no room on any receptor.
     pub fn caress(&self, time: f64, rng: &mut ChaCha8Rng) -> Option<Stimulation> {
         let receptors = self.skin.receptors.len();
@@ -48,23 +49,26 @@ impl Strokes<'_> {
         let [a, b] = receptor.half_extents.map(|half| half * rng.random_range(-1.0..1.0));
         let p_l = receptor.position + receptor.tangent * a + receptor.bitangent() * b;
         let frame = &self.frames[limb];
-        let can_leave = |spot: &SkinPoint| self.is_free(limb, spot, ABOVE, CLEAR);
-        let start = self.onto(limb, &frame.point(&p_l)).filter(can_leave)?;
-        let mut along = turned(&(frame.rotation * receptor.tangent), &start.1, rng.random_range(0.0..TAU));
+        let can_leave = |spot: &SkinPoint| self.is_free(&[spot.limb], spot, ABOVE, CLEAR);
+        let start = self.onto(&[limb], &frame.point(&p_l)).filter(can_leave)?;
+        let mut along =
+            turned(&(frame.rotation * receptor.tangent), &start.normal, rng.random_range(0.0..TAU));
         let mut way = vec![start];
         let steps = (rng.random_range(LENGTH[0]..LENGTH[1]) / STEP) as usize;
         while way.len() < steps {
             let spot = way[way.len() - 1];
+            let on = self.joined(spot.limb);
             let turn: f64 = rng.sample(StandardNormal);
             let mut angle = TURN * turn;
             let found = (0..WAYS_ON).find_map(|_| {
-                let along = turned(&along, &spot.1, angle);
+                let along = turned(&along, &spot.normal, angle);
                 angle = rng.random_range(0.0..TAU);
-                let next = self.next(limb, &spot, &along).filter(|next| self.has_room(limb, &next.0, 0.0))?;
+                let room = |next: &SkinPoint| self.has_room(&on, &next.middle, 0.0);
+                let next = self.next(&on, &spot, &along).filter(room)?;
                 Some((next, along))
             });
             let Some((next, heading)) = found else { break };
-            along = (heading - next.1 * heading.dot(&next.1)).try_normalize(1e-6)?;
+            along = (heading - next.normal * heading.dot(&next.normal)).try_normalize(1e-6)?;
             way.push(next);
         }
         // The probe leaves the skin where it can.
@@ -76,17 +80,20 @@ impl Strokes<'_> {
         }
         let force = rng.random_range(FORCE[0]..FORCE[1]);
         let speed = rng.random_range(SPEED[0]..SPEED[1]);
-        let at = |(p, normal): &SkinPoint, height: f64| p + normal * height;
         let depth = force / STIFFNESS;
         let mut now = time + DOWN;
-        let mut path = vec![(time, at(&way[0], ABOVE)), (now, at(&way[0], -depth))];
-        for pair in way.windows(2) {
+        let mut path = vec![(time, way[0].at(ABOVE)), (now, way[0].at(-depth))];
+        for pair in evened_out(&way).windows(2) {
             // Where the way turns on the spot it takes its time nevertheless.
-            now += (pair[1].0 - pair[0].0).norm().max(0.1 * STEP) / speed;
-            path.push((now, at(&pair[1], -depth)));
+            now += (pair[1].middle - pair[0].middle).norm().max(0.1 * STEP) / speed;
+            path.push((now, pair[1].at(-depth)));
         }
-        path.push((now + UP, at(&way[way.len() - 1], ABOVE)));
-        Some(Stimulation { kind: TouchKind::Stroke, limb, force, path: ProbePath(path) })
+        let touching = [time + DOWN, now];
+        path.push((now + UP, way[way.len() - 1].at(ABOVE)));
+        let mut limbs: Vec<usize> = way.iter().map(|spot| spot.limb).collect();
+        limbs.dedup();
+        let begins = way[0].middle;
+        Some(Stimulation { kind: TouchKind::Stroke, limbs, force, path: ProbePath(path), begins, touching })
     }
 }
 

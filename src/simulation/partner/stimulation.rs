@@ -10,28 +10,46 @@ use rand_chacha::ChaCha8Rng;
 use crate::geometry::Frame;
 use crate::senses::TouchKind;
 use crate::simulation::{PROBE_RADIUS, ProbePath, STIFFNESS, Stage};
-use crate::skin::Skin;
+use crate::skin::{JoinedLimbs, Skin};
 
 /// From how far above the skin a probe comes, metres.
-const ABOVE: f64 = 0.04;
+pub(super) const ABOVE: f64 = 0.04;
 /// How far a probe keeps from all other limbs, metres.
-const CLEAR: f64 = 0.004;
+pub(super) const CLEAR: f64 = 0.004;
 /// Steps in which a way over the skin is laid, metres.
 pub(super) const STEP: f64 = 0.002;
+/// Rounds in which a probe's place on the skin is found: in a crease it comes to rest between two sides.
+const SETTLES: usize = 60;
+/// Speeds over the skin, metres a second.
+const SPEED: [f64; 2] = [0.05, 0.4];
+/// How long a probe takes to come down to the skin, and to rise from it, seconds.
+const COMES: f64 = 0.25;
+const LEAVES: f64 = 0.2;
 /// Places tried for one stimulation.
 pub(super) const TRIES: usize = 2000;
+
+/// Normals of two steps of a way on one limb have a cosine of this at the least: beyond is an edge or a fold.
+const STRAIGHT_ON: f64 = 0.7;
+/// The same where a way goes over a joint, in whose crease the limbs meet at an angle.
+const OVER_A_JOINT: f64 = 0.4;
+/// Steps over which the direction that a probe is pressed in is evened out where it goes over a crease.
+const EVENED_OUT: usize = 3;
 
 /// A stimulation that is done to the creature.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Stimulation {
     /// What kind it is.
     pub kind: TouchKind,
-    /// The limb.
-    pub limb: usize,
+    /// The limbs, from the one where it begins to the one where it ends.
+    pub limbs: Vec<usize>,
     /// The force that the probe is pressed with, newtons.
     pub force: f64,
     /// The way of its middle, from when it sets out.
     pub path: ProbePath,
+    /// Where it comes down, in the world's frame, metres.
+    pub begins: Vector3<f64>,
+    /// When it comes down to the skin, and when it leaves it, seconds.
+    pub touching: [f64; 2],
 }
 
 /// The skin of a creature in its posture, as ways over it need it.
@@ -39,15 +57,38 @@ pub struct Strokes<'a> {
     pub(super) skin: &'a Skin,
     /// Per limb, `X_WL`.
     pub(super) frames: Vec<Frame>,
+    /// Which limbs follow each other.
+    limbs: JoinedLimbs,
 }
 
-/// A point above the skin at a probe's radius, and the outward normal.
-pub(super) type SkinPoint = (Vector3<f64>, Vector3<f64>);
+/// A place of a probe on the skin.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct SkinPoint {
+    /// The limb that it is on.
+    pub limb: usize,
+    /// The probe's middle, at its radius above the skin.
+    pub middle: Vector3<f64>,
+    /// The outward normal.
+    pub normal: Vector3<f64>,
+}
+
+impl SkinPoint {
+    /// The middle of a probe so far above the skin there, metres.
+    pub fn at(&self, height: f64) -> Vector3<f64> {
+        self.middle + self.normal * height
+    }
+}
 
 impl<'a> Strokes<'a> {
     /// Looks at the creature where the stage's last step left it.
     pub fn new(stage: &'a Stage) -> Strokes<'a> {
-        Strokes { skin: stage.skin(), frames: stage.limb_frames() }
+        let limbs = JoinedLimbs::new(stage.agent().creature(), stage.skin());
+        Strokes { skin: stage.skin(), frames: stage.limb_frames(), limbs }
+    }
+
+    /// The limbs that a way may go on to from a limb, itself first.
+    pub(super) fn joined(&self, limb: usize) -> Vec<usize> {
+        std::iter::once(limb).chain(self.limbs.of(limb).filter(|&other| other != limb)).collect()
     }
 
     /// A random stimulation of a kind, setting out at `time`: limbs are drawn alike, then a place of their skin, a
@@ -88,65 +129,16 @@ impl<'a> Strokes<'a> {
         let angle = rng.random_range(0.0..TAU);
         let along = receptor.tangent * angle.cos() + receptor.bitangent() * angle.sin();
         let way = self.way(limb, &p_l, &along, length)?;
-        let force = match kind {
-            TouchKind::Tap => rng.random_range(0.5..4.0),
-            TouchKind::Press => rng.random_range(0.5..8.0),
-            TouchKind::Stroke => rng.random_range(0.3..3.0),
-            TouchKind::Rub => rng.random_range(0.4..4.0),
-        };
-        let depth = force / STIFFNESS;
-        let passes = match kind {
-            TouchKind::Tap | TouchKind::Press => 0,
-            TouchKind::Stroke => 1,
-            TouchKind::Rub => rng.random_range(3..7),
-        };
-        let end = if passes % 2 == 1 { way[way.len() - 1] } else { way[0] };
-        let at = |(p, n): &SkinPoint, height: f64| p + n * height;
-        let mut path = vec![(time, at(&way[0], ABOVE))];
-        let mut now = time + 0.25;
-        path.push((now, at(&way[0], 0.005)));
-        let mut go = |seconds: f64, p: Vector3<f64>, path: &mut Vec<(f64, Vector3<f64>)>| {
-            now += seconds;
-            path.push((now, p));
-        };
-        match kind {
-            TouchKind::Tap => {
-                go(rng.random_range(0.02..0.05), at(&way[0], -depth), &mut path);
-                go(rng.random_range(0.0..0.06), at(&way[0], -depth), &mut path);
-                go(0.04, at(&way[0], 0.01), &mut path);
-            }
-            TouchKind::Press => {
-                go(0.05, at(&way[0], -depth), &mut path);
-                go(rng.random_range(0.4..2.0), at(&way[0], -depth), &mut path);
-                go(0.05, at(&way[0], 0.01), &mut path);
-            }
-            TouchKind::Stroke | TouchKind::Rub => {
-                let speed = rng.random_range(0.05..0.4);
-                go(0.03, at(&way[0], -depth), &mut path);
-                for pass in 0..passes {
-                    let spots: Vec<&SkinPoint> =
-                        if pass % 2 == 0 { way.iter().collect() } else { way.iter().rev().collect() };
-                    for pair in spots.windows(2) {
-                        let seconds = (pair[1].0 - pair[0].0).norm() / speed;
-                        go(seconds, at(pair[1], -depth), &mut path);
-                    }
-                }
-                go(0.03, at(&end, 0.01), &mut path);
-            }
-        }
-        go(0.2, at(&end, ABOVE), &mut path);
-        Some(Stimulation { kind, limb, force, path: ProbePath(path) })
+        Some(laid(kind, &way, time, rng))
     }
 
-    /// A step on over a limb's skin; none over an edge or into a fold, where the way would jump.
-    pub(super) fn next(
-        &self,
-        limb: usize,
-        (p, normal): &SkinPoint,
-        along: &Vector3<f64>,
-    ) -> Option<SkinPoint> {
-        let next = self.onto(limb, &(p - normal * PROBE_RADIUS + along * STEP))?;
-        ((next.0 - p).norm() <= 5.0 * STEP && next.1.dot(normal) >= 0.7).then_some(next)
+    /// A step on over the skin of some limbs; none over an edge or into a fold, where the way would jump.
+    pub(super) fn next(&self, on: &[usize], from: &SkinPoint, along: &Vector3<f64>) -> Option<SkinPoint> {
+        let next = self.onto(on, &(from.middle - from.normal * PROBE_RADIUS + along * STEP))?;
+        let straight = if on.len() > 1 { OVER_A_JOINT } else { STRAIGHT_ON };
+        let goes_on =
+            (next.middle - from.middle).norm() <= 5.0 * STEP && next.normal.dot(&from.normal) >= straight;
+        goes_on.then_some(next)
     }
 
     /// A way over a limb's skin of a length, metres, from a point near it in a direction, both in the limb's frame; in
@@ -159,53 +151,123 @@ impl<'a> Strokes<'a> {
         length: f64,
     ) -> Option<Vec<SkinPoint>> {
         let frame = &self.frames[limb];
-        let mut p = self.onto(limb, &frame.point(p_l))?;
+        let mut spot = self.onto(&[limb], &frame.point(p_l))?;
         let mut along = frame.rotation * along_l;
-        let mut way = vec![p];
+        let mut way = vec![spot];
         let steps = (length / STEP).ceil() as usize;
         for _ in 0..steps {
-            along = (along - p.1 * along.dot(&p.1)).try_normalize(1e-6)?;
-            p = self.next(limb, &p, &along)?;
-            way.push(p);
+            along = (along - spot.normal * along.dot(&spot.normal)).try_normalize(1e-6)?;
+            spot = self.next(&[limb], &spot, &along)?;
+            way.push(spot);
         }
-        let free = way.iter().all(|spot| self.is_free(limb, spot, ABOVE, CLEAR));
+        let free = way.iter().all(|spot| self.is_free(&[limb], spot, ABOVE, CLEAR));
         free.then_some(way)
     }
 
-    /// The distance of a point in the world to a limb's surface, and the outward normal.
-    fn distance(&self, limb: usize, p: &Vector3<f64>) -> Option<(f64, Vector3<f64>)> {
-        let frame = &self.frames[limb];
-        let p_l = frame.inverse_point(p);
-        let surfaces = self.skin.surfaces.iter().filter(|surface| surface.limb == limb);
-        let found = surfaces.filter_map(|surface| surface.signed_distance(&p_l));
-        let (distance, normal) = found.min_by(|a, b| a.0.total_cmp(&b.0))?;
-        Some((distance, frame.rotation * normal))
+    /// The distance of a point in the world to the nearest surface of some limbs, the outward normal, and the limb.
+    fn distance(&self, on: &[usize], p: &Vector3<f64>) -> Option<(f64, Vector3<f64>, usize)> {
+        let surfaces = self.skin.surfaces.iter().filter(|surface| on.contains(&surface.limb));
+        let found = surfaces.filter_map(|surface| {
+            let frame = &self.frames[surface.limb];
+            let (distance, normal) = surface.signed_distance(&frame.inverse_point(p))?;
+            Some((distance, frame.rotation * normal, surface.limb))
+        });
+        found.min_by(|a, b| a.0.total_cmp(&b.0))
     }
 
-    /// Where a probe that touches the limb nearest to a point has its middle, and the normal there; none where the
-    /// limb is covered by another, or has no receptor.
-    pub(super) fn onto(&self, limb: usize, p: &Vector3<f64>) -> Option<SkinPoint> {
-        let mut p = *p;
-        let mut normal = Vector3::zeros();
-        for _ in 0..20 {
-            let (distance, outward) = self.distance(limb, &p)?;
-            normal = outward;
-            p -= outward * (distance - PROBE_RADIUS);
+    /// Where a probe that touches the nearest of some limbs at a point has its middle; none where that is covered by
+    /// another, or has no surface.
+    pub(super) fn onto(&self, on: &[usize], p: &Vector3<f64>) -> Option<SkinPoint> {
+        let mut middle = *p;
+        for _ in 0..SETTLES {
+            let (distance, normal, limb) = self.distance(on, &middle)?;
+            if (distance - PROBE_RADIUS).abs() < 1e-6 {
+                return Some(SkinPoint { limb, middle, normal });
+            }
+            middle -= normal * (distance - PROBE_RADIUS);
         }
-        let (distance, _) = self.distance(limb, &p)?;
-        ((distance - PROBE_RADIUS).abs() < 1e-5).then_some((p, normal))
+        None
     }
 
-    /// Whether a probe gets to a spot from so far above it, metres, farther than a distance from any other limb.
-    pub(super) fn is_free(&self, limb: usize, (p, normal): &SkinPoint, above: f64, clear: f64) -> bool {
+    /// Whether a probe gets to a spot from so far above it, metres, farther than a distance from limbs that it is not on.
+    pub(super) fn is_free(&self, on: &[usize], spot: &SkinPoint, above: f64, clear: f64) -> bool {
         let mut heights = [0.0, 0.25, 0.5, 0.75, 1.0].into_iter().map(|share| share * above);
-        heights.all(|height| self.has_room(limb, &(p + normal * height), clear))
+        heights.all(|height| self.has_room(on, &spot.at(height), clear))
     }
 
-    /// Whether a probe there is farther than a distance from any other limb, metres.
-    pub(super) fn has_room(&self, limb: usize, p: &Vector3<f64>, clear: f64) -> bool {
-        (0..self.frames.len())
-            .filter(|&other| other != limb)
-            .all(|other| self.distance(other, p).is_none_or(|(distance, _)| distance > PROBE_RADIUS + clear))
+    /// Whether a probe there is farther than a distance from any limb that it is not on, metres.
+    pub(super) fn has_room(&self, on: &[usize], p: &Vector3<f64>, clear: f64) -> bool {
+        let others = self.skin.surfaces.iter().filter(|surface| !on.contains(&surface.limb));
+        others
+            .filter_map(|surface| surface.signed_distance(&self.frames[surface.limb].inverse_point(p)))
+            .all(|(distance, _)| distance > PROBE_RADIUS + clear)
     }
+}
+
+/// What a probe does on a way: comes down to its beginning, touches as the kind has it, with a random force, speed and
+/// duration, and leaves.
+pub(super) fn laid(kind: TouchKind, way: &[SkinPoint], time: f64, rng: &mut ChaCha8Rng) -> Stimulation {
+    let force = match kind {
+        TouchKind::Tap => rng.random_range(0.5..4.0),
+        TouchKind::Press => rng.random_range(0.5..8.0),
+        TouchKind::Stroke => rng.random_range(0.3..3.0),
+        TouchKind::Rub => rng.random_range(0.4..4.0),
+    };
+    let depth = force / STIFFNESS;
+    let passes = match kind {
+        TouchKind::Tap | TouchKind::Press => 0,
+        TouchKind::Stroke => 1,
+        TouchKind::Rub => rng.random_range(3..7),
+    };
+    let pressed = evened_out(way);
+    let (start, end) = (way[0], if passes % 2 == 1 { way[way.len() - 1] } else { way[0] });
+    let mut path = vec![(time, start.at(ABOVE))];
+    let mut now = time + COMES;
+    path.push((now, start.at(0.005)));
+    let mut go = |seconds: f64, p: Vector3<f64>, path: &mut Vec<(f64, Vector3<f64>)>| {
+        now += seconds;
+        path.push((now, p));
+    };
+    match kind {
+        TouchKind::Tap => {
+            go(rng.random_range(0.02..0.05), start.at(-depth), &mut path);
+            go(rng.random_range(0.0..0.06), start.at(-depth), &mut path);
+            go(0.04, start.at(0.01), &mut path);
+        }
+        TouchKind::Press => {
+            go(0.05, start.at(-depth), &mut path);
+            go(rng.random_range(0.4..2.0), start.at(-depth), &mut path);
+            go(0.05, start.at(0.01), &mut path);
+        }
+        TouchKind::Stroke | TouchKind::Rub => {
+            let speed = rng.random_range(SPEED[0]..SPEED[1]);
+            go(0.03, pressed[0].at(-depth), &mut path);
+            for pass in 0..passes {
+                let spots: Vec<&SkinPoint> =
+                    if pass % 2 == 0 { pressed.iter().collect() } else { pressed.iter().rev().collect() };
+                for pair in spots.windows(2) {
+                    let seconds = (pair[1].middle - pair[0].middle).norm() / speed;
+                    go(seconds, pair[1].at(-depth), &mut path);
+                }
+            }
+            go(0.03, end.at(0.01), &mut path);
+        }
+    }
+    let leaves = path[path.len() - 1].0;
+    go(LEAVES, end.at(ABOVE), &mut path);
+    let mut limbs: Vec<usize> = way.iter().map(|spot| spot.limb).collect();
+    limbs.dedup();
+    let touching = [time + COMES, leaves];
+    Stimulation { kind, limbs, force, path: ProbePath(path), begins: start.middle, touching }
+}
+
+/// The same way with the normals of a crease evened out over a few steps, in which a probe rolls from one side of it to
+/// the other.
+pub(super) fn evened_out(way: &[SkinPoint]) -> Vec<SkinPoint> {
+    let evened = |(k, spot): (usize, &SkinPoint)| {
+        let around = &way[k.saturating_sub(EVENED_OUT)..(k + EVENED_OUT + 1).min(way.len())];
+        let sum: Vector3<f64> = around.iter().map(|spot| spot.normal).sum();
+        SkinPoint { normal: sum.try_normalize(1e-6).unwrap_or(spot.normal), ..*spot }
+    };
+    way.iter().enumerate().map(evened).collect()
 }

@@ -92,7 +92,8 @@ pub fn build(path: &Path, options: &StageOptions) -> Result<StageCore, Simulatio
     data.set_qpos(&qpos)?;
     data.forward()?;
     let at_ease = body.limb_frames(&data);
-    let touch_sensor = TouchSensor::new(SomatotopicMap::new(agent.skin()));
+    let map = SomatotopicMap::at_ease(&body, agent.skin())?;
+    let touch_sensor = TouchSensor::new(map, agent.skin());
     let senses = SENSES.iter().map(|sense| sense(&agent)).collect();
     let mut core = StageCore {
         body: Arc::new(body),

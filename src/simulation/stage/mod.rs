@@ -30,8 +30,8 @@ use crate::agent::Agent;
 use crate::creature::{Body, JointSelection, Posture, body_name};
 use crate::geometry::Frame;
 use crate::mujoco::{self, Data};
-use crate::senses::{Approach, Sense, SkinContact};
-use crate::skin::Skin;
+use crate::senses::{Approach, Sense, SkinContact, TouchSensor};
+use crate::skin::{Skin, SomatotopicMap};
 
 /// What is on a stage beside what its file has.
 #[derive(Clone, Debug, Default)]
@@ -155,6 +155,17 @@ impl Stage {
             self.watcher.borrow_mut().get_or_insert(watcher);
         }
         Ok((senses, present))
+    }
+
+    /// Which receptors its touch sensor takes for neighbours.
+    pub fn map(&self) -> SomatotopicMap {
+        self.core.borrow().touch_sensor.map().clone()
+    }
+
+    /// Gives its touch sensor another map of which receptors are neighbours than that of the reference posture; it feels
+    /// nothing yet.
+    pub fn feel_by(&self, map: SomatotopicMap) {
+        self.core.borrow_mut().touch_sensor = TouchSensor::new(map, self.skin());
     }
 
     /// Lets the creature watch out for what comes near from now on; nothing was near before.

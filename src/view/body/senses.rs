@@ -68,4 +68,11 @@ impl MapOverlay {
         let points = skin.receptors.iter().map(point).collect();
         MapOverlay { name: MAP, poses, points, links: map.pairs().collect() }
     }
+
+    /// The map of an agent's skin on limbs that are where a schema has them.
+    pub fn by_schema(agent: &Agent, schema: &BodySchema, poses: &'static str) -> MapOverlay {
+        let creature = agent.creature();
+        let frames = limb_frames(creature, schema, &creature.reference_posture());
+        MapOverlay::new(agent.skin(), &SomatotopicMap::new(creature, agent.skin(), &[frames]), poses)
+    }
 }

@@ -14,7 +14,6 @@ use crate::agent::Agent;
 use crate::creature::Posture;
 use crate::schema::BodySchema;
 use crate::senses::Touch;
-use crate::skin::SomatotopicMap;
 use crate::view::body::{
     AURAS, AuraOverlay, BodyMesh, BodyScene, LEARNED, LIMB, Layer, MAP, MapOverlay, Pose, Skeleton,
 };
@@ -264,7 +263,7 @@ impl LivePage for BabblingView {
             skeletons: vec![Skeleton::learned(&self.agent, &[])],
             room: [Vector3::new(-r, -r, -r), Vector3::new(r, self.aside() + r, r)],
             auras: vec![AuraOverlay::by_schema(&self.agent, &self.simulated, &[], "own")],
-            maps: vec![MapOverlay::new(self.agent.skin(), &SomatotopicMap::new(self.agent.skin()), "own")],
+            maps: vec![MapOverlay::by_schema(&self.agent, &self.simulated, "own")],
             hidden: vec!["joints", AURAS, MAP],
             ..BodyScene::default()
         };

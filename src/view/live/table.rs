@@ -11,7 +11,7 @@ use super::{HEIGHT, page};
 use crate::geometry::Frame;
 use crate::senses::SkinContact;
 use crate::simulation::Stage;
-use crate::skin::{Skin, SomatotopicMap, aura_of, surface_of_body};
+use crate::skin::{Skin, aura_of, surface_of_body};
 use crate::view::body::{AURAS, AuraOverlay, BodyMesh, BodyScene, LIMB, Layer, MAP, MapOverlay, Pose};
 
 /// Most lines of the conversation that are shown.
@@ -89,7 +89,7 @@ impl TableView {
             limbs: BodyMesh::of_surfaces(skin),
             receptors: BodyMesh::of_receptors(skin),
             auras: AuraOverlay::new(&aura_of(body, skin, &stage.limb_frames()), "own"),
-            map: MapOverlay::new(skin, &SomatotopicMap::new(skin), "own"),
+            map: MapOverlay::new(skin, &stage.map(), "own"),
             ids: skin.receptors.iter().map(|receptor| receptor.id.clone()).collect(),
             things,
             bodies,

@@ -4,7 +4,6 @@ use std::fmt::Write;
 
 use super::ReportInput;
 use crate::record::Checkpoint;
-use crate::skin::SomatotopicMap;
 use crate::view::body::{
     AURAS, AuraOverlay, BodyMesh, BodyScene, LIMB, Layer, Look, MAP, MapOverlay, Pose, SHADE, Skeleton,
 };
@@ -66,7 +65,7 @@ pub(super) fn figure_of(input: &ReportInput) -> String {
         } else {
             vec![AuraOverlay::by_schema(input.agent, input.schema, input.undetermined, "learned")]
         },
-        maps: vec![MapOverlay::new(skin, &SomatotopicMap::new(skin), "learned")],
+        maps: vec![MapOverlay::by_schema(input.agent, input.schema, "learned")],
         hidden: vec![AURAS, MAP],
     };
     let over = if input.truth.is_some() { " before the true one, grey" } else { "" };

@@ -1,0 +1,133 @@
+//! A somatotopic map as a file: the neighbours of every receptor, by their ids.
+
+use std::collections::{BTreeMap, HashMap};
+use std::fmt;
+use std::path::Path;
+
+use serde::de::{MapAccess, Visitor};
+use serde::{Deserialize, Deserializer, Serialize};
+
+use super::RecordError;
+use super::files::{self, write_json};
+use super::stamp::Stamp;
+use crate::skin::{MOST_NEIGHBOURS, Skin, SomatotopicMap};
+
+const STAMP: Stamp = Stamp { format: "bodyschema map", version: 1 };
+
+/// What a file has beside its stamp, as it is written.
+#[derive(Serialize)]
+struct MapContent<'a> {
+    creature: &'a str,
+    neighbours: BTreeMap<&'a str, Vec<&'a str>>,
+}
+
+/// The same as it is read: an id that stands there twice is seen.
+#[derive(Deserialize)]
+#[serde(expecting = "an object")]
+struct ReadMap {
+    creature: String,
+    neighbours: Listed,
+}
+
+/// The neighbours as they are listed.
+struct Listed(Vec<(String, Vec<String>)>);
+
+impl<'de> Deserialize<'de> for Listed {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Listed, D::Error> {
+        struct InOrder;
+        impl<'de> Visitor<'de> for InOrder {
+            type Value = Listed;
+
+            fn expecting(&self, formatter: &mut fmt::Formatter) -> fmt::Result {
+                formatter.write_str("an object of receptors and lists of their neighbours")
+            }
+
+            fn visit_map<A: MapAccess<'de>>(self, mut entries: A) -> Result<Listed, A::Error> {
+                let mut listed = Vec::new();
+                while let Some(entry) = entries.next_entry()? {
+                    listed.push(entry);
+                }
+                Ok(Listed(listed))
+            }
+        }
+        deserializer.deserialize_map(InOrder)
+    }
+}
+
+/// Writes a map of a creature's skin to `path`: per receptor its neighbours, nearest first.
+///
+/// # Errors
+/// [`RecordError::Io`] where the file cannot be written.
+pub fn write_map(path: &Path, creature: &str, skin: &Skin, map: &SomatotopicMap) -> Result<(), RecordError> {
+    let id = |receptor: usize| skin.receptors[receptor].id.as_str();
+    let of = |receptor: usize| map.neighbours(receptor).iter().map(|&other| id(other)).collect();
+    let neighbours = (0..map.receptors()).map(|receptor| (id(receptor), of(receptor))).collect();
+    write_json(path, &STAMP.on(&MapContent { creature, neighbours }))
+}
+
+/// Reads the map of a creature's skin from `path`. A receptor that is not listed has no neighbours.
+///
+/// # Errors
+/// [`RecordError::Io`] where the file cannot be read. [`RecordError::Format`] where it is no map or one of a newer
+/// version, where it is of another creature or names receptors that the skin has not, where a receptor is listed twice, has
+/// more than eight neighbours, or is its own, and where one of two receptors has the other for a neighbour, but not
+/// the other way round.
+pub fn read_map(path: &Path, creature: &str, skin: &Skin) -> Result<SomatotopicMap, RecordError> {
+    let json = files::read(path)?;
+    STAMP.check(path, None, &json)?;
+    let read: ReadMap = serde_json::from_slice(&json)
+        .map_err(|error| RecordError::json(path, "map of neighbours", &error))?;
+    let refuse = |message: String| Err(RecordError::format(path, None, message));
+    if read.creature != creature {
+        return refuse(format!(
+            "it is the map of \"{}\", not of \"{creature}\": give the one that `bodyschema map` wrote of this creature",
+            read.creature
+        ));
+    }
+    let numbers: HashMap<&str, usize> =
+        skin.receptors.iter().enumerate().map(|(r, receptor)| (receptor.id.as_str(), r)).collect();
+    let mut neighbours: Vec<Option<Vec<usize>>> = vec![None; skin.receptors.len()];
+    for (id, others) in &read.neighbours.0 {
+        let number = |id: &str| {
+            numbers.get(id).copied().ok_or_else(|| {
+                let message = format!(
+                    "{creature} has no receptor \"{id}\": take it out, or give the map of this skin (`bodyschema \
+                     inspect` has the receptors)"
+                );
+                RecordError::format(path, None, message)
+            })
+        };
+        let receptor = number(id)?;
+        let mut found: Vec<usize> = Vec::new();
+        for other in others {
+            let neighbour = number(other)?;
+            if neighbour == receptor {
+                return refuse(format!("\"{id}\" is its own neighbour: take it out of its list"));
+            }
+            if found.contains(&neighbour) {
+                return refuse(format!("\"{id}\" has \"{other}\" for a neighbour twice: take one out"));
+            }
+            found.push(neighbour);
+        }
+        if found.len() > MOST_NEIGHBOURS {
+            return refuse(format!(
+                "\"{id}\" has {} neighbours: leave {MOST_NEIGHBOURS} at the most, the nearest",
+                found.len()
+            ));
+        }
+        if neighbours[receptor].replace(found).is_some() {
+            return refuse(format!("\"{id}\" is listed twice: take one of the lists out"));
+        }
+    }
+    let neighbours: Vec<Vec<usize>> = neighbours.into_iter().map(Option::unwrap_or_default).collect();
+    for (receptor, of) in neighbours.iter().enumerate() {
+        if let Some(&other) = of.iter().find(|&&other| !neighbours[other].contains(&receptor)) {
+            let [id, other] = [receptor, other].map(|r| &skin.receptors[r].id);
+            return refuse(format!(
+                "\"{id}\" has \"{other}\" for a neighbour, but not the other way round: add \"{id}\" to the list of \
+                 \"{other}\", or take it out"
+            ));
+        }
+    }
+    Ok(SomatotopicMap::of_lists(neighbours))
+}

@@ -1,0 +1,107 @@
+//! Strokes that go over joints, from one limb to the next.
+
+use nalgebra::Vector3;
+use rand::RngExt;
+use rand::seq::IndexedRandom;
+use rand_chacha::ChaCha8Rng;
+
+use super::stimulation::{ABOVE, CLEAR, STEP, SkinPoint, Stimulation, Strokes, laid};
+use crate::senses::TouchKind;
+use crate::skin::Receptor;
+
+/// How long the way is on the first limb and on the last one at the least, metres: it begins on the one, and ends on the
+/// other.
+const ON_EITHER: f64 = 0.015;
+/// The farthest that a way goes, metres, and from end to end in a straight line.
+const FARTHEST: f64 = 0.5;
+/// Places that are tried on two given receptors.
+const PLACES: usize = 20;
+/// Ways that are tried.
+const WAYS: usize = 500;
+
+impl Strokes<'_> {
+    /// A random stroke over so many joints, setting out at `time`: a row of limbs that follow each other is drawn, then a
+    /// place on its first and one on its last limb; the way goes towards the latter over the skin. None where no row has
+    /// room for it.
+    pub fn across(&self, joints: usize, time: f64, rng: &mut ChaCha8Rng) -> Option<Stimulation> {
+        let rows = self.rows(joints + 1);
+        (0..WAYS).find_map(|_| {
+            let row = rows.choose(rng)?;
+            let [from, to] = [row[0], row[joints]].map(|limb| self.place_on(limb, rng));
+            let way = self.towards(row, &from?, &to?)?;
+            Some(laid(TouchKind::Stroke, &way, time, rng))
+        })
+    }
+
+    /// A stroke from a random place of one receptor to one of another, over the limbs between them; none where no way
+    /// leads there.
+    pub fn between(&self, from: usize, to: usize, time: f64, rng: &mut ChaCha8Rng) -> Option<Stimulation> {
+        let [one, other] = [from, to].map(|receptor| &self.skin.receptors[receptor]);
+        let row = (1..self.frames.len()).find_map(|length| {
+            let mut rows = self.rows(length).into_iter();
+            rows.find(|row| row[0] == one.limb && row[row.len() - 1] == other.limb)
+        })?;
+        let way = (0..PLACES).find_map(|_| {
+            let [from, to] = [one, other].map(|receptor| self.place_in(receptor, rng));
+            self.towards(&row, &from, &to)
+        })?;
+        Some(laid(TouchKind::Stroke, &way, time, rng))
+    }
+
+    /// All rows of so many limbs with skin, each joined to the next.
+    fn rows(&self, length: usize) -> Vec<Vec<usize>> {
+        let has_skin = |limb: &usize| self.skin.receptors.iter().any(|receptor| receptor.limb == *limb);
+        let mut rows: Vec<Vec<usize>> =
+            (0..self.frames.len()).filter(has_skin).map(|limb| vec![limb]).collect();
+        for _ in 1..length {
+            let longer = |row: &Vec<usize>| {
+                let next = self.joined(row[row.len() - 1]).into_iter().filter(has_skin);
+                let next: Vec<usize> = next.filter(|limb| !row.contains(limb)).collect();
+                next.into_iter().map(|limb| [&row[..], &[limb]].concat()).collect::<Vec<_>>()
+            };
+            rows = rows.iter().flat_map(longer).collect();
+        }
+        rows
+    }
+
+    /// A random point of a limb's skin, in the world.
+    fn place_on(&self, limb: usize, rng: &mut ChaCha8Rng) -> Option<Vector3<f64>> {
+        let on_limb: Vec<_> = self.skin.receptors.iter().filter(|receptor| receptor.limb == limb).collect();
+        Some(self.place_in(on_limb.choose(rng)?, rng))
+    }
+
+    /// A random point of a receptor's patch, in the world.
+    fn place_in(&self, receptor: &Receptor, rng: &mut ChaCha8Rng) -> Vector3<f64> {
+        let [a, b] = receptor.half_extents.map(|half| half * rng.random_range(-1.0..1.0));
+        let p_l = receptor.position + receptor.tangent * a + receptor.bitangent() * b;
+        self.frames[receptor.limb].point(&p_l)
+    }
+
+    /// A way over the skin of a row of limbs from a place on the first one towards a place on the last one, straight
+    /// ahead as far as the skin has it. None where it does not get there, or comes near another limb.
+    fn towards(&self, row: &[usize], from: &Vector3<f64>, to: &Vector3<f64>) -> Option<Vec<SkinPoint>> {
+        let last = row[row.len() - 1];
+        let [start, end] = [self.onto(row, from)?, self.onto(row, to)?];
+        if start.limb != row[0] || end.limb != last || (end.middle - start.middle).norm() > FARTHEST {
+            return None;
+        }
+        let mut way = vec![start];
+        while (end.middle - way[way.len() - 1].middle).norm() > 1.5 * STEP {
+            let spot = way[way.len() - 1];
+            let ahead = end.middle - spot.middle;
+            let along = (ahead - spot.normal * ahead.dot(&spot.normal)).try_normalize(1e-6)?;
+            way.push(self.next(row, &spot, &along)?);
+            if way.len() as f64 * STEP > FARTHEST {
+                return None;
+            }
+        }
+        let mut limbs: Vec<usize> = way.iter().map(|spot| spot.limb).collect();
+        let on = |limb: usize| way.iter().filter(|spot| spot.limb == limb).count() as f64 * STEP;
+        let long_enough = on(row[0]) >= ON_EITHER && on(last) >= ON_EITHER;
+        limbs.dedup();
+        let ends = [&way[0], &way[way.len() - 1]];
+        let free = ends.iter().all(|spot| self.is_free(&[spot.limb], spot, ABOVE, CLEAR))
+            && way.iter().all(|spot| self.is_free(row, spot, ABOVE, CLEAR));
+        (limbs == row && long_enough && free).then_some(way)
+    }
+}

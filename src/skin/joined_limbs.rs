@@ -1,0 +1,41 @@
+//! Which limbs' skins may meet.
+
+use super::Skin;
+use crate::creature::Creature;
+
+/// Limbs whose skins may meet: those that a joint connects, or several where what is in between has no receptors.
+#[derive(Clone, Debug)]
+pub(crate) struct JoinedLimbs {
+    joined: Vec<Vec<bool>>,
+}
+
+impl JoinedLimbs {
+    /// Looks at a creature's tree and at which of its limbs have receptors.
+    pub fn new(creature: &Creature, skin: &Skin) -> JoinedLimbs {
+        let count = creature.limbs().len();
+        let mut has_skin = vec![false; count];
+        skin.receptors.iter().for_each(|receptor| has_skin[receptor.limb] = true);
+        let carried = |limb: usize| (0..count).filter(move |&other| creature.parent_of(other) == Some(limb));
+        let mut joined = vec![vec![false; count]; count];
+        for (from, joined) in joined.iter_mut().enumerate() {
+            let mut open = vec![from];
+            while let Some(limb) = open.pop() {
+                if std::mem::replace(&mut joined[limb], true) || (limb != from && has_skin[limb]) {
+                    continue;
+                }
+                open.extend(creature.parent_of(limb).into_iter().chain(carried(limb)));
+            }
+        }
+        JoinedLimbs { joined }
+    }
+
+    /// Whether two limbs' skins may meet; those of one limb do.
+    pub fn are(&self, a: usize, b: usize) -> bool {
+        self.joined[a][b]
+    }
+
+    /// The limbs whose skins may meet that of a limb, itself among them.
+    pub fn of(&self, limb: usize) -> impl Iterator<Item = usize> {
+        (0..self.joined.len()).filter(move |&other| self.joined[limb][other])
+    }
+}
