@@ -8,6 +8,7 @@ use std::collections::{BTreeSet, VecDeque};
 use nalgebra::Vector3;
 
 use super::error::ActorError;
+use super::tasks::SearchPlan;
 use crate::creature::{Creature, Posture};
 use crate::geometry::Frame;
 use crate::kinematics::Place;
@@ -29,6 +30,8 @@ const TABLE: f64 = 0.012;
 const TRAIL: usize = 1500;
 /// … and from how many of them it is told which way skin goes.
 const LATELY: usize = 15;
+/// As many steps back skin has left what it has just met.
+const PARTING: usize = 3;
 
 /// A limb that acts.
 #[derive(Clone, Debug, PartialEq)]
@@ -107,8 +110,12 @@ pub struct Actor {
     pub feels_on: bool,
     /// Contacts that no motion was meant to bring about.
     pub unintended: usize,
+    /// Where it can feel the table, once it has worked that out: another of the same body at the same table may be given it.
+    pub reach: Option<SearchPlan>,
     /// The postures of the last motion, step by step.
     trail: VecDeque<Posture>,
+    /// Steps made.
+    steps: usize,
     pub(super) seed: u64,
 }
 
@@ -184,7 +191,9 @@ impl Actor {
             unintended,
             fine_touch: false,
             feels_on: false,
+            reach: None,
             trail: VecDeque::new(),
+            steps: 0,
             seed,
         })
     }
@@ -283,6 +292,7 @@ impl Actor {
                 let posture = Posture::between(self.own.creature(), &start, target, k as f64 / steps as f64);
                 let felt = self.handle.step(&posture)?;
                 self.trail.push_back(posture);
+                self.steps += 1;
                 if self.trail.len() > TRAIL {
                     self.trail.pop_front();
                 }
@@ -321,6 +331,16 @@ impl Actor {
     /// Has been put into a posture by a partner: nothing is remembered of how it came there.
     pub fn was_placed(&mut self) {
         self.trail.clear();
+    }
+
+    /// How many steps it has made along ways.
+    pub(super) fn steps(&self) -> usize {
+        self.steps
+    }
+
+    /// The postures that it went through since it had made so many steps, as far as it remembers them, the latest first.
+    pub(super) fn lately(&self, since: usize) -> impl Iterator<Item = &Posture> {
+        self.trail.iter().rev().take(self.steps - since)
     }
 
     /// Goes on by one step, at whose end it is in a posture, and tells what touches it.
@@ -388,7 +408,8 @@ impl Actor {
         let at = |posture: &[f64]| self.own.frames(posture)[place.limb].point(&place.point);
         let here = at(self.trail.back()?);
         let mut way = Vec::new();
-        for posture in self.trail.iter().rev().step_by(5) {
+        // Not where it is: for a step more what it touches would be pushed.
+        for posture in self.trail.iter().rev().skip(PARTING).step_by(5) {
             way.push(posture.clone());
             if (at(posture) - here).norm() > far {
                 return Some(PosturePath(way));

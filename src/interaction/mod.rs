@@ -19,5 +19,7 @@ pub use conversation::language::{HandName, Language, Mood, PartName, Understood,
 pub use conversation::{Conversation, Intent, Reply};
 pub use error::ActorError;
 pub use own_spot::OwnTouch;
-pub use tasks::{FeltOn, Grip, LiftTrouble, PalmPlan, ShapeFeeling, Spot, Touching, Trouble};
+pub use tasks::{
+    Feeling, FeltOn, Grip, LiftTrouble, PalmPlan, Search, SearchPlan, ShapeFeeling, Spot, Touching, Trouble,
+};
 pub use things::{KnownThing, Things};

@@ -76,6 +76,31 @@ impl Things {
         }
     }
 
+    /// Takes over what a search felt: things that are known keep their order, new ones follow; what is known twice is one.
+    /// What the search did not feel is forgotten where `gone` says that it would have felt it.
+    pub fn take_over(&mut self, felt: &[(FoundThing, Vector3<f64>)], gone: impl Fn(&Vector3<f64>) -> bool) {
+        let mut taken = vec![false; felt.len()];
+        let mut which = 0;
+        while which < self.known.len() {
+            let at = self.known[which].at;
+            let away = |k: &usize| (felt[*k].1 - at).norm();
+            let nearest = (0..felt.len()).min_by(|a, b| away(a).total_cmp(&away(b)));
+            match nearest.filter(|k| away(k) < SAME) {
+                Some(k) if !taken[k] => {
+                    taken[k] = true;
+                    let in_touch = self.known[which].in_touch;
+                    self.known[which] = KnownThing { found: felt[k].0.clone(), at: felt[k].1, in_touch };
+                    which += 1;
+                }
+                None if !gone(&at) => which += 1,
+                _ => self.forget(which),
+            }
+        }
+        for ((found, at), _) in felt.iter().zip(&taken).filter(|(_, taken)| !**taken) {
+            self.known.push(KnownThing { found: found.clone(), at: *at, in_touch: None });
+        }
+    }
+
     /// A thing was felt anew, by a receptor that touches it.
     pub fn felt_again(&mut self, which: usize, found: &FoundThing) {
         self.known[which] = KnownThing::felt(found, Some(found.receptor));

@@ -88,6 +88,59 @@ fn a_conversation_ends_with_things_where_they_were_wanted() {
     assert!(reply.intent == Intent::Unknown && reply.said.contains("for example"), "{}", reply.said);
 }
 
+/// Searches twice: with nothing hidden from the hands, and after one of the things is gone.
+#[test]
+fn all_things_in_reach_are_found_and_one_that_is_gone_is_forgotten() {
+    // A small thing in the strip at the table's edge, beside those of the scene, of which the bottle is out of reach.
+    let near = Thing {
+        name: "near".into(),
+        shape: Shape::Box { half_extents: [0.02, 0.03, 0.02] },
+        pose: Isometry3::translation(0.27, 0.0, TOP + 0.02),
+        fixed: false,
+        substance: Default::default(),
+    };
+    let options = StageOptions { things: vec![near], ..StageOptions::default() };
+    let stage = Stage::new(&repository("mjcf/max/table.xml"), &options).unwrap();
+    let body = max("torso");
+    let agent = Agent::of(&body).unwrap();
+    let touches = babble(&body, &agent, 300, 1, 2);
+    let own = own_body(&agent, &truth(&body), Input::Contact, &touches);
+    let mut actor = Actor::new(own, stage.handle(), ["left_hand", "right_hand"], 1).unwrap();
+    stage.place(&actor.ready()).unwrap();
+    let mut talk = Conversation::new(actor).unwrap();
+    let missed = |felt: &[serde_json::Value], names: &[&str]| -> Vec<String> {
+        let known: Vec<Vector3<f64>> = felt
+            .iter()
+            .map(|known| {
+                let at = known["at"].as_array().unwrap().iter().map(|x| x.as_f64().unwrap());
+                (stage.root_pose() * nalgebra::Point3::from(Vector3::from_iterator(at))).coords
+            })
+            .collect();
+        let near = |name: &str| {
+            let place = stage.thing_pose(stage.thing(name).unwrap()).translation.vector;
+            known.iter().any(|at| (at - place).norm() < 0.08)
+        };
+        names.iter().filter(|name| !near(name)).map(|name| name.to_string()).collect()
+    };
+
+    let reply = talk.count(None).unwrap();
+    eprintln!("{}", reply.said);
+    assert_eq!(missed(&reply.felt, &["near", "box", "can", "brick"]), Vec::<String>::new(), "{}", reply.said);
+    assert_eq!(reply.felt.len(), 4, "{}", reply.said);
+    assert!(reply.said.contains("4 things"), "{}", reply.said);
+
+    // A partner takes one away without a word.
+    let (can, now) = (stage.thing("can").unwrap(), stage.time());
+    let here = stage.thing_pose(can).translation.vector;
+    let up = here + Vector3::new(0.0, 0.0, 0.5);
+    let far = up + Vector3::new(3.0, 0.0, 0.0);
+    stage.send_thing(can, ProbePath(vec![(now, here), (now + 1.0, up), (now + 2.0, far)]));
+    talk.actor.wait(2.5).unwrap();
+    let reply = talk.count(None).unwrap();
+    assert_eq!(missed(&reply.felt, &["near", "box", "brick"]), Vec::<String>::new(), "{}", reply.said);
+    assert_eq!(reply.felt.len(), 3, "{}", reply.said);
+}
+
 #[test]
 fn who_has_hardly_touched_itself_says_what_it_lacks() {
     let little = learned_max(8);

@@ -9,7 +9,7 @@ use rand_chacha::ChaCha8Rng;
 use super::subject::Subject;
 use crate::experiment::ExperimentError;
 use crate::geometry::{Capsule, Frame, Shape};
-use crate::interaction::Actor;
+use crate::interaction::{Actor, Conversation};
 use crate::mujoco;
 use crate::peripersonal::{CollisionChecker, OwnBody};
 use crate::simulation::{Stage, StageOptions, Substance, Thing};
@@ -106,6 +106,11 @@ impl OnStage {
         let (own, clearance) = (known.own.clone(), known.clearance.clone());
         let actor = Actor::with_clearance(own, clearance, stage.handle(), HANDS, seed);
         Ok(OnStage { actor: actor.map_err(|error| unfit(error.to_string()))?, stage })
+    }
+
+    /// The stage, and the creature as one that talks.
+    pub fn in_conversation(self) -> Result<(Stage, Conversation), ExperimentError> {
+        Ok((self.stage, Conversation::new(self.actor)?))
     }
 
     /// Puts the creature into a posture at once.

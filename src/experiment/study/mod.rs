@@ -16,6 +16,7 @@ pub mod disturbances;
 mod exhaustive_reach;
 pub mod farthest;
 pub mod felt_shape;
+pub mod finding;
 pub mod frames;
 pub mod growth;
 pub mod hersch;
@@ -58,6 +59,7 @@ pub const STUDIES: &[&Study] = &[
     &self_touch::STUDY,
     &map::STUDY,
     &other_hand::STUDY,
+    &finding::STUDY,
     &farthest::STUDY,
     &lift::STUDY,
     &felt_shape::STUDY,

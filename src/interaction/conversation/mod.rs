@@ -18,7 +18,7 @@ use self::language::{HandName, Language, Leave, PartName, Understood, Which};
 use self::mind::{Deed, Forbidden, Mind};
 use self::requests::{Act, Answer};
 use super::actor::Actor;
-use super::tasks::Trouble;
+use super::tasks::{Search, Trouble};
 use super::things::Things;
 use crate::creature::Posture;
 use crate::peripersonal::ReachableMap;
@@ -113,7 +113,9 @@ pub struct Conversation {
     pub actor: Actor,
     language: Language,
     /// What it remembers of things, and which of them is meant.
-    things: Things,
+    pub(in crate::interaction) things: Things,
+    /// Its search of the table, as far as it got; none where what stands on it may have changed since.
+    search: Option<Search>,
     /// Where it felt things, in the root's frame, metres.
     felt: Vec<Vector3<f64>>,
     deeds: Vec<Deed>,
@@ -151,6 +153,7 @@ impl Conversation {
             felt: Vec::new(),
             deeds: Vec::new(),
             forbidden: Vec::new(),
+            search: None,
             pending: None,
             last: None,
             ready,

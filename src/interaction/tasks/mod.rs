@@ -7,6 +7,7 @@ mod feeling;
 mod feeling_shape;
 mod lifting;
 mod putting;
+mod searching;
 mod touching;
 mod two_palms;
 
@@ -18,6 +19,7 @@ pub use feeling::FeltOn;
 pub use feeling_shape::ShapeFeeling;
 pub use lifting::{Grip, LiftTrouble};
 pub use putting::Spot;
+pub use searching::{Feeling, Search, SearchPlan};
 pub use touching::Touching;
 pub use two_palms::PalmPlan;
 

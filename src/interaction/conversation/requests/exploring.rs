@@ -2,11 +2,12 @@
 
 use super::super::Conversation;
 use super::{Act, Intent, Reply, RequestKind};
-use crate::geometry::Capsule;
 use crate::interaction::conversation::language::Leave;
-use crate::interaction::tasks::Trouble;
-use crate::peripersonal::Obstacle;
-use crate::simulation::EngineError;
+use crate::interaction::{FoundThing, Trouble};
+use crate::simulation::{EngineError, EngineResult};
+
+/// What is no farther behind a thing than this is told of as behind it, metres.
+const BEHIND: f64 = 0.15;
 
 pub(super) const EXPLORE: RequestKind = RequestKind {
     told: &[
@@ -45,50 +46,168 @@ pub(super) const EXPLORE: RequestKind = RequestKind {
 };
 
 impl Conversation {
+    /// Feels about until something is felt that it does not know yet, and keeps touching it: "is there something?",
+    /// "anything else?"
     fn explore(&mut self, hand: Option<usize>, _leave: &Leave) -> Result<Reply, EngineError> {
         self.let_be();
-        if self.actor.table.is_none() {
-            let heights: Vec<f64> = (0..2).filter_map(|hand| self.actor.feel_table(hand).ok()).collect();
-            let Some(height) = heights.into_iter().reduce(f64::min) else {
-                let said = "I lowered my hands and felt no table in front of me".to_string();
-                return Ok(self.reply(Intent::Explore, said, Some(false), false));
-            };
-            self.actor.know_table(height);
+        if !self.knows_table() {
+            return Ok(self.no_table());
         }
-        // What is known already is kept clear of.
-        let table = self.actor.clearance.obstacles.clone();
-        for known in self.things.iter() {
-            self.actor.clearance.obstacles.push(Obstacle::Capsule(Capsule::ball(known.at, 0.07)));
+        // Where nothing is known yet a quick sweep often does.
+        if self.things.is_empty()
+            && self.search.is_none()
+            && let Some(found) = self.sweep(hand)?
+        {
+            let i = self.things.remember(&found, Some(found.receptor));
+            self.things.mean(Some(i));
+            let limb = self.limb_in_words(found.receptor);
+            let said = format!("Yes, I feel something with my {limb}, {}", self.place(&self.things[i].at));
+            return Ok(self.reply(Intent::Explore, said, Some(true), false));
         }
-        let first = hand.unwrap_or(1);
-        let mut found = None;
-        for hand in [first, 1 - first].into_iter().take(if hand.is_some() { 1 } else { 2 }) {
+        if !self.begin(hand)? {
+            return Ok(self.no_table());
+        }
+        let before = self.things.len();
+        while let Some(mut search) = self.search.take() {
+            let felt = self.actor.search_on(&mut search)?;
+            self.search = Some(search);
+            self.take_over();
+            let Some(felt) = felt else { break };
+            if self.things.len() > before
+                && let Some(found) = self.actor.touch_anew(&felt)?
+            {
+                let i = self.things.len() - 1;
+                self.things[i].found = found.clone();
+                self.things[i].in_touch = Some(found.receptor);
+                self.things.mean((self.things.len() == 1).then_some(i));
+                let limb = self.limb_in_words(found.receptor);
+                let something = if before > 0 { "something else" } else { "something" };
+                let said =
+                    format!("Yes, I feel {something} with my {limb}, {}", self.place(&self.things[i].at));
+                return Ok(self.reply(Intent::Explore, said, Some(true), false));
+            }
+        }
+        let ready = self.ready.clone();
+        self.settle(&ready);
+        let said = match self.things.len() {
+            0 => "I felt about on the table as far as I reach and found nothing".to_string(),
+            1 => "I felt about as far as I reach and found nothing but the one thing".to_string(),
+            count => format!("I felt about as far as I reach and found nothing but the {count} things"),
+        };
+        let said = format!("{said}{}", self.unsearched());
+        Ok(self.reply(Intent::Explore, said, Some(true), false))
+    }
+
+    /// Searches all that it reaches and tells how many things it found: "how many things are there?"
+    ///
+    /// # Errors
+    /// Where the engine fails.
+    pub fn count(&mut self, hand: Option<usize>) -> Result<Reply, EngineError> {
+        if !self.begin(hand)? {
+            return Ok(self.no_table());
+        }
+        if let Some(mut search) = self.search.take() {
+            while self.actor.search_on(&mut search)?.is_some() {}
+            self.search = Some(search);
+        }
+        self.take_over();
+        let ready = self.ready.clone();
+        self.settle(&ready);
+        let said = match self.things.len() {
+            0 => "I found nothing on the table as far as I reach".to_string(),
+            1 => format!("I found one thing, {}", self.place(&self.things[0].at)),
+            count => {
+                let places: Vec<String> = self.things.iter().map(|known| self.place(&known.at)).collect();
+                format!("I found {count} things: {}", places.join("; "))
+            }
+        };
+        let said = format!("{said}{}", self.unsearched());
+        Ok(self.reply(Intent::Explore, said, Some(true), false))
+    }
+
+    /// Sweeps the table with one hand, or with one after the other, until something is felt.
+    fn sweep(&mut self, hand: Option<usize>) -> EngineResult<Option<FoundThing>> {
+        let hands = hand.map_or(vec![1, 0], |hand| vec![hand]);
+        for hand in hands {
             match self.actor.explore(hand) {
-                Ok(Some(thing)) => {
-                    found = Some(thing);
-                    break;
-                }
-                Ok(None) | Err(Trouble::Hit(_) | Trouble::Nothing | Trouble::Reach(_)) => {
+                Ok(Some(found)) => return Ok(Some(found)),
+                Err(Trouble::Engine(error)) => return Err(error),
+                Ok(None) | Err(_) => {
                     let ready = self.ready.clone();
                     self.settle(&ready);
                 }
-                Err(Trouble::Engine(error)) => return Err(error),
             }
         }
-        self.actor.clearance.obstacles = table;
-        let Some(found) = found else {
-            let said = match self.things.len() {
-                0 => "I felt about on the table as far as I reach and found nothing",
-                _ => "I felt about and found nothing else",
-            };
-            return Ok(self.reply(Intent::Explore, said.into(), Some(true), false));
+        Ok(None)
+    }
+
+    /// Lowers the hands onto the table where it is not known yet; whether it is known.
+    fn knows_table(&mut self) -> bool {
+        if self.actor.table.is_none() {
+            let heights: Vec<f64> = (0..2).filter_map(|hand| self.actor.feel_table(hand).ok()).collect();
+            if let Some(height) = heights.into_iter().reduce(f64::min) {
+                self.actor.know_table(height);
+            }
+        }
+        self.actor.table.is_some()
+    }
+
+    /// Has a search to go on with, anew where the last one is done; whether there is a table.
+    fn begin(&mut self, hand: Option<usize>) -> EngineResult<bool> {
+        self.let_be();
+        if !self.knows_table() {
+            return Ok(false);
+        }
+        let again = self.search.take().filter(|search| !search.done || search.only != hand);
+        self.search = match again {
+            Some(search) => Some(search),
+            None => self.actor.begin_search(),
         };
-        let before = self.things.len();
-        let i = self.things.remember(&found, Some(found.receptor));
-        self.things.mean((self.things.len() == 1).then_some(i));
-        let limb = self.limb_in_words(found.receptor);
-        let something = if self.things.len() > before && before > 0 { "something else" } else { "something" };
-        let said = format!("Yes, I feel {something} with my {limb}, {}", self.place(&self.things[i].at));
-        Ok(self.reply(Intent::Explore, said, Some(true), false))
+        if let Some(search) = &mut self.search {
+            search.only = hand;
+        }
+        Ok(self.search.is_some())
+    }
+
+    fn no_table(&self) -> Reply {
+        let said = "I lowered my hands and felt no table in front of me".to_string();
+        self.reply(Intent::Explore, said, Some(false), false)
+    }
+
+    /// Remembers what the search felt; what it would have felt and did not is forgotten.
+    fn take_over(&mut self) {
+        let Some(search) = &self.search else { return };
+        let felt: Vec<_> = search
+            .things()
+            .into_iter()
+            .filter_map(|thing| Some((search.felt[*thing.touches.last()?].found.clone(), thing.at)))
+            .collect();
+        self.things.take_over(&felt, |at| search.would_have_felt(at));
+    }
+
+    /// What it could not search, in words; nothing where there is no such place.
+    fn unsearched(&self) -> String {
+        let Some(search) = &self.search else { return String::new() };
+        let places = search.unsearched().into_iter().map(|([forward, left], _)| {
+            let at = search.map.plane.point([forward, left, 0.0]);
+            let behind = |known: &&crate::interaction::KnownThing| {
+                let apart = known.at - at;
+                let flat = apart - self.actor.up * apart.dot(&self.actor.up);
+                flat.norm() < BEHIND && known.at.dot(&self.actor.front) < forward
+            };
+            match self.things.iter().position(|known| behind(&known)) {
+                Some(k) if self.things.len() > 1 => {
+                    format!("behind the one {}", self.place(&self.things[k].at))
+                }
+                Some(_) => "behind it".to_string(),
+                None => self.place(&at),
+            }
+        });
+        let mut places: Vec<String> = places.collect();
+        places.dedup();
+        match places.as_slice() {
+            [] => String::new(),
+            places => format!("; I could not feel {}", places.join(", nor ")),
+        }
     }
 }

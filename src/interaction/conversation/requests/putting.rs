@@ -88,6 +88,9 @@ impl Conversation {
         let (point, _) = actor.feels_at(receptor);
         let upright = actor.frames()[limb].rotation.tr_mul(&actor.up);
         let height = point.dot(&actor.up);
+        // What was searched is no longer so.
+        self.search = None;
+        let actor = &mut self.actor;
         let spot = match far {
             true => actor.farthest(receptor, height, upright, lean, 2),
             false => {

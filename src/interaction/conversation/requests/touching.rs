@@ -86,6 +86,14 @@ impl Conversation {
                 Ok(self.reply(Intent::Touch, said, Some(true), false))
             }
             Err(Trouble::Engine(error)) => Err(error),
+            // It felt about near there, too: what it remembers is no longer so.
+            Err(Trouble::Nothing) => {
+                let place = self.place(&self.things[i].at);
+                self.things.forget(i);
+                self.search = None;
+                let said = format!("I felt about for it with my {name}, and it is no longer {place}");
+                Ok(self.reply(Intent::Touch, said, Some(false), false))
+            }
             Err(trouble) => {
                 let hint = match &trouble {
                     Trouble::Reach(OutOfReach::TooFar(_)) if !lean => "; I could lean forward and try again",
