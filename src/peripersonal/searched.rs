@@ -74,6 +74,8 @@ pub struct SearchedMap {
     size: [usize; 2],
     /// Per cell, the lowest height over the table at which skin was over it, metres.
     passed: Vec<f64>,
+    /// The same of the last motion alone.
+    lately: Vec<f64>,
     /// Per cell, whether some posture brings skin low enough to it.
     reached: Vec<bool>,
 }
@@ -86,7 +88,8 @@ impl SearchedMap {
     pub fn new(plane: TablePlane) -> SearchedMap {
         let size = [(SIZE[0] / CELL) as usize, (2.0 * SIZE[1] / CELL) as usize];
         let cells = size[0] * size[1];
-        SearchedMap { plane, size, passed: vec![f64::INFINITY; cells], reached: vec![false; cells] }
+        let nowhere = vec![f64::INFINITY; cells];
+        SearchedMap { plane, size, passed: nowhere.clone(), lately: nowhere, reached: vec![false; cells] }
     }
 
     /// How many cells there are.
@@ -121,12 +124,34 @@ impl SearchedMap {
         })
     }
 
+    /// A motion begins.
+    pub fn begin_motion(&mut self) {
+        self.lately.fill(f64::INFINITY);
+    }
+
     /// Skin passes over the table in a posture and touches nothing but what it has just met.
     pub fn pass(&mut self, skin: &SkinPoints, frames: &[Frame]) {
         for point in skin.at(frames) {
             let [forward, left, above] = self.plane.coordinates(&point);
             if let Some(cell) = self.cell(forward, left) {
                 self.passed[cell] = self.passed[cell].min(above);
+                self.lately[cell] = self.lately[cell].min(above);
+            }
+        }
+    }
+
+    /// The height over the table above which there was nothing in a cell in the last motion, metres; infinite where it did
+    /// not pass there.
+    pub fn passed_lately(&self, cell: Cell) -> f64 {
+        self.lately[cell]
+    }
+
+    /// What was searched so near to a place, forward and to the left, metres, may have changed since.
+    pub fn forget_about(&mut self, [forward, left]: [f64; 2], radius: f64) {
+        for cell in 0..self.cells() {
+            let [x, y] = self.middle(cell);
+            if (x - forward).hypot(y - left) < radius {
+                self.passed[cell] = f64::INFINITY;
             }
         }
     }
@@ -156,6 +181,13 @@ impl SearchedMap {
         let [x, y] = self.middle(cell);
         let sides = [[CELL, 0.0], [-CELL, 0.0], [0.0, CELL], [0.0, -CELL]];
         sides.into_iter().filter_map(move |[dx, dy]| self.cell(x + dx, y + dy))
+    }
+
+    /// The cells about a place, forward and to the left, metres: its own and the eight next to it.
+    pub fn about(&self, [forward, left]: [f64; 2]) -> impl Iterator<Item = Cell> + '_ {
+        let aside = [-CELL, 0.0, CELL];
+        let all = aside.into_iter().flat_map(move |dx| aside.map(move |dy| [forward + dx, left + dy]));
+        all.filter_map(|[x, y]| self.cell(x, y))
     }
 
     /// The longest piece of the way between two places, but for its ends, on which nothing is higher than `below`, metres.

@@ -54,13 +54,16 @@ pub(super) fn described(thing: &Thing) -> Vec<Element> {
     }
     let Substance { mass, friction } = thing.substance;
     let coefficient = friction.unwrap_or(FRICTION);
+    // What is round would never come to rest again once it was touched. The engine heeds that only in contacts of six dimensions.
+    let round = matches!(thing.shape, Shape::Sphere { .. } | Shape::Capsule { .. } | Shape::Cylinder { .. });
+    let rolls = round && friction.is_none();
     let mut geom = element(
         "geom",
         &[
             ("name", thing.name.clone()),
             ("contype", "1".into()),
             ("conaffinity", "1".into()),
-            ("condim", "4".into()),
+            ("condim", if rolls { "6" } else { "4" }.into()),
             ("friction", exact(&[coefficient, coefficient / TURNING, coefficient / ROLLING])),
         ],
     );

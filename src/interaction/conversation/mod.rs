@@ -323,6 +323,17 @@ impl Conversation {
         }
         if kind.needs_thing {
             match self.things.it() {
+                // What is near is felt for first; what is felt then is touched.
+                None if self.things.is_empty() && intent == Intent::Touch => {
+                    self.still = false;
+                    self.leave_spot(&leave);
+                    let hand = self.hand_for(request.hand);
+                    let found = self.explore(hand, &leave)?;
+                    let done = Some(!self.things.is_empty());
+                    let reply = Reply { intent, done, ..found };
+                    self.did(request, &reply);
+                    return Ok(reply);
+                }
                 None if self.things.is_empty() => {
                     let said = "I have not felt anything yet: ask me to feel about first".to_string();
                     return Ok(self.reply(intent, said, Some(false), false));

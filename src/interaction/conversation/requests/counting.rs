@@ -32,11 +32,12 @@ pub(super) const HOW_MANY: RequestKind = RequestKind {
         ["count the things", "counted the things"],
         Act::Tells(|creature, _| {
             let places: Vec<String> = creature.things.iter().map(|known| creature.place(&known.at)).collect();
-            Answer::tells(match places.as_slice() {
+            let said = match places.as_slice() {
                 [] => "I have felt no thing so far".to_string(),
                 [one] => format!("I have felt one thing: {one}"),
                 places => format!("I have felt {} things: {}", places.len(), places.join("; ")),
-            })
+            };
+            Answer::tells(format!("{said}{}", creature.not_searched()))
         }),
     )
 };

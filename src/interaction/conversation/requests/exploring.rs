@@ -40,7 +40,7 @@ pub(super) const EXPLORE: RequestKind = RequestKind {
         ["feel about for things", "felt about for things"],
         Act::Moves(|creature, request, leave| {
             let hand = creature.hand_for(request.hand);
-            creature.explore(hand, leave)
+            if request.all { creature.count(hand) } else { creature.explore(hand, leave) }
         }),
     )
 };
@@ -48,7 +48,11 @@ pub(super) const EXPLORE: RequestKind = RequestKind {
 impl Conversation {
     /// Feels about until something is felt that it does not know yet, and keeps touching it: "is there something?",
     /// "anything else?"
-    fn explore(&mut self, hand: Option<usize>, _leave: &Leave) -> Result<Reply, EngineError> {
+    pub(in crate::interaction::conversation) fn explore(
+        &mut self,
+        hand: Option<usize>,
+        _leave: &Leave,
+    ) -> Result<Reply, EngineError> {
         self.let_be();
         if !self.knows_table() {
             return Ok(self.no_table());
@@ -183,6 +187,14 @@ impl Conversation {
             .filter_map(|thing| Some((search.felt[*thing.touches.last()?].found.clone(), thing.at)))
             .collect();
         self.things.take_over(&felt, |at| search.would_have_felt(at));
+    }
+
+    /// What it has not searched, or could not, in words; nothing where it knows all of the table that it reaches.
+    pub(super) fn not_searched(&self) -> String {
+        match &self.search {
+            Some(search) if search.done => self.unsearched(),
+            _ => "; I have not searched all of the table".to_string(),
+        }
     }
 
     /// What it could not search, in words; nothing where there is no such place.

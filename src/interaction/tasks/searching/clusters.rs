@@ -6,9 +6,9 @@ use super::Feeling;
 use super::plan::SEARCHED;
 use crate::peripersonal::{CELL, SearchedMap};
 
-/// Touches farther apart than this are not taken for those of one thing by themselves, metres: a little more than places to
-/// come down at are apart, so that what is large is touched at places that are nearer.
-const TOGETHER: f64 = 0.045;
+/// Touches farther apart than this are not taken for those of one thing by themselves, metres: what is larger is touched at
+/// places that are nearer.
+const TOGETHER: f64 = 0.07;
 /// By so much skin passed lower than both touches where it parts them, metres.
 const LOWER: f64 = 0.015;
 /// So much of the way between two touches may be empty, metres: a touch is known to a centimetre or two.
@@ -32,13 +32,13 @@ pub fn things(map: &SearchedMap, felt: &[Feeling]) -> Vec<FeltThing> {
     let mut group: Vec<usize> = (0..felt.len()).collect();
     for i in 0..felt.len() {
         for j in 0..i {
-            if group[i] != group[j] && are_one(map, &felt[i], &felt[j]) {
+            if group[i] != group[j] && !felt[i].gone && !felt[j].gone && are_one(map, &felt[i], &felt[j]) {
                 let (old, new) = (group[i].max(group[j]), group[i].min(group[j]));
                 group.iter_mut().filter(|g| **g == old).for_each(|g| *g = new);
             }
         }
     }
-    let firsts = (0..felt.len()).filter(|&i| group[i] == i);
+    let firsts = (0..felt.len()).filter(|&i| group[i] == i && !felt[i].gone);
     let thing = |first: usize| {
         let touches: Vec<usize> = (first..felt.len()).filter(|&i| group[i] == first).collect();
         let points: Vec<Vector3<f64>> = touches.iter().map(|&i| felt[i].found.point).collect();
@@ -56,9 +56,13 @@ pub fn things(map: &SearchedMap, felt: &[Feeling]) -> Vec<FeltThing> {
 
 /// Whether two touches are of one thing, as far as nothing is known to part them.
 fn are_one(map: &SearchedMap, a: &Feeling, b: &Feeling) -> bool {
+    (a.at[0] - b.at[0]).hypot(a.at[1] - b.at[1]) <= TOGETHER && nothing_parts(map, a, b)
+}
+
+/// Whether no skin has passed between two touches lower than both: where it has there is no thing that reaches from one to
+/// the other.
+pub(super) fn nothing_parts(map: &SearchedMap, a: &Feeling, b: &Feeling) -> bool {
     let [p, q] = [a, b].map(|felt| [felt.at[0], felt.at[1]]);
-    let length = (p[0] - q[0]).hypot(p[1] - q[1]);
-    // Where skin has passed lower than both were felt there is no thing that reaches from one to the other.
     let lower = a.at[2].min(b.at[2]) - LOWER;
-    length <= TOGETHER && map.longest_empty(p, q, END, lower.max(SEARCHED)) < EMPTY.max(CELL)
+    map.longest_empty(p, q, END, lower.max(SEARCHED)) < EMPTY.max(CELL)
 }

@@ -3,197 +3,33 @@
 
 mod clusters;
 mod plan;
-
-use nalgebra::Vector3;
+mod search;
 
 use crate::creature::Posture;
+use crate::geometry::Capsule;
 use crate::interaction::actor::{Actor, CAREFUL, FoundThing, SWIFT, Stop as Ended};
-use crate::peripersonal::{PosturePath, SearchedMap, TablePlane, straight};
+use crate::peripersonal::{Obstacle, OutOfReach, PosturePath, TablePlane, straight};
 use crate::simulation::EngineResult;
-pub use clusters::FeltThing;
+use plan::CLEAR;
 pub use plan::SearchPlan;
-use plan::{CLEAR, SEARCHED, Stop};
+pub use search::{Feeling, Search};
 
 /// How fast the tips of the hands go low over the table and down to it, metres a second.
-const FEELING: f64 = 3.0 * CAREFUL;
+const FEELING: f64 = 2.0 * CAREFUL;
+/// How fast they go above things, metres a second.
+const ABOVE: f64 = 3.0 * CAREFUL;
 /// How far skin draws back from what it met, metres.
 const DRAWN_BACK: f64 = 0.02;
 /// The way of a sweep between neighbouring places is no longer than this, metres.
 const SWEEP: f64 = 0.09;
-/// A place is worth going to for so many cells that were not searched.
-const WORTH: usize = 7;
-/// A lane is left to the next one where it alone would search fewer cells than this.
-const LANE_WORTH: usize = 30;
-/// What is nearer than this to where something was felt is taken for that thing, metres.
-const AT: f64 = 0.02;
-/// Fewer cells side by side than this hide nothing that is to be told of: a square of 4 cm.
-const UNSEARCHED: usize = 16;
+/// A thing goes on at least so far from where it was felt, metres.
+const INTO: f64 = 0.012;
+/// On its way above things a hand keeps clear of a ball of this radius where each was felt, metres.
+const ABOUT: f64 = 0.03;
 /// Where hands can feel a table is worked out anew where it is higher or lower by more than this, metres.
 const SAME_HEIGHT: f64 = 5e-4;
-/// A place is tried so often.
-const TRIES: u8 = 2;
 /// Every so many steps of a motion what it passed is taken down: a millimetre or two of way.
 const NOTED: usize = 6;
-
-/// Something felt in a search.
-#[derive(Clone, Debug)]
-pub struct Feeling {
-    /// What was felt.
-    pub found: FoundThing,
-    /// Where, forward, to the left and above the table, metres.
-    pub at: [f64; 3],
-}
-
-/// A search of a table, as far as it got.
-pub struct Search {
-    plan: SearchPlan,
-    /// What has been searched.
-    pub map: SearchedMap,
-    /// All that was felt.
-    pub felt: Vec<Feeling>,
-    /// Where it goes next: a lane and a stop of it.
-    next: [usize; 2],
-    /// Per lane and stop, how often it was tried.
-    tried: Vec<Vec<u8>>,
-    /// Where the hand is, and whether it is low there.
-    at: Option<([usize; 2], bool)>,
-    /// Whether all lanes are done, and what they left is being searched.
-    again: bool,
-    /// Whether there is nothing left to search.
-    pub done: bool,
-    /// The hand that alone is to search; none where both do.
-    pub only: Option<usize>,
-}
-
-impl Search {
-    /// A search of which nothing has been done.
-    pub fn new(plan: SearchPlan) -> Search {
-        let tried = plan.lanes.iter().map(|lane| vec![0; lane.len()]).collect();
-        let map = plan.map.clone();
-        Search {
-            plan,
-            map,
-            felt: Vec::new(),
-            next: [0, 0],
-            tried,
-            at: None,
-            again: false,
-            done: false,
-            only: None,
-        }
-    }
-
-    /// The plan.
-    pub fn plan(&self) -> &SearchPlan {
-        &self.plan
-    }
-
-    fn stop(&self, [lane, k]: [usize; 2]) -> &Stop {
-        &self.plan.lanes[lane][k]
-    }
-
-    /// The things that were felt, in the order in which they were felt first.
-    pub fn things(&self) -> Vec<FeltThing> {
-        clusters::things(&self.map, &self.felt)
-    }
-
-    /// Whether a thing at a point of the root's frame would have been felt: whether skin has been low over that place.
-    pub fn would_have_felt(&self, point: &Vector3<f64>) -> bool {
-        let [forward, left, _] = self.map.plane.coordinates(point);
-        self.map.cell(forward, left).is_some_and(|cell| self.map.passed(cell) <= SEARCHED)
-    }
-
-    /// The middles of the places that it could reach and could not search, forward and to the left, metres, and how many
-    /// cells each is; not what is at the things that it felt.
-    pub fn unsearched(&self) -> Vec<([f64; 2], usize)> {
-        let mut open: std::collections::BTreeSet<usize> =
-            self.map.reachable().filter(|&cell| self.is_open(cell)).collect();
-        let mut places = Vec::new();
-        while let Some(first) = open.pop_first() {
-            let (mut front, mut place) = (vec![first], Vec::new());
-            while let Some(cell) = front.pop() {
-                place.push(self.map.middle(cell));
-                let beside: Vec<usize> = self.map.beside(cell).filter(|cell| open.contains(cell)).collect();
-                beside.iter().for_each(|cell| {
-                    open.remove(cell);
-                });
-                front.extend(beside);
-            }
-            if place.len() >= UNSEARCHED {
-                let middle = [0, 1].map(|i| place.iter().map(|at| at[i]).sum::<f64>() / place.len() as f64);
-                places.push((middle, place.len()));
-            }
-        }
-        places
-    }
-
-    /// How many cells a place would search that have not been, and that are not at what was felt.
-    fn gain(&self, stop: &Stop) -> usize {
-        stop.cells.iter().filter(|&&cell| self.is_open(cell)).count()
-    }
-
-    /// Whether a cell is still to be searched.
-    fn is_open(&self, cell: usize) -> bool {
-        let [x, y] = self.map.middle(cell);
-        let felt = |felt: &Feeling| (felt.at[0] - x).hypot(felt.at[1] - y) < AT;
-        self.map.passed(cell) > SEARCHED && !self.felt.iter().any(felt)
-    }
-
-    /// Whether a lane would search what the next two would not as well.
-    fn lane_is_worth(&self, lane: usize) -> bool {
-        let here = &self.plan.lanes[lane];
-        let Some(hand) = here.first().map(|stop| stop.hand) else { return false };
-        let next = self.plan.lanes.iter().skip(lane + 1).take(2);
-        let others: std::collections::BTreeSet<usize> = next
-            .flatten()
-            .filter(|stop| stop.hand == hand)
-            .flat_map(|stop| stop.cells.iter().copied())
-            .collect();
-        let mut alone: Vec<usize> = here
-            .iter()
-            .flat_map(|stop| stop.cells.iter().copied())
-            .filter(|cell| !others.contains(cell) && self.is_open(*cell))
-            .collect();
-        alone.sort_unstable();
-        alone.dedup();
-        alone.len() >= LANE_WORTH
-    }
-
-    /// The place to go to next; none where all is searched that can be.
-    fn following(&mut self) -> Option<[usize; 2]> {
-        while !self.again {
-            let [lane, k] = self.next;
-            if lane == self.plan.lanes.len() {
-                self.again = true;
-                break;
-            }
-            let hand = self.plan.lanes[lane].first().map(|stop| stop.hand);
-            let searches = self.only.is_none() || self.only == hand;
-            if k == self.plan.lanes[lane].len() || !searches || (k == 0 && !self.lane_is_worth(lane)) {
-                self.next = [lane + 1, 0];
-                continue;
-            }
-            self.next = [lane, k + 1];
-            if self.gain(self.stop([lane, k])) >= WORTH {
-                return Some([lane, k]);
-            }
-        }
-        // What the lanes left: where most is to be searched first, with the hand that is there already.
-        let hand = self.at.map(|(at, _)| self.stop(at).hand);
-        let all = (0..self.plan.lanes.len())
-            .flat_map(|lane| (0..self.plan.lanes[lane].len()).map(move |k| [lane, k]));
-        let worth = |at: &[usize; 2]| {
-            let stop = self.stop(*at);
-            (Some(stop.hand) == hand, self.gain(stop))
-        };
-        let best = all
-            .filter(|&at| self.only.is_none_or(|hand| hand == self.stop(at).hand))
-            .filter(|&[lane, k]| self.tried[lane][k] < TRIES && self.gain(self.stop([lane, k])) >= WORTH)
-            .max_by_key(worth);
-        self.done = best.is_none();
-        best
-    }
-}
 
 impl Actor {
     /// The table as far as it is known.
@@ -231,7 +67,14 @@ impl Actor {
     /// # Errors
     /// Where the engine fails.
     pub fn search_on(&mut self, search: &mut Search) -> EngineResult<Option<Feeling>> {
-        while let Some(to) = search.following() {
+        loop {
+            let Some(to) = search.following() else {
+                if search.done {
+                    return Ok(None);
+                }
+                self.add_narrow_stops(search);
+                continue;
+            };
             let from = search.at.filter(|&(_, low)| low).map(|(at, _)| at);
             let felt = match from {
                 Some(from) if self.sweeps(search, from, to) => {
@@ -245,10 +88,21 @@ impl Actor {
             search.at = Some((to, felt.is_none()));
             if let Some(felt) = felt {
                 search.felt.push(felt.clone());
+                search.know_cells();
                 return Ok(Some(felt));
             }
         }
-        Ok(None)
+    }
+
+    /// Adds places for fingers where the palms cannot get.
+    fn add_narrow_stops(&mut self, search: &mut Search) {
+        search.narrowed = true;
+        let places = search.narrow_places();
+        for hand in 0..2 {
+            let stops = self.narrow_stops(hand, &search.plan, &places);
+            search.tried.push(vec![0; stops.len()]);
+            search.plan.lanes.push(stops);
+        }
     }
 
     /// Whether the next place is low beside the present one.
@@ -268,6 +122,7 @@ impl Actor {
     ) -> EngineResult<Option<Feeling>> {
         let since = self.steps();
         let ended = self.follow(way, speed, |_, _| true)?;
+        search.map.begin_motion();
         let passed: Vec<Posture> = self.lately(since).step_by(NOTED).cloned().collect();
         for posture in &passed {
             let frames = self.own.frames(posture);
@@ -275,13 +130,36 @@ impl Actor {
                 search.map.pass(skin, &frames);
             }
         }
+        search.take_in_what_is_gone();
         let Ended::Felt(contacts) = ended else { return Ok(None) };
         let found = contacts.iter().find_map(|contact| self.found(contact));
         let back = contacts[0].spot.receptor;
         if let Some(way) = self.back_by(back, DRAWN_BACK) {
             self.follow(&way, SWIFT, |_, _| false)?;
         }
-        Ok(found.map(|found| Feeling { at: search.map.plane.coordinates(&found.point), found }))
+        let plane = search.map.plane;
+        Ok(found.map(|found| Feeling {
+            at: plane.coordinates(&found.point),
+            within: plane.coordinates(&(found.point + found.direction * INTO)),
+            gone: false,
+            found,
+        }))
+    }
+
+    /// A way that keeps clear of what was felt, or, where there is none, of the body and the table alone.
+    fn way_above(
+        &mut self,
+        search: &Search,
+        ends: [&[f64]; 2],
+        arm: &[usize],
+    ) -> Result<PosturePath, OutOfReach> {
+        let before = self.clearance.obstacles.len();
+        let live = search.felt.iter().filter(|felt| !felt.gone);
+        let balls = live.map(|felt| search.map.plane.point(felt.within)).map(|at| Capsule::ball(at, ABOUT));
+        self.clearance.obstacles.extend(balls.map(Obstacle::Capsule));
+        let way = self.find_path(ends, arm);
+        self.clearance.obstacles.truncate(before);
+        way.or_else(|_| self.find_path(ends, arm))
     }
 
     /// Lifts the hand, takes it over a place, and lets it down there.
@@ -299,8 +177,8 @@ impl Actor {
             let ready = self.ready();
             let arm = self.hands[other.hand].arm.clone();
             let from = self.posture();
-            if let Ok(way) = self.find_path([&from, &ready], &arm) {
-                let felt = self.feel_along(search, &way, SWIFT)?;
+            if let Ok(way) = self.way_above(search, [&from, &ready], &arm) {
+                let felt = self.feel_along(search, &way, ABOVE)?;
                 if felt.is_some() {
                     return Ok(felt);
                 }
@@ -309,8 +187,8 @@ impl Actor {
         let from = self.posture();
         let high = stop.rising.last().expect("the low posture").clone();
         let arm = self.hands[stop.hand].arm.clone();
-        let Ok(way) = self.find_path([&from, &high], &arm) else { return Ok(None) };
-        let felt = self.feel_along(search, &way, SWIFT)?;
+        let Ok(way) = self.way_above(search, [&from, &high], &arm) else { return Ok(None) };
+        let felt = self.feel_along(search, &way, ABOVE)?;
         if felt.is_some() {
             return Ok(felt);
         }

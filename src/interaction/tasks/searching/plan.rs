@@ -59,6 +59,8 @@ pub struct Stop {
     pub at: [f64; 2],
     /// The cells that are searched in the low one.
     pub cells: Vec<Cell>,
+    /// The cells that skin is over then, and how high its lowest is over each, metres.
+    pub under: Vec<(Cell, f64)>,
 }
 
 /// Where all hands can feel the table, lane by lane.
@@ -153,12 +155,12 @@ impl Places<'_> {
         if !self.clearance.free(&frames, CLEAR) {
             return None;
         }
-        let mut cells: Vec<Cell> =
-            self.map.under(self.skin, &frames, SEARCHED).map(|(cell, _)| cell).collect();
-        cells.sort_unstable();
-        cells.dedup();
+        let mut under: Vec<(Cell, f64)> = self.map.under(self.skin, &frames, LIFT).collect();
+        under.sort_unstable_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)));
+        under.dedup_by_key(|(cell, _)| *cell);
+        let cells = under.iter().filter(|(_, above)| *above <= SEARCHED).map(|(cell, _)| *cell).collect();
         let rising = vec![posture.clone()];
-        Some(Stop { hand: self.hand, sole, rising, low: posture, cells, at: [forward, left] })
+        Some(Stop { hand: self.hand, sole, rising, low: posture, cells, under, at: [forward, left] })
     }
 
     /// Adds the way up from where a stop is low; whether it goes high enough.
@@ -211,6 +213,32 @@ impl Actor {
             stop.cells.iter().for_each(|&cell| map.can_reach(cell));
         }
         Some(SearchPlan { lanes, skin, map })
+    }
+
+    /// Stops at some places with the fingers down, which takes little room; what cannot be reached so is left out.
+    pub(super) fn narrow_stops(&self, hand: usize, plan: &SearchPlan, at: &[[f64; 2]]) -> Vec<Stop> {
+        let Hand { limb, tip, .. } = self.hands[hand];
+        let tip = self.own.place(tip);
+        let frames = self.own.frames(&self.own.at_ease());
+        let from_wrist = frames[tip.limb].point(&tip.point) - frames[limb].origin;
+        let Some(direction) = from_wrist.try_normalize(1e-3) else { return Vec::new() };
+        let sole = Place { direction: frames[tip.limb].rotation.tr_mul(&direction), ..tip };
+        let places = self.places(hand, &plan.skin[hand], &plan.map);
+        let stops: Vec<&Stop> = plan.lanes.iter().flatten().filter(|stop| stop.hand == hand).collect();
+        let mut narrow: Vec<Stop> = Vec::new();
+        for place in at {
+            let away = |stop: &Stop| (stop.at[0] - place[0]).hypot(stop.at[1] - place[1]);
+            let near = |stops: &mut dyn Iterator<Item = &Stop>| {
+                stops.min_by(|a, b| away(a).total_cmp(&away(b))).map(|stop| stop.low.clone())
+            };
+            let starts = [near(&mut narrow.iter()), near(&mut stops.iter().copied())];
+            let stop = starts.into_iter().flatten().find_map(|start| {
+                let mut stop = places.low(sole, *place, &start)?;
+                places.rise(&mut stop).then_some(stop)
+            });
+            narrow.extend(stop);
+        }
+        narrow
     }
 
     /// Straight up from where a hand is, as far as it goes.
