@@ -57,6 +57,7 @@ row! {
         later_things: usize = "things later",
         later_remembered: usize = "remembered later",
         later_phantoms: usize = "phantoms later",
+        missed: String = "missed, and where, m",
         said: String = "said",
     }
 }
@@ -147,6 +148,11 @@ fn draw(nobody: &mut OnStage, rng: &mut ChaCha8Rng) -> Vec<Thing> {
     things
 }
 
+/// Where a thing is in the world, metres.
+fn stage_place(stage: &Stage, thing: &Thing) -> Vector3<f64> {
+    stage.thing(&thing.name).map_or_else(Vector3::zeros, |number| stage.thing_pose(number).translation.vector)
+}
+
 /// How far a point of the world is from the surface of a thing, metres.
 fn away(stage: &Stage, thing: &Thing, point: &Point3<f64>) -> f64 {
     let Some(number) = stage.thing(&thing.name) else { return f64::INFINITY };
@@ -207,6 +213,18 @@ pub fn measure(subject: &Subject) -> Result<Findings<FindingMeasurement, Finding
             let seconds = stage.time() - start;
             let moved = places().iter().zip(&before).map(|(a, b)| (a - b).norm()).fold(0.0, f64::max);
             let (found, phantoms) = held_against(&stage, &things, &reply);
+            let lost = things
+                .iter()
+                .filter(|thing| held_against(&stage, std::slice::from_ref(thing), &reply).0 == 0);
+            let described = lost.map(|thing| {
+                let [at, now] = [thing.pose.translation.vector, stage_place(&stage, thing)];
+                let [size, moved] = [thing.shape.half_bounds(), now - at];
+                format!(
+                    "half {:.3} {:.3} {:.3} at {:.3} {:.3}, moved {:.3} {:.3} {:.3}",
+                    size.x, size.y, size.z, at.x, at.y, moved.x, moved.y, moved.z
+                )
+            });
+            let missed = described.collect::<Vec<_>>().join("; ");
             // One is taken away meanwhile.
             let mut left = things.clone();
             if let Some(&number) = numbers.get(gone) {
@@ -232,6 +250,7 @@ pub fn measure(subject: &Subject) -> Result<Findings<FindingMeasurement, Finding
                 later_things: left.len(),
                 later_remembered: later.felt.len(),
                 later_phantoms,
+                missed,
                 said: reply.said.clone(),
             });
         }

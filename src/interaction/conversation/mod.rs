@@ -69,6 +69,8 @@ struct Request {
     again: bool,
     /// Whether it is about all things.
     all: bool,
+    /// Whether it is about any thing that there may be.
+    any: bool,
     /// Whether it asks what, not whether.
     open: bool,
     /// What is forbidden, or asked about.
@@ -85,6 +87,7 @@ impl Request {
             lean: understood.lean,
             again: understood.again,
             all: understood.all,
+            any: understood.any,
             open: understood.open,
             about: understood.about,
         }
@@ -324,11 +327,11 @@ impl Conversation {
         if kind.needs_thing {
             match self.things.it() {
                 // What is near is felt for first; what is felt then is touched.
-                None if self.things.is_empty() && intent == Intent::Touch => {
+                None if self.things.is_empty() && intent == Intent::Touch && request.any => {
                     self.still = false;
                     self.leave_spot(&leave);
                     let hand = self.hand_for(request.hand);
-                    let found = self.explore(hand, &leave)?;
+                    let found = self.explore(hand, false, &leave)?;
                     let done = Some(!self.things.is_empty());
                     let reply = Reply { intent, done, ..found };
                     self.did(request, &reply);

@@ -51,6 +51,8 @@ pub struct Understood {
     pub again: bool,
     /// Whether it is about all things.
     pub all: bool,
+    /// Whether it is about any thing that there may be: "an object".
+    pub any: bool,
     /// Whether it asks what or which, not whether.
     pub open: bool,
     /// Whether anything is forbidden.
@@ -132,6 +134,7 @@ impl Language {
             again: any(&["again", "retry", "repeat", "try", "once"]),
             all: any(&["everything", "all"])
                 || pieces.iter().any(|piece| piece.words.iter().any(|word| word == "all")),
+            any: pieces.iter().any(|piece| piece.sense == Sense::Some),
             open: any(&["what", "which", "where", "how", "when", "why", "who"]),
             forbids,
             about,

@@ -40,17 +40,18 @@ pub(super) const EXPLORE: RequestKind = RequestKind {
         ["feel about for things", "felt about for things"],
         Act::Moves(|creature, request, leave| {
             let hand = creature.hand_for(request.hand);
-            if request.all { creature.count(hand) } else { creature.explore(hand, leave) }
+            if request.all { creature.count(hand) } else { creature.explore(hand, true, leave) }
         }),
     )
 };
 
 impl Conversation {
     /// Feels about until something is felt that it does not know yet, and keeps touching it: "is there something?",
-    /// "anything else?"
+    /// "anything else?" Where it need not be the nearest, `quick` lets it sweep first.
     pub(in crate::interaction::conversation) fn explore(
         &mut self,
         hand: Option<usize>,
+        quick: bool,
         _leave: &Leave,
     ) -> Result<Reply, EngineError> {
         self.let_be();
@@ -58,7 +59,8 @@ impl Conversation {
             return Ok(self.no_table());
         }
         // Where nothing is known yet a quick sweep often does.
-        if self.things.is_empty()
+        if quick
+            && self.things.is_empty()
             && self.search.is_none()
             && let Some(found) = self.sweep(hand)?
         {

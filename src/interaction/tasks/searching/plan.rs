@@ -1,5 +1,7 @@
 //! Where hands can feel about on a table: postures in which skin is low over it, lane by lane from the belly outward.
 
+use std::f64::consts::FRAC_PI_2;
+
 use nalgebra::Vector3;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -41,6 +43,14 @@ const DIFFERENT: f64 = 0.5;
 const DRAWN: usize = 400;
 /// … of which as many as this are tried for a place.
 const STARTS: usize = 4;
+/// How high over the table fingers feel as far away as they get, metres: higher up they get farther.
+const RIMS: [f64; 3] = [LOW, 0.025, 0.05];
+/// How far apart places as far away as a hand gets are, metres …
+const RIM_SPACING: f64 = 0.04;
+/// … in which steps they are found, metres …
+const RIM_STEP: f64 = 0.01;
+/// … and in how many.
+const RIM_STEPS: u32 = 12;
 /// Cells under a hand that is flat enough.
 const ENOUGH: usize = 42;
 
@@ -57,6 +67,10 @@ pub struct Stop {
     pub rising: Vec<Posture>,
     /// Where the sole is then, forward and to the left, metres.
     pub at: [f64; 2],
+    /// Up to which height a place under it is searched then, metres.
+    pub searches: f64,
+    /// Whether it is as far away as the hand gets.
+    pub rim: bool,
     /// The cells that are searched in the low one.
     pub cells: Vec<Cell>,
     /// The cells that skin is over then, and how high its lowest is over each, metres.
@@ -134,9 +148,9 @@ impl Places<'_> {
             .fold(f64::INFINITY, f64::min)
     }
 
-    /// The posture with a sole at a place of the table, low over it; none where there is none that keeps clear.
-    fn low(&self, sole: Place, [forward, left]: [f64; 2], start: &[f64]) -> Option<Stop> {
-        let mut above = LOW;
+    /// The posture with a sole at a place of the table, so high over it; none where there is none that keeps clear.
+    fn low(&self, sole: Place, [forward, left]: [f64; 2], height: f64, start: &[f64]) -> Option<Stop> {
+        let mut above = height;
         let mut posture = Posture::from(start);
         for _ in 0..3 {
             let point = self.map.plane.point([forward, left, above]);
@@ -146,10 +160,10 @@ impl Places<'_> {
             }
             posture = reach.posture;
             let lowest = self.lowest(&self.own.frames(&posture));
-            if (lowest - LOW).abs() < 1e-3 {
+            if (lowest - height).abs() < 1e-3 {
                 break;
             }
-            above += LOW - lowest;
+            above += height - lowest;
         }
         let frames = self.own.frames(&posture);
         if !self.clearance.free(&frames, CLEAR) {
@@ -158,9 +172,11 @@ impl Places<'_> {
         let mut under: Vec<(Cell, f64)> = self.map.under(self.skin, &frames, LIFT).collect();
         under.sort_unstable_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)));
         under.dedup_by_key(|(cell, _)| *cell);
-        let cells = under.iter().filter(|(_, above)| *above <= SEARCHED).map(|(cell, _)| *cell).collect();
+        let searches = height + SOLE;
+        let cells = under.iter().filter(|(_, above)| *above <= searches).map(|(cell, _)| *cell).collect();
         let rising = vec![posture.clone()];
-        Some(Stop { hand: self.hand, sole, rising, low: posture, cells, under, at: [forward, left] })
+        let (hand, at) = (self.hand, [forward, left]);
+        Some(Stop { hand, sole, rising, low: posture, cells, under, at, searches, rim: false })
     }
 
     /// Adds the way up from where a stop is low; whether it goes high enough.
@@ -209,7 +225,7 @@ impl Actor {
             self.seed = self.seed.wrapping_add(1);
             lanes.extend(self.lanes_of(hand, &skin[hand], &map, &ready));
         }
-        for stop in lanes.iter().flatten() {
+        for stop in lanes.iter().flatten().filter(|stop| stop.searches < SEARCHED + 1e-6) {
             stop.cells.iter().for_each(|&cell| map.can_reach(cell));
         }
         Some(SearchPlan { lanes, skin, map })
@@ -233,7 +249,7 @@ impl Actor {
             };
             let starts = [near(&mut narrow.iter()), near(&mut stops.iter().copied())];
             let stop = starts.into_iter().flatten().find_map(|start| {
-                let mut stop = places.low(sole, *place, &start)?;
+                let mut stop = places.low(sole, *place, LOW, &start)?;
                 places.rise(&mut stop).then_some(stop)
             });
             narrow.extend(stop);
@@ -286,7 +302,7 @@ impl Actor {
                 let mut best: Option<Stop> = None;
                 for &sole in &soles {
                     for start in &starts {
-                        if let Some(mut stop) = places.low(sole, place, start)
+                        if let Some(mut stop) = places.low(sole, place, LOW, start)
                             && best.as_ref().is_none_or(|best| stop.cells.len() > best.cells.len())
                             && places.rise(&mut stop)
                         {
@@ -314,6 +330,48 @@ impl Actor {
             started |= !stops.is_empty();
             lanes.push(stops);
         }
+        for height in RIMS {
+            lanes.push(self.rim_of(hand, &places, &lanes, height));
+        }
         lanes
+    }
+
+    /// How far a hand gets so high over a table, all about it, from where it gets low.
+    fn rim_of(&self, hand: usize, places: &Places, lanes: &[Vec<Stop>], height: f64) -> Vec<Stop> {
+        let sole = Place { direction: Vector3::zeros(), ..self.own.place(self.hands[hand].tip) };
+        let inner: Vec<&Stop> = lanes.iter().flatten().filter(|stop| !stop.rim).collect();
+        let Some(nearest) = inner.iter().map(|stop| stop.at[0]).reduce(f64::min) else { return Vec::new() };
+        let middle = inner.iter().map(|stop| stop.at[1]).sum::<f64>() / inner.len() as f64;
+        let polar = |stop: &Stop| {
+            let [x, y] = [stop.at[0] - nearest, stop.at[1] - middle];
+            (x.hypot(y), y.atan2(x))
+        };
+        let farthest = inner.iter().map(|stop| polar(stop).0).fold(RIM_SPACING, f64::max);
+        let half = (FRAC_PI_2 * farthest / RIM_SPACING).floor() as i32;
+        let mut rim = Vec::new();
+        for k in -half..=half {
+            let angle = f64::from(k) * RIM_SPACING / farthest;
+            let beside = |stop: &&&Stop| {
+                let (radius, at) = polar(stop);
+                radius * (at - angle).sin().abs() < LANE && (at - angle).cos() > 0.0
+            };
+            let last = inner.iter().filter(beside).max_by(|a, b| polar(a).0.total_cmp(&polar(b).0));
+            let Some(last) = last else { continue };
+            let (from, mut posture, mut found) = (polar(last).0 - LANE, last.low.clone(), None);
+            for step in 0..=RIM_STEPS {
+                let radius = from + RIM_STEP * f64::from(step);
+                let place = [nearest + radius * angle.cos(), middle + radius * angle.sin()];
+                if let Some(stop) = places.low(sole, place, height, &posture) {
+                    posture.clone_from(&stop.low);
+                    found = Some(Stop { rim: true, ..stop });
+                }
+            }
+            if let Some(mut stop) = found
+                && places.rise(&mut stop)
+            {
+                rim.push(stop);
+            }
+        }
+        rim
     }
 }

@@ -11,8 +11,10 @@ use crate::peripersonal::{CELL, SearchedMap};
 
 /// A place is worth going to for so many cells that were not searched …
 const WORTH: usize = 7;
-/// … and with fingers alone for so many.
+/// … with fingers alone for so many …
 const WORTH_NARROW: usize = 4;
+/// … and as far away as a hand gets for so many.
+const WORTH_FAR: usize = 2;
 /// A lane is left to the next one where it alone would search fewer cells than this.
 const LANE_WORTH: usize = 30;
 /// What is nearer than this to where something was felt is taken for that thing, metres.
@@ -155,7 +157,8 @@ impl Search {
         if stop.under.iter().any(|&(cell, above)| self.tops[cell] > above + BENEATH) {
             return 0;
         }
-        stop.cells.iter().filter(|&&cell| self.is_open(cell)).count()
+        let open = |cell: &&usize| self.map.passed(**cell) > stop.searches && !self.taken[**cell];
+        stop.cells.iter().filter(open).count()
     }
 
     /// Whether a cell is still to be searched.
@@ -268,6 +271,9 @@ impl Search {
     fn lane_is_worth(&self, lane: usize) -> bool {
         let here = &self.plan.lanes[lane];
         let Some(hand) = here.first().map(|stop| stop.hand) else { return false };
+        if here[0].rim {
+            return true;
+        }
         let next = self.plan.lanes.iter().skip(lane + 1).take(2);
         let others: BTreeSet<usize> = next
             .flatten()
@@ -299,7 +305,7 @@ impl Search {
                 continue;
             }
             self.next = [lane, k + 1];
-            if self.gain(self.stop([lane, k])) >= WORTH {
+            if self.gain(self.stop([lane, k])) >= self.worth([lane, k]) {
                 return Some([lane, k]);
             }
         }
@@ -324,8 +330,12 @@ impl Search {
     }
 
     /// For how many cells it goes to a place.
-    fn worth(&self, [lane, _]: [usize; 2]) -> usize {
-        if lane < self.wide { WORTH } else { WORTH_NARROW }
+    fn worth(&self, [lane, k]: [usize; 2]) -> usize {
+        match lane < self.wide {
+            true if self.plan.lanes[lane][k].rim => WORTH_FAR,
+            true => WORTH,
+            false => WORTH_NARROW,
+        }
     }
 
     /// Cells to which fingers alone may get.
