@@ -111,7 +111,7 @@ fn soles(own: &OwnBody, skin: &SkinPoints, hand: &Hand) -> Vec<Place> {
         (cells.len(), Place { limb: hand.limb, point, direction })
     };
     let mut found: Vec<_> = (0..DIRECTIONS).map(sole).collect();
-    found.sort_by(|a, b| b.0.cmp(&a.0));
+    found.sort_by_key(|found| std::cmp::Reverse(found.0));
     let mut soles: Vec<Place> = Vec::new();
     for (_, place) in found {
         if soles.iter().all(|other| other.direction.dot(&place.direction) < DIFFERENT) {

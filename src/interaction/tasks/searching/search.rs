@@ -236,7 +236,7 @@ impl Search {
     }
 
     /// Where it goes to make sure of a thing that was not felt again in the end: where the hand must come down on it.
-    fn to_make_sure(&mut self) -> Option<[usize; 2]> {
+    fn next_to_make_sure_of(&mut self) -> Option<[usize; 2]> {
         let (before, tried) = self.sure.get_or_insert_with(|| (self.felt.len(), BTreeMap::new()));
         let before = *before;
         let tried = tried.clone();
@@ -324,7 +324,7 @@ impl Search {
         if best.is_some() || !self.narrowed {
             return best;
         }
-        let best = self.to_make_sure();
+        let best = self.next_to_make_sure_of();
         self.done = best.is_none();
         best
     }
