@@ -30,6 +30,8 @@ const DRAWS: usize = 60;
 const RISEN: f64 = 0.08;
 /// … and for how long it is held there, seconds.
 const HOLDING: f64 = 2.0;
+/// How often he may begin again.
+const CORRECTIONS: usize = 4;
 /// How far from where it stood a thing may be set down, metres.
 const SET_DOWN: f64 = 0.05;
 /// What he knows of his body.
@@ -62,7 +64,7 @@ row! {
         schema: String = "schema",
         trials: usize = "trials",
         first: f64 = "at the first go",
-        lifted: f64 = "with one correction",
+        lifted: f64 = "with four corrections",
         set_down: f64 = "of these set down",
         moved_mm: f64 = "apart, mm",
         wrong: f64 = "said wrongly",
@@ -186,7 +188,7 @@ fn attempt(mut actor: OnStage, found: &FoundThing) -> Result<LiftAttempt, Experi
     let before = actor.stage.thing_pose(thing).translation.vector;
     actor.unintended = 0;
     let mut attempt = LiftAttempt::default();
-    let held = actor.lift(found, 1).and_then(|mut grip| {
+    let held = actor.lift(found, CORRECTIONS).and_then(|mut grip| {
         actor.hold_up(&mut grip, HOLDING)?;
         Ok(grip)
     });

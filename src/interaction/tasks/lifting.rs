@@ -27,24 +27,34 @@ const STEP: f64 = 1e-3;
 const SQUEEZE: f64 = 1e-4;
 /// … one in so many seconds.
 const SQUEEZE_TIME: f64 = 4e-3;
+/// At which share of the height at which a thing was felt it is gripped: about its middle, since what hangs by the fingertips
+/// below its middle turns over.
+const GRIPPED_AT: f64 = 0.6;
+/// How high over the table fingertips grip when the palms are down, metres, …
+const FINGERTIP: f64 = 0.015;
+/// … how much higher it is worth to grip, since what is round may roll off meanwhile, …
+const LEAST_HIGHER: f64 = 0.03;
+/// … and how much higher they grip at most; …
+const HIGHEST_GRIP: f64 = 0.06;
+/// … so far open meanwhile, metres, that nothing is rubbed and nothing gets away.
+const EASED: f64 = 0.008;
 /// The force that each palm is to feel at first, newtons: more than twice what friction of 0.5 needs to bear a kilogram.
 const FORCE: f64 = 25.0;
 /// By how much harder it squeezes what slipped.
 const HARDER: f64 = 3.0;
 /// Of the force wanted: below this share a palm presses on, …
-const SLACK: f64 = 0.6;
+const SLACK: f64 = 0.9;
+/// … so far in each step where it feels none, metres, and less the more it feels: what tapers is followed, …
+const HOLD: f64 = 6e-4;
 /// … above this one it eases.
 const TIGHT: f64 = 4.0;
 /// Palms that are no farther apart than this have nothing between them, metres.
 const NOTHING_BETWEEN: f64 = 0.025;
-/// How far from where the fingertips press they still feel a thing with their tips, metres.
-const OFF_TIPS: f64 = 0.03;
-/// How far ahead a thing is looked for that is not between the palms, metres.
-const NEXT: f64 = 0.04;
-/// Steps in which the sides of a thing are felt along, metres, …
-const ALONG: f64 = 0.025;
-/// … and how many to either end.
-const SIDES: u32 = 3;
+/// What is felt no farther than this from where the fingertips press is about the middle of the palms, metres.
+const CENTRED: f64 = 0.012;
+/// How far ahead a thing is looked for that is not between the palms, one after the other, metres: twice as far as it may
+/// be thick, and a little less each time than the palms are long.
+const AHEAD: [f64; 6] = [0.0, 0.04, -0.04, 0.08, -0.08, 0.12];
 /// How often the palms shift along a thing.
 const SHIFTS: usize = 3;
 /// How far palms open to shift, metres.
@@ -107,10 +117,16 @@ pub struct Grip {
     pub apart: [f64; 2],
     /// How far it is raised, metres.
     pub rise: f64,
+    /// How far the palms are raised where they grip it on the table, metres.
+    pub gripped: f64,
     /// The force that each palm is to feel, newtons.
     pub force: f64,
     /// How often he had to begin again.
     pub corrections: usize,
+    /// The highest at which anything of it was felt, metres over the table.
+    tallest: f64,
+    /// Where between the palms it was last felt, in the root's frame.
+    last_felt: Option<Vector3<f64>>,
     /// How high on the palms it was felt when it came off the table, metres.
     felt_at: Option<f64>,
 }
@@ -151,6 +167,7 @@ impl Actor {
         }
         let level = (found.direction - self.up * found.direction.dot(&self.up)).try_normalize(0.3);
         let mut middle = found.point + level.unwrap_or(self.front) * BEHIND;
+        let mut tallest = self.over_table(&found.point).ok_or(Trouble::Nothing)?;
         let (mut tried, mut force) = (Vec::new(), FORCE);
         for correction in 0..=corrections {
             let planned = self.plan_palms(&middle, &tried);
@@ -159,8 +176,11 @@ impl Actor {
             let mut grip = Grip {
                 apart: plan.openings,
                 rise: RISE,
+                gripped: 0.0,
+                tallest,
                 thing: found.thing,
                 corrections: correction,
+                last_felt: None,
                 felt_at: None,
                 force,
                 plan,
@@ -173,13 +193,15 @@ impl Actor {
                 }
                 went => went?,
             }
-            let lifted = self.take(&mut grip).and_then(|()| self.carry(&mut grip, LIFT));
+            let lifted = self.take(&mut grip).and_then(|()| self.carry_up(&mut grip));
             let trouble = match lifted {
                 Ok(()) => return Ok(grip),
                 Err(LiftTrouble::Other(Trouble::Engine(error))) => return Err(error.into()),
                 Err(trouble) => trouble,
             };
-            middle = grip.middle();
+            // From where it was felt last; what slipped is near there.
+            middle = grip.last_felt.unwrap_or(middle);
+            tallest = grip.tallest;
             self.give_up(&mut grip)?;
             if correction == corrections {
                 return Err(trouble);
@@ -208,7 +230,7 @@ impl Actor {
     /// # Errors
     /// [`LiftTrouble::Slipped`] where it fell on the way.
     pub fn set_down(&mut self, grip: &mut Grip) -> Result<(), LiftTrouble> {
-        let down = self.carry(grip, 0.0);
+        let down = self.carry(grip, grip.gripped);
         self.open(grip, LET_GO)?;
         self.palms_up(grip)?;
         down
@@ -218,7 +240,29 @@ impl Actor {
     fn take(&mut self, grip: &mut Grip) -> Result<(), LiftTrouble> {
         self.come_down(grip)?;
         self.find_middle(grip)?;
+        self.grip_high(grip)?;
         self.squeeze(grip)
+    }
+
+    /// Takes the palms from where they are down to about the middle of what is tall.
+    fn grip_high(&mut self, grip: &mut Grip) -> Result<(), LiftTrouble> {
+        let high = (GRIPPED_AT * grip.tallest - FINGERTIP).clamp(0.0, HIGHEST_GRIP);
+        if high < LEAST_HIGHER {
+            return Ok(());
+        }
+        self.open_to(grip, grip.apart.map(|apart| apart + EASED))?;
+        while grip.rise < high {
+            let rise = (grip.rise + STEP).min(high);
+            self.move_palms(grip, grip.apart, rise, STEP / CAREFUL, [false; 2])?;
+        }
+        grip.gripped = high;
+        self.close(grip)?;
+        Ok(())
+    }
+
+    /// Raises what is between the palms.
+    fn carry_up(&mut self, grip: &mut Grip) -> Result<(), LiftTrouble> {
+        self.carry(grip, grip.gripped + LIFT)
     }
 
     /// Feels the sides of a thing from end to end with the fingertips, and closes the palms about the middle of them.
@@ -226,18 +270,21 @@ impl Actor {
         let wide = grip.apart;
         // First where anything is felt, and with the fingertips.
         let mut felt = None;
-        for ahead in [0.0, NEXT, -2.0 * NEXT] {
-            if !self.go_along(grip, ahead, wide)? {
+        let mut now = 0.0;
+        for ahead in AHEAD {
+            if !self.go_along(grip, ahead - now, wide)? {
                 continue;
             }
+            now = ahead;
             felt = self.feel_sides(grip, wide)?;
             if felt.is_some() {
                 break;
             }
         }
         let mut place = felt.ok_or(Trouble::Nothing)?;
+        // Then so that it is about their middles.
         for _ in 0..SHIFTS {
-            if place.abs() <= OFF_TIPS {
+            if place.abs() <= CENTRED {
                 break;
             }
             let apart = grip.apart.map(|apart| apart + SHIFT_OPEN);
@@ -246,28 +293,12 @@ impl Actor {
             }
             match self.feel_sides(grip, wide)? {
                 Some(now) => place = now,
-                None => break,
+                None => return Err(Trouble::Nothing.into()),
             }
         }
-        let apart = grip.apart.map(|apart| apart + SHIFT_OPEN);
-        let mut ends = [0.0; 2];
-        let mut at = 0.0;
-        for (end, way) in ends.iter_mut().zip([1.0, -1.0]) {
-            for k in 1..=SIDES {
-                let next = way * ALONG * f64::from(k);
-                if !self.go_along(grip, next - at, apart)? {
-                    break;
-                }
-                at = next;
-                match self.feel_sides(grip, apart)? {
-                    Some(place) if place.abs() <= OFF_TIPS => *end = next,
-                    _ => break,
-                }
-            }
+        if grip.width() > NOTHING_BETWEEN && place.abs() > CENTRED {
+            self.close(grip)?;
         }
-        let middle = 0.5 * (ends[0] + ends[1]);
-        self.go_along(grip, middle - at, apart)?;
-        self.close(grip)?;
         Ok(())
     }
 
@@ -283,7 +314,11 @@ impl Actor {
                 self.open_to(grip, apart)?;
                 Ok(None)
             }
-            felt => felt.map(Some),
+            felt => {
+                let place = felt?;
+                grip.last_felt = Some(grip.middle() + grip.plan.forward * place);
+                Ok(Some(place))
+            }
         }
     }
 
@@ -430,7 +465,7 @@ impl Actor {
             let rise = if to > grip.rise { (grip.rise + STEP).min(to) } else { (grip.rise - STEP).max(to) };
             match self.bear(grip, rise, STEP / LIFTING, &mut lost) {
                 // As high as the arms go.
-                Err(LiftTrouble::NoSides) if to > rise && rise > HIGH_ENOUGH => break,
+                Err(LiftTrouble::NoSides) if to > rise && rise > grip.gripped + HIGH_ENOUGH => break,
                 borne => borne?,
             }
         }
@@ -442,14 +477,15 @@ impl Actor {
     fn bear(&mut self, grip: &mut Grip, rise: f64, seconds: f64, lost: &mut f64) -> Result<(), LiftTrouble> {
         let feeling = self.move_palms(grip, grip.apart, rise, seconds, [false; 2])?;
         for k in 0..2 {
-            if feeling.force[k] < SLACK * grip.force {
-                grip.apart[k] -= SQUEEZE;
-            } else if feeling.force[k] > TIGHT * grip.force {
+            let share = feeling.force[k] / grip.force;
+            if share < SLACK {
+                grip.apart[k] -= HOLD * (1.0 - share);
+            } else if share > TIGHT {
                 grip.apart[k] += 0.5 * SQUEEZE;
             }
         }
         *lost = if feeling.touches == [true; 2] { 0.0 } else { *lost + seconds };
-        if grip.felt_at.is_none() && rise >= OFF_TABLE && feeling.touches == [true; 2] {
+        if grip.felt_at.is_none() && rise >= grip.gripped + OFF_TABLE && feeling.touches == [true; 2] {
             grip.felt_at = feeling.mean_place(1);
         }
         let sunk = grip.felt_at.zip(feeling.mean_place(1)).map_or(0.0, |(before, now)| before - now);
@@ -461,10 +497,10 @@ impl Actor {
 
     /// Lowers the hands, lets go, and raises them again.
     fn give_up(&mut self, grip: &mut Grip) -> Result<(), LiftTrouble> {
-        let down = grip.rise.min(LIFT);
+        let down = (grip.rise.min(grip.gripped + LIFT) - grip.gripped).max(0.0);
         let steps = (down / STEP).ceil().max(1.0);
         for k in 1..=steps as usize {
-            let rise = down * (1.0 - k as f64 / steps);
+            let rise = grip.gripped + down * (1.0 - k as f64 / steps);
             match self.move_palms(grip, grip.apart, rise, STEP / LIFTING, [false; 2]) {
                 Err(LiftTrouble::NoSides) => break,
                 moved => moved?,
@@ -514,6 +550,9 @@ impl Actor {
                     (Toucher::Thing(thing), Some(hand)) if thing == grip.thing => {
                         feeling.touches[hand] = true;
                         feeling.force[hand] += contact.force;
+                        if let Some(height) = self.over_table(&self.feels_at(receptor).0) {
+                            grip.tallest = grip.tallest.max(height);
+                        }
                         if k == steps || until[hand] {
                             let [along, up] = grip.plan.place_of(&self.own, hand, receptor);
                             let (weight, sum) = &mut places[hand];
@@ -546,8 +585,12 @@ impl Actor {
 
     /// Whether something is felt so low that it is the table that a hand goes along.
     fn is_low(&self, contact: &SkinContact) -> bool {
-        let height = self.feels_at(contact.spot.receptor).0.dot(&self.up);
-        self.table.is_some_and(|table| height - table < LOW)
+        self.over_table(&self.feels_at(contact.spot.receptor).0).is_some_and(|height| height < LOW)
+    }
+
+    /// How high a point of the root's frame is over the table, metres; none where no table is known.
+    fn over_table(&self, point: &Vector3<f64>) -> Option<f64> {
+        self.table.map(|table| point.dot(&self.up) - table)
     }
 }
 

@@ -29,8 +29,11 @@ const CLEAR: f64 = 0.003;
 const MARGIN: f64 = 0.006;
 /// Ways in which the palms may face each other: how far from straight across, radians, …
 const YAWS: [f64; 7] = [0.0, 0.3, -0.3, 0.6, -0.6, 0.9, -0.9];
-/// … and how far the fingers point down, radians.
-const PITCHES: [f64; 5] = [0.15, 0.4, 0.65, 0.9, 1.2];
+/// … and how far the fingers point down, radians: steeply first, where the thumbs, which stand out, are not over the thing.
+const PITCHES: [f64; 5] = [1.2, 0.9, 0.65, 0.4, 0.15];
+/// How far palms are turned up from facing each other, radians: what is round or wider below lies on the fingers, and does not
+/// hang between them by friction alone.
+const CRADLE: f64 = 0.13;
 /// How far from where it is to be a palm may stay, metres, …
 const MISS: f64 = 2e-3;
 /// … and how far turned, radians.
@@ -174,7 +177,8 @@ impl Actor {
     /// Turns a palm of a plan so that its fingers point down by an angle, radians, with its lowest skin just over the table.
     fn turn_palm(&self, plan: &mut PalmPlan, hand: usize, pitch: f64) {
         let fingers = plan.forward * pitch.cos() - plan.up * pitch.sin();
-        if let Some(turn) = palm_turn(&-plan.outward[hand], &fingers) {
+        let facing = plan.up * CRADLE.sin() - plan.outward[hand] * CRADLE.cos();
+        if let Some(turn) = palm_turn(&facing, &fingers) {
             plan.turns[hand] = turn;
             plan.heights[hand] = OVER_TABLE + plan.palms[hand].depth_below(&self.own, &turn, &plan.up);
         }
