@@ -18,7 +18,7 @@ use self::language::{HandName, Language, Leave, PartName, Understood, Which};
 use self::mind::{Deed, Forbidden, Mind};
 use self::requests::{Act, Answer};
 use super::actor::Actor;
-use super::tasks::{Search, Trouble};
+use super::tasks::{Grip, LiftTrouble, Search, Trouble};
 use super::things::Things;
 use crate::creature::Posture;
 use crate::peripersonal::ReachableMap;
@@ -102,12 +102,12 @@ enum Pending {
     Whether(Request),
 }
 
-/// What a hand holds.
-struct Held {
-    /// The receptor that touches it.
-    receptor: usize,
-    /// How much higher it is than it stood, metres.
-    raised: f64,
+/// How it holds something.
+enum Held {
+    /// Between both palms, by friction.
+    Palms(Box<Grip>),
+    /// By a weld of one hand, where the receptor touches it, raised by so much, metres.
+    Stuck { receptor: usize, raised: f64 },
 }
 
 /// A creature in conversation.
@@ -351,12 +351,16 @@ impl Conversation {
         }
         self.still = false;
         self.leave_spot(&leave);
-        if !matches!(
-            intent,
-            Intent::Lift | Intent::LetGo | Intent::LeanForward | Intent::LeanBack | Intent::Repeat
-        ) && let Some(held) = self.holding.take()
-        {
-            self.put_down(&held)?;
+        let keeps = match self.holding {
+            // Palms that face each other cannot lean.
+            Some(Held::Palms(_)) => matches!(intent, Intent::Lift | Intent::LetGo | Intent::Repeat),
+            _ => matches!(
+                intent,
+                Intent::Lift | Intent::LetGo | Intent::LeanForward | Intent::LeanBack | Intent::Repeat
+            ),
+        };
+        if !keeps && let Some(held) = self.holding.take() {
+            self.put_down(held)?;
             if !matches!(intent, Intent::PutFar | Intent::BringNear) {
                 self.actor.let_go();
             }
@@ -424,11 +428,26 @@ impl Conversation {
         made.as_ref()
     }
 
-    /// Lowers what it holds until it stands; the receptor that holds it, and whether it was felt to stand.
-    fn put_down(&mut self, held: &Held) -> Result<(usize, bool), EngineError> {
-        match self.actor.lower(held.receptor, held.raised) {
-            Err(Trouble::Engine(error)) => Err(error),
-            lowered => Ok((held.receptor, lowered.unwrap_or(false))),
+    /// Lowers what it holds until it stands; what it holds it with, in words, and whether it was felt to stand. Palms let go.
+    fn put_down(&mut self, held: Held) -> Result<(String, bool), EngineError> {
+        match held {
+            Held::Stuck { receptor, raised } => match self.actor.lower(receptor, raised) {
+                Err(Trouble::Engine(error)) => Err(error),
+                lowered => Ok((self.limb_in_words(receptor), lowered.unwrap_or(false))),
+            },
+            Held::Palms(mut grip) => {
+                let down = match self.actor.set_down(&mut grip) {
+                    Err(LiftTrouble::Other(Trouble::Engine(error))) => return Err(error),
+                    down => down.is_ok(),
+                };
+                if let Some(i) = self.things.iter().position(|known| known.found.thing == grip.thing) {
+                    let (moved, up) = (grip.middle() - self.things[i].at, self.actor.up);
+                    self.things[i].carried(&(moved - up * moved.dot(&up)));
+                }
+                let ready = self.ready.clone();
+                self.settle(&ready);
+                Ok(("hands".into(), down))
+            }
         }
     }
 

@@ -601,7 +601,7 @@ impl Grip {
     }
 
     /// Between the palms as they are, at the height of the table, in the root's frame.
-    fn middle(&self) -> Vector3<f64> {
+    pub fn middle(&self) -> Vector3<f64> {
         let [one, other] = self.plan.outward;
         self.plan.middle + 0.5 * (one * self.apart[0] + other * self.apart[1])
     }

@@ -37,10 +37,9 @@ impl Conversation {
         let held = std::mem::take(&mut self.holding);
         let said = match held {
             Some(held) => {
-                let (receptor, lowered) = self.put_down(&held)?;
+                let (name, lowered) = self.put_down(held)?;
                 self.actor.let_go();
                 self.actor.wait(0.2)?;
-                let name = self.limb_in_words(receptor);
                 if lowered {
                     format!("I put it down and let go of it with my {name}")
                 } else {

@@ -3,11 +3,13 @@
 use super::super::{Conversation, Held, Request};
 use super::{Act, Intent, Reply, RequestKind};
 use crate::interaction::conversation::language::Leave;
-use crate::interaction::tasks::Trouble;
+use crate::interaction::tasks::{LiftTrouble, Trouble};
 use crate::simulation::EngineError;
 
-/// How high it is raised, metres.
+/// How high one hand raises it, metres.
 const HEIGHT: f64 = 0.1;
+/// How often both hands may begin again.
+const CORRECTIONS: usize = 3;
 
 pub(super) const LIFT: RequestKind = RequestKind {
     told: &[
@@ -39,12 +41,62 @@ pub(super) const LIFT: RequestKind = RequestKind {
 
 impl Conversation {
     fn lift(&mut self, request: &Request, leave: &Leave) -> Result<Reply, EngineError> {
-        if let Some(held) = &self.holding {
-            let said = format!("I hold it already, with my {}", self.limb_in_words(held.receptor));
-            return Ok(self.reply(Intent::Lift, said, Some(true), false));
+        let with = match &self.holding {
+            Some(Held::Stuck { receptor, .. }) => Some(self.limb_in_words(*receptor)),
+            Some(Held::Palms(_)) => Some("hands".to_string()),
+            None => None,
+        };
+        if let Some(with) = with {
+            return Ok(self.reply(
+                Intent::Lift,
+                format!("I hold it already, with my {with}"),
+                Some(true),
+                false,
+            ));
         }
-        let hand = self.hand_for(request.hand);
-        let receptor = match self.in_hand(hand, request.lean, leave)? {
+        match request.hand {
+            None => self.lift_with_both(),
+            hand => self.lift_with_one(self.hand_for(hand), request.lean, leave),
+        }
+    }
+
+    /// Between both palms, by friction.
+    fn lift_with_both(&mut self) -> Result<Reply, EngineError> {
+        let i = self.things.it().expect("it is known which");
+        let touching = self.things[i].in_touch.take();
+        if touching.is_none() {
+            self.let_be();
+            let ready = self.ready.clone();
+            self.settle(&ready);
+        }
+        let found = self.things[i].found.clone();
+        match self.actor.lift(&found, CORRECTIONS) {
+            Ok(grip) => {
+                self.holding = Some(Held::Palms(Box::new(grip)));
+                let said = "I picked it up between my hands, and hold it by squeezing";
+                Ok(self.reply(Intent::Lift, said.into(), Some(true), false))
+            }
+            Err(LiftTrouble::Other(Trouble::Engine(error))) => Err(error),
+            Err(trouble) => {
+                let ready = self.ready.clone();
+                self.settle(&ready);
+                let said = format!(
+                    "I tried to take it between my hands, and do not hold it: {trouble}; \
+                     it may stand elsewhere now"
+                );
+                Ok(self.reply(Intent::Lift, said, Some(false), false))
+            }
+        }
+    }
+
+    /// With the hand that was named, by a weld.
+    fn lift_with_one(
+        &mut self,
+        hand: Option<usize>,
+        lean: bool,
+        leave: &Leave,
+    ) -> Result<Reply, EngineError> {
+        let receptor = match self.in_hand(hand, lean, leave)? {
             Ok(receptor) => receptor,
             Err(touched) => return Ok(Reply { intent: Intent::Lift, ..touched }),
         };
@@ -59,9 +111,9 @@ impl Conversation {
         let name = self.limb_in_words(receptor);
         match self.actor.raise(receptor, HEIGHT) {
             Ok(raised) => {
-                self.holding = Some(Held { receptor, raised });
+                self.holding = Some(Held::Stuck { receptor, raised });
                 let said = format!(
-                    "I picked it up with my {name}, and hold it {:.0} cm higher than it stood",
+                    "I picked it up with my {name}, to which it sticks, and hold it {:.0} cm higher than it stood",
                     100.0 * raised
                 );
                 Ok(self.reply(Intent::Lift, said, Some(true), false))
