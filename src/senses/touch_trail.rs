@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 
-use super::touch_sensor::FeltSurface;
+use super::felt_surface::FeltSurface;
 use super::{LimbSensation, SensationSide, SkinSpot};
 
 /// Way along the skin from which on a touch moves, metres: the point of contact of something soft shifts as it presses.
