@@ -65,11 +65,11 @@ pub fn write_map(path: &Path, creature: &str, skin: &Skin, map: &SomatotopicMap)
     write_json(path, &STAMP.on(&MapContent { creature, neighbours }))
 }
 
-/// Reads the map of a creature's skin from `path`. A receptor that is not listed has no neighbours.
+/// Reads the map of a creature's skin from `path`.
 ///
 /// # Errors
 /// [`RecordError::Io`] where the file cannot be read. [`RecordError::Format`] where it is no map or one of a newer
-/// version, where it is of another creature or names receptors that the skin has not, where a receptor is listed twice, has
+/// version, where it is of another creature or names other receptors than the skin has, where a receptor is listed twice, has
 /// more than eight neighbours, or is its own, and where one of two receptors has the other for a neighbour, but not
 /// the other way round.
 pub fn read_map(path: &Path, creature: &str, skin: &Skin) -> Result<SomatotopicMap, RecordError> {
@@ -119,7 +119,16 @@ pub fn read_map(path: &Path, creature: &str, skin: &Skin) -> Result<SomatotopicM
             return refuse(format!("\"{id}\" is listed twice: take one of the lists out"));
         }
     }
-    let neighbours: Vec<Vec<usize>> = neighbours.into_iter().map(Option::unwrap_or_default).collect();
+    if let Some(missing) = neighbours.iter().position(Option::is_none) {
+        return refuse(format!(
+            "it lists {} of the {} receptors of {creature}, and \"{}\" is none of them: give the map of this skin, in which \
+             one without neighbours has an empty list",
+            neighbours.iter().flatten().count(),
+            neighbours.len(),
+            skin.receptors[missing].id
+        ));
+    }
+    let neighbours: Vec<Vec<usize>> = neighbours.into_iter().flatten().collect();
     for (receptor, of) in neighbours.iter().enumerate() {
         if let Some(&other) = of.iter().find(|&&other| !neighbours[other].contains(&receptor)) {
             let [id, other] = [receptor, other].map(|r| &skin.receptors[r].id);

@@ -194,6 +194,8 @@ fn wrong_maps_are_told_in_one_sentence(place: &Path, feel: &[&str], map: &Value)
         map.to_string()
     };
     let others: Vec<&str> = of.as_array().unwrap().iter().map(|other| other.as_str().unwrap()).collect();
+    let mut fewer = map.clone();
+    fewer["neighbours"].as_object_mut().unwrap().remove(id);
     let many: Vec<&str> = neighbours.keys().filter(|key| *key != id).take(9).map(String::as_str).collect();
     let cases = [
         ("{".to_string(), "format"),
@@ -205,6 +207,7 @@ fn wrong_maps_are_told_in_one_sentence(place: &Path, feel: &[&str], map: &Value)
         (with(Value::from([&others[..], &[id.as_str()]].concat())), "its own"),
         (with(Value::from(others[1..].to_vec())), "the other way round"),
         (with(Value::from(many)), "at the most"),
+        (fewer.to_string(), "an empty list"),
         (text.replacen("\"neighbours\":{", &format!("\"neighbours\":{{\"{id}\":[],"), 1), "listed twice"),
         (with(Value::from(7)), "no map of neighbours"),
     ];
