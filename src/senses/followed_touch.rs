@@ -15,6 +15,9 @@ const TURNS_OF_RUB: usize = 1;
 /// most, seconds.
 const GAP: f64 = 0.006;
 const LONGEST_GAP: f64 = 0.15;
+/// How far a touch may go over skin without receptors, metres, and how long it is waited for there at the most, seconds.
+const BARE: f64 = 0.05;
+const LONGEST_BARE: f64 = 0.5;
 
 /// Something that touches, followed from step to step.
 #[derive(Clone, Debug)]
@@ -70,15 +73,33 @@ impl FollowedTouch {
         self.steps += 1;
     }
 
-    /// Whether nothing has touched for so long that it has ended: for longer where it was about to go on to another limb.
+    /// Whether nothing has touched for so long that it has ended.
     pub fn is_over(&self, time: f64, surface: &FeltSurface) -> bool {
         let silent = time - self.last;
-        if silent <= RELEASE || silent > RELEASE + LONGEST_GAP {
-            return silent > RELEASE;
+        silent > RELEASE && (silent > RELEASE + LONGEST_BARE || silent > self.patience(surface))
+    }
+
+    /// How far it may have gone on since it touched last, metres.
+    pub fn gone_on(&self, time: f64) -> f64 {
+        self.pace().map_or(0.0, |pace| pace * (time - self.last))
+    }
+
+    /// How long nothing must touch before it has ended, seconds: longer where it was about to go on to another limb, or
+    /// over skin that has no receptors.
+    fn patience(&self, surface: &FeltSurface) -> f64 {
+        let Some(pace) = self.pace() else { return RELEASE };
+        if self.trails.iter().any(|trail| trail.leads_off(surface)) {
+            RELEASE + (BARE / pace).min(LONGEST_BARE)
+        } else if self.heads.iter().flat_map(SkinContact::spots).any(|spot| surface.is_brink(&spot)) {
+            RELEASE + (GAP / pace).min(LONGEST_GAP)
+        } else {
+            RELEASE
         }
-        let brink = self.heads.iter().flat_map(SkinContact::spots).any(|spot| surface.is_brink(&spot));
-        let pace = self.trails.iter().filter_map(|trail| trail.pace(self.last)).fold(0.0, f64::max);
-        !brink || pace == 0.0 || silent > RELEASE + GAP / pace
+    }
+
+    /// How fast it moved when it touched last, metres a second; none where it stayed.
+    fn pace(&self) -> Option<f64> {
+        self.trails.iter().filter_map(|trail| trail.pace(self.last)).max_by(f64::total_cmp)
     }
 
     /// What it was.

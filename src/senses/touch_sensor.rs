@@ -3,9 +3,10 @@
 //! "A central component, that fuses these stimulations of the receptors into a coherent touch sensation, forms our
 //! touch sensor" (IVA 2009, section 2). What touches is followed over the skin from step to step, across joints, too,
 //! wherever the somatotopic map has neighbours on two limbs; contacts of one party that one fingertip spans are one,
-//! those farther apart are as many touches. What is followed until nothing has touched for [`RELEASE`] is one sensation,
-//! told by how long it lasted and how it moved over the skin: the words are those of Yohanan and MacLean, "The Role of
-//! Affective Touch in Human-Robot Interaction" (2012), without what only pictures of a hand tell apart.
+//! those farther apart are as many touches. What is followed until nothing has touched for [`RELEASE`] is one sensation; what
+//! was about to come to a gap at a joint, or to skin without receptors, is waited for. It is told by how long it lasted and
+//! how it moved over the skin: the words are those of Yohanan and MacLean, "The Role of Affective Touch in Human-Robot
+//! Interaction" (2012), without what only pictures of a hand tell apart.
 //!
 //! Nothing of this needs to know where the limbs are: ways are measured on each limb, and from one to the next by where
 //! their skins meet, which is the same in every posture.
@@ -56,7 +57,7 @@ impl TouchSensor {
     /// Takes in the contacts of one step at `time`, seconds, later than the last one.
     pub fn step(&mut self, time: f64, contacts: &[SkinContact]) -> Vec<TouchEvent> {
         let mut events = Vec::new();
-        for (touch, contacts) in self.shared_out(contacts) {
+        for (touch, contacts) in self.shared_out(time, contacts) {
             match touch {
                 Some(touch) => self.touches[touch].add(time, contacts, &self.surface),
                 None => {
@@ -82,13 +83,15 @@ impl TouchSensor {
     }
 
     /// Which contacts of a step are of which touch; of none where they begin one.
-    fn shared_out(&self, contacts: &[SkinContact]) -> Vec<(Option<usize>, Vec<SkinContact>)> {
+    fn shared_out(&self, time: f64, contacts: &[SkinContact]) -> Vec<(Option<usize>, Vec<SkinContact>)> {
         // Each touch goes on with the contact that is nearest to where it was, unless that is nearer to another.
         let mut near: Vec<(f64, usize, usize)> = Vec::new();
         for (t, touch) in self.touches.iter().enumerate() {
+            // What has not touched for longer is waited for because it goes on where nothing feels it.
+            let reach = if time - touch.last > RELEASE { NEAR + touch.gone_on(time) } else { NEAR };
             for (c, contact) in contacts.iter().enumerate() {
                 let heads = touch.heads.iter().map(|head| self.surface.apart(head, contact));
-                near.extend(heads.min_by(f64::total_cmp).filter(|d| *d <= NEAR).map(|d| (d, t, c)));
+                near.extend(heads.min_by(f64::total_cmp).filter(|d| *d <= reach).map(|d| (d, t, c)));
             }
         }
         near.sort_by(|a, b| a.0.total_cmp(&b.0).then((a.1, a.2).cmp(&(b.1, b.2))));

@@ -166,6 +166,11 @@ impl Trail {
         (time - self.stride.0 <= MOVING).then_some(self.stride.1)
     }
 
+    /// Whether it was about to leave the patches of the surface that it is on.
+    pub fn leads_off(&self, surface: &FeltSurface) -> bool {
+        self.limbs[self.on].heading.is_some_and(|heading| surface.leads_off(&self.now, &heading))
+    }
+
     /// What it was, all in all.
     pub fn side(&self, duration: f64) -> SensationSide {
         let moves = self.moves();

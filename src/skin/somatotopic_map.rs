@@ -122,6 +122,11 @@ impl SomatotopicMap {
         crossings.iter().map(way).min_by(f64::total_cmp)
     }
 
+    /// Where the skins of two limbs meet: the limbs, the earlier first, and the same point in the frame of either, metres.
+    pub(crate) fn borders(&self) -> impl Iterator<Item = ([usize; 2], [Vector3<f64>; 2])> {
+        self.crossings.iter().flat_map(|(limbs, crossings)| crossings.iter().map(|at| (*limbs, *at)))
+    }
+
     /// How far a point of a limb, in the limb's frame, is from where the skin of another limb begins, metres. None where
     /// that is not known.
     pub fn way_to_border(&self, limb: usize, point: &Vector3<f64>) -> Option<f64> {

@@ -86,7 +86,8 @@ impl Skinned {
     /// The events of contacts step by step, and of nothing for long enough after them.
     fn events(&self, steps: &[Vec<SkinContact>]) -> Vec<TouchEvent> {
         let mut sensor = TouchSensor::new(self.map.clone(), &self.skin);
-        let silence = vec![Vec::new(); (10.0 * RELEASE / STEP) as usize];
+        // Longer than what may come back is waited for.
+        let silence = vec![Vec::new(); (20.0 * RELEASE / STEP) as usize];
         let steps = steps.iter().chain(&silence).enumerate();
         steps.flat_map(|(k, contacts)| sensor.step(STEP * k as f64, contacts)).collect()
     }
@@ -292,6 +293,42 @@ fn from_one_limb_on_to_the_next_is_one_stroke_over_a_short_gap_and_none_through_
     let far = max.receptor("right_forearm_05");
     let steps = [going(&max, a, p_a, leaves), vec![vec![max.on(far, FINGER)]; 20]].concat();
     assert_eq!(max.sensations(&steps).len(), 2);
+}
+
+#[test]
+fn over_skin_without_receptors_a_stroke_goes_on_and_after_a_lift_it_does_not() {
+    let max = Skinned::new();
+    let unfelt = 0.015;
+    let gap = vec![Vec::new(); (unfelt / (0.1 * STEP)) as usize];
+    let over = |receptor: usize, from: Vector3<f64>, to: Vector3<f64>| {
+        let ahead = (to - from).normalize();
+        let [out, on] = [to + ahead * unfelt, to + ahead * (unfelt + 0.02)];
+        [going(&max, receptor, from, to), gap.clone(), going(&max, receptor, out, on)].concat()
+    };
+    // From the middle of a patch over an edge beyond which its limb has no receptors for as far as the finger goes unfelt.
+    let receptors = || max.skin.receptors.iter().enumerate();
+    let off_the_edge = receptors().find_map(|(r, own)| {
+        let felt = |p: &Vector3<f64>| {
+            receptors().any(|(_, other)| other.limb == own.limb && other.feels(p, &own.normal))
+        };
+        (0..16).find_map(|k| {
+            let angle = f64::from(k) * std::f64::consts::TAU / 16.0;
+            let ahead = own.tangent * angle.cos() + own.bitangent() * angle.sin();
+            let at = |distance: f64| own.position + ahead * distance;
+            let edge = (10..60).map(|k| 0.001 * f64::from(k)).find(|edge| !felt(&at(*edge)))?;
+            let bare = (0..10).all(|k| !felt(&at(edge + 0.1 * unfelt * f64::from(k))));
+            bare.then(|| (r, own.position, at(edge - 0.001)))
+        })
+    });
+    let (edge, from, to) = off_the_edge.expect("Max has bare skin");
+    let felt = max.sensation(&over(edge, from, to));
+    assert_eq!(felt.kind, TouchKind::Stroke);
+    let way = (to - from).norm() + unfelt + 0.02;
+    assert!((felt.sides[0].path - way).abs() < 0.01, "{} m of {way}", felt.sides[0].path);
+    // In the midst of a patch that feels what comes next, silence is a finger that was lifted.
+    let whole = max.receptor("left_forearm_05");
+    let own = &max.skin.receptors[whole];
+    assert_eq!(max.sensations(&over(whole, own.position - own.tangent * 0.02, own.position)).len(), 2);
 }
 
 #[test]
