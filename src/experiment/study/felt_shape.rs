@@ -45,6 +45,7 @@ row! {
         kind: String = "shape",
         widest_m: f64 = "widest, m",
         touches: usize = "touches",
+        contacts: usize = "contacts",
         barred: usize = "sides barred",
         overlap: f64 = "intersection over union",
         moved_mm: f64 = "moved, mm",
@@ -58,6 +59,7 @@ row! {
         schema: String = "schema",
         trials: usize = "trials",
         touches: f64 = "touches, median",
+        contacts: f64 = "contacts, median",
         overlap: f64 = "intersection over union, median",
         least: f64 = "least",
         good: f64 = "at least 0.85, share",
@@ -97,6 +99,7 @@ pub fn measure(subject: &Subject) -> Result<Findings<ShapeMeasurement, ShapeSumm
             schema: name.into(),
             trials: rows.len(),
             touches: median(rows.iter().map(|row| row.touches as f64)),
+            contacts: median(rows.iter().map(|row| row.contacts as f64)),
             overlap: median(rows.iter().map(|row| row.overlap)),
             least: rows.iter().map(|row| row.overlap).fold(f64::NAN, f64::min),
             good: share(rows.iter().map(|row| row.overlap >= GOOD)),
@@ -152,12 +155,13 @@ fn attempt(
     let pose = actor.stage.thing_pose(number);
     let moved_mm = 1e3 * (pose.translation.vector - thing.pose.translation.vector).norm();
     let half = thing.shape.half_bounds();
-    let row = |touches, barred, overlap, result: String| ShapeMeasurement {
+    let row = |touches, contacts, barred, overlap, result: String| ShapeMeasurement {
         seed,
         schema: schema.into(),
         kind: kind(&thing.shape).into(),
         widest_m: 2.0 * half.amax(),
         touches,
+        contacts,
         barred,
         overlap,
         moved_mm,
@@ -167,10 +171,10 @@ fn attempt(
         Ok(felt) => {
             let root = actor.stage.root_pose();
             let overlap = overlap(&felt.shape, &thing.shape, &(root.inverse() * pose), seed);
-            row(felt.touches, felt.barred, overlap, "felt".into())
+            row(felt.touches, felt.contacts, felt.barred, overlap, "felt".into())
         }
         Err(Trouble::Engine(error)) => return Err(error.into()),
-        Err(trouble) => row(0, 0, 0.0, trouble.to_string()),
+        Err(trouble) => row(0, 0, 0, 0.0, trouble.to_string()),
     }))
 }
 

@@ -147,17 +147,17 @@ impl Actor {
         Ok(FeltOn { found, radius: Some(surface.radius), deviation: Some(surface.deviation), touches })
     }
 
-    /// The posture near another in which the place that is touched is at a point and its normal leads in a direction, as far
-    /// as the joints allow.
-    fn tilted(
+    /// The posture near another in which a place of the skin is at a point and its normal leads in a direction, as far as the
+    /// joints allow.
+    pub(super) fn tilted(
         &self,
-        surface: &FeltSurface,
+        place: Place,
         joints: &[usize],
         point: Vector3<f64>,
         direction: Vector3<f64>,
         near: &[f64],
     ) -> Posture {
-        let ends = [surface.place, Place { limb: 0, point, direction }];
+        let ends = [place, Place { limb: 0, point, direction }];
         InverseKinematics::new(self.own.creature(), &self.own.schema, ends)
             .with_facing(Facing::Parallel)
             .with_direction_lengths([DIRECTION_LENGTH; 2])
@@ -215,7 +215,7 @@ impl Actor {
         let limb = surface.place.limb;
         for far in [RETREAT, 2.0 * RETREAT] {
             let from = self.posture();
-            let back = self.tilted(surface, joints, surface.point - direction * far, direction, &from);
+            let back = self.tilted(surface.place, joints, surface.point - direction * far, direction, &from);
             let way = PosturePath(vec![back.clone()]);
             self.follow(&way, SWIFT, |_, _| false)?;
             if !self.step(&back)?.iter().any(|contact| contact.spot.limb == limb) {
@@ -255,7 +255,7 @@ impl Actor {
         let strides = ((RETREAT + ADVANCE) / STRIDE).round() as usize;
         for k in 0..=strides {
             let point = surface.point + aside + n * (STRIDE * k as f64 - RETREAT);
-            way.push(self.tilted(surface, joints, point, direction, &way[way.len() - 1]));
+            way.push(self.tilted(surface.place, joints, point, direction, &way[way.len() - 1]));
         }
         let clearance = self.clearance.moved_by(&self.own, joints);
         let clearance = clearance.eased_at(&[self.own.frames(&parted)], CLEAR);

@@ -10,14 +10,28 @@ use crate::interaction::actor::{Actor, CAREFUL, FoundThing, SWIFT, Stop};
 use crate::peripersonal::{FeltShape, Obstacle, PlacedSkin, PosturePath, ReachTarget, ShapeEstimate};
 use crate::senses::{SkinContact, Toucher};
 
-/// Directions from which a thing can be touched …
+/// Directions in which a thing can extend …
 const SIDES: usize = 60;
-/// … but those that lead below it: the least of their height.
-const LOWEST: f64 = -0.25;
+/// … but those that lead to what it stands on: the least of their height …
+const LOWEST: f64 = -0.8;
+/// … and the least height from which a hand comes: what lies lower it touches from aside, low over what the thing stands on.
+const FROM_ASIDE: f64 = -0.1;
 /// Tips of a hand that feel: its receptors farthest from the wrist.
 const TIPS: usize = 6;
 /// How far a hand goes back before it comes from another side, metres.
 const BACK_OFF: f64 = 0.08;
+/// How far aside of where it touched a hand touches again, to feel how the surface goes on, metres, …
+const ASIDE: f64 = 0.015;
+/// … in so many directions about it; …
+const BESIDE: usize = 4;
+/// … how far it draws back between, and how far beyond where it touched it looks for the surface, metres.
+const DRAWN_BACK: f64 = 0.01;
+const BEYOND: f64 = 0.02;
+/// Length of a step of the way there, metres, how fast it goes, metres a second, and how clear of the body and of the table
+/// it keeps, metres.
+const STRIDE: f64 = 0.002;
+const FEELING: f64 = 0.05;
+const CLEAR: f64 = 0.002;
 /// From how many postures on the way it is told that nothing was there, and of skin how near to the thing, metres.
 const SOUNDINGS: usize = 5;
 const ABOUT: f64 = 0.12;
@@ -35,15 +49,28 @@ const TRIED: f64 = 0.25;
 pub struct ShapeFeeling {
     /// What is known of its shape, in the root's frame.
     pub shape: ShapeEstimate,
-    /// Touches that it is known from.
+    /// Touches that it is known from, each with the small motions after it.
     pub touches: usize,
+    /// Contacts in all of those.
+    pub contacts: usize,
     /// Sides to which there was no way.
     pub barred: usize,
 }
 
+/// How coming to a side of a thing ended.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Come {
+    Touched,
+    /// Nothing was there.
+    Empty,
+    /// There was no way, or something else was met.
+    Barred,
+}
+
 impl Actor {
     /// Feels a thing that was found with the tips of both hands until it was touched so many times, as far as its sides can
-    /// be reached. It must not move meanwhile.
+    /// be reached. On each touch the hand goes on to feel: it draws back a little and touches again beside the place, a few
+    /// times. The thing must not move meanwhile.
     ///
     /// # Errors
     /// [`Trouble`] where the first touch tells nothing.
@@ -52,24 +79,31 @@ impl Actor {
         let stands = above.filter(|(_, above)| *above < STANDING).map(|(height, _)| height);
         let about = found.point + found.direction * 0.03;
         let mut felt = FeltShape::new(about, self.up, stands);
-        self.take_in(&mut felt, &about, Some(&BTreeSet::from([found.receptor])), found.receptor);
+        let by = found.receptor;
+        self.take_in(&mut felt, &about, &BTreeSet::from([by]), by, BACK_OFF);
+        self.feel_beside(&mut felt, &about, by, found.direction)?;
         let ready = self.ready();
         // Where it cannot go back, the next motion says so.
         let _ = self.withdraw(found, &ready);
         let mut shape = felt.estimate().ok_or(Trouble::Nothing)?;
-        let (mut tried, mut barred): (Vec<Vector3<f64>>, usize) = (Vec::new(), 0);
+        let (mut tried, mut barred, mut touched): (Vec<Vector3<f64>>, usize, usize) = (Vec::new(), 0, 1);
         for _ in 0..TRIES * touches {
-            if felt.touches_so_far() >= touches {
+            if touched >= touches {
                 break;
             }
             let Some(side) = self.least_known_side(&shape, &tried, stands.is_some()) else { break };
             tried.push(side);
-            match self.touch_side(&mut felt, &shape, side)? {
-                true => shape = felt.estimate().ok_or(Trouble::Nothing)?,
-                false => barred += 1,
+            match self.touch_side(&mut felt, &shape, side, stands)? {
+                Come::Touched => touched += 1,
+                Come::Empty => {}
+                Come::Barred => {
+                    barred += 1;
+                    continue;
+                }
             }
+            shape = felt.estimate().ok_or(Trouble::Nothing)?;
         }
-        Ok(ShapeFeeling { shape, touches: felt.touches_so_far(), barred })
+        Ok(ShapeFeeling { shape, touches: touched, contacts: felt.touches_so_far(), barred })
     }
 
     /// The outward direction in which least is known of a thing's extent, of those not tried yet.
@@ -86,17 +120,22 @@ impl Actor {
         sides.max_by(|a, b| shape.doubt(a).total_cmp(&shape.doubt(b)))
     }
 
-    /// Comes to a thing from a side with a fingertip of the hand that gets there; whether one did.
+    /// Comes to a thing from a side with a fingertip of the hand that gets there, and feels about the place.
     fn touch_side(
         &mut self,
         felt: &mut FeltShape,
         shape: &ShapeEstimate,
         side: Vector3<f64>,
-    ) -> Result<bool, Trouble> {
+        stands: Option<f64>,
+    ) -> Result<Come, Trouble> {
         let mut point = shape.farthest(&side);
         if let Some(height) = self.table {
             point += self.up * (height + OVER - point.dot(&self.up)).max(0.0);
         }
+        let height = side.dot(&self.up);
+        let level = side - self.up * height;
+        let from_aside = level.try_normalize(1e-6).filter(|_| stands.is_some() && height < FROM_ASIDE);
+        let side = from_aside.map_or(side, |level| (level + self.up * FROM_ASIDE).normalize());
         let aim = ReachTarget { point, direction: -side };
         let own_side = usize::from(self.side(0) * side.dot(&self.left()) < 0.0);
         let thing = Capsule::about_points(&shape.corners());
@@ -116,20 +155,78 @@ impl Actor {
                 Stop::Felt(contacts) => self.of_the_thing(contacts),
                 Stop::Arrived => BTreeSet::new(),
             };
-            let nothing_met = came == Stop::Arrived;
-            if nothing_met || !touching.is_empty() {
-                let by = touching.iter().next().copied().unwrap_or(plan.receptor);
-                self.take_in(felt, &shape.middle(), Some(&touching), by);
-            }
             let by = touching.iter().next().copied().unwrap_or(plan.receptor);
-            if let Some(way) = self.back_by(by, BACK_OFF) {
+            let come = match (came == Stop::Arrived, touching.is_empty()) {
+                (_, false) => Come::Touched,
+                (true, true) => Come::Empty,
+                (false, true) => Come::Barred,
+            };
+            if come != Come::Barred {
+                self.take_in(felt, &shape.middle(), &touching, by, BACK_OFF);
+            }
+            let way_back = self.back_by(by, BACK_OFF);
+            if come == Come::Touched {
+                self.feel_beside(felt, &shape.middle(), by, aim.direction)?;
+            }
+            if let Some(way) = way_back {
                 self.follow(&way, SWIFT, |_, _| false)?;
             }
-            if nothing_met || !touching.is_empty() {
-                return Ok(true);
+            if come != Come::Barred {
+                return Ok(come);
             }
         }
-        Ok(false)
+        Ok(Come::Barred)
+    }
+
+    /// Goes on to feel a thing that a receptor touches: a few times it draws back, goes aside, and comes on again in a
+    /// direction into the thing. In the end it is drawn back where it first touched.
+    fn feel_beside(
+        &mut self,
+        felt: &mut FeltShape,
+        about: &Vector3<f64>,
+        by: usize,
+        into: Vector3<f64>,
+    ) -> Result<(), Trouble> {
+        let Some(hand) = self.arm_of(by) else { return Ok(()) };
+        let (limb, arm) = (self.own.skin().receptors[by].limb, self.hands[hand].arm.clone());
+        let here = self.posture();
+        let frame = self.frames()[limb];
+        let place = self.own.leading(by, &frame.rotation.tr_mul(&into));
+        let (point, direction) = (frame.point(&place.point), frame.direction(&place.direction));
+        let across = if into.dot(&self.up).abs() < 0.9 { self.up } else { self.front };
+        let first = (across - into * across.dot(&into)).normalize();
+        let second = into.cross(&first);
+        let back = self.tilted(place, &arm, point - into * DRAWN_BACK, direction, &here);
+        let clearance = self.clearance.moved_by(&self.own, &arm);
+        let clearance = clearance.eased_at(&[self.own.frames(&here)], CLEAR);
+        for k in 0..BESIDE {
+            let (sin, cos) = (std::f64::consts::TAU * k as f64 / BESIDE as f64).sin_cos();
+            let aside = point + (first * cos + second * sin) * ASIDE;
+            let mut way = vec![back.clone()];
+            for stride in 0..=((DRAWN_BACK + BEYOND) / STRIDE).round() as usize {
+                let target = aside + into * (STRIDE * stride as f64 - DRAWN_BACK);
+                way.push(self.tilted(place, &arm, target, direction, &way[way.len() - 1]));
+            }
+            let free = way.iter().take_while(|way| clearance.free(&self.own.frames(way), CLEAR)).count();
+            way.truncate(free);
+            if way.len() < 3 {
+                continue;
+            }
+            let parting = PosturePath(way.drain(..1).collect());
+            self.follow(&parting, SWIFT, |_, _| false)?;
+            let came = self.follow(&PosturePath(way), FEELING, |_, _| true)?;
+            let touching = match &came {
+                Stop::Felt(contacts) => self.of_the_thing(contacts),
+                Stop::Arrived => BTreeSet::new(),
+            };
+            if came == Stop::Arrived || !touching.is_empty() {
+                self.take_in(felt, about, &touching, by, DRAWN_BACK);
+            }
+            let drawn = self.frames()[limb].point(&place.point) - into * DRAWN_BACK;
+            let drawn = self.tilted(place, &arm, drawn, direction, &self.posture());
+            self.follow(&PosturePath(vec![drawn, back.clone()]), SWIFT, |_, _| false)?;
+        }
+        Ok(())
     }
 
     /// The receptors that feel a thing that is not the table, and not one's own skin.
@@ -153,18 +250,18 @@ impl Actor {
     }
 
     /// Takes in what the posture and the way to it tell of a thing: the surfaces under the receptors that touch meet it, all
-    /// other skin near it does not, nor did any on the way on which the skin of `by` came.
+    /// other skin near it does not, nor did any on the last `back` metres on which the skin of `by` came.
     fn take_in(
         &self,
         felt: &mut FeltShape,
         about: &Vector3<f64>,
-        touching: Option<&BTreeSet<usize>>,
+        touching: &BTreeSet<usize>,
         by: usize,
+        back: f64,
     ) {
         let skin = self.own.skin();
         let frames = self.frames();
-        let touched: BTreeSet<usize> =
-            touching.into_iter().flatten().filter_map(|&r| skin.receptors[r].surface).collect();
+        let touched: BTreeSet<usize> = touching.iter().filter_map(|&r| skin.receptors[r].surface).collect();
         for &surface in &touched {
             let surface = &skin.surfaces[surface];
             if let Some(placed) = PlacedSkin::new(surface, &frames[surface.limb]) {
@@ -172,8 +269,10 @@ impl Actor {
             }
         }
         let moving = self.arm_of(by).map(|hand| self.own.carried_by(self.hands[hand].limb));
-        let way = self.back_by(by, BACK_OFF).unwrap_or(PosturePath(Vec::new()));
-        let every = way.0.len().div_ceil(SOUNDINGS).max(1);
+        let way = self.back_by(by, back).unwrap_or(PosturePath(Vec::new()));
+        // Of a small motion it is where it ended that tells something new.
+        let soundings = if back < BACK_OFF { 1 } else { SOUNDINGS };
+        let every = way.0.len().div_ceil(soundings).max(1);
         for (k, posture) in way.0.iter().enumerate().step_by(every) {
             let frames = self.own.frames(posture);
             for (index, surface) in skin.surfaces.iter().enumerate() {

@@ -121,3 +121,27 @@ impl ConvexBody for Point {
         (way.norm(), way.try_normalize(1e-12).unwrap_or_else(Vector3::x))
     }
 }
+
+/// A segment as a body, which no closed form knows: the core of a capsule.
+pub(super) struct Segment(pub [Vector3<f64>; 2]);
+
+impl ConvexBody for Segment {
+    fn support(&self, direction: &Vector3<f64>) -> Vector3<f64> {
+        let [first, second] = self.0;
+        if (second - first).dot(direction) > 0.0 { second } else { first }
+    }
+
+    fn centre(&self) -> Vector3<f64> {
+        0.5 * (self.0[0] + self.0[1])
+    }
+
+    fn as_capsule(&self) -> Option<Capsule> {
+        None
+    }
+
+    fn signed_distance(&self, p: &Vector3<f64>) -> (f64, Vector3<f64>) {
+        let along = self.0[1] - self.0[0];
+        let share = (p - self.0[0]).dot(&along) / along.norm_squared().max(1e-12);
+        Point(self.0[0] + along * share.clamp(0.0, 1.0)).signed_distance(p)
+    }
+}

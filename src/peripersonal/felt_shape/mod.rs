@@ -13,8 +13,8 @@ mod family;
 use nalgebra::{DMatrix, DVector, Rotation3, Vector3};
 
 use self::bending::BentBody;
-use self::family::{NUMBERS, Numbers, RoundedFrustum};
-use crate::geometry::{ConvexBody, Frame, Gap, Precision, gap, separation};
+use self::family::{NUMBERS, Numbers, RoundedFrustum, Segment};
+use crate::geometry::{Capsule, ConvexBody, Frame, Gap, Precision, gap, separation};
 use crate::learning::least_squares::{LeastSquares, Linearization, Stopping, levenberg_marquardt};
 use crate::skin::Surface;
 
@@ -39,10 +39,16 @@ const USUAL_SQUARENESS: f64 = 3.0;
 const ITERATIONS: usize = 30;
 /// Exactness of gaps in the order in which it is asked for, metres: rough ones let the fit go far.
 const ANNEALED: [f64; 4] = [0.01, 0.003, 0.001, TOUCHED];
-/// Half the squared residuals for each touch below which the last estimate is good enough to go on from.
-const EXPLAINED: f64 = 2.0;
-/// Fits that are gone on with.
+/// How many of these are rough: after them it is told whether the family explains what was felt at all.
+const ROUGH: usize = 2;
+/// The root mean square of gaps where skin touched up to which it does, metres: what has corners leaves several millimetres.
+const EXPLAINED: f64 = 1.5e-3;
+/// Initial guesses that are gone on with.
 const REFINED: usize = 3;
+/// It is begun anew from all initial guesses when there are so many times as many touches as when that was done last.
+const ANEW: f64 = 1.5;
+/// How far a capsule's segment is from a body at the least for its gap to be told by the segment, metres.
+const CORE_CLEAR: f64 = 1e-5;
 /// Small steps by which extents are differentiated.
 const SMALL: f64 = 1e-6;
 
@@ -59,9 +65,17 @@ impl PlacedSkin {
         surface.shape.is_solid().then(|| PlacedSkin { surface: surface.clone(), limb: *limb })
     }
 
-    /// The gap from a body to it, the normal from the body to the skin.
+    /// The gap from a body to it, the normal from the body to the skin. Of a capsule whose segment is clear of the body it is
+    /// the segment's less the radius.
     fn gap_to(&self, body: &dyn ConvexBody, precision: Precision) -> Gap {
         let placed = self.surface.placed(&self.limb).expect("only solid surfaces are placed");
+        if let Some(Capsule { ends, radius }) = placed.as_capsule() {
+            let found = gap(&Segment(ends), body, Precision::Exact);
+            if found.distance > CORE_CLEAR {
+                let points = [found.points[0] - found.normal * radius, found.points[1]];
+                return Gap { distance: found.distance - radius, points, ..found };
+            }
+        }
         gap(&placed, body, precision)
     }
 
@@ -96,6 +110,8 @@ pub struct FeltShape {
     stands: Option<f64>,
     /// The numbers of the last estimate, with what they were like before.
     last: Option<(Numbers, Numbers)>,
+    /// Touches when it was begun anew last.
+    begun: usize,
 }
 
 /// What is known of a thing's shape: a convex body.
@@ -111,7 +127,7 @@ pub struct ShapeEstimate {
 impl FeltShape {
     /// Nothing yet but roughly where; `stands` is the height that it stands on along `up`, where it does.
     pub fn new(about: Vector3<f64>, up: Vector3<f64>, stands: Option<f64>) -> FeltShape {
-        FeltShape { touching: Vec::new(), clear: Vec::new(), about, up, stands, last: None }
+        FeltShape { touching: Vec::new(), clear: Vec::new(), about, up, stands, last: None, begun: 0 }
     }
 
     /// A surface touches it here.
@@ -135,20 +151,21 @@ impl FeltShape {
         if self.touching.is_empty() {
             return None;
         }
-        let gone_on = self.last.map(|(last, start)| self.fit(last, start, &ANNEALED[1..]));
-        let enough = EXPLAINED * self.touching.len() as f64;
-        let (_, numbers, start) = match gone_on.filter(|(cost, ..)| *cost < enough) {
-            Some(found) => found,
-            None => {
-                let starts = self.starts().into_iter();
-                let mut fits: Vec<(f64, Numbers, Numbers)> =
-                    starts.map(|start| self.fit(start, start, &ANNEALED[..2])).collect();
-                fits.sort_by(|a, b| a.0.total_cmp(&b.0));
-                fits.truncate(REFINED);
-                let fits = fits.into_iter().map(|(_, found, start)| self.fit(found, start, &ANNEALED[2..]));
-                fits.chain(gone_on).min_by(|a, b| a.0.total_cmp(&b.0))?
-            }
-        };
+        let count = self.touching.len();
+        let mut fits: Vec<Fitted> = Vec::new();
+        fits.extend(self.last.map(|(last, start)| self.fit(last, start, &ANNEALED[ROUGH - 1..ROUGH])));
+        let explained = fits.first().is_some_and(|fit| self.misfit(&fit.numbers) < EXPLAINED);
+        if fits.is_empty() || (!explained && count as f64 >= ANEW * self.begun as f64) {
+            fits.extend(self.starts().into_iter().map(|start| self.fit(start, start, &ANNEALED[..ROUGH])));
+            self.begun = count;
+        }
+        fits.sort_by(|a, b| a.cost.total_cmp(&b.cost));
+        fits.truncate(REFINED);
+        let in_family = fits.iter().any(|fit| self.misfit(&fit.numbers) < EXPLAINED);
+        if in_family {
+            fits = fits.iter().map(|fit| self.fit(fit.numbers, fit.start, &ANNEALED[ROUGH..])).collect();
+        }
+        let Fitted { numbers, start, .. } = fits.into_iter().min_by(|a, b| a.cost.total_cmp(&b.cost))?;
         self.last = Some((numbers, start));
         let family = RoundedFrustum::of(&numbers);
         let half = |k: usize| numbers[6 + k].exp() + numbers[14 + k].exp();
@@ -160,15 +177,22 @@ impl FeltShape {
         Some(ShapeEstimate { body, stands, unexplained })
     }
 
-    /// The least cost from a guess, the numbers there, and what they are like before.
-    fn fit(&self, guess: Numbers, start: Numbers, exactness: &[f64]) -> (f64, Numbers, Numbers) {
-        let stopping = Stopping { iterations: ITERATIONS, relative_cost: 1e-4, ..Stopping::default() };
+    /// The least cost from a guess, where `start` is what the numbers are like before.
+    fn fit(&self, guess: Numbers, start: Numbers, exactness: &[f64]) -> Fitted {
+        let stopping = Stopping { iterations: ITERATIONS, relative_cost: 1e-3, ..Stopping::default() };
         let (mut cost, mut numbers) = (f64::INFINITY, guess);
         for &touched in exactness {
             let solution = levenberg_marquardt(&mut Fit { felt: self, start, touched }, numbers, stopping);
             (cost, numbers) = (solution.cost, solution.state);
         }
-        (cost, numbers, start)
+        Fitted { cost, numbers, start }
+    }
+
+    /// The root mean square of the gaps between a body of the family and the skin that touched, metres.
+    fn misfit(&self, numbers: &Numbers) -> f64 {
+        let body = RoundedFrustum::of(numbers);
+        let gaps = self.touching.iter().map(|skin| skin.gap_to(&body, Precision::ExactWhereShallow).distance);
+        (gaps.map(|gap| gap * gap).sum::<f64>() / self.touching.len() as f64).sqrt()
     }
 
     /// Initial guesses: turned, and more or less round.
@@ -260,6 +284,15 @@ impl ShapeEstimate {
     pub fn width(&self, direction: &Vector3<f64>) -> f64 {
         self.extent(direction) + self.extent(&-direction)
     }
+}
+
+/// A body of the family that was fitted.
+#[derive(Clone, Copy)]
+struct Fitted {
+    cost: f64,
+    numbers: Numbers,
+    /// What the numbers were taken to be before.
+    start: Numbers,
 }
 
 /// The fit of the family to what was felt.
