@@ -5,6 +5,7 @@ use std::ops::{Index, IndexMut};
 use nalgebra::Vector3;
 
 use super::actor::FoundThing;
+use crate::peripersonal::FeltSize;
 
 /// Two things felt nearer than this to each other are one, metres.
 const SAME: f64 = 0.09;
@@ -20,12 +21,25 @@ pub struct KnownThing {
     pub at: Vector3<f64>,
     /// The receptor that touches it, while one does.
     pub in_touch: Option<usize>,
+    /// What was felt of its shape, where that was asked for.
+    pub shape: Option<KnownShape>,
+}
+
+/// What it remembers of a thing's shape.
+#[derive(Clone, Debug, PartialEq)]
+pub struct KnownShape {
+    /// How large it is.
+    pub size: FeltSize,
+    /// Touches that this is known from.
+    pub touches: usize,
+    /// The sides of it, in words, of which touches told little.
+    pub unfelt: Vec<&'static str>,
 }
 
 impl KnownThing {
     /// A thing that was felt, and may still be.
     fn felt(found: &FoundThing, in_touch: Option<usize>) -> KnownThing {
-        KnownThing { found: found.clone(), at: found.point + found.direction * INTO, in_touch }
+        KnownThing { found: found.clone(), at: found.point + found.direction * INTO, in_touch, shape: None }
     }
 
     /// It was carried by so much, in the root's frame, metres, and let go.
@@ -66,7 +80,7 @@ impl Things {
         let felt = KnownThing::felt(found, in_touch);
         match self.known.iter().position(|other| (other.at - felt.at).norm() < SAME) {
             Some(i) => {
-                self.known[i] = felt;
+                self.replace(i, felt);
                 i
             }
             None => {
@@ -89,7 +103,8 @@ impl Things {
                 Some(k) if !taken[k] => {
                     taken[k] = true;
                     let in_touch = self.known[which].in_touch;
-                    self.known[which] = KnownThing { found: felt[k].0.clone(), at: felt[k].1, in_touch };
+                    let (found, at) = felt[k].clone();
+                    self.replace(which, KnownThing { found, at, in_touch, shape: None });
                     which += 1;
                 }
                 None if !gone(&at) => which += 1,
@@ -97,13 +112,20 @@ impl Things {
             }
         }
         for ((found, at), _) in felt.iter().zip(&taken).filter(|(_, taken)| !**taken) {
-            self.known.push(KnownThing { found: found.clone(), at: *at, in_touch: None });
+            self.known.push(KnownThing { found: found.clone(), at: *at, in_touch: None, shape: None });
         }
     }
 
     /// A thing was felt anew, by a receptor that touches it.
     pub fn felt_again(&mut self, which: usize, found: &FoundThing) {
-        self.known[which] = KnownThing::felt(found, Some(found.receptor));
+        self.replace(which, KnownThing::felt(found, Some(found.receptor)));
+    }
+
+    /// What was felt now counts for more, but the same thing has the same shape.
+    fn replace(&mut self, which: usize, felt: KnownThing) {
+        let known = &mut self.known[which];
+        let shape = known.shape.take().filter(|_| known.found.thing == felt.found.thing);
+        *known = KnownThing { shape, ..felt };
     }
 
     /// Which thing "it" is, where one is meant; not where there are several and none was named.

@@ -85,6 +85,34 @@ fn questions_prohibitions_and_reports_do_not_move_him() {
 }
 
 #[test]
+fn how_big_a_thing_is_he_tells_once_he_has_felt_its_shape() {
+    let (stage, mut talk) = at_table(learned_max(400));
+    let reply = say(&mut talk, "is there something in front of you?");
+    let thing = reply.felt[0]["thing"].as_u64().unwrap() as usize;
+    let before = say(&mut talk, "how big is it?").said;
+    assert!(before.contains("one place only"), "{before}");
+    let reply = say(&mut talk, "feel its shape");
+    assert_eq!((reply.intent, reply.done), (Intent::FeelShape, Some(true)), "{}", reply.said);
+    let time = stage.time();
+    let said = say(&mut talk, "how big is it?").said;
+    assert_eq!(stage.time(), time, "what he has felt he only tells");
+    // Height, length and width as the scene has them, centimetres.
+    let truly = match stage.thing_name(thing).as_str() {
+        "box" => [10.0, 7.0, 7.0],
+        "can" => [11.0, 6.6, 6.6],
+        "brick" => [7.0, 11.0, 6.0],
+        "bottle" => [18.0, 6.0, 6.0],
+        other => panic!("{other}"),
+    };
+    let told: Vec<f64> = said
+        .split(" cm")
+        .filter_map(|part| part.rsplit(' ').next().and_then(|number| number.parse().ok()))
+        .collect();
+    assert_eq!(told.len(), 3, "{said}");
+    assert!(told.iter().zip(truly).all(|(told, truly)| (told - truly).abs() <= 2.0), "{said}: {truly:?}");
+}
+
+#[test]
 fn parts_of_his_body_are_where_they_truly_are() {
     let (stage, mut talk) = at_table(learned_max(400));
     let limb = |name: &str| stage.agent().creature().limb(name).unwrap();

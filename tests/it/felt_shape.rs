@@ -106,6 +106,21 @@ fn a_shape_is_known_from_fifteen_touches() {
         let estimate = estimate.unwrap();
         let share = agreement(&estimate, &shape, &pose, &mut rng);
         shares.push(share);
+        // Sizes are claimed in talk: within what is said of them, and a centimetre.
+        let size = estimate.size(&up);
+        let support = |u: Vector3<f64>| shape.support(&(rotation.inverse() * u)).unwrap();
+        let width = |u: Vector3<f64>| {
+            let along = rotation.inverse() * u;
+            along.dot(&support(u)) - along.dot(&support(-u))
+        };
+        let narrow = (0..90)
+            .map(|k| (std::f64::consts::PI * f64::from(k) / 90.0).sin_cos())
+            .map(|(sin, cos)| width(Vector3::new(cos, sin, 0.0)))
+            .fold(f64::INFINITY, f64::min);
+        for (felt, truly) in [(size.height, width(up)), (size.breadth, narrow)] {
+            let off = (felt.length - truly).abs();
+            assert!(off < 0.01 + 2.0 * felt.deviation, "{seed}: {felt:?}, truly {truly}");
+        }
     }
     shares.sort_by(f64::total_cmp);
     assert!(shares[0] > 0.75 && shares[1] + shares[2] > 2.0 * 0.85, "intersections over unions {shares:?}");

@@ -106,6 +106,22 @@ impl Actor {
         Ok(ShapeFeeling { shape, touches: touched, contacts: felt.touches_so_far(), barred })
     }
 
+    /// Goes to a posture about a thing whose shape is known.
+    ///
+    /// # Errors
+    /// As [`Actor::go`].
+    pub(in crate::interaction) fn go_about(
+        &mut self,
+        shape: &ShapeEstimate,
+        target: &[f64],
+    ) -> Result<(), Trouble> {
+        let known = self.clearance.obstacles.len();
+        self.clearance.obstacles.extend(Capsule::about_points(&shape.corners()).map(Obstacle::Capsule));
+        let went = self.go(target);
+        self.clearance.obstacles.truncate(known);
+        went
+    }
+
     /// The outward direction in which least is known of a thing's extent, of those not tried yet.
     fn least_known_side(
         &self,

@@ -22,7 +22,7 @@ const ROUNDS: usize = 12;
 #[derive(Clone, Debug)]
 pub(super) struct BentBody {
     directions: Vec<Vector3<f64>>,
-    before: Vec<Vector3<f64>>,
+    unbent: Vec<Vector3<f64>>,
     corners: Vec<Vector3<f64>>,
     middle: Vector3<f64>,
     variance: f64,
@@ -35,11 +35,11 @@ impl BentBody {
     /// A body of the family, not bent; `size` in metres.
     pub fn new(family: &RoundedFrustum, size: f64) -> BentBody {
         let directions = directions(CORNERS);
-        let before: Vec<Vector3<f64>> =
+        let unbent: Vec<Vector3<f64>> =
             directions.iter().map(|direction| family.support(direction)).collect();
-        let (corners, middle) = (before.clone(), family.centre());
+        let (corners, middle) = (unbent.clone(), family.centre());
         let rows = DMatrix::zeros(0, CORNERS);
-        BentBody { directions, before, corners, middle, variance: (BENDS * size).powi(2), rows, factor: None }
+        BentBody { directions, unbent, corners, middle, variance: (BENDS * size).powi(2), rows, factor: None }
     }
 
     /// The same bent so that some skin touches it, to `exactness` in metres, and other skin is not in it; it does not reach
@@ -96,7 +96,7 @@ impl BentBody {
             // Half a step: which corners touch changes on the way.
             moved = 0.5 * &moved + 0.5 * next;
             for (k, corner) in self.corners.iter_mut().enumerate() {
-                *corner = self.before[k] + self.directions[k] * moved[k];
+                *corner = self.unbent[k] + self.directions[k] * moved[k];
             }
             (self.rows, self.factor) = (rows, Some(factor));
             if change < 0.1 * exactness {
@@ -119,6 +119,11 @@ impl BentBody {
         let sum: f64 = weights.iter().sum();
         let row = weights.iter().zip(&self.directions).map(|(w, direction)| w / sum * direction.dot(normal));
         DVector::from_iterator(CORNERS, row)
+    }
+
+    /// One standard deviation of how far it extends anywhere before anything is told, metres.
+    pub fn before(&self) -> f64 {
+        self.variance.sqrt()
     }
 
     /// One standard deviation of how far it extends along a unit direction, metres.

@@ -9,8 +9,11 @@
 
 mod bending;
 mod family;
+mod size;
 
 use nalgebra::{DMatrix, DVector, Rotation3, Vector3};
+
+pub use self::size::{FeltLength, FeltSize};
 
 use self::bending::BentBody;
 use self::family::{NUMBERS, Numbers, RoundedFrustum, Segment};

@@ -1,8 +1,10 @@
-//! "Feel its shape": it touches a thing with either hand, and tells how far apart that was.
+//! "Feel its shape": it touches a thing all about with the fingertips of both hands, and tells how large it is.
 
 use super::super::{Conversation, Request};
 use super::{Act, Intent, Reply, RequestKind};
 use crate::interaction::conversation::language::Leave;
+use crate::interaction::tasks::Trouble;
+use crate::interaction::things::KnownShape;
 use crate::simulation::EngineError;
 
 pub(super) const FEEL_SHAPE: RequestKind = RequestKind {
@@ -39,19 +41,62 @@ pub(super) const FEEL_SHAPE: RequestKind = RequestKind {
     )
 };
 
+/// Touches of a thing whose shape is to be felt: from so many `bodyschema study shape` measures how well it is known.
+const TOUCHES: usize = 15;
+/// Touches at the least that tell a shape.
+const FEW: usize = 4;
+/// Gaps that one body leaves where skin touched it, root mean square, up to which touches are of one thing that stayed, metres.
+const FITS: f64 = 0.003;
+
 impl Conversation {
     fn feel_shape(&mut self, request: &Request, leave: &Leave) -> Result<Reply, EngineError> {
-        let first = self.hand_for(request.hand).unwrap_or(0);
-        let mut last = None;
-        for hand in [first, 1 - first] {
-            let reply = self.touch(Some(hand), request.lean, leave)?;
-            if reply.done == Some(true) || last.is_none() {
-                last = Some(reply);
+        let i = self.things.it().expect("it is known which");
+        let touches_now = |creature: &Conversation| {
+            let known = &creature.things[i];
+            known.in_touch.is_some() && creature.actor.posture() == known.found.posture
+        };
+        if !touches_now(self) {
+            let hand = self.hand_for(request.hand);
+            let reply = self.touch(hand, request.lean, leave)?;
+            if reply.done != Some(true) || !touches_now(self) {
+                return Ok(Reply { intent: Intent::FeelShape, done: Some(false), ..reply });
             }
         }
-        let felt = self.things.it().map_or(0, |i| self.felt_places(i).len());
+        for k in 0..self.things.len() {
+            self.things[k].in_touch = None;
+        }
+        let found = self.things[i].found.clone();
+        let felt = self.actor.feel_shape(&found, TOUCHES);
+        let ready = self.ready.clone();
+        let went = felt.as_ref().is_ok_and(|felt| self.actor.go_about(&felt.shape, &ready).is_ok());
+        if !went {
+            self.settle(&ready);
+        }
+        let felt = match felt {
+            Ok(felt) => felt,
+            Err(Trouble::Engine(error)) => return Err(error),
+            Err(trouble) => {
+                let said = format!("I cannot feel its shape: {}", self.in_words(&trouble));
+                return Ok(self.reply(Intent::FeelShape, said, Some(false), false));
+            }
+        };
+        if felt.touches < FEW {
+            let said = "I could touch it at few places only, so I do not know its shape".into();
+            return Ok(self.reply(Intent::FeelShape, said, Some(false), false));
+        }
+        if felt.shape.unexplained > FITS {
+            let said =
+                "What I felt does not fit together: it may have moved, so I do not know its shape".into();
+            return Ok(self.reply(Intent::FeelShape, said, Some(false), false));
+        }
+        let (front, left, up) = (self.actor.front, self.actor.left(), self.actor.up);
+        let sides = [(-front, "in front"), (front, "behind"), (left, "on the left"), (-left, "on the right")];
+        let sides = sides.into_iter().chain([(up, "on top")]);
+        let unfelt = sides.filter(|(side, _)| !felt.shape.is_felt_along(side)).map(|(_, words)| words);
+        let shape =
+            KnownShape { size: felt.shape.size(&up), touches: felt.touches, unfelt: unfelt.collect() };
+        self.things[i].shape = Some(shape);
         let known = self.shape_in_words();
-        let done = felt > 1;
-        Ok(self.reply(Intent::FeelShape, known, Some(done), false))
+        Ok(self.reply(Intent::FeelShape, known, Some(true), false))
     }
 }

@@ -1,7 +1,12 @@
-//! "How big is it?", "what shape is it?": from where it was felt, which is little.
+//! "How big is it?", "what shape is it?": from what feeling its shape told; before that from where it was felt, which is little.
 
 use super::super::Conversation;
 use super::{Act, Answer, RequestKind};
+use crate::interaction::things::KnownShape;
+use crate::peripersonal::FeltLength;
+
+/// A length whose deviation is above this is known roughly only, metres.
+const ROUGHLY: f64 = 0.005;
 
 pub(super) const HOW_BIG: RequestKind = RequestKind {
     asked: &[
@@ -64,6 +69,9 @@ impl Conversation {
                 false => self.question(),
             };
         };
+        if let Some(shape) = &self.things[i].shape {
+            return said_of(shape);
+        }
         let places = self.felt_places(i);
         let apart =
             places.iter().enumerate().flat_map(|(k, a)| places[..k].iter().map(move |b| (a - b).norm()));
@@ -78,4 +86,25 @@ impl Conversation {
             ),
         }
     }
+}
+
+/// What it may say of a shape that it has felt: how large it is, and where it could not feel it. What kind of thing that is
+/// touches do not tell for certain.
+fn said_of(shape: &KnownShape) -> String {
+    let told = |felt: &FeltLength| {
+        let about = if felt.deviation > ROUGHLY { "roughly" } else { "about" };
+        format!("{about} {:.0} cm", 100.0 * felt.length)
+    };
+    let size = &shape.size;
+    let mut said = format!(
+        "I have touched it {} times: it is {} high, {} long and {} wide; what kind of thing it is I am not sure",
+        shape.touches,
+        told(&size.height),
+        told(&size.length),
+        told(&size.breadth)
+    );
+    if !shape.unfelt.is_empty() {
+        said += &format!(". I could not feel it well {}", shape.unfelt.join(", nor "));
+    }
+    said
 }
