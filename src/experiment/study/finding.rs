@@ -38,6 +38,8 @@ const FROM_EDGE: f64 = 0.02;
 const DRAWS: usize = 200;
 /// Postures that a true reach is looked for from.
 const THOROUGH: usize = 10;
+/// Steps in which the near side of a thing is looked for, metres.
+const SURFACE_STEP: f64 = 1e-3;
 /// A thing that is remembered is where one is within this, metres, of its surface.
 const THERE: f64 = 0.05;
 /// Things that nobody touches move less than this, metres: the engine lets some glide by themselves.
@@ -108,7 +110,16 @@ fn in_reach(nobody: &mut OnStage, thing: &Thing) -> bool {
     let top = (TOP - nobody.stage.root_pose().translation.z).max(centre.z);
     let above = centre + Vector3::z() * (centre.z - top).abs();
     let outward = Vector3::new(centre.x, centre.y, 0.0).normalize();
-    let near = centre - outward * around(&thing.shape);
+    // From outside it towards its middle, until its surface: that may be farther in than what is around all of it.
+    let inside = |point: &Vector3<f64>| {
+        let world = nobody.stage.root_pose() * Point3::from(*point);
+        let local = thing.pose.inverse_transform_point(&world).coords;
+        thing.shape.signed_distance(&local).is_none_or(|(distance, _)| distance <= 0.0)
+    };
+    let mut near = centre - outward * around(&thing.shape);
+    while !inside(&near) && (near - centre).dot(&outward) < 0.0 {
+        near += outward * SURFACE_STEP;
+    }
     let aims = [
         ReachTarget { point: above, direction: -Vector3::z() },
         ReachTarget { point: near, direction: outward },

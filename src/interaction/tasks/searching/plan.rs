@@ -44,7 +44,7 @@ const DRAWN: usize = 400;
 /// … of which as many as this are tried for a place.
 const STARTS: usize = 4;
 /// How high over the table fingers feel as far away as they get, metres: higher up they get farther.
-const RIMS: [f64; 3] = [LOW, 0.025, 0.05];
+const RIMS: [f64; 2] = [LOW, 0.035];
 /// How far apart places as far away as a hand gets are, metres …
 const RIM_SPACING: f64 = 0.04;
 /// … in which steps they are found, metres …
@@ -348,7 +348,7 @@ impl Actor {
         };
         let farthest = inner.iter().map(|stop| polar(stop).0).fold(RIM_SPACING, f64::max);
         let half = (FRAC_PI_2 * farthest / RIM_SPACING).floor() as i32;
-        let mut rim = Vec::new();
+        let mut rim: Vec<Stop> = Vec::new();
         for k in -half..=half {
             let angle = f64::from(k) * RIM_SPACING / farthest;
             let beside = |stop: &&&Stop| {
@@ -357,14 +357,18 @@ impl Actor {
             };
             let last = inner.iter().filter(beside).max_by(|a, b| polar(a).0.total_cmp(&polar(b).0));
             let Some(last) = last else { continue };
-            let (from, mut posture, mut found) = (polar(last).0 - LANE, last.low.clone(), None);
+            let (from, mut found) = (polar(last).0 - LANE, None::<Stop>);
+            // From beside the last place first: so that the arm need but turn from the one to the other.
+            let beside = rim.last().map(|stop| &stop.low);
             for step in 0..=RIM_STEPS {
                 let radius = from + RIM_STEP * f64::from(step);
                 let place = [nearest + radius * angle.cos(), middle + radius * angle.sin()];
-                if let Some(stop) = places.low(sole, place, height, &posture) {
-                    posture.clone_from(&stop.low);
-                    found = Some(Stop { rim: true, ..stop });
-                }
+                let starts = match &found {
+                    Some(found) => vec![&found.low],
+                    None => beside.into_iter().chain([&last.low]).collect(),
+                };
+                let stop = starts.into_iter().find_map(|start| places.low(sole, place, height, start));
+                found = stop.map(|stop| Stop { rim: true, ..stop }).or(found);
             }
             if let Some(mut stop) = found
                 && places.rise(&mut stop)

@@ -14,7 +14,7 @@ const WORTH: usize = 7;
 /// … with fingers alone for so many …
 const WORTH_NARROW: usize = 4;
 /// … and as far away as a hand gets for so many.
-const WORTH_FAR: usize = 2;
+const WORTH_FAR: usize = 3;
 /// A lane is left to the next one where it alone would search fewer cells than this.
 const LANE_WORTH: usize = 30;
 /// What is nearer than this to where something was felt is taken for that thing, metres.
