@@ -1,5 +1,5 @@
 //! What a partner may type, and what it is taken for, a line each: the words were found with `utterances.jsonl`, and mended
-//! with `utterances_more.jsonl`, written later, where they failed there.
+//! with `utterances_more.jsonl`, both written later, where they failed there.
 
 use std::collections::BTreeMap;
 

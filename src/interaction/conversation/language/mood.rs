@@ -324,8 +324,9 @@ fn searching(pieces: &[&Piece]) -> bool {
 fn ability(pieces: &[&Piece]) -> bool {
     [
         "^ can|could|would you .. reach ?at ?to THING $",
+        "^ can|could you|BODY get THING $",
         "^ can|could you reach ?at ?to THING",
-        "^ can|could you|BODY get ?at|to THING",
+        "^ can|could you|BODY get at|to THING",
         "^ be|do|have you able|capable|think|have|need",
         "^ would|will you be able|capable",
         "^ would you have|need",
@@ -361,6 +362,7 @@ fn polite(pieces: &[&Piece]) -> bool {
         "^ THING|it would",
         "^ i would .. if you",
         "^ time to|for",
+        "i ?would want|need|like|prefer|love|have THING|SOME ?a|as|moved|put ?bit|little|lot|much nearer|closer|near|close|farther|further|away|far|up|here",
     ]
     .iter()
     .any(|pattern| polite_by(pieces, pattern))

@@ -24,6 +24,7 @@ pub(super) const HELP: RequestKind = RequestKind {
         "what ?else|all|exactly|things|sort|kind ?of ?SOME|THING can|could|may you|i do|ask|say|tell|understand|make|perform|type|offer|know|have",
         "what be you able|capable|good|for",
         "what|which|list ?all|of ?THING|the|your|all ?SOME commands|command|abilities|ability|skills|options|instructions|requests|functions|features|actions|tasks|tricks|sentences|questions|capabilities|words",
+        "what|which ?sort|kind|sorts|kinds|type ?of ?SOME|THING|things|stuff i|one|we can|could|may|might ask|say|tell|request|type|want|try",
         "help ?me|us ?out $",
         "how do ?i|you|one THING|you|this|i|one work|use|operate|function|start|talk",
         "what do you|i understand|know|offer|say|do ?now|next $",

@@ -9,6 +9,7 @@ pub(super) const REPEAT: RequestKind = RequestKind {
     told: &[
         "^ ?and|now ?try again|repeat|retry|redo|encore|rerun",
         "once|one|twice|another ?more|last more|again|time",
+        "^ one|another ?more|last time|go|try|attempt|shot|round ?with|using ?HAND",
         "one|another|a ?more|last|second|third more|time|try|go|attempt|shot|round",
         "do|try|attempt|perform ?THING|so|the|that ?same ?thing ?all|over again|over|anew|afresh",
         "do the same",

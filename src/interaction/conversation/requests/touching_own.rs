@@ -15,7 +15,8 @@ pub(super) const TOUCH_OWN: RequestKind = RequestKind {
     told: &[
         "run|pass|draw|glide HAND|hand|finger ?all through|over|across|along|down PART",
         "touch|tap|poke|contact|pat|stroke|prod|rub|scratch|grab|grasp|clasp|grip|feel|reach|squeeze|tickle|brush|press|pinch|cover|pull|tug|find|slap|nudge|massage|cup|approach|clutch|hit|meet|hug ?gently|with|for|to|at|on|onto|against|up|down|behind|out|over ?HAND ?to|for|on|towards|at|onto ?your PART",
-        "touch|tap|poke|contact|pat|stroke|prod|rub|scratch|squeeze|press|clasp|grip|massage|feel|hold BODY",
+        "touch|tap|poke|contact|pat|stroke|prod|rub|scratch|squeeze|press|clasp|grip|massage|feel|hold ?you BODY",
+        "run|pass|draw|put|lay HAND|hand|finger|one ?hand through|over|behind|on ?you ?on ?your BODY",
         "grab|grasp|reach|hold|take BODY with HAND",
         "hold PART",
         "put|lay|place|rest|set|get|position|move|bring|keep|press|point|have|lift|raise|stretch|extend|hold|guide|let|take ?a|one|the ?both HAND|finger|hand|palm ?up|down|over|back|rest|go|out ?right on|onto|upon|to|against|at|towards|over|around|in|touch|by|behind|near ?contact|top|touch ?with|of BODY",
