@@ -1,5 +1,5 @@
 //! What a partner may type, and what it is taken for, a line each: the words were found with `utterances.jsonl`, and mended
-//! with `utterances_more.jsonl`, both written later, where they failed there.
+//! with `utterances_more.jsonl`, written later. Nothing was made with `utterances_harder.jsonl`, of people who speak freely.
 
 use std::collections::BTreeMap;
 
@@ -39,13 +39,11 @@ fn examples(file: &str) -> Vec<Example> {
     text.lines().map(|line| serde_json::from_str(line).unwrap()).collect()
 }
 
-#[test]
-fn utterances_are_taken_for_what_they_mean_and_none_moves_that_may_not() {
+/// How many utterances of some files are taken for what they mean, of how many; none may move that may not.
+fn taken(files: &[&str]) -> (usize, usize) {
     let (mut right, mut all, mut moved, mut kept) = (0, 0, Vec::new(), 0);
     let mut wrong: BTreeMap<String, Vec<String>> = BTreeMap::new();
-    for example in
-        examples("tests/it/utterances.jsonl").into_iter().chain(examples("tests/it/utterances_more.jsonl"))
-    {
+    for example in files.iter().flat_map(|file| examples(file)) {
         let understood = understood(&example.say);
         let intent = serde_json::to_value(understood.intent).unwrap();
         let hand = understood.hand.map(|hand| match hand {
@@ -90,7 +88,19 @@ fn utterances_are_taken_for_what_they_mean_and_none_moves_that_may_not() {
     }
     eprintln!("{right} of {all} right; {kept} that may move ask first");
     assert!(moved.is_empty(), "these may not move: {moved:#?}");
+    (right, all)
+}
+
+#[test]
+fn utterances_are_taken_for_what_they_mean_and_none_moves_that_may_not() {
+    let (right, all) = taken(&["tests/it/utterances.jsonl", "tests/it/utterances_more.jsonl"]);
     assert!(right * 100 >= all * 95, "{right} of {all}");
+}
+
+#[test]
+fn of_freer_utterances_three_in_four_are_understood_and_none_moves_that_may_not() {
+    let (right, all) = taken(&["tests/it/utterances_harder.jsonl"]);
+    assert!(right * 100 >= all * 75, "{right} of {all}");
 }
 
 /// Ways to forbid what follows.
