@@ -124,7 +124,7 @@ pub fn measure(subject: &Subject) -> Result<Findings<FarthestMeasurement, Farthe
                 continue;
             };
             let Some(hand) = actor.arm_of(receptor) else { continue };
-            if lean && let Err(Trouble::Engine(error)) = actor.make_way_to_lean(hand) {
+            if lean && let Err(Trouble::Engine(error)) = actor.make_way_to_lean(receptor, EFFORT) {
                 return Err(error.into());
             }
             let limb = actor.own.place(receptor).limb;

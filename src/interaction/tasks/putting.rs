@@ -156,16 +156,28 @@ impl Actor {
         bent
     }
 
-    /// Takes the arm of the hand that does not act to where it stays clear of the table and the body however far the trunk
-    /// leans; where none is clear all the way, to where it is clearest.
+    /// Takes the arm of the hand that does not hold to where it stays clear of the table and the body however far the trunk
+    /// leans to where the receptor that holds is farthest, as if that arm were not there; where none is clear all the way,
+    /// to where it is clearest.
     ///
     /// # Errors
     /// [`Trouble`].
-    pub fn make_way_to_lean(&mut self, hand: usize) -> Result<(), Trouble> {
+    pub fn make_way_to_lean(&mut self, receptor: usize, effort: usize) -> Result<(), Trouble> {
+        let Some(hand) = self.arm_of(receptor) else { return Ok(()) };
         let idle = self.hands[1 - hand].arm.clone();
         let from = self.posture();
-        let place = self.own.place(self.hands[hand].tip);
-        let bent = self.bent_forward(hand, &place, &from);
+        let limb = self.own.place(receptor).limb;
+        let upright = self.frames()[limb].rotation.tr_mul(&self.up);
+        let height = self.feels_at(receptor).0.dot(&self.up);
+        let place = Place { direction: upright, ..self.own.place(receptor) };
+        let all = self.clearance.clone();
+        self.clearance = all.without(&self.own.moved_by(&idle));
+        let farthest = self.farthest_postures(hand, place, height, true, effort);
+        self.clearance = all;
+        let bent = match farthest.into_iter().next() {
+            Some(posed) => posed.posture,
+            None => self.bent_forward(hand, &place, &from),
+        };
         let clearance = self.clearance.moved_by(&self.own, &idle);
         let creature = self.own.creature();
         let with_arm = |posture: &[f64], arm: &[f64]| {

@@ -9,6 +9,9 @@ use crate::simulation::EngineError;
 /// How far over the table's near edge something is that is brought near, metres.
 const NEAR: f64 = 0.14;
 
+/// How much effort is made to find the farthest place.
+const EFFORT: usize = 2;
+
 pub(super) const PUT_FAR: RequestKind = RequestKind {
     told: &[
         "put|push|move|place|set|shove|slide|send|carry|take|throw|shift|get|bring|transport|position|deliver|displace|nudge|keep|reposition|stow|lay|drag|relocate|toss|stand THING|SOME .. far|farther|further|farthest|furthest|away|off|distant|remote|distance",
@@ -78,9 +81,7 @@ impl Conversation {
         let actor = &mut self.actor;
         if far && lean {
             // Where the other arm cannot make way, what is left is found all the same.
-            if let Some(Err(Trouble::Engine(error))) =
-                actor.arm_of(receptor).map(|hand| actor.make_way_to_lean(hand))
-            {
+            if let Err(Trouble::Engine(error)) = actor.make_way_to_lean(receptor, EFFORT) {
                 return Err(error);
             }
         }
@@ -92,7 +93,7 @@ impl Conversation {
         self.search = None;
         let actor = &mut self.actor;
         let spot = match far {
-            true => actor.farthest(receptor, height, upright, lean, 2),
+            true => actor.farthest(receptor, height, upright, lean, EFFORT),
             false => {
                 let edge = actor.trunk_front(actor.table.unwrap_or(height));
                 actor.spot_at(receptor, edge + NEAR, 0.15, height, upright)
