@@ -71,6 +71,8 @@ struct Request {
     all: bool,
     /// Whether it is about any thing that there may be.
     any: bool,
+    /// Whether it is about what is near.
+    near: bool,
     /// Whether it asks what, not whether.
     open: bool,
     /// What is forbidden, or asked about.
@@ -88,6 +90,7 @@ impl Request {
             again: understood.again,
             all: understood.all,
             any: understood.any,
+            near: understood.near,
             open: understood.open,
             about: understood.about,
         }
