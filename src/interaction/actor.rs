@@ -112,6 +112,8 @@ pub struct Actor {
     pub unintended: usize,
     /// Where it can feel the table, once it has worked that out: another of the same body at the same table may be given it.
     pub reach: Option<SearchPlan>,
+    /// The postures for which the idle arm made way last, from which a search for the farthest begins as well.
+    pub(super) made_way_for: Vec<Posture>,
     /// The postures of the last motion, step by step.
     trail: VecDeque<Posture>,
     /// Steps made.
@@ -192,6 +194,7 @@ impl Actor {
             fine_touch: false,
             feels_on: false,
             reach: None,
+            made_way_for: Vec::new(),
             trail: VecDeque::new(),
             steps: 0,
             seed,
