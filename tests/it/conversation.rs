@@ -6,6 +6,7 @@ use std::process::{Command, Stdio};
 use crate::common::{repository, sessions};
 use crate::interaction::{at_table, learned_max};
 use bodyschema::interaction::{Conversation, Intent, Reply};
+use bodyschema::simulation::Stage;
 use nalgebra::{Point3, Vector3};
 
 fn say(talk: &mut Conversation, request: &str) -> Reply {
@@ -84,6 +85,11 @@ fn questions_prohibitions_and_reports_do_not_move_him() {
     assert!(reply.said.contains("felt about") && reply.said.contains("belly"), "{}", reply.said);
 }
 
+/// Whether the engine is the one that the figures of the documents are of.
+fn common_engine(stage: &Stage) -> bool {
+    stage.body().model.version().to_string().starts_with("2.2")
+}
+
 #[test]
 fn how_big_a_thing_is_he_tells_once_he_has_felt_its_shape() {
     let (stage, mut talk) = at_table(learned_max(400));
@@ -92,8 +98,16 @@ fn how_big_a_thing_is_he_tells_once_he_has_felt_its_shape() {
     let before = say(&mut talk, "how big is it?").said;
     assert!(before.contains("one place only"), "{before}");
     let reply = say(&mut talk, "feel its shape");
-    assert_eq!((reply.intent, reply.done), (Intent::FeelShape, Some(true)), "{}", reply.said);
+    assert_eq!(reply.intent, Intent::FeelShape, "{}", reply.said);
     let time = stage.time();
+    if reply.done == Some(false) {
+        // On other engines than Debian's he may meet another thing, or push it: then he claims nothing.
+        assert!(!common_engine(&stage), "{}", reply.said);
+        assert!(reply.said.contains("I do not know its shape"), "{}", reply.said);
+        let said = say(&mut talk, "how big is it?").said;
+        assert!(said.contains("one place only"), "{said}");
+        return;
+    }
     let said = say(&mut talk, "how big is it?").said;
     assert_eq!(stage.time(), time, "what he has felt he only tells");
     // Height, length and width as the scene has them, centimetres.
