@@ -71,8 +71,6 @@ struct Request {
     all: bool,
     /// Whether it is about any thing that there may be.
     any: bool,
-    /// Whether it is about what is near.
-    near: bool,
     /// Whether it asks what, not whether.
     open: bool,
     /// What is forbidden, or asked about.
@@ -90,7 +88,6 @@ impl Request {
             again: understood.again,
             all: understood.all,
             any: understood.any,
-            near: understood.near,
             open: understood.open,
             about: understood.about,
         }

@@ -53,8 +53,6 @@ pub struct Understood {
     pub all: bool,
     /// Whether it is about any thing that there may be: "an object".
     pub any: bool,
-    /// Whether it is about what is near.
-    pub near: bool,
     /// Whether it asks what or which, not whether.
     pub open: bool,
     /// Whether anything is forbidden.
@@ -137,7 +135,6 @@ impl Language {
             all: any(&["everything", "all"])
                 || pieces.iter().any(|piece| piece.words.iter().any(|word| word == "all")),
             any: pieces.iter().any(|piece| piece.sense == Sense::Some),
-            near: any(&["near", "nearby", "close", "beside"]),
             open: any(&["what", "which", "where", "how", "when", "why", "who"]),
             forbids,
             about,

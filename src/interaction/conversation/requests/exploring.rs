@@ -40,7 +40,7 @@ pub(super) const EXPLORE: RequestKind = RequestKind {
         ["feel about for things", "felt about for things"],
         Act::Moves(|creature, request, leave| {
             let hand = creature.hand_for(request.hand);
-            if request.all { creature.count(hand) } else { creature.explore(hand, !request.near, leave) }
+            if request.all { creature.count(hand) } else { creature.explore(hand, true, leave) }
         }),
     )
 };
