@@ -4,9 +4,8 @@ use std::io::Write;
 use std::process::{Command, Stdio};
 
 use crate::common::{repository, sessions};
-use crate::interaction::{at_table, learned_max};
+use crate::interaction::{at_table, common_engine, learned_max};
 use bodyschema::interaction::{Conversation, Intent, Reply};
-use bodyschema::simulation::Stage;
 use nalgebra::{Point3, Vector3};
 
 fn say(talk: &mut Conversation, request: &str) -> Reply {
@@ -83,11 +82,6 @@ fn questions_prohibitions_and_reports_do_not_move_him() {
     assert!(stage.time() > time);
     let reply = say(&mut talk, "what did you do?");
     assert!(reply.said.contains("felt about") && reply.said.contains("belly"), "{}", reply.said);
-}
-
-/// Whether the engine is the one that the figures of the documents are of.
-fn common_engine(stage: &Stage) -> bool {
-    stage.body().model.version().to_string().starts_with("2.2")
 }
 
 #[test]
