@@ -124,6 +124,21 @@ impl Posture {
         Posture(posture)
     }
 
+    /// A posture with some joints, by their indices, as they are in another.
+    pub fn with_joints(
+        creature: &Creature,
+        posture: &[f64],
+        joints: impl IntoIterator<Item = usize>,
+        other: &[f64],
+    ) -> Posture {
+        let mut posture = posture.to_vec();
+        for joint in joints {
+            let q = creature.joints()[joint].coordinates();
+            posture[q.clone()].copy_from_slice(&other[q]);
+        }
+        Posture(posture)
+    }
+
     /// The target as far as every ball can go straight towards it: two rotations within a ball's range may
     /// have none of the rotations between them within it, and there the ball goes up to its limit.
     pub fn reachable(creature: &Creature, start: &[f64], target: &[f64]) -> Posture {

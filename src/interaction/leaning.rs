@@ -70,11 +70,7 @@ impl Actor {
         let creature = self.own.creature();
         for share in SHARES {
             let trunk = Posture::between(creature, from, bent, share);
-            let mut with_ease = trunk.clone();
-            for &joint in &arms {
-                let q = creature.joints()[joint].coordinates();
-                with_ease[q.clone()].copy_from_slice(&ease[q]);
-            }
+            let with_ease = Posture::with_joints(creature, &trunk, arms.iter().copied(), &ease);
             let drawn = (0..DRAWN).map(|_| self.own.random_posture(&trunk, &arms, &mut rng));
             let mut all = [trunk.clone(), with_ease].into_iter().chain(drawn);
             if let Some(found) = all.find(|posture| self.clearance.free(&self.own.frames(posture), CLEAR)) {

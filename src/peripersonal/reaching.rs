@@ -166,13 +166,10 @@ impl<'a> Reaching<'a> {
         let at_ease = self.own.at_ease();
         let (mut candidates, mut nearest) = (Vec::new(), f64::INFINITY);
         // Halfway to ease, in the joints that may move alone.
-        let mut halfway = Posture::between(self.own.creature(), from, &at_ease, 0.5);
-        for (index, joint) in self.own.creature().joints().iter().enumerate() {
-            if !self.joints.contains(&index) {
-                let q = joint.coordinates();
-                halfway[q.clone()].copy_from_slice(&from[q]);
-            }
-        }
+        let creature = self.own.creature();
+        let halfway = Posture::between(creature, from, &at_ease, 0.5);
+        let others = (0..creature.joints().len()).filter(|joint| !self.joints.contains(joint));
+        let halfway = Posture::with_joints(creature, &halfway, others, from);
         let mut starts = vec![Posture::from(from), halfway];
         starts.extend(self.clear_starts(from, receptors, aim, &clearance, STARTS, &mut rng));
         for &receptor in receptors {

@@ -249,11 +249,7 @@ impl Avoiding {
                 let eased = of.eased(own, now);
                 let search = Search { own, group: of, eased, joints: &joints, now, course, goal };
                 // These joints begin from where they are.
-                let mut start = Posture::from(base);
-                for &joint in &joints {
-                    let q = own.creature().joints()[joint].coordinates();
-                    start[q.clone()].copy_from_slice(&now[q]);
-                }
+                let start = Posture::with_joints(own.creature(), base, joints.iter().copied(), now);
                 let mut starts = vec![start.clone(), Posture::from(base)];
                 for place in threatened.iter().filter_map(|threat| threat.place) {
                     starts.extend(pushes(own, &joints, &start, course, place));

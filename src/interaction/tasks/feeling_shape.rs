@@ -75,7 +75,7 @@ impl Actor {
     /// # Errors
     /// [`Trouble`] where the first touch tells nothing.
     pub fn feel_shape(&mut self, found: &FoundThing, touches: usize) -> Result<ShapeFeeling, Trouble> {
-        let above = self.table.map(|height| (height, found.point.dot(&self.up) - height));
+        let above = self.table.zip(self.over_table(&found.point));
         let stands = above.filter(|(_, above)| *above < STANDING).map(|(height, _)| height);
         let about = found.point + found.direction * 0.03;
         let mut felt = FeltShape::new(about, self.up, stands);

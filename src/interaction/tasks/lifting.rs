@@ -193,7 +193,10 @@ impl Actor {
                 }
                 went => went?,
             }
-            let lifted = self.take(&mut grip).and_then(|()| self.carry_up(&mut grip));
+            let lifted = self.take(&mut grip).and_then(|()| {
+                let raised = grip.gripped + LIFT;
+                self.carry(&mut grip, raised)
+            });
             let trouble = match lifted {
                 Ok(()) => return Ok(grip),
                 Err(LiftTrouble::Other(Trouble::Engine(error))) => return Err(error.into()),
@@ -258,11 +261,6 @@ impl Actor {
         grip.gripped = high;
         self.close(grip)?;
         Ok(())
-    }
-
-    /// Raises what is between the palms.
-    fn carry_up(&mut self, grip: &mut Grip) -> Result<(), LiftTrouble> {
-        self.carry(grip, grip.gripped + LIFT)
     }
 
     /// Feels the sides of a thing from end to end with the fingertips, and closes the palms about the middle of them.
@@ -589,7 +587,7 @@ impl Actor {
     }
 
     /// How high a point of the root's frame is over the table, metres; none where no table is known.
-    fn over_table(&self, point: &Vector3<f64>) -> Option<f64> {
+    pub(super) fn over_table(&self, point: &Vector3<f64>) -> Option<f64> {
         self.table.map(|table| point.dot(&self.up) - table)
     }
 }

@@ -9,7 +9,7 @@ use super::carrying::{CarryingPlan, upright_at};
 use crate::creature::Posture;
 use crate::interaction::actor::{Actor, Hand};
 use crate::kinematics::{Place, REACHED};
-use crate::peripersonal::{OwnBody, PosedPlace, PosturePath, PostureProgram, farthest_postures};
+use crate::peripersonal::{PosedPlace, PosturePath, PostureProgram, farthest_postures};
 
 /// How clear limbs are of each other and of the table where something is put, metres, …
 const MARGIN: f64 = 0.002;
@@ -115,7 +115,11 @@ impl Actor {
             for share in [0.3, 0.6, 1.0] {
                 starts.push(Posture::between(own.creature(), &from, &bent, share));
             }
-            starts.extend(self.made_way_for.iter().map(|made| with_joints(own, &from, joints, made)));
+            starts.extend(
+                self.made_way_for
+                    .iter()
+                    .map(|made| Posture::with_joints(own.creature(), &from, joints.iter().copied(), made)),
+            );
             let drawn = (0..DRAWN * effort).map(|_| own.random_posture(&bent, arm, &mut rng));
             starts.extend(drawn);
         }
@@ -182,7 +186,8 @@ impl Actor {
         };
         let clearance = self.clearance.moved_by(&self.own, &idle);
         let creature = self.own.creature();
-        let with_arm = |posture: &[f64], arm: &[f64]| with_joints(&self.own, posture, &idle, arm);
+        let with_arm =
+            |posture: &[f64], arm: &[f64]| Posture::with_joints(creature, posture, idle.iter().copied(), arm);
         let clear = |arm: &[f64]| {
             let gaps = (0..=LEANINGS).map(|k| {
                 let leaning = Posture::between(creature, &from, &bent, f64::from(k) / f64::from(LEANINGS));
@@ -241,14 +246,4 @@ impl Actor {
         let distances = self.own.distances(&self.frames(), point);
         distances.into_iter().enumerate().filter_map(|(limb, distance)| Some((limb, distance?))).collect()
     }
-}
-
-/// A posture with some joints as in another.
-fn with_joints(own: &OwnBody, posture: &[f64], joints: &[usize], other: &[f64]) -> Posture {
-    let mut posture = Posture::from(posture);
-    for &joint in joints {
-        let q = own.creature().joints()[joint].coordinates();
-        posture[q.clone()].copy_from_slice(&other[q]);
-    }
-    posture
 }

@@ -351,11 +351,7 @@ impl Actor {
             }
         };
         // Only this arm moves: the other is where it is wanted.
-        let mut target = back.clone();
-        for &joint in &arm {
-            let q = self.own.creature().joints()[joint].coordinates();
-            target[q.clone()].copy_from_slice(&ready[q]);
-        }
+        let target = Posture::with_joints(self.own.creature(), &back, arm.iter().copied(), ready);
         let mut met = vec![felt.room()];
         for _ in 0..WITHDRAWALS {
             let from = self.posture();

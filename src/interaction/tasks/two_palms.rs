@@ -218,10 +218,7 @@ impl Actor {
     fn with_arms(&self, base: &[f64], arms: [&Posture; 2]) -> Posture {
         let mut posture = Posture::from(base);
         for (hand, with) in self.hands.iter().zip(arms) {
-            for &joint in &hand.arm {
-                let q = self.own.creature().joints()[joint].coordinates();
-                posture[q.clone()].copy_from_slice(&with[q]);
-            }
+            posture = Posture::with_joints(self.own.creature(), &posture, hand.arm.iter().copied(), with);
         }
         posture
     }
