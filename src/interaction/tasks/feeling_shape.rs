@@ -5,10 +5,12 @@ use std::collections::BTreeSet;
 use nalgebra::Vector3;
 
 use super::Trouble;
+use crate::creature::Posture;
 use crate::geometry::Capsule;
 use crate::interaction::actor::{Actor, CAREFUL, FoundThing, SWIFT, Stop};
 use crate::peripersonal::{FeltShape, Obstacle, PlacedSkin, PosturePath, ReachTarget, ShapeEstimate};
 use crate::senses::{SkinContact, Toucher};
+use crate::simulation::EngineResult;
 
 /// Directions in which a thing can extend …
 const SIDES: usize = 60;
@@ -27,6 +29,8 @@ const BESIDE: usize = 4;
 /// … how far it draws back between, and how far beyond where it touched it looks for the surface, metres.
 const DRAWN_BACK: f64 = 0.01;
 const BEYOND: f64 = 0.02;
+/// What is still touched when a hand has drawn back by so much is dragged along, metres.
+const DRAGGED: f64 = 0.003;
 /// Length of a step of the way there, metres, how fast it goes, metres a second, and how clear of the body and of the table
 /// it keeps, metres.
 const STRIDE: f64 = 0.002;
@@ -163,9 +167,14 @@ impl Actor {
             let plan = self.reaching(arm).approach(&from, &tips, &aim);
             self.clearance.obstacles.truncate(known);
             let Ok(plan) = plan else { continue };
+            let mut into = aim.direction;
             let came = match self.follow(&plan.way, SWIFT, |_, _| true)? {
                 Stop::Arrived => self.follow(&plan.straight, CAREFUL, |_, _| true)?,
-                felt => felt,
+                Stop::Felt(contacts) => {
+                    // Met on the way there: it lies where that skin faces.
+                    into = contacts.iter().find_map(|c| self.found(c)).map_or(into, |found| found.direction);
+                    Stop::Felt(contacts)
+                }
             };
             let touching = match &came {
                 Stop::Felt(contacts) => self.of_the_thing(contacts),
@@ -182,7 +191,7 @@ impl Actor {
             }
             let way_back = self.back_by(by, BACK_OFF);
             if come == Come::Touched {
-                self.feel_beside(felt, &shape.middle(), by, aim.direction)?;
+                self.feel_beside(felt, &shape.middle(), by, into)?;
             }
             if let Some(way) = way_back {
                 self.follow(&way, SWIFT, |_, _| false)?;
@@ -212,7 +221,11 @@ impl Actor {
         let across = if into.dot(&self.up).abs() < 0.9 { self.up } else { self.front };
         let first = (across - into * across.dot(&into)).normalize();
         let second = into.cross(&first);
-        let back = self.tilted(place, &arm, point - into * DRAWN_BACK, direction, &here);
+        let off = self.tilted(place, &arm, point - into * DRAGGED, direction, &here);
+        let back = self.tilted(place, &arm, point - into * DRAWN_BACK, direction, &off);
+        if !self.draws_off([off, back.clone()])? {
+            return Ok(());
+        }
         let clearance = self.clearance.moved_by(&self.own, &arm);
         let clearance = clearance.eased_at(&[self.own.frames(&here)], CLEAR);
         for k in 0..BESIDE {
@@ -228,8 +241,6 @@ impl Actor {
             if way.len() < 3 {
                 continue;
             }
-            let parting = PosturePath(way.drain(..1).collect());
-            self.follow(&parting, SWIFT, |_, _| false)?;
             let came = self.follow(&PosturePath(way), FEELING, |_, _| true)?;
             let touching = match &came {
                 Stop::Felt(contacts) => self.of_the_thing(contacts),
@@ -238,11 +249,32 @@ impl Actor {
             if came == Stop::Arrived || !touching.is_empty() {
                 self.take_in(felt, about, &touching, by, DRAWN_BACK);
             }
-            let drawn = self.frames()[limb].point(&place.point) - into * DRAWN_BACK;
-            let drawn = self.tilted(place, &arm, drawn, direction, &self.posture());
-            self.follow(&PosturePath(vec![drawn, back.clone()]), SWIFT, |_, _| false)?;
+            let met = self.frames()[limb].point(&place.point);
+            let off = self.tilted(place, &arm, met - into * DRAGGED, direction, &self.posture());
+            let drawn = self.tilted(place, &arm, met - into * DRAWN_BACK, direction, &off);
+            if !self.draws_off([off, drawn])? {
+                return Ok(());
+            }
+            if let Stop::Felt(_) = self.follow(&PosturePath(vec![back.clone()]), SWIFT, |_, _| true)? {
+                return Ok(());
+            }
         }
         Ok(())
+    }
+
+    /// Draws back, a little at first; whether it touches the thing no more. Where it does it would drag it along, and stays.
+    fn draws_off(&mut self, way: [Posture; 2]) -> EngineResult<bool> {
+        for posture in way {
+            let stop = self.follow(&PosturePath(vec![posture.clone()]), SWIFT, |_, _| true)?;
+            let touched = match stop {
+                Stop::Felt(contacts) => contacts,
+                Stop::Arrived => self.step(&posture)?,
+            };
+            if !self.of_the_thing(&touched).is_empty() {
+                return Ok(false);
+            }
+        }
+        Ok(true)
     }
 
     /// The receptors that feel a thing that is not the table, and not one's own skin.
