@@ -88,12 +88,12 @@ fn a_conversation_ends_with_things_where_they_were_wanted() {
     assert!(reply.intent == Intent::Unknown && reply.said.contains("for example"), "{}", reply.said);
 }
 
-/// Searches twice: with nothing hidden from the hands, and after one of the things is gone.
 /// Whether the engine is the one that the figures of the documents are of.
 pub fn common_engine(stage: &Stage) -> bool {
     stage.body().model.version().to_string().starts_with("2.2")
 }
 
+/// Searches twice: with nothing hidden from the hands, and after one of the things is gone.
 #[test]
 fn all_things_in_reach_are_found_and_one_that_is_gone_is_forgotten() {
     // A small thing in the strip at the table's edge, beside those of the scene, of which the bottle is out of reach.

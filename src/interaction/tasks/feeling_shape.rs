@@ -204,7 +204,8 @@ impl Actor {
     }
 
     /// Goes on to feel a thing that a receptor touches: a few times it draws back, goes aside, and comes on again in a
-    /// direction into the thing. In the end it is drawn back where it first touched.
+    /// direction into the thing. In the end it is drawn back where it first touched; it stays where it would drag the thing
+    /// along, or meets something on its way back.
     fn feel_beside(
         &mut self,
         felt: &mut FeltShape,
@@ -221,8 +222,13 @@ impl Actor {
         let across = if into.dot(&self.up).abs() < 0.9 { self.up } else { self.front };
         let first = (across - into * across.dot(&into)).normalize();
         let second = into.cross(&first);
-        let off = self.tilted(place, &arm, point - into * DRAGGED, direction, &here);
-        let back = self.tilted(place, &arm, point - into * DRAWN_BACK, direction, &off);
+        // From where that place of the skin is: a little back, and then as far as it draws back.
+        let back_from = |actor: &Actor, at: Vector3<f64>| {
+            let off = actor.tilted(place, &arm, at - into * DRAGGED, direction, &actor.posture());
+            let back = actor.tilted(place, &arm, at - into * DRAWN_BACK, direction, &off);
+            [off, back]
+        };
+        let [off, back] = back_from(self, point);
         if !self.draws_off([off, back.clone()])? {
             return Ok(());
         }
@@ -250,9 +256,8 @@ impl Actor {
                 self.take_in(felt, about, &touching, by, DRAWN_BACK);
             }
             let met = self.frames()[limb].point(&place.point);
-            let off = self.tilted(place, &arm, met - into * DRAGGED, direction, &self.posture());
-            let drawn = self.tilted(place, &arm, met - into * DRAWN_BACK, direction, &off);
-            if !self.draws_off([off, drawn])? {
+            let way = back_from(self, met);
+            if !self.draws_off(way)? {
                 return Ok(());
             }
             if let Stop::Felt(_) = self.follow(&PosturePath(vec![back.clone()]), SWIFT, |_, _| true)? {
