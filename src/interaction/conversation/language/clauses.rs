@@ -1,8 +1,9 @@
 //! The clauses of an utterance: each has a verb of its own, and a mood.
 
+use super::gist;
 use super::lexicon::Form;
 use super::mood::{self, Mood};
-use super::patterns::has;
+use super::patterns::{has, length};
 use super::slots::{Piece, Sense};
 use super::words::Mark;
 use crate::interaction::conversation::requests::{Intent, REQUESTS};
@@ -24,6 +25,12 @@ const ENDING: &[(&str, Intent)] = &[
     ("stop|quit|cease =holding|=gripping|=grasping", Intent::LetGo),
     ("stop|quit|cease =leaning|=bending", Intent::LeanBack),
     ("stop|quit|cease =talking|=listening", Intent::Quit),
+    ("^ stop|quit|cease|halt what|whatever you", Intent::Stop),
+    ("^ stop|quit|cease|halt ?THING $", Intent::Stop),
+    (
+        "move|step|go|get|lean|duck|dodge|jump .. THING|SOME ?can|could|do|will|would not hit|touch|get|reach|bump|catch|meet",
+        Intent::Avoid,
+    ),
     ("nothing|nobody touch|hit|reach|get you|PART", Intent::Avoid),
     ("not let THING|SOME touch|hit|reach|get you|BODY", Intent::Avoid),
 ];
@@ -41,6 +48,22 @@ impl<'a> Clause<'a> {
         Clause { pieces, mood }
     }
 
+    /// Whether a sentence ends with it.
+    pub fn ends(&self) -> bool {
+        self.pieces.last().is_some_and(|last| last.word.mark >= Some(Mark::Stop))
+    }
+
+    /// Whether it tells something, and asks nothing: "you have done enough, …".
+    pub fn tells(&self) -> bool {
+        matches!(self.mood, Mood::Past | Mood::Statement) && !mood::asks(&self.pieces)
+    }
+
+    /// Whether it begins with a verb that cannot be of what was: "put" may be.
+    pub fn commands_now(&self) -> bool {
+        let first = self.pieces.iter().find(|piece| !mood::leads_in(piece));
+        first.is_some_and(|first| first.word.form == Form::Base)
+    }
+
     /// Whether it forbids something.
     pub fn forbids(&self) -> bool {
         mood::forbids(&self.pieces)
@@ -49,9 +72,11 @@ impl<'a> Clause<'a> {
     fn says(&self, patterns: &[&str]) -> bool {
         let stripped: Vec<&Piece> =
             self.pieces.iter().copied().skip_while(|piece| mood::leads_in(piece)).collect();
-        patterns.iter().any(|pattern| {
-            has(&self.pieces, pattern) || (pattern.starts_with('^') && has(&stripped, pattern))
-        })
+        let polite = length(&stripped, "can|could|will|would you").unwrap_or(0);
+        let stripped = &stripped[polite..];
+        patterns
+            .iter()
+            .any(|pattern| has(&self.pieces, pattern) || (pattern.starts_with('^') && has(stripped, pattern)))
     }
 
     /// The request that it means, what is said by itself apart.
@@ -62,7 +87,7 @@ impl<'a> Clause<'a> {
         let (told, asked, past) =
             (|| first(|kind| kind.told), || first(|kind| kind.asked), || first(|kind| kind.past));
         match self.mood {
-            Mood::Command | Mood::Polite => told().or_else(asked),
+            Mood::Command | Mood::Polite => told().or_else(asked).or_else(|| gist::told(&self.pieces)),
             Mood::Search => asked().filter(|intent| *intent == Intent::HowMany).or(Some(Intent::Explore)),
             Mood::Question => asked().or_else(|| told().filter(|_| self.echoes())),
             Mood::Past => past(),
@@ -79,7 +104,7 @@ impl<'a> Clause<'a> {
 
     /// The request that it is about, whatever it says of it.
     pub fn about(&self) -> Option<Intent> {
-        if self.says(&["HAND off", "leave THING|SOME alone|be", "keep HAND off|away|from|to"]) {
+        if self.says(&["HAND off", "leave|left THING|SOME alone|be", "keep HAND off|away|from|to"]) {
             return Some(Intent::Touch);
         }
         let loose = |pattern: &&&str| has(&self.pieces, pattern.trim_start_matches('^').trim_start());
@@ -119,7 +144,9 @@ impl<'a> Clause<'a> {
 
 /// The clauses: parted at marks and at "and", "then", "but", where there is a verb on either side.
 pub(super) fn of(pieces: &[Piece]) -> Vec<Clause<'_>> {
-    let verb = |piece: &Piece| piece.sense == Sense::Word && piece.word.form != Form::Other;
+    let verb = |piece: &Piece| {
+        piece.sense == Sense::Word && piece.word.form != Form::Other && piece.word.text != "using"
+    };
     let mut parts: Vec<(Vec<&Piece>, bool)> = Vec::new();
     let mut part: Vec<&Piece> = Vec::new();
     for (k, piece) in pieces.iter().enumerate() {

@@ -2,6 +2,8 @@
 
 use std::collections::BTreeMap;
 
+use super::words::Word;
+
 /// A verb's form.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Form {
@@ -40,7 +42,64 @@ const REGULAR: &str = "watch touch reach tap poke contact stroke pat explore sea
     recline slouch hunch crouch hover wiggle wave loosen open close squeeze confirm verify ensure \
     concern interest bother matter dare risk hesitate delay hurry rush step jump guide direct steer \
     retract remove clean pass toss fling chuck stow park ditch dispose undo reset resume restart proceed \
-    enclose surround palpate caress fondle tickle pinch fondle nuzzle calm settle";
+    enclose surround palpate tickle pinch calm settle hunt scout rummage survey scour comb fumble haul tug scoop heave \
+    elevate relinquish unhand unclench banish scoot reposition deliver swerve flinch shrink massage tuck pop kick roll \
+    whack knock study recognise recognize assist introduce summarise summarize recap chill unwind incline unbend \
+    suggest propose recommend advise urge invite require encourage promise agree prefer appreciate enjoy please suit \
+    trouble bother beg persuade order command request instruct deserve dislike hate loathe mind pretend imagine suppose \
+    fancy yield budge stir twitch wriggle shield protect guard";
+
+/// Words that mean what another does here, verbs first; they are taken for it.
+const SYNONYMS: &[(&str, &str)] = &[
+    ("pull", "reel lug tow yank winch"),
+    ("push", "thrust ram propel shunt"),
+    ("lift", "hike upraise uplift"),
+    ("grab", "nab snag grapple cradle"),
+    ("touch", "graze dab"),
+    ("poke", "jab"),
+    ("stroke", "caress fondle pet nuzzle"),
+    ("rub", "knead"),
+    ("search", "forage ransack scrounge"),
+    ("examine", "scrutinise scrutinize appraise assess"),
+    ("avoid", "shun sidestep bypass"),
+    ("describe", "depict portray characterise characterize"),
+    ("tell", "notify enlighten"),
+    ("relax", "chill laze lounge"),
+    ("repeat", "replay reiterate"),
+    ("put", "stick stash shelve"),
+];
+/// The same of words that do not bend.
+const ALIKE: &[(&str, &str)] = &[
+    ("table", "worktop countertop counter bench"),
+    ("thing", "doohickey doodad widget contraption gizmo whatchamacallit thingummy"),
+    ("way", "path trajectory"),
+    ("centimetres", "cms centimetre centimeter cm"),
+    ("big", "sizeable sizable massive enormous gigantic hefty"),
+    ("small", "teeny teensy petite miniature minuscule"),
+    ("bit", "wee smidgen tad touchy"),
+    ("upright", "vertically"),
+    ("belly", "tum stomach's"),
+    ("boy", "lad girl chap fellow lass gal"),
+    ("should", "shud"),
+    ("would", "wud"),
+    ("could", "cud"),
+    ("lean", "leant"),
+    ("please", "plese plse plis prithee"),
+    ("love", "luv"),
+    ("something", "sth smth sumthing sumthin somethin owt summat"),
+    ("anything", "anythin"),
+    ("nothing", "nowt nothin nuthin"),
+    ("where", "whr"),
+    ("give", "giv"),
+    ("have", "hav"),
+    ("your", "yer yr"),
+    ("little", "lil"),
+    ("good", "gud"),
+    ("again", "agen agin"),
+    ("far", "faraway"),
+    ("until", "till til"),
+    ("exactly", "abouts"),
+];
 
 /// Verbs that do not: base, past, participle.
 const IRREGULAR: &[[&str; 3]] = &[
@@ -94,13 +153,16 @@ const IRREGULAR: &[[&str; 3]] = &[
     ["forbid", "forbade", "forbidden"],
     ["draw", "drew", "drawn"],
     ["bend", "bent", "bent"],
+    ["stick", "stuck", "stuck"],
+    ["steer", "steered", "steered"],
 ];
 
 /// Verbs of one stressed syllable whose last letter doubles.
 const DOUBLING: &[&str] = &[
     "put", "set", "let", "hit", "get", "sit", "tap", "pat", "grab", "stop", "drop", "forget", "begin",
     "prod", "scan", "quit", "shut", "cut", "run", "hug", "forbid", "ban", "grip", "bar", "rub", "nod",
-    "step", "permit",
+    "step", "permit", "tug", "jab", "dab", "nab", "snag", "lug", "ram", "hug", "shun", "pet", "pop", "recap",
+    "beg", "prefer", "stir",
 ];
 
 /// Words that bend not, or whose forms are words of their own.
@@ -152,17 +214,19 @@ const OTHERS: &str = "whatever whoever whichever i me my mine myself you your yo
     fair roughly approximately precise precisely currently presently meanwhile anymore such \
     contactless possession comfortable comfortably safe safely \
     maximum max minimum utmost extreme incoming \
-    two-handed handed";
+    two-handed handed air path boy mug people person corner lap";
 
 /// What is known of words.
 pub struct Lexicon {
     entries: BTreeMap<String, (String, Form)>,
+    /// What words are taken for.
+    synonyms: BTreeMap<String, String>,
 }
 
 impl Lexicon {
     /// The words of all requests, and others that a creature's parts have.
     pub fn new<'a>(others: impl IntoIterator<Item = &'a str>) -> Lexicon {
-        let mut lexicon = Lexicon { entries: BTreeMap::new() };
+        let mut lexicon = Lexicon { entries: BTreeMap::new(), synonyms: BTreeMap::new() };
         for verb in REGULAR.split_whitespace() {
             let irregular = IRREGULAR.iter().any(|[base, ..]| *base == verb);
             if !irregular {
@@ -184,10 +248,42 @@ impl Lexicon {
             lexicon.entries.entry(word.into()).or_insert_with(|| (word.into(), Form::Other));
         }
         // What is more often no verb.
-        for word in ["left", "back", "near", "like", "name", "right", "thought"] {
+        for word in ["left", "back", "near", "like", "name", "right", "thought", "pleased"] {
             lexicon.entries.insert(word.into(), (word.into(), Form::Other));
         }
+        // "Let us", as most write it.
+        lexicon.entries.remove("lets");
+        lexicon.learn_synonyms();
         lexicon
+    }
+
+    fn learn_synonyms(&mut self) {
+        for (meant, words) in SYNONYMS {
+            let Some([base, was, done]) = forms(meant) else { continue };
+            for word in words.split_whitespace() {
+                let [said, said_was, said_done] =
+                    forms(word).unwrap_or([word.into(), past(word), past(word)]);
+                for (said, meant) in [
+                    (third(&said), third(&base)),
+                    (ing(&said), ing(&base)),
+                    (said_was, was.clone()),
+                    (said_done, done.clone()),
+                    (said, base.clone()),
+                ] {
+                    self.synonyms.insert(said, meant);
+                }
+            }
+        }
+        for (meant, words) in ALIKE {
+            for word in words.split_whitespace() {
+                self.synonyms.insert(word.into(), meant.to_string());
+            }
+        }
+    }
+
+    /// What a word is taken for: itself, or one that means the same here.
+    pub(super) fn meant<'a>(&'a self, word: &'a str) -> &'a str {
+        self.synonyms.get(word).map_or(word, String::as_str)
     }
 
     fn verb(&mut self, [base, past, participle]: [&str; 3]) {
@@ -202,9 +298,25 @@ impl Lexicon {
         add(participle.to_string(), Form::Past);
     }
 
+    /// A word that is known.
+    pub(super) fn word(&self, text: &str) -> Word {
+        let (lemma, form) = self.entry(text).unwrap_or((text, Form::Other));
+        Word { text: text.into(), lemma: lemma.into(), form, known: true, mark: None }
+    }
+
+    /// A verb as it is told: `touch` of `touched`.
+    pub(super) fn told(&self, word: &Word) -> Word {
+        if word.text == "left" {
+            return Word { mark: word.mark, ..self.word("leave") };
+        }
+        let form = self.entry(&word.lemma).map_or(Form::Base, |(_, form)| form);
+        let form = if form.is_base() { form } else { Form::Base };
+        Word { text: word.lemma.clone(), form, ..word.clone() }
+    }
+
     /// Whether a word is known as it is written.
     pub fn has(&self, word: &str) -> bool {
-        self.entries.contains_key(word)
+        self.entries.contains_key(word) || self.synonyms.contains_key(word)
     }
 
     /// A word's dictionary form, and which form it is.
@@ -212,7 +324,7 @@ impl Lexicon {
         self.entries.get(word).map(|(lemma, form)| (lemma.as_str(), *form))
     }
 
-    /// All words.
+    /// All words, those apart that are but taken for others.
     pub(super) fn words(&self) -> impl Iterator<Item = &str> {
         self.entries.keys().map(String::as_str)
     }
@@ -231,6 +343,15 @@ fn stem(verb: &str) -> String {
         (_, Some(last)) => format!("{verb}{last}"),
         _ => verb.to_string(),
     }
+}
+
+/// A verb's base, past and participle; none where it is not known.
+fn forms(verb: &str) -> Option<[String; 3]> {
+    let irregular = IRREGULAR.iter().find(|[base, ..]| *base == verb);
+    let regular = REGULAR.split_whitespace().any(|known| known == verb);
+    irregular
+        .map(|forms| forms.map(String::from))
+        .or_else(|| regular.then(|| [verb.into(), past(verb), past(verb)]))
 }
 
 fn past(verb: &str) -> String {

@@ -7,6 +7,9 @@
 
 mod body_names;
 mod clauses;
+mod frames;
+mod gist;
+mod idioms;
 mod lexicon;
 mod mood;
 mod patterns;
@@ -85,7 +88,9 @@ impl Language {
     fn with(names: BodyNames) -> Language {
         let patterns = REQUESTS.iter().flat_map(|(_, kind)| kind.patterns()).flat_map(patterns::words);
         let still = STILL.iter().copied().flat_map(patterns::words);
-        let mut words: Vec<&str> = patterns.chain(still).chain(slots::words()).collect();
+        let frames =
+            frames::patterns().flat_map(patterns::words).chain(patterns::good_words()).chain(idioms::words());
+        let mut words: Vec<&str> = patterns.chain(still).chain(frames).chain(slots::words()).collect();
         words.extend(names.words());
         let lexicon = Lexicon::new(words);
         Language { lexicon, names }
@@ -94,7 +99,7 @@ impl Language {
     /// What was said means.
     pub fn understand(&self, heard: &str) -> Understood {
         let words = words::words(heard, &self.lexicon);
-        let pieces = slots::pieces(&words, &self.names);
+        let pieces = frames::unframed(slots::pieces(&words, &self.names), &self.lexicon);
         let clauses = clauses::of(&pieces);
         // Across clauses as well: "anything but …".
         let said: Vec<&Piece> = pieces.iter().filter(|piece| piece.sense != Sense::Filler).collect();
@@ -105,12 +110,19 @@ impl Language {
             .map(|piece| piece.word.text.clone())
             .collect();
         let meant = self.meant(&pieces, &clauses);
-        let (intent, clause) = meant.unwrap_or((Intent::Unknown, 0));
+        let which = slots::which(&pieces);
+        // "The one nearest you", and nothing else.
+        let names = |piece: &&Piece| {
+            piece.sense == Sense::Thing
+                || (piece.sense == Sense::Word && piece.word.form == lexicon::Form::Other)
+        };
+        let answers = which.is_some() && unknown.is_empty() && said.iter().all(names);
+        let (intent, clause) = meant.unwrap_or((if answers { Intent::Which } else { Intent::Unknown }, 0));
         let mood = clauses.get(clause).map_or(Mood::Statement, |clause| clause.mood);
         let hypothesis = clauses.iter().any(|clause| clause.mood == Mood::Hypothesis);
         // Whatever is denied anywhere, it is better to ask.
         let denied = pieces.iter().any(|piece| piece.word.is(&["not", "never", "no", "nope", "nah"]));
-        let whole = unknown.is_empty() && !hypothesis && !denied;
+        let whole = unknown.is_empty() && !hypothesis && !denied && !words::quotes(heard);
         let leave = (intent.moves()).then(|| Leave::by_words(mood, whole, forbids)).flatten();
         let about = match intent {
             Intent::Dont | Intent::Report => clauses.iter().find_map(Clause::about),
@@ -129,7 +141,7 @@ impl Language {
             mood,
             hand,
             part,
-            which: slots::which(&pieces),
+            which,
             lean,
             again: any(&["again", "retry", "repeat", "try", "once"]),
             all: any(&["everything", "all"])
@@ -155,6 +167,17 @@ impl Language {
                 && matches!(clauses[*k].mood, Mood::Command | Mood::Polite)
         };
         let wanted = found.iter().copied().find(told).or(wanted);
+        // "Where is it? Touch it!": a sentence of its own that tells to do something.
+        let doing = |(intent, k): &(Intent, usize)| {
+            intent.moves()
+                && *k > 0
+                && (clauses[k - 1].ends()
+                    || (clauses[*k].commands_now() && clauses[..*k].iter().all(Clause::tells)))
+                && matches!(clauses[*k].mood, Mood::Command | Mood::Polite)
+        };
+        let asked =
+            wanted.filter(|(_, k)| matches!(clauses[*k].mood, Mood::Question | Mood::Statement | Mood::Past));
+        let wanted = asked.and_then(|_| found.iter().copied().find(doing)).or(wanted);
         // To bend down is but the way to touch one's own leg.
         let own = found.iter().find(|(intent, _)| *intent == Intent::TouchOwn).copied();
         let wanted = if matches!(wanted, Some((Intent::LeanForward, _))) { own.or(wanted) } else { wanted };

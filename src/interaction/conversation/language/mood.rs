@@ -84,6 +84,11 @@ const FORBIDDING: &[&str] = &[
     "hold off|back from|ING",
     "keep|stay off",
     "keep from",
+    "from ING",
+    "forget ?about ING",
+    "i|we would ?really ?absolutely hate|dislike|loathe|resent|mind|object",
+    "left THING|BODY alone|be",
+    "terrible|awful|horrible|bad|wrong|rude|angry|upset|unhappy|annoyed|shame|pity|unwise|dangerous|foolish if|to|for",
     "anything but",
     "under no",
     "by no means",
@@ -98,10 +103,6 @@ const FORBIDDING: &[&str] = &[
     "bad idea",
     "no !pause",
 ];
-
-/// What wishes politely for something.
-const WISHING: &[&str] =
-    &["nice|good|great|lovely|glad|happy|grateful|appreciate|kind|wonderful ?THING if you"];
 
 /// Verbs whose command asks to be told.
 const TELLING: &[&str] = &[
@@ -129,11 +130,39 @@ const TELLING: &[&str] = &[
     "specify",
     "mention",
     "compare",
+    "ask",
+    "beg",
+    "order",
+    "urge",
+    "invite",
 ];
 /// What begins a question.
 const ASKING: &[&str] =
     &["what", "where", "whereabouts", "which", "who", "whom", "whose", "when", "why", "how", "whether"];
-const SUBJECTS: &[&str] = &["you", "i", "he", "she", "we", "they", "it", "there", "that", "this", "max"];
+const SUBJECTS: &[&str] = &[
+    "you",
+    "i",
+    "he",
+    "she",
+    "we",
+    "they",
+    "it",
+    "there",
+    "that",
+    "this",
+    "max",
+    "people",
+    "person",
+    "robots",
+    "everyone",
+    "everybody",
+    "others",
+];
+/// What others are to do, or what is but to be thought of.
+const OF_OTHERS: &[&str] = &[
+    "^ let|make|have|allow|get|watch|see|tell|ask him|her|me|people|others ?to VERB",
+    "^ think|dream|talk|speak|read|write|sing|worry|hear ?about|of|on|over DOING|VERB",
+];
 const HELPING: &[&str] = &[
     "be", "do", "have", "should", "shall", "must", "may", "might", "can", "could", "will", "would", "need",
     "ought",
@@ -141,7 +170,15 @@ const HELPING: &[&str] = &[
 
 /// Whether pieces forbid something.
 pub(super) fn forbids(pieces: &[&Piece]) -> bool {
-    if negative_question(pieces) {
+    let last =
+        |pair: &[&Piece]| pair[0].words.iter().any(|word| word == "last") && pair[1].word.is(&["i", "we"]);
+    // "The last thing I want is …".
+    if pieces.windows(2).any(last) {
+        return true;
+    }
+    if negative_question(pieces)
+        || has(pieces, "^ i|we do|can|could not know|remember|recall|see|tell|understand|feel|get")
+    {
         return false;
     }
     let stripped: Vec<&Piece> = pieces.iter().copied().skip_while(|piece| leads_in(piece)).collect();
@@ -187,25 +224,30 @@ fn negative_question(pieces: &[&Piece]) -> bool {
 
 /// What a clause is.
 pub(super) fn mood(pieces: &[&Piece], asks: bool) -> Mood {
-    if has(pieces, "^ why not|do not you") {
+    if has(pieces, "^ why not|do not you") && pieces.len() < 5 {
         return Mood::Statement;
     }
     if forbids(pieces) {
         // "You didn't touch it, did you?"
-        let past = has(pieces, "^ you|it|THING =did|=have|=had|=were|=was not") && asks;
+        let past = asks
+            && (has(pieces, "^ you|it|THING =did|=have|=had|=were|=was not")
+                || has(pieces, "^ you .. =did|=have|=had|=were|=was not you|it|THING $"));
         return if past { Mood::Past } else { Mood::Prohibition };
     }
     let rest: Vec<&Piece> = pieces.iter().copied().skip_while(|piece| leads_in(piece)).collect();
     let pieces = if rest.is_empty() { pieces } else { rest.as_slice() };
     let Some(first) = pieces.first() else { return Mood::Statement };
-    if WISHING.iter().any(|pattern| has(pieces, pattern)) {
-        return Mood::Polite;
-    }
     if hypothetical(pieces) {
         return Mood::Hypothesis;
     }
     if searching(pieces) {
         return Mood::Search;
+    }
+    if first.requested {
+        return if telling(pieces) { Mood::Question } else { Mood::Polite };
+    }
+    if has(pieces, "^ can|could|would you|BODY .. reach .. if") {
+        return Mood::Question;
     }
     if past(pieces) {
         return Mood::Past;
@@ -214,8 +256,14 @@ pub(super) fn mood(pieces: &[&Piece], asks: bool) -> Mood {
         return Mood::Question;
     }
     let tells = telling(pieces);
+    if OF_OTHERS.iter().any(|pattern| has(pieces, pattern)) {
+        return if tells { Mood::Question } else { Mood::Statement };
+    }
     if polite(pieces) {
         return if tells { Mood::Question } else { Mood::Polite };
+    }
+    if !asks && has(pieces, "^ THING|SOME be =coming|=approaching|=flying|=heading") {
+        return Mood::Statement;
     }
     if first.word.is(ASKING) && !has(pieces, "^ how about =") || asked_of(pieces) {
         return Mood::Question;
@@ -232,6 +280,13 @@ pub(super) fn mood(pieces: &[&Piece], asks: bool) -> Mood {
         (false, true) => Mood::Command,
         (false, false) => Mood::Statement,
     }
+}
+
+/// Whether it begins as a question does, or ends so.
+pub(super) fn asks(pieces: &[&Piece]) -> bool {
+    let first = pieces.iter().find(|piece| !leads_in(piece));
+    first.is_some_and(|first| first.word.is(ASKING) || first.word.is(HELPING))
+        || pieces.last().is_some_and(|last| last.word.mark == Some(super::words::Mark::Question))
 }
 
 pub(super) fn leads_in(piece: &Piece) -> bool {
@@ -277,9 +332,13 @@ pub(super) fn leads_in(piece: &Piece) -> bool {
 
 fn hypothetical(pieces: &[&Piece]) -> bool {
     let whether =
-        has(pieces, "see|check|find|out|tell|know|feel|look|ask|wonder|say|determine|test|learn if");
+        has(pieces, "see|check|find|out|tell|know|feel|look|ask|wonder|say|determine|test|learn ?me|us if");
+    if has(pieces, "^ can|could|would you|BODY ?be ?able ?to reach|touch|get ?at|to THING if") {
+        return false;
+    }
     let patterns = [
-        "^ suppose|imagine|pretend|assume|say you",
+        "^ suppose|imagine|pretend|assume",
+        "^ say you",
         "would happen",
         "what =happens",
         "^ when|before|after|until|while you|it|i|THING",
@@ -291,6 +350,12 @@ fn hypothetical(pieces: &[&Piece]) -> bool {
 fn searching(pieces: &[&Piece]) -> bool {
     [
         "^ be there SOME",
+        "^ be THING possible|likely ?that there be SOME",
+        "^ might|could|would|will|may ?there be ?there SOME",
+        "^ do you ?think|reckon|believe|suppose|guess|expect ?that there be SOME",
+        "^ what have ?we|you|i =got ?here|there ?out on|in|before|there|here|$",
+        "^ be THING ?still ?out|over there $",
+        "^ what be ?out|over there",
         "^ be there THING in|on|near|before|around|there|here",
         "^ be there ?any|some|more ?more $",
         "^ be there ?any|some|more more|other",
@@ -298,10 +363,12 @@ fn searching(pieces: &[&Piece]) -> bool {
         "if|whether there be SOME|more|another",
         "^ what be ?lie on|in|near|before|around the|front|THING",
         "^ be SOME in ?your|the front|reach|vicinity|way",
-        "^ ?any|some SOME ?else ?there|nearby|around $",
+        "^ ?any|some SOME ?else ?there|nearby|around|about|here|out|left|more ?there|here|now $",
+        "^ ?any|some SOME ?else ?there|out|left on|in|around|about|near|before ?the|front|THING|you",
         "^ what|which ?SOME|THING be there|here ?on|in|before|near|around|close",
         "^ what be in|on|near|before|around front|you|THING|table|there|SOME",
-        "^ what else ?be ?there|here|on|in|near|around|$",
+        "^ what else be",
+        "^ what else there|here|on|in|near|around|$",
         "^ what else do =you =find",
         "^ THING|SOME in front ?of",
         "^ what =do|can you find|discover|detect ?there|around|here|on|in|near",
@@ -333,8 +400,9 @@ fn ability(pieces: &[&Piece]) -> bool {
         "^ can|could BODY|THING|it|i|he|we|they",
         "^ can|could you see|hear|smell|taste|think|feel THING|SOME|me",
         "^ do you want|like|need|plan|intend|mean",
-        "^ would|will you like|want|prefer|love",
+        "^ would|will you like|want|prefer|love|enjoy|hate|dislike|rather|agree",
         "^ would|do you mind if",
+        "^ would|could|will|can you ever",
         "^ should|shall you|i|we",
     ]
     .iter()
@@ -346,36 +414,14 @@ fn ability(pieces: &[&Piece]) -> bool {
 fn polite(pieces: &[&Piece]) -> bool {
     [
         "^ can|could|will|would you",
-        "^ may|might|can|could i ask|trouble|bother|beg|have|get you",
+        "^ may|might|can|could i|we ask|trouble|bother|beg|have|get you",
         "^ would THING|it be possible",
-        "^ do you mind =",
-        "^ i want|need|would|ask|beg|wish|like|expect|order|command|suggest|propose|recommend",
-        "^ you can|could|may|should|must|have|need|might|will|ought|shall",
-        "^ i be|want|would .. you =to",
-        "^ how|what about",
-        "^ mind =",
+        "^ how|what about THING|SOME|HAND|a|one|another",
         "^ be so kind|good|nice",
-        "^ THING|it|time be|would .. time|good|nice|great|lovely .. to|if",
-        "^ you had|would better",
-        "^ i think you should|could|can|may|must",
-        "^ can|could|shall we",
-        "^ THING|it would",
-        "^ i would .. if you",
-        "^ time to|for",
-        "i ?would want|need|like|prefer|love|have THING|SOME ?a|as|moved|put ?bit|little|lot|much nearer|closer|near|close|farther|further|away|far|up|here",
+        "^ time for",
     ]
     .iter()
-    .any(|pattern| polite_by(pieces, pattern))
-}
-
-fn polite_by(pieces: &[&Piece], pattern: &str) -> bool {
-    match pattern.strip_suffix(" =") {
-        Some(stem) => {
-            let ing = |piece: &&&Piece| piece.word.form == Form::Ing;
-            pieces.iter().filter(ing).any(|piece| has(pieces, &format!("{stem} ={}", piece.word.text)))
-        }
-        None => has(pieces, pattern) && (!pattern.starts_with("^ i ") || has(pieces, "you")),
-    }
+    .any(|pattern| has(pieces, pattern))
 }
 
 /// A verb that stands between the subject and the rest, turned about.
@@ -384,6 +430,17 @@ fn asked_of(pieces: &[&Piece]) -> bool {
     let helping = first.word.is(HELPING) && first.sense == Sense::Word;
     let subject =
         second.word.is(SUBJECTS) || second.is_body() || matches!(second.sense, Sense::Thing | Sense::Some);
+    // "Do people ask you to …": of others.
+    let others = first.word.text == "do"
+        && second.sense == Sense::Word
+        && second.word.form == super::lexicon::Form::Other
+        && !second
+            .word
+            .is(&["as", "what", "so", "the", "a", "an", "same", "once", "one", "again", "whatever"])
+        && !has(pieces, "again|more|same");
+    if others && pieces[2..].iter().any(|piece| piece.sense == Sense::Word && piece.word.form.is_base()) {
+        return true;
+    }
     // "Do it", "have it": commands.
     let command = (first.word.text == "do" || first.word.text == "have" || first.word.text == "need")
         && !second.word.is(&["you", "i", "we", "they"])
@@ -397,7 +454,8 @@ fn asked_of(pieces: &[&Piece]) -> bool {
     (helping && (subject || contraction) && !command)
         || (wh && !pieces[0].word.form.is_base())
         || has(pieces, "^ in|on|to|at|by|from|for|with|of what|which|whom|whose|how")
-        || has(pieces, "^ BODY|THING ?where|how be|do")
+        || has(pieces, "^ BODY|THING where|how be|do")
+        || has(pieces, "^ BODY|THING be where")
 }
 
 /// What asks to be told: "tell me", "could you say".
@@ -428,6 +486,9 @@ fn past(pieces: &[&Piece]) -> bool {
     });
     let does =
         pieces.first().is_some_and(|first| first.word.text == "do") && has(pieces, "^ do what|as|THING|SOME");
+    if has(pieces, "where =have|=has you =got") {
+        return false;
+    }
     if (begins && !has(pieces, "^ let|give|show")) || does {
         return false;
     }
@@ -439,7 +500,7 @@ fn past(pieces: &[&Piece]) -> bool {
     let helped = has(pieces, "=did|=was|=were|=had");
     let perfect = has(pieces, "=have|=has|=having you|THING|it|he|SOME|BODY|there|i|not")
         && (done || has(pieces, "=been|=done"));
-    let perfect = perfect && !has(pieces, "=has|=have THING|you|SOME =got ..");
+    let perfect = perfect && !has(pieces, "=has|=have THING|you|SOME|we|i =got ..");
     let perfect = perfect
         || has(pieces, "^ =have|=has|=had you|SOME|THING .. =put|=set|=let|=hit|=come")
         || (has(pieces, "you|THING|it|i|SOME|BODY =have|=has|=had") && done)
@@ -474,7 +535,7 @@ fn commands(pieces: &[&Piece]) -> bool {
     }
     let subject = first.sense == Sense::Word && first.word.is(SUBJECTS)
         || matches!(first.sense, Sense::Thing | Sense::Some)
-            && pieces.get(1).is_some_and(|next| next.word.form != Form::Other);
+            && pieces.get(1).is_some_and(|next| next.word.form != Form::Other || next.word.is(HELPING));
     let means =
         ["with", "by", "using", "use", "to", "back", "over", "in", "from", "on", "up", "down", "away", "off"];
     let adverb = first.word.is(&means)
@@ -489,7 +550,8 @@ fn commands(pieces: &[&Piece]) -> bool {
     let bare = pieces.iter().all(|piece| {
         piece.word.form == Form::Other
             || piece.sense != Sense::Word
-            || piece.word.is(&["rest", "go", "try", "place", "position", "start", "contact"])
+            || piece.word.form.is_base()
+                && piece.word.is(&["rest", "go", "try", "place", "position", "start", "contact"])
     });
     bare && !subject
 }

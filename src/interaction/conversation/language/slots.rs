@@ -61,6 +61,8 @@ pub(super) struct Piece {
     /// Its last word.
     pub word: Word,
     pub words: Vec<String>,
+    /// Whether a frame says that it is wanted: "it would be nice if you …".
+    pub requested: bool,
 }
 
 impl Piece {
@@ -135,6 +137,15 @@ const FILLERS: &[&str] = &[
     "gladly",
     "promptly",
     "meanwhile",
+    "hypothetically",
+    "bud",
+    "champ",
+    "chum",
+    "bro",
+    "honey",
+    "sweetie",
+    "mister",
+    "darling",
 ];
 /// Phrases that say nothing by themselves.
 const FILLING: &[&str] = &[
@@ -147,14 +158,7 @@ const FILLING: &[&str] = &[
     "a little",
     "by the way",
     "by any chance",
-    "if you can",
-    "if you could",
     "if possible",
-    "if you like",
-    "if you want",
-    "if you please",
-    "if you would",
-    "if you will",
     "right away",
     "straight away",
     "as well",
@@ -170,7 +174,6 @@ const FILLING: &[&str] = &[
     "go on",
     "hey there",
     "right here",
-    "if you do not mind",
     "would you please",
     "at all",
     "be a dear and",
@@ -178,8 +181,6 @@ const FILLING: &[&str] = &[
     "next",
     "first of all",
     "at your leisure",
-    "when you are ready",
-    "when you can",
     "in the meantime",
     "kind of",
     "sort of",
@@ -365,10 +366,37 @@ pub(super) fn pieces(words: &[Word], names: &BodyNames) -> Vec<Piece> {
             sense,
             word: stretch[length - 1].clone(),
             words: stretch.iter().map(|word| word.text.clone()).collect(),
+            requested: false,
         });
         k += length;
     }
+    referred(&mut pieces);
     pieces
+}
+
+/// "Your chin: touch it." It is the part of the body that was named by itself before, where no thing was.
+fn referred(pieces: &mut [Piece]) {
+    let mut named: Option<PartName> = None;
+    for k in 0..pieces.len() {
+        match &pieces[k].sense {
+            Sense::Part(part) => {
+                let ends = pieces[k].word.mark.is_some();
+                let told = pieces[..k].iter().any(|piece| {
+                    piece.sense == Sense::Word
+                        && piece.word.form.is_base()
+                        && !piece.word.is(&["be", "do", "have"])
+                });
+                named = (ends && !told).then(|| part.clone());
+            }
+            Sense::Thing if pieces[k].word.text == "it" => {
+                if let Some(part) = &named {
+                    pieces[k].sense = Sense::Part(part.clone());
+                }
+            }
+            Sense::Thing | Sense::Some => named = None,
+            _ => {}
+        }
+    }
 }
 
 fn sense_of(words: &[Word], names: &BodyNames, before: Option<&Piece>) -> (Sense, usize) {
@@ -380,6 +408,9 @@ fn sense_of(words: &[Word], names: &BodyNames, before: Option<&Piece>) -> (Sense
             return (if part.is_hand() { Sense::Hand(part) } else { Sense::Part(part) }, length);
         }
     }
+    if let Some(hand) = bare_hand(&texts, words, before) {
+        return hand;
+    }
     if let Some(length) = filling(&texts) {
         return (Sense::Filler, length);
     }
@@ -388,6 +419,29 @@ fn sense_of(words: &[Word], names: &BodyNames, before: Option<&Piece>) -> (Sense
     }
     let filler = words[0].is(FILLERS);
     (if filler { Sense::Filler } else { Sense::Word }, 1)
+}
+
+/// "A hand on", and "left" where it is a hand: "with your left", "but left".
+fn bare_hand(texts: &[&str], words: &[Word], before: Option<&Piece>) -> Option<(Sense, usize)> {
+    const ONTO: [&str; 14] = [
+        "on", "onto", "over", "to", "across", "along", "around", "round", "through", "against", "upon", "in",
+        "under", "behind",
+    ];
+    let hand =
+        |words: &[&str]| Sense::Hand(PartName { words: words.iter().map(|word| word.to_string()).collect() });
+    if let ["a" | "one", noun @ ("hand" | "finger" | "palm" | "fingertip" | "arm"), next, ..] = texts
+        && ONTO.contains(next)
+    {
+        return Some((hand(&[noun]), 2));
+    }
+    let owned = usize::from(matches!(texts.first(), Some(&"your" | &"the")));
+    let side = texts.get(owned).filter(|side| ["left", "right"].contains(side))?;
+    let ends = words[owned].mark.is_some()
+        || texts
+            .get(owned + 1)
+            .is_none_or(|next| ["this", "please", "now", "instead", "and", "again", "to"].contains(next));
+    let by = before.is_some_and(|piece| piece.word.is(&["with", "use", "by", "but", "via", "try"]));
+    (by && ends).then(|| (hand(&[side, "hand"]), owned + 1))
 }
 
 fn filling(texts: &[&str]) -> Option<usize> {
@@ -402,12 +456,22 @@ fn filling(texts: &[&str]) -> Option<usize> {
 fn noun_phrase(words: &[Word], before: Option<&Piece>) -> Option<(Sense, usize)> {
     let is = |k: usize, list: &[&str]| words.get(k).is_some_and(|word| list.contains(&word.text.as_str()));
     if is(0, INDEFINITE) {
-        let more = usize::from(is(1, &["else", "new", "more", "other"]));
-        return Some((Sense::Some, 1 + more));
+        let more = 1 + usize::from(is(1, &["else", "new", "more", "other"]));
+        return Some((Sense::Some, more + relative_clause(&words[more.min(words.len())..])));
     }
     if is(0, &["whatever", "whichever"]) {
         let clause = relative_clause(&words[1..]);
-        return (clause > 0).then_some((Sense::Thing, 1 + clause));
+        let be = is(1, &["was", "is", "comes", "gets", "moves"]);
+        let clause = if clause == 0 && be { 1 + to_the_end(&words[1..], 1) } else { 1 + clause };
+        return (clause > 1).then_some((Sense::Thing, clause));
+    }
+    // "That you …" begins a clause.
+    if is(0, &["that"]) && is(1, &["you", "i", "we"]) && words[0].mark.is_none() {
+        return None;
+    }
+    // "How large" asks.
+    if before.is_some_and(|piece| piece.word.is(&["how"])) && is(0, ADJECTIVES) {
+        return None;
     }
     let mut k = 0;
     while is(k, DETERMINERS) {
@@ -438,7 +502,7 @@ fn noun_phrase(words: &[Word], before: Option<&Piece>) -> Option<(Sense, usize)>
     {
         let ends = k == words.len()
             || words[k - 1].mark.is_some()
-            || is(k, &["please", "with", "to", "from", "away", "now"]);
+            || is(k, &["please", "with", "to", "from", "away", "now", "you", "me", "over", "there"]);
         let side = is(k - 1, &["left", "right"])
             && before.is_some_and(|piece| piece.word.is(&["on", "to", "at", "from"]));
         if ends && !side {
@@ -449,8 +513,34 @@ fn noun_phrase(words: &[Word], before: Option<&Piece>) -> Option<(Sense, usize)>
     pronoun.then_some((Sense::Thing, 1))
 }
 
-/// How many words of what follows a thing tell which it is: "that you found first", "you have felt".
+/// How many words of what follows a thing tell which it is: "that you found first", "you have felt", "that comes near".
 fn relative_clause(words: &[Word]) -> usize {
+    if let [that, verb, ..] = words
+        && that.is(&["that", "which", "who"])
+        && that.mark.is_none()
+        && verb.text != "is"
+        && verb.form == super::lexicon::Form::Third
+    {
+        return to_the_end(words, 1);
+    }
+    const MOST: [&str; 5] = ["nearest", "closest", "farthest", "furthest", "next"];
+    if let [most, ..] = words
+        && most.is(&MOST)
+    {
+        let whom = |k: usize| words.get(k).is_some_and(|word| word.is(&["you", "me", "away"]));
+        let to = usize::from(words.get(1).is_some_and(|word| word.is(&["to", "from"])) && whom(2));
+        return 1 + to + usize::from(whom(1 + to));
+    }
+    if let [that, be, place, ..] = words
+        && that.is(&["that", "which"])
+        && be.is(&["be"])
+        && place.is(&[
+            "on", "at", "near", "nearest", "nearer", "closest", "close", "far", "farthest", "farther", "to",
+            "in", "there", "closer",
+        ])
+    {
+        return to_the_end(words, 2);
+    }
     let mut k = usize::from(words.first().is_some_and(|word| word.is(&["that", "which"])));
     let you = words.get(k).is_some_and(|word| word.is(&["you"]));
     k += 1;
@@ -466,6 +556,15 @@ fn relative_clause(words: &[Word]) -> usize {
             .iter()
             .take_while(|word| word.is(&["first", "last", "before", "just", "so", "far", "earlier"]))
             .count()
+}
+
+/// How many words there are to the end of a clause, from one on.
+fn to_the_end(words: &[Word], from: usize) -> usize {
+    let ends = |k: usize| words[k].mark.is_some() || k + 1 == words.len();
+    let parts = |k: usize| {
+        words[k].is(&["with", "by", "and", "then", "please", "or", "but"]) || words[k].text == "using"
+    };
+    (from..words.len()).find(|&k| ends(k) || parts(k)).map_or(from, |k| if parts(k) { k } else { k + 1 })
 }
 
 /// Which of several things pieces tell.
@@ -538,10 +637,12 @@ pub(super) fn hand_and_part(pieces: &[Piece], intent: super::Intent) -> (Option<
         Intent::TouchOwn => {
             let before = |k: usize, words: &[&str]| k >= 1 && pieces[k - 1].word.is(words);
             let after = |k: usize, words: &[&str]| pieces.get(k + 1).is_some_and(|next| next.word.is(words));
+            const ONTO: &[&str] = &["on", "onto", "to", "against", "at"];
             let acts = |&(k, _, hand): &(usize, &PartName, bool)| {
                 hand && (before(k, &["with", "by", "use"])
                     || (k >= 1 && pieces[k - 1].word.text == "using")
-                    || after(k, &["on", "onto", "to", "against", "at"]))
+                    || after(k, ONTO)
+                    || (after(k + 1, ONTO) && pieces[k + 1].word.form.is_base()))
             };
             let by = body.iter().find(|part| acts(part)).filter(|_| body.len() > 1);
             let part = body.iter().find(|part| by.is_none_or(|by| by.0 != part.0) && !part.2);

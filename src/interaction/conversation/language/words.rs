@@ -1,15 +1,17 @@
 //! An utterance's words: small letters, apostrophes resolved, what people run together taken apart.
 
 use super::lexicon::{Form, Lexicon};
-use super::spelling;
+use super::{idioms, spelling};
 
 /// What ends a clause, or a sentence.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Mark {
     /// A comma, a colon, a semicolon, a dash.
     Pause,
-    /// A full stop or an exclamation mark.
+    /// A full stop.
     Stop,
+    /// An exclamation mark.
+    Cry,
     /// A question mark.
     Question,
 }
@@ -102,6 +104,17 @@ const SHORT: &[(&str, &str)] = &[
     ("rn", "now"),
     ("infront", "in front"),
     ("alot", "a lot"),
+    ("w", "with"),
+    ("touchy", "touch"),
+    ("howmany", "how many"),
+    ("whereis", "where is"),
+    ("pickup", "pick up"),
+    ("putdown", "put down"),
+    ("letgo", "let go"),
+    ("abt", "about"),
+    ("tmr", "tomorrow"),
+    ("idk", "i do not know"),
+    ("sup", "what is up"),
 ];
 
 /// What an apostrophe and these letters stand for at a word's end.
@@ -117,6 +130,16 @@ pub(super) fn words(heard: &str, lexicon: &Lexicon) -> Vec<Word> {
             last.mark = last.mark.max(mark);
         }
     }
+    // "Touch touch touch", "no no".
+    words.dedup_by(|next, before| {
+        let same = next.text == before.text && next.text != "not";
+        if same {
+            before.mark = before.mark.max(next.mark);
+        }
+        same
+    });
+    compared(&mut words, lexicon);
+    plainly(&mut words, lexicon);
     // "don t", as who types in haste has it.
     let mut k = 0;
     while k + 1 < words.len() {
@@ -127,6 +150,58 @@ pub(super) fn words(heard: &str, lexicon: &Lexicon) -> Vec<Word> {
         k += 1;
     }
     words
+}
+
+/// Idioms are put in plain words.
+fn plainly(words: &mut Vec<Word>, lexicon: &Lexicon) {
+    loop {
+        let texts: Vec<&str> = words.iter().map(|word| word.text.as_str()).collect();
+        let marks: Vec<Option<Mark>> = words.iter().map(|word| word.mark).collect();
+        let Some((k, count, meant)) = idioms::plain(&texts, &marks) else { return };
+        let mark = words[k + count - 1].mark;
+        let mut plain: Vec<Word> = meant.split_whitespace().map(|text| word(text.into(), lexicon)).collect();
+        match plain.last_mut() {
+            Some(last) => last.mark = mark,
+            None => {
+                if let Some(before) = k.checked_sub(1) {
+                    words[before].mark = words[before].mark.max(mark);
+                }
+            }
+        }
+        words.splice(k..k + count, plain);
+    }
+}
+
+/// "More near" is nearer, as who learns the language has it.
+fn compared(words: &mut Vec<Word>, lexicon: &Lexicon) {
+    const COMPARED: [(&str, &str); 9] = [
+        ("near", "nearer"),
+        ("close", "closer"),
+        ("nearer", "nearer"),
+        ("closer", "closer"),
+        ("far", "farther"),
+        ("farther", "farther"),
+        ("further", "further"),
+        ("distant", "farther"),
+        ("remote", "farther"),
+    ];
+    let mut k = 0;
+    while k + 1 < words.len() {
+        let next = COMPARED.iter().find(|(plain, _)| words[k + 1].text == *plain);
+        if let Some((_, compared)) = next.filter(|_| words[k].text == "more" && words[k].mark.is_none()) {
+            let mark = words[k + 1].mark;
+            words[k] = Word { mark, ..word(compared.to_string(), lexicon) };
+            words.remove(k + 1);
+        }
+        k += 1;
+    }
+}
+
+/// Whether what somebody said is told of: some of it stands between quotation marks, and some does not.
+pub(super) fn quotes(heard: &str) -> bool {
+    let marks = ['"', '“', '”', '„', '«', '»'];
+    let heard = heard.trim();
+    heard.trim_matches(marks).contains(marks) || (heard.starts_with(marks) != heard.ends_with(marks))
 }
 
 /// The runs of letters and digits, with the apostrophes within them, and the mark that follows each.
@@ -148,7 +223,8 @@ fn tokens(heard: &str) -> Vec<(String, Option<Mark>)> {
         within = false;
         let mark = match c {
             '?' | '？' => Mark::Question,
-            '.' | '!' | '\n' => Mark::Stop,
+            '.' | '\n' => Mark::Stop,
+            '!' => Mark::Cry,
             ',' | ';' | ':' | '–' | '—' => Mark::Pause,
             _ => continue,
         };
@@ -186,6 +262,7 @@ fn pieces(token: &str, lexicon: &Lexicon) -> Vec<String> {
 }
 
 fn word(text: String, lexicon: &Lexicon) -> Word {
+    let text = lexicon.meant(&text).to_string();
     let (lemma, form, known) = match lexicon.entry(&text) {
         Some((lemma, form)) => (lemma.to_string(), form, true),
         None => (text.clone(), Form::Other, text.chars().all(|c| c.is_ascii_digit())),

@@ -43,7 +43,8 @@ pub(super) const NO: RequestKind = RequestKind {
 
 pub(super) const WHICH: RequestKind = RequestKind {
     said: &[
-        "^ THING farther|further|closer|nearer ?away $",
+        "^ ?the THING ?farther|further|closer|nearer ?away|off $",
+        "^ ?the first|second|third|last|left|right|nearer|farther|nearest|farthest|closer|further|closest of",
         "^ ?not ?the|it|take|choose|mean|be|want|that|prefer THING ?on|to|at|with|by|that|which|in|i|from|further|closer ?the|your ?my ?left|right|side|front|back|mean|want|end|other $",
         "^ ?the first|second|third|last|left|right|nearer|farther|nearest|farthest|closer|further|closest $",
         "^ ?the first|second|third|last THING",

@@ -32,7 +32,7 @@ pub(super) const AVOID: RequestKind = RequestKind {
         "escape",
         "take cover|evasive",
         "shy|shrink|flinch|draw away|back",
-        "^ incoming",
+        "incoming",
         "evasive",
         "give THING ?a ?wide room|way|space|berth",
         "on your|guard guard",

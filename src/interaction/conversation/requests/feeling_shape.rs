@@ -11,6 +11,7 @@ pub(super) const FEEL_SHAPE: RequestKind = RequestKind {
     told: &[
         "have|take|get a ?good|proper feel of|for THING",
         "feel|explore|examine|inspect|investigate|palpate|study|trace|follow|check|find|discover|learn|work|figure|determine|measure|test|make|map|get|see|probe|scan|sense|recognise|recognize|identify .. shape|form|outline|contour|contours|size|edges|edge|corners|outside|dimensions|rim|curves|geometry|sides|surface|extent|proportions",
+        "feel .. shaped|formed",
         "feel|find|work|figure|see|check|learn|explore|discover|determine|test|measure .. how big|large|wide|tall|long|thick|high|round|small|broad|deep",
         "run|pass|slide|move|glide|stroke|let|guide|trace|draw|brush|wander|go|walk ?with HAND|PART ?all ?the|slowly ?way over|along|around|round|across|about THING|the|its ?whole|entire ?edge|edges|surface|outline|outside|sides|$",
         "run|pass|slide|move|glide|trace|draw HAND ?all over|along|around|round THING",
@@ -21,6 +22,8 @@ pub(super) const FEEL_SHAPE: RequestKind = RequestKind {
         "feel|tell|find|check|test ?out whether|if|what ?THING .. round|square|flat|pointed|like|rounded|angular|box",
         "get a|the feel of|for",
         "touch THING all ?over|around|round",
+        "trace|follow ?all ?the ?way round|around|along|about|over|out THING",
+        "go|run|pass|move over|around|round|along ?all its|the edge|edges|outline|sides|side|rim|surface|contour|contours",
         "get|come to know|learn THING",
         "wrap|put|close HAND around|round THING",
         "find|work|figure|make out what ?kind|sort|shape|form",

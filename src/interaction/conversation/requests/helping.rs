@@ -38,6 +38,9 @@ pub(super) const HELP: RequestKind = RequestKind {
         "be there ?a|any manual|instructions|help",
         "tell me what you can|know|do|understand",
         "what you can|understand|know $",
+        "what do you know how to",
+        "what ?sort|kind|type|sorts|kinds ?of ?THING|SOME do you understand|know|obey|follow",
+        "how .. ?to use you",
         "what can|could you help ?me ?with",
     ],
     said: &[

@@ -4,9 +4,9 @@ use super::{Act, Answer, RequestKind};
 
 /// What says so as a prohibition.
 pub(in super::super) const STILL: &[&str] = &[
-    "not a|one move|muscle|inch|step",
+    "not a|one|another move|muscle|inch|step",
     "not|never ?even ?ever ?dare ?to move|budge|stir|twitch|wiggle|wriggle|fidget|shift at|now|yet|until|again|anymore|from|BODY|yourself|while|so",
-    "not|never ?even ?ever ?dare ?to move|budge|stir|twitch|wriggle|fidget|shift $",
+    "not|never ?you ?even ?ever ?dare ?to move|budge|stir|twitch|wriggle|fidget|shift $",
     "without =moving",
     "no =moving|movement|motion|more",
     "stop|quit|cease =moving|=fidgeting|=wriggling",

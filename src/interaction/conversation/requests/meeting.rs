@@ -31,6 +31,8 @@ pub(super) const THANKS: RequestKind = RequestKind {
     said: &[
         "thank|thanks|grateful|ta|appreciate|appreciated|thankful|cheers|obliged|indebted|kudos|bravo",
         "^ well|nicely do|done",
+        "^ good|clever|nice boy|man|robot|one",
+        "kind|good|nice|sweet of you",
         "good|great|nice|excellent|perfect|brilliant|wonderful|fantastic|awesome|lovely job|work",
         "^ good|great|nice|excellent|perfect|brilliant|wonderful|fantastic|awesome|lovely ?one $",
         "very|so|most|how kind",
@@ -51,6 +53,9 @@ pub(super) const WHO: RequestKind = RequestKind {
         "^ ?and ?so who|whom ?exactly|the be|am you|this|there|i|THING",
         "who ?exactly you be",
         "who be you",
+        "^ ?and you be $",
+        "what ?kind|sort|type ?of =being",
+        "^ who be =speaking|=talking|there",
         "your name",
         "have ?you a name",
         "what be you ?exactly|call|name|then|anyway $",

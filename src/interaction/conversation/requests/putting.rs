@@ -14,7 +14,8 @@ const EFFORT: usize = 2;
 
 pub(super) const PUT_FAR: RequestKind = RequestKind {
     told: &[
-        "put|push|move|place|set|shove|slide|send|carry|take|throw|shift|get|bring|transport|position|deliver|displace|nudge|keep|reposition|stow|lay|drag|relocate|toss|stand THING|SOME .. far|farther|further|farthest|furthest|away|off|distant|remote|distance",
+        "put|push|move|place|set|shove|slide|send|carry|take|throw|shift|get|bring|transport|position|deliver|displace|nudge|keep|reposition|stow|lay|drag|relocate|toss|stand THING|SOME .. far|farther|further|farthest|furthest|away|distant|remote|distance",
+        "put|push|move|place|set|shove|slide|send|carry|take|shift|get THING|SOME ?right|well off to|into|over|there|toward|towards|far|$",
         "put|push|move|place|set|shove|slide|send|carry|take|shift|transport|position|nudge THING|SOME ?straight|right|all ?the ?way out|forward|forwards|ahead|outward|outwards|across|beyond|aside|yonder|over",
         "put|push|move|place|set|shove|slide|send|carry|take|get|shift|transport|position|stretch|hold|deposit .. arms|BODY|full|at|arm|maximum|maximal|max ?is|own length|reach|extent|stretch|distance|range",
         "put|push|move|place|set|shove|slide|send|carry|take|get|shift|transport|position THING .. end|edge|side|rear|border|rim|corner|limit",
@@ -33,6 +34,8 @@ pub(super) const PUT_FAR: RequestKind = RequestKind {
         "make THING ?be further|farther|far|more|distant|remote",
         "banish|remove THING",
         "away with THING",
+        "THING ?to ?could|should|must ?to =be|go|come|move|get|stay ?go|away ?even|much|a ?still ?bit|little|lot|long ?way far|farther|further|away|farthest|distant|miles|beyond",
+        "put|leave|get|have ?as ?much|more|some space|room|distance as|between",
     ],
     needs_body: true,
     needs_thing: true,
@@ -45,6 +48,7 @@ pub(super) const PUT_FAR: RequestKind = RequestKind {
 pub(super) const BRING_NEAR: RequestKind = RequestKind {
     told: &[
         "let THING come ?a ?bit|little closer|nearer|near|here",
+        "THING ?to ?could|should|must ?to =be|come|go|get|move ?a|much|even|rather|right|very ?bit|little|lot|up closer|nearer|near|close|here",
         "bring|pull|fetch|draw|drag|haul|tug|retrieve|recover|collect THING|SOME|them|me",
         "get THING|SOME ?over ?back ?right here|closer|nearer|near|back|to|toward|towards|in",
         "put|move|place|slide|shift|set|take|push|transport|scoot|nudge|reposition|carry|have|bring|pull|get ?THING|SOME ?a|as|right|very|all|over|up|even|much|bit|little|rather|back ?bit|little|lot|way|more|to near|nearer|close|closer|here|nearest|closest|toward|towards|adjacent|beside|inward|inwards|this",
@@ -54,7 +58,7 @@ pub(super) const BRING_NEAR: RequestKind = RequestKind {
         "like|want|need|have THING ?a ?bit|little|lot|much closer|nearer|near|here|close",
         "^ bring|pull|fetch|draw|drag|retrieve|haul $",
         "come ?back here|back|closer|nearer with THING",
-        "make THING ?come|be closer|nearer|near",
+        "make THING ?come|be closer|nearer|near|close",
         "^ ?over here $",
     ],
     needs_body: true,

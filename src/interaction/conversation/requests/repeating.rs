@@ -13,6 +13,8 @@ pub(super) const REPEAT: RequestKind = RequestKind {
         "one|another|a ?more|last|second|third more|time|try|go|attempt|shot|round",
         "do|try|attempt|perform ?THING|so|the|that ?same ?thing ?all|over again|over|anew|afresh",
         "do the same",
+        "do|try|see|have ?THING|SOME ?all ?over again",
+        "go again",
         "do THING ?one|once more",
         "another|one|have|give|make ?THING ?another|a|one ?more|second|last go|try|attempt|shot|crack|whirl",
         "same again|thing|procedure",

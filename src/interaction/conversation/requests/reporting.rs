@@ -26,7 +26,7 @@ pub(super) const REPORT: RequestKind = RequestKind {
         "what you do",
     ],
     past: &[
-        "THING|SOME go|work|happen|succeed|move|fall",
+        "THING|SOME go|work|happen|succeed|move|fall|fail",
         "you",
         "happen|occur",
         "^ ?so|and =did|=has|=had|=was THING|SOME|BODY",

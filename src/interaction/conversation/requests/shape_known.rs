@@ -18,6 +18,7 @@ pub(super) const HOW_BIG: RequestKind = RequestKind {
         "what do THING measure",
         "fit in|into ?one|your HAND|BODY",
         "how much space|room do|does THING",
+        "tiny|huge|big|small|large or",
     ],
     past: &["how big|large|small|wide|tall|long", "size"],
     ..RequestKind::new(
@@ -29,9 +30,11 @@ pub(super) const HOW_BIG: RequestKind = RequestKind {
 pub(super) const WHAT_SHAPE: RequestKind = RequestKind {
     told: &["describe THING|SOME|its"],
     asked: &[
+        "can|could|might|may THING be SOME",
         "THING be ?more|like|a round|square|flat|rectangular|spherical|cylindrical|cubic|curved|pointed|smooth|oval|angular|sphere|cylinder",
         "shape|shaped|form|outline|geometry|contour|contours|silhouette",
         "be|do THING|SOME ?seem|feel|look|have|got ?any|more|very|rather|quite|like|all|perfectly|to ?a|an|be ?be ?like round|square|flat|rectangular|spherical|cylindrical|cubic|curved|pointed|sharp|smooth|rough|hard|soft|angular|corners|edges|corner|edge|oval|sphere|cylinder|boxy|pointy|cubical|bumpy|elongated|hollow|conical|symmetric|symmetrical|sides|rounded",
+        "be THING roundish|squarish",
         "be|do THING|SOME ?seem|feel|look ?more ?like|to ?be a|an|SOME",
         "describe THING|SOME|its",
         "what ?kind|sort|type|manner ?of ?SOME|THING do|be THING|SOME ?look|feel|seem ?like|resemble $",
