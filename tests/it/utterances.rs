@@ -1,5 +1,6 @@
-//! What a partner may type, and what it is taken for, a line each: the words were found with `utterances.jsonl`, and mended
-//! with `utterances_more.jsonl`, written later. Nothing was made with `utterances_harder.jsonl`, of people who speak freely.
+//! What a partner may type, and what it is taken for, a line each, in `utterances/`: the words were found with `first.jsonl`,
+//! mended with `more.jsonl`, then with `freer.jsonl` and `registers.jsonl`, in which people speak freely. `unseen_2.jsonl` was
+//! written when all of that was done, and measured once before anything was mended by it.
 
 use std::collections::BTreeMap;
 
@@ -93,14 +94,59 @@ fn taken(files: &[&str]) -> (usize, usize) {
 
 #[test]
 fn utterances_are_taken_for_what_they_mean_and_none_moves_that_may_not() {
-    let (right, all) = taken(&["tests/it/utterances.jsonl", "tests/it/utterances_more.jsonl"]);
-    assert!(right * 100 >= all * 95, "{right} of {all}");
+    let (right, all) = taken(&["tests/it/utterances/first.jsonl", "tests/it/utterances/more.jsonl"]);
+    assert!(right * 100 >= all * 99, "{right} of {all}");
 }
 
 #[test]
-fn of_freer_utterances_three_in_four_are_understood_and_none_moves_that_may_not() {
-    let (right, all) = taken(&["tests/it/utterances_harder.jsonl"]);
-    assert!(right * 100 >= all * 75, "{right} of {all}");
+fn freer_utterances_are_taken_for_what_they_mean_and_none_moves_that_may_not() {
+    let (right, all) = taken(&["tests/it/utterances/freer.jsonl", "tests/it/utterances/registers.jsonl"]);
+    assert!(right * 100 >= all * 97, "{right} of {all}");
+}
+
+#[test]
+fn unseen_utterances_are_understood_as_often_as_was_measured_and_none_moves_that_may_not() {
+    let (right, all) = taken(&["tests/it/utterances/unseen_2.jsonl"]);
+    assert!(right * 1000 >= all * 850, "{right} of {all}");
+}
+
+/// Sentences that tell or ask of doing something, with `{}` where it stands, and ask nobody to do it.
+#[derive(Deserialize)]
+struct NotAskedFor {
+    to_do: Vec<String>,
+    done: Vec<String>,
+    doing: Vec<String>,
+}
+
+#[test]
+fn what_is_told_of_asked_or_imagined_never_moves() {
+    let text = std::fs::read_to_string(repository("tests/it/utterances/not_asked_for.json")).unwrap();
+    let sentences: NotAskedFor = serde_json::from_str(&text).unwrap();
+    let deeds = [
+        ["touch it", "touched it", "touching it"],
+        ["lift it", "lifted it", "lifting it"],
+        ["push it away", "pushed it away", "pushing it away"],
+        ["put it far away", "put it far away", "putting it far away"],
+        ["lean forward", "leaned forward", "leaning forward"],
+        ["touch your nose", "touched your nose", "touching your nose"],
+        ["bring it near", "brought it near", "bringing it near"],
+        ["let go of it", "let go of it", "letting go of it"],
+        ["search the table", "searched the table", "searching the table"],
+        ["pick it up", "picked it up", "picking it up"],
+        ["put it down", "put it down", "putting it down"],
+        ["rest", "rested", "resting"],
+    ];
+    for [to_do, done, doing] in deeds {
+        for (sentences, deed) in
+            [(&sentences.to_do, to_do), (&sentences.done, done), (&sentences.doing, doing)]
+        {
+            for sentence in sentences {
+                let said = sentence.replace("{}", deed);
+                let understood = understood(&said);
+                assert!(understood.leave.is_none(), "{said}: {understood:?}");
+            }
+        }
+    }
 }
 
 /// Ways to forbid what follows.
@@ -136,7 +182,7 @@ const FORBIDDING_DOING: [&str; 8] = [
 
 #[test]
 fn what_is_forbidden_never_moves() {
-    for example in examples("tests/it/utterances.jsonl").iter().filter(|example| example.may_move) {
+    for example in examples("tests/it/utterances/first.jsonl").iter().filter(|example| example.may_move) {
         for forbidding in FORBIDDING {
             for said in [
                 format!("{forbidding} {}", example.say),
@@ -181,7 +227,7 @@ fn salads(count: usize, seed: u64) -> Vec<String> {
         "you're",
         "may",
     ];
-    let all = examples("tests/it/utterances.jsonl");
+    let all = examples("tests/it/utterances/first.jsonl");
     let words: Vec<String> = all
         .iter()
         .flat_map(|example| example.say.split(|c: char| !c.is_alphanumeric() && c != '\''))

@@ -1,5 +1,7 @@
 //! The clauses of an utterance: each has a verb of its own, and a mood.
 
+use super::asking;
+use super::forbidding;
 use super::gist;
 use super::lexicon::Form;
 use super::mood::{self, Mood};
@@ -48,14 +50,14 @@ impl<'a> Clause<'a> {
         Clause { pieces, mood }
     }
 
-    /// Whether a sentence ends with it.
-    pub fn ends(&self) -> bool {
-        self.pieces.last().is_some_and(|last| last.word.mark >= Some(Mark::Stop))
+    /// The mark that it ends with.
+    pub fn mark(&self) -> Option<Mark> {
+        self.pieces.last().and_then(|last| last.word.mark)
     }
 
     /// Whether it tells something, and asks nothing: "you have done enough, …".
     pub fn tells(&self) -> bool {
-        matches!(self.mood, Mood::Past | Mood::Statement) && !mood::asks(&self.pieces)
+        matches!(self.mood, Mood::Past | Mood::Statement | Mood::Question) && !asking::asks(&self.pieces)
     }
 
     /// Whether it begins with a verb that cannot be of what was: "put" may be.
@@ -66,7 +68,7 @@ impl<'a> Clause<'a> {
 
     /// Whether it forbids something.
     pub fn forbids(&self) -> bool {
-        mood::forbids(&self.pieces)
+        forbidding::forbids(&self.pieces)
     }
 
     fn says(&self, patterns: &[&str]) -> bool {
@@ -87,7 +89,7 @@ impl<'a> Clause<'a> {
         let (told, asked, past) =
             (|| first(|kind| kind.told), || first(|kind| kind.asked), || first(|kind| kind.past));
         match self.mood {
-            Mood::Command | Mood::Polite => told().or_else(asked).or_else(|| gist::told(&self.pieces)),
+            Mood::Command | Mood::Polite => told().or_else(|| gist::told(&self.pieces)).or_else(asked),
             Mood::Search => asked().filter(|intent| *intent == Intent::HowMany).or(Some(Intent::Explore)),
             Mood::Question => asked().or_else(|| told().filter(|_| self.echoes())),
             Mood::Past => past(),

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use super::synonyms::{ALIKE, SYNONYMS};
 use super::words::Word;
 
 /// A verb's form.
@@ -47,60 +48,10 @@ const REGULAR: &str = "watch touch reach tap poke contact stroke pat explore sea
     whack knock study recognise recognize assist introduce summarise summarize recap chill unwind incline unbend \
     suggest propose recommend advise urge invite require encourage promise agree prefer appreciate enjoy please suit \
     trouble bother beg persuade order command request instruct deserve dislike hate loathe mind pretend imagine suppose \
-    fancy yield budge stir twitch wriggle shield protect guard";
-
-/// Words that mean what another does here, verbs first; they are taken for it.
-const SYNONYMS: &[(&str, &str)] = &[
-    ("pull", "reel lug tow yank winch"),
-    ("push", "thrust ram propel shunt"),
-    ("lift", "hike upraise uplift"),
-    ("grab", "nab snag grapple cradle"),
-    ("touch", "graze dab"),
-    ("poke", "jab"),
-    ("stroke", "caress fondle pet nuzzle"),
-    ("rub", "knead"),
-    ("search", "forage ransack scrounge"),
-    ("examine", "scrutinise scrutinize appraise assess"),
-    ("avoid", "shun sidestep bypass"),
-    ("describe", "depict portray characterise characterize"),
-    ("tell", "notify enlighten"),
-    ("relax", "chill laze lounge"),
-    ("repeat", "replay reiterate"),
-    ("put", "stick stash shelve"),
-];
-/// The same of words that do not bend.
-const ALIKE: &[(&str, &str)] = &[
-    ("table", "worktop countertop counter bench"),
-    ("thing", "doohickey doodad widget contraption gizmo whatchamacallit thingummy"),
-    ("way", "path trajectory"),
-    ("centimetres", "cms centimetre centimeter cm"),
-    ("big", "sizeable sizable massive enormous gigantic hefty"),
-    ("small", "teeny teensy petite miniature minuscule"),
-    ("bit", "wee smidgen tad touchy"),
-    ("upright", "vertically"),
-    ("belly", "tum stomach's"),
-    ("boy", "lad girl chap fellow lass gal"),
-    ("should", "shud"),
-    ("would", "wud"),
-    ("could", "cud"),
-    ("lean", "leant"),
-    ("please", "plese plse plis prithee"),
-    ("love", "luv"),
-    ("something", "sth smth sumthing sumthin somethin owt summat"),
-    ("anything", "anythin"),
-    ("nothing", "nowt nothin nuthin"),
-    ("where", "whr"),
-    ("give", "giv"),
-    ("have", "hav"),
-    ("your", "yer yr"),
-    ("little", "lil"),
-    ("good", "gud"),
-    ("again", "agen agin"),
-    ("far", "faraway"),
-    ("until", "till til"),
-    ("exactly", "abouts"),
-];
-
+    abort cancel change clutch collect conclude decrease defend delete determine dismiss discard disregard \
+    encounter enlarge erect establish exchange fidget figure glide hug ignore increase maximise maximize minimise minimize obey \
+    perceive perform purge reduce relocate resemble scrub snatch shorten slap slip stumble swap switch swipe terminate tidy \
+    unclasp uncover ungrip unlearn unload wander widen wipe fancy yield budge stir twitch wriggle shield protect guard";
 /// Verbs that do not: base, past, participle.
 const IRREGULAR: &[[&str; 3]] = &[
     ["be", "was", "been"],
@@ -154,17 +105,20 @@ const IRREGULAR: &[[&str; 3]] = &[
     ["draw", "drew", "drawn"],
     ["bend", "bent", "bent"],
     ["stick", "stuck", "stuck"],
+    ["lose", "lost", "lost"],
+    ["speak", "spoke", "spoken"],
+    ["hear", "heard", "heard"],
+    ["sink", "sank", "sunk"],
+    ["rise", "rose", "risen"],
     ["steer", "steered", "steered"],
 ];
-
 /// Verbs of one stressed syllable whose last letter doubles.
 const DOUBLING: &[&str] = &[
     "put", "set", "let", "hit", "get", "sit", "tap", "pat", "grab", "stop", "drop", "forget", "begin",
     "prod", "scan", "quit", "shut", "cut", "run", "hug", "forbid", "ban", "grip", "bar", "rub", "nod",
     "step", "permit", "tug", "jab", "dab", "nab", "snag", "lug", "ram", "hug", "shun", "pet", "pop", "recap",
-    "beg", "prefer", "stir",
+    "beg", "prefer", "stir", "slap", "slip", "swap", "ungrip", "scrub", "hug",
 ];
-
 /// Words that bend not, or whose forms are words of their own.
 const OTHERS: &str = "whatever whoever whichever i me my mine myself you your yours yourself he him his she her it its itself we us our they them their \
     this that these those there here one ones another other others both each every all any some none no not nothing \
@@ -214,7 +168,7 @@ const OTHERS: &str = "whatever whoever whichever i me my mine myself you your yo
     fair roughly approximately precise precisely currently presently meanwhile anymore such \
     contactless possession comfortable comfortably safe safely \
     maximum max minimum utmost extreme incoming \
-    two-handed handed air path boy mug people person corner lap";
+    two-handed handed curious detail details air path boy mug people person corner lap";
 
 /// What is known of words.
 pub struct Lexicon {

@@ -5,27 +5,37 @@
 //!                                                                                            └──▶ leave to move
 //! ```
 
+mod asking;
 mod body_names;
 mod clauses;
+mod courtesies;
+mod fillers;
+mod forbidding;
 mod frames;
 mod gist;
 mod idioms;
+mod leave;
 mod lexicon;
+mod light_verbs;
 mod mood;
+mod noun_phrases;
 mod patterns;
 mod slots;
 mod spelling;
+mod synonyms;
 mod words;
 
 pub use body_names::PartName;
 pub(in crate::interaction) use body_names::{name_words, own_names, patch_name};
-pub use mood::{Leave, Mood};
+pub use leave::Leave;
+pub use mood::Mood;
 pub use slots::{HandName, Which};
 
 use self::body_names::BodyNames;
 use self::clauses::Clause;
 use self::lexicon::Lexicon;
 use self::slots::{Piece, Sense};
+use self::words::Mark;
 use super::requests::{Intent, REQUESTS, STILL};
 use crate::peripersonal::OwnBody;
 
@@ -88,9 +98,12 @@ impl Language {
     fn with(names: BodyNames) -> Language {
         let patterns = REQUESTS.iter().flat_map(|(_, kind)| kind.patterns()).flat_map(patterns::words);
         let still = STILL.iter().copied().flat_map(patterns::words);
-        let frames =
-            frames::patterns().flat_map(patterns::words).chain(patterns::good_words()).chain(idioms::words());
-        let mut words: Vec<&str> = patterns.chain(still).chain(frames).chain(slots::words()).collect();
+        let frames = courtesies::patterns()
+            .flat_map(patterns::words)
+            .chain(patterns::good_words())
+            .chain(idioms::words());
+        let words = patterns.chain(still).chain(frames).chain(fillers::words());
+        let mut words: Vec<&str> = words.chain(noun_phrases::words()).collect();
         words.extend(names.words());
         let lexicon = Lexicon::new(words);
         Language { lexicon, names }
@@ -103,7 +116,7 @@ impl Language {
         let clauses = clauses::of(&pieces);
         // Across clauses as well: "anything but …".
         let said: Vec<&Piece> = pieces.iter().filter(|piece| piece.sense != Sense::Filler).collect();
-        let forbids = clauses.iter().any(Clause::forbids) || mood::forbids(&said);
+        let forbids = clauses.iter().any(Clause::forbids) || forbidding::forbids(&said);
         let unknown: Vec<String> = pieces
             .iter()
             .filter(|piece| piece.sense == Sense::Word && !piece.word.known)
@@ -169,11 +182,11 @@ impl Language {
         let wanted = found.iter().copied().find(told).or(wanted);
         // "Where is it? Touch it!": a sentence of its own that tells to do something.
         let doing = |(intent, k): &(Intent, usize)| {
-            intent.moves()
-                && *k > 0
-                && (clauses[k - 1].ends()
-                    || (clauses[*k].commands_now() && clauses[..*k].iter().all(Clause::tells)))
-                && matches!(clauses[*k].mood, Mood::Command | Mood::Polite)
+            let before = k.checked_sub(1).and_then(|before| clauses[before].mark());
+            let goes_on =
+                before.is_some() && clauses[*k].commands_now() && clauses[..*k].iter().all(Clause::tells);
+            let told = matches!(clauses[*k].mood, Mood::Command | Mood::Polite);
+            intent.moves() && told && (before >= Some(Mark::Stop) || goes_on)
         };
         let asked =
             wanted.filter(|(_, k)| matches!(clauses[*k].mood, Mood::Question | Mood::Statement | Mood::Past));

@@ -1,7 +1,7 @@
 //! Patterns of words, by which requests say what means them, and frames how they are asked for.
 //!
 //! A pattern is a row of words in their dictionary form. `a|b` is either; `?a` may be missing; `..` is any number of words;
-//! `^` and `$` are the ends of the clause. `=touching` is the very form. `THING` is one that is known ("it", "the left
+//! `^` and `$` are the ends of the clause; `!a|b` where neither follows. `=touching` is the very form. `THING` is one that is known ("it", "the left
 //! one"), `SOME` one that is not ("something", "an object"), `HAND` a hand of its own, `PART` any other part of its body,
 //! `BODY` either. `VERB` is any verb as it is told, `PAST` as of what was, `DOING` its gerund; `GOOD` is what pleases, `ANY`
 //! any word.
@@ -35,6 +35,10 @@ fn behind(pieces: &[&Piece], tokens: &[&str]) -> Option<usize> {
     let Some((token, rest)) = tokens.split_first() else { return Some(pieces.len()) };
     match *token {
         "$" => pieces.is_empty().then_some(0),
+        token if token.starts_with('!') => {
+            let none = pieces.iter().all(|piece| !is(piece, &token[1..]));
+            none.then(|| behind(pieces, rest)).flatten()
+        }
         ".." => (0..=pieces.len()).find_map(|k| behind(&pieces[k..], rest)),
         token => {
             let (optional, token) = token.strip_prefix('?').map_or((false, token), |token| (true, token));
@@ -60,15 +64,15 @@ fn is(piece: &Piece, token: &str) -> bool {
         "GOOD" => GOOD.split_whitespace().any(|good| piece.word.lemma == good),
         "ANY" => piece.sense == Sense::Word,
         word => match word.strip_prefix('=') {
-            Some(form) => piece.word.text == form,
-            None => piece.words.len() == 1 && piece.word.lemma == word,
+            Some(form) => piece.words.len() == 1 && piece.word.text == form,
+            None => piece.words.len() == 1 && (piece.word.lemma == word || piece.word.text == word),
         },
     })
 }
 
 /// The words of a pattern that are words.
 pub(super) fn words(pattern: &str) -> impl Iterator<Item = &str> {
-    let tokens = pattern.split_whitespace().flat_map(|token| token.trim_start_matches('?').split('|'));
+    let tokens = pattern.split_whitespace().flat_map(|token| token.trim_start_matches(['?', '!']).split('|'));
     let tokens = tokens.map(|word| word.trim_start_matches('='));
     tokens
         .filter(|word| word.chars().all(|c| c.is_ascii_lowercase() || c.is_ascii_digit()) && !word.is_empty())

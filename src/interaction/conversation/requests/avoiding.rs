@@ -26,6 +26,7 @@ pub(super) const AVOID: RequestKind = RequestKind {
         "protect|defend|save|guard|shield yourself|BODY",
         "get out ?of ?there|here $",
         "^ move $",
+        "^ move|step|jump|get back $",
         "SOME|THING be ?=coming|=approaching|=flying|=heading ?straight|right at|toward|towards|for|your ?you|PART|way",
         "SOME|THING =coming|=approaching",
         "let THING|SOME pass",

@@ -26,6 +26,8 @@ pub(super) const HOW_MANY: RequestKind = RequestKind {
         "one|two|three|four or",
         "how many",
         "more than one|two",
+        "just|only one",
+        "just|only one",
         "count|tally",
         "what number",
         "number of",

@@ -32,6 +32,7 @@ pub(super) const HELP: RequestKind = RequestKind {
         "your abilities|skills|commands|capabilities|options|instructions|talents|functions|features|repertoire",
         "what should|shall|must|might|can i|we ask|say|do|tell|type|request|try|want",
         "what be possible",
+        "what be my|the options|choices|possibilities",
         "what can|may be done|asked|said",
         "what|which kind|sort|sorts|kinds|type|types of requests|commands|tasks|requests|SOME can|could|do you|i",
         "do you need|have ?any|a instructions|manual",
@@ -46,6 +47,7 @@ pub(super) const HELP: RequestKind = RequestKind {
     said: &[
         "^ help",
         "^ i need|want .. help|assistance",
+        "^ i could|can use ?some help",
         "^ how do|does this|THING|it work",
         "^ i be stuck|lost|confused",
         "^ i do not know what|how to",

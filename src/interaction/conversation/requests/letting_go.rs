@@ -8,7 +8,9 @@ pub(super) const LET_GO: RequestKind = RequestKind {
     told: &[
         "leave THING on",
         "let ?THING|SOME|it go|loose|fall|drop|off|slip",
-        "release|drop|unhand|relinquish|free|unclasp|ungrip THING|SOME|the|your|HAND|it|them",
+        "release|drop|unhand|relinquish|free|unclasp|ungrip THING|SOME|the|your|it|them",
+        "release|relinquish|free|unclasp|ungrip HAND",
+        "^ ungrip|unclasp $",
         "^ release|drop ?now $",
         "put|set|lay|place|lower|sit|stand|rest THING|SOME ?back ?right down|gently",
         "put|set|lay|place|lower|stand down|back THING|SOME",

@@ -49,10 +49,10 @@ pub(super) const BRING_NEAR: RequestKind = RequestKind {
     told: &[
         "let THING come ?a ?bit|little closer|nearer|near|here",
         "THING ?to ?could|should|must ?to =be|come|go|get|move ?a|much|even|rather|right|very ?bit|little|lot|up closer|nearer|near|close|here",
-        "bring|pull|fetch|draw|drag|haul|tug|retrieve|recover|collect THING|SOME|them|me",
+        "bring|pull|fetch|draw|drag|haul|tug|retrieve|recover|collect !far|farther|farthest|further|furthest|away|off THING|SOME|them|me",
         "get THING|SOME ?over ?back ?right here|closer|nearer|near|back|to|toward|towards|in",
-        "put|move|place|slide|shift|set|take|push|transport|scoot|nudge|reposition|carry|have|bring|pull|get ?THING|SOME ?a|as|right|very|all|over|up|even|much|bit|little|rather|back ?bit|little|lot|way|more|to near|nearer|close|closer|here|nearest|closest|toward|towards|adjacent|beside|inward|inwards|this",
-        "put|move|place|slide|shift|set|take|push|carry THING|SOME ?back|right|up|over|close|in|just ?right|front|close|back ?of to|toward|towards|by|near|beside|next|before|against|into|in ?front ?of ?your|to ?own you|me|yourself|PART|here|body|lap|self",
+        "put|move|place|slide|shift|set|take|push|transport|scoot|nudge|reposition|carry|have|bring|pull|get !far|opposite|other ?THING|SOME ?a|as|right|very|all|over|up|even|much|bit|little|rather|back ?bit|little|lot|way|more|to near|nearer|close|closer|here|nearest|closest|toward|towards|adjacent|beside|inward|inwards|this",
+        "put|move|place|slide|shift|set|take|push|carry !far|opposite|other THING|SOME ?back|right|up|over|close|in|just ?right|front|close|back ?of to|toward|towards|by|near|beside|next|before|against|into|in ?front ?of ?your|to ?own you|me|yourself|PART|here|body|lap|self",
         "^ ?a|much|even|still ?bit|little|lot closer|nearer|near",
         "reduce|decrease|shorten|close|narrow|lessen|minimise|minimize|shrink|cut ?the|its|your distance|gap|space|separation",
         "like|want|need|have THING ?a ?bit|little|lot|much closer|nearer|near|here|close",

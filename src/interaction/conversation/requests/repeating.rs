@@ -13,6 +13,7 @@ pub(super) const REPEAT: RequestKind = RequestKind {
         "one|another|a ?more|last|second|third more|time|try|go|attempt|shot|round",
         "do|try|attempt|perform ?THING|so|the|that ?same ?thing ?all|over again|over|anew|afresh",
         "do the same",
+        "have|take|give ?THING ?a second|third|another|further go|try|attempt|shot",
         "do|try|see|have ?THING|SOME ?all ?over again",
         "go again",
         "do THING ?one|once more",

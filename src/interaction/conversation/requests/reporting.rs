@@ -24,8 +24,13 @@ pub(super) const REPORT: RequestKind = RequestKind {
         "^ any luck|success|progress|news",
         "success|successful",
         "what you do",
+        "what be the result|outcome|upshot",
+        "what =went|=goes wrong|well|right|amiss",
     ],
     past: &[
+        "what ?be the result|outcome|upshot",
+        "how many|often ?THING times .. you",
+        "what =went",
         "THING|SOME go|work|happen|succeed|move|fall|fail",
         "you",
         "happen|occur",

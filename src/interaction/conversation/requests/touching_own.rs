@@ -24,6 +24,7 @@ pub(super) const TOUCH_OWN: RequestKind = RequestKind {
         "get|take|catch|have|lay|keep|grab hold of BODY",
         "^ HAND to|onto|on|against|at BODY",
         "^ HAND ?and PART $",
+        "^ PART with ?your HAND $",
         "HAND ?should|must|be|go ?be|go on|onto|to|against BODY $",
         "^ PART touch|tap|poke|rub|scratch $",
         "PART .. HAND on|to|onto|at PART",

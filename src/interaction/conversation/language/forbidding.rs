@@ -1,0 +1,110 @@
+//! What forbids: "don't", "no lifting", "leave it alone", "the last thing I want".
+
+use super::asking::{ASKING, HELPING, SUBJECTS, ability, asked_of};
+use super::lexicon::Form;
+use super::mood::leads_in;
+use super::patterns::has;
+use super::slots::Piece;
+use super::words::Mark;
+
+/// What forbids, wherever it stands.
+const FORBIDDING: &[&str] = &[
+    "not",
+    "never",
+    "without",
+    "refrain",
+    "cease",
+    "forbid|prohibit|ban",
+    "nothing",
+    "neither",
+    "nor",
+    "abstain|desist",
+    "prevent",
+    "unless",
+    "instead of",
+    "rather than",
+    "avoid|stop|quit|skip ING",
+    "stop|quit|cease ?with ?the ING",
+    "leave THING|SOME|BODY alone|be",
+    "leave off",
+    "HAND off",
+    "no ING",
+    "no more",
+    "no touch|push|lean|move|lift|reach|contact",
+    "keep HAND off|away|from|to",
+    "hold off|back from|ING",
+    "keep|stay off",
+    "keep from",
+    "from ING",
+    "forget ?about ING",
+    "i|we would ?really ?absolutely hate|dislike|loathe|resent|mind|object",
+    "left THING|BODY alone|be",
+    "terrible|awful|horrible|bad|wrong|rude|angry|upset|unhappy|annoyed|shame|pity|unwise|dangerous|foolish if|to|for",
+    "anything but",
+    "under no",
+    "by no means",
+    "on no account",
+    "no need",
+    "no longer",
+    "nobody|none",
+    "far from ING",
+    "beware of",
+    "taboo",
+    "last thing",
+    "bad idea",
+    "no !pause",
+];
+
+/// Whether pieces forbid something.
+pub(super) fn forbids(pieces: &[&Piece]) -> bool {
+    let last =
+        |pair: &[&Piece]| pair[0].words.iter().any(|word| word == "last") && pair[1].word.is(&["i", "we"]);
+    // "The last thing I want is …".
+    if pieces.windows(2).any(last) {
+        return true;
+    }
+    if negative_question(pieces)
+        || has(pieces, "^ i|we do|can|could not know|remember|recall|see|tell|understand|feel|get")
+    {
+        return false;
+    }
+    let stripped: Vec<&Piece> = pieces.iter().copied().skip_while(|piece| leads_in(piece)).collect();
+    if !has(pieces, "not|never|no") && has(pieces, "without") && (ability(&stripped) || asked_of(&stripped)) {
+        return false;
+    }
+    FORBIDDING.iter().any(|pattern| forbidden_by(pieces, pattern))
+}
+
+fn forbidden_by(pieces: &[&Piece], pattern: &str) -> bool {
+    if pattern == "no !pause" {
+        // "No, …" answers; "no lifting" and "no …" otherwise forbid.
+        return pieces.iter().enumerate().any(|(k, piece)| {
+            piece.word.is(&["no"])
+                && piece.word.mark.is_none()
+                && k + 1 < pieces.len()
+                && !pieces[k + 1].word.is(&["problem", "thanks", "worry"])
+        });
+    }
+    if !pattern.contains("ING") || pattern.contains("THING") {
+        return has(pieces, pattern);
+    }
+    // ING is any verb of that form.
+    let ing = |piece: &&&Piece| piece.word.form == Form::Ing;
+    pieces.iter().filter(ing).any(|piece| {
+        let concrete = pattern.replace("ING", &format!("={}", piece.word.text));
+        has(pieces, &concrete)
+    })
+}
+
+/// "Isn't it …", "haven't you …": asks, and forbids nothing; "don't you touch it" does.
+fn negative_question(pieces: &[&Piece]) -> bool {
+    let [first, second, third, ..] = pieces else { return false };
+    let asks = pieces.iter().any(|piece| piece.word.mark == Some(Mark::Question));
+    let inverted = first.word.is(HELPING) && second.word.is(&["not"]) && third.word.is(SUBJECTS);
+    let emphatic = first.word.text == "do" && !asks;
+    let why = first.word.is(&["why"]);
+    let whether = first.word.is(ASKING)
+        || first.word.is(HELPING)
+        || (first.word.is(&["so", "and"]) && second.word.is(HELPING));
+    (inverted && !emphatic) || (why && asks) || (whether && has(pieces, "or not $"))
+}
