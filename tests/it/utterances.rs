@@ -95,19 +95,19 @@ fn taken(files: &[&str]) -> (usize, usize) {
 #[test]
 fn utterances_are_taken_for_what_they_mean_and_none_moves_that_may_not() {
     let (right, all) = taken(&["tests/it/utterances/first.jsonl", "tests/it/utterances/more.jsonl"]);
-    assert!(right * 100 >= all * 99, "{right} of {all}");
+    assert!(right * 1000 >= all * 994, "{right} of {all}");
 }
 
 #[test]
 fn freer_utterances_are_taken_for_what_they_mean_and_none_moves_that_may_not() {
     let (right, all) = taken(&["tests/it/utterances/freer.jsonl", "tests/it/utterances/registers.jsonl"]);
-    assert!(right * 100 >= all * 97, "{right} of {all}");
+    assert!(right * 1000 >= all * 975, "{right} of {all}");
 }
 
 #[test]
 fn unseen_utterances_are_understood_as_often_as_was_measured_and_none_moves_that_may_not() {
     let (right, all) = taken(&["tests/it/utterances/unseen_2.jsonl"]);
-    assert!(right * 1000 >= all * 850, "{right} of {all}");
+    assert!(right * 1000 >= all * 899, "{right} of {all}");
 }
 
 /// Sentences that tell or ask of doing something, with `{}` where it stands, and ask nobody to do it.

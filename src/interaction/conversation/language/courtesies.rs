@@ -26,7 +26,7 @@ pub(super) const IF: &[&str] = &[
 ];
 /// What somebody wants …
 pub(super) const WANTING: &[&str] = &[
-    "i|we ?will|would|must|do|be|have|shall ?only|to =want|=wanting|=need|=needing|=like|=love|=wish|=wishing|=ask|=asking|=beg|=begging|=prefer|=order|=ordering|=command|=urge|=urging|=request|=requesting|=expect|=expecting|=require|=advise|=invite|=recommend|=suggest|=suggesting|=propose|=implore|=encourage|=direct|=instruct|=hope|=hoping|=desire",
+    "i|we ?will|would|should|must|do|be|have|shall ?only|to =want|=wanting|=need|=needing|=like|=love|=wish|=wishing|=ask|=asking|=beg|=begging|=prefer|=order|=ordering|=command|=urge|=urging|=request|=requesting|=expect|=expecting|=require|=advise|=invite|=recommend|=suggest|=suggesting|=propose|=implore|=encourage|=direct|=instruct|=hope|=hoping|=desire",
 ];
 /// … and what goes on from there.
 pub(super) const OF_YOU: &[&str] = &[
@@ -37,8 +37,12 @@ pub(super) const OF_YOU: &[&str] = &[
     "to see|have|watch|get you ?to VERB|DOING",
 ];
 /// The same of what is to be somewhere else.
-pub(super) const WANTING_THERE: &[&str] =
-    &["let us|me have", "i|we would be GOOD with", "THING would ?be ?help|GOOD to have|get"];
+pub(super) const WANTING_THERE: &[&str] = &[
+    "let us|me have",
+    "i|we would be GOOD with",
+    "THING would ?be ?help|GOOD to have|get",
+    "what i|we ?would want|need|like be",
+];
 /// What somebody wants to be somewhere else; the rest tells where.
 pub(super) const ELSEWHERE: &str = "THING|SOME|BODY|you ?to ?be ?a ?very|much|right|all|as|even|still ?bit|little|lot|back|way ?more up|down|back|far|farther|further|farthest|away|off|near|nearer|close|closer|closest|nearest|in|on|at|over|here|out|beside|against|between|forward|upright|straight|toward|towards|high|higher|low|lower|aside";
 /// What is wanted to be done to something, whoever does it; the thing is the last but what is to be done.
@@ -55,7 +59,7 @@ pub(super) const IF_ALONE: &str = "if you could|would VERB";
 pub(super) const TOLD: &[&str] = &[
     "i be =hoping|=thinking|=wondering ?if|whether ?that you could|would|might|should|can VERB",
     "i =was hope|think|wonder ?if|whether ?that you could|would|might|should|can VERB",
-    "you should|could|might|must|can|may|shall|would|will ?well ?as ?well VERB",
+    "you should|could|might|must|can|may|shall ?well ?as ?well VERB",
     "you ought|need|have ?now to VERB",
     "you had|would|should better VERB",
     "i ?do|must|would think|guess|believe|reckon|say|feel ?that you should|could|might|must|can ?well ?as ?well VERB",
@@ -72,7 +76,7 @@ pub(super) const TOLD: &[&str] = &[
     "?now ?THING be time to get DOING",
     "your|the ?next|first|new task|job|mission|goal|turn|aim be ?now|to ?to VERB",
     "?and ?now what|all ?that ?i|you|we ?would|all ?do|have|need|be|want|like|need ?now|to|you|from ?to|you ?do|want be ?that|for ?you ?to VERB",
-    "i|we permit|allow|trust|challenge|dare|let you ?to VERB",
+    "i|we permit|allow|trust|challenge|dare you ?to VERB",
     "let us|me ?now see|watch|have|try ?you VERB|DOING",
     "let us VERB",
     "THING|BODY need|want|require|deserve|could|do ?with DOING",
@@ -88,6 +92,8 @@ pub(super) const TOLD: &[&str] = &[
     "see|attend to THING ?that ?you ?to VERB",
     "try|attempt|remember|endeavour|endeavor|aim|strive|manage to|and VERB",
     "try|attempt DOING",
+    "i suggest|propose|recommend ?for a|another ?ANY VERB",
+    "you could ?really do with a ?ANY VERB",
     "show ?me ?THING|SOME by DOING",
     "feel free|welcome to VERB",
     "not be shy|afraid|scared|bashful|timid|lazy|silly|daft|nervous|worried ?and|to|now VERB",
@@ -107,10 +113,12 @@ pub(super) const ASKED: &[&str] = &[
     "why not VERB",
     "will|would not you VERB",
     "can|could|may|might i|we ?possibly ?ask|trouble|bother|beg|get|have|persuade|tempt|convince|request|invite you ?to|for VERB|DOING",
-    "can|could|may|might i|we suggest|propose|recommend ?that you VERB",
+    "can|could|may|might i|we suggest|propose|recommend|request|ask ?that you VERB",
     "do|would|will|can|could you ?possibly mind|consider|fancy|try|contemplate|start|begin ?perhaps ?DOING DOING",
     "would|will|could|can you be ?so|very|a ?GOOD ?ANY ?ANY as|and|enough|to ?to VERB",
     "would|will you be willing|inclined|prepared|ready|up|open|happy|glad ?for ?to VERB|DOING",
+    "would THING trouble|bother|kill you ?too ?much to VERB",
+    "how|what about a|another ?ANY VERB",
     "would|will you care|agree|kindly to VERB",
     "might|may i|we ask that you VERB",
     "i wonder ?if|whether you could|would|might|can VERB",

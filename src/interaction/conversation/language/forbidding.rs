@@ -27,6 +27,7 @@ const FORBIDDING: &[&str] = &[
     "stop|quit|cease ?with ?the ING",
     "leave THING|SOME|BODY alone|be",
     "leave off",
+    "let THING be $",
     "HAND off",
     "no ING",
     "no more",

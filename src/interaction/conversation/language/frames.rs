@@ -72,118 +72,142 @@ fn telling_from(pieces: &[Piece], k: usize) -> Vec<usize> {
     places
 }
 
-/// Takes a frame off the clause that begins at a piece; where the next may begin.
+/// Takes a frame off the clause that begins at a piece, and tells where the next may begin; without one, says plainly
+/// what is wanted of a thing.
 fn unframe(pieces: &mut Vec<Piece>, k: usize, lexicon: &Lexicon) -> Option<usize> {
     let places = telling_from(pieces, k);
-    let said: Vec<&Piece> = places.iter().map(|&place| &pieces[place]).collect();
-    let asks = said.last().is_some_and(|last| last.word.mark == Some(Mark::Question));
+    if places.is_empty() {
+        return None;
+    }
+    let next = take_frame(pieces, &places, lexicon);
+    if next.is_none() {
+        let _ = say_actively(pieces, &places, lexicon)
+            || say_where(pieces, &places, lexicon)
+            || say_by_verb(pieces, &places, lexicon);
+    }
+    next
+}
+
+/// The pieces at some places.
+fn at<'a>(pieces: &'a [Piece], places: &[usize]) -> Vec<&'a Piece> {
+    places.iter().map(|&place| &pieces[place]).collect()
+}
+
+/// Whether a sentence ends with a question mark.
+fn asks(said: &[&Piece]) -> bool {
+    said.last().is_some_and(|last| last.word.mark == Some(Mark::Question))
+}
+
+/// Takes a frame off what stands at some places, and tells where the next may begin.
+fn take_frame(pieces: &mut Vec<Piece>, places: &[usize], lexicon: &Lexicon) -> Option<usize> {
+    let said = at(pieces, places);
     let skipped = BEFORE.iter().find_map(|before| length(&said, before)).unwrap_or(0);
-    for from in if skipped > 0 { vec![0, skipped] } else { vec![0] } {
-        let said = &said[from..];
-        let Some((taken, polite)) = frame(said, asks && from == 0) else { continue };
-        let verb = said[taken - 1];
-        let able = said[..taken].iter().any(|piece| piece.word.is(&["can", "could", "able"]));
-        // "If only you could": a sigh.
-        if pieces[places[from]..places[from + taken - 1]].iter().any(|piece| piece.word.is(&["only"])) {
-            continue;
-        }
-        // "You could have touched it"; but "have a rest" is none.
-        let perfect = verb.word.is(&["have"])
-            && places.get(from + taken).is_some_and(|&next| {
-                next == places[from + taken - 1] + 1
-                    && pieces[next].sense == Sense::Word
-                    && matches!(pieces[next].word.form, Form::Past | Form::BaseOrPast | Form::Base)
-            });
-        let frame = &said[..taken - 1];
-        let was = frame
-            .iter()
-            .any(|piece| ["was", "were", "had", "did", "been"].contains(&piece.word.text.as_str()))
-            && !PAST_BUT_POLITE.iter().any(|past| has(frame, past));
-        let unsure = polite
-            && said[0].word.is(&["i"])
-            && places[from]
-                .checked_sub(1)
-                .is_some_and(|before| pieces[before].word.is(&["maybe", "perhaps", "possibly"]));
-        if was || unsure || perfect || (able && verb.word.is(STATES)) {
-            continue;
-        }
-        let word = lexicon.told(&verb.word);
-        let subject =
-            said[..taken - 1].iter().rposition(|piece| piece.is_body() || piece.sense == Sense::Thing);
-        // "If your hand touched it", "I want it to come": who does it is told of; "it would be nice" is not.
-        let kept = subject.filter(|&subject| subject > 0 && polite);
-        let (first, verb_at) = (places[from], places[from + taken - 1]);
-        let kept = kept.map(|kept| places[from + kept]);
-        pieces[verb_at].word = word;
-        pieces[verb_at].requested = true;
-        let mut place = 0;
-        pieces.retain(|piece| {
-            let gone =
-                place >= first && place < verb_at && Some(place) != kept && piece.sense != Sense::Filler;
-            place += 1;
-            !gone
-        });
-        if kept.is_some()
-            && let Some(subject) = pieces.get_mut(first)
-        {
-            subject.requested = true;
-        }
-        return Some(first);
-    }
-    let done = DONE
-        .iter()
-        .find_map(|done| length(&said, done))
-        .filter(|_| !asks || said[0].word.is(&["can", "could"]));
-    if let Some(taken) = done
-        && let Some(object) = said[..taken]
-            .iter()
-            .rposition(|piece| piece.is_body() || matches!(piece.sense, Sense::Thing | Sense::Some))
-        && !said[taken - 1].word.is(&["be", "have"])
-    {
-        // "I want it lifted": lift it.
-        let (first, object, verb_at) = (places[0], places[object], places[taken - 1]);
-        let object = Piece {
-            word: Word { mark: pieces[verb_at].word.mark, ..pieces[object].word.clone() },
-            ..pieces[object].clone()
-        };
-        let mut verb = pieces[verb_at].clone();
-        verb.word = Word { mark: None, ..lexicon.told(&verb.word) };
-        verb.requested = true;
-        pieces.splice(first..=verb_at, [verb, object]);
-        return None;
-    }
-    if !asks && let Some(taken) = elsewhere(&said) {
-        // "I would like it nearer": put it nearer, or be it there thyself.
-        let [put, you] = ["put", "yourself"].map(|text| lexicon.word(text));
-        let own = said[taken].word.text == "you";
-        let (first, object) = (places[0], places[taken]);
-        let mut verb = pieces[first].clone();
-        verb.word = if own { lexicon.word("move") } else { put };
-        (verb.sense, verb.requested) = (Sense::Word, true);
-        verb.words = vec![verb.word.text.clone()];
-        if own {
-            pieces[object].word = Word { mark: pieces[object].word.mark, ..you };
-            pieces[object].words = vec!["yourself".into()];
-        }
-        pieces.splice(first..object, [verb]);
-        return None;
-    }
-    let rest = light_verbs::action(&said).map(|(verb, object, taken)| {
-        let mut verb = verb.clone();
-        verb.requested = said[0].requested;
-        let object: Vec<Piece> = object.into_iter().cloned().collect();
-        (verb, object, taken)
+    let begins = if skipped > 0 { vec![0, skipped] } else { vec![0] };
+    let (from, taken, polite) = begins.into_iter().find_map(|from| {
+        let (taken, polite) = frame(&said[from..], asks(&said) && from == 0)?;
+        wants(pieces, &places[from..], taken, polite).then_some((from, taken, polite))
+    })?;
+    let subject =
+        said[from..from + taken - 1].iter().rposition(|piece| piece.is_body() || piece.sense == Sense::Thing);
+    // "If your hand touched it", "I want it to come": who does it is told of; "it would be nice" is not.
+    let kept = subject.filter(|&subject| subject > 0 && polite).map(|kept| places[from + kept]);
+    let (first, verb) = (places[from], places[from + taken - 1]);
+    pieces[verb].word = lexicon.told(&pieces[verb].word);
+    pieces[verb].requested = true;
+    let mut place = 0;
+    pieces.retain(|piece| {
+        let gone = place >= first && place < verb && Some(place) != kept && piece.sense != Sense::Filler;
+        place += 1;
+        !gone
     });
-    let (mut verb, mut object, taken) = rest?;
+    if kept.is_some()
+        && let Some(subject) = pieces.get_mut(first)
+    {
+        subject.requested = true;
+    }
+    Some(first)
+}
+
+/// Whether a frame of so many pieces, its verb the last, says what somebody wants now.
+fn wants(pieces: &[Piece], places: &[usize], taken: usize, polite: bool) -> bool {
+    let said = at(pieces, places);
+    let (frame, verb) = (&said[..taken - 1], said[taken - 1]);
+    let able = said[..taken].iter().any(|piece| piece.word.is(&["can", "could", "able"]));
+    // "If only you could": a sigh.
+    let sighs = pieces[places[0]..places[taken - 1]].iter().any(|piece| piece.word.is(&["only"]));
+    // "You could have touched it"; but "have a little rest" is none.
+    let perfect = verb.word.is(&["have"])
+        && places.get(taken).is_some_and(|&next| {
+            next == places[taken - 1] + 1
+                && pieces[next].sense == Sense::Word
+                && matches!(pieces[next].word.form, Form::Past | Form::BaseOrPast | Form::Base)
+        });
+    let past = ["was", "were", "had", "did", "been"];
+    let was = frame.iter().any(|piece| past.contains(&piece.word.text.as_str()))
+        && !PAST_BUT_POLITE.iter().any(|past| has(frame, past));
+    let doubts = |before: usize| pieces[before].word.is(&["maybe", "perhaps", "possibly"]);
+    let unsure = polite && said[0].word.is(&["i"]) && places[0].checked_sub(1).is_some_and(doubts);
+    // "Another go": once more.
+    let again =
+        verb.word.is(&["go", "try", "attempt"]) && frame.iter().any(|piece| piece.word.is(&["a", "another"]));
+    !(sighs || perfect || was || unsure || again || (able && verb.word.is(STATES)))
+}
+
+/// "I want it lifted": lift it.
+fn say_actively(pieces: &mut Vec<Piece>, places: &[usize], lexicon: &Lexicon) -> bool {
+    let said = at(pieces, places);
+    let taken = DONE.iter().find_map(|done| length(&said, done));
+    let Some(taken) = taken.filter(|_| !asks(&said) || said[0].word.is(&["can", "could"])) else {
+        return false;
+    };
+    let names = |piece: &&Piece| piece.is_body() || matches!(piece.sense, Sense::Thing | Sense::Some);
+    let Some(object) = said[..taken].iter().rposition(names) else { return false };
+    if said[taken - 1].word.is(&["be", "have"]) {
+        return false;
+    }
+    let (first, verb_at) = (places[0], places[taken - 1]);
+    let (mut object, mut verb) = (pieces[places[object]].clone(), pieces[verb_at].clone());
+    object.word.mark = verb.word.mark;
+    verb.word = Word { mark: None, ..lexicon.told(&verb.word) };
+    verb.requested = true;
+    pieces.splice(first..=verb_at, [verb, object]);
+    true
+}
+
+/// "I would like it nearer": put it nearer; "I would like you upright": move yourself upright.
+fn say_where(pieces: &mut Vec<Piece>, places: &[usize], lexicon: &Lexicon) -> bool {
+    let said = at(pieces, places);
+    let Some(taken) = elsewhere(&said).filter(|&taken| !asks(&said) && taken < said.len()) else {
+        return false;
+    };
+    let own = said[taken].word.text == "you";
+    let (first, object) = (places[0], places[taken]);
+    let mut verb = pieces[first].clone();
+    verb.word = lexicon.word(if own { "move" } else { "put" });
+    (verb.sense, verb.requested) = (Sense::Word, true);
+    verb.words = vec![verb.word.text.clone()];
+    if own {
+        pieces[object].word = Word { mark: pieces[object].word.mark, ..lexicon.word("yourself") };
+        pieces[object].words = vec!["yourself".into()];
+    }
+    pieces.splice(first..object, [verb]);
+    true
+}
+
+/// "Give it a push": push it.
+fn say_by_verb(pieces: &mut Vec<Piece>, places: &[usize], lexicon: &Lexicon) -> bool {
+    let said = at(pieces, places);
+    let Some((verb, object, taken)) = light_verbs::action(&said) else { return false };
     let (first, last) = (places[0], places[taken - 1]);
     let mark = pieces[last].word.mark;
-    verb.word = Word { mark: None, ..lexicon.told(&verb.word) };
-    object.insert(0, verb);
-    if let Some(end) = object.last_mut() {
+    let word = Word { mark: None, ..lexicon.told(&verb.word) };
+    let mut plain = vec![Piece { word, requested: said[0].requested, ..verb.clone() }];
+    plain.extend(object.cloned());
+    if let Some(end) = plain.last_mut() {
         end.word.mark = end.word.mark.max(mark);
     }
-    pieces.splice(first..=last, object);
-    None
+    pieces.splice(first..=last, plain);
+    true
 }
 
 /// How many pieces a frame takes with its verb, and whether its subject may be told in it.

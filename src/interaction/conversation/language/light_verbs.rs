@@ -55,38 +55,31 @@ const NO_ACTIONS: &[&str] = &[
 ];
 
 /// "Give it a push", "have a feel of it", "do a sweep": the verb, what it is done to, and how many pieces say so.
-pub(super) fn action<'a>(said: &[&'a Piece]) -> Option<(&'a Piece, Vec<&'a Piece>, usize)> {
+pub(super) fn action<'a>(said: &[&'a Piece]) -> Option<(&'a Piece, Option<&'a Piece>, usize)> {
+    let is = |k: usize, words: &[&str]| said.get(k).is_some_and(|piece| piece.word.is(words));
     let noun = |k: usize| {
-        said.get(k).filter(|piece| {
-            piece.sense == Sense::Word && piece.word.form.is_base() && !piece.word.is(NO_ACTIONS)
-        })
+        let verb = |piece: &&&Piece| piece.sense == Sense::Word && piece.word.form.is_base();
+        said.get(k).filter(verb).filter(|piece| !piece.word.is(NO_ACTIONS)).copied()
     };
-    let article =
-        |k: usize| said.get(k).is_some_and(|piece| piece.word.is(&["a", "an", "another", "one", "some"]));
-    let behind = |k: usize| (1..=3).map(|by| k + by).find(|&k| noun(k).is_some());
+    let article = |k: usize| is(k, &["a", "an", "another", "one", "some"]);
+    // "A good long rub".
+    let behind = |k: usize| (1..=3).find_map(|by| Some((noun(k + by)?, k + by)));
     let first = said.first()?;
-    let object =
-        said.get(1).filter(|piece| piece.is_body() || matches!(piece.sense, Sense::Thing | Sense::Some));
-    if let Some(object) = object
-        && first.word.is(&["give"])
-        && (article(2) || noun(2).is_some())
-    {
-        let k = behind(1)?;
-        return Some((noun(k)?, vec![object], k + 1));
+    let names = |piece: &&&Piece| piece.is_body() || matches!(piece.sense, Sense::Thing | Sense::Some);
+    let object = said.get(1).filter(names).copied();
+    if object.is_some() && is(0, &["give"]) && (article(2) || noun(2).is_some()) {
+        let (verb, k) = behind(1)?;
+        return Some((verb, object, k + 1));
     }
-    if first.word.is(&["give"]) && article(1) {
-        let k = behind(1)?;
-        let to = said.get(k + 1).filter(|piece| piece.word.is(&["to"]))?;
-        let _ = to;
-        return Some((noun(k)?, Vec::new(), k + 2));
+    if is(0, &["give"]) && article(1) {
+        let (verb, k) = behind(1)?;
+        return is(k + 1, &["to"]).then_some((verb, None, k + 2));
     }
-    let light = first.word.form.is_base() && first.word.is(&["have", "take", "do", "make", "perform"]);
-    let quick = first.word.is(&["a", "one"]);
+    let light = first.word.form.is_base() && is(0, &["have", "take", "do", "make", "perform"]);
+    let quick = is(0, &["a", "one"]);
     if (light && article(1)) || quick {
-        let k = behind(usize::from(!quick))?;
-        let taken =
-            k + 1 + usize::from(said.get(k + 1).is_some_and(|next| next.word.is(&["of", "at", "on", "to"])));
-        return Some((noun(k)?, Vec::new(), taken));
+        let (verb, k) = behind(usize::from(!quick))?;
+        return Some((verb, None, k + 1 + usize::from(is(k + 1, &["of", "at", "on", "to"]))));
     }
     None
 }

@@ -5,6 +5,7 @@ use super::forbidding::forbids;
 use super::lexicon::Form;
 use super::patterns::has;
 use super::slots::{Piece, Sense};
+use super::words::Mark;
 
 /// What a clause is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -30,6 +31,8 @@ pub enum Mood {
 /// What others are to do, or what is but to be thought of.
 const OF_OTHERS: &[&str] = &[
     "^ let|make|have|allow|get|watch|see|tell|ask him|her|me|people|others ?to VERB",
+    "^ remember|recall|enjoy|regret|like|love|hate|miss|mention|discuss|fear|deny|admit|imagine|consider|recollect DOING",
+    "^ remember|recall|recollect when|how|that|what|where|why|who",
     "^ think|dream|talk|speak|read|write|sing|worry|hear ?about|of|on|over DOING|VERB",
 ];
 
@@ -54,6 +57,9 @@ pub(super) fn mood(pieces: &[&Piece], asks: bool) -> Mood {
     if searching(pieces) {
         return Mood::Search;
     }
+    if OF_OTHERS.iter().any(|pattern| has(pieces, pattern)) {
+        return if telling(pieces) { Mood::Question } else { Mood::Statement };
+    }
     if first.requested {
         return if telling(pieces) { Mood::Question } else { Mood::Polite };
     }
@@ -67,9 +73,6 @@ pub(super) fn mood(pieces: &[&Piece], asks: bool) -> Mood {
         return Mood::Question;
     }
     let tells = telling(pieces);
-    if OF_OTHERS.iter().any(|pattern| has(pieces, pattern)) {
-        return if tells { Mood::Question } else { Mood::Statement };
-    }
     if polite(pieces) {
         return if tells { Mood::Question } else { Mood::Polite };
     }
@@ -134,6 +137,8 @@ pub(super) fn leads_in(piece: &Piece) -> bool {
         "look",
     ];
     piece.sense == Sense::Filler
+        // "Your chin, can you touch it?"
+        || ((piece.is_body() || piece.sense == Sense::Thing) && piece.word.mark == Some(Mark::Pause))
         || (piece.sense == Sense::Word
             && piece.word.is(&words)
             && !(piece.word.is(&["let", "look", "listen"]) && piece.word.mark.is_none()))
@@ -230,6 +235,10 @@ fn past(pieces: &[&Piece]) -> bool {
 fn commands(pieces: &[&Piece]) -> bool {
     let Some(first) = pieces.first() else { return false };
     let verb = |piece: &Piece| piece.sense == Sense::Word && piece.word.form.is_base();
+    // "To touch it would be a mistake."
+    if first.word.is(&["to"]) && pieces.get(1).is_some_and(|next| verb(next)) {
+        return false;
+    }
     if verb(first) && !first.word.is(&["be", "mean", "matter"]) || (first.word.text == "be") {
         return true;
     }

@@ -185,7 +185,7 @@ pub(super) fn noun_phrase(words: &[Word], before: Option<&Piece>) -> Option<(Sen
         return None;
     }
     // "Is that a bottle?"
-    if is(0, &["this", "that"]) && is(1, &["a", "an"]) && before.is_some_and(|piece| piece.word.is(&["be"])) {
+    if is(0, &["this", "that"]) && is(1, &["a", "an"]) {
         return Some((Sense::Thing, 1));
     }
     let mut k = 0;

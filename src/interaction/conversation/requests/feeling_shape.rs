@@ -32,7 +32,7 @@ pub(super) const FEEL_SHAPE: RequestKind = RequestKind {
         "^ feel THING $",
         "take|get THING|its|the ?its measurements",
         "measure",
-        "go over|around|round|along THING",
+        "go ?all ?the ?way over|around|round|along THING",
         "use HAND to feel|explore|examine|learn",
         "explore|feel ?out its|the shape|form",
         "fingers over THING",

@@ -32,6 +32,7 @@ pub(super) const HELP: RequestKind = RequestKind {
         "your abilities|skills|commands|capabilities|options|instructions|talents|functions|features|repertoire",
         "what should|shall|must|might|can i|we ask|say|do|tell|type|request|try|want",
         "what be possible",
+        "what|which ?sort|kind ?of THING|SOME can|may|could i|we ask|say|tell|request|give",
         "what be my|the options|choices|possibilities",
         "what can|may be done|asked|said",
         "what|which kind|sort|sorts|kinds|type|types of requests|commands|tasks|requests|SOME can|could|do you|i",

@@ -23,6 +23,7 @@ pub(super) const LET_GO: RequestKind = RequestKind {
         "put down $",
         "let THING be|stay|stand",
         "^ lower THING",
+        "^ down with THING",
         "stop|quit =holding",
         "^ loosen|unhand|loose|free THING|$",
         "return THING to THING|the ?table|place",

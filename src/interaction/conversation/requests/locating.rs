@@ -79,7 +79,7 @@ pub(super) const WHERE_OWN: RequestKind = RequestKind {
         "be BODY ?still|now =bent|=stretched|=raised|=extended",
         "what be BODY do $",
         "how far|high|low ?out|up|off|down be BODY",
-        "be BODY ?still|now hanging|resting|pointing|above|near|close|in|on|to|bent|raised|up|down|out|over|under|below|behind|beside|left|right|by|at|stretched|straight|extended|high|low|higher|lower",
+        "be BODY ?still|now !touch|contact hanging|resting|pointing|above|near|close|in|on|to|bent|raised|up|down|out|over|under|below|behind|beside|left|right|by|at|stretched|straight|extended|high|low|higher|lower",
         "how|what do|be BODY $",
         "how|what do|be BODY held|positioned|placed|doing|lie|bent|high|far|hold",
         "how ?high|low|far|bent|be ?be BODY",

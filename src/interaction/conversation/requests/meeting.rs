@@ -54,6 +54,7 @@ pub(super) const WHO: RequestKind = RequestKind {
         "^ ?and ?so who|whom ?exactly|the be|am you|this|there|i|THING",
         "who ?exactly you be",
         "who be you",
+        "who|whom do i|we have the",
         "which|what creature|robot|being|person be you",
         "your purpose|function|job",
         "^ ?and you be $",

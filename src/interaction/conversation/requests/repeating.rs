@@ -14,7 +14,7 @@ pub(super) const REPEAT: RequestKind = RequestKind {
         "do|try|attempt|perform ?THING|so|the|that ?same ?thing ?all|over again|over|anew|afresh",
         "do the same",
         "have|take|give ?THING ?a second|third|another|further go|try|attempt|shot",
-        "do|try|see|have ?THING|SOME ?all ?over again",
+        "do|try|see|have ?THING|SOME ?all ?over ?yet ?once again",
         "go again",
         "do THING ?one|once more",
         "another|one|have|give|make ?THING ?another|a|one ?more|second|last go|try|attempt|shot|crack|whirl",
