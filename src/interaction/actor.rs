@@ -8,6 +8,7 @@ use std::collections::{BTreeSet, VecDeque};
 use nalgebra::Vector3;
 
 use super::error::ActorError;
+use super::stick::HeldStick;
 use super::tasks::SearchPlan;
 use crate::creature::{Creature, Posture};
 use crate::geometry::Frame;
@@ -114,6 +115,8 @@ pub struct Actor {
     pub reach: Option<SearchPlan>,
     /// The postures for which the idle arm made way last, from which a search for the farthest begins as well.
     pub(super) made_way_for: Vec<Posture>,
+    /// The stick that it holds.
+    pub(super) stick: Option<HeldStick>,
     /// The postures of the last motion, step by step.
     trail: VecDeque<Posture>,
     /// Steps made.
@@ -195,6 +198,7 @@ impl Actor {
             feels_on: false,
             reach: None,
             made_way_for: Vec::new(),
+            stick: None,
             trail: VecDeque::new(),
             steps: 0,
             seed,
@@ -284,16 +288,18 @@ impl Actor {
         for target in &way.0 {
             let start = self.posture();
             let joints = distance(&start, target);
-            let tips = |frames: &[Frame]| {
-                self.hands.each_ref().map(|hand| frames[hand.limb].point(&self.own.place(hand.tip).point))
+            let tips = self.hands.iter().map(|hand| hand.tip).chain(self.stick_tip());
+            let places: Vec<Place> = tips.map(|tip| self.own.place(tip)).collect();
+            let [from, to] = [&start, target].map(|posture| self.own.frames(posture));
+            let way = |place: &Place| {
+                (from[place.limb].point(&place.point) - to[place.limb].point(&place.point)).norm()
             };
-            let [from, to] = [&start, target].map(|posture| tips(&self.own.frames(posture)));
-            let tips = (0..2).map(|k| (from[k] - to[k]).norm()).fold(0.0, f64::max);
+            let tips = places.iter().map(way).fold(0.0, f64::max);
             let seconds = (joints / FASTEST_JOINT).max(tips / speed);
             let steps = (seconds / step).ceil().max(1.0) as usize;
             for k in 1..=steps {
                 let posture = Posture::between(self.own.creature(), &start, target, k as f64 / steps as f64);
-                let felt = self.handle.step(&posture)?;
+                let felt = self.step(&posture)?;
                 self.trail.push_back(posture);
                 self.steps += 1;
                 if self.trail.len() > TRAIL {
@@ -351,12 +357,14 @@ impl Actor {
     /// # Errors
     /// Where the engine fails.
     pub fn step(&mut self, towards: &[f64]) -> EngineResult<Vec<SkinContact>> {
-        self.handle.step(towards)
+        let felt = self.handle.step(towards)?;
+        Ok(self.understood(felt))
     }
 
     /// Holds what the limb of a receptor touches by a weld, until it is let go; whether there was something that can be held.
     pub fn hold(&mut self, receptor: usize) -> bool {
-        self.handle.hold(receptor)
+        // What a stick touches cannot be held by it.
+        self.stick_tip() != Some(receptor) && self.handle.hold(receptor)
     }
 
     /// Lets go of all that it holds.
@@ -373,7 +381,7 @@ impl Actor {
         let steps = (seconds / self.handle.timestep()).ceil().max(1.0) as usize;
         let mut felt = Vec::new();
         for _ in 0..steps {
-            felt = self.handle.step(&posture)?;
+            felt = self.step(&posture)?;
         }
         Ok(felt)
     }

@@ -9,6 +9,7 @@ mod error;
 mod leaning;
 mod lifting;
 mod own_spot;
+mod stick;
 mod tasks;
 mod things;
 
@@ -19,6 +20,7 @@ pub use conversation::language::{HandName, Language, Mood, PartName, Understood,
 pub use conversation::{Conversation, Intent, Reply};
 pub use error::ActorError;
 pub use own_spot::OwnTouch;
+pub use stick::{HeldStick, KnownStick};
 pub use tasks::{
     Feeling, FeltOn, Grip, LiftTrouble, PalmPlan, Search, SearchPlan, ShapeFeeling, Spot, Touching, Trouble,
 };

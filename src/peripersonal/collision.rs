@@ -6,6 +6,7 @@ use nalgebra::{Matrix3, Vector3};
 
 use super::obstacle::Obstacle;
 use super::own_body::OwnBody;
+use crate::creature::Creature;
 use crate::geometry::{Ball, Capsule, ConvexBody, Frame, Gap, PlacedShape, Precision, Shape, gap};
 use crate::kinematics::Chain;
 use crate::skin::Surface;
@@ -160,6 +161,32 @@ impl CollisionChecker {
             LimbPiece { surface, ball: *ball }
         }));
         carrying
+    }
+
+    /// The same where a limb has one more surface, which meets all limbs that its limb can meet.
+    pub(super) fn with_surface(&self, creature: &Creature, surface: Surface) -> CollisionChecker {
+        let mut more = self.clone();
+        let limb = surface.limb;
+        let ball = Ball { centre: surface.origin, radius: surface.shape.bounding_radius() };
+        let piece = more.pieces[limb].len();
+        more.pieces[limb].push(LimbPiece { surface, ball });
+        let balls: Vec<Ball> = more.pieces[limb].iter().map(|piece| piece.ball).collect();
+        more.bounds[limb] = Ball::about(&balls);
+        for other in (0..more.pieces.len()).filter(|&other| !creature.neighbouring(limb, other)) {
+            let limbs = [limb.min(other), limb.max(other)];
+            let meets =
+                (0..more.pieces[other].len()).map(|k| if limb < other { [piece, k] } else { [k, piece] });
+            match more.pairs.iter_mut().find(|pair| pair.limbs == limbs) {
+                Some(pair) => pair.pieces.extend(meets),
+                None => {
+                    let pieces: Vec<_> = meets.collect();
+                    if !pieces.is_empty() {
+                        more.pairs.push(GuardedPair { limbs, pieces, eased: f64::INFINITY });
+                    }
+                }
+            }
+        }
+        more
     }
 
     /// The same as if some limbs were not there: per limb, whether it is one of them.

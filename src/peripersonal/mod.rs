@@ -40,6 +40,7 @@ mod reachable;
 mod reaching;
 mod searched;
 mod shell;
+mod stick;
 mod tip;
 mod velocity;
 
@@ -59,5 +60,6 @@ pub use prediction::{PossibleTouch, Predicted};
 pub use reachable::{Level, ReachableMap, Unmappable, Whereabouts};
 pub use reaching::{OutOfReach, ReachPlan, ReachTarget, Reaching};
 pub use searched::{CELL, Cell, SearchedMap, SkinPoints, TablePlane};
+pub use stick::STICK_TIP;
 pub use tip::{TipChain, Workspace};
 pub use velocity::{Barrier, JointVelocity, PlaceVelocity, VelocityProgram};

@@ -103,6 +103,11 @@ impl OwnBody {
         OwnBody { schema, certainty: Certainty::Exact, ..self.clone() }
     }
 
+    /// The same body with other skin, on the same limbs.
+    pub(super) fn with_agent(&self, agent: Agent) -> OwnBody {
+        OwnBody { agent, ..self.clone() }
+    }
+
     /// `X_RL` of every limb in the root's frame.
     pub fn frames(&self, posture: &[f64]) -> Vec<Frame> {
         limb_frames(self.creature(), &self.schema, posture)

@@ -67,7 +67,24 @@ impl AgentHandle {
         self.stage.hold(receptor)
     }
 
-    /// Lets go of all that it holds.
+    /// Holds out the hand of a receptor for a stick, which a partner puts there if there is one: the number that other skin
+    /// feels it as; none where no stick came.
+    ///
+    /// # Errors
+    /// Where the engine fails.
+    pub fn take_stick(&mut self, receptor: usize) -> mujoco::Result<Option<usize>> {
+        self.stage.give_any_stick(receptor)
+    }
+
+    /// Gives back the stick that it was given.
+    ///
+    /// # Errors
+    /// Where the engine fails.
+    pub fn give_stick_back(&mut self) -> mujoco::Result<()> {
+        self.stage.take_sticks_back()
+    }
+
+    /// Lets go of all that it took hold of.
     pub fn let_go(&mut self) {
         self.stage.let_go();
     }

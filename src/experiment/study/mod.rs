@@ -33,6 +33,7 @@ pub mod self_touch;
 pub mod sensations;
 mod subject;
 mod table;
+pub mod tool;
 mod touched_trial;
 pub mod turned;
 
@@ -62,6 +63,7 @@ pub const STUDIES: &[&Study] = &[
     &finding::STUDY,
     &farthest::STUDY,
     &lift::STUDY,
+    &tool::STUDY,
     &felt_shape::STUDY,
     &avoid::STUDY,
     &avoid::BUSY,

@@ -99,7 +99,7 @@ impl Avoiding {
         let now = actor.posture();
         let goal = self.goal.filter(|goal| !self.waits(goal));
         let target = self.towards(actor, &now, goal).unwrap_or(now);
-        let felt = actor.handle.step(&target)?;
+        let felt = actor.step(&target)?;
         let seen = actor.handle.approaches();
         // Nothing new is told between two looks.
         if seen != self.seen {

@@ -10,6 +10,7 @@ mod putting;
 mod searching;
 mod touching;
 mod two_palms;
+mod wielding;
 
 use nalgebra::Vector3;
 use rand::SeedableRng;

@@ -7,9 +7,9 @@
 
 use std::collections::BTreeMap;
 
-use nalgebra::{Matrix4, Vector3, Vector4};
+use nalgebra::{SMatrix, SVector, Vector3};
 
-use crate::geometry::{Capsule, Frame};
+use crate::geometry::{Capsule, Frame, Gap, Precision, gap as gap_between};
 use crate::learning::annealing::{NARROWEST, quantile};
 use crate::learning::touch_set::PreparedTouch;
 use crate::schema::BodySchema;
@@ -19,17 +19,27 @@ use crate::skin::Skin;
 const REACH: f64 = 0.6;
 /// The thickness that a stick is taken to have at first, metres.
 const FIRST_RADIUS: f64 = 0.01;
+/// How far from the receptor's middle the stick's axis may leave the hand, metres: a standard deviation, half a patch.
+const GRIP: f64 = 0.01;
+/// How well the radius is known before any touch, metres: a standard deviation.
+const RADIUS: f64 = 0.02;
+/// What a touch is never truer than, metres: how far skin goes in a step of a careful motion.
+const TOUCH: f64 = 1e-4;
+/// What is learned of a stick: its tip, where it leaves the hand, and its radius.
+const PARAMETERS: usize = 7;
 /// Steps of the fit at one width.
 const ITERATIONS: usize = 8;
 /// Residuals beyond so many deviations count ever less (Cauchy weights).
 const TAIL: f64 = 3.0;
+/// The share of a stick's length, from its tip, within which a touch tells how long it is.
+const TIP: f64 = 1e-3;
 
 /// A stick on a limb: a capsule from where it is held to its tip.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tool {
     /// The limb that holds it.
     pub limb: usize,
-    /// Where it is held, in the limb's frame, metres.
+    /// Where its axis leaves the hand, in the limb's frame, metres.
     pub grip: Vector3<f64>,
     /// The centre of its round tip, in the limb's frame, metres.
     pub tip: Vector3<f64>,
@@ -39,20 +49,36 @@ pub struct Tool {
 
 impl Tool {
     /// The gap between the tool and the surface on the other side of a touch, metres; none for a touch
-    /// without the limb that holds it, or of a surface that is no sphere or capsule.
+    /// without the limb that holds it, or of a surface that is not known.
     pub fn gap(&self, skin: &Skin, schema: &BodySchema, touch: &PreparedTouch) -> Option<f64> {
-        let side = (0..2).find(|&k| skin.receptors[touch.ends[k].receptor].limb == self.limb)?;
-        self.gap_at(skin, touch, side, &touch.frames(schema))
+        let side = self.side(skin, touch)?;
+        Some(self.gap_at(skin, touch, side, &touch.frames(schema))?.distance)
     }
 
-    fn gap_at(&self, skin: &Skin, touch: &PreparedTouch, side: usize, frames: &[Frame; 2]) -> Option<f64> {
+    /// Whether it is the tip that touches, which alone tells how long the stick is.
+    pub fn touches_with_tip(&self, skin: &Skin, schema: &BodySchema, touch: &PreparedTouch) -> bool {
+        let Some(side) = self.side(skin, touch) else { return false };
+        let frames = touch.frames(schema);
+        self.gap_at(skin, touch, side, &frames).is_some_and(|gap| {
+            let along = self.tip - self.grip;
+            let at = frames[side].inverse_point(&gap.points[0]) - self.grip;
+            at.dot(&along) > (1.0 - TIP) * along.norm_squared()
+        })
+    }
+
+    /// The side of a touch that is the limb's which holds it.
+    fn side(&self, skin: &Skin, touch: &PreparedTouch) -> Option<usize> {
+        (0..2).find(|&k| skin.receptors[touch.ends[k].receptor].limb == self.limb)
+    }
+
+    fn gap_at(&self, skin: &Skin, touch: &PreparedTouch, side: usize, frames: &[Frame; 2]) -> Option<Gap> {
         let surface = skin.receptors[touch.ends[1 - side].receptor].surface?;
-        let other = skin.surfaces[surface].as_capsule()?.placed(&frames[1 - side]);
-        Some(self.capsule().placed(&frames[side]).gap(&other).distance)
+        let other = skin.surfaces[surface].placed(&frames[1 - side])?;
+        Some(gap_between(&self.capsule().placed(&frames[side]), &other, Precision::Exact))
     }
 
     /// The tool in its limb's frame.
-    fn capsule(&self) -> Capsule {
+    pub fn capsule(&self) -> Capsule {
         Capsule { ends: [self.grip, self.tip], radius: self.radius }
     }
 
@@ -111,64 +137,44 @@ impl Tool {
         touches.iter().filter(|touch| gap(touch)).count()
     }
 
-    /// The tool moved to close its gaps: Levenberg-Marquardt over tip and radius, annealed as the gaps close.
+    /// The tool moved to close its gaps: Levenberg-Marquardt over tip, grip and radius, annealed as the gaps close.
     pub fn settled(&self, skin: &Skin, schema: &BodySchema, touches: &[&PreparedTouch]) -> Tool {
-        let placed: Vec<(&PreparedTouch, usize, [Frame; 2])> = touches
-            .iter()
-            .filter_map(|touch| {
-                let limb_at = |k: &usize| skin.receptors[touch.ends[*k].receptor].limb == self.limb;
-                let side = (0..2).find(limb_at)?;
-                Some((*touch, side, touch.frames(schema)))
-            })
-            .collect();
-        let gaps = |tool: &Tool| -> Vec<f64> {
-            placed
-                .iter()
-                .filter_map(|(touch, side, frames)| tool.gap_at(skin, touch, *side, frames))
-                .collect()
-        };
+        let gaps = Gaps::of(self, skin, schema, touches);
         let mut tool = *self;
-        let mut found = gaps(&tool);
+        let mut found = gaps.of_tool(&tool);
         if found.len() < 4 {
             return tool;
         }
+        let held = self.grip;
         let mut deviation = 0.05_f64;
         let mut damping = 1e-3;
         while deviation >= NARROWEST {
             // Touches of the shaft alone leave the length open: then it is as short as they allow.
             let cost = |tool: &Tool, found: &[f64]| -> f64 {
                 let gaps: f64 = found.iter().map(|gap| (gap / deviation / TAIL).powi(2).ln_1p()).sum();
-                TAIL * TAIL * gaps + (tool.tip - tool.grip).norm_squared() / (REACH * REACH)
+                TAIL * TAIL * gaps
+                    + (tool.tip - tool.grip).norm_squared() / (REACH * REACH)
+                    + (tool.grip - held).norm_squared() / (GRIP * GRIP)
             };
             for _ in 0..ITERATIONS {
-                let slopes: Vec<Vec<f64>> = (0..4)
-                    .map(|k| {
-                        const STEP: f64 = 1e-7;
-                        let mut step = Vector4::zeros();
-                        step[k] = STEP;
-                        let shifted = gaps(&tool.moved(&step));
-                        shifted.iter().zip(&found).map(|(after, before)| (after - before) / STEP).collect()
-                    })
-                    .collect();
-                let (mut hessian, mut gradient) = (Matrix4::zeros(), Vector4::zeros());
-                for (i, gap) in found.iter().enumerate() {
-                    let weight = 1.0 / (1.0 + (gap / deviation / TAIL).powi(2));
-                    let slope = Vector4::from_fn(|k, _| slopes[k][i]);
-                    hessian += slope * slope.transpose() * weight;
-                    gradient += slope * (weight * gap);
-                }
-                let pull = (deviation / REACH).powi(2);
+                let (mut hessian, mut gradient) = gaps.normal_equations(&tool, &found, deviation);
+                let [pull, hold] = [REACH, GRIP].map(|metres| (deviation / metres).powi(2));
                 for k in 0..3 {
+                    let long = pull * (tool.tip - tool.grip)[k];
                     hessian[(k, k)] += pull;
-                    gradient[k] += pull * (tool.tip - tool.grip)[k];
+                    gradient[k] += long;
+                    hessian[(3 + k, 3 + k)] += pull + hold;
+                    gradient[3 + k] += hold * (tool.grip - held)[k] - long;
+                    hessian[(k, 3 + k)] -= pull;
+                    hessian[(3 + k, k)] -= pull;
                 }
                 let floor = 1e-6 * hessian.diagonal().amax().max(f64::MIN_POSITIVE);
-                for k in 0..4 {
+                for k in 0..PARAMETERS {
                     hessian[(k, k)] += damping * hessian[(k, k)] + floor;
                 }
                 let Some(factor) = hessian.cholesky() else { break };
                 let trial = tool.moved(&-factor.solve(&gradient));
-                let after = gaps(&trial);
+                let after = gaps.of_tool(&trial);
                 if after.len() == found.len() && cost(&trial, &after) < cost(&tool, &found) {
                     (tool, found, damping) = (trial, after, (0.1 * damping).max(1e-9));
                 } else {
@@ -176,17 +182,87 @@ impl Tool {
                 }
             }
             damping = damping.min(1.0);
-            let mut sizes: Vec<f64> = found.iter().map(|gap| gap.abs()).collect();
-            sizes.sort_by(f64::total_cmp);
-            deviation = (1.5 * quantile(&sizes, 0.6)).min(0.5 * deviation);
+            deviation = (1.5 * quantile(&sizes(&found), 0.6)).min(0.5 * deviation);
         }
         tool
     }
 
-    fn moved(&self, step: &Vector4<f64>) -> Tool {
-        let tip = self.tip + step.xyz();
-        Tool { tip, radius: (self.radius + step.w).clamp(0.0, 0.2), ..*self }
+    /// How well touches tell where the tip is: one standard deviation of its distance, metres, to first order at this tool,
+    /// by how well it closes their gaps; infinite where they leave it open.
+    pub fn tip_deviation(&self, skin: &Skin, schema: &BodySchema, touches: &[&PreparedTouch]) -> f64 {
+        let gaps = Gaps::of(self, skin, schema, touches);
+        let found = gaps.of_tool(self);
+        // Of a normal distribution, 68 % is within one deviation.
+        let spare = (found.len() as f64 - PARAMETERS as f64).max(1.0);
+        let deviation = (quantile(&sizes(&found), 0.68) * (found.len() as f64 / spare).sqrt()).max(TOUCH);
+        let (mut hessian, _) = gaps.normal_equations(self, &found, deviation);
+        for k in 3..PARAMETERS {
+            hessian[(k, k)] += (deviation / if k < 6 { GRIP } else { RADIUS }).powi(2);
+        }
+        let Some(factor) = hessian.cholesky() else { return f64::INFINITY };
+        let trace = factor.inverse().fixed_view::<3, 3>(0, 0).trace();
+        if trace.is_finite() && trace >= 0.0 { deviation * trace.sqrt() } else { f64::INFINITY }
     }
+
+    fn moved(&self, step: &SVector<f64, PARAMETERS>) -> Tool {
+        let (tip, grip) = (self.tip + step.fixed_rows::<3>(0), self.grip + step.fixed_rows::<3>(3));
+        Tool { tip, grip, radius: (self.radius + step[6]).clamp(0.0, 0.2), ..*self }
+    }
+}
+
+/// The touches of a limb that holds a stick, with where limbs are in them.
+struct Gaps<'a> {
+    skin: &'a Skin,
+    placed: Vec<(&'a PreparedTouch, usize, [Frame; 2])>,
+}
+
+impl<'a> Gaps<'a> {
+    fn of(tool: &Tool, skin: &'a Skin, schema: &BodySchema, touches: &[&'a PreparedTouch]) -> Gaps<'a> {
+        let placed =
+            |touch: &&'a PreparedTouch| Some((*touch, tool.side(skin, touch)?, touch.frames(schema)));
+        Gaps { skin, placed: touches.iter().filter_map(placed).collect() }
+    }
+
+    /// The gaps that a tool leaves open, metres.
+    fn of_tool(&self, tool: &Tool) -> Vec<f64> {
+        let gap = |(touch, side, frames): &(&PreparedTouch, usize, [Frame; 2])| {
+            Some(tool.gap_at(self.skin, touch, *side, frames)?.distance)
+        };
+        self.placed.iter().filter_map(gap).collect()
+    }
+
+    /// `Jᵀ W J` and `Jᵀ W gaps` at a tool whose gaps are given, with Cauchy weights of a width in metres.
+    fn normal_equations(
+        &self,
+        tool: &Tool,
+        found: &[f64],
+        deviation: f64,
+    ) -> (SMatrix<f64, PARAMETERS, PARAMETERS>, SVector<f64, PARAMETERS>) {
+        const STEP: f64 = 1e-7;
+        let slopes: Vec<Vec<f64>> = (0..PARAMETERS)
+            .map(|k| {
+                let mut step = SVector::zeros();
+                step[k] = STEP;
+                let shifted = self.of_tool(&tool.moved(&step));
+                shifted.iter().zip(found).map(|(after, before)| (after - before) / STEP).collect()
+            })
+            .collect();
+        let (mut hessian, mut gradient) = (SMatrix::zeros(), SVector::zeros());
+        for (i, gap) in found.iter().enumerate() {
+            let weight = 1.0 / (1.0 + (gap / deviation / TAIL).powi(2));
+            let slope = SVector::<f64, PARAMETERS>::from_fn(|k, _| slopes[k][i]);
+            hessian += slope * slope.transpose() * weight;
+            gradient += slope * (weight * gap);
+        }
+        (hessian, gradient)
+    }
+}
+
+/// How wide gaps are, the narrowest first.
+fn sizes(gaps: &[f64]) -> Vec<f64> {
+    let mut sizes: Vec<f64> = gaps.iter().map(|gap| gap.abs()).collect();
+    sizes.sort_by(f64::total_cmp);
+    sizes
 }
 
 /// The directions to the faces and corners of a cube.

@@ -31,6 +31,8 @@ pub struct Grip {
     pub receptor: usize,
     /// `X_LT`.
     pub pose: Isometry3<f64>,
+    /// `X_WT` of where a partner took it from who put it into the hand, and takes it back to; none where the limb took it.
+    pub given_from: Option<Isometry3<f64>>,
 }
 
 impl Carried {
@@ -55,6 +57,11 @@ impl Carried {
                 (Isometry3::from_parts(Translation3::from(now), *turn), (now - before) / (to - from))
             }
         };
+        self.put_at(&pose, &velocity, qpos, qvel);
+    }
+
+    /// Puts it to a pose `X_WT`, at a velocity.
+    pub fn put_at(&self, pose: &Isometry3<f64>, velocity: &Vector3<f64>, qpos: &mut [f64], qvel: &mut [f64]) {
         let (q, v) = (self.qposadr, self.dofadr);
         let turn: &Quaternion<f64> = pose.rotation.quaternion();
         qpos[q..q + 3].copy_from_slice(pose.translation.vector.as_slice());

@@ -257,7 +257,12 @@ impl StageCore {
                 ((Some(l), _), (None, thing)) | ((None, thing), (Some(l), _)) if l == limb => thing,
                 _ => return None,
             };
-            self.free_joint(thing).map(|(q, v)| (thing, q, v))
+            // What was put into a hand is held already.
+            let given = |carried: &Carried| {
+                carried.body == thing && carried.grip().is_some_and(|grip| grip.given_from.is_some())
+            };
+            let (q, v) = self.free_joint(thing).filter(|_| !self.carried.iter().any(given))?;
+            Some((thing, q, v))
         });
         let (Some((body, qposadr, dofadr)), Some(x_wl)) = (touched, self.body.limb_pose(&self.data, limb))
         else {
@@ -269,14 +274,14 @@ impl StageCore {
             body,
             qposadr,
             dofadr,
-            by: Carrier::Limb(Grip { limb, receptor, pose }),
+            by: Carrier::Limb(Grip { limb, receptor, pose, given_from: None }),
         });
         true
     }
 
-    /// Lets go of all that is held.
+    /// Lets go of all that it took hold of.
     pub fn let_go(&mut self) {
-        self.carried.retain(|carried| carried.grip().is_none());
+        self.carried.retain(|carried| carried.grip().is_none_or(|grip| grip.given_from.is_some()));
     }
 
     /// Where a limb and a thing touch in the last step, in the frame of the thing, metres.
@@ -295,7 +300,7 @@ impl StageCore {
     }
 
     /// The first coordinate and velocity of a body that moves freely.
-    fn free_joint(&self, body: usize) -> Option<(usize, usize)> {
+    pub(super) fn free_joint(&self, body: usize) -> Option<(usize, usize)> {
         let mut joints = self.body.model.joints();
         let joint = joints.find(|joint| joint.body == body && joint.kind == JointKind::Free)?;
         Some((joint.qposadr, joint.dofadr))

@@ -11,6 +11,7 @@
 mod building;
 mod carrying;
 mod core;
+mod giving;
 mod meeting;
 mod stillness;
 
@@ -286,8 +287,32 @@ impl Stage {
         self.core.borrow_mut().hold(receptor)
     }
 
-    /// Lets go of all that is held.
+    /// Lets go of all that it took hold of.
     pub(super) fn let_go(&self) {
         self.core.borrow_mut().let_go();
+    }
+
+    /// Puts a stick into a hand, one end at a receptor and its length along a direction of the hand's frame; whether the
+    /// thing is a stick, one slender capsule or cylinder that moves freely, and meets nothing there.
+    ///
+    /// # Errors
+    /// Where the engine fails.
+    pub fn give_stick(
+        &self,
+        thing: usize,
+        receptor: usize,
+        direction: &Vector3<f64>,
+    ) -> mujoco::Result<bool> {
+        self.core.borrow_mut().give_stick(thing, receptor, direction)
+    }
+
+    /// Puts any stick of the stage into the hand that a receptor is on; its number.
+    pub(super) fn give_any_stick(&self, receptor: usize) -> mujoco::Result<Option<usize>> {
+        self.core.borrow_mut().give_any_stick(receptor)
+    }
+
+    /// Takes back the sticks that were given, to where they were.
+    pub(super) fn take_sticks_back(&self) -> mujoco::Result<()> {
+        self.core.borrow_mut().take_sticks_back()
     }
 }

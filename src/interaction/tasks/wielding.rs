@@ -1,0 +1,252 @@
+//! Learning where the tip of a stick is that he holds, by touching himself with it.
+//!
+//! Nobody tells him how long it is nor where it leads. He moves both arms at random, so that what he expects of the stick
+//! meets other skin, until the stick touches him: the hand feels it pressed and other skin feels it. From there he comes
+//! once more, slowly, and takes down both receptors and the posture. The stick that closes the gaps of these touches over his
+//! learned schema is what he believes; he counts as known only what has foretold fresh touches, the tip's among them.
+
+use nalgebra::{Matrix3, Vector3};
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+
+use super::{MARGIN, Trouble};
+use crate::creature::Posture;
+use crate::geometry::Capsule;
+use crate::interaction::actor::{Actor, SWIFT, Stop};
+use crate::interaction::stick::KnownStick;
+use crate::learning::Tool;
+use crate::learning::observation::Observation;
+use crate::learning::touch_set::{LimbTouch, PreparedTouch};
+use crate::peripersonal::{PosturePath, straight};
+
+/// How often he moves at the most.
+const MOTIONS: usize = 300;
+/// How often he draws where to go until the stick, as far as he knows it, should touch him there.
+const DRAWS: usize = 60;
+/// How far a stick is taken to reach before it has touched anything, metres.
+const FIRST_LENGTH: f64 = 0.3;
+/// How far over a table the hands, and where the stick may lead, keep while it is not known, metres.
+const ABOVE: f64 = 0.12;
+/// How clear of his own body he keeps the arms, metres.
+const CLEAR: f64 = 0.01;
+/// How many steps back he goes from a touch …
+const AGAIN: usize = 12;
+/// … to come again at this speed of the hands, metres a second.
+const SLOWLY: f64 = 0.02;
+/// How many steps of the way back he then leaves it by, so that the stick is clear.
+const LEAVING: usize = 60;
+/// Touches from which the stick is looked for first …
+const FIRST: usize = 8;
+/// … and those that it must be known from at the least, …
+const LEAST: usize = 20;
+/// … so many of them with the tip.
+const BY_TIP: usize = 6;
+/// The last touches, each foretold before it was learned from, …
+const FRESH: usize = 8;
+/// … of which so many must be the tip's, …
+const FRESH_BY_TIP: usize = 3;
+/// … and all as near as this to what was expected, metres.
+const FORETOLD: f64 = 2e-3;
+/// The standard deviation to which the tip must be known, metres.
+const CERTAIN: f64 = 1e-3;
+/// Touches that a stick explains are as near as this to it, metres.
+const CLOSE: f64 = 1e-3;
+
+/// How much room a hand that is held out has before it, metres, at the best of …
+const ROOM: f64 = 0.5;
+/// … so many random postures of its arm.
+const POSTURES: usize = 400;
+
+impl Actor {
+    /// Holds a hand out for a stick: where it points, there is most room.
+    ///
+    /// # Errors
+    /// [`Trouble`] on the way.
+    pub fn hold_out(&mut self, hand: usize) -> Result<(), Trouble> {
+        self.seed = self.seed.wrapping_add(1);
+        let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
+        let from = self.posture();
+        let arm = self.hands[hand].arm.clone();
+        let grip = self.own.place(self.grip_of(hand));
+        let pointing = grip.point.try_normalize(1e-6).unwrap_or(grip.direction);
+        let clearance = self.clearance.moved_by(&self.own, &arm);
+        let holding = self.own.carried_by(arm[0] + 1);
+        let mut best: Option<(f64, Posture)> = None;
+        for _ in 0..POSTURES {
+            let posture = self.own.random_posture(&from, &arm, &mut rng);
+            let frames = self.own.frames(&posture);
+            if !clearance.free(&frames, CLEAR) {
+                continue;
+            }
+            let frame = &frames[grip.limb];
+            let before = Capsule {
+                ends: [grip.point, grip.point + pointing * ROOM].map(|p| frame.point(&p)),
+                radius: 0.0,
+            };
+            let others = (0..holding.len()).filter(|&limb| !holding[limb]);
+            let to_others = others.map(|limb| self.clearance.to_body(&frames, limb, &before, &before, ROOM));
+            let over = self.table.map_or(ROOM, |height| {
+                before.ends.iter().map(|p| p.dot(&self.up) - height).fold(ROOM, f64::min)
+            });
+            let room = to_others.fold(over, f64::min);
+            if best.as_ref().is_none_or(|(most, _)| room > *most) {
+                best = Some((room, posture));
+            }
+        }
+        match best {
+            Some((_, posture)) => self.go(&posture),
+            None => Ok(()),
+        }
+    }
+
+    /// Touches himself with the stick that he holds until he knows where its tip is; what he knows then. None where he could
+    /// not tell: then he does not use it.
+    ///
+    /// # Errors
+    /// Where the engine fails.
+    pub fn learn_stick(&mut self) -> Result<Option<KnownStick>, Trouble> {
+        self.seed = self.seed.wrapping_add(1);
+        let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
+        let mut belief = None;
+        // How far off each touch was from what was expected, and whether by the tip.
+        let mut foretold: Vec<(f64, bool)> = Vec::new();
+        for _ in 0..MOTIONS {
+            let Some(target) = self.where_it_may_touch(belief.as_ref(), &mut rng) else { continue };
+            let Some(touch) = self.touch_self_going_to(&target)? else { continue };
+            let (skin, schema) = (self.own.skin(), &self.own.schema);
+            foretold.push(belief.as_ref().map_or((f64::INFINITY, false), |tool: &Tool| {
+                let gap = tool.gap(skin, schema, &touch).map_or(f64::INFINITY, f64::abs);
+                (gap, tool.touches_with_tip(skin, schema, &touch))
+            }));
+            let Some(stick) = self.stick.as_mut() else { return Ok(None) };
+            stick.touches.push(touch);
+            belief = self.believed(belief);
+            if let Some(known) = belief.and_then(|tool| self.known_for_certain(tool, &foretold)) {
+                self.know_stick(known);
+                return Ok(Some(known));
+            }
+        }
+        Ok(None)
+    }
+
+    /// The stick that explains the touches so far: that believed before, moved, or another.
+    fn believed(&self, before: Option<Tool>) -> Option<Tool> {
+        let stick = self.stick.as_ref()?;
+        let touches: Vec<&PreparedTouch> = stick.touches.iter().collect();
+        if touches.len() < FIRST {
+            return None;
+        }
+        let (skin, schema) = (self.own.skin(), &self.own.schema);
+        match before {
+            Some(tool) => Some(tool.refitted(skin, schema, &touches, CLOSE)),
+            None => {
+                Tool::fit(self.hands[stick.hand].limb, skin, schema, &touches, CLOSE).map(|(tool, _)| tool)
+            }
+        }
+    }
+
+    /// What is known of the stick where it is known well enough to be used.
+    fn known_for_certain(&self, tool: Tool, foretold: &[(f64, bool)]) -> Option<KnownStick> {
+        let stick = self.stick.as_ref()?;
+        let touches: Vec<&PreparedTouch> = stick.touches.iter().collect();
+        let fresh = &foretold[foretold.len().checked_sub(FRESH)?..];
+        let worst = fresh.iter().map(|(gap, _)| *gap).fold(0.0, f64::max);
+        let (skin, schema) = (self.own.skin(), &self.own.schema);
+        let by_tip = touches.iter().filter(|touch| tool.touches_with_tip(skin, schema, touch)).count();
+        let enough = touches.len() >= LEAST
+            && by_tip >= BY_TIP
+            && fresh.iter().filter(|(_, tip)| *tip).count() >= FRESH_BY_TIP
+            && worst <= FORETOLD;
+        if !enough {
+            return None;
+        }
+        let deviation = tool.tip_deviation(skin, schema, &touches);
+        (deviation <= CERTAIN).then_some(KnownStick {
+            tool,
+            deviation,
+            touches: touches.len(),
+            by_tip,
+            worst,
+        })
+    }
+
+    /// A random posture of both arms to which the way is clear of his own body and in which the stick, as it is believed or
+    /// expected, would be in other skin: its tip, once something is believed.
+    fn where_it_may_touch(&mut self, belief: Option<&Tool>, rng: &mut ChaCha8Rng) -> Option<Posture> {
+        let stick = self.stick.as_ref()?;
+        let hand = &self.hands[stick.hand];
+        let limb = hand.limb;
+        let arms: Vec<usize> = self.hands.iter().flat_map(|hand| hand.arm.clone()).collect();
+        let grip = self.own.skin().receptors[stick.receptor].position;
+        let pointing = grip.try_normalize(1e-6).unwrap_or_else(Vector3::x);
+        let expected = belief.copied().unwrap_or(Tool {
+            limb,
+            grip,
+            tip: grip + pointing * FIRST_LENGTH,
+            radius: CLEAR,
+        });
+        // Now and then what is not expected is tried.
+        let tip_only = belief.is_some() && rng.random_bool(0.7);
+        let from = self.posture();
+        let clearance = self.clearance.moved_by(&self.own, &arms).eased_at(&[self.own.frames(&from)], CLEAR);
+        let holding = self.own.carried_by(hand.arm[0] + 1);
+        let others: Vec<usize> = (0..self.own.creature().limbs().len())
+            .filter(|&other| !holding[other] && !self.own.creature().neighbouring(limb, other))
+            .collect();
+        (0..DRAWS).find_map(|_| {
+            let target = self.own.random_posture(&from, &arms, rng);
+            let frames = self.own.frames(&target);
+            let Capsule { ends, radius } = expected.capsule().placed(&frames[limb]);
+            let about = Capsule { ends: if tip_only { [ends[1]; 2] } else { ends }, radius };
+            let meets = |&other: &usize| self.clearance.to_body(&frames, other, &about, &about, CLEAR) < 0.0;
+            let high = self.table.is_none_or(|height| {
+                let edge = self.trunk_front(height);
+                let over = |p: &Vector3<f64>| p.dot(&self.front) > edge && p.dot(&self.up) < height + ABOVE;
+                let hands = self.hands.iter().map(|hand| frames[hand.limb].origin);
+                !hands.chain(ends).any(|point| over(&point))
+            });
+            let useful = high && others.iter().any(meets);
+            (useful && straight(&self.own, &clearance, &from, &target, CLEAR.min(MARGIN))).then_some(target)
+        })
+    }
+
+    /// Goes straight to a posture until the stick touches his own skin; what that told, after he has come once more, slowly.
+    /// He goes back from whatever he met.
+    fn touch_self_going_to(&mut self, target: &Posture) -> Result<Option<PreparedTouch>, Trouble> {
+        let since = self.steps();
+        let Stop::Felt(_) = self.follow(&PosturePath(vec![target.clone()]), SWIFT, |_, _| true)? else {
+            return Ok(None);
+        };
+        let back: Vec<Posture> = self.lately(since).take(LEAVING + 1).cloned().collect();
+        let met = self.posture();
+        let before = back.get(AGAIN).or(back.last()).cloned();
+        let mut touch = None;
+        if let Some(before) = before {
+            self.follow(&PosturePath(vec![before]), SWIFT, |_, _| false)?;
+            if let Stop::Felt(contacts) = self.follow(&PosturePath(vec![met]), SLOWLY, |_, _| true)? {
+                touch = self.touches_by_stick(&contacts).and_then(|receptor| self.prepared(receptor));
+            }
+        }
+        let leaving = back.into_iter().skip(AGAIN).step_by(5).collect();
+        self.follow(&PosturePath(leaving), SWIFT, |_, _| false)?;
+        Ok(touch)
+    }
+
+    /// The touch of a receptor by the stick, in the present posture, for who learns from it.
+    fn prepared(&self, receptor: usize) -> Option<PreparedTouch> {
+        let ends = [self.stick.as_ref()?.receptor, receptor];
+        let found = ends.map(|receptor| &self.own.skin().receptors[receptor]);
+        let posture = self.posture();
+        let touch = LimbTouch {
+            limbs: found.map(|found| found.limb),
+            posture: &posture,
+            // Where on a patch it was is not told; the fit goes by surfaces.
+            ends: [0, 1].map(|k| Observation {
+                receptor: ends[k],
+                position: found[k].position,
+                covariance: Matrix3::zeros(),
+            }),
+        };
+        Some(touch.prepare(self.own.creature()).1)
+    }
+}
