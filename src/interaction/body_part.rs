@@ -11,6 +11,7 @@ use nalgebra::Vector3;
 use super::actor::Actor;
 use super::conversation::language::{PartName, name_words, own_names, patch_name};
 use crate::geometry::Frame;
+use crate::peripersonal::STICK_TIP;
 
 /// How far from a joint the skin is that is taken for it, metres: half a limb's thickness.
 const ABOUT_JOINT: f64 = 0.04;
@@ -214,6 +215,10 @@ impl PosedBody<'_> {
         let frames = own.frames(&own.at_ease());
         let known = own_names_of_limbs(actor);
         let names = own.skin().receptors.iter().map(|receptor| {
+            // The tip of a stick is no part of the body that has a name.
+            if receptor.id == STICK_TIP {
+                return Vec::new();
+            }
             let aura = own
                 .creature()
                 .aura_of(receptor.limb)

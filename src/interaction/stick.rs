@@ -6,6 +6,7 @@
 //! his body, and what is felt through the stick is felt there.
 
 use crate::interaction::actor::{Actor, FoundThing, Hand};
+use crate::interaction::own_spot::OwnTouch;
 use crate::interaction::tasks::{Touching, Trouble};
 use crate::learning::Tool;
 use crate::learning::touch_set::PreparedTouch;
@@ -40,8 +41,6 @@ pub struct KnownStick {
     pub touches: usize,
     /// … and those of them that were the tip's.
     pub by_tip: usize,
-    /// How far off the last touches were from what was expected of them before they were learned from: the worst, metres.
-    pub worst: f64,
 }
 
 impl KnownStick {
@@ -177,6 +176,16 @@ impl Actor {
         corrections: usize,
     ) -> Result<Touching, Trouble> {
         self.with_stick(|actor, hand| actor.touch_again(found, hand, lean, corrections))
+            .unwrap_or(Err(Trouble::Nothing))
+    }
+
+    /// Touches a receptor of his own with the tip of the stick; see [`Actor::touch_own_with`]. [`Trouble::Nothing`] where no
+    /// stick is known.
+    ///
+    /// # Errors
+    /// [`Trouble`].
+    pub fn touch_own_with_stick(&mut self, receptor: usize) -> Result<OwnTouch, Trouble> {
+        self.with_stick(|actor, hand| actor.touch_own_with(receptor, Some(hand)))
             .unwrap_or(Err(Trouble::Nothing))
     }
 }

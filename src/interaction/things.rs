@@ -128,6 +128,14 @@ impl Things {
         *known = KnownThing { shape, ..felt };
     }
 
+    /// What one receptor felt is told of another from now on.
+    pub(super) fn felt_by_another(&mut self, other: impl Fn(usize) -> usize) {
+        for known in &mut self.known {
+            known.found.receptor = other(known.found.receptor);
+            known.in_touch = known.in_touch.map(&other);
+        }
+    }
+
     /// Which thing "it" is, where one is meant; not where there are several and none was named.
     pub fn it(&self) -> Option<usize> {
         self.it

@@ -169,6 +169,20 @@ impl ReachableMap {
     /// Where the hand has no skin, or voxels are too many or none.
     pub fn new(own: &OwnBody, hand: usize, chest: usize, voxel: f64) -> Result<ReachableMap, Unmappable> {
         let tip = own.tip_of(hand).ok_or_else(|| Unmappable::NoSkin(own.creature().limbs()[hand].clone()))?;
+        ReachableMap::of_place(own, hand, tip, chest, voxel)
+    }
+
+    /// The same of another place that the hand carries: the tip of a stick.
+    ///
+    /// # Errors
+    /// Where voxels are too many or none.
+    pub fn of_place(
+        own: &OwnBody,
+        hand: usize,
+        tip: Place,
+        chest: usize,
+        voxel: f64,
+    ) -> Result<ReachableMap, Unmappable> {
         let at_ease = own.at_ease();
         let frame = own.frames(&at_ease)[chest];
         let carries_chest = own.joints_to(chest);

@@ -47,6 +47,7 @@ mod resume;
 mod senses;
 mod skin;
 mod somatotopic;
+mod stick;
 mod study;
 mod surfaces;
 mod tables;

@@ -33,10 +33,12 @@ pub const STUDY: Study = Study {
 /// The name of the stick.
 const STICK: &str = "stick";
 /// How long sticks are, metres, and how thick.
-const LENGTHS: [f64; 2] = [0.2, 0.45];
+const LENGTHS: [f64; 2] = [0.2, 0.5];
 const RADII: [f64; 2] = [0.006, 0.01];
 /// How far from where the hand points a stick leads: the tangent of the angle, at the most.
 const ASLANT: f64 = 0.6;
+/// How far a stick's end is from the middle of the receptor that holds it, metres, at the most along each axis.
+const OFF: f64 = 0.008;
 /// Ways that are tried of putting a stick into the hand.
 const WAYS: usize = 30;
 /// Things that are touched in a trial, small balls that a partner holds in the air …
@@ -131,8 +133,7 @@ pub fn measure(subject: &Subject) -> Result<Findings<ToolMeasurement, ToolSummar
                     Err(_) => None,
                 },
                 _ => {
-                    let by_truth =
-                        KnownStick { tool: held.tool, deviation: 0.0, touches: 0, by_tip: 0, worst: 0.0 };
+                    let by_truth = KnownStick { tool: held.tool, deviation: 0.0, touches: 0, by_tip: 0 };
                     actor.know_stick(by_truth);
                     Some(by_truth)
                 }
@@ -269,7 +270,8 @@ fn draw_stick(
         return Err(error.into());
     }
     let (receptor, posture) = (actor.grip_of(hand), actor.posture());
-    let grip = truth.own.skin().receptors[receptor].position;
+    let middle = truth.own.skin().receptors[receptor].position;
+    let grip = middle + Vector3::from_fn(|_, _| rng.random_range(-OFF..OFF));
     let pointing = grip.try_normalize(1e-6).unwrap_or_else(Vector3::x);
     let across = crate::kinematics::tangent_basis(&pointing);
     for _ in 0..WAYS {
@@ -289,7 +291,7 @@ fn draw_stick(
 fn give(actor: &OnStage, held: &HeldInTruth) -> Result<bool, ExperimentError> {
     let stick = actor.stage.thing(STICK);
     let stick = stick.ok_or_else(|| ExperimentError::refused("the stick is not on the stage"))?;
-    Ok(actor.stage.give_stick(stick, held.receptor, &held.direction)?)
+    Ok(actor.stage.give_stick(stick, held.receptor, &held.tool.grip, &held.direction)?)
 }
 
 /// He stands at the table with the stick in his hand, of which he knows nothing yet.
@@ -326,7 +328,7 @@ fn targets(
 ) -> Result<Vec<StickTarget>, ExperimentError> {
     let mut actor = with_stick(subject, truth, held, seed)?;
     let bare = actor.hands[held.hand].receptors.clone();
-    actor.know_stick(KnownStick { tool: held.tool, deviation: 0.0, touches: 0, by_tip: 0, worst: 0.0 });
+    actor.know_stick(KnownStick { tool: held.tool, deviation: 0.0, touches: 0, by_tip: 0 });
     let arm = actor.hands[held.hand].arm.clone();
     let ready = actor.ready();
     let clearance = actor.clearance.moved_by(&actor.own, &arm);

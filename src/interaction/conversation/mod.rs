@@ -63,6 +63,8 @@ struct Request {
     hand: Option<HandName>,
     part: Option<PartName>,
     which: Option<Which>,
+    /// Whether it is done with a stick.
+    stick: bool,
     /// Whether the trunk helps.
     lean: bool,
     /// Whether what was done before is to be done again.
@@ -84,6 +86,7 @@ impl Request {
             hand: understood.hand,
             part: understood.part.clone(),
             which: understood.which,
+            stick: understood.stick,
             lean: understood.lean,
             again: understood.again,
             all: understood.all,
@@ -133,7 +136,7 @@ pub struct Conversation {
     still: bool,
     over: bool,
     /// What its hands reach, once it was asked.
-    reachable: OnceCell<Option<[ReachableMap; 2]>>,
+    reachable: OnceCell<Option<Vec<ReachableMap>>>,
 }
 
 impl Conversation {
@@ -318,6 +321,9 @@ impl Conversation {
         {
             return Ok(self.reply(intent, doubt, Some(false), false));
         }
+        if let Some(said) = self.barred_by_stick(request) {
+            return Ok(self.reply(intent, said, Some(false), false));
+        }
         if !matches!(
             intent,
             Intent::Repeat | Intent::LeanForward | Intent::LeanBack | Intent::Rest | Intent::LetGo
@@ -416,16 +422,20 @@ impl Conversation {
         }
     }
 
-    /// What either hand reaches; none where that cannot be told.
-    fn reachable(&self) -> Option<&[ReachableMap; 2]> {
+    /// What either hand reaches, and then what the tip of a stick does that is known; none where that cannot be told.
+    fn reachable(&self) -> Option<&[ReachableMap]> {
         let made = self.reachable.get_or_init(|| {
-            let own = &self.actor.own;
+            let (own, stick) = (&self.actor.own, self.actor.stick().filter(|stick| stick.known.is_some()));
+            let bare = stick.map_or(own, |stick| &stick.bare.0);
             let limbs = self.actor.hands.each_ref().map(|hand| hand.limb);
             let chest = own.carrier_of(&limbs);
-            let [a, b] = limbs.map(|limb| ReachableMap::new(own, limb, chest, VOXEL).ok());
-            Some([a?, b?])
+            let hands = limbs.map(|limb| ReachableMap::new(bare, limb, chest, VOXEL).ok());
+            let with_stick = stick.zip(self.actor.stick_tip()).map(|(stick, tip)| {
+                ReachableMap::of_place(own, limbs[stick.hand], own.place(tip), chest, VOXEL).ok()
+            });
+            hands.into_iter().chain(with_stick).collect()
         });
-        made.as_ref()
+        made.as_deref()
     }
 
     /// Lowers what it holds until it stands; what it holds it with, in words, and whether it was felt to stand. Palms let go.

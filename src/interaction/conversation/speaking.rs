@@ -39,6 +39,9 @@ impl Conversation {
 
     /// The limb that a receptor is on, as it says it.
     pub(super) fn limb_in_words(&self, receptor: usize) -> String {
+        if self.actor.stick_tip() == Some(receptor) {
+            return "stick".into();
+        }
         let own = &self.actor.own;
         let limb = own.skin().receptors[receptor].limb;
         let aura = own.creature().aura_of(limb).map(|aura| own.creature().aura_limbs()[aura].name.clone());

@@ -20,19 +20,25 @@ use crate::learning::touch_set::{LimbTouch, PreparedTouch};
 use crate::peripersonal::{PosturePath, straight};
 
 /// How often he moves at the most.
-const MOTIONS: usize = 300;
+const MOTIONS: usize = 200;
+/// Touches after which he gives up.
+const MOST: usize = 40;
 /// How often he draws where to go until the stick, as far as he knows it, should touch him there.
 const DRAWS: usize = 60;
+/// … and until its tip should, before its shaft does.
+const DRAWS_BY_TIP: usize = 600;
+/// Postures of a way that are looked at, …
+const LOOKS: u32 = 40;
+/// … and the share of a stick that is its shaft.
+const SHAFT: f64 = 0.9;
 /// How far a stick is taken to reach before it has touched anything, metres.
 const FIRST_LENGTH: f64 = 0.3;
 /// How far over a table the hands, and where the stick may lead, keep while it is not known, metres.
 const ABOVE: f64 = 0.12;
 /// How clear of his own body he keeps the arms, metres.
 const CLEAR: f64 = 0.01;
-/// How many steps back he goes from a touch …
-const AGAIN: usize = 12;
-/// … to come again at this speed of the hands, metres a second.
-const SLOWLY: f64 = 0.02;
+/// How many steps back he goes from a touch to come again, and how fast the tips of the hands then go, metres a second.
+const AGAIN: [(usize, f64); 2] = [(12, 0.05), (6, 0.005)];
 /// How many steps of the way back he then leaves it by, so that the stick is clear.
 const LEAVING: usize = 60;
 /// Touches from which the stick is looked for first …
@@ -45,7 +51,9 @@ const BY_TIP: usize = 6;
 const FRESH: usize = 8;
 /// … of which so many must be the tip's, …
 const FRESH_BY_TIP: usize = 3;
-/// … and all as near as this to what was expected, metres.
+/// … and all but so many, for skin may be touched where two limbs meet, …
+const FALSE: usize = 1;
+/// … as near as this to what was expected, metres.
 const FORETOLD: f64 = 2e-3;
 /// The standard deviation to which the tip must be known, metres.
 const CERTAIN: f64 = 1e-3;
@@ -111,7 +119,8 @@ impl Actor {
         // How far off each touch was from what was expected, and whether by the tip.
         let mut foretold: Vec<(f64, bool)> = Vec::new();
         for _ in 0..MOTIONS {
-            let Some(target) = self.where_it_may_touch(belief.as_ref(), &mut rng) else { continue };
+            let target = self.where_it_may_touch(belief.as_ref(), &mut rng);
+            let Some(target) = target.or_else(|| self.elsewhere(&mut rng)) else { continue };
             let Some(touch) = self.touch_self_going_to(&target)? else { continue };
             let (skin, schema) = (self.own.skin(), &self.own.schema);
             foretold.push(belief.as_ref().map_or((f64::INFINITY, false), |tool: &Tool| {
@@ -121,6 +130,9 @@ impl Actor {
             let Some(stick) = self.stick.as_mut() else { return Ok(None) };
             stick.touches.push(touch);
             belief = self.believed(belief);
+            if foretold.len() >= MOST {
+                break;
+            }
             if let Some(known) = belief.and_then(|tool| self.known_for_certain(tool, &foretold)) {
                 self.know_stick(known);
                 return Ok(Some(known));
@@ -150,24 +162,18 @@ impl Actor {
         let stick = self.stick.as_ref()?;
         let touches: Vec<&PreparedTouch> = stick.touches.iter().collect();
         let fresh = &foretold[foretold.len().checked_sub(FRESH)?..];
-        let worst = fresh.iter().map(|(gap, _)| *gap).fold(0.0, f64::max);
+        let foretold = fresh.iter().filter(|(gap, _)| *gap <= FORETOLD).count();
         let (skin, schema) = (self.own.skin(), &self.own.schema);
         let by_tip = touches.iter().filter(|touch| tool.touches_with_tip(skin, schema, touch)).count();
         let enough = touches.len() >= LEAST
             && by_tip >= BY_TIP
-            && fresh.iter().filter(|(_, tip)| *tip).count() >= FRESH_BY_TIP
-            && worst <= FORETOLD;
+            && fresh.iter().filter(|(gap, tip)| *tip && *gap <= FORETOLD).count() >= FRESH_BY_TIP
+            && foretold + FALSE >= FRESH;
         if !enough {
             return None;
         }
         let deviation = tool.tip_deviation(skin, schema, &touches);
-        (deviation <= CERTAIN).then_some(KnownStick {
-            tool,
-            deviation,
-            touches: touches.len(),
-            by_tip,
-            worst,
-        })
+        (deviation <= CERTAIN).then_some(KnownStick { tool, deviation, touches: touches.len(), by_tip })
     }
 
     /// A random posture of both arms to which the way is clear of his own body and in which the stick, as it is believed or
@@ -193,41 +199,93 @@ impl Actor {
         let others: Vec<usize> = (0..self.own.creature().limbs().len())
             .filter(|&other| !holding[other] && !self.own.creature().neighbouring(limb, other))
             .collect();
-        (0..DRAWS).find_map(|_| {
+        (0..if tip_only { DRAWS_BY_TIP } else { DRAWS }).find_map(|_| {
             let target = self.own.random_posture(&from, &arms, rng);
             let frames = self.own.frames(&target);
             let Capsule { ends, radius } = expected.capsule().placed(&frames[limb]);
             let about = Capsule { ends: if tip_only { [ends[1]; 2] } else { ends }, radius };
             let meets = |&other: &usize| self.clearance.to_body(&frames, other, &about, &about, CLEAR) < 0.0;
-            let high = self.table.is_none_or(|height| {
-                let edge = self.trunk_front(height);
-                let over = |p: &Vector3<f64>| p.dot(&self.front) > edge && p.dot(&self.up) < height + ABOVE;
-                let hands = self.hands.iter().map(|hand| frames[hand.limb].origin);
-                !hands.chain(ends).any(|point| over(&point))
-            });
+            let tip_first = |target: &Posture| {
+                !tip_only || self.meets_with_tip_first(&expected, &others, [&from, target])
+            };
+            let hands = self.hands.iter().map(|hand| frames[hand.limb].origin);
+            let high = self.is_high(hands.chain(ends));
             let useful = high && others.iter().any(meets);
-            (useful && straight(&self.own, &clearance, &from, &target, CLEAR.min(MARGIN))).then_some(target)
+            (useful
+                && straight(&self.own, &clearance, &from, &target, CLEAR.min(MARGIN))
+                && tip_first(&target))
+            .then_some(target)
         })
     }
 
-    /// Goes straight to a posture until the stick touches his own skin; what that told, after he has come once more, slowly.
-    /// He goes back from whatever he met.
-    fn touch_self_going_to(&mut self, target: &Posture) -> Result<Option<PreparedTouch>, Trouble> {
-        let since = self.steps();
-        let Stop::Felt(_) = self.follow(&PosturePath(vec![target.clone()]), SWIFT, |_, _| true)? else {
-            return Ok(None);
-        };
-        let back: Vec<Posture> = self.lately(since).take(LEAVING + 1).cloned().collect();
-        let met = self.posture();
-        let before = back.get(AGAIN).or(back.last()).cloned();
-        let mut touch = None;
-        if let Some(before) = before {
-            self.follow(&PosturePath(vec![before]), SWIFT, |_, _| false)?;
-            if let Stop::Felt(contacts) = self.follow(&PosturePath(vec![met]), SLOWLY, |_, _| true)? {
-                touch = self.touches_by_stick(&contacts).and_then(|receptor| self.prepared(receptor));
+    /// A random posture of both arms over the table to which the way is clear of his own body, whatever the stick meets.
+    fn elsewhere(&mut self, rng: &mut ChaCha8Rng) -> Option<Posture> {
+        let arms: Vec<usize> = self.hands.iter().flat_map(|hand| hand.arm.clone()).collect();
+        let from = self.posture();
+        let clearance = self.clearance.moved_by(&self.own, &arms).eased_at(&[self.own.frames(&from)], CLEAR);
+        (0..DRAWS).find_map(|_| {
+            let target = self.own.random_posture(&from, &arms, rng);
+            let frames = self.own.frames(&target);
+            let hands = self.hands.iter().map(|hand| frames[hand.limb].origin);
+            (self.is_high(hands) && straight(&self.own, &clearance, &from, &target, CLEAR.min(MARGIN)))
+                .then_some(target)
+        })
+    }
+
+    /// Whether points of the root's frame are not over a table, or well over it.
+    fn is_high(&self, mut points: impl Iterator<Item = Vector3<f64>>) -> bool {
+        self.table.is_none_or(|height| {
+            let edge = self.trunk_front(height);
+            points.all(|p| p.dot(&self.front) < edge || p.dot(&self.up) > height + ABOVE)
+        })
+    }
+
+    /// Whether on a straight way a stick meets one of some limbs with its tip before it does with its shaft.
+    fn meets_with_tip_first(&self, tool: &Tool, limbs: &[usize], [from, to]: [&Posture; 2]) -> bool {
+        for k in 1..=LOOKS {
+            let share = f64::from(k) / f64::from(LOOKS);
+            let posture = Posture::between(self.own.creature(), from, to, share);
+            let frames = self.own.frames(&posture);
+            let stick = tool.capsule().placed(&frames[tool.limb]);
+            let [grip, end] = stick.ends;
+            let gap = |body: &Capsule| {
+                let to = |&limb: &usize| self.clearance.to_body(&frames, limb, body, body, CLEAR);
+                limbs.iter().map(to).fold(f64::INFINITY, f64::min)
+            };
+            if gap(&Capsule { ends: [grip, grip.lerp(&end, SHAFT)], ..stick }) < CLEAR {
+                return false;
+            }
+            if gap(&Capsule { ends: [end; 2], ..stick }) < 0.0 {
+                return true;
             }
         }
-        let leaving = back.into_iter().skip(AGAIN).step_by(5).collect();
+        false
+    }
+
+    /// Goes straight to a posture until the stick touches his own skin; what that told, after he has come once more, slowly,
+    /// and more slowly. He goes back from whatever he met.
+    fn touch_self_going_to(&mut self, target: &Posture) -> Result<Option<PreparedTouch>, Trouble> {
+        let since = self.steps();
+        let way = PosturePath(vec![target.clone()]);
+        let Stop::Felt(contacts) = self.follow(&way, SWIFT, |_, _| true)? else { return Ok(None) };
+        let leaving = self.lately(since).take(LEAVING).step_by(5).cloned().collect();
+        let mut touch = self.touches_by_stick(&contacts);
+        let mut since = since;
+        for (steps, speed) in AGAIN {
+            if touch.is_none() {
+                break;
+            }
+            let met = self.posture();
+            let back: Vec<Posture> = self.lately(since).take(steps).cloned().collect();
+            let Some(before) = back.last() else { break };
+            self.follow(&PosturePath(vec![before.clone()]), SWIFT, |_, _| false)?;
+            since = self.steps();
+            touch = match self.follow(&PosturePath(vec![met]), speed, |_, _| true)? {
+                Stop::Felt(contacts) => self.touches_by_stick(&contacts),
+                Stop::Arrived => None,
+            };
+        }
+        let touch = touch.and_then(|receptor| self.prepared(receptor));
         self.follow(&PosturePath(leaving), SWIFT, |_, _| false)?;
         Ok(touch)
     }

@@ -29,6 +29,8 @@ const TOUCH: f64 = 1e-4;
 const PARAMETERS: usize = 7;
 /// Steps of the fit at one width.
 const ITERATIONS: usize = 8;
+/// From one width to the next it is no narrower than this share.
+const NARROWING: f64 = 0.2;
 /// Residuals beyond so many deviations count ever less (Cauchy weights).
 const TAIL: f64 = 3.0;
 /// The share of a stick's length, from its tip, within which a touch tells how long it is.
@@ -145,7 +147,7 @@ impl Tool {
         if found.len() < 4 {
             return tool;
         }
-        let held = self.grip;
+        let held = gaps.held();
         let mut deviation = 0.05_f64;
         let mut damping = 1e-3;
         while deviation >= NARROWEST {
@@ -153,20 +155,17 @@ impl Tool {
             let cost = |tool: &Tool, found: &[f64]| -> f64 {
                 let gaps: f64 = found.iter().map(|gap| (gap / deviation / TAIL).powi(2).ln_1p()).sum();
                 TAIL * TAIL * gaps
-                    + (tool.tip - tool.grip).norm_squared() / (REACH * REACH)
+                    + (tool.tip - held).norm_squared() / (REACH * REACH)
                     + (tool.grip - held).norm_squared() / (GRIP * GRIP)
             };
             for _ in 0..ITERATIONS {
                 let (mut hessian, mut gradient) = gaps.normal_equations(&tool, &found, deviation);
                 let [pull, hold] = [REACH, GRIP].map(|metres| (deviation / metres).powi(2));
                 for k in 0..3 {
-                    let long = pull * (tool.tip - tool.grip)[k];
                     hessian[(k, k)] += pull;
-                    gradient[k] += long;
-                    hessian[(3 + k, 3 + k)] += pull + hold;
-                    gradient[3 + k] += hold * (tool.grip - held)[k] - long;
-                    hessian[(k, 3 + k)] -= pull;
-                    hessian[(3 + k, k)] -= pull;
+                    gradient[k] += pull * (tool.tip - held)[k];
+                    hessian[(3 + k, 3 + k)] += hold;
+                    gradient[3 + k] += hold * (tool.grip - held)[k];
                 }
                 let floor = 1e-6 * hessian.diagonal().amax().max(f64::MIN_POSITIVE);
                 for k in 0..PARAMETERS {
@@ -182,7 +181,9 @@ impl Tool {
                 }
             }
             damping = damping.min(1.0);
-            deviation = (1.5 * quantile(&sizes(&found), 0.6)).min(0.5 * deviation);
+            // Where most touches are the shaft's, the few of the tip must not be taken for false ones at once.
+            let next = 1.5 * quantile(&sizes(&found), 0.6);
+            deviation = next.clamp(NARROWING * deviation, 0.5 * deviation);
         }
         tool
     }
@@ -221,6 +222,14 @@ impl<'a> Gaps<'a> {
         let placed =
             |touch: &&'a PreparedTouch| Some((*touch, tool.side(skin, touch)?, touch.frames(schema)));
         Gaps { skin, placed: touches.iter().filter_map(placed).collect() }
+    }
+
+    /// Where the stick is held: the middle of the receptor that feels it, in the limb's frame, metres.
+    fn held(&self) -> Vector3<f64> {
+        let at = |(touch, side, _): &(&PreparedTouch, usize, _)| {
+            self.skin.receptors[touch.ends[*side].receptor].position
+        };
+        self.placed.first().map_or(Vector3::zeros(), at)
     }
 
     /// The gaps that a tool leaves open, metres.

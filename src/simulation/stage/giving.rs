@@ -59,32 +59,40 @@ impl StageCore {
             let turn = std::f64::consts::TAU * k as f64 / WAYS as f64;
             let about = Rotation3::from_axis_angle(&Unit::new_normalize(pointing), turn);
             let direction = pointing + about * aslant * LEANING;
-            if self.put_stick(stick, receptor, &direction)? {
+            let end = self.agent.skin().receptors[receptor].position;
+            if self.put_stick(stick, receptor, &end, &direction)? {
                 return Ok(Some(stick.body));
             }
         }
         Ok(None)
     }
 
-    /// Puts a stick into a hand, its length along a direction of the hand's frame; whether it is one and meets nothing there.
+    /// Puts a stick into a hand, which holds it with a receptor: where one end of it is, metres, and where it leads from
+    /// there, in the hand's frame; whether it is one and meets nothing there.
     pub fn give_stick(
         &mut self,
         body: usize,
         receptor: usize,
+        end: &Vector3<f64>,
         direction: &Vector3<f64>,
     ) -> mujoco::Result<bool> {
         let Some(stick) = self.stick(body) else { return Ok(false) };
-        self.put_stick(stick, receptor, direction)
+        self.put_stick(stick, receptor, end, direction)
     }
 
-    fn put_stick(&mut self, stick: Stick, receptor: usize, direction: &Vector3<f64>) -> mujoco::Result<bool> {
-        let receptor_found = &self.agent.skin().receptors[receptor];
-        let limb = receptor_found.limb;
+    fn put_stick(
+        &mut self,
+        stick: Stick,
+        receptor: usize,
+        end: &Vector3<f64>,
+        direction: &Vector3<f64>,
+    ) -> mujoco::Result<bool> {
+        let limb = self.agent.skin().receptors[receptor].limb;
         let Some(direction) = direction.try_normalize(1e-9) else { return Ok(false) };
         let Some((qposadr, dofadr)) = self.free_joint(stick.body) else { return Ok(false) };
         let turn = UnitQuaternion::rotation_between(&Vector3::z(), &direction)
             .unwrap_or_else(|| UnitQuaternion::from_axis_angle(&Vector3::x_axis(), std::f64::consts::PI));
-        let middle = receptor_found.position + direction * stick.half_length;
+        let middle = end + direction * stick.half_length;
         let pose = Isometry3::from_parts(Translation3::from(middle), turn) * stick.middle.inverse();
         let given_from = Some(self.data.body_pose(stick.body));
         let grip = Grip { limb, receptor, pose, given_from };

@@ -292,8 +292,9 @@ impl Stage {
         self.core.borrow_mut().let_go();
     }
 
-    /// Puts a stick into a hand, one end at a receptor and its length along a direction of the hand's frame; whether the
-    /// thing is a stick, one slender capsule or cylinder that moves freely, and meets nothing there.
+    /// Puts a stick into a hand, which holds it with a receptor: where one end of it is, metres, and where it leads from
+    /// there, in the hand's frame; whether the thing is a stick, one slender capsule or cylinder that moves freely, and meets
+    /// nothing there.
     ///
     /// # Errors
     /// Where the engine fails.
@@ -301,9 +302,10 @@ impl Stage {
         &self,
         thing: usize,
         receptor: usize,
+        end: &Vector3<f64>,
         direction: &Vector3<f64>,
     ) -> mujoco::Result<bool> {
-        self.core.borrow_mut().give_stick(thing, receptor, direction)
+        self.core.borrow_mut().give_stick(thing, receptor, end, direction)
     }
 
     /// Puts any stick of the stage into the hand that a receptor is on; its number.

@@ -58,6 +58,8 @@ pub struct Understood {
     pub part: Option<PartName>,
     /// Which of several things.
     pub which: Option<Which>,
+    /// Whether it is to be done with a stick.
+    pub stick: bool,
     /// Whether the trunk is to help.
     pub lean: bool,
     /// Whether what was done before is to be done again.
@@ -155,6 +157,7 @@ impl Language {
             hand,
             part,
             which,
+            stick: slots::with_stick(&pieces),
             lean,
             again: any(&["again", "retry", "repeat", "try", "once"]),
             all: any(&["everything", "all"])
@@ -191,6 +194,14 @@ impl Language {
         let asked =
             wanted.filter(|(_, k)| matches!(clauses[*k].mood, Mood::Question | Mood::Statement | Mood::Past));
         let wanted = asked.and_then(|_| found.iter().copied().find(doing)).or(wanted);
+        // "Here is a stick: take it."
+        let takes = |(intent, k): &(Intent, usize)| {
+            matches!(wanted, Some((Intent::TakeStick, first)) if clauses[first].mood == Mood::Statement)
+                && *intent == Intent::Lift
+                && matches!(clauses[*k].mood, Mood::Command | Mood::Polite)
+        };
+        let taken = found.iter().find(|meant| takes(meant)).map(|(_, k)| (Intent::TakeStick, *k));
+        let wanted = taken.or(wanted);
         // To bend down is but the way to touch one's own leg.
         let own = found.iter().find(|(intent, _)| *intent == Intent::TouchOwn).copied();
         let wanted = if matches!(wanted, Some((Intent::LeanForward, _))) { own.or(wanted) } else { wanted };

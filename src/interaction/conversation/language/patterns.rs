@@ -2,8 +2,8 @@
 //!
 //! A pattern is a row of words in their dictionary form. `a|b` is either; `?a` may be missing; `..` is any number of words;
 //! `^` and `$` are the ends of the clause; `!a|b` where neither follows. `=touching` is the very form. `THING` is one that is known ("it", "the left
-//! one"), `SOME` one that is not ("something", "an object"), `HAND` a hand of its own, `PART` any other part of its body,
-//! `BODY` either. `VERB` is any verb as it is told, `PAST` as of what was, `DOING` its gerund; `GOOD` is what pleases, `ANY`
+//! one"), `SOME` one that is not ("something", "an object"), `STICK` a stick, `HAND` a hand of its own, `PART` any
+//! other part of its body, `BODY` either. `VERB` is any verb as it is told, `PAST` as of what was, `DOING` its gerund; `GOOD` is what pleases, `ANY`
 //! any word.
 
 use super::lexicon::Form;
@@ -55,6 +55,7 @@ fn is(piece: &Piece, token: &str) -> bool {
     token.split('|').any(|word| match word {
         "THING" => piece.sense == Sense::Thing,
         "SOME" => piece.sense == Sense::Some,
+        "STICK" => piece.is_stick(),
         "HAND" => matches!(piece.sense, Sense::Hand(_)),
         "PART" => matches!(piece.sense, Sense::Part(_)),
         "BODY" => piece.is_body(),

@@ -68,6 +68,11 @@ pub(super) struct Piece {
 }
 
 impl Piece {
+    /// Whether it is a stick, known or not.
+    pub fn is_stick(&self) -> bool {
+        matches!(self.sense, Sense::Thing | Sense::Some) && self.words.iter().any(|word| word == "stick")
+    }
+
     pub fn is_body(&self) -> bool {
         matches!(self.sense, Sense::Hand(_) | Sense::Part(_))
     }
@@ -194,6 +199,11 @@ pub(super) fn which(pieces: &[Piece]) -> Option<Which> {
         told = told.or(this);
     }
     told
+}
+
+/// Whether something is to be done with a stick: "with the stick", "use your stick".
+pub(super) fn with_stick(pieces: &[Piece]) -> bool {
+    (1..pieces.len()).any(|k| pieces[k].is_stick() && pieces[k - 1].word.is(&["with", "use", "by", "your"]))
 }
 
 /// Which hand a hand's name tells.

@@ -5,7 +5,8 @@ use super::{Act, Answer, Intent, Reply, RequestKind};
 
 /// What it can do, as it says it.
 const ABILITIES: &str = "I can feel about for things (\"is there something in front of you?\"), touch what I felt with either \
-hand, feel its shape, pick it up, put it as far away as possible, bring it near, let go; touch my own body (\"touch your nose\"); \
+hand, feel its shape, pick it up, put it as far away as possible, bring it near, let go; take a \
+stick and touch with it; touch my own body (\"touch your nose\"); \
 tell where a thing or a part of me is, how far, how many, how big, and whether I reach it; lean forward and back; get out of the \
 way of what comes; tell what I did; forget, do it again, rest, keep still. \"Quit\" ends our talk";
 

@@ -49,6 +49,13 @@ impl Conversation {
                     format!("I let go of it with my {name}")
                 }
             }
+            // Where the stick is all that he holds, it is meant.
+            None if self.actor.stick().is_some()
+                && self.things.iter().all(|known| known.in_touch.is_none()) =>
+            {
+                let given = self.give_stick_back()?;
+                return Ok(Reply { intent: Intent::LetGo, ..given });
+            }
             None => {
                 self.actor.let_go();
                 let touching = self.things.iter().any(|known| known.in_touch.is_some());

@@ -147,6 +147,14 @@ pub(super) const WHAT_FELT: RequestKind = RequestKind {
     )
 };
 
+/// Names as they are listed: "a, b and c".
+fn listed(names: &[String]) -> String {
+    match names {
+        [first @ .., next, last] if !first.is_empty() => format!("{}, {next} and {last}", first.join(", ")),
+        names => names.join(" and "),
+    }
+}
+
 impl Conversation {
     /// The thing that a question is about.
     fn asked_about(&self, request: &Request) -> Result<usize, Answer> {
@@ -187,25 +195,30 @@ impl Conversation {
             return Answer::tells("I do not know how far my hands reach");
         };
         let only = self.hand_for(request.hand);
-        let levels: Vec<(usize, Level)> = (0..2)
-            .filter(|hand| only.is_none_or(|only| only == *hand))
-            .map(|hand| (hand, maps[hand].level(&maps[hand].frame.inverse_point(&known.at))))
+        let hand_of = |map: usize| self.actor.hands.iter().position(|hand| hand.limb == maps[map].hand);
+        let levels: Vec<(usize, Level)> = (0..maps.len())
+            .filter(|&map| only.is_none_or(|only| hand_of(map) == Some(only)))
+            .map(|map| (map, maps[map].level(&maps[map].frame.inverse_point(&known.at))))
             .collect();
         let with = |wanted: Level| -> Vec<String> {
             let hands = levels.iter().filter(|(_, level)| *level == wanted);
-            hands.map(|(hand, _)| format!("my {}", self.actor.hands[*hand].name.replace('_', " "))).collect()
+            let name = |(map, _): &(usize, Level)| match self.actor.hands.get(*map) {
+                Some(hand) => format!("my {}", hand.name.replace('_', " ")),
+                None => "the stick".to_string(),
+            };
+            hands.map(name).collect()
         };
         let (near, far) = (with(Level::Near), with(Level::Far));
         let verb = |hands: &[String]| if hands.len() == 1 { "reaches" } else { "reach" };
         Answer::tells(match (near.as_slice(), far.as_slice()) {
             ([], []) => "It is out of reach, even if I lean forward".to_string(),
-            ([], far) => format!("It is far: {} {} it only if I lean forward", far.join(" and "), verb(far)),
-            (near, []) => format!("It is near: {} {} it without leaning", near.join(" and "), verb(near)),
+            ([], far) => format!("It is far: {} {} it only if I lean forward", listed(far), verb(far)),
+            (near, []) => format!("It is near: {} {} it without leaning", listed(near), verb(near)),
             (near, far) => format!(
                 "It is near: {} {} it without leaning, {} only if I lean forward",
-                near.join(" and "),
+                listed(near),
                 verb(near),
-                far.join(" and ")
+                listed(far)
             ),
         })
     }

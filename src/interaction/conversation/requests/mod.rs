@@ -25,6 +25,7 @@ mod reporting;
 mod resting;
 mod shape_known;
 mod stopping;
+mod taking_stick;
 mod touching;
 mod touching_own;
 
@@ -137,6 +138,12 @@ requests! {
     LeanForward => leaning::LEAN_FORWARD;
     /// That it is upright again.
     LeanBack => leaning::LEAN_BACK;
+    /// That a stick is given back.
+    GiveStickBack => taking_stick::GIVE_STICK_BACK;
+    /// That a stick is taken.
+    TakeStick => taking_stick::TAKE_STICK;
+    /// To know what it knows of a stick.
+    StickKnown => taking_stick::STICK_KNOWN;
     /// That things are forgotten.
     Forget => forgetting::FORGET;
     /// To know how many things it found.

@@ -4,7 +4,7 @@ use super::super::Conversation;
 use super::{Act, Intent, Reply, RequestKind};
 use crate::interaction::conversation::language::Leave;
 use crate::interaction::tasks::Trouble;
-use crate::peripersonal::OutOfReach;
+use crate::peripersonal::{Level, OutOfReach};
 use crate::simulation::EngineError;
 
 pub(super) const TOUCH: RequestKind = RequestKind {
@@ -27,6 +27,7 @@ pub(super) const TOUCH: RequestKind = RequestKind {
         "lay|put|place ?a|one finger|hand|HAND on|upon THING",
         "feel THING with HAND",
         "meet THING",
+        "^ use STICK ?to|for|on ?touch",
         "^ with HAND $",
         "^ HAND $",
         "^ ?but|and|now|do|try ?THING with HAND ?instead|now $",
@@ -39,13 +40,62 @@ pub(super) const TOUCH: RequestKind = RequestKind {
     ..RequestKind::new(
         ["touch it", "touched it"],
         Act::Moves(|creature, request, leave| {
+            if request.stick {
+                return creature.touch_with_stick(request.lean);
+            }
             let hand = creature.hand_for(request.hand);
-            creature.touch(hand, request.lean, leave)
+            let reply = creature.touch(hand, request.lean, leave)?;
+            // What is too far for the hand may not be for a stick that he holds.
+            let out_of_reach = reply.done == Some(false) && creature.is_out_of_hands_reach();
+            let may = out_of_reach && hand.is_none() && creature.actor.stick_tip().is_some();
+            if may { creature.touch_with_stick(request.lean) } else { Ok(reply) }
         }),
     )
 };
 
 impl Conversation {
+    /// Whether the thing of which they talk is beyond what either bare hand reaches without leaning, by the map.
+    fn is_out_of_hands_reach(&self) -> bool {
+        let (Some(i), Some(maps)) = (self.things.it(), self.reachable()) else { return false };
+        let at = self.things[i].found.point;
+        maps.iter().take(2).all(|map| map.level(&map.frame.inverse_point(&at)) != Level::Near)
+    }
+
+    /// Touches the thing of which they talk with the tip of the stick that he holds.
+    fn touch_with_stick(&mut self, lean: bool) -> Result<Reply, EngineError> {
+        let i = self.things.it().expect("it is known which");
+        let Some(tip) = self.actor.stick_tip() else {
+            let said = "I hold no stick".to_string();
+            return Ok(self.reply(Intent::Touch, said, Some(false), false));
+        };
+        if self.things[i].in_touch == Some(tip) {
+            return Ok(self.reply(Intent::Touch, "The stick touches it already".into(), Some(true), false));
+        }
+        let found = self.things[i].found.clone();
+        self.let_be();
+        let ready = self.ready.clone();
+        self.settle(&ready);
+        match self.actor.touch_with_stick(&found, lean, 1) {
+            Ok(touching) => {
+                self.things.felt_again(i, &touching.found);
+                Ok(self.reply(Intent::Touch, "I touch it with the stick".into(), Some(true), false))
+            }
+            Err(Trouble::Engine(error)) => Err(error),
+            Err(Trouble::Nothing) => {
+                let said = "I felt about for it with the stick, and felt nothing".to_string();
+                Ok(self.reply(Intent::Touch, said, Some(false), false))
+            }
+            Err(Trouble::Reach(OutOfReach::TooFar(by))) => {
+                let said = format!("It is {:.0} cm too far for the stick", (100.0 * by).max(1.0));
+                Ok(self.reply(Intent::Touch, said, Some(false), false))
+            }
+            Err(trouble) => {
+                let said = format!("I cannot touch it with the stick: {}", self.in_words(&trouble));
+                Ok(self.reply(Intent::Touch, said, Some(false), false))
+            }
+        }
+    }
+
     /// Touches the thing of which they talk, with a hand or with the one that does not touch it yet.
     pub(super) fn touch(
         &mut self,
@@ -115,17 +165,21 @@ impl Conversation {
         leave: &Leave,
     ) -> Result<Result<usize, Reply>, EngineError> {
         let i = self.things.it().expect("it is known which");
+        let with_stick = self.actor.stick().map(|stick| stick.hand);
         let by_hand = |receptor: &usize| {
             let by = self.actor.arm_of(*receptor);
             by.is_some_and(|by| {
-                self.actor.hands[by].receptors.contains(receptor) && hand.is_none_or(|hand| hand == by)
+                Some(by) != with_stick
+                    && self.actor.hands[by].receptors.contains(receptor)
+                    && hand.is_none_or(|hand| hand == by)
             })
         };
         if let Some(receptor) = self.things[i].in_touch.filter(by_hand) {
             return Ok(Ok(receptor));
         }
         let own_side = usize::from(self.actor.side(0) * self.things[i].at.dot(&self.actor.left()) < 0.0);
-        let touched = self.touch(Some(hand.unwrap_or(own_side)), lean, leave)?;
+        let free = with_stick.map_or(own_side, |hand| 1 - hand);
+        let touched = self.touch(Some(hand.unwrap_or(free)), lean, leave)?;
         Ok(match self.things[i].in_touch {
             Some(receptor) if touched.done == Some(true) => Ok(receptor),
             _ => Err(touched),

@@ -55,6 +55,9 @@ impl Conversation {
             Err(unknown) => return Ok(self.reply(Intent::TouchOwn, unknown.to_string(), Some(false), false)),
         };
         let by = self.hand_for(request.hand);
+        if request.stick && self.actor.stick_tip().is_none() {
+            return Ok(self.reply(Intent::TouchOwn, "I hold no stick".into(), Some(false), false));
+        }
         self.let_be();
         let mut trouble = None;
         for part in &found {
@@ -64,10 +67,17 @@ impl Conversation {
                     break;
                 }
                 for &receptor in part.receptors.iter().take(TRIES) {
-                    match self.actor.touch_own_with(receptor, by) {
+                    let touched = match request.stick {
+                        true => self.actor.touch_own_with_stick(receptor),
+                        false => self.actor.touch_own_with(receptor, by),
+                    };
+                    match touched {
                         Ok(touch) => {
                             self.spot = Some(receptor);
-                            let name = self.actor.hands[touch.hand].name.replace('_', " ");
+                            let name = match request.stick {
+                                true => "stick".to_string(),
+                                false => self.actor.hands[touch.hand].name.replace('_', " "),
+                            };
                             let said = match part.off(&self.actor, touch.felt) {
                                 off if off < NEAR => format!("I touch my {} with my {name}", part.name),
                                 off => format!(

@@ -1,0 +1,160 @@
+//! "Here is a stick: take it with your right hand", "give me back the stick", "how long is the stick?"
+
+use super::super::{Conversation, Request};
+use super::{Act, Answer, Intent, Reply, RequestKind};
+use crate::interaction::stick::KnownStick;
+use crate::interaction::tasks::Trouble;
+use crate::simulation::EngineError;
+
+pub(super) const TAKE_STICK: RequestKind = RequestKind {
+    told: &[
+        "take|grab|grasp|hold|have|get|catch|seize|accept|clasp|grip STICK",
+        "pick|lift|raise ?up STICK",
+        "take|get|catch hold of STICK",
+        "^ here be STICK",
+    ],
+    needs_body: true,
+    ..RequestKind::new(
+        ["take the stick", "took the stick"],
+        Act::Moves(|creature, request, _| creature.take_stick(request)),
+    )
+};
+
+pub(super) const GIVE_STICK_BACK: RequestKind = RequestKind {
+    told: &[
+        "give|hand|pass|return ?me ?back STICK",
+        "put|lay|set|place|take STICK down|away|back|aside|off",
+        "put|lay|set|place down|away|back|aside STICK",
+        "drop|release|return|unhand STICK",
+        "let STICK go|fall|drop",
+        "let|leave ?go of|off STICK",
+    ],
+    ..RequestKind::new(
+        ["give the stick back", "gave the stick back"],
+        Act::Moves(|creature, _, _| creature.give_stick_back()),
+    )
+};
+
+pub(super) const STICK_KNOWN: RequestKind = RequestKind {
+    asked: &[
+        "how ?long|big|large|great|thick|far be STICK",
+        "what|where|whereabouts be STICK",
+        "do|be you ?still have|hold|know|feel|get STICK",
+        "length|tip|end|point|size of STICK",
+    ],
+    ..RequestKind::new(
+        ["tell what I know of the stick", "told what I know of the stick"],
+        Act::Tells(|creature, _| Answer::tells(creature.stick_in_words())),
+    )
+};
+
+impl Conversation {
+    /// Holds out a hand for a stick, and learns it by touching himself with it; gives it back where he cannot tell where its
+    /// tip is.
+    fn take_stick(&mut self, request: &Request) -> Result<Reply, EngineError> {
+        let intent = Intent::TakeStick;
+        if self.actor.stick().is_some() {
+            return Ok(self.reply(intent, self.stick_in_words(), Some(true), false));
+        }
+        // The right hand, where none is named.
+        let right = (0..2).find(|&hand| self.actor.side(hand) < 0.0).unwrap_or(1);
+        let hand = self.hand_for(request.hand).unwrap_or(right);
+        let name = self.actor.hands[hand].name.replace('_', " ");
+        self.let_be();
+        let ready = self.ready.clone();
+        self.settle(&ready);
+        // While he does not know how far the stick reaches he keeps it well over a table.
+        if self.actor.table.is_none()
+            && let Err(Trouble::Engine(error)) = self.actor.feel_table(hand)
+        {
+            return Err(error);
+        }
+        if let Err(Trouble::Engine(error)) = self.actor.hold_out(hand) {
+            return Err(error);
+        }
+        if !self.actor.take_stick(hand)? {
+            self.settle(&ready);
+            let said = format!("I held out my {name}, and was given no stick");
+            return Ok(self.reply(intent, said, Some(false), false));
+        }
+        match self.actor.learn_stick() {
+            Err(Trouble::Engine(error)) => Err(error),
+            Ok(Some(known)) => {
+                self.stick_changed();
+                let said = format!(
+                    "I hold the stick with my {name}, and touched myself {} times with it, {} times with its tip: {}",
+                    known.touches,
+                    known.by_tip,
+                    tip_in_words(&known)
+                );
+                Ok(self.reply(intent, said, Some(true), false))
+            }
+            Ok(None) | Err(_) => {
+                self.actor.give_stick_back()?;
+                self.settle(&ready);
+                let said =
+                    "I touched myself with the stick and could not tell where its tip is: I gave it back";
+                Ok(self.reply(intent, said.into(), Some(false), false))
+            }
+        }
+    }
+
+    /// Gives the stick back, where there is one.
+    pub(super) fn give_stick_back(&mut self) -> Result<Reply, EngineError> {
+        let Some(hand) = self.actor.stick().map(|stick| stick.hand) else {
+            let said = "I hold no stick".to_string();
+            return Ok(self.reply(Intent::GiveStickBack, said, Some(false), false));
+        };
+        self.let_be();
+        let tip = self.actor.stick_tip();
+        let bare = self.actor.hands[hand].tip;
+        // What the stick's tip felt was felt by that hand.
+        self.things.felt_by_another(|receptor| if Some(receptor) == tip { bare } else { receptor });
+        self.spot = self.spot.filter(|receptor| Some(*receptor) != tip);
+        self.actor.give_stick_back()?;
+        self.stick_changed();
+        Ok(self.reply(Intent::GiveStickBack, "I gave the stick back".into(), Some(true), false))
+    }
+
+    /// Goes to where its hands wait with or without a stick, and reaches as far as it does now.
+    fn stick_changed(&mut self) {
+        self.reachable.take();
+        self.ready = self.actor.ready();
+        let ready = self.ready.clone();
+        self.settle(&ready);
+    }
+
+    /// What he knows of a stick.
+    fn stick_in_words(&self) -> String {
+        match self.actor.stick() {
+            Some(stick) => {
+                let name = self.actor.hands[stick.hand].name.replace('_', " ");
+                let known = stick.known.map_or("I do not know it".to_string(), |known| tip_in_words(&known));
+                format!("I hold the stick with my {name}: {known}")
+            }
+            None => "I hold no stick".into(),
+        }
+    }
+
+    /// Why something cannot be done with a stick in a hand; none where it can.
+    pub(in super::super) fn barred_by_stick(&self, request: &Request) -> Option<String> {
+        let stick = self.actor.stick()?;
+        let name = self.actor.hands[stick.hand].name.replace('_', " ");
+        let with_both = request.intent == Intent::Lift && request.hand.is_none();
+        let feels_about = matches!(request.intent, Intent::Explore | Intent::FeelShape)
+            || (request.intent == Intent::Touch && request.any && self.things.is_empty());
+        let by_its_hand = matches!(request.intent, Intent::Lift | Intent::PutFar | Intent::BringNear)
+            && self.hand_for(request.hand) == Some(stick.hand);
+        (with_both || feels_about || by_its_hand)
+            .then(|| format!("The stick in my {name} is in the way of that: tell me to give it back first"))
+    }
+}
+
+/// Where the tip is.
+fn tip_in_words(known: &KnownStick) -> String {
+    format!(
+        "its tip is {:.0} cm from where I hold it, which I know to {:.1} mm",
+        100.0 * known.length(),
+        (1e3 * known.deviation).max(0.1)
+    )
+}
