@@ -380,10 +380,9 @@ fn touch(
     row: &mut ToolMeasurement,
 ) -> Result<(), ExperimentError> {
     let ready: Posture = actor.ready();
-    match actor.go(&ready) {
-        Err(Trouble::Engine(error)) => return Err(error.into()),
-        // Where he cannot, he begins from where he is.
-        _ => {}
+    // Where he cannot, he begins from where he is.
+    if let Err(Trouble::Engine(error)) = actor.go(&ready) {
+        return Err(error.into());
     }
     let thing = actor.the_thing()?;
     let ReachTarget { point, direction } = target.aim;

@@ -41,6 +41,8 @@ const CLEAR: f64 = 0.01;
 const AGAIN: [(usize, f64); 2] = [(12, 0.05), (6, 0.005)];
 /// How many steps of the way back he then leaves it by, so that the stick is clear.
 const LEAVING: usize = 60;
+/// Every so many touches the stick may turn out to be another than was believed.
+const ANEW: usize = 3;
 /// Touches from which the stick is looked for first …
 const FIRST: usize = 8;
 /// … and those that it must be known from at the least, …
@@ -150,7 +152,10 @@ impl Actor {
         }
         let (skin, schema) = (self.own.skin(), &self.own.schema);
         match before {
-            Some(tool) => Some(tool.refitted(skin, schema, &touches, CLOSE)),
+            Some(tool) if touches.len().is_multiple_of(ANEW) => {
+                Some(tool.refitted(skin, schema, &touches, CLOSE))
+            }
+            Some(tool) => Some(tool.settled(skin, schema, &touches)),
             None => {
                 Tool::fit(self.hands[stick.hand].limb, skin, schema, &touches, CLOSE).map(|(tool, _)| tool)
             }
