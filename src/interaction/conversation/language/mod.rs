@@ -195,10 +195,14 @@ impl Language {
             wanted.filter(|(_, k)| matches!(clauses[*k].mood, Mood::Question | Mood::Statement | Mood::Past));
         let wanted = asked.and_then(|_| found.iter().copied().find(doing)).or(wanted);
         // "Here is a stick: take it."
+        let offered = |before: usize| {
+            let offers = |(intent, k): &(Intent, usize)| {
+                *intent == Intent::TakeStick && *k < before && clauses[*k].mood == Mood::Statement
+            };
+            found.iter().any(offers)
+        };
         let takes = |(intent, k): &(Intent, usize)| {
-            matches!(wanted, Some((Intent::TakeStick, first)) if clauses[first].mood == Mood::Statement)
-                && *intent == Intent::Lift
-                && matches!(clauses[*k].mood, Mood::Command | Mood::Polite)
+            *intent == Intent::Lift && matches!(clauses[*k].mood, Mood::Command | Mood::Polite) && offered(*k)
         };
         let taken = found.iter().find(|meant| takes(meant)).map(|(_, k)| (Intent::TakeStick, *k));
         let wanted = taken.or(wanted);

@@ -228,6 +228,12 @@ pub(super) fn noun_phrase(words: &[Word], before: Option<&Piece>) -> Option<(Sen
     pronoun.then_some((Sense::Thing, 1))
 }
 
+/// Whether what names a thing may begin with a word, or go on: "the", "my", "long", "it".
+pub(super) fn begins_thing(word: &Word) -> bool {
+    [DETERMINERS, ADJECTIVES, PRONOUNS].iter().any(|words| words.contains(&word.text.as_str()))
+        || word.is(&["my", "your", "our", "his", "her", "their"])
+}
+
 /// How many words of what follows a thing tell which it is: "that you found first", "you have felt", "that comes near".
 fn relative_clause(words: &[Word]) -> usize {
     if let [that, verb, ..] = words

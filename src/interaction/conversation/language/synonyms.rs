@@ -17,7 +17,7 @@ pub(super) const SYNONYMS: &[(&str, &str)] = &[
     ("tell", "notify enlighten"),
     ("relax", "chill laze lounge"),
     ("repeat", "replay reiterate"),
-    ("put", "stick stash shelve"),
+    ("put", "stash shelve"),
 ];
 /// The same of words that do not bend.
 pub(super) const ALIKE: &[(&str, &str)] = &[

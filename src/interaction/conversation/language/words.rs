@@ -1,6 +1,7 @@
 //! An utterance's words: small letters, apostrophes resolved, what people run together taken apart.
 
 use super::lexicon::{Form, Lexicon};
+use super::noun_phrases::begins_thing;
 use super::{idioms, spelling};
 
 /// What ends a clause, or a sentence.
@@ -139,6 +140,7 @@ pub(super) fn words(heard: &str, lexicon: &Lexicon) -> Vec<Word> {
         same
     });
     compared(&mut words, lexicon);
+    sticking(&mut words, lexicon);
     plainly(&mut words, lexicon);
     // "don t", as who types in haste has it.
     let mut k = 0;
@@ -194,6 +196,23 @@ fn compared(words: &mut Vec<Word>, lexicon: &Lexicon) {
             words.remove(k + 1);
         }
         k += 1;
+    }
+}
+
+/// To stick something somewhere is to put it there, where a stick is a thing.
+fn sticking(words: &mut [Word], lexicon: &Lexicon) {
+    for k in 0..words.len() {
+        let before = k.checked_sub(1).filter(|&before| words[before].mark.is_none());
+        let thing = before.is_some_and(|before| begins_thing(&words[before]));
+        let of_something = words[k].mark.is_none() && words.get(k + 1).is_some_and(begins_thing);
+        if words[k].is(&["stick"]) && of_something && !thing {
+            let put = match words[k].form {
+                Form::Third => "puts",
+                Form::Ing => "putting",
+                _ => "put",
+            };
+            words[k] = Word { mark: words[k].mark, ..word(put.into(), lexicon) };
+        }
     }
 }
 
