@@ -3,10 +3,12 @@
 use crate::common::{max, repository, truth};
 use crate::interaction::learned_max;
 use bodyschema::agent::Agent;
+use bodyschema::geometry::Shape;
 use bodyschema::interaction::{Actor, Conversation, Intent, Reply, understood};
 use bodyschema::peripersonal::{OwnBody, STICK_TIP};
-use bodyschema::simulation::{Stage, StageOptions};
-use nalgebra::{Point3, Vector3};
+use bodyschema::senses::Toucher;
+use bodyschema::simulation::{Stage, StageOptions, Thing};
+use nalgebra::{Isometry3, Point3, Vector3};
 
 /// Half of the stick's length in the scene, without its round ends, metres.
 const HALF: f64 = 0.25;
@@ -149,5 +151,66 @@ fn what_is_said_of_a_stick_is_about_a_stick() {
             request.contains("with the stick") || request.contains("use the"),
             "{request}"
         );
+    }
+}
+
+#[test]
+fn what_a_held_stick_meets_is_felt_at_once_from_below_as_from_above() {
+    const RADIUS: f64 = 0.008;
+    let scene = repository("mjcf/max/table_stick.xml");
+    let own = learned_max(400);
+    let held_among = |things: Vec<Thing>| {
+        let stage = Stage::new(&scene, &StageOptions { things, ..StageOptions::default() }).unwrap();
+        let mut actor = Actor::new(own.clone(), stage.handle(), ["left_hand", "right_hand"], 1).unwrap();
+        stage.place(&actor.ready()).unwrap();
+        let (grip, limb) = (actor.grip_of(1), actor.hands[1].limb);
+        let end = own.skin().receptors[grip].position;
+        let x_wl = stage.limb_pose(limb);
+        let mut level = x_wl * end;
+        level.z = 0.0;
+        let level = x_wl.rotation.inverse() * level;
+        let stick = stage.thing("stick").unwrap();
+        assert!(stage.give_stick(stick, grip, &end, &level).unwrap());
+        (stage, actor, stick)
+    };
+    let tip_after = |stage: &Stage, posture: &[f64], stick: usize| {
+        stage.handle().step(posture).unwrap();
+        stage.thing_pose(stick) * Point3::new(0.0, 0.0, HALF)
+    };
+    // How an arm's joints raise the tip.
+    let (stage, mut actor, stick) = held_among(Vec::new());
+    let ready = actor.ready().to_vec();
+    let tip = tip_after(&stage, &ready, stick);
+    let turned = |joint: usize, angle: f64| {
+        let mut posture = ready.clone();
+        posture[joint] += angle;
+        posture
+    };
+    let raising = |joint: usize| (tip_after(&stage, &turned(joint, 1e-3), stick) - tip).z / 1e-3;
+    let rates = actor.hands[1].arm.iter().map(|&joint| (joint, raising(joint)));
+    let (joint, rate) = rates.max_by(|a, b| a.1.abs().total_cmp(&b.1.abs())).unwrap();
+    for side in [1.0, -1.0] {
+        let half_extents = [0.02, 0.02, 0.01];
+        let roof = Thing {
+            name: "roof".into(),
+            shape: Shape::Box { half_extents },
+            pose: Isometry3::translation(tip.x, tip.y, tip.z + side * (RADIUS + 1e-3 + half_extents[2])),
+            fixed: true,
+            substance: Default::default(),
+        };
+        let (stage, _, stick) = held_among(vec![roof]);
+        let roof = stage.thing("roof").unwrap();
+        let depth = (0..1000).find_map(|k| {
+            let felt = stage.handle().step(&turned(joint, side * 5e-6 * f64::from(k) / rate)).unwrap();
+            let met = felt.iter().any(|contact| contact.by == Toucher::Through(roof));
+            let between = |contact: &bodyschema::mujoco::Contact| {
+                let bodies = contact.geoms.map(|geom| stage.body().model.geom_body(geom));
+                bodies.contains(&stick) && bodies.contains(&roof)
+            };
+            let data = stage.data();
+            met.then(|| data.contacts().filter(between).map(|met| -met.distance).fold(0.0, f64::max))
+        });
+        let depth = depth.expect("it is felt");
+        assert!(depth < 1e-4, "felt {} mm deep on side {side}", 1e3 * depth);
     }
 }

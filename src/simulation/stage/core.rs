@@ -181,9 +181,14 @@ impl StageCore {
             (&qpos, &qvel),
             |geoms| meets(body, overlapping, carried, geoms),
             |data| {
-                // The creature bears its own weight, and probes are held; things fall.
+                // The creature bears its own weight, and probes and what is carried are held; other things fall. The weight of
+                // what is held would draw it away from what it meets from below, which would feel it too late.
                 let bias = data.qfrc_bias().iter().zip(own_dof.iter());
                 let mut forces: Vec<f64> = bias.map(|(bias, own)| if *own { *bias } else { 0.0 }).collect();
+                for carried in carried.iter() {
+                    let dofs = carried.dofadr..carried.dofadr + 6;
+                    forces[dofs.clone()].copy_from_slice(&data.qfrc_bias()[dofs]);
+                }
                 for probe in probes.iter() {
                     let dofs = probe.dofadr..probe.dofadr + 3;
                     forces[dofs.clone()].copy_from_slice(&data.qfrc_bias()[dofs]);
