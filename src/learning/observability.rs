@@ -320,6 +320,15 @@ impl Observability {
         let frames = limb_frames(creature, schema, posture);
         let p_b = frames[limbs[1]].inverse_point(&frames[limbs[0]].point(p_a));
         let jacobian = miss_jacobian(&self.parameters, creature, schema, &chain, posture, [*p_a, p_b]);
+        let product = self.shift_covariance(&jacobian)?;
+        let covariance_c = Matrix3::from_fn(|i, j| product[(i, j)]);
+        let r_bc = frames[limbs[1]].rotation.tr_mul(&frames[chain.ancestor].rotation);
+        Some(r_bc * covariance_c * r_bc.transpose())
+    }
+
+    /// The covariance `J Σ Jᵀ` of what the parameters shift, with a row for each length that they do and a column a parameter,
+    /// m². None where an undetermined direction shifts any.
+    pub fn shift_covariance(&self, jacobian: &DMatrix<f64>) -> Option<DMatrix<f64>> {
         // A chain moves few of the parameters.
         let moved: Vec<usize> = (0..jacobian.ncols()).filter(|&c| jacobian.column(c).amax() > 0.0).collect();
         let jacobian = jacobian.select_columns(&moved);
@@ -331,10 +340,7 @@ impl Observability {
             }
         }
         let covariance = self.covariance.select_rows(&moved).select_columns(&moved);
-        let product = &jacobian * covariance * jacobian.transpose();
-        let covariance_c = Matrix3::from_fn(|i, j| product[(i, j)]);
-        let r_bc = frames[limbs[1]].rotation.tr_mul(&frames[chain.ancestor].rotation);
-        Some(r_bc * covariance_c * r_bc.transpose())
+        Some(&jacobian * covariance * jacobian.transpose())
     }
 
     /// Whether nothing is known of a joint: no touch involves it.

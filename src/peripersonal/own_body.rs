@@ -98,6 +98,11 @@ impl OwnBody {
         self.agent.skin()
     }
 
+    /// How sure the schema is.
+    pub(super) fn certainty(&self) -> &Certainty {
+        &self.certainty
+    }
+
     /// The same body with another schema, taken as it is.
     pub fn with_schema(&self, schema: BodySchema) -> OwnBody {
         OwnBody { schema, certainty: Certainty::Exact, ..self.clone() }

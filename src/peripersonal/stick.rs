@@ -6,7 +6,8 @@ use super::collision::CollisionChecker;
 use super::own_body::OwnBody;
 use crate::geometry::Shape;
 use crate::kinematics::tangent_basis;
-use crate::learning::Tool;
+use crate::learning::touch_set::PreparedTouch;
+use crate::learning::{Certainty, Tool};
 use crate::skin::{Receptor, Skin, Surface};
 
 /// What the place at a stick's tip is called.
@@ -46,6 +47,17 @@ impl OwnBody {
         surfaces.push(surface);
         let agent = self.agent().with_skin(Skin { receptors, surfaces }).ok()?;
         Some(self.with_agent(agent))
+    }
+
+    /// How well touches tell where a stick's tip is, one standard deviation, metres; infinite where they do not. What is not
+    /// known of the body counts.
+    pub fn tip_deviation(&self, tool: &Tool, touches: &[&PreparedTouch]) -> f64 {
+        let body = match self.certainty() {
+            Certainty::Exact => None,
+            Certainty::Estimated(account) => Some(&account.observability),
+            Certainty::Unknown => return f64::INFINITY,
+        };
+        tool.tip_deviation(self.skin(), &self.schema, touches, body)
     }
 }
 

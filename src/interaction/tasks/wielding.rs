@@ -177,7 +177,7 @@ impl Actor {
         if !enough {
             return None;
         }
-        let deviation = tool.tip_deviation(skin, schema, &touches);
+        let deviation = self.own.tip_deviation(&tool, &touches);
         (deviation <= CERTAIN).then_some(KnownStick { tool, deviation, touches: touches.len(), by_tip })
     }
 
@@ -310,6 +310,9 @@ impl Actor {
                 covariance: Matrix3::zeros(),
             }),
         };
+        // Where the limb that was touched is not known, it tells nothing of the stick.
+        let limbs = [touch.limbs[1], touch.limbs[0]];
+        self.own.covariance(&posture, limbs, &found[1].position)?;
         Some(touch.prepare(self.own.creature()).1)
     }
 }

@@ -7,10 +7,13 @@
 
 use std::collections::BTreeMap;
 
-use nalgebra::{SMatrix, SVector, Vector3};
+use nalgebra::{DMatrix, SMatrix, SVector, Vector3};
 
 use crate::geometry::{Capsule, Frame, Gap, Precision, gap as gap_between};
+use crate::learning::Parameters;
 use crate::learning::annealing::{NARROWEST, quantile};
+use crate::learning::observability::Observability;
+use crate::learning::prediction::GapRow;
 use crate::learning::touch_set::PreparedTouch;
 use crate::schema::BodySchema;
 use crate::skin::Skin;
@@ -189,8 +192,15 @@ impl Tool {
     }
 
     /// How well touches tell where the tip is: one standard deviation of its distance, metres, to first order at this tool,
-    /// by how well it closes their gaps; infinite where they leave it open.
-    pub fn tip_deviation(&self, skin: &Skin, schema: &BodySchema, touches: &[&PreparedTouch]) -> f64 {
+    /// by how well it closes their gaps and by how well the body is known over which it does; infinite where they leave it
+    /// open. A body of which nothing is told is taken as it is.
+    pub fn tip_deviation(
+        &self,
+        skin: &Skin,
+        schema: &BodySchema,
+        touches: &[&PreparedTouch],
+        body: Option<&Observability>,
+    ) -> f64 {
         let gaps = Gaps::of(self, skin, schema, touches);
         let found = gaps.of_tool(self);
         // Of a normal distribution, 68 % is within one deviation.
@@ -201,8 +211,17 @@ impl Tool {
             hessian[(k, k)] += (deviation / if k < 6 { GRIP } else { RADIUS }).powi(2);
         }
         let Some(factor) = hessian.cholesky() else { return f64::INFINITY };
-        let trace = factor.inverse().fixed_view::<3, 3>(0, 0).trace();
-        if trace.is_finite() && trace >= 0.0 { deviation * trace.sqrt() } else { f64::INFINITY }
+        let inverse = factor.inverse();
+        let of_tip = inverse.fixed_rows::<3>(0);
+        let by_touches = deviation * deviation * of_tip.fixed_columns::<3>(0).trace();
+        // An error of the body opens many gaps at once, and the tip follows all of them.
+        let by_body = body.map_or(Some(0.0), |body| {
+            let shifts = DMatrix::from_iterator(3, PARAMETERS, of_tip.iter().copied())
+                * gaps.opened_by_body(self, &found, deviation, schema, &body.parameters);
+            body.shift_covariance(&shifts).map(|covariance| covariance.trace())
+        });
+        let variance = by_touches + by_body.unwrap_or(f64::INFINITY);
+        if variance.is_finite() && variance >= 0.0 { variance.sqrt() } else { f64::INFINITY }
     }
 
     fn moved(&self, step: &SVector<f64, PARAMETERS>) -> Tool {
@@ -240,6 +259,28 @@ impl<'a> Gaps<'a> {
         self.placed.iter().filter_map(gap).collect()
     }
 
+    /// How each gap opens as the tool changes, and its Cauchy weight for a width in metres, at a tool whose gaps are given.
+    fn slopes(
+        &self,
+        tool: &Tool,
+        found: &[f64],
+        deviation: f64,
+    ) -> impl Iterator<Item = (SVector<f64, PARAMETERS>, f64)> {
+        const STEP: f64 = 1e-7;
+        let shifted: Vec<Vec<f64>> = (0..PARAMETERS)
+            .map(|k| {
+                let mut step = SVector::zeros();
+                step[k] = STEP;
+                self.of_tool(&tool.moved(&step))
+            })
+            .collect();
+        let slopes = found.iter().enumerate().map(move |(i, gap)| {
+            let weight = 1.0 / (1.0 + (gap / deviation / TAIL).powi(2));
+            (SVector::from_fn(|k, _| (shifted[k][i] - gap) / STEP), weight)
+        });
+        slopes.collect::<Vec<_>>().into_iter()
+    }
+
     /// `Jᵀ W J` and `Jᵀ W gaps` at a tool whose gaps are given, with Cauchy weights of a width in metres.
     fn normal_equations(
         &self,
@@ -247,23 +288,40 @@ impl<'a> Gaps<'a> {
         found: &[f64],
         deviation: f64,
     ) -> (SMatrix<f64, PARAMETERS, PARAMETERS>, SVector<f64, PARAMETERS>) {
-        const STEP: f64 = 1e-7;
-        let slopes: Vec<Vec<f64>> = (0..PARAMETERS)
-            .map(|k| {
-                let mut step = SVector::zeros();
-                step[k] = STEP;
-                let shifted = self.of_tool(&tool.moved(&step));
-                shifted.iter().zip(found).map(|(after, before)| (after - before) / STEP).collect()
-            })
-            .collect();
         let (mut hessian, mut gradient) = (SMatrix::zeros(), SVector::zeros());
-        for (i, gap) in found.iter().enumerate() {
-            let weight = 1.0 / (1.0 + (gap / deviation / TAIL).powi(2));
-            let slope = SVector::<f64, PARAMETERS>::from_fn(|k, _| slopes[k][i]);
+        for ((slope, weight), gap) in self.slopes(tool, found, deviation).zip(found) {
             hessian += slope * slope.transpose() * weight;
             gradient += slope * (weight * gap);
         }
         (hessian, gradient)
+    }
+
+    /// `Jᵀ W G` with `G` how the gaps open with the schema's parameters, a column each.
+    fn opened_by_body(
+        &self,
+        tool: &Tool,
+        found: &[f64],
+        deviation: f64,
+        schema: &BodySchema,
+        parameters: &Parameters,
+    ) -> DMatrix<f64> {
+        let mut opened = DMatrix::zeros(PARAMETERS, parameters.len());
+        let mut row = GapRow::default();
+        for ((slope, weight), (touch, side, frames)) in self.slopes(tool, found, deviation).zip(&self.placed)
+        {
+            let Some(gap) = tool.gap_at(self.skin, touch, *side, frames) else { continue };
+            // The two places that meet, each in its limb's frame.
+            let mut meeting = (*touch).clone();
+            meeting.ends[*side].position = frames[*side].inverse_point(&gap.points[0]);
+            meeting.ends[1 - side].position = frames[1 - side].inverse_point(&gap.points[1]);
+            let along = if *side == 0 { gap.normal } else { -gap.normal };
+            row.set_miss(parameters, schema, &meeting, &along);
+            for &(column, opens) in &row.entries {
+                let mut column = opened.column_mut(column);
+                column += slope * (weight * opens);
+            }
+        }
+        opened
     }
 }
 
