@@ -5,6 +5,9 @@
 //! where the tip is (`tasks/wielding.rs`), and from then on the stick is a part of him: the tip is the last receptor of
 //! his body, and what is felt through the stick is felt there.
 
+use nalgebra::Vector3;
+
+use crate::geometry::Ball;
 use crate::interaction::actor::{Actor, FoundThing, Hand};
 use crate::interaction::own_spot::OwnTouch;
 use crate::interaction::tasks::{Touching, Trouble};
@@ -61,6 +64,18 @@ impl Actor {
         self.stick.as_ref()?.known.map(|_| self.own.skin().receptors.len() - 1)
     }
 
+    /// The body without a stick that it holds.
+    pub fn bare(&self) -> &OwnBody {
+        self.stick.as_ref().map_or(&self.own, |stick| &stick.bare.0)
+    }
+
+    /// How far a point of the root's frame is from a stick that is held and known, metres.
+    pub fn from_stick(&self, point: &Vector3<f64>) -> Option<f64> {
+        let tool = self.stick.as_ref()?.known?.tool;
+        let stick = tool.capsule().placed(&self.frames()[tool.limb]);
+        Some(stick.distance_to(&Ball { centre: *point, radius: 0.0 }))
+    }
+
     /// Holds out a hand for a stick, at the receptor in the middle of its skin; whether one was put there.
     ///
     /// # Errors
@@ -80,8 +95,7 @@ impl Actor {
         let Hand { limb, tip, .. } = self.hands[hand];
         let receptors = self.own.receptors_on(&[limb]);
         let at = |receptor: usize| self.own.skin().receptors[receptor].position;
-        let middle =
-            receptors.iter().map(|&r| at(r)).sum::<nalgebra::Vector3<f64>>() / receptors.len() as f64;
+        let middle = receptors.iter().map(|&r| at(r)).sum::<Vector3<f64>>() / receptors.len() as f64;
         let away = |receptor: usize| (at(receptor) - middle).norm();
         receptors.into_iter().min_by(|&a, &b| away(a).total_cmp(&away(b))).unwrap_or(tip)
     }

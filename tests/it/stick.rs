@@ -71,6 +71,17 @@ fn a_stick_that_he_is_given_extends_his_reach() {
     assert!(off < 1e-3, "the tip is {} mm off", 1e3 * off);
     assert!(off < 3.0 * known.deviation, "{} mm off, known to {} mm", 1e3 * off, 1e3 * known.deviation);
 
+    assert!(say(&mut talk, "what are you holding?").said.contains("I hold the stick with my right hand"));
+    let reply = say(&mut talk, "take the stick with your left hand");
+    assert_eq!(reply.done, Some(false), "he holds it with the right one: {}", reply.said);
+    // The stick that he holds is near, and does not come at him.
+    let reply = say(&mut talk, "watch out");
+    assert!(reply.done == Some(true) && reply.said.contains("nothing came at me"), "{}", reply.said);
+    for request in ["feel its shape", "lift it", "lift it with your right hand", "search the table"] {
+        let reply = say(&mut talk, request);
+        assert!(reply.said.contains("in the way of that"), "{request}: {}", reply.said);
+        assert_eq!(reply.done, Some(false), "{request}");
+    }
     let reply = say(&mut talk, "is it near or far?");
     assert!(reply.said.contains("the stick reaches it without leaning"), "{}", reply.said);
     let reply = say(&mut talk, "touch it");
@@ -81,8 +92,22 @@ fn a_stick_that_he_is_given_extends_his_reach() {
         bodies.contains(&stick) && bodies.contains(&thing) && contact.distance <= 0.0
     });
     assert!(met, "the stick touches the {}", stage.thing_name(thing));
+    let reply = say(&mut talk, "how far is it?");
+    let told = |of: &str| -> f64 {
+        let before = reply.said.split(of).next().unwrap();
+        before.split_whitespace().last().unwrap().parse().unwrap()
+    };
+    let (from_hand, told_of_stick) =
+        (told(" cm from my right hand"), reply.said.split("the stick in my hand is ").nth(1));
+    let from_stick: f64 = told_of_stick.unwrap().split(' ').next().unwrap().parse().unwrap();
+    // Of the thing's middle.
+    assert!(from_hand > 20.0 && from_stick < 5.0, "{}", reply.said);
+    let reply = say(&mut talk, "let go");
+    assert!(talk.actor.stick().is_some() && reply.said.contains("but the stick"), "{}", reply.said);
     let reply = say(&mut talk, "touch your nose with the stick");
     assert_eq!((reply.intent, reply.done), (Intent::TouchOwn, Some(true)), "{}", reply.said);
+    let reply = say(&mut talk, "what do you feel?");
+    assert!(reply.said.starts_with("I feel the stick on my "), "{}", reply.said);
 
     let reply = say(&mut talk, "give me back the stick");
     assert_eq!((reply.intent, reply.done), (Intent::GiveStickBack, Some(true)), "{}", reply.said);
@@ -138,6 +163,7 @@ fn what_is_said_of_a_stick_is_about_a_stick() {
         ("touch the box with the stick", Intent::Touch, true),
         ("use the stick to touch it", Intent::Touch, true),
         ("touch your chin with the stick", Intent::TouchOwn, true),
+        ("stick it at the very back of the table", Intent::PutFar, true),
         ("how long is the stick?", Intent::StickKnown, false),
         ("do you have the stick?", Intent::StickKnown, false),
         ("don't take the stick", Intent::Dont, false),

@@ -100,7 +100,10 @@ impl Avoiding {
         let goal = self.goal.filter(|goal| !self.waits(goal));
         let target = self.towards(actor, &now, goal).unwrap_or(now);
         let felt = actor.step(&target)?;
-        let seen = actor.handle.approaches();
+        // A stick that he holds is near, and no threat.
+        let held = actor.stick().map(|stick| stick.thing);
+        let mut seen = actor.handle.approaches();
+        seen.retain(|approach| Some(approach.object) != held);
         // Nothing new is told between two looks.
         if seen != self.seen {
             self.look(actor, &seen);

@@ -105,6 +105,14 @@ enum Pending {
     Whether(Request),
 }
 
+/// Where it touches itself.
+struct OwnSpot {
+    /// The receptor that is touched.
+    receptor: usize,
+    /// Whether a stick touches it and no hand does.
+    by_stick: bool,
+}
+
 /// How it holds something.
 enum Held {
     /// Between both palms, by friction.
@@ -129,8 +137,8 @@ pub struct Conversation {
     pending: Option<Pending>,
     last: Option<Request>,
     ready: Posture,
-    /// The receptor that a hand of its own touches.
-    spot: Option<usize>,
+    /// Where a hand of its own, or a stick in it, touches it.
+    spot: Option<OwnSpot>,
     holding: Option<Held>,
     /// Whether it keeps still until it is asked for something.
     still: bool,
@@ -254,7 +262,7 @@ impl Conversation {
                 (format!("{feels}, but cannot put a hand there: {}", self.in_words(&trouble)), false)
             }
         };
-        self.spot = Some(receptor);
+        self.spot = Some(OwnSpot { receptor, by_stick: false });
         Ok(self.reply(Intent::FeelTouch, said, Some(done), false))
     }
 
@@ -425,8 +433,7 @@ impl Conversation {
     /// What either hand reaches, and then what the tip of a stick does that is known; none where that cannot be told.
     fn reachable(&self) -> Option<&[ReachableMap]> {
         let made = self.reachable.get_or_init(|| {
-            let (own, stick) = (&self.actor.own, self.actor.stick().filter(|stick| stick.known.is_some()));
-            let bare = stick.map_or(own, |stick| &stick.bare.0);
+            let (own, bare, stick) = (&self.actor.own, self.actor.bare(), self.actor.stick());
             let limbs = self.actor.hands.each_ref().map(|hand| hand.limb);
             let chest = own.carrier_of(&limbs);
             let hands = limbs.map(|limb| ReachableMap::new(bare, limb, chest, VOXEL).ok());

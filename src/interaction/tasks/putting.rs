@@ -241,9 +241,10 @@ impl Actor {
         })
     }
 
-    /// How far a point of the root's frame is from the surface of every limb that has one, metres.
+    /// How far a point of the root's frame is from the surface of every limb that has one, metres; a stick that is held is
+    /// none of it.
     pub fn distances(&self, point: &Vector3<f64>) -> Vec<(usize, f64)> {
-        let distances = self.own.distances(&self.frames(), point);
+        let distances = self.bare().distances(&self.frames(), point);
         distances.into_iter().enumerate().filter_map(|(limb, distance)| Some((limb, distance?))).collect()
     }
 }

@@ -59,9 +59,12 @@ impl Conversation {
             None => {
                 self.actor.let_go();
                 let touching = self.things.iter().any(|known| known.in_touch.is_some());
-                match touching {
-                    true => "I hold nothing, and took my hand back from what I touched".to_string(),
-                    false => "I hold nothing".to_string(),
+                match (touching, self.actor.stick().is_some()) {
+                    (true, true) => {
+                        "I hold nothing but the stick, and took my hand back from what I touched".to_string()
+                    }
+                    (true, false) => "I hold nothing, and took my hand back from what I touched".to_string(),
+                    (false, _) => "I hold nothing".to_string(),
                 }
             }
         };

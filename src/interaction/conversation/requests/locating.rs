@@ -1,6 +1,6 @@
 //! "Where is it?", "how far is it?", "is it near or far?", "where is your left elbow?", "what do you feel?"
 
-use super::super::{Conversation, Request};
+use super::super::{Conversation, OwnSpot, Request};
 use super::{Act, Answer, RequestKind};
 use crate::interaction::body_part;
 use crate::peripersonal::Level;
@@ -182,7 +182,11 @@ impl Conversation {
             let limb = self.actor.own.creature().limbs()[*limb].replace('_', " ");
             format!("; the nearest to it is my {limb}, {:.0} cm away", 100.0 * distance.max(0.0))
         });
-        Answer::tells(format!("It is {}: {} and {}{near}", self.place(&known.at), hands[0], hands[1]))
+        let stick = self.actor.from_stick(&known.at);
+        let stick = stick.map_or(String::new(), |distance| {
+            format!("; the stick in my hand is {:.0} cm from it", 100.0 * distance.max(0.0))
+        });
+        Answer::tells(format!("It is {}: {} and {}{near}{stick}", self.place(&known.at), hands[0], hands[1]))
     }
 
     /// From the map of what its hands reach, which knows joints' ranges and nothing in the way.
@@ -270,12 +274,24 @@ impl Conversation {
     }
 
     fn what_felt(&self) -> Answer {
-        if let Some(receptor) = self.spot {
-            return Answer::tells(format!("I feel my own hand on my {}", self.limb_in_words(receptor)));
-        }
-        match self.things.iter().any(|known| known.in_touch.is_some()) {
-            true => self.where_felt(),
-            false => Answer::tells("I do not feel anything now"),
-        }
+        let holds = self.actor.stick().map(|stick| {
+            format!("I hold the stick with my {}", self.actor.hands[stick.hand].name.replace('_', " "))
+        });
+        let touched = match &self.spot {
+            Some(OwnSpot { receptor, by_stick }) => {
+                let by = if *by_stick { "the stick" } else { "my own hand" };
+                Some(format!("I feel {by} on my {}", self.limb_in_words(*receptor)))
+            }
+            None => {
+                let any = self.things.iter().any(|known| known.in_touch.is_some());
+                any.then(|| self.where_felt().said)
+            }
+        };
+        Answer::tells(match (touched, holds) {
+            (Some(touched), Some(holds)) => format!("{touched}; {holds}"),
+            (Some(touched), None) => touched,
+            (None, Some(holds)) => format!("{holds}, and feel nothing else"),
+            (None, None) => "I do not feel anything now".to_string(),
+        })
     }
 }

@@ -53,12 +53,14 @@ impl Conversation {
     /// tip is.
     fn take_stick(&mut self, request: &Request) -> Result<Reply, EngineError> {
         let intent = Intent::TakeStick;
-        if self.actor.stick().is_some() {
-            return Ok(self.reply(intent, self.stick_in_words(), Some(true), false));
-        }
         // The right hand, where none is named.
         let right = (0..2).find(|&hand| self.actor.side(hand) < 0.0).unwrap_or(1);
-        let hand = self.hand_for(request.hand).unwrap_or(right);
+        let named = self.hand_for(request.hand);
+        if let Some(stick) = self.actor.stick() {
+            let as_told = named.is_none_or(|hand| hand == stick.hand);
+            return Ok(self.reply(intent, self.stick_in_words(), Some(as_told), false));
+        }
+        let hand = named.unwrap_or(right);
         let name = self.actor.hands[hand].name.replace('_', " ");
         self.let_be();
         let ready = self.ready.clone();
@@ -110,7 +112,6 @@ impl Conversation {
         let bare = self.actor.hands[hand].tip;
         // What the stick's tip felt was felt by that hand.
         self.things.felt_by_another(|receptor| if Some(receptor) == tip { bare } else { receptor });
-        self.spot = self.spot.filter(|receptor| Some(*receptor) != tip);
         self.actor.give_stick_back()?;
         self.stick_changed();
         Ok(self.reply(Intent::GiveStickBack, "I gave the stick back".into(), Some(true), false))

@@ -1,6 +1,6 @@
 //! "Touch your nose."
 
-use super::super::{Conversation, Request};
+use super::super::{Conversation, OwnSpot, Request};
 use super::{Act, Intent, Reply, RequestKind};
 use crate::interaction::body_part;
 use crate::interaction::tasks::Trouble;
@@ -73,7 +73,7 @@ impl Conversation {
                     };
                     match touched {
                         Ok(touch) => {
-                            self.spot = Some(receptor);
+                            self.spot = Some(OwnSpot { receptor, by_stick: request.stick });
                             let name = match request.stick {
                                 true => "stick".to_string(),
                                 false => self.actor.hands[touch.hand].name.replace('_', " "),
