@@ -9,6 +9,7 @@ use serde_json::{Value, json};
 use super::{Failure, Outcome, output, progress};
 use crate::creature::Posture;
 use crate::experiment::{hands, learned_body};
+use crate::kinematics::Place;
 use crate::peripersonal::{Level, OwnBody, ReachableMap};
 use crate::view::space::{slices, vtk};
 
@@ -16,12 +17,13 @@ use crate::view::space::{slices, vtk};
 ///
 /// A map of voxels in the frame of the chest at ease: near is what the tip of a hand reaches by the arm alone, far what
 /// it reaches when the trunk leans. Joints' ranges alone count; whether limbs are in each other's way is not regarded.
-/// Three slices of it are kept in the session, for `bodyschema report`.
+/// Three slices of it are kept in the session, for `bodyschema report`. With a stick there is one more map, of its tip.
 #[derive(clap::Args)]
 #[command(after_help = "Examples:
   bodyschema space sessions/max-1
   bodyschema space sessions/max-1 --voxel 0.04 --picture space.svg --vtk space.vtk
-  bodyschema space sessions/max-1 --voxel 0.04 --hand left_hand --at 0.3,0.2,0.1 --json")]
+  bodyschema space sessions/max-1 --voxel 0.04 --hand left_hand --at 0.3,0.2,0.1 --json
+  bodyschema space sessions/max-1 --voxel 0.04 --stick right_hand=0.06,0.03,-0.31 --picture space.svg")]
 pub struct SpaceArguments {
     /// The session's folder
     session: PathBuf,
@@ -31,6 +33,9 @@ pub struct SpaceArguments {
     /// The side of a voxel, metres
     #[arg(long, value_name = "METRES", default_value_t = 0.02)]
     voxel: f64,
+    /// A stick that a hand holds: where its tip is in the frame of that limb, metres, as `talk` tells it
+    #[arg(long, value_name = "LIMB=X,Y,Z", value_parser = stick)]
+    stick: Option<Stick>,
     /// Write the maps to a file that ParaView opens
     #[arg(long, value_name = "FILE", help_heading = "Output")]
     vtk: Option<PathBuf>,
@@ -51,6 +56,21 @@ fn point(text: &str) -> Result<Vector3<f64>, String> {
         Ok(&[x, y, z]) if [x, y, z].iter().all(|number| number.is_finite()) => Ok(Vector3::new(x, y, z)),
         _ => Err("a point is three numbers of metres with commas between, as in 0.3,0.2,0.1".to_string()),
     }
+}
+
+/// A stick in a hand.
+#[derive(Clone)]
+struct Stick {
+    hand: String,
+    /// Its tip in the hand's frame, metres.
+    tip: Vector3<f64>,
+}
+
+fn stick(text: &str) -> Result<Stick, String> {
+    let (hand, tip) = text
+        .split_once('=')
+        .ok_or("a stick is a limb and where its tip is, as in right_hand=0.06,0.03,-0.31")?;
+    Ok(Stick { hand: hand.trim().to_string(), tip: point(tip)? })
 }
 
 /// What is near and what is far, litres: for any of several maps, and for each of them.
@@ -91,13 +111,18 @@ pub fn run(args: &SpaceArguments) -> Outcome {
     let chest = own.carrier_of(&hands);
     let began = Instant::now();
     let mut maps = Vec::with_capacity(hands.len());
-    let bar = progress::steps(hands.len() as u64);
+    let held = args.stick.as_ref().map(|stick| held(&own, &hands, stick)).transpose()?;
+    let bar = progress::steps((hands.len() + usize::from(held.is_some())) as u64);
+    let unmappable = |error| Failure(format!("{}: {error}", args.session.display()));
     for &hand in &hands {
         bar.set_message(format!("where the {} gets to", own.creature().limbs()[hand].replace('_', " ")));
-        maps.push(
-            ReachableMap::new(&own, hand, chest, args.voxel)
-                .map_err(|error| Failure(format!("{}: {error}", args.session.display())))?,
-        );
+        maps.push(ReachableMap::new(&own, hand, chest, args.voxel).map_err(unmappable)?);
+        bar.inc(1);
+    }
+    if let Some(tip) = held {
+        bar.set_message("where the stick gets to");
+        let map = ReachableMap::of_place(&own, tip.limb, tip, chest, args.voxel);
+        maps.push(map.map_err(unmappable)?);
         bar.inc(1);
     }
     bar.finish_and_clear();
@@ -125,7 +150,7 @@ pub fn run(args: &SpaceArguments) -> Outcome {
         let told = maps.iter().map(|map| {
             let [near, far] = map.volumes().map(|volume| 1e3 * volume);
             json!({
-                "hand": limbs[map.hand],
+                "hand": map.name(&own),
                 "tip": map.tip.point.as_slice(),
                 "near_l": near,
                 "far_l": far,
@@ -159,7 +184,7 @@ pub fn run(args: &SpaceArguments) -> Outcome {
     for map in &maps {
         let [near, far] = map.volumes().map(|volume| 1e3 * volume);
         let extents = extents(map, false).map(|[low, high]| format!("{low:>6.2} to {high:<5.2}")).join("  ");
-        say!("  {:<24}{near:>12.1}{far:>12.1}  {extents}", limbs[map.hand]);
+        say!("  {:<24}{near:>12.1}{far:>12.1}  {extents}", map.name(&own));
     }
     if maps.len() > 1 {
         for (name, [near, far]) in ["any of them", "each of them"].into_iter().zip(litres(&maps)) {
@@ -168,7 +193,7 @@ pub fn run(args: &SpaceArguments) -> Outcome {
     }
     if let Some(at) = &args.at {
         say!("");
-        answers.iter().for_each(|answer| answer.print(&own));
+        answers.iter().for_each(Answer::print);
         say!("  from the limbs at ease:");
         for (limb, metres) in distances(&own, &maps[0], at) {
             say!("    {limb:<24}{metres:>8.3} m");
@@ -187,9 +212,24 @@ fn distances(own: &OwnBody, map: &ReachableMap, at: &Vector3<f64>) -> Vec<(Strin
     known
 }
 
+/// The tip of a stick that one of some hands holds, as a place of that hand.
+fn held(own: &OwnBody, hands: &[usize], stick: &Stick) -> Result<Place, Failure> {
+    let limb = own.creature().limb(&stick.hand).filter(|limb| hands.contains(limb));
+    let limb = limb.ok_or_else(|| {
+        let known: Vec<&str> = hands.iter().map(|&hand| own.creature().limbs()[hand].as_str()).collect();
+        Failure(format!(
+            "--stick {}: no map is made of that limb: give one of {}, or name it with --hand as well",
+            stick.hand,
+            known.join(", ")
+        ))
+    })?;
+    let direction = stick.tip.try_normalize(1e-6).unwrap_or_else(Vector3::x);
+    Ok(Place { limb, point: stick.tip, direction })
+}
+
 /// What a map tells of a point.
 struct Answer {
-    hand: usize,
+    hand: String,
     level: Level,
     beyond: f64,
     posture: Posture,
@@ -200,13 +240,13 @@ impl Answer {
     fn new(own: &OwnBody, map: &ReachableMap, at: &Vector3<f64>) -> Answer {
         let (mut posture, miss) = map.reach(at);
         own.creature().couple(&mut posture);
-        Answer { hand: map.hand, level: map.level(at), beyond: map.beyond(at), posture, miss }
+        Answer { hand: map.name(own), level: map.level(at), beyond: map.beyond(at), posture, miss }
     }
 
     fn json(&self, own: &OwnBody) -> Value {
         let names = own.creature().elements().map(|at| (at.name.clone(), json!(at.of(&self.posture))));
         json!({
-            "hand": own.creature().limbs()[self.hand],
+            "hand": self.hand,
             "level": self.level.name(),
             "beyond": self.beyond,
             "miss": self.miss,
@@ -214,8 +254,8 @@ impl Answer {
         })
     }
 
-    fn print(&self, own: &OwnBody) {
-        let hand = &own.creature().limbs()[self.hand];
+    fn print(&self) {
+        let hand = &self.hand;
         match self.level {
             Level::OutOfReach => say!("  {hand}: out of reach by {:.3} m", self.beyond),
             level => say!("  {hand}: {}, reached to {:.1} mm", level.name(), 1e3 * self.miss),

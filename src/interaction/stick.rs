@@ -38,8 +38,8 @@ pub struct HeldStick {
 pub struct KnownStick {
     /// Where its tip is in the hand's frame, where its axis leaves the hand, and its radius, metres.
     pub tool: Tool,
-    /// One standard deviation of where the tip is, metres.
-    pub deviation: f64,
+    /// How far off the tip may be, at 95 %, metres.
+    pub within: f64,
     /// The touches of his own skin that this is known from …
     pub touches: usize,
     /// … and those of them that were the tip's.

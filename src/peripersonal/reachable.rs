@@ -211,6 +211,13 @@ impl ReachableMap {
         Ok(ReachableMap { hand, chest, frame, tip, reached, near, chains, shell, at_ease })
     }
 
+    /// What the map is called: the limb that reaches, or a stick that it holds.
+    pub fn name(&self, own: &OwnBody) -> String {
+        let limb = &own.creature().limbs()[self.hand];
+        let bare = own.tip_of(self.hand).is_some_and(|tip| tip.point == self.tip.point);
+        if bare { limb.clone() } else { format!("stick_in_{limb}") }
+    }
+
     /// The voxels of the box about all that is reached.
     pub fn lattice(&self) -> &Lattice {
         &self.reached.lattice

@@ -65,7 +65,7 @@ row! {
         known: bool = "tip known",
         learned_from: usize = "self-touches",
         tip_error_mm: f64 = "tip off, mm",
-        deviation_mm: f64 = "its own deviation, mm",
+        within_mm: f64 = "known to, mm",
         beyond_mm: f64 = "beyond the hand, mm",
         first: bool = "at the first go",
         touched: bool = "touched",
@@ -84,6 +84,8 @@ row! {
         learned_from: f64 = "from self-touches",
         tip_error_mm: f64 = "tip off, mm",
         worst_tip_mm: f64 = "at the most, mm",
+        within_mm: f64 = "known to, mm",
+        as_said: f64 = "as he says",
         things: usize = "things",
         first: f64 = "at the first go",
         touched: f64 = "with one correction",
@@ -133,7 +135,7 @@ pub fn measure(subject: &Subject) -> Result<Findings<ToolMeasurement, ToolSummar
                     Err(_) => None,
                 },
                 _ => {
-                    let by_truth = KnownStick { tool: held.tool, deviation: 0.0, touches: 0, by_tip: 0 };
+                    let by_truth = KnownStick { tool: held.tool, within: 0.0, touches: 0, by_tip: 0 };
                     actor.know_stick(by_truth);
                     Some(by_truth)
                 }
@@ -149,7 +151,7 @@ pub fn measure(subject: &Subject) -> Result<Findings<ToolMeasurement, ToolSummar
                     known: known.is_some(),
                     learned_from: known.map_or(0, |known| known.touches),
                     tip_error_mm: 1e3 * tip_error,
-                    deviation_mm: known.map_or(f64::NAN, |known| 1e3 * known.deviation),
+                    within_mm: known.map_or(f64::NAN, |known| 1e3 * known.within),
                     beyond_mm: 1e3 * target.beyond,
                     first: false,
                     touched: false,
@@ -172,6 +174,7 @@ pub fn measure(subject: &Subject) -> Result<Findings<ToolMeasurement, ToolSummar
         let mut sorted: Vec<f64> = errors().collect();
         sorted.sort_by(f64::total_cmp);
         let tips = || sticks.iter().filter(|stick| stick.known.is_some()).map(|stick| 1e3 * stick.tip_error);
+        let told = || sticks.iter().filter_map(|stick| Some((stick.tip_error, stick.known?.within)));
         let touches = |stick: &StickTrial| stick.known.map(|known| known.touches as f64);
         summary.push(ToolSummary {
             schema: name.into(),
@@ -180,6 +183,8 @@ pub fn measure(subject: &Subject) -> Result<Findings<ToolMeasurement, ToolSummar
             learned_from: median(sticks.iter().filter_map(touches)),
             tip_error_mm: median(tips()),
             worst_tip_mm: tips().fold(f64::NAN, f64::max),
+            within_mm: median(told().map(|(_, within)| 1e3 * within)),
+            as_said: share(told().map(|(off, within)| off <= within)),
             things: rows.len(),
             first: share(rows.iter().map(|row| row.first)),
             touched: share(rows.iter().map(|row| row.touched)),
@@ -190,7 +195,8 @@ pub fn measure(subject: &Subject) -> Result<Findings<ToolMeasurement, ToolSummar
     }
     let notes = vec![
         "tip off: the centre of the learned stick's round end from the true one, in the hand's frame; medians over sticks \
-         whose tip he takes himself to know. things: balls of 25 mm radius, held in the air 3 cm or more beyond what any skin \
+         whose tip he takes himself to know. known to: how far off he says it may be, at 95 %; as he says: the share of \
+         sticks of which that holds. things: balls of 25 mm radius, held in the air 3 cm or more beyond what any skin \
          of the bare hand reaches with the arm alone, where the true stick reaches; he is told where. off by: from the place \
          that he was to touch to the stick's true tip when it touches."
             .to_string(),
@@ -199,6 +205,7 @@ pub fn measure(subject: &Subject) -> Result<Findings<ToolMeasurement, ToolSummar
         ("known", json!(summary[0].known)),
         ("tip_error_mm", json!(summary[0].tip_error_mm)),
         ("worst_tip_mm", json!(summary[0].worst_tip_mm)),
+        ("as_said", json!(summary[0].as_said)),
         ("success_first", json!(summary[0].first)),
         ("success", json!(summary[0].touched)),
         ("error_mm", json!(summary[0].error_mm)),
@@ -328,7 +335,7 @@ fn targets(
 ) -> Result<Vec<StickTarget>, ExperimentError> {
     let mut actor = with_stick(subject, truth, held, seed)?;
     let bare = actor.hands[held.hand].receptors.clone();
-    actor.know_stick(KnownStick { tool: held.tool, deviation: 0.0, touches: 0, by_tip: 0 });
+    actor.know_stick(KnownStick { tool: held.tool, within: 0.0, touches: 0, by_tip: 0 });
     let arm = actor.hands[held.hand].arm.clone();
     let ready = actor.ready();
     let clearance = actor.clearance.moved_by(&actor.own, &arm);

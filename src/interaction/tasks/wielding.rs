@@ -14,9 +14,9 @@ use crate::creature::Posture;
 use crate::geometry::Capsule;
 use crate::interaction::actor::{Actor, SWIFT, Stop};
 use crate::interaction::stick::KnownStick;
-use crate::learning::Tool;
 use crate::learning::observation::Observation;
 use crate::learning::touch_set::{LimbTouch, PreparedTouch};
+use crate::learning::{Tool, Z95};
 use crate::peripersonal::{PosturePath, straight};
 
 /// How often he moves at the most.
@@ -178,7 +178,8 @@ impl Actor {
             return None;
         }
         let deviation = self.own.tip_deviation(&tool, &touches);
-        (deviation <= CERTAIN).then_some(KnownStick { tool, deviation, touches: touches.len(), by_tip })
+        let within = Z95 * deviation;
+        (deviation <= CERTAIN).then_some(KnownStick { tool, within, touches: touches.len(), by_tip })
     }
 
     /// A random posture of both arms to which the way is clear of his own body and in which the stick, as it is believed or

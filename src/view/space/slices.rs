@@ -67,7 +67,7 @@ pub fn record(own: &OwnBody, maps: &[ReachableMap]) -> SpaceRecord {
     let name = |limb: usize| limbs[limb].clone();
     SpaceRecord {
         chest: maps.first().map_or(String::new(), |map| name(map.chest)),
-        hands: maps.iter().map(|map| name(map.hand)).collect(),
+        hands: maps.iter().map(|map| map.name(own)).collect(),
         voxel: about(maps).voxel,
         litres: maps.iter().map(|map| map.volumes().map(|volume| 1e3 * volume)).collect(),
         slices: SLICES.iter().map(|slice| slice_of(own, maps, slice)).collect(),

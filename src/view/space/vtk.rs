@@ -48,10 +48,8 @@ fn bytes(own: &OwnBody, maps: &[ReachableMap]) -> Vec<u8> {
     .into_bytes();
     for map in maps {
         // A name with blanks would end at the first of them.
-        let name: String = own.creature().limbs()[map.hand]
-            .chars()
-            .map(|c| if c.is_ascii_graphic() { c } else { '_' })
-            .collect();
+        let name: String =
+            map.name(own).chars().map(|c| if c.is_ascii_graphic() { c } else { '_' }).collect();
         file.extend(format!("SCALARS {name} unsigned_char 1\nLOOKUP_TABLE default\n").into_bytes());
         file.extend((0..lattice.len()).map(|index| map.level_of(lattice.cell_at(index)).number()));
         file.push(b'\n');

@@ -130,7 +130,10 @@ impl Conversation {
         match self.actor.stick() {
             Some(stick) => {
                 let name = self.actor.hands[stick.hand].name.replace('_', " ");
-                let known = stick.known.map_or("I do not know it".to_string(), |known| tip_in_words(&known));
+                let known = stick.known.map_or("I do not know it".to_string(), |known| {
+                    let [x, y, z]: [f64; 3] = known.tool.tip.into();
+                    format!("{} (at {x:.3},{y:.3},{z:.3} m in that hand's frame)", tip_in_words(&known))
+                });
                 format!("I hold the stick with my {name}: {known}")
             }
             None => "I hold no stick".into(),
@@ -156,6 +159,6 @@ fn tip_in_words(known: &KnownStick) -> String {
     format!(
         "its tip is {:.0} cm from where I hold it, which I know to {:.1} mm",
         100.0 * known.length(),
-        (1e3 * known.deviation).max(0.1)
+        0.1 * (1e4 * known.within).ceil()
     )
 }
