@@ -11,8 +11,8 @@ pub fn run(args: &BabbleArguments, given: Arguments) -> Outcome {
         return super::resume::run(folder, args);
     }
     let prepared = Prepared::new(args)?;
-    let folder = session_folder(args.out.as_deref(), prepared.embodied.creature().name())?;
+    let lock = session_folder(args.out.as_deref(), prepared.embodied.creature().name())?;
     let provenance = Provenance { command: output::command_line(), arguments: prepared.effective(given) };
-    let session = BabblingSession::begin(&prepared.embodied, &prepared.setup, &folder, provenance)?;
-    prepared.babble(args, &folder, session)
+    let session = BabblingSession::begin(&prepared.embodied, &prepared.setup, &lock, provenance)?;
+    prepared.babble(args, lock, session)
 }

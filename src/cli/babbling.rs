@@ -1,6 +1,6 @@
 //! What `bodyschema babble` is asked, and what a session that begins and one that goes on share.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 use super::arguments::{Arguments, positive, touch_count};
@@ -16,6 +16,7 @@ use crate::deadline::Deadline;
 use crate::experiment::{BabbledSession, BabblingSession, Embodied, Observer, SessionSetup};
 use crate::learning::growth::Growth;
 use crate::learning::learners::{LearnerKind, PartByPart};
+use crate::record::{FolderLock, Generation};
 use crate::simulation::MotionName;
 
 /// Touches that are made where no number is asked for, …
@@ -155,25 +156,25 @@ impl Prepared {
     }
 
     /// Babbles what is missing, learns, and prints the result.
-    pub fn babble(&self, args: &BabbleArguments, folder: &Path, session: BabblingSession) -> Outcome {
+    pub fn babble(&self, args: &BabbleArguments, lock: FolderLock, session: BabblingSession) -> Outcome {
         let live = self.live(args, session.made())?;
         let (bars, live) = (Bars::default(), live.as_ref());
         let observers: &dyn Observer = &(&bars, live);
         let babbled = session.babble(observers)?;
-        self.learn_with(args, folder, &babbled, observers, live)
+        self.learn_with(args, lock, &babbled, observers, live)
     }
 
     /// Learns from all touches, and prints the result.
-    pub fn learn(&self, args: &BabbleArguments, folder: &Path, babbled: &BabbledSession) -> Outcome {
+    pub fn learn(&self, args: &BabbleArguments, lock: FolderLock, babbled: &BabbledSession) -> Outcome {
         let live = self.live(args, babbled.touches.len())?;
         let (bars, live) = (Bars::default(), live.as_ref());
-        self.learn_with(args, folder, babbled, &(&bars, live), live)
+        self.learn_with(args, lock, babbled, &(&bars, live), live)
     }
 
     fn learn_with(
         &self,
         args: &BabbleArguments,
-        folder: &Path,
+        lock: FolderLock,
         babbled: &BabbledSession,
         observer: &dyn Observer,
         live: Option<&Live>,
@@ -189,11 +190,14 @@ impl Prepared {
                 touches.len()
             );
         }
-        let result = learn_and_report(folder, babbled, learning, truth, observer)?;
+        let result = learn_and_report(Generation::begin(&lock)?, babbled, learning, truth, observer)?;
+        let folder = lock.folder();
         if let Some(live) = live {
             live.done(folder, &result);
         }
         print_learned(folder, session, touches, learning, &result, args.json)?;
+        // Who goes on looking keeps nobody from the folder.
+        drop(lock);
         if let Some(live) = live {
             live.rest();
         }

@@ -2,9 +2,10 @@
 
 use std::path::{Path, PathBuf};
 
+use super::folders::written_session;
 use super::learned::warn_truncated;
 use super::{Outcome, progress};
-use crate::record::{Session, TOUCHES_FILE, read_touches};
+use crate::record::{ReadLock, Session, TOUCHES_FILE, read_touches};
 use crate::senses::Touch;
 
 /// Write a session for other programs: its touches as a table, or bodies, touches and errors over time.
@@ -39,6 +40,9 @@ pub struct ConvertArguments {
 }
 
 pub fn run(args: &ConvertArguments) -> Outcome {
+    // What goes beside the session's own files is made of them as they are.
+    let _lock = args.out.is_none().then(|| written_session(&args.session)).transpose()?;
+    let _reading = ReadLock::take(&args.session)?;
     let session = Session::read(&args.session)?;
     let log = read_touches(&args.session.join(TOUCHES_FILE), &session.agent)?;
     warn_truncated(&log, &args.session);

@@ -8,7 +8,7 @@ use super::learned::{print_evaluation, warn_truncated};
 use super::open::session_truth;
 use super::{Outcome, output, progress};
 use crate::evaluation::{evaluate, touch_misses};
-use crate::record::{SCHEMA_FILE, Session, TOUCHES_FILE, read_schema, read_touches};
+use crate::record::{ReadLock, SCHEMA_FILE, Session, TOUCHES_FILE, read_schema, read_touches};
 
 /// Measure a session's schema against the model it was babbled on.
 ///
@@ -31,6 +31,7 @@ pub struct EvaluateArguments {
 }
 
 pub fn run(args: &EvaluateArguments) -> Outcome {
+    let _reading = ReadLock::take(&args.session)?;
     let session = Session::read(&args.session)?;
     let log = read_touches(&args.session.join(TOUCHES_FILE), &session.agent)?;
     warn_truncated(&log, &args.session);

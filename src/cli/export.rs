@@ -2,9 +2,10 @@
 
 use std::path::{Path, PathBuf};
 
+use super::folders::written_session;
 use super::{Failure, Outcome};
 use crate::export::{Urdf, to_mjcf, to_urdf};
-use crate::record::{LEARNED_FILE, SCHEMA_FILE, Session, read_schema};
+use crate::record::{LEARNED_FILE, ReadLock, SCHEMA_FILE, Session, read_schema, write_whole};
 
 /// Write a session's learned body as a model for other programs.
 ///
@@ -38,6 +39,9 @@ struct Format {
 }
 
 pub fn run(args: &ExportArguments) -> Outcome {
+    // What goes beside the session's own files is made of them as they are.
+    let _lock = args.out.is_none().then(|| written_session(&args.session)).transpose()?;
+    let _reading = ReadLock::take(&args.session)?;
     let session = Session::read(&args.session)?;
     let agent = &session.agent;
     let creature = agent.creature();
@@ -53,11 +57,14 @@ pub fn run(args: &ExportArguments) -> Outcome {
     let stem = path.file_stem().unwrap_or_default().to_string_lossy();
     let mesh_name = format!("{stem}_ellipsoid.stl");
     let Urdf { xml, mesh } = to_urdf(agent, &schema, &mesh_name);
+    let mesh_path = path.with_file_name(mesh_name);
+    // First what the other refers to.
+    if let Some(mesh) = &mesh {
+        write(&mesh_path, mesh)?;
+    }
     write(&path, xml.as_bytes())?;
     say!("{}", path.display());
-    if let Some(mesh) = mesh {
-        let mesh_path = path.with_file_name(mesh_name);
-        write(&mesh_path, &mesh)?;
+    if mesh.is_some() {
         say!("{}", mesh_path.display());
     }
     Ok(())
@@ -66,7 +73,7 @@ pub fn run(args: &ExportArguments) -> Outcome {
 fn write(path: &Path, bytes: &[u8]) -> Outcome {
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
     let made = folder.map_or(Ok(()), std::fs::create_dir_all);
-    made.and_then(|()| std::fs::write(path, bytes)).map_err(|error| {
+    made.and_then(|()| write_whole(path, bytes)).map_err(|error| {
         Failure(format!("cannot write {}: {error}: give another file with --out", path.display()))
     })
 }

@@ -15,7 +15,7 @@ use super::{Failure, Outcome, progress};
 use crate::agent::Agent;
 use crate::creature::JointSelection;
 use crate::record::{
-    FiringWriter, Host, PROGRAM, SENSATIONS_FILE, Session, SessionOptions, model_hash, read_map,
+    FiringWriter, Generation, Host, PROGRAM, SENSATIONS_FILE, Session, SessionOptions, model_hash, read_map,
 };
 use crate::senses::{FiringRecorder, TouchEvent, TouchKind};
 use crate::simulation::partner::{Script, Strokes, stroke_for};
@@ -114,7 +114,10 @@ fn minutes(text: &str) -> Result<f64, String> {
 fn strokes(args: &FeelArguments, stage: &Stage, minutes: f64, arguments: Arguments) -> Outcome {
     let creature = stage.agent().creature().clone();
     let skin = stage.skin().clone();
-    let folder = session_folder(args.out.as_deref(), creature.name())?;
+    let lock = session_folder(args.out.as_deref(), creature.name())?;
+    // A log of firings cannot be gone on with: it is there when it is whole.
+    let generation = Generation::begin(&lock)?;
+    let folder = generation.folder();
     let options = SessionOptions {
         joints: "all".to_string(),
         root: args.open.root.clone(),
@@ -134,8 +137,8 @@ fn strokes(args: &FeelArguments, stage: &Stage, minutes: f64, arguments: Argumen
         effort: None,
         agent: Agent::new(creature.clone(), skin.clone())?,
     }
-    .write(&folder)?;
-    let mut firings = FiringWriter::create(&folder, creature.name(), &skin)?;
+    .write(folder)?;
+    let mut firings = FiringWriter::create(folder, creature.name(), &skin)?;
     let path = folder.join(SENSATIONS_FILE);
     let unwritable =
         |error| Failure(format!("cannot write {}: {error}: give another folder with --out", path.display()));
@@ -165,9 +168,10 @@ fn strokes(args: &FeelArguments, stage: &Stage, minutes: f64, arguments: Argumen
     if !room {
         return Err(Failure(format!("{}: there is no room to stroke this creature", args.model.display())));
     }
+    generation.commit()?;
     say!(
         "{sensed} sensations and {fired} firings in {minutes} minutes; the session is in {}",
-        folder.display()
+        lock.folder().display()
     );
     Ok(())
 }

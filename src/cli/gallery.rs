@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
 use super::{Failure, Outcome, output, progress};
+use crate::record::FolderLock;
 
 /// The page that the gallery is.
 const PAGE_FILE: &str = "gallery.md";
@@ -124,6 +125,7 @@ pub fn run(args: &GalleryArguments) -> Outcome {
     let last = args.seed.checked_add(u64::from(args.trials) - 1);
     let last = last.ok_or("the last trial's seed would be too great: give a smaller --seed")?;
     output::make_folder(&args.out)?;
+    let _lock = FolderLock::take(&args.out)?;
     let bar = progress::steps(args.models.len() as u64);
     let mut rows = Vec::new();
     for model in &args.models {

@@ -3,20 +3,22 @@
 use std::path::{Path, PathBuf};
 
 use super::arguments::Arguments;
-use super::folders::session_folder;
+use super::folders::{session_folder, written_session};
 use super::learned::{learn_and_report, print_learned, warn_truncated};
 use super::learning_arguments::{KNOWN_HELP, LearningArguments};
 use super::open::known_truth;
 use super::progress::Bars;
 use super::{Failure, Outcome, output};
 use crate::experiment::{BabbledSession, LearningOptions, Provenance, RecordedSession, RecordingSource};
-use crate::record::{Session, TOUCHES_FILE, read_touches};
+use crate::record::{FolderLock, Generation, ReadLock, Session, TOUCHES_FILE, read_touches};
 use crate::senses::Touch;
 
 /// Learn again from the touches of a session, or from a recording of a real body.
 ///
 /// Of a session, the log alone is enough: the creature and its skin are in it. Where the model is still at hand,
-/// the result is measured against it. The session's schema, table and learned model are replaced.
+/// the result is measured against it. The session's schema, table and learned model are replaced, all at once; a schema that
+/// stood up to fresh touches and was learned in another way is kept, in earlier-1, -2, … of the session's folder. With --out
+/// the session stays as it is, and a new one gets its touches and what is learned.
 ///
 /// Of a recording, a description of the creature in JSON and a log of touches are enough, and no model is
 /// needed: a new session is made of the two. Units are metres and radians.
@@ -24,6 +26,7 @@ use crate::senses::Touch;
 #[command(after_help = format!("Examples:
   bodyschema learn sessions/max-1
   bodyschema learn sessions/max-1 --learner hersch
+  bodyschema learn sessions/max-1 --learner hersch --out sessions/max-by-hersch
   bodyschema learn sessions/max-1 --touches 300 --json
   bodyschema learn sessions/max-1 --frames limb --input contact
   bodyschema learn sessions/max-1 --touches 60 --known known.json
@@ -31,7 +34,7 @@ use crate::senses::Touch;
   bodyschema learn --creature robot.json --log touches.jsonl --out sessions/robot-monday\n\n{RECORDING_HELP}\n\n{KNOWN_HELP}"))]
 pub struct LearnArguments {
     /// The session's folder
-    #[arg(required_unless_present = "creature", conflicts_with_all = ["creature", "log", "out"])]
+    #[arg(required_unless_present = "creature", conflicts_with_all = ["creature", "log"])]
     session: Option<PathBuf>,
     /// The description of a recorded creature in JSON: the creature of a session.json, with its skin if it has
     /// one, or a whole session.json
@@ -40,7 +43,8 @@ pub struct LearnArguments {
     /// The recorded touches: comma-separated values where the name ends in .csv, else lines of JSON
     #[arg(long, value_name = "FILE", requires = "creature", help_heading = "A recording")]
     log: Option<PathBuf>,
-    /// The folder of the recording's session [default: the first free of sessions/CREATURE-1, -2, …]
+    /// The folder of a new session, which what is learned goes to [default: of a recording the first free of
+    /// sessions/CREATURE-1, -2, …; of a session its own]
     #[arg(long, short, value_name = "DIR", help_heading = "Output")]
     out: Option<PathBuf>,
     /// Use only the first touches of the log
@@ -71,39 +75,57 @@ const RECORDING_HELP: &str = r#"Example of a recording: an elbow, and two touche
   {"posture": {"elbow_pitch": 0.75}, "limbs": ["base", "forearm"], "contacts": [[0.08, 0.01, 0.02], [0.21, 0.0, 0.01]]}"#;
 
 pub fn run(args: &LearnArguments, given: Arguments) -> Outcome {
-    let Learnable { folder, session, touches, learning } = match (&args.session, &args.creature, &args.log) {
-        (Some(folder), ..) => from_session(args, folder)?,
-        (None, Some(creature), Some(log)) => {
-            let source = RecordingSource { creature: creature.clone(), log: log.clone() };
-            from_recording(args, &source, given)?
-        }
-        // The parser sees to it that there is one or the other.
-        _ => return Err("give a session's folder, or --creature and --log".into()),
-    };
+    let Learnable { lock, made, session, touches, learning } =
+        match (&args.session, &args.creature, &args.log) {
+            (Some(folder), ..) => from_session(args, folder)?,
+            (None, Some(creature), Some(log)) => {
+                let source = RecordingSource { creature: creature.clone(), log: log.clone() };
+                from_recording(args, &source, given)?
+            }
+            // The parser sees to it that there is one or the other.
+            _ => return Err("give a session's folder, or --creature and --log".into()),
+        };
     let truth = known_truth(&session, args.model.as_deref())?;
     let bars = Bars::default();
     let babbled = BabbledSession { session, touches, grown: None };
-    let result = learn_and_report(&folder, &babbled, &learning, truth.as_ref(), &bars)?;
-    print_learned(&folder, &babbled.session, &babbled.touches, &learning, &result, args.json)
+    let generation = Generation::begin(&lock)?;
+    if let Some(made) = made {
+        made.write(generation.folder())?;
+    }
+    let result = learn_and_report(generation, &babbled, &learning, truth.as_ref(), &bars)?;
+    print_learned(lock.folder(), &babbled.session, &babbled.touches, &learning, &result, args.json)
 }
 
 /// A session with the touches to learn from, and how.
 struct Learnable {
-    folder: PathBuf,
+    /// Of the folder that what is learned goes to.
+    lock: FolderLock,
+    /// The session that is new in it; none where it is there.
+    made: Option<RecordedSession>,
     session: Session,
     touches: Vec<Touch>,
     learning: LearningOptions,
 }
 
 fn from_session(args: &LearnArguments, folder: &Path) -> Result<Learnable, Failure> {
+    let own = args.out.is_none().then(|| written_session(folder)).transpose()?;
+    let reading = ReadLock::take(folder)?;
     let mut session = Session::read(folder)?;
     let log = read_touches(&folder.join(TOUCHES_FILE), &session.agent)?;
+    drop(reading);
     warn_truncated(&log, folder);
     let mut touches = log.touches;
-    touches.truncate(most(args));
     let learning = args.learning.options_for(&session)?;
+    let (lock, made) = match own {
+        Some(lock) => (lock, None),
+        None => {
+            let lock = session_folder(args.out.as_deref(), session.agent.creature().name())?;
+            (lock, Some(RecordedSession { session: session.clone(), touches: touches.clone() }))
+        }
+    };
+    touches.truncate(most(args));
     session.seed = args.seed.unwrap_or(session.seed);
-    Ok(Learnable { folder: folder.to_path_buf(), session, touches, learning })
+    Ok(Learnable { lock, made, session, touches, learning })
 }
 
 /// Makes a session of a recording.
@@ -117,10 +139,9 @@ fn from_recording(
     let recorded =
         RecordedSession::read(source, most(args), args.seed, &asked, provenance, &Bars::default())?;
     let learning = args.learning.options_for(&recorded.session)?;
-    let folder = session_folder(args.out.as_deref(), recorded.session.agent.creature().name())?;
-    recorded.write(&folder)?;
-    let RecordedSession { session, touches } = recorded;
-    Ok(Learnable { folder, session, touches, learning })
+    let lock = session_folder(args.out.as_deref(), recorded.session.agent.creature().name())?;
+    let RecordedSession { session, touches } = recorded.clone();
+    Ok(Learnable { lock, made: Some(recorded), session, touches, learning })
 }
 
 fn most(args: &LearnArguments) -> usize {

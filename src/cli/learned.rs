@@ -12,23 +12,40 @@ use crate::experiment::{
 };
 use crate::ground_truth::GroundTruth;
 use crate::learning::{LimbFrames, Verdict};
-use crate::record::{Session, TouchLog};
+use crate::record::{Generation, LearningRecord, Session, TouchLog};
 use crate::senses::Touch;
 use crate::simulation::MotionName;
 use crate::skin::Skin;
 use crate::view::report::write_report;
 
-/// Learns from a session's touches, and writes all that comes of it into its folder, the report as well.
+/// Learns from a session's touches, and writes all that comes of it into its folder at once, the report as well. A schema that
+/// is there, stood up to fresh touches and was learned otherwise is kept beside it.
 pub fn learn_and_report(
-    folder: &Path,
+    generation: Generation,
     babbled: &BabbledSession,
     options: &LearningOptions,
     truth: Option<&GroundTruth>,
     observer: &dyn Observer,
 ) -> Result<LearnedSession, Failure> {
     let command = output::command_line();
+    let (folder, creature) = (generation.folder(), babbled.session.agent.creature());
     let result = learn_session(folder, babbled, options, truth, &command, observer)?;
     write_report(folder, &babbled.session, &babbled.touches, truth)?;
+    // One that cannot be read is not known to be worth nothing.
+    let way = |folder: &Path| LearningRecord::read(folder, creature).ok().flatten();
+    let (before, now) = (way(generation.place()), way(folder));
+    let worthless = before.as_ref().is_some_and(|before| !before.converged);
+    let alike = before.is_some_and(|before| now.is_some_and(|now| now.is_learned_as(&before)));
+    if !worthless
+        && !alike
+        && let Some(earlier) = generation.keep_earlier()?
+    {
+        tell!(
+            "what was learned before by other means is kept in {}: --out of `learn` gives what is learned a folder of its own",
+            earlier.display()
+        );
+    }
+    generation.commit()?;
     Ok(result)
 }
 
@@ -228,6 +245,13 @@ pub fn warn_truncated(log: &TouchLog, folder: &Path) {
         tell!(
             "the log in {} ends in the middle of line {line}: that touch is left out, all before it are used",
             folder.display()
+        );
+    }
+    if log.zeros > 0 {
+        tell!(
+            "the log in {} ends in {} zero bytes, as a power failure leaves them: they are left out",
+            folder.display(),
+            log.zeros
         );
     }
 }

@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 use super::open::session_body;
 use super::{Failure, Outcome, output, progress};
 use crate::evaluation::MapAgreement;
-use crate::record::{FIRINGS_FILE, Session, read_firings, write_map};
+use crate::record::{FIRINGS_FILE, ReadLock, Session, read_firings, write_map};
 use crate::senses::learn_map;
 use crate::skin::SomatotopicMap;
 
@@ -35,6 +35,7 @@ pub struct MapArguments {
 }
 
 pub fn run(args: &MapArguments) -> Outcome {
+    let reading = ReadLock::take(&args.session)?;
     let session = Session::read(&args.session)?;
     let agent = &session.agent;
     let creature = agent.creature();
@@ -46,6 +47,7 @@ pub fn run(args: &MapArguments) -> Outcome {
         )));
     }
     let firings = read_firings(&log, creature.name(), agent.skin())?;
+    drop(reading);
     let limbs: Vec<usize> = agent.skin().receptors.iter().map(|receptor| receptor.limb).collect();
     let spinner = progress::spinner(&format!("learning from {} firings", firings.len()));
     let learned = learn_map(&limbs, &firings);

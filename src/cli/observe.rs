@@ -10,7 +10,7 @@ use crate::creature::{Creature, DofKind};
 use crate::experiment::LearningOptions;
 use crate::learning::{Account, Input, Learner, LimbFrames, SecondOrder};
 use crate::record::{
-    LearningRecord, RecordedAccount, SCHEMA_FILE, Session, TOUCHES_FILE, read_schema, read_touches,
+    LearningRecord, ReadLock, RecordedAccount, SCHEMA_FILE, Session, TOUCHES_FILE, read_schema, read_touches,
 };
 use crate::schema::BodySchema;
 use crate::senses::Touch;
@@ -34,6 +34,7 @@ pub struct ObserveArguments {
 }
 
 pub fn run(args: &ObserveArguments) -> Outcome {
+    let _reading = ReadLock::take(&args.session)?;
     let session = Session::read(&args.session)?;
     let agent = &session.agent;
     let creature = agent.creature();

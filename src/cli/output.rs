@@ -25,12 +25,15 @@ pub fn json(value: &serde_json::Value) -> Outcome {
 
 /// Makes the folder that results go to.
 pub fn make_folder(folder: &Path) -> Outcome {
-    std::fs::create_dir_all(folder).map_err(|error| {
-        Failure(format!(
-            "cannot make the folder {}: {error}: give one you may write to with --out",
-            folder.display()
-        ))
-    })
+    std::fs::create_dir_all(folder).map_err(|error| no_folder(folder, &error))
+}
+
+/// Why a folder that results go to cannot be made.
+pub fn no_folder(folder: &Path, error: &std::io::Error) -> Failure {
+    Failure(format!(
+        "cannot make the folder {}: {error}: give one you may write to with --out",
+        folder.display()
+    ))
 }
 
 /// The command line that this program was called with, word by word, the program by its name alone.

@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use super::Outcome;
+use super::folders::written_session;
 use super::learned::warn_truncated;
 use super::open::known_truth;
 use crate::record::{Session, TOUCHES_FILE, read_touches};
@@ -30,6 +31,7 @@ pub struct ReportArguments {
 
 pub fn run(args: &ReportArguments) -> Outcome {
     let folder = &args.session;
+    let _lock = written_session(folder)?;
     let session = Session::read(folder)?;
     let log = read_touches(&folder.join(TOUCHES_FILE), &session.agent)?;
     warn_truncated(&log, folder);

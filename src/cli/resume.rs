@@ -6,6 +6,7 @@ use clap::{Command, FromArgMatches};
 
 use super::arguments::{Arguments, command_line};
 use super::babbling::{BabbleArguments, Prepared};
+use super::folders::written_session;
 use super::{Failure, Outcome, output};
 use crate::experiment::{BabblingSession, ResumedSession};
 use crate::record::{SESSION_FILE, Session, SessionOptions};
@@ -13,18 +14,25 @@ use crate::view::report::REPORT_FILE;
 
 /// Does what is missing in a session's folder: touches, learning, the report.
 pub fn run(folder: &Path, given: &BabbleArguments) -> Outcome {
+    let lock = written_session(folder)?;
     let session = Session::read(folder)?;
     let args = args_of(&session, folder, given)?;
     let prepared = Prepared::new(&args)?;
     let place = folder.display();
-    match BabblingSession::resume(&prepared.embodied, &prepared.setup, folder, session)? {
+    match BabblingSession::resume(&prepared.embodied, &prepared.setup, &lock, session)? {
         ResumedSession::Babbling(session) => {
+            if session.zeros() > 0 {
+                tell!(
+                    "{place}: its log ended in {} zero bytes, as a power failure leaves them: they are dropped",
+                    session.zeros()
+                );
+            }
             tell!("{place}: going on after touch {} of {}", session.made(), prepared.setup.babbling.touches);
-            prepared.babble(&args, folder, *session)
+            prepared.babble(&args, lock, *session)
         }
         ResumedSession::Babbled(babbled) if !folder.join(REPORT_FILE).exists() => {
             tell!("{place}: all {} touches are there; learning from them", babbled.touches.len());
-            prepared.learn(&args, folder, &babbled)
+            prepared.learn(&args, lock, &babbled)
         }
         ResumedSession::Babbled(babbled) => {
             tell!("{place} is complete: nothing is left to do");

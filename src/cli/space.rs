@@ -6,6 +6,7 @@ use std::time::Instant;
 use nalgebra::Vector3;
 use serde_json::{Value, json};
 
+use super::folders::written_session;
 use super::{Failure, Outcome, output, progress};
 use crate::creature::Posture;
 use crate::experiment::{hands, learned_body};
@@ -106,6 +107,7 @@ fn extents(map: &ReachableMap, near: bool) -> [[f64; 2]; 3] {
 }
 
 pub fn run(args: &SpaceArguments) -> Outcome {
+    let _lock = written_session(&args.session)?;
     let own = learned_body(&args.session)?;
     let hands = hands(&own, &args.hand)?;
     let chest = own.carrier_of(&hands);

@@ -7,13 +7,16 @@ use super::words::listed;
 use crate::evaluation::is_hand;
 use crate::learning::Certainty;
 use crate::peripersonal::OwnBody;
-use crate::record::{LearningRecord, SCHEMA_FILE, Session, TOUCHES_FILE, read_schema, read_touches};
+use crate::record::{
+    LearningRecord, ReadLock, SCHEMA_FILE, Session, TOUCHES_FILE, read_schema, read_touches,
+};
 
 /// A session and what its creature knows of its body after it.
 ///
 /// # Errors
 /// Where a file of it cannot be read, or nothing was touched or learned in it.
 pub fn own_body(folder: &Path) -> Result<(Session, OwnBody), ExperimentError> {
+    let _reading = ReadLock::take(folder)?;
     let session = Session::read(folder)?;
     let agent = &session.agent;
     let creature = agent.creature();
@@ -36,6 +39,7 @@ pub fn own_body(folder: &Path) -> Result<(Session, OwnBody), ExperimentError> {
 /// # Errors
 /// Where a file of it cannot be read.
 pub fn learned_body(folder: &Path) -> Result<OwnBody, ExperimentError> {
+    let _reading = ReadLock::take(folder)?;
     let session = Session::read(folder)?;
     let schema = read_schema(&folder.join(SCHEMA_FILE), session.agent.creature())?;
     Ok(OwnBody::new(&session.agent, schema, Certainty::Exact, &[]))

@@ -83,13 +83,13 @@ impl RecordedSession {
     /// Writes it into a folder.
     ///
     /// # Errors
-    /// Where a file cannot be written.
+    /// Where a file cannot be written, or there is a log in the folder already.
     pub fn write(&self, folder: &Path) -> Result<(), ExperimentError> {
-        self.session.write(folder)?;
         let mut writer = TouchWriter::create(folder, &self.session.agent)?;
         for touch in &self.touches {
             writer.write(touch)?;
         }
-        Ok(writer.finish()?)
+        writer.finish()?;
+        Ok(self.session.write(folder)?)
     }
 }

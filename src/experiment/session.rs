@@ -13,8 +13,8 @@ use crate::babbling::{BabblingOptions, BoutsDone, Made, PolicyName};
 use crate::deadline::Deadline;
 use crate::learning::growth::Growth;
 use crate::record::{
-    BabblingEffort, BabblingProgress, Host, PROGRAM, SESSION_FILE, Session, SessionOptions, TOUCHES_FILE,
-    TouchWriter, model_hash, read_touches,
+    BabblingEffort, BabblingProgress, FolderLock, Host, PROGRAM, SESSION_FILE, Session, SessionOptions,
+    TOUCHES_FILE, TouchWriter, model_hash, read_touches,
 };
 use crate::senses::Touch;
 use crate::simulation::MotionName;
@@ -55,6 +55,8 @@ pub struct BabblingSession<'a> {
     session: Session,
     /// The log, ready for the touch after those of `done`.
     log: TouchWriter<'a>,
+    /// Zero bytes that were at the log's end and are not any more.
+    zeros: u64,
     /// The bouts that need not be made again.
     done: BoutsDone,
     /// The time that they took.
@@ -83,16 +85,23 @@ pub enum ResumedSession<'a> {
 }
 
 impl<'a> BabblingSession<'a> {
-    /// Begins a session in a folder.
+    /// Begins a session in a folder, which is its writer's alone; keep the lock until all is done.
     ///
     /// # Errors
-    /// Where a file cannot be read or written.
+    /// Where a file cannot be read or written, or there is a session or a log in the folder already.
     pub fn begin(
         embodied: &'a Embodied,
         setup: &'a SessionSetup,
-        folder: &Path,
+        lock: &FolderLock,
         provenance: Provenance,
     ) -> Result<BabblingSession<'a>, ExperimentError> {
+        let folder = lock.folder();
+        for file in [SESSION_FILE, TOUCHES_FILE] {
+            if folder.join(file).exists() {
+                let reason = "it is there already: give another folder with --out, or move it away";
+                return Err(ExperimentError::unfit(&folder.join(file), reason));
+            }
+        }
         let session = new_session(embodied, setup, provenance)?;
         session.write(folder)?;
         let log = TouchWriter::create(folder, embodied.agent())?;
@@ -102,6 +111,7 @@ impl<'a> BabblingSession<'a> {
             folder: folder.to_path_buf(),
             session,
             log,
+            zeros: 0,
             done: BoutsDone::default(),
             spent: Duration::ZERO,
             made: Vec::new(),
@@ -116,9 +126,10 @@ impl<'a> BabblingSession<'a> {
     pub fn resume(
         embodied: &'a Embodied,
         setup: &'a SessionSetup,
-        folder: &Path,
+        lock: &FolderLock,
         session: Session,
     ) -> Result<ResumedSession<'a>, ExperimentError> {
+        let folder = lock.folder();
         check_same(&session, embodied, folder)?;
         let agent = embodied.agent();
         let log_file = folder.join(TOUCHES_FILE);
@@ -136,6 +147,7 @@ impl<'a> BabblingSession<'a> {
             return Ok(ResumedSession::Babbled(Box::new(BabbledSession { session, touches, grown: None })));
         }
         let mut log = TouchWriter::resume(folder, agent)?;
+        let zeros = log.zeros();
         let (mut done, mut spent, mut made) = (BoutsDone::default(), Duration::ZERO, Vec::new());
         let progress = BabblingProgress::read(folder).filter(|_| setup.policy == PolicyName::Random);
         if let Some(progress) = progress
@@ -152,8 +164,13 @@ impl<'a> BabblingSession<'a> {
             }
         }
         let folder = folder.to_path_buf();
-        let resumed = BabblingSession { embodied, setup, folder, session, log, done, spent, made };
+        let resumed = BabblingSession { embodied, setup, folder, session, log, zeros, done, spent, made };
         Ok(ResumedSession::Babbling(Box::new(resumed)))
+    }
+
+    /// How many zero bytes were at the end of the log, as a file system leaves them where the power failed; they are dropped.
+    pub fn zeros(&self) -> u64 {
+        self.zeros
     }
 
     /// How many touches are there already.
@@ -167,7 +184,8 @@ impl<'a> BabblingSession<'a> {
     /// Where the engine fails, nothing can be touched, or a file cannot be written; a session that was interrupted so
     /// can be resumed.
     pub fn babble(self, observer: &dyn Observer) -> Result<BabbledSession, ExperimentError> {
-        let BabblingSession { embodied, setup, folder, mut session, mut log, done, spent, mut made } = self;
+        let BabblingSession { embodied, setup, folder, mut session, mut log, done, spent, mut made, .. } =
+            self;
         let babbler =
             embodied.babbler(setup.motion)?.until(setup.deadline).learning_from(setup.learning.input());
         observer.phase(Phase::Babbling {

@@ -34,6 +34,22 @@ pub enum RecordError {
         /// The system's own reason.
         source: io::Error,
     },
+    /// Another process writes the folder.
+    #[error("{}: {holder} is writing it: wait for its end, or give another folder", folder.display())]
+    Busy {
+        /// The folder.
+        folder: PathBuf,
+        /// The process, as it names itself.
+        holder: String,
+    },
+    /// Another process reads the folder and does not come to its end.
+    #[error("{}: {holder} is reading it, so that nothing in it can be replaced: end it, and try again", folder.display())]
+    Read {
+        /// The folder.
+        folder: PathBuf,
+        /// The process.
+        holder: String,
+    },
     /// The content is not what the file should hold.
     #[error("{}{}: {message}", path.display(), line.map(|line| format!(", line {line}")).unwrap_or_default())]
     Format {

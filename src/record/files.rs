@@ -7,6 +7,7 @@ use std::path::Path;
 use serde::Serialize;
 use serde_json::ser::Formatter;
 
+use super::leftovers::{part_name, sweep_parts};
 use super::{Action, RecordError};
 
 /// Makes a folder and those above it where they are missing.
@@ -30,24 +31,39 @@ pub(super) fn write_json(path: &Path, value: &impl Serialize) -> Result<(), Reco
     write_whole(path, &json).map_err(RecordError::io(path, Action::Write))
 }
 
-/// Writes a new file beside `path` and puts it in its place, so that no reader sees a part of it.
+/// Writes a new file beside `path` and puts it in its place, so that no reader sees a part of it. Parts that killed processes
+/// left of it are removed.
 pub(crate) fn write_whole(path: &Path, bytes: &[u8]) -> io::Result<()> {
     // What is no file, such as a pipe, is never replaced.
     if fs::metadata(path).is_ok_and(|about| !about.is_file() && !about.is_dir()) {
         return fs::write(path, bytes);
     }
-    let name = path.file_name().ok_or(io::ErrorKind::InvalidFilename)?;
-    let part = path.with_file_name(format!(".{}.{}.part", name.to_string_lossy(), std::process::id()));
+    let name = path.file_name().ok_or(io::ErrorKind::InvalidFilename)?.to_string_lossy();
+    let part = path.with_file_name(part_name(&name));
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    sweep_parts(folder, |of| of == name);
     let put = || {
         let mut file = File::create(&part)?;
         file.write_all(bytes)?;
         file.sync_all()?;
-        fs::rename(&part, path)
+        fs::rename(&part, path)?;
+        sync_folder(folder)
     };
     put().inspect_err(|_| {
         // The first failure is the one to tell of.
         let _ = fs::remove_file(&part);
     })
+}
+
+/// Waits until the names in a folder are on the disk.
+pub(super) fn sync_folder(folder: &Path) -> io::Result<()> {
+    match File::open(folder)?.sync_all() {
+        // Some file systems keep names without being asked, and refuse to be.
+        Err(error) if matches!(error.kind(), io::ErrorKind::InvalidInput | io::ErrorKind::Unsupported) => {
+            Ok(())
+        }
+        result => result,
+    }
 }
 
 /// JSON of one field a line, with every array of plain values on one line.

@@ -15,6 +15,9 @@ use crate::schema::BodySchema;
 
 const STAMP: Stamp = Stamp { format: "bodyschema learning", version: 1 };
 
+/// Names of facts that tell what learning came to, and not how it was done.
+const OF_RESULT: [&str; 3] = ["random initial guesses", "learning", "change"];
+
 /// What learning from a session's touches came to.
 ///
 /// In the file, the format's name and version come before these fields.
@@ -98,6 +101,15 @@ impl LearningRecord {
         let recorded = self.account.as_ref().filter(|_| self.converged);
         let account = recorded.and_then(|recorded| recorded.account.clone());
         account.map_or(Certainty::Unknown, |account| Certainty::Estimated(Box::new(account)))
+    }
+
+    /// Whether another was learned in the same way: from as many touches, with the same seed, learner, senses and prior.
+    pub fn is_learned_as(&self, other: &LearningRecord) -> bool {
+        let way = |record: &LearningRecord| {
+            let of_way = record.facts.iter().filter(|(name, _)| !OF_RESULT.contains(&name.as_str()));
+            of_way.cloned().collect::<Vec<_>>()
+        };
+        (self.seed, self.touches) == (other.seed, other.touches) && way(self) == way(other)
     }
 
     /// Writes [`LEARNED_RECORD_FILE`] into `folder`, which is made if missing; whole or not at all.

@@ -10,16 +10,20 @@ mod columns;
 mod error;
 mod files;
 mod firing_log;
+mod folder_lock;
+mod generation;
 mod host;
 mod json_lines;
 mod known;
 mod learning_record;
 mod learning_table;
+mod leftovers;
 mod map_file;
 mod model_hash;
 #[cfg(feature = "parquet")]
 mod parquet;
 mod progress;
+mod read_lock;
 mod recording;
 mod robot;
 mod schema;
@@ -34,6 +38,8 @@ pub use account::RecordedAccount;
 pub use error::{Action, RecordError};
 pub(crate) use files::write_whole;
 pub use firing_log::{FiringWriter, read_firings};
+pub use folder_lock::{FolderLock, LOCK_FILE};
+pub use generation::Generation;
 pub use host::Host;
 pub use known::read_known;
 pub use learning_record::{Checkpoint, LearningRecord};
@@ -43,6 +49,7 @@ pub use model_hash::model_hash;
 #[cfg(feature = "parquet")]
 pub use parquet::write_parquet;
 pub use progress::BabblingProgress;
+pub use read_lock::ReadLock;
 pub use recording::{CreatureFile, Recording, read_creature, read_recording};
 pub use robot::{
     CalibrationLog, RobotFile, RobotFormat, Written, apply_known, calibration_table, is_mjcf,

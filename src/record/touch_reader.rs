@@ -26,6 +26,8 @@ pub struct TouchLog {
     pub touches: Vec<Touch>,
     /// The last line's number where it is incomplete, as a killed process leaves it; it is left out.
     pub truncated: Option<usize>,
+    /// Zero bytes at its end, as a file system leaves them where the power failed; they are left out as well.
+    pub zeros: usize,
 }
 
 /// A line as it is read; JSON has no other way to say "not a finite number" than null.
@@ -47,10 +49,11 @@ pub fn read_touches(path: &Path, agent: &Agent) -> Result<TouchLog, RecordError>
     file.read_until(b'\n', &mut json).map_err(io())?;
     check_header(path, &json, 1, agent.creature())?;
     let mut log = TouchLog::default();
-    log.truncated = read_lines(path, &mut file, "touch", |found: FoundLine| {
+    let end = read_lines(path, &mut file, "touch", |found: FoundLine| {
         log.touches.push(touch(found, agent, &receptors)?);
         Ok(())
     })?;
+    (log.truncated, log.zeros) = (end.incomplete, end.zeros);
     Ok(log)
 }
 
@@ -62,7 +65,7 @@ pub(super) fn check_header(
     creature: &Creature,
 ) -> Result<(), RecordError> {
     let refuse = |message: String| Err(RecordError::format(path, Some(line), message));
-    if json.trim_ascii().is_empty() {
+    if json.iter().all(|byte| *byte == 0 || byte.is_ascii_whitespace()) {
         return refuse("there is no header: give a log of touches, or record again".into());
     }
     STAMP.check(path, Some(line), json)?;

@@ -1,7 +1,7 @@
 //! Writing the log of touches while they are made.
 
 use std::fs::{File, OpenOptions, TryLockError};
-use std::io::{BufRead, BufReader, Write};
+use std::io::{self, BufRead, BufReader, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
 use super::touch_line::{STAMP, TouchHeader, TouchLine, UNITS, check, limb_name};
@@ -25,47 +25,94 @@ pub struct TouchWriter<'a> {
     buffer: Vec<u8>,
     /// What an interrupted writer left, from the next line on; none where the next line is to be written.
     left: Option<BufReader<File>>,
+    /// Zero bytes that were at its end.
+    zeros: u64,
+}
+
+/// How much of a log is looked at in one piece, bytes.
+const PIECE: u64 = 1 << 16;
+
+/// Opens a log that no other process writes, without touching what is in it.
+fn open_alone(path: &Path) -> Result<File, RecordError> {
+    let opened = OpenOptions::new().append(true).create(true).open(path);
+    let file = opened.map_err(RecordError::io(path, Action::Write))?;
+    match file.try_lock() {
+        Err(TryLockError::WouldBlock) => {
+            let message = "another process is writing it: wait for its end, or end it";
+            Err(RecordError::format(path, None, message))
+        }
+        // Where there are no locks, nobody else can be kept away.
+        Ok(()) | Err(TryLockError::Error(_)) => Ok(file),
+    }
+}
+
+/// How many zero bytes a file ends with; it is left at its beginning.
+fn zeros_at_end(file: &mut File) -> io::Result<u64> {
+    let length = if file.metadata()?.is_file() { file.metadata()?.len() } else { 0 };
+    let (mut end, mut piece) = (length, Vec::new());
+    while end > 0 {
+        let begin = end.saturating_sub(PIECE);
+        piece.resize((end - begin) as usize, 0);
+        file.seek(SeekFrom::Start(begin))?;
+        file.read_exact(&mut piece)?;
+        if let Some(last) = piece.iter().rposition(|byte| *byte != 0) {
+            end = begin + last as u64 + 1;
+            break;
+        }
+        end = begin;
+    }
+    file.rewind()?;
+    Ok(length - end)
 }
 
 impl<'a> TouchWriter<'a> {
-    /// Begins the log in `folder`, which is made if missing; an older log there is overwritten.
+    /// Begins the log in `folder`, which is made if missing; a log that is there is never overwritten.
     ///
     /// # Errors
-    /// [`RecordError::Io`] where the folder or the file cannot be made.
+    /// [`RecordError::Io`] where the folder or the file cannot be made. [`RecordError::Format`] where there is a log
+    /// already, or another process is writing it.
     pub fn create(folder: &Path, agent: &'a Agent) -> Result<TouchWriter<'a>, RecordError> {
         files::make_folder(folder)?;
         let path = folder.join(TOUCHES_FILE);
-        let file = File::create(&path).map_err(RecordError::io(&path, Action::Write))?;
-        // Where there are no locks, nobody else can be kept away.
-        let _ = file.try_lock();
-        let mut writer = TouchWriter { path, file, agent, lines: 0, buffer: Vec::new(), left: None };
+        let file = open_alone(&path)?;
+        let about = file.metadata().map_err(RecordError::io(&path, Action::Write))?;
+        if about.len() > 0 {
+            let message = "there is a log already: give another folder with --out, or move it away";
+            return Err(RecordError::format(&path, None, message));
+        }
+        let mut writer =
+            TouchWriter { path, file, agent, lines: 0, buffer: Vec::new(), left: None, zeros: 0 };
         writer.write_header()?;
         Ok(writer)
     }
 
     /// Goes on with the log that an interrupted writer left in `folder`, if any. What is there stays: the touches that
     /// are written to it must be the same once more, from the first one on or after [`TouchWriter::skip`], and an
-    /// incomplete last line is completed. Only what comes after is added.
+    /// incomplete last line is completed. Only what comes after is added. Zero bytes at its end, which a file system
+    /// leaves where the power failed before it had stored what was written, are dropped.
     ///
     /// # Errors
     /// [`RecordError::Io`] where the log cannot be read and written. [`RecordError::Format`] where another process is
     /// writing it, or where it is not of this creature.
     pub fn resume(folder: &Path, agent: &'a Agent) -> Result<TouchWriter<'a>, RecordError> {
         let path = folder.join(TOUCHES_FILE);
-        let opened = OpenOptions::new().append(true).create(true).open(&path);
-        let file = opened.map_err(RecordError::io(&path, Action::Write))?;
-        if let Err(TryLockError::WouldBlock) = file.try_lock() {
-            return Err(RecordError::format(
-                &path,
-                None,
-                "another process is writing it: wait for its end, or end it",
-            ));
+        let file = open_alone(&path)?;
+        let mut left = File::open(&path).map_err(RecordError::io(&path, Action::Read))?;
+        let zeros = zeros_at_end(&mut left).map_err(RecordError::io(&path, Action::Read))?;
+        if zeros > 0 {
+            let length = file.metadata().map(|about| about.len() - zeros);
+            let cut = length.and_then(|length| file.set_len(length)).and_then(|()| file.sync_all());
+            cut.map_err(RecordError::io(&path, Action::Write))?;
         }
-        let left = File::open(&path).map_err(RecordError::io(&path, Action::Read))?;
         let left = Some(BufReader::new(left));
-        let mut writer = TouchWriter { path, file, agent, lines: 0, buffer: Vec::new(), left };
+        let mut writer = TouchWriter { path, file, agent, lines: 0, buffer: Vec::new(), left, zeros };
         writer.write_header()?;
         Ok(writer)
+    }
+
+    /// How many zero bytes were at the end of the log that is gone on with, and were dropped.
+    pub fn zeros(&self) -> u64 {
+        self.zeros
     }
 
     /// Passes over touches that an interrupted writer left, at most `touches`, without looking at them; how many whole
@@ -128,7 +175,7 @@ impl<'a> TouchWriter<'a> {
         }
         match self.file.sync_all() {
             // What is no file, such as a pipe, has nothing to wait for.
-            Err(error) if error.kind() == std::io::ErrorKind::InvalidInput => Ok(()),
+            Err(error) if error.kind() == io::ErrorKind::InvalidInput => Ok(()),
             result => result.map_err(RecordError::io(&self.path, Action::Write)),
         }
     }

@@ -54,4 +54,5 @@ mod tables;
 mod terminal;
 mod urdf;
 mod utterances;
+mod writers;
 mod zoo;

@@ -216,7 +216,89 @@ fn a_log_cut_anywhere_keeps_the_touches_before() {
     // What a disk leaves after the power failed.
     fs::write(&path, [&whole[..], &[0; 100]].concat()).unwrap();
     let log = read_touches(&path, &agent()).unwrap();
-    assert_eq!((log.touches.len(), log.truncated), (3, Some(5)));
+    assert_eq!((log.touches.len(), log.truncated, log.zeros), (3, None, 100));
+    fs::write(&path, [&whole[..whole.len() - 20], &[0; 7]].concat()).unwrap();
+    let log = read_touches(&path, &agent()).unwrap();
+    assert_eq!((log.touches.len(), log.truncated, log.zeros), (2, Some(4), 7));
+}
+
+#[test]
+fn a_log_that_is_there_is_never_overwritten_and_zeros_at_its_end_are_dropped() {
+    let (folder, path) = log_of(3);
+    let (whole, agent) = (fs::read(&path).unwrap(), agent());
+    let message = sentence(&TouchWriter::create(folder.path(), &agent).unwrap_err(), &path, None);
+    assert!(message.contains("there is a log already"), "{message}");
+    assert_eq!(fs::read(&path).unwrap(), whole);
+    for (kept, zeros) in [(whole.len(), 1), (whole.len() - 9, 100_000), (0, 70_000), (20, 3)] {
+        fs::write(&path, [&whole[..kept], &vec![0; zeros]].concat()).unwrap();
+        let mut writer = TouchWriter::resume(folder.path(), &agent).unwrap();
+        assert_eq!(writer.zeros(), zeros as u64);
+        (0..3).for_each(|i| writer.write(&touch(i)).unwrap());
+        writer.finish().unwrap();
+        assert!(fs::read(&path).unwrap() == whole, "{kept} bytes and {zeros} zeros");
+    }
+}
+
+/// A process may be killed between any two moves of a generation that is whole: who comes next does the rest.
+#[test]
+fn a_generation_is_all_there_or_not_at_all_wherever_its_writer_was_killed() {
+    let names = ["learned.xml", "learning.csv", "learning.json", SCHEMA_FILE];
+    let begun = |moved: usize, whole: bool| {
+        let folder = tempfile::tempdir().unwrap();
+        let hidden = folder.path().join(if whole { ".generation" } else { ".generation.part" });
+        fs::create_dir(&hidden).unwrap();
+        fs::write(folder.path().join("space.json"), "old").unwrap();
+        for (k, name) in names.iter().enumerate() {
+            fs::write(folder.path().join(name), if k < moved { "new" } else { "old" }).unwrap();
+            if k >= moved {
+                fs::write(hidden.join(name), "new").unwrap();
+            }
+        }
+        folder
+    };
+    let is = |folder: &TempDir, text: &str| {
+        let all = names.iter().all(|name| fs::read_to_string(folder.path().join(name)).unwrap() == text);
+        let hidden = fs::read_dir(folder.path()).unwrap().flatten().map(|entry| entry.file_name());
+        all && !hidden.into_iter().any(|name| name.to_string_lossy().starts_with('.'))
+    };
+    for moved in 0..=names.len() {
+        let folder = begun(moved, true);
+        drop(FolderLock::take(folder.path()).unwrap());
+        assert!(is(&folder, "new"), "a writer after {moved} moves");
+        let folder = begun(moved, true);
+        drop(ReadLock::take(folder.path()).unwrap());
+        assert!(is(&folder, "new"), "a reader after {moved} moves");
+        // Slices of where hands get to are of the schema before.
+        let spaced = folder.path().join("space.json").exists();
+        assert_eq!(spaced, moved == names.len(), "after {moved} moves");
+    }
+    let folder = begun(0, false);
+    fs::write(folder.path().join(".schema.json.4194305.part"), "{").unwrap();
+    drop(FolderLock::take(folder.path()).unwrap());
+    assert!(is(&folder, "old"));
+}
+
+#[test]
+fn a_folder_has_one_writer_and_is_not_changed_while_it_is_read() {
+    let folder = tempfile::tempdir().unwrap();
+    let lock = FolderLock::take(folder.path()).unwrap();
+    let busy = FolderLock::take(folder.path()).unwrap_err().to_string();
+    let process = format!("process {}", std::process::id());
+    assert!(busy.contains(&process) && busy.contains(folder.path().to_str().unwrap()), "{busy}");
+    let generation = Generation::begin(&lock).unwrap();
+    fs::write(generation.folder().join("schema.json"), "new").unwrap();
+    let reading = ReadLock::take(folder.path()).unwrap();
+    std::thread::scope(|scope| {
+        let commit = scope.spawn(|| generation.commit().unwrap());
+        std::thread::sleep(std::time::Duration::from_millis(50));
+        assert!(!folder.path().join("schema.json").exists(), "it was changed while it was read");
+        drop(reading);
+        commit.join().unwrap();
+    });
+    assert_eq!(fs::read_to_string(folder.path().join("schema.json")).unwrap(), "new");
+    drop(lock);
+    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1, "something is left");
+    FolderLock::take(folder.path()).unwrap();
 }
 
 #[test]

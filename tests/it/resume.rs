@@ -112,7 +112,7 @@ fn a_session_killed_at_any_moment_is_gone_on_with_to_the_same() {
         ("first", |folder| lines(folder) >= 2),
         ("middle", |folder| lines(folder) >= 1500),
         ("kept", |folder| folder.join("babbling.json").exists()),
-        ("learning", |folder| folder.join("learning.csv").exists()),
+        ("learning", |folder| folder.join(".generation.part/learning.csv").exists()),
     ];
     for (name, moment) in moments {
         let killed = place.killed(&options, name, moment);
@@ -209,6 +209,23 @@ fn a_session_that_lost_touches_which_it_had_counted_makes_them_again() {
     fs::write(place.path(broken).join("babbling.json"), "{\"format\": \"bodyschema ba").unwrap();
     place.succeeds(&["babble", "--resume", broken]);
     place.same("whole", broken);
+}
+
+#[test]
+fn a_log_that_ends_in_zeros_after_a_power_failure_is_gone_on_with_from_its_good_lines() {
+    let place = Place::new();
+    let begin = ["babble", "arms.xml", "--touches", "80", "--learner", "hersch", "--out", "whole"];
+    place.succeeds(&begin);
+    let log = place.log("whole");
+    for (name, bytes, zeros) in [("middle", log.len() / 2, 5000), ("none", 0, 100)] {
+        cut(&place, "whole", name, bytes);
+        let mut part = place.log(name);
+        part.resize(bytes + zeros, 0);
+        fs::write(place.path(name).join("touches.jsonl"), &part).unwrap();
+        let message = place.succeeds(&["babble", "--resume", name]);
+        assert!(message.contains(&format!("{zeros} zero bytes")), "{message}");
+        place.same("whole", name);
+    }
 }
 
 #[test]

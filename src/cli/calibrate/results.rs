@@ -8,7 +8,7 @@ use super::report::words;
 use crate::calibration::robot::{Quantity, Robot};
 use crate::calibration::{Estimator, Fit, Judgement, Misses, SeenTouch, Touch, apart_at_random};
 use crate::cli::{Failure, Outcome, folders, output};
-use crate::record::{RobotFile, RobotFormat, json_of};
+use crate::record::{Generation, RobotFile, RobotFormat, json_of};
 use crate::view::report::REPORT_FILE;
 use crate::view::report::calibration::html;
 
@@ -279,13 +279,15 @@ impl Results<'_> {
 
     /// Writes the robot with its new numbers and the tables into a folder.
     pub fn write(&self, folder: &Path, path: &Path, file: &RobotFile, quiet: bool) -> Outcome {
-        let folder =
-            folders::free_folder(Some(folder), "calibration", CALIBRATION_FILE, |_| folder.to_path_buf())?;
+        let files = [CALIBRATION_FILE];
+        let lock = folders::free_folder(Some(folder), "calibration", &files, |_| folder.to_path_buf())?;
+        let generation = Generation::begin(&lock)?;
+        let folder = generation.folder();
         let name = path.file_name().unwrap_or_default();
         let written = file.with_values(path, &self.fit.values)?;
         put(&folder.join(name), &written.bytes)?;
         for sentence in &written.left_out {
-            tell!("{}: {sentence}", folder.join(name).display());
+            tell!("{}: {sentence}", lock.folder().join(name).display());
         }
         output::file(&folder.join("quantities.csv"), &self.quantities_table())?;
         output::file(&folder.join("residuals.csv"), &self.residuals_table())?;
@@ -293,13 +295,14 @@ impl Results<'_> {
         output::file(&folder.join(REPORT_FILE), &html(&self.report(file)))?;
         let all = serde_json::to_string_pretty(&self.as_json())?;
         output::file(&folder.join(CALIBRATION_FILE), &format!("{all}\n"))?;
+        generation.commit()?;
         if !quiet {
             let kind = kind(file.format);
             say!("");
             say!(
                 "{}: the {kind} with its new numbers, {REPORT_FILE}, quantities.csv, residuals.csv, correlations.csv and \
                  {CALIBRATION_FILE}",
-                folder.join(name).display()
+                lock.folder().join(name).display()
             );
         }
         Ok(())

@@ -11,7 +11,9 @@ use crate::creature::{Body, Creature, JointSelection, Posture};
 use crate::experiment::{ModelSource, same_tree};
 use crate::export::to_mjcf;
 use crate::mujoco::Model;
-use crate::record::{LearningRecord, SCHEMA_FILE, Session, TOUCHES_FILE, read_schema, read_touches};
+use crate::record::{
+    LearningRecord, ReadLock, SCHEMA_FILE, Session, TOUCHES_FILE, read_schema, read_touches,
+};
 use crate::schema::BodySchema;
 use crate::senses::Touch;
 use crate::view::picture::{SessionDrawing, Storyboard};
@@ -27,6 +29,7 @@ pub fn touch_range(text: &str) -> Result<[usize; 2], String> {
 
 /// What is drawn of a session.
 pub fn plan(args: &RenderArguments, film: bool) -> Result<(RenderSubject, Storyboard), Failure> {
+    let _reading = ReadLock::take(&args.what)?;
     let session = Session::read(&args.what)?;
     if args.options.root.is_some() {
         return Err(Failure(format!(

@@ -20,7 +20,7 @@ use crate::experiment::study::claims::{POLICIES as CLAIMS_POLICIES, STUDY as CLA
 use crate::experiment::study::hersch::{STUDY as HERSCH, TOUCHES as HERSCH_TOUCHES};
 use crate::experiment::study::{FoundTables, STUDIES, Study, Subject};
 use crate::experiment::{Observer, Phase};
-use crate::record::{PROGRAM, model_hash};
+use crate::record::{Generation, PROGRAM, model_hash};
 use crate::view::study_chart;
 
 /// The model that is studied where none is named.
@@ -158,7 +158,8 @@ pub fn run(args: &StudyArguments) -> Outcome {
         1 => Path::new("studies").join(study.name),
         _ => Path::new("studies").join(format!("{}-{k}", study.name)),
     };
-    let folder = free_folder(args.out.as_deref(), "study", STUDY_FILE, numbered)?;
+    let lock = free_folder(args.out.as_deref(), "study", &[STUDY_FILE], numbered)?;
+    let folder = lock.folder();
     let began = Instant::now();
     let findings = (study.measure)(&subject)?;
     let seconds = began.elapsed().as_secs_f64();
@@ -192,7 +193,9 @@ pub fn run(args: &StudyArguments) -> Outcome {
         "folder": folder,
     });
     findings.numbers.iter().for_each(|(name, number)| result[*name] = number.clone());
-    save(&folder, study, &result, &findings)?;
+    let generation = Generation::begin(&lock)?;
+    save(generation.folder(), study, &result, &findings)?;
+    generation.commit()?;
     if args.json {
         return output::json(&result);
     }

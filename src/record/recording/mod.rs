@@ -18,6 +18,7 @@ use nalgebra::Vector3;
 pub use creature_file::{CreatureFile, read_creature};
 use raw::{RawEnd, RawTouch};
 
+use super::json_lines::drop_zeros;
 use super::touch_line::check;
 use super::{RecordError, files};
 use crate::agent::Agent;
@@ -50,7 +51,8 @@ pub struct Recording {
 /// no touch of the creature; for a log without touches; and for one whose angles are in degrees by the look.
 pub fn read_recording(path: &Path, agent: &Agent) -> Result<Recording, RecordError> {
     let creature = agent.creature();
-    let bytes = files::read(path)?;
+    let mut bytes = files::read(path)?;
+    let zeros = drop_zeros(&mut bytes);
     let is_csv = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("csv"));
     let mut spare = None;
     let (raw, truncated) = if is_csv {
@@ -70,6 +72,9 @@ pub fn read_recording(path: &Path, agent: &Agent) -> Result<Recording, RecordErr
     recording.notes.extend(spare);
     recording.notes.extend(truncated.map(|line| {
         format!("it ends in the middle of line {line}: that touch is left out, all before it are used")
+    }));
+    recording.notes.extend((zeros > 0).then(|| {
+        format!("it ends in {zeros} zero bytes, as a power failure leaves them: they are left out")
     }));
     Ok(recording)
 }

@@ -6,13 +6,14 @@
 use std::path::Path;
 
 use crate::peripersonal::{Lattice, OwnBody, ReachableMap};
+use crate::record::write_whole;
 
 /// Writes the maps: per hand 2 near, 1 far and 0 out of reach, in the box about all of them.
 ///
 /// # Errors
 /// Where the file cannot be written.
 pub fn write(path: &Path, own: &OwnBody, maps: &[ReachableMap]) -> std::io::Result<()> {
-    std::fs::write(path, bytes(own, maps))
+    write_whole(path, &bytes(own, maps))
 }
 
 /// The box about the boxes of all maps.
