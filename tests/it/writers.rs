@@ -26,7 +26,8 @@ const SEEDS: [&str; 2] = ["1", "2"];
 /// What else sessions are babbled with.
 const BABBLE: [&str; 7] = ["babble", "arms.xml", "--touches", TOUCHES, "--learner", "hersch", "--quiet"];
 /// How the session is learned from again, by the words that tell the results apart.
-const LEARN: [&[&str]; 2] = [&["--input", "contact"], &["--false-touches", "0.25"]];
+const LEARN: [&[&str]; 2] =
+    [&["--learner", "hersch", "--input", "contact"], &["--learner", "hersch", "--joint-noise", "5"]];
 /// How the same touches are learned from as those of a recording.
 const RECORDING: [&str; 8] =
     ["learn", "--creature", "creature.json", "--log", "log.jsonl", "--learner", "hersch", "--quiet"];
