@@ -7,6 +7,7 @@
 use std::collections::BTreeMap;
 use std::fmt;
 use std::fs;
+use std::io::Write;
 use std::path::PathBuf;
 use std::process::{Child, Command, Output, Stdio};
 use std::time::{Duration, Instant};
@@ -38,6 +39,8 @@ const OF_GENERATION: [&str; 5] =
     ["schema.json", "learned.xml", "learning.csv", "learning.json", "report.html"];
 /// How much later than the first the second of two processes begins at the most.
 const APART: Duration = Duration::from_millis(12);
+/// Blocks of 1024 bytes that a disk is filled with at the most.
+const MOST_FILLED: usize = 1 << 16;
 /// How long a command may take before it hangs.
 const PATIENCE: Duration = Duration::from_secs(120);
 
@@ -97,7 +100,10 @@ struct Yard {
 
 impl Yard {
     fn new() -> Yard {
-        let place = tempfile::tempdir().unwrap();
+        Yard::on(tempfile::tempdir().unwrap())
+    }
+
+    fn on(place: TempDir) -> Yard {
         let arms = two_arms(r#"type="capsule" size="0.12 0.2""#, r#"type="capsule" size="0.03 0.2""#);
         fs::write(place.path().join("arms.xml"), arms).unwrap();
         let mut yard = Yard { place, generations: Vec::new(), logs: Vec::new() };
@@ -440,6 +446,36 @@ fn no_room(yard: &Yard, blocks: impl Iterator<Item = usize> + Clone, findings: &
     }
 }
 
+/// Commands on a disk that has so many blocks of 1024 bytes left.
+fn full_disk(yard: &Yard, blocks: impl Iterator<Item = usize> + Clone, findings: &mut Findings) {
+    for victim in victims() {
+        for blocks in blocks.clone() {
+            let _ = fs::remove_dir_all(yard.path("s"));
+            if let Some(before) = victim.before {
+                yard.copy(before, "s");
+            }
+            let path = yard.path("fill");
+            fs::write(yard.path("room"), vec![0; 1024 * blocks]).unwrap();
+            let mut file = fs::File::create(&path).unwrap();
+            let full = (0..MOST_FILLED).any(|_| file.write_all(&[0; 1024]).is_err());
+            assert!(full, "the disk is too great to be filled: name a smaller one");
+            // One that is open keeps its room when it is removed.
+            drop(file);
+            fs::remove_file(yard.path("room")).unwrap();
+            let end = said(&yard.begin(&victim.words).wait_with_output().unwrap());
+            fs::remove_file(&path).unwrap();
+            findings.tried(if end.is_ok() {
+                "ended well within their room"
+            } else {
+                "ended for want of room"
+            });
+            let how = format!("{blocks} blocks, {}: {end:?}", victim.words[..2].join(" "));
+            findings.check(is_told(&end, ""), ENDED, || how.clone());
+            aftermath(yard, &victim, &how, findings);
+        }
+    }
+}
+
 #[test]
 fn two_processes_on_one_folder_lose_and_mix_nothing() {
     let (yard, mut findings) = (Yard::new(), Findings::default());
@@ -478,6 +514,16 @@ mod slow {
     fn writers_that_are_killed() {
         let (yard, mut findings) = (Yard::new(), Findings::default());
         kills(&yard, 1000, 7000, &mut findings);
+        findings.told();
+    }
+
+    /// The disk is a small one, as `mount -t tmpfs -o size=16m tmpfs DIR` makes it; `BODYSCHEMA_SMALL_DISK` names it.
+    #[test]
+    #[ignore = "slow: every command on a disk with 0 to 640 kilobytes left"]
+    fn writers_on_a_full_disk() {
+        let disk = std::env::var_os("BODYSCHEMA_SMALL_DISK").expect("BODYSCHEMA_SMALL_DISK names no folder");
+        let (yard, mut findings) = (Yard::on(TempDir::new_in(disk).unwrap()), Findings::default());
+        full_disk(&yard, (0..=640).step_by(32), &mut findings);
         findings.told();
     }
 
