@@ -4,7 +4,7 @@ use std::fs::{self, File, OpenOptions, TryLockError};
 use std::io::Write;
 use std::os::unix::fs::MetadataExt;
 use std::path::{Path, PathBuf};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use super::{Action, RecordError, generation, leftovers};
 
@@ -13,6 +13,8 @@ use super::{Action, RecordError, generation, leftovers};
 pub const LOCK_FILE: &str = ".writer";
 /// How long a new writer is given to write its name into the lock that it took, before that is read.
 const NAMING: Duration = Duration::from_millis(20);
+/// How long a lock may be held on: a child that a killed process was just starting holds it until it has begun.
+const LETTING_GO: Duration = Duration::from_secs(1);
 
 /// A folder that no other process writes to while this lives.
 ///
@@ -33,10 +35,15 @@ impl FolderLock {
     pub fn take(folder: &Path) -> Result<FolderLock, RecordError> {
         let path = folder.join(LOCK_FILE);
         let io = || RecordError::io(folder, Action::Write);
+        let began = Instant::now();
         let file = loop {
             let opened = OpenOptions::new().read(true).write(true).create(true).truncate(false).open(&path);
             let mut file = opened.map_err(io())?;
             match file.try_lock() {
+                Err(TryLockError::WouldBlock) if began.elapsed() < LETTING_GO => {
+                    std::thread::sleep(NAMING);
+                    continue;
+                }
                 Err(TryLockError::WouldBlock) => return Err(busy(folder, &path)),
                 // Where there are no locks, nobody else can be kept away.
                 Ok(()) | Err(TryLockError::Error(_)) => {}
