@@ -11,6 +11,9 @@ use crate::interaction::{Actor, Conversation};
 use crate::record::model_hash;
 use crate::simulation::{Stage, StageOptions};
 
+/// The most that a limb grows at once, millimetres.
+const LONGEST_GROWTH: f64 = 300.0;
+
 /// Talk to a creature among things: it answers what a partner asks of it, line by line.
 ///
 /// It is blindfolded: all that it knows of its body is the schema of a session, and all that it knows of the scene it
@@ -24,6 +27,9 @@ use crate::simulation::{Stage, StageOptions};
 /// it asks. "Goodbye", Ctrl-D or the end of the input ends the talk; an empty line does nothing. What a hand touches it can
 /// hold: it is welded to the hand until it is put down. With --live there is a page beside that shows it all as fast as it
 /// would really move, on which you can also touch its skin.
+///
+/// A line "/grow LIMB MILLIMETRES" is no word to it but happens: from then on the joint that moves the limb is so much farther
+/// out on the limb that carries it. It is not told, and notices when it touches itself.
 #[derive(clap::Args)]
 #[command(after_help = "Examples:
   bodyschema babble mjcf/max/max.xml
@@ -85,6 +91,14 @@ pub fn run(args: &TalkArguments) -> Outcome {
         if request.is_empty() {
             continue;
         }
+        if let Some(direction) = request.strip_prefix('/') {
+            match happens(&stage, direction) {
+                Ok(()) => {}
+                Err(Failure(why)) if terminal => tell!("{why}"),
+                Err(failure) => return Err(failure),
+            }
+            continue;
+        }
         let reply = conversation.hear(&request)?;
         if args.json {
             output::line(format_args!("{}", reply.to_json(&request)));
@@ -99,4 +113,25 @@ pub fn run(args: &TalkArguments) -> Outcome {
         }
     }
     Ok(())
+}
+
+/// What happens on the stage by a line that begins with a slash, without it.
+fn happens(stage: &Stage, direction: &str) -> Result<(), Failure> {
+    let words: Vec<&str> = direction.split_whitespace().collect();
+    let ["grow", name, length] = words.as_slice() else {
+        return Err(Failure(format!(
+            "/{direction}: nothing is known that happens by this: write /grow LIMB MILLIMETRES, as in /grow left_hand 30"
+        )));
+    };
+    let creature = &stage.body().creature;
+    let limb = creature.limb(name).filter(|limb| *limb > 0).ok_or_else(|| {
+        let limbs = creature.limbs()[1..].join(", ");
+        Failure(format!("/{direction}: there is no limb {name} that a joint moves: choose one of {limbs}"))
+    })?;
+    let millimetres = length.parse::<f64>().ok().filter(|x| x.abs() <= LONGEST_GROWTH).ok_or_else(|| {
+        Failure(format!(
+            "/{direction}: {length} is no number of millimetres from -{LONGEST_GROWTH} to {LONGEST_GROWTH}"
+        ))
+    })?;
+    Ok(stage.grow_limb(limb, 1e-3 * millimetres)?)
 }

@@ -117,6 +117,8 @@ pub struct Actor {
     pub(super) made_way_for: Vec<Posture>,
     /// The stick that it holds.
     pub(super) stick: Option<HeldStick>,
+    /// The receptors of his own skin that last touched where the schema did not have it, and how far apart it had them, metres.
+    pub(super) unexpected: Option<([usize; 2], f64)>,
     /// The postures of the last motion, step by step.
     trail: VecDeque<Posture>,
     /// Steps made.
@@ -198,6 +200,7 @@ impl Actor {
             feels_on: false,
             reach: None,
             made_way_for: Vec::new(),
+            unexpected: None,
             stick: None,
             trail: VecDeque::new(),
             steps: 0,
@@ -315,6 +318,7 @@ impl Actor {
                     felt.into_iter().filter(|f| !left.contains(&f.parties()) && heeded(self, f)).collect();
                 parting = Some(left);
                 if !news.is_empty() {
+                    self.heed_own_touch(&news);
                     return Ok(Stop::Felt(news));
                 }
             }

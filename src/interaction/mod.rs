@@ -22,6 +22,7 @@ pub use error::ActorError;
 pub use own_spot::OwnTouch;
 pub use stick::{HeldStick, KnownStick};
 pub use tasks::{
-    Feeling, FeltOn, Grip, LiftTrouble, PalmPlan, Search, SearchPlan, ShapeFeeling, Spot, Touching, Trouble,
+    Feeling, FeltOn, FeltOver, Grip, LiftTrouble, PalmPlan, Search, SearchPlan, ShapeFeeling, Spot, Touching,
+    Trouble,
 };
 pub use things::{KnownThing, Things};

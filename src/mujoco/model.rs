@@ -95,6 +95,24 @@ impl Model {
         Ok(copy)
     }
 
+    /// A copy in which a body is elsewhere in its parent's frame, metres.
+    ///
+    /// # Errors
+    /// [`Error::Engine`] where there is no memory for it.
+    ///
+    /// # Panics
+    /// Where there is no such body.
+    pub fn with_body_position(&self, body: usize, position: &Vector3<f64>) -> Result<Self> {
+        assert!(body < self.nbody(), "there is no body {body}");
+        let mut copy = self.copy()?;
+        let raw = copy.raw_mut();
+        for (i, coordinate) in (3 * body..).zip(position) {
+            // SAFETY: the copy is not shared yet, and the array holds three numbers per body.
+            unsafe { *(*raw).body_pos.add(i) = *coordinate }
+        }
+        Ok(copy)
+    }
+
     /// For changes to a model that is not shared yet.
     pub(super) fn raw_mut(&mut self) -> *mut ffi::mjModel {
         self.raw.as_ptr()

@@ -10,7 +10,7 @@ use crate::agent::Agent;
 use crate::creature::{Creature, Posture};
 use crate::geometry::Frame;
 use crate::kinematics::{Chain, Place, limb_frames};
-use crate::learning::{Certainty, Learned};
+use crate::learning::{Account, Certainty, Learned};
 use crate::schema::BodySchema;
 use crate::senses::Touch;
 use crate::skin::Skin;
@@ -106,6 +106,24 @@ impl OwnBody {
     /// The same body with another schema, taken as it is.
     pub fn with_schema(&self, schema: BodySchema) -> OwnBody {
         OwnBody { schema, certainty: Certainty::Exact, ..self.clone() }
+    }
+
+    /// The same body after it was learned anew: where its joints are, and how sure that is.
+    pub fn changed(&self, schema: BodySchema, certainty: Certainty) -> OwnBody {
+        OwnBody { schema, certainty, ..self.clone() }
+    }
+
+    /// The same body, of which nothing is sure any more.
+    pub fn doubted(&self) -> OwnBody {
+        OwnBody { certainty: Certainty::Unknown, ..self.clone() }
+    }
+
+    /// What its touches determine of it; none where it is taken as it is, or nothing is known of that.
+    pub fn account(&self) -> Option<&Account> {
+        match &self.certainty {
+            Certainty::Estimated(account) => Some(account),
+            Certainty::Exact | Certainty::Unknown => None,
+        }
     }
 
     /// The same body with other skin, on the same limbs.

@@ -18,6 +18,7 @@ pub mod farthest;
 pub mod felt_shape;
 pub mod finding;
 pub mod frames;
+pub mod grown;
 pub mod growth;
 pub mod hersch;
 pub mod learners;
@@ -53,6 +54,7 @@ pub const STUDIES: &[&Study] = &[
     &claims::STUDY,
     &disturbances::STUDY,
     &growth::STUDY,
+    &grown::STUDY,
     &turned::STUDY,
     &frames::STUDY,
     &sensations::STUDY,

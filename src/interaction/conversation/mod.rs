@@ -80,6 +80,23 @@ struct Request {
 }
 
 impl Request {
+    /// One that names nothing.
+    fn bare(intent: Intent) -> Request {
+        Request {
+            intent,
+            hand: None,
+            part: None,
+            which: None,
+            stick: false,
+            lean: false,
+            again: false,
+            all: false,
+            any: false,
+            open: false,
+            about: None,
+        }
+    }
+
     fn of(understood: &Understood) -> Request {
         Request {
             intent: understood.intent,
@@ -379,7 +396,8 @@ impl Conversation {
                 self.actor.let_go();
             }
         }
-        let reply = act(self, request, &leave)?;
+        let mut reply = act(self, request, &leave)?;
+        self.heed_unexpected(&mut reply);
         for known in self.things.iter().filter(|known| known.in_touch.is_some()) {
             mind::felt_at(&mut self.felt, known.found.point);
         }

@@ -4,6 +4,7 @@
 mod carrying;
 mod exploring;
 mod feeling;
+mod feeling_over;
 mod feeling_shape;
 mod lifting;
 mod putting;
@@ -17,6 +18,7 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
 pub use feeling::FeltOn;
+pub use feeling_over::FeltOver;
 pub use feeling_shape::ShapeFeeling;
 pub use lifting::{Grip, LiftTrouble};
 pub use putting::Spot;

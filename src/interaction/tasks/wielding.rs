@@ -239,7 +239,7 @@ impl Actor {
     }
 
     /// Whether points of the root's frame are not over a table, or well over it.
-    fn is_high(&self, mut points: impl Iterator<Item = Vector3<f64>>) -> bool {
+    pub(super) fn is_high(&self, mut points: impl Iterator<Item = Vector3<f64>>) -> bool {
         self.table.is_none_or(|height| {
             let edge = self.trunk_front(height);
             points.all(|p| p.dot(&self.front) < edge || p.dot(&self.up) > height + ABOVE)

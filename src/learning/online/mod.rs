@@ -171,6 +171,37 @@ impl<'a> Online<'a> {
         }
     }
 
+    /// A learner that goes on from what was learned before, by touches of which it is given no more than what they
+    /// determined: it predicts every touch from the first one on. `deviation` is that of a touch's gap, metres. None where the
+    /// account is of no use for that.
+    pub fn going_on(
+        agent: &'a Agent,
+        schema: BodySchema,
+        account: &Account,
+        deviation: f64,
+        seed: u64,
+    ) -> Option<Online<'a>> {
+        let found = &account.observability;
+        let belief = Belief::new(schema, found.parameters.clone(), found.information().clone(), deviation)?;
+        let anchor = Some(belief.anchor()?);
+        let mut learner = Online::new(agent, seed);
+        learner.known.frozen.copy_from_slice(found.known());
+        let watch = Watch::new(agent.creature());
+        let touches = TouchSet::default();
+        learner.locked = Some(Locked { belief, anchor, touches, beyond: 0, next_fit: FEW_MORE, watch });
+        Some(learner)
+    }
+
+    /// Per touch since it first had a schema, whether that had not foretold it.
+    pub fn surprises(&self) -> &[bool] {
+        &self.surprises
+    }
+
+    /// What is learned by now, of a learner that has a schema which foretells its touches.
+    pub fn learned_by_now(&mut self) -> Option<Learned> {
+        self.conclude()
+    }
+
     /// Sets what is known of the joints already.
     pub fn with_known(mut self, known: PriorKnowledge) -> Online<'a> {
         self.batch = self.batch.with_known(known.clone());

@@ -100,6 +100,8 @@ pub fn build(path: &Path, options: &StageOptions) -> Result<StageCore, Simulatio
         agent,
         reader,
         data,
+        untouched: simulated,
+        touchable,
         with_self_touch: Some(with_self_touch),
         own_qpos,
         own_dof,

@@ -11,7 +11,7 @@ use super::stillness::Stillness;
 use crate::agent::Agent;
 use crate::creature::{Body, Posture};
 use crate::geometry::Frame;
-use crate::mujoco::{self, Data, JointKind};
+use crate::mujoco::{self, Data, JointKind, Model};
 use crate::senses::{
     Aura, AuraEvent, ContactReader, FAINT, Proprioception, Sense, SensedStep, SkinContact, SkinSpot,
     TouchEvent, TouchSensor, Toucher,
@@ -40,6 +40,9 @@ pub struct StageCore {
     pub reader: ContactReader,
     /// What the engine computed of the last step.
     pub data: Data,
+    /// The model that is simulated, before it is told which geoms touch, and which those are.
+    pub untouched: Model,
+    pub touchable: Vec<bool>,
     /// What looks for contacts of the creature with itself, too, until it moves: in the posture that it came with, what
     /// is in each other is so for good, and looking for it is dear.
     pub with_self_touch: Option<Data>,
@@ -224,7 +227,7 @@ impl StageCore {
     }
 
     /// From now on contacts of the creature with itself are looked for.
-    fn look_for_self_touch(&mut self) -> mujoco::Result<()> {
+    pub fn look_for_self_touch(&mut self) -> mujoco::Result<()> {
         if let Some(mut data) = self.with_self_touch.take() {
             data.take_state(&self.data)?;
             data.forward()?;

@@ -12,6 +12,7 @@ mod building;
 mod carrying;
 mod core;
 mod giving;
+mod growing;
 mod meeting;
 mod stillness;
 
@@ -266,6 +267,18 @@ impl Stage {
         let mut padded = self.body.model.qpos0().to_vec();
         padded[..qpos.len()].copy_from_slice(qpos);
         self.body.read_posture(&padded)
+    }
+
+    /// Lets a limb grow: the joint that moves it is farther out by `length`, metres, on the limb that carries it from now on,
+    /// or nearer where that is negative. [`Stage::body`] stays what the creature came with. The creature is not told.
+    ///
+    /// # Errors
+    /// Where the engine fails.
+    ///
+    /// # Panics
+    /// Where there is no such limb.
+    pub fn grow_limb(&self, limb: usize, length: f64) -> mujoco::Result<()> {
+        self.core.borrow_mut().grow_limb(limb, length)
     }
 
     /// The posture as the creature feels it.

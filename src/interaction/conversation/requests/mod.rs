@@ -8,6 +8,7 @@ mod answering;
 mod avoiding;
 mod counting;
 mod exploring;
+mod feeling_over;
 mod feeling_shape;
 mod forgetting;
 mod helping;
@@ -160,6 +161,8 @@ requests! {
     HowBig => shape_known::HOW_BIG;
     /// To know what shape a thing has.
     WhatShape => shape_known::WHAT_SHAPE;
+    /// That it feels itself over, to know its body as it is now.
+    FeelOver => feeling_over::FEEL_OVER;
     /// To know where something is felt.
     WhereFelt => locating::WHERE_FELT;
     /// That a part of its own body is touched.

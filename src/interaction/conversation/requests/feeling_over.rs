@@ -1,0 +1,106 @@
+//! "Feel yourself over", "has your body changed?": it touches itself until it knows its body as it is now.
+
+use super::super::{Conversation, Pending, Request};
+use super::{Act, Intent, Reply, RequestKind};
+use crate::interaction::tasks::{FeltOver, Trouble};
+use crate::simulation::EngineError;
+
+pub(super) const FEEL_OVER: RequestKind = RequestKind {
+    told: &[
+        "feel|touch|check|examine|explore|inspect|learn|relearn ?your yourself|body|BODY ?all over|again|anew|everywhere",
+        "feel|touch|check|examine|inspect all over ?your yourself|body|BODY",
+        "get|become used|accustomed ?to ?your body|limbs",
+        "calibrate|recalibrate ?your|yourself ?body|yourself",
+        "find|work out ?how|what|whether ?your body",
+    ],
+    ..RequestKind::new(
+        ["feel myself over", "felt myself over"],
+        Act::Moves(|creature, _, _| creature.feel_over()),
+    )
+};
+
+impl Conversation {
+    /// Feels itself over, and tells what has changed.
+    fn feel_over(&mut self) -> Result<Reply, EngineError> {
+        let intent = Intent::FeelOver;
+        if let Some(stick) = self.actor.stick() {
+            let name = self.actor.hands[stick.hand].name.replace('_', " ");
+            let said = format!("The stick in my {name} is in the way of that: tell me to give it back first");
+            return Ok(self.reply(intent, said, Some(false), false));
+        }
+        self.let_be();
+        let ready = self.ready.clone();
+        self.settle(&ready);
+        let found = match self.actor.feel_over() {
+            Err(Trouble::Engine(error)) => return Err(error),
+            Err(trouble) => {
+                let said = format!("I could not touch myself all over: {}", self.in_words(&trouble));
+                return Ok(self.reply(intent, said, Some(false), false));
+            }
+            Ok(found) => found,
+        };
+        // What he touched himself with was meant.
+        self.actor.take_unexpected();
+        let changed = matches!(found, FeltOver::Changed { .. });
+        if changed {
+            self.things.forget_all();
+            self.search = None;
+            self.felt.clear();
+            self.reachable.take();
+            self.ready = self.actor.ready();
+        }
+        let ready = self.ready.clone();
+        self.settle(&ready);
+        let (said, done) = match found {
+            FeltOver::Same { touches } => {
+                (format!("I touched myself {touches} times: my body is as I know it"), true)
+            }
+            FeltOver::Changed { touches, joints } => {
+                let names = self.actor.own.creature().joints();
+                let told = |(joint, distance): &(usize, f64)| {
+                    format!(
+                        "my {} is {:.1} cm from where I had it",
+                        names[*joint].name.replace('_', " "),
+                        100.0 * distance
+                    )
+                };
+                let told: Vec<String> = joints.iter().map(told).collect();
+                let said = format!(
+                    "I touched myself {touches} times, and my body has changed: {}. I act by what I know of it now, and have to feel anew where the table is and what stands on it",
+                    told.join("; ")
+                );
+                (said, true)
+            }
+            FeltOver::Unexplained { touches } => {
+                let said = format!(
+                    "I touched myself {touches} times: my body is not as I know it, and I did not find out how it has changed. I keep from acting by what I know of it"
+                );
+                (said, false)
+            }
+            FeltOver::TooFew { touches } => (
+                format!(
+                    "I touched myself only {touches} times, which does not tell whether my body has changed"
+                ),
+                false,
+            ),
+        };
+        Ok(self.reply(intent, said, Some(done), false))
+    }
+
+    /// Says that it touched itself where it did not expect it, and asks whether to feel itself over, where that happened.
+    pub(in super::super) fn heed_unexpected(&mut self, reply: &mut Reply) {
+        let Some((receptors, off)) = self.actor.take_unexpected() else { return };
+        if reply.asks || self.pending.is_some() {
+            return;
+        }
+        let [a, b] = receptors.map(|receptor| self.limb_in_words(receptor));
+        let cm = (100.0 * off.abs()).round().max(1.0);
+        reply.said = format!(
+            "{} My {a} and my {b} touched where I had them {cm:.0} cm {}: my body may have changed. Shall I feel myself over?",
+            reply.said,
+            if off > 0.0 { "apart" } else { "in each other" }
+        );
+        reply.asks = true;
+        self.pending = Some(Pending::Whether(Request::bare(Intent::FeelOver)));
+    }
+}

@@ -1,0 +1,259 @@
+//! Feeling oneself over: learning a body anew that may have changed since it was learned.
+//!
+//! He moves both arms, and what carries them a little, to random postures in which his skin should meet, until it does. From
+//! there he comes once more, slowly, and tells the learner of the two receptors and the posture. The learner goes on from what
+//! was known ([`Online::going_on`]): it foretells each touch; where it fails again and again it looks for the joint that is
+//! elsewhere now. He takes the schema over once it foretells touches in a row with both arms; where it does not, he does not
+//! rely on the old one any more.
+
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+
+use super::Trouble;
+use crate::creature::Posture;
+use crate::geometry::{Precision, gap};
+use crate::interaction::actor::{Actor, SWIFT, Stop};
+use crate::kinematics::Chain;
+use crate::learning::{BodyChange, Certainty, Learner, Online, What};
+use crate::peripersonal::{CollisionChecker, PosturePath};
+use crate::senses::{SkinContact, SkinSpot, Touch, Toucher};
+
+/// What is felt farther from where the schema has it than this was not to be expected, metres: a hand that is stopped in
+/// the middle of a swift motion is in what it met by a millimetre.
+const UNEXPECTED: f64 = 0.005;
+/// How often he moves at the most, …
+const MOTIONS: usize = 400;
+/// … touches after which he gives up, …
+const MOST: usize = 160;
+/// … and those that it takes at the least.
+const LEAST: usize = 24;
+/// With every joint of the arms between the two places, so many of the last touches must have been foretold, …
+const FORETOLD: usize = 5;
+/// … and of all since the last change at least this share, for skin may be touched where two limbs meet.
+const EXPLAINED: f64 = 0.9;
+/// The share of motions in which a hand is to touch, or what it carries: that tells of all joints of an arm.
+const BY_HAND: f64 = 0.75;
+/// How often he draws where to go.
+const DRAWS: usize = 80;
+/// How far the joints that carry both arms go from where they are, radians.
+const TRUNK: f64 = 0.25;
+/// How many steps back he goes from a touch to come again, and how fast the tips of the hands then go, metres a second.
+const AGAIN: [(usize, f64); 2] = [(12, 0.05), (6, 0.005)];
+/// How many steps of the way back he then leaves it by.
+const LEAVING: usize = 60;
+/// Deviation of a touch's gap, metres: the last way is gone a hundredth of a millimetre a step.
+const DEVIATION: f64 = 2e-5;
+
+/// What he found when he felt himself over.
+#[derive(Clone, Debug, PartialEq)]
+pub enum FeltOver {
+    /// The body is as he knew it, as so many touches bore out.
+    Same {
+        /// The touches.
+        touches: usize,
+    },
+    /// It has changed, and he has learned how.
+    Changed {
+        /// The touches.
+        touches: usize,
+        /// Joints, and how far each is from where he had it on the limb that carries it, metres.
+        joints: Vec<(usize, f64)>,
+    },
+    /// Touches were not as he expected, and he did not find out why: he no longer relies on what he knew.
+    Unexplained {
+        /// The touches.
+        touches: usize,
+    },
+    /// He did not touch himself often enough to tell; what he knew stays.
+    TooFew {
+        /// The touches.
+        touches: usize,
+    },
+}
+
+/// What a touch told: its number, the joints between its places, and whether it was not foretold.
+struct Told {
+    number: usize,
+    chain: Chain,
+    surprising: bool,
+}
+
+impl Actor {
+    /// How far apart the schema has two places of his own skin that touch, metres; negative where it has them in each other,
+    /// none where a surface is not known.
+    pub fn gap_of_own(&self, spots: [SkinSpot; 2]) -> Option<f64> {
+        let (frames, skin) = (self.frames(), self.own.skin());
+        let shape = |spot: SkinSpot| {
+            let receptor = &skin.receptors[spot.receptor];
+            skin.surfaces[receptor.surface?].placed(&frames[receptor.limb])
+        };
+        let [a, b] = spots.map(shape);
+        Some(gap(&a?, &b?, Precision::Exact).distance)
+    }
+
+    /// Takes in whether he touched himself where the schema did not have it.
+    pub(in crate::interaction) fn heed_own_touch(&mut self, felt: &[SkinContact]) {
+        let unexpected = felt.iter().find_map(|contact| {
+            let spots = [contact.spot, contact.by.own()?];
+            // A stick's tip is known otherwise.
+            let bare = spots.iter().all(|spot| Some(spot.receptor) != self.stick_tip());
+            let off = self.gap_of_own(spots).filter(|off| bare && off.abs() > UNEXPECTED)?;
+            Some((spots.map(|spot| spot.receptor), off))
+        });
+        self.unexpected = unexpected.or(self.unexpected);
+    }
+
+    /// The two receptors that last touched where the schema did not have it, and how far apart it had them, metres; none
+    /// where that did not happen since it was asked.
+    pub fn take_unexpected(&mut self) -> Option<([usize; 2], f64)> {
+        self.unexpected.take()
+    }
+
+    /// Feels himself over, and knows his body as it is now; see [`FeltOver`]. What stands on the table, and where that is, he
+    /// then knows no more where the body has changed.
+    ///
+    /// # Errors
+    /// [`Trouble`] on the way.
+    pub fn feel_over(&mut self) -> Result<FeltOver, Trouble> {
+        let agent = self.own.agent().clone();
+        self.seed = self.seed.wrapping_add(1);
+        let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
+        let learner = self.own.account().and_then(|account| {
+            Online::going_on(&agent, self.own.schema.clone(), account, DEVIATION, self.seed)
+        });
+        let Some(mut learner) = learner else { return Ok(FeltOver::TooFew { touches: 0 }) };
+        let mut told: Vec<Told> = Vec::new();
+        let mut touches = 0;
+        for motion in 0..MOTIONS {
+            let Some(target) = self.where_skin_may_meet(&mut rng) else { continue };
+            let Some(touch) = self.own_touch_going_to(&target, motion as u64)? else { continue };
+            let [a, b] = touch.ends.map(|end| self.own.skin().receptors[end.receptor].limb);
+            let before = learner.surprises().len();
+            learner.touch(&touch);
+            touches += 1;
+            // Of joints of which nothing is known nothing can be foretold.
+            if let Some(&surprising) = learner.surprises().get(before) {
+                let chain = Chain::between(self.own.creature(), a, b);
+                told.push(Told { number: touches - 1, chain, surprising });
+            }
+            if told.len() >= LEAST && self.is_foretold(&learner, &told) {
+                return Ok(self.take_over(&mut learner, touches));
+            }
+            if touches >= MOST {
+                break;
+            }
+        }
+        if told.len() < LEAST {
+            return Ok(FeltOver::TooFew { touches });
+        }
+        self.own = self.own.doubted();
+        Ok(FeltOver::Unexplained { touches })
+    }
+
+    /// Whether a learner has foretold the last touches with every joint of the arms, and nearly all since the body was last
+    /// found to have changed.
+    fn is_foretold(&self, learner: &Online, told: &[Told]) -> bool {
+        let changed = learner.changes().last().map(|change| change.touch);
+        let since = told.partition_point(|told| changed.is_some_and(|changed| told.number <= changed));
+        let since = &told[since..];
+        let foretold = since.iter().filter(|told| !told.surprising).count();
+        let with = |joint: usize| {
+            let mut last = since.iter().rev().filter(|told| told.chain.joints().any(|j| j == joint));
+            let foretold = last.by_ref().take(FORETOLD).filter(|told| !told.surprising).count();
+            foretold == FORETOLD
+        };
+        foretold as f64 >= EXPLAINED * since.len() as f64
+            && self.hands.iter().flat_map(|hand| &hand.arm).all(|&joint| with(joint))
+    }
+
+    /// Takes over what a learner has learned that foretells touches.
+    fn take_over(&mut self, learner: &mut Online, touches: usize) -> FeltOver {
+        let changes: Vec<BodyChange> = learner.changes().to_vec();
+        if changes.is_empty() {
+            return FeltOver::Same { touches };
+        }
+        let moved = |change: &BodyChange| match change.what {
+            What::Joint { joint, distance } | What::Corrected { joint, distance } => Some((joint, distance)),
+            What::Tool(_) | What::Beyond => None,
+        };
+        let joints: Option<Vec<(usize, f64)>> = changes.iter().map(moved).collect();
+        let learned = learner.learned_by_now();
+        let account = learned.as_ref().and_then(|learned| learned.account.clone());
+        let (Some(joints), Some(learned), Some(account)) = (joints, learned, account) else {
+            self.own = self.own.doubted();
+            return FeltOver::Unexplained { touches };
+        };
+        self.own = self.own.changed(learned.schema, Certainty::Estimated(Box::new(account)));
+        self.clearance = CollisionChecker::new(&self.own);
+        // It was felt with the body that he had believed in.
+        (self.table, self.reach) = (None, None);
+        self.made_way_for.clear();
+        FeltOver::Changed { touches, joints }
+    }
+
+    /// A random posture over the table in which by the schema skin of the arms is in other skin.
+    fn where_skin_may_meet(&mut self, rng: &mut ChaCha8Rng) -> Option<Posture> {
+        let arms: Vec<usize> = self.hands.iter().flat_map(|hand| hand.arm.clone()).collect();
+        let carriers: Vec<usize> =
+            self.hands[0].leaning.iter().copied().filter(|joint| !arms.contains(joint)).collect();
+        let from = self.posture();
+        let base = self.own.at_ease();
+        let moving = if rng.random_bool(BY_HAND) {
+            self.hands.iter().flat_map(|hand| hand.arm.last().copied()).collect()
+        } else {
+            arms.clone()
+        };
+        let mut clearance = self.clearance.moved_by(&self.own, &moving);
+        clearance.obstacles.clear();
+        (0..DRAWS).find_map(|_| {
+            let leant = self.own.posture_near(&base, &carriers, TRUNK, rng);
+            let leant = Posture::with_joints(self.own.creature(), &from, carriers.iter().copied(), &leant);
+            let target = self.own.random_posture(&leant, &arms, rng);
+            let frames = self.own.frames(&target);
+            let high = self.is_high(self.hands.iter().map(|hand| frames[hand.limb].origin));
+            (high && !clearance.free(&frames, 0.0)).then_some(target)
+        })
+    }
+
+    /// Goes straight to a posture until his own skin meets, and nothing else does; that touch, after he has come once more,
+    /// slowly, and more slowly. He goes back from whatever he met.
+    fn own_touch_going_to(&mut self, target: &Posture, motion: u64) -> Result<Option<Touch>, Trouble> {
+        let mut since = self.steps();
+        let way = PosturePath(vec![target.clone()]);
+        let Stop::Felt(contacts) = self.follow(&way, SWIFT, |_, _| true)? else { return Ok(None) };
+        let leaving = self.lately(since).take(LEAVING).step_by(5).cloned().collect();
+        let mut touch = only_own_touch(&contacts);
+        for (steps, speed) in AGAIN {
+            if touch.is_none() {
+                break;
+            }
+            let met = self.posture();
+            let back: Vec<Posture> = self.lately(since).take(steps).cloned().collect();
+            let Some(before) = back.last() else { break };
+            self.follow(&PosturePath(vec![before.clone()]), SWIFT, |_, _| false)?;
+            since = self.steps();
+            touch = match self.follow(&PosturePath(vec![met]), speed, |_, _| true)? {
+                Stop::Felt(contacts) => only_own_touch(&contacts),
+                Stop::Arrived => None,
+            };
+        }
+        let posture = self.posture();
+        self.follow(&PosturePath(leaving), SWIFT, |_, _| false)?;
+        let touch = touch.map(|spots| Touch {
+            bout: 0,
+            motion,
+            posture,
+            ends: spots.map(|spot| spot.into()),
+            moment: None,
+        });
+        Ok(touch)
+    }
+}
+
+/// The two places of one's own skin that touch, where nothing else does.
+fn only_own_touch(contacts: &[SkinContact]) -> Option<[SkinSpot; 2]> {
+    match contacts {
+        [SkinContact { spot, by: Toucher::Own(other), .. }] => Some([*spot, *other]),
+        _ => None,
+    }
+}
