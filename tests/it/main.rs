@@ -22,6 +22,7 @@ mod felt_shape;
 mod foreign;
 mod frames;
 mod geometry;
+mod grown;
 mod growth;
 mod interaction;
 mod kinematics;

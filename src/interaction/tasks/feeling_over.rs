@@ -29,6 +29,8 @@ const MOST: usize = 160;
 const LEAST: usize = 24;
 /// With every joint of the arms between the two places, so many of the last touches must have been foretold, …
 const FORETOLD: usize = 5;
+/// … nearer than this, metres, however unsure the learner is, …
+const NEAR: f64 = 5e-4;
 /// … and of all since the last change at least this share, for skin may be touched where two limbs meet.
 const EXPLAINED: f64 = 0.9;
 /// The share of motions in which a hand is to touch, or what it carries: that tells of all joints of an arm.
@@ -132,7 +134,10 @@ impl Actor {
             learner.touch(&touch);
             touches += 1;
             // Of joints of which nothing is known nothing can be foretold.
-            if let Some(&surprising) = learner.surprises().get(before) {
+            if let (Some(&surprising), Some(expected)) =
+                (learner.surprises().get(before), learner.expectation())
+            {
+                let surprising = surprising || expected.gap.abs() > NEAR;
                 let chain = Chain::between(self.own.creature(), a, b);
                 told.push(Told { number: touches - 1, chain, surprising });
             }

@@ -188,7 +188,8 @@ impl<'a> Online<'a> {
         learner.known.frozen.copy_from_slice(found.known());
         let watch = Watch::new(agent.creature());
         let touches = TouchSet::default();
-        learner.locked = Some(Locked { belief, anchor, touches, beyond: 0, next_fit: FEW_MORE, watch });
+        // Not before it would be noticed that the body has changed: touches from before and after fit nothing.
+        learner.locked = Some(Locked { belief, anchor, touches, beyond: 0, next_fit: PATIENCE, watch });
         Some(learner)
     }
 

@@ -7,8 +7,9 @@ use crate::simulation::EngineError;
 
 pub(super) const FEEL_OVER: RequestKind = RequestKind {
     told: &[
-        "feel|touch|check|examine|explore|inspect|learn|relearn ?your yourself|body|BODY ?all over|again|anew|everywhere",
-        "feel|touch|check|examine|inspect all over ?your yourself|body|BODY",
+        "feel|touch|pat ?your yourself|body|BODY ?all over|everywhere|anew",
+        "feel|touch|pat all over ?your yourself|body|BODY",
+        "check|examine|inspect|explore|learn|relearn|know|study ?your yourself|body",
         "get|become used|accustomed ?to ?your body|limbs",
         "calibrate|recalibrate ?your|yourself ?body|yourself",
         "find|work out ?how|what|whether ?your body",
