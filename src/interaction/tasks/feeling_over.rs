@@ -12,10 +12,10 @@ use rand_chacha::ChaCha8Rng;
 use super::Trouble;
 use crate::creature::Posture;
 use crate::geometry::{Precision, gap};
-use crate::interaction::actor::{Actor, SWIFT, Stop};
+use crate::interaction::actor::Actor;
 use crate::kinematics::Chain;
 use crate::learning::{BodyChange, Certainty, Learner, Online, What};
-use crate::peripersonal::{CollisionChecker, PosturePath};
+use crate::peripersonal::CollisionChecker;
 use crate::senses::{SkinContact, SkinSpot, Touch, Toucher};
 
 /// What is felt farther from where the schema has it than this was not to be expected, metres: a hand that is stopped in
@@ -39,10 +39,6 @@ const BY_HAND: f64 = 0.75;
 const DRAWS: usize = 80;
 /// How far the joints that carry both arms go from where they are, radians.
 const TRUNK: f64 = 0.25;
-/// How many steps back he goes from a touch to come again, and how fast the tips of the hands then go, metres a second.
-const AGAIN: [(usize, f64); 2] = [(12, 0.05), (6, 0.005)];
-/// How many steps of the way back he then leaves it by.
-const LEAVING: usize = 60;
 /// Deviation of a touch's gap, metres: the last way is gone a hundredth of a millimetre a step.
 const DEVIATION: f64 = 2e-5;
 
@@ -220,38 +216,16 @@ impl Actor {
         })
     }
 
-    /// Goes straight to a posture until his own skin meets, and nothing else does; that touch, after he has come once more,
-    /// slowly, and more slowly. He goes back from whatever he met.
+    /// Goes straight to a posture until his own skin meets, and nothing else does; that touch.
     fn own_touch_going_to(&mut self, target: &Posture, motion: u64) -> Result<Option<Touch>, Trouble> {
-        let mut since = self.steps();
-        let way = PosturePath(vec![target.clone()]);
-        let Stop::Felt(contacts) = self.follow(&way, SWIFT, |_, _| true)? else { return Ok(None) };
-        let leaving = self.lately(since).take(LEAVING).step_by(5).cloned().collect();
-        let mut touch = only_own_touch(&contacts);
-        for (steps, speed) in AGAIN {
-            if touch.is_none() {
-                break;
-            }
-            let met = self.posture();
-            let back: Vec<Posture> = self.lately(since).take(steps).cloned().collect();
-            let Some(before) = back.last() else { break };
-            self.follow(&PosturePath(vec![before.clone()]), SWIFT, |_, _| false)?;
-            since = self.steps();
-            touch = match self.follow(&PosturePath(vec![met]), speed, |_, _| true)? {
-                Stop::Felt(contacts) => only_own_touch(&contacts),
-                Stop::Arrived => None,
-            };
-        }
-        let posture = self.posture();
-        self.follow(&PosturePath(leaving), SWIFT, |_, _| false)?;
-        let touch = touch.map(|spots| Touch {
+        let touch = self.touch_exactly(target, |_, contacts| only_own_touch(contacts))?;
+        Ok(touch.map(|(spots, posture)| Touch {
             bout: 0,
             motion,
             posture,
             ends: spots.map(|spot| spot.into()),
             moment: None,
-        });
-        Ok(touch)
+        }))
     }
 }
 

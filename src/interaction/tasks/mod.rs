@@ -2,6 +2,7 @@
 //! puts it far away or near (IVA 2009, section 4); lifts it between both palms, by friction.
 
 mod carrying;
+mod coming_again;
 mod exploring;
 mod feeling;
 mod feeling_over;

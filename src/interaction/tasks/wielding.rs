@@ -12,12 +12,12 @@ use rand_chacha::ChaCha8Rng;
 use super::{MARGIN, Trouble};
 use crate::creature::Posture;
 use crate::geometry::Capsule;
-use crate::interaction::actor::{Actor, SWIFT, Stop};
+use crate::interaction::actor::Actor;
 use crate::interaction::stick::KnownStick;
 use crate::learning::observation::Observation;
 use crate::learning::touch_set::{LimbTouch, PreparedTouch};
 use crate::learning::{Tool, Z95};
-use crate::peripersonal::{PosturePath, straight};
+use crate::peripersonal::straight;
 
 /// How often he moves at the most.
 const MOTIONS: usize = 200;
@@ -37,10 +37,6 @@ const FIRST_LENGTH: f64 = 0.3;
 const ABOVE: f64 = 0.12;
 /// How clear of his own body he keeps the arms, metres.
 const CLEAR: f64 = 0.01;
-/// How many steps back he goes from a touch to come again, and how fast the tips of the hands then go, metres a second.
-const AGAIN: [(usize, f64); 2] = [(12, 0.05), (6, 0.005)];
-/// How many steps of the way back he then leaves it by, so that the stick is clear.
-const LEAVING: usize = 60;
 /// Every so many touches the stick may turn out to be another than was believed.
 const ANEW: usize = 3;
 /// Touches from which the stick is looked for first …
@@ -268,42 +264,19 @@ impl Actor {
         false
     }
 
-    /// Goes straight to a posture until the stick touches his own skin; what that told, after he has come once more, slowly,
-    /// and more slowly. He goes back from whatever he met.
+    /// Goes straight to a posture until the stick touches his own skin; what that told.
     fn touch_self_going_to(&mut self, target: &Posture) -> Result<Option<PreparedTouch>, Trouble> {
-        let since = self.steps();
-        let way = PosturePath(vec![target.clone()]);
-        let Stop::Felt(contacts) = self.follow(&way, SWIFT, |_, _| true)? else { return Ok(None) };
-        let leaving = self.lately(since).take(LEAVING).step_by(5).cloned().collect();
-        let mut touch = self.touches_by_stick(&contacts);
-        let mut since = since;
-        for (steps, speed) in AGAIN {
-            if touch.is_none() {
-                break;
-            }
-            let met = self.posture();
-            let back: Vec<Posture> = self.lately(since).take(steps).cloned().collect();
-            let Some(before) = back.last() else { break };
-            self.follow(&PosturePath(vec![before.clone()]), SWIFT, |_, _| false)?;
-            since = self.steps();
-            touch = match self.follow(&PosturePath(vec![met]), speed, |_, _| true)? {
-                Stop::Felt(contacts) => self.touches_by_stick(&contacts),
-                Stop::Arrived => None,
-            };
-        }
-        let touch = touch.and_then(|receptor| self.prepared(receptor));
-        self.follow(&PosturePath(leaving), SWIFT, |_, _| false)?;
-        Ok(touch)
+        let touch = self.touch_exactly(target, Actor::touches_by_stick)?;
+        Ok(touch.and_then(|(receptor, posture)| self.prepared(receptor, &posture)))
     }
 
-    /// The touch of a receptor by the stick, in the present posture, for who learns from it.
-    fn prepared(&self, receptor: usize) -> Option<PreparedTouch> {
+    /// The touch of a receptor by the stick, in a posture, for who learns from it.
+    fn prepared(&self, receptor: usize, posture: &Posture) -> Option<PreparedTouch> {
         let ends = [self.stick.as_ref()?.receptor, receptor];
         let found = ends.map(|receptor| &self.own.skin().receptors[receptor]);
-        let posture = self.posture();
         let touch = LimbTouch {
             limbs: found.map(|found| found.limb),
-            posture: &posture,
+            posture,
             // Where on a patch it was is not told; the fit goes by surfaces.
             ends: [0, 1].map(|k| Observation {
                 receptor: ends[k],
@@ -313,7 +286,7 @@ impl Actor {
         };
         // Where the limb that was touched is not known, it tells nothing of the stick.
         let limbs = [touch.limbs[1], touch.limbs[0]];
-        self.own.covariance(&posture, limbs, &found[1].position)?;
+        self.own.covariance(posture, limbs, &found[1].position)?;
         Some(touch.prepare(self.own.creature()).1)
     }
 }

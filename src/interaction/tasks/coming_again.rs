@@ -1,0 +1,49 @@
+//! Touching oneself so exactly that a learner can go by it: once swiftly, then again, slowly.
+
+use super::Trouble;
+use crate::creature::Posture;
+use crate::interaction::actor::{Actor, SWIFT, Stop};
+use crate::peripersonal::PosturePath;
+use crate::senses::SkinContact;
+
+/// How many steps back he goes from a touch to come again, and how fast the tips of the hands then go, metres a second: in
+/// the end a hundredth of a millimetre a step.
+const AGAIN: [(usize, f64); 2] = [(12, 0.05), (6, 0.005)];
+/// How many steps of the way back he then leaves it by, so that what touched is clear.
+const LEAVING: usize = 60;
+
+impl Actor {
+    /// Goes straight to a posture until contacts tell something; what they tell after he has come once more, slowly, and more
+    /// slowly, and the posture then. He goes back from whatever he met.
+    ///
+    /// # Errors
+    /// Where the engine fails.
+    pub(super) fn touch_exactly<T>(
+        &mut self,
+        target: &Posture,
+        told: impl Fn(&Actor, &[SkinContact]) -> Option<T>,
+    ) -> Result<Option<(T, Posture)>, Trouble> {
+        let mut since = self.steps();
+        let way = PosturePath(vec![target.clone()]);
+        let Stop::Felt(contacts) = self.follow(&way, SWIFT, |_, _| true)? else { return Ok(None) };
+        let leaving = self.lately(since).take(LEAVING).step_by(5).cloned().collect();
+        let mut touch = told(self, &contacts);
+        for (steps, speed) in AGAIN {
+            if touch.is_none() {
+                break;
+            }
+            let met = self.posture();
+            let back: Vec<Posture> = self.lately(since).take(steps).cloned().collect();
+            let Some(before) = back.last() else { break };
+            self.follow(&PosturePath(vec![before.clone()]), SWIFT, |_, _| false)?;
+            since = self.steps();
+            touch = match self.follow(&PosturePath(vec![met]), speed, |_, _| true)? {
+                Stop::Felt(contacts) => told(self, &contacts),
+                Stop::Arrived => None,
+            };
+        }
+        let posture = self.posture();
+        self.follow(&PosturePath(leaving), SWIFT, |_, _| false)?;
+        Ok(touch.map(|touch| (touch, posture)))
+    }
+}
