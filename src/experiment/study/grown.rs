@@ -150,13 +150,12 @@ fn trial(subject: &Subject, own: &Knowledge, seed: u64) -> Result<GrownMeasureme
     let mut noticed_after = 0;
     for k in 1..=ASKED {
         let ready = actor.ready();
-        match actor.go(&ready) {
-            Err(Trouble::Engine(error)) => return Err(error.into()),
-            Ok(()) | Err(_) => {}
+        // Where he cannot, he begins from where he is, or touches nothing.
+        if let Err(Trouble::Engine(error)) = actor.go(&ready) {
+            return Err(error.into());
         }
-        match actor.touch_own(rng.random_range(0..receptors)) {
-            Err(Trouble::Engine(error)) => return Err(error.into()),
-            Ok(_) | Err(_) => {}
+        if let Err(Trouble::Engine(error)) = actor.touch_own(rng.random_range(0..receptors)) {
+            return Err(error.into());
         }
         if actor.take_unexpected().is_some() {
             noticed_after = k;
