@@ -7,6 +7,7 @@ use std::path::Path;
 use std::sync::{Arc, mpsc};
 use std::time::{Duration, Instant};
 
+use super::happening::happens;
 use super::typed::Typed;
 use super::{Failure, Outcome, output};
 use crate::agent::Agent;
@@ -187,6 +188,15 @@ pub fn talk(
     std::thread::spawn(move || asked.iter().try_for_each(|asked| hear.send(Heard::Asked(asked))));
     tell!("{name} listens, on the page and here");
     while let Ok(Heard::Asked(asked)) = heard.recv() {
+        if let Asked::Say(text) = &asked
+            && let Some(direction) = text.strip_prefix('/')
+        {
+            let told = happens(stage, direction).unwrap_or_else(|Failure(why)| why);
+            view.says("the scene", &told, false);
+            view.shows(stage, &[]);
+            tell!("{told}");
+            continue;
+        }
         let (request, reply) = answered(&mut conversation, &view, asked)?;
         view.shows(stage, &[]);
         view.says(name, &reply.said, false);

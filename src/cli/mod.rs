@@ -25,6 +25,7 @@ mod export;
 mod feel;
 mod folders;
 mod gallery;
+mod happening;
 mod inspect;
 mod learn;
 mod learned;

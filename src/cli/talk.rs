@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use super::happening::happens;
 use super::live::LiveOptions;
 use super::typed::Typed;
 use super::{Failure, Outcome, output, progress};
@@ -10,9 +11,6 @@ use crate::experiment::own_body;
 use crate::interaction::{Actor, Conversation};
 use crate::record::model_hash;
 use crate::simulation::{Stage, StageOptions};
-
-/// The most that a limb grows at once, millimetres.
-const LONGEST_GROWTH: f64 = 300.0;
 
 /// Talk to a creature among things: it answers what a partner asks of it, line by line.
 ///
@@ -93,7 +91,7 @@ pub fn run(args: &TalkArguments) -> Outcome {
         }
         if let Some(direction) = request.strip_prefix('/') {
             match happens(&stage, direction) {
-                Ok(()) => {}
+                Ok(told) => tell!("{told}"),
                 Err(Failure(why)) if terminal => tell!("{why}"),
                 Err(failure) => return Err(failure),
             }
@@ -113,25 +111,4 @@ pub fn run(args: &TalkArguments) -> Outcome {
         }
     }
     Ok(())
-}
-
-/// What happens on the stage by a line that begins with a slash, without it.
-fn happens(stage: &Stage, direction: &str) -> Result<(), Failure> {
-    let words: Vec<&str> = direction.split_whitespace().collect();
-    let ["grow", name, length] = words.as_slice() else {
-        return Err(Failure(format!(
-            "/{direction}: nothing is known that happens by this: write /grow LIMB MILLIMETRES, as in /grow left_hand 30"
-        )));
-    };
-    let creature = &stage.body().creature;
-    let limb = creature.limb(name).filter(|limb| *limb > 0).ok_or_else(|| {
-        let limbs = creature.limbs()[1..].join(", ");
-        Failure(format!("/{direction}: there is no limb {name} that a joint moves: choose one of {limbs}"))
-    })?;
-    let millimetres = length.parse::<f64>().ok().filter(|x| x.abs() <= LONGEST_GROWTH).ok_or_else(|| {
-        Failure(format!(
-            "/{direction}: {length} is no number of millimetres from -{LONGEST_GROWTH} to {LONGEST_GROWTH}"
-        ))
-    })?;
-    Ok(stage.grow_limb(limb, 1e-3 * millimetres)?)
 }

@@ -1,6 +1,9 @@
 //! A limb grows while Max acts: he notices when he touches himself, and learns his body anew by feeling himself over.
 
-use crate::common::repository;
+use std::io::Write;
+use std::process::{Command, Stdio};
+
+use crate::common::{repository, sessions};
 use crate::interaction::learned_max;
 use bodyschema::interaction::{Actor, Conversation, FeltOver, Intent, Reply, understood};
 use bodyschema::simulation::{Stage, StageOptions};
@@ -84,6 +87,34 @@ fn feeling_himself_over_is_asked_for_in_words() {
     }
     for said in ["don't feel yourself over", "did you feel yourself over?", "you need not check your body"] {
         assert!(understood(said).leave.is_none(), "{said}");
+    }
+}
+
+#[test]
+fn what_happens_without_a_word_to_him_is_told_of_or_refused_in_a_sentence() {
+    let talk = |line: &str| {
+        let mut child = Command::new(env!("CARGO_BIN_EXE_bodyschema"))
+            .args(["talk", repository("mjcf/max/table.xml").to_str().unwrap(), "max"])
+            .current_dir(sessions::max())
+            .stdin(Stdio::piped())
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .unwrap();
+        child.stdin.take().unwrap().write_all(format!("{line}\nquit\n").as_bytes()).unwrap();
+        let output = child.wait_with_output().unwrap();
+        (output.status.code(), String::from_utf8(output.stderr).unwrap())
+    };
+    let (status, told) = talk("/grow left_hand 30");
+    assert!(status == Some(0) && told.contains("30 mm farther out"), "{status:?} {told}");
+    for (line, why) in [
+        ("/grow nose 30", "there is no limb nose"),
+        ("/grow left_hand NaN", "NaN is no number of millimetres"),
+        ("/grow left_hand 1e9", "from -300 to 300"),
+        ("/shrink left_hand", "write /grow LIMB MILLIMETRES"),
+    ] {
+        let (status, told) = talk(line);
+        assert!(status == Some(1) && told.contains(why), "{line}: {status:?} {told}");
     }
 }
 
