@@ -156,6 +156,15 @@ impl Actor {
         understood.collect()
     }
 
+    /// Whether a contact is one of the stick that he holds.
+    pub(super) fn is_of_stick(&self, contact: &SkinContact) -> bool {
+        self.stick.as_ref().is_some_and(|stick| match contact.by {
+            Toucher::Thing(thing) => thing == stick.thing,
+            Toucher::Through(_) => contact.spot.receptor == stick.receptor,
+            Toucher::Own(_) => false,
+        })
+    }
+
     /// The receptor of his own that a stick which is not known yet touches, and nothing else: where the hand and other skin
     /// feel it in the same moment.
     pub(super) fn touches_by_stick(&self, felt: &[SkinContact]) -> Option<usize> {

@@ -2,7 +2,7 @@
 //! folder is of one generation.
 //!
 //! Which commands run together, when they are killed and how much may be written are drawn by a seed. A few tens of each
-//! are tried with all other tests; [`slow`] tries thousands.
+//! are tried with all other tests; [`large`] tries thousands.
 
 use std::collections::BTreeMap;
 use std::fmt;
@@ -497,12 +497,12 @@ fn a_process_without_room_ends_with_a_sentence_and_leaves_one_generation() {
     findings.told();
 }
 
-/// By `cargo test --release --test it slow::writers -- --ignored --nocapture`.
-mod slow {
+/// By `cargo test --release --test it large::writers -- --ignored --nocapture`.
+mod large {
     use super::*;
 
     #[test]
-    #[ignore = "slow: 1,000 pairs of processes"]
+    #[ignore = "large: 1,000 pairs of processes"]
     fn writers_in_pairs() {
         let (yard, mut findings) = (Yard::new(), Findings::default());
         pairs(&yard, 1000, 7000, &mut findings);
@@ -510,7 +510,7 @@ mod slow {
     }
 
     #[test]
-    #[ignore = "slow: 1,000 processes that are killed"]
+    #[ignore = "large: 1,000 processes that are killed"]
     fn writers_that_are_killed() {
         let (yard, mut findings) = (Yard::new(), Findings::default());
         kills(&yard, 1000, 7000, &mut findings);
@@ -519,7 +519,7 @@ mod slow {
 
     /// The disk is a small one, as `mount -t tmpfs -o size=16m tmpfs DIR` makes it; `BODYSCHEMA_SMALL_DISK` names it.
     #[test]
-    #[ignore = "slow: every command on a disk with 0 to 640 kilobytes left"]
+    #[ignore = "large: every command on a disk with 0 to 640 kilobytes left"]
     fn writers_on_a_full_disk() {
         let disk = std::env::var_os("BODYSCHEMA_SMALL_DISK").expect("BODYSCHEMA_SMALL_DISK names no folder");
         let (yard, mut findings) = (Yard::on(TempDir::new_in(disk).unwrap()), Findings::default());
@@ -528,7 +528,7 @@ mod slow {
     }
 
     #[test]
-    #[ignore = "slow: every command on a disk that is full after each of 40 blocks"]
+    #[ignore = "large: every command on a disk that is full after each of 40 blocks"]
     fn writers_without_room() {
         let (yard, mut findings) = (Yard::new(), Findings::default());
         no_room(&yard, 0..40, &mut findings);

@@ -14,19 +14,21 @@ const LEAVING: usize = 60;
 
 impl Actor {
     /// Goes straight to a posture until contacts tell something; what they tell after he has come once more, slowly, and more
-    /// slowly, and the posture then. He goes back from whatever he met.
+    /// slowly, and the posture then. It counts only where he was clear of it before he came again: no contact that `touches`
+    /// says is one of it. He goes back from whatever he met.
     ///
     /// # Errors
     /// Where the engine fails.
     pub(super) fn touch_exactly<T>(
         &mut self,
         target: &Posture,
+        touches: impl Fn(&Actor, &SkinContact) -> bool,
         told: impl Fn(&Actor, &[SkinContact]) -> Option<T>,
     ) -> Result<Option<(T, Posture)>, Trouble> {
         let mut since = self.steps();
         let way = PosturePath(vec![target.clone()]);
         let Stop::Felt(contacts) = self.follow(&way, SWIFT, |_, _| true)? else { return Ok(None) };
-        let leaving = self.lately(since).take(LEAVING).step_by(5).cloned().collect();
+        let leaving = self.lately(since).take(LEAVING).cloned().collect();
         let mut touch = told(self, &contacts);
         for (steps, speed) in AGAIN {
             if touch.is_none() {
@@ -36,6 +38,11 @@ impl Actor {
             let back: Vec<Posture> = self.lately(since).take(steps).cloned().collect();
             let Some(before) = back.last() else { break };
             self.follow(&PosturePath(vec![before.clone()]), SWIFT, |_, _| false)?;
+            // What is still in what it met would be felt on coming again long after it touched.
+            if self.wait(0.0)?.iter().any(|contact| touches(self, contact)) {
+                touch = None;
+                break;
+            }
             since = self.steps();
             touch = match self.follow(&PosturePath(vec![met]), speed, |_, _| true)? {
                 Stop::Felt(contacts) => told(self, &contacts),

@@ -218,7 +218,11 @@ impl Actor {
 
     /// Goes straight to a posture until his own skin meets, and nothing else does; that touch.
     fn own_touch_going_to(&mut self, target: &Posture, motion: u64) -> Result<Option<Touch>, Trouble> {
-        let touch = self.touch_exactly(target, |_, contacts| only_own_touch(contacts))?;
+        let touch = self.touch_exactly(
+            target,
+            |_, contact| contact.by.own().is_some(),
+            |_, contacts| only_own_touch(contacts),
+        )?;
         Ok(touch.map(|(spots, posture)| Touch {
             bout: 0,
             motion,

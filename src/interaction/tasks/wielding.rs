@@ -266,7 +266,7 @@ impl Actor {
 
     /// Goes straight to a posture until the stick touches his own skin; what that told.
     fn touch_self_going_to(&mut self, target: &Posture) -> Result<Option<PreparedTouch>, Trouble> {
-        let touch = self.touch_exactly(target, Actor::touches_by_stick)?;
+        let touch = self.touch_exactly(target, Actor::is_of_stick, Actor::touches_by_stick)?;
         Ok(touch.and_then(|(receptor, posture)| self.prepared(receptor, &posture)))
     }
 

@@ -30,6 +30,8 @@ const RADIUS: f64 = 0.02;
 const TOUCH: f64 = 1e-4;
 /// What is learned of a stick: its tip, where it leaves the hand, and its radius.
 const PARAMETERS: usize = 7;
+/// … of which so many are its tip's coordinates.
+const POINT: f64 = 3.0;
 /// Steps of the fit at one width.
 const ITERATIONS: usize = 8;
 /// From one width to the next it is no narrower than this share.
@@ -205,7 +207,19 @@ impl Tool {
         let found = gaps.of_tool(self);
         // Of a normal distribution, 68 % is within one deviation.
         let spare = (found.len() as f64 - PARAMETERS as f64).max(1.0);
-        let deviation = (quantile(&sizes(&found), 0.68) * (found.len() as f64 / spare).sqrt()).max(TOUCH);
+        let of_all = quantile(&sizes(&found), 0.68) * (found.len() as f64 / spare).sqrt();
+        // The tip's touches alone tell how long it is, and few may be among many of the shaft.
+        let by_tip: Vec<f64> = touches
+            .iter()
+            .filter(|touch| self.touches_with_tip(skin, schema, touch))
+            .filter_map(|touch| self.gap(skin, schema, touch))
+            .collect();
+        let spare = (by_tip.len() as f64 - POINT).max(1.0);
+        let of_tip = match by_tip.len() {
+            0 => 0.0,
+            count => quantile(&sizes(&by_tip), 0.68) * (count as f64 / spare).sqrt(),
+        };
+        let deviation = of_all.max(of_tip).max(TOUCH);
         let (mut hessian, _) = gaps.normal_equations(self, &found, deviation);
         for k in 3..PARAMETERS {
             hessian[(k, k)] += (deviation / if k < 6 { GRIP } else { RADIUS }).powi(2);
