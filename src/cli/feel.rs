@@ -41,6 +41,7 @@ const AFTER: f64 = 0.1;
 /// firings.jsonl has which receptor fired and when, sensations.jsonl what the touch sensor made of it. `bodyschema map`
 /// learns from the former which receptors are neighbours; with --map the touch sensor goes by such a map.
 #[derive(clap::Args)]
+#[command(verbatim_doc_comment)]
 #[command(after_help = "Examples:
   bodyschema feel mjcf/max/max.xml
   bodyschema feel mjcf/max/max.xml --script touches.json

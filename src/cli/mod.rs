@@ -104,44 +104,26 @@ struct Cli {
 
 #[derive(Subcommand)]
 enum Command {
-    /// Babble, touch, learn the body schema, and measure it
+    // What each is for stands over its arguments: there help has it whole.
     Babble(babbling::BabbleArguments),
-    /// Learn again from the touches of a session, or from a recording of a real body
     Learn(learn::LearnArguments),
-    /// Put a robot's numbers right by its own touches
     Calibrate(calibrate::CalibrateArguments),
-    /// Choose the touches that would tell most about what is unknown of a robot
     Plan(calibrate::plan::PlanArguments),
-    /// Measure a session's schema against the model it was babbled on
     Evaluate(evaluate::EvaluateArguments),
-    /// Tell what a session's touches determine, how well, and what they leave open
     Observe(observe::ObserveArguments),
-    /// Write a session's report anew: one page to look at
     Report(report::ReportArguments),
-    /// Draw a posture of a model, or a session's touches and learning, as a picture or a film
     #[cfg(feature = "render")]
     Render(render::RenderArguments),
-    /// Tell where a creature's hands can get to, by the schema of a session
     Space(space::SpaceArguments),
-    /// Write a session's learned body as MJCF or URDF
     Export(export::ExportArguments),
-    /// Write a session's touches as a table for other programs
     Convert(convert::ConvertArguments),
-    /// Tell a model's tree, degrees of freedom, limbs and receptors
     Inspect(inspect::InspectArguments),
-    /// Grow a skin of touch receptors on a model
     Skin(skin::SkinArguments),
-    /// Touch a creature and tell what it feels
     Feel(feel::FeelArguments),
-    /// Talk to a creature among things
     Talk(talk::TalkArguments),
-    /// Learn which receptors are neighbours from strokes alone
     Map(map::MapArguments),
-    /// Repeat a measurement over several seeds: a table, its data and a plot
     Study(study::StudyArguments),
-    /// Babble many bodies and put what came of each on a page with its picture
     Gallery(gallery::GalleryArguments),
-    /// Print a script by which a shell completes the commands
     Completions(completions::CompletionsArguments),
     #[command(hide = true)]
     Rehearse(open::RehearseArgs),

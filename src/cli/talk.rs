@@ -29,6 +29,7 @@ use crate::simulation::{Stage, StageOptions};
 /// A line "/grow LIMB MILLIMETRES" is no word to it but happens: from then on the joint that moves the limb is so much farther
 /// out on the limb that carries it. It is not told, and notices when it touches itself.
 #[derive(clap::Args)]
+#[command(verbatim_doc_comment)]
 #[command(after_help = "Examples:
   bodyschema babble mjcf/max/max.xml
   bodyschema talk mjcf/max/table.xml sessions/max-1
