@@ -280,7 +280,9 @@ impl Conversation {
             }
         };
         self.spot = Some(OwnSpot { receptor, by_stick: false });
-        Ok(self.reply(Intent::FeelTouch, said, Some(done), false))
+        let mut reply = self.reply(Intent::FeelTouch, said, Some(done), false);
+        self.heed_unexpected(&mut reply);
+        Ok(reply)
     }
 
     /// Takes a hand back from where it touches its own skin.

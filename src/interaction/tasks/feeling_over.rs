@@ -62,7 +62,7 @@ pub enum FeltOver {
         /// The touches.
         touches: usize,
     },
-    /// He did not touch himself often enough to tell; what he knew stays.
+    /// He did not touch himself often enough to tell, not at all where nothing tells how sure he is of what he knew; that stays.
     TooFew {
         /// The touches.
         touches: usize,

@@ -78,6 +78,10 @@ impl Conversation {
                 );
                 (said, false)
             }
+            FeltOver::TooFew { touches: 0 } => {
+                let said = "I know nothing of how sure I am of my body, so I cannot tell whether it has changed: I should babble anew";
+                (said.to_string(), false)
+            }
             FeltOver::TooFew { touches } => (
                 format!(
                     "I touched myself only {touches} times, which does not tell whether my body has changed"
