@@ -232,6 +232,11 @@ impl Actor {
         self.hands.iter().position(on_arm)
     }
 
+    /// The joints of both arms.
+    pub fn arms(&self) -> Vec<usize> {
+        self.hands.iter().flat_map(|hand| hand.arm.clone()).collect()
+    }
+
     /// Whether a limb is part of an arm.
     pub fn on_arm(&self, limb: usize) -> bool {
         self.hands.iter().any(|hand| self.own.carried_by(hand.arm[0] + 1)[limb])
@@ -288,11 +293,11 @@ impl Actor {
     ) -> EngineResult<Stop> {
         let mut parting: Option<BTreeSet<_>> = None;
         let step = self.handle.timestep();
+        let tips = self.hands.iter().map(|hand| hand.tip).chain(self.stick_tip());
+        let places: Vec<Place> = tips.map(|tip| self.own.place(tip)).collect();
         for target in &way.0 {
             let start = self.posture();
             let joints = distance(&start, target);
-            let tips = self.hands.iter().map(|hand| hand.tip).chain(self.stick_tip());
-            let places: Vec<Place> = tips.map(|tip| self.own.place(tip)).collect();
             let [from, to] = [&start, target].map(|posture| self.own.frames(posture));
             let way = |place: &Place| {
                 (from[place.limb].point(&place.point) - to[place.limb].point(&place.point)).norm()

@@ -65,7 +65,7 @@ impl Actor {
     fn leaning_towards(&mut self, from: &[f64], bent: &[f64]) -> Option<Posture> {
         self.seed = self.seed.wrapping_add(1);
         let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
-        let arms: Vec<usize> = self.hands.iter().flat_map(|hand| hand.arm.clone()).collect();
+        let arms = self.arms();
         let ease = self.own.at_ease();
         let creature = self.own.creature();
         for share in SHARES {

@@ -46,6 +46,18 @@ pub struct KnownStick {
     pub by_tip: usize,
 }
 
+impl HeldStick {
+    /// Whether a contact is of the hand that holds it, and of what the stick presses on.
+    fn presses(&self, contact: &SkinContact) -> bool {
+        matches!(contact.by, Toucher::Through(_)) && contact.spot.receptor == self.receptor
+    }
+
+    /// Whether a contact is of other skin, which the stick touches.
+    fn touches(&self, contact: &SkinContact) -> bool {
+        contact.by == Toucher::Thing(self.thing)
+    }
+}
+
 impl KnownStick {
     /// How far the tip is from where the stick leaves the hand, its round end included, metres.
     pub fn length(&self) -> f64 {
@@ -139,16 +151,14 @@ impl Actor {
         let (Some(stick), Some(receptor)) = (&self.stick, self.stick_tip()) else { return felt };
         let found = &self.own.skin().receptors[receptor];
         let tip = SkinSpot { limb: found.limb, receptor, point: found.position, sensor_force: None };
-        let of_stick = |contact: &SkinContact| contact.by == Toucher::Thing(stick.thing);
-        let own = felt.iter().any(of_stick);
-        let through = |contact: &SkinContact| {
-            matches!(contact.by, Toucher::Through(_)) && contact.spot.receptor == stick.receptor
-        };
+        let own = felt.iter().any(|contact| stick.touches(contact));
         let understood = felt.into_iter().filter_map(|contact| match contact.by {
-            Toucher::Thing(_) if of_stick(&contact) => Some(SkinContact { by: Toucher::Own(tip), ..contact }),
+            Toucher::Thing(_) if stick.touches(&contact) => {
+                Some(SkinContact { by: Toucher::Own(tip), ..contact })
+            }
             // Felt on both sides: told above.
-            Toucher::Through(_) if through(&contact) && own => None,
-            Toucher::Through(thing) if through(&contact) => {
+            Toucher::Through(_) if stick.presses(&contact) && own => None,
+            Toucher::Through(thing) if stick.presses(&contact) => {
                 Some(SkinContact { spot: tip, by: Toucher::Thing(thing), ..contact })
             }
             _ => Some(contact),
@@ -158,21 +168,15 @@ impl Actor {
 
     /// Whether a contact is one of the stick that he holds.
     pub(super) fn is_of_stick(&self, contact: &SkinContact) -> bool {
-        self.stick.as_ref().is_some_and(|stick| match contact.by {
-            Toucher::Thing(thing) => thing == stick.thing,
-            Toucher::Through(_) => contact.spot.receptor == stick.receptor,
-            Toucher::Own(_) => false,
-        })
+        self.stick.as_ref().is_some_and(|stick| stick.touches(contact) || stick.presses(contact))
     }
 
     /// The receptor of his own that a stick which is not known yet touches, and nothing else: where the hand and other skin
     /// feel it in the same moment.
     pub(super) fn touches_by_stick(&self, felt: &[SkinContact]) -> Option<usize> {
         let stick = self.stick.as_ref()?;
-        let pressed = felt.iter().any(|contact| {
-            matches!(contact.by, Toucher::Through(_)) && contact.spot.receptor == stick.receptor
-        });
-        let mut touched = felt.iter().filter(|contact| contact.by == Toucher::Thing(stick.thing));
+        let pressed = felt.iter().any(|contact| stick.presses(contact));
+        let mut touched = felt.iter().filter(|contact| stick.touches(contact));
         let (only, None) = (touched.next()?, touched.next()) else { return None };
         pressed.then_some(only.spot.receptor)
     }

@@ -8,7 +8,8 @@ use crate::interaction::{at_table, common_engine, learned_max};
 use bodyschema::interaction::{Conversation, Intent, Reply};
 use nalgebra::{Point3, Vector3};
 
-fn say(talk: &mut Conversation, request: &str) -> Reply {
+/// Says something, and shows what is answered.
+pub fn say(talk: &mut Conversation, request: &str) -> Reply {
     let reply = talk.hear(request).unwrap();
     eprintln!("> {request}\n{}", reply.said);
     reply

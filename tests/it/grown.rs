@@ -4,8 +4,9 @@ use std::io::Write;
 use std::process::{Command, Stdio};
 
 use crate::common::{repository, sessions};
+use crate::conversation::say;
 use crate::interaction::{common_engine, learned_max};
-use bodyschema::interaction::{Actor, Conversation, FeltOver, Intent, Reply, understood};
+use bodyschema::interaction::{Actor, Conversation, FeltOver, Intent, understood};
 use bodyschema::simulation::{Stage, StageOptions};
 use nalgebra::{Point3, Vector3};
 
@@ -15,12 +16,6 @@ fn at_the_table(seed: u64) -> (Stage, Conversation) {
     let mut actor = Actor::new(learned_max(400), stage.handle(), hands, seed).unwrap();
     stage.place(&actor.ready()).unwrap();
     (stage, Conversation::new(actor).unwrap())
-}
-
-fn say(talk: &mut Conversation, request: &str) -> Reply {
-    let reply = talk.hear(request).unwrap();
-    eprintln!("> {request}\n{}", reply.said);
-    reply
 }
 
 /// How far off he has the tip of a hand in the posture that he is in, metres.

@@ -1,10 +1,11 @@
 //! A stick that a partner puts into a hand: its tip is learned by touching himself with it, and is then a part of him.
 
 use crate::common::{babble, max, repository, truth};
+use crate::conversation::say;
 use crate::interaction::learned_max;
 use bodyschema::agent::Agent;
 use bodyschema::geometry::Shape;
-use bodyschema::interaction::{Actor, Conversation, Intent, Reply, understood};
+use bodyschema::interaction::{Actor, Conversation, Intent, understood};
 use bodyschema::learning::{Certainty, Input, Learner, SecondOrder};
 use bodyschema::peripersonal::{OwnBody, STICK_TIP};
 use bodyschema::senses::Toucher;
@@ -20,12 +21,6 @@ fn beside_a_stick(own: OwnBody) -> (Stage, Conversation) {
     let mut actor = Actor::new(own, stage.handle(), ["left_hand", "right_hand"], 1).unwrap();
     stage.place(&actor.ready()).unwrap();
     (stage, Conversation::new(actor).unwrap())
-}
-
-fn say(talk: &mut Conversation, request: &str) -> Reply {
-    let reply = talk.hear(request).unwrap();
-    eprintln!("> {request}\n{}", reply.said);
-    reply
 }
 
 /// Where the tip of the stick truly is, in the hand's frame: the end that is farther from the hand.

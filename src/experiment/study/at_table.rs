@@ -119,6 +119,11 @@ impl OnStage {
         self.stage.place(posture)
     }
 
+    /// The height of the table's top in the root's frame, metres.
+    pub fn table_top(&self) -> f64 {
+        TOP - self.stage.root_pose().translation.z
+    }
+
     /// The number of the thing of the trial.
     pub fn the_thing(&self) -> Result<usize, ExperimentError> {
         self.stage.thing(THING).ok_or_else(|| ExperimentError::refused("the thing is not on the stage"))

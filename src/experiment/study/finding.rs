@@ -6,7 +6,7 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use serde_json::json;
 
-use super::at_table::{EDGE, Knowledge, OnStage, TOP, at_table, on_table, shape};
+use super::at_table::{EDGE, Knowledge, OnStage, at_table, on_table, shape};
 use super::plot::{AxisScale, PlotAxis, PlotSeries, StudyPlot};
 use super::subject::{Subject, median, share};
 use super::table::row;
@@ -107,7 +107,7 @@ fn in_reach(nobody: &mut OnStage, thing: &Thing) -> bool {
     let from = nobody.posture();
     let x_rw = nobody.stage.root_pose().inverse();
     let centre = (x_rw * Point3::from(thing.pose.translation.vector)).coords;
-    let top = (TOP - nobody.stage.root_pose().translation.z).max(centre.z);
+    let top = nobody.table_top().max(centre.z);
     let above = centre + Vector3::z() * (centre.z - top).abs();
     let outward = Vector3::new(centre.x, centre.y, 0.0).normalize();
     // From outside it towards its middle, until its surface: that may be farther in than what is around all of it.
@@ -201,7 +201,7 @@ pub fn measure(subject: &Subject) -> Result<Findings<FindingMeasurement, Finding
         subject.tell(seed, "table");
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         let mut nobody = at_table(subject, &truth, &[], seed)?;
-        let height = TOP - nobody.stage.root_pose().translation.z;
+        let height = nobody.table_top();
         nobody.know_table(height);
         let things = loop {
             let things = draw(&mut nobody, &mut rng);

@@ -5,7 +5,7 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use serde_json::json;
 
-use super::at_table::{Knowledge, OnStage, TOP, at_table};
+use super::at_table::{Knowledge, OnStage, at_table};
 use super::plot::{AxisScale, PlotAxis, PlotSeries, StudyPlot};
 use super::subject::{Subject, median, share};
 use super::table::row;
@@ -129,10 +129,10 @@ const TOO_FEW: &str = "too few touches";
 fn trial(subject: &Subject, own: &Knowledge, seed: u64) -> Result<GrownMeasurement, ExperimentError> {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let mut actor = at_table(subject, own, &[], seed)?;
-    let height = TOP - actor.stage.root_pose().translation.z;
+    let height = actor.table_top();
     actor.know_table(height);
     let joint = {
-        let joints: Vec<usize> = actor.hands.iter().flat_map(|hand| hand.arm.clone()).collect();
+        let joints = actor.arms();
         joints[rng.random_range(0..joints.len())]
     };
     let sign = if rng.random_bool(0.5) { 1.0 } else { -1.0 };

@@ -269,7 +269,7 @@ fn in_air(
     rng: &mut ChaCha8Rng,
 ) -> Result<Option<PlacedThing>, ExperimentError> {
     let mut actor = at_table(subject, truth, &[], 0)?;
-    let height = super::at_table::TOP - actor.stage.root_pose().translation.z;
+    let height = actor.table_top();
     actor.know_table(height);
     let from = actor.posture();
     let arm = actor.hands[hand].arm.clone();

@@ -7,7 +7,7 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use serde_json::json;
 
-use super::at_table::{HANDS, Knowledge, OnStage, THING, TOP, at_table};
+use super::at_table::{HANDS, Knowledge, OnStage, THING, at_table};
 use super::plot::{AxisScale, PlotAxis, PlotSeries, StudyPlot};
 use super::subject::{Subject, median, share};
 use super::table::row;
@@ -257,7 +257,7 @@ fn at_table_with(
     let mut actor = at_table(subject, own, &things(shape), seed)?;
     let thing = actor.the_thing()?;
     actor.stage.send_thing(thing, ProbePath(vec![(0.0, AWAY)]));
-    let height = TOP - actor.stage.root_pose().translation.z;
+    let height = actor.table_top();
     actor.know_table(height);
     Ok(actor)
 }
@@ -339,7 +339,7 @@ fn targets(
     let arm = actor.hands[held.hand].arm.clone();
     let ready = actor.ready();
     let clearance = actor.clearance.moved_by(&actor.own, &arm);
-    let height = TOP - actor.stage.root_pose().translation.z + OVER;
+    let height = actor.table_top() + OVER;
     let mut found = Vec::new();
     for _ in 0..DRAWS {
         if found.len() == TARGETS {

@@ -288,9 +288,8 @@ impl Conversation {
     /// Takes a hand back from where it touches its own skin.
     fn leave_spot(&mut self, _leave: &Leave) {
         if self.spot.take().is_some() {
-            let ready = self.ready.clone();
             // Where it cannot, the next motion says so.
-            self.settle(&ready);
+            self.settle_at_ready();
         }
     }
 
@@ -481,11 +480,16 @@ impl Conversation {
                     let (moved, up) = (grip.middle() - self.things[i].at, self.actor.up);
                     self.things[i].carried(&(moved - up * moved.dot(&up)));
                 }
-                let ready = self.ready.clone();
-                self.settle(&ready);
+                self.settle_at_ready();
                 Ok(("hands".into(), down))
             }
         }
+    }
+
+    /// Both hands to where they wait; whether they got there.
+    fn settle_at_ready(&mut self) -> bool {
+        let ready = self.ready.clone();
+        self.settle(&ready)
     }
 
     /// Both hands to a posture; whether they got there.

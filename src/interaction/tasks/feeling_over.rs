@@ -178,7 +178,7 @@ impl Actor {
             What::Tool(_) | What::Beyond => None,
         };
         let joints: Option<Vec<(usize, f64)>> = changes.iter().map(moved).collect();
-        let learned = learner.learned_by_now();
+        let learned = learner.conclude();
         let account = learned.as_ref().and_then(|learned| learned.account.clone());
         let (Some(joints), Some(learned), Some(account)) = (joints, learned, account) else {
             self.own = self.own.doubted();
@@ -194,7 +194,7 @@ impl Actor {
 
     /// A random posture over the table in which by the schema skin of the arms is in other skin.
     fn where_skin_may_meet(&mut self, rng: &mut ChaCha8Rng) -> Option<Posture> {
-        let arms: Vec<usize> = self.hands.iter().flat_map(|hand| hand.arm.clone()).collect();
+        let arms = self.arms();
         let carriers: Vec<usize> =
             self.hands[0].leaning.iter().copied().filter(|joint| !arms.contains(joint)).collect();
         let from = self.posture();

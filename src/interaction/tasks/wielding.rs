@@ -184,7 +184,7 @@ impl Actor {
         let stick = self.stick.as_ref()?;
         let hand = &self.hands[stick.hand];
         let limb = hand.limb;
-        let arms: Vec<usize> = self.hands.iter().flat_map(|hand| hand.arm.clone()).collect();
+        let arms = self.arms();
         let grip = self.own.skin().receptors[stick.receptor].position;
         let pointing = grip.try_normalize(1e-6).unwrap_or_else(Vector3::x);
         let expected = belief.copied().unwrap_or(Tool {
@@ -222,7 +222,7 @@ impl Actor {
 
     /// A random posture of both arms over the table to which the way is clear of his own body, whatever the stick meets.
     fn elsewhere(&mut self, rng: &mut ChaCha8Rng) -> Option<Posture> {
-        let arms: Vec<usize> = self.hands.iter().flat_map(|hand| hand.arm.clone()).collect();
+        let arms = self.arms();
         let from = self.posture();
         let clearance = self.clearance.moved_by(&self.own, &arms).eased_at(&[self.own.frames(&from)], CLEAR);
         (0..DRAWS).find_map(|_| {

@@ -198,11 +198,6 @@ impl<'a> Online<'a> {
         &self.surprises
     }
 
-    /// What is learned by now, of a learner that has a schema which foretells its touches.
-    pub fn learned_by_now(&mut self) -> Option<Learned> {
-        self.conclude()
-    }
-
     /// Sets what is known of the joints already.
     pub fn with_known(mut self, known: PriorKnowledge) -> Online<'a> {
         self.batch = self.batch.with_known(known.clone());
@@ -416,8 +411,8 @@ impl<'a> Online<'a> {
         (true_ones.iter().sum::<f64>() / true_ones.len() as f64).sqrt()
     }
 
-    /// All touches since the body last changed, fitted once more.
-    fn conclude(&mut self) -> Option<Learned> {
+    /// All touches since the body last changed, fitted once more; none where there is no schema yet.
+    pub fn conclude(&mut self) -> Option<Learned> {
         let fresh_rms = self.fresh_rms();
         if !self.changes.is_empty() {
             self.fit_again();

@@ -20,8 +20,7 @@ impl StageCore {
         self.untouched = self.untouched.with_body_position(segment.body, &(position + outward * length))?;
         let grown = Arc::new(self.untouched.touching_with(&self.touchable)?);
         let mut data = Data::new(grown.clone())?;
-        data.set_qpos(self.data.qpos())?;
-        data.set_qvel(self.data.qvel())?;
+        data.take_state(&self.data)?;
         data.forward()?;
         let mut body: Body = (*self.body).clone();
         body.model = grown;

@@ -248,7 +248,7 @@ fn beginnings(actor: &mut OnStage, truth: &Knowledge, raised: bool, rng: &mut Ch
     if raised {
         return vec![ready];
     }
-    let joints: Vec<usize> = actor.hands.iter().flat_map(|hand| hand.arm.clone()).collect();
+    let joints = actor.arms();
     let at_ease = [truth.own.frames(&truth.own.at_ease())];
     let clearance = truth.clearance.moved_by(&truth.own, &joints).eased_at(&at_ease, APART);
     (0..2000)

@@ -97,8 +97,7 @@ impl Conversation {
                 return Ok(self.reply(Intent::Explore, said, Some(true), false));
             }
         }
-        let ready = self.ready.clone();
-        self.settle(&ready);
+        self.settle_at_ready();
         let said = match self.things.len() {
             0 => "I felt about on the table as far as I reach and found nothing".to_string(),
             1 => "I felt about as far as I reach and found nothing but the one thing".to_string(),
@@ -121,8 +120,7 @@ impl Conversation {
             self.search = Some(search);
         }
         self.take_over();
-        let ready = self.ready.clone();
-        self.settle(&ready);
+        self.settle_at_ready();
         let said = match self.things.len() {
             0 => "I found nothing on the table as far as I reach".to_string(),
             1 => format!("I found one thing, {}", self.place(&self.things[0].at)),
@@ -143,8 +141,7 @@ impl Conversation {
                 Ok(Some(found)) => return Ok(Some(found)),
                 Err(Trouble::Engine(error)) => return Err(error),
                 Ok(None) | Err(_) => {
-                    let ready = self.ready.clone();
-                    self.settle(&ready);
+                    self.settle_at_ready();
                 }
             }
         }

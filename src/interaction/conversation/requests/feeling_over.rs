@@ -24,14 +24,8 @@ impl Conversation {
     /// Feels itself over, and tells what has changed.
     fn feel_over(&mut self) -> Result<Reply, EngineError> {
         let intent = Intent::FeelOver;
-        if let Some(stick) = self.actor.stick() {
-            let name = self.actor.hands[stick.hand].name.replace('_', " ");
-            let said = format!("The stick in my {name} is in the way of that: tell me to give it back first");
-            return Ok(self.reply(intent, said, Some(false), false));
-        }
         self.let_be();
-        let ready = self.ready.clone();
-        self.settle(&ready);
+        self.settle_at_ready();
         let found = match self.actor.feel_over() {
             Err(Trouble::Engine(error)) => return Err(error),
             Err(trouble) => {
@@ -50,8 +44,7 @@ impl Conversation {
             self.reachable.take();
             self.ready = self.actor.ready();
         }
-        let ready = self.ready.clone();
-        self.settle(&ready);
+        self.settle_at_ready();
         let (said, done) = match found {
             FeltOver::Same { touches } => {
                 (format!("I touched myself {touches} times: my body is as I know it"), true)

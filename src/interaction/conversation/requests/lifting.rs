@@ -67,8 +67,7 @@ impl Conversation {
         let touching = self.things[i].in_touch.take();
         if touching.is_none() {
             self.let_be();
-            let ready = self.ready.clone();
-            self.settle(&ready);
+            self.settle_at_ready();
         }
         let found = self.things[i].found.clone();
         match self.actor.lift(&found, CORRECTIONS) {
@@ -79,8 +78,7 @@ impl Conversation {
             }
             Err(LiftTrouble::Other(Trouble::Engine(error))) => Err(error),
             Err(trouble) => {
-                let ready = self.ready.clone();
-                self.settle(&ready);
+                self.settle_at_ready();
                 let said = format!(
                     "I tried to take it between my hands, and do not hold it: {trouble}; \
                      it may stand elsewhere now"

@@ -113,8 +113,7 @@ impl Conversation {
                 let known = &mut self.things[i];
                 known.carried(&moved);
                 let at = known.at;
-                let ready = self.ready.clone();
-                let back = self.settle(&ready);
+                let back = self.settle_at_ready();
                 let how = if lean { "I leaned forward and put it" } else { "I put it" };
                 let far = if far { " as far away as I could" } else { " near me" };
                 let rest = if back { "" } else { "; my hand is still there" };

@@ -42,8 +42,7 @@ impl Conversation {
     fn rest(&mut self) -> Result<Reply, EngineError> {
         self.actor.let_go();
         self.let_be();
-        let ready = self.ready.clone();
-        let went = self.settle(&ready);
+        let went = self.settle_at_ready();
         let said =
             if went { "I am at rest again" } else { "I cannot get back to rest: something is in the way" };
         Ok(self.reply(Intent::Rest, said.into(), Some(went), false))

@@ -63,8 +63,7 @@ impl Conversation {
         let hand = named.unwrap_or(right);
         let name = self.actor.hands[hand].name.replace('_', " ");
         self.let_be();
-        let ready = self.ready.clone();
-        self.settle(&ready);
+        self.settle_at_ready();
         // While he does not know how far the stick reaches he keeps it well over a table.
         if self.actor.table.is_none()
             && let Err(Trouble::Engine(error)) = self.actor.feel_table(hand)
@@ -75,7 +74,7 @@ impl Conversation {
             return Err(error);
         }
         if !self.actor.take_stick(hand)? {
-            self.settle(&ready);
+            self.settle_at_ready();
             let said = format!("I held out my {name}, and was given no stick");
             return Ok(self.reply(intent, said, Some(false), false));
         }
@@ -93,7 +92,7 @@ impl Conversation {
             }
             Ok(None) | Err(_) => {
                 self.actor.give_stick_back()?;
-                self.settle(&ready);
+                self.settle_at_ready();
                 let said =
                     "I touched myself with the stick and could not tell where its tip is: I gave it back";
                 Ok(self.reply(intent, said.into(), Some(false), false))
@@ -121,8 +120,7 @@ impl Conversation {
     fn stick_changed(&mut self) {
         self.reachable.take();
         self.ready = self.actor.ready();
-        let ready = self.ready.clone();
-        self.settle(&ready);
+        self.settle_at_ready();
     }
 
     /// What he knows of a stick.
@@ -145,7 +143,7 @@ impl Conversation {
         let stick = self.actor.stick()?;
         let name = self.actor.hands[stick.hand].name.replace('_', " ");
         let with_both = request.intent == Intent::Lift && request.hand.is_none();
-        let feels_about = matches!(request.intent, Intent::Explore | Intent::FeelShape)
+        let feels_about = matches!(request.intent, Intent::Explore | Intent::FeelShape | Intent::FeelOver)
             || (request.intent == Intent::Touch && request.any && self.things.is_empty());
         let by_its_hand = matches!(request.intent, Intent::Lift | Intent::PutFar | Intent::BringNear)
             && self.hand_for(request.hand) == Some(stick.hand);

@@ -73,8 +73,7 @@ impl Conversation {
         }
         let found = self.things[i].found.clone();
         self.let_be();
-        let ready = self.ready.clone();
-        self.settle(&ready);
+        self.settle_at_ready();
         match self.actor.touch_with_stick(&found, lean, 1) {
             Ok(touching) => {
                 self.things.felt_again(i, &touching.found);
@@ -118,8 +117,7 @@ impl Conversation {
             self.things[k].in_touch = None;
         }
         if touching.is_none() {
-            let ready = self.ready.clone();
-            self.settle(&ready);
+            self.settle_at_ready();
         }
         self.things[i].in_touch = None;
         let result = match touching {

@@ -93,16 +93,14 @@ impl Conversation {
                             let met = matches!(this, Trouble::Hit(_) | Trouble::Nothing);
                             trouble.get_or_insert((part.name.clone(), this));
                             if met {
-                                let ready = self.ready.clone();
-                                self.settle(&ready);
+                                self.settle_at_ready();
                             }
                         }
                     }
                 }
             }
         }
-        let ready = self.ready.clone();
-        self.settle(&ready);
+        self.settle_at_ready();
         let said = match trouble {
             Some((name, trouble)) => format!("I cannot touch my {name}: {}", self.in_words(&trouble)),
             None => format!("I have no skin at my {} that could be touched", part.text()),
