@@ -79,6 +79,7 @@ pub mod peripersonal;
 pub mod record;
 pub mod schema;
 pub mod senses;
+pub mod share;
 pub mod simulation;
 pub mod skin;
 #[cfg(any(feature = "render", feature = "report"))]

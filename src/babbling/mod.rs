@@ -12,15 +12,16 @@ use std::sync::mpsc;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
-pub use bouts::{BoutsDone, Made};
+pub use bouts::{BoutsDone, Made, RecordedBout};
 pub use policy::{Policy, PolicyName};
 
-use crate::babbling::bouts::{Bout, gather};
+use crate::babbling::bouts::{Bout, End, gather};
 use crate::babbling::policy::Random;
 use crate::deadline::Deadline;
 use crate::learning::Input;
 use crate::learning::growth::Growth;
 use crate::senses::Touch;
+use crate::share::Share;
 use crate::simulation::{Effort, Ending, EngineError, EngineResult, MotionUntilTouch, Movers, NearestLimbs};
 
 /// Touches after which a bout ends.
@@ -59,6 +60,15 @@ pub enum BabblingError<E> {
     /// The receiver of touches failed.
     #[error(transparent)]
     Receiver(E),
+    /// Bouts that were made before are not those that are made here.
+    #[error(
+        "bout {bout} of a share is not what is babbled here: it was changed, or made by another version of bodyschema or \
+         on a machine that reckons otherwise; make that share again, here"
+    )]
+    Otherwise {
+        /// The bout's number, from 0 on.
+        bout: u64,
+    },
     /// Nothing was touched.
     #[error("no touch in {motions} motions ({bare} met bare geometry){}", why(nearest))]
     NoTouch {
@@ -130,7 +140,7 @@ impl<'a> Babbler<'a> {
     ) -> Result<Effort, BabblingError<E>> {
         self.babble_on(BoutsDone::default(), options, |made| match made {
             Made::Touch(touch) => receive(touch),
-            Made::Bout(_) | Made::Grown(_) => Ok(()),
+            Made::Bout(..) | Made::Grown(_) => Ok(()),
         })
     }
 
@@ -146,6 +156,78 @@ impl<'a> Babbler<'a> {
         options: &BabblingOptions,
         mut receive: impl FnMut(Made) -> Result<(), E>,
     ) -> Result<Effort, BabblingError<E>> {
+        let end = End::AtTouch(options.touches);
+        let done = self.make_bouts(Share::WHOLE, from, end, options, &mut receive)?;
+        self.ended(options.touches, done.touches, done.effort)
+    }
+
+    /// Makes a share of the bouts of a session of `options.touches` touches, those in `from`, which counts its own bouts
+    /// alone, not again: whole bouts, so many that with all other shares they are enough or nearly so. A share without a single
+    /// touch is none that fails. Returns how far it came.
+    ///
+    /// # Errors
+    /// See [`BabblingError`]; touches handed on before stay handed on.
+    pub fn babble_share<E>(
+        &self,
+        share: Share,
+        from: BoutsDone,
+        options: &BabblingOptions,
+        mut receive: impl FnMut(Made) -> Result<(), E>,
+    ) -> Result<BoutsDone, BabblingError<E>> {
+        self.make_bouts(share, from, End::of_share(share, options.touches), options, &mut receive)
+    }
+
+    /// Goes on like [`Babbler::babble_on`], but takes bouts that were made before where there are some, by their numbers
+    /// from 0 on, and makes on one thread what is missing. The last bout is always made, and held against what was recorded.
+    ///
+    /// # Errors
+    /// See [`BabblingError`]; touches handed on before stay handed on.
+    pub fn put_together<E>(
+        &self,
+        from: BoutsDone,
+        options: &BabblingOptions,
+        mut recorded: impl FnMut(u64) -> Option<RecordedBout>,
+        mut receive: impl FnMut(Made) -> Result<(), E>,
+    ) -> Result<Effort, BabblingError<E>> {
+        let (mut touches, mut otherwise) = (from.touches, None);
+        let mut mover = None;
+        let mut make = |bout: u64| {
+            if mover.is_none() {
+                mover = Some(self.movers.mover()?);
+            }
+            let mover = mover.as_mut().expect("it was made just now");
+            self.bout(mover.as_mut(), options.seed, bout)
+        };
+        let mut bouts = (from.bouts..).map_while(|bout| {
+            // Where a bout is cut short, what it cost up to there has to be known, which no share keeps.
+            let made = match recorded(bout) {
+                Some(recorded) if touches + recorded.touches.len() < options.touches => Ok(recorded.into()),
+                recorded => make(bout).inspect(|made| {
+                    let other = recorded.as_ref().is_some_and(|recorded| !made.is(recorded));
+                    otherwise = otherwise.or(other.then_some(bout));
+                }),
+            };
+            touches += made.as_ref().map_or(0, |made: &Bout| made.touches.len());
+            otherwise.is_none().then_some((bout, made))
+        });
+        let end = End::AtTouch(options.touches);
+        let done = gather(&mut bouts, from, end, self.fruitless_bouts(), &mut receive)?;
+        drop(bouts);
+        match otherwise {
+            Some(bout) => Err(BabblingError::Otherwise { bout }),
+            None => self.ended(options.touches, done.touches, done.effort),
+        }
+    }
+
+    /// Makes a share of bouts on all threads, those after `from`, and hands them on in their order.
+    fn make_bouts<E>(
+        &self,
+        share: Share,
+        from: BoutsDone,
+        end: End,
+        options: &BabblingOptions,
+        receive: &mut impl FnMut(Made) -> Result<(), E>,
+    ) -> Result<BoutsDone, BabblingError<E>> {
         let (next_bout, done) = (AtomicU64::new(from.bouts), AtomicBool::new(false));
         let jobs = options.jobs.max(1);
         // A bounded channel keeps the threads from running far ahead of the receiver.
@@ -157,24 +239,23 @@ impl<'a> Babbler<'a> {
                 scope.spawn(move || {
                     let mut mover = self.movers.mover();
                     while !done.load(Ordering::Relaxed) && !self.deadline.has_passed() {
-                        let bout = next_bout.fetch_add(1, Ordering::Relaxed);
+                        let own = next_bout.fetch_add(1, Ordering::Relaxed);
                         let made = match &mut mover {
-                            Ok(mover) => self.bout(mover.as_mut(), options.seed, bout),
+                            Ok(mover) => self.bout(mover.as_mut(), options.seed, share.piece(own)),
                             Err(error) => Err(error.clone()),
                         };
-                        if sender.send((bout, made)).is_err() {
+                        if sender.send((own, made)).is_err() {
                             break;
                         }
                     }
                 });
             }
             drop(sender);
-            let result = gather(&receiver, from, options.touches, self.fruitless_bouts(), &mut receive);
+            let result = gather(&mut receiver.iter(), from, end, self.fruitless_bouts(), receive);
             done.store(true, Ordering::Relaxed);
             // Unblocks threads that wait to send.
             drop(receiver);
-            let done = result?;
-            self.ended(options.touches, done.touches, done.effort)
+            result
         })
     }
 

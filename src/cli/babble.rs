@@ -11,6 +11,9 @@ pub fn run(args: &BabbleArguments, given: Arguments) -> Outcome {
         return super::resume::run(folder, args);
     }
     let prepared = Prepared::new(args)?;
+    if let (Some(share), Some(folder)) = (args.shard, &args.out) {
+        return super::shard::run(&prepared, share, folder, args.json, given);
+    }
     let lock = session_folder(args.out.as_deref(), prepared.embodied.creature().name())?;
     let provenance = Provenance { command: output::command_line(), arguments: prepared.effective(given) };
     let session = BabblingSession::begin(&prepared.embodied, &prepared.setup, &lock, provenance)?;

@@ -13,10 +13,11 @@ use super::{Failure, Outcome};
 use crate::babbling::{BabblingOptions, PolicyName, threads};
 use crate::creature::{Creature, JointSelection};
 use crate::deadline::Deadline;
-use crate::experiment::{BabbledSession, BabblingSession, Embodied, Observer, SessionSetup};
+use crate::experiment::{BabbledSession, BabbledShares, BabblingSession, Embodied, Observer, SessionSetup};
 use crate::learning::growth::Growth;
 use crate::learning::learners::{LearnerKind, PartByPart};
 use crate::record::{FolderLock, Generation};
+use crate::share::Share;
 use crate::simulation::MotionName;
 
 /// Touches that are made where no number is asked for, …
@@ -45,6 +46,7 @@ const LEARNING: f64 = 0.85;
   bodyschema babble mjcf/max/max.xml --learner hersch --json
   bodyschema babble mjcf/max/max.xml --touches 500 --live                    # watch it in a browser
   bodyschema babble --resume sessions/max-1
+  bodyschema babble mjcf/max/max.xml --touches 100000 --shard 3/16 --out sessions/big  # takes minutes
   bodyschema babble mjcf/max/max.xml --touches 60 --known known.json\n\n{KNOWN_HELP}"))]
 pub struct BabbleArguments {
     /// The MJCF or URDF file of a creature; without touch sensors it gets some in memory
@@ -87,6 +89,17 @@ pub struct BabbleArguments {
     /// what they would have been. Takes --jobs, --json and --live beside it
     #[arg(long, value_name = "DIR", help_heading = "Output")]
     pub resume: Option<PathBuf>,
+    /// Babble only this share of the session, as in 3/16: other processes, here or elsewhere, make the others, and
+    /// `bodyschema merge DIR` makes of all what one process would have made. Babbles at random; the same command goes on
+    /// with a share that was interrupted
+    #[arg(
+        long,
+        value_name = "SHARE",
+        requires = "out",
+        conflicts_with_all = ["resume", "seconds"],
+        help_heading = "Output"
+    )]
+    pub shard: Option<Share>,
     /// Print one JSON object
     #[arg(long, help_heading = "Output")]
     pub json: bool,
@@ -99,12 +112,13 @@ impl BabbleArguments {
     fn policy(&self, creature: &Creature) -> PolicyName {
         let grows = self.motion == MotionName::Kinematic && self.learning.grows() && Growth::suits(creature);
         let asked = self.learning.named().is_none_or(|learner| learner.name() == PartByPart.name());
+        let grows = grows && self.shard.is_none();
         self.policy.unwrap_or(if grows && asked { PolicyName::Stages } else { PolicyName::Random })
     }
 
     /// Seconds that the session may take, if it may not take as long as it likes.
     fn seconds(&self) -> Option<f64> {
-        let patient = self.touches.is_some() || self.motion == MotionName::Dynamic;
+        let patient = self.touches.is_some() || self.shard.is_some() || self.motion == MotionName::Dynamic;
         self.seconds.or((!patient).then_some(SECONDS))
     }
 }
@@ -128,6 +142,12 @@ impl Prepared {
         let model = args.model.as_deref().ok_or(Failure("name the model's file".into()))?;
         let embodied = embodied(args.open.source(model, args.joints.clone().unwrap_or_default()))?;
         let policy = args.policy(embodied.creature());
+        if let Some(share) = args.shard.filter(|_| policy != PolicyName::Random) {
+            return Err(Failure(format!(
+                "--policy {policy} learns on the way from all touches before, which share {share} has not: leave out --shard, \
+                 or babble by --policy random"
+            )));
+        }
         let mut learning = args.learning.options(embodied.creature(), policy)?;
         learning.deadline = deadline(LEARNING);
         // Whether the creature can babble at all is told before any folder is made.
@@ -162,6 +182,19 @@ impl Prepared {
         let observers: &dyn Observer = &(&bars, live);
         let babbled = session.babble(observers)?;
         self.learn_with(args, lock, &babbled, observers, live)
+    }
+
+    /// Puts shares together, learns, and prints the result.
+    pub fn put_together(
+        &self,
+        args: &BabbleArguments,
+        lock: FolderLock,
+        session: BabblingSession,
+        shares: &BabbledShares,
+    ) -> Outcome {
+        let bars = Bars::default();
+        let babbled = session.put_together(shares, &bars)?;
+        self.learn_with(args, lock, &babbled, &bars, None)
     }
 
     /// Learns from all touches, and prints the result.

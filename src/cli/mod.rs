@@ -33,6 +33,7 @@ mod learning_arguments;
 #[cfg_attr(not(feature = "live"), path = "no_live.rs")]
 mod live;
 mod map;
+mod merge;
 mod message;
 mod observe;
 mod open;
@@ -42,6 +43,7 @@ mod progress;
 mod render;
 mod report;
 mod resume;
+mod shard;
 mod skin;
 mod space;
 mod study;
@@ -106,6 +108,7 @@ struct Cli {
 enum Command {
     // What each is for stands over its arguments: there help has it whole.
     Babble(babbling::BabbleArguments),
+    Merge(merge::MergeArguments),
     Learn(learn::LearnArguments),
     Calibrate(calibrate::CalibrateArguments),
     Plan(calibrate::plan::PlanArguments),
@@ -184,6 +187,7 @@ fn carry_out() -> Outcome {
     let given = || given(&mut program.clone(), &matches);
     match cli.command {
         Command::Babble(args) => babble::run(&args, given()),
+        Command::Merge(args) => merge::run(&args),
         Command::Learn(args) => learn::run(&args, given()),
         Command::Calibrate(args) => calibrate::run(&args),
         Command::Plan(args) => calibrate::plan::run(&args),

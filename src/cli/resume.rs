@@ -16,7 +16,8 @@ use crate::view::report::REPORT_FILE;
 pub fn run(folder: &Path, given: &BabbleArguments) -> Outcome {
     let lock = written_session(folder)?;
     let session = Session::read(folder)?;
-    let args = args_of(&session, folder, given)?;
+    let mut args = args_of(&session, folder)?;
+    (args.jobs, args.json, args.live) = (given.jobs, given.json, given.live.clone());
     let prepared = Prepared::new(&args)?;
     let place = folder.display();
     match BabblingSession::resume(&prepared.embodied, &prepared.setup, &lock, session)? {
@@ -45,8 +46,8 @@ pub fn run(folder: &Path, given: &BabbleArguments) -> Outcome {
     }
 }
 
-/// The options that the session was begun with; those that change nothing in it are taken from the command line.
-fn args_of(session: &Session, folder: &Path, given: &BabbleArguments) -> Result<BabbleArguments, Failure> {
+/// The options that the session in a folder was begun with.
+pub fn args_of(session: &Session, folder: &Path) -> Result<BabbleArguments, Failure> {
     let path = folder.join(SESSION_FILE);
     let SessionOptions { touches, policy, arguments, .. } = &session.options;
     if session.recording.is_some() || *touches == 0 || policy.is_none() && arguments.is_empty() {
@@ -68,13 +69,10 @@ fn args_of(session: &Session, folder: &Path, given: &BabbleArguments) -> Result<
     let line =
         command_line(&command, &arguments).map_err(|option| refuse(format!("there is no --{option}")))?;
     let matches = command.try_get_matches_from(line);
-    let mut args =
-        matches.and_then(|matches| BabbleArguments::from_arg_matches(&matches)).map_err(|error| {
-            let text = error.to_string();
-            refuse(text.lines().next().unwrap_or_default().trim_start_matches("error: ").to_string())
-        })?;
-    (args.jobs, args.json, args.live) = (given.jobs, given.json, given.live.clone());
-    Ok(args)
+    matches.and_then(|matches| BabbleArguments::from_arg_matches(&matches)).map_err(|error| {
+        let text = error.to_string();
+        refuse(text.lines().next().unwrap_or_default().trim_start_matches("error: ").to_string())
+    })
 }
 
 /// The options of a session that was begun before all were written into it.

@@ -8,16 +8,17 @@ use super::embodied::Embodied;
 use super::error::ExperimentError;
 use super::learning_options::LearningOptions;
 use super::observer::{Observer, Phase};
+use super::shares::BabbledShares;
 use super::touches::make_touches;
-use crate::babbling::{BabblingOptions, BoutsDone, Made, PolicyName};
+use crate::babbling::{Babbler, BabblingOptions, BoutsDone, Made, PolicyName};
 use crate::deadline::Deadline;
 use crate::learning::growth::Growth;
 use crate::record::{
-    BabblingEffort, BabblingProgress, FolderLock, Host, PROGRAM, SESSION_FILE, Session, SessionOptions,
-    TOUCHES_FILE, TouchWriter, model_hash, read_touches,
+    BabblingEffort, BabblingProgress, FolderLock, Host, PROGRAM, RecordError, SESSION_FILE, Session,
+    SessionOptions, TOUCHES_FILE, TouchWriter, model_hash, read_touches,
 };
 use crate::senses::Touch;
-use crate::simulation::MotionName;
+use crate::simulation::{Effort, MotionName};
 use crate::skin::Skin;
 
 /// How often it is written down how far babbling has come.
@@ -184,6 +185,43 @@ impl<'a> BabblingSession<'a> {
     /// Where the engine fails, nothing can be touched, or a file cannot be written; a session that was interrupted so
     /// can be resumed.
     pub fn babble(self, observer: &dyn Observer) -> Result<BabbledSession, ExperimentError> {
+        let setup = self.setup;
+        let (model, options) = (self.embodied.model(), &setup.babbling);
+        self.make(observer, |babbler, done, receive| {
+            make_touches(model, babbler, setup.policy, done, options, receive)
+        })
+    }
+
+    /// Puts shares of the session together: the log becomes what one process would have written. What is missing for that
+    /// at the end, as where bouts brought few touches, is babbled.
+    ///
+    /// # Errors
+    /// As [`BabblingSession::babble`], and where the shares are not what would be babbled here.
+    pub fn put_together(
+        self,
+        shares: &BabbledShares,
+        observer: &dyn Observer,
+    ) -> Result<BabbledSession, ExperimentError> {
+        let (model, options) = (self.embodied.model(), &self.setup.babbling);
+        let bouts = shares.bouts(self.embodied.agent())?;
+        // Where this was interrupted before, their time is counted already.
+        let spent = if self.made.is_empty() { shares.spent() } else { self.spent };
+        BabblingSession { spent, ..self }.make(observer, |babbler, done, receive| {
+            let effort = babbler.put_together(done, options, bouts, receive);
+            Ok((effort.map_err(ExperimentError::babbling(model))?, None))
+        })
+    }
+
+    /// Writes touches into the log as they are made, in whatever way.
+    fn make(
+        self,
+        observer: &dyn Observer,
+        make: impl FnOnce(
+            &Babbler,
+            BoutsDone,
+            &mut dyn FnMut(Made) -> Result<(), RecordError>,
+        ) -> Result<(Effort, Option<Growth>), ExperimentError>,
+    ) -> Result<BabbledSession, ExperimentError> {
         let BabblingSession { embodied, setup, folder, mut session, mut log, done, spent, mut made, .. } =
             self;
         let babbler =
@@ -196,24 +234,23 @@ impl<'a> BabblingSession<'a> {
         });
         let began = Instant::now();
         let mut kept = began;
-        let (effort, grown) =
-            make_touches(embodied.model(), &babbler, setup.policy, done, &setup.babbling, |news| {
-                match news {
-                    Made::Touch(touch) => {
-                        log.write(touch)?;
-                        observer.touched(touch);
-                        made.push(touch.clone());
-                    }
-                    // Bouts can be shorter than it takes to write this down.
-                    Made::Bout(done) if kept.elapsed() >= KEPT_EVERY => {
-                        BabblingProgress::new(&done, spent + began.elapsed()).write(&folder)?;
-                        kept = Instant::now();
-                    }
-                    Made::Bout(_) => {}
-                    Made::Grown(growth) => observer.grew(growth),
+        let (effort, grown) = make(&babbler, done, &mut |news| {
+            match news {
+                Made::Touch(touch) => {
+                    log.write(touch)?;
+                    observer.touched(touch);
+                    made.push(touch.clone());
                 }
-                Ok(())
-            })?;
+                // Bouts can be shorter than it takes to write this down.
+                Made::Bout(done, _) if kept.elapsed() >= KEPT_EVERY => {
+                    BabblingProgress::new(&done, spent + began.elapsed()).write(&folder)?;
+                    kept = Instant::now();
+                }
+                Made::Bout(..) => {}
+                Made::Grown(growth) => observer.grew(growth),
+            }
+            Ok(())
+        })?;
         observer.phase(Phase::Done);
         let touches = Some(made.len()).filter(|&made| made != setup.babbling.touches);
         session.effort =
@@ -225,7 +262,7 @@ impl<'a> BabblingSession<'a> {
     }
 }
 
-fn new_session(
+pub(super) fn new_session(
     embodied: &Embodied,
     setup: &SessionSetup,
     provenance: Provenance,
@@ -251,6 +288,7 @@ fn new_session(
             motion: Some(setup.motion)
                 .filter(|motion| *motion != MotionName::default())
                 .map(|m| m.to_string()),
+            share: None,
             arguments: provenance.arguments,
         },
         effort: None,
@@ -259,7 +297,11 @@ fn new_session(
 }
 
 /// Whether the session's creature and engine are still the same, without which touches would be others.
-fn check_same(session: &Session, embodied: &Embodied, folder: &Path) -> Result<(), ExperimentError> {
+pub(super) fn check_same(
+    session: &Session,
+    embodied: &Embodied,
+    folder: &Path,
+) -> Result<(), ExperimentError> {
     let version = embodied.body().model.version().to_string();
     if session.engine != version {
         return Err(ExperimentError::unfit(

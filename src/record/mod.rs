@@ -6,6 +6,7 @@
 //! files. Numbers are written in the shortest form that reads back to the same bits.
 
 mod account;
+mod bout_log;
 mod columns;
 mod error;
 mod files;
@@ -28,6 +29,7 @@ mod recording;
 mod robot;
 mod schema;
 mod session;
+mod shares;
 mod space_record;
 mod stamp;
 mod touch_line;
@@ -35,6 +37,7 @@ mod touch_reader;
 mod touch_writer;
 
 pub use account::RecordedAccount;
+pub use bout_log::{BoutLine, BoutLog, read_bouts};
 pub use error::{Action, RecordError};
 pub(crate) use files::write_whole;
 pub use firing_log::{FiringWriter, read_firings};
@@ -58,6 +61,7 @@ pub use robot::{
 pub(crate) use robot::{joint_cells, joint_titles, json_of, length, name_of, set_prior};
 pub use schema::{read_schema, read_schema_with_std, write_schema, write_schema_with_std};
 pub use session::{BabblingEffort, RecordingFiles, Session, SessionOptions};
+pub use shares::{SHARES_FOLDER, Shares};
 pub use space_record::{SpaceRecord, SpaceSlice};
 pub use touch_reader::{TouchLog, read_touches};
 pub use touch_writer::TouchWriter;
@@ -68,6 +72,8 @@ pub const SESSION_FILE: &str = "session.json";
 pub const TOUCHES_FILE: &str = "touches.jsonl";
 /// How far babbling has come, in a session's folder while it babbles.
 pub const PROGRESS_FILE: &str = "babbling.json";
+/// The bouts of a share of a session and what each cost, in the share's folder.
+pub const BOUTS_FILE: &str = "bouts.csv";
 /// The log of firing receptors, in the folder of a session of strokes.
 pub const FIRINGS_FILE: &str = "firings.jsonl";
 /// What the touch sensor made of them, in the same folder: a sensation a line.

@@ -170,6 +170,9 @@ pub struct SessionOptions {
     /// How the body was moved; none where it was without forces.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub motion: Option<String>,
+    /// Which share of the session it is, as in `3/16`; none where it is all of it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub share: Option<String>,
     /// All options that were in effect when the session was begun, by their names on the command line, defaults
     /// and those of a configuration file included; empty in sessions of versions that did not write them.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]

@@ -46,6 +46,7 @@ mod report;
 mod rerun;
 mod resume;
 mod senses;
+mod shares;
 mod skin;
 mod somatotopic;
 mod stick;

@@ -535,6 +535,7 @@ fn session() -> Session {
             known: None,
             policy: Some("steered".into()),
             motion: Some("dynamic".into()),
+            share: Some("3/16".into()),
             arguments: [("touches", "40"), ("joint-noise", "0.1")]
                 .map(|(name, value)| (name.to_string(), vec![value.to_string()]))
                 .into(),

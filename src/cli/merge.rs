@@ -1,0 +1,123 @@
+//! `bodyschema merge`: puts together what several processes made.
+
+use std::path::{Path, PathBuf};
+
+use super::babbling::Prepared;
+use super::folders::{session_folder, written_session};
+use super::resume::args_of;
+use super::{Failure, Outcome, output};
+use crate::experiment::{BabbledShares, BabblingSession, Provenance, ResumedSession, Unready};
+use crate::record::{SESSION_FILE, Session, Shares};
+use crate::share::Share;
+use crate::view::report::REPORT_FILE;
+
+/// Put together the shares of a session.
+///
+/// The shares were made with `babble … --shard 1/16 --out DIR` and so on, each by a process of its own. The log of touches
+/// becomes, byte for byte, the one that a single process would have written; then the body schema is learned from it as
+/// `babble` does. Shares that are missing or were interrupted are named, and only they are to be made again. Can be called
+/// again at any time: it goes on where it was interrupted.
+#[derive(clap::Args)]
+#[command(after_help = "Examples:
+  bodyschema merge sessions/big
+  bodyschema merge sessions/big --missing      # the numbers of shares that are to be made, as in 4,7
+See docs/many.md for scripts that make all shares by Slurm, GNU parallel or HyperQueue.")]
+pub struct MergeArguments {
+    /// The folder that was given to all shares with --out
+    folder: PathBuf,
+    /// Only print the numbers of the shares that are missing or were interrupted, separated by commas
+    #[arg(long)]
+    missing: bool,
+    /// Threads; they change nothing but the time [default: one per core]
+    #[arg(long, value_parser = clap::value_parser!(u16).range(1..=1024))]
+    jobs: Option<u16>,
+    /// Print one JSON object
+    #[arg(long, help_heading = "Output")]
+    json: bool,
+}
+
+pub fn run(args: &MergeArguments) -> Outcome {
+    let shares = Shares::find(&args.folder)?;
+    let found = BabbledShares::find(&shares)?;
+    if args.missing {
+        let numbers =
+            |unready: Unready| unready.all().iter().map(|share| share.number().to_string()).collect();
+        let numbers: Vec<String> = found.err().map(numbers).unwrap_or_default();
+        say!("{}", numbers.join(","));
+        return Ok(());
+    }
+    match found {
+        Ok(shares) => session(args, &shares),
+        Err(unready) => Err(refusal(&args.folder, &unready)),
+    }
+}
+
+/// Puts a session together.
+fn session(args: &MergeArguments, shares: &BabbledShares) -> Outcome {
+    let folder = &args.folder;
+    let mut babble = args_of(shares.session(), folder)?;
+    (babble.jobs, babble.json, babble.out) = (args.jobs, args.json, Some(folder.clone()));
+    let prepared = Prepared::new(&babble)?;
+    if !folder.join(SESSION_FILE).exists() {
+        let lock = session_folder(Some(folder), "")?;
+        let arguments = shares.session().options.arguments.clone();
+        let provenance = Provenance { command: output::command_line(), arguments };
+        let session = BabblingSession::begin(&prepared.embodied, &prepared.setup, &lock, provenance)?;
+        return prepared.put_together(&babble, lock, session, shares);
+    }
+    let lock = written_session(folder)?;
+    let session = Session::read(folder)?;
+    match BabblingSession::resume(&prepared.embodied, &prepared.setup, &lock, session)? {
+        ResumedSession::Babbling(session) => prepared.put_together(&babble, lock, *session, shares),
+        ResumedSession::Babbled(babbled) if !folder.join(REPORT_FILE).exists() => {
+            prepared.learn(&babble, lock, &babbled)
+        }
+        ResumedSession::Babbled(_) => {
+            tell!("{} is complete: nothing is left to do", folder.display());
+            Ok(())
+        }
+    }
+}
+
+/// What is to be done before shares can be put together.
+fn refusal(folder: &Path, unready: &Unready) -> Failure {
+    let all = unready.all();
+    let what = [("missing", &unready.missing), ("not finished", &unready.unfinished)];
+    let what = what.into_iter().filter(|(_, shares)| !shares.is_empty());
+    let what: Vec<String> = what.map(|(how, shares)| format!("{how}: {}", named(shares))).collect();
+    let how = match all.first() {
+        Some(first) if !unready.command.is_empty() => {
+            format!(": `{}`", with_share(&unready.command, *first))
+        }
+        _ => " again".into(),
+    };
+    let rest = if all.len() > 1 { ", and so on" } else { "" };
+    Failure(format!("{}: of its shares some are {}: make them{how}{rest}", folder.display(), what.join("; ")))
+}
+
+/// Shares by their names, not all of very many.
+fn named(shares: &[Share]) -> String {
+    const MOST: usize = 10;
+    let names: Vec<String> = shares.iter().take(MOST).map(Share::to_string).collect();
+    let more = shares.len().saturating_sub(MOST);
+    if more > 0 { format!("{} and {more} more", names.join(", ")) } else { names.join(", ") }
+}
+
+/// A command line that made some share, for another.
+fn with_share(command: &[String], share: Share) -> String {
+    let mut after = false;
+    let words = command.iter().map(|word| {
+        let is_share = std::mem::replace(&mut after, word == "--shard");
+        let word = match is_share {
+            true => share.to_string(),
+            false if word.starts_with("--shard=") => format!("--shard={share}"),
+            false => word.clone(),
+        };
+        if word.contains([' ', '\'', '"', '$', '*', '\\']) {
+            format!("'{}'", word.replace('\'', r"'\''"))
+        } else {
+            word
+        }
+    });
+    words.collect::<Vec<String>>().join(" ")
+}

@@ -1,0 +1,63 @@
+//! `bodyschema babble --shard`: one share of a session, for `bodyschema merge` to put together with the others.
+
+use std::path::Path;
+
+use serde_json::json;
+
+use super::arguments::Arguments;
+use super::babbling::Prepared;
+use super::progress::Bars;
+use super::{Failure, Outcome, output};
+use crate::experiment::{BabblingShare, Provenance};
+use crate::record::{FolderLock, SESSION_FILE, SHARES_FOLDER, Session, Shares};
+use crate::share::Share;
+
+/// Makes a share in its place below a folder, or what is missing of it.
+pub fn run(prepared: &Prepared, share: Share, folder: &Path, as_json: bool, given: Arguments) -> Outcome {
+    let lock = take_share(folder, share, SESSION_FILE)?;
+    let place = lock.folder();
+    let provenance = Provenance { command: output::command_line(), arguments: prepared.effective(given) };
+    let (embodied, setup) = (&prepared.embodied, &prepared.setup);
+    let session = match BabblingShare::take_up(embodied, setup, share, &lock, provenance)? {
+        None => {
+            tell!("{} is complete: nothing is left to do", place.display());
+            Session::read(place)?
+        }
+        Some(babbling) => {
+            if babbling.made() > 0 {
+                tell!("{}: going on after touch {}", place.display(), babbling.made());
+            }
+            babbling.babble(&Bars::default())?
+        }
+    };
+    if let Some(effort) = session.effort.filter(|effort| effort.touches == Some(0)) {
+        tell!("nothing was touched in {} motions of this share", effort.motions);
+    }
+    let touches = session.effort.and_then(|effort| effort.touches).unwrap_or_default();
+    if as_json {
+        return output::json(&json!({
+            "share": share.to_string(),
+            "touches": touches,
+            "motions": session.effort.map(|effort| effort.motions),
+            "babbling_s": session.effort.map(|effort| effort.babbling_s),
+            "folder": place,
+        }));
+    }
+    say!("share {share}: {touches} touches, in {}", place.display());
+    say!("next, when all {} shares are made: `bodyschema merge {}`", share.of(), folder.display());
+    Ok(())
+}
+
+/// Takes the place of a share below a folder, which is made; `whole` is a file that is in a folder of work that was not
+/// cut into shares.
+pub fn take_share(folder: &Path, share: Share, whole: &str) -> Result<FolderLock, Failure> {
+    if folder.join(whole).exists() && !folder.join(SHARES_FOLDER).exists() {
+        return Err(Failure(format!(
+            "{} holds work that was not cut into shares ({whole}): give another folder with --out",
+            folder.display()
+        )));
+    }
+    let place = Shares::folder(folder, share);
+    output::make_folder(&place)?;
+    Ok(FolderLock::take(&place)?)
+}

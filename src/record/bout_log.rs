@@ -1,0 +1,162 @@
+//! The bouts that a share of a session is made of, and what each cost.
+
+use std::fs::{File, OpenOptions};
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+
+use serde::{Deserialize, Serialize};
+
+use super::{Action, BOUTS_FILE, RecordError, files};
+use crate::simulation::Effort;
+
+/// A line of [`BOUTS_FILE`].
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct BoutLine {
+    /// The bout's number in its session, from 0 on.
+    pub bout: u64,
+    /// Touches made in it.
+    pub touches: usize,
+    /// Motions begun.
+    pub motions: u64,
+    /// Postures whose contacts the engine was asked for.
+    pub engine_checks: u64,
+    /// Contacts on bare geometry, left out.
+    pub bare: u64,
+    /// Contacts between neighbouring limbs, left out.
+    pub neighbours: u64,
+    /// Instant re-contacts, left out.
+    pub again: u64,
+    /// Time that passed in the simulation, seconds.
+    pub simulated_s: f64,
+}
+
+impl BoutLine {
+    /// A bout and what it cost.
+    pub fn new(bout: u64, touches: usize, effort: &Effort) -> BoutLine {
+        BoutLine {
+            bout,
+            touches,
+            motions: effort.motions,
+            engine_checks: effort.engine_checks,
+            bare: effort.bare,
+            neighbours: effort.neighbours,
+            again: effort.again,
+            simulated_s: effort.simulated_s,
+        }
+    }
+
+    /// What it cost; how often gaps were looked at is not kept.
+    pub fn effort(&self) -> Effort {
+        Effort {
+            motions: self.motions,
+            engine_checks: self.engine_checks,
+            gap_checks: 0,
+            bare: self.bare,
+            neighbours: self.neighbours,
+            again: self.again,
+            simulated_s: self.simulated_s,
+        }
+    }
+}
+
+/// Writes [`BOUTS_FILE`], a line a bout, each in one piece once all touches of the bout are in their log.
+#[derive(Debug)]
+pub struct BoutLog {
+    path: PathBuf,
+    file: File,
+}
+
+impl BoutLog {
+    /// Begins the log in `folder`, or goes on with the first `bouts` lines of what is there.
+    ///
+    /// # Errors
+    /// [`RecordError::Io`] where it cannot be written.
+    pub fn go_on(folder: &Path, bouts: &[BoutLine]) -> Result<BoutLog, RecordError> {
+        let path = folder.join(BOUTS_FILE);
+        let io = || RecordError::io(&path, Action::Write);
+        let mut text = Vec::new();
+        bouts.iter().try_for_each(|bout| write(&mut text, bout)).map_err(io())?;
+        files::write_whole(&path, &text).map_err(io())?;
+        let file = OpenOptions::new().append(true).open(&path).map_err(io())?;
+        Ok(BoutLog { path, file })
+    }
+
+    /// Adds a bout.
+    ///
+    /// # Errors
+    /// [`RecordError::Io`] where it cannot be written.
+    pub fn write(&mut self, bout: &BoutLine) -> Result<(), RecordError> {
+        let mut line = Vec::new();
+        let written = write(&mut line, bout).and_then(|()| self.file.write_all(&line));
+        written.map_err(RecordError::io(&self.path, Action::Write))
+    }
+
+    /// Ends the log and waits until it is on the disk.
+    ///
+    /// # Errors
+    /// [`RecordError::Io`] where the system cannot store it.
+    pub fn finish(self) -> Result<(), RecordError> {
+        self.file.sync_all().map_err(RecordError::io(&self.path, Action::Write))
+    }
+}
+
+fn write(to: &mut Vec<u8>, bout: &BoutLine) -> io::Result<()> {
+    let mut writer = csv::WriterBuilder::new().has_headers(false).from_writer(to);
+    writer.serialize(bout).map_err(io::Error::other)?;
+    writer.flush()
+}
+
+/// Reads the bouts in `folder`'s [`BOUTS_FILE`]; none where there is no such file. What follows on the last whole line, as a
+/// killed process or a power failure leaves it, is left out.
+///
+/// # Errors
+/// [`RecordError::Io`] where it cannot be read, [`RecordError::Format`] where a line is no bout's.
+pub fn read_bouts(folder: &Path) -> Result<Vec<BoutLine>, RecordError> {
+    let path = folder.join(BOUTS_FILE);
+    let bytes = match files::read(&path) {
+        Err(RecordError::Io { source, .. }) if source.kind() == io::ErrorKind::NotFound => {
+            return Ok(Vec::new());
+        }
+        read => read?,
+    };
+    let whole = bytes.iter().rposition(|byte| *byte == b'\n').map_or(0, |last| last + 1);
+    let mut reader = csv::ReaderBuilder::new().has_headers(false).from_reader(&bytes[..whole]);
+    let mut bouts = Vec::new();
+    for (k, bout) in reader.deserialize().enumerate() {
+        let refuse = |error: csv::Error| {
+            let message =
+                format!("it is no bout ({error}): remove the share's folder and make the share again");
+            RecordError::format(&path, Some(k + 1), message)
+        };
+        bouts.push(bout.map_err(refuse)?);
+    }
+    Ok(bouts)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bouts_are_gone_on_with_after_the_last_whole_line() {
+        let place = tempfile::tempdir().unwrap();
+        let effort = Effort { motions: 9, bare: 2, simulated_s: 0.1 + 0.2, ..Effort::default() };
+        let bouts = [0, 3, 6].map(|bout| BoutLine::new(bout, 25, &effort));
+        assert_eq!(read_bouts(place.path()).unwrap(), []);
+        let mut log = BoutLog::go_on(place.path(), &bouts[..1]).unwrap();
+        log.write(&bouts[1]).unwrap();
+        log.finish().unwrap();
+        let path = place.path().join(BOUTS_FILE);
+        let mut bytes = std::fs::read(&path).unwrap();
+        bytes.extend(b"6,25,9,0,2,0,0,0.30");
+        std::fs::write(&path, &bytes).unwrap();
+        let read = read_bouts(place.path()).unwrap();
+        assert_eq!(read, bouts[..2]);
+        BoutLog::go_on(place.path(), &read).unwrap().write(&bouts[2]).unwrap();
+        assert_eq!(read_bouts(place.path()).unwrap(), bouts);
+        std::fs::write(&path, "0,25,9\n").unwrap();
+        let message = read_bouts(place.path()).unwrap_err().to_string();
+        assert!(message.contains("line 1") && message.contains("make the share again"), "{message}");
+    }
+}
