@@ -104,18 +104,14 @@ impl Trial for LearnersTrial {
     }
 }
 
-fn findings(
-    counts: &[usize],
-    trials: &[LearnersTrial],
-) -> Findings<LearnersMeasurement, LearnersSummary> {
+fn findings(counts: &[usize], trials: &[LearnersTrial]) -> Findings<LearnersMeasurement, LearnersSummary> {
     let mut summary: Vec<LearnersSummary> = Vec::new();
     let mut series = Vec::new();
     for (name, _) in learners() {
         // Per trial, the measurements of this learner: one per count.
         let of = |trial: &LearnersTrial| trial.0.iter().filter(|row| row.learner == name).cloned().collect();
         let courses: Vec<Vec<LearnersMeasurement>> = trials.iter().map(of).collect();
-        let needed =
-            LEVELS_MM.map(|level| median(courses.iter().map(|course| touches_to(level, course))));
+        let needed = LEVELS_MM.map(|level| median(courses.iter().map(|course| touches_to(level, course))));
         let at = |k: usize| median(courses.iter().map(|course| course[k].heldout_mm));
         let last = || courses.iter().filter_map(|course| course.last());
         summary.push(LearnersSummary {

@@ -236,9 +236,14 @@ impl<'a> Subject<'a> {
         self.embodied.source().body_in(model)
     }
 
+    /// The number of a seed's trial among all trials, from 0; none where the seed is of none.
+    pub fn number(&self, seed: u64) -> Option<usize> {
+        self.seeds.iter().position(|&other| other == seed)
+    }
+
     /// Tells the observer what a trial is at.
     pub fn tell(&self, seed: u64, doing: &str) {
-        let trial = self.seeds.iter().position(|&other| other == seed).map_or(0, |k| k + 1);
+        let trial = self.number(seed).map_or(0, |k| k + 1);
         self.observer.phase(Phase::Trial { trial, trials: self.seeds.len(), doing });
     }
 }

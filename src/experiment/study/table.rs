@@ -13,7 +13,7 @@ pub struct Column {
     pub wall_time: bool,
 }
 
-/// How long something took on this machine, seconds: the one thing in a table that the seeds do not decide.
+/// How long something took on this machine, in the unit that its column names: the one thing in a table that the seeds do not decide.
 #[derive(Clone, Copy, Debug, PartialEq, PartialOrd, Serialize, Deserialize)]
 pub struct WallTime(pub f64);
 

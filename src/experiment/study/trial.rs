@@ -76,9 +76,7 @@ impl Trials {
 ///
 /// # Errors
 /// Where something cannot be measured at all.
-pub fn measure<T: Trial>(
-    subject: &Subject,
-) -> Result<Findings<T::Measurement, T::Summary>, ExperimentError> {
+pub fn measure<T: Trial>(subject: &Subject) -> Result<Findings<T::Measurement, T::Summary>, ExperimentError> {
     let setting = T::set_up(subject)?;
     let trials = subject.seeds.iter().map(|&seed| T::run(subject, &setting, seed));
     Ok(T::findings(subject, &trials.collect::<Result<Vec<T>, _>>()?))
@@ -104,7 +102,8 @@ fn run<T: Trial>(
 fn conclude<T: Trial>(subject: &Subject, left: &[String]) -> Result<FoundTables, ExperimentError> {
     let read = |text: &String| ron::from_str::<T>(text);
     let trials: Result<Vec<T>, _> = left.iter().map(read).collect();
-    let trials = trials.map_err(|error| ExperimentError::refused(format!("not a trial of this study: {error}")))?;
+    let trials =
+        trials.map_err(|error| ExperimentError::refused(format!("not a trial of this study: {error}")))?;
     Ok(T::findings(subject, &trials).into())
 }
 
@@ -122,12 +121,25 @@ mod tests {
 
     #[test]
     fn what_a_trial_leaves_is_read_again_to_the_last_bit() {
-        let values = vec![0.1 + 0.2, f64::NAN, f64::INFINITY, f64::NEG_INFINITY, -0.0, 5e-324, f64::MAX, 1e21, 1.0 / 3.0];
+        let values = vec![
+            0.1 + 0.2,
+            f64::NAN,
+            f64::INFINITY,
+            f64::NEG_INFINITY,
+            -0.0,
+            5e-324,
+            f64::MAX,
+            1e21,
+            1.0 / 3.0,
+        ];
         let text = ron::to_string(&Numbers { values: values.clone(), seed: u64::MAX, none: None }).unwrap();
         let read: Numbers = ron::from_str(&text).unwrap();
         assert_eq!((read.seed, read.none), (u64::MAX, None));
         for (value, read) in values.iter().zip(&read.values) {
-            assert!(value.to_bits() == read.to_bits() || value.is_nan() && read.is_nan(), "{value} is read as {read}");
+            assert!(
+                value.to_bits() == read.to_bits() || value.is_nan() && read.is_nan(),
+                "{value} is read as {read}"
+            );
         }
     }
 }
