@@ -161,7 +161,12 @@ pub fn run(args: &StudyArguments) -> Outcome {
     let lock = free_folder(args.out.as_deref(), "study", &[STUDY_FILE], numbered)?;
     let folder = lock.folder();
     let began = Instant::now();
-    let findings = (study.measure)(&subject)?;
+    let mut left = Vec::new();
+    study.trials.run(&subject, &subject.seeds, &mut |_, trial| {
+        left.push(trial);
+        Ok(())
+    })?;
+    let findings = study.trials.conclude(&subject, &left)?;
     let seconds = began.elapsed().as_secs_f64();
     bars.phase(Phase::Done);
     let creature = &subject.body().creature;

@@ -5,12 +5,13 @@ use std::f64::consts::TAU;
 use nalgebra::Vector3;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
+use serde::{Deserialize, Serialize};
 use serde_json::json;
 
 use super::plot::{AxisScale, PlotAxis, PlotSeries, StudyPlot};
 use super::subject::Subject;
 use super::table::row;
-use super::{Findings, Study};
+use super::{Findings, Study, Trial, Trials};
 use crate::experiment::ExperimentError;
 use crate::senses::{Approach, AuraEvent, TouchEvent};
 use crate::simulation::{PROBE_RADIUS, ProbePath, Stage, StepSenses};
@@ -22,7 +23,7 @@ pub const STUDY: Study = Study {
             lasts",
     touches: false,
     several: false,
-    measure: |subject| Ok(measure(subject)?.into()),
+    trials: Trials::of::<ApproachTrial>(),
 };
 
 /// How long before a contact it is to be predicted, seconds.
@@ -165,125 +166,199 @@ fn lasting_touch(stage: &Stage, path: ProbePath) -> Result<LastingTouch, Experim
     Ok(found)
 }
 
-/// Measures; a trial that does not succeed is a finding.
-///
-/// # Errors
-/// Where something cannot be measured at all.
-pub fn measure(subject: &Subject) -> Result<Findings<ApproachMeasurement, ApproachSummary>, ExperimentError> {
-    let stage = subject.stage()?;
-    let mut measurements: Vec<ApproachMeasurement> = Vec::new();
-    // Per way: trials, hits, limbs right, receptors named, alarms without a hit.
-    let mut counts = [[0usize; 5]; WAYS.len()];
-    let mut touched_alarms = 0;
-    let mut leads: [Vec<f64>; WAYS.len()] = Default::default();
-    for &seed in &subject.seeds {
+/// What came of one trial.
+#[derive(Debug, Default, Serialize, Deserialize)]
+pub struct ApproachTrial {
+    measurements: Vec<ApproachMeasurement>,
+    /// For each of [`WAYS`].
+    counts: [WayCounts; WAYS.len()],
+    /// Of alarms before contacts, how long before, for each of [`WAYS`], seconds.
+    leads: [Vec<f64>; WAYS.len()],
+    /// Alarms for a limb that was touched then.
+    touched_alarms: usize,
+}
+
+/// How often what came of one way.
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
+struct WayCounts {
+    trials: usize,
+    hits: usize,
+    limbs_right: usize,
+    receptors_named: usize,
+    /// Alarms without a hit.
+    false_alarms: usize,
+}
+
+impl WayCounts {
+    fn add(&mut self, other: &WayCounts) {
+        self.trials += other.trials;
+        self.hits += other.hits;
+        self.limbs_right += other.limbs_right;
+        self.receptors_named += other.receptors_named;
+        self.false_alarms += other.false_alarms;
+    }
+}
+
+impl Trial for ApproachTrial {
+    type Setting = ();
+    type Measurement = ApproachMeasurement;
+    type Summary = ApproachSummary;
+
+    fn set_up(_subject: &Subject) -> Result<(), ExperimentError> {
+        Ok(())
+    }
+
+    fn run(subject: &Subject, (): &(), seed: u64) -> Result<ApproachTrial, ExperimentError> {
+        let stage = subject.stage()?;
+        let mut trial = ApproachTrial::default();
         for (k, name) in WAYS.iter().enumerate() {
             let mut rng = ChaCha8Rng::seed_from_u64(seed);
             rng.set_stream(k as u64);
-            if *name == "touching" {
-                let path = touching_way(&stage, stage.time(), &mut rng);
-                let found = lasting_touch(&stage, path)?;
-                counts[k][0] += usize::from(found.touched);
-                counts[k][4] += found.for_missed;
-                touched_alarms += found.for_touched;
-                measurements.push(ApproachMeasurement {
-                    way: (*name).into(),
-                    seed,
-                    speed_m_s: 0.0,
-                    hit_limb: "none".into(),
-                    hit_receptor: "none".into(),
-                    predicted_limb: "none".into(),
-                    limb_right: false,
-                    receptor_named: false,
-                    alarms: found.alarms,
-                    first_alarm_s: f64::NAN,
-                });
-                continue;
+            match *name {
+                "touching" => trial.touch(&stage, k, seed, &mut rng)?,
+                _ => trial.approach(&stage, k, seed, &mut rng)?,
             }
-            let (path, speed) = way(&stage, name, stage.time(), &mut rng);
-            let end = path.end();
-            stage.send_probe(0, path)?;
-            let mut told: Vec<(f64, Option<Approach>)> = Vec::new();
-            // Nothing was near before.
-            stage.grow_aura();
-            let mut alarms: Vec<f64> = Vec::new();
-            let mut hit = None;
-            while hit.is_none() && stage.time() < end {
-                let StepSenses { time, touches, near, .. } = stage.step()?;
-                let alarmed = near.iter().any(|event| matches!(event, AuraEvent::Alarm(_)));
-                alarms.extend(alarmed.then_some(time));
-                told.push((time, stage.approaches().into_iter().next()));
-                // What touched last may still be felt to leave.
-                hit = touches.iter().find_map(|event| match event {
-                    TouchEvent::Began { contact, .. } => Some((time, contact.spot)),
-                    TouchEvent::Sensed { .. } => None,
-                });
-            }
-            // What moves away from one limb may come to another: then it is no retreat but a pass. What met a limb
-            // before anybody could predict it tells nothing.
-            let distances: Vec<f64> =
-                told.iter().filter_map(|(_, approach)| Some(approach.as_ref()?.distance)).collect();
-            let comes_near = distances.windows(2).any(|pair| pair[1] < pair[0] - 1e-4);
-            let k = if *name == "retreat" && (hit.is_some() || comes_near) { 1 } else { k };
-            let begun = told.first().map_or(0.0, |(time, _)| *time);
-            if hit.is_some_and(|(time, _)| time - AHEAD < begun + SEEN) {
-                continue;
-            }
-            let before = hit.map(|(time, _)| time - AHEAD);
-            let predicted = before.and_then(|before| {
-                let at = told.partition_point(|(time, _)| *time <= before);
-                told[..at].last()?.1.clone()?.contact
-            });
-            let limb_right = hit.is_some_and(|(_, spot)| {
-                predicted.as_ref().is_some_and(|predicted| predicted.limb == spot.limb)
-            });
-            let named = hit.is_some_and(|(_, spot)| {
-                predicted.as_ref().is_some_and(|predicted| predicted.receptors.contains(&spot.receptor))
-            });
-            let lead = hit.and_then(|(time, _)| Some(time - alarms.first()?));
-            leads[k].extend(lead);
-            let [trials, hits, right, receptors, false_alarms] = &mut counts[k];
-            *trials += 1;
-            *hits += usize::from(hit.is_some());
-            *right += usize::from(limb_right);
-            *receptors += usize::from(named);
-            *false_alarms += usize::from(hit.is_none() && !alarms.is_empty());
-            let limbs = stage.agent().creature().limbs();
-            measurements.push(ApproachMeasurement {
-                way: WAYS[k].into(),
-                seed,
-                speed_m_s: speed,
-                hit_limb: hit.map_or("none".to_string(), |(_, spot)| limbs[spot.limb].clone()),
-                hit_receptor: hit
-                    .map_or("none".to_string(), |(_, p)| stage.skin().receptors[p.receptor].id.clone()),
-                predicted_limb: predicted
-                    .map_or("none".to_string(), |predicted| limbs[predicted.limb].clone()),
-                limb_right,
-                receptor_named: named,
-                alarms: alarms.len(),
-                first_alarm_s: lead.unwrap_or(f64::NAN),
+        }
+        Ok(trial)
+    }
+
+    fn findings(
+        _subject: &Subject,
+        trials: &[ApproachTrial],
+    ) -> Findings<ApproachMeasurement, ApproachSummary> {
+        let mut all = ApproachTrial::default();
+        for trial in trials {
+            all.measurements.extend(trial.measurements.iter().cloned());
+            all.counts.iter_mut().zip(&trial.counts).for_each(|(counts, more)| counts.add(more));
+            all.leads.iter_mut().zip(&trial.leads).for_each(|(leads, more)| leads.extend(more));
+            all.touched_alarms += trial.touched_alarms;
+        }
+        findings(all)
+    }
+}
+
+impl ApproachTrial {
+    /// Lets a probe touch that stays.
+    fn touch(
+        &mut self,
+        stage: &Stage,
+        way: usize,
+        seed: u64,
+        rng: &mut ChaCha8Rng,
+    ) -> Result<(), ExperimentError> {
+        let found = lasting_touch(stage, touching_way(stage, stage.time(), rng))?;
+        self.counts[way].trials += usize::from(found.touched);
+        self.counts[way].false_alarms += found.for_missed;
+        self.touched_alarms += found.for_touched;
+        self.measurements.push(ApproachMeasurement {
+            way: WAYS[way].into(),
+            seed,
+            speed_m_s: 0.0,
+            hit_limb: "none".into(),
+            hit_receptor: "none".into(),
+            predicted_limb: "none".into(),
+            limb_right: false,
+            receptor_named: false,
+            alarms: found.alarms,
+            first_alarm_s: f64::NAN,
+        });
+        Ok(())
+    }
+
+    /// Lets a probe go one of the other ways.
+    fn approach(
+        &mut self,
+        stage: &Stage,
+        drawn: usize,
+        seed: u64,
+        rng: &mut ChaCha8Rng,
+    ) -> Result<(), ExperimentError> {
+        let (path, speed) = way(stage, WAYS[drawn], stage.time(), rng);
+        let end = path.end();
+        stage.send_probe(0, path)?;
+        let mut told: Vec<(f64, Option<Approach>)> = Vec::new();
+        // Nothing was near before.
+        stage.grow_aura();
+        let mut alarms: Vec<f64> = Vec::new();
+        let mut hit = None;
+        while hit.is_none() && stage.time() < end {
+            let StepSenses { time, touches, near, .. } = stage.step()?;
+            let alarmed = near.iter().any(|event| matches!(event, AuraEvent::Alarm(_)));
+            alarms.extend(alarmed.then_some(time));
+            told.push((time, stage.approaches().into_iter().next()));
+            // What touched last may still be felt to leave.
+            hit = touches.iter().find_map(|event| match event {
+                TouchEvent::Began { contact, .. } => Some((time, contact.spot)),
+                TouchEvent::Sensed { .. } => None,
             });
         }
-    }
-    let mut summary: Vec<ApproachSummary> = Vec::new();
-    let share = |part: usize, of: usize| part as f64 / of as f64;
-    for (name, [trials, hits, right, receptors, false_alarms]) in WAYS.iter().zip(counts) {
-        summary.push(ApproachSummary {
-            way: (*name).into(),
-            trials,
-            hits,
-            limb_accuracy: share(right, hits),
-            receptor_accuracy: share(receptors, hits),
-            false_alarms,
+        // What moves away from one limb may come to another: then it is no retreat but a pass. What met a limb
+        // before anybody could predict it tells nothing.
+        let distances: Vec<f64> =
+            told.iter().filter_map(|(_, approach)| Some(approach.as_ref()?.distance)).collect();
+        let comes_near = distances.windows(2).any(|pair| pair[1] < pair[0] - 1e-4);
+        let k = if WAYS[drawn] == "retreat" && (hit.is_some() || comes_near) { 1 } else { drawn };
+        let begun = told.first().map_or(0.0, |(time, _)| *time);
+        if hit.is_some_and(|(time, _)| time - AHEAD < begun + SEEN) {
+            return Ok(());
+        }
+        let before = hit.map(|(time, _)| time - AHEAD);
+        let predicted = before.and_then(|before| {
+            let at = told.partition_point(|(time, _)| *time <= before);
+            told[..at].last()?.1.clone()?.contact
         });
+        let limb_right = hit
+            .is_some_and(|(_, spot)| predicted.as_ref().is_some_and(|predicted| predicted.limb == spot.limb));
+        let named = hit.is_some_and(|(_, spot)| {
+            predicted.as_ref().is_some_and(|predicted| predicted.receptors.contains(&spot.receptor))
+        });
+        let lead = hit.and_then(|(time, _)| Some(time - alarms.first()?));
+        self.leads[k].extend(lead);
+        self.counts[k].add(&WayCounts {
+            trials: 1,
+            hits: usize::from(hit.is_some()),
+            limbs_right: usize::from(limb_right),
+            receptors_named: usize::from(named),
+            false_alarms: usize::from(hit.is_none() && !alarms.is_empty()),
+        });
+        let limbs = stage.agent().creature().limbs();
+        self.measurements.push(ApproachMeasurement {
+            way: WAYS[k].into(),
+            seed,
+            speed_m_s: speed,
+            hit_limb: hit.map_or("none".to_string(), |(_, spot)| limbs[spot.limb].clone()),
+            hit_receptor: hit
+                .map_or("none".to_string(), |(_, p)| stage.skin().receptors[p.receptor].id.clone()),
+            predicted_limb: predicted.map_or("none".to_string(), |predicted| limbs[predicted.limb].clone()),
+            limb_right,
+            receptor_named: named,
+            alarms: alarms.len(),
+            first_alarm_s: lead.unwrap_or(f64::NAN),
+        });
+        Ok(())
     }
-    let hits = counts.iter().map(|count| count[1]).sum();
+}
+
+/// What trials say that are put together.
+fn findings(all: ApproachTrial) -> Findings<ApproachMeasurement, ApproachSummary> {
+    let ApproachTrial { measurements, counts, leads, touched_alarms } = all;
+    let share = |part: usize, of: usize| part as f64 / of as f64;
+    let summary = WAYS.iter().zip(&counts).map(|(name, count)| ApproachSummary {
+        way: (*name).into(),
+        trials: count.trials,
+        hits: count.hits,
+        limb_accuracy: share(count.limbs_right, count.hits),
+        receptor_accuracy: share(count.receptors_named, count.hits),
+        false_alarms: count.false_alarms,
+    });
+    let mut sum = WayCounts::default();
+    counts.iter().for_each(|count| sum.add(count));
     let numbers = vec![
-        ("accuracy", json!(share(counts.iter().map(|count| count[2]).sum(), hits))),
-        ("receptor_accuracy", json!(share(counts.iter().map(|count| count[3]).sum(), hits))),
-        ("receding_alarms", json!(counts[2][4])),
+        ("accuracy", json!(share(sum.limbs_right, sum.hits))),
+        ("receptor_accuracy", json!(share(sum.receptors_named, sum.hits))),
+        ("receding_alarms", json!(counts[2].false_alarms)),
         ("touched_alarms", json!(touched_alarms)),
-        ("hits", json!(hits)),
+        ("hits", json!(sum.hits)),
     ];
     let notes = vec![
         "Balls of 16 mm on bent ways of 0.2 to 1 m/s: to a random place of the skin, past one by 5 to 30 cm, and away \
@@ -305,5 +380,5 @@ pub fn measure(subject: &Subject) -> Result<Findings<ApproachMeasurement, Approa
         y: PlotAxis { title: "", scale: AxisScale::Names(WAYS.iter().map(|name| (*name).into()).collect()) },
         series: series.collect(),
     };
-    Ok(Findings { measurements, summary, notes, plot, numbers })
+    Findings { measurements, summary: summary.collect(), notes, plot, numbers }
 }

@@ -81,6 +81,36 @@ impl Knowledge {
     pub fn new(own: OwnBody) -> Knowledge {
         Knowledge { clearance: CollisionChecker::new(&own), own }
     }
+
+    /// What a subject knows by its session, or after babbling by the first of all seeds.
+    ///
+    /// # Errors
+    /// Where it has no seeds, or its session cannot be used.
+    pub fn learned(subject: &Subject) -> Result<Knowledge, ExperimentError> {
+        let first = subject.seeds.first();
+        let first = first.ok_or_else(|| ExperimentError::refused("a study needs a seed at least"))?;
+        Ok(Knowledge::new(subject.own_body(*first)?))
+    }
+}
+
+/// What all trials share of those who act by what they have learned, and beside it by the truth.
+pub struct KnownBodies {
+    /// By what was learned.
+    pub learned: Knowledge,
+    /// By the true kinematics.
+    pub truth: Knowledge,
+}
+
+impl KnownBodies {
+    /// Those of a subject.
+    ///
+    /// # Errors
+    /// As of [`Knowledge::learned`].
+    pub fn of(subject: &Subject) -> Result<KnownBodies, ExperimentError> {
+        let learned = Knowledge::learned(subject)?;
+        let truth = Knowledge::new(learned.own.with_schema(subject.truth().schema.clone()));
+        Ok(KnownBodies { learned, truth })
+    }
 }
 
 /// A creature that acts, and the stage that it is on for those who put it there and measure.

@@ -6,11 +6,12 @@ use std::time::Instant;
 use nalgebra::{Rotation3, Vector3};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
+use serde::{Deserialize, Serialize};
 
 use super::plot::{AxisScale, PlotAxis, PlotSeries, StudyPlot};
 use super::subject::{Subject, median, share};
-use super::table::row;
-use super::{Findings, Study};
+use super::table::{WallTime, row};
+use super::{Findings, Study, Trial, Trials};
 use crate::calibration::robot::{Element, Knowledge, Link, Posed, Quantity, Robot, Unit, Value};
 use crate::calibration::simulated::{
     add_joint_noise, add_point_noise, double, falsify, misread, normal, point_touches, robot_of,
@@ -26,7 +27,7 @@ pub const STUDY: Study = Study {
     about: "whether a robot whose encoders or joints are off is put right by self-touch, from logs clean and not",
     touches: true,
     several: false,
-    measure: |subject| Ok(measure(subject)?.into()),
+    trials: Trials::of::<CalibrationTrial>(),
 };
 
 /// The greatest offset, degrees, and how far gains are from 1.
@@ -138,7 +139,7 @@ row! {
         gain: f64 = "worst gain",
         ratio: f64 = "error / bound",
         right: bool = "right",
-        seconds: f64 = "seconds",
+        seconds: WallTime = "seconds",
         untold: String = "not told",
     }
 }
@@ -156,22 +157,31 @@ row! {
         offset_rms_deg: f64 = "offset, RMS, °",
         gain: f64 = "worst gain",
         ratio: f64 = "error / bound",
-        seconds: f64 = "seconds",
+        seconds: WallTime = "seconds",
     }
 }
 
-/// Measures; a trial that does not succeed is a finding.
-///
-/// # Errors
-/// Where something cannot be measured at all.
-pub fn measure(
-    subject: &Subject,
-) -> Result<Findings<CalibrationMeasurement, CalibrationSummary>, ExperimentError> {
-    let cases = if subject.cases.is_empty() { CalibrationCase::ALL } else { &subject.cases };
-    let mut measurements: Vec<CalibrationMeasurement> = Vec::new();
-    for &seed in &subject.seeds {
+/// The cases of a subject: all where none is named.
+fn cases<'a>(subject: &'a Subject) -> &'a [CalibrationCase] {
+    if subject.cases.is_empty() { CalibrationCase::ALL } else { &subject.cases }
+}
+
+/// The measurements of one trial, case by case.
+#[derive(Debug, Serialize, Deserialize)]
+pub struct CalibrationTrial(Vec<CalibrationMeasurement>);
+
+impl Trial for CalibrationTrial {
+    type Setting = ();
+    type Measurement = CalibrationMeasurement;
+    type Summary = CalibrationSummary;
+
+    fn set_up(_subject: &Subject) -> Result<(), ExperimentError> {
+        Ok(())
+    }
+
+    fn run(subject: &Subject, (): &(), seed: u64) -> Result<CalibrationTrial, ExperimentError> {
         let babbled = subject.babble(seed)?;
-        for &case in cases {
+        let measured = cases(subject).iter().map(|&case| {
             subject.tell(seed, case.name());
             let mut robot = robot_of(subject.agent(), &subject.truth().schema);
             let touches = if case.is_of_joints() {
@@ -183,9 +193,23 @@ pub fn measure(
             } else {
                 point_touches(subject.agent(), &subject.truth().schema, &robot, &babbled)
             };
-            measurements.push(trial(case, robot, touches, seed));
-        }
+            calibrated(case, robot, touches, seed)
+        });
+        Ok(CalibrationTrial(measured.collect()))
     }
+
+    fn findings(
+        subject: &Subject,
+        trials: &[CalibrationTrial],
+    ) -> Findings<CalibrationMeasurement, CalibrationSummary> {
+        findings(cases(subject), trials.iter().flat_map(|trial| trial.0.clone()).collect())
+    }
+}
+
+fn findings(
+    cases: &[CalibrationCase],
+    measurements: Vec<CalibrationMeasurement>,
+) -> Findings<CalibrationMeasurement, CalibrationSummary> {
     let summarized = |&case: &CalibrationCase| {
         let of = || measurements.iter().filter(|found| found.case == case.name());
         let each = |value: fn(&CalibrationMeasurement) -> f64| of().map(value).collect::<Vec<f64>>();
@@ -204,7 +228,7 @@ pub fn measure(
             offset_rms_deg: rms(each(|found| found.offset_rms_deg)),
             gain: worst(|found| found.gain),
             ratio: rms(each(|found| found.ratio)),
-            seconds: median(each(|found| found.seconds)),
+            seconds: WallTime(median(each(|found| found.seconds.0))),
         }
     };
     let summary = cases.iter().map(summarized).collect();
@@ -232,7 +256,7 @@ pub fn measure(
             scale: AxisScale::Names(cases.iter().map(|case| case.name().into()).collect()),
         },
     };
-    Ok(Findings { measurements, summary, notes, plot, numbers: Vec::new() })
+    Findings { summary, notes, plot, numbers: Vec::new(), measurements }
 }
 
 /// Limbs that carry no other and are carried themselves: fingertips.
@@ -350,7 +374,7 @@ fn sizes(robot: &Robot, values: &[Value], touches: &[Touch]) -> Vec<f64> {
     touches.iter().map(size).collect()
 }
 
-fn trial(
+fn calibrated(
     case: CalibrationCase,
     mut robot: Robot,
     mut exact: Vec<Touch>,
@@ -385,7 +409,7 @@ fn trial(
     let started = Instant::now();
     let estimator = Estimator::new(&robot, &fitted, options);
     let fit = estimator.fit();
-    let seconds = started.elapsed().as_secs_f64();
+    let seconds = WallTime(started.elapsed().as_secs_f64());
     let told =
         |quantity: usize| estimator.unknowns.place(quantity, 0).filter(|place| fit.told.is_told(*place));
     let error = |quantity: usize| (fit.values[quantity].number() - truth[quantity].number()).abs();

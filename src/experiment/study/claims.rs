@@ -7,11 +7,12 @@
 use std::collections::BTreeMap;
 
 use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
 
 use super::plot::{AxisScale, PlotAxis, PlotSeries, StudyPlot};
 use super::subject::{Subject, median};
-use super::table::row;
-use super::{Findings, Study};
+use super::table::{WallTime, row};
+use super::{Findings, Study, Trial, Trials};
 use crate::babbling::{BabblingOptions, PolicyName};
 use crate::creature::JointSelection;
 use crate::evaluation::{HeldOutError, HeldOutPoint, held_out, held_out_points};
@@ -28,7 +29,7 @@ pub const STUDY: Study = Study {
     about: "how many claims are wrong, of lm over creatures, inputs, counts of touches and noises, and of growth by stages",
     touches: false,
     several: true,
-    measure: |subject| Ok(measure(subject)?.into()),
+    trials: Trials::of::<ClaimsTrial>(),
 };
 
 /// The policies whose sessions it looks at.
@@ -81,7 +82,7 @@ row! {
         right: usize = "pairs placed in truth",
         right_claimed: usize = "of these claimed",
         false_changes: usize = "false changes",
-        seconds: f64 = "seconds",
+        seconds: WallTime = "seconds",
         reason: String = "reason",
         command: String = "command",
     }
@@ -104,7 +105,7 @@ row! {
         false_changes: usize = "false changes",
         right_claimed: f64 = "right ones claimed",
         worst_mm: f64 = "worst claim, mm",
-        seconds: f64 = "seconds",
+        seconds: WallTime = "seconds",
     }
 }
 
@@ -116,16 +117,23 @@ struct Condition {
     touches: usize,
 }
 
-/// Measures; a trial that does not succeed is a finding.
-///
-/// # Errors
-/// Where something cannot be measured at all.
-pub fn measure(subject: &Subject) -> Result<Findings<ClaimsMeasurement, ClaimsSummary>, ExperimentError> {
-    let creatures: Vec<&Embodied> = subject.creatures().collect();
-    let mut measurements: Vec<ClaimsMeasurement> = Vec::new();
-    let asked = |policy: PolicyName| subject.policy.is_none_or(|asked| asked == policy);
-    for &seed in &subject.seeds {
-        for creature in &creatures {
+/// The sessions of one trial, creature by creature.
+#[derive(Debug, Serialize, Deserialize)]
+pub struct ClaimsTrial(Vec<ClaimsMeasurement>);
+
+impl Trial for ClaimsTrial {
+    type Setting = ();
+    type Measurement = ClaimsMeasurement;
+    type Summary = ClaimsSummary;
+
+    fn set_up(_subject: &Subject) -> Result<(), ExperimentError> {
+        Ok(())
+    }
+
+    fn run(subject: &Subject, (): &(), seed: u64) -> Result<ClaimsTrial, ExperimentError> {
+        let mut measurements = Vec::new();
+        let asked = |policy: PolicyName| subject.policy.is_none_or(|asked| asked == policy);
+        for creature in subject.creatures() {
             subject.tell(seed, creature.creature().name());
             let points = held_out_points(creature.agent());
             let parts = [random(creature), staged(creature)];
@@ -137,8 +145,12 @@ pub fn measure(subject: &Subject) -> Result<Findings<ClaimsMeasurement, ClaimsSu
                 measurements.par_extend(conditions.par_iter().map(session_of));
             }
         }
+        Ok(ClaimsTrial(measurements))
     }
-    Ok(findings(measurements))
+
+    fn findings(_subject: &Subject, trials: &[ClaimsTrial]) -> Findings<ClaimsMeasurement, ClaimsSummary> {
+        findings(trials.iter().flat_map(|trial| trial.0.clone()).collect())
+    }
 }
 
 /// How a creature babbles at random, and how many touches at the most.
@@ -213,7 +225,7 @@ fn session(
     let mut learner = options.learner(&felt.agent, seed);
     felt.touches.iter().for_each(|touch| learner.touch(touch));
     let learned = learner.learn();
-    let seconds = began.elapsed().as_secs_f64();
+    let seconds = WallTime(began.elapsed().as_secs_f64());
     let judged = judge(creature, &learned, points);
     let changed = |change: &&crate::learning::BodyChange| !matches!(change.what, What::Corrected { .. });
     let (verdict, reason) = match &learned.verdict {
@@ -399,6 +411,6 @@ fn summarize([creature, policy, input, noise]: [String; 4], rows: &[&ClaimsMeasu
         false_changes: count(&|one| one.false_changes > 0),
         right_claimed: sum(|one| one.right_claimed) as f64 / sum(|one| one.right) as f64,
         worst_mm: rows.iter().map(|one| one.worst_mm).fold(f64::NAN, f64::max),
-        seconds: median(rows.iter().map(|one| one.seconds)),
+        seconds: WallTime(median(rows.iter().map(|one| one.seconds.0))),
     }
 }

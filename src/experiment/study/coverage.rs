@@ -2,10 +2,12 @@
 
 use std::time::Instant;
 
+use serde::{Deserialize, Serialize};
+
 use super::plot::{AxisScale, PlotAxis, PlotSeries, StudyPlot};
 use super::subject::{Subject, median, share};
-use super::table::row;
-use super::{Findings, Study};
+use super::table::{WallTime, row};
+use super::{Findings, Study, Trial, Trials};
 use crate::evaluation::coverage::{NormalizedErrors, covered, with_gap_noise};
 use crate::evaluation::{CramerRaoBound, held_out, held_out_points};
 use crate::experiment::ExperimentError;
@@ -18,7 +20,7 @@ pub const STUDY: Study = Study {
     about: "how near lm gets to the least possible error, and how often its intervals hold the truth",
     touches: true,
     several: false,
-    measure: |subject| Ok(measure(subject)?.into()),
+    trials: Trials::of::<CoverageTrial>(),
 };
 
 /// Where a fit begins.
@@ -65,7 +67,7 @@ row! {
         points_covered: f64 = "points covered",
         positions_covered: f64 = "positions covered",
         axes_covered: f64 = "axes covered",
-        seconds: f64 = "seconds",
+        seconds: WallTime = "seconds",
     }
 }
 
@@ -82,76 +84,67 @@ row! {
         points_covered: f64 = "points covered",
         positions_covered: f64 = "positions",
         axes_covered: f64 = "axes",
-        seconds: f64 = "seconds",
+        seconds: WallTime = "seconds",
     }
 }
 
-/// What one condition came to in one trial.
-struct CoverageTrial {
-    touches: usize,
-    converged: bool,
-    noise_estimate_mm: f64,
-    bound: Option<CramerRaoBound>,
-    /// Shares of placed points, positions and axes within their intervals.
-    covered: [f64; 3],
-    seconds: f64,
-}
+/// The measurements of one trial, one for each of [`CONDITIONS`].
+#[derive(Debug, Serialize, Deserialize)]
+pub struct CoverageTrial(Vec<CoverageMeasurement>);
 
-impl CoverageTrial {
-    fn of(&self, value: fn(&CramerRaoBound) -> f64) -> f64 {
-        self.bound.as_ref().map_or(f64::NAN, value)
+impl CoverageMeasurement {
+    /// Whether there is a bound that its errors can be held against.
+    fn is_bounded(&self) -> bool {
+        !self.bound_rms_mm.is_nan()
     }
 }
 
-/// Measures; a trial that does not succeed is a finding.
-///
-/// # Errors
-/// Where something cannot be measured at all.
-pub fn measure(subject: &Subject) -> Result<Findings<CoverageMeasurement, CoverageSummary>, ExperimentError> {
-    let mut measurements: Vec<CoverageMeasurement> = Vec::new();
-    let mut found: Vec<Vec<CoverageTrial>> = CONDITIONS.iter().map(|_| Vec::new()).collect();
-    for &seed in &subject.seeds {
+impl Trial for CoverageTrial {
+    type Setting = ();
+    type Measurement = CoverageMeasurement;
+    type Summary = CoverageSummary;
+
+    fn set_up(_subject: &Subject) -> Result<(), ExperimentError> {
+        Ok(())
+    }
+
+    fn run(subject: &Subject, (): &(), seed: u64) -> Result<CoverageTrial, ExperimentError> {
         let touches = subject.babble(seed)?;
-        for (k, &(noise_mm, initial_guess)) in CONDITIONS.iter().enumerate() {
+        let measured = CONDITIONS.iter().map(|&(noise_mm, initial_guess)| {
             subject.tell(seed, &format!("noise of {noise_mm} mm, initial guess {}", initial_guess.name()));
-            let trial = attempt(subject, &touches, noise_mm, initial_guess, seed);
-            measurements.push(CoverageMeasurement {
-                initial_guess: initial_guess.name().into(),
-                noise_mm,
-                seed,
-                touches: trial.touches,
-                converged: trial.converged,
-                noise_estimate_mm: trial.noise_estimate_mm,
-                bound_rms_mm: trial.of(|bound| bound.bound_rms),
-                error_rms_mm: trial.of(|bound| bound.error_rms),
-                ratio: trial.of(|bound| bound.ratio),
-                points_covered: trial.covered[0],
-                positions_covered: trial.covered[1],
-                axes_covered: trial.covered[2],
-                seconds: trial.seconds,
-            });
-            found[k].push(trial);
-        }
+            attempt(subject, &touches, noise_mm, initial_guess, seed)
+        });
+        Ok(CoverageTrial(measured.collect()))
     }
+
+    fn findings(
+        _subject: &Subject,
+        trials: &[CoverageTrial],
+    ) -> Findings<CoverageMeasurement, CoverageSummary> {
+        findings(trials)
+    }
+}
+
+fn findings(trials: &[CoverageTrial]) -> Findings<CoverageMeasurement, CoverageSummary> {
     let mut summary: Vec<CoverageSummary> = Vec::new();
-    for ((noise_mm, initial_guess), trials) in CONDITIONS.iter().zip(&found) {
-        let judged = || trials.iter().filter(|trial| trial.converged && trial.bound.is_some());
-        let rms =
-            |value: fn(&CramerRaoBound) -> f64| mean(judged().map(|trial| trial.of(value).powi(2))).sqrt();
-        let (bound, error) = (rms(|bound| bound.bound_rms), rms(|bound| bound.error_rms));
-        let covered = |kind: usize| mean(judged().map(|trial| trial.covered[kind]));
+    for (k, (noise_mm, initial_guess)) in CONDITIONS.iter().enumerate() {
+        let of = || trials.iter().filter_map(|trial| trial.0.get(k));
+        let judged = || of().filter(|row| row.converged && row.is_bounded());
+        let mean_of = |value: fn(&CoverageMeasurement) -> f64| mean(judged().map(value));
+        let (bound, error) =
+            (mean_of(|row| row.bound_rms_mm.powi(2)).sqrt(), mean_of(|row| row.error_rms_mm.powi(2)).sqrt());
         summary.push(CoverageSummary {
             initial_guess: initial_guess.name().into(),
             noise_mm: *noise_mm,
-            converged: share(trials.iter().map(|trial| trial.converged)),
-            noise_estimate_mm: mean(judged().map(|trial| trial.noise_estimate_mm)),
+            converged: share(of().map(|row| row.converged)),
+            noise_estimate_mm: mean_of(|row| row.noise_estimate_mm),
             bound_rms_mm: bound,
             error_rms_mm: error,
             ratio: error / bound,
-            points_covered: covered(0),
-            positions_covered: covered(1),
-            axes_covered: covered(2),
-            seconds: median(trials.iter().map(|trial| trial.seconds)),
+            points_covered: mean_of(|row| row.points_covered),
+            positions_covered: mean_of(|row| row.positions_covered),
+            axes_covered: mean_of(|row| row.axes_covered),
+            seconds: WallTime(median(of().map(|row| row.seconds.0))),
         });
     }
     let notes = vec![
@@ -168,9 +161,10 @@ pub fn measure(subject: &Subject) -> Result<Findings<CoverageMeasurement, Covera
     let plot = StudyPlot {
         x: PlotAxis { title: "Cramér-Rao bound, rms, mm", scale: AxisScale::Logarithmic },
         y: PlotAxis { title: "held-out error, rms, mm (line: the bound)", scale: AxisScale::Logarithmic },
-        series: series(&found),
+        series: series(trials),
     };
-    Ok(Findings { measurements, summary, notes, plot, numbers: Vec::new() })
+    let measurements = trials.iter().flat_map(|trial| trial.0.clone()).collect();
+    Findings { measurements, summary, notes, plot, numbers: Vec::new() }
 }
 
 /// One fit and its judgement.
@@ -180,7 +174,7 @@ fn attempt(
     noise_mm: f64,
     initial_guess: StartingPoint,
     seed: u64,
-) -> CoverageTrial {
+) -> CoverageMeasurement {
     let (agent, truth) = (subject.agent(), subject.truth());
     let creature = agent.creature();
     let noisy = with_gap_noise(agent, truth, touches, 1e-3 * noise_mm, seed);
@@ -191,7 +185,7 @@ fn attempt(
         StartingPoint::Truth => learner.refine(&truth.schema),
         StartingPoint::Random => learner.learn(),
     };
-    let seconds = began.elapsed().as_secs_f64();
+    let seconds = WallTime(began.elapsed().as_secs_f64());
     let points = held_out_points(agent);
     let schema = &learned.schema;
     let (mut bound, mut shares) = (None, [f64::NAN; 3]);
@@ -202,24 +196,33 @@ fn attempt(
         let errors = NormalizedErrors::new(creature, truth, schema, observability, &points);
         shares = [&errors.points, &errors.positions, &errors.axes].map(|errors| covered(errors));
     }
-    CoverageTrial {
+    let of = |value: fn(&CramerRaoBound) -> f64| bound.as_ref().map_or(f64::NAN, value);
+    let [points_covered, positions_covered, axes_covered] = shares;
+    CoverageMeasurement {
+        initial_guess: initial_guess.name().into(),
+        noise_mm,
+        seed,
         touches: noisy.len(),
         converged: !matches!(learned.verdict, Verdict::Failed(_)),
         noise_estimate_mm: learned.deviation.map_or(f64::NAN, |metres| 1e3 * metres),
-        bound,
-        covered: shares,
+        bound_rms_mm: of(|bound| bound.bound_rms),
+        error_rms_mm: of(|bound| bound.error_rms),
+        ratio: of(|bound| bound.ratio),
+        points_covered,
+        positions_covered,
+        axes_covered,
         seconds,
     }
 }
 
 /// The trials of each initial guess, the error over the bound; and the bound itself as a line.
-fn series(found: &[Vec<CoverageTrial>]) -> Vec<PlotSeries> {
+fn series(trials: &[CoverageTrial]) -> Vec<PlotSeries> {
+    let bounded = || trials.iter().flat_map(|trial| &trial.0).filter(|row| row.is_bounded());
     let dots = |initial_guess: StartingPoint| {
-        let trials = CONDITIONS.iter().zip(found).filter(|((_, other), _)| *other == initial_guess);
-        let bounds = trials.flat_map(|(_, trials)| trials).filter_map(|trial| trial.bound);
-        bounds.map(|bound| (bound.bound_rms, bound.error_rms)).collect::<Vec<_>>()
+        let rows = bounded().filter(|row| row.initial_guess == initial_guess.name());
+        rows.map(|row| (row.bound_rms_mm, row.error_rms_mm)).collect()
     };
-    let all: Vec<f64> = found.iter().flatten().filter_map(|trial| trial.bound).map(|b| b.bound_rms).collect();
+    let all: Vec<f64> = bounded().map(|row| row.bound_rms_mm).collect();
     let least = all.iter().copied().fold(f64::INFINITY, f64::min);
     let greatest = all.iter().copied().fold(0.0, f64::max);
     let line = if all.is_empty() { Vec::new() } else { vec![(least, least), (greatest, greatest)] };

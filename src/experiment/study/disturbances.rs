@@ -1,9 +1,11 @@
 //! What it costs when the senses are wrong.
 
+use serde::{Deserialize, Serialize};
+
 use super::plot::{AxisScale, PlotAxis, PlotSeries, StudyPlot};
-use super::subject::{LearnerRun, Subject, median, share};
-use super::table::row;
-use super::{Findings, Study};
+use super::subject::{Subject, median, share};
+use super::table::{WallTime, row};
+use super::{Findings, Study, Trial, Trials};
 use crate::experiment::DisturbanceLevels;
 use crate::experiment::ExperimentError;
 use crate::experiment::LearningOptions;
@@ -14,7 +16,7 @@ pub const STUDY: Study = Study {
     about: "what it costs lm when the senses are wrong",
     touches: true,
     several: false,
-    measure: |subject| Ok(measure(subject)?.into()),
+    trials: Trials::of::<DisturbancesTrial>(),
 };
 
 /// Joint noise in degrees, receptor noise in millimetres, share of false touches. The first is the one that
@@ -47,7 +49,7 @@ row! {
         noise_estimate_mm: f64 = "own noise estimate, mm",
         factor: f64 = "times undisturbed",
         initial_guesses: usize = "initial guesses",
-        seconds: f64 = "seconds",
+        seconds: WallTime = "seconds",
     }
 }
 
@@ -60,80 +62,81 @@ row! {
         hand_mm: f64 = "hand, mm",
         noise_estimate_mm: f64 = "own noise estimate, mm",
         factor: f64 = "times undisturbed",
-        seconds: f64 = "learning, s",
+        seconds: WallTime = "learning, s",
     }
 }
 
-/// What one condition came to in one trial.
-struct DisturbedTrial {
-    attempt: LearnerRun,
-    factor: f64,
-}
-
-impl DisturbedTrial {
-    /// Standard deviation of a touch's gap as the learner itself sees it, millimetres; NaN where it failed.
-    fn noise_estimate_mm(&self) -> f64 {
-        self.attempt.learned.deviation.map_or(f64::NAN, |metres| 1e3 * metres)
-    }
-}
-
-fn levels(joint_noise: f64, receptor_noise: f64, false_touches: f64) -> DisturbanceLevels {
+fn levels([joint_noise, receptor_noise, false_touches]: [f64; 3]) -> DisturbanceLevels {
     DisturbanceLevels { joint_noise, receptor_noise, false_touches, point_noise: 0.0 }
 }
 
-/// Measures; a trial that does not succeed is a finding.
-///
-/// # Errors
-/// Where something cannot be measured at all.
-pub fn measure(
-    subject: &Subject,
-) -> Result<Findings<DisturbancesMeasurement, DisturbancesSummary>, ExperimentError> {
-    let conditions = CONDITIONS.map(|[joints, receptors, touches]| {
-        (levels(joints, receptors, touches), [joints, receptors, touches])
-    });
-    let mut measurements: Vec<DisturbancesMeasurement> = Vec::new();
-    let mut found: Vec<Vec<DisturbedTrial>> = conditions.iter().map(|_| Vec::new()).collect();
-    for &seed in &subject.seeds {
+/// The measurements of one trial, one for each of [`CONDITIONS`].
+#[derive(Debug, Serialize, Deserialize)]
+pub struct DisturbancesTrial(Vec<DisturbancesMeasurement>);
+
+impl Trial for DisturbancesTrial {
+    type Setting = ();
+    type Measurement = DisturbancesMeasurement;
+    type Summary = DisturbancesSummary;
+
+    fn set_up(_subject: &Subject) -> Result<(), ExperimentError> {
+        Ok(())
+    }
+
+    fn run(subject: &Subject, (): &(), seed: u64) -> Result<DisturbancesTrial, ExperimentError> {
         let touches = subject.babble(seed)?;
         let mut undisturbed_mm = f64::NAN;
-        for (k, (disturbances, amounts)) in conditions.iter().enumerate() {
+        let mut measurements = Vec::new();
+        for (k, amounts) in CONDITIONS.into_iter().enumerate() {
+            let disturbances = levels(amounts);
             subject.tell(seed, &format!("disturbances: {disturbances}"));
-            let options = LearningOptions { disturbances: *disturbances, ..LearningOptions::default() };
+            let options = LearningOptions { disturbances, ..LearningOptions::default() };
             let attempt = subject.learn(&options, &touches, seed);
             if k == 0 {
                 undisturbed_mm = attempt.heldout_mm();
             }
-            let trial = DisturbedTrial { factor: attempt.heldout_mm() / undisturbed_mm, attempt };
             measurements.push(DisturbancesMeasurement {
                 disturbances: disturbances.to_string(),
                 joint_noise_deg: amounts[0],
                 receptor_noise_mm: amounts[1],
                 false_touches: amounts[2],
                 seed,
-                converged: trial.attempt.converged(),
-                heldout_mm: trial.attempt.heldout_mm(),
-                hand_mm: trial.attempt.hand_mm(),
-                noise_estimate_mm: trial.noise_estimate_mm(),
-                factor: trial.factor,
-                initial_guesses: trial.attempt.learned.initial_guesses,
-                seconds: trial.attempt.seconds,
+                converged: attempt.converged(),
+                heldout_mm: attempt.heldout_mm(),
+                hand_mm: attempt.hand_mm(),
+                // Of a touch's gap as the learner itself sees it; there is none where it failed.
+                noise_estimate_mm: attempt.learned.deviation.map_or(f64::NAN, |metres| 1e3 * metres),
+                factor: attempt.heldout_mm() / undisturbed_mm,
+                initial_guesses: attempt.learned.initial_guesses,
+                seconds: attempt.seconds,
             });
-            found[k].push(trial);
         }
+        Ok(DisturbancesTrial(measurements))
     }
+
+    fn findings(
+        _subject: &Subject,
+        trials: &[DisturbancesTrial],
+    ) -> Findings<DisturbancesMeasurement, DisturbancesSummary> {
+        findings(trials)
+    }
+}
+
+fn findings(trials: &[DisturbancesTrial]) -> Findings<DisturbancesMeasurement, DisturbancesSummary> {
+    let of = |k: usize| trials.iter().filter_map(move |trial| trial.0.get(k));
     let mut summary: Vec<DisturbancesSummary> = Vec::new();
-    for ((disturbances, _), trials) in conditions.iter().zip(&found) {
-        let median_of = |value: fn(&DisturbedTrial) -> f64| median(trials.iter().map(value));
+    for (k, amounts) in CONDITIONS.into_iter().enumerate() {
+        let median_of = |value: fn(&DisturbancesMeasurement) -> f64| median(of(k).map(value));
         // A learner that failed makes no estimate; the others' still tell.
-        let estimates = trials.iter().map(DisturbedTrial::noise_estimate_mm).filter(|mm| mm.is_finite());
+        let estimates = of(k).map(|row| row.noise_estimate_mm).filter(|mm| mm.is_finite());
         summary.push(DisturbancesSummary {
-            disturbances: disturbances.to_string(),
-            converged: share(trials.iter().map(|trial| trial.attempt.converged())),
-            heldout_mm: median_of(|trial| trial.attempt.heldout_mm()),
-            hand_mm: median_of(|trial| trial.attempt.hand_mm()),
+            disturbances: levels(amounts).to_string(),
+            converged: share(of(k).map(|row| row.converged)),
+            heldout_mm: median_of(|row| row.heldout_mm),
+            hand_mm: median_of(|row| row.hand_mm),
             noise_estimate_mm: median(estimates),
-            factor: median_of(|trial| trial.factor),
-            seconds: median_of(|trial| trial.attempt.seconds),
+            factor: median_of(|row| row.factor),
+            seconds: WallTime(median_of(|row| row.seconds.0)),
         });
     }
     let notes = vec![
@@ -148,30 +151,31 @@ pub fn measure(
             .to_string(),
     ];
     // The plot has little room for the words of a combination.
-    let label = |(disturbances, amounts): &(DisturbanceLevels, [f64; 3])| {
+    let label = |amounts: [f64; 3]| {
         let [joints, receptors, touches] = amounts;
         match amounts.iter().filter(|amount| **amount > 0.0).count() {
-            0 | 1 => disturbances.to_string(),
+            0 | 1 => levels(amounts).to_string(),
             _ => format!("together {joints}°, {receptors} mm, {:.0} %", 1e2 * touches),
         }
     };
-    let names = conditions.iter().map(label).collect();
+    let names = CONDITIONS.map(label).into();
     let plot = StudyPlot {
         x: PlotAxis { title: "mean held-out error, mm", scale: AxisScale::Logarithmic },
         y: PlotAxis { title: "", scale: AxisScale::Names(names) },
-        series: [("converged", true), ("not converged", false)].map(|which| dots(which, &found)).into(),
+        series: [("converged", true), ("not converged", false)].map(|which| dots(which, trials)).into(),
     };
-    Ok(Findings { measurements, summary, notes, plot, numbers: Vec::new() })
+    let measurements = trials.iter().flat_map(|trial| trial.0.clone()).collect();
+    Findings { measurements, summary, notes, plot, numbers: Vec::new() }
 }
 
 /// The trials that converged or those that did not, at their condition's place, a little apart.
-fn dots((name, converged): (&str, bool), found: &[Vec<DisturbedTrial>]) -> PlotSeries {
+fn dots((name, converged): (&str, bool), trials: &[DisturbancesTrial]) -> PlotSeries {
     let mut dots = Vec::new();
-    for (condition, trials) in found.iter().enumerate() {
+    for condition in 0..CONDITIONS.len() {
         for (k, trial) in trials.iter().enumerate() {
-            if trial.attempt.converged() == converged {
+            if let Some(row) = trial.0.get(condition).filter(|row| row.converged == converged) {
                 let apart = 0.5 * ((k as f64 + 0.5) / trials.len() as f64 - 0.5);
-                dots.push((trial.attempt.heldout_mm(), condition as f64 + apart));
+                dots.push((row.heldout_mm, condition as f64 + apart));
             }
         }
     }

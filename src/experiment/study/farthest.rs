@@ -4,14 +4,15 @@ use nalgebra::{Isometry3, Translation3, Vector3};
 use rand::RngExt;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
+use serde::{Deserialize, Serialize};
 use serde_json::json;
 
-use super::at_table::{Knowledge, OnStage, TOP, at_table, on_table, shape};
+use super::at_table::{Knowledge, KnownBodies, OnStage, TOP, at_table, on_table, shape};
 use super::exhaustive_reach::GripProblem;
 use super::plot::{AxisScale, PlotAxis, PlotSeries, StudyPlot};
 use super::subject::{Subject, median, share};
 use super::table::row;
-use super::{Findings, Study};
+use super::{Findings, Study, Trial, Trials};
 use crate::experiment::ExperimentError;
 use crate::interaction::Trouble;
 use crate::kinematics::Place;
@@ -23,7 +24,7 @@ pub const STUDY: Study = Study {
     about: "how far away it puts what it holds, of what is truly possible, with and without leaning",
     touches: true,
     several: false,
-    measure: |subject| Ok(measure(subject)?.into()),
+    trials: Trials::of::<FarthestTrial>(),
 };
 
 /// Draws of a thing until there is one that a hand finds and holds.
@@ -79,171 +80,177 @@ row! {
     }
 }
 
-struct PlacingTrial {
-    seed: u64,
-    forward: f64,
-    by_truth: f64,
-    maximum: f64,
-    searched: f64,
-    half: f64,
-    bound: f64,
-    put: bool,
-    off: f64,
-    tilt: f64,
+/// What came of one trial.
+#[derive(Debug, Default, Serialize, Deserialize)]
+pub struct FarthestTrial {
+    /// Upright and leaning, where a thing was held.
+    measurements: Vec<FarthestMeasurement>,
+    /// Postures that the exhaustive search looked at.
+    looked_at: usize,
+    /// How often no thing was held.
+    not_held: usize,
 }
 
-impl PlacingTrial {
-    fn ratio(&self) -> f64 {
-        self.forward / self.maximum
+impl Trial for FarthestTrial {
+    type Setting = KnownBodies;
+    type Measurement = FarthestMeasurement;
+    type Summary = FarthestSummary;
+
+    fn set_up(subject: &Subject) -> Result<KnownBodies, ExperimentError> {
+        KnownBodies::of(subject)
     }
-}
 
-/// Measures; a trial that does not succeed is a finding.
-///
-/// # Errors
-/// Where something cannot be measured at all.
-pub fn measure(subject: &Subject) -> Result<Findings<FarthestMeasurement, FarthestSummary>, ExperimentError> {
-    let learned = Knowledge::new(subject.own_body(subject.seeds[0])?);
-    let truth = Knowledge::new(learned.own.with_schema(subject.truth().schema.clone()));
-    let mut measurements: Vec<FarthestMeasurement> = Vec::new();
-    let mut trials: [Vec<PlacingTrial>; 2] = Default::default();
-    let (mut looked_at, mut not_held) = (0, 0);
-    for &seed in &subject.seeds {
+    fn run(subject: &Subject, bodies: &KnownBodies, seed: u64) -> Result<FarthestTrial, ExperimentError> {
         subject.tell(seed, "holding");
-        for (k, lean) in [false, true].into_iter().enumerate() {
+        let mut trial = FarthestTrial::default();
+        for lean in [false, true] {
             let mut rng = ChaCha8Rng::seed_from_u64(seed);
             let mut held = None;
             for _ in 0..DRAWS {
-                held = hold(subject, &learned, seed, &mut rng)?;
+                held = hold(subject, &bodies.learned, seed, &mut rng)?;
                 if held.is_some() {
                     break;
                 }
             }
-            let Some((mut actor, receptor)) = held else {
-                not_held += 1;
+            let Some((actor, receptor)) = held else {
+                trial.not_held += 1;
                 continue;
             };
             let Some(hand) = actor.arm_of(receptor) else { continue };
-            if lean && let Err(Trouble::Engine(error)) = actor.make_way_to_lean(receptor, EFFORT) {
-                return Err(error.into());
-            }
-            let limb = actor.own.place(receptor).limb;
-            let upright = actor.frames()[limb].rotation.tr_mul(&actor.up);
-            let height = actor.feels_at(receptor).0.dot(&actor.up);
-            let spot = actor.farthest(receptor, height, upright, lean, EFFORT);
-            // The same question to the same search with the true kinematics, …
-            actor.own = truth.own.clone();
-            let by_truth = actor.farthest(receptor, height, upright, lean, EFFORT);
-            // … and to another one that takes its time, as if the arm that is idle were out of the way.
-            let place = Place { direction: upright, ..truth.own.place(receptor) };
-            let (up, front) = (actor.up, actor.front);
-            let joints = actor.hands[hand].joints(lean).to_vec();
-            let idle = truth.own.moved_by(&actor.hands[1 - hand].arm);
-            let clearance = actor.clearance.moved_by(&truth.own, &joints).without(&idle);
-            let from = actor.posture();
-            let problem =
-                GripProblem { own: &truth.own, clearance, joints: &joints, place, up, front, height, from };
-            let maximum = problem.search(RUNS[k], &mut rng);
-            let bound = problem.upper_bound().unwrap_or(f64::NAN);
-            looked_at += maximum.looked_at;
-            actor.own = learned.own.clone();
-            let forward = |posture: &[f64]| truth.own.frames(posture)[limb].point(&place.point).dot(&front);
-            // Without a spot nothing is reached.
-            let reached = spot.as_ref().map_or(0.0, |spot| forward(&spot.posture));
-            let by_truth = by_truth.map_or(0.0, |spot| forward(&spot.posture));
-            // What any of them found can be.
-            let best = [reached, by_truth].into_iter().fold(maximum.forward, f64::max);
-            let thing = actor.the_thing()?;
-            let before = actor.stage.thing_pose(thing);
-            let (mut told, mut off, mut tilt, mut put) =
-                ("there is no way".to_string(), f64::NAN, 0.0, false);
-            if let Some(spot) = &spot {
-                // Where the thing is to be, rigidly in the hand.
-                let grip = actor.stage.limb_pose(limb).inv_mul(&before);
-                let at_spot = truth.own.frames(&spot.posture)[limb];
-                let in_root = Isometry3::from_parts(Translation3::from(at_spot.origin), at_spot.quaternion());
-                let wanted = actor.stage.root_pose() * in_root * grip;
-                let result = actor.put(receptor, spot, lean);
-                let after = actor.stage.thing_pose(thing);
-                off = (after.translation.vector - wanted.translation.vector).xy().norm();
-                tilt = tilted(&before, &after);
-                let stands = stands(&actor.stage, thing);
-                put = result.is_ok() && stands && off <= OFF && tilt <= FELL;
-                told = match result {
-                    Err(Trouble::Engine(error)) => return Err(error.into()),
-                    Err(trouble) => trouble.to_string(),
-                    Ok(_) if put => "put".into(),
-                    Ok(_) if !stands => "it fell off the table".into(),
-                    Ok(_) if tilt > FELL => "it fell over".into(),
-                    Ok(_) => "it is not where it was to be".into(),
-                };
-            }
-            let moved = actor.stage.thing_pose(thing).translation.vector - before.translation.vector;
-            let trial = PlacingTrial {
-                seed,
-                forward: reached,
-                by_truth,
-                maximum: best,
-                searched: maximum.forward,
-                half: maximum.half,
-                bound,
-                put,
-                off,
-                tilt,
-            };
-            measurements.push(FarthestMeasurement {
-                seed,
-                leaning: lean,
-                forward_m: reached,
-                true_schema_forward_m: by_truth,
-                true_maximum_m: best,
-                searched_m: maximum.forward,
-                half_search_m: maximum.half,
-                bound_m: bound,
-                ratio: trial.ratio(),
-                put,
-                off_mm: 1e3 * off,
-                tilt_deg: tilt,
-                moved_m: moved.norm(),
-                result: told,
-            });
-            trials[k].push(trial);
+            let (row, looked_at) = place(bodies, actor, [hand, receptor], lean, seed, &mut rng)?;
+            trial.looked_at += looked_at;
+            trial.measurements.push(row);
         }
+        Ok(trial)
     }
-    let mut summary: Vec<FarthestSummary> = Vec::new();
-    for (lean, trials) in [false, true].into_iter().zip(&trials) {
-        summary.push(FarthestSummary {
-            leaning: lean,
-            trials: trials.len(),
-            put: share(trials.iter().map(|t| t.put)),
-            forward_m: median(trials.iter().map(|t| t.forward)),
-            true_schema_forward_m: median(trials.iter().map(|t| t.by_truth)),
-            true_maximum_m: median(trials.iter().map(|t| t.maximum)),
-            bound_m: median(trials.iter().map(|t| t.bound)),
-            ratio: median(trials.iter().map(PlacingTrial::ratio)),
-            least: trials.iter().map(PlacingTrial::ratio).fold(f64::NAN, f64::min),
-            farthest: share(trials.iter().map(|t| t.ratio() >= FARTHEST)),
-            off_mm: 1e3 * median(trials.iter().map(|t| t.off)),
-            tilt_deg: median(trials.iter().map(|t| t.tilt)),
-        });
+
+    fn findings(
+        _subject: &Subject,
+        trials: &[FarthestTrial],
+    ) -> Findings<FarthestMeasurement, FarthestSummary> {
+        findings(trials)
     }
+}
+
+/// Lets a creature put what it holds with a receptor of a hand as far away as it can; how far that is, and how many
+/// postures were looked at to say how far it truly could have been.
+fn place(
+    bodies: &KnownBodies,
+    mut actor: OnStage,
+    [hand, receptor]: [usize; 2],
+    lean: bool,
+    seed: u64,
+    rng: &mut ChaCha8Rng,
+) -> Result<(FarthestMeasurement, usize), ExperimentError> {
+    let KnownBodies { learned, truth } = bodies;
+    if lean && let Err(Trouble::Engine(error)) = actor.make_way_to_lean(receptor, EFFORT) {
+        return Err(error.into());
+    }
+    let limb = actor.own.place(receptor).limb;
+    let upright = actor.frames()[limb].rotation.tr_mul(&actor.up);
+    let height = actor.feels_at(receptor).0.dot(&actor.up);
+    let spot = actor.farthest(receptor, height, upright, lean, EFFORT);
+    // The same question to the same search with the true kinematics, …
+    actor.own = truth.own.clone();
+    let by_truth = actor.farthest(receptor, height, upright, lean, EFFORT);
+    // … and to another one that takes its time, as if the arm that is idle were out of the way.
+    let place = Place { direction: upright, ..truth.own.place(receptor) };
+    let (up, front) = (actor.up, actor.front);
+    let joints = actor.hands[hand].joints(lean).to_vec();
+    let idle = truth.own.moved_by(&actor.hands[1 - hand].arm);
+    let clearance = actor.clearance.moved_by(&truth.own, &joints).without(&idle);
+    let from = actor.posture();
+    let problem = GripProblem { own: &truth.own, clearance, joints: &joints, place, up, front, height, from };
+    let maximum = problem.search(RUNS[usize::from(lean)], rng);
+    let bound = problem.upper_bound().unwrap_or(f64::NAN);
+    actor.own = learned.own.clone();
+    let forward = |posture: &[f64]| truth.own.frames(posture)[limb].point(&place.point).dot(&front);
+    // Without a spot nothing is reached.
+    let reached = spot.as_ref().map_or(0.0, |spot| forward(&spot.posture));
+    let by_truth = by_truth.map_or(0.0, |spot| forward(&spot.posture));
+    // What any of them found can be.
+    let best = [reached, by_truth].into_iter().fold(maximum.forward, f64::max);
+    let thing = actor.the_thing()?;
+    let before = actor.stage.thing_pose(thing);
+    let (mut told, mut off, mut tilt, mut put) = ("there is no way".to_string(), f64::NAN, 0.0, false);
+    if let Some(spot) = &spot {
+        // Where the thing is to be, rigidly in the hand.
+        let grip = actor.stage.limb_pose(limb).inv_mul(&before);
+        let at_spot = truth.own.frames(&spot.posture)[limb];
+        let in_root = Isometry3::from_parts(Translation3::from(at_spot.origin), at_spot.quaternion());
+        let wanted = actor.stage.root_pose() * in_root * grip;
+        let result = actor.put(receptor, spot, lean);
+        let after = actor.stage.thing_pose(thing);
+        off = (after.translation.vector - wanted.translation.vector).xy().norm();
+        tilt = tilted(&before, &after);
+        let stands = stands(&actor.stage, thing);
+        put = result.is_ok() && stands && off <= OFF && tilt <= FELL;
+        told = match result {
+            Err(Trouble::Engine(error)) => return Err(error.into()),
+            Err(trouble) => trouble.to_string(),
+            Ok(_) if put => "put".into(),
+            Ok(_) if !stands => "it fell off the table".into(),
+            Ok(_) if tilt > FELL => "it fell over".into(),
+            Ok(_) => "it is not where it was to be".into(),
+        };
+    }
+    let moved = actor.stage.thing_pose(thing).translation.vector - before.translation.vector;
+    let row = FarthestMeasurement {
+        seed,
+        leaning: lean,
+        forward_m: reached,
+        true_schema_forward_m: by_truth,
+        true_maximum_m: best,
+        searched_m: maximum.forward,
+        half_search_m: maximum.half,
+        bound_m: bound,
+        ratio: reached / best,
+        put,
+        off_mm: 1e3 * off,
+        tilt_deg: tilt,
+        moved_m: moved.norm(),
+        result: told,
+    };
+    Ok((row, maximum.looked_at))
+}
+
+fn findings(trials: &[FarthestTrial]) -> Findings<FarthestMeasurement, FarthestSummary> {
+    let measurements: Vec<FarthestMeasurement> =
+        trials.iter().flat_map(|trial| trial.measurements.clone()).collect();
+    let looked_at: usize = trials.iter().map(|trial| trial.looked_at).sum();
+    let not_held: usize = trials.iter().map(|trial| trial.not_held).sum();
+    let of = |lean: bool| measurements.iter().filter(move |row| row.leaning == lean);
+    let summary = [false, true].map(|lean| FarthestSummary {
+        leaning: lean,
+        trials: of(lean).count(),
+        put: share(of(lean).map(|row| row.put)),
+        forward_m: median(of(lean).map(|row| row.forward_m)),
+        true_schema_forward_m: median(of(lean).map(|row| row.true_schema_forward_m)),
+        true_maximum_m: median(of(lean).map(|row| row.true_maximum_m)),
+        bound_m: median(of(lean).map(|row| row.bound_m)),
+        ratio: median(of(lean).map(|row| row.ratio)),
+        least: of(lean).map(|row| row.ratio).fold(f64::NAN, f64::min),
+        farthest: share(of(lean).map(|row| row.ratio >= FARTHEST)),
+        off_mm: median(of(lean).map(|row| row.off_mm)),
+        tilt_deg: median(of(lean).map(|row| row.tilt_deg)),
+    });
     // What leaning adds, trial by trial, by the creature and by the truth.
-    let gains: Vec<[f64; 2]> = trials[1]
-        .iter()
+    let gains: Vec<[f64; 2]> = of(true)
         .filter_map(|leaning| {
-            let upright = trials[0].iter().find(|upright| upright.seed == leaning.seed)?;
-            Some([leaning.forward - upright.forward, leaning.maximum - upright.maximum])
+            let upright = of(false).find(|upright| upright.seed == leaning.seed)?;
+            let truly = leaning.true_maximum_m - upright.true_maximum_m;
+            Some([leaning.forward_m - upright.forward_m, truly])
         })
         .collect();
     let (extends, truly) = (median(gains.iter().map(|g| g[0])), median(gains.iter().map(|g| g[1])));
     let short = |gain: &[f64; 2]| (gain[1] - gain[0]).abs();
     let within = share(gains.iter().map(|gain| short(gain) <= 0.01));
-    let all = || trials.iter().flatten();
-    let grown: Vec<f64> = all().map(|trial| 1e3 * (trial.searched - trial.half)).collect();
+    let all = || measurements.iter();
+    let grown: Vec<f64> = all().map(|row| 1e3 * (row.searched_m - row.half_search_m)).collect();
     let most = |grown: &[f64]| grown.iter().fold(0.0f64, |most, grown| most.max(*grown));
     let most_grown = most(&grown);
-    let missed: Vec<f64> = all().map(|trial| 1e3 * (trial.maximum - trial.searched)).collect();
-    let bounded = median(all().map(|trial| trial.maximum / trial.bound));
+    let missed: Vec<f64> = all().map(|row| 1e3 * (row.true_maximum_m - row.searched_m)).collect();
+    let bounded = median(all().map(|row| row.true_maximum_m / row.bound_m));
     let notes = vec![
         "Distances are of the skin that holds the thing, by the true kinematics, forward from the root's origin, at the \
          height where the thing stands. The true maximum is found by another search with the true kinematics, as if the \
@@ -267,11 +274,11 @@ pub fn measure(subject: &Subject) -> Result<Findings<FarthestMeasurement, Farthe
             1e3 * gains.iter().map(short).fold(0.0, f64::max),
         ),
     ];
-    let least = all().map(PlacingTrial::ratio).fold(f64::NAN, f64::min);
+    let least = all().map(|row| row.ratio).fold(f64::NAN, f64::min);
     let numbers = vec![
-        ("ratio_of_true_maximum", json!(median(all().map(PlacingTrial::ratio)))),
+        ("ratio_of_true_maximum", json!(median(all().map(|row| row.ratio)))),
         ("least_ratio_of_true_maximum", json!(least)),
-        ("success", json!(share(all().map(|t| t.put)))),
+        ("success", json!(share(all().map(|row| row.put)))),
         ("leaning_extends_m", json!(extends)),
         ("leaning_truly_extends_m", json!(truly)),
         ("leaning_within_a_centimetre", json!(within)),
@@ -279,18 +286,17 @@ pub fn measure(subject: &Subject) -> Result<Findings<FarthestMeasurement, Farthe
         ("maximum_missed_by_search_mm", json!(most(&missed))),
         ("maximum_of_upper_bound", json!(bounded)),
     ];
-    let series =
-        ["upright", "leaning"].into_iter().zip(&trials).enumerate().map(|(k, (name, trials))| PlotSeries {
-            name: name.to_string(),
-            line: Vec::new(),
-            dots: trials.iter().map(|trial| (trial.ratio(), k as f64)).collect(),
-        });
+    let series = [("upright", false), ("leaning", true)].map(|(name, lean)| PlotSeries {
+        name: name.to_string(),
+        line: Vec::new(),
+        dots: of(lean).map(|row| (row.ratio, f64::from(u8::from(lean)))).collect(),
+    });
     let plot = StudyPlot {
         x: PlotAxis { title: "reached, of the true maximum", scale: AxisScale::Logarithmic },
         y: PlotAxis { title: "", scale: AxisScale::Names(vec!["upright".into(), "leaning".into()]) },
-        series: series.collect(),
+        series: series.into(),
     };
-    Ok(Findings { measurements, summary, notes, plot, numbers })
+    Findings { summary: summary.into(), notes, plot, numbers, measurements }
 }
 
 /// By how much a thing leans from how it stood, whichever way it is turned about the vertical, degrees.

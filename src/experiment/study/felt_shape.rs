@@ -4,13 +4,14 @@ use nalgebra::{Isometry3, Point3, Rotation3, Translation3, UnitQuaternion, Vecto
 use rand::RngExt;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
+use serde::{Deserialize, Serialize};
 use serde_json::json;
 
-use super::at_table::{Knowledge, THING, TOP, at_table};
+use super::at_table::{Knowledge, KnownBodies, THING, TOP, at_table};
 use super::plot::{AxisScale, PlotAxis, PlotSeries, StudyPlot};
 use super::subject::{Subject, median, share};
 use super::table::row;
-use super::{Findings, Study};
+use super::{Findings, Study, Trial, Trials};
 use crate::experiment::ExperimentError;
 use crate::geometry::{Hull, Shape};
 use crate::interaction::Trouble;
@@ -23,7 +24,7 @@ pub const STUDY: Study = Study {
     about: "how well the shape of a thing on the table is known after 15 touches; a trial is a thing",
     touches: true,
     several: false,
-    measure: |subject| Ok(measure(subject)?.into()),
+    trials: Trials::of::<ShapeTrial>(),
 };
 
 /// Touches of a thing.
@@ -36,6 +37,8 @@ const POINTS: usize = 20_000;
 const CORNERS: usize = 24;
 /// The share of the union that is to be common.
 const GOOD: f64 = 0.85;
+/// By which schema it acts.
+const CONDITIONS: [&str; 2] = ["learned", "true"];
 
 row! {
     /// A measurement of the study `shape`.
@@ -66,34 +69,45 @@ row! {
     }
 }
 
-/// Measures; a trial that does not succeed is a finding.
-///
-/// # Errors
-/// Where something cannot be measured at all.
-pub fn measure(subject: &Subject) -> Result<Findings<ShapeMeasurement, ShapeSummary>, ExperimentError> {
-    let learned = Knowledge::new(subject.own_body(subject.seeds[0])?);
-    let truth = Knowledge::new(learned.own.with_schema(subject.truth().schema.clone()));
-    let conditions = [("learned", &learned), ("true", &truth)];
-    let mut measurements: Vec<ShapeMeasurement> = Vec::new();
-    for &seed in &subject.seeds {
+/// The measurements of one trial, for those of [`CONDITIONS`] in which the thing was found.
+#[derive(Debug, Serialize, Deserialize)]
+pub struct ShapeTrial(Vec<ShapeMeasurement>);
+
+impl Trial for ShapeTrial {
+    type Setting = KnownBodies;
+    type Measurement = ShapeMeasurement;
+    type Summary = ShapeSummary;
+
+    fn set_up(subject: &Subject) -> Result<KnownBodies, ExperimentError> {
+        KnownBodies::of(subject)
+    }
+
+    fn run(subject: &Subject, bodies: &KnownBodies, seed: u64) -> Result<ShapeTrial, ExperimentError> {
         subject.tell(seed, "thing");
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         for _ in 0..DRAWS {
             let thing = random_thing(&mut rng);
             let mut rows = Vec::new();
-            for (name, known) in conditions {
+            for (name, known) in CONDITIONS.into_iter().zip([&bodies.learned, &bodies.truth]) {
                 rows.extend(attempt(subject, known, &thing, seed, name)?);
             }
             // Drawn again where it is not found at all by whoever knows the truth.
             if rows.iter().any(|row| row.schema == "true") {
-                measurements.extend(rows);
-                break;
+                return Ok(ShapeTrial(rows));
             }
         }
+        Ok(ShapeTrial(Vec::new()))
     }
+
+    fn findings(_subject: &Subject, trials: &[ShapeTrial]) -> Findings<ShapeMeasurement, ShapeSummary> {
+        findings(trials.iter().flat_map(|trial| trial.0.clone()).collect())
+    }
+}
+
+fn findings(measurements: Vec<ShapeMeasurement>) -> Findings<ShapeMeasurement, ShapeSummary> {
     let mut summary = Vec::new();
     let of = |name: &str| measurements.iter().filter(|row| row.schema == name).collect::<Vec<_>>();
-    for (name, _) in conditions {
+    for name in CONDITIONS {
         let rows = of(name);
         summary.push(ShapeSummary {
             schema: name.into(),
@@ -116,7 +130,7 @@ pub fn measure(subject: &Subject) -> Result<Findings<ShapeMeasurement, ShapeSumm
         ("least_overlap", json!(own.iter().map(|row| row.overlap).fold(f64::NAN, f64::min))),
         ("good", json!(share(own.iter().map(|row| row.overlap >= GOOD)))),
     ];
-    let series = conditions.iter().enumerate().map(|(k, (name, _))| PlotSeries {
+    let series = CONDITIONS.iter().enumerate().map(|(k, name)| PlotSeries {
         name: (*name).to_string(),
         line: Vec::new(),
         dots: of(name).iter().map(|row| (row.overlap, k as f64)).collect(),
@@ -125,11 +139,11 @@ pub fn measure(subject: &Subject) -> Result<Findings<ShapeMeasurement, ShapeSumm
         x: PlotAxis { title: "intersection over union", scale: AxisScale::Logarithmic },
         y: PlotAxis {
             title: "",
-            scale: AxisScale::Names(conditions.iter().map(|(name, _)| (*name).into()).collect()),
+            scale: AxisScale::Names(CONDITIONS.iter().map(|name| (*name).into()).collect()),
         },
         series: series.collect(),
     };
-    Ok(Findings { measurements, summary, notes, plot, numbers })
+    Findings { summary, notes, plot, numbers, measurements }
 }
 
 /// One thing, felt by one body; none where no hand finds it.

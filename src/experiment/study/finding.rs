@@ -4,16 +4,17 @@ use nalgebra::{Point3, Vector3};
 use rand::RngExt;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
+use serde::{Deserialize, Serialize};
 use serde_json::json;
 
-use super::at_table::{EDGE, Knowledge, OnStage, at_table, on_table, shape};
+use super::at_table::{EDGE, Knowledge, KnownBodies, OnStage, at_table, on_table, shape};
 use super::plot::{AxisScale, PlotAxis, PlotSeries, StudyPlot};
 use super::subject::{Subject, median, share};
 use super::table::row;
-use super::{Findings, Study};
+use super::{Findings, Study, Trial, Trials};
 use crate::experiment::ExperimentError;
 use crate::geometry::Shape;
-use crate::interaction::{Reply, SearchPlan};
+use crate::interaction::Reply;
 use crate::peripersonal::ReachTarget;
 use crate::simulation::{ProbePath, Stage, Thing};
 
@@ -23,7 +24,7 @@ pub const STUDY: Study = Study {
     about: "whether it finds all things on a table, how many it takes them for, and whether it forgets what is gone",
     touches: true,
     several: false,
-    measure: |subject| Ok(measure(subject)?.into()),
+    trials: Trials::of::<FindingTrial>(),
 };
 
 /// By which schema it acts.
@@ -187,85 +188,111 @@ fn held_against(stage: &Stage, things: &[Thing], reply: &Reply) -> (usize, usize
     (found, phantoms)
 }
 
-/// Measures; a trial that does not succeed is a finding.
-///
-/// # Errors
-/// Where something cannot be measured at all.
-pub fn measure(subject: &Subject) -> Result<Findings<FindingMeasurement, FindingSummary>, ExperimentError> {
-    let learned = Knowledge::new(subject.own_body(subject.seeds[0])?);
-    let truth = Knowledge::new(learned.own.with_schema(subject.truth().schema.clone()));
-    let mut measurements: Vec<FindingMeasurement> = Vec::new();
-    let mut reach: [Option<SearchPlan>; 2] = [None, None];
-    let mut passed_over = 0;
-    for &seed in &subject.seeds {
+/// What came of one trial.
+#[derive(Debug, Serialize, Deserialize)]
+pub struct FindingTrial {
+    measurements: Vec<FindingMeasurement>,
+    /// Tables that were drawn on which a thing glides without being touched.
+    passed_over: usize,
+}
+
+impl Trial for FindingTrial {
+    type Setting = KnownBodies;
+    type Measurement = FindingMeasurement;
+    type Summary = FindingSummary;
+
+    fn set_up(subject: &Subject) -> Result<KnownBodies, ExperimentError> {
+        KnownBodies::of(subject)
+    }
+
+    fn run(subject: &Subject, bodies: &KnownBodies, seed: u64) -> Result<FindingTrial, ExperimentError> {
+        let KnownBodies { learned, truth } = bodies;
         subject.tell(seed, "table");
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
-        let mut nobody = at_table(subject, &truth, &[], seed)?;
+        let mut nobody = at_table(subject, truth, &[], seed)?;
         let height = nobody.table_top();
         nobody.know_table(height);
+        let mut passed_over = 0;
         let things = loop {
             let things = draw(&mut nobody, &mut rng);
-            if stand(subject, &truth, &things, seed)? {
+            if stand(subject, truth, &things, seed)? {
                 break things;
             }
             passed_over += 1;
         };
         let gone = rng.random_range(0..things.len().max(1));
-        for (k, schema) in CONDITIONS.into_iter().enumerate() {
-            let known = if k == 0 { &learned } else { &truth };
-            let mut actor = at_table(subject, known, &things, seed)?;
-            actor.reach = reach[k].take();
-            let (stage, mut talk) = actor.in_conversation()?;
-            let numbers: Vec<usize> = things.iter().filter_map(|thing| stage.thing(&thing.name)).collect();
-            let places =
-                || -> Vec<_> { numbers.iter().map(|&n| stage.thing_pose(n).translation.vector).collect() };
-            let (before, start) = (places(), stage.time());
-            let reply = talk.count(None)?;
-            let seconds = stage.time() - start;
-            let moved = places().iter().zip(&before).map(|(a, b)| (a - b).norm()).fold(0.0, f64::max);
-            let (found, phantoms) = held_against(&stage, &things, &reply);
-            let lost = things
-                .iter()
-                .filter(|thing| held_against(&stage, std::slice::from_ref(thing), &reply).0 == 0);
-            let described = lost.map(|thing| {
-                let [at, now] = [thing.pose.translation.vector, stage_place(&stage, thing)];
-                let [size, moved] = [thing.shape.half_bounds(), now - at];
-                format!(
-                    "half {:.3} {:.3} {:.3} at {:.3} {:.3}, moved {:.3} {:.3} {:.3}",
-                    size.x, size.y, size.z, at.x, at.y, moved.x, moved.y, moved.z
-                )
-            });
-            let missed = described.collect::<Vec<_>>().join("; ");
-            // One is taken away meanwhile.
-            let mut left = things.clone();
-            if let Some(&number) = numbers.get(gone) {
-                let (now, here) = (stage.time(), stage.thing_pose(number).translation.vector);
-                let up = here + Vector3::z() * 0.8;
-                let far = up + Vector3::x() * 3.0;
-                stage.send_thing(number, ProbePath(vec![(now, here), (now + 1.0, up), (now + 2.0, far)]));
-                left.remove(gone);
-                talk.actor.wait(2.5)?;
-            }
-            let later = talk.count(None)?;
-            let (_, later_phantoms) = held_against(&stage, &left, &later);
-            reach[k] = talk.actor.reach.take();
-            measurements.push(FindingMeasurement {
-                seed,
-                schema: schema.into(),
-                things: things.len(),
-                felt: found,
-                remembered: reply.felt.len(),
-                phantoms,
-                seconds,
-                moved_mm: 1e3 * moved,
-                later_things: left.len(),
-                later_remembered: later.felt.len(),
-                later_phantoms,
-                missed,
-                said: reply.said.clone(),
-            });
+        let mut measurements = Vec::new();
+        for (schema, known) in CONDITIONS.into_iter().zip([learned, truth]) {
+            let actor = at_table(subject, known, &things, seed)?;
+            measurements.push(search(actor, &things, gone, schema, seed)?);
         }
+        Ok(FindingTrial { measurements, passed_over })
     }
+
+    fn findings(_subject: &Subject, trials: &[FindingTrial]) -> Findings<FindingMeasurement, FindingSummary> {
+        findings(trials)
+    }
+}
+
+/// Lets a creature count the things on its table, takes one of them away, and lets it count again.
+fn search(
+    actor: OnStage,
+    things: &[Thing],
+    gone: usize,
+    schema: &str,
+    seed: u64,
+) -> Result<FindingMeasurement, ExperimentError> {
+    let (stage, mut talk) = actor.in_conversation()?;
+    let numbers: Vec<usize> = things.iter().filter_map(|thing| stage.thing(&thing.name)).collect();
+    let places = || -> Vec<_> { numbers.iter().map(|&n| stage.thing_pose(n).translation.vector).collect() };
+    let (before, start) = (places(), stage.time());
+    let reply = talk.count(None)?;
+    let seconds = stage.time() - start;
+    let moved = places().iter().zip(&before).map(|(a, b)| (a - b).norm()).fold(0.0, f64::max);
+    let (found, phantoms) = held_against(&stage, things, &reply);
+    let lost = things.iter().filter(|thing| held_against(&stage, std::slice::from_ref(thing), &reply).0 == 0);
+    let described = lost.map(|thing| {
+        let [at, now] = [thing.pose.translation.vector, stage_place(&stage, thing)];
+        let [size, moved] = [thing.shape.half_bounds(), now - at];
+        format!(
+            "half {:.3} {:.3} {:.3} at {:.3} {:.3}, moved {:.3} {:.3} {:.3}",
+            size.x, size.y, size.z, at.x, at.y, moved.x, moved.y, moved.z
+        )
+    });
+    let missed = described.collect::<Vec<_>>().join("; ");
+    // One is taken away meanwhile.
+    let mut left = things.to_vec();
+    if let Some(&number) = numbers.get(gone) {
+        let (now, here) = (stage.time(), stage.thing_pose(number).translation.vector);
+        let up = here + Vector3::z() * 0.8;
+        let far = up + Vector3::x() * 3.0;
+        stage.send_thing(number, ProbePath(vec![(now, here), (now + 1.0, up), (now + 2.0, far)]));
+        left.remove(gone);
+        talk.actor.wait(2.5)?;
+    }
+    let later = talk.count(None)?;
+    let (_, later_phantoms) = held_against(&stage, &left, &later);
+    Ok(FindingMeasurement {
+        seed,
+        schema: schema.into(),
+        things: things.len(),
+        felt: found,
+        remembered: reply.felt.len(),
+        phantoms,
+        seconds,
+        moved_mm: 1e3 * moved,
+        later_things: left.len(),
+        later_remembered: later.felt.len(),
+        later_phantoms,
+        missed,
+        said: reply.said.clone(),
+    })
+}
+
+fn findings(trials: &[FindingTrial]) -> Findings<FindingMeasurement, FindingSummary> {
+    let measurements: Vec<FindingMeasurement> =
+        trials.iter().flat_map(|trial| trial.measurements.clone()).collect();
+    let passed_over: usize = trials.iter().map(|trial| trial.passed_over).sum();
     let mut summary: Vec<FindingSummary> = Vec::new();
     for schema in CONDITIONS {
         let of: Vec<&FindingMeasurement> = measurements.iter().filter(|m| m.schema == schema).collect();
@@ -316,7 +343,7 @@ pub fn measure(subject: &Subject) -> Result<Findings<FindingMeasurement, Finding
         y: PlotAxis { title: "things that he remembers", scale: counts() },
         series: series.collect(),
     };
-    Ok(Findings { measurements, summary, notes, plot, numbers })
+    Findings { summary, notes, plot, numbers, measurements }
 }
 
 /// Whether all things stay where they are put while nobody touches them.

@@ -1,9 +1,11 @@
 //! Whether limbs are learned whose own frames are anywhere on their joints.
 
+use serde::{Deserialize, Serialize};
+
 use super::plot::{AxisScale, PlotAxis, PlotSeries, StudyPlot};
-use super::subject::{LearnerRun, Subject, median, share};
-use super::table::row;
-use super::{Findings, Study};
+use super::subject::{Subject, median, share};
+use super::table::{WallTime, row};
+use super::{Findings, Study, Trial, Trials};
 use crate::experiment::ExperimentError;
 use crate::experiment::LearningOptions;
 use crate::experiment::words::listed;
@@ -17,7 +19,7 @@ pub const STUDY: Study = Study {
     about: "whether lm learns limbs whose own frames are anywhere on them",
     touches: true,
     several: false,
-    measure: |subject| Ok(measure(subject)?.into()),
+    trials: Trials::of::<FramesTrial>(),
 };
 
 row! {
@@ -33,7 +35,7 @@ row! {
         undetermined_joints: usize = "joints named",
         undetermined_limbs: usize = "limbs named",
         initial_guesses: usize = "initial guesses",
-        seconds: f64 = "seconds",
+        seconds: WallTime = "seconds",
         named: String = "named as undetermined",
     }
 }
@@ -49,34 +51,46 @@ row! {
         undetermined_joints: f64 = "joints named, mean",
         undetermined_limbs: f64 = "limbs named, mean",
         initial_guesses: f64 = "initial guesses",
-        seconds: f64 = "seconds",
+        seconds: WallTime = "seconds",
     }
 }
 
-/// Measures; a trial that does not succeed is a finding.
-///
-/// # Errors
-/// Where something cannot be measured at all.
-pub fn measure(subject: &Subject) -> Result<Findings<FramesMeasurement, FramesSummary>, ExperimentError> {
+/// Where limbs' frames are: the name under which that appears, and how is learned.
+fn conditions() -> [(&'static str, LearningOptions); 2] {
     let contact = LearningOptions { input: Some(Input::Contact), ..LearningOptions::default() };
-    let conditions =
-        [("joint", contact.clone()), ("limb", LearningOptions { frames: LimbFrames::Limb, ..contact })];
-    conditions[1].1.check(&subject.body().creature)?;
-    let creature = &subject.body().creature;
-    let mut measurements: Vec<FramesMeasurement> = Vec::new();
-    let mut found: [Vec<LearnerRun>; 2] = [Vec::new(), Vec::new()];
-    for &seed in &subject.seeds {
+    [("joint", contact.clone()), ("limb", LearningOptions { frames: LimbFrames::Limb, ..contact })]
+}
+
+/// The measurements of one trial, one for each of the conditions.
+#[derive(Debug, Serialize, Deserialize)]
+pub struct FramesTrial(Vec<FramesMeasurement>);
+
+impl Trial for FramesTrial {
+    type Setting = ();
+    type Measurement = FramesMeasurement;
+    type Summary = FramesSummary;
+
+    fn set_up(subject: &Subject) -> Result<(), ExperimentError> {
+        for (_, options) in conditions() {
+            options.check(&subject.body().creature)?;
+        }
+        Ok(())
+    }
+
+    fn run(subject: &Subject, (): &(), seed: u64) -> Result<FramesTrial, ExperimentError> {
+        let creature = &subject.body().creature;
         let touches = subject.babble(seed)?;
-        for ((name, options), found) in conditions.iter().zip(&mut found) {
+        let mut measurements = Vec::new();
+        for (name, options) in conditions() {
             subject.tell(seed, &format!("frames: {name}"));
             let attempt = match options.frames {
-                LimbFrames::Joint => subject.learn(options, &touches, seed),
+                LimbFrames::Joint => subject.learn(&options, &touches, seed),
                 LimbFrames::Limb => {
                     let own = OwnFrames::random(creature, seed);
                     let truth = GroundTruth { schema: own.schema(creature, &subject.truth().schema) };
                     let touches = own.touches(subject.agent().skin(), &touches);
                     let agent = subject.agent().with_skin(own.skin(subject.agent().skin()))?;
-                    subject.learn_with(options, &agent, &truth, &touches, seed)
+                    subject.learn_with(&options, &agent, &truth, &touches, seed)
                 }
             };
             let learned = &attempt.learned;
@@ -84,7 +98,7 @@ pub fn measure(subject: &Subject) -> Result<Findings<FramesMeasurement, FramesSu
             let limbs = learned.undetermined_limbs().into_iter().map(|limb| creature.limbs()[limb].clone());
             let (joints, limbs): (Vec<String>, Vec<String>) = (joints.collect(), limbs.collect());
             measurements.push(FramesMeasurement {
-                frames: (*name).into(),
+                frames: name.into(),
                 seed,
                 touches: touches.len(),
                 converged: attempt.converged(),
@@ -97,27 +111,36 @@ pub fn measure(subject: &Subject) -> Result<Findings<FramesMeasurement, FramesSu
                 seconds: attempt.seconds,
                 named: format!("joints {}; limbs {}", listed(&joints), listed(&limbs)),
             });
-            found.push(attempt);
         }
+        Ok(FramesTrial(measurements))
     }
+
+    fn findings(_subject: &Subject, trials: &[FramesTrial]) -> Findings<FramesMeasurement, FramesSummary> {
+        findings(trials.iter().flat_map(|trial| trial.0.clone()).collect())
+    }
+}
+
+fn findings(measurements: Vec<FramesMeasurement>) -> Findings<FramesMeasurement, FramesSummary> {
+    let names = conditions().map(|(name, _)| name);
+    let of = |name: &str| measurements.iter().filter(|row| row.frames == name).collect::<Vec<_>>();
     let mut summary: Vec<FramesSummary> = Vec::new();
-    for ((name, _), attempts) in conditions.iter().zip(&found) {
+    for name in names {
+        let rows = of(name);
         // One that failed names everything: it claims nothing that could be measured.
-        let converged = || attempts.iter().filter(|attempt| attempt.converged());
-        let mean = |value: fn(&LearnerRun) -> usize| {
-            converged().map(|attempt| value(attempt) as f64).sum::<f64>() / converged().count() as f64
+        let converged = || rows.iter().filter(|row| row.converged);
+        let mean = |value: fn(&FramesMeasurement) -> usize| {
+            converged().map(|row| value(row) as f64).sum::<f64>() / converged().count() as f64
         };
-        let worst = converged().map(|attempt| attempt.evaluation.determined_mm.max);
         summary.push(FramesSummary {
-            frames: (*name).into(),
-            converged: share(attempts.iter().map(LearnerRun::converged)),
-            heldout_mm: median(converged().map(|attempt| attempt.evaluation.determined_mm.mean)),
-            heldout_worst_mm: worst.fold(f64::NAN, f64::max),
-            axis_deg: median(converged().map(|attempt| attempt.evaluation.axis_deg.median)),
-            undetermined_joints: mean(|attempt| attempt.learned.undetermined().len()),
-            undetermined_limbs: mean(|attempt| attempt.learned.undetermined_limbs().len()),
-            initial_guesses: median(attempts.iter().map(|attempt| attempt.learned.initial_guesses as f64)),
-            seconds: median(attempts.iter().map(|attempt| attempt.seconds)),
+            frames: name.into(),
+            converged: share(rows.iter().map(|row| row.converged)),
+            heldout_mm: median(converged().map(|row| row.heldout_mm)),
+            heldout_worst_mm: converged().map(|row| row.heldout_max_mm).fold(f64::NAN, f64::max),
+            axis_deg: median(converged().map(|row| row.axis_deg)),
+            undetermined_joints: mean(|row| row.undetermined_joints),
+            undetermined_limbs: mean(|row| row.undetermined_limbs),
+            initial_guesses: median(rows.iter().map(|row| row.initial_guesses as f64)),
+            seconds: WallTime(median(rows.iter().map(|row| row.seconds.0))),
         });
     }
     let notes = vec![
@@ -128,18 +151,15 @@ pub fn measure(subject: &Subject) -> Result<Findings<FramesMeasurement, FramesSu
          over the trials that converged, and the worst error of any of them."
             .to_string(),
     ];
-    let series = conditions.iter().zip(&found).enumerate().map(|(k, ((name, _), attempts))| PlotSeries {
-        name: (*name).to_string(),
+    let series = names.into_iter().enumerate().map(|(k, name)| PlotSeries {
+        name: name.to_string(),
         line: Vec::new(),
-        dots: attempts.iter().map(|attempt| (attempt.evaluation.determined_mm.mean, k as f64)).collect(),
+        dots: of(name).iter().map(|row| (row.heldout_mm, k as f64)).collect(),
     });
     let plot = StudyPlot {
         x: PlotAxis { title: "mean held-out error, mm", scale: AxisScale::Logarithmic },
-        y: PlotAxis {
-            title: "",
-            scale: AxisScale::Names(conditions.iter().map(|(name, _)| (*name).into()).collect()),
-        },
+        y: PlotAxis { title: "", scale: AxisScale::Names(names.map(String::from).into()) },
         series: series.collect(),
     };
-    Ok(Findings { measurements, summary, notes, plot, numbers: Vec::new() })
+    Findings { summary, notes, plot, numbers: Vec::new(), measurements }
 }

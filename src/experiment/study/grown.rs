@@ -3,13 +3,14 @@
 use nalgebra::{Point3, Vector3};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
+use serde::{Deserialize, Serialize};
 use serde_json::json;
 
 use super::at_table::{Knowledge, OnStage, at_table};
 use super::plot::{AxisScale, PlotAxis, PlotSeries, StudyPlot};
 use super::subject::{Subject, median, share};
 use super::table::row;
-use super::{Findings, Study};
+use super::{Findings, Study, Trial, Trials};
 use crate::experiment::ExperimentError;
 use crate::interaction::{FeltOver, Trouble};
 
@@ -19,7 +20,7 @@ pub const STUDY: Study = Study {
     about: "whether he notices while he acts that a limb has grown, and learns it anew by feeling himself over",
     touches: true,
     several: false,
-    measure: |subject| Ok(measure(subject)?.into()),
+    trials: Trials::of::<GrownTrial>(),
 };
 
 /// How much a limb grows or becomes shorter, metres; one of so many trials leaves the body as it is.
@@ -61,17 +62,30 @@ row! {
     }
 }
 
-/// Measures; a trial that does not succeed is a finding.
-///
-/// # Errors
-/// Where something cannot be measured at all.
-pub fn measure(subject: &Subject) -> Result<Findings<GrownMeasurement, GrownSummary>, ExperimentError> {
-    let learned = Knowledge::new(subject.own_body(subject.seeds[0])?);
-    let mut measurements = Vec::new();
-    for &seed in &subject.seeds {
-        subject.tell(seed, "growing");
-        measurements.push(trial(subject, &learned, seed)?);
+/// The measurement of one trial.
+#[derive(Debug, Serialize, Deserialize)]
+pub struct GrownTrial(GrownMeasurement);
+
+impl Trial for GrownTrial {
+    type Setting = Knowledge;
+    type Measurement = GrownMeasurement;
+    type Summary = GrownSummary;
+
+    fn set_up(subject: &Subject) -> Result<Knowledge, ExperimentError> {
+        Knowledge::learned(subject)
     }
+
+    fn run(subject: &Subject, learned: &Knowledge, seed: u64) -> Result<GrownTrial, ExperimentError> {
+        subject.tell(seed, "growing");
+        Ok(GrownTrial(trial(subject, learned, seed)?))
+    }
+
+    fn findings(_subject: &Subject, trials: &[GrownTrial]) -> Findings<GrownMeasurement, GrownSummary> {
+        findings(trials.iter().map(|trial| trial.0.clone()).collect())
+    }
+}
+
+fn findings(measurements: Vec<GrownMeasurement>) -> Findings<GrownMeasurement, GrownSummary> {
     let cases = [("grown", true), ("as it was", false)];
     let of_case = |grown: bool| measurements.iter().filter(move |row| (row.grown_mm != 0.0) == grown);
     let summary: Vec<GrownSummary> = cases
@@ -117,7 +131,7 @@ pub fn measure(subject: &Subject) -> Result<Findings<GrownMeasurement, GrownSumm
         y: PlotAxis { title: "", scale: AxisScale::Names(vec!["before".into(), "after".into()]) },
         series: series.into(),
     };
-    Ok(Findings { measurements, summary, notes, plot, numbers })
+    Findings { measurements, summary, notes, plot, numbers }
 }
 
 const CHANGED: &str = "changed";

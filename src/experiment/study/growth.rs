@@ -1,12 +1,13 @@
 //! How soon a body that changes is known again.
 
 use nalgebra::Vector3;
+use serde::{Deserialize, Serialize};
 
 use super::changed_body::{LimbInModel, changed_skin, felt};
 use super::plot::{AxisScale, PlotAxis, PlotSeries, StudyPlot};
 use super::subject::{Subject, median, share};
 use super::table::row;
-use super::{Findings, Study};
+use super::{Findings, Study, Trial, Trials};
 use crate::agent::Agent;
 use crate::creature::Body;
 use crate::evaluation::{held_out, held_out_points, is_hand};
@@ -22,7 +23,7 @@ pub const STUDY: Study = Study {
     about: "how soon lm knows a limb that has grown, a stick in the hand",
     touches: true,
     several: false,
-    measure: |subject| Ok(measure(subject)?.into()),
+    trials: Trials::of::<GrowthTrial>(),
 };
 
 /// By how much the limb grows, metres.
@@ -69,8 +70,18 @@ enum StudiedChange {
     Stick,
 }
 
+/// The changes, with the names under which they appear.
+const CHANGES: [(&str, StudiedChange); 2] =
+    [("limb grows by 50 mm", StudiedChange::Growth), ("stick of 300 mm in the hand", StudiedChange::Stick)];
+
 /// One trial of one change.
+#[derive(Debug, Serialize, Deserialize)]
 struct RelearningCourse {
+    change: String,
+    limb: String,
+    seed: u64,
+    /// Touches of the body as it was.
+    touches: usize,
     before_mm: f64,
     at_change_mm: f64,
     /// Touches of the changed limb until the change was explained.
@@ -91,43 +102,59 @@ impl RelearningCourse {
     }
 }
 
-/// Measures; a trial that does not succeed is a finding.
-///
-/// # Errors
-/// Where something cannot be measured at all.
-pub fn measure(subject: &Subject) -> Result<Findings<GrowthMeasurement, GrowthSummary>, ExperimentError> {
-    let changes = [
-        ("limb grows by 50 mm", StudiedChange::Growth),
-        ("stick of 300 mm in the hand", StudiedChange::Stick),
-    ];
-    let mut measurements: Vec<GrowthMeasurement> = Vec::new();
-    let mut courses: [Vec<RelearningCourse>; 2] = [Vec::new(), Vec::new()];
-    for &seed in &subject.seeds {
+/// What came of one trial, change by change.
+#[derive(Debug, Serialize, Deserialize)]
+pub struct GrowthTrial(Vec<RelearningCourse>);
+
+impl RelearningCourse {
+    fn measurements(&self) -> impl Iterator<Item = GrowthMeasurement> {
+        self.errors_mm.iter().enumerate().map(|(k, &error_mm)| GrowthMeasurement {
+            change: self.change.clone(),
+            limb: self.limb.clone(),
+            seed: self.seed,
+            touches: self.touches,
+            touches_of_limb: k + 1,
+            error_mm,
+            error_before_mm: self.before_mm,
+        })
+    }
+}
+
+impl Trial for GrowthTrial {
+    type Setting = ();
+    type Measurement = GrowthMeasurement;
+    type Summary = GrowthSummary;
+
+    fn set_up(_subject: &Subject) -> Result<(), ExperimentError> {
+        Ok(())
+    }
+
+    fn run(subject: &Subject, (): &(), seed: u64) -> Result<GrowthTrial, ExperimentError> {
         let touches = subject.babble(seed)?;
         let limb = most_touching(subject, &touches)?;
-        for ((name, change), courses) in changes.iter().zip(&mut courses) {
-            subject.tell(seed, name);
-            let course = follow(subject, &touches, seed, limb, *change)?;
-            for (k, error) in course.errors_mm.iter().enumerate() {
-                measurements.push(GrowthMeasurement {
-                    change: (*name).into(),
-                    limb: subject.body().creature.limbs()[limb].clone(),
-                    seed,
-                    touches: touches.len(),
-                    touches_of_limb: k + 1,
-                    error_mm: *error,
-                    error_before_mm: course.before_mm,
-                });
-            }
-            courses.push(course);
-        }
+        let courses = CHANGES.into_iter().map(|change| {
+            subject.tell(seed, change.0);
+            follow(subject, &touches, seed, limb, change)
+        });
+        Ok(GrowthTrial(courses.collect::<Result<_, _>>()?))
     }
+
+    fn findings(_subject: &Subject, trials: &[GrowthTrial]) -> Findings<GrowthMeasurement, GrowthSummary> {
+        findings(trials)
+    }
+}
+
+fn findings(trials: &[GrowthTrial]) -> Findings<GrowthMeasurement, GrowthSummary> {
     let mut summary: Vec<GrowthSummary> = Vec::new();
     let mut series = Vec::new();
-    for ((name, _), courses) in changes.iter().zip(&courses) {
-        let median_of = |value: fn(&RelearningCourse) -> f64| median(courses.iter().map(value));
+    for (name, _) in CHANGES {
+        let of_change = |course: &&RelearningCourse| course.change == name;
+        let courses: Vec<&RelearningCourse> =
+            trials.iter().filter_map(|trial| trial.0.iter().find(of_change)).collect();
+        let median_of =
+            |value: fn(&RelearningCourse) -> f64| median(courses.iter().map(|course| value(course)));
         summary.push(GrowthSummary {
-            change: (*name).into(),
+            change: name.into(),
             error_before_mm: median_of(|course| course.before_mm),
             error_at_change_mm: median_of(|course| course.at_change_mm),
             touches_to_notice: median_of(|course| course.noticed),
@@ -138,7 +165,7 @@ pub fn measure(subject: &Subject) -> Result<Findings<GrowthMeasurement, GrowthSu
         let most = courses.iter().map(|course| course.errors_mm.len()).min().unwrap_or(0);
         let at = |k: usize| median(courses.iter().map(|course| course.errors_mm[k]));
         let line = (0..most).map(|k| ((k + 1) as f64, at(k))).collect();
-        series.push(PlotSeries { name: (*name).to_string(), line, dots: Vec::new() });
+        series.push(PlotSeries { name: name.into(), line, dots: Vec::new() });
     }
     let notes = vec![
         "The hand that touches most (of a creature without hands, the limb) holds the stick, and the limb that \
@@ -155,7 +182,8 @@ pub fn measure(subject: &Subject) -> Result<Findings<GrowthMeasurement, GrowthSu
         y: PlotAxis { title: "error, mm (medians of trials)", scale: AxisScale::Logarithmic },
         series,
     };
-    Ok(Findings { measurements, summary, notes, plot, numbers: Vec::new() })
+    let measurements = trials.iter().flat_map(|trial| &trial.0).flat_map(RelearningCourse::measurements);
+    Findings { measurements: measurements.collect(), summary, notes, plot, numbers: Vec::new() }
 }
 
 /// The limb with most touches of all that a joint carries; of hands alone, where there are any.
@@ -179,7 +207,7 @@ fn follow(
     touches: &[Touch],
     seed: u64,
     limb: usize,
-    change: StudiedChange,
+    (name, change): (&str, StudiedChange),
 ) -> Result<RelearningCourse, ExperimentError> {
     let (body, agent) = (subject.body(), subject.agent());
     let (creature, skin) = (agent.creature(), agent.skin());
@@ -227,8 +255,16 @@ fn follow(
         StudiedChange::Stick => body_before.max(0.1),
     };
     let at_change_mm = measure(&learner);
-    let mut course =
-        RelearningCourse { before_mm, at_change_mm, noticed: f64::INFINITY, errors_mm: Vec::new() };
+    let mut course = RelearningCourse {
+        change: name.into(),
+        limb: creature.limbs()[limb].clone(),
+        seed,
+        touches: touches.len(),
+        before_mm,
+        at_change_mm,
+        noticed: f64::INFINITY,
+        errors_mm: Vec::new(),
+    };
     for touch in subject.babble_body(&changed, &changed_agent, TOUCHES_AFTER, seed ^ AFTER_SEED)? {
         let Some(touch) = felt(skin, changed_skin, grip, &touch) else { continue };
         let limbs = touch.ends.map(|end| skin.receptors[end.receptor].limb);

@@ -8,14 +8,14 @@ use nalgebra::{UnitQuaternion, Vector3};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use serde_json::json;
 
 use super::plot::{AxisScale, PlotAxis, PlotSeries, StudyPlot};
 use super::subject::{Subject, median};
 use super::table::row;
 use super::turned::direction_across;
-use super::{Findings, Study};
+use super::{Findings, Study, Trial, Trials};
 use crate::agent::Agent;
 use crate::creature::DofKind;
 use crate::evaluation::{evaluate, evaluate_learned};
@@ -33,7 +33,7 @@ pub const STUDY: Study = Study {
     name: "hersch",
     about: "where Hersch's rule gets to, by touch and by vision, from near the truth and from far",
     touches: true,
-    measure: |subject| Ok(measure(subject)?.into()),
+    trials: Trials::of::<HerschTrial>(),
 };
 
 /// Touches of a trial where none are asked for. The rule is slow: after as many, once each, it has found no body from
@@ -139,7 +139,7 @@ struct Sighting<'a> {
 }
 
 /// What all conditions of a trial share.
-struct Trial<'a> {
+struct SharedInput<'a> {
     agent: &'a Agent,
     truth: &'a GroundTruth,
     options: &'a HerschOptions,
@@ -205,10 +205,10 @@ impl Condition {
     }
 }
 
-impl Trial<'_> {
+impl SharedInput<'_> {
     /// What the rule comes to under one condition.
     fn measured(&self, condition: &Condition) -> HerschMeasurement {
-        let Trial { agent, truth, options, touches, seed, .. } = *self;
+        let SharedInput { agent, truth, options, touches, seed, .. } = *self;
         let Condition { told, guess, double_use } = *condition;
         let initial_guess = guess.schema(agent, truth, seed);
         let before_mm = evaluate(agent, truth, &initial_guess, &[]).heldout_mm.mean;
@@ -269,23 +269,38 @@ fn sightings<'a>(
     touches.iter().map(seen).collect()
 }
 
-/// Measures; a trial that does not succeed is a finding.
-///
-/// # Errors
-/// Where something cannot be measured at all.
-pub fn measure(subject: &Subject) -> Result<Findings<HerschMeasurement, HerschSummary>, ExperimentError> {
-    let conditions = Condition::all(&subject.hersch);
-    let mut trials: Vec<Vec<HerschMeasurement>> = Vec::new();
-    for &seed in &subject.seeds {
+/// The measurements of one trial, condition by condition.
+#[derive(Debug, Serialize, Deserialize)]
+pub struct HerschTrial(Vec<HerschMeasurement>);
+
+impl Trial for HerschTrial {
+    type Setting = ();
+    type Measurement = HerschMeasurement;
+    type Summary = HerschSummary;
+
+    fn set_up(_subject: &Subject) -> Result<(), ExperimentError> {
+        Ok(())
+    }
+
+    fn run(subject: &Subject, (): &(), seed: u64) -> Result<HerschTrial, ExperimentError> {
         let touches = subject.babble(seed)?;
         let (agent, truth, options) = (subject.agent(), subject.truth(), &subject.hersch);
         let sightings = [Told::VisionOfTouching, Told::VisionOfAny]
             .map(|told| (told, sightings(told, agent, truth, &touches, seed)));
-        let trial = Trial { agent, truth, options, touches: &touches, sightings, seed };
+        let shared = SharedInput { agent, truth, options, touches: &touches, sightings, seed };
         subject.tell(seed, "learning");
-        trials.push(conditions.par_iter().map(|condition| trial.measured(condition)).collect());
+        let conditions = Condition::all(options);
+        Ok(HerschTrial(conditions.par_iter().map(|condition| shared.measured(condition)).collect()))
     }
-    let of = |k: usize| trials.iter().map(move |trial| &trial[k]);
+
+    fn findings(subject: &Subject, trials: &[HerschTrial]) -> Findings<HerschMeasurement, HerschSummary> {
+        findings(&subject.hersch, trials)
+    }
+}
+
+fn findings(options: &HerschOptions, trials: &[HerschTrial]) -> Findings<HerschMeasurement, HerschSummary> {
+    let conditions = Condition::all(options);
+    let of = |k: usize| trials.iter().filter_map(move |trial| trial.0.get(k));
     let below = |k: usize, level: f64| of(k).filter(|one| one.heldout_mm <= level).count();
     let summary = conditions.iter().enumerate().map(|(k, condition)| HerschSummary {
         told: condition.told.name().into(),
@@ -326,7 +341,6 @@ pub fn measure(subject: &Subject) -> Result<Findings<HerschMeasurement, HerschSu
         },
         series: series.collect(),
     };
-    let options = &subject.hersch;
     let notes = vec![
         format!(
             "Errors are mean held-out errors after {} passes with ε = {}, medians over trials beside the least and the \
@@ -342,5 +356,6 @@ pub fn measure(subject: &Subject) -> Result<Findings<HerschMeasurement, HerschSu
             .to_string(),
     ];
     let numbers = vec![("rule", json!(options))];
-    Ok(Findings { measurements: trials.concat(), summary, notes, plot, numbers })
+    let measurements = trials.iter().flat_map(|trial| trial.0.clone()).collect();
+    Findings { measurements, summary, notes, plot, numbers }
 }

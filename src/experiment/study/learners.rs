@@ -1,9 +1,11 @@
 //! Which learner gets how far with how many touches.
 
+use serde::{Deserialize, Serialize};
+
 use super::plot::{AxisScale, PlotAxis, PlotSeries, StudyPlot};
 use super::subject::{CONVERGED_MM, Subject, median, share};
-use super::table::row;
-use super::{Findings, Study};
+use super::table::{WallTime, row};
+use super::{Findings, Study, Trial, Trials};
 use crate::experiment::ExperimentError;
 use crate::experiment::LearningOptions;
 use crate::learning::SkinKnowledge;
@@ -15,7 +17,7 @@ pub const STUDY: Study = Study {
     about: "which learner gets how far with how many touches",
     touches: true,
     several: false,
-    measure: |subject| Ok(measure(subject)?.into()),
+    trials: Trials::of::<LearnersTrial>(),
 };
 
 /// Errors that the summary says how many touches are needed for, millimetres.
@@ -31,7 +33,7 @@ row! {
         hand_mm: f64 = "hand, mm",
         converged: bool = "converged",
         initial_guesses: usize = "initial guesses",
-        seconds: f64 = "seconds",
+        seconds: WallTime = "seconds",
     }
 }
 
@@ -43,7 +45,7 @@ row! {
         touches_to_1_mm: f64 = "to 1 mm",
         touches_to_0_1_mm as "touches_to_0.1_mm": f64 = "to 0.1 mm",
         heldout_mm: f64 = "at last, mm",
-        seconds: f64 = "last fit, s",
+        seconds: WallTime = "last fit, s",
         converged: f64 = "converged, share",
     }
 }
@@ -59,33 +61,28 @@ fn learners() -> [(&'static str, LearningOptions); 4] {
     ]
 }
 
-/// How far one learner got in one trial: the error after each of the touch counts, and its last attempt.
-struct LearnerCourse {
-    heldout_mm: Vec<f64>,
-    seconds: f64,
-    converged: bool,
-}
+/// The measurements of one trial: learner by learner, one after each of the touch counts.
+#[derive(Debug, Serialize, Deserialize)]
+pub struct LearnersTrial(Vec<LearnersMeasurement>);
 
-/// Measures; a trial that does not succeed is a finding.
-///
-/// # Errors
-/// Where something cannot be measured at all.
-pub fn measure(subject: &Subject) -> Result<Findings<LearnersMeasurement, LearnersSummary>, ExperimentError> {
-    let counts = touch_counts(subject.touches);
-    let learners = learners();
-    let mut measurements: Vec<LearnersMeasurement> = Vec::new();
-    let mut courses: Vec<Vec<LearnerCourse>> = learners.iter().map(|_| Vec::new()).collect();
-    for &seed in &subject.seeds {
+impl Trial for LearnersTrial {
+    type Setting = ();
+    type Measurement = LearnersMeasurement;
+    type Summary = LearnersSummary;
+
+    fn set_up(_subject: &Subject) -> Result<(), ExperimentError> {
+        Ok(())
+    }
+
+    fn run(subject: &Subject, (): &(), seed: u64) -> Result<LearnersTrial, ExperimentError> {
         let touches = subject.babble(seed)?;
-        for ((name, options), courses) in learners.iter().zip(&mut courses) {
-            let mut course = LearnerCourse { heldout_mm: Vec::new(), seconds: 0.0, converged: false };
-            for &count in &counts {
+        let mut measurements = Vec::new();
+        for (name, options) in learners() {
+            for count in touch_counts(subject.touches) {
                 subject.tell(seed, &format!("{name}, {count} touches"));
-                let attempt = subject.learn(options, &touches[..count], seed);
-                course.heldout_mm.push(attempt.heldout_mm());
-                (course.seconds, course.converged) = (attempt.seconds, attempt.converged());
+                let attempt = subject.learn(&options, &touches[..count], seed);
                 measurements.push(LearnersMeasurement {
-                    learner: (*name).into(),
+                    learner: name.into(),
                     seed,
                     touches: count,
                     heldout_mm: attempt.heldout_mm(),
@@ -95,32 +92,43 @@ pub fn measure(subject: &Subject) -> Result<Findings<LearnersMeasurement, Learne
                     seconds: attempt.seconds,
                 });
             }
-            courses.push(course);
         }
+        Ok(LearnersTrial(measurements))
     }
+
+    fn findings(
+        subject: &Subject,
+        trials: &[LearnersTrial],
+    ) -> Findings<LearnersMeasurement, LearnersSummary> {
+        findings(&touch_counts(subject.touches), trials)
+    }
+}
+
+fn findings(counts: &[usize], trials: &[LearnersTrial]) -> Findings<LearnersMeasurement, LearnersSummary> {
     let mut summary: Vec<LearnersSummary> = Vec::new();
     let mut series = Vec::new();
-    for ((name, _), courses) in learners.iter().zip(&courses) {
-        let needed =
-            LEVELS_MM.map(|level| median(courses.iter().map(|course| touches_to(level, &counts, course))));
-        let at = |k: usize| median(courses.iter().map(|course| course.heldout_mm[k]));
+    for (name, _) in learners() {
+        // Per trial, the measurements of this learner: one per count.
+        let of = |trial: &LearnersTrial| trial.0.iter().filter(|row| row.learner == name).cloned().collect();
+        let courses: Vec<Vec<LearnersMeasurement>> = trials.iter().map(of).collect();
+        let needed = LEVELS_MM.map(|level| median(courses.iter().map(|course| touches_to(level, course))));
+        let at = |k: usize| median(courses.iter().map(|course| course[k].heldout_mm));
+        let last = || courses.iter().filter_map(|course| course.last());
         summary.push(LearnersSummary {
-            learner: (*name).into(),
+            learner: name.into(),
             touches_to_10_mm: needed[0],
             touches_to_1_mm: needed[1],
             touches_to_0_1_mm: needed[2],
             heldout_mm: at(counts.len() - 1),
-            seconds: median(courses.iter().map(|course| course.seconds)),
-            converged: share(courses.iter().map(|course| course.converged)),
+            seconds: WallTime(median(last().map(|row| row.seconds.0))),
+            converged: share(last().map(|row| row.converged)),
         });
         let line = counts.iter().enumerate().map(|(k, &count)| (count as f64, at(k))).collect();
-        let dots = courses.iter().flat_map(|course| {
-            counts.iter().zip(&course.heldout_mm).map(|(&count, &error)| (count as f64, error))
-        });
-        series.push(PlotSeries { name: (*name).to_string(), line, dots: dots.collect() });
+        let dots = courses.iter().flatten().map(|row| (row.touches as f64, row.heldout_mm)).collect();
+        series.push(PlotSeries { name: name.into(), line, dots });
     }
     let notes = vec![
-        format!("Errors are mean held-out errors, measured after {} touches.", listed(&counts)),
+        format!("Errors are mean held-out errors, measured after {} touches.", listed(counts)),
         "Touches to an error: the least count from which on it is not exceeded; median over trials, – where \
          half of them or more never get there. The other columns are of all touches, medians over trials."
             .to_string(),
@@ -137,7 +145,8 @@ pub fn measure(subject: &Subject) -> Result<Findings<LearnersMeasurement, Learne
         },
         series,
     };
-    Ok(Findings { measurements, summary, notes, plot, numbers: Vec::new() })
+    let measurements = trials.iter().flat_map(|trial| trial.0.clone()).collect();
+    Findings { measurements, summary, notes, plot, numbers: Vec::new() }
 }
 
 /// The counts at which learners are measured, up to `most` and with it: 100, 150, 200, 300, 500, 700, 1000,
@@ -149,11 +158,11 @@ fn touch_counts(most: usize) -> Vec<usize> {
 }
 
 /// The least count from which on an error is not exceeded; infinite where there is none.
-fn touches_to(level: f64, counts: &[usize], course: &LearnerCourse) -> f64 {
-    let exceeds = |error: &f64| error.is_nan() || *error > level;
-    match course.heldout_mm.iter().rposition(exceeds) {
-        None => counts[0] as f64,
-        Some(last) => counts.get(last + 1).map_or(f64::INFINITY, |&count| count as f64),
+fn touches_to(level: f64, course: &[LearnersMeasurement]) -> f64 {
+    let exceeds = |row: &LearnersMeasurement| row.heldout_mm.is_nan() || row.heldout_mm > level;
+    match course.iter().rposition(exceeds) {
+        None => course[0].touches as f64,
+        Some(last) => course.get(last + 1).map_or(f64::INFINITY, |row| row.touches as f64),
     }
 }
 
@@ -177,8 +186,18 @@ mod tests {
     #[test]
     fn a_level_is_reached_for_good_or_not_at_all() {
         let reached = |heldout_mm: Vec<f64>| {
-            let course = LearnerCourse { heldout_mm, seconds: 0.0, converged: false };
-            touches_to(10.0, &[100, 150, 200], &course)
+            let row = |(touches, heldout_mm)| LearnersMeasurement {
+                learner: "lm".into(),
+                seed: 1,
+                touches,
+                heldout_mm,
+                hand_mm: heldout_mm,
+                converged: false,
+                initial_guesses: 1,
+                seconds: WallTime(0.0),
+            };
+            let course: Vec<_> = [100, 150, 200].into_iter().zip(heldout_mm).map(row).collect();
+            touches_to(10.0, &course)
         };
         assert_eq!(reached(vec![9.0, 5.0, 1.0]), 100.0);
         assert_eq!(reached(vec![9.0, 50.0, 1.0]), 200.0);

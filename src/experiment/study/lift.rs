@@ -3,15 +3,16 @@
 use rand::RngExt;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
+use serde::{Deserialize, Serialize};
 use serde_json::json;
 
-use super::at_table::{Knowledge, OnStage, TOP};
+use super::at_table::{KnownBodies, OnStage, TOP};
 use super::liftable::{KINDS, random};
 use super::other_hand::{PlacedThing, both_reach, feel};
 use super::plot::{AxisScale, PlotAxis, PlotSeries, StudyPlot};
 use super::subject::{Subject, median, share};
 use super::table::row;
-use super::{Findings, Study};
+use super::{Findings, Study, Trial, Trials};
 use crate::experiment::ExperimentError;
 use crate::interaction::{FoundThing, LiftTrouble, Trouble};
 
@@ -21,7 +22,7 @@ pub const STUDY: Study = Study {
     about: "lifting between both palms, by friction, what one arm has felt on a table",
     touches: true,
     several: false,
-    measure: |subject| Ok(measure(subject)?.into()),
+    trials: Trials::of::<LiftTrial>(),
 };
 
 /// Draws of a thing until there is one that an arm feels and both hands reach.
@@ -88,16 +89,21 @@ struct LiftAttempt {
     result: String,
 }
 
-/// Measures; a trial that does not succeed is a finding.
-///
-/// # Errors
-/// Where something cannot be measured at all.
-pub fn measure(subject: &Subject) -> Result<Findings<LiftMeasurement, LiftSummary>, ExperimentError> {
-    let learned = Knowledge::new(subject.own_body(subject.seeds[0])?);
-    let truth = Knowledge::new(learned.own.with_schema(subject.truth().schema.clone()));
-    let mut measurements: Vec<LiftMeasurement> = Vec::new();
-    let mut attempts: [Vec<LiftAttempt>; 2] = Default::default();
-    for &seed in &subject.seeds {
+/// The measurements of one trial, one for each of [`CONDITIONS`]; none where no thing was drawn that can be lifted.
+#[derive(Debug, Serialize, Deserialize)]
+pub struct LiftTrial(Vec<LiftMeasurement>);
+
+impl Trial for LiftTrial {
+    type Setting = KnownBodies;
+    type Measurement = LiftMeasurement;
+    type Summary = LiftSummary;
+
+    fn set_up(subject: &Subject) -> Result<KnownBodies, ExperimentError> {
+        KnownBodies::of(subject)
+    }
+
+    fn run(subject: &Subject, bodies: &KnownBodies, seed: u64) -> Result<LiftTrial, ExperimentError> {
+        let KnownBodies { learned, truth } = bodies;
         let kind = KINDS[(seed % KINDS.len() as u64) as usize];
         subject.tell(seed, kind);
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
@@ -105,14 +111,14 @@ pub fn measure(subject: &Subject) -> Result<Findings<LiftMeasurement, LiftSummar
         for _ in 0..DRAWS {
             let put = PlacedThing { thing: random(kind, &mut rng), hand: rng.random_range(0..2), arm: None };
             // Whether both hands could truly be there, and whether it is felt, is asked of the truth.
-            if both_reach(subject, &truth, &put.thing)? && feel(subject, &truth, &put, seed, false)?.is_some()
-            {
+            if both_reach(subject, truth, &put.thing)? && feel(subject, truth, &put, seed, false)?.is_some() {
                 drawn = Some(put);
                 break;
             }
         }
-        let Some(put) = drawn else { continue };
-        for (k, (name, own)) in CONDITIONS.into_iter().zip([&learned, &truth]).enumerate() {
+        let Some(put) = drawn else { return Ok(LiftTrial(Vec::new())) };
+        let mut measurements = Vec::new();
+        for (name, own) in CONDITIONS.into_iter().zip([learned, truth]) {
             let attempt = match feel(subject, own, &put, seed, false)? {
                 Some((actor, felt)) => attempt(actor, &felt.found)?,
                 None => LiftAttempt { result: "not felt".into(), ..LiftAttempt::default() },
@@ -133,23 +139,35 @@ pub fn measure(subject: &Subject) -> Result<Findings<LiftMeasurement, LiftSummar
                 set_down: attempt.set_down,
                 moved_mm: 1e3 * attempt.moved,
                 unintended: attempt.unintended,
-                result: attempt.result.clone(),
+                result: attempt.result,
             });
-            attempts[k].push(attempt);
         }
+        Ok(LiftTrial(measurements))
     }
-    let rate = |attempts: &[LiftAttempt], of: fn(&LiftAttempt) -> bool| share(attempts.iter().map(of));
-    let summary = CONDITIONS.into_iter().zip(&attempts).map(|(name, attempts)| LiftSummary {
+
+    fn findings(_subject: &Subject, trials: &[LiftTrial]) -> Findings<LiftMeasurement, LiftSummary> {
+        findings(trials.iter().flat_map(|trial| trial.0.clone()).collect())
+    }
+}
+
+fn findings(measurements: Vec<LiftMeasurement>) -> Findings<LiftMeasurement, LiftSummary> {
+    type Row = LiftMeasurement;
+    let rows =
+        CONDITIONS.map(|name| measurements.iter().filter(|row| row.schema == name).collect::<Vec<&Row>>());
+    let rate = |rows: &[&Row], of: fn(&Row) -> bool| share(rows.iter().map(|row| of(row)));
+    let set_down = |rows: &[&Row]| share(rows.iter().filter(|row| row.lifted).map(|row| row.set_down));
+    let summary = CONDITIONS.into_iter().zip(&rows).map(|(name, rows)| LiftSummary {
         schema: name.into(),
-        trials: attempts.len(),
-        first: rate(attempts, |a| a.first),
-        lifted: rate(attempts, |a| a.lifted),
-        set_down: share(attempts.iter().filter(|a| a.lifted).map(|a| a.set_down)),
-        moved_mm: 1e3 * median(attempts.iter().filter(|a| a.set_down).map(|a| a.moved)),
-        wrong: rate(attempts, |a| a.claimed != a.lifted),
-        unintended: rate(attempts, |a| a.unintended > 0),
+        trials: rows.len(),
+        first: rate(rows, |row| row.first),
+        lifted: rate(rows, |row| row.lifted),
+        set_down: set_down(rows),
+        moved_mm: median(rows.iter().filter(|row| row.set_down).map(|row| row.moved_mm)),
+        wrong: rate(rows, |row| row.claimed != row.lifted),
+        unintended: rate(rows, |row| row.unintended > 0),
     });
-    let [own, real] = &attempts;
+    let summary = summary.collect();
+    let [own, real] = &rows;
     let notes = vec![
         "lifted: its middle is at least 8 cm higher than it stood after it has been held for two seconds, and nothing but \
          hands touches it; set down: it comes to rest on the table within 5 cm of where it stood; said wrongly: he says \
@@ -157,18 +175,18 @@ pub fn measure(subject: &Subject) -> Result<Findings<LiftMeasurement, LiftSummar
             .to_string(),
     ];
     let numbers = vec![
-        ("success_first", json!(rate(own, |a| a.first))),
-        ("success", json!(rate(own, |a| a.lifted))),
-        ("set_down", json!(share(own.iter().filter(|a| a.lifted).map(|a| a.set_down)))),
-        ("said_wrongly", json!(rate(own, |a| a.claimed != a.lifted))),
-        ("true_kinematics_success_first", json!(rate(real, |a| a.first))),
-        ("true_kinematics_success", json!(rate(real, |a| a.lifted))),
-        ("unintended", json!(rate(own, |a| a.unintended > 0))),
+        ("success_first", json!(rate(own, |row| row.first))),
+        ("success", json!(rate(own, |row| row.lifted))),
+        ("set_down", json!(set_down(own))),
+        ("said_wrongly", json!(rate(own, |row| row.claimed != row.lifted))),
+        ("true_kinematics_success_first", json!(rate(real, |row| row.first))),
+        ("true_kinematics_success", json!(rate(real, |row| row.lifted))),
+        ("unintended", json!(rate(own, |row| row.unintended > 0))),
     ];
-    let series = CONDITIONS.iter().zip(&attempts).enumerate().map(|(k, (name, attempts))| PlotSeries {
+    let series = CONDITIONS.iter().zip(&rows).enumerate().map(|(k, (name, rows))| PlotSeries {
         name: name.to_string(),
         line: Vec::new(),
-        dots: attempts.iter().map(|attempt| ((1e3 * attempt.rise).max(1.0), k as f64)).collect(),
+        dots: rows.iter().map(|row| (row.rise_mm.max(1.0), k as f64)).collect(),
     });
     let plot = StudyPlot {
         x: PlotAxis { title: "risen, mm", scale: AxisScale::Logarithmic },
@@ -178,8 +196,7 @@ pub fn measure(subject: &Subject) -> Result<Findings<LiftMeasurement, LiftSummar
         },
         series: series.collect(),
     };
-    let (summary, plot) = (summary.collect(), plot);
-    Ok(Findings { measurements, summary, notes, plot, numbers })
+    Findings { summary, notes, plot, numbers, measurements }
 }
 
 /// Lets him lift what he has felt, hold it, and set it down.

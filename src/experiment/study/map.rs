@@ -2,12 +2,13 @@
 
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
+use serde::{Deserialize, Serialize};
 use serde_json::json;
 
 use super::plot::{AxisScale, PlotAxis, PlotSeries, StudyPlot};
 use super::subject::{Subject, median};
 use super::table::row;
-use super::{Findings, Study};
+use super::{Findings, Study, Trial, Trials};
 use crate::evaluation::MapAgreement;
 use crate::experiment::ExperimentError;
 use crate::senses::{FiringRecorder, learn_map};
@@ -20,7 +21,7 @@ pub const STUDY: Study = Study {
     about: "how far a somatotopic map learned from 20 minutes of random strokes agrees with the geometric one",
     touches: false,
     several: false,
-    measure: |subject| Ok(measure(subject)?.into()),
+    trials: Trials::of::<MapTrial>(),
 };
 
 /// After how many minutes of strokes the map is learned.
@@ -63,26 +64,36 @@ row! {
     }
 }
 
-/// One of the measures of agreement.
-type AgreementMeasure = fn(&MapAgreement) -> f64;
-/// What a map came to: strokes, share of receptors visited, and agreement: of all, within limbs and across joints.
-type MapFigures = (usize, f64, [MapAgreement; 3]);
+/// One of the measures of a map.
+type MapMeasure = fn(&MapMeasurement) -> f64;
 
-/// Measures; a trial that does not succeed is a finding.
-///
-/// # Errors
-/// Where something cannot be measured at all.
-pub fn measure(subject: &Subject) -> Result<Findings<MapMeasurement, MapSummary>, ExperimentError> {
-    let mut measurements: Vec<MapMeasurement> = Vec::new();
-    let mut found: [Vec<MapFigures>; MINUTES.len()] = Default::default();
-    for &seed in &subject.seeds {
+/// What came of one trial.
+#[derive(Debug, Serialize, Deserialize)]
+pub struct MapTrial {
+    /// One for each of [`MINUTES`].
+    measurements: Vec<MapMeasurement>,
+    /// Receptors of the skin.
+    receptors: usize,
+}
+
+impl Trial for MapTrial {
+    type Setting = ();
+    type Measurement = MapMeasurement;
+    type Summary = MapSummary;
+
+    fn set_up(_subject: &Subject) -> Result<(), ExperimentError> {
+        Ok(())
+    }
+
+    fn run(subject: &Subject, (): &(), seed: u64) -> Result<MapTrial, ExperimentError> {
         subject.tell(seed, "stroking");
         let stage = subject.stage()?;
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         let limbs: Vec<usize> = stage.skin().receptors.iter().map(|receptor| receptor.limb).collect();
         let geometric = SomatotopicMap::at_ease(stage.body(), stage.skin())?;
         let (mut recorder, mut firings, mut before) = (FiringRecorder::default(), Vec::new(), 0.0);
-        for (minutes, found) in MINUTES.into_iter().zip(&mut found) {
+        let mut measurements = Vec::new();
+        for minutes in MINUTES {
             let room = stroke_for::<ExperimentError>(
                 &stage,
                 60.0 * (minutes - before),
@@ -102,12 +113,11 @@ pub fn measure(subject: &Subject) -> Result<Findings<MapMeasurement, MapSummary>
             let learned = learn_map(&limbs, &firings);
             let agreement = MapAgreement::of_all(&learned.map, &geometric);
             let [within, across] = MapAgreement::within_and_across(&learned.map, &geometric, stage.skin());
-            let visited = learned.firings.iter().filter(|count| **count > 0).count();
             measurements.push(MapMeasurement {
                 seed,
                 minutes,
                 strokes: learned.strokes,
-                visited,
+                visited: learned.firings.iter().filter(|count| **count > 0).count(),
                 learned: agreement.learned,
                 geometric: agreement.geometric,
                 shared: agreement.shared,
@@ -119,50 +129,52 @@ pub fn measure(subject: &Subject) -> Result<Findings<MapMeasurement, MapSummary>
                 recall_across: across.recall(),
                 precision_across: across.precision(),
             });
-            found.push((learned.strokes, visited as f64 / limbs.len() as f64, [agreement, within, across]));
         }
+        Ok(MapTrial { measurements, receptors: limbs.len() })
     }
-    let mut summary: Vec<MapSummary> = Vec::new();
-    for (minutes, found) in MINUTES.into_iter().zip(&found) {
-        summary.push(MapSummary {
-            minutes,
-            trials: found.len(),
-            strokes: median(found.iter().map(|(strokes, ..)| *strokes as f64)),
-            visited: median(found.iter().map(|(_, visited, _)| *visited)),
-            recall: median(found.iter().map(|(.., [of, ..])| of.recall())),
-            precision: median(found.iter().map(|(.., [of, ..])| of.precision())),
-            agreement: median(found.iter().map(|(.., [of, ..])| of.agreement())),
-            recall_within: median(found.iter().map(|(.., [_, of, _])| of.recall())),
-            precision_within: median(found.iter().map(|(.., [_, of, _])| of.precision())),
-            recall_across: median(found.iter().map(|(.., [.., of])| of.recall())),
-            precision_across: median(found.iter().map(|(.., [.., of])| of.precision())),
-        });
+
+    fn findings(_subject: &Subject, trials: &[MapTrial]) -> Findings<MapMeasurement, MapSummary> {
+        findings(trials)
     }
-    let last = &found[MINUTES.len() - 1];
-    let of = |measure: AgreementMeasure| median(last.iter().map(|(.., [of, ..])| measure(of)));
-    let numbers = vec![
-        ("recall", json!(of(MapAgreement::recall))),
-        ("precision", json!(of(MapAgreement::precision))),
-        ("agreement", json!(of(MapAgreement::agreement))),
-        ("accuracy", json!(of(MapAgreement::precision))),
+}
+
+fn findings(trials: &[MapTrial]) -> Findings<MapMeasurement, MapSummary> {
+    let of = |k: usize| trials.iter().filter_map(move |trial| trial.measurements.get(k));
+    let middle = |k: usize, measure: MapMeasure| median(of(k).map(measure));
+    let visited = |k: usize| {
+        let visited =
+            |trial: &MapTrial| Some(trial.measurements.get(k)?.visited as f64 / trial.receptors as f64);
+        median(trials.iter().filter_map(visited))
+    };
+    let summary = MINUTES.into_iter().enumerate().map(|(k, minutes)| MapSummary {
+        minutes,
+        trials: of(k).count(),
+        strokes: middle(k, |row| row.strokes as f64),
+        visited: visited(k),
+        recall: middle(k, |row| row.recall),
+        precision: middle(k, |row| row.precision),
+        agreement: middle(k, |row| row.agreement),
+        recall_within: middle(k, |row| row.recall_within),
+        precision_within: middle(k, |row| row.precision_within),
+        recall_across: middle(k, |row| row.recall_across),
+        precision_across: middle(k, |row| row.precision_across),
+    });
+    let measures: [(&str, MapMeasure); 3] = [
+        ("recall", |row| row.recall),
+        ("precision", |row| row.precision),
+        ("agreement", |row| row.agreement),
     ];
+    let last = MINUTES.len() - 1;
+    let numbers = measures.into_iter().chain([("accuracy", measures[1].1)]);
+    let numbers = numbers.map(|(name, measure)| (name, json!(middle(last, measure)))).collect();
     let notes = vec![
         "Medians over the trials. Recall: pairs of the geometry that were learned. Precision, in JSON also accuracy: \
          learned pairs that are the geometry's. Agreement: their harmonic mean."
             .to_string(),
     ];
-    let measures: [(&str, AgreementMeasure); 3] = [
-        ("recall", MapAgreement::recall),
-        ("precision", MapAgreement::precision),
-        ("agreement", MapAgreement::agreement),
-    ];
     let series = measures.into_iter().map(|(name, measure)| PlotSeries {
         name: name.to_string(),
-        line: MINUTES
-            .into_iter()
-            .zip(&found)
-            .map(|(minutes, found)| (minutes, median(found.iter().map(|(.., [of, ..])| measure(of)))))
-            .collect(),
+        line: MINUTES.into_iter().enumerate().map(|(k, minutes)| (minutes, middle(k, measure))).collect(),
         dots: Vec::new(),
     });
     let plot = StudyPlot {
@@ -170,5 +182,6 @@ pub fn measure(subject: &Subject) -> Result<Findings<MapMeasurement, MapSummary>
         y: PlotAxis { title: "share", scale: AxisScale::Logarithmic },
         series: series.collect(),
     };
-    Ok(Findings { measurements, summary, notes, plot, numbers })
+    let measurements = trials.iter().flat_map(|trial| trial.measurements.clone()).collect();
+    Findings { measurements, summary: summary.collect(), notes, plot, numbers }
 }

@@ -1,9 +1,9 @@
 //! Studies: one measurement repeated over several seeds.
 //!
-//! To add a study, write a file beside this one with a `pub const STUDY: Study`, and name it in [`STUDIES`].
-//! Its `measure` takes a [`Subject`], which babbles, learns and evaluates for it, and gives [`Findings`]: all
-//! measurements as typed rows of one tidy table, a summary of them, and what to plot. The command line has it by its
-//! name; a program calls its `measure`.
+//! To add a study, write a file beside this one with a kind of [`Trial`] and a `pub const STUDY: Study`, and name it in
+//! [`STUDIES`]. A trial takes a [`Subject`], which babbles, learns and evaluates for it, and a seed; all trials together
+//! give [`Findings`]: all measurements as typed rows of one tidy table, a summary of them, and what to plot. The command
+//! line has the study by its name; a program calls [`measure`] with the kind of trial.
 
 pub mod approach;
 mod at_table;
@@ -36,14 +36,15 @@ mod subject;
 mod table;
 pub mod tool;
 mod touched_trial;
+mod trial;
 pub mod turned;
 
 use serde_json::Value;
 
-use crate::experiment::ExperimentError;
 pub use plot::{AxisScale, PlotAxis, PlotSeries, StudyPlot};
 pub use subject::Subject;
-pub use table::{Cell, Column, StudyRow, Table};
+pub use table::{Cell, Column, StudyRow, Table, WallTime};
+pub use trial::{ReceiveTrial, Trial, Trials, measure};
 
 /// The studies, in the order in which they are named to the user.
 pub const STUDIES: &[&Study] = &[
@@ -83,8 +84,8 @@ pub struct Study {
     pub touches: bool,
     /// Whether it is of several creatures where several are named.
     pub several: bool,
-    /// Measures. A trial that does not succeed is a finding; only what cannot be measured fails.
-    pub measure: fn(&Subject) -> Result<FoundTables, ExperimentError>,
+    /// Its trials.
+    pub trials: Trials,
 }
 
 /// What a study found, in rows of its own kinds.

@@ -5,13 +5,14 @@ use rand::RngExt;
 use rand::SeedableRng;
 use rand::seq::IndexedRandom;
 use rand_chacha::ChaCha8Rng;
+use serde::{Deserialize, Serialize};
 use serde_json::json;
 
-use super::at_table::{HANDS, Knowledge, OnStage, THING, at_table, on_table, shape};
+use super::at_table::{HANDS, Knowledge, KnownBodies, OnStage, THING, at_table, on_table, shape};
 use super::plot::{AxisScale, PlotAxis, PlotSeries, StudyPlot};
 use super::subject::{Subject, median, share};
 use super::table::row;
-use super::{Findings, Study};
+use super::{Findings, Study, Trial, Trials};
 use crate::creature::Posture;
 use crate::experiment::ExperimentError;
 use crate::interaction::{FoundThing, Hand, Trouble};
@@ -27,7 +28,7 @@ pub const STUDY: Study = Study {
     about: "whether one hand finds what the other arm felt, on a table and in the air; a trial is one of either",
     touches: true,
     several: false,
-    measure: |subject| Ok(measure(subject)?.into()),
+    trials: Trials::of::<OtherHandTrial>(),
 };
 
 /// Draws of a thing until there is one that a hand feels and the other could truly reach.
@@ -95,19 +96,27 @@ pub(super) struct FeltThing {
     at: Vector3<f64>,
 }
 
-/// Measures; a trial that does not succeed is a finding.
-///
-/// # Errors
-/// Where something cannot be measured at all.
-pub fn measure(
-    subject: &Subject,
-) -> Result<Findings<OtherHandMeasurement, OtherHandSummary>, ExperimentError> {
-    let learned = Knowledge::new(subject.own_body(subject.seeds[0])?);
-    let truth = Knowledge::new(learned.own.with_schema(subject.truth().schema.clone()));
-    let mut measurements: Vec<OtherHandMeasurement> = Vec::new();
-    let mut attempts: [Vec<TouchAttempt>; 3] = Default::default();
-    let mut passed_over = 0;
-    for &seed in &subject.seeds {
+/// What came of one trial.
+#[derive(Debug, Serialize, Deserialize)]
+pub struct OtherHandTrial {
+    measurements: Vec<OtherHandMeasurement>,
+    /// Things that were drawn and that the other hand could truly not have reached.
+    passed_over: usize,
+}
+
+impl Trial for OtherHandTrial {
+    type Setting = KnownBodies;
+    type Measurement = OtherHandMeasurement;
+    type Summary = OtherHandSummary;
+
+    fn set_up(subject: &Subject) -> Result<KnownBodies, ExperimentError> {
+        KnownBodies::of(subject)
+    }
+
+    fn run(subject: &Subject, bodies: &KnownBodies, seed: u64) -> Result<OtherHandTrial, ExperimentError> {
+        let KnownBodies { learned, truth } = bodies;
+        let mut measurements = Vec::new();
+        let mut passed_over = 0;
         for (stream, place) in ["table", "air"].into_iter().enumerate() {
             subject.tell(seed, place);
             let mut rng = ChaCha8Rng::seed_from_u64(seed);
@@ -120,13 +129,13 @@ pub fn measure(
                 };
                 let hand = rng.random_range(0..2);
                 let put = match thing {
-                    Some(thing) if !both_reach(subject, &truth, &thing)? => None,
+                    Some(thing) if !both_reach(subject, truth, &thing)? => None,
                     Some(thing) => Some(PlacedThing { thing, hand, arm: None }),
-                    None => in_air(subject, &truth, hand, &mut rng)?,
+                    None => in_air(subject, truth, hand, &mut rng)?,
                 };
                 let Some(put) = put else { continue };
                 // Whether it is felt, and whether the other hand could truly reach it, is asked of the truth.
-                let Some((actor, felt)) = feel(subject, &truth, &put, seed, false)? else { continue };
+                let Some((actor, felt)) = feel(subject, truth, &put, seed, false)? else { continue };
                 if reachable(actor, &felt) {
                     drawn = Some(put);
                     break;
@@ -134,8 +143,8 @@ pub fn measure(
                 passed_over += 1;
             }
             let Some(put) = drawn else { continue };
-            for (k, (name, fine)) in CONDITIONS.into_iter().enumerate() {
-                let own = if name.starts_with("true") { &truth } else { &learned };
+            for (name, fine) in CONDITIONS {
+                let own = if name.starts_with("true") { truth } else { learned };
                 let (limb, attempt) = match feel(subject, own, &put, seed, fine)? {
                     Some((actor, felt)) => {
                         let limb = own.own.creature().limbs()[felt.limb].clone();
@@ -168,32 +177,47 @@ pub fn measure(
                     felt_mm: 1e3 * attempt.felt,
                     felt_on_mm: 1e3 * attempt.felt_on,
                     unintended: attempt.unintended,
-                    result: attempt.result.clone(),
+                    result: attempt.result,
                 });
-                attempts[k].push(attempt);
             }
         }
+        Ok(OtherHandTrial { measurements, passed_over })
     }
-    let mut summary: Vec<OtherHandSummary> = Vec::new();
-    let rate = |attempts: &[TouchAttempt], of: fn(&TouchAttempt) -> bool| share(attempts.iter().map(of));
-    let error = |attempts: &[TouchAttempt], of: fn(&TouchAttempt) -> f64| {
-        1e3 * median(attempts.iter().filter(|a| a.touched).map(of).filter(|x| x.is_finite()))
+
+    fn findings(
+        _subject: &Subject,
+        trials: &[OtherHandTrial],
+    ) -> Findings<OtherHandMeasurement, OtherHandSummary> {
+        findings(trials)
+    }
+}
+
+fn findings(trials: &[OtherHandTrial]) -> Findings<OtherHandMeasurement, OtherHandSummary> {
+    type Row = OtherHandMeasurement;
+    let measurements: Vec<Row> = trials.iter().flat_map(|trial| trial.measurements.clone()).collect();
+    let passed_over: usize = trials.iter().map(|trial| trial.passed_over).sum();
+    let rows = CONDITIONS
+        .map(|(name, _)| measurements.iter().filter(|row| row.schema == name).collect::<Vec<&Row>>());
+    let rate = |rows: &[&Row], of: fn(&Row) -> bool| share(rows.iter().map(|row| of(row)));
+    let error = |rows: &[&Row], of: fn(&Row) -> f64| {
+        median(rows.iter().filter(|row| row.touched).map(|row| of(row)).filter(|x| x.is_finite()))
     };
-    for ((name, _), attempts) in CONDITIONS.into_iter().zip(&attempts) {
+    let mut summary: Vec<OtherHandSummary> = Vec::new();
+    for ((name, _), rows) in CONDITIONS.into_iter().zip(&rows) {
         summary.push(OtherHandSummary {
             schema: name.into(),
-            trials: attempts.len(),
-            first: rate(attempts, |a| a.first),
-            touched: rate(attempts, |a| a.touched),
-            error_mm: error(attempts, |a| a.error),
-            contact_mm: error(attempts, |a| a.contact),
-            felt_mm: error(attempts, |a| a.felt),
-            felt_on_mm: error(attempts, |a| a.felt_on),
-            unintended: rate(attempts, |a| a.unintended > 0),
+            trials: rows.len(),
+            first: rate(rows, |row| row.first),
+            touched: rate(rows, |row| row.touched),
+            error_mm: error(rows, |row| row.error_mm),
+            contact_mm: error(rows, |row| row.contact_mm),
+            felt_mm: error(rows, |row| row.felt_mm),
+            felt_on_mm: error(rows, |row| row.felt_on_mm),
+            unintended: rate(rows, |row| row.unintended > 0),
         });
     }
-    let [own, real, fine] = &attempts;
-    let ratio = rate(own, |a| a.touched) / rate(real, |a| a.touched);
+    let [own, real, fine] = &rows;
+    let ratio = rate(own, |row| row.touched) / rate(real, |row| row.touched);
     let notes = vec![
         "error: from where the arm touched the thing to the nearest skin of the hand when it touches; contacts apart: to \
          where the hand touches, on the thing, which may be another side of it; felt: from where the arm, whose receptors \
@@ -202,22 +226,22 @@ pub fn measure(
         format!("Successes with the learned schema over those with the true one: {ratio:.3}. {passed_over} things were drawn that the other hand could truly not have reached."),
     ];
     let numbers = vec![
-        ("success_first", json!(rate(own, |a| a.first))),
-        ("success", json!(rate(own, |a| a.touched))),
-        ("error_mm", json!(error(own, |a| a.error))),
-        ("contact_mm", json!(error(own, |a| a.contact))),
-        ("felt_mm", json!(error(own, |a| a.felt))),
-        ("fine_error_mm", json!(error(fine, |a| a.error))),
-        ("fine_success_first", json!(rate(fine, |a| a.first))),
-        ("fine_success", json!(rate(fine, |a| a.touched))),
-        ("true_kinematics_success", json!(rate(real, |a| a.touched))),
+        ("success_first", json!(rate(own, |row| row.first))),
+        ("success", json!(rate(own, |row| row.touched))),
+        ("error_mm", json!(error(own, |row| row.error_mm))),
+        ("contact_mm", json!(error(own, |row| row.contact_mm))),
+        ("felt_mm", json!(error(own, |row| row.felt_mm))),
+        ("fine_error_mm", json!(error(fine, |row| row.error_mm))),
+        ("fine_success_first", json!(rate(fine, |row| row.first))),
+        ("fine_success", json!(rate(fine, |row| row.touched))),
+        ("true_kinematics_success", json!(rate(real, |row| row.touched))),
         ("success_ratio", json!(ratio)),
-        ("unintended", json!(rate(own, |a| a.unintended > 0))),
+        ("unintended", json!(rate(own, |row| row.unintended > 0))),
     ];
-    let series = CONDITIONS.iter().zip(&attempts).enumerate().map(|(k, ((name, _), attempts))| PlotSeries {
+    let series = CONDITIONS.iter().zip(&rows).enumerate().map(|(k, ((name, _), rows))| PlotSeries {
         name: name.to_string(),
         line: Vec::new(),
-        dots: attempts.iter().map(|attempt| (1e3 * attempt.error, k as f64)).collect(),
+        dots: rows.iter().map(|row| (row.error_mm, k as f64)).collect(),
     });
     let plot = StudyPlot {
         x: PlotAxis {
@@ -230,7 +254,7 @@ pub fn measure(
         },
         series: series.collect(),
     };
-    Ok(Findings { measurements, summary, notes, plot, numbers })
+    Findings { summary, notes, plot, numbers, measurements }
 }
 
 /// A thing in its place, and the hand that is to feel it: by sweeping, or where it is put against an arm in a posture.

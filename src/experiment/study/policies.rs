@@ -1,9 +1,11 @@
 //! How many touches and motions each policy of babbling needs.
 
+use serde::{Deserialize, Serialize};
+
 use super::plot::{AxisScale, PlotAxis, PlotSeries, StudyPlot};
-use super::subject::{BabbledTrial, Subject, median};
-use super::table::row;
-use super::{Findings, Study};
+use super::subject::{Subject, median};
+use super::table::{WallTime, row};
+use super::{Findings, Study, Trial, Trials};
 use crate::babbling::PolicyName;
 use crate::experiment::ExperimentError;
 use crate::experiment::LearningOptions;
@@ -14,7 +16,7 @@ pub const STUDY: Study = Study {
     about: "how few touches and motions lm needs by each policy",
     touches: true,
     several: false,
-    measure: |subject| Ok(measure(subject)?.into()),
+    trials: Trials::of::<PoliciesTrial>(),
 };
 
 /// Errors that touches and motions are counted to, millimetres, the greatest first.
@@ -31,10 +33,10 @@ row! {
         seed: u64 = "seed",
         touches: usize = "touches",
         motions: u64 = "motions",
-        babbling_s: f64 = "babbling, s",
+        babbling_s: WallTime = "babbling, s",
         heldout_mm: f64 = "held-out, mm",
         converged: bool = "converged",
-        learning_s: f64 = "learning, s",
+        learning_s: WallTime = "learning, s",
     }
 }
 
@@ -44,10 +46,10 @@ row! {
         policy: String = "policy",
         touches_to_10_mm: f64 = "touches to 10 mm",
         motions_to_10_mm: f64 = "motions",
-        seconds_to_10_mm: f64 = "s",
+        seconds_to_10_mm: WallTime = "s",
         touches_to_1_mm: f64 = "touches to 1 mm",
         motions_to_1_mm: f64 = "motions",
-        seconds_to_1_mm: f64 = "s",
+        seconds_to_1_mm: WallTime = "s",
         touches_ratio: f64 = "touches/random",
         motions_ratio: f64 = "motions/random",
         heldout_mm: f64 = "at last, mm",
@@ -67,66 +69,96 @@ struct PolicyCourse {
     dots: Vec<(f64, f64)>,
 }
 
-/// Measures; a trial that does not succeed is a finding.
-///
-/// # Errors
-/// Where something cannot be measured at all.
-pub fn measure(subject: &Subject) -> Result<Findings<PoliciesMeasurement, PoliciesSummary>, ExperimentError> {
-    let counts = touch_counts(subject.touches);
-    let policies = PolicyName::ALL;
-    let mut measurements: Vec<PoliciesMeasurement> = Vec::new();
-    let mut courses: Vec<Vec<PolicyCourse>> = policies.iter().map(|_| Vec::new()).collect();
-    for &seed in &subject.seeds {
-        for (&policy, courses) in policies.iter().zip(&mut courses) {
+/// The measurements of one trial: policy by policy, from all touches down.
+#[derive(Debug, Serialize, Deserialize)]
+pub struct PoliciesTrial(Vec<PoliciesMeasurement>);
+
+impl Trial for PoliciesTrial {
+    type Setting = ();
+    type Measurement = PoliciesMeasurement;
+    type Summary = PoliciesSummary;
+
+    fn set_up(_subject: &Subject) -> Result<(), ExperimentError> {
+        Ok(())
+    }
+
+    fn run(subject: &Subject, (): &(), seed: u64) -> Result<PoliciesTrial, ExperimentError> {
+        let mut measurements = Vec::new();
+        for &policy in PolicyName::ALL {
             let babbled = subject.babble_by(policy, seed)?;
-            let mut learned = Vec::new();
             // From all touches down: once the greatest level is exceeded, fewer touches change nothing.
-            for &count in counts.iter().rev() {
+            for &count in touch_counts(subject.touches).iter().rev() {
                 subject.tell(seed, &format!("{policy}, {count} touches"));
                 let attempt = subject.learn(&LearningOptions::default(), &babbled.touches[..count], seed);
-                let cost = cost(&babbled, count);
                 measurements.push(PoliciesMeasurement {
                     policy: policy.to_string(),
                     seed,
                     touches: count,
                     motions: babbled.motions[count - 1],
-                    babbling_s: cost[2],
+                    babbling_s: WallTime(babbled.seconds[count - 1]),
                     heldout_mm: attempt.heldout_mm(),
                     converged: attempt.converged(),
                     learning_s: attempt.seconds,
                 });
-                let exceeds = exceeds(attempt.heldout_mm(), LEVELS_MM[0]);
-                learned.push((cost, attempt.heldout_mm()));
-                if exceeds {
+                if exceeds(attempt.heldout_mm(), LEVELS_MM[0]) {
                     break;
                 }
             }
-            courses.push(PolicyCourse {
-                costs: LEVELS_MM.map(|level| cost_to(level, &learned)),
-                heldout_mm: learned[0].1,
-                dots: learned.iter().map(|(cost, error)| (cost[1], *error)).collect(),
-            });
+        }
+        Ok(PoliciesTrial(measurements))
+    }
+
+    fn findings(
+        subject: &Subject,
+        trials: &[PoliciesTrial],
+    ) -> Findings<PoliciesMeasurement, PoliciesSummary> {
+        findings(&touch_counts(subject.touches), trials)
+    }
+}
+
+impl PolicyCourse {
+    /// How a policy did in a trial.
+    fn of(policy: PolicyName, trial: &PoliciesTrial) -> PolicyCourse {
+        let name = policy.to_string();
+        let rows = trial.0.iter().filter(|row| row.policy == name);
+        let learned: Vec<(BabblingCost, f64)> = rows.map(|row| (cost(row), row.heldout_mm)).collect();
+        PolicyCourse {
+            costs: LEVELS_MM.map(|level| cost_to(level, &learned)),
+            heldout_mm: learned.first().map_or(f64::NAN, |(_, error)| *error),
+            dots: learned.iter().map(|(cost, error)| (cost[1], *error)).collect(),
         }
     }
+}
+
+fn findings(counts: &[usize], trials: &[PoliciesTrial]) -> Findings<PoliciesMeasurement, PoliciesSummary> {
+    let courses_of = |policy: PolicyName| -> Vec<PolicyCourse> {
+        trials.iter().map(|trial| PolicyCourse::of(policy, trial)).collect()
+    };
     let needed = |courses: &[PolicyCourse], level: usize, k: usize| {
         median(courses.iter().map(|course| course.costs[level][k]))
     };
     let mut summary: Vec<PoliciesSummary> = Vec::new();
-    let random = policies.iter().position(|&policy| policy == PolicyName::Random);
-    let random = &courses[random.expect("random is a policy")];
-    for (policy, courses) in policies.iter().zip(&courses) {
-        let [ten, one] = [0, 1].map(|level| [0, 1, 2].map(|k| needed(courses, level, k)));
+    let mut series = Vec::new();
+    let random = courses_of(PolicyName::Random);
+    for &policy in PolicyName::ALL {
+        let courses = courses_of(policy);
+        let [ten, one] = [0, 1].map(|level| [0, 1, 2].map(|k| needed(&courses, level, k)));
         summary.push(PoliciesSummary {
             policy: policy.to_string(),
             touches_to_10_mm: ten[0],
             motions_to_10_mm: ten[1],
-            seconds_to_10_mm: ten[2],
+            seconds_to_10_mm: WallTime(ten[2]),
             touches_to_1_mm: one[0],
             motions_to_1_mm: one[1],
-            seconds_to_1_mm: one[2],
-            touches_ratio: one[0] / needed(random, 1, 0),
-            motions_ratio: one[1] / needed(random, 1, 1),
+            seconds_to_1_mm: WallTime(one[2]),
+            touches_ratio: one[0] / needed(&random, 1, 0),
+            motions_ratio: one[1] / needed(&random, 1, 1),
             heldout_mm: median(courses.iter().map(|course| course.heldout_mm)),
+        });
+        series.push(PlotSeries {
+            name: policy.to_string(),
+            line: Vec::new(),
+            dots: courses.iter().flat_map(|course| course.dots.iter().copied()).collect(),
         });
     }
     let counts: Vec<String> = counts.iter().map(usize::to_string).collect();
@@ -143,26 +175,22 @@ pub fn measure(subject: &Subject) -> Result<Findings<PoliciesMeasurement, Polici
             .to_string(),
         "Ratios are those of the medians to 1 mm.".to_string(),
     ];
-    let series = policies.iter().zip(&courses).map(|(policy, courses)| PlotSeries {
-        name: policy.to_string(),
-        line: Vec::new(),
-        dots: courses.iter().flat_map(|course| course.dots.iter().copied()).collect(),
-    });
     let plot = StudyPlot {
         x: PlotAxis { title: "motions", scale: AxisScale::Logarithmic },
         y: PlotAxis { title: "mean held-out error of lm, mm (dots: trials)", scale: AxisScale::Logarithmic },
-        series: series.collect(),
+        series,
     };
-    Ok(Findings { measurements, summary, notes, plot, numbers: Vec::new() })
+    let measurements = trials.iter().flat_map(|trial| trial.0.clone()).collect();
+    Findings { measurements, summary, notes, plot, numbers: Vec::new() }
 }
 
 fn exceeds(error: f64, level: f64) -> bool {
     error.is_nan() || error > level
 }
 
-/// What a number of touches cost.
-fn cost(babbled: &BabbledTrial, count: usize) -> BabblingCost {
-    [count as f64, babbled.motions[count - 1] as f64, babbled.seconds[count - 1]]
+/// What the touches of a measurement cost.
+fn cost(row: &PoliciesMeasurement) -> BabblingCost {
+    [row.touches as f64, row.motions as f64, row.babbling_s.0]
 }
 
 /// The least cost from which on a level is not exceeded; costs and errors stand from the greatest count down.

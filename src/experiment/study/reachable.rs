@@ -7,12 +7,13 @@ use nalgebra::Vector3;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
 use serde_json::json;
 
 use super::plot::{AxisScale, PlotAxis, PlotSeries, StudyPlot};
 use super::subject::{Subject, median};
-use super::table::row;
-use super::{Findings, Study};
+use super::table::{WallTime, row};
+use super::{Findings, Study, Trial, Trials};
 use crate::experiment::ExperimentError;
 use crate::experiment::hands;
 use crate::kinematics::{ChainSide, InverseKinematics, Place, REACHED};
@@ -24,7 +25,7 @@ pub const STUDY: Study = Study {
     about: "how well the learned body knows where its hands can get to, and how fast it tells",
     touches: true,
     several: false,
-    measure: |subject| Ok(measure(subject)?.into()),
+    trials: Trials::of::<ReachableTrial>(),
 };
 
 /// The side of a voxel, metres.
@@ -54,12 +55,12 @@ row! {
         random_found: f64 = "random found",
         beyond_reached: f64 = "beyond, yet reached",
         missed: f64 = "missed so",
-        build_s: f64 = "build, s",
-        query_us: f64 = "query, us",
-        query_p99_us: f64 = "99 %, us",
-        ik_us: f64 = "reaching, us",
+        build_s: WallTime = "build, s",
+        query_us: WallTime = "query, us",
+        query_p99_us: WallTime = "99 %, us",
+        ik_us: WallTime = "reaching, us",
         ik_reached: f64 = "reached",
-        ik_rest_us: f64 = "from rest, us",
+        ik_rest_us: WallTime = "from rest, us",
         ik_rest_reached: f64 = "reached",
     }
 }
@@ -67,29 +68,47 @@ row! {
 /// What one map came to: the columns after hand and seed.
 type Measured = [f64; 16];
 
-/// Measures; a trial that does not succeed is a finding.
-///
-/// # Errors
-/// Where something cannot be measured at all.
-pub fn measure(
-    subject: &Subject,
-) -> Result<Findings<ReachableMeasurement, ReachableMeasurement>, ExperimentError> {
-    let mut measurements: Vec<ReachableMeasurement> = Vec::new();
-    let mut found: Vec<(String, Vec<Measured>)> = Vec::new();
-    for &seed in &subject.seeds {
+/// The measurements of one trial, hand by hand.
+#[derive(Debug, Serialize, Deserialize)]
+pub struct ReachableTrial(Vec<ReachableMeasurement>);
+
+impl Trial for ReachableTrial {
+    type Setting = ();
+    type Measurement = ReachableMeasurement;
+    type Summary = ReachableMeasurement;
+
+    fn set_up(_subject: &Subject) -> Result<(), ExperimentError> {
+        Ok(())
+    }
+
+    fn run(subject: &Subject, (): &(), seed: u64) -> Result<ReachableTrial, ExperimentError> {
         let own = subject.own_body(seed)?;
         let knowing = own.with_schema(subject.truth().schema.clone());
         let hands = hands(&own, &[])?;
         let chest = own.carrier_of(&hands);
+        let mut measurements = Vec::new();
         for hand in hands {
             let name = own.creature().limbs()[hand].clone();
             subject.tell(seed, &format!("the space of {name}"));
-            let measured = measure_hand(&own, &knowing, hand, chest, seed)?;
-            measurements.push(row_of(&name, seed, &measured));
-            match found.iter_mut().find(|(other, _)| *other == name) {
-                Some((_, trials)) => trials.push(measured),
-                None => found.push((name, vec![measured])),
-            }
+            measurements.push(row_of(&name, seed, &measure_hand(&own, &knowing, hand, chest, seed)?));
+        }
+        Ok(ReachableTrial(measurements))
+    }
+
+    fn findings(
+        _subject: &Subject,
+        trials: &[ReachableTrial],
+    ) -> Findings<ReachableMeasurement, ReachableMeasurement> {
+        findings(trials)
+    }
+}
+
+fn findings(trials: &[ReachableTrial]) -> Findings<ReachableMeasurement, ReachableMeasurement> {
+    let mut found: Vec<(String, Vec<Measured>)> = Vec::new();
+    for row in trials.iter().flat_map(|trial| &trial.0) {
+        match found.iter_mut().find(|(name, _)| *name == row.hand) {
+            Some((_, trials)) => trials.push(measured_of(row)),
+            None => found.push((row.hand.clone(), vec![measured_of(row)])),
         }
     }
     let mut summary: Vec<ReachableMeasurement> = Vec::new();
@@ -157,7 +176,30 @@ pub fn measure(
         y: PlotAxis { title: "", scale: AxisScale::Names(names) },
         series: series.collect(),
     };
-    Ok(Findings { measurements, summary, notes, plot, numbers })
+    let measurements = trials.iter().flat_map(|trial| trial.0.clone()).collect();
+    Findings { measurements, summary, notes, plot, numbers }
+}
+
+/// The columns after hand and seed of a row.
+fn measured_of(row: &ReachableMeasurement) -> Measured {
+    [
+        row.near_l,
+        row.far_l,
+        row.overlap_near,
+        row.overlap_all,
+        row.strict_near,
+        row.strict_all,
+        row.random_found,
+        row.beyond_reached,
+        row.missed,
+        row.build_s.0,
+        row.query_us.0,
+        row.query_p99_us.0,
+        row.ik_us.0,
+        row.ik_reached,
+        row.ik_rest_us.0,
+        row.ik_rest_reached,
+    ]
 }
 
 /// A row of the table.
@@ -178,12 +220,12 @@ fn row_of(hand: &str, seed: u64, measured: &Measured) -> ReachableMeasurement {
         random_found,
         beyond_reached,
         missed,
-        build_s,
-        query_us,
-        query_p99_us,
-        ik_us,
+        build_s: WallTime(build_s),
+        query_us: WallTime(query_us),
+        query_p99_us: WallTime(query_p99_us),
+        ik_us: WallTime(ik_us),
         ik_reached,
-        ik_rest_us,
+        ik_rest_us: WallTime(ik_rest_us),
         ik_rest_reached,
     }
 }

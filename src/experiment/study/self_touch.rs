@@ -2,12 +2,13 @@
 
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
+use serde::{Deserialize, Serialize};
 use serde_json::json;
 
 use super::plot::{AxisScale, PlotAxis, PlotSeries, StudyPlot};
-use super::subject::Subject;
+use super::subject::{Subject, share};
 use super::table::row;
-use super::{Findings, Study};
+use super::{Findings, Study, Trial, Trials};
 use crate::creature::Posture;
 use crate::experiment::ExperimentError;
 use crate::learning::rough::imagined;
@@ -23,7 +24,7 @@ pub const STUDY: Study = Study {
     about: "whether self-touch and being touched are ever confused; a trial is one contact",
     touches: false,
     several: false,
-    measure: |subject| Ok(measure(subject)?.into()),
+    trials: Trials::of::<SelfTouchTrial>(),
 };
 
 /// How deep limbs that touch are pressed into each other, metres: a babbled touch only just meets.
@@ -109,101 +110,102 @@ impl ToldTouches {
             }
         }
     }
-
-    fn sensed(&self) -> [bool; 2] {
-        self.sensed.map(|count| count > 0)
-    }
 }
 
-/// Measures; a trial that does not succeed is a finding.
-///
-/// # Errors
-/// Where something cannot be measured at all.
-pub fn measure(
-    subject: &Subject,
-) -> Result<Findings<SelfTouchMeasurement, SelfTouchSummary>, ExperimentError> {
-    let stage = subject.stage()?;
-    let reference = qpos(subject, &subject.body().creature.reference_posture());
-    let trials: Vec<(u64, ChaCha8Rng, TouchScenario)> = subject
-        .seeds
-        .iter()
-        .map(|&seed| {
-            let mut rng = ChaCha8Rng::seed_from_u64(seed);
-            let done = TouchScenario::ALL[rng.random_range(0..TouchScenario::ALL.len())];
-            (seed, rng, done)
-        })
-        .collect();
-    let needed = trials.iter().filter(|(_, _, done)| done.parties()[0]).count();
-    // One babbling for all trials: a touch each, and no more than that.
-    let touches = match needed {
-        0 => Vec::new(),
-        _ => subject.babble_body(subject.body(), subject.agent(), needed, subject.seeds[0])?,
-    };
-    let mut touches = touches.iter();
-    let mut measurements: Vec<SelfTouchMeasurement> = Vec::new();
-    let mut counts = [[0usize; 4]; 3];
-    let (mut right, mut right_of, mut named_wrongly, mut missed) = (0usize, [0usize; 3], 0usize, 0usize);
-    // By what was done and what was told of it: itself, another, nothing.
-    let mut confusion = [[0usize; 3]; 2];
-    let mut forces: [Vec<f64>; 3] = Default::default();
-    for (seed, mut rng, done) in trials {
+/// What came of one trial.
+#[derive(Debug, Serialize, Deserialize)]
+pub struct SelfTouchTrial {
+    measurement: SelfTouchMeasurement,
+    /// Whether one was told of that was not there.
+    named_wrongly: bool,
+}
+
+impl Trial for SelfTouchTrial {
+    type Setting = ();
+    type Measurement = SelfTouchMeasurement;
+    type Summary = SelfTouchSummary;
+
+    fn set_up(_subject: &Subject) -> Result<(), ExperimentError> {
+        Ok(())
+    }
+
+    fn run(subject: &Subject, (): &(), seed: u64) -> Result<SelfTouchTrial, ExperimentError> {
         subject.tell(seed, "touching");
-        let touch = if done.parties()[0] { touches.next() } else { None };
-        let posture = match touch {
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        let done = TouchScenario::ALL[rng.random_range(0..TouchScenario::ALL.len())];
+        let reference = qpos(subject, &subject.body().creature.reference_posture());
+        let touches = match done.parties()[0] {
+            true => subject.babble_body(subject.body(), subject.agent(), 1, seed)?,
+            false => Vec::new(),
+        };
+        let posture = match touches.first() {
             Some(touch) => qpos(subject, &pressed(subject, touch)),
             None => reference.clone(),
         };
-        let told = trial(&stage, done, &posture, &reference, &mut rng)?;
-        let (there, sensed) = (done.parties(), told.sensed());
-        let wrongly = [0, 1].iter().any(|&party| told.named[party] && !there[party]);
-        named_wrongly += usize::from(wrongly);
-        missed += [0, 1].iter().filter(|&&party| there[party] && !sensed[party]).count();
-        for party in [0, 1].into_iter().filter(|&party| there[party]) {
-            let other = 1 - party;
-            let as_what = match sensed {
-                _ if sensed[party] => party,
-                _ if sensed[other] && !there[other] => other,
-                _ => 2,
-            };
-            confusion[party][as_what] += 1;
-        }
-        let is_right = sensed == there && !wrongly;
-        right += usize::from(is_right);
-        let k = TouchScenario::ALL.iter().position(|&other| other == done).expect("all are listed");
-        right_of[k] += usize::from(is_right);
-        let column = match sensed {
-            [true, false] => 0,
-            [false, true] => 1,
-            [true, true] => 2,
-            [false, false] => 3,
-        };
-        counts[k][column] += 1;
-        forces[k].push(told.peak_force);
-        measurements.push(SelfTouchMeasurement {
+        let told = touched(&subject.stage()?, done, &posture, &reference, &mut rng)?;
+        let there = done.parties();
+        let named_wrongly = [0, 1].iter().any(|&party| told.named[party] && !there[party]);
+        let measurement = SelfTouchMeasurement {
             done: done.name().into(),
             seed,
             self_events: told.sensed[0],
             other_events: told.sensed[1],
             peak_force_n: told.peak_force,
-            right: is_right,
-        });
+            right: told.sensed.map(|count| count > 0) == there && !named_wrongly,
+        };
+        Ok(SelfTouchTrial { measurement, named_wrongly })
     }
+
+    fn findings(
+        _subject: &Subject,
+        trials: &[SelfTouchTrial],
+    ) -> Findings<SelfTouchMeasurement, SelfTouchSummary> {
+        findings(trials)
+    }
+}
+
+impl SelfTouchMeasurement {
+    /// Whether a sensation told of self-touch, and whether one of another's.
+    fn sensed(&self) -> [bool; 2] {
+        [self.self_events > 0, self.other_events > 0]
+    }
+}
+
+fn findings(trials: &[SelfTouchTrial]) -> Findings<SelfTouchMeasurement, SelfTouchSummary> {
+    let rows = || trials.iter().map(|trial| &trial.measurement);
+    let of = |done: TouchScenario| rows().filter(move |row| row.done == done.name());
+    let right = rows().filter(|row| row.right).count();
+    let named_wrongly = trials.iter().filter(|trial| trial.named_wrongly).count();
+    let mut missed = 0;
+    // By what was done and what was told of it: itself, another, nothing.
+    let mut confusion = [[0usize; 3]; 2];
     let mut summary: Vec<SelfTouchSummary> = Vec::new();
-    for (k, done) in TouchScenario::ALL.iter().enumerate() {
-        let all: usize = counts[k].iter().sum();
-        let [itself, other, both, nothing] = counts[k];
-        let share = right_of[k] as f64 / all as f64;
+    for done in TouchScenario::ALL {
+        let there = done.parties();
+        for sensed in of(done).map(SelfTouchMeasurement::sensed) {
+            for party in [0, 1].into_iter().filter(|&party| there[party]) {
+                missed += usize::from(!sensed[party]);
+                let other = 1 - party;
+                let as_what = match sensed {
+                    _ if sensed[party] => party,
+                    _ if sensed[other] && !there[other] => other,
+                    _ => 2,
+                };
+                confusion[party][as_what] += 1;
+            }
+        }
+        let told = |sensed: [bool; 2]| of(done).filter(|row| row.sensed() == sensed).count();
         summary.push(SelfTouchSummary {
             done: done.name().into(),
-            trials: all,
-            told_self: itself,
-            told_other: other,
-            told_both: both,
-            nothing,
-            right: share,
+            trials: of(done).count(),
+            told_self: told([true, false]),
+            told_other: told([false, true]),
+            told_both: told([true, true]),
+            nothing: told([false, false]),
+            right: share(of(done).map(|row| row.right)),
         });
     }
-    let all = subject.seeds.len();
+    let all = trials.len();
     let notes = vec![
         "A row is what was done, a column what the touch sensor told of.".to_string(),
         format!(
@@ -219,10 +221,10 @@ pub fn measure(
         ("missed", json!(missed)),
         ("trials", json!(all)),
     ];
-    let series = TouchScenario::ALL.iter().enumerate().map(|(k, done)| PlotSeries {
+    let series = TouchScenario::ALL.into_iter().enumerate().map(|(k, done)| PlotSeries {
         name: done.name().to_string(),
         line: Vec::new(),
-        dots: forces[k].iter().filter(|&&force| force > 0.0).map(|&force| (force, k as f64)).collect(),
+        dots: of(done).map(|row| row.peak_force_n).filter(|&f| f > 0.0).map(|f| (f, k as f64)).collect(),
     });
     let names = TouchScenario::ALL.iter().map(|done| done.name().into()).collect();
     let plot = StudyPlot {
@@ -230,11 +232,12 @@ pub fn measure(
         y: PlotAxis { title: "", scale: AxisScale::Names(names) },
         series: series.collect(),
     };
-    Ok(Findings { measurements, summary, notes, plot, numbers })
+    let measurements = rows().cloned().collect();
+    Findings { measurements, summary, notes, plot, numbers }
 }
 
 /// Does what a trial is, in a posture, and goes back to the reference posture; what was told.
-fn trial(
+fn touched(
     stage: &Stage,
     done: TouchScenario,
     posture: &[f64],

@@ -2,13 +2,14 @@
 
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
+use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value, json};
 
 use super::plot::{AxisScale, PlotAxis, PlotSeries, StudyPlot};
 use super::subject::Subject;
 use super::table::row;
 use super::touched_trial::{Doing, TouchedTrial, touch};
-use super::{Findings, Study};
+use super::{Findings, Study, Trial, Trials};
 use crate::experiment::ExperimentError;
 use crate::senses::{Sensation, TouchKind};
 use crate::simulation::Stage;
@@ -20,7 +21,7 @@ pub const STUDY: Study = Study {
     about: "how well taps, presses, strokes, rubs, strokes over joints and two touches at once are told; a trial is one each",
     touches: false,
     several: false,
-    measure: |subject| Ok(measure(subject)?.into()),
+    trials: Trials::of::<SensationsTrial>(),
 };
 
 /// How often what is done is drawn again, at the most, where a probe left the skin of itself, or met another.
@@ -64,8 +65,8 @@ row! {
     }
 }
 
-/// What one kind of trial came to.
-#[derive(Default)]
+/// What one kind of doing came to.
+#[derive(Debug, Default, Serialize, Deserialize)]
 struct Told {
     /// Per kind told, and nothing.
     kinds: [usize; 5],
@@ -81,39 +82,64 @@ struct Told {
     given_up: usize,
 }
 
-/// Measures; a trial that does not succeed is a finding.
-///
-/// # Errors
-/// Where something cannot be measured at all.
-pub fn measure(
-    subject: &Subject,
-) -> Result<Findings<SensationsMeasurement, SensationsSummary>, ExperimentError> {
-    let stage = subject.stage_with(&["probe", "second probe"])?;
-    let mut measurements: Vec<SensationsMeasurement> = Vec::new();
-    let mut told: Vec<Told> = Doing::ALL.iter().map(|_| Told::default()).collect();
-    for &seed in &subject.seeds {
-        subject.tell(seed, "touching");
-        for (k, (&doing, told)) in Doing::ALL.iter().zip(&mut told).enumerate() {
-            let Some((done, trial, redrawn)) = trial(&stage, doing, seed, k as u64)? else {
-                if let Doing::One(kind) = doing {
-                    let name = kind.name();
-                    return Err(ExperimentError::Refused(format!(
-                        "no limb of this creature has room for a {name}"
-                    )));
-                }
-                told.given_up += 1;
-                continue;
-            };
-            told.redrawn += redrawn;
-            told.take(&stage, doing, seed, (&done, &trial, redrawn), &mut measurements);
-        }
-    }
-    Ok(findings(measurements, &told))
+/// What came of one trial.
+#[derive(Debug, Serialize, Deserialize)]
+pub struct SensationsTrial {
+    measurements: Vec<SensationsMeasurement>,
+    /// For each of [`Doing::ALL`].
+    told: Vec<Told>,
 }
 
-/// One trial whose probes did what they were to do, what they did, and how often it was drawn again; none where no draw
+impl Trial for SensationsTrial {
+    type Setting = ();
+    type Measurement = SensationsMeasurement;
+    type Summary = SensationsSummary;
+
+    fn set_up(_subject: &Subject) -> Result<(), ExperimentError> {
+        Ok(())
+    }
+
+    fn run(subject: &Subject, (): &(), seed: u64) -> Result<SensationsTrial, ExperimentError> {
+        subject.tell(seed, "touching");
+        let stage = subject.stage_with(&["probe", "second probe"])?;
+        let (mut measurements, mut all_told) = (Vec::new(), Vec::new());
+        for (k, doing) in Doing::ALL.into_iter().enumerate() {
+            let mut told = Told::default();
+            match touched(&stage, doing, seed, k as u64)? {
+                Some((done, trial, redrawn)) => {
+                    told.redrawn += redrawn;
+                    told.take(&stage, doing, seed, (&done, &trial, redrawn), &mut measurements);
+                }
+                None => {
+                    if let Doing::One(kind) = doing {
+                        let name = kind.name();
+                        return Err(ExperimentError::Refused(format!(
+                            "no limb of this creature has room for a {name}"
+                        )));
+                    }
+                    told.given_up += 1;
+                }
+            }
+            all_told.push(told);
+        }
+        Ok(SensationsTrial { measurements, told: all_told })
+    }
+
+    fn findings(
+        _subject: &Subject,
+        trials: &[SensationsTrial],
+    ) -> Findings<SensationsMeasurement, SensationsSummary> {
+        let mut told: Vec<Told> = Doing::ALL.iter().map(|_| Told::default()).collect();
+        for trial in trials {
+            told.iter_mut().zip(&trial.told).for_each(|(all, told)| all.add(told));
+        }
+        findings(trials.iter().flat_map(|trial| trial.measurements.clone()).collect(), &told)
+    }
+}
+
+/// Touches by probes that did what they were to do, what they did, and how often it was drawn again; none where no draw
 /// was like that. What is done to one limb is never drawn again.
-fn trial(
+fn touched(
     stage: &Stage,
     doing: Doing,
     seed: u64,
@@ -139,6 +165,20 @@ fn agrees(done: &Stimulation, felt: &Sensation) -> [bool; 2] {
 }
 
 impl Told {
+    /// Counts what came of it in another trial as well.
+    fn add(&mut self, other: &Told) {
+        self.kinds.iter_mut().zip(other.kinds).for_each(|(count, more)| *count += more);
+        self.touches += other.touches;
+        self.trials += other.trials;
+        self.kind += other.kind;
+        self.limbs += other.limbs;
+        self.alone += other.alone;
+        self.right += other.right;
+        self.latencies.extend(&other.latencies);
+        self.redrawn += other.redrawn;
+        self.given_up += other.given_up;
+    }
+
     fn take(
         &mut self,
         stage: &Stage,

@@ -6,6 +6,7 @@ use std::time::Instant;
 
 use super::calibration::CalibrationCase;
 use super::hersch::HerschOptions;
+use super::table::WallTime;
 use crate::agent::Agent;
 use crate::babbling::{BabblingOptions, PolicyName, motions_until};
 use crate::creature::{Body, JointSelection};
@@ -59,8 +60,8 @@ pub struct BabbledTrial {
 pub struct LearnerRun {
     /// What it learned.
     pub learned: Learned,
-    /// Time that it took, all touches taken in and learned from, seconds.
-    pub seconds: f64,
+    /// Time that it took, all touches taken in and learned from.
+    pub seconds: WallTime,
     /// Its errors.
     pub evaluation: Evaluation,
 }
@@ -204,7 +205,7 @@ impl<'a> Subject<'a> {
         let mut learner = options.learner(&felt.agent, seed);
         felt.touches.iter().for_each(|touch| learner.touch(touch));
         let learned = learner.learn();
-        let seconds = began.elapsed().as_secs_f64();
+        let seconds = WallTime(began.elapsed().as_secs_f64());
         let evaluation = evaluate_learned(agent, truth, &learned);
         LearnerRun { learned, seconds, evaluation }
     }
@@ -235,9 +236,14 @@ impl<'a> Subject<'a> {
         self.embodied.source().body_in(model)
     }
 
+    /// The number of a seed's trial among all trials, from 0; none where the seed is of none.
+    pub fn number(&self, seed: u64) -> Option<usize> {
+        self.seeds.iter().position(|&other| other == seed)
+    }
+
     /// Tells the observer what a trial is at.
     pub fn tell(&self, seed: u64, doing: &str) {
-        let trial = self.seeds.iter().position(|&other| other == seed).map_or(0, |k| k + 1);
+        let trial = self.number(seed).map_or(0, |k| k + 1);
         self.observer.phase(Phase::Trial { trial, trials: self.seeds.len(), doing });
     }
 }

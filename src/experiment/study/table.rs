@@ -1,6 +1,6 @@
 //! A table: for a person, as JSON and as comma-separated values alike.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value, json};
 
 /// A column.
@@ -9,7 +9,13 @@ pub struct Column {
     pub name: &'static str,
     /// Its heading for a person: `held-out, mm`.
     pub heading: &'static str,
+    /// Whether it says how long something took here, which no seed decides.
+    pub wall_time: bool,
 }
+
+/// How long something took on this machine, in the unit that its column names: the one thing in a table that the seeds do not decide.
+#[derive(Clone, Copy, Debug, PartialEq, PartialOrd, Serialize, Deserialize)]
+pub struct WallTime(pub f64);
 
 /// One entry of a table.
 #[derive(Clone, Debug, PartialEq)]
@@ -41,8 +47,19 @@ pub struct Table {
 
 /// What can stand in a cell.
 pub(super) trait CellValue {
+    /// Whether it is of this machine, not of a seed.
+    const WALL_TIME: bool = false;
+
     /// The cell.
     fn cell(&self) -> Cell;
+}
+
+impl CellValue for WallTime {
+    const WALL_TIME: bool = true;
+
+    fn cell(&self) -> Cell {
+        Cell::Number(self.0)
+    }
 }
 
 impl CellValue for String {
@@ -82,7 +99,7 @@ macro_rules! row {
         $($field:ident $(as $name:literal)?: $type:ty = $heading:literal),+ $(,)?
     }) => {
         $(#[$about])*
-        #[derive(Clone, Debug, PartialEq, serde::Serialize)]
+        #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
         pub struct $row {
             $(
                 #[doc = $heading]
@@ -96,6 +113,7 @@ macro_rules! row {
                 $($crate::experiment::study::Column {
                     name: $crate::experiment::study::table::row!(@name $field $($name)?),
                     heading: $heading,
+                    wall_time: <$type as $crate::experiment::study::table::CellValue>::WALL_TIME,
                 }),+
             ];
 
@@ -157,15 +175,18 @@ impl Table {
         Value::Array(self.rows.iter().map(object).collect())
     }
 
-    /// A line of names and a line per row.
+    /// A line of names and a line per row, without how long anything took here: it is the same wherever the same seeds are
+    /// tried by the same program.
     ///
     /// # Errors
     /// Where it cannot be put into words.
     pub fn to_csv(&self) -> Result<String, csv::Error> {
         let mut writer = csv::Writer::from_writer(Vec::new());
-        writer.write_record(self.columns.iter().map(|column| column.name))?;
+        let kept = |k: &usize| !self.columns[*k].wall_time;
+        let kept: Vec<usize> = (0..self.columns.len()).filter(kept).collect();
+        writer.write_record(kept.iter().map(|&k| self.columns[k].name))?;
         for row in &self.rows {
-            writer.write_record(row.iter().map(Cell::to_csv))?;
+            writer.write_record(kept.iter().map(|&k| row[k].to_csv()))?;
         }
         writer.flush()?;
         let bytes = writer.into_inner().map_err(|error| csv::Error::from(error.into_error()))?;

@@ -5,13 +5,14 @@ use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
 use rand::RngExt;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
+use serde::{Deserialize, Serialize};
 use serde_json::json;
 
-use super::at_table::{HANDS, Knowledge, OnStage, THING, at_table};
+use super::at_table::{HANDS, Knowledge, KnownBodies, OnStage, THING, at_table};
 use super::plot::{AxisScale, PlotAxis, PlotSeries, StudyPlot};
 use super::subject::{Subject, median, share};
 use super::table::row;
-use super::{Findings, Study};
+use super::{Findings, Study, Trial, Trials};
 use crate::creature::Posture;
 use crate::experiment::ExperimentError;
 use crate::geometry::Shape;
@@ -27,7 +28,7 @@ pub const STUDY: Study = Study {
     about: "a stick in the hand: whether its tip is learned by touching himself, and things are touched with it",
     touches: true,
     several: false,
-    measure: |subject| Ok(measure(subject)?.into()),
+    trials: Trials::of::<ToolTrial>(),
 };
 
 /// The name of the stick.
@@ -106,27 +107,44 @@ struct HeldInTruth {
     posture: Posture,
 }
 
-/// What a stick came to in one condition.
-struct StickTrial {
-    known: Option<KnownStick>,
-    tip_error: f64,
+/// What he takes a stick's tip for in one condition.
+#[derive(Debug, Serialize, Deserialize)]
+struct KnownTip {
+    /// Whether he takes himself to know it.
+    known: bool,
+    /// From so many touches of himself.
+    touches: usize,
+    /// How far off it is, metres; NaN where he does not know it.
+    off: f64,
+    /// How far off it may be by what he says, metres; NaN where he does not know it.
+    within: f64,
 }
 
-/// Measures; a trial that does not succeed is a finding.
-///
-/// # Errors
-/// Where something cannot be measured at all.
-pub fn measure(subject: &Subject) -> Result<Findings<ToolMeasurement, ToolSummary>, ExperimentError> {
-    let learned = Knowledge::new(subject.own_body(subject.seeds[0])?);
-    let truth = Knowledge::new(learned.own.with_schema(subject.truth().schema.clone()));
-    let mut measurements: Vec<ToolMeasurement> = Vec::new();
-    let mut sticks: [Vec<StickTrial>; 2] = Default::default();
-    for &seed in &subject.seeds {
+/// What came of one trial.
+#[derive(Debug, Default, Serialize, Deserialize)]
+pub struct ToolTrial {
+    measurements: Vec<ToolMeasurement>,
+    /// For each of [`CONDITIONS`]; none where no stick was drawn.
+    sticks: Vec<KnownTip>,
+}
+
+impl Trial for ToolTrial {
+    type Setting = KnownBodies;
+    type Measurement = ToolMeasurement;
+    type Summary = ToolSummary;
+
+    fn set_up(subject: &Subject) -> Result<KnownBodies, ExperimentError> {
+        KnownBodies::of(subject)
+    }
+
+    fn run(subject: &Subject, bodies: &KnownBodies, seed: u64) -> Result<ToolTrial, ExperimentError> {
+        let KnownBodies { learned, truth } = bodies;
         subject.tell(seed, "learning the stick");
+        let mut trial = ToolTrial::default();
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
-        let Some(held) = draw_stick(subject, &truth, seed, &mut rng)? else { continue };
-        let targets = targets(subject, &truth, &held, seed, &mut rng)?;
-        for (k, (name, own)) in CONDITIONS.into_iter().zip([&learned, &truth]).enumerate() {
+        let Some(held) = draw_stick(subject, truth, seed, &mut rng)? else { return Ok(trial) };
+        let targets = targets(subject, truth, &held, seed, &mut rng)?;
+        for (name, own) in CONDITIONS.into_iter().zip([learned, truth]) {
             let mut actor = with_stick(subject, own, &held, seed)?;
             let known = match name {
                 "learned" => match actor.learn_stick() {
@@ -140,7 +158,12 @@ pub fn measure(subject: &Subject) -> Result<Findings<ToolMeasurement, ToolSummar
                     Some(by_truth)
                 }
             };
-            let tip_error = known.map_or(f64::NAN, |known| (known.tool.tip - held.tool.tip).norm());
+            let tip = KnownTip {
+                known: known.is_some(),
+                touches: known.map_or(0, |known| known.touches),
+                off: known.map_or(f64::NAN, |known| (known.tool.tip - held.tool.tip).norm()),
+                within: known.map_or(f64::NAN, |known| known.within),
+            };
             for target in &targets {
                 subject.tell(seed, name);
                 let mut row = ToolMeasurement {
@@ -148,10 +171,10 @@ pub fn measure(subject: &Subject) -> Result<Findings<ToolMeasurement, ToolSummar
                     hand: HANDS[held.hand].into(),
                     length_mm: 1e3 * (held.tool.tip - held.tool.grip).norm(),
                     schema: name.into(),
-                    known: known.is_some(),
-                    learned_from: known.map_or(0, |known| known.touches),
-                    tip_error_mm: 1e3 * tip_error,
-                    within_mm: known.map_or(f64::NAN, |known| 1e3 * known.within),
+                    known: tip.known,
+                    learned_from: tip.touches,
+                    tip_error_mm: 1e3 * tip.off,
+                    within_mm: 1e3 * tip.within,
                     beyond_mm: 1e3 * target.beyond,
                     first: false,
                     touched: false,
@@ -159,32 +182,42 @@ pub fn measure(subject: &Subject) -> Result<Findings<ToolMeasurement, ToolSummar
                     unintended: 0,
                     result: "tip not known".into(),
                 };
-                if known.is_some() {
+                if tip.known {
                     touch(&mut actor, &held, target, &mut row)?;
                 }
-                measurements.push(row);
+                trial.measurements.push(row);
             }
-            sticks[k].push(StickTrial { known, tip_error });
+            trial.sticks.push(tip);
         }
+        Ok(trial)
     }
+
+    fn findings(_subject: &Subject, trials: &[ToolTrial]) -> Findings<ToolMeasurement, ToolSummary> {
+        findings(trials)
+    }
+}
+
+fn findings(trials: &[ToolTrial]) -> Findings<ToolMeasurement, ToolSummary> {
+    let measurements: Vec<ToolMeasurement> =
+        trials.iter().flat_map(|trial| trial.measurements.clone()).collect();
     let mut summary: Vec<ToolSummary> = Vec::new();
-    for (name, sticks) in CONDITIONS.into_iter().zip(&sticks) {
+    for (k, name) in CONDITIONS.into_iter().enumerate() {
+        let sticks = || trials.iter().filter_map(|trial| trial.sticks.get(k));
         let rows: Vec<&ToolMeasurement> = measurements.iter().filter(|row| row.schema == name).collect();
         let errors = || rows.iter().filter(|row| row.touched).map(|row| row.error_mm);
         let mut sorted: Vec<f64> = errors().collect();
         sorted.sort_by(f64::total_cmp);
-        let tips = || sticks.iter().filter(|stick| stick.known.is_some()).map(|stick| 1e3 * stick.tip_error);
-        let told = || sticks.iter().filter_map(|stick| Some((stick.tip_error, stick.known?.within)));
-        let touches = |stick: &StickTrial| stick.known.map(|known| known.touches as f64);
+        let known = || sticks().filter(|stick| stick.known);
+        let tips = || known().map(|stick| 1e3 * stick.off);
         summary.push(ToolSummary {
             schema: name.into(),
-            sticks: sticks.len(),
-            known: share(sticks.iter().map(|stick| stick.known.is_some())),
-            learned_from: median(sticks.iter().filter_map(touches)),
+            sticks: sticks().count(),
+            known: share(sticks().map(|stick| stick.known)),
+            learned_from: median(known().map(|stick| stick.touches as f64)),
             tip_error_mm: median(tips()),
             worst_tip_mm: tips().fold(f64::NAN, f64::max),
-            within_mm: median(told().map(|(_, within)| 1e3 * within)),
-            as_said: share(told().map(|(off, within)| off <= within)),
+            within_mm: median(known().map(|stick| 1e3 * stick.within)),
+            as_said: share(known().map(|stick| stick.off <= stick.within)),
             things: rows.len(),
             first: share(rows.iter().map(|row| row.first)),
             touched: share(rows.iter().map(|row| row.touched)),
@@ -229,7 +262,7 @@ pub fn measure(subject: &Subject) -> Result<Findings<ToolMeasurement, ToolSummar
         },
         series: series.collect(),
     };
-    Ok(Findings { measurements, summary, notes, plot, numbers })
+    Findings { summary, notes, plot, numbers, measurements }
 }
 
 /// A stick of some radius and half length, beside him, and a ball that is far away.

@@ -5,11 +5,12 @@ use std::sync::Arc;
 use nalgebra::{Unit, UnitQuaternion, Vector3};
 use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
+use serde::{Deserialize, Serialize};
 
 use super::plot::{AxisScale, PlotAxis, PlotSeries, StudyPlot};
-use super::subject::{LearnerRun, Subject, median, share};
-use super::table::row;
-use super::{Findings, Study};
+use super::subject::{Subject, median, share};
+use super::table::{WallTime, row};
+use super::{Findings, Study, Trial, Trials};
 use crate::experiment::ExperimentError;
 use crate::experiment::LearningOptions;
 use crate::ground_truth::GroundTruth;
@@ -23,7 +24,7 @@ pub const STUDY: Study = Study {
     about: "how well lm learns the body with every axis turned at random, by 25° to 90°",
     touches: true,
     several: false,
-    measure: |subject| Ok(measure(subject)?.into()),
+    trials: Trials::of::<TurnedTrial>(),
 };
 
 /// How far axes are turned, radians.
@@ -40,7 +41,7 @@ row! {
         heldout_mm: f64 = "held-out, mm",
         undetermined: usize = "joints named",
         initial_guesses: usize = "initial guesses",
-        seconds: f64 = "seconds",
+        seconds: WallTime = "seconds",
     }
 }
 
@@ -55,37 +56,44 @@ row! {
         heldout_worst_mm: f64 = "worst, mm",
         undetermined: f64 = "joints named, mean",
         initial_guesses: f64 = "initial guesses",
-        seconds: f64 = "seconds",
+        seconds: WallTime = "seconds",
     }
 }
 
 /// Mean error beyond which what is said to have converged is wrong, millimetres.
 const WRONG_MM: f64 = 0.5;
 
-/// Measures; a trial that does not succeed is a finding.
-///
-/// # Errors
-/// Where something cannot be measured at all.
-pub fn measure(subject: &Subject) -> Result<Findings<TurnedMeasurement, TurnedSummary>, ExperimentError> {
-    let half = subject.touches.div_ceil(2);
-    let conditions = [
-        ("contact", half, LearningOptions { input: Some(Input::Contact), ..LearningOptions::default() }),
-        ("receptor", subject.touches, LearningOptions::default()),
-    ];
-    let mut measurements: Vec<TurnedMeasurement> = Vec::new();
-    let mut found: [Vec<LearnerRun>; 2] = [Vec::new(), Vec::new()];
-    for &seed in &subject.seeds {
+/// What is learned from: its name, the most touches and how.
+fn conditions(touches: usize) -> [(&'static str, usize, LearningOptions); 2] {
+    let contact = LearningOptions { input: Some(Input::Contact), ..LearningOptions::default() };
+    [("contact", touches.div_ceil(2), contact), ("receptor", touches, LearningOptions::default())]
+}
+
+/// The measurements of one trial, one for each of the conditions.
+#[derive(Debug, Serialize, Deserialize)]
+pub struct TurnedTrial(Vec<TurnedMeasurement>);
+
+impl Trial for TurnedTrial {
+    type Setting = ();
+    type Measurement = TurnedMeasurement;
+    type Summary = TurnedSummary;
+
+    fn set_up(_subject: &Subject) -> Result<(), ExperimentError> {
+        Ok(())
+    }
+
+    fn run(subject: &Subject, (): &(), seed: u64) -> Result<TurnedTrial, ExperimentError> {
         let model = with_turned_axes(&subject.body().declared, seed)?;
         let body = subject.remade(Arc::new(model))?;
         subject.tell(seed, "babbling");
         let touches = subject.babble_body(&body, subject.agent(), subject.touches, seed)?;
         let truth = GroundTruth::new(&body)?;
-        for ((name, most, options), found) in conditions.iter().zip(&mut found) {
+        let measured = conditions(subject.touches).into_iter().map(|(name, most, options)| {
             subject.tell(seed, &format!("learning, {name}"));
-            let touches = &touches[..touches.len().min(*most)];
-            let attempt = subject.learn_with(options, subject.agent(), &truth, touches, seed);
-            measurements.push(TurnedMeasurement {
-                input: (*name).into(),
+            let touches = &touches[..touches.len().min(most)];
+            let attempt = subject.learn_with(&options, subject.agent(), &truth, touches, seed);
+            TurnedMeasurement {
+                input: name.into(),
                 seed,
                 touches: touches.len(),
                 converged: attempt.converged(),
@@ -93,24 +101,35 @@ pub fn measure(subject: &Subject) -> Result<Findings<TurnedMeasurement, TurnedSu
                 undetermined: attempt.learned.undetermined().len(),
                 initial_guesses: attempt.learned.initial_guesses,
                 seconds: attempt.seconds,
-            });
-            found.push(attempt);
-        }
+            }
+        });
+        Ok(TurnedTrial(measured.collect()))
     }
+
+    fn findings(subject: &Subject, trials: &[TurnedTrial]) -> Findings<TurnedMeasurement, TurnedSummary> {
+        findings(subject.touches, trials)
+    }
+}
+
+fn findings(touches: usize, trials: &[TurnedTrial]) -> Findings<TurnedMeasurement, TurnedSummary> {
+    let measurements: Vec<TurnedMeasurement> = trials.iter().flat_map(|trial| trial.0.clone()).collect();
+    let conditions = conditions(touches);
+    let of = |name: &str| measurements.iter().filter(|row| row.input == name).collect::<Vec<_>>();
     let mut summary: Vec<TurnedSummary> = Vec::new();
-    for ((name, most, _), attempts) in conditions.iter().zip(&found) {
-        let converged = || attempts.iter().filter(|attempt| attempt.converged());
-        let named = converged().map(|attempt| attempt.learned.undetermined().len() as f64).sum::<f64>();
+    for (name, most, _) in &conditions {
+        let rows = of(name);
+        let converged = || rows.iter().filter(|row| row.converged);
+        let named = converged().map(|row| row.undetermined as f64).sum::<f64>();
         summary.push(TurnedSummary {
             input: (*name).into(),
             touches: *most,
-            converged: share(attempts.iter().map(LearnerRun::converged)),
-            wrong: converged().filter(|attempt| attempt.determined_mm() > WRONG_MM).count(),
-            heldout_mm: median(converged().map(LearnerRun::determined_mm)),
-            heldout_worst_mm: converged().map(LearnerRun::determined_mm).fold(f64::NAN, f64::max),
+            converged: share(rows.iter().map(|row| row.converged)),
+            wrong: converged().filter(|row| row.heldout_mm > WRONG_MM).count(),
+            heldout_mm: median(converged().map(|row| row.heldout_mm)),
+            heldout_worst_mm: converged().map(|row| row.heldout_mm).fold(f64::NAN, f64::max),
             undetermined: named / converged().count() as f64,
-            initial_guesses: median(attempts.iter().map(|attempt| attempt.learned.initial_guesses as f64)),
-            seconds: median(attempts.iter().map(|attempt| attempt.seconds)),
+            initial_guesses: median(rows.iter().map(|row| row.initial_guesses as f64)),
+            seconds: WallTime(median(rows.iter().map(|row| row.seconds.0))),
         });
     }
     let notes = vec![
@@ -122,10 +141,10 @@ pub fn measure(subject: &Subject) -> Result<Findings<TurnedMeasurement, TurnedSu
              {WRONG_MM} mm such a trial is wrong. Contact points are those of the first half of the touches."
         ),
     ];
-    let series = conditions.iter().zip(&found).enumerate().map(|(k, ((name, ..), attempts))| PlotSeries {
+    let series = conditions.iter().enumerate().map(|(k, (name, ..))| PlotSeries {
         name: (*name).to_string(),
         line: Vec::new(),
-        dots: attempts.iter().map(|attempt| (attempt.determined_mm(), k as f64)).collect(),
+        dots: of(name).iter().map(|row| (row.heldout_mm, k as f64)).collect(),
     });
     let names = conditions.iter().map(|(name, ..)| (*name).into()).collect();
     let plot = StudyPlot {
@@ -133,7 +152,7 @@ pub fn measure(subject: &Subject) -> Result<Findings<TurnedMeasurement, TurnedSu
         y: PlotAxis { title: "", scale: AxisScale::Names(names) },
         series: series.collect(),
     };
-    Ok(Findings { measurements, summary, notes, plot, numbers: Vec::new() })
+    Findings { summary, notes, plot, numbers: Vec::new(), measurements }
 }
 
 /// The model with every axis turned.

@@ -7,16 +7,17 @@ mod oracle;
 
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
+use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
-use self::attempt::{Outcome, Task, attempt};
+use self::attempt::{Task, attempt};
 use self::coming::{Coming, draw, thing};
-use self::oracle::{Avoidable, Oracle};
-use super::at_table::{Knowledge, OnStage};
+use self::oracle::Oracle;
+use super::at_table::{Knowledge, KnownBodies, OnStage};
 use super::plot::{AxisScale, PlotAxis, PlotSeries, StudyPlot};
 use super::subject::{Subject, median, share};
 use super::table::row;
-use super::{Findings, Study};
+use super::{Findings, Study, Trial, Trials};
 use crate::creature::Posture;
 use crate::experiment::ExperimentError;
 
@@ -26,7 +27,7 @@ pub const STUDY: Study = Study {
     about: "whether limbs that something approaches get out of its way, of what any posture avoids",
     touches: true,
     several: false,
-    measure: |subject| Ok(measure(subject, false)?.into()),
+    trials: Trials::of::<AvoidTrial<false>>(),
 };
 
 /// The study `avoid-busy`.
@@ -35,11 +36,13 @@ pub const BUSY: Study = Study {
     about: "the same while a hand stays at a place or follows a circle",
     touches: true,
     several: false,
-    measure: |subject| Ok(measure(subject, true)?.into()),
+    trials: Trials::of::<AvoidTrial<true>>(),
 };
 
-/// A limb that moves less than this keeps still, metres.
-const STILL: f64 = 0.01;
+/// By which schema it acts.
+const CONDITIONS: [&str; 2] = ["learned", "true"];
+/// A limb that moves less than this keeps still, millimetres.
+const STILL: f64 = 10.0;
 /// How far limbs are apart at first, metres.
 const APART: f64 = 0.015;
 /// A hand that is at its task for this share of the time does its task.
@@ -92,74 +95,80 @@ row! {
     }
 }
 
-/// A trial of one creature.
-struct Trial {
-    aimed: usize,
-    avoidable: Avoidable,
-    /// What a second search found where the first found none.
-    again: bool,
-    task_possible: bool,
-    outcome: Outcome,
+/// What came of one trial, while the creature has nothing to do or, `BUSY`, a task.
+#[derive(Debug, Default, Serialize, Deserialize)]
+pub struct AvoidTrial<const BUSY: bool> {
+    /// By the learned body and by the true one; none where no way was drawn.
+    measurements: Vec<AvoidMeasurement>,
+    /// Ways that did not meet the limb that they aimed at first.
+    drawn_again: usize,
+    /// Postures that were looked at.
+    postures: usize,
 }
 
-impl Trial {
-    fn untouched(&self) -> bool {
-        self.outcome.touched.is_none()
-    }
+/// What trials share.
+pub struct AvoidSetting {
+    bodies: KnownBodies,
+    /// The aura limbs that are aimed at in turn.
+    auras: Vec<usize>,
 }
 
-/// Measures; a trial that does not succeed is a finding.
-///
-/// # Errors
-/// Where something cannot be measured at all.
-pub fn measure(
-    subject: &Subject,
-    busy: bool,
-) -> Result<Findings<AvoidMeasurement, AvoidSummary>, ExperimentError> {
-    let learned = Knowledge::new(subject.own_body(subject.seeds[0])?);
-    let truth = Knowledge::new(learned.own.with_schema(subject.truth().schema.clone()));
-    let creature = &subject.body().creature;
-    // What nothing moves cannot avoid anything.
-    let moves = |aura: &usize| {
-        let limbs = &creature.aura_limbs()[*aura].limbs;
-        !limbs.contains(&0) && !truth.own.receptors_on(limbs).is_empty()
-    };
-    let auras: Vec<usize> = (0..creature.aura_limbs().len()).filter(moves).collect();
-    if auras.is_empty() {
-        return Err(ExperimentError::unfit(
-            subject.model(),
-            "no limb of it with receptors moves".to_string(),
-        ));
+impl<const BUSY: bool> Trial for AvoidTrial<BUSY> {
+    type Setting = AvoidSetting;
+    type Measurement = AvoidMeasurement;
+    type Summary = AvoidSummary;
+
+    fn set_up(subject: &Subject) -> Result<AvoidSetting, ExperimentError> {
+        let bodies = KnownBodies::of(subject)?;
+        let creature = &subject.body().creature;
+        // What nothing moves cannot avoid anything.
+        let moves = |aura: &usize| {
+            let limbs = &creature.aura_limbs()[*aura].limbs;
+            !limbs.contains(&0) && !bodies.truth.own.receptors_on(limbs).is_empty()
+        };
+        let auras: Vec<usize> = (0..creature.aura_limbs().len()).filter(moves).collect();
+        if auras.is_empty() {
+            return Err(ExperimentError::unfit(
+                subject.model(),
+                "no limb of it with receptors moves".to_string(),
+            ));
+        }
+        Ok(AvoidSetting { bodies, auras })
     }
-    let mut measurements: Vec<AvoidMeasurement> = Vec::new();
-    let mut trials: [Vec<Trial>; 2] = Default::default();
-    let (mut drawn_again, mut undrawn, mut postures) = (0, 0, 0);
-    for (number, &seed) in subject.seeds.iter().enumerate() {
+
+    fn run(
+        subject: &Subject,
+        setting: &AvoidSetting,
+        seed: u64,
+    ) -> Result<AvoidTrial<BUSY>, ExperimentError> {
+        let AvoidSetting { bodies: KnownBodies { learned, truth }, auras } = setting;
+        let creature = &subject.body().creature;
+        let number = subject.number(seed);
+        let number =
+            number.ok_or_else(|| ExperimentError::refused(format!("no trial has the seed {seed}")))?;
         subject.tell(seed, "avoiding");
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         let (thing, kind) = thing(&mut rng);
-        let mut actor = OnStage::new(subject, &truth, vec![thing.clone()], seed)?;
+        let mut actor = OnStage::new(subject, truth, vec![thing.clone()], seed)?;
         let raised = rng.random_bool(0.5);
-        let beginnings = beginnings(&mut actor, &truth, raised, &mut rng);
+        let beginnings = beginnings(&mut actor, truth, raised, &mut rng);
         let aimed = auras[number % auras.len()];
-        let Some((coming, draws)) = draw(&mut actor, &thing, aimed, &beginnings, &mut rng)? else {
-            undrawn += 1;
-            continue;
+        let Some((coming, drawn_again)) = draw(&mut actor, &thing, aimed, &beginnings, &mut rng)? else {
+            return Ok(AvoidTrial::default());
         };
-        drawn_again += draws;
-        let task = busy.then(|| Task {
+        let task = BUSY.then(|| Task {
             hand: rng.random_range(0..2),
             radius: if rng.random_bool(0.5) { CIRCLE[0] } else { 0.0 },
             period: CIRCLE[1],
         });
         let oracle =
-            Oracle::new(&truth, &coming, &actor.stage.root_pose(), actor.hands.each_ref().map(|h| h.limb));
+            Oracle::new(truth, &coming, &actor.stage.root_pose(), actor.hands.each_ref().map(|h| h.limb));
         let avoidable = oracle.search(seed);
-        postures += avoidable.postures;
         let again = avoidable.any || oracle.search(!seed).any;
-        let task_possible = task.is_some_and(|task| possible(&actor, &truth, &oracle, &coming, task, seed));
-        for (k, (name, known)) in [("learned", &learned), ("true", &truth)].into_iter().enumerate() {
-            let outcome = attempt(&mut actor, known, &truth, &coming, task)?;
+        let task_possible = task.is_some_and(|task| possible(&actor, truth, &oracle, &coming, task, seed));
+        let mut measurements = Vec::new();
+        for (name, known) in CONDITIONS.into_iter().zip([learned, truth]) {
+            let outcome = attempt(&mut actor, known, truth, &coming, task)?;
             measurements.push(AvoidMeasurement {
                 seed,
                 schema: name.into(),
@@ -182,21 +191,40 @@ pub fn measure(
                 task_possible,
                 at_task: outcome.at_task,
             });
-            trials[k].push(Trial { aimed, avoidable, again, task_possible, outcome });
         }
+        Ok(AvoidTrial { measurements, drawn_again, postures: avoidable.postures })
     }
+
+    fn findings(subject: &Subject, trials: &[AvoidTrial<BUSY>]) -> Findings<AvoidMeasurement, AvoidSummary> {
+        findings(subject, trials)
+    }
+}
+
+fn findings<const BUSY: bool>(
+    subject: &Subject,
+    trials: &[AvoidTrial<BUSY>],
+) -> Findings<AvoidMeasurement, AvoidSummary> {
+    let measurements: Vec<AvoidMeasurement> =
+        trials.iter().flat_map(|trial| trial.measurements.clone()).collect();
+    let drawn_again: usize = trials.iter().map(|trial| trial.drawn_again).sum();
+    let undrawn = trials.iter().filter(|trial| trial.measurements.is_empty()).count();
+    let postures: usize = trials.iter().map(|trial| trial.postures).sum();
+    let rows = CONDITIONS
+        .map(|name| measurements.iter().filter(|row| row.schema == name).collect::<Vec<&AvoidMeasurement>>());
     let mut summary: Vec<AvoidSummary> = Vec::new();
-    for (name, trials) in ["learned", "true"].into_iter().zip(&trials) {
-        summary.push(summarised(name, "all", &trials.iter().collect::<Vec<_>>()));
-        for &aura in &auras {
-            let of: Vec<&Trial> = trials.iter().filter(|trial| trial.aimed == aura).collect();
+    for (name, rows) in CONDITIONS.into_iter().zip(&rows) {
+        summary.push(summarised(name, "all", rows));
+        for aura in subject.body().creature.aura_limbs() {
+            let of: Vec<&AvoidMeasurement> =
+                rows.iter().copied().filter(|row| row.limb == aura.name).collect();
             if !of.is_empty() {
-                summary.push(summarised(name, &creature.aura_limbs()[aura].name, &of));
+                summary.push(summarised(name, &aura.name, &of));
             }
         }
     }
-    let numbers = numbers(&trials, &summary, [drawn_again, undrawn]);
-    let count = |holds: &dyn Fn(&Trial) -> bool| trials[1].iter().filter(|trial| holds(trial)).count();
+    let numbers = numbers(&rows, &summary, [drawn_again, undrawn]);
+    let real = &rows[1];
+    let count = |holds: fn(&AvoidMeasurement) -> bool| real.iter().filter(|row| holds(row)).count();
     let mut notes = vec![
         "Spheres, boxes and capsules of 2 to 5 cm half size come straight from 0.7 to 1 m at 0.1 to 0.5 m/s and go on by \
          0.5 m, whatever they meet. All limbs that joints move are aimed at in turn."
@@ -209,37 +237,36 @@ pub fn measure(
             "some posture avoids it: found by the truth, keeping clear of all that the thing passes and of the body. {} of \
              {} approaches are so, {} by a posture that can be gone straight to in the time left; a second search as \
              thorough finds {}. {postures} postures were looked at.",
-            count(&|trial| trial.avoidable.any),
-            trials[1].len(),
-            count(&|trial| trial.avoidable.in_time),
-            count(&|trial| trial.again),
+            count(|row| row.avoidable),
+            real.len(),
+            count(|row| row.avoidable_in_time),
+            count(|row| row.avoidable_twice),
         ),
         "others: all limbs but those that the thing would meet, those between them and the root, those that they carry \
          where these are not both arms, and an arm at a task."
             .to_string(),
     ];
-    if busy {
+    if BUSY {
         notes.push(format!(
             "At the task: the hand's tip is within 2 cm of where it is to be in at least {:.0} % of the time, of the trials \
              in which some posture avoids the thing with the tip there, whenever the thing is near.",
             100.0 * DOES
         ));
     }
-    let series =
-        ["learned", "true"].into_iter().zip(&trials).enumerate().map(|(k, (name, trials))| PlotSeries {
-            name: name.to_string(),
-            line: Vec::new(),
-            dots: trials.iter().map(|trial| ((1e3 * trial.outcome.moved[0]).max(0.01), k as f64)).collect(),
-        });
+    let series = CONDITIONS.into_iter().zip(&rows).enumerate().map(|(k, (name, rows))| PlotSeries {
+        name: name.to_string(),
+        line: Vec::new(),
+        dots: rows.iter().map(|row| (row.moved_mm.max(0.01), k as f64)).collect(),
+    });
     let plot = StudyPlot {
         x: PlotAxis {
             title: "how far limbs that were not threatened moved, mm",
             scale: AxisScale::Logarithmic,
         },
-        y: PlotAxis { title: "", scale: AxisScale::Names(vec!["learned".into(), "true".into()]) },
+        y: PlotAxis { title: "", scale: AxisScale::Names(CONDITIONS.map(String::from).into()) },
         series: series.collect(),
     };
-    Ok(Findings { measurements, summary, notes, plot, numbers })
+    Findings { summary, notes, plot, numbers, measurements }
 }
 
 /// Postures to begin with: hands raised, or arms anywhere where they touch nothing.
@@ -284,37 +311,38 @@ fn possible(
     })
 }
 
-fn summarised(schema: &str, limb: &str, of: &[&Trial]) -> AvoidSummary {
-    let rate = |holds: &dyn Fn(&Trial) -> bool| share(of.iter().map(|trial| holds(trial)));
-    let avoidable: Vec<&&Trial> = of.iter().filter(|trial| trial.avoidable.any).collect();
-    let possible: Vec<&&Trial> = of.iter().filter(|trial| trial.task_possible).collect();
+fn summarised(schema: &str, limb: &str, of: &[&AvoidMeasurement]) -> AvoidSummary {
+    let rate = |holds: fn(&AvoidMeasurement) -> bool| share(of.iter().map(|row| holds(row)));
+    let avoidable: Vec<&&AvoidMeasurement> = of.iter().filter(|row| row.avoidable).collect();
+    let possible: Vec<&&AvoidMeasurement> = of.iter().filter(|row| row.task_possible).collect();
     AvoidSummary {
         schema: schema.into(),
         limb: limb.into(),
         trials: of.len(),
         avoidable: avoidable.len(),
-        no_touch: share(avoidable.iter().map(|trial| trial.untouched())),
-        all_no_touch: rate(&Trial::untouched),
-        others_still: rate(&|trial| trial.outcome.moved[0] < STILL),
-        moved_mm: 1e3 * median(of.iter().map(|trial| trial.outcome.moved[0])),
-        self_touch: rate(&|trial| trial.outcome.itself),
+        no_touch: share(avoidable.iter().map(|row| row.no_touch)),
+        all_no_touch: rate(|row| row.no_touch),
+        others_still: rate(|row| row.moved_mm < STILL),
+        moved_mm: median(of.iter().map(|row| row.moved_mm)),
+        self_touch: rate(|row| row.self_touch),
         task_possible: possible.len(),
-        at_task: share(possible.iter().map(|trial| trial.outcome.at_task >= DOES)),
-        time_at_task: possible.iter().map(|trial| trial.outcome.at_task).sum::<f64>() / possible.len() as f64,
+        at_task: share(possible.iter().map(|row| row.at_task >= DOES)),
+        time_at_task: possible.iter().map(|row| row.at_task).sum::<f64>() / possible.len() as f64,
     }
 }
 
 /// What a program asks for by name.
 fn numbers(
-    trials: &[Vec<Trial>; 2],
+    rows: &[Vec<&AvoidMeasurement>; 2],
     summary: &[AvoidSummary],
     [drawn_again, undrawn]: [usize; 2],
 ) -> Vec<(&'static str, Value)> {
-    let [own, real] = trials;
-    let among = |of: &[Trial], which: &dyn Fn(&Trial) -> bool| {
-        share(of.iter().filter(|trial| which(trial)).map(Trial::untouched))
+    type Holds = fn(&AvoidMeasurement) -> bool;
+    let [own, real] = rows;
+    let among = |of: &[&AvoidMeasurement], which: Holds| {
+        share(of.iter().filter(|row| which(row)).map(|row| row.no_touch))
     };
-    let rate = |of: &[Trial], holds: &dyn Fn(&Trial) -> bool| share(of.iter().map(holds));
+    let rate = |of: &[&AvoidMeasurement], holds: Holds| share(of.iter().map(|row| holds(row)));
     let by_limb: serde_json::Map<String, Value> = summary
         .iter()
         .filter(|row| row.schema == "learned")
@@ -331,24 +359,24 @@ fn numbers(
     let all = |schema: &str| summary.iter().find(|row| row.schema == schema && row.limb == "all");
     let task = |schema: &str, of: fn(&AvoidSummary) -> f64| json!(all(schema).map(of));
     vec![
-        ("avoidable", json!(rate(own, &|trial| trial.avoidable.any))),
-        ("avoidable_in_time", json!(rate(own, &|trial| trial.avoidable.in_time))),
-        ("avoidable_by_twice_the_search", json!(rate(own, &|trial| trial.again))),
-        ("no_touch_of_avoidable", json!(among(own, &|trial| trial.avoidable.any))),
-        ("no_touch_of_avoidable_in_time", json!(among(own, &|trial| trial.avoidable.in_time))),
+        ("avoidable", json!(rate(own, |row| row.avoidable))),
+        ("avoidable_in_time", json!(rate(own, |row| row.avoidable_in_time))),
+        ("avoidable_by_twice_the_search", json!(rate(own, |row| row.avoidable_twice))),
+        ("no_touch_of_avoidable", json!(among(own, |row| row.avoidable))),
+        ("no_touch_of_avoidable_in_time", json!(among(own, |row| row.avoidable_in_time))),
         (
             "no_touch_though_no_posture_was_found",
-            json!(own.iter().filter(|trial| !trial.again && trial.untouched()).count()),
+            json!(own.iter().filter(|row| !row.avoidable_twice && row.no_touch).count()),
         ),
-        ("no_touch", json!(rate(own, &Trial::untouched))),
-        ("others_still", json!(rate(own, &|trial| trial.outcome.moved[0] < STILL))),
-        ("others_still_but_carried", json!(rate(own, &|trial| trial.outcome.moved[1] < STILL))),
-        ("self_touch", json!(rate(own, &|trial| trial.outcome.itself))),
+        ("no_touch", json!(rate(own, |row| row.no_touch))),
+        ("others_still", json!(rate(own, |row| row.moved_mm < STILL))),
+        ("others_still_but_carried", json!(rate(own, |row| row.moved_but_carried_mm < STILL))),
+        ("self_touch", json!(rate(own, |row| row.self_touch))),
         ("at_task", task("learned", |row| row.at_task)),
         ("time_at_task", task("learned", |row| row.time_at_task)),
-        ("true_kinematics_no_touch_of_avoidable", json!(among(real, &|trial| trial.avoidable.any))),
-        ("true_kinematics_no_touch", json!(rate(real, &Trial::untouched))),
-        ("true_kinematics_others_still", json!(rate(real, &|trial| trial.outcome.moved[0] < STILL))),
+        ("true_kinematics_no_touch_of_avoidable", json!(among(real, |row| row.avoidable))),
+        ("true_kinematics_no_touch", json!(rate(real, |row| row.no_touch))),
+        ("true_kinematics_others_still", json!(rate(real, |row| row.moved_mm < STILL))),
         ("true_kinematics_at_task", task("true", |row| row.at_task)),
         ("by_limb", Value::Object(by_limb)),
         ("drawn_again", json!(drawn_again)),

@@ -1,0 +1,145 @@
+//! Trials: what a study is made of, one of them from one seed.
+//!
+//! A trial depends on its seed alone, not on those before it nor on who makes it: so processes share them, and what they
+//! found is put together later. What a trial leaves is text in Rusty Object Notation, which keeps every number to the
+//! last bit, those that are not finite too; findings are always drawn from that text, whoever wrote it.
+
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+
+use super::{Findings, FoundTables, StudyRow, Subject};
+use crate::experiment::ExperimentError;
+
+/// What one seed came to, in a study; it holds all that the findings need.
+pub trait Trial: Serialize + DeserializeOwned {
+    /// What trials share that one process makes: it is made once, and no trial changes it.
+    type Setting;
+    /// A row of all measurements.
+    type Measurement: StudyRow;
+    /// A row of the summary.
+    type Summary: StudyRow;
+
+    /// What trials share; it is the same in every process.
+    ///
+    /// # Errors
+    /// Where the study cannot be made of this subject.
+    fn set_up(subject: &Subject) -> Result<Self::Setting, ExperimentError>;
+
+    /// The trial of a seed. One that does not succeed is a finding; only what cannot be measured fails.
+    ///
+    /// # Errors
+    /// Where something cannot be measured at all.
+    fn run(subject: &Subject, setting: &Self::Setting, seed: u64) -> Result<Self, ExperimentError>;
+
+    /// What all trials say, in the order of their seeds.
+    fn findings(subject: &Subject, trials: &[Self]) -> Findings<Self::Measurement, Self::Summary>;
+}
+
+/// Takes what a trial left, with the seed that it is of.
+pub type ReceiveTrial<'a> = dyn FnMut(u64, String) -> Result<(), ExperimentError> + 'a;
+
+/// A study's trials, of whatever kind.
+pub struct Trials {
+    run: fn(&Subject, &[u64], &mut ReceiveTrial) -> Result<(), ExperimentError>,
+    conclude: fn(&Subject, &[String]) -> Result<FoundTables, ExperimentError>,
+}
+
+impl Trials {
+    /// Trials of a kind.
+    pub const fn of<T: Trial>() -> Trials {
+        Trials { run: run::<T>, conclude: conclude::<T> }
+    }
+
+    /// Makes the trials of some seeds, one after the other, and hands on what each left as soon as it is done.
+    ///
+    /// # Errors
+    /// Where something cannot be measured at all, or the receiver fails.
+    pub fn run(
+        &self,
+        subject: &Subject,
+        seeds: &[u64],
+        receive: &mut ReceiveTrial,
+    ) -> Result<(), ExperimentError> {
+        (self.run)(subject, seeds, receive)
+    }
+
+    /// What trials say that left these texts, in the order of their seeds.
+    ///
+    /// # Errors
+    /// [`ExperimentError::Refused`] where a text is not of this study's trials.
+    pub fn conclude(&self, subject: &Subject, left: &[String]) -> Result<FoundTables, ExperimentError> {
+        (self.conclude)(subject, left)
+    }
+}
+
+/// Makes all trials of a subject, and says what they found.
+///
+/// # Errors
+/// Where something cannot be measured at all.
+pub fn measure<T: Trial>(subject: &Subject) -> Result<Findings<T::Measurement, T::Summary>, ExperimentError> {
+    let setting = T::set_up(subject)?;
+    let trials = subject.seeds.iter().map(|&seed| T::run(subject, &setting, seed));
+    Ok(T::findings(subject, &trials.collect::<Result<Vec<T>, _>>()?))
+}
+
+fn run<T: Trial>(
+    subject: &Subject,
+    seeds: &[u64],
+    receive: &mut ReceiveTrial,
+) -> Result<(), ExperimentError> {
+    if seeds.is_empty() {
+        return Ok(());
+    }
+    let setting = T::set_up(subject)?;
+    for &seed in seeds {
+        let trial = T::run(subject, &setting, seed)?;
+        let text = ron::to_string(&trial).map_err(|error| ExperimentError::refused(error.to_string()))?;
+        receive(seed, text)?;
+    }
+    Ok(())
+}
+
+fn conclude<T: Trial>(subject: &Subject, left: &[String]) -> Result<FoundTables, ExperimentError> {
+    let read = |text: &String| ron::from_str::<T>(text);
+    let trials: Result<Vec<T>, _> = left.iter().map(read).collect();
+    let trials =
+        trials.map_err(|error| ExperimentError::refused(format!("not a trial of this study: {error}")))?;
+    Ok(T::findings(subject, &trials).into())
+}
+
+#[cfg(test)]
+mod tests {
+    use serde::Deserialize;
+
+    #[derive(Debug, Serialize, Deserialize)]
+    struct Numbers {
+        values: Vec<f64>,
+        seed: u64,
+        none: Option<String>,
+    }
+    use super::*;
+
+    #[test]
+    fn what_a_trial_leaves_is_read_again_to_the_last_bit() {
+        let values = vec![
+            0.1 + 0.2,
+            f64::NAN,
+            f64::INFINITY,
+            f64::NEG_INFINITY,
+            -0.0,
+            5e-324,
+            f64::MAX,
+            1e21,
+            1.0 / 3.0,
+        ];
+        let text = ron::to_string(&Numbers { values: values.clone(), seed: u64::MAX, none: None }).unwrap();
+        let read: Numbers = ron::from_str(&text).unwrap();
+        assert_eq!((read.seed, read.none), (u64::MAX, None));
+        for (value, read) in values.iter().zip(&read.values) {
+            assert!(
+                value.to_bits() == read.to_bits() || value.is_nan() && read.is_nan(),
+                "{value} is read as {read}"
+            );
+        }
+    }
+}
