@@ -5,17 +5,18 @@ use std::path::{Path, PathBuf};
 use super::babbling::Prepared;
 use super::folders::{session_folder, written_session};
 use super::resume::args_of;
+use super::study::shares::{StudyShares, are_of_study};
 use super::{Failure, Outcome, output};
 use crate::experiment::{BabbledShares, BabblingSession, Provenance, ResumedSession, Unready};
 use crate::record::{SESSION_FILE, Session, Shares};
 use crate::share::Share;
 use crate::view::report::REPORT_FILE;
 
-/// Put together the shares of a session.
+/// Put together the shares of a session or of a study.
 ///
-/// The shares were made with `babble … --shard 1/16 --out DIR` and so on, each by a process of its own. The log of touches
-/// becomes, byte for byte, the one that a single process would have written; then the body schema is learned from it as
-/// `babble` does. Shares that are missing or were interrupted are named, and only they are to be made again. Can be called
+/// The shares were made with `babble … --shard 1/16 --out DIR` and so on, or `study … --shard`, each by a process of its
+/// own. The log of touches, or the table of the study, becomes byte for byte the one that a single process would have
+/// written; from the log the body schema is learned as `babble` does. Shares that are missing or were interrupted are named, and only they are to be made again. Can be called
 /// again at any time: it goes on where it was interrupted.
 #[derive(clap::Args)]
 #[command(after_help = "Examples:
@@ -38,18 +39,27 @@ pub struct MergeArguments {
 
 pub fn run(args: &MergeArguments) -> Outcome {
     let shares = Shares::find(&args.folder)?;
-    let found = BabbledShares::find(&shares)?;
-    if args.missing {
-        let numbers =
-            |unready: Unready| unready.all().iter().map(|share| share.number().to_string()).collect();
-        let numbers: Vec<String> = found.err().map(numbers).unwrap_or_default();
-        say!("{}", numbers.join(","));
-        return Ok(());
+    if are_of_study(&shares) {
+        return match StudyShares::find(&shares)? {
+            Ok(study) if !args.missing => study.put_together(&args.folder, args.json),
+            found => tell_unready(args, found.err()),
+        };
     }
-    match found {
-        Ok(shares) => session(args, &shares),
-        Err(unready) => Err(refusal(&args.folder, &unready)),
+    match BabbledShares::find(&shares)? {
+        Ok(shares) if !args.missing => session(args, &shares),
+        found => tell_unready(args, found.err()),
     }
+}
+
+/// Tells which shares are not made, if any: as it was asked for, or as what keeps them from being put together.
+fn tell_unready(args: &MergeArguments, unready: Option<Unready>) -> Outcome {
+    let unready = unready.unwrap_or_default();
+    if !args.missing {
+        return Err(refusal(&args.folder, &unready));
+    }
+    let numbers: Vec<String> = unready.all().iter().map(|share| share.number().to_string()).collect();
+    say!("{}", numbers.join(","));
+    Ok(())
 }
 
 /// Puts a session together.

@@ -204,7 +204,7 @@ fn carry_out() -> Outcome {
         Command::Feel(args) => feel::run(&args, given()),
         Command::Talk(args) => talk::run(&args),
         Command::Map(args) => map::run(&args),
-        Command::Study(args) => study::run(&args),
+        Command::Study(args) => study::run(&args, given()),
         Command::Gallery(args) => gallery::run(&args),
         Command::Completions(args) => completions::run(&args, &Cli::command()),
         Command::Rehearse(args) => open::run(&args),

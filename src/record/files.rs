@@ -7,7 +7,7 @@ use std::path::Path;
 use serde::Serialize;
 use serde_json::ser::Formatter;
 
-use super::leftovers::{part_name, sweep_parts};
+use super::part_file::PartFile;
 use super::{Action, RecordError};
 
 /// Makes a folder and those above it where they are missing.
@@ -38,21 +38,9 @@ pub(crate) fn write_whole(path: &Path, bytes: &[u8]) -> io::Result<()> {
     if fs::metadata(path).is_ok_and(|about| !about.is_file() && !about.is_dir()) {
         return fs::write(path, bytes);
     }
-    let name = path.file_name().ok_or(io::ErrorKind::InvalidFilename)?.to_string_lossy();
-    let part = path.with_file_name(part_name(&name));
-    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    sweep_parts(folder, |of| of == name);
-    let put = || {
-        let mut file = File::create(&part)?;
-        file.write_all(bytes)?;
-        file.sync_all()?;
-        fs::rename(&part, path)?;
-        sync_folder(folder)
-    };
-    put().inspect_err(|_| {
-        // The first failure is the one to tell of.
-        let _ = fs::remove_file(&part);
-    })
+    let part = PartFile::begin(path)?;
+    fs::write(part.path(), bytes)?;
+    part.put()
 }
 
 /// Waits until the names in a folder are on the disk.

@@ -23,6 +23,7 @@ mod map_file;
 mod model_hash;
 #[cfg(feature = "parquet")]
 mod parquet;
+mod part_file;
 mod progress;
 mod read_lock;
 mod recording;
@@ -32,6 +33,7 @@ mod session;
 mod shares;
 mod space_record;
 mod stamp;
+mod study_share;
 mod touch_line;
 mod touch_reader;
 mod touch_writer;
@@ -51,6 +53,8 @@ pub use map_file::{read_map, write_map};
 pub use model_hash::model_hash;
 #[cfg(feature = "parquet")]
 pub use parquet::write_parquet;
+#[cfg_attr(not(feature = "render"), allow(unused_imports))]
+pub(crate) use part_file::PartFile;
 pub use progress::BabblingProgress;
 pub use read_lock::ReadLock;
 pub use recording::{CreatureFile, Recording, read_creature, read_recording};
@@ -63,6 +67,7 @@ pub use schema::{read_schema, read_schema_with_std, write_schema, write_schema_w
 pub use session::{BabblingEffort, RecordingFiles, Session, SessionOptions};
 pub use shares::{SHARES_FOLDER, Shares};
 pub use space_record::{SpaceRecord, SpaceSlice};
+pub use study_share::{StudyShare, read_trial, trial_file, write_trial};
 pub use touch_reader::{TouchLog, read_touches};
 pub use touch_writer::TouchWriter;
 
@@ -74,6 +79,8 @@ pub const TOUCHES_FILE: &str = "touches.jsonl";
 pub const PROGRESS_FILE: &str = "babbling.json";
 /// The bouts of a share of a session and what each cost, in the share's folder.
 pub const BOUTS_FILE: &str = "bouts.csv";
+/// What a share of a study was asked for, in the share's folder.
+pub const STUDY_SHARE_FILE: &str = "study-share.json";
 /// The log of firing receptors, in the folder of a session of strokes.
 pub const FIRINGS_FILE: &str = "firings.jsonl";
 /// What the touch sensor made of them, in the same folder: a sensation a line.

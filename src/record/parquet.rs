@@ -11,7 +11,7 @@ use parquet::file::properties::WriterProperties;
 use parquet::file::writer::{SerializedFileWriter, SerializedRowGroupWriter};
 use parquet::schema::types::Type;
 
-use super::{Action, PROGRAM, RecordError};
+use super::{Action, PROGRAM, PartFile, RecordError};
 use crate::agent::Agent;
 use crate::creature::DofKind;
 use crate::senses::Touch;
@@ -31,7 +31,7 @@ enum Values {
 /// A column: its name, and its values for touches.
 type ParquetColumn<'a> = (String, Box<dyn Fn(&[Touch]) -> Values + 'a>);
 
-/// Writes touches to a Parquet file, a row a touch.
+/// Writes touches to a Parquet file, a row a touch; whole or not at all.
 ///
 /// The columns are those of a recording in comma-separated values: `bout`, `motion`; `limb_a`, `limb_b` and
 /// `receptor_a`, `receptor_b`, names; `ax` … `bz`, the points of contact in their limbs' frames, metres; one per
@@ -43,7 +43,9 @@ type ParquetColumn<'a> = (String, Box<dyn Fn(&[Touch]) -> Values + 'a>);
 /// [`RecordError::Io`] where the file cannot be written.
 pub fn write_parquet(path: &Path, agent: &Agent, touches: &[Touch]) -> Result<(), RecordError> {
     let failed = |error: ParquetError| RecordError::io(path, Action::Write)(std::io::Error::other(error));
-    let file = File::create(path).map_err(RecordError::io(path, Action::Write))?;
+    let io = || RecordError::io(path, Action::Write);
+    let part = PartFile::begin(path).map_err(io())?;
+    let file = File::create(part.path()).map_err(io())?;
     let columns = columns(agent);
     let schema = Arc::new(schema(&columns).map_err(failed)?);
     let about = Arc::new(WriterProperties::builder().set_created_by(PROGRAM.to_string()).build());
@@ -56,7 +58,7 @@ pub fn write_parquet(path: &Path, agent: &Agent, touches: &[Touch]) -> Result<()
         rows.close().map_err(failed)?;
     }
     writer.close().map_err(failed)?;
-    Ok(())
+    part.put().map_err(io())
 }
 
 fn columns<'a>(agent: &'a Agent) -> Vec<ParquetColumn<'a>> {

@@ -44,6 +44,7 @@ mod recording;
 mod render;
 mod report;
 mod rerun;
+mod results;
 mod resume;
 mod senses;
 mod shares;

@@ -9,7 +9,7 @@ use serde_json::Value;
 use tempfile::TempDir;
 
 use crate::common::program::{refused, succeeds};
-use crate::common::two_arms;
+use crate::common::{repository, two_arms};
 
 /// Files of a session that are the same whoever made them.
 const SAME: [&str; 4] = ["touches.jsonl", "schema.json", "learned.xml", "learning.csv"];
@@ -205,4 +205,117 @@ fn shares_that_do_not_belong_together_are_refused() {
     assert!(!place.join("else").exists());
     let message = refused(place, 1, &["merge", "."]);
     assert!(message.contains("no shares") && message.contains("--shard"), "{message}");
+}
+
+/// A study of two learners' courses on a small creature, with a share or none.
+fn study<'a>(name: &'a str, more: &[&'a str]) -> Vec<&'a str> {
+    let study = ["study", name, "arms.xml", "--trials", "5", "--seed", "7", "--touches", "40", "--out"];
+    [&study[..], more].concat()
+}
+
+/// What a study's file says, but for how long it took, and where it is.
+fn found(place: &Path, folder: &str) -> Value {
+    let text = fs::read_to_string(place.join(folder).join("study.json")).unwrap();
+    let mut found: Value = serde_json::from_str(&text).unwrap();
+    assert!(found["seconds"].as_f64().unwrap() > 0.0);
+    found["seconds"] = Value::Null;
+    found["folder"] = Value::Null;
+    for row in ["rows", "summary"] {
+        found[row].as_array_mut().unwrap().iter_mut().for_each(|row| row["seconds"] = Value::Null);
+    }
+    found
+}
+
+#[test]
+fn trials_of_a_study_are_shared_and_come_to_the_tables_of_one_process() {
+    let place = place();
+    let place = place.path();
+    succeeds(place, &study("learners", &["one"]));
+    for (of, out) in [(1, "of-1"), (3, "of-3"), (16, "of-16")] {
+        for number in (1..=of).rev() {
+            let share = format!("{number}/{of}");
+            let told = succeeds(place, &study("learners", &[out, "--shard", &share]));
+            assert!(told.contains(&format!("share {share}")) && told.contains("merge"), "{told}");
+        }
+        let told = succeeds(place, &["merge", out]);
+        assert!(told.contains("5 trials of 40 touches, seeds 7 8 9 10 11"), "{told}");
+        let table = |folder: &str| fs::read(place.join(folder).join("study.csv")).unwrap();
+        assert!(table("one") == table(out), "{out} has another table");
+        assert_eq!(found(place, "one"), found(place, out));
+    }
+}
+
+#[test]
+fn trials_that_are_missing_are_named_by_their_shares_and_only_they_are_made() {
+    let place = place();
+    let place = place.path();
+    succeeds(place, &study("learners", &["out", "--shard", "2/2"]));
+    let message = refused(place, 1, &["merge", "out"]);
+    assert!(message.contains("missing: 1/2") && message.contains("--shard 1/2"), "{message}");
+    succeeds(place, &study("learners", &["out", "--shard", "1/2"]));
+    // A trial that was not done when its process was killed.
+    let trials = place.join("out/shares/1-of-2/trials");
+    fs::remove_file(trials.join("9.ron")).unwrap();
+    assert_eq!(succeeds(place, &["merge", "out", "--missing"]), "1\n");
+    let made = fs::metadata(trials.join("7.ron")).unwrap().modified().unwrap();
+    succeeds(place, &study("learners", &["out", "--shard", "1/2"]));
+    assert_eq!(fs::metadata(trials.join("7.ron")).unwrap().modified().unwrap(), made);
+    // One that is none is named.
+    let trial = fs::read_to_string(trials.join("11.ron")).unwrap();
+    fs::write(trials.join("11.ron"), &trial[..trial.len() / 2]).unwrap();
+    let message = refused(place, 1, &["merge", "out"]);
+    assert!(message.contains("11.ron") && message.contains("remove it"), "{message}");
+    fs::write(trials.join("11.ron"), trial).unwrap();
+    // Another study is not mixed with it.
+    let other =
+        ["study", "learners", "arms.xml", "--trials", "5", "--seed", "8", "--touches", "40", "--out", "out"];
+    let message = refused(place, 1, &[&other[..], &["--shard", "1/2"]].concat());
+    assert!(message.contains("seed is 7") && message.contains("--out"), "{message}");
+    succeeds(place, &["merge", "out"]);
+    succeeds(place, &study("learners", &["one"]));
+    assert_eq!(found(place, "one"), found(place, "out"));
+}
+
+/// Runs a script of examples/many; none where the engine that it needs is not installed and nobody requires it.
+fn script(name: &str, needs: &str, place: &Path, arguments: &[&str]) -> Option<String> {
+    let there = Command::new(needs).arg("--version").output().is_ok_and(|output| output.status.success());
+    if !there {
+        let required = std::env::var("BODYSCHEMA_PARALLEL").is_ok_and(|value| value == "required");
+        assert!(!required, "there is no {needs}: install it");
+        eprintln!("skipped: there is no {needs}");
+        return None;
+    }
+    let mut script = Command::new(repository("examples/many").join(name));
+    let output = script.args(arguments).current_dir(place).output().unwrap();
+    let told = String::from_utf8_lossy(&output.stdout).into_owned();
+    assert_eq!(output.status.code(), Some(0), "{told}{}", String::from_utf8_lossy(&output.stderr));
+    Some(told)
+}
+
+#[test]
+fn gnu_parallel_makes_all_shares_and_only_those_that_are_missing() {
+    let place = place();
+    let place = place.path();
+    let program = env!("CARGO_BIN_EXE_bodyschema");
+    let session =
+        ["5", "session", program, "babble", "arms.xml", "--touches", "310", "--seed", "3", "--jobs", "1"];
+    let Some(told) = script("parallel.sh", "parallel", place, &session) else { return };
+    assert!(told.contains("from 310 touches"), "{told}");
+    succeeds(place, &[&babble("310", "one")[..], &["--policy", "random"]].concat());
+    same(place, "one", "session");
+    let jobs = || fs::read_to_string(place.join("session/logs/parallel.tsv")).unwrap().lines().count() - 1;
+    assert_eq!(jobs(), 5);
+    let log = fs::read_to_string(place.join("session/logs/4.txt")).unwrap();
+    assert!(log.contains("share 4/5"), "{log}");
+    // One is lost, with all that was made of it.
+    fs::remove_dir_all(place.join("session/shares/4-of-5")).unwrap();
+    for file in SAME.iter().chain(&["session.json", "learning.json", "report.html"]) {
+        fs::remove_file(place.join("session").join(file)).unwrap();
+    }
+    script("parallel.sh", "parallel", place, &session);
+    assert_eq!(jobs(), 1);
+    same(place, "one", "session");
+    let table = ["2", "table", program, "study", "learners", "arms.xml", "--trials", "3", "--touches", "40"];
+    let told = script("parallel.sh", "parallel", place, &table).unwrap();
+    assert!(told.contains("3 trials of 40 touches"), "{told}");
 }

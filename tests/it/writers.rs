@@ -391,7 +391,7 @@ fn aftermath(yard: &Yard, victim: &Victim, how: &str, findings: &mut Findings) {
     }
 }
 
-/// Commands that are killed at random moments.
+/// Commands of which so many are killed at random moments before their end.
 fn kills(yard: &Yard, count: usize, seed: u64, findings: &mut Findings) {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let mut victims = victims();
@@ -408,7 +408,9 @@ fn kills(yard: &Yard, count: usize, seed: u64, findings: &mut Findings) {
         victim.takes = began.elapsed();
         assert!(victim.takes < PATIENCE);
     }
-    for k in 0..count {
+    let (mut done, mut k) = (0, 0);
+    while done < count {
+        assert!(k < 10 * count, "commands end before they are killed");
         let victim = &victims[k % victims.len()];
         prepare(victim);
         let mut child = yard.begin(&victim.words);
@@ -419,6 +421,7 @@ fn kills(yard: &Yard, count: usize, seed: u64, findings: &mut Findings) {
         let verb = victim.words[..2].join(" ");
         findings.tried(if killed { "killed" } else { "came to their end first" });
         aftermath(yard, victim, &format!("kill {k} of seed {seed}, {verb}"), findings);
+        (done, k) = (done + usize::from(killed), k + 1);
     }
 }
 

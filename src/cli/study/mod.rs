@@ -1,27 +1,28 @@
 //! `bodyschema study`: one measurement repeated over several seeds.
 
+mod asked;
+mod conclusion;
 mod hersch;
+pub mod shares;
 
 use std::path::{Path, PathBuf};
-use std::time::Instant;
 
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
-use serde_json::{Value, json};
 
-use super::arguments::touch_count;
+use super::Outcome;
+use super::arguments::{Arguments, touch_count};
 use super::folders::free_folder;
-use super::open::{ModelArguments, embodied};
+use super::open::ModelArguments;
 use super::progress::Bars;
-use super::{Failure, Outcome, output};
-use crate::babbling::{self, PolicyName};
+use crate::babbling::PolicyName;
 use crate::creature::JointSelection;
-use crate::experiment::study::calibration::{CalibrationCase, STUDY as CALIBRATION};
-use crate::experiment::study::claims::{POLICIES as CLAIMS_POLICIES, STUDY as CLAIMS};
-use crate::experiment::study::hersch::{STUDY as HERSCH, TOUCHES as HERSCH_TOUCHES};
-use crate::experiment::study::{FoundTables, STUDIES, Study, Subject};
+use crate::experiment::study::calibration::CalibrationCase;
+use crate::experiment::study::claims::POLICIES as CLAIMS_POLICIES;
+use crate::experiment::study::{STUDIES, Study};
 use crate::experiment::{Observer, Phase};
-use crate::record::{Generation, PROGRAM, model_hash};
-use crate::view::study_chart;
+use crate::share::Share;
+
+use asked::AskedStudy;
 
 /// The model that is studied where none is named.
 const DEFAULT_MODEL: &str = "mjcf/max/max.xml";
@@ -29,10 +30,6 @@ const DEFAULT_MODEL: &str = "mjcf/max/max.xml";
 const TOUCHES: usize = 1000;
 /// What was asked and what came out, in the study's folder.
 const STUDY_FILE: &str = "study.json";
-/// The measurements, in the study's folder.
-const TABLE_FILE: &str = "study.csv";
-/// The plot, in the study's folder.
-const PLOT_FILE: &str = "study.svg";
 
 /// Repeat a measurement over several seeds: a table, its data and a plot.
 ///
@@ -42,7 +39,8 @@ const PLOT_FILE: &str = "study.svg";
 #[derive(clap::Args)]
 #[command(after_help = "Examples:
   bodyschema study learners --trials 5                                # takes minutes
-  bodyschema study disturbances creature.xml --touches 500 --seed 7 --json  # takes minutes")]
+  bodyschema study disturbances creature.xml --touches 500 --seed 7 --json  # takes minutes
+  bodyschema study learners --trials 1000 --shard 3/16 --out studies/many    # takes hours")]
 pub struct StudyArguments {
     /// The study
     #[arg(value_parser = study())]
@@ -53,8 +51,8 @@ pub struct StudyArguments {
     #[command(flatten)]
     open: ModelArguments,
     /// Trials, each with touches and initial guesses of its own
-    #[arg(long, default_value_t = 3, value_parser = clap::value_parser!(u16).range(1..=1000))]
-    trials: u16,
+    #[arg(long, default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    trials: u32,
     /// Seed of the first trial; the next ones count on from it
     #[arg(long, default_value_t = 1)]
     seed: u64,
@@ -74,6 +72,10 @@ pub struct StudyArguments {
     /// The study's folder [default: studies/NAME, or the first free of studies/NAME-2, -3, …]
     #[arg(long, short, value_name = "DIR", help_heading = "Output")]
     out: Option<PathBuf>,
+    /// Make only this share of the trials, as in 3/16: other processes, here or elsewhere, make the others, and `bodyschema
+    /// merge DIR` makes of all what one process would have made. The same command goes on with a share that was interrupted
+    #[arg(long, value_name = "SHARE", requires = "out", help_heading = "Output")]
+    shard: Option<Share>,
     /// Print one JSON object
     #[arg(long, help_heading = "Output")]
     json: bool,
@@ -113,120 +115,24 @@ fn case() -> impl TypedValueParser<Value = CalibrationCase> {
     PossibleValuesParser::new(names).try_map(|name| name.parse::<CalibrationCase>())
 }
 
-pub fn run(args: &StudyArguments) -> Outcome {
-    let study = args.name;
-    let [model, others @ ..] = args.model.as_slice() else {
-        return Err("no model is named: name the file of a creature".into());
-    };
-    if !others.is_empty() && !study.several {
-        return Err(Failure(format!("study {} is of one creature: name one model", study.name)));
-    }
-    if !model.exists() && model == Path::new(DEFAULT_MODEL) {
-        return Err(Failure(format!(
-            "{DEFAULT_MODEL}: there is no such file here: name a model, as in `bodyschema study {} MODEL`, or go \
-             to the folder that holds mjcf",
-            study.name
-        )));
-    }
-    if args.touches.is_some() && !study.touches {
-        return Err(Failure(format!(
-            "study {} does not learn from babbled touches: leave out --touches, its trials are counted by --trials",
-            study.name
-        )));
-    }
-    if args.policy.is_some() && study.name != CLAIMS.name {
-        return Err(Failure(format!("study {} is not of one policy: leave out --policy", study.name)));
-    }
-    if !args.cases.is_empty() && study.name != CALIBRATION.name {
-        return Err(Failure(format!("study {} has no cases: leave out --case", study.name)));
-    }
-    let rule = args.hersch.options(study)?;
-    let touches = args.touches.unwrap_or(if study.name == HERSCH.name { HERSCH_TOUCHES } else { TOUCHES });
-    let selection = args.joints.clone().unwrap_or_default();
-    let last = args.seed.checked_add(u64::from(args.trials) - 1);
-    let last = last.ok_or("the last trial's seed would be too great: give a smaller --seed")?;
-    let seeds: Vec<u64> = (args.seed..=last).collect();
+pub fn run(args: &StudyArguments, given: Arguments) -> Outcome {
     let bars = Bars::default();
-    let read = |model: &PathBuf| embodied(args.open.source(model, selection.clone()));
-    let mut subject = Subject::new(read(model)?, touches, seeds, babbling::threads(args.jobs), &bars)?
-        .with_others(others.iter().map(read).collect::<Result<_, Failure>>()?);
-    subject.session.clone_from(&args.session);
-    subject.hersch = rule;
-    subject.policy = args.policy;
-    subject.cases.clone_from(&args.cases);
+    let asked = AskedStudy::new(args, &bars)?;
+    if let (Some(share), Some(folder)) = (args.shard, &args.out) {
+        return shares::make(&asked, share, folder, given, &bars);
+    }
+    let study = args.name;
     let numbered = |k: u32| match k {
         1 => Path::new("studies").join(study.name),
         _ => Path::new("studies").join(format!("{}-{k}", study.name)),
     };
     let lock = free_folder(args.out.as_deref(), "study", &[STUDY_FILE], numbered)?;
-    let folder = lock.folder();
-    let began = Instant::now();
-    let mut left = Vec::new();
-    study.trials.run(&subject, &subject.seeds, &mut |_, trial| {
+    let (subject, mut left) = (&asked.subject, Vec::new());
+    study.trials.run(subject, &subject.seeds, &mut |_, trial| {
         left.push(trial);
         Ok(())
     })?;
-    let findings = study.trials.conclude(&subject, &left)?;
-    let seconds = began.elapsed().as_secs_f64();
     bars.phase(Phase::Done);
-    let creature = &subject.body().creature;
-    let mut result = json!({
-        "study": study.name,
-        "about": study.about,
-        "program": PROGRAM,
-        "engine": subject.body().model.version().to_string(),
-        "creature": creature.name(),
-        "joints": creature.joints().len(),
-        "dof": creature.dof(),
-        "options": {
-            "model": model,
-            "model_hash": model_hash(model)?,
-            "other_models": others,
-            "touches": study.touches.then_some(touches),
-            "trials": args.trials,
-            "seed": args.seed,
-            "joints": selection.to_string(),
-            "session": args.session,
-            "policy": args.policy.map(|policy| policy.to_string()),
-            "cases": args.cases.iter().map(|case| case.name()).collect::<Vec<_>>(),
-        },
-        "seeds": subject.seeds,
-        "seconds": seconds,
-        "summary": findings.summary.to_json(),
-        "notes": findings.notes,
-        "rows": findings.measurements.to_json(),
-        "folder": folder,
-    });
-    findings.numbers.iter().for_each(|(name, number)| result[*name] = number.clone());
-    let generation = Generation::begin(&lock)?;
-    save(generation.folder(), study, &result, &findings)?;
-    generation.commit()?;
-    if args.json {
-        return output::json(&result);
-    }
-    let seeds: Vec<String> = subject.seeds.iter().map(u64::to_string).collect();
-    say!("study {}: {}", study.name, study.about);
-    say!(
-        "{}: {} joints, {} degrees of freedom ({}, --joints {selection})",
-        creature.name(),
-        creature.joints().len(),
-        creature.dof(),
-        model.display()
-    );
-    others.iter().for_each(|other| say!("and {}", other.display()));
-    let trials = if args.trials == 1 { "trial" } else { "trials" };
-    let of = if study.touches { format!(" of {touches} touches") } else { String::new() };
-    say!("{} {trials}{of}, seeds {}\n", args.trials, seeds.join(" "));
-    findings.summary.lines().iter().for_each(|line| say!("{line}"));
-    say!("");
-    findings.notes.iter().for_each(|note| say!("{note}"));
-    say!("\n{seconds:.0} s; {TABLE_FILE}, {PLOT_FILE} and {STUDY_FILE} are in {}", folder.display());
-    Ok(())
-}
-
-fn save(folder: &Path, study: &Study, result: &Value, findings: &FoundTables) -> Outcome {
-    output::file(&folder.join(STUDY_FILE), &format!("{}\n", serde_json::to_string_pretty(result)?))?;
-    output::file(&folder.join(TABLE_FILE), &findings.measurements.to_csv()?)?;
-    let title = format!("{}: {}", study.name, study.about);
-    output::file(&folder.join(PLOT_FILE), &study_chart(&findings.plot, &title).alone())
+    let (findings, seconds) = study.trials.conclude(subject, &left)?;
+    conclusion::save_and_print(&asked, &lock, &findings, seconds)
 }

@@ -4,10 +4,12 @@
 //! found is put together later. What a trial leaves is text in Rusty Object Notation, which keeps every number to the
 //! last bit, those that are not finite too; findings are always drawn from that text, whoever wrote it.
 
-use serde::Serialize;
-use serde::de::DeserializeOwned;
+use std::time::Instant;
 
-use super::{Findings, FoundTables, StudyRow, Subject};
+use serde::de::DeserializeOwned;
+use serde::{Deserialize, Serialize};
+
+use super::{Findings, FoundTables, StudyRow, Subject, WallTime};
 use crate::experiment::ExperimentError;
 
 /// What one seed came to, in a study; it holds all that the findings need.
@@ -41,7 +43,14 @@ pub type ReceiveTrial<'a> = dyn FnMut(u64, String) -> Result<(), ExperimentError
 /// A study's trials, of whatever kind.
 pub struct Trials {
     run: fn(&Subject, &[u64], &mut ReceiveTrial) -> Result<(), ExperimentError>,
-    conclude: fn(&Subject, &[String]) -> Result<FoundTables, ExperimentError>,
+    conclude: fn(&Subject, &[String]) -> Result<(FoundTables, WallTime), ExperimentError>,
+}
+
+/// What a trial leaves, and how long it took where it was made.
+#[derive(Serialize, Deserialize)]
+struct Recorded<T> {
+    seconds: WallTime,
+    trial: T,
 }
 
 impl Trials {
@@ -63,11 +72,15 @@ impl Trials {
         (self.run)(subject, seeds, receive)
     }
 
-    /// What trials say that left these texts, in the order of their seeds.
+    /// What trials say that left these texts, in the order of their seeds, and how long all of them took.
     ///
     /// # Errors
     /// [`ExperimentError::Refused`] where a text is not of this study's trials.
-    pub fn conclude(&self, subject: &Subject, left: &[String]) -> Result<FoundTables, ExperimentError> {
+    pub fn conclude(
+        &self,
+        subject: &Subject,
+        left: &[String],
+    ) -> Result<(FoundTables, WallTime), ExperimentError> {
         (self.conclude)(subject, left)
     }
 }
@@ -92,24 +105,32 @@ fn run<T: Trial>(
     }
     let setting = T::set_up(subject)?;
     for &seed in seeds {
+        let began = Instant::now();
         let trial = T::run(subject, &setting, seed)?;
-        let text = ron::to_string(&trial).map_err(|error| ExperimentError::refused(error.to_string()))?;
+        let recorded = Recorded { seconds: WallTime(began.elapsed().as_secs_f64()), trial };
+        let text = ron::to_string(&recorded).map_err(|error| ExperimentError::refused(error.to_string()))?;
         receive(seed, text)?;
     }
     Ok(())
 }
 
-fn conclude<T: Trial>(subject: &Subject, left: &[String]) -> Result<FoundTables, ExperimentError> {
-    let read = |text: &String| ron::from_str::<T>(text);
-    let trials: Result<Vec<T>, _> = left.iter().map(read).collect();
-    let trials =
-        trials.map_err(|error| ExperimentError::refused(format!("not a trial of this study: {error}")))?;
-    Ok(T::findings(subject, &trials).into())
+fn conclude<T: Trial>(
+    subject: &Subject,
+    left: &[String],
+) -> Result<(FoundTables, WallTime), ExperimentError> {
+    let (mut trials, mut all) = (Vec::with_capacity(left.len()), 0.0);
+    for text in left {
+        let recorded: Recorded<T> = ron::from_str(text)
+            .map_err(|error| ExperimentError::refused(format!("it is no trial of this study ({error})")))?;
+        all += recorded.seconds.0;
+        trials.push(recorded.trial);
+    }
+    Ok((T::findings(subject, &trials).into(), WallTime(all)))
 }
 
 #[cfg(test)]
 mod tests {
-    use serde::Deserialize;
+    use super::*;
 
     #[derive(Debug, Serialize, Deserialize)]
     struct Numbers {
@@ -117,7 +138,6 @@ mod tests {
         seed: u64,
         none: Option<String>,
     }
-    use super::*;
 
     #[test]
     fn what_a_trial_leaves_is_read_again_to_the_last_bit() {

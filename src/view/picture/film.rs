@@ -6,10 +6,11 @@ use std::process::{Child, Command, Stdio};
 
 use super::png;
 use crate::mujoco::Image;
-use crate::record::write_whole;
+use crate::record::{PartFile, write_whole};
 
-/// Endings of files that ffmpeg makes films of.
-const FILMS: [&str; 5] = ["mp4", "webm", "mkv", "mov", "gif"];
+/// Endings of files that ffmpeg makes films of, and what it calls their forms.
+const FILMS: [(&str, &str); 5] =
+    [("mp4", "mp4"), ("webm", "webm"), ("mkv", "matroska"), ("mov", "mov"), ("gif", "gif")];
 
 /// Why there is no film.
 #[derive(Debug, thiserror::Error)]
@@ -51,12 +52,13 @@ fn frames_of(film: &Path) -> PathBuf {
 
 /// Whether a file's name is that of a film: one that ffmpeg makes, or of numbered pictures, as in `frame-%04d.png`.
 pub fn is_film(path: &Path) -> bool {
-    made_by_ffmpeg(path) || Numbered::new(path).is_some()
+    form(path).is_some() || Numbered::new(path).is_some()
 }
 
-fn made_by_ffmpeg(path: &Path) -> bool {
-    let ending = path.extension().map(|ending| ending.to_string_lossy().to_lowercase());
-    ending.is_some_and(|ending| FILMS.contains(&ending.as_str()))
+/// What ffmpeg calls the form that a file's name ends with.
+fn form(path: &Path) -> Option<&'static str> {
+    let ending = path.extension()?.to_string_lossy().to_lowercase();
+    FILMS.iter().find(|(film, _)| *film == ending).map(|(_, form)| *form)
 }
 
 /// A name with a place for a number, as ffmpeg has it.
@@ -93,21 +95,19 @@ pub struct Film {
 
 enum FilmOutput {
     Pictures(Numbered),
-    /// The program, and the file that it writes until all is done.
+    /// The program, and the file that it writes; none once that is in its place.
     Ffmpeg {
         child: Child,
-        part: PathBuf,
-        done: bool,
+        part: Option<PartFile>,
     },
 }
 
 impl Drop for FilmOutput {
     fn drop(&mut self) {
         // A film that was not finished is none.
-        if let FilmOutput::Ffmpeg { child, part, done: false } = self {
+        if let FilmOutput::Ffmpeg { child, part: Some(_) } = self {
             let _ = child.kill();
             let _ = child.wait();
-            let _ = std::fs::remove_file(part);
         }
     }
 }
@@ -121,8 +121,8 @@ impl Film {
         if let Some(numbered) = Numbered::new(path) {
             return Ok(Film { path: path.to_path_buf(), kind: FilmOutput::Pictures(numbered), frames: 0 });
         }
-        let name = path.file_name().unwrap_or_default().to_string_lossy();
-        let part = path.with_file_name(format!(".{}.{name}", std::process::id()));
+        let write = |error| FilmError::Write { path: path.to_path_buf(), error };
+        let part = PartFile::begin(path).map_err(write)?;
         let mut command = Command::new("ffmpeg");
         command.args(["-loglevel", "error", "-nostdin", "-y", "-f", "rawvideo", "-pixel_format", "rgb24"]);
         command.args(["-video_size", &format!("{}x{}", size[0], size[1])]);
@@ -131,10 +131,12 @@ impl Film {
             // Players want colours at half the size, and so even sides.
             command.args(["-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2", "-pix_fmt", "yuv420p"]);
         }
-        command.arg(&part).stdin(Stdio::piped()).stdout(Stdio::null()).stderr(Stdio::piped());
+        // The part's name does not tell.
+        command.args(form(path).map(|form| ["-f", form]).into_iter().flatten());
+        command.arg(part.path()).stdin(Stdio::piped()).stdout(Stdio::null()).stderr(Stdio::piped());
         match command.spawn() {
             Ok(child) => {
-                let kind = FilmOutput::Ffmpeg { child, part, done: false };
+                let kind = FilmOutput::Ffmpeg { child, part: Some(part) };
                 Ok(Film { path: path.to_path_buf(), kind, frames: 0 })
             }
             Err(error) if error.kind() == io::ErrorKind::NotFound => {
@@ -173,7 +175,7 @@ impl Film {
 
     /// Waits for ffmpeg, and puts its film in its place.
     fn ended(&mut self) -> Result<(), FilmError> {
-        let FilmOutput::Ffmpeg { child, part, done } = &mut self.kind else { return Ok(()) };
+        let FilmOutput::Ffmpeg { child, part } = &mut self.kind else { return Ok(()) };
         drop(child.stdin.take());
         let mut said = String::new();
         if let Some(mut stderr) = child.stderr.take() {
@@ -183,9 +185,8 @@ impl Film {
         let lines: Vec<&str> = said.lines().map(str::trim).filter(|line| !line.is_empty()).collect();
         match child.wait() {
             Ok(status) if status.success() => {
-                std::fs::rename(part, &path).map_err(|error| FilmError::Write { path, error })?;
-                *done = true;
-                Ok(())
+                let put = part.take().map_or(Ok(()), PartFile::put);
+                put.map_err(|error| FilmError::Write { path, error })
             }
             Ok(status) if lines.is_empty() => Err(FilmError::Ffmpeg { path, message: status.to_string() }),
             Ok(_) => Err(FilmError::Ffmpeg { path, message: lines.join(", ") }),

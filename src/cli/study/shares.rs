@@ -1,0 +1,206 @@
+//! Shares of a study: making one, and putting all together.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use clap::{Args, Command, FromArgMatches};
+use serde_json::json;
+
+use super::asked::AskedStudy;
+use super::{STUDY_FILE, StudyArguments, conclusion};
+use crate::cli::arguments::{Arguments, command_line};
+use crate::cli::folders::free_folder;
+use crate::cli::progress::Bars;
+use crate::cli::shard::take_share;
+use crate::cli::{Failure, Outcome, output};
+use crate::experiment::{ExperimentError, Observer, Phase, Unready};
+use crate::record::{STUDY_SHARE_FILE, Shares, StudyShare, read_trial, trial_file, write_trial};
+use crate::share::Share;
+
+/// Makes the trials of a share that are missing, a file each.
+pub fn make(asked: &AskedStudy, share: Share, folder: &Path, given: Arguments, bars: &Bars) -> Outcome {
+    let AskedStudy { args, subject } = asked;
+    let lock = take_share(folder, share, STUDY_FILE)?;
+    let place = lock.folder();
+    let new = StudyShare {
+        share: share.to_string(),
+        command: output::command_line(),
+        arguments: given,
+        common: asked.about()?,
+    };
+    if place.join(STUDY_SHARE_FILE).exists() {
+        let there = StudyShare::read(place)?;
+        if there.common != new.common {
+            return Err(Failure(format!(
+                "{}: it is the share of another study than the one asked for ({}): give another folder with --out",
+                place.join(STUDY_SHARE_FILE).display(),
+                difference(&there, &new)
+            )));
+        }
+    } else {
+        new.write(place)?;
+    }
+    let own = own_seeds(share, &subject.seeds);
+    let missing: Vec<u64> = own.iter().copied().filter(|&seed| !trial_file(place, seed).exists()).collect();
+    if missing.is_empty() {
+        tell!("{} is complete: nothing is left to do", place.display());
+    } else if missing.len() < own.len() {
+        tell!(
+            "{}: {} of {} trials are there; going on",
+            place.display(),
+            own.len() - missing.len(),
+            own.len()
+        );
+    }
+    args.name.trials.run(subject, &missing, &mut |seed, trial| Ok(write_trial(place, seed, &trial)?))?;
+    bars.phase(Phase::Done);
+    if args.json {
+        return output::json(&json!({"share": share.to_string(), "trials": own.len(), "folder": place}));
+    }
+    let trials = if own.len() == 1 { "trial" } else { "trials" };
+    say!("share {share}: {} {trials}, in {}", own.len(), place.display());
+    say!("next, when all {} shares are made: `bodyschema merge {}`", share.of(), folder.display());
+    Ok(())
+}
+
+/// The seeds of a share's trials.
+fn own_seeds(share: Share, seeds: &[u64]) -> Vec<u64> {
+    (0..share.of_first(seeds.len() as u64)).map(|own| seeds[share.piece(own) as usize]).collect()
+}
+
+/// Whether the shares that were begun are of a study.
+pub fn are_of_study(shares: &Shares) -> bool {
+    shares.begun().any(|(_, folder)| folder.join(STUDY_SHARE_FILE).exists())
+}
+
+/// All shares of a study.
+pub struct StudyShares {
+    /// What was asked.
+    args: StudyArguments,
+    first: StudyShare,
+    /// Where the trial of each seed is.
+    trials: BTreeMap<u64, PathBuf>,
+}
+
+impl StudyShares {
+    /// Looks for them; tells which are not made.
+    pub fn find(shares: &Shares) -> Result<Result<StudyShares, Unready>, Failure> {
+        let mut unready = Unready { missing: shares.missing(), ..Unready::default() };
+        let mut begun: Vec<(Share, &Path, StudyShare)> = Vec::new();
+        for (share, place) in shares.begun() {
+            if !place.join(STUDY_SHARE_FILE).exists() {
+                unready.missing.push(share);
+                continue;
+            }
+            let there = StudyShare::read(place)?;
+            let file = place.join(STUDY_SHARE_FILE);
+            if there.share != share.to_string() {
+                return Err(Failure(format!(
+                    "{}: it is not of share {share}: move it where it belongs, or make that share again",
+                    file.display()
+                )));
+            }
+            if let Some((_, other, first)) = begun.first().filter(|(.., first)| first.common != there.common)
+            {
+                return Err(Failure(format!(
+                    "{}: it is not of the study that {} is of ({}): make one of them again",
+                    file.display(),
+                    other.display(),
+                    difference(first, &there)
+                )));
+            }
+            begun.push((share, place, there));
+        }
+        let Some((_, place, first)) = begun.first() else {
+            return Ok(Err(unready));
+        };
+        let args = args_of(first, place)?;
+        let seeds: Vec<u64> = (0..u64::from(args.trials)).map(|k| args.seed.saturating_add(k)).collect();
+        let mut trials = BTreeMap::new();
+        for (share, place, _) in &begun {
+            let own = own_seeds(*share, &seeds);
+            let made = own.iter().map(|&seed| (seed, place.to_path_buf()));
+            let made: Vec<_> = made.filter(|(seed, place)| trial_file(place, *seed).exists()).collect();
+            if made.len() < own.len() {
+                unready.unfinished.push(*share);
+            }
+            trials.extend(made);
+        }
+        unready.command.clone_from(&first.command);
+        let first = first.clone();
+        let whole = unready.all().is_empty();
+        Ok(if whole { Ok(StudyShares { args, first, trials }) } else { Err(unready) })
+    }
+
+    /// Writes and prints what all trials found, as one process would.
+    pub fn put_together(mut self, folder: &Path, as_json: bool) -> Outcome {
+        if folder.join(STUDY_FILE).exists() {
+            tell!("{} is complete: nothing is left to do", folder.display());
+            return Ok(());
+        }
+        self.args.json = as_json;
+        let args = &self.args;
+        let bars = Bars::default();
+        let asked = AskedStudy::new(args, &bars)?;
+        let now = StudyShare { common: asked.about()?, ..self.first.clone() };
+        if now.common != self.first.common {
+            return Err(Failure(format!(
+                "{}: its shares are not of what would be studied here ({}): put it back as it was, or make them again",
+                folder.display(),
+                difference(&self.first, &now)
+            )));
+        }
+        let lock = free_folder(Some(folder), "study", &[STUDY_FILE], |_| folder.to_path_buf())?;
+        let mut left = Vec::with_capacity(self.trials.len());
+        for (seed, place) in &self.trials {
+            left.push(read_trial(place, *seed)?);
+        }
+        let concluded = args.name.trials.conclude(&asked.subject, &left);
+        let (findings, seconds) = concluded.map_err(|error| self.blame(&asked, &left, error))?;
+        conclusion::save_and_print(&asked, &lock, &findings, seconds)
+    }
+
+    /// Which trial it is that is none.
+    fn blame(&self, asked: &AskedStudy, left: &[String], error: ExperimentError) -> Failure {
+        let trials = &asked.args.name.trials;
+        for ((seed, place), text) in self.trials.iter().zip(left) {
+            if let Err(error) = trials.conclude(&asked.subject, std::slice::from_ref(text)) {
+                let file = trial_file(place, *seed);
+                return Failure(format!("{}: {error}: remove it and make its share again", file.display()));
+            }
+        }
+        error.into()
+    }
+}
+
+/// What differs between two shares, in words.
+fn difference(one: &StudyShare, other: &StudyShare) -> String {
+    fn differing<'a>(one: &'a serde_json::Value, other: &'a serde_json::Value) -> Option<String> {
+        let fields = one.as_object()?.iter();
+        let field =
+            fields.filter(|(name, _)| *name != "options").find(|(name, value)| other[*name] != **value);
+        field.map(|(name, value)| format!("one's {name} is {value}, the other's {}", other[name.as_str()]))
+    }
+    differing(&one.common["options"], &other.common["options"])
+        .or_else(|| differing(&one.common, &other.common))
+        .unwrap_or_else(|| "it was asked otherwise".to_string())
+}
+
+/// The options that a share was made with.
+fn args_of(share: &StudyShare, folder: &Path) -> Result<StudyArguments, Failure> {
+    let refuse = |what: String| {
+        Failure(format!(
+            "{}: its options cannot be used ({what}): it is of another version of bodyschema, or was changed; make \
+             the shares again",
+            folder.join(STUDY_SHARE_FILE).display()
+        ))
+    };
+    let command = StudyArguments::augment_args(Command::new("study"));
+    let line = command_line(&command, &share.arguments)
+        .map_err(|option| refuse(format!("there is no --{option}")))?;
+    let matches = command.try_get_matches_from(line);
+    matches.and_then(|matches| StudyArguments::from_arg_matches(&matches)).map_err(|error| {
+        let text = error.to_string();
+        refuse(text.lines().next().unwrap_or_default().trim_start_matches("error: ").to_string())
+    })
+}
