@@ -70,6 +70,32 @@ fn a_study_prints_one_json_object_with_its_seeds_and_saves_its_files() {
     assert!(svg.starts_with("<svg") && svg.contains("gradient"), "{svg}");
 }
 
+/// Holds what two trials left together against what each of them left alone: the same, to the byte.
+fn is_the_same_alone(study: &str, touches: &str) {
+    let place = pincer();
+    let table = |out: &str, seed: &str, trials: &str, jobs: &str| {
+        let arguments = ["study", study, "pincer.xml", "--touches", touches, "--out", out, "--seed", seed];
+        succeeds(place.path(), &[&arguments[..], &["--trials", trials, "--jobs", jobs]].concat());
+        fs::read_to_string(place.path().join(out).join("study.csv")).unwrap()
+    };
+    let [one, other] = [table("one", "4", "1", "1"), table("other", "5", "1", "2")];
+    let (names, rows) = other.split_once('\n').unwrap();
+    assert!(!rows.is_empty(), "{study}: {other}");
+    assert_eq!(table("both", "4", "2", "1"), one + rows, "{study}");
+    // How long something took is no other's.
+    let timed = ["seconds", "babbling_s", "learning_s"];
+    assert!(!names.split(',').any(|name| timed.contains(&name)), "{study}: {names}");
+}
+
+#[test]
+fn a_trial_is_the_same_whatever_was_tried_before() {
+    for (study, touches) in
+        [("policies", "30"), ("hersch", "20"), ("frames", "60"), ("turned", "100"), ("coverage", "60")]
+    {
+        is_the_same_alone(study, touches);
+    }
+}
+
 #[test]
 fn a_study_never_overwrites_another() {
     let place = place();
@@ -222,6 +248,13 @@ fn what_touches_itself_is_never_taken_for_what_is_touched() {
 
 mod slow {
     use super::*;
+
+    #[test]
+    #[ignore = "slow: learners begin again and again"]
+    fn a_trial_of_learners_and_of_disturbances_is_the_same_whatever_was_tried_before() {
+        is_the_same_alone("learners", "24");
+        is_the_same_alone("disturbances", "100");
+    }
 
     #[test]
     #[ignore = "slow: Max grows and holds things"]
