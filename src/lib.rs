@@ -68,6 +68,7 @@ pub mod evaluation;
 pub mod experiment;
 pub mod export;
 pub mod geometry;
+mod given_file;
 pub mod ground_truth;
 pub mod interaction;
 pub mod kinematics;

@@ -12,6 +12,7 @@ use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
 use super::Failure;
+use crate::given_file;
 
 /// An option in the file: `--name=value` as often as it is given, and where it stands.
 struct Entry {
@@ -37,7 +38,7 @@ impl CommandLine {
         let Some(file) = config_of(&given) else {
             return Ok(CommandLine { arguments: given, file: PathBuf::new(), added: Vec::new() });
         };
-        let text = std::fs::read_to_string(&file).map_err(|error| {
+        let text = given_file::read_text(&file).map_err(|error| {
             Failure(format!("cannot read {}: {error}: give another --config", file.display()))
         })?;
         let parsed = DeTable::parse(&text).map_err(|error| {

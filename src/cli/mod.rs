@@ -46,6 +46,7 @@ mod skin;
 mod space;
 mod study;
 mod talk;
+mod threads;
 mod typed;
 
 use std::fmt::Display;
@@ -181,6 +182,7 @@ fn carry_out() -> Outcome {
     if cli.quiet {
         message::be_quiet();
     }
+    threads::make();
     let given = || given(&mut program.clone(), &matches);
     match cli.command {
         Command::Babble(args) => babble::run(&args, given()),

@@ -62,7 +62,7 @@ pub struct RobotFile {
 
 /// Whether a file is MJCF, which MuJoCo reads: one that is not to be trusted may crash it.
 pub fn is_mjcf(path: &Path) -> bool {
-    std::fs::read(path).is_ok_and(|bytes| begins_as_mjcf(&bytes))
+    path.is_file() && std::fs::read(path).is_ok_and(|bytes| begins_as_mjcf(&bytes))
 }
 
 fn begins_as_mjcf(bytes: &[u8]) -> bool {
