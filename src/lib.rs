@@ -77,6 +77,7 @@ mod mjcf_xml;
 pub mod mujoco;
 pub mod named;
 pub mod peripersonal;
+mod plausible;
 pub mod record;
 pub mod schema;
 pub mod senses;

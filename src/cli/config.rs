@@ -77,7 +77,14 @@ impl CommandLine {
                 }
             }
         }
-        added.retain(|entry| !stands(&given, &entry.name, None));
+        let short = |name: &str| {
+            let of = |command: &Command| {
+                let mut arguments = command.get_arguments();
+                arguments.find(|argument| argument.get_long() == Some(name)).and_then(Arg::get_short)
+            };
+            of(program).or_else(|| program.find_subcommand(run?).and_then(of))
+        };
+        added.retain(|entry| !stands(&given, &entry.name, short(&entry.name)));
         let mut arguments = given;
         let words = added.iter().flat_map(|entry| entry.arguments.iter().map(OsString::from));
         let place = at.map_or(arguments.len(), |at| at + 1);

@@ -37,6 +37,7 @@ mod message;
 mod observe;
 mod open;
 mod output;
+mod printable;
 mod progress;
 #[cfg(feature = "render")]
 mod render;
@@ -162,7 +163,8 @@ pub fn run() -> ExitCode {
     match carry_out() {
         Ok(()) => ExitCode::SUCCESS,
         Err(Failure(sentence)) => {
-            eprintln!("bodyschema: {sentence}");
+            let sentence = crate::record::shortened(sentence);
+            eprintln!("bodyschema: {}", printable::Printable(format_args!("{sentence}")));
             ExitCode::FAILURE
         }
     }

@@ -6,8 +6,10 @@
 //! files. Numbers are written in the shortest form that reads back to the same bits.
 
 mod account;
+mod angles;
 mod columns;
 mod error;
+mod fields;
 mod files;
 mod firing_log;
 mod folder_lock;
@@ -35,6 +37,7 @@ mod touch_reader;
 mod touch_writer;
 
 pub use account::RecordedAccount;
+pub(crate) use error::shortened;
 pub use error::{Action, RecordError};
 pub(crate) use files::write_whole;
 pub use firing_log::{FiringWriter, read_firings};
