@@ -5,6 +5,7 @@
 //! thousand, and writes a sample of those that were taken, with what was changed in them, into the folder that
 //! `BODYSCHEMA_ACCEPTED` names.
 
+mod commands;
 mod limits;
 mod mutations;
 mod readers;
@@ -193,7 +194,7 @@ fn attack(
 /// Reads `count` bad files in all.
 fn attack_all(count: usize, seed: u64) -> Findings {
     let yard = Yard::new();
-    let readers = yard.readers();
+    let readers: Vec<Reader> = yard.readers().into_iter().chain(yard.commands()).collect();
     let shares: usize = readers.iter().map(|reader| reader.share).sum();
     let findings = Mutex::new(Findings::default());
     let (watch, began) = (AtomicU64::new(0), Instant::now());

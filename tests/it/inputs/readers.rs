@@ -57,7 +57,7 @@ pub struct Yard {
     pub place: TempDir,
 }
 
-const CREATURE: &str = r#"{
+pub const CREATURE: &str = r#"{
   "name": "crane", "limbs": ["base", "turret", "arm"],
   "joints": [
     {"name": "bearing", "parent": "base", "limb": "turret", "dofs": [{"name": "turn", "kind": "ball"}]},
@@ -68,7 +68,7 @@ const CREATURE: &str = r#"{
     "surfaces": [{"limb": "arm", "origin": [0, 0, 0], "rotation": [1, 0, 0, 0, 1, 0, 0, 0, 1],
       "shape": {"capsule": {"radius": 0.1, "half_length": 0.2}}}]}
 }"#;
-const LOG: &str = "limb_a,limb_b,ax,ay,az,bx,by,bz,turn_w,turn_x,turn_y,turn_z,lift,reach,a_std,b_std
+pub const LOG: &str = "limb_a,limb_b,ax,ay,az,bx,by,bz,turn_w,turn_x,turn_y,turn_z,lift,reach,a_std,b_std
 base,arm,0.1,0.2,0.3,-0.1,0,1e-2,1,0,0,0,0.5,0.25,0.001,
 base,arm,0.12,0.21,0.32,-0.1,0.01,2e-2,0.6,0.8,0,0,-0.5,0.2,0.001,0.002
 base,arm,0.11,0.22,0.33,-0.12,0.02,3e-2,0,0,1,0,0.7,0.1,0.001,0.002
@@ -77,7 +77,7 @@ const LINES: &str = r#"{"posture": {"turn": [1, 0, 0, 0], "lift": 0.5, "reach": 
 {"posture": [1, 0, 0, 0, 0.5, 0.25], "limbs": ["base", "arm"], "contacts": [[0.1, 0.2, 0.3], [0.1, 0.0, 0.0]], "deviations": [0.001, null], "bout": 1, "motion": 2}
 {"posture": [0, 1, 0, 0, 0.7, 0.15], "limbs": ["base", "arm"], "contacts": [[0.1, 0.21, 0.31], [0.1, 0.0, 0.1]], "bout": 1, "motion": 3}
 "#;
-const ROBOT: &str = r#"{
+pub const ROBOT: &str = r#"{
   "name": "arm", "limbs": ["base", "upper", "hand"],
   "joints": [{"name": "shoulder", "parent": "base", "position": [0, 0, 0.3], "dofs": [{"name": "shoulder", "kind": "hinge", "range": [-2, 2], "axis": [0, 1, 0]}]},
     {"name": "elbow", "parent": 1, "position": [0.3, 0, 0], "dofs": [{"name": "elbow", "kind": "hinge", "axis": [0, 0, 1]}]}],
@@ -89,7 +89,7 @@ const ROBOT: &str = r#"{
   "values": {"elbow.offset": 0.02, "tip.position": [0.02, 0.001, 0]},
   "free": ["*.offset"], "fix": ["shoulder.offset"], "prior": {"elbow.position": "5 mm", "tip.position": 0.01}
 }"#;
-const ROBOT_LOG: &str = "limb_a,limb_b,ax,ay,az,bx_mm,by_mm,bz_mm,shoulder,elbow_deg,a_std,distance
+pub const ROBOT_LOG: &str = "limb_a,limb_b,ax,ay,az,bx_mm,by_mm,bz_mm,shoulder,elbow_deg,a_std,distance
 upper,tip,0.1,0.02,0.03,,,,0.5,40,0.001,0
 base,tip,0.1,0.02,0.03,,,,-0.7,-30,0.001,
 pad,hand,,,,100,20,3,0.25,20,0.002,0.01
@@ -377,6 +377,9 @@ impl Yard {
             &["rehearse", "--"],
         );
         add("model, URDF", "model.urdf", URDF.into(), 4, &["rehearse", "--"]);
+        for reader in &mut readers {
+            reader.share *= 10;
+        }
         readers
     }
 }
