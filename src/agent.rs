@@ -4,7 +4,8 @@ use std::collections::HashSet;
 use std::sync::Arc;
 
 use crate::creature::{Body, Creature};
-use crate::skin::{Skin, skin_of};
+use crate::plausible;
+use crate::skin::{Receptor, Skin, skin_of};
 
 /// A creature and its skin, which fit each other: everything that an agent is given, and nothing of where its
 /// joints are. Cheap to clone.
@@ -41,6 +42,22 @@ pub enum AgentError {
         /// The receptor.
         id: String,
     },
+    /// A receptor cannot be as it is said to be.
+    #[error("receptor \"{id}\" {fault}")]
+    Receptor {
+        /// The receptor.
+        id: String,
+        /// What is wrong with it, and the mend.
+        fault: String,
+    },
+    /// A surface cannot be as it is said to be.
+    #[error("surface {surface} (from 0) of the skin {fault}")]
+    Surface {
+        /// The surface, an index into [`Skin::surfaces`].
+        surface: usize,
+        /// What is wrong with it, and the mend.
+        fault: String,
+    },
     /// A surface is on a limb that the creature does not have.
     #[error(
         "surface {surface} (from 0) of the skin is on a limb that does not exist: give it one of the creature's \
@@ -57,7 +74,8 @@ impl Agent {
     ///
     /// # Errors
     /// Where a receptor or a surface of the skin is on a limb that the creature does not have, and where a
-    /// receptor lacks a surface that it refers to, an id of its own, or a finite number.
+    /// receptor lacks a surface that it refers to, an id of its own, or a finite number; where one of them has a place, a size
+    /// or a direction that cannot be.
     pub fn new(creature: impl Into<Arc<Creature>>, skin: impl Into<Arc<Skin>>) -> Result<Agent, AgentError> {
         let (creature, skin) = (creature.into(), skin.into());
         check(&creature, &skin)?;
@@ -97,6 +115,19 @@ impl Agent {
     }
 }
 
+/// What is wrong with a receptor that no receptor can have, and the mend.
+fn receptor_fault(receptor: &Receptor) -> Option<String> {
+    let across = receptor.normal.dot(&receptor.tangent).abs() > plausible::UNIT;
+    plausible::place_fault(&receptor.position)
+        .or_else(|| plausible::extent_fault(&receptor.half_extents))
+        .or_else(|| plausible::direction_fault(&receptor.normal))
+        .or_else(|| plausible::direction_fault(&receptor.tangent))
+        .or_else(|| {
+            across
+                .then(|| "has a tangent that is not across its normal: give one at right angles to it".into())
+        })
+}
+
 fn check(creature: &Creature, skin: &Skin) -> Result<(), AgentError> {
     let limbs = creature.limbs().len();
     let mut ids = HashSet::new();
@@ -115,6 +146,15 @@ fn check(creature: &Creature, skin: &Skin) -> Result<(), AgentError> {
         let mut numbers = vectors.into_iter().flatten().chain(&receptor.half_extents);
         if !numbers.all(|number| number.is_finite()) {
             return Err(AgentError::NotFinite { id: id() });
+        }
+        if let Some(fault) = receptor_fault(receptor) {
+            return Err(AgentError::Receptor { id: id(), fault });
+        }
+    }
+    for (number, surface) in skin.surfaces.iter().enumerate() {
+        let fault = plausible::pose_fault(&surface.pose()).or_else(|| plausible::shape_fault(&surface.shape));
+        if let Some(fault) = fault {
+            return Err(AgentError::Surface { surface: number, fault });
         }
     }
     match skin.surfaces.iter().position(|surface| surface.limb >= limbs) {

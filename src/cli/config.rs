@@ -12,6 +12,7 @@ use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
 use super::Failure;
+use crate::given_file;
 
 /// An option in the file: `--name=value` as often as it is given, and where it stands.
 struct Entry {
@@ -37,7 +38,7 @@ impl CommandLine {
         let Some(file) = config_of(&given) else {
             return Ok(CommandLine { arguments: given, file: PathBuf::new(), added: Vec::new() });
         };
-        let text = std::fs::read_to_string(&file).map_err(|error| {
+        let text = given_file::read_text(&file).map_err(|error| {
             Failure(format!("cannot read {}: {error}: give another --config", file.display()))
         })?;
         let parsed = DeTable::parse(&text).map_err(|error| {
@@ -76,7 +77,14 @@ impl CommandLine {
                 }
             }
         }
-        added.retain(|entry| !stands(&given, &entry.name, None));
+        let short = |name: &str| {
+            let of = |command: &Command| {
+                let mut arguments = command.get_arguments();
+                arguments.find(|argument| argument.get_long() == Some(name)).and_then(Arg::get_short)
+            };
+            of(program).or_else(|| program.find_subcommand(run?).and_then(of))
+        };
+        added.retain(|entry| !stands(&given, &entry.name, short(&entry.name)));
         let mut arguments = given;
         let words = added.iter().flat_map(|entry| entry.arguments.iter().map(OsString::from));
         let place = at.map_or(arguments.len(), |at| at + 1);

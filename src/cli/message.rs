@@ -3,6 +3,8 @@
 use std::io::Write;
 use std::sync::atomic::{AtomicBool, Ordering};
 
+use super::printable::Printable;
+
 /// Whether nothing but errors is told; set once, before any command runs.
 static QUIET: AtomicBool = AtomicBool::new(false);
 
@@ -20,6 +22,6 @@ pub fn quiet() -> bool {
 pub fn line(text: std::fmt::Arguments) {
     if !quiet() {
         // A message that nobody can be told is no failure.
-        let _ = writeln!(std::io::stderr().lock(), "bodyschema: {text}");
+        let _ = writeln!(std::io::stderr().lock(), "bodyschema: {}", Printable(text));
     }
 }

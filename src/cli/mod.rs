@@ -38,6 +38,7 @@ mod message;
 mod observe;
 mod open;
 mod output;
+mod printable;
 mod progress;
 #[cfg(feature = "render")]
 mod render;
@@ -48,6 +49,7 @@ mod skin;
 mod space;
 mod study;
 mod talk;
+mod threads;
 mod typed;
 
 use std::fmt::Display;
@@ -164,7 +166,8 @@ pub fn run() -> ExitCode {
     match carry_out() {
         Ok(()) => ExitCode::SUCCESS,
         Err(Failure(sentence)) => {
-            eprintln!("bodyschema: {sentence}");
+            let sentence = crate::record::shortened(sentence);
+            eprintln!("bodyschema: {}", printable::Printable(format_args!("{sentence}")));
             ExitCode::FAILURE
         }
     }
@@ -184,6 +187,7 @@ fn carry_out() -> Outcome {
     if cli.quiet {
         message::be_quiet();
     }
+    threads::make();
     let given = || given(&mut program.clone(), &matches);
     match cli.command {
         Command::Babble(args) => babble::run(&args, given()),

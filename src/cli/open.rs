@@ -5,6 +5,8 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, ExitStatus, Stdio};
 use std::sync::Arc;
 
+use rlimit::Resource;
+
 use super::progress::Bars;
 use super::{Failure, Outcome};
 use crate::creature::{Body, JointSelection};
@@ -112,9 +114,18 @@ fn reason(status: ExitStatus) -> Option<String> {
     const SIGXCPU: i32 = 24;
     const SIGKILL: i32 = 9;
     match status.signal()? {
-        SIGXCPU | SIGKILL => Some(format!("MuJoCo did not come to an end with it in {TIME} s")),
+        SIGXCPU | SIGKILL => {
+            let seconds = at_most(Resource::CPU, TIME).unwrap_or(TIME);
+            Some(format!("MuJoCo did not come to an end with it in {seconds} s"))
+        }
         signal => Some(format!("MuJoCo crashes on it (signal {signal})")),
     }
+}
+
+/// A limit, or a lower one that the process has been given and must not raise.
+fn at_most(resource: Resource, most: u64) -> std::io::Result<u64> {
+    let (soft, hard) = resource.get()?;
+    Ok(most.min(soft).min(hard))
 }
 
 /// Read a model within limits of time and memory, for another process that waits.
@@ -125,10 +136,10 @@ pub struct RehearseArgs {
 
 /// Reads a model and computes one posture.
 pub fn run(args: &RehearseArgs) -> Outcome {
-    use rlimit::Resource;
-    Resource::CPU.set(TIME, TIME)?;
-    Resource::AS.set(MEMORY, MEMORY)?;
-    Resource::CORE.set(0, 0)?;
+    for (resource, most) in [(Resource::CPU, TIME), (Resource::AS, MEMORY), (Resource::CORE, 0)] {
+        let limit = at_most(resource, most)?;
+        resource.set(limit, limit)?;
+    }
     let mut data = Data::new(Arc::new(Model::from_path(&args.model)?))?;
     data.kinematics()?;
     data.collision()?;

@@ -3,13 +3,14 @@
 use std::io::{ErrorKind, Write};
 use std::path::Path;
 
+use super::printable::Printable;
 use super::{Failure, Outcome};
 use crate::evaluation::Summary;
 
 /// Prints a line to standard output. Where nobody reads on, as in `… | head`, the program ends in silence;
 /// where it cannot be written, as on a full disk, with a sentence.
 pub fn line(text: std::fmt::Arguments) {
-    let Err(error) = writeln!(std::io::stdout().lock(), "{text}") else { return };
+    let Err(error) = writeln!(std::io::stdout().lock(), "{}", Printable(text)) else { return };
     if error.kind() == ErrorKind::BrokenPipe {
         std::process::exit(0);
     }

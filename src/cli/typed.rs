@@ -1,7 +1,7 @@
 //! What a partner types: lines that can be edited, with those before at the arrow keys, in a terminal; as they come from a
 //! pipe.
 
-use std::io::{BufRead, IsTerminal, StdinLock};
+use std::io::{BufRead, ErrorKind, IsTerminal, StdinLock};
 
 use rustyline::config::{Behavior, Config};
 use rustyline::error::ReadlineError;
@@ -53,7 +53,16 @@ impl Typed {
         match self {
             Typed::Edited(editor) => {
                 let prompt = if super::message::quiet() { "" } else { PROMPT };
-                match editor.readline(prompt) {
+                let read = loop {
+                    match editor.readline(prompt) {
+                        // The editor gives such a line up as a whole.
+                        Err(ReadlineError::Io(error)) if error.kind() == ErrorKind::InvalidData => {
+                            tell!("that line had a character that is no UTF-8: type it again");
+                        }
+                        read => break read,
+                    }
+                };
+                match read {
                     Ok(line) => {
                         // What is not kept in the history can still be said.
                         let _ = editor.add_history_entry(line.as_str());

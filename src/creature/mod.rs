@@ -8,6 +8,8 @@ mod posture;
 mod selection;
 mod surface;
 
+use std::f64::consts::TAU;
+
 use serde::{Deserialize, Serialize};
 
 pub use body::{Body, Segment};
@@ -16,6 +18,8 @@ pub use from_model::BodyError;
 pub(crate) use from_model::{LIMB_TUPLE, UNLIMITED_SLIDE, body_name, joint_name, matrix};
 pub use posture::{DofElement, Posture, ball, turn_ball};
 pub use selection::{CreatureInFile, JointSelection, creatures};
+
+use crate::plausible;
 
 /// The kind of one degree of freedom (a ball counts three, but moves as one).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -170,6 +174,19 @@ pub enum CreatureError {
     /// A range is not two finite numbers in order.
     #[error("the range of {0} is not two numbers in order")]
     Range(String),
+    /// A range goes farther than anything does.
+    #[error(
+        "the range of {0} goes beyond 10,000: give radians of a hinge, metres of a slide, or no range of what turns for ever"
+    )]
+    FarRange(String),
+    /// The range of a ball is none of angles.
+    #[error(
+        "the range of {0}, a ball, is not 0 and an angle: give 0 and the greatest angle, radians, π at the most"
+    )]
+    BallRange(String),
+    /// How a degree of freedom follows another is no number that can be.
+    #[error("{0} follows another by a coefficient beyond 1,000,000: give finite ones, metres and radians")]
+    Coefficient(String),
     /// What a degree of freedom follows does not move by itself.
     #[error("{0} follows what is no hinge or slide that moves by itself")]
     Leader(String),
@@ -191,7 +208,7 @@ impl Creature {
     ///
     /// # Errors
     /// When there is not one joint per limb but the root, when a joint's parent does not come
-    /// before it, when a range is not two finite numbers in order, when what a degree of freedom follows does
+    /// before it, when a range is not two finite numbers in order or goes farther than anything does, when what a degree of freedom follows does
     /// not move by itself, or when an aura names a limb that does not exist.
     pub fn new(
         name: String,
@@ -212,6 +229,16 @@ impl Creature {
                 let [low, high] = dof.range;
                 if !(low.is_finite() && high.is_finite() && low <= high) {
                     return Err(CreatureError::Range(dof.name.clone()));
+                }
+                if !dof.range.iter().all(|&end| plausible::is_angle(end) && plausible::is_length(end)) {
+                    return Err(CreatureError::FarRange(dof.name.clone()));
+                }
+                if dof.kind == DofKind::Ball && !(low >= 0.0 && high <= TAU) {
+                    return Err(CreatureError::BallRange(dof.name.clone()));
+                }
+                let coefficients = dof.follows.iter().flat_map(|coupling| coupling.polynomial);
+                if { coefficients }.any(|c| c.is_nan() || c.abs() > plausible::GREATEST_COEFFICIENT) {
+                    return Err(CreatureError::Coefficient(dof.name.clone()));
                 }
                 elements += 1;
                 coordinates += dof.kind.coordinates();

@@ -11,6 +11,17 @@ use super::titled;
 /// Greatest length, coordinate or scale accepted, in metres: a thousand kilometres.
 const GREATEST_LENGTH: f64 = 1e6;
 
+/// Least and greatest time step accepted, seconds: a second of shorter ones takes longer than a minute, and in longer ones
+/// nothing that moves can be followed.
+const TIME_STEPS: [f64; 2] = [1e-6, 1.0];
+
+/// Greatest number of iterations accepted of any of the engine's solvers, each step; its own is 100 at the most.
+const GREATEST_ITERATIONS: f64 = 1e4;
+
+/// Elements of a model at the most, by kind: what the engine's compiler does with more takes longer than it is given.
+const GREATEST_NUMBERS: [(&str, usize); 5] =
+    [("body", 10_000), ("link", 10_000), ("joint", 10_000), ("geom", 50_000), ("site", 50_000)];
+
 /// Attributes that hold lengths, coordinates or scales, in any element.
 const LENGTHS: [&str; 21] = [
     "size",
@@ -65,11 +76,39 @@ const COUNTS: [(&str, &str, f64); 19] = [
 /// # Errors
 /// Where one is out of bounds.
 pub(crate) fn check(source: &Source) -> Result<(), Refused> {
+    check_numbers(source, &source.root)?;
     within(source, &source.root)
+}
+
+/// Checks how many elements a tree has.
+///
+/// # Errors
+/// Where the engine would not come to an end with them.
+pub(crate) fn check_numbers(source: &Source, root: &Element) -> Result<(), Refused> {
+    let mut numbers = [0; GREATEST_NUMBERS.len()];
+    count(root, &mut numbers);
+    let over = GREATEST_NUMBERS.iter().zip(numbers).find(|((_, greatest), number)| number > greatest);
+    match over {
+        None => Ok(()),
+        Some(((name, greatest), number)) => Err(source.refused(
+            root,
+            format!("it has {number} elements <{name}>, more than the {greatest} that MuJoCo comes to an end with; remove some"),
+        )),
+    }
+}
+
+fn count(element: &Element, numbers: &mut [usize; GREATEST_NUMBERS.len()]) {
+    if let Some(kind) = GREATEST_NUMBERS.iter().position(|(name, _)| *name == element.name) {
+        numbers[kind] += 1;
+    }
+    element.children.iter().filter_map(XMLNode::as_element).for_each(|child| count(child, numbers));
 }
 
 fn within(source: &Source, element: &Element) -> Result<(), Refused> {
     for (attribute, value) in &element.attributes {
+        if let Some(message) = unsimulated(element, attribute, value) {
+            return Err(source.refused(element, message));
+        }
         let Some(greatest) = greatest(&element.name, attribute) else { continue };
         if let Some(token) = excess(value, greatest) {
             let title = titled(element);
@@ -85,6 +124,27 @@ fn within(source: &Source, element: &Element) -> Result<(), Refused> {
         }
     }
     element.children.iter().filter_map(XMLNode::as_element).try_for_each(|child| within(source, child))
+}
+
+/// What is wrong with a setting of the engine with which nothing can be simulated in a time that anybody would wait.
+fn unsimulated(element: &Element, attribute: &str, value: &str) -> Option<String> {
+    if element.name != "option" {
+        return None;
+    }
+    let number = number(value.trim())?;
+    let [least, greatest] = TIME_STEPS;
+    if attribute == "timestep" && !(least..=greatest).contains(&number) {
+        return Some(format!(
+            "timestep=\"{value}\" is no step of time that can be simulated; give seconds from {least} to {greatest}, such as 0.002"
+        ));
+    }
+    let iterations = attribute.ends_with("iterations") || attribute == "sdf_initpoints";
+    (iterations && !(0.0..=GREATEST_ITERATIONS).contains(&number)).then(|| {
+        format!(
+            "{attribute}=\"{value}\" is no number of iterations that can be waited for; give a whole number from 0 to \
+             {GREATEST_ITERATIONS}"
+        )
+    })
 }
 
 /// The greatest number that an attribute may hold, if it is one of those that matter.
@@ -143,5 +203,22 @@ mod tests {
         }
         assert!(refusal("<geom fromto = '0 0 0 0 0 1e30'/>").is_some());
         assert!(refusal("<size nuser_body='999999999'/>").is_some());
+    }
+
+    #[test]
+    fn what_cannot_be_simulated_or_compiled_in_time_is_refused() {
+        let option = |setting: &str| refusal(&format!("<mujoco><option {setting}/></mujoco>"));
+        for setting in
+            ["timestep='1e-300'", "timestep='0'", "timestep='-1'", "timestep='nan'", "timestep='1e300'"]
+        {
+            assert!(option(setting).unwrap().message.contains("timestep"), "{setting}");
+        }
+        for setting in ["iterations='2000000000'", "noslip_iterations='2000000000'", "mpr_iterations='-5'"] {
+            assert!(option(setting).unwrap().message.contains("iterations"), "{setting}");
+        }
+        assert_eq!(option("timestep='0.002' iterations='100' noslip_iterations='0'"), None);
+        let bodies = |number: usize| refusal(&format!("<mujoco>{}</mujoco>", "<body/>".repeat(number)));
+        assert_eq!(bodies(10_000), None);
+        assert!(bodies(100_000).unwrap().message.contains("100000 elements <body>"));
     }
 }

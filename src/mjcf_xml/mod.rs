@@ -1,6 +1,7 @@
 //! Model files as XML: reading them with a place for every element, putting what is newer than the engine in plain
 //! terms, and writing elements, sections, and the receptors' look, alike in every file of ours.
 
+mod assets;
 mod defaults;
 mod expand;
 mod hulls;
@@ -17,9 +18,10 @@ mod urdf;
 mod values;
 mod write;
 
+pub(crate) use assets::check as check_assets;
 pub(crate) use hulls::open_meshes;
 pub use left_out::LeftOut;
-pub(crate) use limits::check as check_limits;
+pub(crate) use limits::{check as check_limits, check_numbers};
 pub(crate) use mesh_files::unreadable_mesh;
 pub(crate) use pose::{Angles, ORIENTATIONS};
 pub(crate) use reduce::Reduced;

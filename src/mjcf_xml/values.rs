@@ -13,7 +13,7 @@ use super::{attribute, titled};
 const PLACED: [&str; 6] = ["body", "frame", "replicate", "geom", "site", "inertial"];
 
 /// What holds so many numbers: elements, their attribute, the count.
-const COUNTED: [(&[&str], &str, usize); 26] = [
+const COUNTED: [(&[&str], &str, usize); 27] = [
     (&PLACED, "pos", 3),
     (&PLACED, "quat", 4),
     (&PLACED, "axisangle", 4),
@@ -31,6 +31,7 @@ const COUNTED: [(&[&str], &str, usize); 26] = [
     (&["mesh"], "refquat", 4),
     // Of URDF; the scale of a mesh is of both.
     (&["mesh"], "scale", 3),
+    (&["mass"], "value", 1),
     (&["origin"], "xyz", 3),
     (&["origin"], "rpy", 3),
     (&["axis"], "xyz", 3),
@@ -44,7 +45,7 @@ const COUNTED: [(&[&str], &str, usize); 26] = [
 ];
 
 /// What else holds numbers, however many: the engine takes what is not finite, and physics comes to nothing with it.
-const PHYSICAL: [&str; 24] = [
+const PHYSICAL: [&str; 30] = [
     "anchor",
     "armature",
     "boundinertia",
@@ -57,6 +58,12 @@ const PHYSICAL: [&str; 24] = [
     "frictionloss",
     "fullinertia",
     "gravity",
+    "ixx",
+    "ixy",
+    "ixz",
+    "iyy",
+    "iyz",
+    "izz",
     "mass",
     "noise",
     "polycoef",

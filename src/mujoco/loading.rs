@@ -19,8 +19,8 @@ use super::model::Model;
 use super::refusal::{Complaint, refusal};
 use super::vfs::{self, Vfs};
 use crate::mjcf_xml::{
-    LeftOut, Reduced, Refused, Source, Texts, anchor_assets, attribute, check_limits, check_values, each,
-    element, numbered, set_compiler, urdf_to_mjcf,
+    LeftOut, Reduced, Refused, Source, Texts, anchor_assets, attribute, check_assets, check_limits,
+    check_numbers, check_values, each, element, numbered, set_compiler, urdf_to_mjcf,
 };
 
 /// Bytes for the engine's message about a file.
@@ -165,6 +165,7 @@ impl Loader {
         let version = engine::check()?;
         check_limits(&source)?;
         check_values(&source)?;
+        check_assets(&source)?;
         let first = match source.root.name.as_str() {
             "mujoco" => {
                 let mut root = source.root.clone();
@@ -182,6 +183,8 @@ impl Loader {
             Some(_) => Reduced::new(&source, &engine::schema()?)?,
             None => urdf_to_mjcf(&source)?,
         };
+        // Replicas and what is attached are written out there.
+        check_numbers(&source, &reduced.root)?;
         prepare(&mut reduced.root, &source, bodies);
         source.root = Element::new("mujoco");
         loop {

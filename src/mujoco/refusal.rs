@@ -76,7 +76,8 @@ fn unnumbered(words: &str) -> String {
 }
 
 /// What of the engine's words asks for what; the first that fits counts.
-const MENDS: [(&str, &str); 32] = [
+const MENDS: [(&str, &str); 33] = [
+    ("Could not allocate memory", "give it fewer bodies, or this process more memory"),
     ("repeated name in", "another has this name: rename one"),
     ("sizes must be positive", "give it a size=\"…\" of numbers above 0"),
     ("size 0 must be positive", "give it a size=\"…\" of numbers above 0"),

@@ -91,6 +91,9 @@ struct DeterminedEntry {
     information: Vec<Vec<f64>>,
 }
 
+/// The greatest distance or deviation, metres; a creature that is not learned may be told to be anywhere.
+const GREATEST: f64 = 1e15;
+
 const MEND: &str = "learn again with `bodyschema learn`";
 
 impl AccountEntry {
@@ -114,6 +117,18 @@ impl AccountEntry {
     /// # Errors
     /// A sentence where it is of another creature.
     pub fn account(&self, creature: &Creature) -> Result<RecordedAccount, ContentFault> {
+        let possible = |x: &f64| (0.0..=GREATEST).contains(x);
+        let placed = self.placed.iter();
+        let distances =
+            placed.clone().flat_map(|placed| placed.limbs.iter().flat_map(|limb| &limb.distances).flatten());
+        let deviations = placed.map(|placed| &placed.point_deviation).chain(&self.touch_deviation);
+        if let Some(wrong) = distances.chain(deviations).find(|x| !possible(x)) {
+            return Err(format!("its account has a distance or deviation of {wrong} m: {MEND}").into());
+        }
+        let rows = self.determined.iter().flat_map(|found| &found.information);
+        if let Some(wrong) = rows.filter_map(|row| row.last()).find(|x| !(**x >= 0.0)) {
+            return Err(format!("its account has an information of {wrong}, below nothing: {MEND}").into());
+        }
         let account = match (&self.determined, &self.placed) {
             (Some(found), Some(placed)) => Some(placed.account(found.observability(creature)?, creature)?),
             _ => None,

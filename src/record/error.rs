@@ -3,6 +3,9 @@
 use std::io;
 use std::path::{Path, PathBuf};
 
+/// Characters of a sentence at the most.
+const LONGEST_SENTENCE: usize = 2000;
+
 /// What was being done to a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Action {
@@ -94,7 +97,7 @@ impl RecordError {
 
     /// An error about the content of `path`.
     pub(super) fn format(path: &Path, line: Option<usize>, message: impl Into<String>) -> RecordError {
-        RecordError::Format { path: path.to_path_buf(), line, message: message.into() }
+        RecordError::Format { path: path.to_path_buf(), line, message: shortened(message.into()) }
     }
 
     /// An error about JSON that fills the file `path`, which should hold `content`.
@@ -106,6 +109,17 @@ impl RecordError {
         );
         RecordError::format(path, line, message)
     }
+}
+
+/// A sentence without the middle of what is too long to be read, such as a word of a file that was none.
+pub(crate) fn shortened(sentence: String) -> String {
+    let length = sentence.chars().count();
+    if length <= LONGEST_SENTENCE {
+        return sentence;
+    }
+    let begin: String = sentence.chars().take(LONGEST_SENTENCE / 2).collect();
+    let end: String = sentence.chars().skip(length - LONGEST_SENTENCE / 2).collect();
+    format!("{begin} … {end}")
 }
 
 /// What the system said, without its code and as part of a sentence.

@@ -9,15 +9,21 @@ use serde_json::ser::Formatter;
 
 use super::part_file::PartFile;
 use super::{Action, RecordError};
+use crate::given_file;
 
 /// Makes a folder and those above it where they are missing.
 pub(super) fn make_folder(folder: &Path) -> Result<(), RecordError> {
     fs::create_dir_all(folder).map_err(RecordError::io(folder, Action::Write))
 }
 
-/// The bytes of a file.
+/// The bytes of a file, or what comes through a pipe.
 pub(super) fn read(path: &Path) -> Result<Vec<u8>, RecordError> {
-    fs::read(path).map_err(RecordError::io(path, Action::Read))
+    given_file::read(path).map_err(RecordError::io(path, Action::Read))
+}
+
+/// Opens a regular file for reading.
+pub(super) fn open(path: &Path) -> Result<File, RecordError> {
+    given_file::open(path).map_err(RecordError::io(path, Action::Read))
 }
 
 /// Writes a value as JSON that people can read, whole or not at all.

@@ -89,7 +89,7 @@ impl<'a> FiringWriter<'a> {
 /// firings or one of a newer version, where it belongs to another creature or skin, and for any line that is no firing.
 pub fn read_firings(path: &Path, creature: &str, skin: &Skin) -> Result<Vec<Firing>, RecordError> {
     let io = || RecordError::io(path, Action::Read);
-    let mut file = BufReader::new(File::open(path).map_err(io())?);
+    let mut file = BufReader::new(files::open(path)?);
     let receptors: HashMap<&str, usize> =
         skin.receptors.iter().enumerate().map(|(r, receptor)| (receptor.id.as_str(), r)).collect();
     let mut json = Vec::new();

@@ -5,17 +5,26 @@ use std::path::Path;
 use nalgebra::Vector3;
 use serde::de::IgnoredAny;
 use serde::{Deserialize, Deserializer};
+use serde_json::{Map, Value};
 
+use super::fields::check_fields;
 use super::schema::STAMP;
 use super::{RecordError, UNIT_LENGTH, files};
 use crate::creature::{Creature, DofKind, Joint};
 use crate::learning::KnownJoint;
+use crate::plausible::{GREATEST_LENGTH, is_deviation, place_fault};
 use crate::record::error::ContentFault;
 
 /// What the file should be, in the sentence of one that is not.
 const CONTENT: &str = "object of known joints";
 
-/// The file. A learned schema is one, too; fields that it has besides are passed over.
+/// The fields of a joint.
+const OF_JOINT: [&str; 7] =
+    ["joint", "parent", "position", "position_std", "axes", "limb_position", "limb_quaternion"];
+/// The fields of an axis.
+const OF_AXIS: [&str; 4] = ["dof", "kind", "axis", "axis_std"];
+
+/// The file. A learned schema is one, too.
 #[derive(Deserialize)]
 #[serde(expecting = "an object")]
 struct KnownJointsFile {
@@ -71,16 +80,38 @@ fn present<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<Option<f
 /// and may then lack its position or its axes. A `schema.json` is such a file.
 ///
 /// # Errors
-/// [`RecordError::Io`] where the file cannot be read, [`RecordError::Format`] where it is no such file,
-/// names what the creature has not, or gives numbers that cannot be.
+/// [`RecordError::Io`] where the file cannot be read, [`RecordError::Format`] where it is no such file, has fields that
+/// such files do not have, names what the creature has not, or gives numbers that cannot be.
 pub fn read_known(path: &Path, creature: &Creature) -> Result<Vec<KnownJoint>, RecordError> {
     let json = files::read(path)?;
     let content: KnownJointsFile =
         serde_json::from_slice(&json).map_err(|error| RecordError::json(path, CONTENT, &error))?;
+    check_all_fields(&json).map_err(|fault| RecordError::format(path, None, fault))?;
     if content.format.is_some() {
         STAMP.check(path, None, &json)?;
     }
     known_joints(&content, creature).map_err(|message| RecordError::format(path, None, message))
+}
+
+/// Refuses fields that no such file has, at any depth: what is misspelt would be unknown in silence.
+fn check_all_fields(json: &[u8]) -> Result<(), ContentFault> {
+    // It has been read before.
+    let Ok(Value::Object(file)) = serde_json::from_slice::<Value>(json) else { return Ok(()) };
+    check_fields(&file, "", &["format", "version", "creature", "joints"])?;
+    let each = |map: &Map<String, Value>, list: &str| {
+        let entries = map.get(list).and_then(Value::as_array).cloned().unwrap_or_default();
+        entries.into_iter().enumerate().filter_map(|(i, entry)| match entry {
+            Value::Object(entry) => Some((i, entry)),
+            _ => None,
+        })
+    };
+    for (i, joint) in each(&file, "joints") {
+        check_fields(&joint, &format!("joints[{i}]."), &OF_JOINT)?;
+        for (k, axis) in each(&joint, "axes") {
+            check_fields(&axis, &format!("joints[{i}].axes[{k}]."), &OF_AXIS)?;
+        }
+    }
+    Ok(())
 }
 
 fn known_joints(content: &KnownJointsFile, creature: &Creature) -> Result<Vec<KnownJoint>, ContentFault> {
@@ -185,8 +216,13 @@ fn position(entry: &KnownJointEntry) -> Result<Option<[Vector3<f64>; 2]>, String
         Some(PositionStd::One(std)) => [std; 3],
         Some(PositionStd::Each(each)) => each.map(|std| std.unwrap_or(f64::INFINITY)),
     };
-    if let Some(wrong) = std.iter().find(|std| !deviates(**std)) {
-        return Err(format!("has a position_std of {wrong}: give metres that are not negative"));
+    if let Some(wrong) = std.iter().find(|std| !is_deviation(**std)) {
+        return Err(format!(
+            "has a position_std of {wrong}: give metres that are not negative, to {GREATEST_LENGTH} at the most, or null"
+        ));
+    }
+    if let Some(fault) = place_fault(&position.into()) {
+        return Err(format!("has a position that {fault}"));
     }
     Ok(Some([position.into(), std.into()]))
 }
@@ -233,18 +269,13 @@ fn read_axes(axes: &[KnownAxisEntry], joint: &Joint) -> Result<Vec<(usize, Vecto
             None => 0.0,
             Some(std) => std.unwrap_or(f64::INFINITY),
         };
-        if !deviates(std) {
+        if !is_deviation(std) {
             return Err(format!(
-                "has an axis_std of {std} for \"{}\": give radians that are not negative",
+                "has an axis_std of {std} for \"{}\": give radians that are not negative, or null",
                 dof.name
             ));
         }
         read.push((k, axis, std));
     }
     Ok(read)
-}
-
-/// Whether a number can be a deviation; infinite where nothing is known.
-fn deviates(std: f64) -> bool {
-    std >= 0.0
 }

@@ -6,6 +6,9 @@ use std::path::{Path, PathBuf};
 
 use super::{Action, LEARNING_FILE, RecordError, files};
 
+/// Numbers in the table at the most; what is farther off is none that learning gives.
+const GREATEST: f64 = 1e15;
+
 /// Writes [`LEARNING_FILE`]: comma-separated values behind a line of column names.
 #[derive(Debug)]
 pub struct LearningTable {
@@ -34,7 +37,7 @@ impl LearningTable {
         Ok(table)
     }
 
-    /// Adds a row, a number per column; what is not a number (NaN) leaves its cell empty.
+    /// Adds a row, a number per column; what is not finite leaves its cell empty.
     ///
     /// # Errors
     /// [`RecordError::Io`] where writing fails, [`RecordError::Format`] where the row does not have a
@@ -48,7 +51,7 @@ impl LearningTable {
             );
             return Err(RecordError::format(&self.path, Some(self.rows + 2), message));
         }
-        let cell = |value: &f64| if value.is_nan() { String::new() } else { value.to_string() };
+        let cell = |value: &f64| if !value.is_finite() { String::new() } else { value.to_string() };
         let cells: Vec<String> = values.iter().map(cell).collect();
         self.write_line(&cells.join(","))?;
         self.rows += 1;
@@ -84,7 +87,8 @@ pub struct LearningRows {
 /// Reads [`LEARNING_FILE`] of a session's folder; nothing where there is no such file.
 ///
 /// # Errors
-/// [`RecordError::Io`] where it cannot be read, [`RecordError::Format`] where a number is none.
+/// [`RecordError::Io`] where it cannot be read, [`RecordError::Format`] where a number is none or not finite, a row has not a
+/// cell per column, and where it has no column of touches.
 pub fn read_learning_table(folder: &Path) -> Result<LearningRows, RecordError> {
     let path = folder.join(LEARNING_FILE);
     if !path.exists() {
@@ -94,18 +98,39 @@ pub fn read_learning_table(folder: &Path) -> Result<LearningRows, RecordError> {
     let text = String::from_utf8_lossy(&bytes);
     let mut lines = text.lines();
     let columns: Vec<String> = lines.next().unwrap_or_default().split(',').map(String::from).collect();
+    let refuse = |line: usize, what: String| {
+        let mend = "learn again with `bodyschema learn`, which writes the table anew";
+        RecordError::format(&path, Some(line), format!("{what}: {mend}"))
+    };
+    let plain =
+        |name: &String| !name.is_empty() && name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_');
+    if let Some(odd) = columns.iter().find(|name| !plain(name)) {
+        return Err(refuse(1, format!("\"{odd}\" is no name of a column, of which commas are between")));
+    }
+    if let Some(twice) = (1..columns.len()).find(|&k| columns[..k].contains(&columns[k])) {
+        return Err(refuse(1, format!("there are two columns {}", columns[twice])));
+    }
+    let Some(touches) = columns.iter().position(|name| name == "touches") else {
+        return Err(refuse(1, "there is no column touches".into()));
+    };
     let number = |n: usize, cell: &str| match cell {
         "" => Ok(None),
-        cell => cell.parse::<f64>().map(Some).map_err(|_| {
-            let message = format!(
-                "\"{cell}\" is no number: learn again with `bodyschema learn`, which writes the table anew"
-            );
-            RecordError::format(&path, Some(n + 2), message)
-        }),
+        cell => match cell.parse::<f64>() {
+            Ok(number) if number.is_finite() && number.abs() <= GREATEST => Ok(Some(number)),
+            Ok(number) => Err(refuse(n + 2, format!("{number} is no number that a measure can have"))),
+            Err(_) => Err(refuse(n + 2, format!("\"{cell}\" is no number"))),
+        },
     };
     let row = |(n, line): (usize, &str)| {
-        let cells = line.split(',').chain(std::iter::repeat(""));
-        cells.take(columns.len()).map(|cell| number(n, cell)).collect::<Result<Vec<_>, _>>()
+        let cells = line.split(',').map(|cell| number(n, cell)).collect::<Result<Vec<_>, _>>()?;
+        if cells.len() != columns.len() {
+            let (cells, columns) = (cells.len(), columns.len());
+            return Err(refuse(n + 2, format!("it has {cells} cells in place of {columns}")));
+        }
+        match cells[touches] {
+            Some(count) if count >= 0.0 && count.fract() == 0.0 => Ok(cells),
+            _ => Err(refuse(n + 2, "its number of touches is no whole number".into())),
+        }
     };
     let rows = lines.enumerate().map(row).collect::<Result<_, _>>()?;
     Ok(LearningRows { columns, rows })

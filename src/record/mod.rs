@@ -7,8 +7,10 @@
 
 mod account;
 mod bout_log;
+mod angles;
 mod columns;
 mod error;
+mod fields;
 mod files;
 mod firing_log;
 mod folder_lock;
@@ -40,6 +42,7 @@ mod touch_writer;
 
 pub use account::RecordedAccount;
 pub use bout_log::{BoutLine, BoutLog, read_bouts};
+pub(crate) use error::shortened;
 pub use error::{Action, RecordError};
 pub(crate) use files::write_whole;
 pub use firing_log::{FiringWriter, read_firings};

@@ -9,6 +9,7 @@ use super::stamp::Stamp;
 use super::{RecordError, UNIT_LENGTH, files};
 use crate::creature::{Creature, DofKind, Joint};
 use crate::geometry::Frame;
+use crate::plausible::{GREATEST_LENGTH, is_deviation, place_fault};
 use crate::record::error::ContentFault;
 use crate::schema::{BodySchema, SchemaStd};
 
@@ -112,7 +113,7 @@ pub(super) fn joint_entries(
             dof: dof.name.clone(),
             kind: Some(dof.kind),
             axis: (dof.kind != DofKind::Ball).then(|| schema.axes[k].into()),
-            axis_std: std.filter(|_| dof.kind != DofKind::Ball).map(|std| std.axes[k]),
+            axis_std: std.filter(|_| dof.kind != DofKind::Ball).map(|std| determined(std.axes[k])),
         });
         // A limb without a place keeps the joint's frame.
         let pose = schema.limb_poses.get(j).filter(|pose| **pose != Frame::identity());
@@ -122,19 +123,24 @@ pub(super) fn joint_entries(
             joint: joint.name.clone(),
             parent: creature.limbs()[joint.parent].clone(),
             position: schema.positions[j].into(),
-            position_std: std.map(|std| std.positions[j]),
+            position_std: std.map(|std| std.positions[j].map(determined)),
             axes: axes.collect(),
         }
     };
     creature.joints().iter().enumerate().map(entry).collect()
 }
 
+/// A deviation that tells anything.
+fn determined(std: Option<f64>) -> Option<f64> {
+    std.filter(|std| is_deviation(*std) && std.is_finite())
+}
+
 /// Reads a creature's schema from the file `path`.
 ///
 /// # Errors
 /// [`RecordError::Io`] where the file cannot be read, [`RecordError::Format`] where it is no schema or
-/// one of a newer version, where its names are not the creature's, and where an axis is not of unit
-/// length.
+/// one of a newer version, where its names are not the creature's, where an axis is not of unit length, and where a
+/// position or a deviation cannot be.
 pub fn read_schema(path: &Path, creature: &Creature) -> Result<BodySchema, RecordError> {
     Ok(read_schema_with_std(path, creature)?.0)
 }
@@ -205,6 +211,7 @@ pub(super) fn schema_of_joints(
             .into());
         }
         schema.positions[i] = entry.position.into();
+        possible(entry).map_err(|problem| format!("joint \"{}\" {problem}", joint.name))?;
         read_axes(entry, joint, &mut schema.axes[joint.dof_indices()])
             .map_err(|problem| format!("joint \"{}\" {problem}: {MEND}", joint.name))?;
         if let Some(pose) = schema.limb_poses.get_mut(i) {
@@ -212,6 +219,22 @@ pub(super) fn schema_of_joints(
         }
     }
     check(creature, &schema).map(|()| schema)
+}
+
+/// Refuses numbers of a joint that cannot be. What is written may be farther off: learning may have gone astray.
+fn possible(entry: &JointEntry) -> Result<(), String> {
+    let places = [Some(entry.position), entry.limb_position].into_iter().flatten();
+    if let Some(fault) = { places }.find_map(|place| place_fault(&place.into())) {
+        return Err(fault);
+    }
+    let positions = entry.position_std.iter().flatten();
+    let axes = entry.axes.iter().filter_map(|axis| axis.axis_std.as_ref());
+    match positions.chain(axes).flatten().find(|std| !is_deviation(**std)) {
+        Some(wrong) => Err(format!(
+            "has a standard deviation of {wrong}: give one that is not negative, to {GREATEST_LENGTH} at the most, or null"
+        )),
+        None => Ok(()),
+    }
 }
 
 /// The pose of a joint's limb; that of the joint where none is given.

@@ -6,8 +6,12 @@ use serde::{Deserialize, Serialize};
 
 use super::stamp::Stamp;
 use super::{RecordError, SPACE_FILE, files};
+use crate::plausible::is_length;
 
 const STAMP: Stamp = Stamp { format: "bodyschema space", version: 1 };
+
+/// Litres at the most: those of a cube of ten kilometres.
+const GREATEST_LITRES: f64 = 1e15;
 
 /// Three slices through the maps of the hands, in the frame of the chest at ease.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -68,6 +72,15 @@ impl SpaceRecord {
         STAMP.check(&path, None, &json)?;
         let record: SpaceRecord =
             serde_json::from_slice(&json).map_err(|error| RecordError::json(&path, "space", &error))?;
+        let places = record.slices.iter().flat_map(|slice| {
+            let outlines = slice.outlines.iter().flatten().flatten();
+            [slice.at].into_iter().chain(slice.first).chain(outlines.copied())
+        });
+        let litres = record.litres.iter().flatten().all(|litres| (0.0..=GREATEST_LITRES).contains(litres));
+        if !(record.voxel > 0.0 && is_length(record.voxel) && litres && { places }.all(is_length)) {
+            let message = "it has a size or a place that cannot be: make it anew with `bodyschema space`";
+            return Err(RecordError::format(&path, None, message));
+        }
         for (i, slice) in record.slices.iter().enumerate() {
             let digits = |row: &String| row.bytes().all(|digit| (b'0'..=b'4').contains(&digit));
             let [a, b] = slice.axes;

@@ -6,10 +6,13 @@ use super::UNIT_LENGTH;
 use super::stamp::Stamp;
 use crate::agent::Agent;
 use crate::creature::DofKind;
+use crate::plausible::{GREATEST_LENGTH, is_angle, is_deviation, is_length, place_fault};
 use crate::record::error::ContentFault;
 use crate::senses::{Moment, Touch};
 
 pub(super) const STAMP: Stamp = Stamp { format: "bodyschema touches", version: 1 };
+/// Times, forces and depths at the most, seconds, newtons and metres: thirty years, and the weight of an oil tanker.
+const GREATEST_MOMENT: f64 = 1e9;
 /// The units of a log: of positions and distances, and of angles.
 pub(super) const UNITS: &str = "m rad";
 
@@ -93,6 +96,18 @@ pub(super) fn check(touch: &Touch, agent: &Agent) -> Result<(), ContentFault> {
             )
             .into());
         }
+        let (possible, unit) = match dof.kind {
+            DofKind::Hinge => (coordinates.iter().all(|x| is_angle(*x)), "radians"),
+            DofKind::Slide => (coordinates.iter().all(|x| is_length(*x)), "metres"),
+            DofKind::Ball => (true, ""),
+        };
+        if !possible {
+            return Err(format!(
+                "the posture's {} is {}, where no joint gets to: give {unit}, or leave the touch out",
+                dof.name, coordinates[0]
+            )
+            .into());
+        }
         let length = coordinates.iter().map(|x| x * x).sum::<f64>().sqrt();
         if dof.kind == DofKind::Ball && (length - 1.0).abs() > UNIT_LENGTH {
             return Err(format!(
@@ -119,9 +134,13 @@ pub(super) fn check(touch: &Touch, agent: &Agent) -> Result<(), ContentFault> {
             )
             .into());
         }
-        if let Some(wrong) = end.deviation.filter(|deviation| !(deviation.is_finite() && *deviation >= 0.0)) {
+        if let Some(fault) = place_fault(&end.contact) {
+            return Err(format!("the contact at \"{}\" {fault}, or leave the touch out", receptor.id).into());
+        }
+        if let Some(wrong) = end.deviation.filter(|std| !(is_deviation(*std) && std.is_finite())) {
             return Err(format!(
-                "the contact's deviation at \"{}\" is {wrong}: give metres that are not negative, or null",
+                "the contact's deviation at \"{}\" is {wrong}: give metres that are not negative, to {GREATEST_LENGTH} at \
+                 the most, or null",
                 receptor.id
             )
             .into());
@@ -129,9 +148,9 @@ pub(super) fn check(touch: &Touch, agent: &Agent) -> Result<(), ContentFault> {
     }
     if let Some(Moment { time, force, depth }) = touch.moment {
         for (what, wrong) in [("time", time), ("force", force), ("depth", depth)] {
-            if !(wrong.is_finite() && wrong >= 0.0) {
+            if !(0.0..=GREATEST_MOMENT).contains(&wrong) {
                 return Err(format!(
-                    "its {what} is {wrong}: give a number that is not negative, or none of time, force and depth"
+                    "its {what} is {wrong}: give a number from 0 to {GREATEST_MOMENT}, or none of time, force and depth"
                 ).into());
             }
         }

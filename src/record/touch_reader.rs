@@ -1,13 +1,13 @@
 //! Reading the log of touches, of this program or another.
 
 use std::collections::HashMap;
-use std::fs::File;
 use std::io::{BufRead, BufReader};
 use std::path::Path;
 
 use nalgebra::Vector3;
 
 use super::error::json_reason;
+use super::files;
 use super::json_lines::read_lines;
 use super::touch_line::{STAMP, TouchHeader, TouchLine, UNITS, check, limb_name};
 use super::{Action, RecordError};
@@ -41,7 +41,7 @@ type FoundLine = TouchLine<String, Vec<Option<f64>>, [Option<f64>; 3]>;
 /// for any line that is no touch; only the last one may be incomplete.
 pub fn read_touches(path: &Path, agent: &Agent) -> Result<TouchLog, RecordError> {
     let io = || RecordError::io(path, Action::Read);
-    let mut file = BufReader::new(File::open(path).map_err(io())?);
+    let mut file = BufReader::new(files::open(path)?);
     let receptors: HashMap<&str, usize> =
         agent.skin().receptors.iter().enumerate().map(|(r, receptor)| (receptor.id.as_str(), r)).collect();
 

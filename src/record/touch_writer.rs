@@ -1,7 +1,8 @@
 //! Writing the log of touches while they are made.
 
-use std::fs::{File, OpenOptions, TryLockError};
+use std::fs::{self, File, OpenOptions, TryLockError};
 use std::io::{self, BufRead, BufReader, Read, Seek, SeekFrom, Write};
+use std::os::unix::fs::FileTypeExt;
 use std::path::{Path, PathBuf};
 
 use super::touch_line::{STAMP, TouchHeader, TouchLine, UNITS, check, limb_name};
@@ -34,6 +35,11 @@ const PIECE: u64 = 1 << 16;
 
 /// Opens a log that no other process writes, without touching what is in it.
 fn open_alone(path: &Path) -> Result<File, RecordError> {
+    // A pipe would keep it waiting.
+    if fs::metadata(path).is_ok_and(|about| about.file_type().is_fifo()) {
+        let message = "it is a pipe, and a log is a file: remove it, or give another folder with --out";
+        return Err(RecordError::format(path, None, message));
+    }
     let opened = OpenOptions::new().append(true).create(true).open(path);
     let file = opened.map_err(RecordError::io(path, Action::Write))?;
     match file.try_lock() {
@@ -97,7 +103,7 @@ impl<'a> TouchWriter<'a> {
     pub fn resume(folder: &Path, agent: &'a Agent) -> Result<TouchWriter<'a>, RecordError> {
         let path = folder.join(TOUCHES_FILE);
         let file = open_alone(&path)?;
-        let mut left = File::open(&path).map_err(RecordError::io(&path, Action::Read))?;
+        let mut left = files::open(&path)?;
         let zeros = zeros_at_end(&mut left).map_err(RecordError::io(&path, Action::Read))?;
         if zeros > 0 {
             let length = file.metadata().map(|about| about.len() - zeros);

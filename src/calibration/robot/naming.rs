@@ -1,5 +1,7 @@
 //! Quantities by name: what a person says is known of them.
 
+use strsim::levenshtein;
+
 use super::{Knowledge, Robot};
 
 /// A sentence about a name that says nothing.
@@ -39,7 +41,7 @@ impl Robot {
 
     fn unknown_name(&self, pattern: &str) -> NamingFault {
         let mut names: Vec<&str> = self.quantities.iter().map(|quantity| quantity.name.as_str()).collect();
-        names.sort_by_key(|name| edits(pattern, name));
+        names.sort_by_key(|name| levenshtein(pattern, name));
         let near = names[..names.len().min(4)].join(", ");
         format!(
             "nothing of {} is called \"{pattern}\": name one of {near} … (* stands for any part of a name)",
@@ -50,12 +52,12 @@ impl Robot {
 
 /// The name that is nearest to one that is none.
 pub fn nearest_name<'a>(name: &str, names: impl Iterator<Item = &'a str>) -> Option<&'a str> {
-    names.min_by_key(|other| edits(&name.to_lowercase(), &other.to_lowercase()))
+    names.min_by_key(|other| levenshtein(&name.to_lowercase(), &other.to_lowercase()))
 }
 
 /// Whether one name is likely another with a slip of the pen: two letters, whatever their case.
 pub fn likely(name: &str, other: &str) -> bool {
-    edits(&name.to_lowercase(), &other.to_lowercase()) <= 2
+    levenshtein(&name.to_lowercase(), &other.to_lowercase()) <= 2
 }
 
 /// Whether a name is of a pattern in which `*` stands for any letters.
@@ -71,22 +73,6 @@ fn matches(pattern: &str, name: &str) -> bool {
         }
     }
     left.ends_with(last)
-}
-
-/// How many letters must be put in, taken out or exchanged to make one word of another (Levenshtein).
-fn edits(a: &str, b: &str) -> usize {
-    let b: Vec<char> = b.chars().collect();
-    let mut row: Vec<usize> = (0..=b.len()).collect();
-    for (i, x) in a.chars().enumerate() {
-        let mut before = row[0];
-        row[0] = i + 1;
-        for (j, y) in b.iter().enumerate() {
-            let exchanged = before + usize::from(x != *y);
-            before = row[j + 1];
-            row[j + 1] = exchanged.min(row[j] + 1).min(before + 1);
-        }
-    }
-    row[b.len()]
 }
 
 #[cfg(test)]

@@ -7,6 +7,7 @@ use serde::Deserialize;
 
 use super::super::Failure;
 use crate::creature::{Creature, Dof, DofKind, Posture};
+use crate::given_file;
 
 /// How far a coordinate may be beyond its range, radians or metres: degrees are rounded.
 const PLAY: f64 = 1e-6;
@@ -50,7 +51,7 @@ fn from_words(text: &str, creature: &Creature) -> Result<Posture, Failure> {
 
 fn from_file(path: &Path, creature: &Creature) -> Result<Posture, Failure> {
     let place = path.display();
-    let text = std::fs::read_to_string(path).map_err(|error| {
+    let text = given_file::read_text(path).map_err(|error| {
         Failure(format!("{place}: {error}: give NAME=DEGREES,… or a JSON file with --posture"))
     })?;
     let entries: BTreeMap<String, Coordinates> = serde_json::from_str(&text).map_err(|error| {

@@ -9,8 +9,14 @@ use serde_json::{Map, Value, json};
 use crate::agent::Agent;
 use crate::creature::Creature;
 use crate::record::error::ContentFault;
+use crate::record::fields::check_fields;
 use crate::record::{RecordError, files};
 use crate::skin::Skin;
+
+/// The fields of a receptor of the skin.
+const OF_RECEPTOR: [&str; 7] = ["id", "limb", "position", "normal", "tangent", "half_extents", "surface"];
+/// The fields of a surface of the skin.
+const OF_SURFACE: [&str; 4] = ["limb", "origin", "rotation", "shape"];
 
 /// A creature's file, read.
 #[derive(Clone, Debug, PartialEq)]
@@ -104,7 +110,7 @@ fn typed<T: serde::de::DeserializeOwned>(value: Value, at: &str) -> Result<T, Co
 /// Fills in what may be left out, and turns limbs' names into indices; the limbs' names.
 fn prepare_creature(creature: &mut Value, at: &str) -> Result<Vec<String>, ContentFault> {
     let creature = object(creature, at.trim_end_matches('.'))?;
-    known_fields(creature, at, &["name", "limbs", "joints", "aura_limbs"])?;
+    check_fields(creature, at, &["name", "limbs", "joints", "aura_limbs"])?;
     creature.entry("aura_limbs").or_insert(json!([]));
     let limbs: Vec<String> = creature
         .get("limbs")
@@ -113,7 +119,7 @@ fn prepare_creature(creature: &mut Value, at: &str) -> Result<Vec<String>, Conte
     for (j, joint) in list(creature, "joints", at)?.iter_mut().enumerate() {
         let place = format!("{at}joints[{j}]");
         let joint = object(joint, &place)?;
-        known_fields(joint, &format!("{place}."), &["name", "parent", "limb", "dofs"])?;
+        check_fields(joint, &format!("{place}."), &["name", "parent", "limb", "dofs"])?;
         limb_index(joint, "parent", &place, &limbs)?;
         if joint.contains_key("limb") {
             limb_index(joint, "limb", &place, &limbs)?;
@@ -129,7 +135,7 @@ fn prepare_creature(creature: &mut Value, at: &str) -> Result<Vec<String>, Conte
         for (d, dof) in list(joint, "dofs", &format!("{place}."))?.iter_mut().enumerate() {
             let place = format!("{place}.dofs[{d}]");
             let dof = object(dof, &place)?;
-            known_fields(dof, &format!("{place}."), &["name", "kind", "range"])?;
+            check_fields(dof, &format!("{place}."), &["name", "kind", "range"])?;
             let range = match dof.get("kind").and_then(Value::as_str) {
                 Some("hinge") => json!([-PI, PI]),
                 Some("ball") => json!([0.0, PI]),
@@ -157,11 +163,15 @@ fn prepare_creature(creature: &mut Value, at: &str) -> Result<Vec<String>, Conte
 
 fn prepare_skin(skin: &mut Value, limbs: &[String]) -> Result<(), ContentFault> {
     let skin = object(skin, "skin")?;
+    check_fields(skin, "skin.", &["receptors", "surfaces"])?;
     skin.entry("surfaces").or_insert(json!([]));
-    for part in ["receptors", "surfaces"] {
+    let parts = [("receptors", OF_RECEPTOR.as_slice()), ("surfaces", &OF_SURFACE)];
+    for (part, fields) in parts {
         for (i, entry) in list(skin, part, "skin.")?.iter_mut().enumerate() {
             let place = format!("skin.{part}[{i}]");
-            limb_index(object(entry, &place)?, "limb", &place, limbs)?;
+            let entry = object(entry, &place)?;
+            check_fields(entry, &format!("{place}."), fields)?;
+            limb_index(entry, "limb", &place, limbs)?;
         }
     }
     Ok(())
@@ -206,17 +216,6 @@ fn list<'a>(
     map.get_mut(field)
         .and_then(Value::as_array_mut)
         .ok_or_else(|| format!("{at}{field} is missing or no list: give one").into())
-}
-
-fn known_fields(map: &Map<String, Value>, at: &str, known: &[&str]) -> Result<(), ContentFault> {
-    match map.keys().find(|key| !known.contains(&key.as_str())) {
-        Some(unknown) => {
-            let fields = known.join(", ");
-            Err(format!("{at}{unknown} is unknown: rename it or leave it out, the fields are {fields}")
-                .into())
-        }
-        None => Ok(()),
-    }
 }
 
 fn limb_index(

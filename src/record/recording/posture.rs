@@ -1,10 +1,10 @@
 //! Postures as other programs write them: quaternions of few digits, and angles that look like degrees.
 
-use std::f64::consts::TAU;
 use std::path::Path;
 
 use super::raw::RawTouch;
 use crate::creature::{Creature, DofElement, DofKind};
+use crate::record::angles::{HingeAngles, wide_ranges};
 use crate::record::{RecordError, UNIT_LENGTH};
 
 /// How far from 1 the length of a quaternion may be that was written with few digits; it is then scaled.
@@ -33,40 +33,46 @@ fn of_kind(creature: &Creature, kind: DofKind) -> impl Iterator<Item = DofElemen
     creature.elements().filter(move |element| element.kind == kind)
 }
 
-/// Refuses angles that most of them are beyond a full turn, where no range allows for that.
+/// What a log tells of every hinge.
+fn hinges<'a>(creature: &'a Creature, touches: &[RawTouch]) -> Vec<HingeAngles<'a>> {
+    let angles = |at: usize| touches.iter().map(|touch| (touch.line, touch.posture[at])).collect();
+    { of_kind(creature, DofKind::Hinge) }
+        .map(|hinge| {
+            let dof = hinge.dof();
+            HingeAngles { name: &dof.name, range: dof.range, angles: angles(hinge.coordinate()) }
+        })
+        .collect()
+}
+
+/// Refuses angles that most of them are beyond a full turn, and single ones that their joint cannot have.
 pub(super) fn refuse_degrees(
     path: &Path,
     creature: &Creature,
     touches: &[RawTouch],
 ) -> Result<(), RecordError> {
-    let (mut beyond, mut all, mut example) = (0, 0, None);
-    for touch in touches {
-        for hinge in of_kind(creature, DofKind::Hinge) {
-            let (dof, angle) = (hinge.dof(), touch.posture[hinge.coordinate()]);
-            let outside = angle.abs() > TAU && !(dof.range[0]..=dof.range[1]).contains(&angle);
-            // Zero is zero in any unit.
-            all += usize::from(angle != 0.0);
-            if outside {
-                beyond += 1;
-                example.get_or_insert((touch.line, &dof.name, angle));
-            }
+    let hinges = hinges(creature, touches);
+    for hinge in &hinges {
+        if let Some((line, angle)) = hinge.degrees() {
+            let message = format!(
+                "{} is {angle}, and most angles are beyond a full turn of 6.283 radians: they look like degrees, convert \
+                 them to radians, and the range as well, or take whole turns off",
+                hinge.name
+            );
+            return Err(RecordError::format(path, Some(line), message));
         }
     }
-    match example {
-        Some((line, name, angle)) if 2 * beyond > all => {
-            let message = format!(
-                "{name} is {angle}, and most angles are beyond a full turn of 6.283 radians: they look like degrees, \
-                 convert them to radians"
-            );
-            Err(RecordError::format(path, Some(line), message))
-        }
-        _ => Ok(()),
+    match hinges.iter().find_map(HingeAngles::impossible) {
+        Some((line, message)) => Err(RecordError::format(path, Some(line), message)),
+        None => Ok(()),
     }
 }
 
 /// What looks odd about a log: coordinates beyond their ranges, points far from their limbs.
 pub(super) fn notes(creature: &Creature, touches: &[RawTouch]) -> Vec<String> {
-    let mut notes = Vec::new();
+    let ranges =
+        of_kind(creature, DofKind::Hinge).map(|hinge| (hinge.dof().name.as_str(), hinge.dof().range));
+    let mut notes: Vec<String> = wide_ranges(ranges).into_iter().collect();
+    let hinges = hinges(creature, touches);
     let dofs = of_kind(creature, DofKind::Hinge).chain(of_kind(creature, DofKind::Slide));
     for at in dofs {
         let (dof, place, [low, high]) = (at.dof(), at.coordinate(), at.range);
@@ -81,6 +87,10 @@ pub(super) fn notes(creature: &Creature, touches: &[RawTouch]) -> Vec<String> {
                 dof.name,
                 touches.len()
             ));
+        } else if let Some(note) =
+            hinges.iter().find(|hinge| hinge.name == dof.name).and_then(HingeAngles::note)
+        {
+            notes.push(note);
         }
     }
     let mut distances: Vec<f64> =

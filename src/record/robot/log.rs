@@ -20,6 +20,8 @@ use nalgebra::Vector3;
 use crate::calibration::robot::{Robot, likely, nearest_name};
 use crate::calibration::{End, Feature, Touch};
 use crate::creature::DofKind;
+use crate::plausible::{is_angle, is_length};
+use crate::record::angles::{HingeAngles, wide_ranges};
 use crate::record::columns::{Column, Table, read_table};
 use crate::record::{RecordError, files};
 
@@ -100,7 +102,7 @@ pub fn read_calibration_log(path: &Path, robot: &Robot) -> Result<CalibrationLog
     if touches.is_empty() {
         return Err(RecordError::format(path, None, "it holds no touch: give one with a touch a line"));
     }
-    refuse_degrees(path, &table, robot, &head, &touches)?;
+    notes.extend(check_angles(path, &table, robot, &head, &touches)?);
     refuse_millimetres(path, robot, &table, &head, &touches)?;
     Ok(CalibrationLog { touches, notes })
 }
@@ -217,7 +219,16 @@ impl Head {
             return Err(format!("{place}: it is empty: give a number, or leave the touch out"));
         }
         match cell.parse::<f64>() {
-            Ok(x) if x.is_finite() => Ok(x * column.factor.unwrap_or(1.0)),
+            Ok(x) if x.is_finite() => {
+                let si = x * column.factor.unwrap_or(1.0);
+                if is_length(si) && is_angle(si) {
+                    Ok(si)
+                } else {
+                    Err(format!(
+                        "{place}: {cell} is beyond all that can be: give metres or radians, or leave the touch out"
+                    ))
+                }
+            }
             Ok(_) => Err(format!("{place}: {cell} is not finite: give a number, or leave the touch out")),
             Err(_) => Err(format!("{place}: \"{cell}\" is no number: give one")),
         }
@@ -345,35 +356,36 @@ impl Head {
     }
 }
 
-/// Refuses angles that most of them are beyond a full turn.
-fn refuse_degrees(
+/// Refuses angles that most of them are beyond a full turn, and single ones that their joint cannot have; what else looks odd.
+fn check_angles(
     path: &Path,
     table: &Table,
     robot: &Robot,
     head: &Head,
     touches: &[Touch],
-) -> Result<(), RecordError> {
-    let full = std::f64::consts::TAU;
-    for dof in robot.dofs.iter().filter(|dof| dof.kind == DofKind::Hinge) {
-        let Some(at) = head.posture[dof.coordinate] else { continue };
-        if table.columns[at].factor.is_some() {
-            continue;
-        }
-        let angles =
-            || touches.iter().map(|touch| touch.posture[dof.coordinate]).filter(|angle| *angle != 0.0);
-        let beyond = angles()
-            .filter(|angle| angle.abs() > full && !(dof.range[0]..=dof.range[1]).contains(angle))
-            .count();
-        if 2 * beyond > angles().count() {
-            let example = angles().find(|angle| angle.abs() > full).unwrap_or_default();
+) -> Result<Vec<String>, RecordError> {
+    let hinges = || robot.dofs.iter().filter(|dof| dof.kind == DofKind::Hinge);
+    let mut notes: Vec<String> =
+        wide_ranges(hinges().map(|dof| (dof.name.as_str(), dof.range))).into_iter().collect();
+    for dof in hinges() {
+        let Some(at) = head.posture.get(dof.coordinate).copied().flatten() else { continue };
+        let angles = touches.iter().map(|touch| (touch.line, touch.posture[dof.coordinate])).collect();
+        let hinge = HingeAngles { name: &dof.name, range: dof.range, angles };
+        if let Some((_, example)) = hinge.degrees().filter(|_| table.columns[at].factor.is_none()) {
             let message = format!(
                 "{} is {example} and mostly beyond a full turn of 6.283 radians: if these are degrees, call the column {}_deg",
                 dof.name, dof.name
             );
             return Err(RecordError::format(path, Some(1), message));
         }
+        // What follows another has a range of its own, and an encoder may count otherwise than its joint.
+        let leads = robot.leaders().any(|leader| leader.name == dof.name);
+        if let Some((line, message)) = hinge.impossible().filter(|_| leads) {
+            return Err(RecordError::format(path, Some(line), message));
+        }
+        notes.extend(hinge.note().filter(|_| leads));
     }
-    Ok(())
+    Ok(notes)
 }
 
 /// Refuses points that are far from their limb for a robot of this size.

@@ -10,6 +10,7 @@ mod log;
 mod log_writer;
 mod mjcf;
 mod mjcf_writer;
+mod possible;
 mod tags;
 mod urdf;
 mod urdf_elements;
@@ -62,7 +63,7 @@ pub struct RobotFile {
 
 /// Whether a file is MJCF, which MuJoCo reads: one that is not to be trusted may crash it.
 pub fn is_mjcf(path: &Path) -> bool {
-    std::fs::read(path).is_ok_and(|bytes| begins_as_mjcf(&bytes))
+    path.is_file() && std::fs::read(path).is_ok_and(|bytes| begins_as_mjcf(&bytes))
 }
 
 fn begins_as_mjcf(bytes: &[u8]) -> bool {
@@ -75,6 +76,14 @@ fn begins_as_mjcf(bytes: &[u8]) -> bool {
 /// # Errors
 /// [`RecordError::Io`] where it cannot be read; [`RecordError::Format`], with the place and the mend, where it is none.
 pub fn read_robot(path: &Path) -> Result<RobotFile, RecordError> {
+    let read = read_any(path)?;
+    match possible::fault(&read.robot) {
+        Some(fault) => Err(RecordError::format(path, None, fault)),
+        None => Ok(read),
+    }
+}
+
+fn read_any(path: &Path) -> Result<RobotFile, RecordError> {
     let bytes = files::read(path)?;
     let plain = |mut robot: Robot, format, notes, bytes| {
         robot.mount_all();

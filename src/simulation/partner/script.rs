@@ -5,6 +5,7 @@ use std::path::Path;
 use nalgebra::Vector3;
 use serde::Deserialize;
 
+use crate::given_file;
 use crate::simulation::{PROBE_RADIUS, ProbePath, Stage};
 
 /// Where a probe's tip or middle is to be at a time.
@@ -61,7 +62,7 @@ impl Script {
     /// [`ScriptError::Unreadable`], a sentence that names the file, the place and the mend.
     pub fn read(path: &Path) -> Result<Script, ScriptError> {
         let (at, unreadable) = (path.display(), ScriptError::Unreadable);
-        let text = std::fs::read_to_string(path)
+        let text = given_file::read_text(path)
             .map_err(|error| unreadable(format!("{at}: it cannot be read ({error})")))?;
         let script: Script = serde_json::from_str(&text)
             .map_err(|error| unreadable(format!("{at}: {error}: correct it there")))?;

@@ -1,0 +1,44 @@
+//! The files of meshes, height fields and textures that a model names: the engine opens them itself, and would wait for ever
+//! for what comes through a pipe.
+
+use xmltree::{Element, XMLNode};
+
+use super::source::{Refused, Source, whole_folder_of, with_slashes};
+use super::{attribute, titled};
+
+/// Attributes by which the engine opens files.
+const FILES: [&str; 7] = ["file", "fileright", "fileleft", "fileup", "filedown", "filefront", "fileback"];
+/// The compiler's settings for their folders.
+const FOLDERS: [&str; 3] = ["meshdir", "texturedir", "assetdir"];
+
+/// Checks that no file that a model names is a pipe or a device.
+///
+/// # Errors
+/// Where one is.
+pub(crate) fn check(source: &Source) -> Result<(), Refused> {
+    let folder = whole_folder_of(&source.path);
+    let sections = source.root.children.iter().filter_map(XMLNode::as_element);
+    let settings = sections.filter(|section| section.name == "compiler");
+    let own = settings.flat_map(|compiler| FOLDERS.iter().filter_map(|name| attribute(compiler, name)));
+    let folders: Vec<_> = own.chain([""]).map(|own| folder.join(with_slashes(own))).collect();
+    within(source, &source.root, &|name: &str| {
+        folders.iter().any(|folder| {
+            let about = std::fs::metadata(folder.join(with_slashes(name)));
+            about.is_ok_and(|about| !about.is_file() && !about.is_dir())
+        })
+    })
+}
+
+fn within(source: &Source, element: &Element, endless: &dyn Fn(&str) -> bool) -> Result<(), Refused> {
+    let named = FILES.iter().filter_map(|name| attribute(element, name));
+    if let Some(name) = named.into_iter().find(|name| !name.is_empty() && endless(name)) {
+        let message =
+            format!("{} is in {name}, which is a pipe or a device; give it a regular file", titled(element));
+        return Err(source.refused(element, message));
+    }
+    element
+        .children
+        .iter()
+        .filter_map(XMLNode::as_element)
+        .try_for_each(|child| within(source, child, endless))
+}
