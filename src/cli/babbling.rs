@@ -1,12 +1,13 @@
 //! What `bodyschema babble` is asked, and what a session that begins and one that goes on share.
 
+use std::cell::Cell;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 use super::arguments::{Arguments, positive, touch_count};
 use super::learned::{learn_and_report, print_learned};
 use super::learning_arguments::{KNOWN_HELP, LearningArguments};
-use super::live::{Live, LiveOptions};
+use super::live::{Live, LiveOptions, Place};
 use super::open::{ModelArguments, embodied};
 use super::progress::Bars;
 use super::{Failure, Outcome};
@@ -129,6 +130,8 @@ pub struct Prepared {
     pub setup: SessionSetup,
     /// Seconds that it may take.
     seconds: Option<f64>,
+    /// Where a page is to be served, until it is.
+    place: Cell<Option<Place>>,
 }
 
 impl Prepared {
@@ -150,14 +153,15 @@ impl Prepared {
         }
         let mut learning = args.learning.options(embodied.creature(), policy)?;
         learning.deadline = deadline(LEARNING);
-        // Whether the creature can babble at all is told before any folder is made.
+        // Whether the creature can babble at all, and be watched, is told before any folder is made.
         embodied.babbler(args.motion)?;
         let most = if policy == PolicyName::Stages { MOST_TOUCHES } else { TOUCHES };
         let touches = args.touches.unwrap_or(most);
         let babbling = BabblingOptions { touches, seed: args.seed, jobs: threads(args.jobs) };
         let setup =
             SessionSetup { babbling, policy, motion: args.motion, deadline: deadline(BABBLING), learning };
-        Ok(Prepared { embodied, setup, seconds })
+        let place = Cell::new(args.live.place()?);
+        Ok(Prepared { embodied, setup, seconds, place })
     }
 
     /// All options in effect, those included that stand by default and by what else is asked: versions to come may choose
@@ -177,7 +181,7 @@ impl Prepared {
 
     /// Babbles what is missing, learns, and prints the result.
     pub fn babble(&self, args: &BabbleArguments, lock: FolderLock, session: BabblingSession) -> Outcome {
-        let live = self.live(args, session.made())?;
+        let live = self.live(session.made())?;
         let (bars, live) = (Bars::default(), live.as_ref());
         let observers: &dyn Observer = &(&bars, live);
         let babbled = session.babble(observers)?;
@@ -199,7 +203,7 @@ impl Prepared {
 
     /// Learns from all touches, and prints the result.
     pub fn learn(&self, args: &BabbleArguments, lock: FolderLock, babbled: &BabbledSession) -> Outcome {
-        let live = self.live(args, babbled.touches.len())?;
+        let live = self.live(babbled.touches.len())?;
         let (bars, live) = (Bars::default(), live.as_ref());
         self.learn_with(args, lock, babbled, &(&bars, live), live)
     }
@@ -238,8 +242,8 @@ impl Prepared {
     }
 
     /// The page to watch it on, where one is asked for.
-    fn live(&self, args: &BabbleArguments, made: usize) -> Result<Option<Live>, Failure> {
-        let address = args.live.address();
-        address.map(|address| Live::new(address, &self.embodied, &self.setup.babbling, made)).transpose()
+    fn live(&self, made: usize) -> Result<Option<Live>, Failure> {
+        let place = self.place.take();
+        place.map(|place| Live::new(place, &self.embodied, &self.setup.babbling, made)).transpose()
     }
 }

@@ -30,6 +30,12 @@ const SEEN: Duration = Duration::from_millis(300);
 /// How late simulated time may be to be caught up with: what is later has stood still to think.
 const LATE: Duration = Duration::from_millis(100);
 
+/// Most requests of pages that wait while he is at one.
+const MOST_ASKED: usize = 16;
+
+/// Where a page is served: taken already.
+pub type Place = TcpListener;
+
 /// Whether there is a page, and where.
 #[derive(clap::Args, Clone, Debug, Default)]
 pub struct LiveOptions {
@@ -39,9 +45,10 @@ pub struct LiveOptions {
 }
 
 impl LiveOptions {
-    /// Where a page is to be served, where one is.
-    pub fn address(&self) -> Option<SocketAddr> {
-        self.live
+    /// Where a page is to be served, where one is: taken at once, so that an address which cannot be had is told of
+    /// before anything else is done.
+    pub fn place(&self) -> Result<Option<Place>, Failure> {
+        self.live.map(listen).transpose()
     }
 }
 
@@ -65,7 +72,7 @@ pub struct Live {
 impl Live {
     /// Serves a page about babbling, of which some touches are made already, and tells where.
     pub fn new(
-        address: SocketAddr,
+        place: Place,
         embodied: &Embodied,
         babbling: &BabblingOptions,
         made: usize,
@@ -73,7 +80,7 @@ impl Live {
         let agent = embodied.agent().clone();
         let simulated = embodied.truth().schema.clone();
         let view = Arc::new(BabblingView::new(&agent, simulated, babbling.touches, made));
-        let server = serve(address, view.clone())?;
+        let server = serve(place, view.clone())?;
         Ok(Live { view, learner: RefCell::new(None), agent, seed: babbling.seed, server })
     }
 
@@ -124,19 +131,23 @@ impl Observer for Live {
     }
 }
 
-fn serve(address: SocketAddr, view: Arc<dyn LivePage>) -> Result<Server, Failure> {
+fn listen(address: SocketAddr) -> Result<TcpListener, Failure> {
     let listener = match TcpListener::bind(address) {
         Err(error) if error.kind() == ErrorKind::AddrInUse && address == HERE => {
             TcpListener::bind(SocketAddr::new(HERE.ip(), 0))
         }
         bound => bound,
     };
-    let refused = |error: std::io::Error| {
+    listener.map_err(|error| {
         Failure(format!("no page can be served at {address} ({error}): give another address with --live"))
-    };
-    let server = Server::new(listener.map_err(refused)?, view).map_err(refused)?;
+    })
+}
+
+fn serve(place: Place, view: Arc<dyn LivePage>) -> Result<Server, Failure> {
+    let server = Server::new(place, view)
+        .map_err(|error| Failure(format!("no page can be served ({error}): go on without --live")))?;
     tell!("live at http://{}/", server.address());
-    if !address.ip().is_loopback() {
+    if !server.address().ip().is_loopback() {
         tell!("whoever reaches that address can see the page, and talk there if it is of a conversation");
     }
     Ok(server)
@@ -150,16 +161,10 @@ enum Heard {
 }
 
 /// A conversation on a page and on standard input, with which it ends.
-pub fn talk(
-    mut conversation: Conversation,
-    stage: &Stage,
-    address: SocketAddr,
-    name: &str,
-    json: bool,
-) -> Outcome {
-    let (ask, asked) = mpsc::channel();
+pub fn talk(mut conversation: Conversation, stage: &Stage, place: Place, name: &str, json: bool) -> Outcome {
+    let (ask, asked) = mpsc::sync_channel(MOST_ASKED);
     let view = Arc::new(TableView::new(stage, ask));
-    let server = serve(address, view.clone())?;
+    let server = serve(place, view.clone())?;
     let (looked_on, mut shown) = (view.clone(), Instant::now());
     let (mut clock, mut simulated) = (Instant::now(), stage.time());
     stage.watched_by(Box::new(move |stage, felt| {
@@ -174,7 +179,7 @@ pub fn talk(
             shown = Instant::now();
         }
     }));
-    let (hear, heard) = mpsc::channel();
+    let (hear, heard) = mpsc::sync_channel(0);
     let typed = hear.clone();
     std::thread::spawn(move || {
         let Ok(mut lines) = Typed::new() else { return };

@@ -12,6 +12,9 @@ use crate::simulation::Stage;
 const MISSING: &str = "this bodyschema was built without the live page: leave out --live, or install it with `cargo install \
                        --path . --features live`";
 
+/// Where a page is served: nowhere.
+pub type Place = Infallible;
+
 /// Whether a page is asked for.
 #[derive(clap::Args, Clone, Debug, Default)]
 pub struct LiveOptions {
@@ -21,9 +24,9 @@ pub struct LiveOptions {
 }
 
 impl LiveOptions {
-    /// Where a page is to be served, where one is.
-    pub fn address(&self) -> Option<&str> {
-        self.live.as_deref()
+    /// Where a page is to be served: refused where one is asked for.
+    pub fn place(&self) -> Result<Option<Place>, Failure> {
+        if self.live.is_some() { Err(MISSING.into()) } else { Ok(None) }
     }
 }
 
@@ -31,9 +34,9 @@ impl LiveOptions {
 pub struct Live(Infallible);
 
 impl Live {
-    /// Refuses.
-    pub fn new(_: &str, _: &Embodied, _: &BabblingOptions, _: usize) -> Result<Live, Failure> {
-        Err(MISSING.into())
+    /// Nobody can ask for it.
+    pub fn new(never: Place, _: &Embodied, _: &BabblingOptions, _: usize) -> Result<Live, Failure> {
+        match never {}
     }
 
     pub fn done(&self, _: &Path, _: &LearnedSession) {
@@ -47,7 +50,7 @@ impl Live {
 
 impl Observer for Live {}
 
-/// Refuses.
-pub fn talk(_: Conversation, _: &Stage, _: &str, _: &str, _: bool) -> Outcome {
-    Err(MISSING.into())
+/// Nobody can ask for it.
+pub fn talk(_: Conversation, _: &Stage, never: Place, _: &str, _: bool) -> Outcome {
+    match never {}
 }

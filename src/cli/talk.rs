@@ -60,6 +60,7 @@ pub fn run(args: &TalkArguments) -> Outcome {
             args.hand.len()
         )));
     };
+    let page = args.live.place()?;
     let place = args.scene.display();
     // A file that is not there is told of as such, before anything is simulated.
     model_hash(&args.scene)?;
@@ -75,8 +76,8 @@ pub fn run(args: &TalkArguments) -> Outcome {
     stage.place(&actor.ready())?;
     let mut conversation = Conversation::new(actor)?;
     spinner.finish_and_clear();
-    if let Some(address) = args.live.address() {
-        return super::live::talk(conversation, &stage, address, session.agent.creature().name(), args.json);
+    if let Some(page) = page {
+        return super::live::talk(conversation, &stage, page, session.agent.creature().name(), args.json);
     }
     let mut typed = Typed::new()?;
     let terminal = typed.in_terminal();

@@ -41,10 +41,16 @@ fn page(title: &str, own_style: &str, content: &str, own_script: &str) -> String
          <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"/>\n\
          <meta name=\"color-scheme\" content=\"light dark\"/>\n<link rel=\"icon\" href=\"data:,\"/>\n\
          <title>{title}</title>\n<style>\n{STYLE}{own_style}</style>\n</head>\n<body>\n{content}\
-         <script>\n{script}{own_script}</script>\n</body>\n</html>\n",
+         <script>{script}</script>\n</body>\n</html>\n",
         title = text::escape(title),
-        script = body::SCRIPT,
+        script = script(own_script),
     )
+}
+
+/// All that runs in a page that has a script of its own.
+#[cfg(feature = "report")]
+fn script(own: &str) -> String {
+    format!("\n{}{own}", body::SCRIPT)
 }
 
 /// A chart of a page with its caption, which is HTML.

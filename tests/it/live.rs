@@ -2,13 +2,10 @@
 //!
 //! It takes Chromium. Where there is none the tests say so and are skipped, unless `BODYSCHEMA_BROWSER=required`.
 
-use std::io::{BufRead, BufReader, Read, Write};
-use std::net::TcpStream;
-use std::path::Path;
-use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
 use crate::common::browser::{Browser, Tab, browser};
+use crate::common::served::Served;
 use crate::common::{repository, sessions};
 use serde_json::{Value, json};
 
@@ -17,53 +14,6 @@ const VIEWER: [&str; 2] =
     [include_str!("../../src/view/body/paint.js"), include_str!("../../src/view/body/body.js")];
 /// Touches that babbling has not made when the browser has seen enough.
 const MANY: &str = "1000000";
-
-/// A program that serves a page, and where; it ends with the test.
-struct Served {
-    program: Child,
-    address: String,
-}
-
-impl Served {
-    fn new(place: &Path, arguments: &[&str]) -> Served {
-        let mut program = Command::new(env!("CARGO_BIN_EXE_bodyschema"))
-            .args(arguments)
-            .args(["--live", "127.0.0.1:0"])
-            .current_dir(place)
-            // A conversation ends with its standard input, which stays open as long as the program is held.
-            .stdin(Stdio::piped())
-            .stdout(Stdio::null())
-            .stderr(Stdio::piped())
-            .spawn()
-            .unwrap();
-        let told = BufReader::new(program.stderr.take().unwrap()).lines().map_while(Result::ok);
-        let address = told.filter_map(|line| Some(line.split_once("live at ")?.1.to_string())).next();
-        Served { program, address: address.expect("it tells where it serves") }
-    }
-
-    /// The answer to a request, its head as well.
-    fn answer(&self, method: &str, path: &str, headers: &str, body: &str) -> String {
-        let host = self.address.trim_start_matches("http://").trim_end_matches('/');
-        let headers = headers.replace("HERE", host);
-        let mut stream = TcpStream::connect(host).unwrap();
-        let length = body.len();
-        write!(
-            stream,
-            "{method} {path} HTTP/1.1\r\n{headers}connection: close\r\ncontent-length: {length}\r\n\r\n{body}"
-        )
-        .unwrap();
-        let mut answer = String::new();
-        stream.read_to_string(&mut answer).unwrap();
-        answer
-    }
-}
-
-impl Drop for Served {
-    fn drop(&mut self) {
-        let _ = self.program.kill();
-        let _ = self.program.wait();
-    }
-}
 
 fn open(browser: &'static Browser, served: &Served) -> Tab {
     let tab = browser.open(&served.address);

@@ -11,6 +11,7 @@ mod boundary;
 mod calibration;
 mod calibration_mjcf;
 mod cli;
+mod clients;
 mod config;
 mod conversation;
 mod disturbance;

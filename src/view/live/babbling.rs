@@ -285,19 +285,19 @@ impl LivePage for BabblingView {
 
     fn newest(&self) -> String {
         // Only copied under the lock: babbling waits for nobody.
-        let (posture, learned, mut told) = {
+        let (posture, learned, lit, mut told) = {
             let state = self.state();
             let told = json!({
                 "doing": state.doing,
                 "touches": state.touches,
                 "wanted": state.wanted,
                 "rate": state.rate.map(f64::round),
-                "lit": state.lit,
                 "learnedFrom": state.learned_from,
                 "report": state.report.as_ref().map(|path| path.display().to_string()),
             });
-            (state.posture.clone(), state.learned.clone(), told)
+            (state.posture.clone(), state.learned.clone(), state.lit.clone(), told)
         };
+        told["lit"] = json!(lit);
         told["poses"] = json!({ "own": Pose::new(self.agent.creature(), &self.simulated, &posture).told() });
         if let Some(learned) = learned {
             let pose = Pose::new(self.agent.creature(), &learned, &posture).moved(&Vector3::new(

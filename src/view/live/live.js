@@ -66,8 +66,10 @@
     form.addEventListener("submit", (event) => {
       event.preventDefault();
       const text = element("text").value.trim();
-      if (text) send("say", { text });
       element("text").value = "";
+      // What was not taken is there to be said again, unless something else is typed by then.
+      const back = () => { element("text").value ||= text; };
+      if (text) send("say", { text }).then((answer) => { if (!answer.ok) back(); }, back);
     });
     body.onReceptor((receptor) => send("touch", { receptor }));
   }

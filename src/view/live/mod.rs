@@ -1,23 +1,28 @@
 //! A live view: a page on this machine that shows what happens while it happens.
 //!
 //! Who works writes down what is newest and goes on; a thread of its own tells the pages, each as often as it can
-//! follow. A slow page, or none, changes nothing for who works.
+//! follow. A slow page, or none, or a thousand clients that hold on to a connection, change nothing for who works.
 //!
 //! ```text
 //! babbling, talking ─ LivePage (the newest state) ─ Server (20 times a second) ─ page
 //!                       └───────── Asked (what is typed, where the skin is clicked) ┘
+//!   within the server: connections (how many, how long) ─ guard (who, and what browsers may do) ─ routes
 //! ```
 
 mod babbling;
+mod connections;
+mod guard;
 mod learner;
 mod server;
 mod table;
 
 pub use babbling::BabblingView;
 pub use learner::LiveLearner;
-pub use server::{Asked, LivePage, Server};
+pub use server::{Asked, LivePage, Reception, Server};
 pub use table::TableView;
 
+/// What such a page does beside drawing bodies.
+const SCRIPT: &str = include_str!("live.js");
 /// Height of the picture, pixels.
 const HEIGHT: usize = 560;
 
@@ -28,5 +33,5 @@ fn page(title: &str, about: &str, content: &str) -> String {
         super::text::escape(title),
         super::text::escape(about)
     );
-    super::page(&format!("{title}, live"), include_str!("live.css"), &content, include_str!("live.js"))
+    super::page(&format!("{title}, live"), include_str!("live.css"), &content, SCRIPT)
 }

@@ -1,15 +1,16 @@
 //! The web server of a live view.
 
 use std::convert::Infallible;
-use std::net::{IpAddr, SocketAddr, TcpListener};
+use std::net::{SocketAddr, TcpListener};
 use std::path::PathBuf;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 use std::thread::JoinHandle;
 use std::time::Duration;
 
-use axum::extract::{Request, State};
-use axum::http::{HeaderMap, StatusCode, header};
-use axum::middleware::{Next, from_fn};
+use axum::body::Bytes;
+use axum::extract::{DefaultBodyLimit, State};
+use axum::http::{StatusCode, header};
+use axum::middleware::from_fn;
 use axum::response::sse::{Event, KeepAlive, Sse};
 use axum::response::{Html, IntoResponse, Response};
 use axum::routing::{get, post};
@@ -20,12 +21,21 @@ use tokio::time::MissedTickBehavior;
 use tokio_stream::wrappers::WatchStream;
 use tokio_stream::{Stream, StreamExt};
 
+use super::connections::serve;
+use super::guard::{guard, policy};
+use crate::view::report;
+use crate::view::script;
+
 /// How often pages are told what is new.
 const EVERY: Duration = Duration::from_millis(50);
 /// How long pages have to take in the last of it.
 const LAST: Duration = Duration::from_millis(400);
-/// The longest line that is heard, characters.
+/// How often a page is told that it is still served where nothing is new.
+const STILL: Duration = Duration::from_secs(5);
+/// The longest line that is heard, characters, …
 const LONGEST_LINE: usize = 500;
+/// … and the longest body of a request, bytes: such a line in the longest of all ways to write it as JSON.
+const LONGEST_BODY: usize = 16 << 10;
 
 /// What a page shows.
 pub trait LivePage: Send + Sync + 'static {
@@ -41,10 +51,21 @@ pub trait LivePage: Send + Sync + 'static {
     fn report(&self) -> Option<PathBuf> {
         None
     }
-    /// Takes what a page asks for; whether anyone listens.
-    fn ask(&self, _asked: Asked) -> bool {
-        false
+    /// Takes what a page asks for, and waits for nobody.
+    fn ask(&self, _asked: Asked) -> Reception {
+        Reception::Nobody
     }
+}
+
+/// What becomes of what a page asks for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Reception {
+    /// It will be heard.
+    Taken,
+    /// Nobody listens to such a thing.
+    Nobody,
+    /// Too much waits to be heard already.
+    Full,
 }
 
 /// What a page asks for.
@@ -66,6 +87,8 @@ pub struct Server {
 #[derive(Clone)]
 struct Shared {
     view: Arc<dyn LivePage>,
+    /// The page, once somebody has asked for it.
+    page: Arc<OnceLock<Bytes>>,
     newest: watch::Sender<Arc<str>>,
 }
 
@@ -82,9 +105,9 @@ impl Server {
         let work = move || {
             runtime.block_on(async {
                 let Ok(listener) = tokio::net::TcpListener::from_std(listener) else { return };
-                let shared = Shared { view, newest: watch::Sender::new("{}".into()) };
+                let shared = Shared { view, page: Arc::default(), newest: watch::Sender::new("{}".into()) };
                 tokio::spawn(tell(shared.clone()));
-                tokio::spawn(async move { axum::serve(listener, routes(shared)).await });
+                tokio::spawn(serve(listener, routes(shared)));
                 // Whoever drops the server wants it to end, too.
                 let _ = asked_to_quit.await;
             });
@@ -132,39 +155,20 @@ async fn tell(shared: Shared) {
 
 fn routes(shared: Shared) -> Router {
     Router::new()
-        .route("/", get(|State(shared): State<Shared>| async move { Html(shared.view.page()) }))
+        .route("/", get(page))
         .route("/charts", get(charts))
         .route("/events", get(events))
-        .route("/report", get(report))
+        .route("/report", get(finished_report))
         .route("/say", post(say))
         .route("/touch", post(touch))
+        .layer(DefaultBodyLimit::max(LONGEST_BODY))
         .layer(from_fn(guard))
         .with_state(shared)
 }
 
-/// Keeps other sites' pages out: a name that leads here without being this machine's (DNS rebinding), and requests
-/// that a page from elsewhere makes.
-async fn guard(request: Request, next: Next) -> Response {
-    if ours(request.headers()) {
-        next.run(request).await
-    } else {
-        (StatusCode::FORBIDDEN, "open this page by the address that bodyschema printed").into_response()
-    }
-}
-
-/// Whether a request is for an address, not for a name, and comes from no other site.
-fn ours(headers: &HeaderMap) -> bool {
-    let text = |name| headers.get(name).and_then(|value: &header::HeaderValue| value.to_str().ok());
-    let Some(host) = text(header::HOST) else { return false };
-    let name = match host.rsplit_once(':') {
-        Some((name, port)) if port.chars().all(|c| c.is_ascii_digit()) => name,
-        _ => host,
-    };
-    let name = name.trim_start_matches('[').trim_end_matches(']');
-    let here = name == "localhost" || name.parse::<IpAddr>().is_ok();
-    here && headers
-        .get(header::ORIGIN)
-        .is_none_or(|origin| origin.as_bytes() == format!("http://{host}").as_bytes())
+async fn page(State(shared): State<Shared>) -> impl IntoResponse {
+    let page = shared.page.get_or_init(|| shared.view.page().into()).clone();
+    ([(header::CONTENT_SECURITY_POLICY, policy(&script(super::SCRIPT)))], Html(page))
 }
 
 async fn charts(State(shared): State<Shared>) -> impl IntoResponse {
@@ -173,17 +177,23 @@ async fn charts(State(shared): State<Shared>) -> impl IntoResponse {
 
 /// The state whenever it is new. Who cannot follow misses what was in between.
 async fn events(State(shared): State<Shared>) -> Sse<impl Stream<Item = Result<Event, Infallible>>> {
-    let news = WatchStream::from_changes(shared.newest.subscribe());
+    let first = shared.newest.receiver_count() == 0;
+    let news = shared.newest.subscribe();
+    if first {
+        // While nobody looked nobody was told.
+        shared.newest.send_replace(shared.view.newest().into());
+    }
     // Who comes late is told where things stand.
-    let now: Arc<str> = shared.view.newest().into();
-    let states = tokio_stream::once(now).chain(news);
-    Sse::new(states.map(|state| Ok(Event::default().data(&*state)))).keep_alive(KeepAlive::default())
+    let states = WatchStream::new(news).map(|state| Ok(Event::default().data(&*state)));
+    Sse::new(states).keep_alive(KeepAlive::new().interval(STILL))
 }
 
-async fn report(State(shared): State<Shared>) -> Response {
+async fn finished_report(State(shared): State<Shared>) -> Response {
     let page = shared.view.report().and_then(|path| std::fs::read_to_string(path).ok());
     match page {
-        Some(page) => Html(page).into_response(),
+        Some(page) => {
+            ([(header::CONTENT_SECURITY_POLICY, policy(&script(report::SCRIPT)))], Html(page)).into_response()
+        }
         None => (StatusCode::NOT_FOUND, "there is no report yet: it is written once all is learned")
             .into_response(),
     }
@@ -211,30 +221,9 @@ async fn touch(
 }
 
 fn heard(shared: &Shared, asked: Asked) -> StatusCode {
-    if shared.view.ask(asked) { StatusCode::NO_CONTENT } else { StatusCode::NOT_FOUND }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn other_sites_are_kept_out() {
-        let is_ours = |host: &str, origin: Option<&str>| {
-            let mut headers = HeaderMap::new();
-            headers.insert(header::HOST, host.parse().unwrap());
-            if let Some(origin) = origin {
-                headers.insert(header::ORIGIN, origin.parse().unwrap());
-            }
-            ours(&headers)
-        };
-        assert!(is_ours("127.0.0.1:8042", None));
-        assert!(is_ours("localhost:8042", Some("http://localhost:8042")));
-        assert!(is_ours("[::1]:8042", Some("http://[::1]:8042")));
-        assert!(is_ours("192.168.0.7", None));
-        assert!(!is_ours("elsewhere.example:8042", None));
-        assert!(!is_ours("127.0.0.1:8042", Some("http://elsewhere.example")));
-        assert!(!is_ours("127.0.0.1:8042", Some("null")));
-        assert!(!ours(&HeaderMap::new()));
+    match shared.view.ask(asked) {
+        Reception::Taken => StatusCode::NO_CONTENT,
+        Reception::Nobody => StatusCode::NOT_FOUND,
+        Reception::Full => StatusCode::SERVICE_UNAVAILABLE,
     }
 }

@@ -1,12 +1,12 @@
 //! A creature among things as a live view, with the conversation beside it.
 
-use std::sync::mpsc::Sender;
+use std::sync::mpsc::{SyncSender, TrySendError};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use nalgebra::Vector3;
 use serde_json::json;
 
-use super::server::{Asked, LivePage};
+use super::server::{Asked, LivePage, Reception};
 use super::{HEIGHT, page};
 use crate::geometry::Frame;
 use crate::senses::SkinContact;
@@ -40,7 +40,7 @@ pub struct TableView {
     things: Vec<(String, BodyMesh)>,
     bodies: Vec<usize>,
     state: Mutex<TableState>,
-    asked: Mutex<Sender<Asked>>,
+    asked: SyncSender<Asked>,
 }
 
 struct TableState {
@@ -54,8 +54,8 @@ struct TableState {
 }
 
 impl TableView {
-    /// A view of a scene; what a page asks for is sent on.
-    pub fn new(stage: &Stage, asked: Sender<Asked>) -> TableView {
+    /// A view of a scene; what a page asks for is sent on, as long as there is room for it.
+    pub fn new(stage: &Stage, asked: SyncSender<Asked>) -> TableView {
         let (body, skin) = (stage.body(), stage.skin());
         let model = &body.model;
         let mut things = Vec::new();
@@ -94,7 +94,7 @@ impl TableView {
             things,
             bodies,
             state: Mutex::new(state),
-            asked: Mutex::new(asked),
+            asked,
         };
         view.shows(stage, &[]);
         view
@@ -201,12 +201,18 @@ impl LivePage for TableView {
         .to_string()
     }
 
-    fn ask(&self, asked: Asked) -> bool {
+    fn ask(&self, asked: Asked) -> Reception {
         let known = match &asked {
             Asked::Touch(receptor) => *receptor < self.ids.len(),
             Asked::Say(text) => !text.is_empty(),
         };
-        let asks = self.asked.lock().unwrap_or_else(PoisonError::into_inner);
-        known && asks.send(asked).is_ok()
+        if !known {
+            return Reception::Nobody;
+        }
+        match self.asked.try_send(asked) {
+            Ok(()) => Reception::Taken,
+            Err(TrySendError::Full(_)) => Reception::Full,
+            Err(TrySendError::Disconnected(_)) => Reception::Nobody,
+        }
     }
 }

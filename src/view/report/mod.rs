@@ -25,6 +25,9 @@ use crate::view::text::escape;
 use residuals::Residuals;
 pub use session::{REPORT_FILE, write_report};
 
+/// What the page does beside drawing the body.
+pub(super) const SCRIPT: &str = include_str!("report.js");
+
 /// All that a report tells, as plain data.
 #[derive(Clone, Debug)]
 pub struct ReportInput<'a> {
@@ -92,7 +95,7 @@ pub fn html(input: &ReportInput) -> String {
         escape(name),
         escape(&input.verdict),
     );
-    page(&format!("{name}, seed {seed}: a learned body schema"), "", &content, include_str!("report.js"))
+    page(&format!("{name}, seed {seed}: a learned body schema"), "", &content, SCRIPT)
 }
 
 /// Titles and contents as sections of a page.

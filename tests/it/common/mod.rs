@@ -2,8 +2,10 @@
 
 pub mod browser;
 pub mod calibrating;
+pub mod clients;
 pub mod drawing;
 pub mod program;
+pub mod served;
 pub mod sessions;
 pub mod shell;
 
