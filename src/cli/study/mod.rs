@@ -1,5 +1,6 @@
 //! `bodyschema study`: one measurement repeated over several seeds.
 
+mod bodies;
 mod hersch;
 
 use std::path::{Path, PathBuf};
@@ -8,13 +9,14 @@ use std::time::Instant;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use serde_json::{Value, json};
 
-use super::arguments::touch_count;
+use super::arguments::{positive, touch_count};
 use super::folders::free_folder;
 use super::open::{ModelArguments, embodied};
 use super::progress::Bars;
 use super::{Failure, Outcome, output};
 use crate::babbling::{self, PolicyName};
 use crate::creature::JointSelection;
+use crate::experiment::study::bodies::STUDY as BODIES;
 use crate::experiment::study::calibration::{CalibrationCase, STUDY as CALIBRATION};
 use crate::experiment::study::claims::{POLICIES as CLAIMS_POLICIES, STUDY as CLAIMS};
 use crate::experiment::study::hersch::{STUDY as HERSCH, TOUCHES as HERSCH_TOUCHES};
@@ -42,7 +44,8 @@ const PLOT_FILE: &str = "study.svg";
 #[derive(clap::Args)]
 #[command(after_help = "Examples:
   bodyschema study learners --trials 5                                # takes minutes
-  bodyschema study disturbances creature.xml --touches 500 --seed 7 --json  # takes minutes")]
+  bodyschema study disturbances creature.xml --touches 500 --seed 7 --json  # takes minutes
+  bodyschema study bodies --trials 20 --seed 20001                    # takes minutes")]
 pub struct StudyArguments {
     /// The study
     #[arg(value_parser = study())]
@@ -89,6 +92,9 @@ pub struct StudyArguments {
         help_heading = "Of the study calibration"
     )]
     cases: Vec<CalibrationCase>,
+    /// Seconds that a way to learn may take with a body, its touches included [default: 50]
+    #[arg(long, value_parser = positive, help_heading = "Of the study bodies")]
+    seconds: Option<f64>,
     #[command(flatten)]
     hersch: hersch::HerschArguments,
 }
@@ -121,13 +127,6 @@ pub fn run(args: &StudyArguments) -> Outcome {
     if !others.is_empty() && !study.several {
         return Err(Failure(format!("study {} is of one creature: name one model", study.name)));
     }
-    if !model.exists() && model == Path::new(DEFAULT_MODEL) {
-        return Err(Failure(format!(
-            "{DEFAULT_MODEL}: there is no such file here: name a model, as in `bodyschema study {} MODEL`, or go \
-             to the folder that holds mjcf",
-            study.name
-        )));
-    }
     if args.touches.is_some() && !study.touches {
         return Err(Failure(format!(
             "study {} does not learn from babbled touches: leave out --touches, its trials are counted by --trials",
@@ -140,12 +139,28 @@ pub fn run(args: &StudyArguments) -> Outcome {
     if !args.cases.is_empty() && study.name != CALIBRATION.name {
         return Err(Failure(format!("study {} has no cases: leave out --case", study.name)));
     }
+    if args.seconds.is_some() && study.name != BODIES.name {
+        return Err(Failure(format!(
+            "study {} takes the time that it needs: leave out --seconds",
+            study.name
+        )));
+    }
     let rule = args.hersch.options(study)?;
-    let touches = args.touches.unwrap_or(if study.name == HERSCH.name { HERSCH_TOUCHES } else { TOUCHES });
-    let selection = args.joints.clone().unwrap_or_default();
     let last = args.seed.checked_add(u64::from(args.trials) - 1);
     let last = last.ok_or("the last trial's seed would be too great: give a smaller --seed")?;
     let seeds: Vec<u64> = (args.seed..=last).collect();
+    if study.name == BODIES.name {
+        return bodies::run(args, &seeds);
+    }
+    if !model.exists() && model == Path::new(DEFAULT_MODEL) {
+        return Err(Failure(format!(
+            "{DEFAULT_MODEL}: there is no such file here: name a model, as in `bodyschema study {} MODEL`, or go \
+             to the folder that holds mjcf",
+            study.name
+        )));
+    }
+    let touches = args.touches.unwrap_or(if study.name == HERSCH.name { HERSCH_TOUCHES } else { TOUCHES });
+    let selection = args.joints.clone().unwrap_or_default();
     let bars = Bars::default();
     let read = |model: &PathBuf| embodied(args.open.source(model, selection.clone()));
     let mut subject = Subject::new(read(model)?, touches, seeds, babbling::threads(args.jobs), &bars)?
@@ -212,11 +227,16 @@ pub fn run(args: &StudyArguments) -> Outcome {
     let trials = if args.trials == 1 { "trial" } else { "trials" };
     let of = if study.touches { format!(" of {touches} touches") } else { String::new() };
     say!("{} {trials}{of}, seeds {}\n", args.trials, seeds.join(" "));
+    told(&findings, folder, seconds);
+    Ok(())
+}
+
+/// Prints what was found, and where it is.
+fn told(findings: &FoundTables, folder: &Path, seconds: f64) {
     findings.summary.lines().iter().for_each(|line| say!("{line}"));
     say!("");
     findings.notes.iter().for_each(|note| say!("{note}"));
     say!("\n{seconds:.0} s; {TABLE_FILE}, {PLOT_FILE} and {STUDY_FILE} are in {}", folder.display());
-    Ok(())
 }
 
 fn save(folder: &Path, study: &Study, result: &Value, findings: &FoundTables) -> Outcome {

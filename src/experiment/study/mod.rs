@@ -8,6 +8,7 @@
 pub mod approach;
 mod at_table;
 pub mod avoid;
+pub mod bodies;
 pub mod calibration;
 mod changed_body;
 pub mod claims;
@@ -71,6 +72,7 @@ pub const STUDIES: &[&Study] = &[
     &avoid::BUSY,
     &reachable::STUDY,
     &calibration::STUDY,
+    &bodies::STUDY,
 ];
 
 /// A question that is answered by measuring over several seeds.
