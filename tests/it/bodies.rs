@@ -2,11 +2,16 @@
 
 use std::collections::BTreeSet;
 use std::sync::Arc;
+use std::time::{Duration, Instant};
 
 use crate::common::program::{refused, succeeds};
+use crate::common::repository;
+use bodyschema::agent::Agent;
 use bodyschema::creature::{Body, DofKind, JointSelection};
+use bodyschema::deadline::Deadline;
 use bodyschema::experiment::bodies::{DrawnBody, Family, GeneratedBody, LENGTHS};
 use bodyschema::experiment::study::bodies::{BodiesOptions, BodyTrial, WAYS, findings, trial};
+use bodyschema::learning::{Input, Learner, SecondOrder, Verdict};
 use bodyschema::mujoco::Model;
 use sha2::{Digest, Sha256};
 
@@ -59,20 +64,16 @@ fn families_sizes_and_joints_of_all_kinds_occur() {
         let count = drawn.iter().filter(|body| (decade..10.0 * decade).contains(&body.length)).count();
         assert!((40..=100).contains(&count), "{count} bodies from {decade} m on");
     }
-    let kinds: [(&str, fn(&DrawnBody) -> usize); 9] = [
-        ("slides", |body| body.slides),
-        ("balls", |body| body.balls),
-        ("locked", |body| body.locked),
-        ("spins", |body| body.spins),
-        ("followers", |body| body.followers),
-        ("welded", |body| body.welded),
-        ("bare", |body| body.bare),
-        ("straight", |body| usize::from(body.skew == 0.0)),
-        ("skewed", |body| usize::from(body.skew > 1.0)),
-    ];
-    for (kind, count) in kinds {
-        let having = drawn.iter().filter(|body| count(body) > 0).count();
-        assert!(having >= 5, "{kind}: {having} bodies");
+    let kinds = |body: &DrawnBody| {
+        let DrawnBody { slides, balls, locked, spins, followers, welded, bare, skew, .. } = *body;
+        [slides, balls, locked, spins, followers, welded, bare]
+            .map(|count| count > 0)
+            .into_iter()
+            .chain([skew == 0.0, skew > 1.0])
+    };
+    for kind in 0..kinds(&drawn[0]).count() {
+        let having = drawn.iter().filter(|body| kinds(body).nth(kind) == Some(true)).count();
+        assert!(having >= 5, "kind {kind}: {having} bodies");
     }
     let texts: BTreeSet<String> = SEEDS.map(|seed| GeneratedBody::new(seed).mjcf).collect();
     assert_eq!(texts.len(), SEEDS.count(), "every seed another body");
@@ -102,6 +103,21 @@ fn of_small_bodies_nothing_is_claimed_wrongly_and_a_trial_is_read_back_whole() {
     let all: Vec<_> = found.summary.iter().filter(|row| row.family == "all").collect();
     assert!(all.iter().zip(WAYS).all(|(row, way)| row.way == way && row.bodies == SMALL.len()));
     assert!(all[0].learned + all[0].learned_except > 0, "{:?}", all[0]);
+}
+
+#[test]
+fn who_has_no_time_is_told_so() {
+    let embodied = Agent::from_mjcf(repository("mjcf/hexapod/hexapod.xml")).unwrap();
+    let babbled = embodied.babble(300).unwrap();
+    let learner = |agent| {
+        let mut learner = SecondOrder::new(agent, Input::Contact, 1);
+        learner.end_at(Deadline::after(Instant::now(), Duration::ZERO));
+        learner
+    };
+    match babbled.learn_with(learner).unwrap().0.verdict {
+        Verdict::Failed(why) => assert!(why.contains("time was over") && why.contains("--seconds"), "{why}"),
+        other => panic!("{other:?}"),
+    }
 }
 
 #[test]

@@ -32,8 +32,9 @@ pub fn run(args: &StudyArguments, seeds: &[u64]) -> Outcome {
     let options = BodiesOptions {
         touches: args.touches.unwrap_or(standard.touches),
         seconds: args.seconds.unwrap_or(standard.seconds),
+        ways: if args.ways.is_empty() { standard.ways } else { args.ways.clone() },
     };
-    let BodiesOptions { touches, seconds: each } = options;
+    let touches = options.touches;
     let numbered = |k: u32| match k {
         1 => Path::new("studies").join(STUDY.name),
         _ => Path::new("studies").join(format!("{}-{k}", STUDY.name)),
@@ -53,7 +54,7 @@ pub fn run(args: &StudyArguments, seeds: &[u64]) -> Outcome {
         "study": STUDY.name,
         "about": STUDY.about,
         "program": PROGRAM,
-        "options": { "touches": touches, "seconds": each, "trials": args.trials, "seed": args.seed },
+        "options": { "touches": touches, "seconds": options.seconds, "ways": options.ways, "trials": args.trials, "seed": args.seed },
         "seeds": seeds,
         "seconds": seconds,
         "summary": findings.summary.to_json(),

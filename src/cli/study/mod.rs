@@ -16,7 +16,7 @@ use super::progress::Bars;
 use super::{Failure, Outcome, output};
 use crate::babbling::{self, PolicyName};
 use crate::creature::JointSelection;
-use crate::experiment::study::bodies::STUDY as BODIES;
+use crate::experiment::study::bodies::{STUDY as BODIES, WAYS};
 use crate::experiment::study::calibration::{CalibrationCase, STUDY as CALIBRATION};
 use crate::experiment::study::claims::{POLICIES as CLAIMS_POLICIES, STUDY as CLAIMS};
 use crate::experiment::study::hersch::{STUDY as HERSCH, TOUCHES as HERSCH_TOUCHES};
@@ -92,9 +92,18 @@ pub struct StudyArguments {
         help_heading = "Of the study calibration"
     )]
     cases: Vec<CalibrationCase>,
-    /// Seconds that a way to learn may take with a body, its touches included [default: 50]
+    /// Seconds that a way to learn may compute with a body, its touches included [default: 50]
     #[arg(long, value_parser = positive, help_heading = "Of the study bodies")]
     seconds: Option<f64>,
+    /// Only these of its ways to learn, separated by commas
+    #[arg(
+        long = "way",
+        value_name = "WAYS",
+        value_delimiter = ',',
+        value_parser = way(),
+        help_heading = "Of the study bodies"
+    )]
+    ways: Vec<&'static str>,
     #[command(flatten)]
     hersch: hersch::HerschArguments,
 }
@@ -117,6 +126,12 @@ fn policy(name: &str) -> Result<PolicyName, String> {
 fn case() -> impl TypedValueParser<Value = CalibrationCase> {
     let names = CalibrationCase::ALL.iter().map(|case| case.name());
     PossibleValuesParser::new(names).try_map(|name| name.parse::<CalibrationCase>())
+}
+
+/// A way to learn of the study `bodies`.
+fn way() -> impl TypedValueParser<Value = &'static str> {
+    PossibleValuesParser::new(WAYS)
+        .try_map(|name| WAYS.into_iter().find(|way| *way == name).ok_or("there is no such way"))
 }
 
 pub fn run(args: &StudyArguments) -> Outcome {

@@ -87,7 +87,7 @@ row! {
         wrong: usize = "wrong",
         worst_mm: f64 = "worst claim, mm",
         worst_deviations: f64 = "its deviations",
-        seconds: f64 = "seconds",
+        seconds: f64 = "processor seconds",
         reason: String = "reason",
         command: String = "command",
     }
@@ -106,13 +106,14 @@ row! {
         learned: usize = "learned",
         learned_except: usize = "except",
         not_learned: usize = "not",
+        honest: usize = "not right and said so",
         late: usize = "late",
         claimed: f64 = "pairs claimed",
         claims: usize = "claims",
         wrong: usize = "wrong",
         wrong_bodies: usize = "wrong bodies",
         heldout_percent: f64 = "held-out, % of a limb",
-        seconds: f64 = "seconds",
+        seconds: f64 = "processor seconds",
     }
 }
 
@@ -122,6 +123,9 @@ pub fn findings(trials: &[BodyTrial]) -> Findings<BodiesMeasurement, BodiesSumma
     let mut summary = Vec::new();
     for way in WAYS {
         let of_way: Vec<&BodiesMeasurement> = measurements.iter().filter(|one| one.way == way).collect();
+        if of_way.is_empty() {
+            continue;
+        }
         summary.push(summarize(way, "all", &of_way));
         for family in Family::ALL {
             let of_family: Vec<&BodiesMeasurement> =
@@ -136,7 +140,8 @@ pub fn findings(trials: &[BodyTrial]) -> Findings<BodiesMeasurement, BodiesSumma
         format!(
             "right: bodies of which {:.0} % of all held-out points are off by no more than {:.0} % of the typical limb's length, \
              whatever the learner says; right points: their share over all bodies. learned, except, not: what the learner says; \
-             gradient and hersch make no judgement, and claim nothing.",
+             gradient and hersch make no judgement, and claim nothing. not right \
+             and said so: nothing of what is wrong is claimed.",
             1e2 * WHOLE,
             1e2 * RIGHT
         ),
@@ -145,7 +150,7 @@ pub fn findings(trials: &[BodyTrial]) -> Findings<BodiesMeasurement, BodiesSumma
              than {NEGLIGIBLE_MM} mm and {DEVIATIONS} of its own standard deviations."
         ),
         "default: as `bodyschema babble BODY` learns, by stages and growth where that suits the body; the others learn from the \
-         same touches at random. late: the time that a way has for a body was over before all was done, and another computer may \
+         same touches at random. late: the processor time that a way has for a body was over before all was done, and another computer may \
          come to another end. Medians of held-out errors and seconds."
             .to_string(),
     ];
@@ -248,6 +253,10 @@ fn summarize(way: &str, family: &str, rows: &[&BodiesMeasurement]) -> BodiesSumm
         learned: was(outcome::LEARNED),
         learned_except: was(outcome::EXCEPT),
         not_learned: was(outcome::NOT),
+        honest: count(&|one| {
+            let said = [outcome::LEARNED, outcome::EXCEPT, outcome::NOT].contains(&one.outcome.as_str());
+            said && one.wrong == 0 && one.right < WHOLE
+        }),
         late: count(&|one| one.late),
         claimed: sum(|one| one.claims) as f64 / sum(|one| one.pairs) as f64,
         claims: sum(|one| one.claims),

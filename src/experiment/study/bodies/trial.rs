@@ -1,15 +1,16 @@
 //! One generated body, and what each way to learn comes to with it: all that is found out by one seed.
 
+use std::cell::OnceCell;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use serde::{Deserialize, Serialize};
 
 use super::super::claims::judge;
 use super::{RIGHT, outcome};
 use crate::babbling::{BabblingError, BabblingOptions, PolicyName};
-use crate::deadline::Deadline;
+use crate::deadline::{Deadline, computed};
 use crate::evaluation::{held_out, held_out_points};
 use crate::experiment::bodies::{DrawnBody, GeneratedBody};
 use crate::experiment::touches::all_touches;
@@ -31,18 +32,21 @@ const LEARNING: f64 = 0.85;
 pub const WAYS: [&str; 4] = ["default", "lm", "gradient", "hersch"];
 
 /// How a trial goes.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct BodiesOptions {
     /// Touches at random.
     pub touches: usize,
-    /// Seconds that one way to learn may take with one body, its touches included.
+    /// Seconds that one way to learn may compute with one body, its touches included: on a busy computer it has as long as on an
+    /// idle one.
     pub seconds: f64,
+    /// The ways to learn, of [`WAYS`].
+    pub ways: Vec<&'static str>,
 }
 
 impl Default for BodiesOptions {
     /// A thousand touches, and as long as a session takes that is not told otherwise.
     fn default() -> BodiesOptions {
-        BodiesOptions { touches: 1000, seconds: 50.0 }
+        BodiesOptions { touches: 1000, seconds: 50.0, ways: WAYS.to_vec() }
     }
 }
 
@@ -53,9 +57,9 @@ pub struct BodyTrial {
     pub seed: u64,
     /// What was drawn.
     pub drawn: DrawnBody,
-    /// What each of the [`WAYS`] came to.
+    /// What each way came to.
     pub ways: Vec<WayTrial>,
-    /// Wall time of each, its touches included, seconds.
+    /// Processor time of each, its touches included, seconds.
     pub seconds: Vec<f64>,
 }
 
@@ -94,6 +98,8 @@ pub struct WayTrial {
 struct Failed {
     outcome: &'static str,
     reason: String,
+    /// Processor time until then, seconds.
+    seconds: f64,
 }
 
 impl From<ExperimentError> for Failed {
@@ -106,7 +112,7 @@ impl From<ExperimentError> for Failed {
             }
         );
         let outcome = if untouched { outcome::UNTOUCHED } else { outcome::REFUSED };
-        Failed { outcome, reason: error.to_string() }
+        Failed { outcome, reason: error.to_string(), seconds: 0.0 }
     }
 }
 
@@ -115,7 +121,6 @@ struct Babbled {
     policy: PolicyName,
     touches: Vec<Touch>,
     grown: Option<Growth>,
-    began: Instant,
     seconds: f64,
 }
 
@@ -125,46 +130,46 @@ pub fn trial(seed: u64, options: &BodiesOptions) -> BodyTrial {
     let touches = options.touches;
     let body = GeneratedBody::new(seed);
     let embodied = unpanicked(|| Ok(embody(&body)?));
-    let random = embodied.as_ref().map_err(Clone::clone);
-    let random =
-        random.and_then(|own| unpanicked(|| babble(own, PolicyName::Random, touches, seed, options)));
+    // Ways share the touches at random, where there is one that needs them.
+    let random = OnceCell::new();
+    let at_random =
+        |own| random.get_or_init(|| unpanicked(|| babble(own, PolicyName::Random, touches, seed, options)));
     let mut trial = BodyTrial { seed, drawn: body.drawn.clone(), ways: Vec::new(), seconds: Vec::new() };
-    for way in WAYS {
-        let began = Instant::now();
-        let mut spent = 0.0;
+    for &way in &options.ways {
         let found = embodied.as_ref().map_err(Clone::clone).and_then(|own| {
             let learner: &'static dyn LearnerKind = match way {
                 "default" if Growth::suits(own.creature()) => {
                     let most = touches.saturating_mul(STAGED);
                     let staged = unpanicked(|| babble(own, PolicyName::Stages, most, seed, options))?;
-                    return unpanicked(|| Ok(learn(own, &staged, &PartByPart, &body, way, options)));
+                    return learn(own, &staged, &PartByPart, &body, way, options);
                 }
                 "gradient" => &RepairedHersch,
                 "hersch" => &HerschsRule,
                 _ => &LevenbergMarquardt,
             };
-            let babbled = random.as_ref().map_err(Clone::clone)?;
-            spent = babbled.seconds;
-            unpanicked(|| Ok(learn(own, babbled, learner, &body, way, options)))
+            learn(own, at_random(own).as_ref().map_err(Clone::clone)?, learner, &body, way, options)
         });
-        trial.seconds.push(spent + began.elapsed().as_secs_f64());
-        trial.ways.push(found.unwrap_or_else(|Failed { outcome, reason }| WayTrial {
-            way: way.into(),
-            outcome: outcome.into(),
-            reason,
-            ..WayTrial::default()
-        }));
+        let (found, seconds) = found.unwrap_or_else(|Failed { outcome, reason, seconds }| {
+            let late = seconds > BABBLING * options.seconds;
+            let failed =
+                WayTrial { way: way.into(), outcome: outcome.into(), reason, late, ..WayTrial::default() };
+            (failed, seconds)
+        });
+        trial.ways.push(found);
+        trial.seconds.push(seconds);
     }
     trial
 }
 
 /// What something comes to; a panic in it, which is a defect, is told of and ends no study.
 fn unpanicked<T>(run: impl FnOnce() -> Result<T, Failed>) -> Result<T, Failed> {
-    catch_unwind(AssertUnwindSafe(run)).unwrap_or_else(|panic| {
+    let began = computed();
+    let found = catch_unwind(AssertUnwindSafe(run)).unwrap_or_else(|panic| {
         let text = panic.downcast_ref::<String>().map(String::as_str);
         let reason = text.or(panic.downcast_ref::<&str>().copied()).unwrap_or("no message");
-        Err(Failed { outcome: outcome::PANICKED, reason: reason.into() })
-    })
+        Err(Failed { outcome: outcome::PANICKED, reason: reason.into(), seconds: 0.0 })
+    });
+    found.map_err(|failed| Failed { seconds: seconds_since(began), ..failed })
 }
 
 /// The body with its skin; one without touch sensors gets some in memory.
@@ -173,10 +178,15 @@ fn embody(body: &GeneratedBody) -> Result<Embodied, ExperimentError> {
     Embodied::of_model(ModelSource::new(format!("{}.xml", body.name())), model, &())
 }
 
-/// A moment so far into the time that a way to learn has.
-fn deadline(began: Instant, share: f64, options: &BodiesOptions) -> Deadline {
-    let time = Duration::try_from_secs_f64(share * options.seconds).ok();
-    time.map_or(Deadline::NEVER, |time| Deadline::after(began, time))
+/// The moment so far into the time that a way to learn has, of which some is spent.
+fn deadline(share: f64, options: &BodiesOptions, spent: f64) -> Deadline {
+    let left = Duration::try_from_secs_f64((share * options.seconds - spent).max(0.0));
+    left.map_or(Deadline::NEVER, |left| Deadline::when_computed(computed().saturating_add(left)))
+}
+
+/// Seconds of processor time since a moment.
+fn seconds_since(began: Duration) -> f64 {
+    computed().saturating_sub(began).as_secs_f64()
 }
 
 fn babble(
@@ -186,18 +196,37 @@ fn babble(
     seed: u64,
     options: &BodiesOptions,
 ) -> Result<Babbled, Failed> {
-    let began = Instant::now();
+    let began = computed();
+    let by = deadline(BABBLING, options, 0.0);
     let babbler = embodied.babbler(MotionName::default())?;
-    let babbler = babbler.until(deadline(began, BABBLING, options)).learning_from(Input::Receptor);
+    let babbler = babbler.until(by).learning_from(Input::Receptor);
     let wanted = BabblingOptions { touches: most, seed, jobs: 1 };
     let mut touches = Vec::new();
     let made = all_touches(embodied.model(), &babbler, policy, &wanted, |touch| touches.push(touch.clone()));
     let (_, grown) = made?;
-    Ok(Babbled { policy, touches, grown, began, seconds: began.elapsed().as_secs_f64() })
+    Ok(Babbled { policy, touches, grown, seconds: seconds_since(began) })
+}
+
+/// What a way to learn comes to with the touches of a body, and its seconds, the touches included.
+fn learn(
+    embodied: &Embodied,
+    babbled: &Babbled,
+    kind: &'static dyn LearnerKind,
+    body: &GeneratedBody,
+    way: &str,
+    options: &BodiesOptions,
+) -> Result<(WayTrial, f64), Failed> {
+    let began = computed();
+    let with_touches = |seconds: f64| babbled.seconds + seconds;
+    let found = unpanicked(|| Ok(learned(embodied, babbled, kind, body, way, options)));
+    match found {
+        Ok(found) => Ok((found, with_touches(seconds_since(began)))),
+        Err(failed) => Err(Failed { seconds: with_touches(failed.seconds), ..failed }),
+    }
 }
 
 /// Learns, and holds what came of it against the truth.
-fn learn(
+fn learned(
     embodied: &Embodied,
     babbled: &Babbled,
     kind: &'static dyn LearnerKind,
@@ -206,9 +235,8 @@ fn learn(
     options: &BodiesOptions,
 ) -> WayTrial {
     let (agent, creature) = (embodied.agent(), embodied.creature());
-    // Ways share touches, and each has the time that is left after these.
-    let began = Instant::now().checked_sub(Duration::from_secs_f64(babbled.seconds)).unwrap_or(babbled.began);
-    let by = deadline(began, LEARNING, options);
+    // Ways share touches, and each has the time that these leave.
+    let by = deadline(LEARNING, options, babbled.seconds);
     let how = LearningOptions { learner: kind, deadline: by, ..LearningOptions::default() };
     let mut learner = how.learner_from(agent, babbled.grown.as_ref(), body.seed);
     learner.end_at(by);
