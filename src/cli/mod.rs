@@ -25,6 +25,7 @@ mod export;
 mod feel;
 mod folders;
 mod gallery;
+mod generate;
 mod happening;
 mod inspect;
 mod learn;
@@ -124,6 +125,7 @@ enum Command {
     Convert(convert::ConvertArguments),
     Inspect(inspect::InspectArguments),
     Skin(skin::SkinArguments),
+    Generate(generate::GenerateArguments),
     Feel(feel::FeelArguments),
     Talk(talk::TalkArguments),
     Map(map::MapArguments),
@@ -205,6 +207,7 @@ fn carry_out() -> Outcome {
         Command::Convert(args) => convert::run(&args),
         Command::Inspect(args) => inspect::run(&args),
         Command::Skin(args) => skin::run(&args),
+        Command::Generate(args) => generate::run(&args),
         Command::Feel(args) => feel::run(&args, given()),
         Command::Talk(args) => talk::run(&args),
         Command::Map(args) => map::run(&args),

@@ -105,7 +105,20 @@ impl Embodied {
     /// Where the file is not one that the engine takes, there is no creature in it that can learn, or no skin can be
     /// grown on it.
     pub fn open(source: ModelSource, observer: &dyn Observer) -> Result<Embodied, ExperimentError> {
-        let body = source.body(observer)?;
+        let model = Arc::new(source.read(observer)?);
+        Embodied::of_model(source, model, observer)
+    }
+
+    /// The same of a model that was read, or never was in a file: that of its source names it in errors alone.
+    ///
+    /// # Errors
+    /// See [`Embodied::open`].
+    pub fn of_model(
+        source: ModelSource,
+        model: Arc<Model>,
+        observer: &dyn Observer,
+    ) -> Result<Embodied, ExperimentError> {
+        let body = source.body_in(model)?;
         if let Some(sentence) = source.others(&body) {
             observer.note(&sentence);
         }

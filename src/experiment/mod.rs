@@ -1,7 +1,8 @@
 //! Experiments: babble, learn, evaluate and record in one go, and studies that repeat a measurement over seeds.
 //!
-//! An [`Observer`] looks on while one runs.
+//! An [`Observer`] looks on while one runs; [`bodies`] makes creatures to study from seeds.
 
+pub mod bodies;
 mod disturbance_levels;
 mod embodied;
 mod error;

@@ -1168,7 +1168,10 @@ impl<'a> SecondOrder<'a> {
                 changes: Vec::new(),
             };
         }
-        let why = if initial_guesses == 0 {
+        let why = if initial_guesses == 0 && self.deadline.has_passed() {
+            "the time was over before one random initial guess was tried to its end: give it more (--seconds)"
+                .to_string()
+        } else if initial_guesses == 0 {
             "no joint has as many touches as it has unknowns: give more touches".to_string()
         } else if self.is_at_one_point() {
             "all touches are at one point of each limb, and a body that is shrunk to a point explains that as well: touch other \

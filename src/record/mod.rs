@@ -6,8 +6,8 @@
 //! files. Numbers are written in the shortest form that reads back to the same bits.
 
 mod account;
-mod bout_log;
 mod angles;
+mod bout_log;
 mod columns;
 mod error;
 mod fields;

@@ -11,7 +11,7 @@ use crate::common::sessions;
 use crate::common::shell::{Line, copy, run};
 
 /// The documents, in the order in which they are read; what one leaves is there for the next.
-const DOCUMENTS: [&str; 14] = [
+const DOCUMENTS: [&str; 15] = [
     "README.md",
     "docs/commands.md",
     "docs/looking.md",
@@ -21,6 +21,7 @@ const DOCUMENTS: [&str; 14] = [
     "docs/senses.md",
     "docs/acting.md",
     "docs/creatures.md",
+    "docs/bodies.md",
     "docs/recordings.md",
     "docs/calibration.md",
     "docs/performance.md",

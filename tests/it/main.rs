@@ -6,6 +6,7 @@ mod account;
 mod aura;
 mod avoiding;
 mod babbling;
+mod bodies;
 mod bound;
 mod boundary;
 mod calibration;

@@ -4,21 +4,35 @@ use std::path::{Path, PathBuf};
 
 use serde_json::{Value, json};
 
-use super::{DEFAULT_MODEL, StudyArguments, TOUCHES};
+use super::{DEFAULT_MODEL, StudyArguments, TOUCHES, bodies};
 use crate::babbling;
 use crate::cli::Failure;
 use crate::cli::open::embodied;
 use crate::cli::progress::Bars;
-use crate::experiment::study::Subject;
+use crate::experiment::study::bodies::{self as bodies_study, BodiesOptions, STUDY as BODIES};
 use crate::experiment::study::calibration::STUDY as CALIBRATION;
 use crate::experiment::study::claims::STUDY as CLAIMS;
 use crate::experiment::study::hersch::{STUDY as HERSCH, TOUCHES as HERSCH_TOUCHES};
+use crate::experiment::study::{FoundTables, ReceiveTrial, Subject, WallTime, trial};
+use crate::experiment::{ExperimentError, Observer, Phase};
+use crate::mujoco;
 use crate::record::{PROGRAM, SCHEMA_FILE, model_hash};
 
-/// A study whose subject is ready.
+/// A study that is ready to be made.
 pub struct AskedStudy<'a> {
     pub args: &'a StudyArguments,
-    pub subject: Subject<'a>,
+    /// One per trial.
+    pub seeds: Vec<u64>,
+    of: StudyOf<'a>,
+    bars: &'a Bars,
+}
+
+/// What is studied.
+enum StudyOf<'a> {
+    /// A creature, or several.
+    Creature(Box<Subject<'a>>),
+    /// Bodies that the seeds make.
+    Bodies(BodiesOptions),
 }
 
 impl<'a> AskedStudy<'a> {
@@ -29,13 +43,6 @@ impl<'a> AskedStudy<'a> {
         };
         if !others.is_empty() && !study.several {
             return Err(Failure(format!("study {} is of one creature: name one model", study.name)));
-        }
-        if !model.exists() && model == Path::new(DEFAULT_MODEL) {
-            return Err(Failure(format!(
-                "{DEFAULT_MODEL}: there is no such file here: name a model, as in `bodyschema study {} MODEL`, or go \
-                 to the folder that holds mjcf",
-                study.name
-            )));
         }
         if args.touches.is_some() && !study.touches {
             return Err(Failure(format!(
@@ -50,57 +57,153 @@ impl<'a> AskedStudy<'a> {
             return Err(Failure(format!("study {} has no cases: leave out --case", study.name)));
         }
         let rule = args.hersch.options(study)?;
-        let most = if study.name == HERSCH.name { HERSCH_TOUCHES } else { TOUCHES };
-        let touches = args.touches.unwrap_or(most);
-        let selection = args.joints.clone().unwrap_or_default();
         let last = args.seed.checked_add(u64::from(args.trials) - 1);
         let last = last.ok_or("the last trial's seed would be too great: give a smaller --seed")?;
         let seeds: Vec<u64> = (args.seed..=last).collect();
+        if study.name == BODIES.name {
+            return Ok(AskedStudy { args, seeds, of: StudyOf::Bodies(bodies::options(args)?), bars });
+        }
+        if args.seconds.is_some() || !args.ways.is_empty() {
+            return Err(Failure(format!(
+                "study {} is not of generated bodies: leave out --seconds and --way",
+                study.name
+            )));
+        }
+        if !model.exists() && model == Path::new(DEFAULT_MODEL) {
+            return Err(Failure(format!(
+                "{DEFAULT_MODEL}: there is no such file here: name a model, as in `bodyschema study {} MODEL`, or go \
+                 to the folder that holds mjcf",
+                study.name
+            )));
+        }
+        let most = if study.name == HERSCH.name { HERSCH_TOUCHES } else { TOUCHES };
+        let touches = args.touches.unwrap_or(most);
+        let selection = args.joints.clone().unwrap_or_default();
         let read = |model: &PathBuf| embodied(args.open.source(model, selection.clone()));
-        let mut subject = Subject::new(read(model)?, touches, seeds, babbling::threads(args.jobs), bars)?
-            .with_others(others.iter().map(read).collect::<Result<_, Failure>>()?);
+        let mut subject =
+            Subject::new(read(model)?, touches, seeds.clone(), babbling::threads(args.jobs), bars)?
+                .with_others(others.iter().map(read).collect::<Result<_, Failure>>()?);
         subject.session.clone_from(&args.session);
         subject.hersch = rule;
         subject.policy = args.policy;
         subject.cases.clone_from(&args.cases);
-        Ok(AskedStudy { args, subject })
+        Ok(AskedStudy { args, seeds, of: StudyOf::Creature(Box::new(subject)), bars })
     }
 
     /// The model, and others where the study is of several.
-    pub fn models(&self) -> (&'a Path, &'a [PathBuf]) {
+    fn models(&self) -> (&'a Path, &'a [PathBuf]) {
         // There is one: `new` has seen to it.
         (&self.args.model[0], &self.args.model[1..])
     }
 
+    /// Makes the trials of some seeds, and hands on what each left as soon as it is done.
+    pub fn run(&self, seeds: &[u64], receive: &mut ReceiveTrial) -> Result<(), ExperimentError> {
+        match &self.of {
+            StudyOf::Creature(subject) => self.args.name.trials.run(subject, seeds, receive),
+            StudyOf::Bodies(options) => trial::record(seeds, receive, |seed| {
+                let trial = self.seeds.iter().position(|other| *other == seed).map_or(0, |k| k + 1);
+                let trials = self.seeds.len();
+                self.bars.phase(Phase::Trial { trial, trials, doing: "babbling and learning" });
+                Ok(bodies_study::trial(seed, options))
+            }),
+        }
+    }
+
+    /// What trials found that left these texts, and how long they took.
+    pub fn conclude(&self, left: &[String]) -> Result<(FoundTables, WallTime), ExperimentError> {
+        match &self.of {
+            StudyOf::Creature(subject) => self.args.name.trials.conclude(subject, left),
+            StudyOf::Bodies(_) => {
+                let (trials, seconds) = trial::read(left)?;
+                Ok((bodies_study::findings(&trials).into(), seconds))
+            }
+        }
+    }
+
+    /// What is studied and how often, in lines for a person.
+    pub fn heading(&self) -> Vec<String> {
+        let AskedStudy { args, seeds, of, .. } = self;
+        let trials = if args.trials == 1 { "trial" } else { "trials" };
+        let named = named_seeds(seeds);
+        match of {
+            StudyOf::Creature(subject) => {
+                let (model, others) = self.models();
+                let creature = &subject.body().creature;
+                let first = format!(
+                    "{}: {} joints, {} degrees of freedom ({}, --joints {})",
+                    creature.name(),
+                    creature.joints().len(),
+                    creature.dof(),
+                    model.display(),
+                    subject.joints()
+                );
+                let others = others.iter().map(|other| format!("and {}", other.display()));
+                let touches = args.name.touches.then(|| format!(" of {} touches", subject.touches));
+                let last = format!("{} {trials}{}, seeds {named}", args.trials, touches.unwrap_or_default());
+                std::iter::once(first).chain(others).chain([last]).collect()
+            }
+            StudyOf::Bodies(options) => {
+                let of = format!("of {} touches at random", options.touches);
+                vec![format!("{} generated bodies {of}, seeds {named}", args.trials)]
+            }
+        }
+    }
+
     /// All that decides what comes out, beside the seeds' shares: two studies that have this in common are one.
     pub fn about(&self) -> Result<Value, Failure> {
-        let AskedStudy { args, subject } = self;
-        let (study, creature) = (args.name, &subject.body().creature);
+        let AskedStudy { args, of, .. } = self;
+        let study = args.name;
+        let mut about = json!({
+            "study": study.name,
+            "about": study.about,
+            "program": PROGRAM,
+            "engine": mujoco::check()?.to_string(),
+            "options": { "trials": args.trials, "seed": args.seed },
+        });
+        let options = match of {
+            StudyOf::Bodies(BodiesOptions { touches, seconds, ways }) => {
+                json!({ "touches": touches, "seconds": seconds, "ways": ways })
+            }
+            StudyOf::Creature(subject) => {
+                let creature = &subject.body().creature;
+                about["creature"] = json!(creature.name());
+                about["joints"] = json!(creature.joints().len());
+                about["dof"] = json!(creature.dof());
+                self.options_of(subject)?
+            }
+        };
+        if let (Some(all), Value::Object(options)) = (about["options"].as_object_mut(), options) {
+            all.extend(options);
+        }
+        Ok(about)
+    }
+
+    /// The options of a study of creatures.
+    fn options_of(&self, subject: &Subject) -> Result<Value, Failure> {
+        let args = self.args;
         let (model, others) = self.models();
         let hashes: Result<Vec<String>, _> = others.iter().map(|other| model_hash(other)).collect();
         let schema = args.session.as_ref().map(|session| model_hash(&session.join(SCHEMA_FILE)));
         Ok(json!({
-            "study": study.name,
-            "about": study.about,
-            "program": PROGRAM,
-            "engine": subject.body().model.version().to_string(),
-            "creature": creature.name(),
-            "joints": creature.joints().len(),
-            "dof": creature.dof(),
-            "options": {
-                "model": model,
-                "model_hash": model_hash(model)?,
-                "other_models": others,
-                "other_model_hashes": hashes?,
-                "touches": study.touches.then_some(subject.touches),
-                "trials": args.trials,
-                "seed": args.seed,
-                "joints": subject.joints().to_string(),
-                "session": args.session,
-                "session_schema_hash": schema.transpose()?,
-                "policy": args.policy.map(|policy| policy.to_string()),
-                "cases": args.cases.iter().map(|case| case.name()).collect::<Vec<_>>(),
-            },
+            "model": model,
+            "model_hash": model_hash(model)?,
+            "other_models": others,
+            "other_model_hashes": hashes?,
+            "touches": args.name.touches.then_some(subject.touches),
+            "joints": subject.joints().to_string(),
+            "session": args.session,
+            "session_schema_hash": schema.transpose()?,
+            "policy": args.policy.map(|policy| policy.to_string()),
+            "cases": args.cases.iter().map(|case| case.name()).collect::<Vec<_>>(),
         }))
+    }
+}
+
+/// Seeds that count on from the first, a few one by one.
+fn named_seeds(seeds: &[u64]) -> String {
+    const MOST: usize = 20;
+    match seeds {
+        [first, .., last] if seeds.len() > MOST => format!("{first} to {last}"),
+        seeds => seeds.iter().map(u64::to_string).collect::<Vec<_>>().join(" "),
     }
 }

@@ -22,10 +22,10 @@ pub fn save_and_print(
     findings: &FoundTables,
     seconds: WallTime,
 ) -> Outcome {
-    let AskedStudy { args, subject } = asked;
-    let (study, folder) = (args.name, lock.folder());
+    let (args, folder) = (asked.args, lock.folder());
+    let study = args.name;
     let mut result = asked.about()?;
-    result["seeds"] = json!(subject.seeds);
+    result["seeds"] = json!(asked.seeds);
     result["seconds"] = json!(seconds);
     result["summary"] = findings.summary.to_json();
     result["notes"] = json!(findings.notes);
@@ -38,7 +38,12 @@ pub fn save_and_print(
     if args.json {
         return output::json(&result);
     }
-    print(asked, findings);
+    say!("study {}: {}", study.name, study.about);
+    asked.heading().iter().for_each(|line| say!("{line}"));
+    say!("");
+    findings.summary.lines().iter().for_each(|line| say!("{line}"));
+    say!("");
+    findings.notes.iter().for_each(|note| say!("{note}"));
     say!("\n{:.0} s; {TABLE_FILE}, {PLOT_FILE} and {STUDY_FILE} are in {}", seconds.0, folder.display());
     Ok(())
 }
@@ -48,35 +53,4 @@ fn save(folder: &Path, study: &Study, result: &Value, findings: &FoundTables) ->
     output::file(&folder.join(TABLE_FILE), &findings.measurements.to_csv()?)?;
     let title = format!("{}: {}", study.name, study.about);
     output::file(&folder.join(PLOT_FILE), &study_chart(&findings.plot, &title).alone())
-}
-
-fn print(asked: &AskedStudy, findings: &FoundTables) {
-    let AskedStudy { args, subject } = asked;
-    let (study, creature) = (args.name, &subject.body().creature);
-    let (model, others) = asked.models();
-    say!("study {}: {}", study.name, study.about);
-    say!(
-        "{}: {} joints, {} degrees of freedom ({}, --joints {})",
-        creature.name(),
-        creature.joints().len(),
-        creature.dof(),
-        model.display(),
-        subject.joints()
-    );
-    others.iter().for_each(|other| say!("and {}", other.display()));
-    let trials = if args.trials == 1 { "trial" } else { "trials" };
-    let of = if study.touches { format!(" of {} touches", subject.touches) } else { String::new() };
-    say!("{} {trials}{of}, seeds {}\n", args.trials, seeds(&subject.seeds));
-    findings.summary.lines().iter().for_each(|line| say!("{line}"));
-    say!("");
-    findings.notes.iter().for_each(|note| say!("{note}"));
-}
-
-/// Seeds that count on from the first, a few one by one.
-fn seeds(seeds: &[u64]) -> String {
-    const MOST: usize = 20;
-    match seeds {
-        [first, .., last] if seeds.len() > MOST => format!("{first} to {last}"),
-        seeds => seeds.iter().map(u64::to_string).collect::<Vec<_>>().join(" "),
-    }
 }

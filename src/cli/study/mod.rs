@@ -1,6 +1,7 @@
 //! `bodyschema study`: one measurement repeated over several seeds.
 
 mod asked;
+mod bodies;
 mod conclusion;
 mod hersch;
 pub mod shares;
@@ -10,12 +11,13 @@ use std::path::{Path, PathBuf};
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 
 use super::Outcome;
-use super::arguments::{Arguments, touch_count};
+use super::arguments::{Arguments, positive, touch_count};
 use super::folders::free_folder;
 use super::open::ModelArguments;
 use super::progress::Bars;
 use crate::babbling::PolicyName;
 use crate::creature::JointSelection;
+use crate::experiment::study::bodies::WAYS;
 use crate::experiment::study::calibration::CalibrationCase;
 use crate::experiment::study::claims::POLICIES as CLAIMS_POLICIES;
 use crate::experiment::study::{STUDIES, Study};
@@ -40,6 +42,7 @@ const STUDY_FILE: &str = "study.json";
 #[command(after_help = "Examples:
   bodyschema study learners --trials 5                                # takes minutes
   bodyschema study disturbances creature.xml --touches 500 --seed 7 --json  # takes minutes
+  bodyschema study bodies --trials 20 --seed 20001                    # takes minutes
   bodyschema study learners --trials 1000 --shard 3/16 --out studies/many    # takes hours")]
 pub struct StudyArguments {
     /// The study
@@ -91,6 +94,18 @@ pub struct StudyArguments {
         help_heading = "Of the study calibration"
     )]
     cases: Vec<CalibrationCase>,
+    /// Seconds that a way to learn may compute with a body, its touches included [default: 50]
+    #[arg(long, value_parser = positive, help_heading = "Of the study bodies")]
+    seconds: Option<f64>,
+    /// Only these of its ways to learn, separated by commas
+    #[arg(
+        long = "way",
+        value_name = "WAYS",
+        value_delimiter = ',',
+        value_parser = way(),
+        help_heading = "Of the study bodies"
+    )]
+    ways: Vec<&'static str>,
     #[command(flatten)]
     hersch: hersch::HerschArguments,
 }
@@ -115,6 +130,12 @@ fn case() -> impl TypedValueParser<Value = CalibrationCase> {
     PossibleValuesParser::new(names).try_map(|name| name.parse::<CalibrationCase>())
 }
 
+/// A way to learn of the study `bodies`.
+fn way() -> impl TypedValueParser<Value = &'static str> {
+    PossibleValuesParser::new(WAYS)
+        .try_map(|name| WAYS.into_iter().find(|way| *way == name).ok_or("there is no such way"))
+}
+
 pub fn run(args: &StudyArguments, given: Arguments) -> Outcome {
     let bars = Bars::default();
     let asked = AskedStudy::new(args, &bars)?;
@@ -127,12 +148,12 @@ pub fn run(args: &StudyArguments, given: Arguments) -> Outcome {
         _ => Path::new("studies").join(format!("{}-{k}", study.name)),
     };
     let lock = free_folder(args.out.as_deref(), "study", &[STUDY_FILE], numbered)?;
-    let (subject, mut left) = (&asked.subject, Vec::new());
-    study.trials.run(subject, &subject.seeds, &mut |_, trial| {
+    let mut left = Vec::new();
+    asked.run(&asked.seeds, &mut |_, trial| {
         left.push(trial);
         Ok(())
     })?;
     bars.phase(Phase::Done);
-    let (findings, seconds) = study.trials.conclude(subject, &left)?;
+    let (findings, seconds) = asked.conclude(&left)?;
     conclusion::save_and_print(&asked, &lock, &findings, seconds)
 }

@@ -19,7 +19,6 @@ use crate::share::Share;
 
 /// Makes the trials of a share that are missing, a file each.
 pub fn make(asked: &AskedStudy, share: Share, folder: &Path, given: Arguments, bars: &Bars) -> Outcome {
-    let AskedStudy { args, subject } = asked;
     let lock = take_share(folder, share, STUDY_FILE)?;
     let place = lock.folder();
     let new = StudyShare {
@@ -40,7 +39,7 @@ pub fn make(asked: &AskedStudy, share: Share, folder: &Path, given: Arguments, b
     } else {
         new.write(place)?;
     }
-    let own = own_seeds(share, &subject.seeds);
+    let own = own_seeds(share, &asked.seeds);
     let missing: Vec<u64> = own.iter().copied().filter(|&seed| !trial_file(place, seed).exists()).collect();
     if missing.is_empty() {
         tell!("{} is complete: nothing is left to do", place.display());
@@ -52,9 +51,9 @@ pub fn make(asked: &AskedStudy, share: Share, folder: &Path, given: Arguments, b
             own.len()
         );
     }
-    args.name.trials.run(subject, &missing, &mut |seed, trial| Ok(write_trial(place, seed, &trial)?))?;
+    asked.run(&missing, &mut |seed, trial| Ok(write_trial(place, seed, &trial)?))?;
     bars.phase(Phase::Done);
-    if args.json {
+    if asked.args.json {
         return output::json(&json!({"share": share.to_string(), "trials": own.len(), "folder": place}));
     }
     let trials = if own.len() == 1 { "trial" } else { "trials" };
@@ -155,16 +154,15 @@ impl StudyShares {
         for (seed, place) in &self.trials {
             left.push(read_trial(place, *seed)?);
         }
-        let concluded = args.name.trials.conclude(&asked.subject, &left);
+        let concluded = asked.conclude(&left);
         let (findings, seconds) = concluded.map_err(|error| self.blame(&asked, &left, error))?;
         conclusion::save_and_print(&asked, &lock, &findings, seconds)
     }
 
     /// Which trial it is that is none.
     fn blame(&self, asked: &AskedStudy, left: &[String], error: ExperimentError) -> Failure {
-        let trials = &asked.args.name.trials;
         for ((seed, place), text) in self.trials.iter().zip(left) {
-            if let Err(error) = trials.conclude(&asked.subject, std::slice::from_ref(text)) {
+            if let Err(error) = asked.conclude(std::slice::from_ref(text)) {
                 let file = trial_file(place, *seed);
                 return Failure(format!("{}: {error}: remove it and make its share again", file.display()));
             }

@@ -57,9 +57,9 @@ const NOISES: [DisturbanceLevels; 6] = [
 const NONE: DisturbanceLevels =
     DisturbanceLevels { joint_noise: 0.0, receptor_noise: 0.0, false_touches: 0.0, point_noise: 0.0 };
 /// A claim is not wrong by less than this, millimetres: too little to matter to anyone …
-const NEGLIGIBLE_MM: f64 = 0.1;
+pub(super) const NEGLIGIBLE_MM: f64 = 0.1;
 /// … nor by fewer of its own standard deviations: one in two million by chance.
-const DEVIATIONS: f64 = 5.0;
+pub(super) const DEVIATIONS: f64 = 5.0;
 /// Limbs whose skin is off by no more are placed in truth, whatever is said of them, millimetres.
 const RIGHT_MM: f64 = 1.0;
 
@@ -282,21 +282,22 @@ fn command(creature: &Embodied, condition: &Condition, seed: u64) -> String {
 }
 
 /// Claims held against the truth.
-struct Judged {
-    joints_named: usize,
-    limbs_named: usize,
+pub(super) struct Judged {
+    pub joints_named: usize,
+    pub limbs_named: usize,
     /// Pairs of limbs that are claimed, and those of them that are wrong.
-    claims: usize,
-    wrong: usize,
+    pub claims: usize,
+    pub wrong: usize,
     /// The greatest error of what is claimed, and the most of its own deviations that an error is that matters.
-    worst_mm: f64,
-    worst_deviations: f64,
+    pub worst_mm: f64,
+    pub worst_deviations: f64,
     /// Pairs of limbs that are placed in truth, and those of them that are claimed.
-    right: usize,
-    right_claimed: usize,
+    pub right: usize,
+    pub right_claimed: usize,
 }
 
-fn judge(creature: &Embodied, learned: &Learned, points: &[HeldOutPoint]) -> Judged {
+/// Holds what a learner claims against the truth, at held-out points.
+pub(super) fn judge(creature: &Embodied, learned: &Learned, points: &[HeldOutPoint]) -> Judged {
     let (agent, schema) = (creature.agent(), &learned.schema);
     let account = learned.account.as_ref().filter(|_| learned.verdict.converged());
     let mut judged = Judged {

@@ -8,6 +8,7 @@
 pub mod approach;
 mod at_table;
 pub mod avoid;
+pub mod bodies;
 pub mod calibration;
 mod changed_body;
 pub mod claims;
@@ -36,7 +37,7 @@ mod subject;
 mod table;
 pub mod tool;
 mod touched_trial;
-mod trial;
+pub mod trial;
 pub mod turned;
 
 use serde_json::Value;
@@ -72,6 +73,7 @@ pub const STUDIES: &[&Study] = &[
     &avoid::BUSY,
     &reachable::STUDY,
     &calibration::STUDY,
+    &bodies::STUDY,
 ];
 
 /// A question that is answered by measuring over several seeds.

@@ -104,9 +104,29 @@ fn run<T: Trial>(
         return Ok(());
     }
     let setting = T::set_up(subject)?;
+    record(seeds, receive, |seed| T::run(subject, &setting, seed))
+}
+
+fn conclude<T: Trial>(
+    subject: &Subject,
+    left: &[String],
+) -> Result<(FoundTables, WallTime), ExperimentError> {
+    let (trials, seconds) = read::<T>(left)?;
+    Ok((T::findings(subject, &trials).into(), seconds))
+}
+
+/// Makes trials of seeds, and hands on what each left as soon as it is done.
+///
+/// # Errors
+/// Where a trial or the receiver fails.
+pub fn record<T: Serialize>(
+    seeds: &[u64],
+    receive: &mut ReceiveTrial,
+    mut trial: impl FnMut(u64) -> Result<T, ExperimentError>,
+) -> Result<(), ExperimentError> {
     for &seed in seeds {
         let began = Instant::now();
-        let trial = T::run(subject, &setting, seed)?;
+        let trial = trial(seed)?;
         let recorded = Recorded { seconds: WallTime(began.elapsed().as_secs_f64()), trial };
         let text = ron::to_string(&recorded).map_err(|error| ExperimentError::refused(error.to_string()))?;
         receive(seed, text)?;
@@ -114,10 +134,11 @@ fn run<T: Trial>(
     Ok(())
 }
 
-fn conclude<T: Trial>(
-    subject: &Subject,
-    left: &[String],
-) -> Result<(FoundTables, WallTime), ExperimentError> {
+/// Trials by what they left, and how long all of them took.
+///
+/// # Errors
+/// [`ExperimentError::Refused`] where a text is not of such a trial.
+pub fn read<T: DeserializeOwned>(left: &[String]) -> Result<(Vec<T>, WallTime), ExperimentError> {
     let (mut trials, mut all) = (Vec::with_capacity(left.len()), 0.0);
     for text in left {
         let recorded: Recorded<T> = ron::from_str(text)
@@ -125,7 +146,7 @@ fn conclude<T: Trial>(
         all += recorded.seconds.0;
         trials.push(recorded.trial);
     }
-    Ok((T::findings(subject, &trials).into(), WallTime(all)))
+    Ok((trials, WallTime(all)))
 }
 
 #[cfg(test)]

@@ -1,0 +1,283 @@
+//! The families of bodies: how limbs hang on each other.
+
+use nalgebra::Vector3;
+
+use super::draw::Draw;
+use super::hand::{fingers, palm};
+use super::joints::Joining;
+use super::tree::{Mount, Tree};
+use crate::named::named;
+
+/// A family of bodies.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Family {
+    /// Limbs one after the other.
+    Chain,
+    /// Many short limbs one after the other, each bending in another plane.
+    Snake,
+    /// Arms all alike about a ball.
+    Star,
+    /// A trunk with a chest, a head, two arms and two legs.
+    Humanoid,
+    /// A trunk on four, six or eight legs.
+    Walker,
+    /// Robot arms on a base, with hands.
+    Arms,
+    /// One hand.
+    Hand,
+    /// Limbs anywhere on limbs that are there.
+    Tree,
+}
+
+named!(Family, "family", {
+    Chain => "chain",
+    Snake => "snake",
+    Star => "star",
+    Humanoid => "humanoid",
+    Walker => "walker",
+    Arms => "arms",
+    Hand => "hand",
+    Tree => "tree",
+});
+
+impl Family {
+    /// Draws a body of it, of limbs about so long, metres.
+    pub fn body(self, mut draw: Draw, scale: f64) -> Tree {
+        match self {
+            Family::Chain => {
+                let half = [draw.between(0.2, 0.4), draw.between(0.2, 0.4), draw.between(0.2, 0.4)];
+                chain(Tree::new(draw, scale, half))
+            }
+            Family::Snake => snake(Tree::new(draw, scale, [0.25, 0.25, 0.5])),
+            Family::Star => {
+                let half = draw.between(0.25, 0.6);
+                star(Tree::new(draw, scale, [half; 3]))
+            }
+            Family::Humanoid => {
+                let half = [draw.between(0.4, 0.55), draw.between(0.2, 0.3), draw.between(0.2, 0.4)];
+                humanoid(Tree::new(draw, scale, half))
+            }
+            Family::Walker => {
+                let half = [draw.between(0.3, 0.5), draw.between(0.7, 1.2), draw.between(0.15, 0.3)];
+                walker(Tree::new(draw, scale, half))
+            }
+            Family::Arms => {
+                let half = [draw.between(0.3, 0.8), draw.between(0.3, 0.6), draw.between(0.15, 0.4)];
+                arms(Tree::new(draw, scale, half))
+            }
+            Family::Hand => {
+                let half = [draw.between(0.15, 0.3), draw.between(0.15, 0.3), draw.between(0.2, 0.4)];
+                hand(Tree::new(draw, scale, half))
+            }
+            Family::Tree => {
+                let half = [draw.between(0.2, 0.5), draw.between(0.2, 0.5), draw.between(0.2, 0.5)];
+                random_tree(Tree::new(draw, scale, half))
+            }
+        }
+    }
+}
+
+/// Limbs in a row from somewhere on a limb on; the last one's number.
+fn row(
+    tree: &mut Tree,
+    name: &str,
+    from: usize,
+    at: Vector3<f64>,
+    towards: Vector3<f64>,
+    spread: f64,
+    shares: &[f64],
+) -> usize {
+    let (mut parent, mut at, mut towards) = (from, at, towards);
+    for (k, &share) in shares.iter().enumerate() {
+        let length = tree.length(share);
+        let radius = tree.radius(length);
+        parent =
+            tree.limb(format!("{name}_{}", k + 1), Mount { parent, at, towards, spread, length, radius });
+        (at, towards) = (tree.end_of(parent), Vector3::z());
+    }
+    parent
+}
+
+fn top(tree: &Tree) -> Vector3<f64> {
+    Tree::on_trunk(tree.trunk_half(), &Vector3::z())
+}
+
+fn chain(mut tree: Tree) -> Tree {
+    let shares = vec![1.0; tree.draw.count(3, 9)];
+    let (at, spread) = (top(&tree), tree.draw.between(0.0, 0.7));
+    row(&mut tree, "link", 0, at, Vector3::z(), spread, &shares);
+    tree
+}
+
+fn snake(mut tree: Tree) -> Tree {
+    tree.style.width *= 0.7;
+    tree.thickness = tree.draw.between(0.2, 0.35);
+    let shares = vec![1.0; tree.draw.count(8, 16)];
+    let (at, spread) = (top(&tree), tree.draw.between(0.0, 0.2));
+    row(&mut tree, "segment", 0, at, Vector3::z(), spread, &shares);
+    tree
+}
+
+fn star(mut tree: Tree) -> Tree {
+    let (count, segments) = (tree.draw.count(3, 8), tree.draw.count(2, 4));
+    let flat = tree.draw.chance(0.4);
+    let half = tree.trunk_half();
+    let mut directions: Vec<Vector3<f64>> = Vec::new();
+    for arm in 0..count {
+        // Of several directions that which is farthest from all before it.
+        let mut best = (f64::NEG_INFINITY, Vector3::x());
+        for _ in 0..20 {
+            let mut towards = tree.draw.direction();
+            if flat {
+                towards.z *= 0.1;
+                towards.normalize_mut();
+            }
+            let nearest = directions.iter().map(|other| (other - towards).norm()).fold(2.0, f64::min);
+            if nearest > best.0 {
+                best = (nearest, towards);
+            }
+        }
+        directions.push(best.1);
+        let at = Tree::on_trunk(half, &best.1);
+        row(&mut tree, &format!("arm_{}", arm + 1), 0, at, best.1, 0.15, &vec![1.0; segments]);
+    }
+    tree
+}
+
+fn humanoid(mut tree: Tree) -> Tree {
+    let half = tree.trunk_half();
+    let length = tree.length(0.9);
+    let chest_radius = 0.4 * length;
+    let mount = Mount {
+        parent: 0,
+        at: Tree::on_trunk(half, &Vector3::z()),
+        towards: Vector3::z(),
+        spread: 0.05,
+        length,
+        radius: chest_radius,
+    };
+    let joining =
+        tree.draw.weighted(&[(Joining::Hinge, 0.3), (Joining::TwoHinges, 0.3), (Joining::ThreeHinges, 0.4)]);
+    let chest = tree.joined_limb("chest".into(), mount, joining);
+    let at = tree.end_of(chest) * 1.05;
+    let length = tree.length(0.5);
+    let mount =
+        Mount { parent: chest, at, towards: Vector3::z(), spread: 0.1, length, radius: 0.35 * length };
+    tree.limb("head".into(), mount);
+    let hands = tree.draw.chance(0.5);
+    let [shoulder, hip] = [0.85, 0.6].map(|share| share * tree.limbs[chest].length);
+    // The chest may be turned about itself in its frame: arms go to both sides of it, whichever these are.
+    for (side, sign) in [("left", 1.0), ("right", -1.0)] {
+        let at = Vector3::new(sign * (chest_radius * 1.25), 0.0, shoulder);
+        let lower = row(
+            &mut tree,
+            &format!("{side}_arm"),
+            chest,
+            at,
+            Vector3::new(sign, 0.0, -0.7),
+            0.15,
+            &[1.0, 0.9],
+        );
+        let mount = Mount {
+            parent: lower,
+            at: tree.end_of(lower) * 1.03,
+            towards: Vector3::z(),
+            spread: 0.0,
+            length: tree.length(0.4),
+            radius: 0.0,
+        };
+        let joining = tree.style.joining(&mut tree.draw);
+        let (palm, size) = palm(&mut tree, format!("{side}_hand"), mount, joining);
+        if hands {
+            fingers(&mut tree, palm, &format!("{side}_"), size);
+        }
+    }
+    for (side, sign) in [("left", 1.0), ("right", -1.0)] {
+        let at = Vector3::new(sign * half.x.max(hip * 0.3) * 0.7, 0.0, -1.15 * half.z);
+        let towards = Vector3::new(0.2 * sign, 0.0, -1.0);
+        row(&mut tree, &format!("{side}_leg"), 0, at, towards, 0.1, &[1.2, 1.1, 0.5]);
+    }
+    tree
+}
+
+fn walker(mut tree: Tree) -> Tree {
+    let half = tree.trunk_half();
+    let pairs = tree.draw.count(2, 4);
+    let rise = tree.draw.between(-0.6, 0.3);
+    let segments = tree.draw.count(2, 3);
+    for pair in 0..pairs {
+        let y = half.y * (1.6 * (pair as f64 + 0.5) / pairs as f64 - 0.8);
+        for (side, sign) in [("left", 1.0), ("right", -1.0)] {
+            let at = Vector3::new(sign * 1.15 * half.x, y, 0.0);
+            let towards = Vector3::new(sign, 0.6 * y / half.y, rise);
+            let shares = &[0.5, 1.0, 1.2][3 - segments..];
+            row(&mut tree, &format!("{side}_leg_{}", pair + 1), 0, at, towards, 0.12, shares);
+        }
+    }
+    tree
+}
+
+fn arms(mut tree: Tree) -> Tree {
+    let half = tree.trunk_half();
+    let (count, joints) = (tree.draw.count(1, 3), tree.draw.count(3, 6));
+    let hands = tree.draw.chance(0.6);
+    for arm in 0..count {
+        let x = half.x * (1.6 * (arm as f64 + 0.5) / count as f64 - 0.8);
+        let at = Vector3::new(x, 0.0, 1.15 * half.z);
+        let towards = Vector3::new(0.7 * x / half.x, 0.0, 1.0);
+        let side = format!("arm_{}", arm + 1);
+        let shares: Vec<f64> = (0..joints).map(|k| [0.5, 1.2, 1.0, 0.8, 0.5, 0.4][k]).collect();
+        let last = row(&mut tree, &side, 0, at, towards, 0.2, &shares);
+        if hands {
+            let mount = Mount {
+                parent: last,
+                at: tree.end_of(last) * 1.03,
+                towards: Vector3::z(),
+                spread: 0.0,
+                length: tree.length(0.4),
+                radius: 0.0,
+            };
+            let joining = tree.style.joining(&mut tree.draw);
+            let (palm, size) = palm(&mut tree, format!("{side}_hand"), mount, joining);
+            fingers(&mut tree, palm, &format!("{side}_"), size);
+        }
+    }
+    tree
+}
+
+fn hand(mut tree: Tree) -> Tree {
+    let length = tree.length(1.0);
+    let mount = Mount { parent: 0, at: top(&tree), towards: Vector3::z(), spread: 0.0, length, radius: 0.0 };
+    let joining =
+        tree.draw.weighted(&[(Joining::TwoHinges, 0.6), (Joining::Hinge, 0.2), (Joining::ThreeHinges, 0.2)]);
+    let (palm, size) = palm(&mut tree, "palm".into(), mount, joining);
+    fingers(&mut tree, palm, "", size);
+    tree
+}
+
+fn random_tree(mut tree: Tree) -> Tree {
+    let count = tree.draw.count(4, 18);
+    let half = tree.trunk_half();
+    for limb in 1..=count {
+        let parent = tree.draw.count(0, limb - 1);
+        let (at, towards) = if parent == 0 {
+            let towards = tree.draw.direction();
+            (Tree::on_trunk(half, &towards), towards)
+        } else if tree.draw.chance(0.6) {
+            (tree.end_of(parent), tree.draw.about(&Vector3::z(), 1.0))
+        } else {
+            // From its side.
+            let across = tree.draw.twist() * Vector3::x();
+            let reach = tree.limbs[parent].length * (tree.thickness * 1.5);
+            (tree.end_of(parent) * tree.draw.between(0.4, 0.9) + across * reach, across + Vector3::z() * 0.5)
+        };
+        let share = tree.draw.log_between(0.5, 1.6);
+        let length = tree.length(share);
+        let radius = tree.radius(length);
+        tree.limb(
+            format!("limb_{limb}"),
+            Mount { parent, at, towards: towards.normalize(), spread: 0.3, length, radius },
+        );
+    }
+    tree
+}

@@ -1,0 +1,143 @@
+//! Generated bodies: the same on every machine, as they are described, of all kinds and sizes; and the study of them.
+
+use std::collections::BTreeSet;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use crate::common::program::{refused, succeeds};
+use crate::common::repository;
+use bodyschema::agent::Agent;
+use bodyschema::creature::{Body, DofKind, JointSelection};
+use bodyschema::deadline::Deadline;
+use bodyschema::experiment::bodies::{DrawnBody, Family, GeneratedBody, LENGTHS};
+use bodyschema::experiment::study::bodies::{BodiesOptions, BodyTrial, WAYS, findings, trial};
+use bodyschema::learning::{Input, Learner, SecondOrder, Verdict};
+use bodyschema::mujoco::Model;
+use sha2::{Digest, Sha256};
+
+/// Seeds that are looked at.
+const SEEDS: std::ops::RangeInclusive<u64> = 1..=200;
+
+#[test]
+fn a_seed_gives_the_same_bytes_for_ever() {
+    let found = [1, 7, 27, 45].map(|seed| {
+        let hash = Sha256::digest(GeneratedBody::new(seed).mjcf);
+        hash[..4].iter().map(|byte| format!("{byte:02x}")).collect::<String>()
+    });
+    assert_eq!(found, ["cfdb0ed2", "6b45b427", "6385d835", "74c1ce14"]);
+}
+
+#[test]
+fn every_body_loads_and_is_what_it_is_said_to_be() {
+    for seed in SEEDS {
+        let GeneratedBody { drawn, mjcf, .. } = GeneratedBody::new(seed);
+        let model = Model::from_xml(&mjcf).unwrap_or_else(|error| panic!("seed {seed}: {error}"));
+        assert_eq!(model.warning(), None, "seed {seed}");
+        let body = Body::new(Arc::new(model), &JointSelection::All).unwrap();
+        let creature = &body.creature;
+        let of_kind = |kind: DofKind| creature.dofs().filter(|dof| dof.kind == kind).count();
+        let found = [DofKind::Hinge, DofKind::Slide, DofKind::Ball].map(of_kind);
+        assert_eq!(found, [drawn.hinges, drawn.slides, drawn.balls], "seed {seed}");
+        assert_eq!(creature.dof(), drawn.dof, "seed {seed}");
+        assert_eq!(creature.limbs().len(), drawn.limbs + drawn.bare, "seed {seed}");
+        assert_eq!(
+            creature.dofs().filter(|dof| dof.follows.is_some()).count(),
+            drawn.followers,
+            "seed {seed}"
+        );
+        assert_eq!(creature.name(), format!("body-{seed}"));
+        assert!(creature.dofs().all(|dof| dof.range[0] < dof.range[1]), "seed {seed}");
+        assert!(creature.dofs().all(|dof| dof.range[0] <= 0.0 && dof.range[1] > 0.0), "seed {seed}");
+    }
+}
+
+#[test]
+fn families_sizes_and_joints_of_all_kinds_occur() {
+    let drawn: Vec<_> = SEEDS.map(|seed| GeneratedBody::new(seed).drawn).collect();
+    for family in Family::ALL {
+        let count = drawn.iter().filter(|body| body.family == family.name()).count();
+        assert!(count >= 10, "{family}: {count}");
+    }
+    let [least, most] = LENGTHS;
+    assert!(drawn.iter().all(|body| (least..=most).contains(&body.length)));
+    for decade in [0.01, 0.1, 1.0] {
+        let count = drawn.iter().filter(|body| (decade..10.0 * decade).contains(&body.length)).count();
+        assert!((40..=100).contains(&count), "{count} bodies from {decade} m on");
+    }
+    let kinds = |body: &DrawnBody| {
+        let DrawnBody { slides, balls, locked, spins, followers, welded, bare, skew, .. } = *body;
+        [slides, balls, locked, spins, followers, welded, bare]
+            .map(|count| count > 0)
+            .into_iter()
+            .chain([skew == 0.0, skew > 1.0])
+    };
+    for kind in 0..kinds(&drawn[0]).count() {
+        let having = drawn.iter().filter(|body| kinds(body).nth(kind) == Some(true)).count();
+        assert!(having >= 5, "kind {kind}: {having} bodies");
+    }
+    let texts: BTreeSet<String> = SEEDS.map(|seed| GeneratedBody::new(seed).mjcf).collect();
+    assert_eq!(texts.len(), SEEDS.count(), "every seed another body");
+    for part in ["<freejoint", "<touch ", "type=\"ellipsoid\"", "type=\"cylinder\"", "type=\"box\""] {
+        let count = texts.iter().filter(|text| text.contains(part)).count();
+        assert!((20..200).contains(&count), "{count} bodies have {part}");
+    }
+}
+
+/// Small bodies that are soon learned.
+const SMALL: [u64; 3] = [8, 12, 46];
+
+#[test]
+fn of_small_bodies_nothing_is_claimed_wrongly_and_a_trial_is_read_back_whole() {
+    let trials = SMALL.map(|seed| trial(seed, &BodiesOptions { touches: 150, ..BodiesOptions::default() }));
+    let texts = trials.each_ref().map(|trial| serde_json::to_string(trial).unwrap());
+    let read: Vec<BodyTrial> = texts.iter().map(|text| serde_json::from_str(text).unwrap()).collect();
+    assert_eq!(read, trials);
+    let found = findings(&read);
+    assert_eq!(found.measurements.len(), SMALL.len() * WAYS.len());
+    assert!(found.measurements.iter().any(|row| row.claims > 0));
+    for row in &found.measurements {
+        assert_eq!(row.wrong, 0, "{row:?}");
+        assert!(row.claims <= row.pairs && row.joints_named <= row.joints, "{row:?}");
+        assert!(row.outcome != "panicked" && row.outcome != "refused", "{row:?}");
+    }
+    let all: Vec<_> = found.summary.iter().filter(|row| row.family == "all").collect();
+    assert!(all.iter().zip(WAYS).all(|(row, way)| row.way == way && row.bodies == SMALL.len()));
+    assert!(all[0].learned + all[0].learned_except > 0, "{:?}", all[0]);
+}
+
+#[test]
+fn who_has_no_time_is_told_so() {
+    let embodied = Agent::from_mjcf(repository("mjcf/hexapod/hexapod.xml")).unwrap();
+    let babbled = embodied.babble(300).unwrap();
+    let learner = |agent| {
+        let mut learner = SecondOrder::new(agent, Input::Contact, 1);
+        learner.end_at(Deadline::after(Instant::now(), Duration::ZERO));
+        learner
+    };
+    match babbled.learn_with(learner).unwrap().0.verdict {
+        Verdict::Failed(why) => assert!(why.contains("time was over") && why.contains("--seconds"), "{why}"),
+        other => panic!("{other:?}"),
+    }
+}
+
+#[test]
+fn the_program_writes_bodies_and_studies_them() {
+    let place = tempfile::tempdir().unwrap();
+    let text = succeeds(place.path(), &["generate", "--seed", "8"]);
+    assert_eq!(text.trim(), GeneratedBody::new(8).mjcf.trim());
+    let json =
+        succeeds(place.path(), &["generate", "--seed", "7", "--count", "3", "--out", "many", "--json"]);
+    assert_eq!(json.lines().count(), 3);
+    for seed in 7..=9 {
+        let file = place.path().join(format!("many/body-{seed}.xml"));
+        assert_eq!(std::fs::read_to_string(file).unwrap(), GeneratedBody::new(seed).mjcf);
+    }
+    let message = refused(place.path(), 2, &["generate", "--count", "3"]);
+    assert!(message.contains("--out"), "{message}");
+    let message = refused(place.path(), 1, &["study", "bodies", "many/body-8.xml"]);
+    assert!(message.contains("leave out the model"), "{message}");
+    let arguments = ["study", "bodies", "--seed", "8", "--trials", "1", "--touches", "40", "--json"];
+    let found: serde_json::Value = serde_json::from_str(&succeeds(place.path(), &arguments)).unwrap();
+    assert_eq!((&found["rows"][0]["seed"], &found["wrong_claims"]), (&8.into(), &0.into()));
+    assert!(place.path().join("studies/bodies/study.csv").is_file());
+}
