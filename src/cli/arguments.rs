@@ -40,18 +40,19 @@ pub fn given<'a>(command: &'a Command, matches: &ArgMatches) -> Vec<&'a Arg> {
 /// which is named.
 pub fn command_line(command: &Command, arguments: &Arguments) -> Result<Vec<String>, String> {
     let mut line = vec![command.get_name().to_string()];
-    let mut positional = Vec::new();
     for (option, values) in arguments {
         let found = command.get_arguments().find(|argument| name(argument) == option);
-        let argument = found.ok_or_else(|| option.clone())?;
-        match argument.get_long() {
-            None => positional.extend(values.iter().cloned()),
+        match found.ok_or_else(|| option.clone())?.get_long() {
+            // In the order in which the command has them, below.
+            None => {}
             Some(long) if values.is_empty() => line.push(format!("--{long}")),
             Some(long) => line.extend(values.iter().map(|value| format!("--{long}={value}"))),
         }
     }
     line.push("--".to_string());
-    line.extend(positional);
+    line.extend(
+        command.get_positionals().filter_map(|positional| arguments.get(name(positional))).flatten().cloned(),
+    );
     Ok(line)
 }
 

@@ -209,7 +209,7 @@ fn shares_that_do_not_belong_together_are_refused() {
 
 /// A study of two learners' courses on a small creature, with a share or none.
 fn study<'a>(name: &'a str, more: &[&'a str]) -> Vec<&'a str> {
-    let study = ["study", name, "arms.xml", "--trials", "5", "--seed", "7", "--touches", "40", "--out"];
+    let study = ["study", name, "arms.xml", "--trials", "5", "--seed", "7", "--touches", "12", "--out"];
     [&study[..], more].concat()
 }
 
@@ -238,7 +238,7 @@ fn trials_of_a_study_are_shared_and_come_to_the_tables_of_one_process() {
             assert!(told.contains(&format!("share {share}")) && told.contains("merge"), "{told}");
         }
         let told = succeeds(place, &["merge", out]);
-        assert!(told.contains("5 trials of 40 touches, seeds 7 8 9 10 11"), "{told}");
+        assert!(told.contains("5 trials of 12 touches, seeds 7 8 9 10 11"), "{told}");
         let table = |folder: &str| fs::read(place.join(folder).join("study.csv")).unwrap();
         assert!(table("one") == table(out), "{out} has another table");
         assert_eq!(found(place, "one"), found(place, out));
@@ -268,7 +268,7 @@ fn trials_that_are_missing_are_named_by_their_shares_and_only_they_are_made() {
     fs::write(trials.join("11.ron"), trial).unwrap();
     // Another study is not mixed with it.
     let other =
-        ["study", "learners", "arms.xml", "--trials", "5", "--seed", "8", "--touches", "40", "--out", "out"];
+        ["study", "learners", "arms.xml", "--trials", "5", "--seed", "8", "--touches", "12", "--out", "out"];
     let message = refused(place, 1, &[&other[..], &["--shard", "1/2"]].concat());
     assert!(message.contains("seed is 7") && message.contains("--out"), "{message}");
     succeeds(place, &["merge", "out"]);
@@ -315,7 +315,7 @@ fn gnu_parallel_makes_all_shares_and_only_those_that_are_missing() {
     script("parallel.sh", "parallel", place, &session);
     assert_eq!(jobs(), 1);
     same(place, "one", "session");
-    let table = ["2", "table", program, "study", "learners", "arms.xml", "--trials", "3", "--touches", "40"];
+    let table = ["2", "table", program, "study", "learners", "arms.xml", "--trials", "3", "--touches", "12"];
     let told = script("parallel.sh", "parallel", place, &table).unwrap();
-    assert!(told.contains("3 trials of 40 touches"), "{told}");
+    assert!(told.contains("3 trials of 12 touches"), "{told}");
 }
