@@ -89,7 +89,7 @@ fn tables_of_learning_with_anything_wrong_are_refused_by_line() {
     let wrong: [(&dyn Fn(&str) -> String, &str); 6] = [
         (&|good| good.replace(',', ";"), "line 1: "),
         (&|good| good.replace(',', "\t"), "line 1: "),
-        (&|good| good.replacen("touches", "touch", 1), "there is no column touches"),
+        (&|good| good.replacen("touches", "touch", 1), "there is a column touch, where touches is meant"),
         (&|good| format!("{good}inf\n"), "inf is no number that a measure can have"),
         (&|good| format!("{good}1\n"), "cells in place of"),
         (&|good| good.replacen("converged,", "", 1), "cells in place of"),
