@@ -128,7 +128,7 @@ impl AccountEntry {
             return Err(format!("its account has a distance or deviation of {wrong} m: {MEND}").into());
         }
         let rows = self.determined.iter().flat_map(|found| &found.information);
-        if let Some(wrong) = rows.filter_map(|row| row.last()).find(|x| !(**x >= 0.0)) {
+        if let Some(wrong) = rows.filter_map(|row| row.last()).find(|x| x.is_nan() || **x < 0.0) {
             return Err(format!("its account has an information of {wrong}, below nothing: {MEND}").into());
         }
         if let Some(found) = &self.determined {
@@ -218,7 +218,8 @@ impl DeterminedEntry {
         let own = |i: usize| self.information[i].get(i).copied().unwrap_or_default();
         for (i, row) in self.information.iter().enumerate() {
             for (j, x) in row.iter().enumerate().take(i) {
-                if !(x * x <= own(i) * own(j) * (1.0 + ROUNDING)) {
+                let most = own(i) * own(j) * (1.0 + ROUNDING);
+                if x.is_nan() || x * x > most {
                     return Err(format!(
                         "its information of parameters {i} and {j} together, {x}, is more than that of each: {MEND}"
                     )

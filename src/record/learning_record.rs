@@ -170,9 +170,6 @@ impl LearningRecord {
             );
             return Err(refuse(message));
         }
-        if record.verdict.trim().is_empty() {
-            return Err(refuse("it has no verdict: learn again with `bodyschema learn`".into()));
-        }
         let account = content.account.map(|entry| entry.account(creature)).transpose();
         record.account = account.map_err(|fault| refuse(fault.into()))?;
         for (i, entry) in content.checkpoints.iter().enumerate() {
