@@ -142,6 +142,13 @@ fn check(creature: &Creature, skin: &Skin) -> Result<(), AgentError> {
         if receptor.surface.is_some_and(|surface| surface >= skin.surfaces.len()) {
             return Err(AgentError::ReceptorSurface { id: id() });
         }
+        if let Some(surface) =
+            receptor.surface.filter(|surface| skin.surfaces[*surface].limb != receptor.limb)
+        {
+            let fault =
+                format!("is on another limb than its surface {surface} (from 0): mend one of the two");
+            return Err(AgentError::Receptor { id: id(), fault });
+        }
         let vectors = [&receptor.position, &receptor.normal, &receptor.tangent];
         let mut numbers = vectors.into_iter().flatten().chain(&receptor.half_extents);
         if !numbers.all(|number| number.is_finite()) {

@@ -9,12 +9,12 @@ use rlimit::Resource;
 
 use super::progress::Bars;
 use super::{Failure, Outcome};
-use crate::creature::{Body, JointSelection};
+use crate::creature::{Body, DofKind, JointSelection};
 use crate::experiment::{self, Embodied, ModelSource};
 use crate::ground_truth::GroundTruth;
 use crate::mjcf_xml::unreadable_mesh;
 use crate::mujoco::{Data, LeftOut, Model};
-use crate::record::Session;
+use crate::record::{Session, wide_ranges};
 
 /// Processor time that a file may take to load, seconds.
 const TIME: u64 = 20;
@@ -40,7 +40,13 @@ impl ModelArguments {
 /// Reads a creature in its model with its skin, after another process has shown that the engine survives it.
 pub fn embodied(source: ModelSource) -> Result<Embodied, Failure> {
     rehearse(&source.model)?;
-    Ok(Embodied::open(source, &Bars::default())?)
+    let place = source.model.display().to_string();
+    let embodied = Embodied::open(source, &Bars::default())?;
+    let hinges = embodied.agent().creature().dofs().filter(|dof| dof.kind == DofKind::Hinge);
+    if let Some(note) = wide_ranges(hinges.map(|dof| (dof.name.as_str(), dof.range))) {
+        tell!("{place}: {note}");
+    }
+    Ok(embodied)
 }
 
 /// Reads a model and the creature in it, after another process has shown that the engine survives it.

@@ -15,6 +15,7 @@ mod references;
 mod schema;
 mod source;
 mod urdf;
+mod urdf_names;
 mod values;
 mod write;
 
@@ -27,6 +28,7 @@ pub(crate) use pose::{Angles, ORIENTATIONS};
 pub(crate) use reduce::Reduced;
 pub(crate) use source::{Refused, Source, place};
 pub(crate) use urdf::to_mjcf as urdf_to_mjcf;
+pub(crate) use urdf_names::{attribute_meant, element_meant, is_known};
 pub(crate) use values::check as check_values;
 pub(crate) use write::{Texts, numbered, write};
 

@@ -14,7 +14,8 @@ use super::left_out::LeftOut;
 use super::pose::{numbers, set_pose, vector};
 use super::reduce::Reduced;
 use super::source::{Refused, Source, whole_folder_of};
-use super::{attribute, element, exact};
+use super::urdf_names::{attribute_meant, element_meant, is_known};
+use super::{attribute, element, exact, titled};
 
 /// The link that stands for the world where it is the root.
 const WORLD: &str = "world";
@@ -26,6 +27,7 @@ const UNNEEDED: [&str; 5] = ["material", "gazebo", "transmission", "mujoco", "ro
 /// # Errors
 /// Where its links and joints make no tree.
 pub(crate) fn to_mjcf(source: &Source) -> Result<Reduced, Refused> {
+    check_names(source, &source.root)?;
     let robot = Robot::new(source)?;
     let mut left_out = LeftOut::default();
     for child in source.root.children.iter().filter_map(XMLNode::as_element) {
@@ -71,6 +73,28 @@ pub(crate) fn to_mjcf(source: &Source) -> Result<Reduced, Refused> {
     ];
     mujoco.children = sections.into_iter().map(XMLNode::Element).collect();
     Ok(Reduced::plain(mujoco, left_out))
+}
+
+/// Refuses names that are nearly some of URDF.
+fn check_names(source: &Source, element: &Element) -> Result<(), Refused> {
+    let slip = element.attributes.keys().find_map(|name| Some((name, attribute_meant(&element.name, name)?)));
+    if let Some((name, meant)) = slip {
+        let message =
+            format!("{name}=\"…\" of {} is none of URDF; correct it, if {meant} is meant", titled(element));
+        return Err(source.refused(element, message));
+    }
+    if !is_known(&element.name) {
+        return Ok(());
+    }
+    element.children.iter().filter_map(XMLNode::as_element).try_for_each(|child| {
+        match element_meant(&element.name, &child.name) {
+            Some(meant) => {
+                let message = format!("<{}> is none of URDF; correct it, if <{meant}> is meant", child.name);
+                Err(source.refused(child, message))
+            }
+            None => check_names(source, child),
+        }
+    })
 }
 
 /// A robot's links and joints.

@@ -13,7 +13,7 @@ use super::{attribute, titled};
 const PLACED: [&str; 6] = ["body", "frame", "replicate", "geom", "site", "inertial"];
 
 /// What holds so many numbers: elements, their attribute, the count.
-const COUNTED: [(&[&str], &str, usize); 27] = [
+const COUNTED: [(&[&str], &str, usize); 33] = [
     (&PLACED, "pos", 3),
     (&PLACED, "quat", 4),
     (&PLACED, "axisangle", 4),
@@ -32,6 +32,12 @@ const COUNTED: [(&[&str], &str, usize); 27] = [
     // Of URDF; the scale of a mesh is of both.
     (&["mesh"], "scale", 3),
     (&["mass"], "value", 1),
+    (&["inertia"], "ixx", 1),
+    (&["inertia"], "ixy", 1),
+    (&["inertia"], "ixz", 1),
+    (&["inertia"], "iyy", 1),
+    (&["inertia"], "iyz", 1),
+    (&["inertia"], "izz", 1),
     (&["origin"], "xyz", 3),
     (&["origin"], "rpy", 3),
     (&["axis"], "xyz", 3),

@@ -91,6 +91,8 @@ struct DeterminedEntry {
     information: Vec<Vec<f64>>,
 }
 
+/// How far rounding may take an information beyond what it can be.
+const ROUNDING: f64 = 1e-6;
 /// The greatest distance or deviation, metres; a creature that is not learned may be told to be anywhere.
 const GREATEST: f64 = 1e15;
 
@@ -126,8 +128,11 @@ impl AccountEntry {
             return Err(format!("its account has a distance or deviation of {wrong} m: {MEND}").into());
         }
         let rows = self.determined.iter().flat_map(|found| &found.information);
-        if let Some(wrong) = rows.filter_map(|row| row.last()).find(|x| !(**x >= 0.0)) {
+        if let Some(wrong) = rows.filter_map(|row| row.last()).find(|x| x.is_nan() || **x < 0.0) {
             return Err(format!("its account has an information of {wrong}, below nothing: {MEND}").into());
+        }
+        if let Some(found) = &self.determined {
+            found.check()?;
         }
         let account = match (&self.determined, &self.placed) {
             (Some(found), Some(placed)) => Some(placed.account(found.observability(creature)?, creature)?),
@@ -206,6 +211,23 @@ impl DeterminedEntry {
                 .map(|i| (0..=i).map(|j| information[(i, j)]).collect())
                 .collect(),
         }
+    }
+
+    /// Refuses an information that is none: of two parameters together it is at most the mean of that of each.
+    fn check(&self) -> Result<(), ContentFault> {
+        let own = |i: usize| self.information[i].get(i).copied().unwrap_or_default();
+        for (i, row) in self.information.iter().enumerate() {
+            for (j, x) in row.iter().enumerate().take(i) {
+                let most = own(i) * own(j) * (1.0 + ROUNDING);
+                if x.is_nan() || x * x > most {
+                    return Err(format!(
+                        "its information of parameters {i} and {j} together, {x}, is more than that of each: {MEND}"
+                    )
+                    .into());
+                }
+            }
+        }
+        Ok(())
     }
 
     fn observability(&self, creature: &Creature) -> Result<Observability, ContentFault> {

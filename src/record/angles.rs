@@ -64,7 +64,7 @@ impl HingeAngles<'_> {
 }
 
 /// Ranges beyond a full turn, as a sentence.
-pub(super) fn wide_ranges<'a>(hinges: impl Iterator<Item = (&'a str, [f64; 2])>) -> Option<String> {
+pub(crate) fn wide_ranges<'a>(hinges: impl Iterator<Item = (&'a str, [f64; 2])>) -> Option<String> {
     let wide: Vec<_> =
         { hinges }.filter(|(_, range)| range.iter().any(|end| end.abs() > TAU + 0.01)).collect();
     let (name, [low, high]) = *wide.first()?;
@@ -72,6 +72,6 @@ pub(super) fn wide_ranges<'a>(hinges: impl Iterator<Item = (&'a str, [f64; 2])>)
         if wide.len() > 1 { format!(" and those of {} more", wide.len() - 1) } else { String::new() };
     Some(format!(
         "the range of {name}, {low} to {high}{others}, goes beyond a full turn of 6.283 radians: if it is in degrees, convert \
-         it, and the log's angles with it"
+         it, and all angles with it"
     ))
 }

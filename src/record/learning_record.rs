@@ -160,6 +160,16 @@ impl LearningRecord {
             )));
         }
         let mut record = content.record;
+        let of_creature = |name: &&String| {
+            creature.limb(name).is_some() || creature.joints().iter().any(|joint| joint.name == **name)
+        };
+        let named = record.undetermined.iter().chain(&record.undetermined_limbs);
+        if let Some(other) = { named }.find(|name| !of_creature(name)) {
+            let message = format!(
+                "it names \"{other}\", which the creature does not have: learn again with `bodyschema learn`"
+            );
+            return Err(refuse(message));
+        }
         let account = content.account.map(|entry| entry.account(creature)).transpose();
         record.account = account.map_err(|fault| refuse(fault.into()))?;
         for (i, entry) in content.checkpoints.iter().enumerate() {

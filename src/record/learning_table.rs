@@ -5,7 +5,22 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use super::{Action, LEARNING_FILE, RecordError, files};
+use crate::calibration::robot::{likely, nearest_name};
 
+/// Columns that learning writes.
+const COLUMNS: [&str; 9] = [
+    "touches",
+    "predicted_gap_mm",
+    "predicted_deviation_mm",
+    "converged",
+    "fresh_rms",
+    "heldout_mean_mm",
+    "heldout_p95_mm",
+    "hand_mean_mm",
+    "axis_median_deg",
+];
+/// Touches of a log at the most.
+const MOST_TOUCHES: f64 = 1e8;
 /// Numbers in the table at the most; what is farther off is none that learning gives.
 const GREATEST: f64 = 1e15;
 
@@ -110,6 +125,19 @@ pub fn read_learning_table(folder: &Path) -> Result<LearningRows, RecordError> {
     if let Some(twice) = (1..columns.len()).find(|&k| columns[..k].contains(&columns[k])) {
         return Err(refuse(1, format!("there are two columns {}", columns[twice])));
     }
+    if let Some(slip) = columns.iter().find(|name| !COLUMNS.contains(&name.as_str())) {
+        let near = nearest_name(slip, COLUMNS.into_iter()).filter(|near| likely(slip, near));
+        if let Some(near) = near {
+            return Err(refuse(1, format!("there is a column {slip}, where {near} is meant")));
+        }
+    }
+    let has = |name: &str| columns.iter().any(|column| column == name);
+    if has("predicted_gap_mm") != has("predicted_deviation_mm") {
+        return Err(refuse(
+            1,
+            "it has one of predicted_gap_mm and predicted_deviation_mm, and not the other".into(),
+        ));
+    }
     let Some(touches) = columns.iter().position(|name| name == "touches") else {
         return Err(refuse(1, "there is no column touches".into()));
     };
@@ -121,6 +149,7 @@ pub fn read_learning_table(folder: &Path) -> Result<LearningRows, RecordError> {
             Err(_) => Err(refuse(n + 2, format!("\"{cell}\" is no number"))),
         },
     };
+    let mut last = 0.0;
     let row = |(n, line): (usize, &str)| {
         let cells = line.split(',').map(|cell| number(n, cell)).collect::<Result<Vec<_>, _>>()?;
         if cells.len() != columns.len() {
@@ -128,7 +157,18 @@ pub fn read_learning_table(folder: &Path) -> Result<LearningRows, RecordError> {
             return Err(refuse(n + 2, format!("it has {cells} cells in place of {columns}")));
         }
         match cells[touches] {
-            Some(count) if count >= 0.0 && count.fract() == 0.0 => Ok(cells),
+            Some(count) if (0.0..=MOST_TOUCHES).contains(&count) && count.fract() == 0.0 => {
+                if count < last {
+                    return Err(refuse(n + 2, format!("it is of {count} touches, after {last}")));
+                }
+                last = count;
+                let negative =
+                    |k: usize| columns[k] != "predicted_gap_mm" && cells[k].is_some_and(|x| x < 0.0);
+                match (0..columns.len()).find(|&k| negative(k)) {
+                    Some(k) => Err(refuse(n + 2, format!("its {} is negative", columns[k]))),
+                    None => Ok(cells),
+                }
+            }
             _ => Err(refuse(n + 2, "its number of touches is no whole number".into())),
         }
     };

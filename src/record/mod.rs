@@ -41,6 +41,7 @@ mod touch_reader;
 mod touch_writer;
 
 pub use account::RecordedAccount;
+pub(crate) use angles::wide_ranges;
 pub use bout_log::{BoutLine, BoutLog, read_bouts};
 pub(crate) use error::shortened;
 pub use error::{Action, RecordError};

@@ -158,7 +158,26 @@ pub fn read_schema_with_std(
     let content: SchemaFile =
         serde_json::from_slice(&json).map_err(|error| RecordError::json(path, "body schema", &error))?;
     let schema = schema_of(&content, creature).map_err(|message| RecordError::format(path, None, message))?;
+    if let Some(fault) = half_deviations(&content.joints) {
+        return Err(RecordError::format(path, None, fault));
+    }
     Ok((schema, std_of(&content.joints)))
+}
+
+/// What is wrong where some joints have deviations and others none: one that is misspelt would be unknown in silence.
+fn half_deviations(joints: &[JointEntry]) -> Option<String> {
+    let turning = |axis: &&AxisEntry| axis.axis.is_some();
+    let with = |joint: &JointEntry| {
+        let axes = joint.axes.iter().filter(turning).map(|axis| axis.axis_std.is_some());
+        [joint.position_std.is_some()].into_iter().chain(axes).collect::<Vec<_>>()
+    };
+    let any = joints.iter().flat_map(with).any(|given| given);
+    let without = joints.iter().find(|joint| any && with(joint).contains(&false))?;
+    Some(format!(
+        "joint \"{}\" lacks a position_std or an axis_std, which others have: give it, null where nothing is known, or leave \
+         out all",
+        without.joint
+    ))
 }
 
 /// The standard deviations of joints; none where the file has none.

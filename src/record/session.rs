@@ -63,6 +63,8 @@ struct SessionFile {
     host: Option<Host>,
     seed: u64,
     options: SessionOptions,
+    // There as a null at least: what is misspelt would be none in silence.
+    #[serde(deserialize_with = "Option::deserialize")]
     effort: Option<BabblingEffort>,
     creature: Creature,
     skin: Skin,

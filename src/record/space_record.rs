@@ -81,12 +81,21 @@ impl SpaceRecord {
             let message = "it has a size or a place that cannot be: make it anew with `bodyschema space`";
             return Err(RecordError::format(&path, None, message));
         }
+        if record.hands.len() != record.litres.len() {
+            let message = "it has not the volumes of every hand: make it anew with `bodyschema space`";
+            return Err(RecordError::format(&path, None, message));
+        }
         for (i, slice) in record.slices.iter().enumerate() {
             let digits = |row: &String| row.bytes().all(|digit| (b'0'..=b'4').contains(&digit));
             let [a, b] = slice.axes;
-            if a > 2 || b > 2 || a == b || !slice.rows.iter().all(digits) {
+            if a > 2
+                || b > 2
+                || a == b
+                || !slice.rows.iter().all(digits)
+                || slice.rows.iter().any(|row| row.len() != slice.rows[0].len())
+            {
                 let message = format!(
-                    "its slice {} has other axes than two of 0 to 2, or other digits than 0 to 4: make it anew with \
+                    "its slice {} has other axes than two of 0 to 2, other digits than 0 to 4, or rows of several lengths: make it anew with \
                      `bodyschema space`",
                     i + 1
                 );

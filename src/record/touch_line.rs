@@ -1,5 +1,7 @@
 //! The lines of the log of touches: what they hold, and what makes one right.
 
+use std::f64::consts::TAU;
+
 use serde::{Deserialize, Serialize};
 
 use super::UNIT_LENGTH;
@@ -13,6 +15,10 @@ use crate::senses::{Moment, Touch};
 pub(super) const STAMP: Stamp = Stamp { format: "bodyschema touches", version: 1 };
 /// Times, forces and depths at the most, seconds, newtons and metres: thirty years, and the weight of an oil tanker.
 const GREATEST_MOMENT: f64 = 1e9;
+/// A contact is at most so many times as far from its receptor as that reaches from its joint …
+const FAR: f64 = 10.0;
+/// … or as this is, metres.
+const LEAST_REACH: f64 = 0.1;
 /// The units of a log: of positions and distances, and of angles.
 pub(super) const UNITS: &str = "m rad";
 
@@ -101,9 +107,18 @@ pub(super) fn check(touch: &Touch, agent: &Agent) -> Result<(), ContentFault> {
             DofKind::Slide => (coordinates.iter().all(|x| is_length(*x)), "metres"),
             DofKind::Ball => (true, ""),
         };
+        // Beyond its range by a whole turn it would be another angle with the turn taken off.
+        let [low, high] = dof.range;
+        let beyond = (low - coordinates[0]).max(coordinates[0] - high);
+        let possible = possible
+            && match dof.kind {
+                DofKind::Hinge => beyond <= TAU,
+                DofKind::Slide => beyond <= 1.0 + 10.0 * (high - low),
+                DofKind::Ball => true,
+            };
         if !possible {
             return Err(format!(
-                "the posture's {} is {}, where no joint gets to: give {unit}, or leave the touch out",
+                "the posture's {} is {}, far beyond its range of {low:.3} to {high:.3}: give {unit}, or leave the touch out",
                 dof.name, coordinates[0]
             )
             .into());
@@ -136,6 +151,15 @@ pub(super) fn check(touch: &Touch, agent: &Agent) -> Result<(), ContentFault> {
         }
         if let Some(fault) = place_fault(&end.contact) {
             return Err(format!("the contact at \"{}\" {fault}, or leave the touch out", receptor.id).into());
+        }
+        let reach = receptor.position.norm() + receptor.half_extents.iter().sum::<f64>();
+        let away = (end.contact - receptor.position).norm();
+        if away > FAR * (reach + LEAST_REACH) {
+            return Err(format!(
+                "the contact at \"{}\" is {away:.3} m from it: give metres in the limb's frame, or leave the touch out",
+                receptor.id
+            )
+            .into());
         }
         if let Some(wrong) = end.deviation.filter(|std| !(is_deviation(*std) && std.is_finite())) {
             return Err(format!(

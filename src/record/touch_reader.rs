@@ -1,6 +1,7 @@
 //! Reading the log of touches, of this program or another.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
+use std::hash::{DefaultHasher, Hash, Hasher};
 use std::io::{BufRead, BufReader};
 use std::path::Path;
 
@@ -48,13 +49,27 @@ pub fn read_touches(path: &Path, agent: &Agent) -> Result<TouchLog, RecordError>
     let mut json = Vec::new();
     file.read_until(b'\n', &mut json).map_err(io())?;
     check_header(path, &json, 1, agent.creature())?;
-    let mut log = TouchLog::default();
+    let (mut log, mut told) = (TouchLog::default(), HashSet::new());
     let end = read_lines(path, &mut file, "touch", |found: FoundLine| {
-        log.touches.push(touch(found, agent, &receptors)?);
+        let touch = touch(found, agent, &receptors)?;
+        if !told.insert(print(&touch)) {
+            return Err("it is a touch that was told before: delete the line".into());
+        }
+        log.touches.push(touch);
         Ok(())
     })?;
     (log.truncated, log.zeros) = (end.incomplete, end.zeros);
     Ok(log)
+}
+
+/// By what a touch is known again: no two motions give the same numbers.
+fn print(touch: &Touch) -> u64 {
+    let mut hasher = DefaultHasher::new();
+    (touch.bout, touch.motion).hash(&mut hasher);
+    let contacts = touch.ends.iter().flat_map(|end| end.contact.iter());
+    touch.posture.iter().chain(contacts).for_each(|x| x.to_bits().hash(&mut hasher));
+    touch.ends.iter().for_each(|end| end.receptor.hash(&mut hasher));
+    hasher.finish()
 }
 
 /// Checks the header, which stands on a line of the log.

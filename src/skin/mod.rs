@@ -39,6 +39,8 @@ pub struct Receptor {
     /// Half extents along the tangent and along normal × tangent, metres.
     pub half_extents: [f64; 2],
     /// The surface it lies on, an index into [`Skin::surfaces`]; none when the model does not tell.
+    // In a file it is there as a null at least: what is misspelt would be none in silence.
+    #[serde(deserialize_with = "Option::deserialize")]
     pub surface: Option<usize>,
 }
 

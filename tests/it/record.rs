@@ -24,9 +24,9 @@ const AWKWARD: [f64; 12] = [
     1.0 / 3.0,
     f64::MIN_POSITIVE,
     5e-324,
-    9999.999999999998,
-    -9999.999999999998,
-    9007.199254740993,
+    0.9999999999999998,
+    -0.9999999999999998,
+    0.9007199254740993,
     2.225073858507201e-308,
     std::f64::consts::PI,
     8.41e-21,
@@ -62,7 +62,8 @@ fn receptor(id: &str, limb: usize, position: Vector3<f64>) -> Receptor {
         normal,
         tangent,
         half_extents: [0.01, 1.0 / 3.0],
-        surface: Some(0),
+        // The only surface is the hand's.
+        surface: (limb == 2).then_some(0),
     }
 }
 
@@ -580,7 +581,7 @@ fn a_wrong_session_is_named() {
     assert!(complaint("\"seed\": 18446744073709551615", "\"seed\": -1", Some(14)).contains("invalid value"));
     assert!(complaint("head_01", "head_00", None).contains("\"head_00\" occurs twice"));
     assert!(complaint("\"limb\": 3", "\"limb\": 4", None).contains("\"head_00\" is on a limb"));
-    assert!(complaint("\"surface\": 0", "\"surface\": 1", None).contains("\"trunk_00\" is on a surface"));
+    assert!(complaint("\"surface\": 0", "\"surface\": 1", None).contains("\"hand_00\" is on a surface"));
     let half = whole[..whole.len() / 2].trim_end();
     fs::write(&path, half).unwrap();
     let text = sentence(&Session::read(folder.path()).unwrap_err(), &path, Some(half.lines().count()));

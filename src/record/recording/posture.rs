@@ -1,5 +1,6 @@
 //! Postures as other programs write them: quaternions of few digits, and angles that look like degrees.
 
+use std::collections::{BTreeMap, HashSet};
 use std::path::Path;
 
 use super::raw::RawTouch;
@@ -9,8 +10,11 @@ use crate::record::{RecordError, UNIT_LENGTH};
 
 /// How far from 1 the length of a quaternion may be that was written with few digits; it is then scaled.
 const ROUNDED: f64 = 0.01;
-/// Points farther from their limb's origin than this, metres, on the median look like millimetres.
+/// Points farther from their limb's origin than this, metres, on the median look like millimetres; a single one so many times
+/// as far as the median is worth a note …
 const FAR: f64 = 10.0;
+/// … and a limb that is shorter than this, metres, is taken to be as long.
+const LEAST: f64 = 0.05;
 /// Share of a degree of freedom's coordinates beyond its range that is worth a note …
 const BEYOND_SHARE: f64 = 0.05;
 /// … where they are beyond it by more than this, radians and metres.
@@ -67,6 +71,46 @@ pub(super) fn refuse_degrees(
     }
 }
 
+/// The first point that is far from its limb for a point of it, as a sentence.
+fn far_point(touches: &[RawTouch]) -> Option<String> {
+    let mut of_limbs: BTreeMap<&str, Vec<(usize, f64)>> = BTreeMap::new();
+    for (touch, end) in touches.iter().flat_map(|touch| touch.ends.iter().map(move |end| (touch, end))) {
+        if let (Some(limb), Some(point)) = (&end.limb, end.point) {
+            of_limbs.entry(limb).or_default().push((touch.line, point.norm()));
+        }
+    }
+    of_limbs.into_iter().find_map(|(limb, points)| {
+        let mut distances: Vec<f64> = points.iter().map(|(_, distance)| *distance).collect();
+        distances.sort_by(f64::total_cmp);
+        let usual = distances[distances.len() / 2].max(LEAST);
+        let (line, far) = points.into_iter().find(|(_, distance)| *distance > FAR * usual)?;
+        Some(format!(
+            "on line {line} the point on {limb} is {far:.3} m from its origin, and half of its points are within {usual:.3} m: \
+             mend it, or leave the touch out"
+        ))
+    })
+}
+
+/// That lines tell the same touch, as a sentence.
+fn told_twice(touches: &[RawTouch]) -> Option<String> {
+    let mut seen = HashSet::new();
+    let bits = |touch: &RawTouch| {
+        let points =
+            touch.ends.iter().filter_map(|end| end.point).flat_map(|point| [point.x, point.y, point.z]);
+        let numbers = touch.posture.iter().copied().chain(points).map(f64::to_bits).collect::<Vec<_>>();
+        let names = touch.ends.iter().map(|end| (end.limb.clone(), end.receptor.clone())).collect::<Vec<_>>();
+        (numbers, names)
+    };
+    let twice: Vec<usize> =
+        touches.iter().filter(|touch| !seen.insert(bits(touch))).map(|touch| touch.line).collect();
+    let first = twice.first()?;
+    Some(format!(
+        "{} of {} touches are told twice, the first on line {first}: leave them out, as they tell nothing new",
+        twice.len(),
+        touches.len()
+    ))
+}
+
 /// What looks odd about a log: coordinates beyond their ranges, points far from their limbs.
 pub(super) fn notes(creature: &Creature, touches: &[RawTouch]) -> Vec<String> {
     let ranges =
@@ -93,6 +137,8 @@ pub(super) fn notes(creature: &Creature, touches: &[RawTouch]) -> Vec<String> {
             notes.push(note);
         }
     }
+    notes.extend(far_point(touches));
+    notes.extend(told_twice(touches));
     let mut distances: Vec<f64> =
         touches.iter().flat_map(|touch| &touch.ends).filter_map(|end| end.point).map(|p| p.norm()).collect();
     distances.sort_by(f64::total_cmp);

@@ -123,7 +123,13 @@ pub(super) fn number(joint: &str, cell: &Cell, measure: Measure, greatest: f64) 
             "{name} of joint {joint} is {text} {unit}: call it {name}_{suffix} if it is in {other}, or mend it"
         ));
     }
-    Ok(cell.si(number))
+    let si = cell.si(number);
+    if measure == Measure::Angle && si.abs() > greatest {
+        return Err(format!(
+            "{name} of joint {joint} is {text}, more than a turn: take whole turns off, or mend it"
+        ));
+    }
+    Ok(si)
 }
 
 /// The joints of a table.

@@ -11,7 +11,11 @@ use super::{RobotFile, RobotFormat, Written};
 use crate::calibration::robot::{Form, Knowledge, LinkMass, NominalJoint, Robot, Unit, Value};
 use crate::creature::{Creature, Dof, DofKind, Joint};
 use crate::geometry::{Frame, Shape};
+use crate::plausible::GREATEST_LENGTH;
 use crate::record::RecordError;
+
+/// Length of a direction at the most that is given without regard to it.
+const GREATEST_DIRECTION: f64 = 1e6;
 
 const PI: f64 = std::f64::consts::PI;
 
@@ -189,6 +193,13 @@ fn robot(json: RobotJson) -> Result<RobotFile, String> {
             dofs.push(Dof { name: dof.name.clone(), kind: dof.kind, range, follows: None });
             placed &= dof.axis.is_some() || dof.kind == DofKind::Ball;
             let axis = Vector3::from(dof.axis.unwrap_or([0.0, 0.0, 1.0]));
+            if axis.norm() > GREATEST_DIRECTION {
+                return Err(format!(
+                    "the axis of {} has length {}: give a direction, of length 1 as nearly as may be",
+                    dof.name,
+                    axis.norm()
+                ));
+            }
             axes.push(
                 axis.try_normalize(1e-9)
                     .ok_or_else(|| format!("the axis of {} has no length: give a direction", dof.name))?,
@@ -295,6 +306,9 @@ fn deviation(text: &str) -> Result<(f64, Option<NamedUnit>), String> {
     let number: f64 = number.ok_or_else(|| {
         format!("\"{text}\" is no deviation: give a number above 0 and a unit, such as 5mm or 2deg")
     })?;
+    if number > GREATEST_LENGTH {
+        return Err(format!("\"{text}\" is no deviation: give less, or say that nothing is known with free"));
+    }
     Ok((number * unit.map_or(1.0, |(_, factor, _)| *factor), unit.map(|(name, _, unit)| (*name, *unit))))
 }
 

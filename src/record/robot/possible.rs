@@ -62,7 +62,8 @@ pub(super) fn fault(robot: &Robot) -> Option<String> {
         })
     };
     let heavy = || {
-        (!(robot.gravity.norm() <= GREATEST_GRAVITY))
+        let acceleration = robot.gravity.norm();
+        (acceleration.is_nan() || acceleration > GREATEST_GRAVITY)
             .then(|| format!("its gravity is {:?}: give m/s², such as 0, 0, -9.81", robot.gravity.as_slice()))
     };
     of_quantities.or_else(of_ranges).or_else(of_surfaces).or_else(of_masses).or_else(heavy)

@@ -13,6 +13,7 @@ use super::urdf_elements::{Origin, axis_of, follows, name_of, number, rotation, 
 use crate::calibration::robot::{Element, Form, LinkMass, Robot, Unit, Value};
 use crate::creature::{DofKind, UNLIMITED_SLIDE};
 use crate::geometry::{Frame, Shape};
+use crate::mjcf_xml::{attribute_meant, element_meant, is_known};
 use crate::record::RecordError;
 
 /// A robot of a URDF file.
@@ -60,6 +61,28 @@ pub(super) fn root(bytes: &[u8]) -> Result<Tag, Fault> {
     }
 }
 
+/// Refuses names that are nearly some of URDF.
+fn check_names(tag: &Tag) -> Result<(), Fault> {
+    for attribute in &tag.attributes {
+        if let Some(meant) = attribute_meant(&tag.name, &attribute.name) {
+            let message = format!(
+                "{}=\"…\" in <{}> is none of URDF: correct it, if {meant} is meant",
+                attribute.name, tag.name
+            );
+            return Err((tag.line, message));
+        }
+    }
+    if !is_known(&tag.name) {
+        return Ok(());
+    }
+    tag.children.iter().try_for_each(|child| match element_meant(&tag.name, &child.name) {
+        Some(meant) => {
+            Err((child.line, format!("<{}> is none of URDF: correct it, if <{meant}> is meant", child.name)))
+        }
+        None => check_names(child),
+    })
+}
+
 /// A joint as its file has it.
 struct Joint<'a> {
     tag: &'a Tag,
@@ -77,6 +100,7 @@ struct Parts<'a> {
 
 impl<'a> Parts<'a> {
     fn new(root: &'a Tag) -> Result<Parts<'a>, Fault> {
+        check_names(root)?;
         let mut parts = Parts { root, links: Vec::new(), joints: Vec::new() };
         if let Some(macros) = root.children.iter().find(|child| child.name.starts_with("xacro:")) {
             let message = format!(

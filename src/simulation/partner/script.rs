@@ -66,6 +66,9 @@ impl Script {
             .map_err(|error| unreadable(format!("{at}: it cannot be read ({error})")))?;
         let script: Script = serde_json::from_str(&text)
             .map_err(|error| unreadable(format!("{at}: {error}: correct it there")))?;
+        if script.probes.is_empty() {
+            return Err(unreadable(format!("{at}: it has no probe: give it one at least")));
+        }
         for (k, probe) in script.probes.iter().enumerate() {
             let name = &probe.name;
             if name.is_empty() || script.probes[..k].iter().any(|other| other.name == *name) {

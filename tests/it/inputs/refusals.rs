@@ -7,8 +7,11 @@ use serde_json::{Value, json};
 
 use super::readers::{Ending, Yard};
 
+/// What makes a bad file of a good one.
+type Change<'a> = &'a dyn Fn(&str) -> String;
+
 /// The sentence with which a reader refuses its good file with a change, or what it takes it for.
-fn ending(yard: &Yard, name: &str, change: &dyn Fn(&str) -> String) -> Result<String, String> {
+fn ending(yard: &Yard, name: &str, change: Change) -> Result<String, String> {
     let reader = yard.readers().into_iter().find(|reader| reader.name == name).unwrap();
     let good = String::from_utf8(reader.good.clone()).unwrap();
     let bad = change(&good);
@@ -22,7 +25,7 @@ fn ending(yard: &Yard, name: &str, change: &dyn Fn(&str) -> String) -> Result<St
 }
 
 /// It is refused with a sentence that names the file and has these words.
-fn refuses(yard: &Yard, name: &str, change: &dyn Fn(&str) -> String, words: &str) {
+fn refuses(yard: &Yard, name: &str, change: Change, words: &str) {
     let sentence = match ending(yard, name, change) {
         Err(sentence) => sentence,
         Ok(value) => panic!("{name}, {words}: it is taken: {value:.300}"),
@@ -86,10 +89,10 @@ fn numbers_of_a_session_that_cannot_be_are_refused() {
 #[test]
 fn tables_of_learning_with_anything_wrong_are_refused_by_line() {
     let yard = Yard::new();
-    let wrong: [(&dyn Fn(&str) -> String, &str); 6] = [
+    let wrong: [(Change, &str); 6] = [
         (&|good| good.replace(',', ";"), "line 1: "),
         (&|good| good.replace(',', "\t"), "line 1: "),
-        (&|good| good.replacen("touches", "touch", 1), "there is no column touches"),
+        (&|good| good.replacen("touches", "touch", 1), "there is a column touch, where touches is meant"),
         (&|good| format!("{good}inf\n"), "inf is no number that a measure can have"),
         (&|good| format!("{good}1\n"), "cells in place of"),
         (&|good| good.replacen("converged,", "", 1), "cells in place of"),
