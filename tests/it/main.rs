@@ -46,6 +46,7 @@ mod render;
 mod report;
 mod rerun;
 mod resume;
+mod scale;
 mod senses;
 mod skin;
 mod somatotopic;
