@@ -5,6 +5,8 @@
 //! where `p_CA = X_CA p_A` and `p_CB = X_CB p_B` must meet. Nothing is inverted: the chain stays valid,
 //! and its derivative polynomial, when the axes are relaxed from unit length.
 
+use std::sync::Arc;
+
 use nalgebra::{Matrix3, Vector3};
 
 use super::forward::{DofTransform, carry_through, joint_transforms};
@@ -48,38 +50,35 @@ impl Chain {
 }
 
 /// One side of a chain at one posture: joints from the ancestor outwards, each a position and its
-/// degrees of freedom.
+/// degrees of freedom. Learners keep a touch in several sets: its copies share this.
 #[derive(Clone, Debug, Default)]
 pub struct ChainSide {
     /// Joint and the number of its steps.
-    joints: Vec<(usize, usize)>,
+    joints: Arc<[(usize, usize)]>,
     /// Degree of freedom, and what it does.
-    steps: Vec<(usize, DofTransform)>,
+    steps: Arc<[(usize, DofTransform)]>,
 }
 
 impl ChainSide {
     /// Prepares the side `joints` (ancestor first) at `posture`.
     pub fn new(creature: &Creature, joints: &[usize], posture: &[f64]) -> ChainSide {
-        let mut side = ChainSide::default();
-        for &j in joints {
-            let joint = &creature.joints()[j];
-            side.joints.push((j, joint.dofs.len()));
-            side.steps.extend(joint_transforms(joint, posture));
-        }
-        side
+        let joints = joints.iter().map(|&j| (j, &creature.joints()[j]));
+        let counts = joints.clone().map(|(j, joint)| (j, joint.dofs.len())).collect();
+        let mut steps = Vec::new();
+        joints.for_each(|(_, joint)| steps.extend(joint_transforms(joint, posture)));
+        ChainSide { joints: counts, steps: steps.into() }
     }
 
     /// The same side in a posture in which each joint is as on another of some sides like it, `of` says which of them by the
     /// joint's place: a posture that may never have been.
     pub fn mixed<'a>(&self, of: impl Fn(usize) -> &'a ChainSide) -> ChainSide {
-        let mut mixed =
-            ChainSide { joints: self.joints.clone(), steps: Vec::with_capacity(self.steps.len()) };
+        let mut steps = Vec::with_capacity(self.steps.len());
         let mut first = 0;
         for (place, (_, count)) in self.joints.iter().enumerate() {
-            mixed.steps.extend_from_slice(&of(place).steps[first..first + count]);
+            steps.extend_from_slice(&of(place).steps[first..first + count]);
             first += count;
         }
-        mixed
+        ChainSide { joints: self.joints.clone(), steps: steps.into() }
     }
 
     /// `X_CL`: the pose of the limb at the end of the side in its ancestor.
@@ -92,7 +91,7 @@ impl ChainSide {
     fn walk(&self, schema: &BodySchema, mut visit: impl FnMut(usize, &DofTransform, &Frame)) -> Frame {
         let mut frame = Frame::identity();
         let mut steps = self.steps.iter().map(|(dof, transform)| (*dof, transform));
-        for &(joint, count) in &self.joints {
+        for &(joint, count) in self.joints.iter() {
             carry_through(schema, joint, steps.by_ref().take(count), &mut frame, &mut visit);
         }
         frame
@@ -135,7 +134,7 @@ impl ChainSide {
         // Outwards: the linear map from each step to C.
         let mut steps = self.steps.iter();
         let mut map = Matrix3::identity();
-        for &(joint, count) in &self.joints {
+        for &(joint, count) in self.joints.iter() {
             jacobian.joints.push((joint, map));
             for (dof, transform) in steps.by_ref().take(count) {
                 jacobian.dofs.push((*dof, map));

@@ -8,6 +8,7 @@
 //! capsules tell no more.
 
 use std::collections::BTreeSet;
+use std::sync::Arc;
 
 use nalgebra::Vector3;
 
@@ -24,7 +25,8 @@ use crate::mujoco;
 /// How far a creature's motions can go, by the gaps between its geoms along them.
 #[derive(Clone, Debug)]
 pub struct ConservativeAdvancement {
-    touchable: TouchablePairs,
+    /// The same for all motions of a body.
+    touchable: Arc<TouchablePairs>,
     motion: StraightMotion,
     limbs: Vec<LimbMotion>,
     /// Per bound, its capsule in the root's frame, where its cluster is placed.
@@ -39,7 +41,7 @@ pub struct ConservativeAdvancement {
     acceleration: Vec<f64>,
     free_until: Vec<f64>,
     /// Per pair, which of its geom pairs limited the motion when it was last looked at: most likely it still does.
-    limiting: Vec<usize>,
+    limiting: Vec<u32>,
     /// Per pair of geoms, the plane that parted them when they were last looked at, where they are no capsules. Those of a pair
     /// of limbs follow one another.
     planes: Vec<PartingPlane>,
@@ -81,7 +83,7 @@ impl ConservativeAdvancement {
     /// Where the engine fails.
     pub fn new(body: &Body, left_out: &BTreeSet<[usize; 2]>) -> mujoco::Result<ConservativeAdvancement> {
         let schema = GroundTruth::new(body)?.schema;
-        let touchable = TouchablePairs::new(body, &schema, left_out);
+        let touchable = Arc::new(TouchablePairs::new(body, &schema, left_out));
         let count = touchable.pairs.len();
         Ok(ConservativeAdvancement {
             motion: StraightMotion::new(body.creature.clone(), schema),
@@ -94,7 +96,7 @@ impl ConservativeAdvancement {
             acceleration: vec![0.0; count],
             free_until: vec![0.0; count],
             limiting: vec![0; count],
-            planes: vec![PartingPlane::default(); touchable.pairs.iter().map(|pair| pair.geoms.len()).sum()],
+            planes: vec![PartingPlane::default(); touchable.geoms.len()],
             motions: 0,
             start_contact: None,
             checks: 0,
@@ -115,10 +117,10 @@ impl ConservativeAdvancement {
         let speeds = self.motion.joint_speeds();
         for (k, pair) in self.touchable.pairs.iter().enumerate() {
             let (mut speed, mut acceleration) = (0.0, 0.0);
-            for side in &pair.levers {
+            for side in 0..2 {
                 // A point turned by joints i before j is accelerated by at most 2 ω_i ω_j r_j.
                 let mut inner = 0.0;
-                for lever in side {
+                for lever in self.touchable.levers(pair, side) {
                     let (turn, shift) = speeds[lever.joint];
                     let own = turn * lever.reach + shift;
                     speed += own;
@@ -196,15 +198,16 @@ impl ConservativeAdvancement {
     /// `length` metres between the limbs, at the most.
     pub fn advance_by(&mut self, encounter: &Encounter, t: f64, length: f64) -> f64 {
         self.place_limbs(t);
-        let pair = &self.touchable.pairs[encounter.pair];
+        let pair = self.touchable.pairs[encounter.pair];
         // Any such point is in the lesser of the two.
         let bound = |side: usize| &self.touchable.bounds[encounter.bounds[side] as usize];
         let side = if bound(0).reach <= bound(1).reach { 0 } else { 1 };
         let Capsule { ends, radius } = bound(side).capsule;
-        let turning = (self.limbs[pair.limbs[0]].omega - self.limbs[pair.limbs[1]].omega).norm();
-        let motion = self.pair_motion(pair);
+        let limbs = pair.limbs();
+        let turning = (self.limbs[limbs[0]].omega - self.limbs[limbs[1]].omega).norm();
+        let motion = self.pair_motion(&pair);
         let fastest = ends
-            .map(|end| self.limbs[pair.limbs[side]].frame.point(&end))
+            .map(|end| self.limbs[limbs[side]].frame.point(&end))
             .map(|p| motion.relative_velocity(&[p, p]).norm())
             .into_iter()
             .fold(0.0, f64::max)
@@ -219,18 +222,17 @@ impl ConservativeAdvancement {
     /// convex shapes; none where nothing is known of a shape.
     pub fn gap(&mut self, encounter: &Encounter, t: f64) -> Option<(f64, f64)> {
         self.place_limbs(t);
-        let clusters = self.touchable.pairs[encounter.pair].clusters;
-        clusters.into_iter().for_each(|cluster| self.place_cluster(cluster));
-        let pair = &self.touchable.pairs[encounter.pair];
+        let pair = self.touchable.pairs[encounter.pair];
+        pair.clusters().into_iter().for_each(|cluster| self.place_cluster(cluster));
         let about = self.bounds_gap(encounter.bounds);
         let Gap { distance, normal, points } = match encounter.exact {
             true => about,
             false => {
-                let [first, second] = self.solids(pair, encounter.bounds)?;
+                let [first, second] = self.solids(&pair, encounter.bounds)?;
                 gap_from(&first, &second, Precision::Exact, &about.normal)
             }
         };
-        let velocity = self.pair_motion(pair).relative_velocity(&points);
+        let velocity = self.pair_motion(&pair).relative_velocity(&points);
         Some((distance, normal.dot(&velocity)))
     }
 
@@ -243,8 +245,8 @@ impl ConservativeAdvancement {
     /// which geoms limit it; infinity where it cannot within the `rest`.
     fn look(&mut self, k: usize, rest: f64) -> (f64, Option<Encounter>) {
         self.checks += 1;
-        let pair = &self.touchable.pairs[k];
-        let balls = pair.clusters.map(|cluster| &self.cluster_balls[cluster]);
+        let pair = self.touchable.pairs[k];
+        let balls = pair.clusters().map(|cluster| &self.cluster_balls[cluster]);
         let middles = balls.map(|ball| ball.centre);
         let between = middles[0] - middles[1];
         let distance = between.norm();
@@ -254,10 +256,10 @@ impl ConservativeAdvancement {
             if plain >= rest {
                 return (f64::INFINITY, None);
             }
-            let opening = between.dot(&self.pair_motion(pair).relative_velocity(&middles)) / distance;
+            let opening = between.dot(&self.pair_motion(&pair).relative_velocity(&middles)) / distance;
             return (plain.max(until_zero(apart, opening, self.acceleration[k])), None);
         }
-        pair.clusters.into_iter().for_each(|cluster| self.place_cluster(cluster));
+        pair.clusters().into_iter().for_each(|cluster| self.place_cluster(cluster));
         match self.start_contact {
             Some(contact) if contact.pair == k => self.look_at_contact(&contact),
             _ => self.look_at_geoms(k, rest),
@@ -266,20 +268,22 @@ impl ConservativeAdvancement {
 
     /// [`look`](Self::look) at the geoms of limb pair `k`.
     fn look_at_geoms(&mut self, k: usize, rest: f64) -> (f64, Option<Encounter>) {
-        let pair = &self.touchable.pairs[k];
+        let pair = self.touchable.pairs[k];
         let acceleration = self.acceleration[k];
-        let motion = self.pair_motion(pair);
+        let motion = self.pair_motion(&pair);
         let spins = motion.sides.map(|side| side.omega.norm());
         // What limited the last look most likely limits this one: all that comes later need not be known exactly.
-        let last = self.limiting[k];
+        let last = self.limiting[k] as usize;
         let mut planes = std::mem::take(&mut self.planes);
-        let plane = |number: usize| pair.first_geoms + number;
-        let about = self.bounds_gap(pair.geoms[last]);
-        let by_last = self.advance_of(k, &motion, pair.geoms[last], &about, &mut planes[plane(last)], rest);
+        let first = pair.geoms().start;
+        let plane = |number: usize| first + number;
+        let geoms = &self.touchable.geoms[pair.geoms()];
+        let about = self.bounds_gap(geoms[last]);
+        let by_last = self.advance_of(k, &motion, geoms[last], &about, &mut planes[plane(last)], rest);
         let mut heeded = by_last.min(rest);
         let mut least = rest;
         let mut limiting = None;
-        for (number, &bounds) in pair.geoms.iter().enumerate() {
+        for (number, &bounds) in geoms.iter().enumerate() {
             let advance = if number == last {
                 by_last
             } else {
@@ -299,23 +303,24 @@ impl ConservativeAdvancement {
                 heeded = heeded.min(least);
             }
         }
+        let encounter = limiting.map(|number| self.touchable.encounter_of(k, geoms[number]));
         self.planes = planes;
         let Some(number) = limiting else { return (f64::INFINITY, None) };
-        self.limiting[k] = number;
-        (least, Some(self.touchable.encounter_of(k, pair.geoms[number])))
+        self.limiting[k] = number as u32;
+        (least, encounter)
     }
 
     /// [`look`](Self::look) at the geoms of the limb pair that the motion starts in contact with, whether these have
     /// parted or not.
     fn look_at_contact(&mut self, contact: &Encounter) -> (f64, Option<Encounter>) {
         let k = contact.pair;
-        let pair = &self.touchable.pairs[k];
-        let motion = self.pair_motion(pair);
+        let pair = self.touchable.pairs[k];
+        let motion = self.pair_motion(&pair);
         let mut least = f64::INFINITY;
         let mut limiting = None;
         let mut parted = false;
         let mut planes = std::mem::take(&mut self.planes);
-        for (number, &bounds) in pair.geoms.iter().enumerate() {
+        for (number, &bounds) in self.touchable.geoms[pair.geoms()].iter().enumerate() {
             // Even at full speed it comes later than what is known already?
             let beyond = least * self.speed[k];
             if self.apart(bounds) > beyond {
@@ -326,7 +331,7 @@ impl ConservativeAdvancement {
                 continue;
             }
             parted |= contact.bounds == bounds && gap.distance > PARTED;
-            let plane = &mut planes[pair.first_geoms + number];
+            let plane = &mut planes[pair.geoms().start + number];
             let advance = self.advance_of(k, &motion, bounds, &gap, plane, least);
             if advance < least {
                 (least, limiting) = (advance, Some(bounds));
@@ -386,12 +391,12 @@ impl ConservativeAdvancement {
         if about.distance > FAR {
             return 0.0;
         }
-        let pair = &self.touchable.pairs[k];
-        let Some([first, second]) = self.solids(pair, bounds) else { return 0.0 };
+        let pair = self.touchable.pairs[k];
+        let Some([first, second]) = self.solids(&pair, bounds) else { return 0.0 };
         let kept_apart = |normal: &Vector3<f64>| {
             kept_apart::bodies([&first, &second], motion, normal, self.acceleration[k], heeded)
         };
-        let orientation = &self.limbs[pair.limbs[1]].frame.rotation;
+        let orientation = &self.limbs[pair.limbs()[1]].frame.rotation;
         let mut guess = about.normal;
         // The plane that parted them before most likely still does. One of another motion must not count, for bouts are
         // made in any order.
@@ -414,7 +419,7 @@ impl ConservativeAdvancement {
     fn solids(&self, pair: &ClusterPair, bounds: [u32; 2]) -> Option<[PlacedShape<'_>; 2]> {
         let solid = |side: usize| {
             let solid = self.touchable.bounds[bounds[side] as usize].solid.as_ref()?;
-            solid.placed(&self.limbs[pair.limbs[side]].frame)
+            solid.placed(&self.limbs[pair.limbs()[side]].frame)
         };
         Some([solid(0)?, solid(1)?])
     }
@@ -437,7 +442,7 @@ impl ConservativeAdvancement {
 
     /// How the two limbs of a pair move against their common ancestor.
     fn pair_motion(&self, pair: &ClusterPair) -> PairMotion {
-        PairMotion::new(pair.limbs.map(|limb| &self.limbs[limb]), &self.limbs[pair.ancestor])
+        PairMotion::new(pair.limbs().map(|limb| &self.limbs[limb]), &self.limbs[pair.ancestor as usize])
     }
 
     /// A lower bound of two geoms' gap, from the balls about them.

@@ -1,11 +1,12 @@
 //! What of a body can touch what: its geoms with bounds about them, and the pairs of limbs whose geoms can meet.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
+use std::ops::Range;
 
 use nalgebra::{Isometry3, Point3, Vector3};
 
-use crate::creature::{Body, DofKind};
-use crate::geometry::{Ball, Capsule, Frame, Shape, clusters};
+use crate::creature::{Body, Creature, DofKind};
+use crate::geometry::{Ball, Capsule, Frame, Shape, clusters as clustered};
 use crate::kinematics::Chain;
 use crate::schema::BodySchema;
 use crate::skin::{Surface, surface_of_geom};
@@ -57,9 +58,11 @@ pub(super) struct LimbCluster {
     pub members: Vec<u32>,
     /// A ball about them in the limb's frame.
     pub ball: Ball,
+    /// The joints from the root outwards.
+    levers: Vec<Lever>,
 }
 
-/// One joint on one side of a pair, as seen from the limb at the end of that side.
+/// One joint that moves a limb's geoms, as seen from these.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Lever {
     pub joint: usize,
@@ -67,18 +70,33 @@ pub(super) struct Lever {
     pub reach: f64,
 }
 
-/// Two clusters that can touch.
-#[derive(Clone, Debug)]
+/// Two clusters that can touch. Of a body of a thousand limbs there are half a million.
+#[derive(Clone, Copy, Debug)]
 pub(super) struct ClusterPair {
-    pub clusters: [usize; 2],
-    pub limbs: [usize; 2],
-    pub ancestor: usize,
-    /// Per side, the joints from the ancestor outwards.
-    pub levers: [Vec<Lever>; 2],
-    /// The geom pairs, as indices into the bounds.
-    pub geoms: Vec<[u32; 2]>,
-    /// The number of the first of them among those of all pairs.
-    pub first_geoms: usize,
+    pub clusters: [u32; 2],
+    pub limbs: [u32; 2],
+    pub ancestor: u32,
+    /// Per side, which joints of its cluster are not beyond the ancestor: those from here on.
+    inner: [u32; 2],
+    /// The geom pairs among those of all pairs.
+    geoms: [u32; 2],
+}
+
+impl ClusterPair {
+    /// The two limbs.
+    pub fn limbs(&self) -> [usize; 2] {
+        self.limbs.map(|limb| limb as usize)
+    }
+
+    /// The two clusters.
+    pub fn clusters(&self) -> [usize; 2] {
+        self.clusters.map(|cluster| cluster as usize)
+    }
+
+    /// Where its geom pairs are among those of all pairs.
+    pub fn geoms(&self) -> Range<usize> {
+        self.geoms[0] as usize..self.geoms[1] as usize
+    }
 }
 
 /// Two geoms that are about to meet.
@@ -100,8 +118,10 @@ pub(super) struct TouchablePairs {
     pub bounds: Vec<BoundedGeom>,
     pub clusters: Vec<LimbCluster>,
     pub pairs: Vec<ClusterPair>,
-    /// Per pair of geoms that can touch, the lesser index first, their encounter.
-    encounters: BTreeMap<[usize; 2], Encounter>,
+    /// The geom pairs of all pairs, one pair's after the other's, as indices into the bounds.
+    pub geoms: Vec<[u32; 2]>,
+    /// Per pair of geoms that can touch, in the order of the model's geoms, the lesser first: these, and their place among `geoms`.
+    found: Vec<([u32; 2], u32)>,
 }
 
 impl TouchablePairs {
@@ -119,11 +139,6 @@ impl TouchablePairs {
         }
         let buried = buried(&bounds, &by_limb);
         let capsules: Vec<Capsule> = bounds.iter().map(|bound| bound.capsule).collect();
-        let of_limb = |(limb, members): (usize, Vec<u32>)| {
-            let found = clusters(members, &capsules, LARGEST_CLUSTER);
-            found.into_iter().map(move |found| LimbCluster { limb, members: found.members, ball: found.ball })
-        };
-        let clusters: Vec<LimbCluster> = by_limb.into_iter().enumerate().flat_map(of_limb).collect();
         let slide_reach: Vec<f64> = creature
             .joints()
             .iter()
@@ -132,7 +147,15 @@ impl TouchablePairs {
                 slides.map(|dof| dof.range[0].abs().max(dof.range[1].abs())).sum()
             })
             .collect();
+        let mut clusters: Vec<LimbCluster> = Vec::new();
+        for (limb, members) in by_limb.into_iter().enumerate() {
+            clusters.extend(clustered(members, &capsules, LARGEST_CLUSTER).into_iter().map(|found| {
+                let levers = levers(schema, &slide_reach, creature, limb, &found.ball);
+                LimbCluster { limb, members: found.members, ball: found.ball, levers }
+            }));
+        }
         let mut pairs: Vec<ClusterPair> = Vec::new();
+        let mut geoms: Vec<[u32; 2]> = Vec::new();
         for (i, first) in clusters.iter().enumerate() {
             for (j, second) in clusters.iter().enumerate().skip(i + 1) {
                 if creature.neighbouring(first.limb, second.limb) {
@@ -147,38 +170,45 @@ impl TouchablePairs {
                     buried[g as usize].iter().any(|&outer| collide(&[outer, h]))
                         || buried[h as usize].iter().any(|&outer| collide(&[g, outer]))
                 };
-                let geoms: Vec<[u32; 2]> = all.filter(|pair| collide(pair) && !met_before(pair)).collect();
-                if geoms.is_empty() {
+                let before = geoms.len();
+                geoms.extend(all.filter(|pair| collide(pair) && !met_before(pair)));
+                if geoms.len() == before {
                     continue;
                 }
                 let chain = Chain::between(creature, first.limb, second.limb);
-                let levers = [(0, first), (1, second)]
-                    .map(|(side, cluster)| levers(schema, &slide_reach, &chain.sides[side], &cluster.ball));
-                let first_geoms = pairs.last().map_or(0, |pair| pair.first_geoms + pair.geoms.len());
+                let inner =
+                    [(0, first), (1, second)].map(|(side, of)| of.levers.len() - chain.sides[side].len());
                 pairs.push(ClusterPair {
-                    clusters: [i, j],
-                    limbs: [first.limb, second.limb],
-                    ancestor: chain.ancestor,
-                    levers,
-                    geoms,
-                    first_geoms,
+                    clusters: [i as u32, j as u32],
+                    limbs: [first.limb as u32, second.limb as u32],
+                    ancestor: chain.ancestor as u32,
+                    inner: inner.map(|count| count as u32),
+                    geoms: [before as u32, geoms.len() as u32],
                 });
             }
         }
-        let mut found = TouchablePairs { bounds, clusters, pairs, encounters: BTreeMap::new() };
-        for (pair, touching) in found.pairs.iter().enumerate() {
-            for &ends in &touching.geoms {
-                let met = found.encounter_of(pair, ends);
-                let [a, b] = met.geoms;
-                found.encounters.insert([a.min(b), a.max(b)], met);
-            }
-        }
-        found
+        let of_model = |place: usize| {
+            let [a, b] = geoms[place].map(|bound| bounds[bound as usize].geom as u32);
+            ([a.min(b), a.max(b)], place as u32)
+        };
+        let mut found: Vec<_> = (0..geoms.len()).map(of_model).collect();
+        found.sort_unstable();
+        TouchablePairs { bounds, clusters, pairs, geoms, found }
+    }
+
+    /// The joints that move one side of a pair against its ancestor, from there outwards.
+    pub fn levers(&self, pair: &ClusterPair, side: usize) -> &[Lever] {
+        &self.clusters[pair.clusters[side] as usize].levers[pair.inner[side] as usize..]
     }
 
     /// The encounter of two geoms, in either order; none where they cannot touch, or are joined.
     pub fn encounter(&self, [a, b]: [usize; 2]) -> Option<Encounter> {
-        self.encounters.get(&[a.min(b), a.max(b)]).copied()
+        let wanted = [a.min(b), a.max(b)].map(u32::try_from);
+        let wanted = [wanted[0].ok()?, wanted[1].ok()?];
+        let at = self.found.binary_search_by_key(&wanted, |(geoms, _)| *geoms).ok()?;
+        let place = self.found[at].1;
+        let pair = self.pairs.partition_point(|pair| pair.geoms[1] <= place);
+        Some(self.encounter_of(pair, self.geoms[place as usize]))
     }
 
     /// The encounter of two bounds of a pair.
@@ -190,11 +220,17 @@ impl TouchablePairs {
     }
 }
 
-/// Per joint of one side, ancestor first, how far the limb's geoms can be from it.
-fn levers(schema: &BodySchema, slide_reach: &[f64], joints: &[usize], ball: &Ball) -> Vec<Lever> {
+/// Per joint from the root to a limb, how far what is in a ball on it can be from the joint.
+fn levers(
+    schema: &BodySchema,
+    slide_reach: &[f64],
+    creature: &Creature,
+    limb: usize,
+    ball: &Ball,
+) -> Vec<Lever> {
     let mut reach = ball.centre.norm() + ball.radius;
     let mut levers: Vec<Lever> = Vec::new();
-    for &joint in joints.iter().rev() {
+    for &joint in Chain::between(creature, 0, limb).sides[1].iter().rev() {
         reach += slide_reach[joint];
         levers.push(Lever { joint, reach });
         reach += schema.positions[joint].norm();
@@ -276,7 +312,7 @@ mod tests {
     }
 
     fn geom_pairs(touchable: &TouchablePairs) -> Vec<[usize; 2]> {
-        touchable.encounters.keys().copied().collect()
+        touchable.found.iter().map(|(geoms, _)| geoms.map(|geom| geom as usize)).collect()
     }
 
     #[test]

@@ -49,6 +49,7 @@ mod report;
 mod rerun;
 mod results;
 mod resume;
+mod scale;
 mod senses;
 mod shares;
 mod skin;

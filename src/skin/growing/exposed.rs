@@ -17,10 +17,25 @@ use crate::skin::Surface;
 /// smaller ones less in proportion.
 const BURIED: f64 = 5e-4;
 
+/// A geom's surface in the world's frame.
+struct Placed {
+    surface: Surface,
+    /// No point of it is farther from its origin, metres squared.
+    reach_squared: f64,
+}
+
+impl Placed {
+    /// Whether a point is deeper inside than `depth`, metres. Of the thousand limbs that a hub may carry most are far
+    /// away, and are not asked.
+    fn holds(&self, point: &Vector3<f64>, depth: f64) -> bool {
+        (point - self.surface.origin).norm_squared() <= self.reach_squared && self.surface.holds(point, depth)
+    }
+}
+
 /// A creature's geoms that can be touched, where they are.
 pub struct Exposure {
-    /// Per posture of the slides, the reference posture first, and per geom, its surface in the world's frame.
-    placed: Vec<Vec<Option<Surface>>>,
+    /// Per posture of the slides, the reference posture first, and per geom, its surface.
+    placed: Vec<Vec<Option<Placed>>>,
     /// The same as shapes' poses, to carry points from one posture to another.
     poses: Vec<Vec<Isometry3<f64>>>,
     /// Per geom, the others that can bury it.
@@ -44,15 +59,17 @@ impl Exposure {
             data.set_qpos(&qpos)?;
             data.kinematics()?;
             let of_geoms: Vec<Isometry3<f64>> = (0..model.ngeom()).map(|g| data.geom_pose(g)).collect();
-            let surface = |g: usize| {
+            let place = |g: usize| {
                 // What the world itself is made of is no limb.
                 let on_limb = body.feels(g);
                 let shape = Shape::of_geom(model, g).filter(|shape| on_limb && shape.is_solid())?;
                 let pose = &of_geoms[g];
                 let (origin, rotation) = (pose.translation.vector, matrix(&pose.rotation));
-                Some(Surface { limb: 0, origin, rotation, shape, geom: g })
+                let reach_squared = shape.bounding_radius().powi(2);
+                let surface = Surface { limb: 0, origin, rotation, shape, geom: g };
+                Some(Placed { surface, reach_squared })
             };
-            placed.push((0..model.ngeom()).map(surface).collect::<Vec<_>>());
+            placed.push((0..model.ngeom()).map(place).collect::<Vec<_>>());
             if bodies.is_empty() {
                 bodies = (0..model.nbody()).map(|b| data.body_pose(b)).collect();
             }
@@ -72,7 +89,7 @@ impl Exposure {
             (0..model.ngeom()).filter(|&o| o != g && touchable(o) && overlap_for_good(g, o)).collect()
         };
         let over = (0..model.ngeom()).map(over).collect();
-        let size = size(placed[0].iter().flatten());
+        let size = size(placed[0].iter().flatten().map(|placed| &placed.surface));
         Ok(Exposure { placed, poses, over, bodies, size })
     }
 
@@ -83,7 +100,7 @@ impl Exposure {
 
     /// A geom in the reference posture, in the world's frame.
     pub fn surface(&self, geom: usize) -> Option<&Surface> {
-        self.placed[0][geom].as_ref()
+        self.placed[0][geom].as_ref().map(|placed| &placed.surface)
     }
 
     /// The pose of a body in the reference posture.
@@ -116,7 +133,7 @@ impl Exposure {
             };
             !self.over[geom]
                 .iter()
-                .any(|&other| placed[other].as_ref().is_some_and(|surface| surface.holds(&moved, depth)))
+                .any(|&other| placed[other].as_ref().is_some_and(|placed| placed.holds(&moved, depth)))
         })
     }
 }

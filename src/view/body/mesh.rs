@@ -1,5 +1,7 @@
 //! The triangles of a body: of the surfaces of its limbs, of its receptors, of the things about it.
 
+use std::collections::BTreeMap;
+
 use nalgebra::Vector3;
 
 use crate::skin::{Receptor, Skin, Surface};
@@ -9,6 +11,13 @@ use crate::skin::{Receptor, Skin, Surface};
 const LATITUDES: [f64; 6] = [-1.05, -0.5, -0.0, 0.0, 0.5, 1.05];
 /// Corners of each cut.
 const AROUND: usize = 14;
+/// The same of one of very many round shapes, each of which is a few pixels wide.
+const FEW_LATITUDES: [f64; 2] = [-0.0, 0.0];
+const FEW_AROUND: usize = 8;
+/// Bodies of more surfaces than this are drawn by those.
+const MANY_SURFACES: usize = 300;
+/// Receptors of more than these are drawn flat.
+const MANY_RECEPTORS: usize = 3000;
 /// How high above the skin a receptor is drawn, metres: it would be half in it otherwise.
 const LIFT: f64 = 0.0025;
 /// How much of a receptor is drawn along each side: neighbours would run into each other otherwise.
@@ -25,18 +34,25 @@ pub enum Topology {
     Cuboid,
     /// A patch of skin, seen from its front alone.
     Patch,
+    /// One of very many round shapes.
+    Bead,
+    /// One of very many patches.
+    Scale,
 }
 
 impl Topology {
     /// All of them, in the order of their numbers.
-    pub const ALL: [Topology; 3] = [Topology::Globe, Topology::Cuboid, Topology::Patch];
+    pub const ALL: [Topology; 5] =
+        [Topology::Globe, Topology::Cuboid, Topology::Patch, Topology::Bead, Topology::Scale];
 
     /// Triangles of three corners each, counterclockwise as seen from outside.
     pub fn triangles(self) -> Vec<[usize; 3]> {
         match self {
-            Topology::Globe => globe().1,
+            Topology::Globe => globe(&LATITUDES, AROUND).1,
             Topology::Cuboid => cuboid().1,
-            Topology::Patch => patch(),
+            Topology::Patch => patch(ALONG),
+            Topology::Bead => globe(&FEW_LATITUDES, FEW_AROUND).1,
+            Topology::Scale => patch(2),
         }
     }
 }
@@ -62,23 +78,27 @@ pub struct BodyMesh {
 impl BodyMesh {
     /// The surfaces of a skin.
     pub fn of_surfaces(skin: &Skin) -> BodyMesh {
-        BodyMesh { pieces: skin.surfaces.iter().filter_map(piece_of).collect() }
+        let round = if skin.surfaces.len() > MANY_SURFACES { Topology::Bead } else { Topology::Globe };
+        BodyMesh { pieces: skin.surfaces.iter().filter_map(|surface| piece_of(surface, round)).collect() }
     }
 
     /// The patches of receptors, a piece each. What is flat for the sense of touch is drawn as it lies on the limb.
     pub fn of_receptors(skin: &Skin) -> BodyMesh {
+        let mut surfaces: BTreeMap<usize, Vec<&Surface>> = BTreeMap::new();
+        skin.surfaces.iter().for_each(|surface| surfaces.entry(surface.limb).or_default().push(surface));
+        let many = skin.receptors.len() > MANY_RECEPTORS;
+        let (topology, along) = if many { (Topology::Scale, 2) } else { (Topology::Patch, ALONG) };
         let piece = |receptor: &Receptor| {
             let [u, v] = receptor.half_extents.map(|half| DRAWN * half);
-            let surfaces = skin.surfaces.iter().filter(|surface| surface.limb == receptor.limb);
-            let surfaces: Vec<&Surface> = surfaces.collect();
-            let at = |k: usize| 2.0 * k as f64 / (ALONG - 1) as f64 - 1.0;
+            let surfaces = surfaces.get(&receptor.limb).map_or(&[][..], Vec::as_slice);
+            let at = |k: usize| 2.0 * k as f64 / (along - 1) as f64 - 1.0;
             let corner = |k: usize| {
-                let (a, b) = (at(k % ALONG), at(k / ALONG));
+                let (a, b) = (at(k % along), at(k / along));
                 let flat = receptor.position + receptor.tangent * (a * u) + receptor.bitangent() * (b * v);
-                on_the_limb(flat, &receptor.normal, &surfaces)
+                on_the_limb(flat, &receptor.normal, surfaces)
             };
-            let corners = (0..ALONG * ALONG).map(corner).collect();
-            Piece { limb: receptor.limb, topology: Topology::Patch, corners }
+            let corners = (0..along * along).map(corner).collect();
+            Piece { limb: receptor.limb, topology, corners }
         };
         BodyMesh { pieces: skin.receptors.iter().map(piece).collect() }
     }
@@ -90,9 +110,12 @@ impl BodyMesh {
 }
 
 /// The surface of one shape; none of a mesh without a hull.
-fn piece_of(surface: &Surface) -> Option<Piece> {
-    let (topology, directions) =
-        if surface.shape.is_box() { (Topology::Cuboid, cuboid().0) } else { (Topology::Globe, globe().0) };
+fn piece_of(surface: &Surface, round: Topology) -> Option<Piece> {
+    let (topology, directions) = match (surface.shape.is_box(), round) {
+        (true, _) => (Topology::Cuboid, cuboid().0),
+        (false, Topology::Bead) => (Topology::Bead, globe(&FEW_LATITUDES, FEW_AROUND).0),
+        (false, _) => (Topology::Globe, globe(&LATITUDES, AROUND).0),
+    };
     // The farthest points in all directions are a convex shape's surface.
     let corner = |direction| Some(surface.rotation * surface.shape.support(direction)? + surface.origin);
     let corners = directions.iter().map(corner).collect::<Option<Vec<_>>>()?;
@@ -112,10 +135,10 @@ fn on_the_limb(flat: Vector3<f64>, normal: &Vector3<f64>, surfaces: &[&Surface])
     }
 }
 
-/// The faces of a patch, whose corners are told row by row.
-fn patch() -> Vec<[usize; 3]> {
-    let cells = (0..ALONG - 1).flat_map(|v| (0..ALONG - 1).map(move |u| u + ALONG * v));
-    cells.flat_map(|a| [[a, a + 1, a + ALONG + 1], [a, a + ALONG + 1, a + ALONG]]).collect()
+/// The faces of a patch, whose corners are told row by row, so many in each.
+fn patch(along: usize) -> Vec<[usize; 3]> {
+    let cells = (0..along - 1).flat_map(|v| (0..along - 1).map(move |u| u + along * v));
+    cells.flat_map(|a| [[a, a + 1, a + along + 1], [a, a + along + 1, a + along]]).collect()
 }
 
 /// Directions to the corners of a cuboid, and its faces.
@@ -127,26 +150,26 @@ fn cuboid() -> (Vec<Vector3<f64>>, Vec<[usize; 3]>) {
 }
 
 /// Directions to the corners of a globe, from the south pole upwards, and its faces.
-fn globe() -> (Vec<Vector3<f64>>, Vec<[usize; 3]>) {
+fn globe(latitudes: &[f64], around: usize) -> (Vec<Vector3<f64>>, Vec<[usize; 3]>) {
     let mut corners = vec![-Vector3::z()];
-    for latitude in LATITUDES {
-        for k in 0..AROUND {
-            let longitude = std::f64::consts::TAU * k as f64 / AROUND as f64;
+    for &latitude in latitudes {
+        for k in 0..around {
+            let longitude = std::f64::consts::TAU * k as f64 / around as f64;
             let (across, up) = (latitude.cos(), latitude.sin());
             corners.push(Vector3::new(across * longitude.cos(), across * longitude.sin(), up));
         }
     }
     corners.push(Vector3::z());
     let north = corners.len() - 1;
-    let at = |ring: usize, k: usize| 1 + ring * AROUND + k % AROUND;
+    let at = |ring: usize, k: usize| 1 + ring * around + k % around;
     let mut triangles = Vec::new();
-    for k in 0..AROUND {
+    for k in 0..around {
         triangles.push([0, at(0, k + 1), at(0, k)]);
-        for ring in 1..LATITUDES.len() {
+        for ring in 1..latitudes.len() {
             let [a, b, c, d] = [at(ring - 1, k), at(ring - 1, k + 1), at(ring, k + 1), at(ring, k)];
             triangles.extend([[a, b, c], [a, c, d]]);
         }
-        triangles.push([at(LATITUDES.len() - 1, k), at(LATITUDES.len() - 1, k + 1), north]);
+        triangles.push([at(latitudes.len() - 1, k), at(latitudes.len() - 1, k + 1), north]);
     }
     (corners, triangles)
 }
@@ -186,9 +209,15 @@ mod tests {
                 shape: shape.clone(),
                 geom: 0,
             };
+            let many = vec![surface.clone(); MANY_SURFACES + 1];
             let mesh = BodyMesh::of_surfaces(&Skin { receptors: Vec::new(), surfaces: vec![surface] });
             let share = volume(&mesh) / exact;
             assert!((0.85..1.0 + 1e-9).contains(&share), "{shape:?}: {share}");
+            // Each of very many is drawn by fewer corners, and closed, too.
+            let coarse = BodyMesh::of_surfaces(&Skin { receptors: Vec::new(), surfaces: many });
+            let share = volume(&coarse) / exact / coarse.pieces.len() as f64;
+            assert!((0.4..1.0 + 1e-9).contains(&share), "{shape:?}: {share}");
+            assert!(coarse.pieces[0].corners.len() <= 18);
         }
     }
 }

@@ -31,7 +31,7 @@ const EVERY: Duration = Duration::from_millis(50);
 /// How long pages have to take in the last of it.
 const LAST: Duration = Duration::from_millis(400);
 /// How often a page is told that it is still served where nothing is new.
-const STILL: Duration = Duration::from_secs(5);
+const STILL: Duration = Duration::from_secs(1);
 /// The longest line that is heard, characters, …
 const LONGEST_LINE: usize = 500;
 /// … and the longest body of a request, bytes: such a line in the longest of all ways to write it as JSON.

@@ -4,13 +4,22 @@ use std::fmt::Write;
 
 use super::ReportInput;
 use crate::record::Checkpoint;
+use crate::skin::Skin;
 use crate::view::body::{
     AURAS, AuraOverlay, BodyMesh, BodyScene, LIMB, Layer, Look, MAP, MapOverlay, Pose, SHADE, Skeleton,
 };
 use crate::view::text::plural;
 
-/// Most steps of the slider: each takes some three kilobytes of the page.
+/// Most steps of the slider, …
 const MOST_STEPS: usize = 80;
+/// … most limbs of all of them: each takes some hundred bytes of the page …
+const MOST_LIMBS_OF_STEPS: usize = 6000;
+/// … and fewest steps: how it began, how it went on, what came of it.
+const FEWEST_STEPS: usize = 3;
+/// Most receptors that are drawn: of more, those that were touched most.
+const MOST_RECEPTORS: usize = 6000;
+/// Most receptors of which the neighbours are drawn.
+const MOST_NEIGHBOURS: usize = 3000;
 /// Height of the picture, pixels.
 const HEIGHT: usize = 640;
 
@@ -18,7 +27,13 @@ const HEIGHT: usize = 640;
 pub(super) fn figure_of(input: &ReportInput) -> String {
     let (creature, skin) = (input.agent.creature(), input.agent.skin());
     let limbs = BodyMesh::of_surfaces(skin);
-    let receptors = BodyMesh::of_receptors(skin);
+    let counts = counts(input);
+    let drawn = most_touched(&counts);
+    let left_out = counts.len() - drawn.len();
+    let counts: Vec<usize> = drawn.iter().map(|&receptor| counts[receptor]).collect();
+    let drawn_receptors = drawn.iter().map(|&receptor| skin.receptors[receptor].clone()).collect();
+    let drawn = Skin { receptors: drawn_receptors, surfaces: skin.surfaces.clone() };
+    let receptors = BodyMesh::of_receptors(&drawn);
     let learned = Pose::at_ease(creature, input.schema);
     let truth = input.truth.map(|truth| Pose::at_ease(creature, truth));
     let all = [&limbs, &receptors]
@@ -27,11 +42,10 @@ pub(super) fn figure_of(input: &ReportInput) -> String {
     let Some(room) = BodyScene::room_of(all) else {
         return "<p class=\"note\">There is nothing to draw.</p>\n".into();
     };
-    let counts = counts(input);
     let touched = |(receptor, count): (&crate::skin::Receptor, &usize)| {
         format!("{}: touched {}", receptor.id, times(*count))
     };
-    let patches = Layer::receptors("learned", skin.receptors.iter().zip(&counts).map(touched).collect());
+    let patches = Layer::receptors("learned", drawn.receptors.iter().zip(&counts).map(touched).collect());
     let bare = limbs.pieces.is_empty();
     let mut layers = Vec::new();
     if !bare {
@@ -65,14 +79,23 @@ pub(super) fn figure_of(input: &ReportInput) -> String {
         } else {
             vec![AuraOverlay::by_schema(input.agent, input.schema, input.undetermined, "learned")]
         },
-        maps: vec![MapOverlay::by_schema(input.agent, input.schema, "learned")],
+        maps: if skin.receptors.len() > MOST_NEIGHBOURS {
+            Vec::new()
+        } else {
+            vec![MapOverlay::by_schema(input.agent, input.schema, "learned")]
+        },
         hidden: vec![AURAS, MAP],
     };
     let over = if input.truth.is_some() { " before the true one, grey" } else { "" };
     let caption = format!(
         "The learned body{over}, at ease. Turn it with the mouse or the arrow keys; once it is clicked, the wheel zooms. \
          Patches are receptors, coloured by how often they were touched; orange joints are those that the touches do \
-         not determine.{}",
+         not determine.{}{}",
+        if left_out > 0 {
+            format!(" Left out are the {left_out} receptors that were touched least.")
+        } else {
+            String::new()
+        },
         if several {
             " The slider goes from a random initial guess to what was learned in the end."
         } else {
@@ -107,7 +130,9 @@ fn steps(input: &ReportInput) -> Vec<(String, &'static str, Pose)> {
     let touches = input.touches.len();
     let before: Vec<&Checkpoint> =
         input.checkpoints.iter().filter(|checkpoint| checkpoint.touches < touches).collect();
-    let every = before.len().div_ceil(MOST_STEPS - 1).max(1);
+    let limbs = input.agent.creature().limbs().len();
+    let most = (MOST_LIMBS_OF_STEPS / limbs.max(1)).clamp(FEWEST_STEPS, MOST_STEPS);
+    let every = before.len().div_ceil(most - 1).max(1);
     let name = |touches: usize| if touches == 0 { "initial guess".to_string() } else { touches.to_string() };
     let step =
         |touches: usize, schema| (name(touches), "learned", Pose::at_ease(input.agent.creature(), schema));
@@ -115,6 +140,15 @@ fn steps(input: &ReportInput) -> Vec<(String, &'static str, Pose)> {
     earlier
         .chain([(touches.to_string(), "learned", Pose::at_ease(input.agent.creature(), input.schema))])
         .collect()
+}
+
+/// The receptors that are drawn, in their order: all, unless there are too many.
+fn most_touched(counts: &[usize]) -> Vec<usize> {
+    let mut receptors: Vec<usize> = (0..counts.len()).collect();
+    receptors.sort_by_key(|&receptor| std::cmp::Reverse(counts[receptor]));
+    receptors.truncate(MOST_RECEPTORS);
+    receptors.sort_unstable();
+    receptors
 }
 
 /// How often each receptor was touched.

@@ -11,6 +11,8 @@ use crate::view::text::short_number as number;
 
 /// Values below this are drawn as this, millimetres: rounding, not learning.
 const LEAST: f64 = 1e-12;
+/// Most joints that are shown: of more, those with the greatest errors.
+pub(super) const MOST_JOINTS: usize = 120;
 /// Height of a joint's row, and width of all of them, pixels.
 const ROW: f64 = 17.0;
 const WIDTH: f64 = 560.0;
@@ -38,8 +40,20 @@ pub(super) fn figure_of(input: &ReportInput, residuals: &Residuals) -> String {
         }
     };
     let named = creature.joints().iter().map(|joint| joint.name.clone());
-    let boxes: Vec<(String, [f64; 5])> =
+    let mut boxes: Vec<(String, [f64; 5])> =
         named.zip(values).filter_map(|(name, values)| Some((name, quartiles(values)?))).collect();
+    let all = boxes.len();
+    if all > MOST_JOINTS {
+        let mut medians: Vec<f64> = boxes.iter().map(|(_, values)| values[2]).collect();
+        medians.sort_by(|a, b| b.total_cmp(a));
+        boxes.retain(|(_, values)| values[2] >= medians[MOST_JOINTS - 1]);
+        // Many may be equal.
+        boxes.truncate(MOST_JOINTS);
+    }
+    let left_out = match all - boxes.len() {
+        0 => String::new(),
+        _ => format!(" Of {all} joints it shows the {} with the greatest medians.", boxes.len()),
+    };
     if boxes.is_empty() {
         return "<p class=\"note\">There is nothing to measure a joint's error by.</p>\n".into();
     }
@@ -69,7 +83,7 @@ pub(super) fn figure_of(input: &ReportInput, residuals: &Residuals) -> String {
              the joint between the two limbs: the middle half in the box."
         }
     };
-    figure("joint-errors", &Chart::new("Error per joint", panel), caption)
+    figure("joint-errors", &Chart::new("Error per joint", panel), &format!("{caption}{left_out}"))
 }
 
 /// A box in a row, with whiskers, of the least, the three quartiles and the greatest of some millimetres.

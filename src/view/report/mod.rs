@@ -70,7 +70,7 @@ pub struct ReportInput<'a> {
     pub open_directions: &'a [String],
 }
 
-/// The whole page: HTML of some hundred kilobytes.
+/// The whole page: HTML of some hundred kilobytes, of a creature of a thousand limbs less than two thousand.
 pub fn html(input: &ReportInput) -> String {
     let name = input.agent.creature().name();
     let seed = input.seed;

@@ -13,9 +13,10 @@ use crate::view::text::{escape, plural, short_number as number};
 /// The numbers of the session, counted and told.
 pub(super) fn facts(input: &ReportInput) -> String {
     let creature = input.agent.creature();
+    let of_limbs: Vec<Option<usize>> =
+        (0..creature.limbs().len()).map(|limb| creature.aura_of(limb)).collect();
     let auras = |touch: &Touch| {
-        let mut pair =
-            touch.ends.map(|end| creature.aura_of(input.agent.skin().receptors[end.receptor].limb));
+        let mut pair = touch.ends.map(|end| of_limbs[input.agent.skin().receptors[end.receptor].limb]);
         pair.sort();
         pair
     };

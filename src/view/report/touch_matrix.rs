@@ -1,5 +1,7 @@
 //! How often each pair of limbs touched.
 
+use std::collections::BTreeMap;
+
 use super::ReportInput;
 use crate::agent::Agent;
 use crate::senses::Touch;
@@ -9,32 +11,43 @@ use crate::view::text::touches;
 
 /// A matrix of at most so many limbs has room for its counts.
 const ROOM: usize = 24;
+/// Most limbs of a matrix: of more, those that touched most.
+const MOST: usize = 60;
 /// Least shade of a pair that touched.
 const LIGHTEST: f64 = 0.14;
 
 /// The lower half of the matrix of aura limbs × aura limbs.
 pub(super) fn figure_of(input: &ReportInput) -> String {
-    let names: Vec<String> =
-        input.agent.creature().aura_limbs().iter().map(|aura| aura.name.replace('_', " ")).collect();
+    let auras = input.agent.creature().aura_limbs();
     let counts = counts(input.agent, input.touches);
-    let most = counts.iter().flatten().copied().max().unwrap_or(0);
-    if most == 0 {
+    let mut of_limbs = vec![0; auras.len()];
+    counts.iter().for_each(|(&[a, b], &count)| {
+        of_limbs[a] += count;
+        of_limbs[b] += if a == b { 0 } else { count };
+    });
+    let mut limbs: Vec<usize> = (0..auras.len()).collect();
+    limbs.sort_by_key(|&limb| std::cmp::Reverse(of_limbs[limb]));
+    limbs.truncate(MOST);
+    limbs.sort_unstable();
+    let names: Vec<String> = limbs.iter().map(|&limb| auras[limb].name.replace('_', " ")).collect();
+    let at = |limb: usize| limbs.binary_search(&limb).ok();
+    let shown: Vec<([usize; 2], usize)> =
+        counts.iter().filter_map(|(&[a, b], &count)| Some(([at(a)?, at(b)?], count))).collect();
+    let Some(most) = shown.iter().map(|(_, count)| *count).max() else {
         return "<p class=\"note\">No touch between named limbs.</p>\n".into();
-    }
+    };
     let n = names.len();
     let shade = |count: usize| LIGHTEST + (1.0 - LIGHTEST) * (count as f64).ln_1p() / (most as f64).ln_1p();
     let mut marks = Vec::new();
-    for (i, row) in counts.iter().enumerate() {
-        for (j, &count) in row.iter().enumerate().filter(|(_, count)| **count > 0) {
-            let (x, y) = (j as f64, i as f64);
-            marks.push(ChartMark::Cell {
-                from: [x - 0.47, y - 0.47],
-                to: [x + 0.47, y + 0.47],
-                opacity: shade(count),
-                text: if n <= ROOM { count.to_string() } else { String::new() },
-                says: format!("{}, {}: {}", names[i], names[j], touches(count)),
-            });
-        }
+    for ([i, j], count) in shown {
+        let (x, y) = (j as f64, i as f64);
+        marks.push(ChartMark::Cell {
+            from: [x - 0.47, y - 0.47],
+            to: [x + 0.47, y + 0.47],
+            opacity: shade(count),
+            text: if n <= ROOM { count.to_string() } else { String::new() },
+            says: format!("{}, {}: {}", names[i], names[j], touches(count)),
+        });
     }
     let ruler = || Ruler { title: String::new(), scale: Scale::Names(names.clone()) };
     let side = (27.0 * n as f64).clamp(160.0, 620.0);
@@ -45,19 +58,25 @@ pub(super) fn figure_of(input: &ReportInput) -> String {
         groups: vec![ChartGroup { name: String::new(), ink: Ink::Blue, marks }],
         plot: [1.15 * side, side],
     };
-    let caption = "Touches per pair of limbs: the stronger the colour, the more (logarithmic). Empty: never touched each other.";
-    figure("touch-matrix", &Chart::new("Touches per pair of limbs", panel), caption)
+    let left_out = match auras.len() - n {
+        0 => String::new(),
+        _ => format!(" Of {} limbs it shows the {n} that touched most.", auras.len()),
+    };
+    let caption = format!(
+        "Touches per pair of limbs: the stronger the colour, the more (logarithmic). Empty: never touched each other.{left_out}"
+    );
+    figure("touch-matrix", &Chart::new("Touches per pair of limbs", panel), &caption)
 }
 
-/// Touches per pair of aura limbs, the later limb first.
-fn counts(agent: &Agent, touches: &[Touch]) -> Vec<Vec<usize>> {
+/// Touches per pair of aura limbs that touched, the later limb first.
+fn counts(agent: &Agent, touches: &[Touch]) -> BTreeMap<[usize; 2], usize> {
     let (creature, skin) = (agent.creature(), agent.skin());
-    let number = creature.aura_limbs().len();
-    let mut counts = vec![vec![0; number]; number];
+    let auras: Vec<Option<usize>> = (0..creature.limbs().len()).map(|limb| creature.aura_of(limb)).collect();
+    let mut counts = BTreeMap::new();
     for touch in touches {
-        let [a, b] = touch.ends.map(|end| creature.aura_of(skin.receptors[end.receptor].limb));
+        let [a, b] = touch.ends.map(|end| auras[skin.receptors[end.receptor].limb]);
         if let Some((a, b)) = a.zip(b) {
-            counts[a.max(b)][a.min(b)] += 1;
+            *counts.entry([a.max(b), a.min(b)]).or_default() += 1;
         }
     }
     counts

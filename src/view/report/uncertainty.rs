@@ -1,6 +1,7 @@
 //! How sure the learner is of every joint.
 
 use super::ReportInput;
+use super::joint_errors::MOST_JOINTS;
 use crate::creature::DofKind;
 use crate::schema::SchemaStd;
 use crate::view::charts::{Chart, ChartGroup, ChartMark, Ink, Panel, Ruler, Scale};
@@ -23,9 +24,21 @@ pub(super) fn figure_of(input: &ReportInput) -> String {
     let Some(std) = input.std else {
         return "<p class=\"note\">This learner does not tell how sure it is.</p>\n".into();
     };
-    let [positions, axes] = deviations(input, std);
+    let [mut positions, mut axes] = deviations(input, std);
+    let count = input.agent.creature().joints().len();
+    let shown = least_sure(count, [&positions, &axes]);
     let known = positions.iter().filter(|deviation| deviation.value == Some(0.0)).count();
-    let names: Vec<String> = input.agent.creature().joints().iter().map(|joint| joint.name.clone()).collect();
+    for list in [&mut positions, &mut axes] {
+        list.retain_mut(|deviation| match shown.binary_search(&deviation.joint) {
+            Ok(row) => {
+                deviation.joint = row;
+                true
+            }
+            Err(_) => false,
+        });
+    }
+    let joints = input.agent.creature().joints();
+    let names: Vec<String> = shown.iter().map(|&joint| joints[joint].name.clone()).collect();
     let panels = vec![
         panel(&positions, "position", "mm", Ink::Blue, names.clone()),
         // The same rows: their names stand before the first panel.
@@ -38,7 +51,30 @@ pub(super) fn figure_of(input: &ReportInput) -> String {
     if known > 0 {
         caption.push_str(" What was known exactly in advance is not shown.");
     }
+    if shown.len() < count {
+        caption.push_str(&format!(" Of {count} joints it shows the {} that are known least.", shown.len()));
+    }
     figure("uncertainty", &Chart { says: "Uncertainty of every joint".into(), panels }, &caption)
+}
+
+/// The joints that are shown, in their order: all, unless there are too many. What is open is known least of all.
+fn least_sure(count: usize, [positions, axes]: [&[Deviation]; 2]) -> Vec<usize> {
+    let mut worst = vec![[0.0f64; 2]; count];
+    for (k, list) in [positions, axes].into_iter().enumerate() {
+        for deviation in list {
+            let value = deviation.value.unwrap_or(f64::INFINITY);
+            worst[deviation.joint][k] = worst[deviation.joint][k].max(value);
+        }
+    }
+    let mut joints: Vec<usize> = (0..count).collect();
+    let unsure = |&joint: &usize| worst[joint];
+    joints.sort_by(|a, b| {
+        let (a, b) = (unsure(a), unsure(b));
+        b[0].total_cmp(&a[0]).then(b[1].total_cmp(&a[1]))
+    });
+    joints.truncate(MOST_JOINTS);
+    joints.sort_unstable();
+    joints
 }
 
 fn deviations(input: &ReportInput, std: &SchemaStd) -> [Vec<Deviation>; 2] {

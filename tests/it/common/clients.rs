@@ -12,7 +12,7 @@ const EVERY: Duration = Duration::from_millis(500);
 /// How long a client waits until it comes again that was sent away.
 const AGAIN: Duration = Duration::from_secs(3);
 /// How long a client waits to be let in.
-const PATIENCE: Duration = Duration::from_millis(100);
+const PATIENCE: Duration = Duration::from_millis(20);
 
 /// What a client does with its connection.
 #[derive(Clone, Copy)]
@@ -55,12 +55,16 @@ impl Clients {
         let mut clients: Vec<_> = manners.map(|manner| Client { manner, stream: None, again: now }).collect();
         let work = move || {
             while !ended.load(Ordering::Relaxed) {
-                for client in &mut clients {
-                    client.go_on(address);
+                let round = Instant::now();
+                for k in 0..clients.len() {
+                    if ended.load(Ordering::Relaxed) {
+                        break;
+                    }
+                    clients[k].go_on(address);
+                    let inside = clients.iter().filter(|client| client.stream.is_some()).count();
+                    holding.fetch_max(inside, Ordering::Relaxed);
                 }
-                let inside = clients.iter().filter(|client| client.stream.is_some()).count();
-                holding.fetch_max(inside, Ordering::Relaxed);
-                std::thread::sleep(EVERY);
+                std::thread::sleep(EVERY.saturating_sub(round.elapsed()));
             }
         };
         Clients { done, inside, thread: Some(std::thread::spawn(work)) }
