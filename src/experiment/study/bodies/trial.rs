@@ -20,7 +20,7 @@ use crate::learning::learners::{HerschsRule, LearnerKind, LevenbergMarquardt, Pa
 use crate::learning::{Input, Verdict};
 use crate::mujoco::Model;
 use crate::senses::Touch;
-use crate::simulation::MotionName;
+use crate::simulation::{MotionName, SimulationError};
 
 /// Touches by stages, which end by themselves, at the most, in units of those at random.
 const STAGED: usize = 4;
@@ -107,7 +107,8 @@ impl From<ExperimentError> for Failed {
         let untouched = matches!(
             &error,
             ExperimentError::Creature {
-                reason: CreatureFault::Babbling(BabblingError::NoTouch { .. }) | CreatureFault::Simulation(_),
+                reason: CreatureFault::Babbling(BabblingError::NoTouch { .. })
+                    | CreatureFault::Simulation(SimulationError::NoPairs { .. }),
                 ..
             }
         );
