@@ -11,7 +11,7 @@ use crate::common::sessions;
 use crate::common::shell::{Line, copy, run};
 
 /// The documents, in the order in which they are read; what one leaves is there for the next.
-const DOCUMENTS: [&str; 15] = [
+const DOCUMENTS: [&str; 16] = [
     "README.md",
     "docs/commands.md",
     "docs/looking.md",
@@ -24,6 +24,7 @@ const DOCUMENTS: [&str; 15] = [
     "docs/bodies.md",
     "docs/recordings.md",
     "docs/calibration.md",
+    "docs/many.md",
     "docs/performance.md",
     "docs/files.md",
     "docs/library.md",
@@ -231,7 +232,7 @@ fn every_example_of_the_help_runs_as_it_is_written() {
         count.ran, count.checked
     );
     assert!(
-        count.ran + elsewhere >= 30 && count.checked <= 16,
+        count.ran + elsewhere >= 30 && count.checked <= 20,
         "{} and {elsewhere}, {}",
         count.ran,
         count.checked
