@@ -112,7 +112,9 @@ fn findings(counts: &[usize], trials: &[LearnersTrial]) -> Findings<LearnersMeas
         let of = |trial: &LearnersTrial| trial.0.iter().filter(|row| row.learner == name).cloned().collect();
         let courses: Vec<Vec<LearnersMeasurement>> = trials.iter().map(of).collect();
         let needed = LEVELS_MM.map(|level| median(courses.iter().map(|course| touches_to(level, course))));
-        let at = |k: usize| median(courses.iter().map(|course| course[k].heldout_mm));
+        let at = |k: usize| {
+            median(courses.iter().map(|course| course.get(k).map_or(f64::NAN, |row| row.heldout_mm)))
+        };
         let last = || courses.iter().filter_map(|course| course.last());
         summary.push(LearnersSummary {
             learner: name.into(),
@@ -161,7 +163,7 @@ fn touch_counts(most: usize) -> Vec<usize> {
 fn touches_to(level: f64, course: &[LearnersMeasurement]) -> f64 {
     let exceeds = |row: &LearnersMeasurement| row.heldout_mm.is_nan() || row.heldout_mm > level;
     match course.iter().rposition(exceeds) {
-        None => course[0].touches as f64,
+        None => course.first().map_or(f64::NAN, |row| row.touches as f64),
         Some(last) => course.get(last + 1).map_or(f64::INFINITY, |row| row.touches as f64),
     }
 }
