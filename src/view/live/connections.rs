@@ -5,7 +5,6 @@
 //! that has been there for the longest without, else the one on which nothing has moved for the longest. Who opens the page
 //! gets it, and who reads it keeps it, however many hold on to theirs.
 
-use std::cmp::Reverse;
 use std::io;
 use std::pin::Pin;
 use std::sync::Arc;
@@ -43,12 +42,8 @@ const TURN: Duration = Duration::from_millis(2);
 const RETRY: Duration = Duration::from_millis(200);
 /// Bytes of a head, and of an answer that wait to be sent.
 const BUFFER: usize = 64 << 10;
-/// Bytes that the system keeps for a client that does not read them: the fewer, the sooner nothing moves for it, and the
-/// newer is what a slow one reads.
-const SENT: usize = 16 << 10;
-/// Connections on which something moved within this time of each other are of equal use, milliseconds: all who are told
-/// the same news. Of these the newest makes room.
-const TOGETHER: u64 = 100;
+/// Bytes that the system keeps for a client that does not read them.
+const SENT: usize = 256 << 10;
 
 /// A connection that is held.
 struct Held {
@@ -130,8 +125,8 @@ fn make_room(held: &mut Vec<Held>) {
     let unasked = held.iter().filter(|connection| !connection.has_asked()).count();
     let spare_unasked = unasked <= held.len() / UNASKED;
     let usefulness = |connection: &Held| match connection.has_asked() {
-        true => (!spare_unasked, connection.moved() / TOGETHER, Reverse(connection.came)),
-        false => (spare_unasked, connection.came, Reverse(0)),
+        true => (!spare_unasked, connection.moved()),
+        false => (spare_unasked, connection.came),
     };
     if let Some((k, _)) = held.iter().enumerate().min_by_key(|(_, connection)| usefulness(connection)) {
         held.swap_remove(k).task.abort();
@@ -237,8 +232,6 @@ mod tests {
         assert_eq!(left(&[(1, true, 9000), (2, false, 9500), (3, false, 3)]), [1, 3]);
         // A newcomer among those who have asked has its moment; of these one takes nothing.
         assert_eq!(left(&[(1, true, 9000), (2, true, 2000), (3, true, 9500), (4, false, 4)]), [1, 3, 4]);
-        // Of those who all read who was there before stays.
-        assert_eq!(left(&[(1, true, 9000), (2, true, 9010), (3, true, 9020)]), [1, 2]);
         // Newcomers alone.
         assert_eq!(left(&[(1, false, 1), (2, false, 2)]), [2]);
         assert_eq!(left(&[]), [0u64; 0]);
