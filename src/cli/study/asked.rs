@@ -13,7 +13,8 @@ use crate::experiment::study::bodies::{self as bodies_study, BodiesOptions, STUD
 use crate::experiment::study::calibration::STUDY as CALIBRATION;
 use crate::experiment::study::claims::STUDY as CLAIMS;
 use crate::experiment::study::hersch::{STUDY as HERSCH, TOUCHES as HERSCH_TOUCHES};
-use crate::experiment::study::{FoundTables, ReceiveTrial, Subject, WallTime, trial};
+use crate::experiment::study::trial::{self, Concluded};
+use crate::experiment::study::{ReceiveTrial, Subject};
 use crate::experiment::{ExperimentError, Observer, Phase};
 use crate::mujoco;
 use crate::record::{PROGRAM, SCHEMA_FILE, model_hash};
@@ -110,7 +111,7 @@ impl<'a> AskedStudy<'a> {
     }
 
     /// What trials found that left these texts, and how long they took.
-    pub fn conclude(&self, left: &[String]) -> Result<(FoundTables, WallTime), ExperimentError> {
+    pub fn conclude(&self, left: &[String]) -> Concluded {
         match &self.of {
             StudyOf::Creature(subject) => self.args.name.trials.conclude(subject, left),
             StudyOf::Bodies(_) => {

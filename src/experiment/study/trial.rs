@@ -40,10 +40,13 @@ pub trait Trial: Serialize + DeserializeOwned {
 /// Takes what a trial left, with the seed that it is of.
 pub type ReceiveTrial<'a> = dyn FnMut(u64, String) -> Result<(), ExperimentError> + 'a;
 
+/// What trials found, and how long all of them took.
+pub type Concluded = Result<(FoundTables, WallTime), ExperimentError>;
+
 /// A study's trials, of whatever kind.
 pub struct Trials {
     run: fn(&Subject, &[u64], &mut ReceiveTrial) -> Result<(), ExperimentError>,
-    conclude: fn(&Subject, &[String]) -> Result<(FoundTables, WallTime), ExperimentError>,
+    conclude: fn(&Subject, &[String]) -> Concluded,
 }
 
 /// What a trial leaves, and how long it took where it was made.
@@ -76,11 +79,7 @@ impl Trials {
     ///
     /// # Errors
     /// [`ExperimentError::Refused`] where a text is not of this study's trials.
-    pub fn conclude(
-        &self,
-        subject: &Subject,
-        left: &[String],
-    ) -> Result<(FoundTables, WallTime), ExperimentError> {
+    pub fn conclude(&self, subject: &Subject, left: &[String]) -> Concluded {
         (self.conclude)(subject, left)
     }
 }
@@ -107,10 +106,7 @@ fn run<T: Trial>(
     record(seeds, receive, |seed| T::run(subject, &setting, seed))
 }
 
-fn conclude<T: Trial>(
-    subject: &Subject,
-    left: &[String],
-) -> Result<(FoundTables, WallTime), ExperimentError> {
+fn conclude<T: Trial>(subject: &Subject, left: &[String]) -> Concluded {
     let (trials, seconds) = read::<T>(left)?;
     Ok((T::findings(subject, &trials).into(), seconds))
 }
