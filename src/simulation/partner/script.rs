@@ -6,6 +6,7 @@ use nalgebra::Vector3;
 use serde::Deserialize;
 
 use crate::given_file;
+use crate::record::shortened;
 use crate::simulation::{PROBE_RADIUS, ProbePath, Stage};
 
 /// Where a probe's tip or middle is to be at a time.
@@ -61,7 +62,8 @@ impl Script {
     /// # Errors
     /// [`ScriptError::Unreadable`], a sentence that names the file, the place and the mend.
     pub fn read(path: &Path) -> Result<Script, ScriptError> {
-        let (at, unreadable) = (path.display(), ScriptError::Unreadable);
+        let at = path.display();
+        let unreadable = |sentence: String| ScriptError::Unreadable(shortened(sentence));
         let text = given_file::read_text(path)
             .map_err(|error| unreadable(format!("{at}: it cannot be read ({error})")))?;
         let script: Script = serde_json::from_str(&text)

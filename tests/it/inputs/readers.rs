@@ -20,8 +20,9 @@ use tempfile::TempDir;
 use crate::common::program::succeeds;
 use crate::common::{repository, two_arms};
 
-/// How long a process may take before it hangs.
-const PATIENCE: Duration = Duration::from_secs(60);
+/// How long a process may take before it hangs: a learner tries guess after guess where touches tell little, ten seconds of a
+/// processor that others may use as well.
+const PATIENCE: Duration = Duration::from_secs(300);
 
 /// How reading a file ends.
 pub enum Ending {
