@@ -136,7 +136,8 @@ mod tests {
 
     /// A chain of limbs on a hinge, a slide with a hinge, and a ball.
     fn chain() -> (Creature, BodySchema) {
-        let dof = |name: &str, kind| Dof { name: name.into(), kind, range: [-1.0, 1.0], follows: None };
+        let range = |kind| if kind == DofKind::Ball { [0.0, 1.0] } else { [-1.0, 1.0] };
+        let dof = |name: &str, kind| Dof { name: name.into(), kind, range: range(kind), follows: None };
         let joints = vec![
             Joint::new("hinge", 0, vec![dof("yaw", DofKind::Hinge)]),
             Joint::new("rail", 1, vec![dof("shift", DofKind::Slide), dof("turn", DofKind::Hinge)]),
