@@ -88,7 +88,7 @@ row! {
     }
 }
 
-/// The measurements of one trial, one for each of [`CONDITIONS`].
+/// The measurements of one trial, one for each condition.
 #[derive(Debug, Serialize, Deserialize)]
 pub struct CoverageTrial(Vec<CoverageMeasurement>);
 

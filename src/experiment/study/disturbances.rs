@@ -70,7 +70,7 @@ fn levels([joint_noise, receptor_noise, false_touches]: [f64; 3]) -> Disturbance
     DisturbanceLevels { joint_noise, receptor_noise, false_touches, point_noise: 0.0 }
 }
 
-/// The measurements of one trial, one for each of [`CONDITIONS`].
+/// The measurements of one trial, one for each condition.
 #[derive(Debug, Serialize, Deserialize)]
 pub struct DisturbancesTrial(Vec<DisturbancesMeasurement>);
 

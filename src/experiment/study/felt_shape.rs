@@ -69,7 +69,7 @@ row! {
     }
 }
 
-/// The measurements of one trial, for those of [`CONDITIONS`] in which the thing was found.
+/// The measurements of one trial, for those conditions in which the thing was found.
 #[derive(Debug, Serialize, Deserialize)]
 pub struct ShapeTrial(Vec<ShapeMeasurement>);
 

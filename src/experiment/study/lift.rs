@@ -89,7 +89,7 @@ struct LiftAttempt {
     result: String,
 }
 
-/// The measurements of one trial, one for each of [`CONDITIONS`]; none where no thing was drawn that can be lifted.
+/// The measurements of one trial, one for each condition; none where no thing was drawn that can be lifted.
 #[derive(Debug, Serialize, Deserialize)]
 pub struct LiftTrial(Vec<LiftMeasurement>);
 

@@ -124,7 +124,7 @@ struct KnownTip {
 #[derive(Debug, Default, Serialize, Deserialize)]
 pub struct ToolTrial {
     measurements: Vec<ToolMeasurement>,
-    /// For each of [`CONDITIONS`]; none where no stick was drawn.
+    /// For each condition; none where no stick was drawn.
     sticks: Vec<KnownTip>,
 }
 

@@ -82,7 +82,7 @@ pub struct WayTrial {
     pub joints: [usize; 2],
     /// Mean and greatest held-out error, millimetres; none where nothing was learned.
     pub error_mm: Option<[f64; 2]>,
-    /// The share of held-out points that are off by no more than [`RIGHT`] of a limb's length.
+    /// The share of held-out points that are off by no more than a hundredth of a limb's length.
     pub right: f64,
     /// Pairs of limbs that are claimed, and those of them that are wrong.
     pub claims: [usize; 2],
