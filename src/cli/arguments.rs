@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use clap::parser::ValueSource;
-use clap::{Arg, ArgMatches, Command};
+use clap::{Arg, ArgMatches, Args, Command};
 
 /// Options by their long names, each with its values; a flag that is set has none.
 pub type Arguments = BTreeMap<String, Vec<String>>;
@@ -54,6 +54,17 @@ pub fn command_line(command: &Command, arguments: &Arguments) -> Result<Vec<Stri
         command.get_positionals().filter_map(|positional| arguments.get(name(positional))).flatten().cloned(),
     );
     Ok(line)
+}
+
+/// Options in effect as a command's arguments again; says why where this version of the command does not take them.
+pub fn taken_up<A: Args>(name: &'static str, arguments: &Arguments) -> Result<A, String> {
+    let command = A::augment_args(Command::new(name));
+    let line = command_line(&command, arguments).map_err(|option| format!("there is no --{option}"))?;
+    let matches = command.try_get_matches_from(line);
+    matches.and_then(|matches| A::from_arg_matches(&matches)).map_err(|error| {
+        let text = error.to_string();
+        text.lines().next().unwrap_or_default().trim_start_matches("error: ").to_string()
+    })
 }
 
 /// A number of touches from the command line.

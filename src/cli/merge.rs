@@ -4,13 +4,13 @@ use std::path::{Path, PathBuf};
 
 use super::babbling::Prepared;
 use super::folders::{session_folder, written_session};
-use super::resume::args_of;
+use super::resume::{args_of, finish};
 use super::study::shares::{StudyShares, are_of_study};
 use super::{Failure, Outcome, output};
 use crate::experiment::{BabbledShares, BabblingSession, Provenance, ResumedSession, Unready};
 use crate::record::{SESSION_FILE, Session, Shares};
 use crate::share::Share;
-use crate::view::report::REPORT_FILE;
+use crate::view::text::shell_words;
 
 /// Put together the shares of a session or of a study.
 ///
@@ -79,13 +79,7 @@ fn session(args: &MergeArguments, shares: &BabbledShares) -> Outcome {
     let session = Session::read(folder)?;
     match BabblingSession::resume(&prepared.embodied, &prepared.setup, &lock, session)? {
         ResumedSession::Babbling(session) => prepared.put_together(&babble, lock, *session, shares),
-        ResumedSession::Babbled(babbled) if !folder.join(REPORT_FILE).exists() => {
-            prepared.learn(&babble, lock, &babbled)
-        }
-        ResumedSession::Babbled(_) => {
-            tell!("{} is complete: nothing is left to do", folder.display());
-            Ok(())
-        }
+        ResumedSession::Babbled(babbled) => finish(&prepared, &babble, lock, &babbled),
     }
 }
 
@@ -118,16 +112,11 @@ fn with_share(command: &[String], share: Share) -> String {
     let mut after = false;
     let words = command.iter().map(|word| {
         let is_share = std::mem::replace(&mut after, word == "--shard");
-        let word = match is_share {
+        match is_share {
             true => share.to_string(),
             false if word.starts_with("--shard=") => format!("--shard={share}"),
             false => word.clone(),
-        };
-        if word.contains([' ', '\'', '"', '$', '*', '\\']) {
-            format!("'{}'", word.replace('\'', r"'\''"))
-        } else {
-            word
         }
     });
-    words.collect::<Vec<String>>().join(" ")
+    shell_words(&words.collect::<Vec<String>>())
 }

@@ -2,14 +2,12 @@
 
 use std::path::Path;
 
-use clap::{Command, FromArgMatches};
-
-use super::arguments::{Arguments, command_line};
+use super::arguments::{Arguments, taken_up};
 use super::babbling::{BabbleArguments, Prepared};
 use super::folders::written_session;
 use super::{Failure, Outcome, output};
-use crate::experiment::{BabblingSession, ResumedSession};
-use crate::record::{SESSION_FILE, Session, SessionOptions};
+use crate::experiment::{BabbledSession, BabblingSession, ResumedSession};
+use crate::record::{FolderLock, SESSION_FILE, Session, SessionOptions};
 use crate::view::report::REPORT_FILE;
 
 /// Does what is missing in a session's folder: touches, learning, the report.
@@ -31,19 +29,28 @@ pub fn run(folder: &Path, given: &BabbleArguments) -> Outcome {
             tell!("{place}: going on after touch {} of {}", session.made(), prepared.setup.babbling.touches);
             prepared.babble(&args, lock, *session)
         }
-        ResumedSession::Babbled(babbled) if !folder.join(REPORT_FILE).exists() => {
-            tell!("{place}: all {} touches are there; learning from them", babbled.touches.len());
-            prepared.learn(&args, lock, &babbled)
-        }
-        ResumedSession::Babbled(babbled) => {
-            tell!("{place} is complete: nothing is left to do");
-            if args.json {
-                let touches = babbled.touches.len();
-                output::json(&serde_json::json!({"session": folder, "touches": touches, "complete": true}))?;
-            }
-            Ok(())
-        }
+        ResumedSession::Babbled(babbled) => finish(&prepared, &args, lock, &babbled),
     }
+}
+
+/// Learns from touches that are all there, where that was not done yet.
+pub fn finish(
+    prepared: &Prepared,
+    args: &BabbleArguments,
+    lock: FolderLock,
+    babbled: &BabbledSession,
+) -> Outcome {
+    let (folder, touches) = (lock.folder(), babbled.touches.len());
+    let place = folder.display();
+    if !folder.join(REPORT_FILE).exists() {
+        tell!("{place}: all {touches} touches are there; learning from them");
+        return prepared.learn(args, lock, babbled);
+    }
+    tell!("{place} is complete: nothing is left to do");
+    if args.json {
+        output::json(&serde_json::json!({"session": folder, "touches": touches, "complete": true}))?;
+    }
+    Ok(())
 }
 
 /// The options that the session in a folder was begun with.
@@ -59,19 +66,11 @@ pub fn args_of(session: &Session, folder: &Path) -> Result<BabbleArguments, Fail
     let mut arguments = if arguments.is_empty() { older(session) } else { arguments.clone() };
     // Files are reduced by themselves where they have to be; there was an option for it once.
     arguments.remove("strip");
-    let refuse = |what: String| {
+    taken_up("babble", &arguments).map_err(|what| {
         Failure(format!(
             "{}: its options cannot be used ({what}): it is of another version of bodyschema, or was changed; babble anew",
             path.display()
         ))
-    };
-    let command = <BabbleArguments as clap::Args>::augment_args(Command::new("babble"));
-    let line =
-        command_line(&command, &arguments).map_err(|option| refuse(format!("there is no --{option}")))?;
-    let matches = command.try_get_matches_from(line);
-    matches.and_then(|matches| BabbleArguments::from_arg_matches(&matches)).map_err(|error| {
-        let text = error.to_string();
-        refuse(text.lines().next().unwrap_or_default().trim_start_matches("error: ").to_string())
     })
 }
 

@@ -21,7 +21,7 @@ mod rerun;
 #[cfg(feature = "report")]
 pub mod space;
 #[cfg(feature = "report")]
-mod text;
+pub(crate) mod text;
 
 #[cfg(feature = "report")]
 pub use charts::study_chart;

@@ -1,4 +1,4 @@
-//! Names and numbers as a page shows them.
+//! Names, numbers and command lines as people are shown them.
 
 /// Slack for powers of ten that are not exact.
 const ROUNDING: f64 = 1e-9;
@@ -116,9 +116,28 @@ pub(super) fn touches(count: usize) -> String {
     if count == 1 { "1 touch".into() } else { format!("{count} touches") }
 }
 
+/// A command line as a shell takes it.
+pub(crate) fn shell_words(words: &[String]) -> String {
+    let plain = |c: char| c.is_alphanumeric() || "-_./,:=+@%".contains(c);
+    let quoted = |word: &String| {
+        if !word.is_empty() && word.chars().all(plain) {
+            word.clone()
+        } else {
+            format!("'{}'", word.replace('\'', r"'\''"))
+        }
+    };
+    words.iter().map(quoted).collect::<Vec<_>>().join(" ")
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_command_is_shown_as_a_shell_takes_it() {
+        let words = ["bodyschema", "babble", "my model.xml", "--known", "it's", ""].map(String::from);
+        assert_eq!(shell_words(&words), r"bodyschema babble 'my model.xml' --known 'it'\''s' ''");
+    }
 
     #[test]
     fn numbers_keep_their_digits_at_any_size() {

@@ -58,9 +58,7 @@ impl<'a> AskedStudy<'a> {
             return Err(Failure(format!("study {} has no cases: leave out --case", study.name)));
         }
         let rule = args.hersch.options(study)?;
-        let last = args.seed.checked_add(u64::from(args.trials) - 1);
-        let last = last.ok_or("the last trial's seed would be too great: give a smaller --seed")?;
-        let seeds: Vec<u64> = (args.seed..=last).collect();
+        let seeds = args.seeds()?;
         if study.name == BODIES.name {
             return Ok(AskedStudy { args, seeds, of: StudyOf::Bodies(bodies::options(args)?), bars });
         }

@@ -10,11 +10,11 @@ use std::path::{Path, PathBuf};
 
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 
-use super::Outcome;
 use super::arguments::{Arguments, positive, touch_count};
 use super::folders::free_folder;
 use super::open::ModelArguments;
 use super::progress::Bars;
+use super::{Failure, Outcome};
 use crate::babbling::PolicyName;
 use crate::creature::JointSelection;
 use crate::experiment::study::bodies::WAYS;
@@ -108,6 +108,15 @@ pub struct StudyArguments {
     ways: Vec<&'static str>,
     #[command(flatten)]
     hersch: hersch::HerschArguments,
+}
+
+impl StudyArguments {
+    /// The seeds of the trials, one after the other.
+    fn seeds(&self) -> Result<Vec<u64>, Failure> {
+        let last = self.seed.checked_add(u64::from(self.trials) - 1);
+        let last = last.ok_or("the last trial's seed would be too great: give a smaller --seed")?;
+        Ok((self.seed..=last).collect())
+    }
 }
 
 /// A study by its name, which shells complete.

@@ -3,12 +3,11 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use clap::{Args, Command, FromArgMatches};
-use serde_json::json;
+use serde_json::{Value, json};
 
 use super::asked::AskedStudy;
 use super::{STUDY_FILE, StudyArguments, conclusion};
-use crate::cli::arguments::{Arguments, command_line};
+use crate::cli::arguments::{Arguments, taken_up};
 use crate::cli::folders::free_folder;
 use crate::cli::progress::Bars;
 use crate::cli::shard::take_share;
@@ -33,7 +32,7 @@ pub fn make(asked: &AskedStudy, share: Share, folder: &Path, given: Arguments, b
             return Err(Failure(format!(
                 "{}: it is the share of another study than the one asked for ({}): give another folder with --out",
                 place.join(STUDY_SHARE_FILE).display(),
-                difference(&there, &new)
+                difference(&there.common, &new.common)
             )));
         }
     } else {
@@ -105,7 +104,7 @@ impl StudyShares {
                     "{}: it is not of the study that {} is of ({}): make one of them again",
                     file.display(),
                     other.display(),
-                    difference(first, &there)
+                    difference(&first.common, &there.common)
                 )));
             }
             begun.push((share, place, there));
@@ -114,7 +113,7 @@ impl StudyShares {
             return Ok(Err(unready));
         };
         let args = args_of(first, place)?;
-        let seeds: Vec<u64> = (0..u64::from(args.trials)).map(|k| args.seed.saturating_add(k)).collect();
+        let seeds = args.seeds()?;
         let mut trials = BTreeMap::new();
         for (share, place, _) in &begun {
             let own = own_seeds(*share, &seeds);
@@ -141,12 +140,12 @@ impl StudyShares {
         let args = &self.args;
         let bars = Bars::default();
         let asked = AskedStudy::new(args, &bars)?;
-        let now = StudyShare { common: asked.about()?, ..self.first.clone() };
-        if now.common != self.first.common {
+        let now = asked.about()?;
+        if now != self.first.common {
             return Err(Failure(format!(
                 "{}: its shares are not of what would be studied here ({}): put it back as it was, or make them again",
                 folder.display(),
-                difference(&self.first, &now)
+                difference(&self.first.common, &now)
             )));
         }
         let lock = free_folder(Some(folder), "study", &[STUDY_FILE], |_| folder.to_path_buf())?;
@@ -171,34 +170,26 @@ impl StudyShares {
     }
 }
 
-/// What differs between two shares, in words.
-fn difference(one: &StudyShare, other: &StudyShare) -> String {
-    fn differing<'a>(one: &'a serde_json::Value, other: &'a serde_json::Value) -> Option<String> {
+/// What differs between what two shares are of, in words.
+fn difference(one: &Value, other: &Value) -> String {
+    fn differing(one: &Value, other: &Value) -> Option<String> {
         let fields = one.as_object()?.iter();
         let field =
             fields.filter(|(name, _)| *name != "options").find(|(name, value)| other[*name] != **value);
         field.map(|(name, value)| format!("one's {name} is {value}, the other's {}", other[name.as_str()]))
     }
-    differing(&one.common["options"], &other.common["options"])
-        .or_else(|| differing(&one.common, &other.common))
+    differing(&one["options"], &other["options"])
+        .or_else(|| differing(one, other))
         .unwrap_or_else(|| "it was asked otherwise".to_string())
 }
 
 /// The options that a share was made with.
 fn args_of(share: &StudyShare, folder: &Path) -> Result<StudyArguments, Failure> {
-    let refuse = |what: String| {
+    taken_up("study", &share.arguments).map_err(|what| {
         Failure(format!(
             "{}: its options cannot be used ({what}): it is of another version of bodyschema, or was changed; make \
              the shares again",
             folder.join(STUDY_SHARE_FILE).display()
         ))
-    };
-    let command = StudyArguments::augment_args(Command::new("study"));
-    let line = command_line(&command, &share.arguments)
-        .map_err(|option| refuse(format!("there is no --{option}")))?;
-    let matches = command.try_get_matches_from(line);
-    matches.and_then(|matches| StudyArguments::from_arg_matches(&matches)).map_err(|error| {
-        let text = error.to_string();
-        refuse(text.lines().next().unwrap_or_default().trim_start_matches("error: ").to_string())
     })
 }

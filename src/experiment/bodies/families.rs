@@ -44,37 +44,25 @@ impl Family {
     /// Draws a body of it, of limbs about so long, metres.
     pub fn body(self, mut draw: Draw, scale: f64) -> Tree {
         match self {
-            Family::Chain => {
-                let half = [draw.between(0.2, 0.4), draw.between(0.2, 0.4), draw.between(0.2, 0.4)];
-                chain(Tree::new(draw, scale, half))
-            }
+            Family::Chain => chain(trunk(draw, scale, [(0.2, 0.4), (0.2, 0.4), (0.2, 0.4)])),
             Family::Snake => snake(Tree::new(draw, scale, [0.25, 0.25, 0.5])),
             Family::Star => {
                 let half = draw.between(0.25, 0.6);
                 star(Tree::new(draw, scale, [half; 3]))
             }
-            Family::Humanoid => {
-                let half = [draw.between(0.4, 0.55), draw.between(0.2, 0.3), draw.between(0.2, 0.4)];
-                humanoid(Tree::new(draw, scale, half))
-            }
-            Family::Walker => {
-                let half = [draw.between(0.3, 0.5), draw.between(0.7, 1.2), draw.between(0.15, 0.3)];
-                walker(Tree::new(draw, scale, half))
-            }
-            Family::Arms => {
-                let half = [draw.between(0.3, 0.8), draw.between(0.3, 0.6), draw.between(0.15, 0.4)];
-                arms(Tree::new(draw, scale, half))
-            }
-            Family::Hand => {
-                let half = [draw.between(0.15, 0.3), draw.between(0.15, 0.3), draw.between(0.2, 0.4)];
-                hand(Tree::new(draw, scale, half))
-            }
-            Family::Tree => {
-                let half = [draw.between(0.2, 0.5), draw.between(0.2, 0.5), draw.between(0.2, 0.5)];
-                random_tree(Tree::new(draw, scale, half))
-            }
+            Family::Humanoid => humanoid(trunk(draw, scale, [(0.4, 0.55), (0.2, 0.3), (0.2, 0.4)])),
+            Family::Walker => walker(trunk(draw, scale, [(0.3, 0.5), (0.7, 1.2), (0.15, 0.3)])),
+            Family::Arms => arms(trunk(draw, scale, [(0.3, 0.8), (0.3, 0.6), (0.15, 0.4)])),
+            Family::Hand => hand(trunk(draw, scale, [(0.15, 0.3), (0.15, 0.3), (0.2, 0.4)])),
+            Family::Tree => random_tree(trunk(draw, scale, [(0.2, 0.5), (0.2, 0.5), (0.2, 0.5)])),
         }
     }
+}
+
+/// A trunk alone, whose half extents lie between such shares of the scale.
+fn trunk(mut draw: Draw, scale: f64, half_between: [(f64, f64); 3]) -> Tree {
+    let half = half_between.map(|(least, most)| draw.between(least, most));
+    Tree::new(draw, scale, half)
 }
 
 /// Limbs in a row from somewhere on a limb on; the last one's number.

@@ -13,6 +13,7 @@ use crate::record::{
 };
 use crate::schema::SchemaStd;
 use crate::senses::Touch;
+use crate::view::text::shell_words;
 
 /// The report, in a session's folder.
 pub const REPORT_FILE: &str = "report.html";
@@ -128,28 +129,4 @@ fn facts(session: &Session, learned: Option<&LearningRecord>) -> Vec<(String, St
     }
     facts.extend(learned.into_iter().flat_map(|learned| learned.facts.iter().cloned()));
     facts
-}
-
-/// A command line as a shell takes it.
-fn shell_words(words: &[String]) -> String {
-    let plain = |c: char| c.is_alphanumeric() || "-_./,:=+@%".contains(c);
-    let quoted = |word: &String| {
-        if !word.is_empty() && word.chars().all(plain) {
-            word.clone()
-        } else {
-            format!("'{}'", word.replace('\'', r"'\''"))
-        }
-    };
-    words.iter().map(quoted).collect::<Vec<_>>().join(" ")
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_command_is_shown_as_a_shell_takes_it() {
-        let words = ["bodyschema", "babble", "my model.xml", "--known", "it's", ""].map(String::from);
-        assert_eq!(shell_words(&words), r"bodyschema babble 'my model.xml' --known 'it'\''s' ''");
-    }
 }
