@@ -12,6 +12,7 @@ use std::sync::Arc;
 
 use nalgebra::Vector3;
 
+use super::broad_phase::BroadPhase;
 use super::kept_apart;
 use super::relative_motion::{PairMotion, outlasts, until_zero};
 use super::straight_motion::StraightMotion;
@@ -36,6 +37,21 @@ pub struct ConservativeAdvancement {
     balls: Vec<MovingBall>,
     /// Per cluster, its ball in the root's frame.
     cluster_balls: Vec<Ball>,
+    /// Per joint, how fast it turns and shifts in the present motion.
+    joint_speeds: Vec<(f64, f64)>,
+    /// The pairs that can meet before the end of the window, in order; all others are free until then.
+    near: Vec<u32>,
+    /// Up to when they are known.
+    window_end: f64,
+    /// How long a window is in the present motion; …
+    window: f64,
+    /// … and how fast any point of a cluster moves against the root, per cluster: where there are too many pairs to look at all.
+    cluster_speeds: Vec<f64>,
+    /// What each cluster can move by in a window, metres.
+    growth: Vec<f64>,
+    broad_phase: BroadPhase,
+    /// Per pair, the motion for which what follows holds.
+    prepared: Vec<u64>,
     /// Per pair: greatest relative speed, greatest relative acceleration, and until when it is free.
     speed: Vec<f64>,
     acceleration: Vec<f64>,
@@ -72,6 +88,12 @@ const FAR: f64 = 0.03;
 const SOON: f64 = 0.06;
 /// The least advance of a motion's parameter, so that no approach without contact stalls it.
 const LEAST_ADVANCE: f64 = 1e-6;
+/// Of so many pairs all are looked at from the beginning of a motion on.
+const FEW_PAIRS: usize = 8192;
+/// How far clusters move in a window on average, as a share of their radius.
+const WINDOW: f64 = 1.0;
+/// The shortest window, as a part of the motion.
+const LEAST_WINDOW: f64 = 1e-3;
 /// After every so many steps it grows by as much again: limbs may slide along each other for a whole motion.
 const CREEPING: usize = 1000;
 
@@ -92,6 +114,14 @@ impl ConservativeAdvancement {
             balls: touchable.bounds.iter().map(|bound| MovingBall::about(&bound.capsule)).collect(),
             placed: vec![false; touchable.clusters.len()],
             cluster_balls: touchable.clusters.iter().map(|cluster| cluster.ball).collect(),
+            joint_speeds: Vec::new(),
+            near: if count > FEW_PAIRS { Vec::new() } else { (0..count as u32).collect() },
+            window_end: 0.0,
+            window: 0.0,
+            cluster_speeds: Vec::new(),
+            growth: Vec::new(),
+            broad_phase: BroadPhase::default(),
+            prepared: vec![0; count],
             speed: vec![0.0; count],
             acceleration: vec![0.0; count],
             free_until: vec![0.0; count],
@@ -114,26 +144,66 @@ impl ConservativeAdvancement {
     pub fn begin(&mut self, start: &[f64], target: &[f64], contact: Option<Encounter>) {
         self.motion.begin(start, target);
         self.steps = 0;
-        let speeds = self.motion.joint_speeds();
-        for (k, pair) in self.touchable.pairs.iter().enumerate() {
-            let (mut speed, mut acceleration) = (0.0, 0.0);
-            for side in 0..2 {
-                // A point turned by joints i before j is accelerated by at most 2 ω_i ω_j r_j.
-                let mut inner = 0.0;
-                for lever in self.touchable.levers(pair, side) {
-                    let (turn, shift) = speeds[lever.joint];
-                    let own = turn * lever.reach + shift;
-                    speed += own;
-                    acceleration += turn * turn * lever.reach + 2.0 * (inner * own + turn * shift);
-                    inner += turn;
-                }
-            }
-            self.speed[k] = speed;
-            self.acceleration[k] = acceleration;
-            self.free_until[k] = if speed > 0.0 { 0.0 } else { f64::INFINITY };
-        }
+        self.joint_speeds = self.motion.joint_speeds();
         self.motions += 1;
         self.start_contact = contact;
+        if self.touchable.pairs.len() <= FEW_PAIRS {
+            self.window_end = f64::INFINITY;
+            (0..self.touchable.pairs.len()).for_each(|k| self.prepare(k));
+            return;
+        }
+        self.near.clear();
+        self.window_end = 0.0;
+        let speeds = &self.joint_speeds;
+        self.cluster_speeds.clear();
+        self.cluster_speeds.extend((0..self.touchable.clusters.len()).map(|cluster| {
+            let levers = self.touchable.all_levers(cluster).iter();
+            levers.map(|lever| speeds[lever.joint].0 * lever.reach + speeds[lever.joint].1).sum::<f64>()
+        }));
+        // In a window the clusters move by about as much as they are large.
+        let size: f64 = self.cluster_balls.iter().map(|ball| ball.radius).sum();
+        let speed: f64 = self.cluster_speeds.iter().sum();
+        self.window = (WINDOW * size / speed).max(LEAST_WINDOW);
+    }
+
+    /// Bounds of how a pair moves in the present motion, and that nothing is known yet of when it meets.
+    fn prepare(&mut self, k: usize) {
+        let (mut speed, mut acceleration) = (0.0, 0.0);
+        for side in 0..2 {
+            // A point turned by joints i before j is accelerated by at most 2 ω_i ω_j r_j.
+            let mut inner = 0.0;
+            for lever in self.touchable.levers(&self.touchable.pairs[k], side) {
+                let (turn, shift) = self.joint_speeds[lever.joint];
+                let own = turn * lever.reach + shift;
+                speed += own;
+                acceleration += turn * turn * lever.reach + 2.0 * (inner * own + turn * shift);
+                inner += turn;
+            }
+        }
+        self.speed[k] = speed;
+        self.acceleration[k] = acceleration;
+        self.free_until[k] = if speed > 0.0 { 0.0 } else { f64::INFINITY };
+        self.prepared[k] = self.motions;
+    }
+
+    /// Begins a window at `t`, where the limbs are placed: finds the pairs that can meet before its end.
+    fn begin_window(&mut self, t: f64) {
+        self.window_end = t + self.window;
+        let mut near = std::mem::take(&mut self.near);
+        near.clear();
+        self.growth.clear();
+        self.growth.extend(self.cluster_speeds.iter().map(|speed| speed * self.window));
+        let touchable = &self.touchable;
+        self.broad_phase.pairs(&self.cluster_balls, &self.growth, FAR, |clusters| {
+            near.extend(touchable.pair_of(clusters).map(|k| k as u32));
+        });
+        near.sort_unstable();
+        for &k in &near {
+            if self.prepared[k as usize] != self.motions {
+                self.prepare(k as usize);
+            }
+        }
+        self.near = near;
     }
 
     /// The first encounter of the motion after `from`, as the fraction of the way at which it is about to
@@ -143,15 +213,19 @@ impl ConservativeAdvancement {
         loop {
             self.steps += 1;
             let least_advance = self.least_advance();
-            t = t.max(least(&self.free_until));
+            t = t.max(self.least_free_until().min(self.window_end));
             if t >= 1.0 {
                 return None;
             }
             self.place_limbs(t);
+            if t >= self.window_end {
+                self.begin_window(t);
+            }
             // Pairs that come up soon after are looked at now: the limbs are placed already.
             let soon = t + SOON;
             let mut met: Option<Encounter> = None;
-            for k in 0..self.touchable.pairs.len() {
+            for n in 0..self.near.len() {
+                let k = self.near[n] as usize;
                 if self.free_until[k] > soon {
                     continue;
                 }
@@ -167,6 +241,14 @@ impl ConservativeAdvancement {
                 return Some((t, encounter));
             }
         }
+    }
+
+    /// Until when all pairs that are near are free.
+    fn least_free_until(&self) -> f64 {
+        if self.near.len() == self.free_until.len() {
+            return least(&self.free_until);
+        }
+        self.near.iter().map(|&k| self.free_until[k as usize]).fold(f64::INFINITY, f64::min)
     }
 
     /// How far a motion advances at the least, whatever comes near: a share of its way.

@@ -6,6 +6,7 @@
 
 mod advancement;
 mod agent_handle;
+mod broad_phase;
 mod dynamic;
 mod error;
 mod event;

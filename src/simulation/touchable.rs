@@ -120,6 +120,8 @@ pub(super) struct TouchablePairs {
     pub pairs: Vec<ClusterPair>,
     /// The geom pairs of all pairs, one pair's after the other's, as indices into the bounds.
     pub geoms: Vec<[u32; 2]>,
+    /// Per cluster, where the pairs begin of which it is the first; they are in the order of their second.
+    first_pair: Vec<u32>,
     /// Per pair of geoms that can touch, in the order of the model's geoms, the lesser first: these, and their place among `geoms`.
     found: Vec<([u32; 2], u32)>,
 }
@@ -156,7 +158,9 @@ impl TouchablePairs {
         }
         let mut pairs: Vec<ClusterPair> = Vec::new();
         let mut geoms: Vec<[u32; 2]> = Vec::new();
+        let mut first_pair = Vec::with_capacity(clusters.len() + 1);
         for (i, first) in clusters.iter().enumerate() {
+            first_pair.push(pairs.len() as u32);
             for (j, second) in clusters.iter().enumerate().skip(i + 1) {
                 if creature.neighbouring(first.limb, second.limb) {
                     continue;
@@ -187,18 +191,32 @@ impl TouchablePairs {
                 });
             }
         }
+        first_pair.push(pairs.len() as u32);
         let of_model = |place: usize| {
             let [a, b] = geoms[place].map(|bound| bounds[bound as usize].geom as u32);
             ([a.min(b), a.max(b)], place as u32)
         };
         let mut found: Vec<_> = (0..geoms.len()).map(of_model).collect();
         found.sort_unstable();
-        TouchablePairs { bounds, clusters, pairs, geoms, found }
+        TouchablePairs { bounds, clusters, pairs, geoms, first_pair, found }
     }
 
     /// The joints that move one side of a pair against its ancestor, from there outwards.
     pub fn levers(&self, pair: &ClusterPair, side: usize) -> &[Lever] {
         &self.clusters[pair.clusters[side] as usize].levers[pair.inner[side] as usize..]
+    }
+
+    /// All joints that move a cluster, from the root outwards.
+    pub fn all_levers(&self, cluster: usize) -> &[Lever] {
+        &self.clusters[cluster].levers
+    }
+
+    /// The pair of two clusters, the lesser number first; none where they cannot touch.
+    pub fn pair_of(&self, [first, second]: [usize; 2]) -> Option<usize> {
+        let begin = self.first_pair[first] as usize;
+        let of_first = &self.pairs[begin..self.first_pair[first + 1] as usize];
+        let place = of_first.binary_search_by_key(&(second as u32), |pair| pair.clusters[1]).ok()?;
+        Some(begin + place)
     }
 
     /// The encounter of two geoms, in either order; none where they cannot touch, or are joined.

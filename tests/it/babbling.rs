@@ -4,6 +4,7 @@
 use std::sync::Arc;
 
 use crate::common::{babble, creature, is_newer_engine, max, repository, take, two_arms};
+use crate::scale;
 use bodyschema::agent::Agent;
 use bodyschema::babbling::Babbler;
 use bodyschema::creature::{Body, DofKind, JointSelection, Posture};
@@ -356,6 +357,15 @@ fn no_contact_of_spheres_and_capsules_is_jumped_over() {
 fn no_contact_of_other_shapes_is_jumped_over() {
     for (name, body) in other_shapes() {
         assert_nothing_jumped(name, Judge::new(&body), 200, STEPS);
+    }
+}
+
+/// More pairs of limbs than are looked at from the beginning of a motion on.
+#[test]
+fn no_contact_of_very_many_limbs_is_jumped_over() {
+    for (name, chain, range) in [("star", 1, "-.8 .8"), ("arms", 8, "-.6 .6")] {
+        let body = creature(&scale::body(160, chain).replace("-1.5 1.5", range));
+        assert_nothing_jumped(name, Judge::new(&body), 40, STEPS);
     }
 }
 

@@ -14,7 +14,7 @@ const OFTEN: Duration = Duration::from_millis(20);
 const LONGEST_PAGE: u64 = 2_000_000;
 
 /// A hub with arms on a ball about it, all of so many limbs: each arm a chain of `chain` of them, the last one what is left.
-fn body(limbs: usize, chain: usize) -> String {
+pub(crate) fn body(limbs: usize, chain: usize) -> String {
     let arms = (limbs - 1).div_ceil(chain);
     let hub = 0.03 * (arms as f64).sqrt().max(2.0);
     let mut xml = format!(

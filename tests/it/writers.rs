@@ -366,10 +366,16 @@ fn aftermath(yard: &Yard, victim: &Victim, how: &str, findings: &mut Findings) {
         }
     } else if folder.join("session.json").exists() {
         // Whoever reads it first puts it in order.
-        let read = yard.tries(&["export", "s", "--mjcf", "--out", "other.xml"]);
+        let read = match victim.learns() {
+            true => yard.tries(&["export", "s", "--mjcf", "--out", "other.xml"]),
+            false => yard.tries(&["map", "s", "--out", "other.json", "--quiet"]),
+        };
         findings.check(read.is_ok(), STALE, || format!("{how}: {read:?}"));
-        let generation = yard.generation("s");
-        findings.check(matches!(generation, Ok(Some(_))), MIXED, || format!("{how}, read: {generation:?}"));
+        if victim.learns() {
+            let generation = yard.generation("s");
+            findings
+                .check(matches!(generation, Ok(Some(_))), MIXED, || format!("{how}, read: {generation:?}"));
+        }
     }
     // The same once more comes to its end; of what is there already that is said.
     let begun = folder.join("session.json").exists() || folder.join(".generation/session.json").exists();
