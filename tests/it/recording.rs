@@ -254,6 +254,16 @@ fn a_creature_file_with_anything_wrong_in_it_is_refused_by_field() {
         (", \"range\": [0.0, 0.5]", "", "joints[1].dofs[1] is a slide and has no range"),
         ("\"range\": [0.0, 0.5]", "\"range\": [1.0, 0.5]", "the range of reach is not two numbers in order"),
         ("\"range\": [0.0, 0.5]", "\"rng\": [0.0, 0.5]", "joints[1].dofs[1].rng is unknown"),
+        (
+            "\"range\": [0.0, 0.5]",
+            "\"range\": [0, 1], \"follows\": {\"leader\": \"lft\", \"polynomial\": [0, 1, 0, 0, 0]}",
+            "joints[1].dofs[1].follows.leader: there is no degree of freedom \"lft\"",
+        ),
+        (
+            "\"range\": [0.0, 0.5]",
+            "\"range\": [0, 1], \"follows\": {\"leader\": 1, \"polynomal\": [0, 1, 0, 0, 0]}",
+            "joints[1].dofs[1].follows.polynomal is unknown (is polynomial meant?)",
+        ),
         ("\"limb\": \"turret\"", "\"limb\": \"arm\"", "joints[0].limb is another than limb 1 of the list"),
         ("\"turret\", \"arm\"]", "\"turret\"]", "a creature of 2 limbs needs one joint fewer"),
         ("[\"base\", \"turret\", \"arm\"]", "[\"base\", \"turret\", \"turret\"]", "two limbs are called"),
@@ -292,6 +302,18 @@ fn what_may_be_left_out_of_a_creature_file_is_filled_in() {
     let read = read_creature(&place.write("session.json", &session.to_string())).unwrap();
     assert_eq!((read.agent.creature(), read.seed), (bare.agent.creature(), Some(7)));
     assert_eq!(read.agent.skin().receptors[0].limb, 2);
+    // What follows another says so by its name, or as a session's file does.
+    let coupled = |leader: &str| {
+        let follows =
+            format!(r#"0.5], "follows": {{"leader": {leader}, "polynomial": [0.25, 0.1, 0, 0, 0]}}"#);
+        read_creature(&place.write("coupled.json", &CRANE.replace("0.5]", &follows))).unwrap().agent
+    };
+    let named = coupled("\"lift\"");
+    assert_eq!(named, coupled("1"));
+    assert_eq!(dofs(named.creature())[2].follows.unwrap().leader, 1);
+    let session = json!({"creature": serde_json::to_value(named.creature()).unwrap()});
+    let read = read_creature(&place.write("session.json", &session.to_string())).unwrap();
+    assert_eq!(read.agent.creature(), named.creature());
 }
 
 /// The issue's own words: without the model the same schema to the last digit.

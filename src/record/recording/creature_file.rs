@@ -15,6 +15,8 @@ use crate::skin::Skin;
 
 /// The fields of a receptor of the skin.
 const OF_RECEPTOR: [&str; 7] = ["id", "limb", "position", "normal", "tangent", "half_extents", "surface"];
+/// The fields of what a degree of freedom follows.
+const OF_COUPLING: [&str; 2] = ["leader", "polynomial"];
 /// The fields of a surface of the skin.
 const OF_SURFACE: [&str; 4] = ["limb", "origin", "rotation", "shape"];
 
@@ -44,6 +46,7 @@ pub struct CreatureFile {
 /// | `dofs[].name` | the name by which a log gives its coordinate |
 /// | `dofs[].kind` | `hinge` (radians), `slide` (metres) or `ball` (a unit quaternion w, x, y, z) |
 /// | `dofs[].range` | least and greatest coordinate, radians or metres; of a ball 0 and the largest angle. A slide needs it, others default to \[−π, π\] and \[0, π\] |
+/// | `dofs[].follows` | optional, where it does not move by itself: `leader`, the degree of freedom that it follows, by name or index over all (from 0), and `polynomial`, five coefficients of degree 0 to 4 that give its coordinate from that one's |
 /// | `aura_limbs` | optional: named parts of the body, `{"name", "limbs": […]}`, for reports |
 ///
 /// `skin` is as in a `session.json`, limbs by name or index: `receptors` with `id`, `limb`, `position` (centre in
@@ -116,6 +119,7 @@ fn prepare_creature(creature: &mut Value, at: &str) -> Result<Vec<String>, Conte
         .get("limbs")
         .and_then(|limbs| serde_json::from_value(limbs.clone()).ok())
         .ok_or_else(|| format!("{at}limbs is not a list of names: give the limbs' names, the root first"))?;
+    let dofs = dof_names(creature);
     for (j, joint) in list(creature, "joints", at)?.iter_mut().enumerate() {
         let place = format!("{at}joints[{j}]");
         let joint = object(joint, &place)?;
@@ -135,7 +139,21 @@ fn prepare_creature(creature: &mut Value, at: &str) -> Result<Vec<String>, Conte
         for (d, dof) in list(joint, "dofs", &format!("{place}."))?.iter_mut().enumerate() {
             let place = format!("{place}.dofs[{d}]");
             let dof = object(dof, &place)?;
-            check_fields(dof, &format!("{place}."), &["name", "kind", "range"])?;
+            check_fields(dof, &format!("{place}."), &["name", "kind", "range", "follows"])?;
+            if let Some(follows) = dof.get_mut("follows").filter(|follows| !follows.is_null()) {
+                let place = format!("{place}.follows");
+                let follows = object(follows, &place)?;
+                check_fields(follows, &format!("{place}."), &OF_COUPLING)?;
+                if let Some(leader @ Value::String(_)) = follows.get_mut("leader") {
+                    let Some(index) = dofs.iter().position(|name| leader == name) else {
+                        return Err(format!(
+                            "{place}.leader: there is no degree of freedom {leader}: name one of joints[].dofs[]"
+                        )
+                        .into());
+                    };
+                    *leader = json!(index);
+                }
+            }
             let range = match dof.get("kind").and_then(Value::as_str) {
                 Some("hinge") => json!([-PI, PI]),
                 Some("ball") => json!([0.0, PI]),
@@ -159,6 +177,14 @@ fn prepare_creature(creature: &mut Value, at: &str) -> Result<Vec<String>, Conte
         }
     }
     Ok(limbs)
+}
+
+/// The names of all degrees of freedom, as far as they have names.
+fn dof_names(creature: &Map<String, Value>) -> Vec<Value> {
+    let list = |value: Option<&Value>| value.and_then(Value::as_array).cloned().unwrap_or_default();
+    let joints = list(creature.get("joints"));
+    let dofs = joints.iter().flat_map(|joint| list(joint.get("dofs")));
+    dofs.map(|dof| dof.get("name").cloned().unwrap_or_default()).collect()
 }
 
 fn prepare_skin(skin: &mut Value, limbs: &[String]) -> Result<(), ContentFault> {

@@ -7,9 +7,10 @@ use std::time::{Duration, Instant};
 
 use bodyschema::agent::Agent;
 use bodyschema::record::{
-    BabblingProgress, FiringWriter, LearningRecord, Session, SpaceRecord, SpaceSlice, read_calibration_log,
-    read_creature, read_firings, read_known, read_learning_table, read_map, read_predictions, read_recording,
-    read_robot, read_schema_with_std, read_touches, write_map,
+    BabblingProgress, BoutLine, BoutLog, FiringWriter, LearningRecord, Session, SpaceRecord, SpaceSlice,
+    StudyShare, read_bouts, read_calibration_log, read_creature, read_firings, read_known,
+    read_learning_table, read_map, read_predictions, read_recording, read_robot, read_schema_with_std,
+    read_touches, write_map,
 };
 use bodyschema::senses::Firing;
 use bodyschema::simulation::partner::Script;
@@ -288,6 +289,20 @@ impl Yard {
                 )
             }),
         );
+        let bouts = [0, 3, 6].map(|bout| BoutLine::new(bout, 25, &effort.effort()));
+        BoutLog::go_on(&folder, &bouts).unwrap().finish().unwrap();
+        let good = fs::read(folder.join("bouts.csv")).unwrap();
+        add("bouts", "bouts.csv", &good, 2, Box::new(|path| taken(read_bouts(within(path)))));
+        let share = StudyShare {
+            share: "3/16".into(),
+            command: ["bodyschema", "study", "learners", "--shard", "3/16"].map(String::from).to_vec(),
+            arguments: [("trials".to_string(), vec!["40".to_string()])].into(),
+            common: serde_json::json!({"study": "learners", "options": {"trials": 40, "seed": 7}}),
+        };
+        share.write(&folder).unwrap();
+        let good = fs::read(folder.join("study-share.json")).unwrap();
+        let read = |path: &Path| taken(StudyShare::read(within(path)));
+        add("share of a study", "study-share.json", &good, 2, Box::new(read));
         let mut firings = FiringWriter::create(&folder, creature.name(), agent.skin()).unwrap();
         for k in 0..6 {
             firings
