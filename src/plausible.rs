@@ -6,6 +6,9 @@ use crate::geometry::{Frame, Shape};
 
 /// The greatest length, coordinate or deviation of a position, metres: no body is ten kilometres long.
 pub(crate) const GREATEST_LENGTH: f64 = 1e4;
+/// The greatest coordinate, distance or deviation of a body that was learned, metres: of one that was not, it may be said to be
+/// anywhere.
+pub(crate) const GREATEST_LEARNED: f64 = 1e15;
 /// The greatest angle of a joint, radians: some sixteen hundred turns.
 pub(crate) const GREATEST_ANGLE: f64 = 1e4;
 /// The greatest coefficient of a joint that follows another: what a metre or radian of that one does to it.

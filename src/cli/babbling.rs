@@ -8,7 +8,7 @@ use super::arguments::{Arguments, positive, touch_count};
 use super::learned::{learn_and_report, print_learned};
 use super::learning_arguments::{KNOWN_HELP, LearningArguments};
 use super::live::{Live, LiveOptions, Place};
-use super::open::{ModelArguments, embodied};
+use super::open::{MAX, ModelArguments, embodied, is_there};
 use super::progress::Bars;
 use super::{Failure, Outcome};
 use crate::babbling::{BabblingOptions, PolicyName, threads};
@@ -39,7 +39,8 @@ const LEARNING: f64 = 0.85;
 /// know yet; the model's own kinematics serve only to measure the result. All goes into a session folder.
 #[derive(clap::Args)]
 #[command(after_help = format!("Examples:
-  bodyschema babble mjcf/max/max.xml
+  bodyschema babble                                                          # Max, mjcf/max/max.xml
+  bodyschema babble mjcf/hexapod/hexapod.xml
   bodyschema babble mjcf/max/max.xml --touches 500 --input contact --json
   bodyschema babble mjcf/max/max.xml --joints all --touches 5000 --jobs 4    # takes minutes
   bodyschema babble mjcf/max/max.xml --touches 250 --policy informative      # takes minutes
@@ -51,8 +52,8 @@ const LEARNING: f64 = 0.85;
   bodyschema babble mjcf/max/max.xml --touches 60 --known known.json\n\n{KNOWN_HELP}"))]
 pub struct BabbleArguments {
     /// The MJCF or URDF file of a creature; without touch sensors it gets some in memory
-    #[arg(required_unless_present = "resume")]
-    model: Option<PathBuf>,
+    #[arg(default_value = MAX, value_name = "MODEL")]
+    model: PathBuf,
     /// Touches to make; stages end by themselves where all is known that can be touched [default: 1000; of stages 4000 at the
     /// most]
     #[arg(long, value_parser = touch_count, help_heading = "Babbling")]
@@ -141,9 +142,8 @@ impl Prepared {
             let time = seconds.and_then(|seconds| Duration::try_from_secs_f64(share * seconds).ok());
             time.map_or(Deadline::NEVER, |time| Deadline::after(began, time))
         };
-        // The parser sees to it that there is one.
-        let model = args.model.as_deref().ok_or(Failure("name the model's file".into()))?;
-        let embodied = embodied(args.open.source(model, args.joints.clone().unwrap_or_default()))?;
+        is_there(&args.model, "babble")?;
+        let embodied = embodied(args.open.source(&args.model, args.joints.clone().unwrap_or_default()))?;
         let policy = args.policy(embodied.creature());
         if let Some(share) = args.shard.filter(|_| policy != PolicyName::Random) {
             return Err(Failure(format!(

@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
 use super::{Failure, Outcome, output, progress};
-use crate::record::FolderLock;
+use crate::record::{FolderLock, PartFolder};
 
 /// The page that the gallery is.
 const PAGE_FILE: &str = "gallery.md";
@@ -126,11 +126,13 @@ pub fn run(args: &GalleryArguments) -> Outcome {
     let last = last.ok_or("the last trial's seed would be too great: give a smaller --seed")?;
     output::make_folder(&args.out)?;
     let _lock = FolderLock::take(&args.out)?;
+    let sessions =
+        PartFolder::make(&args.out, "sessions").map_err(|error| output::no_folder(&args.out, &error))?;
     let bar = progress::steps(args.models.len() as u64);
     let mut rows = Vec::new();
     for model in &args.models {
         bar.set_message(model.display().to_string());
-        rows.push(row(model, args.seed..=last, &args.out)?);
+        rows.push(row(model, args.seed..=last, &args.out, sessions.path())?);
         let table = json!({ "seed": args.seed, "trials": args.trials, "bodies": rows });
         // Written after every body: nothing is lost where it is interrupted.
         output::file(&args.out.join(TABLE_FILE), &format!("{}\n", serde_json::to_string_pretty(&table)?))?;
@@ -147,7 +149,12 @@ pub fn run(args: &GalleryArguments) -> Outcome {
 }
 
 /// Looks at a body, draws it, and lets it babble.
-fn row(model: &Path, seeds: impl Iterator<Item = u64> + Clone, out: &Path) -> Result<Row, Failure> {
+fn row(
+    model: &Path,
+    seeds: impl Iterator<Item = u64> + Clone,
+    out: &Path,
+    sessions: &Path,
+) -> Result<Row, Failure> {
     let name = model.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     let looked: Result<Looked, String> = told(itself()?.arg("inspect").arg("--json").arg("--").arg(model))?;
     let mut row = Row { name, model: model.to_path_buf(), looked, picture: None, trials: Vec::new() };
@@ -164,13 +171,7 @@ fn row(model: &Path, seeds: impl Iterator<Item = u64> + Clone, out: &Path) -> Re
     row.picture = drawn.is_ok_and(|drawn| drawn.status.success()).then_some(picture);
     for input in INPUTS {
         for seed in seeds.clone() {
-            let session = out.join(format!("{}-{input}-{seed}", row.name));
-            if session.exists() {
-                return Err(Failure(format!(
-                    "{}: something is there already: give another folder with --out, or remove it",
-                    session.display()
-                )));
-            }
+            let session = sessions.join(format!("{}-{input}-{seed}", row.name));
             let began = Instant::now();
             let seed_text = seed.to_string();
             let came = told(

@@ -11,12 +11,17 @@ use crate::experiment::{
     BabbledSession, DisturbanceLevels, LearnedSession, LearningOptions, Observer, learn_session,
 };
 use crate::ground_truth::GroundTruth;
+use crate::learning::learners::{LearnerKind, LevenbergMarquardt, PartByPart};
 use crate::learning::{LimbFrames, Verdict};
 use crate::record::{Generation, LearningRecord, Session, TouchLog};
 use crate::senses::Touch;
 use crate::simulation::MotionName;
 use crate::skin::Skin;
 use crate::view::report::write_report;
+use crate::view::text::{self, plural, shell_words};
+
+/// Where touches told too little, so many times as many are proposed.
+const MORE: usize = 3;
 
 /// Learns from a session's touches, and writes all that comes of it into its folder at once, the report as well. A schema that
 /// is there, stood up to fresh touches and was learned otherwise is kept beside it.
@@ -140,12 +145,12 @@ fn print_table(
 ) {
     let creature = session.agent.creature();
     say!(
-        "{}: {} joints, {} degrees of freedom, from {} touches of {} limb pairs",
+        "{}: {}, {} degrees of freedom, from {} of {}",
         creature.name(),
-        creature.joints().len(),
+        plural(creature.joints().len(), "joint"),
         creature.dof(),
-        touches.len(),
-        limb_pairs(session.agent.skin(), touches)
+        text::touches(touches.len()),
+        plural(limb_pairs(session.agent.skin(), touches), "pair of limbs")
     );
     if let Some(depth) = depth_mm(touches) {
         let simulated = session.effort.and_then(|effort| effort.simulated_s);
@@ -170,7 +175,7 @@ fn print_table(
     if options.disturbances != DisturbanceLevels::default() {
         say!("disturbances: {}", options.disturbances);
     }
-    say!("{}", result.verdict);
+    output::verdict(&result.verdict, tone(result));
     match result.learned.account {
         Some(_) => {
             say!("undetermined joints: {}", listed(&result.undetermined));
@@ -190,6 +195,48 @@ fn print_table(
         say!("without the disturbances: {} mm", output::number(undisturbed.mean));
     }
     say!("\nsession: {}", folder.display());
+    say!("next: {}", next(folder, session, touches.len(), options, result));
+}
+
+/// How far what was learned can be relied on.
+fn tone(result: &LearnedSession) -> output::Tone {
+    let whole = result.undetermined.is_empty() && result.undetermined_limbs.is_empty();
+    match (&result.learned.verdict, whole) {
+        (Verdict::Converged, true) => output::Tone::Good,
+        (Verdict::Converged, false) => output::Tone::Partly,
+        (Verdict::Failed(_) | Verdict::Unjudged(_), _) => output::Tone::Bad,
+    }
+}
+
+/// What to do with what was learned, or with what was not.
+fn next(
+    folder: &Path,
+    session: &Session,
+    touches: usize,
+    options: &LearningOptions,
+    result: &LearnedSession,
+) -> String {
+    let folder = shell_words(&[folder.display().to_string()]);
+    if result.learned.verdict.converged() {
+        return format!(
+            "open {folder}/report.html in a browser; `bodyschema observe {folder}` tells what is certain and what is not"
+        );
+    }
+    let strongest = LevenbergMarquardt.name();
+    if ![strongest, PartByPart.name()].contains(&options.learner.name()) {
+        return format!(
+            "`bodyschema learn {folder} --learner {strongest}` learns from the same touches by the strongest learner"
+        );
+    }
+    let more = match session.recording {
+        None => format!(
+            "`bodyschema babble {} --touches {}` touches more",
+            shell_words(std::slice::from_ref(&session.model)),
+            MORE * touches
+        ),
+        Some(_) => "record more touches, of more pairs of limbs".to_string(),
+    };
+    format!("{more}; `bodyschema observe {folder}` tells what these determine")
 }
 
 /// What can be told without the truth.

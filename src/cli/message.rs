@@ -11,6 +11,7 @@ static QUIET: AtomicBool = AtomicBool::new(false);
 /// Keeps messages and progress back from now on.
 pub fn be_quiet() {
     QUIET.store(true, Ordering::Relaxed);
+    console::set_colors_enabled(false);
 }
 
 /// Whether messages and progress are kept back.

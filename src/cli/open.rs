@@ -14,12 +14,25 @@ use crate::experiment::{self, Embodied, ModelSource};
 use crate::ground_truth::GroundTruth;
 use crate::mjcf_xml::unreadable_mesh;
 use crate::mujoco::{Data, LeftOut, Model};
-use crate::record::{Session, wide_ranges};
+use crate::record::{Session, mistaken_for_model, wide_ranges};
 
 /// Processor time that a file may take to load, seconds.
 const TIME: u64 = 20;
 /// Memory that a file may take to load, bytes.
 const MEMORY: u64 = 8 << 30;
+
+/// The model that is meant where none is named.
+pub const MAX: &str = "mjcf/max/max.xml";
+
+/// Whether the model that is meant where none is named is there: it is in the program's repository.
+pub fn is_there(model: &Path, command: &str) -> Outcome {
+    if model.exists() || model != Path::new(MAX) {
+        return Ok(());
+    }
+    Err(Failure(format!(
+        "{MAX}: there is no such file here: name a model, as in `bodyschema {command} MODEL`, or go to the folder that holds mjcf"
+    )))
+}
 
 /// What of a file is the creature.
 #[derive(clap::Args, Clone, Debug, Default)]
@@ -96,6 +109,9 @@ pub fn session_truth(session: &Session, model: Option<&Path>) -> Result<GroundTr
 /// Whether the engine survives a model: a process of its own reads it, for a foreign file can crash the engine's
 /// compiler, or keep it busy for ever.
 pub fn rehearse(path: &Path) -> Outcome {
+    if let Some(sentence) = mistaken_for_model(path) {
+        return Err(Failure(sentence));
+    }
     // Where this program cannot be run again there is no harm in going on without a rehearsal.
     let Ok(program) = std::env::current_exe() else { return Ok(()) };
     let mut command = Command::new(program);

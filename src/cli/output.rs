@@ -6,16 +6,43 @@ use std::path::Path;
 use super::printable::Printable;
 use super::{Failure, Outcome};
 use crate::evaluation::Summary;
+use crate::view::text::error_number;
 
 /// Prints a line to standard output. Where nobody reads on, as in `… | head`, the program ends in silence;
 /// where it cannot be written, as on a full disk, with a sentence.
 pub fn line(text: std::fmt::Arguments) {
-    let Err(error) = writeln!(std::io::stdout().lock(), "{}", Printable(text)) else { return };
+    print(format_args!("{}", Printable(text)));
+}
+
+fn print(text: std::fmt::Arguments) {
+    let Err(error) = writeln!(std::io::stdout().lock(), "{text}") else { return };
     if error.kind() == ErrorKind::BrokenPipe {
         std::process::exit(0);
     }
     eprintln!("bodyschema: cannot write to standard output: {error}: send it elsewhere");
     std::process::exit(1);
+}
+
+/// How far a verdict can be relied on, which its colour tells where standard output is a terminal that wants colours.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Tone {
+    /// All of it.
+    Good,
+    /// But for what is named.
+    Partly,
+    /// Not at all.
+    Bad,
+}
+
+/// Prints a verdict in its colour.
+pub fn verdict(sentence: &str, tone: Tone) {
+    let safe = console::style(Printable(format_args!("{sentence}")).to_string()).bold();
+    let coloured = match tone {
+        Tone::Good => safe.green(),
+        Tone::Partly => safe.yellow(),
+        Tone::Bad => safe.red(),
+    };
+    print(format_args!("{coloured}"));
 }
 
 /// Prints one JSON object; numbers that do not exist are null.
@@ -50,15 +77,9 @@ pub fn file(path: &Path, text: &str) -> Outcome {
     })
 }
 
-/// A number to three decimals; a dash where there is none.
+/// An error in its unit, as the report has it; a dash where there is none.
 pub fn number(x: f64) -> String {
-    if !x.is_finite() {
-        "–".to_string()
-    } else if x != 0.0 && x.abs() < 5e-4 {
-        "< 0.001".to_string()
-    } else {
-        format!("{x:.3}")
-    }
+    error_number(x)
 }
 
 /// A summary as a row of a table, in its own unit.

@@ -150,6 +150,8 @@ fn record(
         seed: session.seed,
         touches,
         facts: facts(session, options, result),
+        // To hundredths: nobody reads more of a time.
+        seconds: Some((100.0 * result.seconds).round() / 100.0),
         converged: learned.verdict.converged(),
         verdict: result.verdict.clone(),
         undetermined: result.undetermined.clone(),

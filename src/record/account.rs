@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 use crate::creature::Creature;
 use crate::learning::observability::Observability;
 use crate::learning::{Account, AxisModel, Basis, Learned, Parameters, Witnesses};
+use crate::plausible::GREATEST_LEARNED;
 use crate::record::error::ContentFault;
 
 /// What a learner tells of how good its schema is, as it is kept.
@@ -93,22 +94,26 @@ struct DeterminedEntry {
 
 /// How far rounding may take an information beyond what it can be.
 const ROUNDING: f64 = 1e-6;
-/// The greatest distance or deviation, metres; a creature that is not learned may be told to be anywhere.
-const GREATEST: f64 = 1e15;
 
 const MEND: &str = "learn again with `bodyschema learn`";
 
+/// Whether something can be a distance or a deviation.
+fn is_possible(x: &f64) -> bool {
+    (0.0..=GREATEST_LEARNED).contains(x)
+}
+
 impl AccountEntry {
-    /// The account by names; without what touches determine where a number of it is not finite.
+    /// The account by names; without what touches determine where a number of it is not finite. What lies farther off than
+    /// anything can is not bounded.
     pub fn new(recorded: &RecordedAccount, creature: &Creature) -> AccountEntry {
         let finite = |account: &&Account| {
             let numbers = account.observability.information().iter();
-            numbers.chain([&account.witnesses.point_deviation]).all(|x| x.is_finite())
+            numbers.copied().all(f64::is_finite) && is_possible(&account.witnesses.point_deviation)
         };
         let account = recorded.account.as_ref().filter(finite);
         AccountEntry {
             basis: recorded.basis,
-            touch_deviation: recorded.deviation.filter(|deviation| deviation.is_finite()),
+            touch_deviation: recorded.deviation.filter(is_possible),
             determined: account.map(|account| DeterminedEntry::new(&account.observability, creature)),
             placed: account.map(|account| PlacedEntry::new(account, creature)),
         }
@@ -119,12 +124,11 @@ impl AccountEntry {
     /// # Errors
     /// A sentence where it is of another creature.
     pub fn account(&self, creature: &Creature) -> Result<RecordedAccount, ContentFault> {
-        let possible = |x: &f64| (0.0..=GREATEST).contains(x);
         let placed = self.placed.iter();
         let distances =
             placed.clone().flat_map(|placed| placed.limbs.iter().flat_map(|limb| &limb.distances).flatten());
         let deviations = placed.map(|placed| &placed.point_deviation).chain(&self.touch_deviation);
-        if let Some(wrong) = distances.chain(deviations).find(|x| !possible(x)) {
+        if let Some(wrong) = distances.chain(deviations).find(|x| !is_possible(x)) {
             return Err(format!("its account has a distance or deviation of {wrong} m: {MEND}").into());
         }
         let rows = self.determined.iter().flat_map(|found| &found.information);
@@ -146,7 +150,7 @@ impl PlacedEntry {
     fn new(account: &Account, creature: &Creature) -> PlacedEntry {
         let limbs = account.limbs();
         let entry = |(number, &limb): (usize, &usize)| {
-            let bounded = |&other: &usize| Some(account.distance(limb, other)).filter(|d| d.is_finite());
+            let bounded = |&other: &usize| Some(account.distance(limb, other)).filter(is_possible);
             PlacedLimb {
                 limb: creature.limbs()[limb].clone(),
                 touches: account.witnesses.of_limbs[limb],
@@ -265,4 +269,35 @@ fn marks(all: &[&str], some: &[String]) -> Result<Vec<bool>, ContentFault> {
         return Err(unknown_name(name));
     }
     Ok(all.iter().map(|name| some.iter().any(|other| other == name)).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::creature::{Dof, DofKind, Joint};
+    use crate::learning::Input;
+
+    #[test]
+    fn what_nothing_bounds_by_far_is_read_back_as_that() {
+        let dof = Dof { name: "bend".into(), kind: DofKind::Hinge, range: [-1.0, 1.0], follows: None };
+        let limbs = ["trunk", "arm"].map(String::from).to_vec();
+        let creature =
+            Creature::new("one arm".into(), limbs, vec![Joint::new("bend", 0, vec![dof])], Vec::new())
+                .unwrap();
+        for (distance, read) in [(1e71, f64::INFINITY), (0.25, 0.25), (f64::NAN, f64::INFINITY)] {
+            let parameters = Parameters::new(&creature, AxisModel::Unit, |_| true);
+            let information = DMatrix::zeros(parameters.len(), parameters.len());
+            let found = Observability::new(&creature, parameters, &[false], information, 0);
+            let witnesses = Witnesses { of_limbs: vec![3, 3], point_deviation: 0.0, at_floor: false };
+            let distances = DMatrix::from_row_slice(2, 2, &[0.0, distance, distance, 0.0]);
+            let account = Account::of_distances(&creature, found, vec![0, 1], distances, witnesses);
+            let recorded = RecordedAccount {
+                basis: Basis::points(Input::Receptor),
+                deviation: Some(1e99),
+                account: Some(account),
+            };
+            let again = AccountEntry::new(&recorded, &creature).account(&creature).unwrap();
+            assert_eq!((again.deviation, again.account.unwrap().distance(0, 1)), (None, read));
+        }
+    }
 }

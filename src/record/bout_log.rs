@@ -129,7 +129,15 @@ pub fn read_bouts(folder: &Path) -> Result<Vec<BoutLine>, RecordError> {
                 format!("it is no bout ({error}): remove the share's folder and make the share again");
             RecordError::format(&path, Some(k + 1), message)
         };
-        bouts.push(bout.map_err(refuse)?);
+        let bout: BoutLine = bout.map_err(refuse)?;
+        if bouts.last().is_some_and(|last: &BoutLine| last.bout >= bout.bout) {
+            let message = format!(
+                "bout {} does not come after the one before it: remove the share's folder and make the share again",
+                bout.bout
+            );
+            return Err(RecordError::format(&path, Some(k + 1), message));
+        }
+        bouts.push(bout);
     }
     Ok(bouts)
 }
@@ -155,8 +163,10 @@ mod tests {
         assert_eq!(read, bouts[..2]);
         BoutLog::go_on(place.path(), &read).unwrap().write(&bouts[2]).unwrap();
         assert_eq!(read_bouts(place.path()).unwrap(), bouts);
-        std::fs::write(&path, "0,25,9\n").unwrap();
-        let message = read_bouts(place.path()).unwrap_err().to_string();
-        assert!(message.contains("line 1") && message.contains("make the share again"), "{message}");
+        for (lines, line) in [("0,25,9\n", "line 1"), ("3,1,9,0,2,0,0,0.0\n3,1,9,0,2,0,0,0.0\n", "line 2")] {
+            std::fs::write(&path, lines).unwrap();
+            let message = read_bouts(place.path()).unwrap_err().to_string();
+            assert!(message.contains(line) && message.contains("make the share again"), "{message}");
+        }
     }
 }

@@ -36,6 +36,9 @@ pub struct LearningRecord {
     pub touches: usize,
     /// How it was learned and what is worth telling of it: name and value, in the order to be told.
     pub facts: Vec<(String, String)>,
+    /// Time that learning took, seconds; none in records from before it was kept.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub seconds: Option<f64>,
     /// Whether the schema explains touches that it was not fitted to.
     pub converged: bool,
     /// The verdict in a sentence.

@@ -19,6 +19,8 @@ const COLUMNS: [&str; 9] = [
     "hand_mean_mm",
     "axis_median_deg",
 ];
+/// Letters of a column's name at the most.
+const LONGEST_NAME: usize = 64;
 /// Touches of a log at the most.
 const MOST_TOUCHES: f64 = 1e8;
 /// Numbers in the table at the most; what is farther off is none that learning gives.
@@ -52,7 +54,7 @@ impl LearningTable {
         Ok(table)
     }
 
-    /// Adds a row, a number per column; what is not finite leaves its cell empty.
+    /// Adds a row, a number per column; what is no number that a measure can have leaves its cell empty.
     ///
     /// # Errors
     /// [`RecordError::Io`] where writing fails, [`RecordError::Format`] where the row does not have a
@@ -66,7 +68,7 @@ impl LearningTable {
             );
             return Err(RecordError::format(&self.path, Some(self.rows + 2), message));
         }
-        let cell = |value: &f64| if !value.is_finite() { String::new() } else { value.to_string() };
+        let cell = |value: &f64| if value.abs() <= GREATEST { value.to_string() } else { String::new() };
         let cells: Vec<String> = values.iter().map(cell).collect();
         self.write_line(&cells.join(","))?;
         self.rows += 1;
@@ -117,8 +119,10 @@ pub fn read_learning_table(folder: &Path) -> Result<LearningRows, RecordError> {
         let mend = "learn again with `bodyschema learn`, which writes the table anew";
         RecordError::format(&path, Some(line), format!("{what}: {mend}"))
     };
-    let plain =
-        |name: &String| !name.is_empty() && name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_');
+    let plain = |name: &String| {
+        (1..=LONGEST_NAME).contains(&name.len())
+            && name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_')
+    };
     if let Some(odd) = columns.iter().find(|name| !plain(name)) {
         return Err(refuse(1, format!("\"{odd}\" is no name of a column, of which commas are between")));
     }
@@ -141,6 +145,7 @@ pub fn read_learning_table(folder: &Path) -> Result<LearningRows, RecordError> {
     let Some(touches) = columns.iter().position(|name| name == "touches") else {
         return Err(refuse(1, "there is no column touches".into()));
     };
+    let converged = columns.iter().position(|name| name == "converged");
     let number = |n: usize, cell: &str| match cell {
         "" => Ok(None),
         cell => match cell.parse::<f64>() {
@@ -162,6 +167,9 @@ pub fn read_learning_table(folder: &Path) -> Result<LearningRows, RecordError> {
                     return Err(refuse(n + 2, format!("it is of {count} touches, after {last}")));
                 }
                 last = count;
+                if converged.is_some_and(|k| cells[k].is_some_and(|x| x != 0.0 && x != 1.0)) {
+                    return Err(refuse(n + 2, "its converged is neither 0 nor 1".into()));
+                }
                 let negative =
                     |k: usize| columns[k] != "predicted_gap_mm" && cells[k].is_some_and(|x| x < 0.0);
                 match (0..columns.len()).find(|&k| negative(k)) {

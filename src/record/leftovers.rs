@@ -8,7 +8,7 @@ use super::generation::{EARLIER_PART, PART};
 /// Where the system shows its processes.
 const PROCESSES: &str = "/proc";
 
-/// The name of the file that becomes `name` once it is whole, which this process writes.
+/// The name of the file or folder that becomes `name` once it is whole, which this process writes.
 pub(super) fn part_name(name: &str) -> String {
     format!(".{name}.{}.part", std::process::id())
 }
@@ -21,7 +21,7 @@ pub(super) fn sweep(folder: &Path) {
     sweep_parts(folder, |_| true);
 }
 
-/// Removes the parts of files that processes which are no more left in a folder, of the files of some names. Where the
+/// Removes the parts of files and folders that processes which are no more left in a folder, of those of some names. Where the
 /// system does not show its processes, nobody knows which are no more.
 pub(super) fn sweep_parts(folder: &Path, of: impl Fn(&str) -> bool) {
     if !Path::new(PROCESSES).join("self").exists() {
@@ -31,7 +31,8 @@ pub(super) fn sweep_parts(folder: &Path, of: impl Fn(&str) -> bool) {
         let file = entry.file_name();
         let Some((name, process)) = file.to_str().and_then(written_by) else { continue };
         if of(name) && !Path::new(PROCESSES).join(process.to_string()).exists() {
-            let _ = fs::remove_file(entry.path());
+            let left = entry.path();
+            let _ = if left.is_dir() { fs::remove_dir_all(left) } else { fs::remove_file(left) };
         }
     }
 }

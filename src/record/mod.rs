@@ -22,6 +22,7 @@ mod learning_record;
 mod learning_table;
 mod leftovers;
 mod map_file;
+mod mistaken;
 mod model_hash;
 #[cfg(feature = "parquet")]
 mod parquet;
@@ -54,11 +55,12 @@ pub use known::read_known;
 pub use learning_record::{Checkpoint, LearningRecord};
 pub use learning_table::{LearningRows, LearningTable, Prediction, read_learning_table, read_predictions};
 pub use map_file::{read_map, write_map};
+#[cfg_attr(not(feature = "render"), allow(unused_imports))]
+pub(crate) use mistaken::for_model as mistaken_for_model;
 pub use model_hash::model_hash;
 #[cfg(feature = "parquet")]
 pub use parquet::write_parquet;
-#[cfg_attr(not(feature = "render"), allow(unused_imports))]
-pub(crate) use part_file::PartFile;
+pub(crate) use part_file::{PartFile, PartFolder};
 pub use progress::BabblingProgress;
 pub use read_lock::ReadLock;
 pub use recording::{CreatureFile, Recording, read_creature, read_recording};

@@ -1,4 +1,4 @@
-//! A file that comes to its place when it is whole.
+//! A file that comes to its place when it is whole, and a folder that never does.
 
 use std::fs::{self, File};
 use std::io;
@@ -46,6 +46,35 @@ impl Drop for PartFile {
     fn drop(&mut self) {
         // One that was put in its place is not here any more.
         let _ = fs::remove_file(&self.part);
+    }
+}
+
+/// A new folder in another one, out of sight, for what is needed for a while. It is removed in the end, by the next who takes
+/// the lock of that other one where this process is killed before.
+#[derive(Debug)]
+pub(crate) struct PartFolder(PathBuf);
+
+impl PartFolder {
+    /// Makes one of a name in `folder`, of which the lock is held.
+    ///
+    /// # Errors
+    /// Where the system refuses.
+    pub fn make(folder: &Path, name: &str) -> io::Result<PartFolder> {
+        let part = PartFolder(folder.join(part_name(name)));
+        let _ = fs::remove_dir_all(&part.0);
+        fs::create_dir(&part.0)?;
+        Ok(part)
+    }
+
+    /// Where it is.
+    pub fn path(&self) -> &Path {
+        &self.0
+    }
+}
+
+impl Drop for PartFolder {
+    fn drop(&mut self) {
+        let _ = fs::remove_dir_all(&self.0);
     }
 }
 

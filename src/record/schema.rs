@@ -6,10 +6,10 @@ use nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3};
 use serde::{Deserialize, Deserializer, Serialize};
 
 use super::stamp::Stamp;
-use super::{RecordError, UNIT_LENGTH, files};
+use super::{RecordError, SESSION_FILE, UNIT_LENGTH, files, mistaken};
 use crate::creature::{Creature, DofKind, Joint};
 use crate::geometry::Frame;
-use crate::plausible::{GREATEST_LENGTH, is_deviation, place_fault};
+use crate::plausible::{GREATEST_LEARNED, GREATEST_LENGTH, is_deviation};
 use crate::record::error::ContentFault;
 use crate::schema::{BodySchema, SchemaStd};
 
@@ -153,7 +153,13 @@ pub fn read_schema_with_std(
     path: &Path,
     creature: &Creature,
 ) -> Result<(BodySchema, Option<SchemaStd>), RecordError> {
-    let json = files::read(path)?;
+    let json = files::read(path).map_err(|error| {
+        let session = path.parent().filter(|folder| folder.join(SESSION_FILE).exists());
+        match session.filter(|_| mistaken::is_missing(&error)) {
+            Some(folder) => RecordError::format(folder, None, mistaken::for_schema(folder)),
+            None => error,
+        }
+    })?;
     STAMP.check(path, None, &json)?;
     let content: SchemaFile =
         serde_json::from_slice(&json).map_err(|error| RecordError::json(path, "body schema", &error))?;
@@ -243,8 +249,9 @@ pub(super) fn schema_of_joints(
 /// Refuses numbers of a joint that cannot be. What is written may be farther off: learning may have gone astray.
 fn possible(entry: &JointEntry) -> Result<(), String> {
     let places = [Some(entry.position), entry.limb_position].into_iter().flatten();
-    if let Some(fault) = { places }.find_map(|place| place_fault(&place.into())) {
-        return Err(fault);
+    let beyond = |x: &f64| x.is_nan() || x.abs() > GREATEST_LEARNED;
+    if let Some(wrong) = places.flatten().find(beyond) {
+        return Err(format!("has a coordinate of {wrong} m: give metres"));
     }
     let positions = entry.position_std.iter().flatten();
     let axes = entry.axes.iter().filter_map(|axis| axis.axis_std.as_ref());

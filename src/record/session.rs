@@ -7,7 +7,7 @@ use std::time::Duration;
 use serde::{Deserialize, Serialize};
 
 use super::stamp::Stamp;
-use super::{Host, RecordError, SESSION_FILE, files};
+use super::{Host, RecordError, SESSION_FILE, files, mistaken};
 use crate::agent::{Agent, AgentError};
 use crate::creature::Creature;
 use crate::simulation::Effort;
@@ -248,11 +248,14 @@ impl Session {
     /// Reads [`SESSION_FILE`] of `folder`.
     ///
     /// # Errors
-    /// [`RecordError::Io`] where there is none that can be read, [`RecordError::Format`] where it is
-    /// no session, one of a newer version, or one whose skin does not fit its creature.
+    /// [`RecordError::Io`] where it cannot be read, [`RecordError::Format`] where there is none, with what is there instead, or
+    /// where it is no session, one of a newer version, or one whose skin does not fit its creature.
     pub fn read(folder: &Path) -> Result<Session, RecordError> {
         let path = folder.join(SESSION_FILE);
-        let json = files::read(&path)?;
+        let json = files::read(&path).map_err(|error| match mistaken::is_missing(&error) {
+            true => RecordError::format(folder, None, mistaken::for_session(folder)),
+            false => error,
+        })?;
         STAMP.check(&path, None, &json)?;
         let session: SessionFile =
             serde_json::from_slice(&json).map_err(|error| RecordError::json(&path, "session", &error))?;

@@ -6,10 +6,12 @@ use serde::{Deserialize, Serialize};
 
 use super::stamp::Stamp;
 use super::{RecordError, SPACE_FILE, files};
-use crate::plausible::is_length;
+use crate::plausible::{GREATEST_LENGTH, is_length};
 
 const STAMP: Stamp = Stamp { format: "bodyschema space", version: 1 };
 
+/// The least side of a voxel, metres.
+const LEAST_VOXEL: f64 = 1e-4;
 /// Litres at the most: those of a cube of ten kilometres.
 const GREATEST_LITRES: f64 = 1e15;
 
@@ -77,7 +79,7 @@ impl SpaceRecord {
             [slice.at].into_iter().chain(slice.first).chain(outlines.copied())
         });
         let litres = record.litres.iter().flatten().all(|litres| (0.0..=GREATEST_LITRES).contains(litres));
-        if !(record.voxel > 0.0 && is_length(record.voxel) && litres && { places }.all(is_length)) {
+        if !((LEAST_VOXEL..=GREATEST_LENGTH).contains(&record.voxel) && litres && { places }.all(is_length)) {
             let message = "it has a size or a place that cannot be: make it anew with `bodyschema space`";
             return Err(RecordError::format(&path, None, message));
         }

@@ -3,6 +3,15 @@
 /// Slack for powers of ten that are not exact.
 const ROUNDING: f64 = 1e-9;
 
+/// An error in its unit, as people read it wherever it stands: to two or three digits, and below a thousandth as that.
+pub(crate) fn error_number(value: f64) -> String {
+    match value.abs() {
+        tiny if tiny > 0.0 && tiny < 5e-4 => "< 0.001".into(),
+        x if x < 0.01 => format!("{value:.3}"),
+        _ => short_number(value),
+    }
+}
+
 /// Text made safe for element content and for attributes.
 pub(super) fn escape(text: &str) -> String {
     let mut safe = String::with_capacity(text.len());
@@ -20,7 +29,7 @@ pub(super) fn escape(text: &str) -> String {
 }
 
 /// An error to two or three digits, whatever its size; a dash for none.
-pub(super) fn short_number(value: f64) -> String {
+pub(crate) fn short_number(value: f64) -> String {
     if !value.is_finite() {
         return "–".into();
     }
@@ -101,7 +110,7 @@ pub(super) fn thinned<T>(list: Vec<T>, most: usize) -> Vec<T> {
 }
 
 /// `1 joint`, `2 joints`; in a phrase the first word takes the s.
-pub(super) fn plural(count: usize, noun: &str) -> String {
+pub(crate) fn plural(count: usize, noun: &str) -> String {
     if count == 1 {
         return format!("1 {noun}");
     }
@@ -112,7 +121,7 @@ pub(super) fn plural(count: usize, noun: &str) -> String {
 }
 
 /// `1 touch`, `2 touches`.
-pub(super) fn touches(count: usize) -> String {
+pub(crate) fn touches(count: usize) -> String {
     if count == 1 { "1 touch".into() } else { format!("{count} touches") }
 }
 
@@ -144,6 +153,12 @@ mod tests {
         let shown = [0.0, 2.34e-9, 9.996e-4, 0.0123, 1.2345, 56.78, 1234.5, f64::NAN];
         let texts = shown.map(short_number);
         assert_eq!(texts, ["0", "2.3·10⁻⁹", "1.0·10⁻³", "0.012", "1.23", "56.8", "1234", "–"]);
+    }
+
+    #[test]
+    fn errors_below_a_thousandth_are_told_as_that() {
+        let texts = [0.0, 2e-9, 6e-4, 0.0123, 1.2345, 302.1, f64::NAN].map(error_number);
+        assert_eq!(texts, ["0.000", "< 0.001", "0.001", "0.012", "1.23", "302", "–"]);
     }
 
     #[test]

@@ -215,7 +215,6 @@ fn wrong_usage_is_exit_code_2() {
     has(&message, &["--touches", "at least 1"]);
     for wrong in [
         &["babble", "arms.xml", "--frobnicate"][..],
-        &["babble"],
         &["babble", "arms.xml", "--touches", "-1"],
         &["babble", "arms.xml", "--touches", "1e3"],
         &["babble", "arms.xml", "--touches", "99999999999999999999999"],
@@ -509,8 +508,10 @@ fn a_foreign_or_empty_session_is_refused_by_name() {
     has(&place.fails(&["learn", "nowhere"]), &["nowhere"]);
     has(&place.fails(&["evaluate", "nowhere"]), &["nowhere"]);
     fs::create_dir(place.path("empty")).unwrap();
-    has(&place.fails(&["learn", "empty"]), &["session.json"]);
-    has(&place.fails(&["learn", "arms.xml"]), &["arms.xml"]);
+    has(&place.fails(&["learn", "empty"]), &["empty: it is no session's folder", "babble"]);
+    has(&place.fails(&["learn", "arms.xml"]), &["it is a model's file", "bodyschema babble arms.xml"]);
+    has(&place.fails(&["babble", "session"]), &["it is a session's folder and no model", "arms.xml"]);
+    has(&place.fails(&["babble"]), &["mjcf/max/max.xml", "name a model"]);
 
     // Another creature's log in this session's folder.
     let max = repository("mjcf/max/max.xml");
@@ -559,7 +560,9 @@ fn evaluating_a_session_without_a_schema_says_so() {
     let place = Place::new();
     place.session("session", "20");
     fs::remove_file(place.path("session/schema.json")).unwrap();
-    has(&place.fails(&["evaluate", "session"]), &["schema.json"]);
+    for command in ["evaluate", "report", "observe"] {
+        has(&place.fails(&[command, "session"]), &["session: ", "babble --resume session", "learn session"]);
+    }
     place.write("session/schema.json", "{\"format\":\"bodyschema schema\",\"version\":1}");
     has(&place.fails(&["evaluate", "session"]), &["schema.json"]);
 }

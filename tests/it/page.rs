@@ -29,6 +29,23 @@ const SPEED: &str = r#"await (async () => {
     return [drawn, loaded, 1000 * (body.draws() - before) / (performance.now() - began)];
 })()"#;
 
+/// Plays all steps: the millimetres as they were counted, what the slider and the button say in the end, and frames a second.
+const PLAYED: &str = r#"await (async () => {
+    const { body } = document.getElementById("body");
+    const [button, off] = [".play", ".off"].map((name) => document.querySelector(name));
+    const says = button.textContent;
+    const [counted, before, began] = [[], body.draws(), performance.now()];
+    button.click();
+    do {
+        const mm = Number(off.textContent.replace("< ", "").replace(" mm", ""));
+        if (counted.at(-1) !== mm) counted.push(mm);
+        await new Promise(requestAnimationFrame);
+    } while (button.textContent !== says);
+    const rate = 1000 * (body.draws() - before) / (performance.now() - began);
+    await new Promise((done) => setTimeout(done, 500));
+    return [counted, document.querySelector(".slider output").textContent, button.textContent, rate];
+})()"#;
+
 /// Opens a page and waits until the pictures that it begins with are drawn; it fetches nothing and complains of nothing.
 fn open(browser: &'static Browser, page: &Path) -> Tab {
     let address = format!("file://{}", page.display());
@@ -139,6 +156,14 @@ fn every_picture_is_drawn_and_nothing_is_fetched() {
         "the neck is {learned} m above the pelvis, {initial_guess} m at the initial guess"
     );
     assert_ne!(picture(&tab), before);
+
+    // Played, it comes from there to the end, limbs moving between steps and millimetres counting down.
+    let played = tab.evaluate(PLAYED);
+    let counted: Vec<f64> = played[0].as_array().unwrap().iter().map(|mm| mm.as_f64().unwrap()).collect();
+    assert!(counted.len() > 8 && counted[0] > 50.0 && *counted.last().unwrap() < 1.0, "{counted:?}");
+    assert_eq!((&played[1], &played[2]), (&json!("1000"), &json!("▶ watch it learn")));
+    eprintln!("{:.1} frames a second while it is played", played[3].as_f64().unwrap());
+    assert_eq!(reach(&tab), learned);
 
     // What is switched off is not drawn; auras and neighbours are off at first.
     let switch = |which: &str| {

@@ -94,6 +94,8 @@ impl Session {
             commands: vec![("Made by".into(), "bodyschema babble '<odd>.xml'".into())],
             facts: vec![("Engine & co".into(), "<b>2.2</b>".into())],
             verdict: "It can be relied on, \"mostly\" <so far>.".into(),
+            converged: Some(true),
+            seconds: Some(4.31),
             account: None,
             undetermined: &[1],
             undetermined_limbs: &[],
@@ -199,7 +201,7 @@ fn the_errors_are_told_in_their_units() {
     let page = parse(&report::html(&Session::new().input()));
     let rows = rows(&page, "errors");
     assert_eq!(rows.len(), 5, "a head and four measures: this creature has no hands");
-    assert_eq!(rows[1][1..], ["mm", "0", "0", "0", "0"]);
+    assert_eq!(rows[1][1..], ["mm", "0.000", "0.000", "0.000", "0.000"]);
     assert_eq!(rows[3][1], "°");
 }
 
@@ -234,6 +236,29 @@ fn a_page_without_truth_touches_or_curve_says_so() {
 }
 
 #[test]
+fn the_verdict_stands_first_in_its_colour_with_the_one_number() {
+    let session = Session::new();
+    let begin = |input: &ReportInput| {
+        let page = report::html(input);
+        page.split_once("<canvas").unwrap().0.split_once("</header>").unwrap().1.to_string()
+    };
+    let input = |converged, undetermined| ReportInput { converged, undetermined, ..session.input() };
+    for (input, colour) in [
+        (input(Some(true), &[]), "good"),
+        (input(Some(true), &[1]), "partly"),
+        (input(Some(false), &[]), "bad"),
+        (input(None, &[]), ""),
+    ] {
+        let begin = begin(&input);
+        let class = format!("class=\"verdict {colour}\"").replace(" \"", "\"");
+        assert!(begin.contains(&class), "{class}: {begin}");
+        assert!(begin.contains("<strong>0.000 mm</strong> after 3 touches in 4.3 s"), "{begin}");
+    }
+    let unknown = ReportInput { evaluation: None, seconds: None, ..session.input() };
+    assert!(!begin(&unknown).contains("headline"), "no number that nobody knows");
+}
+
+#[test]
 fn the_same_session_gives_the_same_page() {
     let session = Session::new();
     assert_eq!(report::html(&session.input()), report::html(&session.input()));
@@ -248,6 +273,9 @@ fn the_body_is_drawn_over_the_true_one_and_from_the_guess_on() {
     assert_eq!(names(&body["skeletons"]), ["joints", "true joints"]);
     assert_eq!(names(&body["steps"]), ["initial guess", "1", "2", "3"]);
     assert!(page.contains("max=\"3\""), "a place of the slider per step");
+    let errors: Vec<f64> =
+        body["steps"].as_array().unwrap().iter().map(|step| step["mm"].as_f64().unwrap()).collect();
+    assert_eq!(errors, [300.0, 200.0, 2.5, 1e-9]);
     // Two capsules and a box, and twenty-five corners a receptor: each with its shape, its limb and its corners.
     let lengths = |mesh: usize| -> Vec<usize> {
         body["meshes"][mesh].as_array().unwrap().iter().map(|piece| piece.as_array().unwrap().len()).collect()

@@ -4,10 +4,10 @@ use std::path::{Path, PathBuf};
 
 use serde_json::{Value, json};
 
-use super::{DEFAULT_MODEL, StudyArguments, TOUCHES, bodies};
+use super::{StudyArguments, TOUCHES, bodies};
 use crate::babbling;
 use crate::cli::Failure;
-use crate::cli::open::embodied;
+use crate::cli::open::{embodied, is_there};
 use crate::cli::progress::Bars;
 use crate::experiment::study::bodies::{self as bodies_study, BodiesOptions, STUDY as BODIES};
 use crate::experiment::study::calibration::STUDY as CALIBRATION;
@@ -68,13 +68,7 @@ impl<'a> AskedStudy<'a> {
                 study.name
             )));
         }
-        if !model.exists() && model == Path::new(DEFAULT_MODEL) {
-            return Err(Failure(format!(
-                "{DEFAULT_MODEL}: there is no such file here: name a model, as in `bodyschema study {} MODEL`, or go \
-                 to the folder that holds mjcf",
-                study.name
-            )));
-        }
+        is_there(model, &format!("study {}", study.name))?;
         let most = if study.name == HERSCH.name { HERSCH_TOUCHES } else { TOUCHES };
         let touches = args.touches.unwrap_or(most);
         let selection = args.joints.clone().unwrap_or_default();

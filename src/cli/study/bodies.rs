@@ -9,7 +9,7 @@ use crate::experiment::study::bodies::{BodiesOptions, STUDY};
 /// Its options; refused where some are given that it does not have.
 pub fn options(args: &StudyArguments) -> Result<BodiesOptions, Failure> {
     let given = [
-        (args.model != [Path::new(super::DEFAULT_MODEL)], "the model"),
+        (args.model != [Path::new(crate::cli::open::MAX)], "the model"),
         (args.joints.is_some(), "--joints"),
         (args.open.root.is_some(), "--root"),
         (args.session.is_some(), "--session"),

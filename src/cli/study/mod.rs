@@ -12,7 +12,7 @@ use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 
 use super::arguments::{Arguments, positive, touch_count};
 use super::folders::free_folder;
-use super::open::ModelArguments;
+use super::open::{MAX, ModelArguments};
 use super::progress::Bars;
 use super::{Failure, Outcome};
 use crate::babbling::PolicyName;
@@ -26,8 +26,6 @@ use crate::share::Share;
 
 use asked::AskedStudy;
 
-/// The model that is studied where none is named.
-const DEFAULT_MODEL: &str = "mjcf/max/max.xml";
 /// Touches of a trial where none are asked for.
 const TOUCHES: usize = 1000;
 /// What was asked and what came out, in the study's folder.
@@ -49,7 +47,7 @@ pub struct StudyArguments {
     #[arg(value_parser = study())]
     name: &'static Study,
     /// The MJCF or URDF file of a creature; several of studies that are of several
-    #[arg(default_value = DEFAULT_MODEL)]
+    #[arg(default_value = MAX)]
     model: Vec<PathBuf>,
     #[command(flatten)]
     open: ModelArguments,

@@ -20,6 +20,34 @@ const Body = (figure) => {
   const ACROSS = "#d11a6e";
   const BEFORE = 0.012;
 
+  // What the button says; how long playing takes at the least, at the most and a step, and how long the first is held,
+  // milliseconds; and errors below which all are alike.
+  const PLAY = "▶ watch it learn";
+  const STOP = "❚❚ stop";
+  const LEAST_PLAYED = 4000;
+  const MOST_PLAYED = 9000;
+  const EACH_PLAYED = 600;
+  const HELD = 700;
+  const TINY = 1e-4;
+
+  // As the report has errors: to two or three digits, and below a thousandth as that.
+  const errorNumber = (x) => {
+    if (x < 5e-4) return "< 0.001";
+    return x >= 100 ? x.toFixed(0) : x >= 10 ? x.toFixed(1) : x >= 1 ? x.toFixed(2) : x.toFixed(3);
+  };
+  // A pose between two: of each limb a quaternion and an origin, and where it begins.
+  const blend = (from, to, share) => {
+    const mixed = (a, b) => a.map((x, k) => x + share * (b[k] - x));
+    const frames = mixed(from.frames, to.frames);
+    for (let k = 0; k < frames.length; k += 7) {
+      const dot = [0, 1, 2, 3].reduce((sum, i) => sum + from.frames[k + i] * to.frames[k + i], 0);
+      const q = [0, 1, 2, 3].map((i) => (1 - share) * from.frames[k + i] + share * Math.sign(dot || 1) * to.frames[k + i]);
+      const length = Math.hypot(...q) / PARTS || 1;
+      q.forEach((x, i) => { frames[k + i] = x / length; });
+    }
+    return { frames, begins: mixed(from.begins, to.begins) };
+  };
+
   const canvas = figure.querySelector("canvas");
   const context = canvas.getContext("2d", { willReadFrequently: true });
   const tip = figure.querySelector(".tip");
@@ -218,12 +246,15 @@ const Body = (figure) => {
   });
   canvas.addEventListener("pointercancel", () => { held = null; });
   canvas.addEventListener("pointerleave", () => { tip.hidden = true; });
-  // A wheel turns the page on, unless the body was clicked at before.
+  // A wheel by itself turns the page on; with Ctrl, as two fingers on a pad have it, it zooms.
   canvas.addEventListener("wheel", (event) => {
-    if (!event.ctrlKey && document.activeElement !== canvas) return;
+    if (!event.ctrlKey && !event.metaKey) return;
     event.preventDefault();
     zoom(Math.exp(-event.deltaY / 600));
   }, { passive: false });
+  for (const button of figure.querySelectorAll("[data-zoom]")) {
+    button.addEventListener("click", () => zoom(Number(button.dataset.zoom)));
+  }
   const keys = {
     ArrowLeft: () => turn(15, 0),
     ArrowRight: () => turn(-15, 0),
@@ -247,13 +278,55 @@ const Body = (figure) => {
     box.addEventListener("change", toggle);
     toggle();
   }
+  // Steps: a slider goes to one, and a button through all of them, limbs moving from where one has them to where the next
+  // has them.
   const slider = figure.querySelector("input[type=range]");
-  slider?.addEventListener("input", () => {
-    const step = scene.steps[Number(slider.value)];
-    Object.assign(poses, step.poses);
-    figure.querySelector("output").textContent = step.name;
+  const play = figure.querySelector(".play");
+  const off = figure.querySelector(".off");
+  const count = figure.querySelector(".slider output");
+  const showStep = (name, mm) => {
+    count.textContent = name;
+    if (off) off.textContent = mm === null ? "" : `${errorNumber(mm)} mm`;
     soon();
+  };
+  const toStep = (step) => {
+    Object.assign(poses, step.poses);
+    showStep(step.name, step.mm);
+  };
+  let playing = false;
+  const stop = () => {
+    playing = false;
+    if (play) play.textContent = PLAY;
+  };
+  slider?.addEventListener("input", () => {
+    stop();
+    toStep(scene.steps[Number(slider.value)]);
   });
+  const playAll = async () => {
+    const { steps } = scene;
+    const last = steps.length - 1;
+    const lasts = Math.min(MOST_PLAYED, Math.max(LEAST_PLAYED, last * EACH_PLAYED));
+    playing = true;
+    play.textContent = STOP;
+    toStep(steps[0]);
+    for (const began = performance.now() + HELD; playing;) {
+      const now = await new Promise(requestAnimationFrame);
+      const at = Math.min(Math.max((now - began) / lasts, 0), 1) * last;
+      if (!playing) return;
+      if (at >= last) break;
+      const [from, to, share] = [steps[Math.floor(at)], steps[Math.floor(at) + 1], at % 1];
+      slider.value = Math.round(at);
+      for (const [name, pose] of Object.entries(from.poses)) poses[name] = blend(pose, to.poses[name], share);
+      const both = from.mm !== null && to.mm !== null;
+      const touches = Math.round(from.touches + share * (to.touches - from.touches));
+      // Errors fall by orders of magnitude.
+      showStep(touches || from.name, both ? Math.max(from.mm, TINY) ** (1 - share) * Math.max(to.mm, TINY) ** share : null);
+    }
+    slider.value = last;
+    toStep(steps[last]);
+    stop();
+  };
+  play?.addEventListener("click", () => (playing ? stop() : playAll()));
   new ResizeObserver(soon).observe(canvas);
   addEventListener("beforeprint", sharp);
 

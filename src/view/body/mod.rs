@@ -19,7 +19,7 @@ use mesh::Topology;
 pub(super) use pose::Pose;
 pub(super) use senses::{AURAS, AuraOverlay, MAP, MapOverlay};
 
-use super::text::{escape, harmless};
+use super::text::{error_number, escape, harmless};
 use crate::agent::Agent;
 
 /// What draws bodies in a page.
@@ -129,6 +129,30 @@ impl Skeleton {
     }
 }
 
+/// Where a body is on the way from not being known to being known.
+#[derive(Clone, Debug)]
+pub(super) struct Step {
+    /// What it is called: after how many touches.
+    pub name: String,
+    /// How many these are.
+    pub touches: usize,
+    /// How far off it is then, millimetres; none where that is not known.
+    pub millimetres: Option<f64>,
+    /// The name of its poses.
+    pub poses: &'static str,
+    /// Where its limbs are then.
+    pub pose: Pose,
+}
+
+/// What stands beside a picture, not below it.
+#[derive(Clone, Debug)]
+pub(super) struct Beside {
+    /// HTML above all that belongs to the picture.
+    pub above: String,
+    /// The picture's width as a share of its height.
+    pub aspect: f64,
+}
+
 /// What a viewer draws.
 #[derive(Default)]
 pub(super) struct BodyScene {
@@ -146,8 +170,10 @@ pub(super) struct BodyScene {
     pub poses: Vec<(&'static str, Pose)>,
     /// Per receptor how much it is touched, 0 to 1.
     pub values: Vec<f64>,
-    /// What a slider goes through: the name of every step, and the poses of that name then.
-    pub steps: Vec<(String, &'static str, Pose)>,
+    /// What a slider goes through.
+    pub steps: Vec<Step>,
+    /// What stands beside the picture, where it is as high as it is wide times this: HTML above its switches.
+    pub beside: Option<Beside>,
     /// Two corners of the box that is to be seen, metres.
     pub room: [Vector3<f64>; 2],
     /// What is hidden at first, by the names of layers and skeletons.
@@ -189,7 +215,13 @@ impl BodyScene {
         let steps: Vec<Value> = self
             .steps
             .iter()
-            .map(|(name, poses, pose)| json!({ "name": name, "poses": { *poses: pose.told() } }))
+            .map(|step| {
+                // As many digits as anybody reads of it.
+                let off = step.millimetres.filter(|off| off.is_finite()).map(|off| format!("{off:.3e}"));
+                let off = off.and_then(|off| off.parse::<f64>().ok());
+                let poses = json!({ step.poses: step.pose.told() });
+                json!({ "name": step.name, "touches": step.touches, "mm": off, "poses": poses })
+            })
             .collect();
         json!({
             "topologies": Topology::ALL.map(topology),
@@ -229,18 +261,34 @@ impl BodyScene {
         }
         let slider = match self.steps.as_slice() {
             [] | [_] => String::new(),
-            [.., (last, ..)] => format!(
-                "<label class=\"slider\">touches: <output>{}</output>\n<input type=\"range\" min=\"0\" \
-                 max=\"{most}\" value=\"{most}\"/></label>\n",
-                escape(last),
-                most = self.steps.len() - 1
+            [.., last] => {
+                let off = last.millimetres.map_or(String::new(), |off| {
+                    format!("<output class=\"off\">{} mm</output>", escape(&error_number(off)))
+                });
+                format!(
+                    "<div class=\"player\"><button type=\"button\" class=\"play\">▶ watch it learn</button>{off}</div>\n\
+                     <label class=\"slider\">touches: <output>{}</output>\n<input type=\"range\" min=\"0\" \
+                     max=\"{most}\" value=\"{most}\"/></label>\n",
+                    escape(&last.name),
+                    most = self.steps.len() - 1
+                )
+            }
+        };
+        let (class, stage, above) = match &self.beside {
+            Some(Beside { above, aspect }) => (
+                " beside",
+                format!("height:{height}px;width:{:.0}px", aspect * height as f64),
+                format!("<div class=\"above\">\n{above}</div>\n"),
             ),
+            None => ("", format!("height:{height}px"), String::new()),
         };
         format!(
-            "<figure class=\"body\">\n<div class=\"stage\" style=\"height:{height}px\">\n<canvas id=\"body\" \
+            "<figure class=\"body{class}\">\n{above}<div class=\"stage\" style=\"{stage}\">\n<canvas id=\"body\" \
              tabindex=\"0\" role=\"img\" aria-label=\"{}\"></canvas>\n<div class=\"tip\" hidden=\"\"></div>\n\
-             </div>\n{legend}{slider}<div class=\"switches\">\n{switches}</div>\n\
-             <script type=\"application/json\">{}</script>\n<figcaption>{caption}</figcaption>\n</figure>\n",
+             <div class=\"zoom\"><button type=\"button\" data-zoom=\"1.25\" aria-label=\"nearer\">+</button>\
+             <button type=\"button\" data-zoom=\"0.8\" aria-label=\"farther\">−</button></div>\n</div>\n\
+             <div class=\"panel\">\n{slider}{legend}<div class=\"switches\">\n{switches}</div>\n\
+             <figcaption>{caption}</figcaption>\n</div>\n<script type=\"application/json\">{}</script>\n</figure>\n",
             escape(says),
             harmless(&self.told()),
         )

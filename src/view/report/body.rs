@@ -6,7 +6,8 @@ use super::ReportInput;
 use crate::record::Checkpoint;
 use crate::skin::Skin;
 use crate::view::body::{
-    AURAS, AuraOverlay, BodyMesh, BodyScene, LIMB, Layer, Look, MAP, MapOverlay, Pose, SHADE, Skeleton,
+    AURAS, AuraOverlay, Beside, BodyMesh, BodyScene, LIMB, Layer, Look, MAP, MapOverlay, Pose, SHADE,
+    Skeleton, Step,
 };
 use crate::view::text::plural;
 
@@ -22,9 +23,13 @@ const MOST_RECEPTORS: usize = 6000;
 const MOST_NEIGHBOURS: usize = 3000;
 /// Height of the picture, pixels.
 const HEIGHT: usize = 640;
+/// The picture's width by the body's, and the least and most of it by its height.
+const ROOM_ABOUT: f64 = 1.5;
+const NARROWEST: f64 = 0.7;
+const WIDEST: f64 = 1.15;
 
 /// The picture; a sentence where there is nothing to draw.
-pub(super) fn figure_of(input: &ReportInput) -> String {
+pub(super) fn figure_of(input: &ReportInput, above: &str) -> String {
     let (creature, skin) = (input.agent.creature(), input.agent.skin());
     let limbs = BodyMesh::of_surfaces(skin);
     let counts = counts(input);
@@ -40,7 +45,7 @@ pub(super) fn figure_of(input: &ReportInput) -> String {
         .into_iter()
         .flat_map(|mesh| std::iter::once(&learned).chain(&truth).map(move |pose| (mesh, pose)));
     let Some(room) = BodyScene::room_of(all) else {
-        return "<p class=\"note\">There is nothing to draw.</p>\n".into();
+        return format!("{above}<p class=\"note\">There is nothing to draw.</p>\n");
     };
     let touched = |(receptor, count): (&crate::skin::Receptor, &usize)| {
         format!("{}: touched {}", receptor.id, times(*count))
@@ -62,6 +67,8 @@ pub(super) fn figure_of(input: &ReportInput) -> String {
     let most = counts.iter().copied().max().unwrap_or(0);
     let shade = |count: usize| (count as f64).ln_1p() / (most.max(1) as f64).ln_1p();
     let steps = steps(input);
+    let sides = room[1] - room[0];
+    let (width, height) = (sides.x.max(sides.y), sides.z);
     let several = steps.len() > 1;
     let mut poses = vec![("learned", learned)];
     poses.extend(truth.map(|pose| ("true", pose)));
@@ -85,10 +92,14 @@ pub(super) fn figure_of(input: &ReportInput) -> String {
             vec![MapOverlay::by_schema(input.agent, input.schema, "learned")]
         },
         hidden: vec![AURAS, MAP],
+        beside: Some(Beside {
+            above: above.into(),
+            aspect: (ROOM_ABOUT * width / height).clamp(NARROWEST, WIDEST),
+        }),
     };
     let over = if input.truth.is_some() { " before the true one, grey" } else { "" };
     let caption = format!(
-        "The learned body{over}, at ease. Turn it with the mouse or the arrow keys; once it is clicked, the wheel zooms. \
+        "The learned body{over}, at ease. Turn it with the mouse or the arrow keys; Ctrl with the wheel zooms. \
          Patches are receptors, coloured by how often they were touched; orange joints are those that the touches do \
          not determine.{}{}",
         if left_out > 0 {
@@ -97,7 +108,8 @@ pub(super) fn figure_of(input: &ReportInput) -> String {
             String::new()
         },
         if several {
-            " The slider goes from a random initial guess to what was learned in the end."
+            " The slider goes from a random initial guess to what was learned in the end; the millimetres are how far off skin is \
+             in another limb's frame, a root mean square over what the touches determine in the end."
         } else {
             ""
         }
@@ -126,7 +138,7 @@ fn legend(most: usize, shade: &dyn Fn(usize) -> f64) -> String {
 }
 
 /// The checkpoints that there is room for, the first and the last at any rate.
-fn steps(input: &ReportInput) -> Vec<(String, &'static str, Pose)> {
+fn steps(input: &ReportInput) -> Vec<Step> {
     let touches = input.touches.len();
     let before: Vec<&Checkpoint> =
         input.checkpoints.iter().filter(|checkpoint| checkpoint.touches < touches).collect();
@@ -134,12 +146,17 @@ fn steps(input: &ReportInput) -> Vec<(String, &'static str, Pose)> {
     let most = (MOST_LIMBS_OF_STEPS / limbs.max(1)).clamp(FEWEST_STEPS, MOST_STEPS);
     let every = before.len().div_ceil(most - 1).max(1);
     let name = |touches: usize| if touches == 0 { "initial guess".to_string() } else { touches.to_string() };
-    let step =
-        |touches: usize, schema| (name(touches), "learned", Pose::at_ease(input.agent.creature(), schema));
-    let earlier = before.iter().step_by(every).map(|checkpoint| step(checkpoint.touches, &checkpoint.schema));
-    earlier
-        .chain([(touches.to_string(), "learned", Pose::at_ease(input.agent.creature(), input.schema))])
-        .collect()
+    let step = |touches: usize, millimetres: Option<f64>, schema| {
+        let pose = Pose::at_ease(input.agent.creature(), schema);
+        Step { name: name(touches), touches, millimetres, poses: "learned", pose }
+    };
+    let earlier = before.iter().step_by(every);
+    let earlier =
+        earlier.map(|checkpoint| step(checkpoint.touches, checkpoint.error_rms, &checkpoint.schema));
+    let last = input.checkpoints.iter().rfind(|checkpoint| checkpoint.touches == touches);
+    let last_mm = last.and_then(|checkpoint| checkpoint.error_rms);
+    let last = Step { name: touches.to_string(), ..step(touches, last_mm, input.schema) };
+    earlier.chain([last]).collect()
 }
 
 /// The receptors that are drawn, in their order: all, unless there are too many.

@@ -6,6 +6,7 @@
 mod body;
 pub mod calibration;
 mod curve;
+mod headline;
 mod joint_errors;
 mod reachable;
 mod residuals;
@@ -60,6 +61,10 @@ pub struct ReportInput<'a> {
     pub facts: Vec<(String, String)>,
     /// The verdict in a sentence.
     pub verdict: String,
+    /// Whether what was learned stands up to fresh touches; none where nothing tells.
+    pub converged: Option<bool>,
+    /// How long it took to touch and to learn, seconds; none where that was not kept.
+    pub seconds: Option<f64>,
     /// What is known of the body, where the learner can tell; must be of the creature.
     pub account: Option<&'a Account>,
     /// The joints that the touches did not determine.
@@ -76,24 +81,22 @@ pub fn html(input: &ReportInput) -> String {
     let seed = input.seed;
     let residuals = Residuals::new(input);
     let sections = [
-        ("The learned body", body::figure_of(input)),
-        ("What was done", tables::facts(input)),
         ("How well it was learned", tables::errors(input)),
-        ("Learning curve", curve::figure_of(input)),
-        ("Error per joint", joint_errors::figure_of(input, &residuals)),
-        ("Residuals", residuals::figure_of(&residuals)),
-        ("How sure the learner is", tables::limbs(input) + &uncertainty::figure_of(input)),
         ("What stays undetermined", tables::undetermined(input)),
+        ("How sure the learner is", tables::limbs(input) + &uncertainty::figure_of(input)),
+        ("Learning curve", curve::figure_of(input)),
         ("Who touched whom", touch_matrix::figure_of(input)),
         ("Where the hands can get to", reachable::figure_of(input.space)),
+        ("Error per joint", joint_errors::figure_of(input, &residuals)),
+        ("Residuals", residuals::figure_of(&residuals)),
         ("Joint by joint", tables::joints(input)),
+        ("What was done", tables::facts(input)),
     ];
     let sections = in_sections(&sections);
     let content = format!(
-        "<header>\n<h1>{}</h1>\n<p>A body schema learned from self-touch, seed {seed}</p>\n</header>\n\
-         <p class=\"verdict\">{}</p>\n{sections}",
+        "<header>\n<h1>{}</h1>\n<p>A body schema learned from self-touch</p>\n</header>\n{}{sections}",
         escape(name),
-        escape(&input.verdict),
+        body::figure_of(input, &headline::of(input)),
     );
     page(&format!("{name}, seed {seed}: a learned body schema"), "", &content, SCRIPT)
 }

@@ -74,6 +74,8 @@ pub fn write_report(
         commands: commands(session, found.as_ref()),
         facts: facts(session, found.as_ref()),
         verdict: record.verdict.clone(),
+        converged: found.as_ref().map(|found| found.converged),
+        seconds: seconds(session, found.as_ref()),
         account,
         undetermined: &undetermined,
         undetermined_limbs: &record.undetermined_limbs,
@@ -82,6 +84,12 @@ pub fn write_report(
     let path = folder.join(REPORT_FILE);
     write_whole(&path, html(&report).as_bytes())
         .map_err(|source| RecordError::Io { path, action: Action::Write, source }.into())
+}
+
+/// How long touching and learning took in all, as far as that was kept.
+fn seconds(session: &Session, learned: Option<&LearningRecord>) -> Option<f64> {
+    let learning = learned?.seconds?;
+    Some(session.effort.map_or(0.0, |effort| effort.babbling_s) + learning)
 }
 
 /// The joints of which some coordinate or axis is known to be open.

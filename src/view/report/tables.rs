@@ -8,7 +8,7 @@ use crate::evaluation::{AxisErrors, CramerRaoBound, Summary, axis_errors};
 use crate::ground_truth::GroundTruth;
 use crate::kinematics::Chain;
 use crate::senses::Touch;
-use crate::view::text::{escape, plural, short_number as number};
+use crate::view::text::{error_number, escape, plural, short_number as number};
 
 /// The numbers of the session, counted and told.
 pub(super) fn facts(input: &ReportInput) -> String {
@@ -65,7 +65,7 @@ pub(super) fn errors(input: &ReportInput) -> String {
         let summary = summary?;
         let cells: String = [summary.mean, summary.median, summary.p95, summary.max]
             .iter()
-            .map(|&value| format!("<td class=\"number\">{}</td>", number(value)))
+            .map(|&value| format!("<td class=\"number\">{}</td>", escape(&error_number(value))))
             .collect();
         Some(format!("<tr><th scope=\"row\">{name}</th><td>{unit}</td>{cells}</tr>\n"))
     };

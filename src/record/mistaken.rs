@@ -1,0 +1,122 @@
+//! What stands at a path that was given for a session's folder or for a model, and is none: in words, with the command that is
+//! meant.
+
+use std::fs;
+use std::io::ErrorKind;
+use std::path::Path;
+
+use super::{RecordError, SESSION_FILE, SHARES_FOLDER, Session};
+
+/// What studies leave in their folders.
+const STUDY_FILE: &str = "study.json";
+/// How models' files end.
+const MODELS: [&str; 3] = ["xml", "mjcf", "urdf"];
+
+/// Why a path is no session's folder, and the mend.
+pub(super) fn for_session(path: &Path) -> String {
+    let place = path.display();
+    let Ok(about) = fs::metadata(path) else {
+        let near = path.parent().and_then(first_session);
+        let near = near.map_or(String::new(), |near| format!(", such as {near}"));
+        return format!("there is no such folder: give one that `bodyschema babble MODEL` made{near}");
+    };
+    if about.is_file() {
+        let of_session = path.parent().filter(|folder| folder.join(SESSION_FILE).exists());
+        let model =
+            path.extension().is_some_and(|end| MODELS.iter().any(|model| end.eq_ignore_ascii_case(model)));
+        return match of_session {
+            Some(folder) => format!("it is a file of a session: give its folder, {}", folder.display()),
+            None if model => {
+                format!(
+                    "it is a model's file and no session's folder: `bodyschema babble {place}` makes a session of it"
+                )
+            }
+            None => "it is a file and no session's folder: give a folder that `bodyschema babble MODEL` made"
+                .into(),
+        };
+    }
+    if path.join(STUDY_FILE).exists() {
+        return "it is a study's folder and no session's: what came out is in its study.json".into();
+    }
+    if path.join(SHARES_FOLDER).exists() {
+        return format!("it holds shares that are not put together: `bodyschema merge {place}` does that");
+    }
+    match first_session(path) {
+        Some(session) => format!("it holds sessions, and is none: give one of them, such as {session}"),
+        None => "it is no session's folder: give one that `bodyschema babble MODEL` made".into(),
+    }
+}
+
+/// Why a folder is no model, and the mend; none of what may be one.
+pub(crate) fn for_model(path: &Path) -> Option<String> {
+    if !path.is_dir() {
+        return None;
+    }
+    let place = path.display();
+    let model = Session::read(path).ok().map(|session| session.model).filter(|model| !model.is_empty());
+    Some(match (model, first_session(path)) {
+        (Some(model), _) => format!("{place}: it is a session's folder and no model: its model is {model}"),
+        (None, Some(session)) => format!(
+            "{place}: it is a folder of sessions, such as {session}, and no model: give an MJCF or URDF file"
+        ),
+        (None, None) => format!("{place}: it is a folder and no model: give an MJCF or URDF file"),
+    })
+}
+
+/// Whether a file could not be read because there is none.
+pub(super) fn is_missing(error: &RecordError) -> bool {
+    let kinds = [ErrorKind::NotFound, ErrorKind::NotADirectory];
+    matches!(error, RecordError::Io { source, .. } if kinds.contains(&source.kind()))
+}
+
+/// Why a session has no schema, and the mend.
+pub(super) fn for_schema(folder: &Path) -> String {
+    let place = folder.display();
+    format!(
+        "the session has touches, but nothing was learned from them yet: `bodyschema babble --resume {place}` goes on with one \
+         that was interrupted, `bodyschema learn {place}` learns from what is there"
+    )
+}
+
+/// The first session in a folder, by name.
+fn first_session(folder: &Path) -> Option<String> {
+    let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
+    let entries = fs::read_dir(folder).ok()?.flatten();
+    let sessions = entries.map(|entry| entry.path()).filter(|path| path.join(SESSION_FILE).exists());
+    sessions.min().map(|session| session.display().to_string())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_no_session_is_told_with_what_is_meant() {
+        let place = tempfile::tempdir().unwrap();
+        let path = |name: &str| place.path().join(name);
+        fs::create_dir_all(path("sessions/max-1")).unwrap();
+        fs::create_dir_all(path("shared/shares")).unwrap();
+        fs::create_dir_all(path("study")).unwrap();
+        for (file, text) in [
+            ("sessions/max-1/session.json", "{}"),
+            ("study/study.json", "{}"),
+            ("max.XML", ""),
+            ("log.csv", ""),
+        ] {
+            fs::write(path(file), text).unwrap();
+        }
+        for (given, told) in [
+            ("max.XML", "babble"),
+            ("log.csv", "it is a file"),
+            ("sessions", "such as"),
+            ("sessions/max-2", "max-1"),
+            ("sessions/max-1/session.json", "give its folder"),
+            ("shared", "merge"),
+            ("study", "a study's folder"),
+            (".", "no session's folder"),
+        ] {
+            let sentence = for_session(&path(given));
+            assert!(sentence.contains(told), "{given}: {sentence}");
+        }
+    }
+}
