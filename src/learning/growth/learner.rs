@@ -16,6 +16,10 @@ const ATTEMPTS: u64 = 5;
 /// Touches in which all joints move, from which a body is learned at once, at the least.
 const FEWEST_AT_LARGE: usize = 100;
 
+/// Where no limb's skin is longer than this, metres, wrong answers leave gaps that are right ones of a larger body: there touches are
+/// explained to the numerical floor, or not at all.
+const SMALL: f64 = 0.05;
+
 /// The learner `growth`: from receptors on known surfaces, or from contact points where touches report such.
 pub struct Grower<'a> {
     agent: &'a Agent,
@@ -137,6 +141,15 @@ impl<'a> Grower<'a> {
         Learned { initial_guesses: learned.initial_guesses, ..concluded }
     }
 
+    /// Whether gaps that would be open elsewhere are no sign of anything here.
+    fn is_small(&self) -> bool {
+        let receptors = &self.agent.skin().receptors;
+        let of = |limb: usize| receptors.iter().filter(move |receptor| receptor.limb == limb);
+        let is_long =
+            |limb: usize| of(limb).any(|a| of(limb).any(|b| (a.position - b.position).norm() > SMALL));
+        !(0..self.agent.creature().limbs().len()).any(is_long)
+    }
+
     /// The last fit, to all touches that what is known should explain, and what they determine.
     ///
     /// What leaves gaps open after it is not told of: a wrong axis of a joint that turns little closes its touches nearly.
@@ -168,6 +181,11 @@ impl<'a> Grower<'a> {
                 continue;
             }
             learned.initial_guesses = self.growth.starts();
+            if self.input == Input::Receptor && self.is_small() && !is_at_floor(&learned) {
+                let reason = "what was found leaves gaps open that are too wide for so small a body; try more touches (--touches) \
+                              or another seed (--seed)";
+                return Learned { verdict: Verdict::Failed(reason.to_string()), account: None, ..learned };
+            }
             learned.verdict = learned
                 .account
                 .as_ref()
@@ -175,6 +193,11 @@ impl<'a> Grower<'a> {
             return learned;
         }
     }
+}
+
+/// Whether the touches show no more noise than the least that is assumed, as far as that was asked.
+fn is_at_floor(learned: &Learned) -> bool {
+    learned.account.as_ref().is_none_or(|account| account.witnesses.at_floor)
 }
 
 impl Learner for Grower<'_> {
