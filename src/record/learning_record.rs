@@ -173,6 +173,16 @@ impl LearningRecord {
             );
             return Err(refuse(message));
         }
+        let bound = record.bound.iter().flat_map(|bound| [bound.bound_rms, bound.error_rms, bound.ratio]);
+        let on_the_way =
+            content.checkpoints.iter().flat_map(|entry| [entry.error_rms_mm, entry.bound_rms_mm]);
+        let possible = |x: &f64| *x >= 0.0 && x.is_finite();
+        if let Some(wrong) = bound.chain(on_the_way.flatten()).chain(record.seconds).find(|x| !possible(x)) {
+            let message = format!(
+                "it has an error, a bound or a time of {wrong}, which none can be: learn again with `bodyschema learn`"
+            );
+            return Err(refuse(message));
+        }
         let account = content.account.map(|entry| entry.account(creature)).transpose();
         record.account = account.map_err(|fault| refuse(fault.into()))?;
         for (i, entry) in content.checkpoints.iter().enumerate() {

@@ -507,4 +507,8 @@ fn a_body_that_may_be_shrunk_to_a_point_is_not_claimed() {
         [body, log, place.path("session")].map(|path| path.to_str().unwrap().to_string());
     let said = place.succeeds(&["learn", "--creature", &body, "--log", &log, "--out", &session]);
     assert!(said.contains("NOT learned: all touches are at one point of each limb"), "{said}");
+    // What to do is said, and that there is nothing to draw.
+    assert!(said.contains("next: record more touches, of more pairs of limbs"), "{said}");
+    let refused = place.fails(&["render", &session, "--touch", "1", "--out", "touch.png"]);
+    assert!(refused.contains("nothing is known of how its limbs look"), "{refused}");
 }

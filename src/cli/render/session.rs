@@ -49,6 +49,12 @@ pub fn plan(args: &RenderArguments, film: bool) -> Result<(RenderSubject, Storyb
     let read_schema = || read_schema(&args.what.join(SCHEMA_FILE), creature);
     let body = if session.model.is_empty() && args.model.is_none() {
         // A recording has no true body: the learned one is all there is to see.
+        if agent.skin().surfaces.is_empty() {
+            return Err(Failure(format!(
+                "{}: nothing is known of how its limbs look: name a model with --model, or give surfaces in the creature's skin",
+                args.what.display()
+            )));
+        }
         learned(&session, &read_schema()?, &args.what)?
     } else {
         session_body(&session, args.model.as_deref())?

@@ -13,7 +13,7 @@ pub(super) fn figure_of(space: Option<&SpaceRecord>) -> String {
             .into();
     };
     let litres = space.hands.iter().zip(&space.litres).map(|(hand, [near, far])| {
-        format!("{}: {} l near, {} l far", escape(hand), number(*near), number(*far))
+        format!("{}: {} litres near, {} litres far", escape(hand), number(*near), number(*far))
     });
     let caption = format!(
         "Where {} can get to by the learned schema, in the frame of {}: near by the arm alone, far by leaning{}. \
