@@ -58,7 +58,7 @@ pub struct BabbleArguments {
     /// most]
     #[arg(long, value_parser = touch_count, help_heading = "Babbling")]
     touches: Option<usize>,
-    /// Seconds after which the session comes to its end with what is known by then [default: 50; none with --touches or
+    /// Seconds after which the session comes to its end with what is known by then [default: 50; none with --touches, --live or
     /// --motion dynamic]
     #[arg(long, value_parser = positive, help_heading = "Babbling")]
     seconds: Option<f64>,
@@ -120,7 +120,11 @@ impl BabbleArguments {
 
     /// Seconds that the session may take, if it may not take as long as it likes.
     fn seconds(&self) -> Option<f64> {
-        let patient = self.touches.is_some() || self.shard.is_some() || self.motion == MotionName::Dynamic;
+        // Who watches may pause it.
+        let patient = self.touches.is_some()
+            || self.shard.is_some()
+            || self.motion == MotionName::Dynamic
+            || self.live.is_asked();
         self.seconds.or((!patient).then_some(SECONDS))
     }
 }

@@ -34,7 +34,11 @@ const LATE: Duration = Duration::from_millis(100);
 const MOST_ASKED: usize = 16;
 
 /// Where a page is served: taken already.
-pub type Place = TcpListener;
+pub struct Place {
+    listener: TcpListener,
+    /// Whether a browser is to show it.
+    open: bool,
+}
 
 /// Whether there is a page, and where.
 #[derive(clap::Args, Clone, Debug, Default)]
@@ -42,13 +46,22 @@ pub struct LiveOptions {
     /// Serve a page to watch it live in a browser, for this machine alone unless another address is given
     #[arg(long, value_name = "ADDRESS", num_args = 0..=1, default_missing_value = HERE_TEXT, value_parser = address, help_heading = "Output")]
     live: Option<SocketAddr>,
+    /// Open that page in a browser
+    #[arg(long, requires = "live", help_heading = "Output")]
+    open: bool,
 }
 
 impl LiveOptions {
     /// Where a page is to be served, where one is: taken at once, so that an address which cannot be had is told of
     /// before anything else is done.
     pub fn place(&self) -> Result<Option<Place>, Failure> {
-        self.live.map(listen).transpose()
+        let place = self.live.map(listen).transpose()?;
+        Ok(place.map(|listener| Place { listener, open: self.open }))
+    }
+
+    /// Whether somebody may watch, and so set the pace.
+    pub fn is_asked(&self) -> bool {
+        self.live.is_some()
     }
 }
 
@@ -116,6 +129,7 @@ impl Observer for Live {
 
     fn touched(&self, touch: &Touch) {
         self.view.touched(touch);
+        self.view.keep_pace();
     }
 
     fn grew(&self, growth: &Growth) {
@@ -144,11 +158,16 @@ fn listen(address: SocketAddr) -> Result<TcpListener, Failure> {
 }
 
 fn serve(place: Place, view: Arc<dyn LivePage>) -> Result<Server, Failure> {
-    let server = Server::new(place, view)
+    let server = Server::new(place.listener, view)
         .map_err(|error| Failure(format!("no page can be served ({error}): go on without --live")))?;
     tell!("live at http://{}/", server.address());
     if !server.address().ip().is_loopback() {
         tell!("whoever reaches that address can see the page, and talk there if it is of a conversation");
+    }
+    if place.open
+        && let Err(error) = open::that_detached(format!("http://{}/", server.address()))
+    {
+        tell!("no browser can be opened ({error}): open that address yourself");
     }
     Ok(server)
 }

@@ -147,7 +147,7 @@ pub fn check_usage<S: Into<std::ffi::OsString> + Clone>(
 }
 
 /// What may be given beside `--resume`, and itself.
-const BESIDE_RESUME: [&str; 6] = ["resume", "jobs", "json", "live", "quiet", "config"];
+const BESIDE_RESUME: [&str; 7] = ["resume", "jobs", "json", "live", "open", "quiet", "config"];
 
 /// The options in effect of the command that is run. Ends the program where options are given beside `--resume`.
 fn given(program: &mut clap::Command, matches: &clap::ArgMatches) -> Arguments {

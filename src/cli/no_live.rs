@@ -21,12 +21,19 @@ pub struct LiveOptions {
     /// Serve a page to watch it live in a browser: this program was built without it
     #[arg(long, value_name = "ADDRESS", num_args = 0..=1, default_missing_value = "", help_heading = "Output")]
     live: Option<String>,
+    /// Open that page in a browser
+    #[arg(long, requires = "live", help_heading = "Output")]
+    open: bool,
 }
 
 impl LiveOptions {
     /// Where a page is to be served: refused where one is asked for.
     pub fn place(&self) -> Result<Option<Place>, Failure> {
         if self.live.is_some() { Err(MISSING.into()) } else { Ok(None) }
+    }
+
+    pub fn is_asked(&self) -> bool {
+        self.live.is_some()
     }
 }
 

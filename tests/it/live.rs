@@ -68,6 +68,41 @@ fn babbling_is_seen_while_it_goes_on() {
 }
 
 #[test]
+fn a_page_sets_the_pace_as_long_as_it_asks_for_one() {
+    let place = tempfile::tempdir().unwrap();
+    let model = repository("mjcf/max/max.xml");
+    let babble = ["babble", model.to_str().unwrap(), "--policy", "random", "--learner", "hersch"];
+    let served = Served::new(place.path(), &[&babble[..], &["--touches", MANY, "--out", "max"]].concat());
+    let json = "host: HERE\r\ncontent-type: application/json\r\n";
+    let pace =
+        |asked: &str| served.answer("POST", "/pace", json, &format!("{{\"touches_a_second\":{asked}}}"));
+    let log = place.path().join("max/touches.jsonl");
+    let written = || std::fs::metadata(&log).map_or(0, |about| about.len());
+    let grows = |from: u64| {
+        let began = Instant::now();
+        while written() <= from {
+            assert!(began.elapsed() < Duration::from_secs(60), "nothing is babbled");
+            std::thread::sleep(Duration::from_millis(5));
+        }
+    };
+    grows(10_000);
+    for nonsense in ["-1", "1e9", "\"fast\""] {
+        assert!(pace(nonsense).starts_with("HTTP/1.1 422"), "{nonsense}");
+    }
+    assert!(pace("0").starts_with("HTTP/1.1 204"));
+    std::thread::sleep(Duration::from_millis(500));
+    let rested = written();
+    std::thread::sleep(Duration::from_millis(500));
+    assert_eq!(written(), rested, "it babbles on");
+    assert!(pace("null").starts_with("HTTP/1.1 204"));
+    grows(rested);
+    // A page that asks no more, as one that was shut, holds nobody up.
+    assert!(pace("0").starts_with("HTTP/1.1 204"));
+    std::thread::sleep(Duration::from_millis(500));
+    grows(written());
+}
+
+#[test]
 fn a_click_on_the_skin_is_felt_and_answered() {
     let Some(browser) = browser() else { return };
     let place = sessions::max();

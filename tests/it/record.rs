@@ -640,7 +640,6 @@ fn what_cannot_be_written_or_read_is_named() {
     }
     let missing = folder.path().join("missing");
     let errors = [
-        (Session::read(&missing).unwrap_err(), missing.join(SESSION_FILE)),
         (read_touches(&missing, &agent).unwrap_err(), missing.clone()),
         (read_schema(&missing, agent.creature()).unwrap_err(), missing.clone()),
         (model_hash(&missing).unwrap_err(), missing.clone()),
@@ -649,6 +648,11 @@ fn what_cannot_be_written_or_read_is_named() {
         let begin = format!("cannot read {}: no such file or directory: give", path.display());
         assert!(error.to_string().starts_with(&begin), "{error}");
     }
+    let error = Session::read(&missing).unwrap_err().to_string();
+    assert!(
+        error.starts_with(&format!("{}: there is no such folder: give one", missing.display())),
+        "{error}"
+    );
 }
 
 #[cfg(target_os = "linux")]

@@ -8,7 +8,8 @@ use nalgebra::Vector3;
 use serde_json::json;
 
 use super::learner::miss;
-use super::server::LivePage;
+use super::pace::Pace;
+use super::server::{LivePage, Reception};
 use super::{HEIGHT, page};
 use crate::agent::Agent;
 use crate::creature::Posture;
@@ -27,6 +28,12 @@ const MOST_POINTS: usize = 240;
 const MOST_FRESH: usize = 200;
 /// Seconds between two points of the curve of touches, at first.
 const POINT_EVERY: f64 = 0.25;
+/// What sets the pace.
+const PACES: &str = "<div class=\"pace\" role=\"group\" aria-label=\"Touches a second\">\n\
+    <button type=\"button\" data-pace=\"0\">❚❚ pause</button>\n\
+    <button type=\"button\" data-pace=\"1\">1 touch a second</button>\n\
+    <button type=\"button\" data-pace=\"20\">20 a second</button>\n\
+    <button type=\"button\" data-pace=\"\" aria-pressed=\"true\">as fast as it goes</button>\n</div>\n";
 /// How wide the room about the body is by its extent: arms that are stretched out may leave it.
 const ROOM: f64 = 0.86;
 
@@ -36,6 +43,7 @@ pub struct BabblingView {
     /// The body that is simulated, which the learner never sees.
     simulated: BodySchema,
     state: Mutex<BabblingState>,
+    pace: Pace,
     limbs: BodyMesh,
     receptors: BodyMesh,
     /// The greatest distance of any skin from the root, metres.
@@ -109,7 +117,8 @@ impl BabblingView {
             missed: Vec::new(),
             report: None,
         };
-        BabblingView { agent: agent.clone(), simulated, state: Mutex::new(state), limbs, receptors, extent }
+        let (state, pace) = (Mutex::new(state), Pace::default());
+        BabblingView { agent: agent.clone(), simulated, state, pace, limbs, receptors, extent }
     }
 
     fn state(&self) -> MutexGuard<'_, BabblingState> {
@@ -147,6 +156,11 @@ impl BabblingView {
             }
         }
         state.rate = (seconds > 0.0).then(|| (state.touches - state.before) as f64 / seconds);
+    }
+
+    /// Waits until the next touch is due, where a page wants them one by one.
+    pub fn keep_pace(&self) {
+        self.pace.keep();
     }
 
     /// The schema that the creature itself has learned from all touches so far.
@@ -273,7 +287,7 @@ impl LivePage for BabblingView {
         let charts: String =
             Self::charts_of(&[], &[]).iter().map(|(id, chart, caption)| figure(id, chart, caption)).collect();
         let content = format!(
-            "<p class=\"verdict\" id=\"doing\" aria-live=\"polite\"></p>\n<section>\n{body}</section>\n\
+            "<p class=\"verdict\" id=\"doing\" aria-live=\"polite\"></p>\n{PACES}<section>\n{body}</section>\n\
              <section class=\"beside\">\n{charts}</section>\n"
         );
         page(
@@ -322,6 +336,11 @@ impl LivePage for BabblingView {
 
     fn report(&self) -> Option<PathBuf> {
         self.state().report.clone()
+    }
+
+    fn pace(&self, touches_a_second: Option<f64>) -> Reception {
+        self.pace.ask(touches_a_second);
+        Reception::Taken
     }
 }
 

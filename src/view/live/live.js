@@ -10,6 +10,8 @@
   const LIT = 0.8;
   // How often curves are drawn.
   const CURVE_EVERY = 2000;
+  // How often a pace is asked for, milliseconds.
+  const PACE_EVERY = 1000;
   let newest = null;
   let last = null;
   let before = null;
@@ -54,6 +56,7 @@
     const learned = state.learnedFrom ? `; learned from ${state.learnedFrom}` : "";
     element("doing").textContent = `${state.doing}: ${state.touches} of ${state.wanted} touches${rate}${learned}`;
     if (state.report) {
+      document.querySelector(".pace")?.setAttribute("hidden", "");
       const link = Object.assign(document.createElement("a"), { href: "report", textContent: "the report" });
       element("doing").append(". As long as this page is served: ", link, `; it stays in ${state.report}`);
     }
@@ -73,6 +76,19 @@
     });
     body.onReceptor((receptor) => send("touch", { receptor }));
   }
+
+  // A pace holds as long as it is asked for.
+  const paces = [...document.querySelectorAll("[data-pace]")];
+  let pace = null;
+  const askPace = () => send("pace", { touches_a_second: pace }).catch(() => {});
+  for (const button of paces) {
+    button.addEventListener("click", () => {
+      pace = button.dataset.pace === "" ? null : Number(button.dataset.pace);
+      paces.forEach((other) => other.setAttribute("aria-pressed", other === button));
+      askPace();
+    });
+  }
+  setInterval(() => { if (pace !== null) askPace(); }, PACE_EVERY);
 
   const source = new EventSource("events");
   source.onmessage = (event) => { newest = event.data; };

@@ -13,6 +13,7 @@ mod babbling;
 mod connections;
 mod guard;
 mod learner;
+mod pace;
 mod server;
 mod table;
 

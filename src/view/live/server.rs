@@ -36,6 +36,8 @@ const STILL: Duration = Duration::from_secs(1);
 const LONGEST_LINE: usize = 500;
 /// … and the longest body of a request, bytes: such a line in the longest of all ways to write it as JSON.
 const LONGEST_BODY: usize = 16 << 10;
+/// The most touches a second that can be asked for.
+const MOST_A_SECOND: f64 = 1e6;
 
 /// What a page shows.
 pub trait LivePage: Send + Sync + 'static {
@@ -53,6 +55,10 @@ pub trait LivePage: Send + Sync + 'static {
     }
     /// Takes what a page asks for, and waits for nobody.
     fn ask(&self, _asked: Asked) -> Reception {
+        Reception::Nobody
+    }
+    /// Takes how many touches a second a page wants to see, 0 to rest; none for as many as there can be.
+    fn pace(&self, _touches_a_second: Option<f64>) -> Reception {
         Reception::Nobody
     }
 }
@@ -161,6 +167,7 @@ fn routes(shared: Shared) -> Router {
         .route("/report", get(finished_report))
         .route("/say", post(say))
         .route("/touch", post(touch))
+        .route("/pace", post(pace))
         .layer(DefaultBodyLimit::max(LONGEST_BODY))
         .layer(from_fn(guard))
         .with_state(shared)
@@ -209,6 +216,11 @@ struct TouchRequest {
     receptor: usize,
 }
 
+#[derive(Deserialize)]
+struct PaceRequest {
+    touches_a_second: Option<f64>,
+}
+
 async fn say(State(shared): State<Shared>, Json(SayRequest { text }): Json<SayRequest>) -> StatusCode {
     heard(&shared, Asked::Say(text.trim().chars().take(LONGEST_LINE).collect()))
 }
@@ -220,8 +232,22 @@ async fn touch(
     heard(&shared, Asked::Touch(receptor))
 }
 
+async fn pace(
+    State(shared): State<Shared>,
+    Json(PaceRequest { touches_a_second }): Json<PaceRequest>,
+) -> StatusCode {
+    match touches_a_second {
+        Some(pace) if !(0.0..=MOST_A_SECOND).contains(&pace) => StatusCode::UNPROCESSABLE_ENTITY,
+        pace => status(shared.view.pace(pace)),
+    }
+}
+
 fn heard(shared: &Shared, asked: Asked) -> StatusCode {
-    match shared.view.ask(asked) {
+    status(shared.view.ask(asked))
+}
+
+fn status(reception: Reception) -> StatusCode {
+    match reception {
         Reception::Taken => StatusCode::NO_CONTENT,
         Reception::Nobody => StatusCode::NOT_FOUND,
         Reception::Full => StatusCode::SERVICE_UNAVAILABLE,
