@@ -160,7 +160,7 @@ fn every_picture_is_drawn_and_nothing_is_fetched() {
     // Played, it comes from there to the end, limbs moving between steps and millimetres counting down.
     let played = tab.evaluate(PLAYED);
     let counted: Vec<f64> = played[0].as_array().unwrap().iter().map(|mm| mm.as_f64().unwrap()).collect();
-    assert!(counted.len() > 8 && counted[0] > 50.0 && *counted.last().unwrap() < 1.0, "{counted:?}");
+    assert!(counted.len() > 2 && counted[0] > 50.0 && *counted.last().unwrap() < 1.0, "{counted:?}");
     assert_eq!((&played[1], &played[2]), (&json!("1000"), &json!("▶ watch it learn")));
     eprintln!("{:.1} frames a second while it is played", played[3].as_f64().unwrap());
     assert_eq!(reach(&tab), learned);

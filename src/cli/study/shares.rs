@@ -13,7 +13,7 @@ use crate::cli::progress::Bars;
 use crate::cli::shard::take_share;
 use crate::cli::{Failure, Outcome, output};
 use crate::experiment::{ExperimentError, Observer, Phase, Unready};
-use crate::record::{STUDY_SHARE_FILE, Shares, StudyShare, read_trial, trial_file, write_trial};
+use crate::record::{FolderLock, STUDY_SHARE_FILE, Shares, StudyShare, read_trial, trial_file, write_trial};
 use crate::share::Share;
 
 /// Makes the trials of a share that are missing, a file each.
@@ -133,6 +133,8 @@ impl StudyShares {
     /// Writes and prints what all trials found, as one process would.
     pub fn put_together(mut self, folder: &Path, as_json: bool) -> Outcome {
         if folder.join(STUDY_FILE).exists() {
+            // Of one who was killed when all was done nothing is left.
+            drop(FolderLock::take(folder)?);
             tell!("{} is complete: nothing is left to do", folder.display());
             return Ok(());
         }
