@@ -292,7 +292,7 @@ impl LivePage for BabblingView {
         );
         page(
             self.agent.creature().name(),
-            &format!("It touches itself {wanted} times and learns its body from that"),
+            &format!("It touches itself, {wanted} times at the most, and learns its body from that"),
             &content,
         )
     }
