@@ -7,6 +7,7 @@ use std::time::Instant;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
+use super::ends_with::ENDS_WITH;
 use super::{Failure, Outcome, output, progress};
 use crate::record::{FolderLock, PartFolder};
 
@@ -194,7 +195,7 @@ fn itself() -> Result<Command, Failure> {
         Failure(format!("the program does not find itself ({error}): call it by its path"))
     })?;
     let mut command = Command::new(program);
-    command.stdin(Stdio::null());
+    command.stdin(Stdio::null()).env(ENDS_WITH, std::process::id().to_string());
     Ok(command)
 }
 

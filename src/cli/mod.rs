@@ -20,6 +20,7 @@ mod calibrate;
 mod completions;
 mod config;
 mod convert;
+mod ends_with;
 mod evaluate;
 mod export;
 mod feel;
@@ -176,6 +177,7 @@ pub fn run() -> ExitCode {
 }
 
 fn carry_out() -> Outcome {
+    ends_with::heed();
     let mut program = Cli::command();
     // Groups and global options are there only then.
     program.build();

@@ -106,8 +106,9 @@ impl Yard {
         let takes = began.elapsed() / 2;
         assert!(!one.is_empty() && one.keys().eq(other.keys()), "{words:?} leaves other files each time");
         let files = one.into_iter().map(|(way, bytes)| {
-            // A page tells rounded times, which are the same now and then.
-            let same = other[&way] == bytes && way.extension().is_none_or(|ending| ending != "html");
+            // Pages tell rounded times, which are the same now and then.
+            let is_page = way.extension().is_some_and(|ending| ending == "html" || ending == "md");
+            let same = other[&way] == bytes && !is_page;
             (way, same.then_some(bytes))
         });
         Job { words, before, files: files.collect(), takes }
