@@ -17,7 +17,7 @@ use crate::record::{Generation, LearningRecord, Session, TouchLog};
 use crate::senses::Touch;
 use crate::simulation::MotionName;
 use crate::skin::Skin;
-use crate::view::report::write_report;
+use crate::view::report::{REPORT_FILE, write_report};
 use crate::view::text::{self, plural, shell_words};
 
 /// Where touches told too little, so many times as many are proposed.
@@ -219,7 +219,7 @@ fn next(
     let folder = shell_words(&[folder.display().to_string()]);
     if result.learned.verdict.converged() {
         return format!(
-            "open {folder}/report.html in a browser; `bodyschema observe {folder}` tells what is certain and what is not"
+            "open {folder}/{REPORT_FILE} in a browser; `bodyschema observe {folder}` tells what is certain and what is not"
         );
     }
     let strongest = LevenbergMarquardt.name();

@@ -6,7 +6,8 @@ use std::path::Path;
 use super::printable::Printable;
 use super::{Failure, Outcome};
 use crate::evaluation::Summary;
-use crate::view::text::error_number;
+/// An error in its unit, as the report has it; a dash where there is none.
+pub(crate) use crate::view::text::error_number as number;
 
 /// Prints a line to standard output. Where nobody reads on, as in `… | head`, the program ends in silence;
 /// where it cannot be written, as on a full disk, with a sentence.
@@ -75,11 +76,6 @@ pub fn file(path: &Path, text: &str) -> Outcome {
     crate::record::write_whole(path, text.as_bytes()).map_err(|error| {
         Failure(format!("cannot write {}: {error}: give another folder with --out", path.display()))
     })
-}
-
-/// An error in its unit, as the report has it; a dash where there is none.
-pub fn number(x: f64) -> String {
-    error_number(x)
 }
 
 /// A summary as a row of a table, in its own unit.

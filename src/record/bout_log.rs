@@ -124,18 +124,13 @@ pub fn read_bouts(folder: &Path) -> Result<Vec<BoutLine>, RecordError> {
     let mut reader = csv::ReaderBuilder::new().has_headers(false).from_reader(&bytes[..whole]);
     let mut bouts = Vec::new();
     for (k, bout) in reader.deserialize().enumerate() {
-        let refuse = |error: csv::Error| {
-            let message =
-                format!("it is no bout ({error}): remove the share's folder and make the share again");
-            RecordError::format(&path, Some(k + 1), message)
+        let refuse = |what: String| {
+            let mend = "remove the share's folder and make the share again";
+            RecordError::format(&path, Some(k + 1), format!("{what}: {mend}"))
         };
-        let bout: BoutLine = bout.map_err(refuse)?;
+        let bout: BoutLine = bout.map_err(|error| refuse(format!("it is no bout ({error})")))?;
         if bouts.last().is_some_and(|last: &BoutLine| last.bout >= bout.bout) {
-            let message = format!(
-                "bout {} does not come after the one before it: remove the share's folder and make the share again",
-                bout.bout
-            );
-            return Err(RecordError::format(&path, Some(k + 1), message));
+            return Err(refuse(format!("bout {} does not come after the one before it", bout.bout)));
         }
         bouts.push(bout);
     }

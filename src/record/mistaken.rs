@@ -5,10 +5,8 @@ use std::fs;
 use std::io::ErrorKind;
 use std::path::Path;
 
-use super::{RecordError, SESSION_FILE, SHARES_FOLDER, Session};
+use super::{RecordError, SESSION_FILE, SHARES_FOLDER, STUDY_FILE, Session};
 
-/// What studies leave in their folders.
-const STUDY_FILE: &str = "study.json";
 /// How models' files end.
 const MODELS: [&str; 3] = ["xml", "mjcf", "urdf"];
 
@@ -52,15 +50,15 @@ pub(crate) fn for_model(path: &Path) -> Option<String> {
     if !path.is_dir() {
         return None;
     }
-    let place = path.display();
     let model = Session::read(path).ok().map(|session| session.model).filter(|model| !model.is_empty());
-    Some(match (model, first_session(path)) {
-        (Some(model), _) => format!("{place}: it is a session's folder and no model: its model is {model}"),
-        (None, Some(session)) => format!(
-            "{place}: it is a folder of sessions, such as {session}, and no model: give an MJCF or URDF file"
-        ),
-        (None, None) => format!("{place}: it is a folder and no model: give an MJCF or URDF file"),
-    })
+    let what = match (model, first_session(path)) {
+        (Some(model), _) => format!("it is a session's folder and no model: its model is {model}"),
+        (None, Some(session)) => {
+            format!("it is a folder of sessions, such as {session}, and no model: give an MJCF or URDF file")
+        }
+        (None, None) => "it is a folder and no model: give an MJCF or URDF file".into(),
+    };
+    Some(format!("{}: {what}", path.display()))
 }
 
 /// Whether a file could not be read because there is none.

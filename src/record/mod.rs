@@ -85,6 +85,8 @@ pub const TOUCHES_FILE: &str = "touches.jsonl";
 pub const PROGRESS_FILE: &str = "babbling.json";
 /// The bouts of a share of a session and what each cost, in the share's folder.
 pub const BOUTS_FILE: &str = "bouts.csv";
+/// What a study was asked and what came out, in its folder.
+pub const STUDY_FILE: &str = "study.json";
 /// What a share of a study was asked for, in the share's folder.
 pub const STUDY_SHARE_FILE: &str = "study-share.json";
 /// The log of firing receptors, in the folder of a session of strokes.

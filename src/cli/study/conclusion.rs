@@ -4,11 +4,10 @@ use std::path::Path;
 
 use serde_json::{Value, json};
 
-use super::STUDY_FILE;
 use super::asked::AskedStudy;
 use crate::cli::{Outcome, output};
 use crate::experiment::study::{FoundTables, Study, WallTime};
-use crate::record::{FolderLock, Generation};
+use crate::record::{FolderLock, Generation, STUDY_FILE};
 use crate::view::study_chart;
 
 /// The measurements, in the study's folder.

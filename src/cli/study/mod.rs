@@ -22,14 +22,13 @@ use crate::experiment::study::calibration::CalibrationCase;
 use crate::experiment::study::claims::POLICIES as CLAIMS_POLICIES;
 use crate::experiment::study::{STUDIES, Study};
 use crate::experiment::{Observer, Phase};
+use crate::record::STUDY_FILE;
 use crate::share::Share;
 
 use asked::AskedStudy;
 
 /// Touches of a trial where none are asked for.
 const TOUCHES: usize = 1000;
-/// What was asked and what came out, in the study's folder.
-const STUDY_FILE: &str = "study.json";
 
 /// Repeat a measurement over several seeds: a table, its data and a plot.
 ///

@@ -6,14 +6,16 @@ use std::path::{Path, PathBuf};
 use serde_json::{Value, json};
 
 use super::asked::AskedStudy;
-use super::{STUDY_FILE, StudyArguments, conclusion};
+use super::{StudyArguments, conclusion};
 use crate::cli::arguments::{Arguments, taken_up};
 use crate::cli::folders::free_folder;
 use crate::cli::progress::Bars;
 use crate::cli::shard::take_share;
 use crate::cli::{Failure, Outcome, output};
 use crate::experiment::{ExperimentError, Observer, Phase, Unready};
-use crate::record::{FolderLock, STUDY_SHARE_FILE, Shares, StudyShare, read_trial, trial_file, write_trial};
+use crate::record::{
+    FolderLock, STUDY_FILE, STUDY_SHARE_FILE, Shares, StudyShare, read_trial, trial_file, write_trial,
+};
 use crate::share::Share;
 
 /// Makes the trials of a share that are missing, a file each.

@@ -181,7 +181,7 @@ impl<'a> Grower<'a> {
                 continue;
             }
             learned.initial_guesses = self.growth.starts();
-            if self.input == Input::Receptor && self.is_small() && !is_at_floor(&learned) {
+            if self.input == Input::Receptor && !is_at_floor(&learned) && self.is_small() {
                 let reason = "what was found leaves gaps open that are too wide for so small a body; try more touches (--touches) \
                               or another seed (--seed)";
                 return Learned { verdict: Verdict::Failed(reason.to_string()), account: None, ..learned };

@@ -20,9 +20,8 @@ const Body = (figure) => {
   const ACROSS = "#d11a6e";
   const BEFORE = 0.012;
 
-  // What the button says; how long playing takes at the least, at the most and a step, and how long the first is held,
+  // What the button says while it plays; how long playing takes at the least, at the most and a step, and how long the first is held,
   // milliseconds; and errors below which all are alike.
-  const PLAY = "▶ watch it learn";
   const STOP = "❚❚ stop";
   const LEAST_PLAYED = 4000;
   const MOST_PLAYED = 9000;
@@ -283,6 +282,7 @@ const Body = (figure) => {
   const slider = figure.querySelector("input[type=range]");
   const play = figure.querySelector(".play");
   const off = figure.querySelector(".off");
+  const invites = play?.textContent;
   const count = figure.querySelector(".slider output");
   const showStep = (name, mm) => {
     count.textContent = name;
@@ -296,7 +296,7 @@ const Body = (figure) => {
   let playing = false;
   const stop = () => {
     playing = false;
-    if (play) play.textContent = PLAY;
+    if (play) play.textContent = invites;
   };
   slider?.addEventListener("input", () => {
     stop();
