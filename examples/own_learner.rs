@@ -12,18 +12,18 @@ use bodyschema::senses::Touch;
 const KEPT: usize = 1;
 
 /// Learns from few touches of each pair of receptors.
-struct Thrifty<'a> {
-    learner: SecondOrder<'a>,
+struct Thrifty {
+    learner: SecondOrder,
     kept: HashMap<[usize; 2], usize>,
 }
 
-impl<'a> Thrifty<'a> {
-    fn new(agent: &'a Agent) -> Thrifty<'a> {
+impl Thrifty {
+    fn new(agent: &Agent) -> Thrifty {
         Thrifty { learner: SecondOrder::new(agent, Input::Contact, 1), kept: HashMap::new() }
     }
 }
 
-impl Learner for Thrifty<'_> {
+impl Learner for Thrifty {
     fn touch(&mut self, touch: &Touch) {
         let kept = self.kept.entry(touch.ends.map(|end| end.receptor)).or_default();
         *kept += 1;

@@ -98,6 +98,11 @@ impl Agent {
         Agent::new(self.creature.clone(), skin)
     }
 
+    /// The same agent with all lengths so many times as long.
+    pub(crate) fn scaled(&self, by: f64) -> Agent {
+        Agent { creature: Arc::new(self.creature.scaled(by)), skin: Arc::new(self.skin.scaled(by)) }
+    }
+
     /// The tree of joints, and the limbs.
     pub fn creature(&self) -> &Creature {
         &self.creature

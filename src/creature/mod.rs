@@ -281,6 +281,25 @@ impl Creature {
         narrowed
     }
 
+    /// The same creature with all lengths so many times as long: ranges of slides, and how slides follow and are followed.
+    pub(crate) fn scaled(&self, by: f64) -> Creature {
+        let factor = |kind: DofKind| if kind == DofKind::Slide { by } else { 1.0 };
+        let factors: Vec<f64> = self.dofs().map(|dof| factor(dof.kind)).collect();
+        let mut scaled = self.clone();
+        for dof in scaled.parts.joints.iter_mut().flat_map(|joint| &mut joint.dofs) {
+            let own = factor(dof.kind);
+            dof.range = dof.range.map(|end| own * end);
+            if let Some(coupling) = &mut dof.follows {
+                let mut power = own;
+                for coefficient in &mut coupling.polynomial {
+                    *coefficient *= power;
+                    power /= factors[coupling.leader];
+                }
+            }
+        }
+        scaled
+    }
+
     /// The model's name.
     pub fn name(&self) -> &str {
         &self.parts.name

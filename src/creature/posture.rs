@@ -89,6 +89,15 @@ impl Posture {
         posture
     }
 
+    /// The same posture of a creature with all lengths so many times as long: the coordinates of slides.
+    pub(crate) fn scaled(&self, creature: &Creature, by: f64) -> Posture {
+        let mut scaled = self.clone();
+        for slide in creature.elements().filter(|element| element.kind == DofKind::Slide) {
+            scaled[slide.coordinate()] *= by;
+        }
+        scaled
+    }
+
     /// A posture drawn uniformly from the joints' ranges.
     pub fn random(creature: &Creature, rng: &mut impl Rng) -> Posture {
         let mut posture = Vec::with_capacity(creature.coordinates());

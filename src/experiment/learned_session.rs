@@ -212,7 +212,7 @@ impl<'a> LearningRun<'a> {
             table: LearningTable::create(folder, &columns)?,
             predicts: options.predicts(),
             checkpoints,
-            passed: vec![(0, options.initial_guess(session.agent.creature(), session.seed))],
+            passed: vec![(0, options.initial_guess(&session.agent, session.seed))],
             seconds: 0.0,
             result: None,
         })

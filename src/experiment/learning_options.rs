@@ -16,7 +16,9 @@ use crate::deadline::Deadline;
 use crate::learning::growth::Growth;
 use crate::learning::initial_guess::random_guess;
 use crate::learning::learners::{LEARNERS, LearnerGivens, LearnerKind, LearnerUses, PartByPart};
-use crate::learning::{Input, KnownJoint, Learner, LimbFrames, SecondOrder, SkinKnowledge};
+use crate::learning::{
+    InUnit, Input, KnownJoint, Learner, LengthUnit, LimbFrames, SecondOrder, SkinKnowledge,
+};
 use crate::record::{Session, read_known};
 use crate::schema::BodySchema;
 use crate::skin::Receptor;
@@ -176,19 +178,19 @@ impl LearningOptions {
     }
 
     /// The learner of a body, whose random numbers come from `seed`.
-    pub fn learner<'a>(&self, agent: &'a Agent, seed: u64) -> Box<dyn Learner + 'a> {
-        self.learner.learner(agent, &self.givens(), seed)
+    pub fn learner(&self, agent: &Agent, seed: u64) -> Box<dyn Learner> {
+        self.learner_from(agent, None, seed)
     }
 
     /// The same that goes on from what was learned while the touches were made, where the learner is one that can.
-    pub fn learner_from<'a>(
-        &self,
-        agent: &'a Agent,
-        grown: Option<&Growth>,
-        seed: u64,
-    ) -> Box<dyn Learner + 'a> {
-        let goes_on = grown.and_then(|grown| self.learner.goes_on(agent, &self.givens(), grown, seed));
-        goes_on.unwrap_or_else(|| self.learner(agent, seed))
+    pub fn learner_from(&self, agent: &Agent, grown: Option<&Growth>, seed: u64) -> Box<dyn Learner> {
+        let given = self.givens();
+        InUnit::of(agent, |agent, unit| {
+            let known = given.known.iter().map(|known| unit.known(known)).collect();
+            let given = LearnerGivens { known, ..given };
+            let goes_on = grown.and_then(|grown| self.learner.goes_on(agent, &given, grown, seed));
+            goes_on.unwrap_or_else(|| self.learner.learner(agent, &given, seed))
+        })
     }
 
     /// Whether the learner predicts each touch before it learns from it.
@@ -209,13 +211,15 @@ impl LearningOptions {
 
     /// What is believed before the first touch: the initial guess of a learner that has but one, else one like those that
     /// it starts from.
-    pub(crate) fn initial_guess(&self, creature: &Creature, seed: u64) -> BodySchema {
-        let initial_guess = random_guess(creature, &mut ChaCha8Rng::seed_from_u64(seed));
+    pub(crate) fn initial_guess(&self, agent: &Agent, seed: u64) -> BodySchema {
+        let creature = agent.creature();
+        let unit = LengthUnit::of(agent).metres();
+        let initial_guess = random_guess(creature, &mut ChaCha8Rng::seed_from_u64(seed)).scaled(unit);
         if self.frames == LimbFrames::Limb { initial_guess.with_limb_poses() } else { initial_guess }
     }
 
     /// The learner of all touches at once, with this input and this knowledge of skin and frames.
-    pub(crate) fn second_order<'a>(&self, agent: &'a Agent, seed: u64) -> SecondOrder<'a> {
+    pub(crate) fn second_order(&self, agent: &Agent, seed: u64) -> SecondOrder {
         SecondOrder::new(agent, self.input(), seed).with_frames(self.frames).with_skin(self.skin)
     }
 

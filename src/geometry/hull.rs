@@ -83,6 +83,17 @@ impl Hull {
         (thick && sum.norm() <= OPEN * hull.area()).then_some(hull)
     }
 
+    /// The same solid with all lengths so many times as long, by a power of two: to the digit.
+    pub(crate) fn scaled(&self, by: f64) -> Hull {
+        let vertices: Vec<Vector3<f64>> = self.vertices().iter().map(|v| v * by).collect();
+        Hull {
+            farthest: FarthestPoint::new(vertices.clone()),
+            polyhedron: Polyhedron { vertices, triangles: self.triangles().to_vec() },
+            planes: self.planes.iter().map(|(normal, offset)| (*normal, offset * by)).collect(),
+            areas: self.areas.iter().map(|area| area * by * by).collect(),
+        }
+    }
+
     /// The corners, metres.
     pub fn vertices(&self) -> &[Vector3<f64>] {
         &self.polyhedron.vertices

@@ -74,6 +74,23 @@ impl Shape {
         Some(hull.map_or(Shape::Mesh, Shape::Hull))
     }
 
+    /// The same shape with all lengths so many times as long.
+    pub(crate) fn scaled(&self, by: f64) -> Shape {
+        match *self {
+            Shape::Sphere { radius } => Shape::Sphere { radius: by * radius },
+            Shape::Capsule { radius, half_length } => {
+                Shape::Capsule { radius: by * radius, half_length: by * half_length }
+            }
+            Shape::Cylinder { radius, half_length } => {
+                Shape::Cylinder { radius: by * radius, half_length: by * half_length }
+            }
+            Shape::Ellipsoid { semi_axes } => Shape::Ellipsoid { semi_axes: semi_axes.map(|axis| by * axis) },
+            Shape::Box { half_extents } => Shape::Box { half_extents: half_extents.map(|half| by * half) },
+            Shape::Hull(ref hull) => Shape::Hull(hull.scaled(by)),
+            Shape::Mesh => Shape::Mesh,
+        }
+    }
+
     /// Whether more is known of it than its receptors: of all but a mesh without a hull.
     pub fn is_solid(&self) -> bool {
         *self != Shape::Mesh

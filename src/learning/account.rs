@@ -7,15 +7,16 @@
 
 use nalgebra::DMatrix;
 
-use super::Verdict;
 use super::observability::Observability;
 use super::placement::{Z95, distances};
+use super::{LengthUnit, Verdict};
 use crate::agent::Agent;
 use crate::creature::Creature;
 use crate::kinematics::Chain;
 use crate::schema::BodySchema;
 
-/// Skin is placed where it is known to this along every direction, metres: one standard deviation.
+/// Skin is placed where it is known to this along every direction, in the unit that its body is learned in: one standard
+/// deviation, a millimetre on bodies of a person's size.
 pub const PLACED: f64 = 1e-3;
 
 /// So many times as many touches are no advice to anybody.
@@ -115,7 +116,8 @@ impl Account {
         distances: DMatrix<f64>,
         witnesses: Witnesses,
     ) -> Account {
-        let limit = Z95 * PLACED.max(witnesses.point_deviation);
+        let placed = PLACED * observability.unit().metres();
+        let limit = Z95 * placed.max(witnesses.point_deviation);
         let classes = classes(&limbs, &distances, limit);
         let mut class_of = vec![None; creature.limbs().len()];
         for (number, class) in classes.iter().enumerate() {
@@ -134,6 +136,17 @@ impl Account {
             undetermined,
             undetermined_limbs,
         }
+    }
+
+    /// The same in metres, where it was worked out in another unit: what is placed stays what it was in that.
+    pub(super) fn in_metres(&self, creature: &Creature, unit: LengthUnit) -> Account {
+        let witnesses = Witnesses {
+            point_deviation: unit.metres() * self.witnesses.point_deviation,
+            ..self.witnesses.clone()
+        };
+        let observability = self.observability.clone().in_metres(unit);
+        let distances = unit.metres() * &self.distances;
+        Account::of_distances(creature, observability, self.limbs.clone(), distances, witnesses)
     }
 
     /// Whether it is claimed that skin of either limb is placed in the other's frame.

@@ -31,8 +31,8 @@ use crate::senses::Touch;
 pub const STEP: f64 = 0.05;
 
 /// A learner by Hersch's rule.
-pub struct Hersch<'a> {
-    agent: &'a Agent,
+pub struct Hersch {
+    agent: Agent,
     input: Input,
     step: f64,
     passes: usize,
@@ -63,36 +63,36 @@ enum HerschLink {
     Shift { joint: usize, sign: f64 },
 }
 
-impl<'a> Hersch<'a> {
+impl Hersch {
     /// A learner that starts from an initial guess.
-    pub fn new(agent: &'a Agent, input: Input, initial_guess: BodySchema) -> Hersch<'a> {
+    pub fn new(agent: &Agent, input: Input, initial_guess: BodySchema) -> Hersch {
         let (step, passes, double_use, tolerance) = (STEP, 1, true, 0.0);
         let (schema, kept, ended) = (initial_guess, Vec::new(), false);
-        Hersch { agent, input, step, passes, double_use, tolerance, schema, kept, ended }
+        Hersch { agent: agent.clone(), input, step, passes, double_use, tolerance, schema, kept, ended }
     }
 
     /// Sets ε, [`STEP`] by default.
-    pub fn with_step(mut self, step: f64) -> Hersch<'a> {
+    pub fn with_step(mut self, step: f64) -> Hersch {
         self.step = step;
         self
     }
 
     /// Sets the passes over all touches: 1 by default, in which each is used as it comes. [`Learner::learn`] makes the
     /// further ones, every time from what the first one left.
-    pub fn with_passes(mut self, passes: usize) -> Hersch<'a> {
+    pub fn with_passes(mut self, passes: usize) -> Hersch {
         self.passes = passes;
         self
     }
 
     /// Sets whether a touch is used from one limb to the other and back, as by default, or from the first limb alone.
-    pub fn with_double_use(mut self, double_use: bool) -> Hersch<'a> {
+    pub fn with_double_use(mut self, double_use: bool) -> Hersch {
         self.double_use = double_use;
         self
     }
 
     /// Sets the miss at which learning ends for good, metres: 0 by default (IVA 2009, Algorithm 1, line 23). It is the
     /// miss of a touch's last use, as the step finds it.
-    pub fn with_tolerance(mut self, tolerance: f64) -> Hersch<'a> {
+    pub fn with_tolerance(mut self, tolerance: f64) -> Hersch {
         self.tolerance = tolerance;
         self
     }
@@ -198,7 +198,7 @@ impl<'a> Hersch<'a> {
     }
 }
 
-impl Learner for Hersch<'_> {
+impl Learner for Hersch {
     fn touch(&mut self, touch: &Touch) {
         let limbs = touch.ends.map(|end| self.agent.skin().receptors[end.receptor].limb);
         let places = touch.ends.map(|end| self.input.position(self.agent.skin(), &end));
@@ -207,7 +207,8 @@ impl Learner for Hersch<'_> {
 
     fn learn(&mut self) -> Learned {
         // Touches yet to come go on from the first pass, so the further ones are another learner's.
-        let mut again = Hersch { schema: self.schema.clone(), kept: Vec::new(), ..*self };
+        let mut again =
+            Hersch { schema: self.schema.clone(), kept: Vec::new(), agent: self.agent.clone(), ..*self };
         for _ in 1..self.passes {
             self.kept.iter().for_each(|pair| again.observe(pair));
         }

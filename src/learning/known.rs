@@ -27,6 +27,13 @@ pub struct KnownJoint {
     pub axes: Vec<(usize, Vector3<f64>, f64)>,
 }
 
+impl KnownJoint {
+    /// The same of a body with all lengths so many times as long.
+    pub(super) fn scaled(&self, by: f64) -> KnownJoint {
+        KnownJoint { position: self.position.map(|known| known.map(|of| by * of)), ..self.clone() }
+    }
+}
+
 /// Joints that are known before the first touch: some exactly, some nearly, most not at all.
 #[derive(Clone, Debug)]
 pub struct PriorKnowledge {

@@ -15,10 +15,10 @@ use serde::Serialize;
 
 use crate::creature::{Creature, DofKind};
 use crate::kinematics::{Chain, ChainSide, SideJacobian, limb_frames, skew, tangent_basis};
-use crate::learning::Parameters;
+use crate::learning::{LengthUnit, Parameters};
 use crate::schema::{BodySchema, SchemaStd};
 
-/// The length that weighs as much as a radian, metres: about a limb's radius and reach.
+/// The length that weighs as much as a radian, in the unit that a body is learned in: about a limb's radius and reach.
 pub const CHARACTERISTIC_LENGTH: f64 = 0.1;
 /// Singular values below this share of the greatest are zero: rounding in the squared normal equations.
 const NULL_SHARE: f64 = 1e-7;
@@ -54,6 +54,8 @@ pub struct Observability {
     /// Per limb, whether it is known at all where points in its frame are on it.
     placed: Vec<bool>,
     residuals: usize,
+    /// What it was worked out in; all lengths are metres.
+    unit: LengthUnit,
 }
 
 /// The indices that the calibration literature reports.
@@ -71,20 +73,22 @@ pub struct Indices {
 
 impl Observability {
     /// From the information `JᵀWJ` (lower triangle) over `parameters` and the number of residuals. `known`
-    /// tells of each joint whether it was known exactly a priori, and is no parameter for that reason.
+    /// tells of each joint whether it was known exactly a priori, and is no parameter for that reason. Of bodies that are
+    /// learned in a unit of their own, lengths are compared with turns in that.
     pub fn new(
         creature: &Creature,
         parameters: Parameters,
         known: &[bool],
         mut hessian: DMatrix<f64>,
         residuals: usize,
+        unit: LengthUnit,
     ) -> Observability {
         let n = parameters.len();
         hessian.fill_upper_triangle_with_lower_triangle();
         let information = hessian.clone();
         let mut scale = DVector::from_element(n, 1.0);
         for offset in parameters.positions.iter().chain(&parameters.limb_origins).flatten() {
-            scale.rows_mut(*offset, 3).fill(CHARACTERISTIC_LENGTH);
+            scale.rows_mut(*offset, 3).fill(CHARACTERISTIC_LENGTH * unit.metres());
         }
         for (dof, offset) in creature.dofs().zip(&parameters.axes) {
             if let Some(offset) = offset.filter(|_| dof.kind == DofKind::Slide) {
@@ -110,6 +114,7 @@ impl Observability {
                 known: known.to_vec(),
                 placed: vec![true; creature.limbs().len()],
                 residuals,
+                unit,
             };
         }
         let eigen = SymmetricEigen::new(hessian);
@@ -139,7 +144,33 @@ impl Observability {
             known: known.to_vec(),
             placed: vec![true; creature.limbs().len()],
             residuals,
+            unit,
         }
+    }
+
+    /// The same in metres, where it was worked out in another unit: what is determined stays what it was in that.
+    pub fn in_metres(mut self, unit: LengthUnit) -> Observability {
+        let mut metres = DVector::from_element(self.parameters.len(), 1.0);
+        for offset in self.parameters.positions.iter().chain(&self.parameters.limb_origins).flatten() {
+            metres.rows_mut(*offset, 3).fill(unit.metres());
+        }
+        let rows = |matrix: &mut DMatrix<f64>| {
+            matrix.row_iter_mut().zip(&metres).for_each(|(mut row, metres)| row *= *metres);
+        };
+        rows(&mut self.covariance_factor);
+        rows(&mut self.unscaled_null_space);
+        let n = metres.len();
+        for (i, j) in (0..n).flat_map(|i| (0..n).map(move |j| (i, j))) {
+            let by = metres[i] * metres[j];
+            self.covariance[(i, j)] *= by;
+            self.information[(i, j)] /= by;
+        }
+        Observability { unit, ..self }
+    }
+
+    /// The unit of length that it was worked out in.
+    pub fn unit(&self) -> LengthUnit {
+        self.unit
     }
 
     /// The information `JᵀWJ` over the parameters; [`Observability::new`] makes all of this of it again.
@@ -335,7 +366,7 @@ impl Observability {
         // A direction that no touch felt and that moves the point by more than rounding: unbounded.
         if self.null_space.ncols() > 0 {
             let shift = &jacobian * self.unscaled_null_space.select_rows(&moved);
-            if shift.amax() > UNMOVED {
+            if shift.amax() > UNMOVED * self.unit.metres() {
                 return None;
             }
         }

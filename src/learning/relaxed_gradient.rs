@@ -63,8 +63,8 @@ const NORMAL_DEVIATION: f64 = 6e-3;
 const ORDER_STREAM: u64 = 1;
 
 /// The learner `gradient`.
-pub struct RelaxedGradient<'a> {
-    agent: &'a Agent,
+pub struct RelaxedGradient {
+    agent: Agent,
     input: Input,
     initial_guess: BodySchema,
     seed: u64,
@@ -72,14 +72,21 @@ pub struct RelaxedGradient<'a> {
     touches: Vec<PreparedTouch>,
 }
 
-impl<'a> RelaxedGradient<'a> {
+impl RelaxedGradient {
     /// A learner that starts from an initial guess and takes its touches in an order drawn from `seed`.
-    pub fn new(agent: &'a Agent, input: Input, initial_guess: BodySchema, seed: u64) -> RelaxedGradient<'a> {
-        RelaxedGradient { agent, input, initial_guess, seed, steps: STEPS, touches: Vec::new() }
+    pub fn new(agent: &Agent, input: Input, initial_guess: BodySchema, seed: u64) -> RelaxedGradient {
+        RelaxedGradient {
+            agent: agent.clone(),
+            input,
+            initial_guess,
+            seed,
+            steps: STEPS,
+            touches: Vec::new(),
+        }
     }
 
     /// Sets the number of steps in all, [`STEPS`] by default; every touch is used once at the least.
-    pub fn with_steps(mut self, steps: usize) -> RelaxedGradient<'a> {
+    pub fn with_steps(mut self, steps: usize) -> RelaxedGradient {
         self.steps = steps;
         self
     }
@@ -174,7 +181,7 @@ fn step(
     distance
 }
 
-impl Learner for RelaxedGradient<'_> {
+impl Learner for RelaxedGradient {
     fn touch(&mut self, touch: &Touch) {
         let [a, b] = touch.ends.map(|end| self.agent.skin().receptors[end.receptor].limb);
         let chain = Chain::between(self.agent.creature(), a, b);

@@ -41,8 +41,8 @@ const PREDICTED: usize = 6;
 const PREDICTED_GAP: f64 = 2e-3;
 
 /// The learner of rough schemas: receptor input and known surfaces.
-pub struct RoughFit<'a> {
-    agent: &'a Agent,
+pub struct RoughFit {
+    agent: Agent,
     prior: Prior,
     rng: ChaCha8Rng,
     touches: Vec<Touch>,
@@ -60,11 +60,11 @@ enum RoughStart {
     Random(BodySchema, u64),
 }
 
-impl<'a> RoughFit<'a> {
+impl RoughFit {
     /// A learner whose initial guesses are drawn from `seed`.
-    pub fn new(agent: &'a Agent, seed: u64) -> RoughFit<'a> {
+    pub fn new(agent: &Agent, seed: u64) -> RoughFit {
         RoughFit {
-            agent,
+            agent: agent.clone(),
             prior: PriorKnowledge::nothing(agent).prior,
             rng: ChaCha8Rng::seed_from_u64(seed),
             touches: Vec::new(),
@@ -92,7 +92,7 @@ impl<'a> RoughFit<'a> {
         let parameters = Parameters::new(self.agent.creature(), axis_model, |_| true);
         let narrowest = if axis_model == AxisModel::Relaxed { RELAXED_GAP } else { NARROWEST };
         let limits = AnnealingLimits { narrowest, ..AnnealingLimits::default() };
-        let annealed = anneal_to(limits, self.agent, touches, &parameters, &self.prior, start);
+        let annealed = anneal_to(limits, &self.agent, touches, &parameters, &self.prior, start);
         let mut schema = annealed.schema;
         schema.normalize_axes(self.agent.creature());
         schema
@@ -168,19 +168,19 @@ impl<'a> RoughFit<'a> {
     /// The gaps, sorted, at which the last schema puts the touches since, metres; none without any.
     fn predicted(&self) -> Option<Vec<f64>> {
         let (schema, fitted) = self.last.as_ref()?;
-        let fresh = prepare(self.agent, &self.touches[*fitted..]);
+        let fresh = prepare(&self.agent, &self.touches[*fitted..]);
         let found = crate::learning::annealing::gaps(self.agent.skin(), &fresh, schema);
         (!found.is_empty()).then_some(found)
     }
 }
 
-impl Learner for RoughFit<'_> {
+impl Learner for RoughFit {
     fn touch(&mut self, touch: &Touch) {
         self.touches.push(touch.clone());
     }
 
     fn learn(&mut self) -> Learned {
-        let touches = prepare(self.agent, &self.touches);
+        let touches = prepare(&self.agent, &self.touches);
         // The only honest measure of a schema is what it predicts.
         let predicted = self.predicted();
         let wide = predicted.as_ref().map_or(f64::INFINITY, |gaps| quantile(gaps, 0.8));

@@ -30,8 +30,8 @@ use crate::learning::surface_gap::{CERTAIN_NOISE, MEAN_WEIGHT, SHARPEST, Surface
 use crate::learning::touch_set::{LimbTouch, PairTouches, PreparedTouch, TouchProblem, TouchSet};
 use crate::learning::twins::without_twins;
 use crate::learning::{
-    Account, AxisModel, Basis, Learned, Learner, LimbFrames, Parameters, Prior, PriorKnowledge, Verdict,
-    Witnesses,
+    Account, AxisModel, Basis, Learned, Learner, LengthUnit, LimbFrames, Parameters, Prior, PriorKnowledge,
+    Verdict, Witnesses,
 };
 use crate::schema::{BodySchema, unfelt_shifts};
 use crate::senses::Touch;
@@ -138,8 +138,8 @@ const LAST_ITERATIONS: usize = 30;
 const LAST_RELATIVE_COST: f64 = 1e-9;
 
 /// The learner `lm`.
-pub struct SecondOrder<'a> {
-    agent: &'a Agent,
+pub struct SecondOrder {
+    agent: Agent,
     input: Input,
     knowledge: SkinKnowledge,
     frames: LimbFrames,
@@ -149,14 +149,14 @@ pub struct SecondOrder<'a> {
     touches: Vec<Touch>,
 }
 
-impl<'a> SecondOrder<'a> {
+impl SecondOrder {
     /// A learner whose initial guesses are drawn from `seed`.
-    pub fn new(agent: &'a Agent, input: Input, seed: u64) -> SecondOrder<'a> {
+    pub fn new(agent: &Agent, input: Input, seed: u64) -> SecondOrder {
         let known = PriorKnowledge::nothing(agent);
         let knowledge = SkinKnowledge::Surface;
         let frames = LimbFrames::Joint;
         SecondOrder {
-            agent,
+            agent: agent.clone(),
             input,
             knowledge,
             frames,
@@ -168,20 +168,20 @@ impl<'a> SecondOrder<'a> {
     }
 
     /// Sets what the agent knows of its skin, its surfaces by default. Contact points need no skin.
-    pub fn with_skin(mut self, knowledge: SkinKnowledge) -> SecondOrder<'a> {
+    pub fn with_skin(mut self, knowledge: SkinKnowledge) -> SecondOrder {
         self.knowledge = knowledge;
         self
     }
 
     /// Sets which frames points on limbs are given in, those of their joints by default. Limbs with frames of
     /// their own need exact points; nothing that is known of joints is minded with them.
-    pub fn with_frames(mut self, frames: LimbFrames) -> SecondOrder<'a> {
+    pub fn with_frames(mut self, frames: LimbFrames) -> SecondOrder {
         self.frames = frames;
         self
     }
 
     /// Sets what is known of the joints already.
-    pub fn with_known(mut self, known: PriorKnowledge) -> SecondOrder<'a> {
+    pub fn with_known(mut self, known: PriorKnowledge) -> SecondOrder {
         self.known = known;
         self
     }
@@ -190,7 +190,7 @@ impl<'a> SecondOrder<'a> {
         Basis { input: self.input, skin: self.knowledge, frames: self.frames }
     }
 
-    fn evidence(&self) -> Evidence<'a> {
+    fn evidence(&self) -> Evidence<'_> {
         match (self.input, self.knowledge) {
             (Input::Contact, _) => Evidence::Points { acceptance: EXACT, patches: false },
             (Input::Receptor, SkinKnowledge::Centres) => {
@@ -331,7 +331,7 @@ impl<'a> SecondOrder<'a> {
         let mut noise = Noise::of_gaps(deviation);
         let (mut alike, mut spread) = (0.0, deviation);
         let covariance = if deviation > CERTAIN_NOISE {
-            let gaps = gaps_of(self.agent, fitted, &parameters, schema, &[]);
+            let gaps = gaps_of(&self.agent, fitted, &parameters, schema, &[]);
             let mut prior = DMatrix::zeros(parameters.len(), parameters.len());
             self.known.prior.add_information(&parameters, &mut prior);
             noise = Noise::estimate(&gaps, &parameters, &prior, None, false);
@@ -340,14 +340,14 @@ impl<'a> SecondOrder<'a> {
             information(&gaps, &parameters, &noise)
                 .and_then(|information| information_inverse(information + prior, &parameters))
         } else {
-            covariance(self.agent, fitted, &parameters, &self.known.prior, schema, deviation)
+            covariance(&self.agent, fitted, &parameters, &self.known.prior, schema, deviation)
         };
         let Some(covariance) = covariance else { return (f64::INFINITY, deviation) };
         let deviation = if deviation > CERTAIN_NOISE { spread } else { deviation };
         let mut found = GapTally::new(self.agent.creature().joints().len());
         let mut normalized = Vec::with_capacity(fresh.len());
         let mut tested = 0;
-        let mut gaps = gaps_of(self.agent, fresh, &parameters, schema, &[]).into_iter();
+        let mut gaps = gaps_of(&self.agent, fresh, &parameters, schema, &[]).into_iter();
         for pair in &fresh.pairs {
             for gap in gaps.by_ref().take(pair.touches.len()) {
                 let predicted = gap.predicted(&covariance);
@@ -364,13 +364,13 @@ impl<'a> SecondOrder<'a> {
         }
         normalized.sort_by(f64::total_cmp);
         // One open touch may be false, whatever it is with; and so may as many as elsewhere.
-        let chance = GapTally::of_chance(self.agent, fitted);
+        let chance = GapTally::of_chance(&self.agent, fitted);
         let told = found.beyond(&chance).filter(|[_, all]| *all >= FEW as f64);
         let worst = told.map(|[open, all]| (open - 1.0) / all / FRESH_OPEN).fold(0.0, f64::max);
         let [open, all] = found.all;
         let closed = 0.8 * (1.0 - open / all);
         let misfit = (quantile(&normalized, closed) / FRESH_GAP).max(worst);
-        let tolerable = OpenGaps::new(self.agent, fitted, schema).worst;
+        let tolerable = OpenGaps::new(&self.agent, fitted, schema).worst;
         let most = (open - 1.0) / (MOST_FALSE * all);
         let refusals = [misfit, most, alike / ALIKE, tolerable, deviation / MOST_NOISE];
         (refusals.into_iter().fold(0.0, f64::max), deviation)
@@ -430,7 +430,7 @@ impl<'a> SecondOrder<'a> {
                 (schema, account, deviation)
             }
             Evidence::Surfaces(skin) => {
-                let annealed = anneal(self.agent, &used, &parameters, &self.known.prior, schema);
+                let annealed = anneal(&self.agent, &used, &parameters, &self.known.prior, schema);
                 let mut schema = annealed.schema;
                 let stopping = Stopping {
                     iterations: LAST_ITERATIONS,
@@ -451,7 +451,7 @@ impl<'a> SecondOrder<'a> {
                         let (found, widening) = self.noise(&used, &parameters, &schema, noise);
                         let prior = &self.known.prior;
                         let mut problem =
-                            NoisyProblem::new(self.agent, &used, &parameters, prior, (found, &widening));
+                            NoisyProblem::new(&self.agent, &used, &parameters, prior, (found, &widening));
                         schema = levenberg_marquardt(&mut problem, schema, stopping).state;
                         noise = Some(found);
                     }
@@ -566,7 +566,7 @@ impl<'a> SecondOrder<'a> {
 
     fn account_of(&self, used: &TouchSet, schema: &BodySchema) -> (Account, f64) {
         let Seen { observability, witnesses, checked, deviation } = self.observe_touches(used, schema);
-        let account = Account::new(self.agent, schema, observability, witnesses);
+        let account = Account::new(&self.agent, schema, observability, witnesses);
         (self.with_curvature(account, &checked, schema), deviation)
     }
 
@@ -581,7 +581,7 @@ impl<'a> SecondOrder<'a> {
         if deviation > SHARPEST {
             return account;
         }
-        let distances = distances_by_curvature(self.agent, schema, &account, checked, deviation);
+        let distances = distances_by_curvature(&self.agent, schema, &account, checked, deviation);
         account.with_distances(self.agent.creature(), distances)
     }
 
@@ -592,10 +592,10 @@ impl<'a> SecondOrder<'a> {
         let deviation = self.gap_deviation(skin, used, &parameters, schema);
         let used = if deviation > CERTAIN_NOISE {
             let (noise, _) = self.noise(used, &parameters, schema, None);
-            let gaps = gaps_of(self.agent, used, &parameters, schema, &[]);
-            witnesses(self.agent, used, schema, |number| noise.variance(&gaps[number]).sqrt(), false)
+            let gaps = gaps_of(&self.agent, used, &parameters, schema, &[]);
+            witnesses(&self.agent, used, schema, |number| noise.variance(&gaps[number]).sqrt(), false)
         } else {
-            witnesses(self.agent, used, schema, |_| deviation, true)
+            witnesses(&self.agent, used, schema, |_| deviation, true)
         };
         self.observe_witnesses(&used, schema)
     }
@@ -612,11 +612,11 @@ impl<'a> SecondOrder<'a> {
         let mut prior = DMatrix::zeros(parameters.len(), parameters.len());
         self.known.prior.add_information(parameters, &mut prior);
         let estimate = |widening: &[f64], before| {
-            let gaps = gaps_of(self.agent, touches, parameters, schema, widening);
+            let gaps = gaps_of(&self.agent, touches, parameters, schema, widening);
             Noise::estimate(&gaps, parameters, &prior, before, true)
         };
         let noise = before.unwrap_or_else(|| estimate(&[], None));
-        let widening = widening(self.agent, touches, schema, noise.joint);
+        let widening = widening(&self.agent, touches, schema, noise.joint);
         (estimate(&widening, Some(noise)), widening)
     }
 
@@ -658,14 +658,14 @@ impl<'a> SecondOrder<'a> {
                 let noisy = deviation > CERTAIN_NOISE;
                 if noisy {
                     noise = self.noise(used, &parameters, schema, None).0;
-                    deviation = noise.deviation(&gaps_of(self.agent, used, &parameters, schema, &[]));
+                    deviation = noise.deviation(&gaps_of(&self.agent, used, &parameters, schema, &[]));
                     spread = deviation;
                 }
                 noise.contact = noise.contact.max(SHARPEST);
                 let found = loop {
                     let widening =
-                        if noisy { widening(self.agent, &touches, schema, noise.joint) } else { Vec::new() };
-                    let gaps = gaps_of(self.agent, &touches, &parameters, schema, &widening);
+                        if noisy { widening(&self.agent, &touches, schema, noise.joint) } else { Vec::new() };
+                    let gaps = gaps_of(&self.agent, &touches, &parameters, schema, &widening);
                     let hessian = if noisy {
                         information(&gaps, &parameters, &noise)
                             .unwrap_or_else(|| DMatrix::zeros(parameters.len(), parameters.len()))
@@ -730,7 +730,14 @@ impl<'a> SecondOrder<'a> {
     ) -> Observability {
         self.known.given.add_information(parameters, &mut hessian);
         self.fix_choices(parameters, schema, &mut hessian);
-        Observability::new(self.agent.creature(), parameters.clone(), &self.known.frozen, hessian, rows)
+        Observability::new(
+            self.agent.creature(),
+            parameters.clone(),
+            &self.known.frozen,
+            hessian,
+            rows,
+            LengthUnit::METRE,
+        )
     }
 
     /// Adds to normal equations (lower triangle) that limbs' origins do not shift where their joints cannot feel
@@ -956,7 +963,7 @@ impl Judged {
     }
 }
 
-impl Learner for SecondOrder<'_> {
+impl Learner for SecondOrder {
     fn touch(&mut self, touch: &Touch) {
         self.touches.push(touch.clone());
     }
@@ -970,7 +977,7 @@ impl Learner for SecondOrder<'_> {
     }
 }
 
-impl<'a> SecondOrder<'a> {
+impl SecondOrder {
     /// Learns from all touches in so many starts at most.
     pub fn learn_in(&self, starts: usize) -> Learned {
         let fresh = self.touches.iter().enumerate().filter(|(i, _)| kept_back(*i)).map(|(_, touch)| touch);
@@ -1008,7 +1015,7 @@ impl<'a> SecondOrder<'a> {
 
     fn nursery<'t>(&'t self, evidence: Evidence<'t>, touches: &'t TouchSet, turn: usize) -> Nursery<'t> {
         let PriorKnowledge { prior, frozen, .. } = &self.known;
-        Nursery { agent: self.agent, touches, evidence, prior, frozen, turn, deadline: self.deadline }
+        Nursery { agent: &self.agent, touches, evidence, prior, frozen, turn, deadline: self.deadline }
     }
 
     fn limb_nursery<'t>(&'t self, touches: &'t TouchSet, turn: usize) -> LimbNursery<'t> {
@@ -1017,7 +1024,7 @@ impl<'a> SecondOrder<'a> {
 
     /// The searches to try one after the other until one finds an answer. There is one, but for points with
     /// noise of which nobody knows how much it is.
-    fn searches(&self, touches: &TouchSet, starts: usize) -> Vec<StartSearch<'a>> {
+    fn searches(&self, touches: &TouchSet, starts: usize) -> Vec<StartSearch<'_>> {
         let evidence = self.evidence();
         if self.input != Input::Contact || self.frames == LimbFrames::Limb {
             return vec![StartSearch { evidence, noisy: !evidence.exact(), starts }];
@@ -1040,7 +1047,7 @@ impl<'a> SecondOrder<'a> {
     /// Makes the starts of a search, as many as it takes.
     fn search(
         &self,
-        search: &StartSearch<'a>,
+        search: &StartSearch,
         solvable: usize,
         [touches, borne_out]: [&TouchSet; 2],
         fresh: &TouchSet,
@@ -1131,9 +1138,8 @@ impl<'a> SecondOrder<'a> {
         let (told, all) = (told.count(), self.touches.len());
         (account.claims_any() && (told as f64) < FEWEST_TELL * all as f64).then(|| {
             Verdict::Failed(format!(
-                "in noise of {:.1} mm only {told} of {all} touches are of limbs that could be placed, which may be chance: \
-                 give more touches (--touches), or sharper ones",
-                1e3 * deviation
+                "in such noise only {told} of {all} touches are of limbs that could be placed, which may be chance: give more \
+                 touches (--touches), or sharper ones"
             ))
         })
     }

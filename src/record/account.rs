@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::creature::Creature;
 use crate::learning::observability::Observability;
-use crate::learning::{Account, AxisModel, Basis, Learned, Parameters, Witnesses};
+use crate::learning::{Account, AxisModel, Basis, Learned, LengthUnit, Parameters, Witnesses};
 use crate::plausible::GREATEST_LEARNED;
 use crate::record::error::ContentFault;
 
@@ -86,6 +86,9 @@ struct DeterminedEntry {
     /// The limbs of which it is not known where points in their frames are.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     unplaced_limbs: Vec<String>,
+    /// The unit of length that it was learned in, metres: all lengths are metres nevertheless.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    unit: Option<f64>,
     /// The number of residuals that the information is of.
     residuals: usize,
     /// Its lower triangle, row by row.
@@ -210,6 +213,7 @@ impl DeterminedEntry {
                 .filter(|(_, placed)| !**placed)
                 .map(|(limb, _)| limb.clone())
                 .collect(),
+            unit: Some(found.unit()).filter(|unit| *unit != LengthUnit::METRE).map(LengthUnit::metres),
             residuals: found.residuals(),
             information: (0..information.nrows())
                 .map(|i| (0..=i).map(|j| information[(i, j)]).collect())
@@ -245,6 +249,12 @@ impl DeterminedEntry {
         if posed.contains(&true) {
             parameters = parameters.with_limb_poses(|joint| posed[joint + 1], None);
         }
+        let unit = match self.unit {
+            None => LengthUnit::METRE,
+            Some(metres) => LengthUnit::from_metres(metres).ok_or_else(|| {
+                format!("its account was learned in a unit of {metres} m, which is no power of two that suits a body: {MEND}")
+            })?,
+        };
         let n = parameters.len();
         if self.information.len() != n
             || self.information.iter().enumerate().any(|(i, row)| row.len() != i + 1)
@@ -254,7 +264,7 @@ impl DeterminedEntry {
             );
         }
         let information = DMatrix::from_fn(n, n, |i, j| self.information[i.max(j)][i.min(j)]);
-        let found = Observability::new(creature, parameters, &known, information, self.residuals);
+        let found = Observability::new(creature, parameters, &known, information, self.residuals, unit);
         Ok(found.with_placed(unplaced.into_iter().map(|unplaced| !unplaced).collect()))
     }
 }
@@ -287,7 +297,8 @@ mod tests {
         for (distance, read) in [(1e71, f64::INFINITY), (0.25, 0.25), (f64::NAN, f64::INFINITY)] {
             let parameters = Parameters::new(&creature, AxisModel::Unit, |_| true);
             let information = DMatrix::zeros(parameters.len(), parameters.len());
-            let found = Observability::new(&creature, parameters, &[false], information, 0);
+            let found =
+                Observability::new(&creature, parameters, &[false], information, 0, LengthUnit::METRE);
             let witnesses = Witnesses { of_limbs: vec![3, 3], point_deviation: 0.0, at_floor: false };
             let distances = DMatrix::from_row_slice(2, 2, &[0.0, distance, distance, 0.0]);
             let account = Account::of_distances(&creature, found, vec![0, 1], distances, witnesses);

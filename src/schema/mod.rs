@@ -48,6 +48,16 @@ impl BodySchema {
         }
     }
 
+    /// The same body with all lengths so many times as long.
+    pub(crate) fn scaled(&self, by: f64) -> BodySchema {
+        let pose = |pose: &Frame| Frame { rotation: pose.rotation, origin: by * pose.origin };
+        BodySchema {
+            positions: self.positions.iter().map(|position| by * position).collect(),
+            axes: self.axes.clone(),
+            limb_poses: self.limb_poses.iter().map(pose).collect(),
+        }
+    }
+
     /// The same body with every limb in a frame of its own, as yet that of its joint.
     pub fn with_limb_poses(mut self) -> BodySchema {
         self.limb_poses.resize(self.positions.len(), Frame::identity());

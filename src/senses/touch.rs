@@ -1,6 +1,6 @@
 //! A touch: two receptors that met, and the posture they met in.
 
-use crate::creature::Posture;
+use crate::creature::{Creature, Posture};
 
 use super::SkinSpot;
 
@@ -32,6 +32,23 @@ pub struct Moment {
     pub force: f64,
     /// How deep the two surfaces were in each other, metres. Nothing feels it; it tells how exact the touch is.
     pub depth: f64,
+}
+
+impl Touch {
+    /// The same touch of a creature with all lengths so many times as long.
+    pub(crate) fn scaled(&self, creature: &Creature, by: f64) -> Touch {
+        let end = |end: TouchEnd| TouchEnd {
+            contact: by * end.contact,
+            deviation: end.deviation.map(|deviation| by * deviation),
+            ..end
+        };
+        Touch {
+            posture: self.posture.scaled(creature, by),
+            ends: self.ends.map(end),
+            moment: self.moment.map(|moment| Moment { depth: by * moment.depth, ..moment }),
+            ..*self
+        }
+    }
 }
 
 /// A self-touch as the agent feels it.

@@ -8,6 +8,8 @@ mod somatotopic_map;
 mod surface;
 mod surface_graph;
 
+use std::collections::BTreeMap;
+
 use nalgebra::{Matrix3, Vector3};
 use serde::{Deserialize, Serialize};
 
@@ -82,6 +84,19 @@ impl Receptor {
     }
 }
 
+/// How far some points extend: from the one that is farthest from the first to the one that is farthest from that, which is
+/// half of the greatest distance between two at the least.
+fn extent(points: &[Vector3<f64>]) -> f64 {
+    let farthest_of = |from: &Vector3<f64>| {
+        let far = points.iter().max_by(|a, b| (*a - from).norm().total_cmp(&(*b - from).norm()));
+        far.copied().unwrap_or(*from)
+    };
+    points.first().map_or(0.0, |first| {
+        let end = farthest_of(first);
+        (farthest_of(&end) - end).norm()
+    })
+}
+
 /// All receptors of a creature and the surfaces they lie on.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Skin {
@@ -92,6 +107,32 @@ pub struct Skin {
 }
 
 impl Skin {
+    /// The same skin with all lengths so many times as long.
+    pub(crate) fn scaled(&self, by: f64) -> Skin {
+        let receptors = self.receptors.iter().map(|receptor| Receptor {
+            position: by * receptor.position,
+            half_extents: receptor.half_extents.map(|half| by * half),
+            ..receptor.clone()
+        });
+        let surfaces = self.surfaces.iter().map(|surface| Surface {
+            limb: surface.limb,
+            origin: by * surface.origin,
+            rotation: surface.rotation,
+            shape: surface.shape.scaled(by),
+            geom: surface.geom,
+        });
+        Skin { receptors: receptors.collect(), surfaces: surfaces.collect() }
+    }
+
+    /// How far the receptors of the longest limb extend, metres; 0 where no limb has two.
+    pub(crate) fn longest_limb(&self) -> f64 {
+        let mut of_limbs: BTreeMap<usize, Vec<Vector3<f64>>> = BTreeMap::new();
+        for receptor in &self.receptors {
+            of_limbs.entry(receptor.limb).or_default().push(receptor.position);
+        }
+        of_limbs.values().map(|points| extent(points)).fold(0.0, f64::max)
+    }
+
     /// Whether the surfaces under some receptors are known and curved wherever something touches them.
     pub(crate) fn all_round(&self, mut receptors: impl Iterator<Item = usize>) -> bool {
         let surface = |receptor: usize| self.receptors[receptor].surface;

@@ -31,7 +31,7 @@ impl Subject {
         Subject { agent, truth, touches }
     }
 
-    fn learner(&self, touches: &[Touch], input: Input) -> SecondOrder<'_> {
+    fn learner(&self, touches: &[Touch], input: Input) -> SecondOrder {
         let mut learner = SecondOrder::new(&self.agent, input, 1);
         touches.iter().for_each(|touch| learner.touch(touch));
         learner

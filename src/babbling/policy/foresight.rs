@@ -35,8 +35,8 @@ pub enum Foreseen {
 }
 
 /// Foresees what a straight motion touches first.
-pub struct Foresight<'a> {
-    agent: &'a Agent,
+pub struct Foresight {
+    agent: Agent,
     /// Per limb, its solid surfaces, and a ball about them.
     surfaces: Vec<Vec<usize>>,
     balls: Vec<Option<Ball>>,
@@ -44,9 +44,9 @@ pub struct Foresight<'a> {
     passing: BTreeSet<[usize; 2]>,
 }
 
-impl<'a> Foresight<'a> {
+impl Foresight {
     /// Of an agent's own surfaces.
-    pub fn new(agent: &'a Agent) -> Foresight<'a> {
+    pub fn new(agent: &Agent) -> Foresight {
         let mut surfaces = vec![Vec::new(); agent.creature().limbs().len()];
         let solid = agent.skin().surfaces.iter().enumerate().filter(|(_, surface)| surface.shape.is_solid());
         solid.for_each(|(number, surface)| surfaces[surface.limb].push(number));
@@ -58,7 +58,7 @@ impl<'a> Foresight<'a> {
             Ball::about(&balls)
         };
         let balls = surfaces.iter().map(about).collect();
-        Foresight { agent, surfaces, balls, passing: BTreeSet::new() }
+        Foresight { agent: agent.clone(), surfaces, balls, passing: BTreeSet::new() }
     }
 
     /// Limbs that count and are in each other in a posture that the body was in: they do not feel each other.

@@ -19,7 +19,7 @@ use crate::evaluation::{HeldOutError, HeldOutPoint, held_out, held_out_points};
 use crate::experiment::disturbance_levels::DisturbanceLevels;
 use crate::experiment::touches::all_touches;
 use crate::experiment::{Embodied, ExperimentError, LearningOptions};
-use crate::learning::{Account, AxisModel, Input, Learned, PLACED, Parameters, Verdict, What};
+use crate::learning::{Account, AxisModel, Input, Learned, LengthUnit, Parameters, Verdict, What, Z95};
 use crate::senses::Touch;
 use crate::simulation::MotionName;
 
@@ -56,7 +56,8 @@ const NOISES: [DisturbanceLevels; 6] = [
 ];
 const NONE: DisturbanceLevels =
     DisturbanceLevels { joint_noise: 0.0, receptor_noise: 0.0, false_touches: 0.0, point_noise: 0.0 };
-/// A claim is not wrong by less than this, millimetres: too little to matter to anyone …
+/// A claim is not wrong by less than this on a body of a person's size, millimetres, nor by less than its share on another:
+/// too little to matter to anyone …
 pub(super) const NEGLIGIBLE_MM: f64 = 0.1;
 /// … nor by fewer of its own standard deviations: one in two million by chance.
 pub(super) const DEVIATIONS: f64 = 5.0;
@@ -300,6 +301,9 @@ pub(super) struct Judged {
 pub(super) fn judge(creature: &Embodied, learned: &Learned, points: &[HeldOutPoint]) -> Judged {
     let (agent, schema) = (creature.agent(), &learned.schema);
     let account = learned.account.as_ref().filter(|_| learned.verdict.converged());
+    // What is off by little of a person is off by much of a hand.
+    let unit = LengthUnit::of(agent).metres();
+    let (negligible, right) = (unit * NEGLIGIBLE_MM, unit * RIGHT_MM);
     let mut judged = Judged {
         joints_named: learned.undetermined().len(),
         limbs_named: learned.undetermined_limbs().len(),
@@ -319,13 +323,13 @@ pub(super) fn judge(creature: &Embodied, learned: &Learned, points: &[HeldOutPoi
     for ([a, b], of_pair) in pairs {
         let worst = of_pair.iter().map(|(_, error)| error.millimetres).fold(0.0, f64::max);
         let claiming = account.filter(|account| account.claims(a, b));
-        judged.right += usize::from(worst <= RIGHT_MM);
+        judged.right += usize::from(worst <= right);
         let Some(account) = claiming else { continue };
-        judged.right_claimed += usize::from(worst <= RIGHT_MM);
+        judged.right_claimed += usize::from(worst <= right);
         judged.claims += 1;
         judged.worst_mm = judged.worst_mm.max(worst);
         let mut wrong = false;
-        for (point, error) in of_pair.iter().filter(|(_, error)| error.millimetres > NEGLIGIBLE_MM) {
+        for (point, error) in of_pair.iter().filter(|(_, error)| error.millimetres > negligible) {
             let deviations = error.millimetres / (1e3 * deviation(creature, learned, account, point));
             judged.worst_deviations = judged.worst_deviations.max(deviations);
             wrong |= deviations > DEVIATIONS;
@@ -344,7 +348,7 @@ fn deviation(creature: &Embodied, learned: &Learned, account: &Account, point: &
         point.limbs,
         &point.p_a,
     );
-    if own.is_finite() { own } else { PLACED.max(account.witnesses.point_deviation) }
+    if own.is_finite() { own } else { account.limit() / Z95 }
 }
 
 fn findings(measurements: Vec<ClaimsMeasurement>) -> Findings<ClaimsMeasurement, ClaimsSummary> {

@@ -16,32 +16,28 @@ const ATTEMPTS: u64 = 5;
 /// Touches in which all joints move, from which a body is learned at once, at the least.
 const FEWEST_AT_LARGE: usize = 100;
 
-/// Where no limb's skin is longer than this, metres, wrong answers leave gaps that are right ones of a larger body: there touches are
-/// explained to the numerical floor, or not at all.
-const SMALL: f64 = 0.05;
-
 /// The learner `growth`: from receptors on known surfaces, or from contact points where touches report such.
-pub struct Grower<'a> {
-    agent: &'a Agent,
+pub struct Grower {
+    agent: Agent,
     input: Input,
     growth: Growth,
     seed: u64,
     touches: Vec<Touch>,
 }
 
-impl<'a> Grower<'a> {
+impl Grower {
     /// A learner whose initial guesses are drawn from `seed`.
-    pub fn new(agent: &'a Agent, seed: u64) -> Grower<'a> {
+    pub fn new(agent: &Agent, seed: u64) -> Grower {
         Grower::from(agent, Growth::new(agent, seed), seed)
     }
 
     /// A learner that goes on from what was learned of its first touches while they were made.
-    pub fn from(agent: &'a Agent, growth: Growth, seed: u64) -> Grower<'a> {
-        Grower { agent, input: Input::Receptor, growth, seed, touches: Vec::new() }
+    pub fn from(agent: &Agent, growth: Growth, seed: u64) -> Grower {
+        Grower { agent: agent.clone(), input: Input::Receptor, growth, seed, touches: Vec::new() }
     }
 
     /// The same with what touches report.
-    pub fn with_input(self, input: Input) -> Grower<'a> {
+    pub fn with_input(self, input: Input) -> Grower {
         let mut grower = Grower { input, ..self };
         grower.growth.learn_from(input);
         grower
@@ -97,7 +93,7 @@ impl<'a> Grower<'a> {
         };
         Learned {
             schema: random_guess(creature, &mut rng),
-            basis: SecondOrder::new(self.agent, self.input, self.seed).basis(),
+            basis: SecondOrder::new(&self.agent, self.input, self.seed).basis(),
             verdict: Verdict::Failed(reason),
             initial_guesses: self.growth.starts(),
             fresh_rms: f64::NAN,
@@ -110,8 +106,8 @@ impl<'a> Grower<'a> {
     /// Learns at once, from random initial guesses of a seed.
     fn learn_whole(&self, touches: &[&Touch], seed: u64) -> Learned {
         let mut learner: Box<dyn Learner> = match self.input {
-            Input::Receptor => Box::new(Online::new(self.agent, seed)),
-            Input::Contact => Box::new(SecondOrder::new(self.agent, self.input, seed)),
+            Input::Receptor => Box::new(Online::new(&self.agent, seed)),
+            Input::Contact => Box::new(SecondOrder::new(&self.agent, self.input, seed)),
         };
         learner.end_at(self.growth.deadline);
         touches.iter().for_each(|touch| learner.touch(touch));
@@ -141,15 +137,6 @@ impl<'a> Grower<'a> {
         Learned { initial_guesses: learned.initial_guesses, ..concluded }
     }
 
-    /// Whether gaps that would be open elsewhere are no sign of anything here.
-    fn is_small(&self) -> bool {
-        let receptors = &self.agent.skin().receptors;
-        let of = |limb: usize| receptors.iter().filter(move |receptor| receptor.limb == limb);
-        let is_long =
-            |limb: usize| of(limb).any(|a| of(limb).any(|b| (a.position - b.position).norm() > SMALL));
-        !(0..self.agent.creature().limbs().len()).any(is_long)
-    }
-
     /// The last fit, to all touches that what is known should explain, and what they determine.
     ///
     /// What leaves gaps open after it is not told of: a wrong axis of a joint that turns little closes its touches nearly.
@@ -171,7 +158,7 @@ impl<'a> Grower<'a> {
     /// The same by some touches, of their numbers.
     fn conclude_by(&self, schema: &BodySchema, mut told: Vec<usize>) -> Learned {
         loop {
-            let mut last = SecondOrder::new(self.agent, self.input, self.seed);
+            let mut last = SecondOrder::new(&self.agent, self.input, self.seed);
             told.iter().for_each(|&number| last.touch(&self.touches[number]));
             let known = vec![true; self.agent.creature().joints().len()];
             let mut learned = last.refine_known(schema, known);
@@ -181,11 +168,6 @@ impl<'a> Grower<'a> {
                 continue;
             }
             learned.initial_guesses = self.growth.starts();
-            if self.input == Input::Receptor && !is_at_floor(&learned) && self.is_small() {
-                let reason = "what was found leaves gaps open that are too wide for so small a body; try more touches (--touches) \
-                              or another seed (--seed)";
-                return Learned { verdict: Verdict::Failed(reason.to_string()), account: None, ..learned };
-            }
             learned.verdict = learned
                 .account
                 .as_ref()
@@ -195,12 +177,7 @@ impl<'a> Grower<'a> {
     }
 }
 
-/// Whether the touches show no more noise than the least that is assumed, as far as that was asked.
-fn is_at_floor(learned: &Learned) -> bool {
-    learned.account.as_ref().is_none_or(|account| account.witnesses.at_floor)
-}
-
-impl Learner for Grower<'_> {
+impl Learner for Grower {
     fn end_at(&mut self, deadline: Deadline) {
         self.growth.end_at(deadline);
     }

@@ -21,7 +21,7 @@ impl LearnerKind for RepairedHersch {
         "Hersch's rule repaired"
     }
 
-    fn learner<'a>(&self, agent: &'a Agent, given: &LearnerGivens, seed: u64) -> Box<dyn Learner + 'a> {
+    fn learner(&self, agent: &Agent, given: &LearnerGivens, seed: u64) -> Box<dyn Learner> {
         let initial_guess = random_guess(agent.creature(), &mut ChaCha8Rng::seed_from_u64(seed));
         Box::new(RelaxedGradient::new(agent, given.input, initial_guess, seed))
     }

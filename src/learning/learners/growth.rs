@@ -22,17 +22,17 @@ impl LearnerKind for PartByPart {
         LearnerUses { surfaces: true, surfaces_alone: true, ..LearnerUses::default() }
     }
 
-    fn learner<'a>(&self, agent: &'a Agent, given: &LearnerGivens, seed: u64) -> Box<dyn Learner + 'a> {
+    fn learner(&self, agent: &Agent, given: &LearnerGivens, seed: u64) -> Box<dyn Learner> {
         Box::new(Grower::new(agent, seed).with_input(given.input))
     }
 
-    fn goes_on<'a>(
+    fn goes_on(
         &self,
-        agent: &'a Agent,
+        agent: &Agent,
         given: &LearnerGivens,
         grown: &Growth,
         seed: u64,
-    ) -> Option<Box<dyn Learner + 'a>> {
+    ) -> Option<Box<dyn Learner>> {
         Some(Box::new(Grower::from(agent, grown.clone(), seed).with_input(given.input)))
     }
 }

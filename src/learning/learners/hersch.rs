@@ -21,7 +21,7 @@ impl LearnerKind for HerschsRule {
         "Hersch's rule as the paper prints it"
     }
 
-    fn learner<'a>(&self, agent: &'a Agent, given: &LearnerGivens, seed: u64) -> Box<dyn Learner + 'a> {
+    fn learner(&self, agent: &Agent, given: &LearnerGivens, seed: u64) -> Box<dyn Learner> {
         let initial_guess = random_guess(agent.creature(), &mut ChaCha8Rng::seed_from_u64(seed));
         Box::new(Hersch::new(agent, given.input, initial_guess))
     }

@@ -24,7 +24,7 @@ impl LearnerKind for LevenbergMarquardt {
         LearnerUses { surfaces: true, known_joints: true, limb_frames: true, surfaces_alone: false }
     }
 
-    fn learner<'a>(&self, agent: &'a Agent, given: &LearnerGivens, seed: u64) -> Box<dyn Learner + 'a> {
+    fn learner(&self, agent: &Agent, given: &LearnerGivens, seed: u64) -> Box<dyn Learner> {
         let known = PriorKnowledge::nothing(agent).with(&given.known);
         if self.predicts(given) {
             return Box::new(Online::new(agent, seed).with_known(known));

@@ -34,16 +34,16 @@ pub trait LearnerKind: Sync {
     }
 
     /// A learner with a body and a way to learn, whose random numbers come from `seed`.
-    fn learner<'a>(&self, agent: &'a Agent, given: &LearnerGivens, seed: u64) -> Box<dyn Learner + 'a>;
+    fn learner(&self, agent: &Agent, given: &LearnerGivens, seed: u64) -> Box<dyn Learner>;
 
     /// The same that goes on from what was learned while the touches were made; none where it makes nothing of that.
-    fn goes_on<'a>(
+    fn goes_on(
         &self,
-        _agent: &'a Agent,
+        _agent: &Agent,
         _given: &LearnerGivens,
         _grown: &Growth,
         _seed: u64,
-    ) -> Option<Box<dyn Learner + 'a>> {
+    ) -> Option<Box<dyn Learner>> {
         None
     }
 

@@ -23,7 +23,7 @@ use crate::learning::least_squares::LeastSquares;
 use crate::learning::observability::Observability;
 use crate::learning::surface_gap::SurfaceGap;
 use crate::learning::touch_set::{PreparedTouch, TouchProblem, TouchSet};
-use crate::learning::{Account, Basis, Learned, Learner, PriorKnowledge, SecondOrder, Witnesses};
+use crate::learning::{Account, Basis, Learned, Learner, LengthUnit, PriorKnowledge, SecondOrder, Witnesses};
 use crate::schema::BodySchema;
 use crate::senses::Touch;
 pub use belief::{Anchor, Belief, Expectation, fit_again};
@@ -98,10 +98,12 @@ pub enum What {
 }
 
 /// The learner `lm` on receptors and surfaces.
-pub struct Online<'a> {
-    agent: &'a Agent,
+pub struct Online {
+    agent: Agent,
     known: PriorKnowledge,
-    batch: SecondOrder<'a>,
+    batch: SecondOrder,
+    /// The unit in which what it goes on from was learned: what counts as placed is told in it.
+    unit: LengthUnit,
     deadline: Deadline,
     /// Touches seen.
     seen: usize,
@@ -147,15 +149,16 @@ struct Locked {
     watch: Watch,
 }
 
-impl<'a> Online<'a> {
+impl Online {
     /// A learner whose initial guesses are drawn from `seed`.
-    pub fn new(agent: &'a Agent, seed: u64) -> Online<'a> {
+    pub fn new(agent: &Agent, seed: u64) -> Online {
         let known = PriorKnowledge::nothing(agent);
         let batch = SecondOrder::new(agent, super::Input::Receptor, seed);
         Online {
-            agent,
+            agent: agent.clone(),
             known,
             batch,
+            unit: LengthUnit::METRE,
             deadline: Deadline::NEVER,
             seen: 0,
             next_trial: if agent.creature().dof() > WHOLE_DOF { usize::MAX } else { FIRST_TRIAL },
@@ -175,17 +178,18 @@ impl<'a> Online<'a> {
     /// determined: it predicts every touch from the first one on. `deviation` is that of a touch's gap, metres. None where the
     /// account is of no use for that.
     pub fn going_on(
-        agent: &'a Agent,
+        agent: &Agent,
         schema: BodySchema,
         account: &Account,
         deviation: f64,
         seed: u64,
-    ) -> Option<Online<'a>> {
+    ) -> Option<Online> {
         let found = &account.observability;
         let belief = Belief::new(schema, found.parameters.clone(), found.information().clone(), deviation)?;
         let anchor = Some(belief.anchor()?);
         let mut learner = Online::new(agent, seed);
         learner.known.frozen.copy_from_slice(found.known());
+        learner.unit = found.unit();
         let watch = Watch::new(agent.creature());
         let touches = TouchSet::default();
         // Not before it would be noticed that the body has changed: touches from before and after fit nothing.
@@ -199,7 +203,7 @@ impl<'a> Online<'a> {
     }
 
     /// Sets what is known of the joints already.
-    pub fn with_known(mut self, known: PriorKnowledge) -> Online<'a> {
+    pub fn with_known(mut self, known: PriorKnowledge) -> Online {
         self.batch = self.batch.with_known(known.clone());
         self.known = known;
         self
@@ -311,8 +315,8 @@ impl<'a> Online<'a> {
     fn fit_again(&mut self) {
         let Some(locked) = self.locked.as_mut() else { return };
         match &locked.anchor {
-            Some(anchor) => locked.belief.relinearize(self.agent, &locked.touches, anchor),
-            None => locked.belief.relinearize(self.agent, &locked.touches, &self.known.prior),
+            Some(anchor) => locked.belief.relinearize(&self.agent, &locked.touches, anchor),
+            None => locked.belief.relinearize(&self.agent, &locked.touches, &self.known.prior),
         };
         locked.next_fit = 2 * locked.touches.len();
     }
@@ -330,7 +334,7 @@ impl<'a> Online<'a> {
             onset = first;
         }
         let Some(locked) = self.locked.as_mut() else { return };
-        let agent = self.agent;
+        let agent = &self.agent;
         let belief = &locked.belief;
         let explanation =
             locked.watch.explain(onset, agent, &belief.schema, &belief.parameters, belief.deviation);
@@ -446,13 +450,14 @@ impl<'a> Online<'a> {
             &self.known.frozen,
             information,
             rows,
+            self.unit,
         );
         let witnesses = Witnesses {
             of_limbs: locked.touches.count_of_limbs(self.agent.creature()),
             point_deviation: 0.0,
             at_floor: belief.deviation <= NARROWEST,
         };
-        let account = Account::new(self.agent, &belief.schema, observability, witnesses);
+        let account = Account::new(&self.agent, &belief.schema, observability, witnesses);
         Some(Learned {
             schema: belief.schema.clone(),
             basis: Basis::SURFACES,
@@ -466,7 +471,7 @@ impl<'a> Online<'a> {
     }
 }
 
-impl Learner for Online<'_> {
+impl Learner for Online {
     fn end_at(&mut self, deadline: Deadline) {
         self.deadline = deadline;
         self.batch.end_at(deadline);

@@ -21,7 +21,7 @@ const PRECISE: f64 = 5e-5;
 /// The most unknowns of joints that a touch made by chance has learned at once.
 const CHANCE_UNKNOWNS: usize = 35;
 
-impl Stages<'_> {
+impl Stages {
     /// Chooses what to learn next: joints that a touch made by chance had, a limb to place, a joint with much skin to both
     /// sides; what was tried least first.
     pub(super) fn next_goal(&mut self) {

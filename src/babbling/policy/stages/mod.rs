@@ -52,10 +52,10 @@ const AT_RANDOM: usize = 1000;
 const CAUGHT: usize = 12;
 
 /// The policy `stages`.
-pub struct Stages<'a> {
-    agent: &'a Agent,
+pub struct Stages {
+    agent: Agent,
     growth: Growth,
-    foresight: Foresight<'a>,
+    foresight: Foresight,
     /// Per joint, the share of the skin on the side of it where there is less.
     lever: Vec<f64>,
     /// Sets of joints for the first part; the present one; and whether it is still to be seen which is best.
@@ -118,9 +118,9 @@ enum Goal {
     Limb(usize),
 }
 
-impl<'a> Stages<'a> {
+impl Stages {
     /// The policy of a body of which nothing is known; what it learns on the way begins with `seed`.
-    pub fn new(agent: &'a Agent, seed: u64) -> Stages<'a> {
+    pub fn new(agent: &Agent, seed: u64) -> Stages {
         let creature = agent.creature();
         let joints = creature.joints().len();
         let mut beyond = vec![0.0; joints];
@@ -134,7 +134,7 @@ impl<'a> Stages<'a> {
         let all = agent.skin().receptors.len().max(1) as f64;
         let growth = Growth::new(agent, seed);
         let mut stages = Stages {
-            agent,
+            agent: agent.clone(),
             foresight: Foresight::new(agent),
             lever: beyond.iter().map(|beyond: &f64| beyond.min(all - beyond) / all).collect(),
             trials: Vec::new(),
@@ -229,7 +229,7 @@ impl<'a> Stages<'a> {
     }
 }
 
-impl Policy for Stages<'_> {
+impl Policy for Stages {
     fn next_target(&mut self, posture: &[f64], rng: &mut ChaCha8Rng) -> Posture {
         self.motions += 1;
         self.start = posture.into();

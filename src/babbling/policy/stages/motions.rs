@@ -25,7 +25,7 @@ const NEAR: f64 = 0.01;
 /// A limb that is placed to this, one standard deviation, metres, is where the schema has it.
 const WELL_PLACED: f64 = 5e-4;
 
-impl Stages<'_> {
+impl Stages {
     /// Learns which limbs pass through each other from a posture that was reached.
     pub(super) fn live_through(&mut self, posture: &[f64]) {
         let Some(schema) = self.growth.schema() else { return };

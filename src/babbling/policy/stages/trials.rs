@@ -52,7 +52,7 @@ impl FirstSet {
     }
 }
 
-impl Stages<'_> {
+impl Stages {
     /// The sets of joints between two limbs that may be learned first, those that carry most skin for their size.
     fn first_sets(&self) -> Vec<Vec<usize>> {
         let creature = self.agent.creature();

@@ -161,7 +161,8 @@ pub fn findings(trials: &[BodyTrial]) -> Findings<BodiesMeasurement, BodiesSumma
         ),
         format!(
             "A claim is that skin of two limbs is placed in each other's frames. It is wrong where held-out skin is off by more \
-             than {NEGLIGIBLE_MM} mm and {DEVIATIONS} of its own standard deviations."
+             than {NEGLIGIBLE_MM} mm, on bodies much smaller or larger than a person by more than its share, and {DEVIATIONS} of its own \
+             standard deviations."
         ),
         "default: as `bodyschema babble BODY` learns, by stages and growth where that suits the body; the others learn from the \
          same touches at random. late: the processor time that a way has for a body was over before all was done, and another computer may \

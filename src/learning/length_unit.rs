@@ -1,0 +1,222 @@
+//! The unit of length that a body is learned in.
+//!
+//! What is closed, placed or known is told in metres while a body is learned, as it holds for bodies of a person's size: the
+//! wrong answers of a hand of four centimetres leave gaps as narrow as right ones of a person. So a smaller body is learned
+//! as if it were larger, and a giant as if it were smaller. All lengths are multiplied by a power of two, which changes no
+//! digit: of two bodies of one shape the same is learned, whatever their size.
+
+use crate::agent::Agent;
+use crate::deadline::Deadline;
+use crate::learning::online::What;
+use crate::learning::{BodyChange, Expectation, KnownJoint, Learned, Learner, Tool};
+use crate::schema::BodySchema;
+use crate::senses::Touch;
+
+/// The skin of the longest limb, in the unit that its body is learned in: at the least, and less than …
+const LONGEST: [f64; 2] = [0.1, 1.6];
+/// The smallest and the greatest unit, metres: of what is smaller than a millimetre no touches are exact enough.
+const UNITS: [f64; 2] = [1.0 / 1024.0, 1024.0];
+
+/// A unit of length: a power of two, metres.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LengthUnit(f64);
+
+impl LengthUnit {
+    /// The metre, which bodies of a person's size are learned in.
+    pub const METRE: LengthUnit = LengthUnit(1.0);
+
+    /// The unit that a body is learned in, by the skin of its longest limb.
+    pub fn of(agent: &Agent) -> LengthUnit {
+        let longest = agent.skin().longest_limb();
+        let mut unit = 1.0;
+        if longest <= 0.0 {
+            return LengthUnit::METRE;
+        }
+        while longest < LONGEST[0] * unit && unit > UNITS[0] {
+            unit *= 0.5;
+        }
+        while longest >= LONGEST[1] * unit && unit < UNITS[1] {
+            unit *= 2.0;
+        }
+        LengthUnit(unit)
+    }
+
+    /// The unit of so many metres; none of what is no unit of any body.
+    pub fn from_metres(metres: f64) -> Option<LengthUnit> {
+        let is_unit = (UNITS[0]..=UNITS[1]).contains(&metres) && metres.log2().fract() == 0.0;
+        is_unit.then_some(LengthUnit(metres))
+    }
+
+    /// How many metres it is.
+    pub fn metres(self) -> f64 {
+        self.0
+    }
+
+    /// An agent in this unit.
+    pub fn agent(self, agent: &Agent) -> Agent {
+        if self == LengthUnit::METRE { agent.clone() } else { agent.scaled(1.0 / self.0) }
+    }
+
+    /// What is known of a joint, in this unit.
+    pub fn known(self, known: &KnownJoint) -> KnownJoint {
+        known.scaled(1.0 / self.0)
+    }
+}
+
+/// A learner in the unit that suits its body, of touches in metres and with answers in metres.
+pub struct InUnit {
+    unit: LengthUnit,
+    agent: Agent,
+    learner: Box<dyn Learner>,
+    schema: Option<BodySchema>,
+    way: Vec<(usize, BodySchema)>,
+}
+
+impl InUnit {
+    /// The learner that `make` makes for an agent in the unit that suits its body.
+    pub fn of(agent: &Agent, make: impl FnOnce(&Agent, LengthUnit) -> Box<dyn Learner>) -> Box<dyn Learner> {
+        let unit = LengthUnit::of(agent);
+        if unit == LengthUnit::METRE {
+            return make(agent, unit);
+        }
+        let learner = make(&unit.agent(agent), unit);
+        Box::new(InUnit { unit, agent: agent.clone(), learner, schema: None, way: Vec::new() })
+    }
+
+    /// Takes down what the learner believes, in metres.
+    fn take_down(&mut self) {
+        let metres = self.unit.metres();
+        self.schema = self.learner.schema().map(|schema| schema.scaled(metres));
+        let way = self.learner.way();
+        let last = |way: &[(usize, BodySchema)]| way.last().map(|(touches, _)| *touches);
+        if (way.len(), last(way)) != (self.way.len(), last(&self.way)) {
+            self.way = way.iter().map(|(touches, schema)| (*touches, schema.scaled(metres))).collect();
+        }
+    }
+}
+
+impl Learner for InUnit {
+    fn touch(&mut self, touch: &Touch) {
+        self.learner.touch(&touch.scaled(self.agent.creature(), 1.0 / self.unit.metres()));
+        self.take_down();
+    }
+
+    fn learn(&mut self) -> Learned {
+        let learned = self.learner.learn();
+        self.take_down();
+        in_metres(learned, self.unit, &self.agent)
+    }
+
+    fn end_at(&mut self, deadline: Deadline) {
+        self.learner.end_at(deadline);
+    }
+
+    fn expectation(&self) -> Option<Expectation> {
+        let metres = self.unit.metres();
+        let Expectation { gap, deviation } = self.learner.expectation()?;
+        Some(Expectation { gap: metres * gap, deviation: metres * deviation })
+    }
+
+    fn schema(&self) -> Option<&BodySchema> {
+        self.schema.as_ref()
+    }
+
+    fn way(&self) -> &[(usize, BodySchema)] {
+        &self.way
+    }
+}
+
+/// What was learned in a unit, in metres.
+fn in_metres(learned: Learned, unit: LengthUnit, agent: &Agent) -> Learned {
+    let metres = unit.metres();
+    let creature = agent.creature();
+    let account = learned.account.as_ref().map(|account| account.in_metres(creature, unit));
+    // What an account says, it says with its lengths.
+    let verdict = match learned.account.as_ref().zip(account.as_ref()) {
+        Some((before, account)) if before.verdict(creature) == learned.verdict => account.verdict(creature),
+        _ => learned.verdict,
+    };
+    let changes = learned.changes.into_iter();
+    Learned {
+        verdict,
+        schema: learned.schema.scaled(metres),
+        account,
+        deviation: learned.deviation.map(|deviation| metres * deviation),
+        changes: changes
+            .map(|change| BodyChange { what: what_in_metres(change.what, metres), ..change })
+            .collect(),
+        ..learned
+    }
+}
+
+fn what_in_metres(what: What, metres: f64) -> What {
+    match what {
+        What::Joint { joint, distance } => What::Joint { joint, distance: metres * distance },
+        What::Corrected { joint, distance } => What::Corrected { joint, distance: metres * distance },
+        What::Tool(tool) => What::Tool(Tool {
+            limb: tool.limb,
+            grip: metres * tool.grip,
+            tip: metres * tool.tip,
+            radius: metres * tool.radius,
+        }),
+        What::Beyond => What::Beyond,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::cmp::Ordering;
+
+    use super::*;
+    use crate::creature::DofKind;
+    use crate::experiment::LearningOptions;
+    use crate::learning::Input;
+
+    /// The crane has slides, which are lengths in postures.
+    const CRANE: &str = "mjcf/bodies/crane.xml";
+
+    #[test]
+    fn a_small_body_is_learned_as_a_large_one_to_the_digit() {
+        let babbled = Agent::from_mjcf(CRANE).unwrap().babble(400).unwrap();
+        let agent = babbled.embodied().agent();
+        assert!(agent.creature().dofs().any(|dof| dof.kind == DofKind::Slide), "{CRANE} has no slide");
+        let options = LearningOptions { input: Some(Input::Contact), ..LearningOptions::default() };
+        // As small as a body may be that is learned in metres, and so small that it is learned in a unit of its own.
+        let by = [0.0, 5.0].map(|halvings: f64| {
+            (-(agent.skin().longest_limb() / LONGEST[0]).log2().floor() - halvings).exp2()
+        });
+        let [large, small] = by.map(|by| {
+            let scaled = agent.scaled(by);
+            let mut learner = options.learner(&scaled, 1);
+            let touches = babbled.touches().iter();
+            touches.for_each(|touch| learner.touch(&touch.scaled(agent.creature(), by)));
+            (LengthUnit::of(&scaled), learner.learn())
+        });
+        assert_eq!(large.0, LengthUnit::METRE);
+        assert_eq!(small.0, LengthUnit(1.0 / 32.0));
+        let (large, small) = (large.1, small.1);
+        assert!(large.verdict.converged(), "{:?}", large.verdict);
+        assert_eq!(small.verdict, large.verdict);
+        assert_eq!(small.schema.scaled(32.0), large.schema);
+        let (small, large) = (small.account.unwrap(), large.account.unwrap());
+        assert_eq!(small.classes(), large.classes());
+        assert_eq!(32.0 * small.limit(), large.limit());
+        assert_eq!(small.observability.singular_values, large.observability.singular_values);
+        for (a, b) in small.limbs().iter().flat_map(|&a| small.limbs().iter().map(move |&b| (a, b))) {
+            assert_eq!(32.0 * small.distance(a, b), large.distance(a, b), "limbs {a} and {b}");
+        }
+    }
+
+    #[test]
+    fn bodies_of_a_persons_size_are_learned_in_metres() {
+        for (model, unit) in [
+            ("mjcf/max/max.xml", Ordering::Equal),
+            ("mjcf/bodies/humanoid.xml", Ordering::Equal),
+            ("mjcf/bodies/tiny.xml", Ordering::Less),
+            ("mjcf/bodies/huge.xml", Ordering::Greater),
+        ] {
+            let found = LengthUnit::of(Agent::from_mjcf(model).unwrap().agent()).metres();
+            assert_eq!(found.total_cmp(&1.0), unit, "{model}: {found}");
+        }
+    }
+}
