@@ -1,6 +1,6 @@
 //! Where the joints really are, in the learner's own convention. Only who simulates and who measures may see it.
 
-use crate::creature::{Body, DofKind};
+use crate::creature::{Appearance, Body, DofKind};
 use crate::mujoco;
 use crate::schema::BodySchema;
 
@@ -9,6 +9,8 @@ use crate::schema::BodySchema;
 pub struct GroundTruth {
     /// True positions and axes, in the frames of [`BodySchema`].
     pub schema: BodySchema,
+    /// What the body looks like, which nothing is learned from.
+    pub appearance: Appearance,
 }
 
 impl GroundTruth {
@@ -31,6 +33,6 @@ impl GroundTruth {
                 }
             }
         }
-        Ok(GroundTruth { schema })
+        Ok(GroundTruth { schema, appearance: Appearance::of(body) })
     }
 }

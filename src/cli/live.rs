@@ -91,8 +91,7 @@ impl Live {
         made: usize,
     ) -> Result<Live, Failure> {
         let agent = embodied.agent().clone();
-        let simulated = embodied.truth().schema.clone();
-        let view = Arc::new(BabblingView::new(&agent, simulated, babbling.touches, made));
+        let view = Arc::new(BabblingView::new(&agent, embodied.truth(), babbling.touches, made));
         let server = serve(place, view.clone())?;
         Ok(Live { view, learner: RefCell::new(None), agent, seed: babbling.seed, server })
     }

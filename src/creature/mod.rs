@@ -1,6 +1,7 @@
 //! What the agent is given of its body: the tree of joints, their degrees of freedom and ranges, the
 //! limbs. Positions and axes are not here: those it has to find out.
 
+mod appearance;
 mod body;
 mod coupling;
 mod from_model;
@@ -12,6 +13,7 @@ use std::f64::consts::TAU;
 
 use serde::{Deserialize, Serialize};
 
+pub use appearance::{Appearance, VisiblePart};
 pub use body::{Body, Segment};
 pub use coupling::Coupling;
 pub use from_model::BodyError;

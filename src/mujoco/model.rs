@@ -256,6 +256,18 @@ impl Model {
         }
     }
 
+    /// The colour of geom `i`, red, green, blue and opacity, 0 to 1: its own, or that of its material where it has none.
+    pub fn geom_rgba(&self, i: usize) -> [f32; 4] {
+        /// What the engine gives geoms without a colour.
+        const NONE: [f32; 4] = [0.5, 0.5, 0.5, 1.0];
+        let four = |numbers: &[f32], k: usize| [0, 1, 2, 3].map(|part| numbers[4 * k + part]);
+        let own = four(array!(self, geom_rgba[ngeom * 4]), i);
+        match usize::try_from(array!(self, geom_matid[ngeom])[i]) {
+            Ok(material) if own == NONE => four(array!(self, mat_rgba[nmat * 4]), material),
+            _ => own,
+        }
+    }
+
     /// All geoms; those of one body are adjacent.
     pub fn geoms(&self) -> impl ExactSizeIterator<Item = Geom<'_>> {
         (0..self.ngeom()).map(|i| self.geom(i))

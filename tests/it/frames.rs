@@ -46,9 +46,9 @@ impl Pupil {
     fn new(body: &Body, touches: usize, seed: u64) -> Pupil {
         let agent = Agent::of(body).unwrap();
         let own = OwnFrames::random(agent.creature(), seed);
-        let truth = GroundTruth::new(body).unwrap().schema;
+        let truth = GroundTruth::new(body).unwrap();
         Pupil {
-            truth: GroundTruth { schema: own.schema(agent.creature(), &truth) },
+            truth: GroundTruth { schema: own.schema(agent.creature(), &truth.schema), ..truth },
             touches: own.touches(agent.skin(), &babble(body, &agent, touches, seed, 2)),
             agent: agent.with_skin(own.skin(agent.skin())).unwrap(),
         }

@@ -83,7 +83,7 @@ impl Session {
             agent: &self.agent,
             schema: &self.truth.schema,
             std: None,
-            truth: Some(&self.truth.schema),
+            truth: Some(&self.truth),
             evaluation: Some(&self.evaluation),
             touches: &self.touches,
             input: Input::Receptor,

@@ -87,7 +87,10 @@ impl Trial for FramesTrial {
                 LimbFrames::Joint => subject.learn(&options, &touches, seed),
                 LimbFrames::Limb => {
                     let own = OwnFrames::random(creature, seed);
-                    let truth = GroundTruth { schema: own.schema(creature, &subject.truth().schema) };
+                    let truth = GroundTruth {
+                        schema: own.schema(creature, &subject.truth().schema),
+                        ..subject.truth().clone()
+                    };
                     let touches = own.touches(subject.agent().skin(), &touches);
                     let agent = subject.agent().with_skin(own.skin(subject.agent().skin()))?;
                     subject.learn_with(&options, &agent, &truth, &touches, seed)

@@ -268,10 +268,12 @@ const Body = (figure) => {
     keys[event.key]();
   });
 
+  const scale = figure.querySelector(".scale");
   for (const box of figure.querySelectorAll("[data-layer]")) {
     const toggle = () => {
       const own = [...layers, ...skeletons, ...auras, ...maps].filter(({ name }) => name === box.dataset.layer);
       own.forEach((part) => { part.shown = box.checked; });
+      if (scale && own.includes(skin)) scale.hidden = !box.checked;
       soon();
     };
     box.addEventListener("change", toggle);

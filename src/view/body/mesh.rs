@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use nalgebra::Vector3;
 
+use crate::creature::{Appearance, VisiblePart};
 use crate::skin::{Receptor, Skin, Surface};
 
 /// Angles of latitude at which a round shape is cut, radians. The equator is cut on both sides: a capsule is
@@ -11,6 +12,9 @@ use crate::skin::{Receptor, Skin, Surface};
 const LATITUDES: [f64; 6] = [-1.05, -0.5, -0.0, 0.0, 0.5, 1.05];
 /// Corners of each cut.
 const AROUND: usize = 14;
+/// The same of a mesh, whose corners are anywhere.
+const MANY_LATITUDES: [f64; 11] = [-1.3, -1.0, -0.7, -0.42, -0.18, 0.0, 0.18, 0.42, 0.7, 1.0, 1.3];
+const MANY_AROUND: usize = 24;
 /// The same of one of very many round shapes, each of which is a few pixels wide.
 const FEW_LATITUDES: [f64; 2] = [-0.0, 0.0];
 const FEW_AROUND: usize = 8;
@@ -38,12 +42,20 @@ pub enum Topology {
     Bead,
     /// One of very many patches.
     Scale,
+    /// The outline of a mesh.
+    Outline,
 }
 
 impl Topology {
     /// All of them, in the order of their numbers.
-    pub const ALL: [Topology; 5] =
-        [Topology::Globe, Topology::Cuboid, Topology::Patch, Topology::Bead, Topology::Scale];
+    pub const ALL: [Topology; 6] = [
+        Topology::Globe,
+        Topology::Cuboid,
+        Topology::Patch,
+        Topology::Bead,
+        Topology::Scale,
+        Topology::Outline,
+    ];
 
     /// Triangles of three corners each, counterclockwise as seen from outside.
     pub fn triangles(self) -> Vec<[usize; 3]> {
@@ -53,6 +65,7 @@ impl Topology {
             Topology::Patch => patch(ALONG),
             Topology::Bead => globe(&FEW_LATITUDES, FEW_AROUND).1,
             Topology::Scale => patch(2),
+            Topology::Outline => globe(&MANY_LATITUDES, MANY_AROUND).1,
         }
     }
 }
@@ -80,6 +93,20 @@ impl BodyMesh {
     pub fn of_surfaces(skin: &Skin) -> BodyMesh {
         let round = if skin.surfaces.len() > MANY_SURFACES { Topology::Bead } else { Topology::Globe };
         BodyMesh { pieces: skin.surfaces.iter().filter_map(|surface| piece_of(surface, round)).collect() }
+    }
+
+    /// What is to be seen of a body, a piece each.
+    pub fn of_appearance(appearance: &Appearance) -> BodyMesh {
+        let many = appearance.parts.len() > MANY_SURFACES;
+        let piece = |part: &VisiblePart| {
+            let round = match (many, part.outline.is_shape()) {
+                (true, _) => Topology::Bead,
+                (false, true) => Topology::Globe,
+                (false, false) => Topology::Outline,
+            };
+            convex_piece(part.limb, part.outline.is_box(), round, |direction| Some(part.support(direction)))
+        };
+        BodyMesh { pieces: appearance.parts.iter().filter_map(piece).collect() }
     }
 
     /// The patches of receptors, a piece each. What is flat for the sense of touch is drawn as it lies on the limb.
@@ -111,15 +138,28 @@ impl BodyMesh {
 
 /// The surface of one shape; none of a mesh without a hull.
 fn piece_of(surface: &Surface, round: Topology) -> Option<Piece> {
-    let (topology, directions) = match (surface.shape.is_box(), round) {
+    let farthest = |direction: &Vector3<f64>| {
+        Some(surface.rotation * surface.shape.support(direction)? + surface.origin)
+    };
+    convex_piece(surface.limb, surface.shape.is_box(), round, farthest)
+}
+
+/// A convex piece, by its farthest point in each direction.
+fn convex_piece(
+    limb: usize,
+    is_box: bool,
+    round: Topology,
+    farthest: impl Fn(&Vector3<f64>) -> Option<Vector3<f64>>,
+) -> Option<Piece> {
+    let (topology, directions) = match (is_box, round) {
         (true, _) => (Topology::Cuboid, cuboid().0),
         (false, Topology::Bead) => (Topology::Bead, globe(&FEW_LATITUDES, FEW_AROUND).0),
+        (false, Topology::Outline) => (Topology::Outline, globe(&MANY_LATITUDES, MANY_AROUND).0),
         (false, _) => (Topology::Globe, globe(&LATITUDES, AROUND).0),
     };
     // The farthest points in all directions are a convex shape's surface.
-    let corner = |direction| Some(surface.rotation * surface.shape.support(direction)? + surface.origin);
-    let corners = directions.iter().map(corner).collect::<Option<Vec<_>>>()?;
-    Some(Piece { limb: surface.limb, topology, corners })
+    let corners = directions.iter().map(farthest).collect::<Option<Vec<_>>>()?;
+    Some(Piece { limb, topology, corners })
 }
 
 /// A point of a receptor, just above the surface of its limb; above the receptor itself where no surface is known.

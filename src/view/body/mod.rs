@@ -21,6 +21,8 @@ pub(super) use senses::{AURAS, AuraOverlay, MAP, MapOverlay};
 
 use super::text::{error_number, escape, harmless};
 use crate::agent::Agent;
+use crate::creature::{Appearance, VisiblePart};
+use crate::skin::Skin;
 
 /// What draws bodies in a page.
 pub(super) const SCRIPT: &str = concat!(include_str!("paint.js"), include_str!("body.js"));
@@ -64,6 +66,14 @@ pub(super) struct Layer {
     /// Its colour, where it has one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub colour: Option<&'static str>,
+    /// The colours of its pieces, and which each has; empty where all have one.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub palette: Vec<String>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub painted: Vec<usize>,
+    /// Whether only those of its receptors are seen that feel something: the others are there to be pointed at.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub lit_alone: bool,
     /// What each of its pieces is called; empty where that tells nothing.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub labels: Vec<String>,
@@ -73,12 +83,64 @@ impl Layer {
     /// A mesh of one colour.
     pub fn solid(name: &str, mesh: usize, poses: &'static str, colour: &'static str) -> Layer {
         let (name, colour) = (name.into(), Some(colour));
-        Layer { name, mesh, poses, look: Look::Solid, colour, labels: Vec::new() }
+        Layer {
+            name,
+            mesh,
+            poses,
+            look: Look::Solid,
+            colour,
+            palette: Vec::new(),
+            painted: Vec::new(),
+            lit_alone: false,
+            labels: Vec::new(),
+        }
+    }
+
+    /// A body as it looks: of its own colours where it has such, else of one.
+    pub fn clothed(name: &str, mesh: usize, poses: &'static str, clothes: &Clothes) -> Layer {
+        let (palette, painted) = (clothes.palette.clone(), clothes.painted.clone());
+        Layer { palette, painted, ..Layer::solid(name, mesh, poses, LIMB) }
     }
 
     /// The receptors, each with what it is called; their mesh is the one after the limbs'.
     pub fn receptors(poses: &'static str, labels: Vec<String>) -> Layer {
-        Layer { name: "receptors".into(), mesh: 1, poses, look: Look::Receptors, colour: None, labels }
+        let receptors =
+            Layer { look: Look::Receptors, colour: None, ..Layer::solid("receptors", 1, poses, LIMB) };
+        Layer { labels, ..receptors }
+    }
+}
+
+/// What is drawn of a body's limbs: as it looks where that is known, else the surfaces of its skin.
+#[derive(Clone, Debug)]
+pub(super) struct Clothes {
+    /// The triangles.
+    pub mesh: BodyMesh,
+    palette: Vec<String>,
+    painted: Vec<usize>,
+}
+
+impl Clothes {
+    /// Of a body.
+    pub fn new(skin: &Skin, appearance: Option<&Appearance>) -> Clothes {
+        let looks = appearance.filter(|appearance| !appearance.parts.is_empty());
+        let Some(appearance) = looks else {
+            return Clothes { mesh: BodyMesh::of_surfaces(skin), palette: Vec::new(), painted: Vec::new() };
+        };
+        let mut palette: Vec<String> = Vec::new();
+        let colour = |part: &VisiblePart| {
+            part.rgb.map_or(LIMB.to_string(), |rgb| {
+                let [red, green, blue] = rgb.map(|share| (255.0 * share.clamp(0.0, 1.0)).round() as u8);
+                format!("#{red:02x}{green:02x}{blue:02x}")
+            })
+        };
+        let mut number = |colour: String| {
+            palette.iter().position(|known| *known == colour).unwrap_or_else(|| {
+                palette.push(colour);
+                palette.len() - 1
+            })
+        };
+        let painted = appearance.parts.iter().map(|part| number(colour(part))).collect();
+        Clothes { mesh: BodyMesh::of_appearance(appearance), palette, painted }
     }
 }
 

@@ -24,6 +24,8 @@ const Paint = (scene, poses) => {
   const SCALE = [[0, 147, 161, 173], [0.25, 246, 213, 115], [0.55, 242, 142, 60], [0.8, 215, 48, 31], [1, 127, 0, 24]];
   const VALUES = 48;
   const NOTHING = -1;
+  // So much nearer than they are receptors are drawn, metres: cloth lies on the skin.
+  const ON_CLOTH = 0.012;
   // Numbers of a part: three rows of a matrix with what is added, and the light as the part has it.
   const EACH = 15;
 
@@ -88,6 +90,7 @@ const Paint = (scene, poses) => {
       first: numbers,
       shown: true,
       lut: layer.colour ? shades(hex(layer.colour), layer.look === "ghost" ? GHOST : 1) : null,
+      luts: layer.palette?.map((colour) => shades(hex(colour))),
       at: [0, 1, 2, 3].map(() => new Float32Array(mesh.part.length)),
       matrices: new Float32Array(EACH * mesh.parts),
     };
@@ -128,6 +131,7 @@ const Paint = (scene, poses) => {
   // Where the corners of a layer are in the picture, how near, and how light.
   const place = (layer, camera) => {
     const { mesh, at: [xs, ys, zs, ls], matrices } = layer;
+    const nearer = layer.look === "receptors" ? ON_CLOTH * camera.scales[2] : 0;
     const { frames } = poses[layer.poses];
     for (let p = 0; p < mesh.parts; p += 1) {
       const rows = turnedBy(numbersAt(frames, 7 * p, 4));
@@ -146,7 +150,7 @@ const Paint = (scene, poses) => {
       const x = local[c], y = local[c + 1], z = local[c + 2];
       xs[k] = matrices[m] * x + matrices[m + 1] * y + matrices[m + 2] * z + matrices[m + 3];
       ys[k] = matrices[m + 4] * x + matrices[m + 5] * y + matrices[m + 6] * z + matrices[m + 7];
-      zs[k] = matrices[m + 8] * x + matrices[m + 9] * y + matrices[m + 10] * z + matrices[m + 11];
+      zs[k] = matrices[m + 8] * x + matrices[m + 9] * y + matrices[m + 10] * z + matrices[m + 11] + nearer;
       const light = matrices[m + 12] * normals[c] + matrices[m + 13] * normals[c + 1] + matrices[m + 14] * normals[c + 2];
       ls[k] = PAD + (SHADES - 1) * Math.max(0, 0.5 + 0.5 * light);
     }
@@ -170,7 +174,9 @@ const Paint = (scene, poses) => {
       const ly = ((ls[c] - ls[a]) * (bx - ax) - (ls[b] - ls[a]) * (cx - ax)) / area;
       const ab = (bx - ax) / (by - ay), bc = (cx - bx) / (cy - by), ca = (ax - cx) / (ay - cy);
       const id = first + of[t];
-      const lut = layer.lut || scale[Math.round(Math.min(Math.max(values[of[t]] || 0, 0), 1) * VALUES)];
+      // What feels nothing is there to be pointed at, and not seen.
+      const unseen = layer.lit_alone && !(values[of[t]] > 0);
+      const lut = layer.luts?.[layer.painted[of[t]]] || layer.lut || scale[Math.round(Math.min(Math.max(values[of[t]] || 0, 0), 1) * VALUES)];
       for (let y = top; y <= bottom; y += 1) {
         const row = y + 0.5;
         let left = Infinity, right = -Infinity;
@@ -185,7 +191,7 @@ const Paint = (scene, poses) => {
           if (z > depth[at] && !(under && shown[at] >= 0 && shown[at] < firstGhost)) {
             depth[at] = z;
             shown[at] = id;
-            pixels[at] = lut[l | 0];
+            if (!unseen) pixels[at] = lut[l | 0];
           }
         }
       }

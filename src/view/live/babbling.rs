@@ -13,10 +13,11 @@ use super::server::{LivePage, Reception};
 use super::{HEIGHT, page};
 use crate::agent::Agent;
 use crate::creature::Posture;
+use crate::ground_truth::GroundTruth;
 use crate::schema::BodySchema;
 use crate::senses::Touch;
 use crate::view::body::{
-    AURAS, AuraOverlay, BodyMesh, BodyScene, LEARNED, LIMB, Layer, MAP, MapOverlay, Pose, Skeleton,
+    AURAS, AuraOverlay, BodyMesh, BodyScene, Clothes, LEARNED, Layer, MAP, MapOverlay, Pose, Skeleton,
 };
 use crate::view::charts::{Chart, ChartGroup, ChartMark, Ink, Panel, Ruler, Scale};
 use crate::view::figure;
@@ -44,7 +45,7 @@ pub struct BabblingView {
     simulated: BodySchema,
     state: Mutex<BabblingState>,
     pace: Pace,
-    limbs: BodyMesh,
+    clothes: Clothes,
     receptors: BodyMesh,
     /// The greatest distance of any skin from the root, metres.
     extent: f64,
@@ -92,12 +93,14 @@ impl BabblingState {
 
 impl BabblingView {
     /// A view of a session of so many touches, `before` of which are there already.
-    pub fn new(agent: &Agent, simulated: BodySchema, wanted: usize, before: usize) -> BabblingView {
+    pub fn new(agent: &Agent, truth: &GroundTruth, wanted: usize, before: usize) -> BabblingView {
         let (creature, skin) = (agent.creature(), agent.skin());
         let posture = creature.reference_posture();
-        let (limbs, receptors) = (BodyMesh::of_surfaces(skin), BodyMesh::of_receptors(skin));
+        let clothes = Clothes::new(skin, Some(&truth.appearance));
+        let receptors = BodyMesh::of_receptors(skin);
+        let simulated = truth.schema.clone();
         let pose = Pose::new(creature, &simulated, &posture);
-        let drawn = limbs.corners().chain(receptors.corners());
+        let drawn = clothes.mesh.corners().chain(receptors.corners());
         let extent = drawn.map(|(limb, p)| pose.frames[limb].point(p).norm()).fold(0.1, f64::max);
         let state = BabblingState {
             doing: "getting ready".into(),
@@ -118,7 +121,7 @@ impl BabblingView {
             report: None,
         };
         let (state, pace) = (Mutex::new(state), Pace::default());
-        BabblingView { agent: agent.clone(), simulated, state, pace, limbs, receptors, extent }
+        BabblingView { agent: agent.clone(), simulated, state, pace, clothes, receptors, extent }
     }
 
     fn state(&self) -> MutexGuard<'_, BabblingState> {
@@ -265,12 +268,12 @@ impl LivePage for BabblingView {
     fn page(&self) -> String {
         let wanted = self.state().wanted;
         let ids = self.agent.skin().receptors.iter().map(|receptor| receptor.id.clone());
-        let receptors = Layer::receptors("own", ids.collect());
+        let receptors = Layer { lit_alone: true, ..Layer::receptors("own", ids.collect()) };
         let r = ROOM * self.extent;
         let scene = BodyScene {
-            meshes: vec![self.limbs.clone(), self.receptors.clone()],
+            meshes: vec![self.clothes.mesh.clone(), self.receptors.clone()],
             layers: vec![
-                Layer::solid("body", 0, "own", LIMB),
+                Layer::clothed("body", 0, "own", &self.clothes),
                 receptors,
                 Layer::solid("what is learned", 0, "learned", LEARNED),
             ],

@@ -8,11 +8,12 @@ use serde_json::json;
 
 use super::server::{Asked, LivePage, Reception};
 use super::{HEIGHT, page};
+use crate::creature::Appearance;
 use crate::geometry::Frame;
 use crate::senses::SkinContact;
 use crate::simulation::Stage;
 use crate::skin::{Skin, aura_of, surface_of_body};
-use crate::view::body::{AURAS, AuraOverlay, BodyMesh, BodyScene, LIMB, Layer, MAP, MapOverlay, Pose};
+use crate::view::body::{AURAS, AuraOverlay, BodyMesh, BodyScene, Clothes, Layer, MAP, MapOverlay, Pose};
 
 /// Most lines of the conversation that are shown.
 const MOST_LINES: usize = 200;
@@ -30,7 +31,7 @@ struct Utterance {
 /// What is shown of a conversation.
 pub struct TableView {
     name: String,
-    limbs: BodyMesh,
+    clothes: Clothes,
     receptors: BodyMesh,
     auras: AuraOverlay,
     map: MapOverlay,
@@ -86,7 +87,7 @@ impl TableView {
         };
         let view = TableView {
             name: body.creature.name().to_string(),
-            limbs: BodyMesh::of_surfaces(skin),
+            clothes: Clothes::new(skin, Some(&Appearance::of(body))),
             receptors: BodyMesh::of_receptors(skin),
             auras: AuraOverlay::new(&aura_of(body, skin, &stage.limb_frames()), "own"),
             map: MapOverlay::new(skin, &stage.map(), "own"),
@@ -140,9 +141,9 @@ impl LivePage for TableView {
             let state = self.state();
             (Pose::of_parts(state.own.clone()), Pose::of_parts(state.things.clone()))
         };
-        let receptors = Layer::receptors("own", self.ids.clone());
-        let mut layers = vec![Layer::solid("body", 0, "own", LIMB), receptors];
-        let mut meshes = vec![self.limbs.clone(), self.receptors.clone()];
+        let receptors = Layer { lit_alone: true, ..Layer::receptors("own", self.ids.clone()) };
+        let mut layers = vec![Layer::clothed("body", 0, "own", &self.clothes), receptors];
+        let mut meshes = vec![self.clothes.mesh.clone(), self.receptors.clone()];
         for (k, (name, mesh)) in self.things.iter().enumerate() {
             let colour = COLOURS[k % COLOURS.len()];
             let labels = vec![name.clone(); mesh.pieces.len()];

@@ -6,7 +6,7 @@ use super::ReportInput;
 use crate::record::Checkpoint;
 use crate::skin::Skin;
 use crate::view::body::{
-    AURAS, AuraOverlay, Beside, BodyMesh, BodyScene, LIMB, Layer, Look, MAP, MapOverlay, Pose, SHADE,
+    AURAS, AuraOverlay, Beside, BodyMesh, BodyScene, Clothes, Layer, Look, MAP, MapOverlay, Pose, SHADE,
     Skeleton, Step,
 };
 use crate::view::text::plural;
@@ -31,7 +31,8 @@ const WIDEST: f64 = 1.15;
 /// The picture; a sentence where there is nothing to draw.
 pub(super) fn figure_of(input: &ReportInput, above: &str) -> String {
     let (creature, skin) = (input.agent.creature(), input.agent.skin());
-    let limbs = BodyMesh::of_surfaces(skin);
+    let clothes = Clothes::new(skin, input.truth.map(|truth| &truth.appearance));
+    let limbs = clothes.mesh.clone();
     let counts = counts(input);
     let drawn = most_touched(&counts);
     let left_out = counts.len() - drawn.len();
@@ -40,7 +41,7 @@ pub(super) fn figure_of(input: &ReportInput, above: &str) -> String {
     let drawn = Skin { receptors: drawn_receptors, surfaces: skin.surfaces.clone() };
     let receptors = BodyMesh::of_receptors(&drawn);
     let learned = Pose::at_ease(creature, input.schema);
-    let truth = input.truth.map(|truth| Pose::at_ease(creature, truth));
+    let truth = input.truth.map(|truth| Pose::at_ease(creature, &truth.schema));
     let all = [&limbs, &receptors]
         .into_iter()
         .flat_map(|mesh| std::iter::once(&learned).chain(&truth).map(move |pose| (mesh, pose)));
@@ -54,7 +55,7 @@ pub(super) fn figure_of(input: &ReportInput, above: &str) -> String {
     let bare = limbs.pieces.is_empty();
     let mut layers = Vec::new();
     if !bare {
-        layers.push(Layer::solid("limbs", 0, "learned", LIMB));
+        layers.push(Layer::clothed("limbs", 0, "learned", &clothes));
     }
     layers.push(patches);
     let mut skeletons = vec![Skeleton::learned(input.agent, input.undetermined)];
@@ -91,7 +92,7 @@ pub(super) fn figure_of(input: &ReportInput, above: &str) -> String {
         } else {
             vec![MapOverlay::by_schema(input.agent, input.schema, "learned")]
         },
-        hidden: vec![AURAS, MAP],
+        hidden: if bare { vec![AURAS, MAP] } else { vec!["receptors", AURAS, MAP] },
         beside: Some(Beside {
             above: above.into(),
             aspect: (ROOM_ABOUT * width / height).clamp(NARROWEST, WIDEST),
@@ -100,8 +101,9 @@ pub(super) fn figure_of(input: &ReportInput, above: &str) -> String {
     let over = if input.truth.is_some() { " before the true one, grey" } else { "" };
     let caption = format!(
         "The learned body{over}, at ease. Turn it with the mouse or the arrow keys; Ctrl with the wheel zooms. \
-         Patches are receptors, coloured by how often they were touched; orange joints are those that the touches do \
-         not determine.{}{}",
+         Receptors{} are coloured by how often they were touched; orange joints are those that the touches do not \
+         determine.{}{}",
+        if bare { "" } else { ", once they are switched on," },
         if left_out > 0 {
             format!(" Left out are the {left_out} receptors that were touched least.")
         } else {

@@ -3,7 +3,6 @@
 use super::ReportInput;
 use super::residuals::Residuals;
 use crate::evaluation::{held_out, held_out_points};
-use crate::ground_truth::GroundTruth;
 use crate::kinematics::Chain;
 use crate::view::charts::{Chart, ChartGroup, ChartMark, Ink, Panel, Ruler, Scale};
 use crate::view::figure;
@@ -23,9 +22,8 @@ pub(super) fn figure_of(input: &ReportInput, residuals: &Residuals) -> String {
     let mut values = vec![Vec::new(); creature.joints().len()];
     let title = match input.truth {
         Some(truth) => {
-            let truth = GroundTruth { schema: truth.clone() };
             let points = held_out_points(input.agent);
-            for error in held_out(creature, &truth, input.schema, &points) {
+            for error in held_out(creature, truth, input.schema, &points) {
                 error.joints.iter().for_each(|&joint| values[joint].push(error.millimetres));
             }
             "held-out error, mm"

@@ -17,6 +17,7 @@ mod uncertainty;
 
 use crate::agent::Agent;
 use crate::evaluation::Evaluation;
+use crate::ground_truth::GroundTruth;
 use crate::learning::{Account, Input};
 use crate::record::{Checkpoint, Prediction, SpaceRecord};
 use crate::schema::{BodySchema, SchemaStd};
@@ -38,8 +39,8 @@ pub struct ReportInput<'a> {
     pub schema: &'a BodySchema,
     /// How sure it is of it, where the learner can tell; must fit the creature.
     pub std: Option<&'a SchemaStd>,
-    /// What it should have learned, where that is known.
-    pub truth: Option<&'a BodySchema>,
+    /// What it should have learned and what it looks like, where that is known.
+    pub truth: Option<&'a GroundTruth>,
     /// The error measures, where the truth is known.
     pub evaluation: Option<&'a Evaluation>,
     /// The touches that were learned from.

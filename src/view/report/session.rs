@@ -63,7 +63,7 @@ pub fn write_report(
         agent,
         schema: &schema,
         std: std.as_ref(),
-        truth: truth.map(|truth| &truth.schema),
+        truth,
         evaluation: evaluation.as_ref(),
         touches,
         input,

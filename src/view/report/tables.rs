@@ -5,7 +5,6 @@ use std::collections::BTreeSet;
 use super::ReportInput;
 use crate::creature::DofKind;
 use crate::evaluation::{AxisErrors, CramerRaoBound, Summary, axis_errors};
-use crate::ground_truth::GroundTruth;
 use crate::kinematics::Chain;
 use crate::senses::Touch;
 use crate::view::text::{error_number, escape, plural, short_number as number};
@@ -176,8 +175,7 @@ pub(super) fn joints(input: &ReportInput) -> String {
         let [a, b] = touch.ends.map(|end| input.agent.skin().receptors[end.receptor].limb);
         Chain::between(creature, a, b).joints().for_each(|j| involved[j] += 1);
     }
-    let truth = input.truth.map(|schema| GroundTruth { schema: schema.clone() });
-    let errors = truth.map(|truth| axis_errors(creature, &truth, input.schema, input.undetermined, &[]));
+    let errors = input.truth.map(|truth| axis_errors(creature, truth, input.schema, input.undetermined, &[]));
     let mut groups = String::new();
     for (j, joint) in creature.joints().iter().enumerate() {
         let determined = !input.undetermined.contains(&j);
