@@ -116,24 +116,34 @@ fn a_click_on_the_skin_is_felt_and_answered() {
     let ids = session["skin"]["receptors"].as_array().unwrap().iter().map(|r| r["id"].as_str().unwrap());
     let arm: Vec<usize> =
         ids.enumerate().filter(|(_, id)| id.contains("right_forearm")).map(|(k, _)| k).collect();
-    let at = tab.wait(&format!("{}.map((k) => window.live.whereIs(k)).find((at) => at)", json!(arm)));
+    let in_sight = format!("{}.map((k) => window.live.whereIs(k)).filter((at) => at)", json!(arm));
+    tab.wait(&format!("{in_sight}.length > 0"));
+    let in_sight = tab.evaluate(&in_sight);
     let corner = tab.evaluate(
         "(({ left, top }) => [left, top])(document.getElementById('body').getBoundingClientRect())",
     );
-    let pixel = |k: usize| at[k].as_f64().unwrap() + corner[k].as_f64().unwrap();
-    tab.click(pixel(0), pixel(1));
     let lines =
         |tab: &Tab| tab.evaluate("[...document.querySelectorAll('#lines li')].map((li) => li.innerText)");
-    tab.wait("document.querySelectorAll('#lines li').length == 2");
-    let answered = lines(&tab).to_string();
-    eprintln!("{answered}");
-    assert!(answered.contains("I feel you touch my right forearm"), "{answered}");
-    assert!(answered.contains("put my left hand"), "{answered}");
+    let mut reached = false;
+    for (clicks, at) in (1..).zip(in_sight.as_array().unwrap()) {
+        let pixel = |k: usize| at[k].as_f64().unwrap() + corner[k].as_f64().unwrap();
+        tab.click(pixel(0), pixel(1));
+        tab.wait(&format!("document.querySelectorAll('#lines li').length == {}", 2 * clicks));
+        let answered = lines(&tab)[2 * clicks - 1].to_string();
+        eprintln!("{answered}");
+        assert!(answered.contains("I feel you touch my right forearm"), "{answered}");
+        reached = answered.contains("put my left hand");
+        if reached {
+            break;
+        }
+    }
+    assert!(reached, "it reaches nowhere that it is touched");
 
     // A line that is typed is answered, too.
+    let before = lines(&tab).as_array().unwrap().len();
     tab.click_on("#text");
     tab.type_line("what can you do?");
-    tab.wait("document.querySelectorAll('#lines li').length == 4");
+    tab.wait(&format!("document.querySelectorAll('#lines li').length == {}", before + 2));
     assert!(lines(&tab).to_string().contains("I can feel about"));
 
     // Pages of other sites cannot speak in its partner's place.
