@@ -19,10 +19,10 @@ const FUNCTIONS: &str = "mj_(version|versionString|loadXML|printSchema|saveLastX
 |defaultVFS|deleteVFS|makeEmptyFileVFS|findFileVFS|addBufferVFS)\
 |mju_(error|warning|warningText)\
 |mjv_(defaultCamera|defaultOption|defaultPerturb|defaultScene|makeScene|freeScene|updateScene|initGeom)\
-|mjr_(defaultContext|makeContext|freeContext|setBuffer|render|readPixels)";
+|mjr_(defaultContext|makeContext|freeContext|setBuffer|render|readPixels|overlay)";
 /// Enumerations of which constants are compared with plain integers of the model.
 const TYPES: &str = "mjModel_?|mjData_?|mjContact_?|mjVFS_?\
-|mjt(Joint|Geom|Obj|Sensor|Warning|Collision|DisableBit|EnableBit|Integrator|Eq|Camera|Texture|CatBit|RndFlag|VisFlag|Framebuffer)_?";
+|mjt(Joint|Geom|Obj|Sensor|Warning|Collision|DisableBit|EnableBit|Integrator|Eq|Camera|Texture|CatBit|RndFlag|VisFlag|Framebuffer|Font|GridPos)_?";
 const VARIABLES: &str = "mju_user_(error|warning)|mjVERSION_HEADER|mjMAXVAL|mjNEQDATA";
 /// Bits of the model's options that some versions lack. Where one is lacking it is no bit at all, zero: to set or to
 /// clear that changes nothing.

@@ -3,6 +3,7 @@
 mod posture;
 mod session;
 
+use std::collections::HashSet;
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -17,7 +18,8 @@ use crate::mujoco::{Camera, Data, Image, MOST_MARKS, Model, PICTURE_SIDES, Rende
 use crate::record::{SESSION_FILE, model_hash, write_whole};
 use crate::skin::{Skin, SomatotopicMap, aura_of};
 use crate::view::picture::{
-    self, Direction, Film, Shot, Storyboard, corners_of, draw, extent, frame, is_film, outline, png,
+    self, Direction, Film, Shot, Storyboard, corners_of, draw, extent, frame, is_film, outline, outline_of,
+    png,
 };
 
 /// Draw a model in a posture, or what a session is about, as a picture or a film.
@@ -30,6 +32,7 @@ use crate::view::picture::{
 #[command(after_help = "Examples:
   bodyschema render mjcf/max/max.xml --out max.png
   bodyschema render mjcf/max/table.xml --posture left_elbow_flexion=90 --camera 140,-20 --out table.png
+  bodyschema render mjcf/max/max.xml --camera front --look-at head --out face.png
   bodyschema render mjcf/hexapod/hexapod.xml --skin --out skin.png
   bodyschema render mjcf/max/max.xml --auras --out auras.png
   bodyschema render mjcf/max/max.xml --map --camera 180,0 --out map.png
@@ -80,21 +83,37 @@ pub struct RenderArguments {
     /// Width and height, pixels
     #[arg(long, value_name = "WxH", value_parser = size, default_value = "1280x960", help_heading = "Output")]
     size: [usize; 2],
-    /// Where it is looked at from: azimuth and elevation in degrees, as MuJoCo's viewer has them, with a distance in
-    /// metres if it is not to fill the picture; or the name of a camera in the model [default: 205,-12]
+    /// Where it is looked at from: front, back, left, right or above, for creatures that face along x; azimuth and elevation
+    /// in degrees, as MuJoCo's viewer has them, with a distance in metres if it is not to fill the picture; or the name of a
+    /// camera in the model [default: 205,-12]
     #[arg(
         long,
-        value_name = "AZIMUTH,ELEVATION[,METRES]|NAME",
+        value_name = "SIDE|AZIMUTH,ELEVATION[,METRES]|NAME",
         allow_hyphen_values = true,
         help_heading = "What is drawn"
     )]
     camera: Option<String>,
+    /// What the picture is filled with: a body of the model with all that it carries, as in --look-at head
+    #[arg(long, value_name = "BODY", help_heading = "What is drawn")]
+    look_at: Option<String>,
+    /// Nothing is written into the picture
+    #[arg(long, help_heading = "What is drawn")]
+    no_caption: bool,
     /// Pictures a second of a film
     #[arg(long, value_name = "N", value_parser = frames_per_second, default_value = "25", help_heading = "Output")]
     frames_per_second: f64,
     #[command(flatten)]
     options: ModelArguments,
 }
+
+/// Sides of what faces along x: azimuth and elevation of the eye that looks at it, degrees.
+const SIDES: [(&str, [f64; 2]); 5] = [
+    ("front", [180.0, -5.0]),
+    ("back", [0.0, -5.0]),
+    ("left", [270.0, -5.0]),
+    ("right", [90.0, -5.0]),
+    ("above", [180.0, -89.0]),
+];
 
 /// Width and height from the command line.
 fn size(text: &str) -> Result<[usize; 2], String> {
@@ -163,6 +182,9 @@ pub fn run(args: &RenderArguments) -> Outcome {
     let (subject, mut plan) =
         if args.what.join(SESSION_FILE).exists() { session::plan(args, film)? } else { model(args, film)? };
     add_layers(args, &subject, &mut plan)?;
+    if args.no_caption {
+        plan.shots.iter_mut().for_each(|shot| shot.caption.clear());
+    }
     let [width, height] = args.size;
     let mut renderer = Renderer::new(&subject.model, width, height)
         .map_err(|error| Failure(format!("{}: {error}", args.out.display())))?;
@@ -249,7 +271,7 @@ fn model(args: &RenderArguments, film: bool) -> Result<(RenderSubject, Storyboar
         }
         subject.skin = Some(skin);
     }
-    Ok((subject, Storyboard::still(Shot { qpos, marks, lit: Vec::new() }, false)))
+    Ok((subject, Storyboard::still(Shot { qpos, marks, ..Shot::default() }, false)))
 }
 
 /// How large a body is, metres, given data with poses computed.
@@ -293,7 +315,12 @@ fn camera(
 ) -> Result<Camera, Failure> {
     let mut direction = Direction::default();
     let mut distance = None;
-    if let Some(text) = &args.camera {
+    if let Some((_, side)) =
+        args.camera.as_deref().and_then(|name| SIDES.iter().find(|(side, _)| *side == name))
+    {
+        let [azimuth, elevation] = side.map(f64::to_radians);
+        direction = Direction { azimuth, elevation };
+    } else if let Some(text) = &args.camera {
         let numbers: Option<Vec<f64>> = text.split(',').map(|number| number.trim().parse().ok()).collect();
         match numbers.as_deref() {
             Some(&[azimuth, elevation, ref rest @ ..])
@@ -314,14 +341,41 @@ fn camera(
             None => return named_camera(text, subject),
         }
     }
-    let shown = |geom: usize| renderer.shows(geom) && (!subject.alone || subject.is_own(geom));
+    let looked_at = args.look_at.as_deref().map(|name| carried_by(name, subject)).transpose()?;
+    let shown = |geom: usize| {
+        renderer.shows(geom)
+            && looked_at
+                .as_ref()
+                .map_or(!subject.alone || subject.is_own(geom), |geoms| geoms.contains(&geom))
+    };
     let mut points: Vec<Point3<f64>> = Vec::new();
     for &held in &plan.held {
         let shot = &plan.shots[held];
         points.extend(outline(&subject.data(&shot.qpos)?, &shown));
         points.extend(shot.marks.iter().flat_map(corners_of));
+        let copies = shot.copies.iter().filter(|(geom, _)| shown(*geom));
+        points.extend(copies.flat_map(|(geom, pose)| outline_of(&subject.model, *geom, pose)));
     }
     Ok(frame(points, direction, renderer.lens(), distance))
+}
+
+/// The geoms of a body of a name and of all bodies that it carries.
+fn carried_by(name: &str, subject: &RenderSubject) -> Result<HashSet<usize>, Failure> {
+    let model = &subject.model;
+    let body = (0..model.nbody()).find(|&body| model.body(body).name == Some(name)).ok_or_else(|| {
+        let named = (1..model.nbody()).filter_map(|body| model.body(body).name);
+        let place = &subject.place;
+        Failure(format!(
+            "{place}: it has no body named {name}, to look at: give one of {}",
+            named.collect::<Vec<_>>().join(", ")
+        ))
+    })?;
+    let mut carried = vec![false; model.nbody()];
+    // Bodies come after those that carry them.
+    for at in body..model.nbody() {
+        carried[at] = at == body || (at > body && carried[model.body(at).parent]);
+    }
+    Ok((0..model.ngeom()).filter(|&geom| carried[model.geom_body(geom)]).collect())
 }
 
 fn named_camera(name: &str, subject: &RenderSubject) -> Result<Camera, Failure> {

@@ -1,5 +1,7 @@
 //! Pictures by MuJoCo's own renderer, drawn off-screen.
 
+use std::collections::HashMap;
+use std::ffi::CString;
 use std::mem::MaybeUninit;
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -23,6 +25,10 @@ const PLAIN_LIGHT: [f32; 3] = [0.1, 0.4, 0.5];
 const BRIGHT_LIGHT: [f32; 3] = [0.42, 0.56, 0.08];
 /// Visibility groups of geoms that a viewer shows unless told otherwise; shapes for collision are by custom in others.
 const SHOWN_GROUPS: usize = 3;
+
+/// Geoms nearer to each other than this are in one place, metres, and turned alike.
+const SAME_PLACE: f32 = 1e-4;
+const SAME_TURN: f32 = 1e-3;
 
 /// MuJoCo asks OpenGL for its functions the first time only, and guards that by nothing.
 static MAKING_CONTEXT: Mutex<()> = Mutex::new(());
@@ -99,6 +105,10 @@ pub struct View<'a> {
     pub marks_alone: bool,
     /// The colour and opacity of geoms that are not to look as the model has it.
     pub repaint: &'a dyn Fn(usize) -> Option<[f32; 4]>,
+    /// Geoms that are drawn a second time, as the model has them, with where that is, `X_WG`.
+    pub copies: &'a [(usize, Isometry3<f64>)],
+    /// What is written below, in ASCII; none where that is empty.
+    pub caption: &'a str,
 }
 
 /// Draws a model in any posture, with MuJoCo's renderer, into memory. It stays in its thread.
@@ -199,11 +209,17 @@ impl Renderer {
         let row = 3 * self.width;
         let mut upwards = vec![0u8; row * self.height];
         let (scene, buffers) = (&mut *self.scene.0, &*self.buffers.0);
+        let caption =
+            CString::new(view.caption.replace(|c: char| !c.is_ascii() || c == '\0', "?")).unwrap_or_default();
         guarded("mjr_render", || {
             // SAFETY: scene and buffers are the engine's own and made for this context of OpenGL, which is current; the
             // bytes are as many as the engine writes for a viewport of this size.
             unsafe {
                 ffi::mjr_render(viewport, scene, buffers);
+                if !caption.is_empty() {
+                    let (font, place) = (ffi::mjFONT_NORMAL as i32, ffi::mjGRID_BOTTOMLEFT as i32);
+                    ffi::mjr_overlay(font, place, viewport, caption.as_ptr(), std::ptr::null(), buffers);
+                }
                 ffi::mjr_readPixels(upwards.as_mut_ptr(), std::ptr::null_mut(), viewport, buffers);
             }
         })?;
@@ -310,12 +326,22 @@ impl EngineScene {
         let room = scene.maxgeom as usize;
         // SAFETY: the engine has made room for `maxgeom` of them and filled in `ngeom`.
         let geoms = unsafe { std::slice::from_raw_parts_mut(scene.geoms, filled) };
+        let looks: Vec<[f32; 4]> = geoms.iter().map(|geom| geom.rgba).collect();
         for geom in geoms.iter_mut().filter(|geom| geom.objtype == ffi::mjOBJ_GEOM as i32) {
             if let Some(rgba) = usize::try_from(geom.objid).ok().and_then(view.repaint) {
                 geom.rgba = rgba;
             }
         }
-        assert!(view.marks.len() <= MOST_MARKS && filled + view.marks.len() < room, "too many marks");
+        let copies = copies(geoms, view.copies, &looks);
+        assert!(
+            view.marks.len() <= MOST_MARKS && filled + copies.len() + view.marks.len() < room,
+            "too many marks"
+        );
+        for (k, copy) in copies.iter().enumerate() {
+            // SAFETY: there is room for it.
+            unsafe { *scene.geoms.add(filled + k) = *copy };
+        }
+        let filled = filled + copies.len();
         let wall = (view.marks_alone || !model.has_sky()).then(|| wall(&scene.camera[0]));
         let count = wall.iter().len() + view.marks.len();
         for (k, mark) in wall.iter().chain(view.marks).enumerate() {
@@ -350,6 +376,33 @@ impl Drop for EngineScene {
         // SAFETY: made or set to its defaults by the engine, and freed once.
         unsafe { ffi::mjv_freeScene(&raw mut *self.0) }
     }
+}
+
+/// Geoms of a scene a second time, in the colours that they had, where they are to be then; where one is where it was, the
+/// first is not to be seen.
+fn copies(
+    geoms: &mut [ffi::mjvGeom],
+    wanted: &[(usize, Isometry3<f64>)],
+    looks: &[[f32; 4]],
+) -> Vec<ffi::mjvGeom> {
+    let place: HashMap<usize, &Isometry3<f64>> = wanted.iter().map(|(geom, pose)| (*geom, pose)).collect();
+    let of_model = geoms.iter_mut().zip(looks).filter(|(geom, _)| geom.objtype == ffi::mjOBJ_GEOM as i32);
+    let copy = |(geom, rgba): (&mut ffi::mjvGeom, &[f32; 4])| {
+        let pose = place.get(&usize::try_from(geom.objid).ok()?)?;
+        let rows = pose.rotation.to_rotation_matrix().transpose();
+        let mut copy = ffi::mjvGeom { rgba: *rgba, ..*geom };
+        let position = pose.translation.vector.cast::<f32>();
+        copy.pos.iter_mut().zip(position.iter()).for_each(|(own, x)| *own = *x);
+        // Rows one after the other.
+        copy.mat.iter_mut().zip(rows.matrix().iter()).for_each(|(own, x)| *own = *x as f32);
+        let apart =
+            |own: &[f32], other: &[f32], by: f32| own.iter().zip(other).any(|(a, b)| (a - b).abs() > by);
+        if !apart(&geom.pos, &copy.pos, SAME_PLACE) && !apart(&geom.mat, &copy.mat, SAME_TURN) {
+            geom.rgba[3] = 0.0;
+        }
+        Some(copy)
+    };
+    of_model.filter_map(copy).collect()
 }
 
 /// A white wall that fills all that a camera sees, behind everything: MuJoCo paints black where a model has no sky.

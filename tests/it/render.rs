@@ -50,12 +50,10 @@ fn is_lit(pixel: &[u8; 3]) -> bool {
     pixel[0] > 220 && pixel[2] < 60
 }
 
-/// Whether a pixel is of the learned body: orange.
-fn is_learned(pixel: &[u8; 3]) -> bool {
-    pixel[0] > 150
-        && i32::from(pixel[0]) - i32::from(pixel[2]) > 50
-        && pixel[1] < pixel[0]
-        && pixel[1] > pixel[2]
+/// Whether a pixel is of Max's shirt.
+fn is_shirt(pixel: &[u8; 3]) -> bool {
+    let [red, green, blue] = pixel.map(i32::from);
+    green > red + 40 && blue > red + 40
 }
 
 #[test]
@@ -151,7 +149,7 @@ fn a_touch_is_lit_and_the_learned_body_is_over_the_true_one() {
     let place = session();
     let draw = |arguments: &[&str]| picture(place, &[&["session", "--size", "480x480"], arguments].concat());
     let at_ease = draw(&[]);
-    assert!(at_ease.share(is_lit) == 0.0 && at_ease.share(is_learned) < 0.06);
+    assert!(at_ease.share(is_lit) == 0.0 && at_ease.share(is_shirt) > 0.03);
     // Wherever the touch is, also behind the body.
     for touch in ["1", "2", "3", "4", "5", "6"] {
         let touched = draw(&["--touch", touch]);
@@ -163,7 +161,10 @@ fn a_touch_is_lit_and_the_learned_body_is_over_the_true_one() {
     }
     assert!((1..=6).any(|touch| draw(&["--touch", &touch.to_string()]).share(is_lit) > 3e-4));
     let learned = draw(&["--schema"]);
-    assert!(learned.share(is_learned) > 0.1, "{}", learned.share(is_learned));
+    // What was learned to a thousandth of a millimetre looks as what is true, and is not drawn over it as a veil.
+    let same = |(a, b): (&[u8; 3], &[u8; 3])| a.iter().zip(b).all(|(a, b)| a.abs_diff(*b) < 8);
+    let alike = at_ease.pixels.iter().zip(&learned.pixels).filter(|pixels| same(*pixels)).count();
+    assert!(alike as f64 > 0.99 * at_ease.pixels.len() as f64, "{alike} of {}", at_ease.pixels.len());
     let posed = draw(&["--schema", "--posture", "left_elbow_flexion=90"]);
     assert!(posed.pixels != learned.pixels);
 }
@@ -192,10 +193,10 @@ fn a_film_has_a_frame_for_every_moment() {
     assert!(touches[0].pixels != touches[4].pixels && touches[5].pixels == touches[7].pixels);
     let learning = film(&["--learning"], "learning/f-%03d.png");
     let (first, last) = (&learning[0], &learning[learning.len() - 1]);
-    // At the initial guess the true body's head is nothing but a shade; in the end the learned one is there.
+    // At the initial guess the true body is nothing but a shade; in the end the learned one is there.
     let upper = |picture: &Picture| {
         let half = &picture.pixels[..picture.pixels.len() / 2];
-        half.iter().filter(|pixel| is_learned(pixel)).count()
+        half.iter().filter(|pixel| is_shirt(pixel)).count()
     };
     assert!(upper(last) > 2 * upper(first) + 100, "{} and {}", upper(first), upper(last));
 }
@@ -357,7 +358,8 @@ fn rows_go_from_the_top_and_marks_are_where_they_are_put() {
         Mark::capsule([Point3::new(0.0, -0.3, -0.5), Point3::new(0.0, -0.8, -0.5)], 0.05, green),
     ];
     let mut render = |camera| {
-        let view = View { camera, marks: &marks, marks_alone: false, repaint: &|_| None };
+        let view =
+            View { camera, marks: &marks, marks_alone: false, repaint: &|_| None, copies: &[], caption: "" };
         renderer.render(&[], &view)
     };
     let image = render(camera).unwrap();
@@ -377,7 +379,8 @@ fn rows_go_from_the_top_and_marks_are_where_they_are_put() {
     assert!(matches!(Renderer::new(&model, 10, 60), Err(Error::Size { .. })));
     // Two in one thread do not disturb each other.
     let again = |renderer: &mut Renderer| {
-        let view = View { camera, marks: &marks, marks_alone: false, repaint: &|_| None };
+        let view =
+            View { camera, marks: &marks, marks_alone: false, repaint: &|_| None, copies: &[], caption: "" };
         renderer.render(&[], &view).unwrap()
     };
     drop(Renderer::new(&model, 50, 50).unwrap());

@@ -12,7 +12,7 @@ use crate::experiment::{ModelSource, same_tree};
 use crate::export::to_mjcf;
 use crate::mujoco::Model;
 use crate::record::{
-    LearningRecord, ReadLock, SCHEMA_FILE, Session, TOUCHES_FILE, read_schema, read_touches,
+    Checkpoint, LearningRecord, ReadLock, SCHEMA_FILE, Session, TOUCHES_FILE, read_schema, read_touches,
 };
 use crate::schema::BodySchema;
 use crate::senses::Touch;
@@ -67,7 +67,7 @@ pub fn plan(args: &RenderArguments, film: bool) -> Result<(RenderSubject, Storyb
             let touches = touches(args, &session)?;
             let [first, last] = args.touches.unwrap_or([TOUCHES[0], TOUCHES[1].min(touches.len().max(1))]);
             let chosen = touches.get(first - 1..last).ok_or_else(|| no_touch(args, last, touches.len()))?;
-            drawn.touches(chosen)?
+            drawn.touches(first, chosen)?
         }
         (false, _) => still(args, &session, &drawn)?,
     };
@@ -84,7 +84,7 @@ fn still(args: &RenderArguments, session: &Session, drawn: &SessionDrawing) -> R
             let touches = touches(args, session)?;
             let touch = number.checked_sub(1).and_then(|index| touches.get(index));
             let touch = touch.ok_or_else(|| no_touch(args, number, touches.len()))?;
-            drawn.still(&touch.posture, Some(touch))?
+            drawn.still(&touch.posture, Some((number, touch)))?
         }
         (None, Some(text)) => drawn.still(&posture::read(text, creature)?, None)?,
         (None, None) => drawn.still(&Posture::start(creature), None)?,
@@ -98,17 +98,15 @@ fn no_touch(args: &RenderArguments, number: usize, count: usize) -> Failure {
     Failure(format!("{}: there is no touch {number} in it: {mend}", log.display()))
 }
 
-/// The schemas that learning went through.
-fn checkpoints(args: &RenderArguments, creature: &Creature) -> Result<Vec<BodySchema>, Failure> {
+/// What learning went through.
+fn checkpoints(args: &RenderArguments, creature: &Creature) -> Result<Vec<Checkpoint>, Failure> {
     let record = LearningRecord::read(&args.what, creature)?;
-    let checkpoints =
-        record.map(|record| record.checkpoints).filter(|all| all.len() > 1).ok_or_else(|| {
-            Failure(format!(
-                "{}: it has no checkpoints of learning: learn from it again with `bodyschema learn {0}`",
-                args.what.display()
-            ))
-        })?;
-    Ok(checkpoints.into_iter().map(|at| at.schema).collect())
+    record.map(|record| record.checkpoints).filter(|all| all.len() > 1).ok_or_else(|| {
+        Failure(format!(
+            "{}: it has no checkpoints of learning: learn from it again with `bodyschema learn {0}`",
+            args.what.display()
+        ))
+    })
 }
 
 /// The body of a session without a model, as it was learned.

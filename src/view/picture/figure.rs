@@ -2,18 +2,13 @@
 
 use nalgebra::{Isometry3, Matrix3, Point3, Translation3};
 
-use crate::agent::Agent;
+use crate::creature::Body;
 use crate::geometry::Frame;
 use crate::kinematics::limb_frames;
 use crate::mujoco::{GeomKind, Mark};
 use crate::schema::BodySchema;
 use crate::skin::Receptor;
 
-/// The learned body's skin, …
-const SKIN: [f32; 4] = [0.98, 0.55, 0.12, 0.34];
-/// … its joints, and what lies between them.
-const JOINT: [f32; 4] = [0.12, 0.28, 0.6, 1.0];
-const BONE: [f32; 4] = [0.2, 0.36, 0.66, 1.0];
 /// The two receptors that touch, the point where they do, and the glow about it: without any blue.
 const FIRING: [f32; 4] = [1.0, 0.45, 0.0, 1.0];
 const POINT: [f32; 4] = [0.95, 0.0, 0.0, 1.0];
@@ -23,47 +18,25 @@ const OWN: [f32; 4] = [0.1, 0.45, 0.85, 1.0];
 const GROWN: [f32; 4] = [0.95, 0.6, 0.15, 1.0];
 /// The share of a receptor's side that is drawn: what lies between neighbours shows where one ends.
 const DRAWN: f64 = 0.85;
-/// Radii by the size of a body: of a joint, of what lies between joints, of a point that is touched and of its glow,
-/// and how thick a receptor is.
-const JOINT_RADIUS: f64 = 0.011;
-const BONE_RADIUS: f64 = 0.0045;
+/// Radii by the size of a body: of a point that is touched and of its glow, and how thick a receptor is.
 const POINT_RADIUS: f64 = 0.012;
 const GLOW_RADIUS: f64 = 0.03;
 const THICKNESS: f64 = 0.003;
 
-/// A body where a schema has it in a posture, its root limb at `X_WR`: its skin, its joints and bones between them.
-/// `size` is the body's, metres. Marks of two schemas of the same body agree one by one.
+/// The geoms of a body where a schema has them in a posture, its root limb at `X_WR`: each with `X_WG`.
 pub fn learned_body(
-    agent: &Agent,
+    body: &Body,
     schema: &BodySchema,
     posture: &[f64],
     root: &Isometry3<f64>,
-    size: f64,
-) -> Vec<Mark> {
-    let creature = agent.creature();
-    let frames = limb_frames(creature, schema, posture);
-    let mut marks = Vec::new();
-    for surface in &agent.skin().surfaces {
-        let Some((kind, size, middle)) = surface.shape.mark() else { continue };
-        let within = Isometry3::from(surface.pose()) * Translation3::from(middle);
-        marks.push(Mark {
-            kind,
-            size,
-            pose: root * Isometry3::from(frames[surface.limb]) * within,
-            rgba: SKIN,
-            emission: 0.3,
-        });
-    }
-    let joints = creature.joints().iter().zip(&schema.positions);
-    let begins: Vec<Point3<f64>> = std::iter::once(frames[0].origin)
-        .chain(joints.map(|(joint, position)| frames[joint.parent].point(position)))
-        .map(|p| root * Point3::from(p))
-        .collect();
-    for (joint, begin) in creature.joints().iter().zip(&begins[1..]) {
-        let bone = Mark::capsule([begins[joint.parent], *begin], BONE_RADIUS * size, BONE);
-        marks.extend([bone, Mark::sphere(begin, JOINT_RADIUS * size, JOINT)]);
-    }
-    marks
+) -> Vec<(usize, Isometry3<f64>)> {
+    let frames = limb_frames(&body.creature, schema, posture);
+    let place = |geom: usize| {
+        let (info, limb) = (body.model.geom(geom), body.limb_of_geom(geom)?);
+        let on_limb = body.pose_in_limb[info.body] * Isometry3::from_parts(info.pos.into(), info.quat);
+        Some((geom, root * Isometry3::from(frames[limb]) * on_limb))
+    };
+    (0..body.model.ngeom()).filter(|&geom| !body.model.is_aura(geom)).filter_map(place).collect()
 }
 
 /// A skin, each receptor with `X_WL` of its limb; those from number `own` on were grown. `size` is the body's, metres.
@@ -113,16 +86,17 @@ pub fn lit_touch(
     marks
 }
 
-/// Marks on their way from some to as many others, at 0 to 1 of it.
-pub fn between(from: &[Mark], to: &[Mark], share: f64) -> Vec<Mark> {
-    let on_the_way = |(from, to): (&Mark, &Mark)| {
+/// Geoms on their way from some places to others, at 0 to 1 of it.
+pub fn between(
+    from: &[(usize, Isometry3<f64>)],
+    to: &[(usize, Isometry3<f64>)],
+    share: f64,
+) -> Vec<(usize, Isometry3<f64>)> {
+    let on_the_way = |((geom, from), (_, to)): (&(usize, Isometry3<f64>), &(usize, Isometry3<f64>))| {
         let nearer = if share < 0.5 { from } else { to };
-        let rotation = from.pose.rotation.try_slerp(&to.pose.rotation, share, 1e-9);
-        let translation = from.pose.translation.vector.lerp(&to.pose.translation.vector, share);
-        let pose =
-            Isometry3::from_parts(Translation3::from(translation), rotation.unwrap_or(nearer.pose.rotation));
-        let size = std::array::from_fn(|k| from.size[k] + share * (to.size[k] - from.size[k]));
-        Mark { pose, size, ..*nearer }
+        let rotation = from.rotation.try_slerp(&to.rotation, share, 1e-9).unwrap_or(nearer.rotation);
+        let translation = from.translation.vector.lerp(&to.translation.vector, share);
+        (*geom, Isometry3::from_parts(Translation3::from(translation), rotation))
     };
     from.iter().zip(to).map(on_the_way).collect()
 }

@@ -103,18 +103,18 @@ pub fn extent(points: &[Point3<f64>]) -> f64 {
 /// Points about all geoms of a model that are `shown` and end somewhere, auras left out, given data with poses computed.
 pub fn outline(data: &Data, shown: &dyn Fn(usize) -> bool) -> Vec<Point3<f64>> {
     let model: &Model = data.model();
-    let mut points = Vec::new();
-    for (g, geom) in model.geoms().enumerate().filter(|(g, _)| shown(*g) && !model.is_aura(*g)) {
-        let pose = data.geom_pose(g);
-        match geom.kind {
-            GeomKind::Mesh => {
-                points.extend(model.mesh_vertices(g).into_iter().map(|p| pose * Point3::from(p)));
-            }
-            kind if Shape::is_of_kind(kind) => points.extend(corners(&pose, half_sides(kind, geom.size))),
-            _ => {}
-        }
+    let seen = (0..model.ngeom()).filter(|&geom| shown(geom) && !model.is_aura(geom));
+    seen.flat_map(|geom| outline_of(model, geom, &data.geom_pose(geom))).collect()
+}
+
+/// Points about a geom of a model at `X_WG`; none of one that has no end.
+pub fn outline_of(model: &Model, geom: usize, pose: &Isometry3<f64>) -> Vec<Point3<f64>> {
+    let info = model.geom(geom);
+    match info.kind {
+        GeomKind::Mesh => model.mesh_vertices(geom).into_iter().map(|p| pose * Point3::from(p)).collect(),
+        kind if Shape::is_of_kind(kind) => corners(pose, half_sides(kind, info.size)).collect(),
+        _ => Vec::new(),
     }
-    points
 }
 
 #[cfg(test)]

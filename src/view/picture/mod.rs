@@ -10,11 +10,13 @@ mod layers;
 mod still;
 mod storyboard;
 
+use nalgebra::Isometry3;
+
 use crate::mujoco::{self, Camera, Image, Mark, Renderer, View};
 
 pub use figure::{between, learned_body, lit_touch, skin};
 pub use film::{Film, FilmError, is_film};
-pub use framing::{Direction, corners_of, extent, frame, outline};
+pub use framing::{Direction, corners_of, extent, frame, outline, outline_of};
 pub use layers::{auras, map};
 pub use still::png;
 pub use storyboard::{SessionDrawing, Storyboard};
@@ -25,7 +27,7 @@ const SHADE: [f32; 4] = [0.45, 0.5, 0.55, 0.16];
 const THROUGH: f32 = 0.55;
 
 /// What one picture shows.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Shot {
     /// The model's coordinates: `nq` numbers, radians and metres, quaternions w x y z.
     pub qpos: Vec<f64>,
@@ -33,6 +35,10 @@ pub struct Shot {
     pub marks: Vec<Mark>,
     /// What is drawn besides and shines through whatever is before it: marks without any blue.
     pub lit: Vec<Mark>,
+    /// Geoms that are drawn a second time, as they look, each with where that is, `X_WG`.
+    pub copies: Vec<(usize, Isometry3<f64>)>,
+    /// What is written below, in ASCII.
+    pub caption: String,
 }
 
 /// Draws a shot. Geoms that are `shaded` are drawn as a mere shade.
@@ -47,12 +53,22 @@ pub fn draw(
 ) -> mujoco::Result<Image> {
     let repaint = |geom: usize| shaded(geom).then_some(SHADE);
     let marks = [&shot.marks[..], &shot.lit].concat();
-    let view = View { camera, marks: &marks, marks_alone: false, repaint: &repaint };
+    let view = View {
+        camera,
+        marks: &marks,
+        marks_alone: false,
+        repaint: &repaint,
+        copies: &shot.copies,
+        caption: &shot.caption,
+    };
     let mut image = renderer.render(&shot.qpos, &view)?;
     if shot.lit.is_empty() {
         return Ok(image);
     }
-    let lit = renderer.render(&shot.qpos, &View { marks: &shot.lit, marks_alone: true, ..view })?;
+    let lit = renderer.render(
+        &shot.qpos,
+        &View { marks: &shot.lit, marks_alone: true, copies: &[], caption: "", ..view },
+    )?;
     for (pixel, lit) in image.rgb.chunks_exact_mut(3).zip(lit.rgb.chunks_exact(3)) {
         // What is lit has no blue, and all else is white.
         let share = THROUGH * (1.0 - f32::from(lit[2]) / 255.0);

@@ -6,8 +6,10 @@ use super::{Shot, between, extent, learned_body, lit_touch, outline};
 use crate::agent::Agent;
 use crate::creature::{Body, Posture};
 use crate::mujoco::{self, Mark};
+use crate::record::Checkpoint;
 use crate::schema::BodySchema;
 use crate::senses::Touch;
+use crate::view::text::error_number;
 
 /// Seconds from one touch to the next, and for which a touch is looked at.
 const MOTION: f64 = 0.9;
@@ -21,6 +23,8 @@ const END: f64 = 1.5;
 /// is large.
 const STEP: f64 = 0.2;
 const LONGER: f64 = 3.0;
+/// Errors below this are all alike, millimetres.
+const TINY: f64 = 1e-4;
 
 /// What is drawn, picture by picture.
 #[derive(Clone, Debug, PartialEq)]
@@ -74,10 +78,16 @@ impl<'a> SessionDrawing<'a> {
     }
 
     /// The learned body in a posture, where it is to be seen.
-    fn learned(&self, posture: &[f64]) -> mujoco::Result<Vec<Mark>> {
+    fn learned(&self, posture: &[f64]) -> mujoco::Result<Vec<(usize, Isometry3<f64>)>> {
         let Some(schema) = &self.schema else { return Ok(Vec::new()) };
-        let root = self.root()?;
-        Ok(learned_body(self.agent, schema, posture, &root, self.size))
+        Ok(learned_body(self.body, schema, posture, &self.root()?))
+    }
+
+    /// The limbs that a touch is of, in words.
+    fn limbs(&self, touch: &Touch) -> String {
+        let receptors = touch.ends.map(|end| &self.agent.skin().receptors[end.receptor]);
+        let [a, b] = receptors.map(|receptor| self.agent.creature().limbs()[receptor.limb].replace('_', " "));
+        format!("{a}, {b}")
     }
 
     /// `X_WR`, which no posture moves.
@@ -105,16 +115,19 @@ impl<'a> SessionDrawing<'a> {
         for (touch, strength) in lit.iter().filter(|(_, strength)| *strength > 0.0) {
             marks.extend(self.lit(touch, *strength, posture)?);
         }
-        Ok(Shot { qpos: self.qpos(posture), marks: self.learned(posture)?, lit: marks })
+        let copies = self.learned(posture)?;
+        Ok(Shot { qpos: self.qpos(posture), marks: Vec::new(), lit: marks, copies, caption: String::new() })
     }
 
-    /// One picture of the body in a posture, with the places of a touch lit.
+    /// One picture of the body in a posture, with the places of a touch of a number lit.
     ///
     /// # Errors
     /// Where the engine fails.
-    pub fn still(&self, posture: &[f64], touch: Option<&Touch>) -> mujoco::Result<Storyboard> {
-        let lit: Vec<(&Touch, f64)> = touch.into_iter().map(|touch| (touch, 1.0)).collect();
-        Ok(Storyboard::still(self.shot(posture, &lit)?, self.schema.is_some()))
+    pub fn still(&self, posture: &[f64], touch: Option<(usize, &Touch)>) -> mujoco::Result<Storyboard> {
+        let lit: Vec<(&Touch, f64)> = touch.into_iter().map(|(_, touch)| (touch, 1.0)).collect();
+        let caption = touch.map(|(number, touch)| format!("touch {number}: {}", self.limbs(touch)));
+        let shot = Shot { caption: caption.unwrap_or_default(), ..self.shot(posture, &lit)? };
+        Ok(Storyboard::still(shot, self.schema.is_some()))
     }
 
     /// So many pictures as a time takes, one at least.
@@ -122,16 +135,17 @@ impl<'a> SessionDrawing<'a> {
         ((seconds * self.frames_per_second).round() as usize).max(1)
     }
 
-    /// From touch to touch.
+    /// From touch to touch, the first of which has a number.
     ///
     /// # Errors
     /// Where the engine fails.
-    pub fn touches(&self, touches: &[Touch]) -> mujoco::Result<Storyboard> {
+    pub fn touches(&self, first: usize, touches: &[Touch]) -> mujoco::Result<Storyboard> {
         let (mut shots, mut held) = (Vec::new(), Vec::new());
         let mut from = Posture::start(self.agent.creature());
         let mut before: Option<&Touch> = None;
-        for touch in touches {
+        for (number, touch) in (first..).zip(touches) {
             let count = self.frames(MOTION);
+            let caption = format!("touch {number}: {}", self.limbs(touch));
             for k in 0..count {
                 let time = k as f64 / count as f64;
                 let posture = self.on_the_way(&from, &touch.posture, eased(time));
@@ -143,9 +157,10 @@ impl<'a> SessionDrawing<'a> {
                 if k % 6 == 0 {
                     held.push(shots.len());
                 }
-                shots.push(self.shot(&posture, &lit)?);
+                let caption = if coming > 0.0 { caption.clone() } else { String::new() };
+                shots.push(Shot { caption, ..self.shot(&posture, &lit)? });
             }
-            let touched = self.shot(&touch.posture, &[(touch, 1.0)])?;
+            let touched = Shot { caption, ..self.shot(&touch.posture, &[(touch, 1.0)])? };
             held.push(shots.len());
             shots.extend(std::iter::repeat_n(touched, self.frames(PAUSE)));
             from.clone_from(&touch.posture);
@@ -159,48 +174,67 @@ impl<'a> SessionDrawing<'a> {
         Posture::between(self.agent.creature(), from, to, share)
     }
 
-    /// From schema to schema as they were learned, the body at ease.
+    /// From checkpoint to checkpoint of learning, the body at ease.
     ///
     /// # Errors
     /// Where the engine fails.
     ///
     /// # Panics
-    /// Where there is no schema.
-    pub fn learning(&self, schemas: &[BodySchema]) -> mujoco::Result<Storyboard> {
+    /// Where there is no checkpoint.
+    pub fn learning(&self, checkpoints: &[Checkpoint]) -> mujoco::Result<Storyboard> {
         let (posture, root) = (Posture::start(self.agent.creature()), self.root()?);
         let qpos = self.qpos(&posture);
-        let figures: Vec<Vec<Mark>> = schemas
+        let figures: Vec<Vec<(usize, Isometry3<f64>)>> = checkpoints
             .iter()
-            .map(|schema| learned_body(self.agent, schema, &posture, &root, self.size))
+            .map(|checkpoint| learned_body(self.body, &checkpoint.schema, &posture, &root))
             .collect();
-        let (mut shots, mut held) = (Vec::new(), Vec::new());
-        let mut stay = |shots: &mut Vec<Shot>, marks: &Vec<Mark>, count: usize| {
-            held.push(shots.len());
-            shots.extend(std::iter::repeat_n(
-                Shot { qpos: qpos.clone(), marks: marks.clone(), lit: Vec::new() },
-                count,
-            ));
+        let shot = |copies: Vec<(usize, Isometry3<f64>)>, caption: String| Shot {
+            qpos: qpos.clone(),
+            marks: Vec::new(),
+            lit: Vec::new(),
+            copies,
+            caption,
         };
-        stay(&mut shots, &figures[0], self.frames(GUESS));
-        for pair in figures.windows(2) {
-            let way = |(from, to): (&Mark, &Mark)| {
-                (from.pose.translation.vector - to.pose.translation.vector).norm() / self.size
+        let last = checkpoints.len() - 1;
+        let (mut shots, mut held) = (Vec::new(), Vec::new());
+        let stay = |shots: &mut Vec<Shot>, held: &mut Vec<usize>, number: usize, count: usize| {
+            held.push(shots.len());
+            let still = shot(figures[number].clone(), caption([&checkpoints[number]; 2], 0.0));
+            shots.extend(std::iter::repeat_n(still, count));
+        };
+        stay(&mut shots, &mut held, 0, self.frames(GUESS));
+        for (number, pair) in figures.windows(2).enumerate() {
+            let way = |((_, from), (_, to)): (&(usize, Isometry3<f64>), &(usize, Isometry3<f64>))| {
+                (from.translation.vector - to.translation.vector).norm() / self.size
             };
             let moved = pair[0].iter().zip(&pair[1]).map(way).fold(0.0, f64::max).min(1.0);
             let count = self.frames(STEP + LONGER * moved.sqrt());
+            let ends = [&checkpoints[number], &checkpoints[number + 1]];
             for k in 0..count {
                 let share = eased(k as f64 / count as f64);
-                shots.push(Shot {
-                    qpos: qpos.clone(),
-                    marks: between(&pair[0], &pair[1], share),
-                    lit: Vec::new(),
-                });
+                shots.push(shot(between(&pair[0], &pair[1], share), caption(ends, share)));
             }
-            stay(&mut shots, &pair[1], 1);
+            stay(&mut shots, &mut held, number + 1, 1);
         }
-        stay(&mut shots, &figures[figures.len() - 1], self.frames(END));
+        stay(&mut shots, &mut held, last, self.frames(END));
         Ok(Storyboard { shots, held, shaded: true })
     }
+}
+
+/// How much was touched on the way between two checkpoints, at 0 to 1 of it, and how far off the body is there.
+fn caption([from, to]: [&Checkpoint; 2], share: f64) -> String {
+    let touches = from.touches as f64 + share * (to.touches as f64 - from.touches as f64);
+    let touches = match touches.round() as usize {
+        0 => "a random initial guess".to_string(),
+        1 => "1 touch".to_string(),
+        touches => format!("{touches} touches"),
+    };
+    // Errors fall by orders of magnitude.
+    let error = from.error_rms.zip(to.error_rms).map(|(from, to)| {
+        let [from, to] = [from, to].map(|error| error.max(TINY));
+        format!("   {} mm", error_number(from.powf(1.0 - share) * to.powf(share)))
+    });
+    touches + &error.unwrap_or_default()
 }
 
 /// From 0 to 1 with a gentle beginning and end.
