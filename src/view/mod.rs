@@ -40,7 +40,7 @@ fn page(title: &str, own_style: &str, content: &str, own_script: &str) -> String
         "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\"/>\n\
          <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"/>\n\
          <meta name=\"color-scheme\" content=\"light dark\"/>\n<link rel=\"icon\" href=\"data:,\"/>\n\
-         <title>{title}</title>\n<style>\n{STYLE}{own_style}</style>\n</head>\n<body>\n{content}\
+         <title>{title}</title>\n<style>\n{STYLE}{own_style}</style>\n</head>\n<body>\n<main>\n{content}</main>\n\
          <script>{script}</script>\n</body>\n</html>\n",
         title = text::escape(title),
         script = script(own_script),
@@ -57,7 +57,7 @@ fn script(own: &str) -> String {
 #[cfg(feature = "report")]
 fn figure(id: &str, chart: &charts::Chart, caption: &str) -> String {
     format!(
-        "<figure>\n<div class=\"wide\" id=\"{id}\">\n{}</div>\n<figcaption>{caption}</figcaption>\n</figure>\n",
+        "<figure>\n<div class=\"wide\" tabindex=\"0\" id=\"{id}\">\n{}</div>\n<figcaption>{caption}</figcaption>\n</figure>\n",
         chart.in_page()
     )
 }

@@ -31,6 +31,7 @@ fn babbling_is_seen_while_it_goes_on() {
     let tab = open(browser, &served);
     let told = |tab: &Tab| tab.evaluate("document.getElementById('doing').textContent").to_string();
     assert!(told(&tab).contains("babbling"), "{}", told(&tab));
+    tab.accessible();
 
     // It keeps up: how fast depends on the machine, so that only a page that stands still fails.
     let updates = |tab: &Tab| tab.evaluate("window.live.updates").as_f64().unwrap();
@@ -110,6 +111,7 @@ fn a_click_on_the_skin_is_felt_and_answered() {
     let served = Served::new(place, &["talk", scene.to_str().unwrap(), "max"]);
     let tab = open(browser, &served);
 
+    tab.accessible();
     // Somewhere in sight on the upper right arm, which the left hand reaches.
     let session: Value =
         serde_json::from_str(&std::fs::read_to_string(place.join("max/session.json")).unwrap()).unwrap();

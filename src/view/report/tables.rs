@@ -71,7 +71,7 @@ pub(super) fn errors(input: &ReportInput) -> String {
     let rows: String = rows.into_iter().filter_map(row).collect();
     let bound = evaluation.bound_mm.as_ref().map_or(String::new(), bound);
     format!(
-        "<div class=\"wide\"><table class=\"errors\">\n<thead><tr><th>Error against the truth</th><th>Unit</th>\
+        "<div class=\"wide\" tabindex=\"0\"><table class=\"errors\">\n<thead><tr><th>Error against the truth</th><th>Unit</th>\
          <th class=\"number\">Mean</th><th class=\"number\">Median</th><th class=\"number\">95 %</th>\
          <th class=\"number\">Greatest</th></tr></thead>\n<tbody>\n{rows}</tbody>\n</table></div>\n\
          <p class=\"note\">The skin is compared at random postures that were not babbled. 95 % of the \
@@ -158,7 +158,7 @@ pub(super) fn limbs(input: &ReportInput) -> String {
     };
     let rows: String = account.worst_first().into_iter().map(row).collect();
     format!(
-        "<div class=\"wide\"><table class=\"limbs\">\n<thead><tr><th>Limb</th><th class=\"number\">Touches</th>\
+        "<div class=\"wide\" tabindex=\"0\"><table class=\"limbs\">\n<thead><tr><th>Limb</th><th class=\"number\">Touches</th>\
          <th class=\"number\">Off by, best, mm</th><th class=\"number\">worst, mm</th><th>Why it is not placed</th></tr>\
          </thead>\n<tbody>\n{rows}</tbody>\n</table></div>\n\
          <p class=\"note\">How far off any skin of a limb may be at 95 %, in the frames of the other limbs that are \
@@ -231,8 +231,8 @@ pub(super) fn joints(input: &ReportInput) -> String {
         None => ("", "", ""),
     };
     format!(
-        "<div class=\"wide\"><table class=\"joints\">\n<thead><tr><th>Joint</th><th>On limb</th><th class=\"number\">Touches</th>\
-         <th>Determined</th><th colspan=\"3\" class=\"number\">Position x y z, mm</th>{position_std}<th></th>\
+        "<div class=\"wide\" tabindex=\"0\"><table class=\"joints\">\n<thead><tr><th>Joint</th><th>On limb</th><th class=\"number\">Touches</th>\
+         <th>Determined</th><th colspan=\"3\" class=\"number\">Position x y z, mm</th>{position_std}<th>DOF</th>\
          <th colspan=\"3\" class=\"number\">Axis x y z</th>{axis_std}{columns}</tr></thead>\n{groups}</table></div>\n\
          <p class=\"note\">Positions and axes are in the frame of the limb that the joint is on. Touches are \
          those between limbs with the joint on the way from one to the other. A position may slide along \

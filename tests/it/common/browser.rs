@@ -212,6 +212,23 @@ impl Tab {
         }
     }
 
+    /// Holds the page, light and dark, against axe-core's rules, where `BODYSCHEMA_AXE` says where that script is.
+    pub fn accessible(&self) {
+        let Some(place) = std::env::var_os("BODYSCHEMA_AXE") else {
+            eprintln!("BODYSCHEMA_AXE does not say where axe.min.js is: not held against axe-core's rules");
+            return;
+        };
+        let script = std::fs::read_to_string(&place).unwrap();
+        self.call("Runtime.evaluate", json!({ "expression": script }));
+        let told = "violations.map(({ id, nodes }) => [id, nodes.map((node) => `${node.html}: ${node.failureSummary}`)])";
+        for scheme in ["dark", "light"] {
+            let scheme = json!({ "name": "prefers-color-scheme", "value": scheme });
+            self.call("Emulation.setEmulatedMedia", json!({ "features": [scheme] }));
+            let found = self.evaluate(&format!("(await axe.run()).{told}"));
+            assert_eq!(found, json!([]), "{scheme}: {found:#}");
+        }
+    }
+
     /// Clicks on a place of the page, pixels from its top left.
     pub fn click(&self, x: f64, y: f64) {
         for (kind, buttons) in [("mouseMoved", 0), ("mousePressed", 1), ("mouseReleased", 0)] {

@@ -138,7 +138,7 @@ pub(super) fn by_joint(report: &CalibrationReport) -> String {
         caption += &format!(" {} joints of which less is explained are not drawn.", count - MOST_JOINTS);
     }
     format!(
-        "<figure>\n<div class=\"wide\" id=\"by-joint\">\n{charts}</div>\n<figcaption>{caption}</figcaption>\n</figure>\n"
+        "<figure>\n<div class=\"wide\" tabindex=\"0\" id=\"by-joint\">\n{charts}</div>\n<figcaption>{caption}</figcaption>\n</figure>\n"
     )
 }
 

@@ -27,7 +27,7 @@ pub(super) fn misses(report: &CalibrationReport) -> String {
             .into(),
     };
     format!(
-        "<div class=\"wide\"><table class=\"errors\">\n<thead><tr><th>Millimetres</th><th class=\"number\">RMS</th>\
+        "<div class=\"wide\" tabindex=\"0\"><table class=\"errors\">\n<thead><tr><th>Millimetres</th><th class=\"number\">RMS</th>\
          <th class=\"number\">Median</th><th class=\"number\">95 %</th><th class=\"number\">Greatest</th></tr></thead>\n\
          <tbody>\n{rows}</tbody>\n</table></div>\n{fresh}"
     )
@@ -51,7 +51,7 @@ pub(super) fn quantities(report: &CalibrationReport) -> String {
     };
     let rows: String = report.quantities.iter().map(row).collect();
     format!(
-        "<div class=\"wide\"><table class=\"errors\">\n<thead><tr><th>Quantity</th><th class=\"number\">Before</th>\
+        "<div class=\"wide\" tabindex=\"0\"><table class=\"errors\">\n<thead><tr><th>Quantity</th><th class=\"number\">Before</th>\
          <th class=\"number\">After</th><th class=\"number\">Change</th><th class=\"number\">± deviation</th><th>Unit</th></tr>\
          </thead>\n<tbody>\n{rows}</tbody>\n</table></div>\n<p class=\"note\">± is one standard deviation of each number; a \
          dash stands, and the name in colour, where these touches do not tell it. Positions are x y z, axes unit vectors, \
@@ -80,7 +80,7 @@ pub(super) fn correlations(report: &CalibrationReport) -> String {
     };
     let rows: String = report.correlations.iter().map(row).collect();
     format!(
-        "<div class=\"wide\"><table class=\"errors\">\n<thead><tr><th>One</th><th>Other</th><th class=\"number\">Correlation</th>\
+        "<div class=\"wide\" tabindex=\"0\"><table class=\"errors\">\n<thead><tr><th>One</th><th>Other</th><th class=\"number\">Correlation</th>\
          </tr></thead>\n<tbody>\n{rows}</tbody>\n</table></div>\n<p class=\"note\">The pairs that are most alike: near 1 or −1 the \
          touches tell little but the sum of the two, or the difference; other postures would tell each. \
          <code>correlations.csv</code> has all pairs.</p>\n"
