@@ -17,7 +17,7 @@ use crate::interaction::{Conversation, Reply};
 use crate::learning::growth::Growth;
 use crate::senses::Touch;
 use crate::simulation::Stage;
-use crate::view::live::{Asked, BabblingView, LiveLearner, LivePage, Server, TableView};
+use crate::view::live::{Asked, BabblingView, LiveLearner, LivePage, LookingView, Server, TableView};
 use crate::view::report::REPORT_FILE;
 
 /// Where a page is served unless told otherwise; where that port is taken, at a free one.
@@ -65,7 +65,8 @@ impl LiveOptions {
     }
 }
 
-fn address(text: &str) -> Result<SocketAddr, String> {
+/// An address from the command line.
+pub fn address(text: &str) -> Result<SocketAddr, String> {
     let alone = || text.parse::<IpAddr>().map(|address| SocketAddr::new(address, HERE.port()));
     text.parse().or_else(|_| alone()).map_err(|_| {
         format!("give an address and a port, as in {HERE_TEXT}, or put --live last to have the page there")
@@ -142,6 +143,20 @@ impl Observer for Live {
             self.view.learned(step.touches, Some(step.touch), step.schema, step.predicted_gap);
         }
     }
+}
+
+/// Where a page is to be served that is all there is to a command.
+pub fn place_at(address: Option<SocketAddr>, open: bool) -> Result<Place, Failure> {
+    Ok(Place { listener: listen(address.unwrap_or(HERE))?, open })
+}
+
+/// A page to look at, until nobody wants it any more.
+pub fn look(view: LookingView, place: Place) -> Outcome {
+    let server = serve(place, Arc::new(view))?;
+    tell!("the page stays until Enter or Ctrl-C");
+    let _ = std::io::stdin().lock().read_line(&mut String::new());
+    drop(server);
+    Ok(())
 }
 
 fn listen(address: SocketAddr) -> Result<TcpListener, Failure> {

@@ -53,6 +53,8 @@ mod study;
 mod talk;
 mod threads;
 mod typed;
+#[cfg(feature = "live")]
+mod view;
 
 use std::fmt::Display;
 use std::process::ExitCode;
@@ -119,6 +121,8 @@ enum Command {
     Evaluate(evaluate::EvaluateArguments),
     Observe(observe::ObserveArguments),
     Report(report::ReportArguments),
+    #[cfg(feature = "live")]
+    View(view::ViewArguments),
     #[cfg(feature = "render")]
     Render(render::RenderArguments),
     Space(space::SpaceArguments),
@@ -202,6 +206,8 @@ fn carry_out() -> Outcome {
         Command::Evaluate(args) => evaluate::run(&args),
         Command::Observe(args) => observe::run(&args),
         Command::Report(args) => report::run(&args),
+        #[cfg(feature = "live")]
+        Command::View(args) => view::run(&args),
         #[cfg(feature = "render")]
         Command::Render(args) => render::run(&args),
         Command::Space(args) => space::run(&args),

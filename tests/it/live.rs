@@ -154,3 +154,70 @@ fn a_click_on_the_skin_is_felt_and_answered() {
     let unknown = "host: HERE\r\ncontent-type: application/json\r\n";
     assert!(served.answer("POST", "/touch", unknown, "{\"receptor\":999999}").starts_with("HTTP/1.1 404"));
 }
+
+#[test]
+fn sessions_are_looked_at_touch_by_touch_in_any_posture_and_beside_each_other() {
+    let Some(browser) = browser() else { return };
+    let place = sessions::max();
+    let model = repository("mjcf/max/max.xml");
+    let served = Served::new(place, &["view", "max", "max", model.to_str().unwrap()]);
+    let tab = open(browser, &served);
+    tab.accessible();
+    let set = |id: &str, value: &str, event: &str| {
+        let set = format!(
+            "(() => {{ {id}.value = {value}; {id}.dispatchEvent(new Event('{event}')); return 0; }})()"
+        );
+        tab.evaluate(&set)
+    };
+    let element = |id: &str| format!("document.getElementById('{id}')");
+    let joints = || tab.evaluate("document.getElementById('body').body.poses.learned.begins");
+    let at_ease = joints();
+    set(&element("touch"), "3", "input");
+    tab.wait("document.getElementById('doing').textContent.startsWith('touch 3 of 1000: ')");
+    let touched = joints();
+    assert_ne!(touched, at_ease);
+
+    // A posture that is none of a touch.
+    let elbow = "[...document.querySelectorAll('.dofs label')].find((label) => \
+                 label.textContent.includes('left_elbow_flexion')).querySelector('input')";
+    set(elbow, "1.5", "input");
+    tab.wait("document.getElementById('touch').value === '0'");
+    assert_ne!(joints(), touched);
+
+    // A click on a limb tells how sure it is.
+    let at = tab
+        .wait("Array.from({ length: 300 }, (_, k) => window.live.whereIs(k)).find((at) => at && at[0] > 50)");
+    let corner = tab.evaluate(
+        "(({ left, top }) => [left, top])(document.getElementById('body').getBoundingClientRect())",
+    );
+    let pixel = |k: usize| at[k].as_f64().unwrap() + corner[k].as_f64().unwrap();
+    tab.click(pixel(0), pixel(1));
+    tab.wait("document.getElementById('about').textContent.includes(': its skin is known to ')");
+
+    // The model itself beside it: another page, in which a further body stands.
+    set(&element("beside"), "2", "change");
+    tab.wait("document.querySelector('[data-layer=\"the other body\"]')");
+    set(&element("shown"), "2", "change");
+    tab.wait("document.getElementById('doing')?.textContent === 'the model as it is'");
+
+    // What is none of it is refused.
+    let json = "host: HERE\r\ncontent-type: application/json\r\n";
+    for (asked, answer) in [
+        ("{\"touch\":1001}", "404"),
+        ("{\"posture\":[1.0]}", "404"),
+        ("{\"session\":3}", "404"),
+        ("{\"beside\":9}", "404"),
+        ("{\"touch\":-1}", "422"),
+        ("{\"beside\":null}", "204"),
+    ] {
+        let said = served.answer("POST", "/show", json, asked);
+        assert!(said.starts_with(&format!("HTTP/1.1 {answer}")), "{asked}: {said}");
+    }
+}
+
+#[test]
+fn where_there_is_nothing_to_look_at_a_sentence_says_so() {
+    let place = tempfile::tempdir().unwrap();
+    let refused = crate::common::program::refused(place.path(), 1, &["view", "--live", "127.0.0.1:0"]);
+    assert!(refused.contains("sessions: there is no learned session in it"), "{refused}");
+}

@@ -46,10 +46,27 @@
     element("lines").scrollTop = element("lines").scrollHeight;
   };
 
+  // What is looked at: a touch, a posture, a session, and another one beside it.
+  const dofs = [...document.querySelectorAll("[data-coordinate]")];
+  let posture = [];
+  let edition = null;
+  const looking = (state) => {
+    // Another page asked for another body.
+    if (edition !== null && edition !== state.edition) location.reload();
+    ({ posture, edition } = state);
+    element("about").textContent = state.about;
+    if (element("touch")) {
+      element("touch").value = state.touch;
+      element("touch-number").textContent = state.touch || "at ease";
+    }
+    for (const dof of dofs) if (dof !== document.activeElement) dof.value = posture[dof.dataset.coordinate];
+  };
+
   const words = (state) => {
     if (state.lines) dialogue(state.lines);
     if (!state.wanted) {
       element("doing").textContent = state.doing;
+      if (state.posture) looking(state);
       return;
     }
     const rate = state.rate ? `, ${state.rate} a second` : "";
@@ -74,6 +91,21 @@
       const back = () => { element("text").value ||= text; };
       if (text) send("say", { text }).then((answer) => { if (!answer.ok) back(); }, back);
     });
+    body.onReceptor((receptor) => send("touch", { receptor }));
+  }
+
+  if (element("about")) {
+    const show = (asked) => send("show", asked).catch(() => {});
+    element("touch")?.addEventListener("input", () => show({ touch: Number(element("touch").value) }));
+    for (const dof of dofs) {
+      dof.addEventListener("input", () => {
+        posture[dof.dataset.coordinate] = Number(dof.value);
+        show({ posture });
+      });
+    }
+    const number = (id) => (element(id).value === "" ? null : Number(element(id).value));
+    element("shown")?.addEventListener("change", () => show({ session: number("shown") }));
+    element("beside")?.addEventListener("change", () => show({ beside: number("beside") }));
     body.onReceptor((receptor) => send("touch", { receptor }));
   }
 

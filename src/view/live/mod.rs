@@ -13,12 +13,14 @@ mod babbling;
 mod connections;
 mod guard;
 mod learner;
+mod looking;
 mod pace;
 mod server;
 mod table;
 
 pub use babbling::BabblingView;
 pub use learner::LiveLearner;
+pub use looking::{LookedAt, LookingView};
 pub use server::{Asked, LivePage, Reception, Server};
 pub use table::TableView;
 

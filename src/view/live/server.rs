@@ -3,7 +3,7 @@
 use std::convert::Infallible;
 use std::net::{SocketAddr, TcpListener};
 use std::path::PathBuf;
-use std::sync::{Arc, OnceLock};
+use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::JoinHandle;
 use std::time::Duration;
 
@@ -57,6 +57,14 @@ pub trait LivePage: Send + Sync + 'static {
     fn ask(&self, _asked: Asked) -> Reception {
         Reception::Nobody
     }
+    /// Shows something else.
+    fn show(&self, _asked: ShowRequest) -> Reception {
+        Reception::Nobody
+    }
+    /// How often the page itself has become another one.
+    fn edition(&self) -> usize {
+        0
+    }
     /// Takes how many touches a second a page wants to see, 0 to rest; none for as many as there can be.
     fn pace(&self, _touches_a_second: Option<f64>) -> Reception {
         Reception::Nobody
@@ -83,6 +91,20 @@ pub enum Asked {
     Touch(usize),
 }
 
+/// What a page wants to be shown.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum ShowRequest {
+    /// A touch, counted from 1; 0 for the body at ease.
+    Touch(usize),
+    /// A posture: coordinates in the creature's order.
+    Posture(Vec<f64>),
+    /// Another of the sessions, by its number from 0.
+    Session(usize),
+    /// Another of them beside it, or none.
+    Beside(Option<usize>),
+}
+
 /// A server that runs until it is dropped.
 pub struct Server {
     address: SocketAddr,
@@ -93,8 +115,8 @@ pub struct Server {
 #[derive(Clone)]
 struct Shared {
     view: Arc<dyn LivePage>,
-    /// The page, once somebody has asked for it.
-    page: Arc<OnceLock<Bytes>>,
+    /// The page, once somebody has asked for it, and which edition of it that is.
+    page: Arc<Mutex<Option<(usize, Bytes)>>>,
     newest: watch::Sender<Arc<str>>,
 }
 
@@ -168,13 +190,21 @@ fn routes(shared: Shared) -> Router {
         .route("/say", post(say))
         .route("/touch", post(touch))
         .route("/pace", post(pace))
+        .route("/show", post(show))
         .layer(DefaultBodyLimit::max(LONGEST_BODY))
         .layer(from_fn(guard))
         .with_state(shared)
 }
 
 async fn page(State(shared): State<Shared>) -> impl IntoResponse {
-    let page = shared.page.get_or_init(|| shared.view.page().into()).clone();
+    let page = {
+        let mut kept = shared.page.lock().unwrap_or_else(PoisonError::into_inner);
+        let edition = shared.view.edition();
+        match &*kept {
+            Some((made, page)) if *made == edition => page.clone(),
+            _ => kept.insert((edition, shared.view.page().into())).1.clone(),
+        }
+    };
     ([(header::CONTENT_SECURITY_POLICY, policy(&script(super::SCRIPT)))], Html(page))
 }
 
@@ -230,6 +260,10 @@ async fn touch(
     Json(TouchRequest { receptor }): Json<TouchRequest>,
 ) -> StatusCode {
     heard(&shared, Asked::Touch(receptor))
+}
+
+async fn show(State(shared): State<Shared>, Json(asked): Json<ShowRequest>) -> StatusCode {
+    status(shared.view.show(asked))
 }
 
 async fn pace(

@@ -1,0 +1,119 @@
+//! `bodyschema view`: sessions and models in a browser.
+
+use std::io::IsTerminal;
+use std::net::SocketAddr;
+use std::path::{Path, PathBuf};
+use std::time::SystemTime;
+
+use super::learned::warn_truncated;
+use super::open::{MAX, ModelArguments, embodied, known_truth};
+use super::{Failure, Outcome, live};
+use crate::creature::JointSelection;
+use crate::record::{
+    LearningRecord, ReadLock, SCHEMA_FILE, SESSION_FILE, Session, TOUCHES_FILE, read_schema, read_touches,
+};
+use crate::view::live::{LookedAt, LookingView};
+
+/// Where sessions are, unless they are named.
+const SESSIONS: &str = "sessions";
+/// Most of those that are listed, the newest first.
+const MOST: usize = 20;
+
+/// Look at sessions and models in a browser: touch by touch, in any posture, one beside another.
+///
+/// A page on this machine shows a session's body as it was learned, over the true one in grey where the model is at hand. A
+/// slider goes through its touches, whose receptors light up; others put its joints into any posture; a click on a limb tells how
+/// sure it is. Of two sessions the second stands beside the first; of more, the page chooses. Without any, the newest in the folder
+/// sessions. The page stays until Enter, the end of input or Ctrl-C.
+#[derive(clap::Args)]
+#[command(after_help = "Examples:
+  bodyschema view
+  bodyschema view sessions/max-1
+  bodyschema view sessions/max-1 mjcf/max/max.xml --no-open
+  bodyschema view mjcf/hexapod/hexapod.xml")]
+pub struct ViewArguments {
+    /// Sessions' folders, and MJCF or URDF files
+    #[arg(value_name = "MODEL|SESSION")]
+    what: Vec<PathBuf>,
+    /// Of sessions, the model, where it is not at the path in them
+    #[arg(long)]
+    model: Option<PathBuf>,
+    /// Where the page is served: for this machine alone unless another address is given [default: 127.0.0.1:8042, or a free port]
+    #[arg(long, value_name = "ADDRESS", value_parser = live::address, help_heading = "Output")]
+    live: Option<SocketAddr>,
+    /// Open no browser: the address is told. None is opened either where the input is no terminal
+    #[arg(long, help_heading = "Output")]
+    no_open: bool,
+    #[command(flatten)]
+    options: ModelArguments,
+}
+
+pub fn run(args: &ViewArguments) -> Outcome {
+    // An address that cannot be had is told of before anything is read.
+    let place = live::place_at(args.live, !args.no_open && std::io::stdin().is_terminal())?;
+    let what = if args.what.is_empty() { newest()? } else { args.what.clone() };
+    let all = what.iter().map(|one| looked_at(one, args)).collect::<Result<Vec<LookedAt>, Failure>>()?;
+    live::look(LookingView::new(all), place)
+}
+
+/// The newest sessions of the usual folder.
+fn newest() -> Result<Vec<PathBuf>, Failure> {
+    let mut sessions: Vec<(SystemTime, PathBuf)> = std::fs::read_dir(SESSIONS)
+        .into_iter()
+        .flatten()
+        .filter_map(|entry| {
+            let path = entry.ok()?.path();
+            // What is not learned yet has no body to look at.
+            let made = std::fs::metadata(path.join(SCHEMA_FILE)).ok()?.modified().ok()?;
+            path.join(SESSION_FILE).exists().then_some((made, path))
+        })
+        .collect();
+    sessions.sort_by(|a, b| b.cmp(a));
+    sessions.truncate(MOST);
+    if sessions.is_empty() {
+        return Err(Failure(format!(
+            "{SESSIONS}: there is no learned session in it: make one with `bodyschema babble {MAX}`, or name a session or a model"
+        )));
+    }
+    // One of many is looked at, unless another is chosen.
+    Ok(sessions.into_iter().map(|(_, path)| path).collect())
+}
+
+fn looked_at(what: &Path, args: &ViewArguments) -> Result<LookedAt, Failure> {
+    let name = what.display().to_string();
+    if !what.join(SESSION_FILE).exists() && !what.is_dir() {
+        let embodied = embodied(args.options.source(what, JointSelection::All))?;
+        let truth = embodied.truth();
+        return Ok(LookedAt {
+            name,
+            agent: embodied.agent().clone(),
+            schema: truth.schema.clone(),
+            truth: None,
+            appearance: Some(truth.appearance.clone()),
+            account: None,
+            touches: Vec::new(),
+            verdict: "the model as it is".into(),
+        });
+    }
+    let _reading = ReadLock::take(what)?;
+    let session = Session::read(what)?;
+    let creature = session.agent.creature();
+    let schema = read_schema(&what.join(SCHEMA_FILE), creature)?;
+    let log = read_touches(&what.join(TOUCHES_FILE), &session.agent)?;
+    warn_truncated(&log, what);
+    let record = LearningRecord::read(what, creature)?;
+    let truth = known_truth(&session, args.model.as_deref())?;
+    let verdict = record.as_ref().map_or(String::new(), |record| record.verdict.clone());
+    // What did not stand up to fresh touches claims nothing.
+    let account = record.filter(|record| record.converged).and_then(|record| record.account?.account);
+    Ok(LookedAt {
+        name,
+        schema,
+        appearance: truth.as_ref().map(|truth| truth.appearance.clone()),
+        truth: truth.map(|truth| truth.schema),
+        account,
+        touches: log.touches,
+        verdict,
+        agent: session.agent,
+    })
+}

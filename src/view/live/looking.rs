@@ -1,0 +1,328 @@
+//! Sessions and models to look at: their bodies in any posture, touch by touch, one beside another, and how sure each limb is.
+
+use std::fmt::Write;
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+use nalgebra::Vector3;
+use serde_json::{Value, json};
+
+use super::server::{Asked, LivePage, Reception, ShowRequest};
+use super::{HEIGHT, page};
+use crate::agent::Agent;
+use crate::creature::{Appearance, Creature, DofKind, Posture};
+use crate::learning::Account;
+use crate::schema::BodySchema;
+use crate::senses::Touch;
+use crate::view::body::{
+    AURAS, AuraOverlay, BodyMesh, BodyScene, Clothes, LEARNED, Layer, Look, MAP, MapOverlay, Pose, SHADE,
+    Skeleton,
+};
+use crate::view::text::{error_number, escape};
+
+/// How wide the room about a body is by its extent.
+const ROOM: f64 = 0.86;
+/// The name of what is learned in the session that stands beside.
+const BESIDE: &str = "the other body";
+
+/// A body to look at: a session's as it was learned, or a model's as it is.
+pub struct LookedAt {
+    /// The session's folder, or the model's file.
+    pub name: String,
+    /// What it was given.
+    pub agent: Agent,
+    /// Its body: as it was learned, or as it is.
+    pub schema: BodySchema,
+    /// What it should have learned, where that is another thing and known.
+    pub truth: Option<BodySchema>,
+    /// What it looks like, where that is known.
+    pub appearance: Option<Appearance>,
+    /// How sure what was learned is, where somebody can tell.
+    pub account: Option<Account>,
+    /// Its touches.
+    pub touches: Vec<Touch>,
+    /// What came of it, in a sentence.
+    pub verdict: String,
+}
+
+/// What is shown of some sessions and models.
+pub struct LookingView {
+    all: Vec<LookedAt>,
+    state: Mutex<LookingState>,
+}
+
+/// What is looked at now.
+struct LookingState {
+    shown: usize,
+    beside: Option<usize>,
+    /// The touch that is shown, counted from 1; 0 for none.
+    touch: usize,
+    posture: Posture,
+    /// What is said of what was clicked last.
+    about: String,
+    /// How often another page was asked for.
+    edition: usize,
+}
+
+impl LookingView {
+    /// A view of one or more, the first one shown, and the second beside it where there are two.
+    ///
+    /// # Panics
+    /// Where there is none.
+    pub fn new(all: Vec<LookedAt>) -> LookingView {
+        let posture = Posture::start(all[0].agent.creature());
+        let beside = (all.len() == 2).then_some(1);
+        let state = LookingState { shown: 0, beside, touch: 0, posture, about: String::new(), edition: 0 };
+        LookingView { all, state: Mutex::new(state) }
+    }
+
+    fn state(&self) -> MutexGuard<'_, LookingState> {
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// The poses of all that is shown.
+    fn poses(&self, state: &LookingState) -> Vec<(&'static str, Pose)> {
+        let shown = &self.all[state.shown];
+        let creature = shown.agent.creature();
+        let mut poses = vec![("learned", Pose::new(creature, &shown.schema, &state.posture))];
+        if let Some(truth) = &shown.truth {
+            poses.push(("true", Pose::new(creature, truth, &state.posture)));
+        }
+        if let Some(other) = state.beside.map(|beside| &self.all[beside]) {
+            let own = other.agent.creature();
+            // What moves otherwise cannot be in the same posture.
+            let posture = if alike(creature, own) { state.posture.clone() } else { own.reference_posture() };
+            let aside = Vector3::y() * (extent(shown) + extent(other)) * 0.55;
+            poses.push(("other", Pose::new(own, &other.schema, &posture).moved(&aside)));
+        }
+        poses
+    }
+
+    /// What is known of a limb, in a sentence.
+    fn certainty(looked: &LookedAt, limb: usize) -> String {
+        let creature = looked.agent.creature();
+        let name = creature.limbs()[limb].replace('_', " ");
+        let Some(account) = &looked.account else { return name };
+        let millimetres = |metres: f64| error_number(1e3 * metres);
+        match (account.openness(creature, limb), account.distance_to_most(limb)) {
+            (Some(why), _) => format!("{name}: not placed, {}", why.words(creature)),
+            (None, Some([best, worst])) if worst.is_finite() => format!(
+                "{name}: its skin is known to {} to {} mm (95 %) where other limbs have it",
+                millimetres(best),
+                millimetres(worst)
+            ),
+            _ => format!("{name}: nothing is claimed of it"),
+        }
+    }
+
+    /// The touch that is shown, in words.
+    fn doing(&self, state: &LookingState) -> String {
+        let shown = &self.all[state.shown];
+        let Some(touch) = state.touch.checked_sub(1).and_then(|number| shown.touches.get(number)) else {
+            return shown.verdict.clone();
+        };
+        let limb = |end: usize| {
+            let receptor = &shown.agent.skin().receptors[touch.ends[end].receptor];
+            shown.agent.creature().limbs()[receptor.limb].replace('_', " ")
+        };
+        format!("touch {} of {}: {} and {}", state.touch, shown.touches.len(), limb(0), limb(1))
+    }
+
+    /// The choice of what is shown, of what stands beside it, of a touch and of a posture.
+    fn controls(&self, state: &LookingState) -> String {
+        let mut html = String::new();
+        let choice = |id: &str, says: &str, none: bool, chosen: Option<usize>| {
+            let mut options = String::new();
+            if none {
+                options.push_str("<option value=\"\">nothing</option>");
+            }
+            for (number, looked) in self.all.iter().enumerate() {
+                let selected = if chosen == Some(number) { " selected=\"\"" } else { "" };
+                // Writing to a string cannot fail.
+                let _ =
+                    write!(options, "<option value=\"{number}\"{selected}>{}</option>", escape(&looked.name));
+            }
+            format!("<label>{says} <select id=\"{id}\">{options}</select></label>\n")
+        };
+        if self.all.len() > 1 {
+            html.push_str("<div class=\"choices\">\n");
+            html.push_str(&choice("shown", "shown:", false, Some(state.shown)));
+            html.push_str(&choice("beside", "beside it:", true, state.beside));
+            html.push_str("</div>\n");
+        }
+        let shown = &self.all[state.shown];
+        if !shown.touches.is_empty() {
+            let _ = writeln!(
+                html,
+                "<label class=\"slider\">touch: <output id=\"touch-number\">{0}</output>\n<input type=\"range\" id=\"touch\" \
+                 min=\"0\" max=\"{1}\" value=\"{0}\"/></label>",
+                state.touch,
+                shown.touches.len()
+            );
+        }
+        html.push_str("<details class=\"posture\"><summary>Posture</summary>\n<div class=\"dofs\">\n");
+        for at in shown.agent.creature().elements().filter(|at| !at.is_ball() && at.follows.is_none()) {
+            let [low, high] = at.range;
+            let _ = writeln!(
+                html,
+                "<label>{} <input type=\"range\" data-coordinate=\"{}\" min=\"{low}\" max=\"{high}\" step=\"any\" \
+                 value=\"{}\"/></label>",
+                escape(&at.name),
+                at.coordinate(),
+                state.posture[at.coordinate()]
+            );
+        }
+        html.push_str("</div></details>\n");
+        html
+    }
+}
+
+/// Whether two creatures move alike: whether a posture of one is one of the other.
+fn alike(a: &Creature, b: &Creature) -> bool {
+    let kinds = |creature: &Creature| -> Vec<(String, DofKind)> {
+        creature.dofs().map(|dof| (dof.name.clone(), dof.kind)).collect()
+    };
+    kinds(a) == kinds(b)
+}
+
+/// The greatest distance of any skin of a body at ease from its root, metres.
+fn extent(looked: &LookedAt) -> f64 {
+    let pose = Pose::at_ease(looked.agent.creature(), &looked.schema);
+    let receptors = looked.agent.skin().receptors.iter();
+    let places = receptors.map(|receptor| pose.frames[receptor.limb].point(&receptor.position).norm());
+    places.chain(pose.begins.iter().map(|begin| begin.norm())).fold(0.1, f64::max)
+}
+
+impl LivePage for LookingView {
+    fn page(&self) -> String {
+        let state = self.state();
+        let shown = &self.all[state.shown];
+        let (agent, skin) = (&shown.agent, shown.agent.skin());
+        let clothes = Clothes::new(skin, shown.appearance.as_ref());
+        let receptors = BodyMesh::of_receptors(skin);
+        let ids = skin.receptors.iter().map(|receptor| receptor.id.clone()).collect();
+        let open = shown.account.as_ref().map_or(&[][..], Account::undetermined);
+        let mut layers = vec![
+            Layer::clothed("body", 0, "learned", &clothes),
+            Layer { lit_alone: true, ..Layer::receptors("learned", ids) },
+        ];
+        let mut skeletons = vec![Skeleton::learned(agent, open)];
+        if shown.truth.is_some() {
+            layers.push(Layer { look: Look::Ghost, ..Layer::solid("true body", 0, "true", SHADE) });
+            skeletons.push(Skeleton::shade(agent, "true joints", "true"));
+        }
+        let mut meshes = vec![clothes.mesh, receptors];
+        if let Some(other) = state.beside.map(|beside| &self.all[beside]) {
+            layers.push(Layer::solid(BESIDE, meshes.len(), "other", LEARNED));
+            meshes.push(Clothes::new(other.agent.skin(), other.appearance.as_ref()).mesh);
+        }
+        let poses = self.poses(&state);
+        let r = ROOM * extent(shown);
+        let aside = state.beside.map_or(0.0, |beside| 0.55 * (extent(shown) + extent(&self.all[beside])));
+        let mesh = |name: &str| if name == "other" { &meshes[meshes.len() - 1] } else { &meshes[0] };
+        let drawn = BodyScene::room_of(poses.iter().map(|(name, pose)| (mesh(name), pose)));
+        let about = [Vector3::new(-r, -r, -r), Vector3::new(r, aside + r, r)];
+        let room =
+            drawn.map_or(about, |[low, high]| [low.inf(&(0.6 * about[0])), high.sup(&(0.6 * about[1]))]);
+        let scene = BodyScene {
+            auras: vec![AuraOverlay::by_schema(agent, &shown.schema, open, "learned")],
+            maps: vec![MapOverlay::by_schema(agent, &shown.schema, "learned")],
+            hidden: vec!["joints", "true joints", AURAS, MAP],
+            meshes,
+            layers,
+            skeletons,
+            poses,
+            room,
+            ..BodyScene::default()
+        };
+        let caption = "Click on a limb to be told how sure it is. Turn the body with the mouse or the arrow keys; Ctrl with the \
+                       wheel zooms.";
+        let body = scene.figure("The body that is looked at", HEIGHT, "", caption);
+        let content = format!(
+            "<p class=\"verdict\" id=\"doing\" aria-live=\"polite\">{}</p>\n<section class=\"looking\">\n<div>{body}</div>\n\
+             <div class=\"controls\">\n{}<p id=\"about\" class=\"note\" aria-live=\"polite\"></p>\n</div>\n</section>\n",
+            escape(&self.doing(&state)),
+            self.controls(&state)
+        );
+        page(agent.creature().name(), &shown.name, &content)
+    }
+
+    fn edition(&self) -> usize {
+        self.state().edition
+    }
+
+    fn newest(&self) -> String {
+        let state = self.state();
+        let shown = &self.all[state.shown];
+        let touch = state.touch.checked_sub(1).and_then(|number| shown.touches.get(number));
+        let poses: serde_json::Map<String, Value> =
+            self.poses(&state).into_iter().map(|(name, pose)| (name.to_string(), pose.told())).collect();
+        json!({
+            "doing": self.doing(&state),
+            "about": state.about,
+            "touch": state.touch,
+            "posture": &state.posture[..],
+            "felt": touch.map_or(Vec::new(), |touch| touch.ends.map(|end| end.receptor).to_vec()),
+            "edition": state.edition,
+            "poses": poses,
+        })
+        .to_string()
+    }
+
+    fn ask(&self, asked: Asked) -> Reception {
+        let mut state = self.state();
+        let shown = &self.all[state.shown];
+        match asked {
+            Asked::Touch(receptor) if receptor < shown.agent.skin().receptors.len() => {
+                state.about = LookingView::certainty(shown, shown.agent.skin().receptors[receptor].limb);
+                Reception::Taken
+            }
+            _ => Reception::Nobody,
+        }
+    }
+
+    fn show(&self, asked: ShowRequest) -> Reception {
+        let mut state = self.state();
+        let there = |number: usize| number < self.all.len();
+        match asked {
+            ShowRequest::Touch(number) => {
+                let shown = &self.all[state.shown];
+                if number > shown.touches.len() {
+                    return Reception::Nobody;
+                }
+                state.touch = number;
+                state.posture = match number.checked_sub(1) {
+                    Some(index) => shown.touches[index].posture.clone(),
+                    None => Posture::start(shown.agent.creature()),
+                };
+            }
+            ShowRequest::Posture(coordinates) => {
+                let creature = self.all[state.shown].agent.creature();
+                if coordinates.len() != creature.coordinates() || !coordinates.iter().all(|x| x.is_finite()) {
+                    return Reception::Nobody;
+                }
+                let mut posture = Posture::from(coordinates);
+                posture.clamp(creature);
+                creature.couple(&mut posture);
+                // Quaternions are not for sliders.
+                for ball in creature.elements().filter(|at| at.is_ball()) {
+                    posture[ball.coordinates()].copy_from_slice(ball.of(&state.posture));
+                }
+                (state.posture, state.touch) = (posture, 0);
+            }
+            ShowRequest::Session(number) if there(number) => {
+                if state.shown != number {
+                    (state.shown, state.touch) = (number, 0);
+                    state.posture = Posture::start(self.all[number].agent.creature());
+                    state.about.clear();
+                }
+                state.edition += 1;
+            }
+            ShowRequest::Beside(beside) if beside.is_none_or(there) => {
+                state.beside = beside;
+                state.edition += 1;
+            }
+            _ => return Reception::Nobody,
+        }
+        Reception::Taken
+    }
+}
