@@ -270,6 +270,16 @@ fn links_of_the_documents_lead_somewhere() {
 }
 
 #[test]
+fn the_site_has_every_document() {
+    let summary = fs::read_to_string(repository("docs/SUMMARY.md")).unwrap();
+    for entry in fs::read_dir(repository("docs")).unwrap() {
+        let name = entry.unwrap().file_name().into_string().unwrap();
+        let is_page = name.ends_with(".md") && name != "SUMMARY.md";
+        assert!(!is_page || summary.contains(&format!("]({name})")), "docs/SUMMARY.md leaves out {name}");
+    }
+}
+
+#[test]
 fn the_configuration_in_the_help_is_one() {
     let place = prepared();
     let help = run(place.path(), "bodyschema --help");
