@@ -252,6 +252,9 @@ fn links_of_the_documents_lead_somewhere() {
             let (file, anchor) = link.split_once('#').unwrap_or((link, ""));
             let target = if file.is_empty() { path.clone() } else { path.parent().unwrap().join(file) };
             assert!(target.exists(), "{}: {link} leads nowhere", path.display());
+            // The site is of the folder's own pages.
+            let leaves = path.starts_with(repository("docs")) && file.starts_with("../");
+            assert!(!leaves, "{}: {link} leads out of the site", path.display());
             if !anchor.is_empty() {
                 let there = fs::read_to_string(&target).unwrap();
                 let headings = there.lines().filter_map(|line| line.strip_prefix('#'));
