@@ -353,8 +353,8 @@ fn camera(
         let shot = &plan.shots[held];
         points.extend(outline(&subject.data(&shot.qpos)?, &shown));
         points.extend(shot.marks.iter().flat_map(corners_of));
-        let copies = shot.copies.iter().filter(|(geom, _)| shown(*geom));
-        points.extend(copies.flat_map(|(geom, pose)| outline_of(&subject.model, *geom, pose)));
+        let copies = shot.copies.iter().filter(|copy| shown(copy.geom));
+        points.extend(copies.flat_map(|copy| outline_of(&subject.model, copy.geom, &copy.pose)));
     }
     Ok(frame(points, direction, renderer.lens(), distance))
 }

@@ -43,6 +43,6 @@ pub use model::Model;
 #[cfg(feature = "render")]
 pub use opengl::OPENGL_VARIABLE;
 #[cfg(feature = "render")]
-pub use renderer::{Camera, Image, MOST_MARKS, Mark, PICTURE_SIDES, Renderer, View};
+pub use renderer::{Camera, GeomCopy, Image, MOST_MARKS, Mark, PICTURE_SIDES, Renderer, View};
 pub use simulated::LONGEST_STEP;
 pub use surface::AURA_GEOM;

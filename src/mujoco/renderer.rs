@@ -95,6 +95,15 @@ impl Mark {
     }
 }
 
+/// A geom that is drawn a second time, as the model has it, elsewhere.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct GeomCopy {
+    /// The geom.
+    pub geom: usize,
+    /// `X_WG`, where.
+    pub pose: Isometry3<f64>,
+}
+
 /// How a picture is drawn.
 pub struct View<'a> {
     /// Where it is taken from.
@@ -105,8 +114,8 @@ pub struct View<'a> {
     pub marks_alone: bool,
     /// The colour and opacity of geoms that are not to look as the model has it.
     pub repaint: &'a dyn Fn(usize) -> Option<[f32; 4]>,
-    /// Geoms that are drawn a second time, as the model has them, with where that is, `X_WG`.
-    pub copies: &'a [(usize, Isometry3<f64>)],
+    /// Geoms that are drawn a second time.
+    pub copies: &'a [GeomCopy],
     /// What is written below, in ASCII; none where that is empty.
     pub caption: &'a str,
 }
@@ -380,12 +389,8 @@ impl Drop for EngineScene {
 
 /// Geoms of a scene a second time, in the colours that they had, where they are to be then; where one is where it was, the
 /// first is not to be seen.
-fn copies(
-    geoms: &mut [ffi::mjvGeom],
-    wanted: &[(usize, Isometry3<f64>)],
-    looks: &[[f32; 4]],
-) -> Vec<ffi::mjvGeom> {
-    let place: HashMap<usize, &Isometry3<f64>> = wanted.iter().map(|(geom, pose)| (*geom, pose)).collect();
+fn copies(geoms: &mut [ffi::mjvGeom], wanted: &[GeomCopy], looks: &[[f32; 4]]) -> Vec<ffi::mjvGeom> {
+    let place: HashMap<usize, &Isometry3<f64>> = wanted.iter().map(|copy| (copy.geom, &copy.pose)).collect();
     let of_model = geoms.iter_mut().zip(looks).filter(|(geom, _)| geom.objtype == ffi::mjOBJ_GEOM as i32);
     let copy = |(geom, rgba): (&mut ffi::mjvGeom, &[f32; 4])| {
         let pose = place.get(&usize::try_from(geom.objid).ok()?)?;

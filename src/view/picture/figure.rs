@@ -5,7 +5,7 @@ use nalgebra::{Isometry3, Matrix3, Point3, Translation3};
 use crate::creature::Body;
 use crate::geometry::Frame;
 use crate::kinematics::limb_frames;
-use crate::mujoco::{GeomKind, Mark};
+use crate::mujoco::{GeomCopy, GeomKind, Mark};
 use crate::schema::BodySchema;
 use crate::skin::Receptor;
 
@@ -23,18 +23,18 @@ const POINT_RADIUS: f64 = 0.012;
 const GLOW_RADIUS: f64 = 0.03;
 const THICKNESS: f64 = 0.003;
 
-/// The geoms of a body where a schema has them in a posture, its root limb at `X_WR`: each with `X_WG`.
+/// The geoms of a body where a schema has them in a posture, its root limb at `X_WR`.
 pub fn learned_body(
     body: &Body,
     schema: &BodySchema,
     posture: &[f64],
     root: &Isometry3<f64>,
-) -> Vec<(usize, Isometry3<f64>)> {
+) -> Vec<GeomCopy> {
     let frames = limb_frames(&body.creature, schema, posture);
     let place = |geom: usize| {
         let (info, limb) = (body.model.geom(geom), body.limb_of_geom(geom)?);
         let on_limb = body.pose_in_limb[info.body] * Isometry3::from_parts(info.pos.into(), info.quat);
-        Some((geom, root * Isometry3::from(frames[limb]) * on_limb))
+        Some(GeomCopy { geom, pose: root * Isometry3::from(frames[limb]) * on_limb })
     };
     (0..body.model.ngeom()).filter(|&geom| !body.model.is_aura(geom)).filter_map(place).collect()
 }
@@ -87,16 +87,13 @@ pub fn lit_touch(
 }
 
 /// Geoms on their way from some places to others, at 0 to 1 of it.
-pub fn between(
-    from: &[(usize, Isometry3<f64>)],
-    to: &[(usize, Isometry3<f64>)],
-    share: f64,
-) -> Vec<(usize, Isometry3<f64>)> {
-    let on_the_way = |((geom, from), (_, to)): (&(usize, Isometry3<f64>), &(usize, Isometry3<f64>))| {
+pub fn between(from: &[GeomCopy], to: &[GeomCopy], share: f64) -> Vec<GeomCopy> {
+    let on_the_way = |(from, to): (&GeomCopy, &GeomCopy)| {
         let nearer = if share < 0.5 { from } else { to };
-        let rotation = from.rotation.try_slerp(&to.rotation, share, 1e-9).unwrap_or(nearer.rotation);
-        let translation = from.translation.vector.lerp(&to.translation.vector, share);
-        (*geom, Isometry3::from_parts(Translation3::from(translation), rotation))
+        let rotation = from.pose.rotation.try_slerp(&to.pose.rotation, share, 1e-9);
+        let translation = from.pose.translation.vector.lerp(&to.pose.translation.vector, share);
+        let rotation = rotation.unwrap_or(nearer.pose.rotation);
+        GeomCopy { geom: from.geom, pose: Isometry3::from_parts(Translation3::from(translation), rotation) }
     };
     from.iter().zip(to).map(on_the_way).collect()
 }

@@ -10,9 +10,7 @@ mod layers;
 mod still;
 mod storyboard;
 
-use nalgebra::Isometry3;
-
-use crate::mujoco::{self, Camera, Image, Mark, Renderer, View};
+use crate::mujoco::{self, Camera, GeomCopy, Image, Mark, Renderer, View};
 
 pub use figure::{between, learned_body, lit_touch, skin};
 pub use film::{Film, FilmError, is_film};
@@ -35,8 +33,8 @@ pub struct Shot {
     pub marks: Vec<Mark>,
     /// What is drawn besides and shines through whatever is before it: marks without any blue.
     pub lit: Vec<Mark>,
-    /// Geoms that are drawn a second time, as they look, each with where that is, `X_WG`.
-    pub copies: Vec<(usize, Isometry3<f64>)>,
+    /// Geoms that are drawn a second time, as they look.
+    pub copies: Vec<GeomCopy>,
     /// What is written below, in ASCII.
     pub caption: String,
 }

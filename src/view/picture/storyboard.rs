@@ -5,7 +5,7 @@ use nalgebra::{Isometry3, Point3};
 use super::{Shot, between, extent, learned_body, lit_touch, outline};
 use crate::agent::Agent;
 use crate::creature::{Body, Posture};
-use crate::mujoco::{self, Mark};
+use crate::mujoco::{self, GeomCopy, Mark};
 use crate::record::Checkpoint;
 use crate::schema::BodySchema;
 use crate::senses::Touch;
@@ -78,7 +78,7 @@ impl<'a> SessionDrawing<'a> {
     }
 
     /// The learned body in a posture, where it is to be seen.
-    fn learned(&self, posture: &[f64]) -> mujoco::Result<Vec<(usize, Isometry3<f64>)>> {
+    fn learned(&self, posture: &[f64]) -> mujoco::Result<Vec<GeomCopy>> {
         let Some(schema) = &self.schema else { return Ok(Vec::new()) };
         Ok(learned_body(self.body, schema, posture, &self.root()?))
     }
@@ -184,11 +184,11 @@ impl<'a> SessionDrawing<'a> {
     pub fn learning(&self, checkpoints: &[Checkpoint]) -> mujoco::Result<Storyboard> {
         let (posture, root) = (Posture::start(self.agent.creature()), self.root()?);
         let qpos = self.qpos(&posture);
-        let figures: Vec<Vec<(usize, Isometry3<f64>)>> = checkpoints
+        let figures: Vec<Vec<GeomCopy>> = checkpoints
             .iter()
             .map(|checkpoint| learned_body(self.body, &checkpoint.schema, &posture, &root))
             .collect();
-        let shot = |copies: Vec<(usize, Isometry3<f64>)>, caption: String| Shot {
+        let shot = |copies: Vec<GeomCopy>, caption: String| Shot {
             qpos: qpos.clone(),
             marks: Vec::new(),
             lit: Vec::new(),
@@ -204,8 +204,8 @@ impl<'a> SessionDrawing<'a> {
         };
         stay(&mut shots, &mut held, 0, self.frames(GUESS));
         for (number, pair) in figures.windows(2).enumerate() {
-            let way = |((_, from), (_, to)): (&(usize, Isometry3<f64>), &(usize, Isometry3<f64>))| {
-                (from.translation.vector - to.translation.vector).norm() / self.size
+            let way = |(from, to): (&GeomCopy, &GeomCopy)| {
+                (from.pose.translation.vector - to.pose.translation.vector).norm() / self.size
             };
             let moved = pair[0].iter().zip(&pair[1]).map(way).fold(0.0, f64::max).min(1.0);
             let count = self.frames(STEP + LONGER * moved.sqrt());
