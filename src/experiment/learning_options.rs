@@ -246,3 +246,59 @@ fn learners_that(can: fn(LearnerUses) -> bool) -> String {
     let names = LEARNERS.iter().filter(|learner| can(learner.uses())).map(|learner| learner.name());
     names.collect::<Vec<_>>().join(" or ")
 }
+
+#[cfg(test)]
+mod tests {
+    use std::cmp::Ordering;
+
+    use super::*;
+
+    /// The crane has slides, which are lengths in postures.
+    const CRANE: &str = "mjcf/bodies/crane.xml";
+    /// The longest limb of a body that is learned in metres, metres: at the least.
+    const LEAST: f64 = 0.1;
+
+    #[test]
+    fn a_small_body_is_learned_as_a_large_one_to_the_digit() {
+        let babbled = Agent::from_mjcf(CRANE).unwrap().babble(400).unwrap();
+        let agent = babbled.embodied().agent();
+        assert!(agent.creature().dofs().any(|dof| dof.kind == DofKind::Slide), "{CRANE} has no slide");
+        let options = LearningOptions { input: Some(Input::Contact), ..LearningOptions::default() };
+        // As small as a body may be that is learned in metres, and so small that it is learned in a unit of its own.
+        let by = [0.0, 5.0]
+            .map(|halvings: f64| (-(agent.skin().longest_limb() / LEAST).log2().floor() - halvings).exp2());
+        let [large, small] = by.map(|by| {
+            let scaled = agent.scaled(by);
+            let mut learner = options.learner(&scaled, 1);
+            let touches = babbled.touches().iter();
+            touches.for_each(|touch| learner.touch(&touch.scaled(agent.creature(), by)));
+            (LengthUnit::of(&scaled), learner.learn())
+        });
+        assert_eq!(large.0, LengthUnit::METRE);
+        assert_eq!(small.0, LengthUnit::from_metres(1.0 / 32.0).unwrap());
+        let (large, small) = (large.1, small.1);
+        assert!(large.verdict.converged(), "{:?}", large.verdict);
+        assert_eq!(small.verdict, large.verdict);
+        assert_eq!(small.schema.scaled(32.0), large.schema);
+        let (small, large) = (small.account.unwrap(), large.account.unwrap());
+        assert_eq!(small.classes(), large.classes());
+        assert_eq!(32.0 * small.limit(), large.limit());
+        assert_eq!(small.observability.singular_values, large.observability.singular_values);
+        for (a, b) in small.limbs().iter().flat_map(|&a| small.limbs().iter().map(move |&b| (a, b))) {
+            assert_eq!(32.0 * small.distance(a, b), large.distance(a, b), "limbs {a} and {b}");
+        }
+    }
+
+    #[test]
+    fn bodies_of_a_persons_size_are_learned_in_metres() {
+        for (model, unit) in [
+            ("mjcf/max/max.xml", Ordering::Equal),
+            ("mjcf/bodies/humanoid.xml", Ordering::Equal),
+            ("mjcf/bodies/tiny.xml", Ordering::Less),
+            ("mjcf/bodies/huge.xml", Ordering::Greater),
+        ] {
+            let found = LengthUnit::of(Agent::from_mjcf(model).unwrap().agent()).metres();
+            assert_eq!(found.total_cmp(&1.0), unit, "{model}: {found}");
+        }
+    }
+}

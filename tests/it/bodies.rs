@@ -141,3 +141,24 @@ fn the_program_writes_bodies_and_studies_them() {
     assert_eq!((&found["rows"][0]["seed"], &found["wrong_claims"]), (&8.into(), &0.into()));
     assert!(place.path().join("studies/bodies/study.csv").is_file());
 }
+
+mod slow {
+    use super::*;
+
+    /// Bodies that were claimed wrongly once: hands of centimetres, and a chain with a joint that hardly turns.
+    #[test]
+    #[ignore = "slow: a minute"]
+    fn bodies_that_were_claimed_wrongly_once_are_not() {
+        let place = tempfile::tempdir().unwrap();
+        for seed in ["22555", "30219"] {
+            let found = succeeds(
+                place.path(),
+                &["study", "bodies", "--trials", "1", "--seed", seed, "--way", "default", "--json"],
+            );
+            let found: serde_json::Value = serde_json::from_str(&found).unwrap();
+            let row = &found["rows"][0];
+            assert!(row["claims"].as_u64().unwrap() > 0, "{row}");
+            assert_eq!(row["wrong"], 0, "{row}");
+        }
+    }
+}
