@@ -9,6 +9,7 @@ use super::learned::warn_truncated;
 use super::open::{MAX, ModelArguments, embodied, known_truth};
 use super::{Failure, Outcome, live};
 use crate::creature::JointSelection;
+use crate::learning::Certainty;
 use crate::record::{
     LearningRecord, ReadLock, SCHEMA_FILE, SESSION_FILE, Session, TOUCHES_FILE, read_schema, read_touches,
 };
@@ -104,8 +105,10 @@ fn looked_at(what: &Path, args: &ViewArguments) -> Result<LookedAt, Failure> {
     let record = LearningRecord::read(what, creature)?;
     let truth = known_truth(&session, args.model.as_deref())?;
     let verdict = record.as_ref().map_or(String::new(), |record| record.verdict.clone());
-    // What did not stand up to fresh touches claims nothing.
-    let account = record.filter(|record| record.converged).and_then(|record| record.account?.account);
+    let account = match record.map(|record| record.certainty()) {
+        Some(Certainty::Estimated(account)) => Some(*account),
+        _ => None,
+    };
     Ok(LookedAt {
         name,
         schema,

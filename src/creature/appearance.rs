@@ -1,16 +1,12 @@
 //! What a body looks like: what pictures are drawn of. Nothing is learned from it.
 
-use nalgebra::{Isometry3, Vector3};
+use nalgebra::Vector3;
 
 use super::Body;
 use crate::geometry::{ConvexOutline, Frame, Shape};
 
-/// The groups of geoms that MuJoCo's viewers show unless they are asked for others.
-const SHOWN_GROUPS: std::ops::RangeInclusive<i32> = 0..=2;
 /// What is less opaque than this is not to be seen.
 const LEAST_OPACITY: f32 = 0.2;
-/// What MuJoCo paints geoms that nobody gave a colour.
-const UNPAINTED: [f32; 4] = [0.5, 0.5, 0.5, 1.0];
 
 /// The geoms of a body that MuJoCo's viewers show, as they are in its limbs' frames.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -39,15 +35,16 @@ impl Appearance {
         let part = |geom: usize| {
             let (info, rgba) = (model.geom(geom), model.geom_rgba(geom));
             let limb = body.limb_of_geom(geom)?;
-            if !SHOWN_GROUPS.contains(&info.group) || rgba[3] < LEAST_OPACITY || model.is_aura(geom) {
+            let is_clear = rgba.is_some_and(|rgba| rgba[3] < LEAST_OPACITY);
+            if !info.is_shown() || is_clear || model.is_aura(geom) {
                 return None;
             }
-            let pose = body.pose_in_limb[info.body] * Isometry3::from_parts(info.pos.into(), info.quat);
+            let pose = body.geom_in_limb(&info);
             let outline = match Shape::of_geom(model, geom)? {
                 Shape::Mesh => ConvexOutline::about(model.mesh_vertices(geom))?,
                 shape => ConvexOutline::of(shape)?,
             };
-            let rgb = (rgba != UNPAINTED).then_some([rgba[0], rgba[1], rgba[2]]);
+            let rgb = rgba.map(|[red, green, blue, _]| [red, green, blue]);
             Some(VisiblePart { limb, pose: Frame::from(pose), outline, rgb })
         };
         Appearance { parts: (0..model.ngeom()).filter_map(part).collect() }

@@ -6,7 +6,7 @@ use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 
 use super::{Creature, Posture};
 use crate::geometry::Frame;
-use crate::mujoco::{self, Data, Equality, JointKind, Model};
+use crate::mujoco::{self, Data, Equality, Geom, JointKind, Model};
 
 /// One joint of the creature in the model: consecutive MuJoCo joints of a body that share an anchor.
 #[derive(Clone, Debug)]
@@ -121,6 +121,11 @@ impl Body {
     /// The limb that a geom belongs to.
     pub fn limb_of_geom(&self, geom: usize) -> Option<usize> {
         self.limb_of_body[self.model.geom_body(geom)]
+    }
+
+    /// `X_LG`: the pose of a geom in the frame of its body's limb.
+    pub fn geom_in_limb(&self, geom: &Geom) -> Isometry3<f64> {
+        self.pose_in_limb[geom.body] * Isometry3::from_parts(geom.pos.into(), geom.quat)
     }
 
     /// `X_WL` of every limb, given data with poses computed.

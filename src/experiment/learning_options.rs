@@ -17,7 +17,7 @@ use crate::learning::growth::Growth;
 use crate::learning::initial_guess::random_guess;
 use crate::learning::learners::{LEARNERS, LearnerGivens, LearnerKind, LearnerUses, PartByPart};
 use crate::learning::{
-    InUnit, Input, KnownJoint, Learner, LengthUnit, LimbFrames, SecondOrder, SkinKnowledge,
+    Input, KnownJoint, Learner, LearnerInUnit, LengthUnit, LimbFrames, SecondOrder, SkinKnowledge,
 };
 use crate::record::{Session, read_known};
 use crate::schema::BodySchema;
@@ -185,7 +185,7 @@ impl LearningOptions {
     /// The same that goes on from what was learned while the touches were made, where the learner is one that can.
     pub fn learner_from(&self, agent: &Agent, grown: Option<&Growth>, seed: u64) -> Box<dyn Learner> {
         let given = self.givens();
-        InUnit::of(agent, |agent, unit| {
+        LearnerInUnit::of(agent, |agent, unit| {
             let known = given.known.iter().map(|known| unit.known(known)).collect();
             let given = LearnerGivens { known, ..given };
             let goes_on = grown.and_then(|grown| self.learner.goes_on(agent, &given, grown, seed));

@@ -64,7 +64,7 @@ impl LengthUnit {
 }
 
 /// A learner in the unit that suits its body, of touches in metres and with answers in metres.
-pub struct InUnit {
+pub struct LearnerInUnit {
     unit: LengthUnit,
     agent: Agent,
     learner: Box<dyn Learner>,
@@ -72,7 +72,7 @@ pub struct InUnit {
     way: Vec<(usize, BodySchema)>,
 }
 
-impl InUnit {
+impl LearnerInUnit {
     /// The learner that `make` makes for an agent in the unit that suits its body.
     pub fn of(agent: &Agent, make: impl FnOnce(&Agent, LengthUnit) -> Box<dyn Learner>) -> Box<dyn Learner> {
         let unit = LengthUnit::of(agent);
@@ -80,7 +80,7 @@ impl InUnit {
             return make(agent, unit);
         }
         let learner = make(&unit.agent(agent), unit);
-        Box::new(InUnit { unit, agent: agent.clone(), learner, schema: None, way: Vec::new() })
+        Box::new(LearnerInUnit { unit, agent: agent.clone(), learner, schema: None, way: Vec::new() })
     }
 
     /// Takes down what the learner believes, in metres.
@@ -95,7 +95,7 @@ impl InUnit {
     }
 }
 
-impl Learner for InUnit {
+impl Learner for LearnerInUnit {
     fn touch(&mut self, touch: &Touch) {
         self.learner.touch(&touch.scaled(self.agent.creature(), 1.0 / self.unit.metres()));
         self.take_down();

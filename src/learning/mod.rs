@@ -37,7 +37,7 @@ pub use certainty::{Basis, Certainty};
 pub use growth::Grower;
 pub use hersch::{Hersch, STEP};
 pub use known::{KnownJoint, LEAST_DEVIATION, PriorKnowledge};
-pub use length_unit::{InUnit, LengthUnit};
+pub use length_unit::{LearnerInUnit, LengthUnit};
 pub use observation::{Input, LimbFrames, SkinKnowledge};
 pub use online::{BodyChange, Expectation, Online, Tool, What};
 pub use parameters::{AxisModel, Parameters};

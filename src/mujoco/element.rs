@@ -130,6 +130,16 @@ pub struct Geom<'m> {
     pub rbound: f64,
 }
 
+/// Visibility groups of geoms that a viewer shows unless told otherwise; shapes for collision are by custom in others.
+const SHOWN_GROUPS: std::ops::Range<i32> = 0..3;
+
+impl Geom<'_> {
+    /// Whether viewers show it unless they are told otherwise.
+    pub fn is_shown(&self) -> bool {
+        SHOWN_GROUPS.contains(&self.group)
+    }
+}
+
 /// The shape of a geom or a site.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum GeomKind {

@@ -256,16 +256,16 @@ impl Model {
         }
     }
 
-    /// The colour of geom `i`, red, green, blue and opacity, 0 to 1: its own, or that of its material where it has none.
-    pub fn geom_rgba(&self, i: usize) -> [f32; 4] {
+    /// The colour of geom `i`, red, green, blue and opacity, 0 to 1: its own, or that of its material where it has
+    /// none; none where nobody painted it.
+    pub fn geom_rgba(&self, i: usize) -> Option<[f32; 4]> {
         /// What the engine gives geoms without a colour.
         const NONE: [f32; 4] = [0.5, 0.5, 0.5, 1.0];
         let four = |numbers: &[f32], k: usize| [0, 1, 2, 3].map(|part| numbers[4 * k + part]);
         let own = four(array!(self, geom_rgba[ngeom * 4]), i);
-        match usize::try_from(array!(self, geom_matid[ngeom])[i]) {
-            Ok(material) if own == NONE => four(array!(self, mat_rgba[nmat * 4]), material),
-            _ => own,
-        }
+        let material = usize::try_from(array!(self, geom_matid[ngeom])[i]).ok();
+        let of_material = material.map(|material| four(array!(self, mat_rgba[nmat * 4]), material));
+        Some(own).filter(|own| *own != NONE).or(of_material)
     }
 
     /// All geoms; those of one body are adjacent.

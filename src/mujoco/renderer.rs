@@ -23,8 +23,6 @@ pub const PICTURE_SIDES: std::ops::RangeInclusive<usize> = 16..=4096;
 const PLAIN_LIGHT: [f32; 3] = [0.1, 0.4, 0.5];
 /// … which is dim where there is no other light; what it is replaced by.
 const BRIGHT_LIGHT: [f32; 3] = [0.42, 0.56, 0.08];
-/// Visibility groups of geoms that a viewer shows unless told otherwise; shapes for collision are by custom in others.
-const SHOWN_GROUPS: usize = 3;
 
 /// Geoms nearer to each other than this are in one place, metres, and turned alike.
 const SAME_PLACE: f32 = 1e-4;
@@ -169,7 +167,7 @@ impl Renderer {
         // Receptors cover all of a skin: over the body's own looks they would be all that is seen.
         option.sitegroup.fill(0);
         let limbs = || copy.geoms().enumerate().filter(|(g, geom)| geom.body != 0 && !copy.is_aura(*g));
-        if !limbs().any(|(_, geom)| (0..SHOWN_GROUPS as i32).contains(&geom.group)) {
+        if !limbs().any(|(_, geom)| geom.is_shown()) {
             // The aura alone stays hidden.
             for (group, shown) in option.geomgroup.iter_mut().enumerate() {
                 let of_group = |geom: &super::element::Geom| usize::try_from(geom.group) == Ok(group);

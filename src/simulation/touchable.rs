@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 use std::ops::Range;
 
-use nalgebra::{Isometry3, Point3, Vector3};
+use nalgebra::{Point3, Vector3};
 
 use crate::creature::{Body, Creature, DofKind};
 use crate::geometry::{Ball, Capsule, Frame, Shape, clusters as clustered};
@@ -289,7 +289,7 @@ fn bounded(body: &Body, g: usize) -> Option<BoundedGeom> {
         Capsule::about_box(&vertices.iter().fold(Vector3::zeros(), |half, v| half.sup(&v.abs())))
     });
     let geom = body.model.geom(g);
-    let pose = body.pose_in_limb[geom.body] * Isometry3::from_parts(geom.pos.into(), geom.quat);
+    let pose = body.geom_in_limb(&geom);
     let place = |end| (pose * Point3::from(end)).coords;
     let solid = surface_of_geom(body, g).filter(|surface| surface.shape.is_solid());
     Some(BoundedGeom {

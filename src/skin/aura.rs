@@ -5,7 +5,7 @@
 //! model may have them itself, as geoms without contact: a capsule or a ball `aura/NAME` on a body of the aura limb
 //! `NAME`. What it has none of is grown.
 
-use nalgebra::{Isometry3, Point3, Vector3};
+use nalgebra::{Point3, Vector3};
 
 use super::{Skin, Surface};
 use crate::creature::{AuraLimb, Body, Creature, matrix};
@@ -62,7 +62,7 @@ fn own_aura_geometries(body: &Body) -> Vec<ProximityGeometry> {
     let geometry = |geom: usize| {
         let info = model.geom(geom);
         let limb = body.limb_of_geom(geom)?;
-        let pose = body.pose_in_limb[info.body] * Isometry3::from_parts(info.pos.into(), info.quat);
+        let pose = body.geom_in_limb(&info);
         let frame = Frame { origin: pose.translation.vector, rotation: matrix(&pose.rotation) };
         Some(ProximityGeometry {
             name: info.name?.strip_prefix(AURA_GEOM)?.to_string(),

@@ -42,7 +42,7 @@ pub fn skin_of(body: &Body) -> Skin {
 pub(crate) fn surface_of_geom(body: &Body, geom: usize) -> Option<Surface> {
     let (limb, shape) = (body.limb_of_geom(geom)?, Shape::of_geom(&body.model, geom)?);
     let info = body.model.geom(geom);
-    let pose = body.pose_in_limb[info.body] * Isometry3::from_parts(info.pos.into(), info.quat);
+    let pose = body.geom_in_limb(&info);
     let (origin, rotation) = (pose.translation.vector, matrix(&pose.rotation));
     Some(Surface { limb, origin, rotation, shape, geom })
 }

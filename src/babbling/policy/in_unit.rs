@@ -13,17 +13,17 @@ use crate::simulation::Ending;
 
 /// A policy that learns in the unit that suits its body (see [`LengthUnit`]), of motions and touches in metres. What it has
 /// learned is in that unit, as learners of this body have it.
-pub struct InUnit<P> {
+pub struct PolicyInUnit<P> {
     agent: Agent,
     metres: f64,
     policy: P,
 }
 
-impl<P: Policy> InUnit<P> {
+impl<P: Policy> PolicyInUnit<P> {
     /// The policy that `make` makes for an agent in the unit that suits its body.
-    pub fn of(agent: &Agent, make: impl FnOnce(&Agent) -> P) -> InUnit<P> {
+    pub fn of(agent: &Agent, make: impl FnOnce(&Agent) -> P) -> PolicyInUnit<P> {
         let unit = LengthUnit::of(agent);
-        InUnit { agent: agent.clone(), metres: unit.metres(), policy: make(&unit.agent(agent)) }
+        PolicyInUnit { agent: agent.clone(), metres: unit.metres(), policy: make(&unit.agent(agent)) }
     }
 
     fn in_unit(&self, posture: &[f64]) -> Posture {
@@ -31,7 +31,7 @@ impl<P: Policy> InUnit<P> {
     }
 }
 
-impl<P: Policy> Policy for InUnit<P> {
+impl<P: Policy> Policy for PolicyInUnit<P> {
     fn next_target(&mut self, posture: &[f64], rng: &mut ChaCha8Rng) -> Posture {
         let posture = self.in_unit(posture);
         self.policy.next_target(&posture, rng).scaled(self.agent.creature(), self.metres)

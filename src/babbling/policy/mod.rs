@@ -18,7 +18,7 @@ mod working_schema;
 use rand_chacha::ChaCha8Rng;
 
 pub use foresight::{Foreseen, Foresight};
-pub use in_unit::InUnit;
+pub use in_unit::PolicyInUnit;
 pub use informative::Informative;
 pub use random::Random;
 pub use stages::Stages;
@@ -100,7 +100,7 @@ policies! {
     #[default]
     Random, "random" => |agent, _| Box::new(Random::new(agent.creature()));
     /// Few joints at first, and more as they are known, until all is.
-    Stages, "stages" => |agent, seed| Box::new(InUnit::of(agent, |agent| Stages::new(agent, seed)));
+    Stages, "stages" => |agent, seed| Box::new(PolicyInUnit::of(agent, |agent| Stages::new(agent, seed)));
     /// Towards limbs whose joints need touches, with few motions.
     Steered, "steered" => |agent, seed| Box::new(Steered::new(agent, working_schema(agent, seed)));
     /// Towards the touches that would tell most, whatever the motions.

@@ -5,7 +5,7 @@ use nalgebra::{DMatrix, DVector};
 use super::evidence::Equation;
 use super::part::Member;
 use super::{GrownTouch, Growth};
-use crate::learning::annealing::quantile;
+use crate::learning::annealing::{NARROWEST, quantile};
 use crate::learning::online::Belief;
 use crate::learning::open_gaps::EXACTLY_OPEN;
 use crate::learning::prediction::add_row;
@@ -240,22 +240,22 @@ impl Growth {
     /// The joint or the limb of whose touches among some a fit to them leaves most open, where these are more than chance;
     /// `deviation` is that of a gap, metres.
     pub(super) fn most_open(&self, among: &[usize], schema: &BodySchema, deviation: f64) -> Option<Member> {
-        let wide = EXACTLY_OPEN.max(DEVIATIONS * deviation);
-        let told = among.iter().map(|&number| &self.touches[number]);
-        let told = told.map(|touch| (touch, self.miss(touch, schema) > wide));
-        self.most_suspect(told, |of_it, others| share(of_it) > OPEN_SHARE + MORE_OPEN * share(others))
-    }
-
-    /// The same where touches show no noise: a wrong axis of a joint that hardly turns closes its touches to a tenth of a
-    /// micrometre, which noise would hide, and all others to some nanometres.
-    pub(super) fn most_sharply_open(&self, among: &[usize], schema: &BodySchema) -> Option<Member> {
         let told = among.iter().map(|&number| &self.touches[number]);
         let misses: Vec<(&GrownTouch, f64)> = told.map(|touch| (touch, self.miss(touch, schema))).collect();
+        let suspect = |wide: f64, wrong: fn([f64; 2], [f64; 2]) -> bool| {
+            self.most_suspect(misses.iter().map(|&(touch, miss)| (touch, miss > wide)), wrong)
+        };
+        let wide = EXACTLY_OPEN.max(DEVIATIONS * deviation);
+        let open = suspect(wide, |of_it, others| share(of_it) > OPEN_SHARE + MORE_OPEN * share(others));
+        if open.is_some() || self.by_points() || deviation > NARROWEST {
+            return open;
+        }
+        // Without noise a wrong axis of a joint that hardly turns closes its touches to a tenth of a micrometre, and all others
+        // to some nanometres.
         let mut sorted: Vec<f64> = misses.iter().map(|(_, miss)| *miss).collect();
         sorted.sort_by(f64::total_cmp);
         let wide = SHARPLY_OPEN.max(MANY_TIMES * quantile(&sorted, 0.5));
-        let told = misses.into_iter().map(|(touch, miss)| (touch, miss > wide));
-        self.most_suspect(told, |of_it, others| share(of_it) > SHARPLY_OPEN_SHARE + share(others))
+        suspect(wide, |of_it, others| share(of_it) > SHARPLY_OPEN_SHARE + share(others))
     }
 
     /// Takes back the joint or the limb that touches contradict most, where they do: a wrong answer explains what it was

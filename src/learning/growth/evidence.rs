@@ -25,7 +25,7 @@ pub(super) struct Equation {
 }
 
 impl Growth {
-    fn by_points(&self) -> bool {
+    pub(super) fn by_points(&self) -> bool {
         self.input == Input::Contact
     }
 

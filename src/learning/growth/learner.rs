@@ -6,7 +6,6 @@ use rand_chacha::ChaCha8Rng;
 use super::{Growth, moves};
 use crate::agent::Agent;
 use crate::deadline::Deadline;
-use crate::learning::annealing::NARROWEST;
 use crate::learning::initial_guess::random_guess;
 use crate::learning::{AxisModel, Input, Learned, Learner, Online, Parameters, SecondOrder, Verdict};
 use crate::schema::BodySchema;
@@ -164,11 +163,7 @@ impl Grower {
             let known = vec![true; self.agent.creature().joints().len()];
             let mut learned = last.refine_known(schema, known);
             let deviation = learned.deviation.unwrap_or(0.0);
-            let exact = self.input == Input::Receptor && deviation <= NARROWEST;
-            let sharply_open =
-                || if exact { self.growth.most_sharply_open(&told, &learned.schema) } else { None };
-            let open = self.growth.most_open(&told, &learned.schema, deviation).or_else(sharply_open);
-            if let Some(wrong) = open {
+            if let Some(wrong) = self.growth.most_open(&told, &learned.schema, deviation) {
                 told.retain(|&number| !self.growth.touches()[number].tells_of(wrong));
                 continue;
             }

@@ -9,7 +9,8 @@ use serde_json::{Value, json};
 use super::server::{Asked, LivePage, Reception, ShowRequest};
 use super::{HEIGHT, page};
 use crate::agent::Agent;
-use crate::creature::{Appearance, Creature, DofKind, Posture};
+use crate::creature::{Appearance, Posture};
+use crate::experiment::same_tree;
 use crate::learning::Account;
 use crate::schema::BodySchema;
 use crate::senses::Touch;
@@ -21,6 +22,8 @@ use crate::view::text::{error_number, escape};
 
 /// How wide the room about a body is by its extent.
 const ROOM: f64 = 0.86;
+/// How far apart two bodies stand by how far both extend.
+const APART: f64 = 0.55;
 /// The name of what is learned in the session that stands beside.
 const BESIDE: &str = "the other body";
 
@@ -47,6 +50,8 @@ pub struct LookedAt {
 /// What is shown of some sessions and models.
 pub struct LookingView {
     all: Vec<LookedAt>,
+    /// How far each reaches from its root, metres.
+    extents: Vec<f64>,
     state: Mutex<LookingState>,
 }
 
@@ -72,11 +77,16 @@ impl LookingView {
         let posture = Posture::start(all[0].agent.creature());
         let beside = (all.len() == 2).then_some(1);
         let state = LookingState { shown: 0, beside, touch: 0, posture, about: String::new(), edition: 0 };
-        LookingView { all, state: Mutex::new(state) }
+        LookingView { extents: all.iter().map(extent).collect(), all, state: Mutex::new(state) }
     }
 
     fn state(&self) -> MutexGuard<'_, LookingState> {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// How far aside along y the other body stands, metres.
+    fn aside(&self, state: &LookingState) -> f64 {
+        state.beside.map_or(0.0, |beside| APART * (self.extents[state.shown] + self.extents[beside]))
     }
 
     /// The poses of all that is shown.
@@ -90,8 +100,9 @@ impl LookingView {
         if let Some(other) = state.beside.map(|beside| &self.all[beside]) {
             let own = other.agent.creature();
             // What moves otherwise cannot be in the same posture.
-            let posture = if alike(creature, own) { state.posture.clone() } else { own.reference_posture() };
-            let aside = Vector3::y() * (extent(shown) + extent(other)) * 0.55;
+            let posture =
+                if same_tree(creature, own) { state.posture.clone() } else { own.reference_posture() };
+            let aside = Vector3::y() * self.aside(state);
             poses.push(("other", Pose::new(own, &other.schema, &posture).moved(&aside)));
         }
         poses
@@ -176,14 +187,6 @@ impl LookingView {
     }
 }
 
-/// Whether two creatures move alike: whether a posture of one is one of the other.
-fn alike(a: &Creature, b: &Creature) -> bool {
-    let kinds = |creature: &Creature| -> Vec<(String, DofKind)> {
-        creature.dofs().map(|dof| (dof.name.clone(), dof.kind)).collect()
-    };
-    kinds(a) == kinds(b)
-}
-
 /// The greatest distance of any skin of a body at ease from its root, metres.
 fn extent(looked: &LookedAt) -> f64 {
     let pose = Pose::at_ease(looked.agent.creature(), &looked.schema);
@@ -216,8 +219,7 @@ impl LivePage for LookingView {
             meshes.push(Clothes::new(other.agent.skin(), other.appearance.as_ref()).mesh);
         }
         let poses = self.poses(&state);
-        let r = ROOM * extent(shown);
-        let aside = state.beside.map_or(0.0, |beside| 0.55 * (extent(shown) + extent(&self.all[beside])));
+        let (r, aside) = (ROOM * self.extents[state.shown], self.aside(&state));
         let mesh = |name: &str| if name == "other" { &meshes[meshes.len() - 1] } else { &meshes[0] };
         let drawn = BodyScene::room_of(poses.iter().map(|(name, pose)| (mesh(name), pose)));
         let about = [Vector3::new(-r, -r, -r), Vector3::new(r, aside + r, r)];

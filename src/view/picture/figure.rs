@@ -33,7 +33,7 @@ pub fn learned_body(
     let frames = limb_frames(&body.creature, schema, posture);
     let place = |geom: usize| {
         let (info, limb) = (body.model.geom(geom), body.limb_of_geom(geom)?);
-        let on_limb = body.pose_in_limb[info.body] * Isometry3::from_parts(info.pos.into(), info.quat);
+        let on_limb = body.geom_in_limb(&info);
         Some(GeomCopy { geom, pose: root * Isometry3::from(frames[limb]) * on_limb })
     };
     (0..body.model.ngeom()).filter(|&geom| !body.model.is_aura(geom)).filter_map(place).collect()

@@ -9,7 +9,7 @@ use crate::mujoco::{self, GeomCopy, Mark};
 use crate::record::Checkpoint;
 use crate::schema::BodySchema;
 use crate::senses::Touch;
-use crate::view::text::error_number;
+use crate::view::text::{self, error_number};
 
 /// Seconds from one touch to the next, and for which a touch is looked at.
 const MOTION: f64 = 0.9;
@@ -226,8 +226,7 @@ fn caption([from, to]: [&Checkpoint; 2], share: f64) -> String {
     let touches = from.touches as f64 + share * (to.touches as f64 - from.touches as f64);
     let touches = match touches.round() as usize {
         0 => "a random initial guess".to_string(),
-        1 => "1 touch".to_string(),
-        touches => format!("{touches} touches"),
+        count => text::touches(count),
     };
     // Errors fall by orders of magnitude.
     let error = from.error_rms.zip(to.error_rms).map(|(from, to)| {
