@@ -248,6 +248,6 @@ impl Prepared {
     /// The page to watch it on, where one is asked for.
     fn live(&self, made: usize) -> Result<Option<Live>, Failure> {
         let place = self.place.take();
-        place.map(|place| Live::new(place, &self.embodied, &self.setup.babbling, made)).transpose()
+        place.map(|place| Live::new(place, &self.embodied, &self.setup, made)).transpose()
     }
 }

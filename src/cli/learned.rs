@@ -4,6 +4,7 @@ use std::path::Path;
 
 use serde_json::{Value, json};
 
+use super::again::with_option;
 use super::{Failure, Outcome, output};
 use crate::evaluation::{CramerRaoBound, Evaluation, Summary};
 use crate::experiment::words::listed;
@@ -229,14 +230,22 @@ fn next(
         );
     }
     let more = match session.recording {
-        None => format!(
-            "`bodyschema babble {} --touches {}` touches more",
-            shell_words(std::slice::from_ref(&session.model)),
-            MORE * touches
-        ),
+        None => format!("`{}` touches more", more_touches(session, touches)),
         Some(_) => "record more touches, of more pairs of limbs".to_string(),
     };
     format!("{more}; `bodyschema observe {folder}` tells what these determine")
+}
+
+/// The command line that made a session, for more touches in a folder of their own.
+fn more_touches(session: &Session, touches: usize) -> String {
+    let made = ["bodyschema", "babble", &session.model].map(str::to_string);
+    let command = if session.command.len() < 2 { &made[..] } else { &session.command };
+    let more = (MORE * touches.max(session.options.touches)).to_string();
+    // The folder is another one, and what was a share is all of it.
+    let alone = with_option(&with_option(command, "--out", None), "--shard", None);
+    let mut words = with_option(&alone, "--touches", Some(&more));
+    words[0] = "bodyschema".into();
+    shell_words(&words)
 }
 
 /// What can be told without the truth.
@@ -281,9 +290,9 @@ fn print_bound(bound: &CramerRaoBound) {
     let CramerRaoBound { error_rms, ratio, bound_rms, at_floor, .. } = bound;
     let beside = match at_floor {
         true => "touches are explained to the numerical floor".to_string(),
-        false => format!("{ratio:.2} times the Cramér-Rao bound of {bound_rms:.2e} mm"),
+        false => format!("{ratio:.2} times the Cramér-Rao bound of {} mm", output::number(*bound_rms)),
     };
-    say!("\n  root mean square over what is claimed: {error_rms:.2e} mm; {beside}");
+    say!("\n  root mean square over what is claimed: {} mm; {beside}", output::number(*error_rms));
 }
 
 /// Says on standard error when a log ends in the middle of a line.

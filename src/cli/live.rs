@@ -11,8 +11,9 @@ use super::happening::happens;
 use super::typed::Typed;
 use super::{Failure, Outcome, output};
 use crate::agent::Agent;
-use crate::babbling::BabblingOptions;
-use crate::experiment::{Embodied, LearnedSession, LearningStep, Observer, Phase};
+use crate::experiment::{
+    Embodied, LearnedSession, LearningOptions, LearningStep, Observer, Phase, SessionSetup,
+};
 use crate::interaction::{Conversation, Reply};
 use crate::learning::growth::Growth;
 use crate::senses::Touch;
@@ -79,6 +80,7 @@ pub struct Live {
     /// Who learns while babbling goes on.
     learner: RefCell<Option<LiveLearner>>,
     agent: Agent,
+    learning: LearningOptions,
     seed: u64,
     server: Server,
 }
@@ -88,13 +90,15 @@ impl Live {
     pub fn new(
         place: Place,
         embodied: &Embodied,
-        babbling: &BabblingOptions,
+        setup: &SessionSetup,
         made: usize,
     ) -> Result<Live, Failure> {
         let agent = embodied.agent().clone();
+        let babbling = &setup.babbling;
         let view = Arc::new(BabblingView::new(&agent, embodied.truth(), babbling.touches, made));
         let server = serve(place, view.clone())?;
-        Ok(Live { view, learner: RefCell::new(None), agent, seed: babbling.seed, server })
+        let learning = setup.learning.clone();
+        Ok(Live { view, learner: RefCell::new(None), agent, learning, seed: babbling.seed, server })
     }
 
     /// All is learned and written down.
@@ -119,7 +123,7 @@ impl Observer for Live {
             Phase::Babbling { .. } => {
                 self.view.begin();
                 // Without a thread for it nothing is learned on the way, and the session goes on.
-                let learner = LiveLearner::new(self.view.clone(), &self.agent, self.seed);
+                let learner = LiveLearner::new(self.view.clone(), &self.agent, &self.learning, self.seed);
                 self.learner.replace(learner.ok());
             }
             Phase::Learning { .. } => self.view.now("learning"),

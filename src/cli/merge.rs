@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use super::again::with_option;
 use super::babbling::Prepared;
 use super::folders::{session_folder, written_session};
 use super::resume::{args_of, finish};
@@ -109,14 +110,5 @@ fn named(shares: &[Share]) -> String {
 
 /// A command line that made some share, for another.
 fn with_share(command: &[String], share: Share) -> String {
-    let mut after = false;
-    let words = command.iter().map(|word| {
-        let is_share = std::mem::replace(&mut after, word == "--shard");
-        match is_share {
-            true => share.to_string(),
-            false if word.starts_with("--shard=") => format!("--shard={share}"),
-            false => word.clone(),
-        }
-    });
-    shell_words(&words.collect::<Vec<String>>())
+    shell_words(&with_option(command, "--shard", Some(&share.to_string())))
 }

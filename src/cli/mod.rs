@@ -13,6 +13,7 @@ macro_rules! tell {
     ($($text:tt)*) => { $crate::cli::message::line(format_args!($($text)*)) };
 }
 
+mod again;
 mod arguments;
 mod babble;
 mod babbling;

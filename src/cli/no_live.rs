@@ -4,8 +4,7 @@ use std::convert::Infallible;
 use std::path::Path;
 
 use super::{Failure, Outcome};
-use crate::babbling::BabblingOptions;
-use crate::experiment::{Embodied, LearnedSession, Observer};
+use crate::experiment::{Embodied, LearnedSession, Observer, SessionSetup};
 use crate::interaction::Conversation;
 use crate::simulation::Stage;
 
@@ -42,7 +41,7 @@ pub struct Live(Infallible);
 
 impl Live {
     /// Nobody can ask for it.
-    pub fn new(never: Place, _: &Embodied, _: &BabblingOptions, _: usize) -> Result<Live, Failure> {
+    pub fn new(never: Place, _: &Embodied, _: &SessionSetup, _: usize) -> Result<Live, Failure> {
         match never {}
     }
 

@@ -92,11 +92,11 @@ pub fn run(args: &ObserveArguments) -> Outcome {
         indices.noise_amplification
     );
     let (what, least) =
-        if points { ("miss, per coordinate", "") } else { ("gap", " (1e-3 mm at the least)") };
+        if points { ("miss, per coordinate", "") } else { ("gap", " (0.001 mm at the least)") };
     say!("standard deviation of a touch's {what}: {:.4} mm{least}\n", 1e3 * deviation);
     say!("one standard deviation, – where nothing determines it; an axis by each coordinate across it:");
     say!("  {:<28}{:<32}axes, °", "joint", "position x y z, mm");
-    let number = |value: Option<f64>| value.map_or(format!("{:<8}", "–"), |v| format!("{v:.2e}"));
+    let number = |value: Option<f64>| format!("{:<7}", value.map_or("–".to_string(), output::number));
     for (j, joint) in creature.joints().iter().enumerate() {
         let axes: Vec<String> = joint
             .dof_indices()
@@ -110,7 +110,7 @@ pub fn run(args: &ObserveArguments) -> Outcome {
     say!("\nhow far off a limb's skin may be in the frames of the other limbs that are placed, 95 %:");
     say!("  {:<28}{:<10}{:<12}{:<12}", "limb", "touches", "best, mm", "worst, mm");
     for line in &limbs {
-        let [best, worst] = line.distances.map(|d| d.map_or("–".to_string(), |mm| format!("{mm:.2e}")));
+        let [best, worst] = line.distances.map(|d| d.map_or("–".to_string(), output::number));
         let why = line.why.as_deref().unwrap_or("");
         let line = format!("  {:<28}{:<10}{best:<12}{worst:<12}{why}", line.limb, line.touches);
         say!("{}", line.trim_end());

@@ -96,7 +96,7 @@ pub struct RenderArguments {
     /// What the picture is filled with: a body of the model with all that it carries, as in --look-at head
     #[arg(long, value_name = "BODY", help_heading = "What is drawn")]
     look_at: Option<String>,
-    /// Nothing is written into the picture
+    /// Nothing is written into the picture, and no scale is drawn
     #[arg(long, help_heading = "What is drawn")]
     no_caption: bool,
     /// Pictures a second of a film
@@ -185,6 +185,7 @@ pub fn run(args: &RenderArguments) -> Outcome {
     if args.no_caption {
         plan.shots.iter_mut().for_each(|shot| shot.caption.clear());
     }
+    plan.shots.iter_mut().for_each(|shot| shot.scaled = !args.no_caption);
     let [width, height] = args.size;
     let mut renderer = Renderer::new(&subject.model, width, height)
         .map_err(|error| Failure(format!("{}: {error}", args.out.display())))?;

@@ -24,7 +24,7 @@ const MOST: usize = 20;
 ///
 /// A page on this machine shows a session's body as it was learned, over the true one in grey where the model is at hand. A
 /// slider goes through its touches, whose receptors light up; others put its joints into any posture; a click on a limb tells how
-/// sure it is. Of two sessions the second stands beside the first; of more, the page chooses. Without any, the newest in the folder
+/// sure it is, and where it gets to. Of two sessions the second stands beside the first; of more, the page chooses. Without any, the newest in the folder
 /// sessions. The page stays until Enter, the end of input or Ctrl-C.
 #[derive(clap::Args)]
 #[command(after_help = "Examples:
@@ -91,7 +91,7 @@ fn looked_at(what: &Path, args: &ViewArguments) -> Result<LookedAt, Failure> {
             schema: truth.schema.clone(),
             truth: None,
             appearance: Some(truth.appearance.clone()),
-            account: None,
+            certainty: Certainty::Exact,
             touches: Vec::new(),
             verdict: "the model as it is".into(),
         });
@@ -105,16 +105,13 @@ fn looked_at(what: &Path, args: &ViewArguments) -> Result<LookedAt, Failure> {
     let record = LearningRecord::read(what, creature)?;
     let truth = known_truth(&session, args.model.as_deref())?;
     let verdict = record.as_ref().map_or(String::new(), |record| record.verdict.clone());
-    let account = match record.map(|record| record.certainty()) {
-        Some(Certainty::Estimated(account)) => Some(*account),
-        _ => None,
-    };
+    let certainty = record.map_or(Certainty::Unknown, |record| record.certainty());
     Ok(LookedAt {
         name,
         schema,
         appearance: truth.as_ref().map(|truth| truth.appearance.clone()),
         truth: truth.map(|truth| truth.schema),
-        account,
+        certainty,
         touches: log.touches,
         verdict,
         agent: session.agent,

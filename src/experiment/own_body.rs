@@ -34,15 +34,18 @@ pub fn own_body(folder: &Path) -> Result<(Session, OwnBody), ExperimentError> {
     Ok((session, own))
 }
 
-/// What a session's creature has learned of its body, taken as it is.
+/// What a session's creature has learned of its body, and how sure that is, without what it experienced.
 ///
 /// # Errors
 /// Where a file of it cannot be read.
 pub fn learned_body(folder: &Path) -> Result<OwnBody, ExperimentError> {
     let _reading = ReadLock::take(folder)?;
     let session = Session::read(folder)?;
-    let schema = read_schema(&folder.join(SCHEMA_FILE), session.agent.creature())?;
-    Ok(OwnBody::new(&session.agent, schema, Certainty::Exact, &[]))
+    let creature = session.agent.creature();
+    let schema = read_schema(&folder.join(SCHEMA_FILE), creature)?;
+    let record = LearningRecord::read(folder, creature)?;
+    let certainty = record.map_or(Certainty::Unknown, |record| record.certainty());
+    Ok(OwnBody::new(&session.agent, schema, certainty, &[]))
 }
 
 /// The limbs that reach: those that are named, else all with receptors whose names end in hand.

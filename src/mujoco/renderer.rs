@@ -28,6 +28,9 @@ const BRIGHT_LIGHT: [f32; 3] = [0.42, 0.56, 0.08];
 const SAME_PLACE: f32 = 1e-4;
 const SAME_TURN: f32 = 1e-3;
 
+/// Pictures of so many rows have larger letters.
+const LARGE: usize = 700;
+
 /// MuJoCo asks OpenGL for its functions the first time only, and guards that by nothing.
 static MAKING_CONTEXT: Mutex<()> = Mutex::new(());
 
@@ -116,6 +119,8 @@ pub struct View<'a> {
     pub copies: &'a [GeomCopy],
     /// What is written below, in ASCII; none where that is empty.
     pub caption: &'a str,
+    /// The same below to the right.
+    pub scale: &'a str,
 }
 
 /// Draws a model in any posture, with MuJoCo's renderer, into memory. It stays in its thread.
@@ -156,7 +161,7 @@ impl Renderer {
         }
         let copy = Arc::new(copy);
         let context = OffscreenContext::new()?;
-        let buffers = Buffers::new(&copy)?;
+        let buffers = Buffers::new(&copy, font(height))?;
         let scene = EngineScene::new(&copy)?;
         let mut option = MaybeUninit::zeroed();
         // SAFETY: the engine fills in what it is given; all zeros are valid before.
@@ -193,6 +198,16 @@ impl Renderer {
         (degrees.to_radians(), self.width as f64 / self.height as f64)
     }
 
+    /// Rows of a picture.
+    pub fn height(&self) -> usize {
+        self.height
+    }
+
+    /// Rows at the lower edge that a caption takes, with what is free about it.
+    pub fn label_height(&self) -> usize {
+        font(self.height) as usize * 32 / 100
+    }
+
     /// The data of the last picture, for whoever wants to know where things are in it.
     pub fn data(&self) -> &Data {
         &self.data
@@ -216,16 +231,21 @@ impl Renderer {
         let row = 3 * self.width;
         let mut upwards = vec![0u8; row * self.height];
         let (scene, buffers) = (&mut *self.scene.0, &*self.buffers.0);
-        let caption =
-            CString::new(view.caption.replace(|c: char| !c.is_ascii() || c == '\0', "?")).unwrap_or_default();
+        let ascii = |text: &str| {
+            CString::new(text.replace(|c: char| !c.is_ascii() || c == '\0', "?")).unwrap_or_default()
+        };
+        let labels = [
+            (ffi::mjGRID_BOTTOMLEFT as i32, ascii(view.caption)),
+            (ffi::mjGRID_BOTTOMRIGHT as i32, ascii(view.scale)),
+        ];
         guarded("mjr_render", || {
             // SAFETY: scene and buffers are the engine's own and made for this context of OpenGL, which is current; the
             // bytes are as many as the engine writes for a viewport of this size.
             unsafe {
                 ffi::mjr_render(viewport, scene, buffers);
-                if !caption.is_empty() {
-                    let (font, place) = (ffi::mjFONT_NORMAL as i32, ffi::mjGRID_BOTTOMLEFT as i32);
-                    ffi::mjr_overlay(font, place, viewport, caption.as_ptr(), std::ptr::null(), buffers);
+                for (place, text) in labels.iter().filter(|(_, text)| !text.is_empty()) {
+                    let font = ffi::mjFONT_NORMAL as i32;
+                    ffi::mjr_overlay(font, *place, viewport, text.as_ptr(), std::ptr::null(), buffers);
                 }
                 ffi::mjr_readPixels(upwards.as_mut_ptr(), std::ptr::null_mut(), viewport, buffers);
             }
@@ -254,7 +274,7 @@ struct Buffers(Box<ffi::mjrContext>);
 
 impl Buffers {
     /// Those of a model, for drawing off-screen; a context of OpenGL is current.
-    fn new(model: &Model) -> Result<Buffers> {
+    fn new(model: &Model, font: u32) -> Result<Buffers> {
         let _one_at_a_time = MAKING_CONTEXT.lock().unwrap_or_else(PoisonError::into_inner);
         let mut buffers = Box::new(MaybeUninit::zeroed());
         // SAFETY: the engine fills in what it is given; all zeros are valid before.
@@ -262,12 +282,11 @@ impl Buffers {
             ffi::mjr_defaultContext(buffers.as_mut_ptr());
             buffers.assume_init()
         });
-        const FONT: u32 = 100;
         let raw = &mut *buffers.0;
         guarded("mjr_makeContext", || {
             // SAFETY: the model is valid, the buffers are set to their defaults, and a context is current.
             unsafe {
-                ffi::mjr_makeContext(model.raw(), raw, FONT as _);
+                ffi::mjr_makeContext(model.raw(), raw, font as _);
                 ffi::mjr_setBuffer(ffi::mjFB_OFFSCREEN as i32, raw);
             }
         })?;
@@ -287,6 +306,11 @@ impl Drop for Buffers {
         // it, which leaves things in OpenGL, has nobody to go to.
         let _ = guarded("mjr_freeContext", || unsafe { ffi::mjr_freeContext(&raw mut *self.0) });
     }
+}
+
+/// The size of letters for pictures of so many rows, per cent.
+fn font(height: usize) -> u32 {
+    if height < LARGE { 100 } else { 150 }
 }
 
 /// What is to be drawn, as the engine lists it.

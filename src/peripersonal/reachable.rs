@@ -17,11 +17,15 @@ use super::tip::{TipChain, Workspace};
 use crate::creature::Posture;
 use crate::geometry::Frame;
 use crate::kinematics::Place;
+use crate::learning::Certainty;
 
 /// The most voxels that a map may have about a hand, reached or not.
 const MOST_VOXELS: usize = 1 << 27;
 /// How near to the point a posture that reaches for it ends, metres, for each coordinate.
 const EXACT: f64 = 1e-4;
+/// The voxel of a point, and those about it from which it is sought.
+const AROUND: [[i32; 3]; 7] =
+    [[0, 0, 0], [-1, 0, 0], [1, 0, 0], [0, -1, 0], [0, 1, 0], [0, 0, -1], [0, 0, 1]];
 /// The most steps of a posture that reaches for a point.
 const STEPS: usize = 60;
 
@@ -65,6 +69,17 @@ pub struct Whereabouts {
     pub beyond: f64,
     /// A posture with the tip in its voxel, or in that nearest one.
     pub posture: Posture,
+}
+
+/// Where a point is by postures that were sought for it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Reach {
+    /// How far away it is: near or far where a posture was found that reaches it.
+    pub level: Level,
+    /// The posture that reaches it, or comes nearest to it.
+    pub posture: Posture,
+    /// How far off the tip stays with that, metres.
+    pub miss: f64,
 }
 
 /// Why there is no map of a limb.
@@ -137,6 +152,23 @@ impl OwnBody {
         let far = |place: &Place| pose.map_or(place.point, |pose| pose.point(&place.point)).norm();
         let places = self.receptors_on(&[limb]).into_iter().map(|receptor| self.place(receptor));
         places.max_by(|a, b| far(a).total_cmp(&far(b)))
+    }
+
+    /// How far the tip of a limb, or another place of it, can be from the joint that carries it off the root, metres: a bound, for
+    /// limbs in a line.
+    pub fn length_of(&self, place: &Place) -> f64 {
+        TipChain::new(self, place, &Frame::identity(), &self.at_ease(), |_| true).reach().1
+    }
+
+    /// Why it is not known where a limb's skin is, in words; none where it is, or where the schema is taken as it is.
+    pub fn unplaced(&self, limb: usize) -> Option<String> {
+        match self.certainty() {
+            Certainty::Exact => None,
+            Certainty::Estimated(account) => {
+                account.openness(self.creature(), limb).map(|why| why.words(self.creature()))
+            }
+            Certainty::Unknown => Some("nothing tells how far off it is".into()),
+        }
     }
 
     /// How far a point in the root's frame is from every limb's surface, metres, negative inside: `frames` are the
@@ -287,6 +319,37 @@ impl ReachableMap {
         let miss = (chain.point(&coordinates, &mut workspace) - point).norm();
         chain.put_into(coordinates, &mut posture);
         (posture, miss)
+    }
+
+    /// Seeks postures that reach a point in the map's frame: from those of the voxels about it, by the arm alone, and where
+    /// that does not get there by leaning. It is as exact on a coarse map as on a fine one.
+    pub fn seek(&self, point: &Vector3<f64>) -> Reach {
+        let cell = self.reached.lattice.cell(point);
+        let around = AROUND.iter().filter_map(|way| self.number(beside(cell, way)));
+        let mut starts: Vec<usize> = around.collect();
+        if starts.is_empty() {
+            starts.extend(self.shell.nearest(point).and_then(|(cell, _)| self.number(cell)));
+        }
+        let mut best = Reach { level: Level::OutOfReach, posture: self.at_ease.clone(), miss: f64::INFINITY };
+        let mut workspace = Workspace::default();
+        for (chain, level) in self.chains.iter().zip([Level::Near, Level::Far]) {
+            for &number in starts.iter().filter(|number| level == Level::Far || **number < self.near) {
+                let mut posture = self.at_ease.clone();
+                let kept = self.reached.coordinates_of(number, self.chains[1].len());
+                self.chains[1].put_into(kept, &mut posture);
+                let mut coordinates = chain.of_posture(&posture);
+                let outside = chain.seek(&mut coordinates, point, EXACT, STEPS, &mut workspace);
+                let miss = (chain.point(&coordinates, &mut workspace) - point).norm();
+                if outside == 0.0 || miss < best.miss {
+                    chain.put_into(coordinates, &mut posture);
+                    best = Reach { level: Level::OutOfReach, posture, miss };
+                }
+                if outside == 0.0 {
+                    return Reach { level, ..best };
+                }
+            }
+        }
+        best
     }
 
     /// The voxels that are reached, counted from the origin, with how far away they are.

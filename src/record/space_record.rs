@@ -27,6 +27,9 @@ pub struct SpaceRecord {
     pub voxel: f64,
     /// Per hand, the volumes of what is near and of what is far, litres.
     pub litres: Vec<[f64; 2]>,
+    /// What of this is no knowledge but a guess, in sentences.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub doubts: Vec<String>,
     /// The slices.
     pub slices: Vec<SpaceSlice>,
 }

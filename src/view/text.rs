@@ -2,6 +2,8 @@
 
 /// Slack for powers of ten that are not exact.
 const ROUNDING: f64 = 1e-9;
+/// Below this a number of a linear axis is told by a power of ten.
+const TINY: f64 = 1e-4;
 
 /// An error in its unit, as people read it wherever it stands: to two or three digits, and below a thousandth as that.
 pub(crate) fn error_number(value: f64) -> String {
@@ -84,9 +86,11 @@ pub(super) fn tick_label(error: f64) -> String {
 
 /// A number of a linear axis, with a true minus sign.
 pub(super) fn plain(value: f64) -> String {
-    let rounded = (value * 1e9).round() / 1e9;
-    let text = format!("{}", rounded.abs());
-    if rounded < 0.0 { format!("−{text}") } else { text }
+    let text = match value.abs() {
+        tiny if tiny > 0.0 && tiny < TINY => tick_label(tiny),
+        x => format!("{}", (x * 1e9).round() / 1e9),
+    };
+    if value < 0.0 { format!("−{text}") } else { text }
 }
 
 /// JSON in a script of a page: no character may end the script or begin an element.

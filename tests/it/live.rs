@@ -57,6 +57,7 @@ fn babbling_is_seen_while_it_goes_on() {
     tab.wait("document.querySelector('#made .line')?.getAttribute('d').split('L').length > 3");
     tab.wait("document.querySelectorAll('#missed circle').length > 3");
 
+    tab.picture("babbling");
     // It is the report's viewer that draws.
     let page = served.answer("GET", "/", "host: HERE\r\n", "");
     assert!(VIEWER.iter().all(|script| page.contains(script)));
@@ -112,6 +113,7 @@ fn a_click_on_the_skin_is_felt_and_answered() {
     let tab = open(browser, &served);
 
     tab.accessible();
+    tab.picture("talk");
     // Somewhere in sight on the upper right arm, which the left hand reaches.
     let session: Value =
         serde_json::from_str(&std::fs::read_to_string(place.join("max/session.json")).unwrap()).unwrap();
@@ -193,6 +195,22 @@ fn sessions_are_looked_at_touch_by_touch_in_any_posture_and_beside_each_other() 
     let pixel = |k: usize| at[k].as_f64().unwrap() + corner[k].as_f64().unwrap();
     tab.click(pixel(0), pixel(1));
     tab.wait("document.getElementById('about').textContent.includes(': its skin is known to ')");
+
+    // And where it gets to is seen as a cloud, another one for another limb.
+    let drawn_on = "(() => {
+        const canvas = document.getElementById('body');
+        const { data } = canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height);
+        let drawn = 0;
+        for (let at = 3; at < data.length; at += 4) drawn += data[at] > 0;
+        return drawn / (data.length / 4);
+    })()";
+    let bare = tab.evaluate(drawn_on).as_f64().unwrap();
+    tab.evaluate("document.getElementById('space').click()");
+    tab.wait("document.getElementById('space-says').textContent.startsWith('reached by ')");
+    tab.wait(&format!("{drawn_on} > {bare} + 0.02"));
+    tab.picture("view");
+    tab.evaluate("document.getElementById('space').click()");
+    tab.wait("document.getElementById('space-says').textContent === ''");
 
     // The model itself beside it: another page, in which a further body stands.
     set(&element("beside"), "2", "change");

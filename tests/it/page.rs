@@ -121,6 +121,7 @@ fn every_picture_is_drawn_and_nothing_is_fetched() {
         assert!(share > 0.01 && colours > 20, "{picture}: {share} of it drawn on in {colours} colours");
     }
     tab.accessible();
+    tab.picture("report");
     let speed = tab.evaluate(SPEED);
     let [drawn, loaded, turning] = [0, 1, 2].map(|k| speed[k].as_f64().unwrap());
     eprintln!(
@@ -220,6 +221,7 @@ fn a_recording_has_a_page_without_the_truth() {
     succeeds(place.path(), &learn);
     let tab = open(browser, &place.path().join("recorded/report.html"));
     tab.accessible();
+    tab.picture("recording");
     let names = tab
         .evaluate("[...document.querySelectorAll('.switches label')].map((label) => label.innerText.trim())");
     assert_eq!(names, serde_json::json!(["limbs", "receptors", "joints", "auras", "neighbouring receptors"]));

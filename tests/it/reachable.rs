@@ -10,7 +10,7 @@ use bodyschema::kinematics::REACHED;
 use bodyschema::learning::Certainty;
 use bodyschema::peripersonal::{Level, OwnBody, ReachableMap, TipChain, Unmappable, Workspace};
 use nalgebra::Vector3;
-use rand::SeedableRng;
+use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use serde_json::Value;
 
@@ -178,6 +178,41 @@ fn levels_distances_and_postures_agree() {
 }
 
 #[test]
+fn a_point_is_sought_as_exactly_on_a_coarse_map_as_on_a_fine_one() {
+    let (own, coarse) = max_map("left_hand", 0.12);
+    let (_, fine) = max_map("left_hand", 0.04);
+    let mut rng = ChaCha8Rng::seed_from_u64(5);
+    let at_ease = own.at_ease();
+    let mut counts = [0; 3];
+    for _ in 0..300 {
+        let point = Vector3::from_fn(|_, _| rng.random_range(-1.3..1.3));
+        let found = coarse.seek(&point);
+        counts[usize::from(found.level.number())] += 1;
+        let miss = (tip(&own, &coarse, &found.posture) - point).norm();
+        assert!((miss - found.miss).abs() < KEPT, "{miss} {}", found.miss);
+        // No posture is off by more than the fine map says, and none that reaches leans without need.
+        assert_eq!(found.level == Level::OutOfReach, found.miss > 2e-4, "{found:?}");
+        let border = fine.lattice().voxel;
+        let deeply = |level: Level| {
+            let steps = [-border, 0.0, border];
+            let around = steps.iter().flat_map(|x| steps.iter().map(move |y| (*x, *y)));
+            { around }
+                .all(|(x, y)| steps.iter().all(|z| fine.level(&(point + Vector3::new(x, y, *z))) == level))
+        };
+        for level in [Level::Near, Level::Far, Level::OutOfReach].into_iter().filter(|level| deeply(*level)) {
+            assert_eq!(found.level, level, "{point}");
+        }
+        if found.level == Level::Near {
+            for joint in own.joints_to(fine.chest) {
+                let coordinates = own.creature().joints()[joint].coordinates();
+                assert_eq!(found.posture[coordinates.clone()], at_ease[coordinates]);
+            }
+        }
+    }
+    assert!(counts.iter().all(|count| *count > 20), "{counts:?}");
+}
+
+#[test]
 fn the_map_is_the_same_for_any_number_of_threads_and_nearly_the_same_for_nearly_the_same_body() {
     let own = knowing(&max("torso"));
     let hand = own.creature().limb("left_hand").unwrap();
@@ -239,6 +274,23 @@ fn the_command_tells_the_space_and_writes_its_files() {
     assert!(vtk.len() > 2 * count && vtk.len() < 2 * count + 500);
     let svg = fs::read_to_string(place.path().join("space.svg")).unwrap();
     assert!(svg.starts_with("<svg") && svg.contains("from above") && !svg.contains("NaN"));
+    // A point by itself takes no map, and changes nothing.
+    let kept = fs::read(place.path().join("arms/space.json")).unwrap();
+    let output = run(place.path(), &["space", "arms", "--at", "-0.2,0.3,0.4"]);
+    let said = String::from_utf8(output.stdout).unwrap();
+    assert!(said.contains("left_hand: ") && !said.contains("voxels") && !said.contains("guess"), "{said}");
+    assert_eq!(fs::read(place.path().join("arms/space.json")).unwrap(), kept);
+    // What is learned of nothing is a guess, and said to be one.
+    let output = run(place.path(), &["learn", "arms", "--learner", "hersch", "--out", "guessed"]);
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    for asked in [vec!["space", "guessed", "--voxel", "0.1"], vec!["space", "guessed", "--at", "0.1,0.2,0.3"]]
+    {
+        let said = String::from_utf8(run(place.path(), &asked).stdout).unwrap();
+        assert!(said.contains("left_hand: where it gets to is a guess, for it is not placed"), "{said}");
+    }
+    assert!(run(place.path(), &["report", "guessed"]).status.success());
+    let page = fs::read_to_string(place.path().join("guessed/report.html")).unwrap();
+    assert!(page.contains("where it gets to is a guess"));
     for (arguments, code, says) in [
         (vec!["space", "arms", "--hand", "foot"], 1, "no such limb"),
         (vec!["space", "arms", "--voxel", "0"], 1, "cannot be counted"),

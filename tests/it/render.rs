@@ -62,7 +62,7 @@ fn a_model_at_ease_fills_its_picture() {
         return;
     }
     let place = tempfile::tempdir().unwrap();
-    let drawn = picture(place.path(), &[&max(), "--size", "300x400"]);
+    let drawn = picture(place.path(), &[&max(), "--size", "300x400", "--no-caption"]);
     assert_eq!((drawn.width, drawn.height), (300, 400));
     let empty = drawn.share(is_white);
     assert!((0.6..0.95).contains(&empty), "{empty} of it is white");
@@ -358,8 +358,15 @@ fn rows_go_from_the_top_and_marks_are_where_they_are_put() {
         Mark::capsule([Point3::new(0.0, -0.3, -0.5), Point3::new(0.0, -0.8, -0.5)], 0.05, green),
     ];
     let mut render = |camera| {
-        let view =
-            View { camera, marks: &marks, marks_alone: false, repaint: &|_| None, copies: &[], caption: "" };
+        let view = View {
+            camera,
+            marks: &marks,
+            marks_alone: false,
+            repaint: &|_| None,
+            copies: &[],
+            caption: "",
+            scale: "",
+        };
         renderer.render(&[], &view)
     };
     let image = render(camera).unwrap();
@@ -379,8 +386,15 @@ fn rows_go_from_the_top_and_marks_are_where_they_are_put() {
     assert!(matches!(Renderer::new(&model, 10, 60), Err(Error::Size { .. })));
     // Two in one thread do not disturb each other.
     let again = |renderer: &mut Renderer| {
-        let view =
-            View { camera, marks: &marks, marks_alone: false, repaint: &|_| None, copies: &[], caption: "" };
+        let view = View {
+            camera,
+            marks: &marks,
+            marks_alone: false,
+            repaint: &|_| None,
+            copies: &[],
+            caption: "",
+            scale: "",
+        };
         renderer.render(&[], &view).unwrap()
     };
     drop(Renderer::new(&model, 50, 50).unwrap());

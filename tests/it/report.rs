@@ -190,8 +190,8 @@ fn the_joints_are_told_with_their_touches_and_errors() {
     assert_eq!(rows.len(), 4, "a head, two axes of a shoulder, a ball");
     let shoulder = ["left_shoulder", "trunk", "3", "yes", "0.0", "300.0", "0.0"];
     assert_eq!(rows[1][..7], shoulder);
-    assert_eq!(rows[1][7..], ["turn", "0.000", "0.000", "1.000", "0", "0"]);
-    assert_eq!(rows[2], ["lift", "0.000", "1.000", "0.000", "0", "0"]);
+    assert_eq!(rows[1][7..], ["turn", "0.000", "0.000", "1.000", "0.000", "0.000"]);
+    assert_eq!(rows[2], ["lift", "0.000", "1.000", "0.000", "0.000", "0.000"]);
     let ball = ["ball", "trunk", "1", "no", "0.0", "−300.0", "0.0", "", "turns freely", "–", "–"];
     assert_eq!(rows[3], ball);
 }

@@ -27,16 +27,14 @@ use crate::skin::Skin;
 /// What draws bodies in a page.
 pub(super) const SCRIPT: &str = concat!(include_str!("paint.js"), include_str!("body.js"));
 
-/// The colours of limbs, of a body that is learned beside another, and of a shade.
+/// The colours of limbs that have none of their own, and of a shade.
 pub(super) const LIMB: &str = "#b9c7d3";
-#[cfg(feature = "live")]
-pub(super) const LEARNED: &str = "#7fb2d9";
 pub(super) const SHADE: &str = "#8a939c";
 /// Numbers are told in so many parts of a metre, and of one.
 const PARTS: f64 = 1e4;
 
 /// A number as the viewer takes it.
-fn whole(x: f64) -> i64 {
+pub(super) fn whole(x: f64) -> i64 {
     (x * PARTS).round() as i64
 }
 

@@ -17,7 +17,7 @@ use crate::ground_truth::GroundTruth;
 use crate::schema::BodySchema;
 use crate::senses::Touch;
 use crate::view::body::{
-    AURAS, AuraOverlay, BodyMesh, BodyScene, Clothes, LEARNED, Layer, MAP, MapOverlay, Pose, Skeleton,
+    AURAS, AuraOverlay, BodyMesh, BodyScene, Clothes, Layer, MAP, MapOverlay, Pose, Skeleton,
 };
 use crate::view::charts::{Chart, ChartGroup, ChartMark, Ink, Panel, Ruler, Scale};
 use crate::view::figure;
@@ -275,7 +275,7 @@ impl LivePage for BabblingView {
             layers: vec![
                 Layer::clothed("body", 0, "own", &self.clothes),
                 receptors,
-                Layer::solid("what is learned", 0, "learned", LEARNED),
+                Layer::clothed("what is learned", 0, "learned", &self.clothes),
             ],
             skeletons: vec![Skeleton::learned(&self.agent, &[])],
             room: [Vector3::new(-r, -r, -r), Vector3::new(r, self.aside() + r, r)],

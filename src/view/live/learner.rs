@@ -1,30 +1,32 @@
 //! Who learns while babbling goes on, so that there is something to see; what the session learns, it learns after.
 
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
-use std::thread::JoinHandle;
+use std::sync::{Arc, Mutex, PoisonError};
+use std::thread::available_parallelism;
 use std::time::{Duration, Instant};
 
-use rand::SeedableRng;
-use rand_chacha::ChaCha8Rng;
+use rayon::ThreadPoolBuilder;
 
 use super::babbling::BabblingView;
 use crate::agent::Agent;
+use crate::deadline::Deadline;
+use crate::experiment::LearningOptions;
 use crate::kinematics::limb_frames;
-use crate::learning::initial_guess::random_guess;
-use crate::learning::{Hersch, Input, Learner};
+use crate::learning::{Learner, Verdict};
 use crate::schema::BodySchema;
 use crate::senses::Touch;
 
 /// How often it looks for touches.
 const EVERY: Duration = Duration::from_millis(50);
-/// For each second of learning it rests so many: it must not take time from babbling.
-const REST: u32 = 50;
+/// How long it tries initial guesses.
+const TRIES: Duration = Duration::from_millis(500);
+/// For each second of learning it rests so many: where there is one core alone it must not take time from babbling.
+const REST: u32 = 1;
+const REST_ALONE: u32 = 50;
 
-/// A thread that learns by Hersch's rule from as many of the touches as it gets to.
+/// A thread that learns as the session will, from as many of the touches as it gets to.
 pub struct LiveLearner {
-    done: Arc<AtomicBool>,
-    thread: Option<JoinHandle<()>>,
+    /// Whether what it finds is wanted no more. Held while the view is told.
+    done: Arc<Mutex<bool>>,
 }
 
 impl LiveLearner {
@@ -32,28 +34,61 @@ impl LiveLearner {
     ///
     /// # Errors
     /// Where the system refuses a thread.
-    pub fn new(view: Arc<BabblingView>, agent: &Agent, seed: u64) -> std::io::Result<LiveLearner> {
-        let done = Arc::new(AtomicBool::new(false));
-        let ended = done.clone();
-        let agent = agent.clone();
+    pub fn new(
+        view: Arc<BabblingView>,
+        agent: &Agent,
+        options: &LearningOptions,
+        seed: u64,
+    ) -> std::io::Result<LiveLearner> {
+        let done = Arc::new(Mutex::new(false));
+        let (ended, agent, options) = (done.clone(), agent.clone(), options.clone());
         let work = move || {
-            let initial_guess = random_guess(agent.creature(), &mut ChaCha8Rng::seed_from_u64(seed));
-            let mut learner = Hersch::new(&agent, Input::Receptor, initial_guess);
+            let disturbances = options.disturbances.disturbances();
+            let mut learner = options.learner(&disturbances.felt(&agent, &[], seed).agent, seed);
+            let rest =
+                if available_parallelism().is_ok_and(|cores| cores.get() > 1) { REST } else { REST_ALONE };
+            let mut schema: Option<BodySchema> = None;
             let mut touches = 0;
-            while !ended.load(Ordering::Relaxed) {
+            loop {
                 let began = Instant::now();
                 let fresh = view.take_fresh();
-                if let Some(first) = fresh.first() {
-                    let missed = miss(&agent, &learner.learn().schema, first);
-                    fresh.iter().for_each(|touch| learner.touch(touch));
-                    touches += fresh.len();
-                    view.learned(touches, None, Some(&learner.learn().schema), Some(missed));
+                let missed = schema.as_ref().zip(fresh.first());
+                let missed = missed.map(|(schema, first)| miss(&agent, schema, first));
+                let felt = disturbances.felt(&agent, &fresh, seed.wrapping_add(touches as u64)).touches;
+                if !felt.is_empty() {
+                    felt.iter().for_each(|touch| learner.touch(touch));
+                    touches += felt.len();
+                    schema = believed(learner.as_mut(), schema.take());
                 }
-                std::thread::sleep(EVERY.max(REST * began.elapsed()));
+                {
+                    let ended = ended.lock().unwrap_or_else(PoisonError::into_inner);
+                    if *ended {
+                        return;
+                    }
+                    if !felt.is_empty() {
+                        view.learned(touches, None, schema.as_ref(), missed);
+                    }
+                }
+                std::thread::sleep(EVERY.max(rest * began.elapsed()));
             }
         };
-        let thread = std::thread::Builder::new().name("live learner".into()).spawn(work)?;
-        Ok(LiveLearner { done, thread: Some(thread) })
+        // With threads of its own: those of the session are at work, or wait for it.
+        let pool = ThreadPoolBuilder::new().num_threads(1).build().map_err(std::io::Error::other)?;
+        std::thread::Builder::new().name("live learner".into()).spawn(move || pool.install(work))?;
+        Ok(LiveLearner { done })
+    }
+}
+
+/// What a learner believes now, or what was believed before where it comes to nothing.
+fn believed(learner: &mut dyn Learner, before: Option<BodySchema>) -> Option<BodySchema> {
+    if let Some(schema) = learner.schema() {
+        return Some(schema.clone());
+    }
+    learner.end_at(Deadline::after(Instant::now(), TRIES));
+    let learned = learner.learn();
+    match (learned.verdict, before) {
+        (Verdict::Failed(_), Some(before)) => Some(before),
+        _ => Some(learned.schema),
     }
 }
 
@@ -69,9 +104,7 @@ pub(super) fn miss(agent: &Agent, schema: &BodySchema, touch: &Touch) -> f64 {
 
 impl Drop for LiveLearner {
     fn drop(&mut self) {
-        self.done.store(true, Ordering::Relaxed);
-        if let Some(thread) = self.thread.take() {
-            let _ = thread.join();
-        }
+        // What it is at may take a while: nobody waits for that.
+        *self.done.lock().unwrap_or_else(PoisonError::into_inner) = true;
     }
 }

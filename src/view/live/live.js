@@ -49,12 +49,29 @@
   // What is looked at: a touch, a posture, a session, and another one beside it.
   const dofs = [...document.querySelectorAll("[data-coordinate]")];
   let posture = [];
+  let limb = null;
+  const space = async () => {
+    const shown = element("space").checked;
+    element("space-says").textContent = shown ? "…" : "";
+    if (!shown) {
+      body.space(null);
+      return;
+    }
+    const found = await (await fetch("space")).json();
+    if (!element("space").checked) return;
+    element("space-says").textContent = found.says;
+    body.space({ ...found.cloud, poses: "learned" });
+  };
   let edition = null;
   const looking = (state) => {
     // Another page asked for another body.
     if (edition !== null && edition !== state.edition) location.reload();
     ({ posture, edition } = state);
     element("about").textContent = state.about;
+    if (limb !== state.limb) {
+      limb = state.limb;
+      if (element("space").checked) space().catch(() => {});
+    }
     if (element("touch")) {
       element("touch").value = state.touch;
       element("touch-number").textContent = state.touch || "at ease";
@@ -104,6 +121,7 @@
       });
     }
     const number = (id) => (element(id).value === "" ? null : Number(element(id).value));
+    element("space").addEventListener("change", () => space().catch(() => {}));
     element("shown")?.addEventListener("change", () => show({ session: number("shown") }));
     element("beside")?.addEventListener("change", () => show({ beside: number("beside") }));
     body.onReceptor((receptor) => send("touch", { receptor }));

@@ -10,20 +10,24 @@ use super::server::{Asked, LivePage, Reception, ShowRequest};
 use super::{HEIGHT, page};
 use crate::agent::Agent;
 use crate::creature::{Appearance, Posture};
-use crate::experiment::same_tree;
-use crate::learning::Account;
+use crate::experiment::{hands, same_tree};
+use crate::learning::{Account, Certainty};
+use crate::peripersonal::{OwnBody, ReachableMap};
 use crate::schema::BodySchema;
 use crate::senses::Touch;
 use crate::view::body::{
-    AURAS, AuraOverlay, BodyMesh, BodyScene, Clothes, LEARNED, Layer, Look, MAP, MapOverlay, Pose, SHADE,
-    Skeleton,
+    AURAS, AuraOverlay, BodyMesh, BodyScene, Clothes, Layer, Look, MAP, MapOverlay, Pose, SHADE, Skeleton,
 };
+use crate::view::space::cloud::SpaceCloud;
 use crate::view::text::{error_number, escape};
 
 /// How wide the room about a body is by its extent.
 const ROOM: f64 = 0.86;
 /// How far apart two bodies stand by how far both extend.
 const APART: f64 = 0.55;
+/// Voxels of a cloud in the longest reach, and their least side, metres.
+const VOXELS: f64 = 20.0;
+const LEAST_VOXEL: f64 = 1e-4;
 /// The name of what is learned in the session that stands beside.
 const BESIDE: &str = "the other body";
 
@@ -39,12 +43,21 @@ pub struct LookedAt {
     pub truth: Option<BodySchema>,
     /// What it looks like, where that is known.
     pub appearance: Option<Appearance>,
-    /// How sure what was learned is, where somebody can tell.
-    pub account: Option<Account>,
+    /// How sure that is.
+    pub certainty: Certainty,
     /// Its touches.
     pub touches: Vec<Touch>,
     /// What came of it, in a sentence.
     pub verdict: String,
+}
+
+impl LookedAt {
+    fn account(&self) -> Option<&Account> {
+        match &self.certainty {
+            Certainty::Estimated(account) => Some(account),
+            Certainty::Exact | Certainty::Unknown => None,
+        }
+    }
 }
 
 /// What is shown of some sessions and models.
@@ -62,8 +75,8 @@ struct LookingState {
     /// The touch that is shown, counted from 1; 0 for none.
     touch: usize,
     posture: Posture,
-    /// What is said of what was clicked last.
-    about: String,
+    /// The limb that was clicked last.
+    limb: Option<usize>,
     /// How often another page was asked for.
     edition: usize,
 }
@@ -76,7 +89,7 @@ impl LookingView {
     pub fn new(all: Vec<LookedAt>) -> LookingView {
         let posture = Posture::start(all[0].agent.creature());
         let beside = (all.len() == 2).then_some(1);
-        let state = LookingState { shown: 0, beside, touch: 0, posture, about: String::new(), edition: 0 };
+        let state = LookingState { shown: 0, beside, touch: 0, posture, limb: None, edition: 0 };
         LookingView { extents: all.iter().map(extent).collect(), all, state: Mutex::new(state) }
     }
 
@@ -112,7 +125,7 @@ impl LookingView {
     fn certainty(looked: &LookedAt, limb: usize) -> String {
         let creature = looked.agent.creature();
         let name = creature.limbs()[limb].replace('_', " ");
-        let Some(account) = &looked.account else { return name };
+        let Some(account) = looked.account() else { return name };
         let millimetres = |metres: f64| error_number(1e3 * metres);
         match (account.openness(creature, limb), account.distance_to_most(limb)) {
             (Some(why), _) => format!("{name}: not placed, {}", why.words(creature)),
@@ -123,6 +136,37 @@ impl LookingView {
             ),
             _ => format!("{name}: nothing is claimed of it"),
         }
+    }
+
+    /// Where a limb gets to, or hands where there is none or it has no skin: a cloud of dots, and what it is in words.
+    fn space(looked: &LookedAt, limb: Option<usize>) -> (SpaceCloud, String) {
+        let own = OwnBody::new(&looked.agent, looked.schema.clone(), looked.certainty.clone(), &[]);
+        let limbs = match limb.filter(|&limb| limb > 0 && own.tip_of(limb).is_some()) {
+            Some(limb) => vec![limb],
+            None => hands(&own, &[]).unwrap_or_default(),
+        };
+        let name = |limb: usize| own.creature().limbs()[limb].replace('_', " ");
+        let (placed, open): (Vec<usize>, Vec<usize>) =
+            limbs.into_iter().partition(|&limb| own.unplaced(limb).is_none());
+        if placed.is_empty() {
+            let says = match open.as_slice() {
+                [] => "click on a limb to see where it gets to".to_string(),
+                open => format!(
+                    "what is reached by {} is not known: where that is was not found out",
+                    open.iter().map(|&limb| name(limb)).collect::<Vec<_>>().join(" or ")
+                ),
+            };
+            return (SpaceCloud::default(), says);
+        }
+        let chest = own.carrier_of(&placed);
+        let reach = placed.iter().filter_map(|&limb| Some(own.length_of(&own.tip_of(limb)?)));
+        let voxel = (reach.fold(0.0, f64::max) / VOXELS).max(LEAST_VOXEL);
+        let map = |&limb: &usize| ReachableMap::new(&own, limb, chest, voxel).ok();
+        let maps: Vec<ReachableMap> = placed.iter().filter_map(map).collect();
+        let names: Vec<String> = placed.iter().map(|&limb| name(limb)).collect();
+        let far = if chest == 0 { "" } else { ", yellow with what carries it" };
+        let says = format!("reached by {}: blue by itself{far}", names.join(" or "));
+        (SpaceCloud::new(&maps), says)
     }
 
     /// The touch that is shown, in words.
@@ -170,6 +214,10 @@ impl LookingView {
                 shown.touches.len()
             );
         }
+        html.push_str(
+            "<div class=\"switches\"><label><input type=\"checkbox\" id=\"space\" autocomplete=\"off\"/> reachable space</label></div>\n\
+             <p id=\"space-says\" class=\"note\" aria-live=\"polite\"></p>\n",
+        );
         html.push_str("<details class=\"posture\"><summary>Posture</summary>\n<div class=\"dofs\">\n");
         for at in shown.agent.creature().elements().filter(|at| !at.is_ball() && at.follows.is_none()) {
             let [low, high] = at.range;
@@ -203,7 +251,7 @@ impl LivePage for LookingView {
         let clothes = Clothes::new(skin, shown.appearance.as_ref());
         let receptors = BodyMesh::of_receptors(skin);
         let ids = skin.receptors.iter().map(|receptor| receptor.id.clone()).collect();
-        let open = shown.account.as_ref().map_or(&[][..], Account::undetermined);
+        let open = shown.account().map_or(&[][..], Account::undetermined);
         let mut layers = vec![
             Layer::clothed("body", 0, "learned", &clothes),
             Layer { lit_alone: true, ..Layer::receptors("learned", ids) },
@@ -215,8 +263,9 @@ impl LivePage for LookingView {
         }
         let mut meshes = vec![clothes.mesh, receptors];
         if let Some(other) = state.beside.map(|beside| &self.all[beside]) {
-            layers.push(Layer::solid(BESIDE, meshes.len(), "other", LEARNED));
-            meshes.push(Clothes::new(other.agent.skin(), other.appearance.as_ref()).mesh);
+            let clothes = Clothes::new(other.agent.skin(), other.appearance.as_ref());
+            layers.push(Layer::clothed(BESIDE, meshes.len(), "other", &clothes));
+            meshes.push(clothes.mesh);
         }
         let poses = self.poses(&state);
         let (r, aside) = (ROOM * self.extents[state.shown], self.aside(&state));
@@ -260,7 +309,8 @@ impl LivePage for LookingView {
             self.poses(&state).into_iter().map(|(name, pose)| (name.to_string(), pose.told())).collect();
         json!({
             "doing": self.doing(&state),
-            "about": state.about,
+            "about": state.limb.map_or(String::new(), |limb| LookingView::certainty(shown, limb)),
+            "limb": state.limb,
             "touch": state.touch,
             "posture": &state.posture[..],
             "felt": touch.map_or(Vec::new(), |touch| touch.ends.map(|end| end.receptor).to_vec()),
@@ -270,12 +320,26 @@ impl LivePage for LookingView {
         .to_string()
     }
 
+    fn space(&self) -> String {
+        let (shown, limb) = {
+            let state = self.state();
+            (state.shown, state.limb)
+        };
+        // Threads of its own: where there is one alone, that waits for the page to be closed.
+        let work = || LookingView::space(&self.all[shown], limb);
+        let (cloud, says) = match rayon::ThreadPoolBuilder::new().build() {
+            Ok(pool) => pool.install(work),
+            Err(error) => (SpaceCloud::default(), format!("no thread works it out ({error})")),
+        };
+        json!({ "cloud": cloud, "says": says }).to_string()
+    }
+
     fn ask(&self, asked: Asked) -> Reception {
         let mut state = self.state();
         let shown = &self.all[state.shown];
         match asked {
             Asked::Touch(receptor) if receptor < shown.agent.skin().receptors.len() => {
-                state.about = LookingView::certainty(shown, shown.agent.skin().receptors[receptor].limb);
+                state.limb = Some(shown.agent.skin().receptors[receptor].limb);
                 Reception::Taken
             }
             _ => Reception::Nobody,
@@ -315,7 +379,7 @@ impl LivePage for LookingView {
                 if state.shown != number {
                     (state.shown, state.touch) = (number, 0);
                     state.posture = Posture::start(self.all[number].agent.creature());
-                    state.about.clear();
+                    state.limb = None;
                 }
                 state.edition += 1;
             }

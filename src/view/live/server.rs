@@ -49,6 +49,10 @@ pub trait LivePage: Send + Sync + 'static {
     fn charts(&self) -> String {
         "{}".into()
     }
+    /// Where the body that is shown gets to, as JSON, and in words what it is; worked out when it is asked for.
+    fn space(&self) -> String {
+        "{}".into()
+    }
     /// The report to read, once there is one.
     fn report(&self) -> Option<PathBuf> {
         None
@@ -185,6 +189,7 @@ fn routes(shared: Shared) -> Router {
     Router::new()
         .route("/", get(page))
         .route("/charts", get(charts))
+        .route("/space", get(space))
         .route("/events", get(events))
         .route("/report", get(finished_report))
         .route("/say", post(say))
@@ -210,6 +215,13 @@ async fn page(State(shared): State<Shared>) -> impl IntoResponse {
 
 async fn charts(State(shared): State<Shared>) -> impl IntoResponse {
     ([(header::CONTENT_TYPE, "application/json")], shared.view.charts())
+}
+
+/// It takes a moment: others are not kept waiting.
+async fn space(State(shared): State<Shared>) -> impl IntoResponse {
+    let view = shared.view.clone();
+    let space = tokio::task::spawn_blocking(move || view.space()).await.unwrap_or_else(|_| "{}".into());
+    ([(header::CONTENT_TYPE, "application/json")], space)
 }
 
 /// The state whenever it is new. Who cannot follow misses what was in between.

@@ -7,6 +7,7 @@ mod figure;
 mod film;
 mod framing;
 mod layers;
+mod scale;
 mod still;
 mod storyboard;
 
@@ -16,6 +17,7 @@ pub use figure::{between, learned_body, lit_touch, skin};
 pub use film::{Film, FilmError, is_film};
 pub use framing::{Direction, corners_of, extent, frame, outline, outline_of};
 pub use layers::{auras, map};
+use scale::ScaleBar;
 pub use still::png;
 pub use storyboard::{SessionDrawing, Storyboard};
 
@@ -37,6 +39,8 @@ pub struct Shot {
     pub copies: Vec<GeomCopy>,
     /// What is written below, in ASCII.
     pub caption: String,
+    /// Whether a bar tells how large things are, where the camera is free.
+    pub scaled: bool,
 }
 
 /// Draws a shot. Geoms that are `shaded` are drawn as a mere shade.
@@ -51,6 +55,7 @@ pub fn draw(
 ) -> mujoco::Result<Image> {
     let repaint = |geom: usize| shaded(geom).then_some(SHADE);
     let marks = [&shot.marks[..], &shot.lit].concat();
+    let bar = ScaleBar::new(camera, renderer.lens(), renderer.height()).filter(|_| shot.scaled);
     let view = View {
         camera,
         marks: &marks,
@@ -58,14 +63,18 @@ pub fn draw(
         repaint: &repaint,
         copies: &shot.copies,
         caption: &shot.caption,
+        scale: bar.as_ref().map_or("", |bar| &bar.says),
     };
     let mut image = renderer.render(&shot.qpos, &view)?;
+    if let Some(bar) = &bar {
+        bar.draw(&mut image, renderer.label_height());
+    }
     if shot.lit.is_empty() {
         return Ok(image);
     }
     let lit = renderer.render(
         &shot.qpos,
-        &View { marks: &shot.lit, marks_alone: true, copies: &[], caption: "", ..view },
+        &View { marks: &shot.lit, marks_alone: true, copies: &[], caption: "", scale: "", ..view },
     )?;
     for (pixel, lit) in image.rgb.chunks_exact_mut(3).zip(lit.rgb.chunks_exact(3)) {
         // What is lit has no blue, and all else is white.

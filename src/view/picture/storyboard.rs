@@ -116,7 +116,7 @@ impl<'a> SessionDrawing<'a> {
             marks.extend(self.lit(touch, *strength, posture)?);
         }
         let copies = self.learned(posture)?;
-        Ok(Shot { qpos: self.qpos(posture), marks: Vec::new(), lit: marks, copies, caption: String::new() })
+        Ok(Shot { qpos: self.qpos(posture), lit: marks, copies, ..Shot::default() })
     }
 
     /// One picture of the body in a posture, with the places of a touch of a number lit.
@@ -190,10 +190,9 @@ impl<'a> SessionDrawing<'a> {
             .collect();
         let shot = |copies: Vec<GeomCopy>, caption: String| Shot {
             qpos: qpos.clone(),
-            marks: Vec::new(),
-            lit: Vec::new(),
             copies,
             caption,
+            ..Shot::default()
         };
         let last = checkpoints.len() - 1;
         let (mut shots, mut held) = (Vec::new(), Vec::new());

@@ -17,11 +17,12 @@ pub(super) fn figure_of(space: Option<&SpaceRecord>) -> String {
     });
     let caption = format!(
         "Where {} can get to by the learned schema, in the frame of {}: near by the arm alone, far by leaning{}. \
-         Lines are limbs at ease. {}.",
+         Lines are limbs at ease. {}.{}",
         escape(&space.hands.join(" and ")),
         escape(&space.chest),
         if space.hands.len() > 1 { ", for one of them or for more" } else { "" },
-        litres.collect::<Vec<_>>().join("; ")
+        litres.collect::<Vec<_>>().join("; "),
+        space.doubts.iter().map(|doubt| format!(" <b>{}.</b>", escape(doubt))).collect::<String>()
     );
     figure("reachable", &chart(space, "Slices of the reachable map"), &caption)
 }

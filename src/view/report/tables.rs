@@ -7,7 +7,7 @@ use crate::creature::DofKind;
 use crate::evaluation::{AxisErrors, CramerRaoBound, Summary, axis_errors};
 use crate::kinematics::Chain;
 use crate::senses::Touch;
-use crate::view::text::{error_number, escape, plural, short_number as number};
+use crate::view::text::{error_number, escape, plural, short_number};
 
 /// The numbers of the session, counted and told.
 pub(super) fn facts(input: &ReportInput) -> String {
@@ -39,6 +39,11 @@ pub(super) fn facts(input: &ReportInput) -> String {
     commands + &rows
 }
 
+/// An error as HTML has it.
+fn number(value: f64) -> String {
+    escape(&error_number(value))
+}
+
 /// A list of names and values.
 pub(super) fn definitions<'a>(facts: impl IntoIterator<Item = &'a (String, String)>) -> String {
     let row = |(name, value): &(String, String)| {
@@ -64,7 +69,7 @@ pub(super) fn errors(input: &ReportInput) -> String {
         let summary = summary?;
         let cells: String = [summary.mean, summary.median, summary.p95, summary.max]
             .iter()
-            .map(|&value| format!("<td class=\"number\">{}</td>", escape(&error_number(value))))
+            .map(|&value| format!("<td class=\"number\">{}</td>", number(value)))
             .collect();
         Some(format!("<tr><th scope=\"row\">{name}</th><td>{unit}</td>{cells}</tr>\n"))
     };
@@ -93,7 +98,7 @@ fn bound(bound: &CramerRaoBound) -> String {
          Cramér-Rao bound of {} mm, the least that any unbiased learner could leave on average after these touches, \
          were their noise what the learner takes it to be.</p>\n",
         number(bound.error_rms),
-        number(bound.ratio),
+        short_number(bound.ratio),
         number(bound.bound_rms)
     )
 }

@@ -61,8 +61,8 @@ fn outlines(own: &OwnBody, map: &ReachableMap, slice: &Slice) -> Vec<Vec<Vector3
     own.skin().surfaces.iter().map(outline).filter(|points: &Vec<_>| !points.is_empty()).collect()
 }
 
-/// The three slices of maps, of which there is at least one.
-pub fn record(own: &OwnBody, maps: &[ReachableMap]) -> SpaceRecord {
+/// The three slices of maps, of which there is at least one, and in sentences what of them is a guess.
+pub fn record(own: &OwnBody, maps: &[ReachableMap], doubts: Vec<String>) -> SpaceRecord {
     let limbs = own.creature().limbs();
     let name = |limb: usize| limbs[limb].clone();
     SpaceRecord {
@@ -70,6 +70,7 @@ pub fn record(own: &OwnBody, maps: &[ReachableMap]) -> SpaceRecord {
         hands: maps.iter().map(|map| map.name(own)).collect(),
         voxel: about(maps).voxel,
         litres: maps.iter().map(|map| map.volumes().map(|volume| 1e3 * volume)).collect(),
+        doubts,
         slices: SLICES.iter().map(|slice| slice_of(own, maps, slice)).collect(),
     }
 }

@@ -10,6 +10,7 @@ use std::process::{ChildStdin, Command, Stdio};
 use std::sync::{Condvar, LazyLock, Mutex};
 use std::time::{Duration, Instant};
 
+use base64::Engine;
 use serde_json::{Value, json};
 
 /// The variable that forbids to skip these tests.
@@ -227,6 +228,30 @@ impl Tab {
             let found = self.evaluate(&format!("(await axe.run()).{told}"));
             assert_eq!(found, json!([]), "{scheme}: {found:#}");
         }
+    }
+
+    /// Writes what is seen now, for eyes, where `BODYSCHEMA_PICTURES` names a folder; on a phone and printed as well.
+    pub fn picture(&self, name: &str) {
+        let Some(folder) = std::env::var_os("BODYSCHEMA_PICTURES") else { return };
+        let folder = Path::new(&folder);
+        std::fs::create_dir_all(folder).unwrap();
+        let write = |file: String, answer: Value| {
+            let bytes = base64::engine::general_purpose::STANDARD.decode(answer["data"].as_str().unwrap());
+            std::fs::write(folder.join(file), bytes.unwrap()).unwrap();
+        };
+        for scheme in ["dark", "light"] {
+            let media = json!({ "name": "prefers-color-scheme", "value": scheme });
+            self.call("Emulation.setEmulatedMedia", json!({ "features": [media] }));
+            for (device, width, height) in [("", 1280, 960), ("-phone", 390, 844)] {
+                let size = json!({ "width": width, "height": height, "deviceScaleFactor": 1, "mobile": width < 600 });
+                self.call("Emulation.setDeviceMetricsOverride", size);
+                // What rests is drawn sharp.
+                std::thread::sleep(Duration::from_millis(600));
+                write(format!("{name}-{scheme}{device}.png"), self.call("Page.captureScreenshot", json!({})));
+            }
+        }
+        self.call("Emulation.clearDeviceMetricsOverride", json!({}));
+        write(format!("{name}.pdf"), self.call("Page.printToPDF", json!({ "printBackground": true })));
     }
 
     /// Clicks on a place of the page, pixels from its top left.

@@ -268,6 +268,7 @@ impl Yard {
             hands: vec!["left_fore".into()],
             voxel: 0.05,
             litres: vec![[1.5, 2.5]],
+            doubts: Vec::new(),
             slices: vec![slice],
         };
         space.write(&folder).unwrap();
