@@ -24,7 +24,7 @@ use crate::simulation::{Stage, StageOptions, StepSenses, aura_event_json, event_
 /// How long the creature is watched after all is done to it, seconds.
 const AFTER: f64 = 0.1;
 
-/// Touch a creature and tell what it feels, as JSON lines while it happens.
+/// Touch a creature and tell what it feels, as JSON lines while it happens
 ///
 /// A script says which probes, balls of 8 mm, take which way:
 ///

@@ -220,7 +220,8 @@ fn next(
     let folder = shell_words(&[folder.display().to_string()]);
     if result.learned.verdict.converged() {
         return format!(
-            "open {folder}/{REPORT_FILE} in a browser; `bodyschema observe {folder}` tells what is certain and what is not"
+            "open {folder}/{REPORT_FILE} in a browser; `bodyschema view {folder}` moves the body, `bodyschema observe {folder}` tells what is \
+             certain and what is not"
         );
     }
     let strongest = LevenbergMarquardt.name();

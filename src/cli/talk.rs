@@ -12,7 +12,7 @@ use crate::interaction::{Actor, Conversation};
 use crate::record::model_hash;
 use crate::simulation::{Stage, StageOptions};
 
-/// Talk to a creature among things: it answers what a partner asks of it, line by line.
+/// Talk to a creature among things: it answers what a partner asks of it, line by line
 ///
 /// It is blindfolded: all that it knows of its body is the schema of a session, and all that it knows of the scene it
 /// has felt. Ask it in plain English, from a terminal or through a pipe, to

@@ -148,6 +148,9 @@ impl Lines<'_> {
     }
 }
 
+/// What is said of a file without any element, or one that begins with something else.
+const NO_XML: &str = "it holds no XML: give the path of an MJCF or URDF file";
+
 /// The one element that a text is, with comments and text in it.
 fn parse(path: &Path, text: &str) -> Result<Element, Refused> {
     let text = text.trim_start_matches('\u{feff}');
@@ -161,6 +164,9 @@ fn parse(path: &Path, text: &str) -> Result<Element, Refused> {
     if let Some(at) = text.find(|mark: char| mark < ' ' && !mark.is_ascii_whitespace()) {
         let message = "a character there is none of XML; give an MJCF or URDF file, which is text";
         return Err(refused(lines.of(at), message.into()));
+    }
+    if !text.trim_start().starts_with('<') {
+        return Err(Refused::file(path, NO_XML));
     }
     loop {
         let start = usize::try_from(reader.buffer_position()).unwrap_or(usize::MAX);
@@ -220,7 +226,7 @@ fn parse(path: &Path, text: &str) -> Result<Element, Refused> {
             let line = place(element).map_or(1, |(_, line)| line);
             Err(malformed(line, format!("<{}> is not closed", element.name)))
         }
-        None => Err(Refused::file(path, "it holds no XML: give the path of an MJCF or URDF file")),
+        None => Err(Refused::file(path, NO_XML)),
     }
 }
 

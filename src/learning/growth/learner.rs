@@ -83,8 +83,8 @@ impl Grower {
         }
         let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
         let reason = match self.growth.starts() {
-            0 => "no part of the body has touches enough that were made while few joints moved, as growth needs them: babble \
-                  by stages (--policy stages), or use another learner (--learner lm)"
+            0 => "no part of the body has touches enough that were made while few joints moved, as growth needs them: make more \
+                  touches (--touches), by stages (--policy stages), or use another learner (--learner lm)"
                 .to_string(),
             starts => format!(
                 "none of {starts} random initial guesses explains the touches of any part of the body; try another seed \
