@@ -120,23 +120,17 @@ pub fn gaps_of(
         *size = size.max(receptor.position.norm());
     }
     let mut row = GapRow::default();
-    let mut derivatives = Vec::new();
+    let mut slopes = Vec::new();
     let mut gaps = Vec::with_capacity(touches.len());
     for pair in &touches.pairs {
         let width = pair.limbs.iter().map(|&limb| sizes[limb]).sum();
         for touch in &pair.touches {
             row.set(skin, parameters, schema, touch);
-            let mut slope = 0.0;
-            for ((side, point), normal) in touch.sides.iter().zip(&row.points).zip(&row.normals) {
-                derivatives.clear();
-                side.angle_derivatives(schema, point, &mut derivatives);
-                let normal_c = side.frame(schema).rotation * normal;
-                slope += derivatives.iter().map(|(_, d)| normal_c.dot(d).powi(2)).sum::<f64>();
-            }
+            row.angle_slopes(schema, touch, &mut slopes);
             gaps.push(NoisyGap {
                 gap: row.gap - widening.get(gaps.len()).copied().unwrap_or(0.0),
                 entries: row.entries.clone(),
-                slope,
+                slope: slopes.iter().map(|(_, slope)| slope.powi(2)).sum(),
                 receptors: [touch.ends[0].receptor, touch.ends[1].receptor],
                 places: row.points,
                 normals: row.normals,

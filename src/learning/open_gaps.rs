@@ -7,9 +7,11 @@
 use nalgebra::DMatrix;
 
 use crate::agent::Agent;
+use crate::creature::DofKind;
 use crate::kinematics::Chain;
 use crate::learning::annealing::{quantile, typical_gap};
 use crate::learning::noise::{Noise, gaps_of};
+use crate::learning::prediction::GapRow;
 use crate::learning::surface_gap::{CERTAIN_NOISE, SurfaceGap};
 use crate::learning::touch_set::{PreparedTouch, TouchSet};
 use crate::learning::{AxisModel, Parameters};
@@ -20,6 +22,10 @@ const OPEN: f64 = 5e-5;
 /// … where touches are exact: right answers leave a tenth of it, and a wrong axis of a joint that turns little ten times as
 /// much.
 pub const EXACTLY_OPEN: f64 = 5e-6;
+/// A touch feels a joint that changes its gap by more than this, metres a radian, and than this share of its deviation: one that feels none of its joints tells of
+/// nothing. Limbs that are placed so that they spin about themselves touch for ever, and explain any touch of round skin.
+pub const FELT: f64 = 1e-6;
+const FELT_BY_DEVIATION: f64 = 0.1;
 /// Standard deviations of the gaps, as the gaps show it, that a closed gap stays within.
 const DEVIATIONS: f64 = 5.0;
 /// Share of open gaps that false touches may make up in the long run …
@@ -127,8 +133,8 @@ impl GapTally {
 ///
 /// A fit chooses which touches it closes where it cannot close all. The few that it chose of two joints check one
 /// another, and bear out what the others deny. So where many touches with two joints stay open, no touch with both
-/// counts. `deviation` is that of a touch's gap by its number, metres; where touches are `exact`, one that closes out of the
-/// patches that felt it counts as open, too.
+/// counts. `deviation` is that of a touch's gap by its number, metres; one that would close
+/// whichever way its hinges turned counts as open, too; and where touches are `exact` one that closes out of the patches that felt it.
 pub fn witnesses(
     agent: &Agent,
     touches: &TouchSet,
@@ -138,15 +144,25 @@ pub fn witnesses(
 ) -> TouchSet {
     let model = SurfaceGap::new(agent.skin(), 1.0);
     let wide = if exact { EXACTLY_OPEN } else { OPEN };
-    let mut found = GapTally::new(agent.creature().joints().len());
+    let creature = agent.creature();
+    let mut found = GapTally::new(creature.joints().len());
+    let nothing = Parameters::new(creature, AxisModel::Unit, |_| false);
+    let (mut row, mut slopes) = (GapRow::default(), Vec::new());
     let mut number = 0;
     for pair in &touches.pairs {
+        let dofs = || pair.chain.joints().flat_map(|joint| creature.joints()[joint].elements());
+        let of_hinges = dofs().all(|element| element.kind == DofKind::Hinge);
         for touch in &pair.touches {
             let frames = touch.frames(schema);
             let gap = model.gap(&touch.ends, &frames);
             let is_open = gap.distance.abs() > wide.max(DEVIATIONS * deviation(number));
             let elsewhere = exact && !model.is_felt(&touch.ends, &frames, &gap);
-            found.add(&pair.chain, is_open || elsewhere);
+            let unfelt = of_hinges && {
+                row.set(agent.skin(), &nothing, schema, touch);
+                row.angle_slopes(schema, touch, &mut slopes);
+                slopes.iter().all(|(_, slope)| slope.abs() < FELT.max(FELT_BY_DEVIATION * deviation(number)))
+            };
+            found.add(&pair.chain, is_open || elsewhere || unfelt);
             number += 1;
         }
     }

@@ -41,6 +41,19 @@ impl GapRow {
         self.fill(parameters, schema, touch, &found.normal);
     }
 
+    /// The gap's derivative by every hinge's angle at the schema that the row was set to, metres a radian, with its degree of
+    /// freedom; into `slopes`.
+    pub fn angle_slopes(&self, schema: &BodySchema, touch: &PreparedTouch, slopes: &mut Vec<(usize, f64)>) {
+        slopes.clear();
+        let mut derivatives = Vec::new();
+        for ((side, point), normal) in touch.sides.iter().zip(&self.points).zip(&self.normals) {
+            derivatives.clear();
+            side.angle_derivatives(schema, point, &mut derivatives);
+            let normal_c = side.frame(schema).rotation * normal;
+            slopes.extend(derivatives.iter().map(|(dof, derivative)| (*dof, normal_c.dot(derivative))));
+        }
+    }
+
     /// Sets the row to how far apart a schema leaves the two places of a touch along a unit vector of the common frame.
     pub fn set_miss(
         &mut self,

@@ -119,7 +119,7 @@ pub struct View<'a> {
     pub copies: &'a [GeomCopy],
     /// What is written below, in ASCII; none where that is empty.
     pub caption: &'a str,
-    /// The same below to the right.
+    /// The same above to the right.
     pub scale: &'a str,
 }
 
@@ -203,7 +203,7 @@ impl Renderer {
         self.height
     }
 
-    /// Rows at the lower edge that a caption takes, with what is free about it.
+    /// Rows at an edge that what is written there takes, with what is free about it.
     pub fn label_height(&self) -> usize {
         font(self.height) as usize * 32 / 100
     }
@@ -236,7 +236,7 @@ impl Renderer {
         };
         let labels = [
             (ffi::mjGRID_BOTTOMLEFT as i32, ascii(view.caption)),
-            (ffi::mjGRID_BOTTOMRIGHT as i32, ascii(view.scale)),
+            (ffi::mjGRID_TOPRIGHT as i32, ascii(view.scale)),
         ];
         guarded("mjr_render", || {
             // SAFETY: scene and buffers are the engine's own and made for this context of OpenGL, which is current; the

@@ -4,11 +4,12 @@ use nalgebra::{DMatrix, DVector};
 
 use super::evidence::Equation;
 use super::part::Member;
-use super::{GrownTouch, Growth};
+use super::{CLOSED, GrownTouch, Growth};
+use crate::creature::DofKind;
 use crate::learning::annealing::{NARROWEST, quantile};
 use crate::learning::online::Belief;
-use crate::learning::open_gaps::EXACTLY_OPEN;
-use crate::learning::prediction::add_row;
+use crate::learning::open_gaps::{EXACTLY_OPEN, FELT};
+use crate::learning::prediction::{GapRow, add_row};
 use crate::learning::surface_gap::SHARPEST;
 use crate::learning::{AxisModel, Parameters};
 use crate::schema::BodySchema;
@@ -30,6 +31,8 @@ const MANY_TIMES: f64 = 10.0;
 const SHARPLY_OPEN_SHARE: f64 = 0.25;
 /// … beyond so many times the share of all others.
 const MORE_OPEN: f64 = 2.0;
+/// So many touches at the least are to feel a joint.
+const FEWEST_FELT: usize = 8;
 /// Touches are taken in when so many times as many are believed, or fewer.
 const TOO_FEW: usize = 50;
 /// All is fitted again where there are so many times more touches than at the last time.
@@ -240,15 +243,24 @@ impl Growth {
     /// The joint or the limb of whose touches among some a fit to them leaves most open, where these are more than chance;
     /// `deviation` is that of a gap, metres.
     pub(super) fn most_open(&self, among: &[usize], schema: &BodySchema, deviation: f64) -> Option<Member> {
-        let told = among.iter().map(|&number| &self.touches[number]);
-        let misses: Vec<(&GrownTouch, f64)> = told.map(|touch| (touch, self.miss(touch, schema))).collect();
+        let exact = !self.by_points() && deviation <= NARROWEST;
+        let told: Vec<&GrownTouch> = among.iter().map(|&number| &self.touches[number]).collect();
+        // Where touches are exact, what meets out of the patches that felt it is as wrong as what is apart.
+        let miss = |touch: &GrownTouch| match exact {
+            true => self.felt_gap(CLOSED, touch, schema),
+            false => self.miss(touch, schema),
+        };
+        let misses: Vec<(&GrownTouch, f64)> = told.iter().map(|&touch| (touch, miss(touch))).collect();
         let suspect = |wide: f64, wrong: fn([f64; 2], [f64; 2]) -> bool| {
             self.most_suspect(misses.iter().map(|&(touch, miss)| (touch, miss > wide)), wrong)
         };
         let wide = EXACTLY_OPEN.max(DEVIATIONS * deviation);
         let open = suspect(wide, |of_it, others| share(of_it) > OPEN_SHARE + MORE_OPEN * share(others));
-        if open.is_some() || self.by_points() || deviation > NARROWEST {
+        if open.is_some() || !exact {
             return open;
+        }
+        if let Some(unfelt) = self.least_felt(&told, schema) {
+            return Some(Member::Joint(unfelt));
         }
         // Without noise a wrong axis of a joint that hardly turns closes its touches to a tenth of a micrometre, and all others
         // to some nanometres.
@@ -256,6 +268,32 @@ impl Growth {
         sorted.sort_by(f64::total_cmp);
         let wide = SHARPLY_OPEN.max(MANY_TIMES * quantile(&sorted, 0.5));
         suspect(wide, |of_it, others| share(of_it) > SHARPLY_OPEN_SHARE + share(others))
+    }
+
+    /// The joint of hinges that is felt by the least of some touches, where these are few: a touch feels a joint whose turning
+    /// would part, or press, what touched. Limbs that are placed so that they spin about themselves touch for ever, and explain
+    /// any touch of round skin, exactly.
+    fn least_felt(&self, told: &[&GrownTouch], schema: &BodySchema) -> Option<usize> {
+        let creature = self.agent.creature();
+        let mut counts = vec![[0; 2]; creature.joints().len()];
+        let nothing = Parameters::new(creature, AxisModel::Unit, |_| false);
+        let mut row = GapRow::default();
+        let mut slopes = Vec::new();
+        for touch in told {
+            row.set(self.agent.skin(), &nothing, schema, &touch.prepared);
+            row.angle_slopes(schema, &touch.prepared, &mut slopes);
+            for &joint in &touch.moving {
+                let dofs = creature.joints()[joint].dof_indices();
+                let is_felt = slopes.iter().any(|(dof, slope)| dofs.contains(dof) && slope.abs() > FELT);
+                counts[joint][0] += usize::from(is_felt);
+                counts[joint][1] += 1;
+            }
+        }
+        let of_hinges = |joint: &usize| {
+            creature.joints()[*joint].elements().all(|element| element.kind == DofKind::Hinge)
+        };
+        let unfelt = |joint: &usize| counts[*joint][1] > 0 && counts[*joint][0] < FEWEST_FELT;
+        (0..counts.len()).filter(of_hinges).filter(unfelt).min_by_key(|&joint| counts[joint][0])
     }
 
     /// Takes back the joint or the limb that touches contradict most, where they do: a wrong answer explains what it was

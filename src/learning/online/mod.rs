@@ -21,6 +21,7 @@ use crate::learning::annealing::NARROWEST;
 use crate::learning::growing::WHOLE_DOF;
 use crate::learning::least_squares::LeastSquares;
 use crate::learning::observability::Observability;
+use crate::learning::open_gaps::witnesses;
 use crate::learning::surface_gap::SurfaceGap;
 use crate::learning::touch_set::{PreparedTouch, TouchProblem, TouchSet};
 use crate::learning::{Account, Basis, Learned, Learner, LengthUnit, PriorKnowledge, SecondOrder, Witnesses};
@@ -436,14 +437,14 @@ impl Online {
                 ..refined
             });
         }
+        let told = witnesses(&self.agent, &locked.touches, &belief.schema, |_| belief.deviation, false);
         let model = SurfaceGap::new(self.agent.skin(), belief.deviation);
-        let mut problem =
-            TouchProblem::new(self.agent.creature(), &locked.touches, &belief.parameters, model);
+        let mut problem = TouchProblem::new(self.agent.creature(), &told, &belief.parameters, model);
         if let Some(anchor) = &locked.anchor {
             problem = problem.with_prior(anchor);
         }
         let information = problem.linearize(&belief.schema).hessian;
-        let rows = 5 * locked.touches.len();
+        let rows = 5 * told.len();
         let observability = Observability::new(
             self.agent.creature(),
             belief.parameters.clone(),
@@ -453,7 +454,7 @@ impl Online {
             self.unit,
         );
         let witnesses = Witnesses {
-            of_limbs: locked.touches.count_of_limbs(self.agent.creature()),
+            of_limbs: told.count_of_limbs(self.agent.creature()),
             point_deviation: 0.0,
             at_floor: belief.deviation <= NARROWEST,
         };

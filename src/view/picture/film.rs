@@ -12,6 +12,11 @@ use crate::record::{PartFile, write_whole};
 const FILMS: [(&str, &str); 5] =
     [("mp4", "mp4"), ("webm", "webm"), ("mkv", "matroska"), ("mov", "mov"), ("gif", "gif")];
 
+/// The 256 colours of a GIF: those of its first frames, which ffmpeg keeps in memory until it has chosen. Undithered, so that what
+/// stands still takes no bytes.
+const GIF_COLOURS: &str =
+    "split[a][b];[a]trim=end_frame=50,palettegen[p];[b][p]paletteuse=dither=none:diff_mode=rectangle";
+
 /// Why there is no film.
 #[derive(Debug, thiserror::Error)]
 pub enum FilmError {
@@ -127,7 +132,9 @@ impl Film {
         command.args(["-loglevel", "error", "-nostdin", "-y", "-f", "rawvideo", "-pixel_format", "rgb24"]);
         command.args(["-video_size", &format!("{}x{}", size[0], size[1])]);
         command.args(["-framerate", &frames_per_second.to_string(), "-i", "-"]);
-        if !path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("gif")) {
+        if path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("gif")) {
+            command.args(["-filter_complex", GIF_COLOURS]);
+        } else {
             // Players want colours at half the size, and so even sides.
             command.args(["-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2", "-pix_fmt", "yuv420p"]);
         }

@@ -39,8 +39,8 @@ impl ScaleBar {
         Some(ScaleBar { says, pixels: (metres * pixels_a_metre).round() as usize })
     }
 
-    /// Draws it into a picture, so many pixels above its lower edge.
-    pub fn draw(&self, image: &mut Image, above: usize) {
+    /// Draws it into a picture, so many pixels below its upper edge.
+    pub fn draw(&self, image: &mut Image, below: usize) {
         let Some(right) = image.width.checked_sub(MARGIN) else { return };
         let Some(left) = right.checked_sub(self.pixels) else { return };
         let mut ink = |x: usize, y: usize| {
@@ -49,9 +49,16 @@ impl ScaleBar {
         };
         // A line with an end that stands up on either side.
         for y in 0..3 * THICK {
-            let Some(row) = image.height.checked_sub(above + y + 1) else { return };
+            let row = below + y;
+            if row >= image.height {
+                return;
+            }
             let ends = (left..left + THICK).chain(right - THICK..right);
-            if y < THICK { (left..right).for_each(|x| ink(x, row)) } else { ends.for_each(|x| ink(x, row)) }
+            if y >= 2 * THICK {
+                (left..right).for_each(|x| ink(x, row))
+            } else {
+                ends.for_each(|x| ink(x, row))
+            }
         }
     }
 }
@@ -80,11 +87,11 @@ mod tests {
     #[test]
     fn a_bar_is_drawn_within_its_picture_or_not_at_all() {
         let bar = ScaleBar { says: String::new(), pixels: 20 };
-        for (width, height, above, drawn) in
+        for (width, height, below, drawn) in
             [(40, 40, 10, 20 * 3 + 2 * 3 * 6), (25, 40, 10, 0), (40, 4, 10, 0)]
         {
             let mut image = Image { width, height, rgb: vec![255; 3 * width * height] };
-            bar.draw(&mut image, above);
+            bar.draw(&mut image, below);
             let dark = image.rgb.chunks_exact(3).filter(|pixel| pixel[0] == INK).count();
             assert_eq!(dark, drawn, "{width} x {height}");
         }
