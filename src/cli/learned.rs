@@ -20,6 +20,7 @@ use crate::simulation::MotionName;
 use crate::skin::Skin;
 use crate::view::report::{REPORT_FILE, write_report};
 use crate::view::text::{self, plural, shell_words};
+use crate::view::tone::Tone;
 
 /// Where touches told too little, so many times as many are proposed.
 const MORE: usize = 3;
@@ -176,7 +177,8 @@ fn print_table(
     if options.disturbances != DisturbanceLevels::default() {
         say!("disturbances: {}", options.disturbances);
     }
-    output::verdict(&result.verdict, tone(result));
+    let undetermined = result.undetermined.len() + result.undetermined_limbs.len();
+    output::verdict(&result.verdict, Tone::new(result.learned.verdict.converged(), undetermined));
     match result.learned.account {
         Some(_) => {
             say!("undetermined joints: {}", listed(&result.undetermined));
@@ -197,16 +199,6 @@ fn print_table(
     }
     say!("\nsession: {}", folder.display());
     say!("next: {}", next(folder, session, touches.len(), options, result));
-}
-
-/// How far what was learned can be relied on.
-fn tone(result: &LearnedSession) -> output::Tone {
-    let whole = result.undetermined.is_empty() && result.undetermined_limbs.is_empty();
-    match (&result.learned.verdict, whole) {
-        (Verdict::Converged, true) => output::Tone::Good,
-        (Verdict::Converged, false) => output::Tone::Partly,
-        (Verdict::Failed(_) | Verdict::Unjudged(_), _) => output::Tone::Bad,
-    }
 }
 
 /// What to do with what was learned, or with what was not.

@@ -8,6 +8,7 @@ use super::{Failure, Outcome};
 use crate::evaluation::Summary;
 /// An error in its unit, as the report has it; a dash where there is none.
 pub(crate) use crate::view::text::error_number as number;
+use crate::view::tone::Tone;
 
 /// Prints a line to standard output. Where nobody reads on, as in `… | head`, the program ends in silence;
 /// where it cannot be written, as on a full disk, with a sentence.
@@ -24,18 +25,7 @@ fn print(text: std::fmt::Arguments) {
     std::process::exit(1);
 }
 
-/// How far a verdict can be relied on, which its colour tells where standard output is a terminal that wants colours.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Tone {
-    /// All of it.
-    Good,
-    /// But for what is named.
-    Partly,
-    /// Not at all.
-    Bad,
-}
-
-/// Prints a verdict in its colour.
+/// Prints a verdict, in its colour where standard output is a terminal that wants colours.
 pub fn verdict(sentence: &str, tone: Tone) {
     let safe = console::style(Printable(format_args!("{sentence}")).to_string()).bold();
     let coloured = match tone {

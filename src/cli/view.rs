@@ -14,6 +14,7 @@ use crate::record::{
     LearningRecord, ReadLock, SCHEMA_FILE, SESSION_FILE, Session, TOUCHES_FILE, read_schema, read_touches,
 };
 use crate::view::live::{LookedAt, LookingView};
+use crate::view::tone::Tone;
 
 /// Where sessions are, unless they are named.
 const SESSIONS: &str = "sessions";
@@ -94,6 +95,7 @@ fn looked_at(what: &Path, args: &ViewArguments) -> Result<LookedAt, Failure> {
             certainty: Certainty::Exact,
             touches: Vec::new(),
             verdict: "the model as it is".into(),
+            tone: None,
         });
     }
     let _reading = ReadLock::take(what)?;
@@ -105,6 +107,9 @@ fn looked_at(what: &Path, args: &ViewArguments) -> Result<LookedAt, Failure> {
     let record = LearningRecord::read(what, creature)?;
     let truth = known_truth(&session, args.model.as_deref())?;
     let verdict = record.as_ref().map_or(String::new(), |record| record.verdict.clone());
+    let tone = record.as_ref().map(|record| {
+        Tone::new(record.converged, record.undetermined.len() + record.undetermined_limbs.len())
+    });
     let certainty = record.map_or(Certainty::Unknown, |record| record.certainty());
     Ok(LookedAt {
         name,
@@ -114,6 +119,7 @@ fn looked_at(what: &Path, args: &ViewArguments) -> Result<LookedAt, Failure> {
         certainty,
         touches: log.touches,
         verdict,
+        tone,
         agent: session.agent,
     })
 }

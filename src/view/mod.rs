@@ -22,6 +22,8 @@ mod rerun;
 pub mod space;
 #[cfg(feature = "report")]
 pub(crate) mod text;
+#[cfg(feature = "report")]
+pub mod tone;
 
 #[cfg(feature = "report")]
 pub use charts::study_chart;

@@ -145,19 +145,20 @@ fn the_program_writes_bodies_and_studies_them() {
 mod slow {
     use super::*;
 
-    /// Bodies that were claimed wrongly once: hands of centimetres, and a chain with a joint that hardly turns.
+    /// Bodies that were claimed wrongly once: hands of centimetres, a chain with a joint that hardly turns, and two round fingers
+    /// of which nothing can be told, placed so that they spin about themselves.
     #[test]
     #[ignore = "slow: a minute"]
     fn bodies_that_were_claimed_wrongly_once_are_not() {
         let place = tempfile::tempdir().unwrap();
-        for seed in ["22555", "30219", "32689"] {
+        for (seed, some) in [("22555", true), ("30219", true), ("32689", false)] {
             let found = succeeds(
                 place.path(),
                 &["study", "bodies", "--trials", "1", "--seed", seed, "--way", "default", "--json"],
             );
             let found: serde_json::Value = serde_json::from_str(&found).unwrap();
             let row = &found["rows"][0];
-            assert!(row["claims"].as_u64().unwrap() > 0, "{row}");
+            assert_eq!(row["claims"].as_u64().unwrap() > 0, some, "{row}");
             assert_eq!(row["wrong"], 0, "{row}");
         }
     }

@@ -68,6 +68,7 @@
     if (edition !== null && edition !== state.edition) location.reload();
     ({ posture, edition } = state);
     element("about").textContent = state.about;
+    element("doing").className = `verdict ${state.tone}`;
     if (limb !== state.limb) {
       limb = state.limb;
       if (element("space").checked) space().catch(() => {});

@@ -20,6 +20,7 @@ use crate::view::body::{
 };
 use crate::view::space::cloud::SpaceCloud;
 use crate::view::text::{error_number, escape};
+use crate::view::tone::Tone;
 
 /// How wide the room about a body is by its extent.
 const ROOM: f64 = 0.86;
@@ -49,6 +50,8 @@ pub struct LookedAt {
     pub touches: Vec<Touch>,
     /// What came of it, in a sentence.
     pub verdict: String,
+    /// How far that can be relied on, where it is of something learned.
+    pub tone: Option<Tone>,
 }
 
 impl LookedAt {
@@ -309,6 +312,7 @@ impl LivePage for LookingView {
             self.poses(&state).into_iter().map(|(name, pose)| (name.to_string(), pose.told())).collect();
         json!({
             "doing": self.doing(&state),
+            "tone": shown.tone.filter(|_| state.touch == 0).map_or("", Tone::class),
             "about": state.limb.map_or(String::new(), |limb| LookingView::certainty(shown, limb)),
             "limb": state.limb,
             "touch": state.touch,

@@ -2,16 +2,13 @@
 
 use super::ReportInput;
 use crate::view::text::{error_number, escape, touches};
+use crate::view::tone::Tone;
 
 /// The verdict and, where it can be told, how far off what was learned is.
 pub(super) fn of(input: &ReportInput) -> String {
     let named = input.undetermined.len() + input.undetermined_limbs.len();
-    let colour = match input.converged {
-        Some(true) if named == 0 => " good",
-        Some(true) => " partly",
-        Some(false) => " bad",
-        None => "",
-    };
+    let tone = |converged: bool| format!(" {}", Tone::new(converged, named).class());
+    let tone = input.converged.map_or(String::new(), tone);
     let number = number(input).map_or(String::new(), |(number, what)| {
         let time = input.seconds.map_or(String::new(), |seconds| format!(" in {}", time(seconds)));
         format!(
@@ -20,7 +17,7 @@ pub(super) fn of(input: &ReportInput) -> String {
             touches(input.touches.len()),
         )
     });
-    format!("<p class=\"verdict{colour}\">{}</p>\n{number}", escape(&input.verdict))
+    format!("<p class=\"verdict{tone}\">{}</p>\n{number}", escape(&input.verdict))
 }
 
 /// How far off skin is in another limb's frame, millimetres, and whose word that is.

@@ -1,0 +1,32 @@
+//! How far a verdict can be relied on: its colour tells, on pages and terminals alike.
+
+/// What of a body a verdict stands for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Tone {
+    /// All of it.
+    Good,
+    /// All but for what is named.
+    Partly,
+    /// Nothing.
+    Bad,
+}
+
+impl Tone {
+    /// That of what was learned, or was not, but for so many joints and limbs.
+    pub fn new(converged: bool, undetermined: usize) -> Tone {
+        match (converged, undetermined) {
+            (true, 0) => Tone::Good,
+            (true, _) => Tone::Partly,
+            (false, _) => Tone::Bad,
+        }
+    }
+
+    /// Its class on pages.
+    pub(super) fn class(self) -> &'static str {
+        match self {
+            Tone::Good => "good",
+            Tone::Partly => "partly",
+            Tone::Bad => "bad",
+        }
+    }
+}
