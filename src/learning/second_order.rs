@@ -88,6 +88,10 @@ const NORMAL_DEVIATION: f64 = 6e-3;
 /// The share that noise may be of how far touches lie about their middle on the limbs: of more, a body whose limbs are all in
 /// one place would explain them as well.
 const MOST_OF_EXTENT: f64 = 0.5;
+/// So many times as far apart as in their own postures are points that touched in others, and surfaces: of these right answers
+/// leave five times as much where angles are read to 2 degrees, twelve times to one, and wrong ones four times at the most.
+const POINTS_APART: f64 = 2.0;
+const GAPS_APART: f64 = 4.5;
 /// Limbs that meet within this in any posture are a point, metres.
 const POINT: f64 = 1e-6;
 /// Touches of a limb that lie less about their middle than this share of how far they are from its joint are at one point.
@@ -286,7 +290,8 @@ impl SecondOrder {
                     return (f64::INFINITY, f64::INFINITY);
                 }
                 let fresh = point_misfit(&foretold, &start.schema);
-                let shrunk = shrunk(&foretold, &start.schema);
+                let miss = |touch: &PreparedTouch| touch.miss(&start.schema).norm();
+                let shrunk = shrunk(&foretold, miss, POINTS_APART, POINT);
                 // Points without noise are their own proof; others are not.
                 if !search.noisy {
                     return ((fresh / acceptance).max(shrunk), 0.0);
@@ -372,7 +377,10 @@ impl SecondOrder {
         let misfit = (quantile(&normalized, closed) / FRESH_GAP).max(worst);
         let tolerable = OpenGaps::new(&self.agent, fitted, schema).worst;
         let most = (open - 1.0) / (MOST_FALSE * all);
-        let refusals = [misfit, most, alike / ALIKE, tolerable, deviation / MOST_NOISE];
+        let model = SurfaceGap::new(self.agent.skin(), 1.0);
+        let gap = |touch: &PreparedTouch| model.gap(&touch.ends, &touch.frames(schema)).distance.abs();
+        let shrunk = shrunk(fitted, gap, GAPS_APART, NARROWEST);
+        let refusals = [misfit, most, alike / ALIKE, tolerable, deviation / MOST_NOISE, shrunk];
         (refusals.into_iter().fold(0.0, f64::max), deviation)
     }
 
@@ -855,8 +863,9 @@ fn extent(touches: &TouchSet) -> f64 {
 }
 
 /// How nearly touches would be explained in any postures as well, 1 is just too nearly: as by a body that is shrunk to the point
-/// where its limbs meet. In the postures for comparison each joint is as in another touch of the same limbs.
-fn shrunk(touches: &TouchSet, schema: &BodySchema) -> f64 {
+/// where its limbs meet, or whose limbs spin about themselves. In the postures for comparison each joint is as in another touch
+/// of the same limbs, and there the median `miss` is to be so many `times` as large, and as the `least` that tells, metres.
+fn shrunk(touches: &TouchSet, miss: impl Fn(&PreparedTouch) -> f64, times: f64, least: f64) -> f64 {
     let (mut honest, mut mixed) = (Vec::new(), Vec::new());
     for pair in touches.pairs.iter().filter(|pair| pair.touches.len() > 1) {
         let count = pair.touches.len();
@@ -865,8 +874,8 @@ fn shrunk(touches: &TouchSet, schema: &BodySchema) -> f64 {
                 &pair.touches[(i + 1 + (2 * place + side) % (count - 1)) % count].sides[side]
             };
             let sides = [0, 1].map(|side| touch.sides[side].mixed(|place| other(side, place)));
-            honest.push(touch.miss(schema).norm());
-            mixed.push(PreparedTouch { sides, ends: touch.ends }.miss(schema).norm());
+            honest.push(miss(touch));
+            mixed.push(miss(&PreparedTouch { sides, ends: touch.ends }));
         }
     }
     if honest.is_empty() {
@@ -876,7 +885,7 @@ fn shrunk(touches: &TouchSet, schema: &BodySchema) -> f64 {
         misses.sort_by(f64::total_cmp);
         quantile(&misses, 0.5)
     });
-    honest.max(POINT) / (MOST_OF_EXTENT * mixed.max(POINT))
+    times * honest.max(least) / mixed.max(least)
 }
 
 fn kept_back(touch: usize) -> bool {
