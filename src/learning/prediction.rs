@@ -98,6 +98,18 @@ impl GapRow {
         }
     }
 
+    /// The gap's derivative by an axis that is free in R³, 1 a metre, at the touch that the row was set to.
+    pub fn axis_slope(&self, dof: usize) -> Vector3<f64> {
+        let mut slope = Vector3::zeros();
+        for (side, normal) in self.sides.iter().zip(&self.normals) {
+            // The normals are in the limbs' frames, and have the sign of their end.
+            let direction = side.rotation * normal;
+            let of_it = side.dofs.iter().filter(|(other, _)| *other == dof);
+            of_it.for_each(|(_, derivative)| slope += derivative.tr_mul(&direction));
+        }
+        slope
+    }
+
     /// `j Σ jᵀ` for a covariance of all parameters, m².
     pub fn variance(&self, covariance: &DMatrix<f64>) -> f64 {
         row_variance(&self.entries, covariance)

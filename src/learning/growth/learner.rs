@@ -3,6 +3,8 @@
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
+use super::mirrored::Image;
+use super::part::Member;
 use super::{Growth, moves};
 use crate::agent::Agent;
 use crate::deadline::Deadline;
@@ -13,6 +15,8 @@ use crate::senses::Touch;
 
 /// Times that a body is learned at once: an answer that explains touches and places nothing is no answer.
 const ATTEMPTS: u64 = 5;
+/// Mirror images of axes that are taken up at the most.
+const MOST_IMAGES: usize = 20;
 /// Touches in which all joints move, from which a body is learned at once, at the least.
 const FEWEST_AT_LARGE: usize = 100;
 
@@ -157,15 +161,30 @@ impl Grower {
 
     /// The same by some touches, of their numbers.
     fn conclude_by(&self, schema: &BodySchema, mut told: Vec<usize>) -> Learned {
+        let mut schema = schema.clone();
+        let mut images = 0;
         loop {
             let mut last = SecondOrder::new(&self.agent, self.input, self.seed);
             told.iter().for_each(|&number| last.touch(&self.touches[number]));
             let known = vec![true; self.agent.creature().joints().len()];
-            let mut learned = last.refine_known(schema, known);
+            let mut learned = last.refine_known(&schema, known);
             let deviation = learned.deviation.unwrap_or(0.0);
             if let Some(wrong) = self.growth.most_open(&told, &learned.schema, deviation) {
                 told.retain(|&number| !self.growth.touches()[number].tells_of(wrong));
                 continue;
+            }
+            match self.growth.image(&told, &learned.schema, deviation) {
+                None => {}
+                Some(Image::Better(_, other)) if images < MOST_IMAGES => {
+                    schema = other;
+                    images += 1;
+                    continue;
+                }
+                Some(Image::Better(joint, _) | Image::AsGood(joint)) => {
+                    let wrong = Member::Joint(joint);
+                    told.retain(|&number| !self.growth.touches()[number].tells_of(wrong));
+                    continue;
+                }
             }
             learned.initial_guesses = self.growth.starts();
             learned.verdict = learned

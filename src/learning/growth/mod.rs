@@ -15,6 +15,7 @@ mod acceptance;
 mod believing;
 mod evidence;
 mod learner;
+mod mirrored;
 mod part;
 mod placement;
 mod solving;
