@@ -32,7 +32,7 @@ const SHARPLY_OPEN_SHARE: f64 = 0.25;
 /// … beyond so many times the share of all others.
 const MORE_OPEN: f64 = 2.0;
 /// So many touches at the least are to feel a joint.
-const FEWEST_FELT: usize = 8;
+pub(super) const FEWEST_FELT: usize = 8;
 /// Touches are taken in when so many times as many are believed, or fewer.
 const TOO_FEW: usize = 50;
 /// All is fitted again where there are so many times more touches than at the last time.

@@ -3,14 +3,17 @@
 //! What touches tell of an axis `a` that limbs turn about by small angles, or slide along, is linear in it: `g = g₀ + c·a`. Where
 //! all `c` lie nearly in a plane, as of a limb that is felt along its side, `|a| = 1` alone tells how the axis lies across that
 //! plane, and it has two solutions: the axis and its mirror image `a − 2 (a·d) d`, where `d` is the plane's normal. Each looks
-//! as sure as the other to a covariance.
+//! as sure as the other to a covariance. So do both ways in which a round limb may turn about itself: gaps tell nothing of that,
+//! and the patches that felt what touched tell all.
 
 use nalgebra::{Matrix3, SymmetricEigen, Vector3};
 
+use super::believing::FEWEST_FELT;
 use super::{CLOSED, GrownTouch, Growth, SHARP};
 use crate::creature::DofKind;
 use crate::learning::annealing::{NARROWEST, quantile};
 use crate::learning::least_squares::{Stopping, levenberg_marquardt};
+use crate::learning::open_gaps::FELT;
 use crate::learning::prediction::GapRow;
 use crate::learning::surface_gap::SurfaceGap;
 use crate::learning::touch_set::TouchProblem;
@@ -56,14 +59,10 @@ impl Growth {
     /// as well or better than a schema that was fitted to them; `deviation` is that of a gap, metres.
     pub(super) fn image(&self, among: &[usize], schema: &BodySchema, deviation: f64) -> Option<Image> {
         let creature = self.agent.creature();
-        let joints = (0..creature.joints().len()).filter(|&joint| {
-            creature.joints()[joint].elements().any(|at| match at.kind {
-                DofKind::Slide => true,
-                DofKind::Hinge => at.range[1] - at.range[0] < NARROW,
-                DofKind::Ball => false,
-            })
-        });
-        joints.filter(|_| !self.by_points()).find_map(|joint| {
+        if self.by_points() {
+            return None;
+        }
+        (0..creature.joints().len()).find_map(|joint| {
             let touches = among.iter().map(|&number| &self.touches[number]);
             let touches: Vec<&GrownTouch> = touches.filter(|touch| touch.moving.contains(&joint)).collect();
             let step = touches.len().div_ceil(MOST).max(1);
@@ -81,9 +80,16 @@ impl Growth {
     ) -> Option<Image> {
         let creature = self.agent.creature();
         let now = self.misses(touches, schema);
-        let axes = creature.joints()[joint].elements().filter(|at| !at.is_ball()).map(|at| at.axis());
-        for axis in axes {
-            for normal in self.normals(axis, touches, schema) {
+        for at in creature.joints()[joint].elements().filter(|at| !at.is_ball()) {
+            let axis = at.axis();
+            let is_narrow = at.kind == DofKind::Slide || at.range[1] - at.range[0] < NARROW;
+            let mut normals = Vec::new();
+            if is_narrow {
+                normals.extend(self.normals(axis, touches, schema));
+            } else if self.is_unfelt(axis, touches, schema) {
+                normals.push(schema.axes[axis]);
+            }
+            for normal in normals {
                 let own = &schema.axes[axis];
                 let image = own - normal * (2.0 * own.dot(&normal));
                 if (image - own).norm() < SAME_AXIS {
@@ -105,6 +111,18 @@ impl Growth {
             }
         }
         None
+    }
+
+    /// Whether hardly any of some touches would part, or press, as a hinge turned.
+    fn is_unfelt(&self, dof: usize, touches: &[&GrownTouch], schema: &BodySchema) -> bool {
+        let nothing = Parameters::new(self.agent.creature(), AxisModel::Unit, |_| false);
+        let (mut row, mut slopes) = (GapRow::default(), Vec::new());
+        let feels = |touch: &&&GrownTouch| {
+            row.set(self.agent.skin(), &nothing, schema, &touch.prepared);
+            row.angle_slopes(schema, &touch.prepared, &mut slopes);
+            slopes.iter().any(|(other, slope)| *other == dof && slope.abs() > FELT)
+        };
+        touches.iter().filter(feels).count() < FEWEST_FELT
     }
 
     /// The directions of which touches tell least of an axis, the least first; the last is the one of which they tell most.
