@@ -166,7 +166,7 @@ fn row(
     let drawn = itself()?
         .arg("render")
         .arg(model)
-        .args(["--skin", "--size", PICTURE, "--out"])
+        .args(["--size", PICTURE, "--out"])
         .arg(out.join(&picture))
         .output();
     row.picture = drawn.is_ok_and(|drawn| drawn.status.success()).then_some(picture);

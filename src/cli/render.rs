@@ -85,7 +85,7 @@ pub struct RenderArguments {
     size: [usize; 2],
     /// Where it is looked at from: front, back, left, right or above, for creatures that face along x; azimuth and elevation
     /// in degrees, as MuJoCo's viewer has them, with a distance in metres if it is not to fill the picture; or the name of a
-    /// camera in the model [default: 205,-12]
+    /// camera in the model [default: 205,-12; 245,-20 for what lies along x]
     #[arg(
         long,
         value_name = "SIDE|AZIMUTH,ELEVATION[,METRES]|NAME",
@@ -314,13 +314,13 @@ fn camera(
     plan: &Storyboard,
     renderer: &Renderer,
 ) -> Result<Camera, Failure> {
-    let mut direction = Direction::default();
+    let mut direction = None;
     let mut distance = None;
     if let Some((_, side)) =
         args.camera.as_deref().and_then(|name| SIDES.iter().find(|(side, _)| *side == name))
     {
         let [azimuth, elevation] = side.map(f64::to_radians);
-        direction = Direction { azimuth, elevation };
+        direction = Some(Direction { azimuth, elevation });
     } else if let Some(text) = &args.camera {
         let numbers: Option<Vec<f64>> = text.split(',').map(|number| number.trim().parse().ok()).collect();
         match numbers.as_deref() {
@@ -330,7 +330,8 @@ fn camera(
                     && (-90.0..=90.0).contains(&elevation)
                     && rest.iter().all(|metres| *metres > 0.0 && metres.is_finite()) =>
             {
-                direction = Direction { azimuth: azimuth.to_radians(), elevation: elevation.to_radians() };
+                let [azimuth, elevation] = [azimuth, elevation].map(f64::to_radians);
+                direction = Some(Direction { azimuth, elevation });
                 distance = rest.first().copied();
             }
             Some(_) => {
@@ -357,6 +358,7 @@ fn camera(
         let copies = shot.copies.iter().filter(|copy| shown(copy.geom));
         points.extend(copies.flat_map(|copy| outline_of(&subject.model, copy.geom, &copy.pose)));
     }
+    let direction = direction.unwrap_or_else(|| Direction::suiting(&points));
     Ok(frame(points, direction, renderer.lens(), distance))
 }
 

@@ -56,7 +56,9 @@ const Body = (figure) => {
   const tip = figure.querySelector(".tip");
   const scene = JSON.parse(figure.querySelector("script").textContent);
   const poses = { ...scene.poses };
-  const view = { turn: 0.55, tilt: 0.2, zoom: 1 };
+  // What lies along, as a snake does, is a ball from ahead.
+  const [long, wide, high] = [0, 1, 2].map((k) => scene.room[1][k] - scene.room[0][k]);
+  const view = { turn: long > 2 * Math.max(wide, high) ? 1.2 : 0.55, tilt: 0.2, zoom: 1 };
   const { layers, paint, project, placed, cameraOf, point } = Paint(scene, poses);
   const skeletons = scene.skeletons.map((skeleton) => ({ ...skeleton, shown: true, joints: [] }));
   const auras = scene.auras.map((own) => ({ ...own, shown: false }));

@@ -7,6 +7,8 @@ use crate::mujoco::{Camera, Data, GeomKind, Mark, Model};
 
 /// The part of a picture's width and height that is left free about what it shows.
 const MARGIN: f64 = 0.06;
+/// What is so many times as long as wide and high lies along.
+const LONG: f64 = 2.0;
 /// Least distance of a camera, metres: where there is nothing, there is nothing to be filled.
 const NEAREST: f64 = 0.05;
 
@@ -27,6 +29,18 @@ impl Default for Direction {
 }
 
 impl Direction {
+    /// The direction from which points are seen that nobody told: the usual one, or more from the side and above where they lie
+    /// along x, as a snake does, which from ahead is a ball.
+    pub fn suiting(points: &[Point3<f64>]) -> Direction {
+        let least = points.iter().fold(Vector3::repeat(f64::INFINITY), |least, p| least.inf(&p.coords));
+        let most = points.iter().fold(Vector3::repeat(f64::NEG_INFINITY), |most, p| most.sup(&p.coords));
+        let sides = most - least;
+        if sides.x > LONG * sides.y.max(sides.z) {
+            return Direction { azimuth: 245.0_f64.to_radians(), elevation: (-20.0_f64).to_radians() };
+        }
+        Direction::default()
+    }
+
     /// Ahead, to the right and up, as the eye has them, in the world.
     fn axes(&self) -> [Vector3<f64>; 3] {
         let (sin, cos) = self.azimuth.sin_cos();
@@ -147,6 +161,14 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn what_lies_along_is_seen_from_the_side() {
+        let points = |sides: [f64; 3]| [Point3::origin(), Point3::from(sides)];
+        assert_eq!(Direction::suiting(&points([0.5, 0.6, 1.8])), Direction::default());
+        assert_eq!(Direction::suiting(&[]), Direction::default());
+        assert_ne!(Direction::suiting(&points([2.0, 0.3, 0.2])), Direction::default());
     }
 
     #[test]
