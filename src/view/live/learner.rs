@@ -19,8 +19,9 @@ use crate::senses::Touch;
 const EVERY: Duration = Duration::from_millis(50);
 /// How long it tries initial guesses.
 const TRIES: Duration = Duration::from_millis(500);
-/// For each second of learning it rests so many: where there is one core alone it must not take time from babbling.
-const REST: u32 = 1;
+/// For each second of learning it rests so many: it must not take time from babbling, not even where the other core is half of the
+/// same one; and much more so where there is one alone.
+const REST: u32 = 10;
 const REST_ALONE: u32 = 50;
 
 /// A thread that learns as the session will, from as many of the touches as it gets to.
