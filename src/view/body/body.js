@@ -7,6 +7,9 @@ const Body = (figure) => {
   const NEAR = 9;
   // How long nothing moves until the picture is drawn sharp, milliseconds; and the most pixels of that.
   const REST = 160;
+  // A picture that took longer is drawn coarser the next time, milliseconds; and how many pixels a pixel of the page has then.
+  const SLOW = 24;
+  const QUICK = [1, 0.8, 0.65, 0.5];
   const MOST_PIXELS = 3e6;
   const PARTS = 1e4;
   const BONE = "#1f6fb2";
@@ -194,10 +197,15 @@ const Body = (figure) => {
     const most = Math.sqrt(MOST_PIXELS / Math.max(1, canvas.clientWidth * canvas.clientHeight));
     draw(Math.max(1, Math.min(2 * Math.max(1, Math.round(devicePixelRatio)), most)));
   };
+  // … as quick as the computer takes, coarser where it is slow.
+  let coarse = 0;
   const moving = () => {
     clearTimeout(resting);
-    resting = setTimeout(sharp, REST);
-    draw(1);
+    const began = performance.now();
+    draw(QUICK[coarse]);
+    const took = performance.now() - began;
+    coarse = Math.min(QUICK.length - 1, Math.max(0, coarse + (took > SLOW) - (took < SLOW / 3)));
+    resting = setTimeout(sharp, REST + 2 * took);
   };
   const soon = () => {
     if (asked) return;

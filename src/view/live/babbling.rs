@@ -1,5 +1,6 @@
 //! Babbling and learning as a live view: the body as it touches itself, and beside it the one that is learned.
 
+use std::collections::VecDeque;
 use std::path::PathBuf;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Instant;
@@ -27,6 +28,8 @@ use crate::view::text::short_number as number;
 const MOST_POINTS: usize = 240;
 /// Most touches that wait for who learns on the way: what comes on top of these is not learned from then.
 const MOST_FRESH: usize = 200;
+/// Most touches that wait to be shown: bouts come as a whole, and are shown touch by touch.
+const MOST_UNSEEN: usize = 20;
 /// Seconds between two points of the curve of touches, at first.
 const POINT_EVERY: f64 = 0.25;
 /// What sets the pace.
@@ -61,6 +64,8 @@ struct BabblingState {
     touches: usize,
     wanted: usize,
     posture: Posture,
+    /// Touches that were not shown yet, the newest last.
+    unseen: VecDeque<Touch>,
     /// Per receptor, how often it lit up.
     lit: Vec<u32>,
     /// Touches that nobody has learned from on the way.
@@ -80,6 +85,31 @@ struct BabblingState {
 }
 
 impl BabblingState {
+    /// A touch is to be shown, after those that wait for it; where too many do, the oldest only lights up.
+    fn will_show(&mut self, touch: &Touch) {
+        if self.unseen.len() == MOST_UNSEEN
+            && let Some(oldest) = self.unseen.pop_front()
+        {
+            self.light(&oldest);
+        }
+        self.unseen.push_back(touch.clone());
+    }
+
+    /// Shows the next touch, where one waits.
+    fn show_next(&mut self) {
+        if let Some(next) = self.unseen.pop_front() {
+            self.light(&next);
+            self.posture = next.posture;
+        }
+    }
+
+    /// Lights the receptors of a touch up.
+    fn light(&mut self, touch: &Touch) {
+        for end in touch.ends {
+            self.lit[end.receptor] = self.lit[end.receptor].wrapping_add(1);
+        }
+    }
+
     /// A touch was so far from its prediction, metres.
     fn miss(&mut self, number: usize, missed: f64) {
         if missed.is_finite() {
@@ -109,6 +139,7 @@ impl BabblingView {
             touches: before,
             wanted,
             posture,
+            unseen: VecDeque::new(),
             lit: vec![0; skin.receptors.len()],
             fresh: Vec::new(),
             made: Vec::new(),
@@ -144,8 +175,7 @@ impl BabblingView {
             let number = state.touches;
             state.miss(number, missed);
         }
-        state.posture.clone_from(&touch.posture);
-        light(&mut state, touch);
+        state.will_show(touch);
         if state.fresh.len() < MOST_FRESH {
             state.fresh.push(touch.clone());
         }
@@ -201,8 +231,7 @@ impl BabblingView {
         let mut state = self.state();
         state.learned_from = from;
         if let Some(touch) = touch {
-            state.posture.clone_from(&touch.posture);
-            light(&mut state, touch);
+            state.will_show(touch);
         }
         if let Some(schema) = schema {
             state.learned = Some(schema.clone());
@@ -245,13 +274,6 @@ impl BabblingView {
             ("made", first, "Touches made."),
             ("missed", second, "How far apart what was learned put the two surfaces that then touched."),
         ]
-    }
-}
-
-/// Lights the receptors of a touch up.
-fn light(state: &mut BabblingState, touch: &Touch) {
-    for end in touch.ends {
-        state.lit[end.receptor] = state.lit[end.receptor].wrapping_add(1);
     }
 }
 
@@ -303,7 +325,8 @@ impl LivePage for BabblingView {
     fn newest(&self) -> String {
         // Only copied under the lock: babbling waits for nobody.
         let (posture, learned, lit, mut told) = {
-            let state = self.state();
+            let mut state = self.state();
+            state.show_next();
             let told = json!({
                 "doing": state.doing,
                 "touches": state.touches,

@@ -43,7 +43,7 @@ const MOST_A_SECOND: f64 = 1e6;
 pub trait LivePage: Send + Sync + 'static {
     /// The page, before anything has happened.
     fn page(&self) -> String;
-    /// The newest state, as JSON.
+    /// What to show next, as JSON: asked for at every tick as long as anyone looks.
     fn newest(&self) -> String;
     /// What changes slowly: charts by the ids of their places, as a JSON object of SVG.
     fn charts(&self) -> String {
