@@ -19,6 +19,11 @@ impl UnknownName {
     }
 }
 
+/// A name of a model as a person says it.
+pub(crate) fn in_words(name: &str) -> String {
+    name.replace('_', " ")
+}
+
 /// Gives the values of an enum their names: how they are printed and read.
 macro_rules! named {
     ($type:ident, $what:literal, { $($variant:ident => $name:literal),+ $(,)? }) => {

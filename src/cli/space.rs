@@ -10,6 +10,7 @@ use super::folders::written_session;
 use super::{Failure, Outcome, output, progress};
 use crate::experiment::{hands, learned_body};
 use crate::kinematics::Place;
+use crate::named::in_words;
 use crate::peripersonal::{Level, OwnBody, Reach, ReachableMap};
 use crate::view::space::{slices, vtk};
 use crate::view::text::error_number;
@@ -136,7 +137,7 @@ pub fn run(args: &SpaceArguments) -> Outcome {
     let mut maps = Vec::with_capacity(tips.len());
     for tip in tips {
         let limb = tip.limb;
-        bar.set_message(format!("where the {} gets to", own.creature().limbs()[limb].replace('_', " ")));
+        bar.set_message(format!("where the {} gets to", in_words(&own.creature().limbs()[limb])));
         let map = ReachableMap::of_place(&own, limb, tip, chest, voxel);
         maps.push(map.map_err(|error| Failure(format!("{}: {error}", args.session.display())))?);
         bar.inc(1);

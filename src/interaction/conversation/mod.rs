@@ -21,6 +21,7 @@ use super::actor::Actor;
 use super::tasks::{Grip, LiftTrouble, Search, Trouble};
 use super::things::Things;
 use crate::creature::Posture;
+use crate::named::in_words;
 use crate::peripersonal::ReachableMap;
 use crate::simulation::EngineError;
 
@@ -267,7 +268,7 @@ impl Conversation {
         self.let_be();
         let (said, done) = match self.actor.touch_own(receptor) {
             Ok(touch) => {
-                let name = self.actor.hands[touch.hand].name.replace('_', " ");
+                let name = in_words(&self.actor.hands[touch.hand].name);
                 let there = match touch.off {
                     off if off < 0.005 => "there".to_string(),
                     off => format!("{:.0} cm from there", (100.0 * off).max(1.0)),

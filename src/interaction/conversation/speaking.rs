@@ -8,6 +8,7 @@ use super::requests::Intent;
 use super::{Conversation, Reply, Request};
 use crate::interaction::tasks::Trouble;
 use crate::interaction::things::KnownThing;
+use crate::named::in_words;
 
 impl Conversation {
     pub(super) fn reply(&self, intent: Intent, said: String, done: Option<bool>, asks: bool) -> Reply {
@@ -45,7 +46,7 @@ impl Conversation {
         let own = &self.actor.own;
         let limb = own.skin().receptors[receptor].limb;
         let aura = own.creature().aura_of(limb).map(|aura| own.creature().aura_limbs()[aura].name.clone());
-        aura.unwrap_or_else(|| own.creature().limbs()[limb].clone()).replace('_', " ")
+        in_words(&aura.unwrap_or_else(|| own.creature().limbs()[limb].clone()))
     }
 
     /// What it says where it does not know its body well enough; none where it does.
@@ -73,7 +74,7 @@ impl Conversation {
         let actor = &self.actor;
         let cm = |metres: f64| format!("{:.0} cm", 100.0 * metres.abs());
         let (front, left, up) = (at.dot(&actor.front), at.dot(&actor.left()), at.dot(&actor.up));
-        let root = actor.own.creature().limbs()[0].replace('_', " ");
+        let root = in_words(&actor.own.creature().limbs()[0]);
         let along =
             if front < 0.0 { format!("{} behind", cm(front)) } else { format!("{} in front of", cm(front)) };
         let side = match left {
@@ -91,7 +92,7 @@ impl Conversation {
         let intent = request.intent;
         let [doing, did] = intent.kind().map_or(["", ""], |kind| kind.doing);
         let it = self.things.it().or((self.things.len() == 1).then_some(0)).map(|i| &self.things[i]);
-        let with = self.hand_touching().map(|hand| self.actor.hands[hand].name.replace('_', " "));
+        let with = self.hand_touching().map(|hand| in_words(&self.actor.hands[hand].name));
         let words = match (intent, done) {
             (Intent::TouchOwn, _) => {
                 let part = request.part.as_ref().map_or("self".to_string(), |part| part.text());

@@ -12,6 +12,7 @@ use crate::agent::Agent;
 use crate::creature::{Appearance, Posture};
 use crate::experiment::{hands, same_tree};
 use crate::learning::{Account, Certainty};
+use crate::named::in_words;
 use crate::peripersonal::{OwnBody, ReachableMap};
 use crate::schema::BodySchema;
 use crate::senses::Touch;
@@ -127,7 +128,7 @@ impl LookingView {
     /// What is known of a limb, in a sentence.
     fn certainty(looked: &LookedAt, limb: usize) -> String {
         let creature = looked.agent.creature();
-        let name = creature.limbs()[limb].replace('_', " ");
+        let name = in_words(&creature.limbs()[limb]);
         let Some(account) = looked.account() else { return name };
         let millimetres = |metres: f64| error_number(1e3 * metres);
         match (account.openness(creature, limb), account.distance_to_most(limb)) {
@@ -148,7 +149,7 @@ impl LookingView {
             Some(limb) => vec![limb],
             None => hands(&own, &[]).unwrap_or_default(),
         };
-        let name = |limb: usize| own.creature().limbs()[limb].replace('_', " ");
+        let name = |limb: usize| in_words(&own.creature().limbs()[limb]);
         let (placed, open): (Vec<usize>, Vec<usize>) =
             limbs.into_iter().partition(|&limb| own.unplaced(limb).is_none());
         if placed.is_empty() {
@@ -180,7 +181,7 @@ impl LookingView {
         };
         let limb = |end: usize| {
             let receptor = &shown.agent.skin().receptors[touch.ends[end].receptor];
-            shown.agent.creature().limbs()[receptor.limb].replace('_', " ")
+            in_words(&shown.agent.creature().limbs()[receptor.limb])
         };
         format!("touch {} of {}: {} and {}", state.touch, shown.touches.len(), limb(0), limb(1))
     }

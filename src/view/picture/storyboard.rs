@@ -6,6 +6,7 @@ use super::{Shot, between, extent, learned_body, lit_touch, outline};
 use crate::agent::Agent;
 use crate::creature::{Body, Posture};
 use crate::mujoco::{self, GeomCopy, Mark};
+use crate::named::in_words;
 use crate::record::Checkpoint;
 use crate::schema::BodySchema;
 use crate::senses::Touch;
@@ -86,7 +87,7 @@ impl<'a> SessionDrawing<'a> {
     /// The limbs that a touch is of, in words.
     fn limbs(&self, touch: &Touch) -> String {
         let receptors = touch.ends.map(|end| &self.agent.skin().receptors[end.receptor]);
-        let [a, b] = receptors.map(|receptor| self.agent.creature().limbs()[receptor.limb].replace('_', " "));
+        let [a, b] = receptors.map(|receptor| in_words(&self.agent.creature().limbs()[receptor.limb]));
         format!("{a}, {b}")
     }
 

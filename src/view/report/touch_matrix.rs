@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use super::ReportInput;
 use crate::agent::Agent;
+use crate::named::in_words;
 use crate::senses::Touch;
 use crate::view::charts::{Chart, ChartGroup, ChartMark, Ink, Panel, Ruler, Scale};
 use crate::view::figure;
@@ -29,7 +30,7 @@ pub(super) fn figure_of(input: &ReportInput) -> String {
     limbs.sort_by_key(|&limb| std::cmp::Reverse(of_limbs[limb]));
     limbs.truncate(MOST);
     limbs.sort_unstable();
-    let names: Vec<String> = limbs.iter().map(|&limb| auras[limb].name.replace('_', " ")).collect();
+    let names: Vec<String> = limbs.iter().map(|&limb| in_words(&auras[limb].name)).collect();
     let at = |limb: usize| limbs.binary_search(&limb).ok();
     let shown: Vec<([usize; 2], usize)> =
         counts.iter().filter_map(|(&[a, b], &count)| Some(([at(a)?, at(b)?], count))).collect();

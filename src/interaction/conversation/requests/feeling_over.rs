@@ -3,6 +3,7 @@
 use super::super::{Conversation, Pending, Request};
 use super::{Act, Intent, Reply, RequestKind};
 use crate::interaction::tasks::{FeltOver, Trouble};
+use crate::named::in_words;
 use crate::simulation::EngineError;
 
 pub(super) const FEEL_OVER: RequestKind = RequestKind {
@@ -54,7 +55,7 @@ impl Conversation {
                 let told = |(joint, distance): &(usize, f64)| {
                     format!(
                         "my {} is {:.1} cm from where I had it",
-                        names[*joint].name.replace('_', " "),
+                        in_words(&names[*joint].name),
                         100.0 * distance
                     )
                 };

@@ -3,6 +3,7 @@
 use super::super::{Conversation, OwnSpot, Request};
 use super::{Act, Answer, RequestKind};
 use crate::interaction::body_part;
+use crate::named::in_words;
 use crate::peripersonal::Level;
 
 pub(super) const HOW_FAR: RequestKind = RequestKind {
@@ -176,10 +177,10 @@ impl Conversation {
         let hands = self.actor.hands.each_ref().map(|hand| {
             let distance =
                 distances.iter().find(|(limb, _)| *limb == hand.limb).map_or(f64::NAN, |(_, d)| *d);
-            format!("{:.0} cm from my {}", 100.0 * distance.max(0.0), hand.name.replace('_', " "))
+            format!("{:.0} cm from my {}", 100.0 * distance.max(0.0), in_words(&hand.name))
         });
         let near = nearest.map_or(String::new(), |(limb, distance)| {
-            let limb = self.actor.own.creature().limbs()[*limb].replace('_', " ");
+            let limb = in_words(&self.actor.own.creature().limbs()[*limb]);
             format!("; the nearest to it is my {limb}, {:.0} cm away", 100.0 * distance.max(0.0))
         });
         let stick = self.actor.from_stick(&known.at);
@@ -207,7 +208,7 @@ impl Conversation {
         let with = |wanted: Level| -> Vec<String> {
             let hands = levels.iter().filter(|(_, level)| *level == wanted);
             let name = |(map, _): &(usize, Level)| match self.actor.hands.get(*map) {
-                Some(hand) => format!("my {}", hand.name.replace('_', " ")),
+                Some(hand) => format!("my {}", in_words(&hand.name)),
                 None => "the stick".to_string(),
             };
             hands.map(name).collect()
@@ -275,7 +276,7 @@ impl Conversation {
 
     fn what_felt(&self) -> Answer {
         let holds = self.actor.stick().map(|stick| {
-            format!("I hold the stick with my {}", self.actor.hands[stick.hand].name.replace('_', " "))
+            format!("I hold the stick with my {}", in_words(&self.actor.hands[stick.hand].name))
         });
         let touched = match &self.spot {
             Some(OwnSpot { receptor, by_stick }) => {

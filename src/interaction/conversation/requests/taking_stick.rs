@@ -4,6 +4,7 @@ use super::super::{Conversation, Request};
 use super::{Act, Answer, Intent, Reply, RequestKind};
 use crate::interaction::stick::KnownStick;
 use crate::interaction::tasks::Trouble;
+use crate::named::in_words;
 use crate::simulation::EngineError;
 
 pub(super) const TAKE_STICK: RequestKind = RequestKind {
@@ -61,7 +62,7 @@ impl Conversation {
             return Ok(self.reply(intent, self.stick_in_words(), Some(as_told), false));
         }
         let hand = named.unwrap_or(right);
-        let name = self.actor.hands[hand].name.replace('_', " ");
+        let name = in_words(&self.actor.hands[hand].name);
         self.let_be();
         self.settle_at_ready();
         // While he does not know how far the stick reaches he keeps it well over a table.
@@ -127,7 +128,7 @@ impl Conversation {
     fn stick_in_words(&self) -> String {
         match self.actor.stick() {
             Some(stick) => {
-                let name = self.actor.hands[stick.hand].name.replace('_', " ");
+                let name = in_words(&self.actor.hands[stick.hand].name);
                 let known = stick.known.map_or("I do not know it".to_string(), |known| {
                     let [x, y, z]: [f64; 3] = known.tool.tip.into();
                     format!("{} (at {x:.3},{y:.3},{z:.3} m in that hand's frame)", tip_in_words(&known))
@@ -141,7 +142,7 @@ impl Conversation {
     /// Why something cannot be done with a stick in a hand; none where it can.
     pub(in super::super) fn barred_by_stick(&self, request: &Request) -> Option<String> {
         let stick = self.actor.stick()?;
-        let name = self.actor.hands[stick.hand].name.replace('_', " ");
+        let name = in_words(&self.actor.hands[stick.hand].name);
         let with_both = request.intent == Intent::Lift && request.hand.is_none();
         let feels_about = matches!(request.intent, Intent::Explore | Intent::FeelShape | Intent::FeelOver)
             || (request.intent == Intent::Touch && request.any && self.things.is_empty());

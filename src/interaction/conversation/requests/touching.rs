@@ -4,6 +4,7 @@ use super::super::Conversation;
 use super::{Act, Intent, Reply, RequestKind};
 use crate::interaction::conversation::language::Leave;
 use crate::interaction::tasks::Trouble;
+use crate::named::in_words;
 use crate::peripersonal::{Level, OutOfReach};
 use crate::simulation::EngineError;
 
@@ -109,7 +110,7 @@ impl Conversation {
         if touching == Some(hand)
             && self.things[i].in_touch.is_some_and(|r| self.actor.hands[hand].receptors.contains(&r))
         {
-            let said = format!("My {} touches it already", self.actor.hands[hand].name.replace('_', " "));
+            let said = format!("My {} touches it already", in_words(&self.actor.hands[hand].name));
             return Ok(self.reply(Intent::Touch, said, Some(true), false));
         }
         // Other things' arms first; the one that touches this goes back by itself.
@@ -124,7 +125,7 @@ impl Conversation {
             Some(_) => self.actor.touch(&found, hand, lean, 1),
             None => self.actor.touch_again(&found, hand, lean, 1),
         };
-        let name = self.actor.hands[hand].name.replace('_', " ");
+        let name = in_words(&self.actor.hands[hand].name);
         match result {
             Ok(touching) => {
                 self.things.felt_again(i, &touching.found);

@@ -4,6 +4,7 @@ use super::super::{Conversation, OwnSpot, Request};
 use super::{Act, Intent, Reply, RequestKind};
 use crate::interaction::body_part;
 use crate::interaction::tasks::Trouble;
+use crate::named::in_words;
 use crate::simulation::EngineError;
 
 /// Places of a part that are tried, the one that it is first.
@@ -76,7 +77,7 @@ impl Conversation {
                             self.spot = Some(OwnSpot { receptor, by_stick: request.stick });
                             let name = match request.stick {
                                 true => "stick".to_string(),
-                                false => self.actor.hands[touch.hand].name.replace('_', " "),
+                                false => in_words(&self.actor.hands[touch.hand].name),
                             };
                             let said = match part.off(&self.actor, touch.felt) {
                                 off if off < NEAR => format!("I touch my {} with my {name}", part.name),

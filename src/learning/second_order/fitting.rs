@@ -1,0 +1,175 @@
+//! The last fit: a start that was accepted, to all touches.
+
+use super::SecondOrder;
+use crate::deadline::Deadline;
+use crate::geometry::Frame;
+use crate::learning::annealing::{NARROWEST, anneal, gaps, typical_gap};
+use crate::learning::growing::{Evidence, Start};
+use crate::learning::least_squares::{Stopping, levenberg_marquardt};
+use crate::learning::noise::{Noise, NoisyProblem};
+use crate::learning::observation::{Input, PointsMeet};
+use crate::learning::surface_gap::{CERTAIN_NOISE, SurfaceGap};
+use crate::learning::touch_set::{TouchProblem, TouchSet};
+use crate::learning::twins::without_twins;
+use crate::learning::{Account, LimbFrames, Parameters, Prior};
+use crate::schema::BodySchema;
+use crate::skin::Skin;
+
+/// Fits in which the touches are weighed by how noisy joints spread them, the first with none weighed.
+const WEIGHINGS: usize = 3;
+/// Fits to exact touches, each as sharp as the gaps that the one before left; and no sharper than rounding, metres.
+const SHARPENINGS: usize = 3;
+const ROUNDING: f64 = 1e-11;
+/// Linearizations of the last fit.
+const LAST_ITERATIONS: usize = 30;
+/// Least relative fall of its cost that counts as progress.
+const LAST_RELATIVE_COST: f64 = 1e-9;
+
+impl SecondOrder {
+    /// Fits all known joints to all touches: the schema, what it rests on, and the deviation of a touch.
+    pub(super) fn polish(&self, start: &Start) -> (BodySchema, Account, f64) {
+        let all = self.prepare(self.touches.iter());
+        let used = all.filter(|pair| start.covers(pair));
+        let parameters = self.parameters(&start.known, &start.placed);
+        let schema = self.with_frozen(&start.schema);
+        match self.evidence() {
+            Evidence::Points { .. } => {
+                let stopping =
+                    Stopping { iterations: 60, relative_cost: 1e-9, cost: 0.0, deadline: Deadline::NEVER };
+                let fit = |schema: BodySchema, prior: &Prior| {
+                    let mut problem =
+                        TouchProblem::new(self.agent.creature(), &used, &parameters, PointsMeet::Shaped)
+                            .with_prior(prior);
+                    levenberg_marquardt(&mut problem, schema, stopping).state
+                };
+                let mut schema = match self.input {
+                    Input::Receptor => fit(schema, &self.known.prior),
+                    Input::Contact => fit(schema, &self.known.given),
+                };
+                if self.input == Input::Contact && self.known.is_given() && !self.noise_is_given() {
+                    // What is known weighs as much as it should against touches as noisy as they are, not as they were taken to
+                    // be.
+                    for _ in 0..WEIGHINGS {
+                        let noise = self.excess_noise(&used, &parameters, &schema);
+                        schema = fit(schema, &self.known.given.sharpened(noise));
+                    }
+                }
+                let schema = self.settled(schema, &start.placed);
+                let told = match self.frames {
+                    LimbFrames::Joint if self.input == Input::Contact => {
+                        without_twins(self.agent.creature(), &used, &schema, &self.known.frozen)
+                    }
+                    _ => used,
+                };
+                let (account, deviation) = self.account_of(&told, &schema);
+                (schema, account, deviation)
+            }
+            Evidence::Surfaces(skin) => {
+                let annealed = anneal(&self.agent, &used, &parameters, &self.known.prior, schema);
+                let mut schema = annealed.schema;
+                let stopping = Stopping {
+                    iterations: LAST_ITERATIONS,
+                    relative_cost: LAST_RELATIVE_COST,
+                    cost: 0.0,
+                    deadline: Deadline::NEVER,
+                };
+                if annealed.gap_deviation <= CERTAIN_NOISE {
+                    let deviation = self.gap_deviation(skin, &used, &parameters, &schema);
+                    let model = SurfaceGap::new(skin, deviation).with_biased_places();
+                    let mut problem = TouchProblem::new(self.agent.creature(), &used, &parameters, model)
+                        .with_prior(&self.known.prior);
+                    schema = levenberg_marquardt(&mut problem, schema, stopping).state;
+                    schema = self.sharpened(skin, &used, &parameters, schema);
+                } else {
+                    let mut noise: Option<Noise> = None;
+                    for _ in 0..WEIGHINGS {
+                        let (found, widening) = self.noise(&used, &parameters, &schema, noise);
+                        let prior = &self.known.prior;
+                        let mut problem =
+                            NoisyProblem::new(&self.agent, &used, &parameters, prior, (found, &widening));
+                        schema = levenberg_marquardt(&mut problem, schema, stopping).state;
+                        noise = Some(found);
+                    }
+                }
+                let (account, deviation) = self.account_of(&used, &schema);
+                (schema, account, deviation)
+            }
+        }
+    }
+
+    /// A schema in which every limb that is not placed has the frame of its joint, and every joint its position
+    /// where its own motion cannot feel it.
+    fn settled(&self, mut schema: BodySchema, placed: &[bool]) -> BodySchema {
+        for joint in 0..schema.limb_poses.len() {
+            if !placed[joint + 1] {
+                let pose = schema.limb_poses[joint].inverse();
+                schema.reframe(self.agent.creature(), joint + 1, &pose);
+                // Free of the last digit.
+                schema.limb_poses[joint] = Frame::identity();
+            }
+        }
+        schema.settle_positions(self.agent.creature());
+        schema
+    }
+
+    /// Whether any touch says how exact its points are.
+    fn noise_is_given(&self) -> bool {
+        self.touches.iter().flat_map(|touch| &touch.ends).any(|end| end.deviation.is_some())
+    }
+
+    /// How many times more noise points have than they are taken to have: by what is left of each of their equations that
+    /// parameters do not take up.
+    fn excess_noise(&self, used: &TouchSet, parameters: &Parameters, schema: &BodySchema) -> f64 {
+        let misfit: f64 = used
+            .touches()
+            .map(|touch| PointsMeet::Shaped.squared_misfit(&touch.ends, &touch.frames(schema)))
+            .sum();
+        let spare = 3.0 * used.len() as f64 - parameters.len() as f64;
+        (misfit / spare.max(1.0)).sqrt()
+    }
+
+    /// The fit to touches that show no noise, as far as they go: where surfaces are round and bodies move in a plane, gaps hardly
+    /// feel what is across it.
+    fn sharpened(
+        &self,
+        skin: &Skin,
+        touches: &TouchSet,
+        parameters: &Parameters,
+        mut schema: BodySchema,
+    ) -> BodySchema {
+        // What is well known is at its place in a step or two, what is not in many, and each closes gaps fourfold.
+        let stopping = Stopping { iterations: LAST_ITERATIONS, relative_cost: 1e-2, ..Stopping::default() };
+        let mut left = typical_gap(&gaps(skin, touches, &schema));
+        for _ in 0..SHARPENINGS {
+            if left >= NARROWEST || left <= ROUNDING {
+                break;
+            }
+            // A place in a patch says nothing that gaps so narrow do not.
+            let model = SurfaceGap::new(skin, left).without_places();
+            let mut problem = TouchProblem::new(self.agent.creature(), touches, parameters, model)
+                .with_prior(&self.known.prior);
+            let sharper = levenberg_marquardt(&mut problem, schema.clone(), stopping).state;
+            let now = typical_gap(&gaps(skin, touches, &sharper));
+            if now >= left {
+                break;
+            }
+            (schema, left) = (sharper, now);
+        }
+        schema
+    }
+
+    /// A schema with the frozen joints exactly as they are known: starts scale every axis to unit length, which
+    /// may change its last digit.
+    pub(super) fn with_frozen(&self, schema: &BodySchema) -> BodySchema {
+        let mut schema = schema.clone();
+        for (j, joint) in
+            self.agent.creature().joints().iter().enumerate().filter(|(j, _)| self.known.frozen[*j])
+        {
+            schema.positions[j] = self.known.prior.mean.positions[j];
+            for k in joint.dof_indices() {
+                schema.axes[k] = self.known.prior.mean.axes[k];
+            }
+        }
+        schema
+    }
+}

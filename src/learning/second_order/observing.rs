@@ -1,0 +1,292 @@
+//! What touches determine at a schema, and how noisy they show themselves to be.
+
+use nalgebra::DMatrix;
+
+use super::judging::shown_deviation;
+use super::{CONTACT_DEVIATION, FEW, OPEN, SecondOrder, taken_deviation};
+use crate::learning::annealing::{NARROWEST, gaps, typical_gap};
+use crate::learning::curvature::distances_by_curvature;
+use crate::learning::growing::Evidence;
+use crate::learning::least_squares::LeastSquares;
+use crate::learning::noise::{Noise, NoisyGap, gaps_of, information, widening};
+use crate::learning::observability::Observability;
+use crate::learning::observation::{Input, PointsMeet};
+use crate::learning::open_gaps::witnesses;
+use crate::learning::prediction::{GapRow, information_inverse};
+use crate::learning::surface_gap::{CERTAIN_NOISE, MEAN_WEIGHT, SHARPEST, SurfaceGap, TAIL, gap_scale};
+use crate::learning::touch_set::{PairTouches, TouchProblem, TouchSet};
+use crate::learning::{Account, LengthUnit, LimbFrames, Parameters, Witnesses};
+use crate::schema::{BodySchema, unfelt_shifts};
+use crate::skin::Skin;
+
+/// Leverage of a touch from which on no other one checks it.
+const UNCHECKED: f64 = 0.98;
+/// A bias of all gaps is taken up by parameters and leaves a fiftieth of itself; what exact gaps tell at second order is told
+/// by no less than so many times what is left.
+const TAKEN_UP: f64 = 1e3;
+/// … and by no less than this, metres.
+const SHARPLY: f64 = 1e-8;
+
+/// What touches determine at a schema.
+struct Seen {
+    observability: Observability,
+    witnesses: Witnesses,
+    /// The touches that others check: what it all rests on.
+    checked: TouchSet,
+    /// The deviation of a touch that they show, metres.
+    deviation: f64,
+}
+
+impl SecondOrder {
+    /// What all touches so far determine at a schema, and the deviation of a touch that they show, metres.
+    pub fn observe(&self, schema: &BodySchema) -> (Observability, f64) {
+        let seen = self.observe_touches(&self.placed_touches(schema), schema);
+        (seen.observability, seen.deviation)
+    }
+
+    /// The account of a schema by all touches so far, and the deviation of a touch that they show, metres.
+    pub fn account(&self, schema: &BodySchema) -> (Account, f64) {
+        self.account_of(&self.placed_touches(schema), schema)
+    }
+
+    /// The touches of limbs that a schema places.
+    fn placed_touches(&self, schema: &BodySchema) -> TouchSet {
+        let placed =
+            |pair: &PairTouches| pair.limbs.iter().all(|&limb| schema.places(self.agent.creature(), limb));
+        self.prepare(self.touches.iter()).filter(placed)
+    }
+
+    pub(super) fn account_of(&self, used: &TouchSet, schema: &BodySchema) -> (Account, f64) {
+        let Seen { observability, witnesses, checked, deviation } = self.observe_touches(used, schema);
+        let account = Account::new(&self.agent, schema, observability, witnesses);
+        (self.with_curvature(account, &checked, schema), deviation)
+    }
+
+    /// An account with what exact touches of round limbs tell at second order, where limbs are open at first order.
+    fn with_curvature(&self, account: Account, checked: &TouchSet, schema: &BodySchema) -> Account {
+        let Evidence::Surfaces(skin) = self.evidence() else { return account };
+        let all_placed = account.classes().len() <= 1;
+        if all_placed || self.frames != LimbFrames::Joint {
+            return account;
+        }
+        let deviation = SHARPLY.max(TAKEN_UP * typical_gap(&gaps(skin, checked, schema)));
+        if deviation > SHARPEST {
+            return account;
+        }
+        let distances = distances_by_curvature(&self.agent, schema, &account, checked, deviation);
+        account.with_distances(self.agent.creature(), distances)
+    }
+
+    /// What touches determine at a schema.
+    fn observe_touches(&self, used: &TouchSet, schema: &BodySchema) -> Seen {
+        let Evidence::Surfaces(skin) = self.evidence() else { return self.observe_witnesses(used, schema) };
+        let parameters = self.touched(used).0;
+        let deviation = self.gap_deviation(skin, used, &parameters, schema);
+        let used = if deviation > CERTAIN_NOISE {
+            let (noise, _) = self.noise(used, &parameters, schema, None);
+            let gaps = gaps_of(&self.agent, used, &parameters, schema, &[]);
+            witnesses(&self.agent, used, schema, |number| noise.variance(&gaps[number]).sqrt(), false)
+        } else {
+            witnesses(&self.agent, used, schema, |_| deviation, true)
+        };
+        self.observe_witnesses(&used, schema)
+    }
+
+    /// The noise of touches at a schema that was fitted to them, and how much wider it makes each gap, metres.
+    /// `before` is a rough guess.
+    pub(super) fn noise(
+        &self,
+        touches: &TouchSet,
+        parameters: &Parameters,
+        schema: &BodySchema,
+        before: Option<Noise>,
+    ) -> (Noise, Vec<f64>) {
+        let mut prior = DMatrix::zeros(parameters.len(), parameters.len());
+        self.known.prior.add_information(parameters, &mut prior);
+        let estimate = |widening: &[f64], before| {
+            let gaps = gaps_of(&self.agent, touches, parameters, schema, widening);
+            Noise::estimate(&gaps, parameters, &prior, before, true)
+        };
+        let noise = before.unwrap_or_else(|| estimate(&[], None));
+        let widening = widening(&self.agent, touches, schema, noise.joint);
+        (estimate(&widening, Some(noise)), widening)
+    }
+
+    /// What of the joints and limbs of some touches may be fitted, and which limbs are placed at all.
+    fn touched(&self, used: &TouchSet) -> (Parameters, Vec<bool>) {
+        let mut touched = vec![false; self.agent.creature().joints().len()];
+        used.pairs.iter().flat_map(|pair| pair.chain.joints()).for_each(|joint| touched[joint] = true);
+        let mut placed = vec![self.frames == LimbFrames::Joint; self.agent.creature().limbs().len()];
+        used.pairs.iter().flat_map(|pair| pair.limbs).for_each(|limb| placed[limb] = true);
+        (self.parameters(&touched, &placed), placed)
+    }
+
+    fn observe_witnesses(&self, used: &TouchSet, schema: &BodySchema) -> Seen {
+        let (parameters, placed) = self.touched(used);
+        let mut spread = 0.0;
+        let mut touches = used.clone();
+        let (found, deviation, at_floor) = match self.evidence() {
+            Evidence::Points { .. } => {
+                let (found, misses) = loop {
+                    let mut problem =
+                        TouchProblem::new(self.agent.creature(), &touches, &parameters, PointsMeet::Shaped);
+                    let model = problem.linearize(schema);
+                    let spare = (3 * touches.len()).saturating_sub(parameters.len()).max(1);
+                    let misses = (2.0 * model.cost / spare as f64).sqrt();
+                    // Points that miss by more than they were taken to say that much less.
+                    let least = misses.max(1.0).powi(2);
+                    let found =
+                        self.observability(&parameters, schema, model.hessian / least, 3 * touches.len());
+                    match self.checked_points(&touches, schema, &found, least) {
+                        Some(few) => touches = few,
+                        None => break (found, misses),
+                    }
+                };
+                (found, taken_deviation(used) * misses, misses <= 1.0)
+            }
+            Evidence::Surfaces(skin) => {
+                let mut deviation = self.gap_deviation(skin, used, &parameters, schema);
+                let mut noise = Noise::of_gaps(deviation);
+                let noisy = deviation > CERTAIN_NOISE;
+                if noisy {
+                    noise = self.noise(used, &parameters, schema, None).0;
+                    deviation = noise.deviation(&gaps_of(&self.agent, used, &parameters, schema, &[]));
+                    spread = deviation;
+                }
+                noise.contact = noise.contact.max(SHARPEST);
+                let found = loop {
+                    let widening =
+                        if noisy { widening(&self.agent, &touches, schema, noise.joint) } else { Vec::new() };
+                    let gaps = gaps_of(&self.agent, &touches, &parameters, schema, &widening);
+                    let hessian = if noisy {
+                        information(&gaps, &parameters, &noise)
+                            .unwrap_or_else(|| DMatrix::zeros(parameters.len(), parameters.len()))
+                    } else {
+                        let model = SurfaceGap::new(skin, noise.contact).without_places();
+                        let mut problem =
+                            TouchProblem::new(self.agent.creature(), &touches, &parameters, model);
+                        problem.linearize(schema).hessian / MEAN_WEIGHT
+                    };
+                    let found = self.observability(&parameters, schema, hessian, 5 * touches.len());
+                    // Without some of the touches others may be the only ones that are left.
+                    match checked(&touches, &gaps, &found, &noise) {
+                        Some(few) => touches = few,
+                        None => break found,
+                    }
+                };
+                (found, deviation, deviation <= NARROWEST)
+            }
+        };
+        let witnesses = Witnesses {
+            of_limbs: used.count_of_limbs(self.agent.creature()),
+            point_deviation: if self.input == Input::Contact { deviation } else { spread },
+            at_floor,
+        };
+        Seen { observability: found.with_placed(placed), witnesses, checked: touches, deviation }
+    }
+
+    /// The same as [`checked`] of points, of which each gives three equations: those are left whose every equation others
+    /// check. One false touch places a limb that has no other one, and no residual shows it. `found` is what they determine
+    /// with a variance so many times (`share`) that of the points.
+    fn checked_points(
+        &self,
+        touches: &TouchSet,
+        schema: &BodySchema,
+        found: &Observability,
+        share: f64,
+    ) -> Option<TouchSet> {
+        let mut few = touches.clone();
+        // Many touches of one pair of limbs check one another.
+        for pair in few.pairs.iter_mut().filter(|pair| pair.touches.len() < FEW) {
+            let (limbs, chain) = (pair.limbs, pair.chain.clone());
+            pair.touches.retain(|touch| {
+                let alone = PairTouches { limbs, chain: chain.clone(), touches: vec![touch.clone()] };
+                let alone = TouchSet { pairs: vec![alone] };
+                let mut problem =
+                    TouchProblem::new(self.agent.creature(), &alone, &found.parameters, PointsMeet::Shaped);
+                let information = problem.linearize(schema).hessian / share;
+                found.greatest_leverage(&information) < UNCHECKED
+            });
+        }
+        few.pairs.retain(|pair| !pair.touches.is_empty());
+        (few.len() < touches.len()).then_some(few)
+    }
+
+    /// What information (lower triangle) of so many residuals determines, with what was known in advance.
+    fn observability(
+        &self,
+        parameters: &Parameters,
+        schema: &BodySchema,
+        mut hessian: DMatrix<f64>,
+        rows: usize,
+    ) -> Observability {
+        self.known.given.add_information(parameters, &mut hessian);
+        self.fix_choices(parameters, schema, &mut hessian);
+        Observability::new(
+            self.agent.creature(),
+            parameters.clone(),
+            &self.known.frozen,
+            hessian,
+            rows,
+            LengthUnit::METRE,
+        )
+    }
+
+    /// Adds to normal equations (lower triangle) that limbs' origins do not shift where their joints cannot feel
+    /// it, for that is gauge freedom: see [`BodySchema::settle_positions`].
+    fn fix_choices(&self, parameters: &Parameters, schema: &BodySchema, hessian: &mut DMatrix<f64>) {
+        for (joint, offset) in self.agent.creature().joints().iter().zip(&parameters.limb_origins) {
+            if let Some(offset) = *offset {
+                let mut block = hessian.fixed_view_mut::<3, 3>(offset, offset);
+                block +=
+                    unfelt_shifts(self.agent.creature(), joint, &schema.axes) * CONTACT_DEVIATION.powi(-2);
+            }
+        }
+    }
+
+    /// Standard deviation of the gaps at a fitted schema, metres.
+    pub(super) fn gap_deviation(
+        &self,
+        skin: &Skin,
+        touches: &TouchSet,
+        parameters: &Parameters,
+        schema: &BodySchema,
+    ) -> f64 {
+        let start = shown_deviation(skin, touches, parameters, schema);
+        let mut problem =
+            TouchProblem::new(self.agent.creature(), touches, parameters, SurfaceGap::new(skin, start))
+                .with_prior(&self.known.prior);
+        let Some(covariance) = information_inverse(problem.linearize(schema).hessian, parameters) else {
+            return start;
+        };
+        let mut row = GapRow::default();
+        let rows = touches.touches().map(|touch| {
+            row.set(skin, parameters, schema, touch);
+            (row.gap, MEAN_WEIGHT * row.variance(&covariance) / start.powi(2))
+        });
+        gap_scale(&rows.collect::<Vec<_>>(), start).max(NARROWEST)
+    }
+}
+
+/// The touches that are closed and that others check; none where that are all.
+///
+/// A touch whose leverage is nearly 1 closes its gap whatever the truth is: the fit has a parameter for it alone.
+/// What rests on such touches is not known, however small it leaves the gaps (Baarda's reliability, "A Testing
+/// Procedure for Use in Geodetic Networks", 1968). `found` is what they determine in some noise; `gaps` are theirs.
+fn checked(touches: &TouchSet, gaps: &[NoisyGap], found: &Observability, noise: &Noise) -> Option<TouchSet> {
+    let mut gaps = gaps.iter();
+    let mut few = touches.clone();
+    for pair in &mut few.pairs {
+        pair.touches.retain(|_| {
+            let gap = gaps.next().expect("every touch has a gap");
+            let variance = noise.variance(gap);
+            let weight = 1.0 / (1.0 + gap.gap * gap.gap / (TAIL * TAIL * variance));
+            // The weights that the information was divided by are 1 for a gap that is closed.
+            let leverage = weight * gap.predicted(&found.covariance) / (MEAN_WEIGHT * variance);
+            // A gap that is open speaks against the schema, and for nothing.
+            leverage < UNCHECKED && gap.gap * gap.gap <= OPEN * OPEN * variance
+        });
+    }
+    few.pairs.retain(|pair| !pair.touches.is_empty());
+    (few.len() < touches.len()).then_some(few)
+}

@@ -1,0 +1,271 @@
+//! Starts from random initial guesses, until one is accepted or none will be.
+
+use std::collections::BTreeMap;
+
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use rayon::prelude::*;
+
+use super::{MOST_NOISE, SecondOrder, taken_deviation};
+use crate::learning::annealing::NARROWEST;
+use crate::learning::growing::{EXACT, Evidence, Nursery, Start, WHOLE_DOF};
+use crate::learning::growing_limbs::LimbNursery;
+use crate::learning::observation::Input;
+use crate::learning::surface_gap::CERTAIN_NOISE;
+use crate::learning::touch_set::TouchSet;
+use crate::learning::{AxisModel, LimbFrames, Parameters, PriorKnowledge};
+use crate::senses::Touch;
+use crate::skin::Receptor;
+
+/// Every how many touches one is kept back to judge a start.
+const KEPT_BACK: usize = 5;
+/// Starts tried with a body too large to be solved whole.
+const LARGE_STARTS: usize = 2;
+/// Starts after which one is taken though it knows fewer joints than have touches of their own.
+const INCOMPLETE_STARTS: usize = 2;
+/// The same where limbs have frames of their own, …
+const INCOMPLETE_LIMB_STARTS: usize = 6;
+/// … and after which none is made more where all know nothing: chains are too long to begin with any.
+const BLIND_LIMB_STARTS: usize = 3;
+/// Where gaps show noise, only trying can tell whether less of it was to be had: two starts must agree on the
+/// least noise to this share of it.
+const AGREEMENT: f64 = 0.03;
+/// The same for places that are taken for one point: there is but one least sum of squares.
+const POINT_AGREEMENT: f64 = 1e-3;
+/// So many starts that agree on what the touches do not bear out are not bettered by more, …
+const HOPELESS_STARTS: usize = 3;
+/// … but tangles are many, and alike in how wide their gaps are, metres.
+const TANGLED: f64 = 5e-3;
+/// Touches of one limb pair that a start uses at most; the last fit uses all.
+const TOUCHES_PER_PAIR: usize = 150;
+/// Whitened residuals above which points are taken to have noise, and a second start must agree.
+const VISIBLE_NOISE: f64 = 0.1;
+/// How many times wider than in the part that is solved first the misses may be elsewhere: a part is solved on
+/// others that are held where noise left them, …
+const NOISE_MARGIN: f64 = 3.0;
+/// … and how many times that where no start is accepted; joints that are misread add up in long chains.
+const WIDER: [f64; 2] = [1.0, 3.0];
+/// Random stream of the look at how much noise points have; starts count from 0 and never get here.
+const NOISE_STREAM: u64 = u64::MAX - 4;
+/// Starts tried with points that have noise before more of it is allowed for.
+const NOISY_STARTS: usize = 8;
+/// How far apart receptors of a limb are whose touches bear one another out, metres: two patches …
+const SAME_PLACE: f64 = 0.05;
+/// … and how many others it takes: of 2,000 touches of Max half of the honest ones have them, and one in 16 of false ones.
+const WITNESSES: usize = 4;
+/// Touches that are left for every unknown number, where others need not be looked at.
+const ENOUGH: usize = 3;
+
+/// How to look for an answer.
+pub(super) struct StartSearch<'a> {
+    /// What the touches say, and how well an answer has to explain it.
+    pub evidence: Evidence<'a>,
+    /// Whether two starts must agree on how much noise there is.
+    pub noisy: bool,
+    /// Most starts.
+    pub starts: usize,
+}
+
+/// What a search found.
+pub(super) struct SearchResult {
+    pub best: Judged,
+    /// Random initial guesses used.
+    pub initial_guesses: usize,
+    /// Whether starts agreed on an answer that was not accepted.
+    pub settled: bool,
+}
+
+/// A start and how it did on touches that it was not fitted to.
+pub(super) struct Judged {
+    pub start: Start,
+    /// 1 is just acceptable.
+    pub judged: f64,
+    /// Noise of the touches that it was fitted to, metres.
+    pub noise: f64,
+}
+
+impl Judged {
+    /// How many joints it knows, and limbs.
+    pub fn known(&self) -> usize {
+        self.start.known.iter().chain(&self.start.placed).filter(|&&known| known).count()
+    }
+
+    /// Whether it is the answer rather than that of a search that allowed for less noise.
+    pub fn more(&self, other: &Judged) -> bool {
+        self.start.accepted && (!other.start.accepted || self.known() > other.known())
+    }
+
+    fn better(&self, other: &Judged) -> bool {
+        if self.start.accepted != other.start.accepted {
+            return self.start.accepted;
+        }
+        if self.start.accepted && self.known() != other.known() {
+            return self.known() > other.known();
+        }
+        let score = |judged: &Judged| judged.judged.max(1.0) * judged.noise.max(NARROWEST);
+        if self.start.accepted { self.noise < other.noise } else { score(self) < score(other) }
+    }
+}
+
+impl SecondOrder {
+    /// The touches that starts are fitted to: not those kept back, and not all of the most frequent pairs.
+    pub(super) fn fitted(&self) -> Vec<&Touch> {
+        let mut per_pair = BTreeMap::new();
+        let few_of_a_pair = |touch: &&Touch| {
+            let limbs = touch.ends.map(|end| self.agent.skin().receptors[end.receptor].limb);
+            let count = per_pair.entry(limbs).or_insert(0);
+            *count += 1;
+            *count <= TOUCHES_PER_PAIR
+        };
+        let fitted = self.touches.iter().enumerate().filter(|(i, _)| !kept_back(*i));
+        fitted.map(|(_, touch)| touch).filter(few_of_a_pair).collect()
+    }
+
+    /// Those of some touches that others bear out, by what they felt alone: false ones are scattered over the skin, honest
+    /// ones come again where limbs can meet. All, where so few come again that this tells nothing.
+    pub(super) fn borne_out<'t>(&self, touches: &[&'t Touch]) -> Vec<&'t Touch> {
+        let felt = |touch: &Touch| touch.ends.map(|end| &self.agent.skin().receptors[end.receptor]);
+        let near = |a: &Receptor, b: &Receptor| {
+            a.limb == b.limb && (a.position - b.position).norm_squared() < SAME_PLACE * SAME_PLACE
+        };
+        let felt: Vec<[&Receptor; 2]> = touches.iter().map(|touch| felt(touch)).collect();
+        let borne_out = |[a, b]: &[&Receptor; 2]| {
+            let alike = felt.iter().filter(|[c, d]| near(a, c) && near(b, d));
+            // It is like itself.
+            alike.take(WITNESSES + 1).count() > WITNESSES
+        };
+        let kept: Vec<&Touch> =
+            touches.iter().zip(&felt).filter(|(_, ends)| borne_out(ends)).map(|(touch, _)| *touch).collect();
+        let unknowns = Parameters::new(self.agent.creature(), AxisModel::Unit, |_| true).len();
+        if kept.len() < ENOUGH * unknowns { touches.to_vec() } else { kept }
+    }
+
+    pub(super) fn nursery<'t>(
+        &'t self,
+        evidence: Evidence<'t>,
+        touches: &'t TouchSet,
+        turn: usize,
+    ) -> Nursery<'t> {
+        let PriorKnowledge { prior, frozen, .. } = &self.known;
+        Nursery { agent: &self.agent, touches, evidence, prior, frozen, turn, deadline: self.deadline }
+    }
+
+    pub(super) fn limb_nursery<'t>(&'t self, touches: &'t TouchSet, turn: usize) -> LimbNursery<'t> {
+        LimbNursery { creature: self.agent.creature(), touches, turn, deadline: self.deadline }
+    }
+
+    /// The searches to try one after the other until one finds an answer. There is one, but for points with
+    /// noise of which nobody knows how much it is.
+    pub(super) fn searches(&self, touches: &TouchSet, starts: usize) -> Vec<StartSearch<'_>> {
+        let evidence = self.evidence();
+        if self.input != Input::Contact || self.frames == LimbFrames::Limb {
+            return vec![StartSearch { evidence, noisy: !evidence.exact(), starts }];
+        }
+        let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
+        rng.set_stream(NOISE_STREAM);
+        let noise = self.nursery(evidence, touches, 0).point_noise(&mut rng).unwrap_or(0.0);
+        let most = MOST_NOISE / taken_deviation(touches);
+        if noise <= VISIBLE_NOISE || noise > most {
+            return vec![StartSearch { evidence, noisy: false, starts }];
+        }
+        let acceptances = WIDER.map(|wider| (wider * NOISE_MARGIN * noise).clamp(EXACT, most.max(EXACT)));
+        let search = |acceptance| {
+            let evidence = Evidence::Points { acceptance, patches: false };
+            StartSearch { evidence, noisy: true, starts: starts.min(NOISY_STARTS) }
+        };
+        acceptances.into_iter().map(search).collect()
+    }
+
+    /// Makes the starts of a search, as many as it takes.
+    pub(super) fn search(
+        &self,
+        search: &StartSearch,
+        solvable: usize,
+        [touches, borne_out]: [&TouchSet; 2],
+        fresh: &TouchSet,
+    ) -> SearchResult {
+        let dof = self.agent.creature().dof();
+        let incomplete_starts = match self.frames {
+            LimbFrames::Joint => INCOMPLETE_STARTS,
+            LimbFrames::Limb => INCOMPLETE_LIMB_STARTS,
+        };
+        let make = |number: usize| {
+            let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
+            rng.set_stream(number as u64);
+            let doubts = matches!(search.evidence, Evidence::Surfaces(_)) && number % 4 >= 2;
+            let used = if doubts { borne_out } else { touches };
+            let nursery = self.nursery(search.evidence, used, number);
+            let mut start = match self.frames {
+                LimbFrames::Joint => nursery.start(nursery.evidence.route(number, dof), &mut rng),
+                LimbFrames::Limb => self.limb_nursery(touches, number).start(&mut rng),
+            };
+            let (judged, noise) = self.judge(search, touches, fresh, &start);
+            start.accepted &= judged <= 1.0;
+            Judged { start, judged, noise }
+        };
+        // All cores make starts; which one is taken does not depend on how many there are.
+        let mut best: Option<Judged> = None;
+        let (mut initial_guesses, mut settled) = (0, false);
+        let mut noises: Vec<f64> = Vec::new();
+        let points = self.input == Input::Contact;
+        let metres = if points { taken_deviation(touches) } else { 1.0 };
+        // Starts of a large body are long, and try several initial guesses for each part.
+        let starts = if dof > WHOLE_DOF && !search.evidence.exact() {
+            search.starts.min(LARGE_STARTS)
+        } else {
+            search.starts
+        };
+        let numbers: Vec<usize> = (0..starts).collect();
+        'waves: for wave in numbers.chunks(rayon::current_num_threads()) {
+            if best.is_some() && self.deadline.has_passed() {
+                break;
+            }
+            let made: Vec<Judged> = wave.par_iter().map(|&number| make(number)).collect();
+            for (trial, number) in made.into_iter().zip(wave) {
+                initial_guesses += trial.start.initial_guesses;
+                noises.push(trial.noise);
+                if best.as_ref().is_none_or(|best| trial.better(best)) {
+                    best = Some(trial);
+                }
+                let best = best.as_ref().expect("one was made");
+                let agreeing =
+                    noises.iter().filter(|&&noise| noise <= (1.0 + self.agreement()) * best.noise).count();
+                let complete = best.known() >= solvable || *number + 1 >= incomplete_starts;
+                if best.start.accepted && complete && (best.noise <= CERTAIN_NOISE || agreeing >= 2) {
+                    break 'waves;
+                }
+                let blind = self.frames == LimbFrames::Limb && best.known() == 0;
+                if blind && *number + 1 >= BLIND_LIMB_STARTS {
+                    break 'waves;
+                }
+                // With points it is the least noise that starts have to agree on, whoever is best by other measures.
+                let least =
+                    if points { noises.iter().copied().fold(f64::INFINITY, f64::min) } else { best.noise };
+                let agreeing =
+                    noises.iter().filter(|&&noise| noise <= (1.0 + self.agreement()) * least).count();
+                let plausible = CERTAIN_NOISE < least && metres * least < TANGLED;
+                settled = plausible && agreeing >= HOPELESS_STARTS;
+                if settled {
+                    break 'waves;
+                }
+            }
+        }
+        let mut best = best.expect("at least one start is made");
+        // Noise that no second start finds may be a wrong minimum as well.
+        let agreeing = noises.iter().filter(|&&noise| noise <= (1.0 + self.agreement()) * best.noise).count();
+        best.start.accepted &= best.noise <= CERTAIN_NOISE || agreeing >= 2;
+        SearchResult { best, initial_guesses, settled }
+    }
+
+    /// The share of the noise within which two starts have come to the same.
+    fn agreement(&self) -> f64 {
+        match self.evidence() {
+            Evidence::Points { .. } => POINT_AGREEMENT,
+            Evidence::Surfaces(_) => AGREEMENT,
+        }
+    }
+}
+
+pub(super) fn kept_back(touch: usize) -> bool {
+    touch % KEPT_BACK == KEPT_BACK - 1
+}
