@@ -25,7 +25,7 @@ const DEVIATIONS: f64 = 5.0;
 const OPEN_SHARE: f64 = 0.05;
 /// A gap that is open among touches without noise: wider than this, metres, and so many times as wide as half of all. Of
 /// right answers 95 in 100 gaps are narrower than three nanometres, but for edges; …
-const SHARPLY_OPEN: f64 = 2e-8;
+pub(super) const SHARPLY_OPEN: f64 = 2e-8;
 const MANY_TIMES: f64 = 10.0;
 /// … and by so much more than among all others is the share of those that are open of a wrong answer.
 const SHARPLY_OPEN_SHARE: f64 = 0.25;
@@ -310,7 +310,7 @@ impl Growth {
     /// Of the joints and limbs that several touches are against that one which the greatest share of its touches is; each
     /// touch comes with whether it is against what it tells of. `wrong` judges by the touches for and against it, and by all
     /// others.
-    fn most_suspect<'t>(
+    pub(super) fn most_suspect<'t>(
         &self,
         told: impl Iterator<Item = (&'t GrownTouch, bool)>,
         wrong: impl Fn([f64; 2], [f64; 2]) -> bool,

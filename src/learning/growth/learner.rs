@@ -173,6 +173,10 @@ impl Grower {
                 told.retain(|&number| !self.growth.touches()[number].tells_of(wrong));
                 continue;
             }
+            if let Some(wrong) = self.growth.patterned(&told, &self.touches, &learned.schema, deviation) {
+                told.retain(|&number| !self.growth.touches()[number].tells_of(wrong));
+                continue;
+            }
             match self.growth.image(&told, &learned.schema, deviation) {
                 None => {}
                 Some(Image::Better(_, other)) if images < MOST_IMAGES => {

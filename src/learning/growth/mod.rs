@@ -17,6 +17,7 @@ mod evidence;
 mod learner;
 mod mirrored;
 mod part;
+mod patterned;
 mod placement;
 mod solving;
 
