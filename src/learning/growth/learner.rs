@@ -169,11 +169,10 @@ impl Grower {
             let known = vec![true; self.agent.creature().joints().len()];
             let mut learned = last.refine_known(&schema, known);
             let deviation = learned.deviation.unwrap_or(0.0);
-            if let Some(wrong) = self.growth.most_open(&told, &learned.schema, deviation) {
-                told.retain(|&number| !self.growth.touches()[number].tells_of(wrong));
-                continue;
-            }
-            if let Some(wrong) = self.growth.patterned(&told, &self.touches, &learned.schema, deviation) {
+            let open = self.growth.most_open(&told, &learned.schema, deviation);
+            let wrong =
+                open.or_else(|| self.growth.patterned(&told, &self.touches, &learned.schema, deviation));
+            if let Some(wrong) = wrong {
                 told.retain(|&number| !self.growth.touches()[number].tells_of(wrong));
                 continue;
             }

@@ -57,6 +57,9 @@ impl Growth {
     /// How alike the gaps of two limbs are in neighbouring postures, as [`likeness`](crate::learning::noise::likeness) has it of
     /// neighbouring places; 0 where gaps are as narrow as those of right answers, or few.
     fn likeness(&self, touches: &[(&GrownTouch, &Posture)], schema: &BodySchema) -> f64 {
+        if touches.len() < SHOWING {
+            return 0.0;
+        }
         let model = SurfaceGap::new(self.agent.skin(), 1.0);
         let step = touches.len().div_ceil(MOST).max(1);
         let touches: Vec<(&GrownTouch, &Posture)> = touches.iter().copied().step_by(step).collect();
@@ -67,7 +70,7 @@ impl Growth {
         let mut sizes: Vec<f64> = gaps.iter().map(|gap| gap.abs()).collect();
         sizes.sort_by(f64::total_cmp);
         let usual = quantile(&sizes, 0.5);
-        if touches.len() < SHOWING || usual <= SHARPLY_OPEN {
+        if usual <= SHARPLY_OPEN {
             return 0.0;
         }
         let gaps: Vec<f64> = gaps.iter().map(|gap| (gap / usual).clamp(-WIDEST, WIDEST)).collect();
