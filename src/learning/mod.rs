@@ -27,6 +27,7 @@ pub mod prediction;
 mod prior;
 mod relaxed_gradient;
 pub mod rough;
+pub mod scrutiny;
 mod second_order;
 pub mod surface_gap;
 pub mod touch_set;

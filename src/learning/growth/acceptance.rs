@@ -6,11 +6,11 @@ use nalgebra::DMatrix;
 use rayon::prelude::*;
 
 use super::evidence::Equation;
-use super::part::Member;
 use super::solving::{PartProblem, Solved};
 use super::{FREEDOM, GrownTouch, Growth, LIMB_FREEDOM};
 use crate::learning::Parameters;
 use crate::learning::prediction::{add_row, information_inverse, row_variance};
+use crate::learning::scrutiny::Member;
 use crate::schema::BodySchema;
 
 /// Touches that others check which a joint needs, …
@@ -39,7 +39,7 @@ const FEWEST: usize = 5;
 impl Growth {
     /// Takes a part's answer in, as far as touches check it; whether anything is left of it.
     pub(super) fn accept(&mut self, problem: &PartProblem, solved: &Solved) -> bool {
-        let given_up = |touch: &GrownTouch| solved.given_up.iter().any(|&member| touch.tells_of(member));
+        let given_up = |touch: &GrownTouch| solved.given_up.iter().any(|&member| touch.told.tells_of(member));
         let stands = |&number: &usize| {
             let touch = &self.touches[number];
             !given_up(touch) && self.closes(touch, &solved.schema)
@@ -107,7 +107,7 @@ impl Growth {
                 });
                 told.map(|(_, leverage)| 1.0 - leverage).sum()
             };
-            let of_joint = |joint: usize| checked(FREEDOM, &|touch| touch.moving.contains(&joint));
+            let of_joint = |joint: usize| checked(FREEDOM, &|touch| touch.told.moving.contains(&joint));
             let deviation = |joint: usize| self.axis_deviation_in(joint, &problem.unit, &covariance);
             let sure = |joint: usize| (SURE / self.reach[joint]).clamp(SURE_AXIS, UNSURE_AXIS);
             let doubt = |joint: usize| (1.0 + deviation(joint) / sure(joint)) / (of_joint(joint) + 1e-9);
@@ -122,19 +122,19 @@ impl Growth {
                 joints.iter().copied().filter(doubtful).max_by(|&a, &b| doubt(a).total_cmp(&doubt(b)));
             if let Some(worst) = worst {
                 joints.retain(|&joint| joint != worst);
-                new.retain(|&number| !self.touches[number].moving.contains(&worst));
+                new.retain(|&number| !self.touches[number].told.moving.contains(&worst));
                 continue;
             }
-            let of_limb = |limb: usize| checked(LIMB_FREEDOM, &|touch| touch.limbs.contains(&limb));
+            let of_limb = |limb: usize| checked(LIMB_FREEDOM, &|touch| touch.told.limbs.contains(&limb));
             let lonely = |limb: &usize| {
                 of_limb(*limb) < CHECKED_OF_LIMB
-                    && new.iter().any(|&number| self.touches[number].limbs.contains(limb))
+                    && new.iter().any(|&number| self.touches[number].told.limbs.contains(limb))
             };
             let limbs = part.limbs.iter().copied().filter(lonely);
             let Some(limb) = limbs.min_by(|&a, &b| of_limb(a).total_cmp(&of_limb(b))) else {
                 return Some((joints, new));
             };
-            new.retain(|&number| !self.touches[number].limbs.contains(&limb));
+            new.retain(|&number| !self.touches[number].told.limbs.contains(&limb));
         }
     }
 
@@ -147,8 +147,11 @@ impl Growth {
             let mut other = solved.schema.clone();
             creature.joints()[joint].dof_indices().for_each(|dof| other.axes[dof] = -other.axes[dof]);
             let other = self.closed_from(problem, other);
-            let of_it: Vec<usize> =
-                new.iter().copied().filter(|&number| self.touches[number].moving.contains(&joint)).collect();
+            let of_it: Vec<usize> = new
+                .iter()
+                .copied()
+                .filter(|&number| self.touches[number].told.moving.contains(&joint))
+                .collect();
             let closed = of_it.iter().filter(|&&number| self.closes(&self.touches[number], &other)).count();
             let turned = creature.joints()[joint]
                 .dof_indices()

@@ -2,7 +2,7 @@
 
 use nalgebra::{DMatrix, Vector3};
 
-use super::{CLOSED, GrownTouch, Growth};
+use super::{GrownTouch, Growth};
 use crate::learning::Parameters;
 use crate::learning::annealing::{AnnealingLimits, NARROWEST, anneal_to};
 use crate::learning::least_squares::{LeastSquares, Stopping, levenberg_marquardt};
@@ -10,6 +10,7 @@ use crate::learning::observation::{Input, PointsMeet};
 use crate::learning::online::fit_again;
 use crate::learning::prediction::{GapRow, add_row};
 use crate::learning::prior::PriorTerm;
+use crate::learning::scrutiny::CLOSED;
 use crate::learning::surface_gap::{SHARPEST, SurfaceGap};
 use crate::learning::touch_set::{TouchProblem, TouchSet};
 use crate::schema::BodySchema;
@@ -31,13 +32,7 @@ impl Growth {
 
     /// How far apart a schema leaves what touched, metres.
     pub(super) fn miss(&self, touch: &GrownTouch, schema: &BodySchema) -> f64 {
-        match self.by_points() {
-            true => touch.prepared.miss(schema).norm(),
-            false => {
-                let frames = touch.prepared.frames(schema);
-                SurfaceGap::new(self.agent.skin(), 1.0).gap(&touch.prepared.ends, &frames).distance.abs()
-            }
-        }
+        self.scrutiny().miss(&touch.told, schema)
     }
 
     /// Whether a schema has what touched meet, of surfaces within the patches that felt it.
@@ -47,21 +42,7 @@ impl Growth {
 
     /// The same to a tolerance, metres.
     pub(super) fn closes_to(&self, tolerance: f64, touch: &GrownTouch, schema: &BodySchema) -> bool {
-        self.felt_gap(tolerance, touch, schema) < tolerance
-    }
-
-    /// How far apart a schema leaves what touched, metres; infinitely where surfaces nearer than the `widest` tolerance that is
-    /// asked for meet out of the patches that felt it.
-    pub(super) fn felt_gap(&self, widest: f64, touch: &GrownTouch, schema: &BodySchema) -> f64 {
-        if self.by_points() {
-            return self.miss(touch, schema);
-        }
-        let model = SurfaceGap::new(self.agent.skin(), 1.0);
-        let frames = touch.prepared.frames(schema);
-        let found = model.gap(&touch.prepared.ends, &frames);
-        let gap = found.distance.abs();
-        let is_elsewhere = gap < widest && !model.is_felt(&touch.prepared.ends, &frames, &found);
-        if is_elsewhere { f64::INFINITY } else { gap }
+        self.scrutiny().felt_gap(tolerance, &touch.told, schema) < tolerance
     }
 
     /// The equations of a touch at a schema: one of surfaces, three of points.
@@ -73,12 +54,12 @@ impl Growth {
     ) -> Vec<Equation> {
         let mut row = GapRow::default();
         if !self.by_points() {
-            row.set(self.agent.skin(), parameters, schema, &touch.prepared);
+            row.set(self.agent.skin(), parameters, schema, &touch.told.prepared);
             return vec![Equation { gap: row.gap, entries: row.entries }];
         }
         let along = (0..3).map(|axis| Vector3::ith(axis, 1.0));
         let equation = |along: Vector3<f64>| {
-            row.set_miss(parameters, schema, &touch.prepared, &along);
+            row.set_miss(parameters, schema, &touch.told.prepared, &along);
             Equation { gap: row.gap, entries: row.entries.clone() }
         };
         along.map(equation).collect()
@@ -113,11 +94,11 @@ impl Growth {
         schema: BodySchema,
     ) -> (BodySchema, f64) {
         if !self.by_points() {
-            return fit_again(&self.agent, touches, parameters, &self.prior, schema, NARROWEST);
+            return fit_again(&self.agent, touches, parameters, &self.known.prior, schema, NARROWEST);
         }
         let stopping = Stopping { iterations: POINT_STEPS, relative_cost: 1e-6, ..Stopping::default() };
         let mut problem = TouchProblem::new(self.agent.creature(), touches, parameters, PointsMeet::Anyhow)
-            .with_prior(&self.prior);
+            .with_prior(&self.known.prior);
         // Points have no noise where bodies grow.
         (levenberg_marquardt(&mut problem, schema, stopping).state, 0.0)
     }

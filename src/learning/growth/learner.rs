@@ -3,20 +3,17 @@
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
-use super::mirrored::Image;
-use super::part::Member;
-use super::{Growth, moves};
+use super::Growth;
 use crate::agent::Agent;
 use crate::deadline::Deadline;
 use crate::learning::initial_guess::random_guess;
+use crate::learning::scrutiny::{ToldTouch, moves};
 use crate::learning::{AxisModel, Input, Learned, Learner, Online, Parameters, SecondOrder, Verdict};
 use crate::schema::BodySchema;
 use crate::senses::Touch;
 
 /// Times that a body is learned at once: an answer that explains touches and places nothing is no answer.
 const ATTEMPTS: u64 = 5;
-/// Mirror images of axes that are taken up at the most.
-const MOST_IMAGES: usize = 20;
 /// Touches in which all joints move, from which a body is learned at once, at the least.
 const FEWEST_AT_LARGE: usize = 100;
 
@@ -128,7 +125,7 @@ impl Grower {
     /// to place.
     fn conclude_claims(&self, learned: Learned) -> Learned {
         let claimed = |number: &usize| {
-            let [a, b] = self.growth.touches()[*number].limbs;
+            let [a, b] = self.growth.touches()[*number].told.limbs;
             learned.account.as_ref().is_some_and(|account| account.claims(a, b))
         };
         let told: Vec<usize> = (0..self.touches.len()).filter(claimed).collect();
@@ -153,49 +150,28 @@ impl Grower {
                 // Points place limbs that surfaces do not.
                 let told =
                     lacks.joints.is_empty() && (lacks.limbs.is_empty() || self.input == Input::Contact);
-                told && !grown.moving.is_empty()
+                told && !grown.told.moving.is_empty()
             })
             .collect();
         self.conclude_by(schema, told)
     }
 
     /// The same by some touches, of their numbers.
-    fn conclude_by(&self, schema: &BodySchema, mut told: Vec<usize>) -> Learned {
-        let mut schema = schema.clone();
-        let mut images = 0;
-        loop {
+    fn conclude_by(&self, schema: &BodySchema, told: Vec<usize>) -> Learned {
+        let fit = |schema: &BodySchema, told: &[usize]| {
             let mut last = SecondOrder::new(&self.agent, self.input, self.seed);
             told.iter().for_each(|&number| last.touch(&self.touches[number]));
-            let known = vec![true; self.agent.creature().joints().len()];
-            let mut learned = last.refine_known(&schema, known);
-            let deviation = learned.deviation.unwrap_or(0.0);
-            let open = self.growth.most_open(&told, &learned.schema, deviation);
-            let wrong =
-                open.or_else(|| self.growth.patterned(&told, &self.touches, &learned.schema, deviation));
-            if let Some(wrong) = wrong {
-                told.retain(|&number| !self.growth.touches()[number].tells_of(wrong));
-                continue;
-            }
-            match self.growth.image(&told, &learned.schema, deviation) {
-                None => {}
-                Some(Image::Better(_, other)) if images < MOST_IMAGES => {
-                    schema = other;
-                    images += 1;
-                    continue;
-                }
-                Some(Image::Better(joint, _) | Image::AsGood(joint)) => {
-                    let wrong = Member::Joint(joint);
-                    told.retain(|&number| !self.growth.touches()[number].tells_of(wrong));
-                    continue;
-                }
-            }
-            learned.initial_guesses = self.growth.starts();
-            learned.verdict = learned
-                .account
-                .as_ref()
-                .map_or(Verdict::Converged, |account| account.verdict(self.agent.creature()));
-            return learned;
-        }
+            last.refine_known(schema, vec![true; self.agent.creature().joints().len()])
+        };
+        let touches: Vec<&ToldTouch> = self.growth.touches().iter().map(|touch| &touch.told).collect();
+        let learned = fit(schema, &told);
+        let mut learned = self.growth.scrutiny().standing(&touches, told, learned, fit);
+        learned.initial_guesses = self.growth.starts();
+        learned.verdict = learned
+            .account
+            .as_ref()
+            .map_or(Verdict::Converged, |account| account.verdict(self.agent.creature()));
+        learned
     }
 }
 

@@ -15,9 +15,7 @@ mod acceptance;
 mod believing;
 mod evidence;
 mod learner;
-mod mirrored;
 mod part;
-mod patterned;
 mod placement;
 mod solving;
 
@@ -34,22 +32,17 @@ use self::solving::PartProblem;
 use crate::agent::Agent;
 use crate::creature::{Creature, DofKind};
 use crate::deadline::Deadline;
-use crate::kinematics::Chain;
 use crate::learning::initial_guess::random_guess;
 #[cfg(doc)]
 use crate::learning::online::Anchor;
 use crate::learning::online::Belief;
 use crate::learning::rough::imagined;
+use crate::learning::scrutiny::{Scrutiny, ToldTouch};
 use crate::learning::touch_set::TouchSet;
-use crate::learning::{Input, Prior, PriorKnowledge};
+use crate::learning::{Input, PriorKnowledge};
 use crate::schema::BodySchema;
 use crate::senses::Touch;
 
-/// A gap narrower than this is closed, metres: a fiftieth of what a wrong answer leaves, and fifty times what a motion
-/// that stops at touch does.
-const CLOSED: f64 = 1e-6;
-/// Deviation of a gap down to which answers are sought, metres.
-const SHARP: f64 = 1e-8;
 /// Deviation that contact points are given, metres: they are exact, and what is believed before the first touch is to move
 /// nothing.
 const POINT: f64 = 1e-4;
@@ -99,7 +92,8 @@ const MOST_OF_WAY: usize = 12;
 #[derive(Clone, Debug)]
 pub struct Growth {
     agent: Agent,
-    prior: Prior,
+    /// Nothing but where the skin is.
+    known: PriorKnowledge,
     seed: u64,
     input: Input,
     deadline: Deadline,
@@ -154,7 +148,7 @@ impl Growth {
         Growth {
             agent: agent.clone(),
             reach,
-            prior: PriorKnowledge::nothing(agent).prior,
+            known: PriorKnowledge::nothing(agent),
             seed,
             input: Input::Receptor,
             deadline: Deadline::NEVER,
@@ -186,30 +180,23 @@ impl Growth {
             }
         }
         let (limbs, prepared) = felt.prepare(creature);
-        let chain: Vec<usize> = Chain::between(creature, limbs[0], limbs[1]).joints().collect();
-        let moves = |joint: usize| moves(creature, joint, &touch.posture);
-        let moving: Vec<usize> = chain.iter().copied().filter(|&joint| moves(joint)).collect();
-        let freedom = chain.iter().map(|&joint| freedom(creature, joint, &touch.posture)).sum();
+        let told = ToldTouch::new(creature, limbs, prepared, &touch.posture);
+        let freedom = told.chain.iter().map(|&joint| freedom(creature, joint, &touch.posture)).sum();
         // Many touches that are alike are one wrong answer's majority.
-        let alike =
-            self.touches.iter().filter(|other| other.limbs == limbs && other.moving == moving).count();
+        let alike = self
+            .touches
+            .iter()
+            .filter(|other| other.told.limbs == limbs && other.told.moving == told.moving)
+            .count();
         let least = match self.belief {
             None => ALIKE_AT_FIRST,
             Some(_) if limbs.iter().all(|&limb| self.placed(limb)) => ALIKE,
             Some(_) => ALIKE_UNPLACED,
         };
-        let unresolved: Vec<usize> = moving.iter().copied().filter(|&joint| !self.resolved[joint]).collect();
+        let unresolved: Vec<usize> =
+            told.moving.iter().copied().filter(|&joint| !self.resolved[joint]).collect();
         let spare = alike >= least.max((FIRST_TOUCHES * self.width(&unresolved) as f64) as usize);
-        self.touches.push(GrownTouch {
-            limbs,
-            prepared,
-            chain,
-            moving,
-            freedom,
-            used: false,
-            spare,
-            refused: None,
-        });
+        self.touches.push(GrownTouch { told, freedom, used: false, spare, refused: None });
         let due = self.touches.len() >= self.next && !self.gave_up();
         if due {
             self.next = self.touches.len() + EVERY.max(self.touches.len() / EVERY_SHARE);
@@ -302,8 +289,8 @@ impl Growth {
     /// What is missing for a touch to tell something of what is known: joints to resolve, limbs to place.
     pub fn lacks(&self, touch: &GrownTouch) -> Part {
         Part {
-            joints: touch.moving.iter().copied().filter(|&joint| !self.resolved[joint]).collect(),
-            limbs: touch.limbs.into_iter().filter(|&limb| !self.placed(limb)).collect(),
+            joints: touch.told.moving.iter().copied().filter(|&joint| !self.resolved[joint]).collect(),
+            limbs: touch.told.limbs.into_iter().filter(|&limb| !self.placed(limb)).collect(),
         }
     }
 
@@ -356,7 +343,7 @@ impl Growth {
         let mut candidates: Vec<(Part, usize)> = Vec::new();
         for joints in self.first_sets() {
             let within = |touch: &&GrownTouch| {
-                touch.freedom >= FREEDOM && touch.moving.iter().all(|joint| joints.contains(joint))
+                touch.freedom >= FREEDOM && touch.told.moving.iter().all(|joint| joints.contains(joint))
             };
             let touches = self.touches.iter().filter(within).count();
             let limbs = (0..self.agent.creature().limbs().len()).collect();
@@ -390,7 +377,7 @@ impl Growth {
         let fewest = FEWEST_UNKNOWNS.min(self.width(&all) / 2);
         let mut moved: BTreeMap<Vec<usize>, usize> = BTreeMap::new();
         for touch in self.touches.iter().filter(|touch| touch.freedom >= FREEDOM) {
-            *moved.entry(touch.moving.clone()).or_default() += 1;
+            *moved.entry(touch.told.moving.clone()).or_default() += 1;
         }
         let widened = |set: &Vec<usize>| {
             let mut joints: BTreeSet<usize> = set.iter().copied().collect();
@@ -422,10 +409,15 @@ impl Growth {
         (0..self.placement.len()).filter(|&limb| self.placed(limb)).count()
     }
 
+    /// What is believed, held against touches.
+    fn scrutiny(&self) -> Scrutiny<'_> {
+        Scrutiny::new(&self.agent, self.input, &self.known)
+    }
+
     fn set<'t>(&self, touches: impl Iterator<Item = &'t GrownTouch>) -> TouchSet {
         let mut set = TouchSet::default();
         for touch in touches {
-            set.push_prepared(self.agent.creature(), touch.limbs, touch.prepared.clone());
+            set.push_prepared(self.agent.creature(), touch.told.limbs, touch.told.prepared.clone());
         }
         set
     }
@@ -440,12 +432,6 @@ pub fn first_touches(unknowns: usize) -> f64 {
 /// Whether a joint has axes to be learned: a ball has none.
 pub fn has_axes(creature: &Creature, joint: usize) -> bool {
     creature.joints()[joint].dofs.iter().any(|dof| dof.kind != DofKind::Ball)
-}
-
-/// Whether a posture has a joint turned or pushed about an axis that is to be learned.
-fn moves(creature: &Creature, joint: usize, posture: &[f64]) -> bool {
-    let mut elements = creature.joints()[joint].elements();
-    elements.any(|at| !at.is_ball() && posture[at.coordinate()] != 0.0)
 }
 
 /// How many degrees of freedom of a joint are not at rest.

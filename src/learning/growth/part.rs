@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use super::{FREEDOM, Growth, LIMB_FREEDOM};
 use crate::creature::DofKind;
-use crate::learning::touch_set::PreparedTouch;
+use crate::learning::scrutiny::ToldTouch;
 
 /// Touches of a joint, beyond its unknowns, that a part with it needs.
 const TO_SPARE: usize = 6;
@@ -22,14 +22,8 @@ const ADDED: u32 = 2;
 /// A touch, and what it takes to learn from it.
 #[derive(Clone, Debug)]
 pub struct GrownTouch {
-    /// The limbs, the earlier one first.
-    pub limbs: [usize; 2],
-    /// The touch by its receptors or contact points, ready for a solver.
-    pub prepared: PreparedTouch,
-    /// The joints between the limbs.
-    pub chain: Vec<usize>,
-    /// Those of them that have axes and do not rest.
-    pub moving: Vec<usize>,
+    /// The touch, and what it tells of.
+    pub told: ToldTouch,
     /// How many degrees of freedom between the limbs do not rest.
     pub freedom: usize,
     /// Whether what is believed rests on it.
@@ -38,25 +32,6 @@ pub struct GrownTouch {
     pub spare: bool,
     /// How much was known when it was found not to agree with what is believed.
     pub(super) refused: Option<usize>,
-}
-
-/// What touches tell of.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) enum Member {
-    /// A joint.
-    Joint(usize),
-    /// A limb.
-    Limb(usize),
-}
-
-impl GrownTouch {
-    /// Whether it tells of a joint or of a limb.
-    pub(super) fn tells_of(&self, member: Member) -> bool {
-        match member {
-            Member::Joint(joint) => self.moving.contains(&joint),
-            Member::Limb(limb) => self.limbs.contains(&limb),
-        }
-    }
 }
 
 /// Joints to resolve and limbs to place.
@@ -155,7 +130,7 @@ impl Growth {
     /// Whether a touch lacks something, and nothing but what is in a part.
     pub(super) fn is_of(&self, touch: &GrownTouch, part: &Part) -> bool {
         let lacks = self.lacks(touch);
-        !touch.spare && !touch.moving.is_empty() && !lacks.is_nothing() && part.holds(&lacks)
+        !touch.spare && !touch.told.moving.is_empty() && !lacks.is_nothing() && part.holds(&lacks)
     }
 
     /// The parts with so many touches per unknown at the least, the most promising first, with their touches.
@@ -164,7 +139,7 @@ impl Growth {
         let (joints, limbs) = (creature.joints().len(), creature.limbs().len());
         let mut groups: BTreeMap<PartBits, Tally> = BTreeMap::new();
         for touch in
-            self.touches.iter().filter(|touch| !touch.used && !touch.spare && !touch.moving.is_empty())
+            self.touches.iter().filter(|touch| !touch.used && !touch.spare && !touch.told.moving.is_empty())
         {
             let lacks = self.lacks(touch);
             if lacks.is_nothing() {

@@ -8,8 +8,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use rayon::prelude::*;
 
-use super::part::Member;
-use super::{CLOSED, FEWEST_UNKNOWNS, FREEDOM, GrownTouch, Growth, Part, SHARP};
+use super::{FEWEST_UNKNOWNS, FREEDOM, GrownTouch, Growth, Part};
 use crate::learning::annealing::quantile;
 use crate::learning::initial_guess::randomize_joint;
 use crate::learning::least_squares::{Linearization, Stopping, levenberg_marquardt};
@@ -17,6 +16,7 @@ use crate::learning::observation::{Input, PointsMeet};
 use crate::learning::online::Anchor;
 use crate::learning::prediction::invert;
 use crate::learning::prior::PriorTerm;
+use crate::learning::scrutiny::{CLOSED, Member, SHARP};
 use crate::learning::touch_set::{PreparedTouch, TouchProblem, TouchSet};
 use crate::learning::{AxisModel, Parameters, Prior};
 use crate::schema::BodySchema;
@@ -204,7 +204,7 @@ impl Growth {
             for &number in &problem.numbers {
                 let touch = &self.touches[number];
                 let open = usize::from(!self.closes_to(NEARLY, touch, &best.schema));
-                for joint in touch.moving.iter().filter(|joint| problem.part.joints.contains(joint)) {
+                for joint in touch.told.moving.iter().filter(|joint| problem.part.joints.contains(joint)) {
                     told.entry(*joint).or_default()[open] += 1.0;
                 }
             }
@@ -247,7 +247,8 @@ impl Growth {
         if self.belief.is_none() {
             // Limbs beyond joints that rest only add unknowns, where touches of the others are enough.
             let of = |number: &usize| &self.touches[*number];
-            let within = |number: &usize| of(number).chain.iter().all(|joint| part.joints.contains(joint));
+            let within =
+                |number: &usize| of(number).told.chain.iter().all(|joint| part.joints.contains(joint));
             let inner: Vec<usize> = solved_by.iter().copied().filter(within).collect();
             let free = inner.iter().filter(|number| of(number).freedom >= FREEDOM).count() as f64;
             let width = self.width(&part.joints);
@@ -259,9 +260,9 @@ impl Growth {
             while solved_by.len() < before {
                 before = solved_by.len();
                 let mut counts = vec![0; creature.limbs().len()];
-                let limbs = solved_by.iter().flat_map(|number| of(number).limbs);
+                let limbs = solved_by.iter().flat_map(|number| of(number).told.limbs);
                 limbs.for_each(|limb| counts[limb] += 1);
-                solved_by.retain(|number| of(number).limbs.iter().all(|&limb| counts[limb] >= OFTEN));
+                solved_by.retain(|number| of(number).told.limbs.iter().all(|&limb| counts[limb] >= OFTEN));
             }
         }
         if solved_by.is_empty() {
@@ -277,9 +278,9 @@ impl Growth {
         let (mut between, mut moving) = (vec![false; joints.len()], vec![false; joints.len()]);
         let mut touched = vec![false; creature.limbs().len()];
         for touch in &touches {
-            touch.chain.iter().for_each(|&joint| between[joint] = true);
-            touch.moving.iter().for_each(|&joint| moving[joint] = true);
-            touch.limbs.iter().for_each(|&limb| touched[limb] = true);
+            touch.told.chain.iter().for_each(|&joint| between[joint] = true);
+            touch.told.moving.iter().for_each(|&joint| moving[joint] = true);
+            touch.told.limbs.iter().for_each(|&limb| touched[limb] = true);
         }
         let belief = self.belief.as_ref();
         let position = |joint: usize| belief.and_then(|belief| belief.parameters.positions[joint]);
@@ -302,7 +303,7 @@ impl Growth {
             .collect();
         let free_axis =
             |joint: usize, dof: usize| moving[joint] && (new(&joint) || !sure(axis(dof), 2, KNOWN_AXIS));
-        let mut prior = self.prior.clone();
+        let mut prior = self.known.prior.clone();
         let known_positions = (0..joints.len()).filter(|&joint| position(joint).is_some());
         known_positions.for_each(|joint| prior.position_deviations[joint].fill(f64::INFINITY));
         let known = belief.and_then(|belief| {
@@ -335,7 +336,7 @@ impl Growth {
             new: prior,
             known,
             spread,
-            base: self.schema().unwrap_or(&self.prior.mean).clone(),
+            base: self.schema().unwrap_or(&self.known.prior.mean).clone(),
         })
     }
 
@@ -406,7 +407,7 @@ impl Growth {
             Member::Joint(joint) => problem.part.joints.contains(&joint),
         };
         loop {
-            let gap = |&number: &usize| self.felt_gap(NEARLY, &self.touches[number], &schema);
+            let gap = |&number: &usize| self.scrutiny().felt_gap(NEARLY, &self.touches[number].told, &schema);
             let gaps: Vec<f64> = numbers.iter().map(gap).collect();
             let (open, worst) = self.open_member(&numbers, &gaps, tolerance, may);
             let share = (numbers.len() - open) as f64 / numbers.len().max(1) as f64;
@@ -423,7 +424,7 @@ impl Growth {
                 return Solved { schema, share, exact, closed, given_up, others: Vec::new() };
             };
             given_up.push(worst);
-            numbers.retain(|&number| !self.touches[number].tells_of(worst));
+            numbers.retain(|&number| !self.touches[number].told.tells_of(worst));
             let touches = self.set(numbers.iter().map(|&number| &self.touches[number]));
             schema = self.closest(SHARP, &touches, unit, &beliefs, schema);
         }
@@ -498,8 +499,8 @@ impl Growth {
             let is_closed = *gap < tolerance;
             let is_open = !is_closed;
             all_open += usize::from(is_open);
-            let limbs = touch.limbs.iter().copied().map(Member::Limb);
-            for member in limbs.chain(touch.moving.iter().copied().map(Member::Joint)) {
+            let limbs = touch.told.limbs.iter().copied().map(Member::Limb);
+            for member in limbs.chain(touch.told.moving.iter().copied().map(Member::Joint)) {
                 let [open, all] = counts.entry(member).or_default();
                 (*open, *all) = (*open + f64::from(u8::from(is_open)), *all + 1.0);
             }

@@ -22,9 +22,12 @@ use crate::learning::growing::WHOLE_DOF;
 use crate::learning::least_squares::LeastSquares;
 use crate::learning::observability::Observability;
 use crate::learning::open_gaps::witnesses;
+use crate::learning::scrutiny::{Scrutiny, ToldTouch};
 use crate::learning::surface_gap::SurfaceGap;
 use crate::learning::touch_set::{PreparedTouch, TouchProblem, TouchSet};
-use crate::learning::{Account, Basis, Learned, Learner, LengthUnit, PriorKnowledge, SecondOrder, Witnesses};
+use crate::learning::{
+    Account, Basis, Input, Learned, Learner, LengthUnit, PriorKnowledge, SecondOrder, Witnesses,
+};
 use crate::schema::BodySchema;
 use crate::senses::Touch;
 pub use belief::{Anchor, Belief, Expectation, fit_again};
@@ -154,7 +157,7 @@ impl Online {
     /// A learner whose initial guesses are drawn from `seed`.
     pub fn new(agent: &Agent, seed: u64) -> Online {
         let known = PriorKnowledge::nothing(agent);
-        let batch = SecondOrder::new(agent, super::Input::Receptor, seed);
+        let batch = SecondOrder::new(agent, Input::Receptor, seed);
         Online {
             agent: agent.clone(),
             known,
@@ -400,6 +403,14 @@ impl Online {
         }
     }
 
+    /// Whether the touches that there are were all made by the body as it is now: those before a change that nothing explains are
+    /// forgotten, and one that was but an error was none.
+    fn is_one_body(&self) -> bool {
+        let is_none = |change: &BodyChange| matches!(change.what, What::Beyond | What::Corrected { .. });
+        let has_anchor = self.locked.as_ref().is_some_and(|locked| locked.anchor.is_some());
+        !has_anchor && self.changes.iter().all(is_none)
+    }
+
     /// Whether the last predictions held.
     fn trustworthy(&self) -> bool {
         let last = &self.surprises[self.surprises.len().saturating_sub(JUDGED)..];
@@ -424,8 +435,8 @@ impl Online {
         }
         let locked = self.locked.as_ref()?;
         let belief = &locked.belief;
-        // The body never changed: all touches count alike, and the last fit is that of all at once.
-        if locked.anchor.is_none() && self.changes.is_empty() {
+        // All touches count alike, and the last fit is that of all at once.
+        if self.is_one_body() {
             let known = |j: usize| self.known.frozen[j] || belief.parameters.positions[j].is_some();
             let known = (0..self.agent.creature().joints().len()).map(known).collect();
             let refined = self.batch.refine_known(&belief.schema, known);
@@ -433,7 +444,7 @@ impl Online {
                 verdict: refined.account.as_ref()?.verdict(self.agent.creature()),
                 initial_guesses: self.initial_guesses,
                 fresh_rms,
-                changes: Vec::new(),
+                changes: self.changes.clone(),
                 ..refined
             });
         }
@@ -472,6 +483,44 @@ impl Online {
     }
 }
 
+impl Online {
+    /// What was learned of all touches at once, as far as it stands before those between limbs that it places. Where there is
+    /// noise, a wrong answer shows by how likely it makes that before it is taken.
+    fn standing(&self, learned: Learned) -> Learned {
+        let is_sharp = learned.deviation.is_some_and(|deviation| deviation <= CERTAIN_NOISE);
+        if !learned.verdict.converged() || !is_sharp {
+            return learned;
+        }
+        let Some(account) = &learned.account else { return learned };
+        let creature = self.agent.creature();
+        let all = self.batch.touches();
+        let told = |touch: &Touch| {
+            let (limbs, prepared) = self.batch.prepare_one(touch);
+            ToldTouch::new(creature, limbs, prepared, &touch.posture)
+        };
+        let touches: Vec<ToldTouch> = all.iter().map(told).collect();
+        let touches: Vec<&ToldTouch> = touches.iter().collect();
+        let claimed = |number: &usize| {
+            let [a, b] = touches[*number].limbs;
+            account.claims(a, b)
+        };
+        let claimed: Vec<usize> = (0..touches.len()).filter(claimed).collect();
+        let fit = |schema: &BodySchema, told: &[usize]| {
+            let mut last = SecondOrder::new(&self.agent, Input::Receptor, 0).with_known(self.known.clone());
+            told.iter().for_each(|&number| last.touch(&all[number]));
+            last.refine_known(schema, vec![true; creature.joints().len()])
+        };
+        let (initial_guesses, fresh_rms) = (learned.initial_guesses, learned.fresh_rms);
+        let scrutiny = Scrutiny::new(&self.agent, Input::Receptor, &self.known).with_false_touches();
+        let standing = scrutiny.standing(&touches, claimed, learned, fit);
+        let verdict = match &standing.account {
+            Some(account) => account.verdict(creature),
+            None => standing.verdict.clone(),
+        };
+        Learned { initial_guesses, fresh_rms, verdict, ..standing }
+    }
+}
+
 impl Learner for Online {
     fn end_at(&mut self, deadline: Deadline) {
         self.deadline = deadline;
@@ -502,14 +551,16 @@ impl Learner for Online {
         let complete = self.locked.as_ref().is_some_and(|locked| locked.beyond < FEW_BEYOND);
         if complete && self.trustworthy() {
             let noisy = self.belief().is_some_and(|belief| belief.deviation > CERTAIN_NOISE);
-            if let Some(learned) = self.conclude().filter(|_| !noisy || !self.changes.is_empty()) {
-                return learned;
+            let is_one_body = self.is_one_body();
+            if let Some(learned) = self.conclude().filter(|_| !noisy || !is_one_body) {
+                return if is_one_body { self.standing(learned) } else { learned };
             }
         }
         let mut learned = self.batch.learn();
         learned.initial_guesses += self.initial_guesses;
         learned.changes = self.changes.clone();
         self.initial_guesses = learned.initial_guesses;
+        let learned = self.standing(learned);
         if learned.verdict.converged() {
             self.lock(&learned);
         }

@@ -282,9 +282,9 @@ impl Policy for Stages {
         self.remember(number);
         self.met = Some(Met { touch: Some(number), back: self.start.clone(), held: false });
         if let Some(felt) = self.growth.touches().last() {
-            *self.felt.entry(felt.limbs).or_default() += 1;
+            *self.felt.entry(felt.told.limbs).or_default() += 1;
             let first = self.growth.schema().is_none();
-            let tells = !felt.spare && felt.moving.iter().all(|&joint| self.free[joint]);
+            let tells = !felt.spare && felt.told.moving.iter().all(|&joint| self.free[joint]);
             let tells = tells && (!first || felt.freedom >= FREEDOM);
             self.caught = if tells { 0 } else { self.caught + 1 };
             self.untouched = 0;

@@ -89,15 +89,15 @@ impl Stages {
     /// Whether it serves the goal to touch again what a touch was of.
     pub(super) fn is_repeatable(&self, touch: &GrownTouch) -> bool {
         let least = if self.joints().is_empty() { LIMB_FREEDOM } else { FREEDOM };
-        let [a, b] = touch.limbs.map(|limb| self.wanted[limb]);
+        let [a, b] = touch.told.limbs.map(|limb| self.wanted[limb]);
         let told = match self.aim {
-            Goal::Repeat(_) => touch.moving.iter().any(|joint| self.joints().contains(joint)),
+            Goal::Repeat(_) => touch.told.moving.iter().any(|joint| self.joints().contains(joint)),
             // Before the first part is known whatever moves tells of it.
             Goal::Joints(_) => a != b || self.growth.schema().is_none(),
             // Of two limbs neither of which is placed a touch does not place one.
-            Goal::Limb(_) => a != b && self.growth.placed(touch.limbs[usize::from(a)]),
+            Goal::Limb(_) => a != b && self.growth.placed(touch.told.limbs[usize::from(a)]),
         };
-        touch.freedom >= least && told && touch.moving.iter().all(|&joint| self.free[joint])
+        touch.freedom >= least && told && touch.told.moving.iter().all(|&joint| self.free[joint])
     }
 
     /// Remembers a touch by its pair of limbs, where it serves the goal to touch that again.
@@ -105,9 +105,9 @@ impl Stages {
         let touch = &self.growth.touches()[number];
         if touch.spare && self.growth.schema().is_none() {
             // Of this pair there are enough.
-            self.repeatable.remove(&touch.limbs);
+            self.repeatable.remove(&touch.told.limbs);
         } else if self.is_repeatable(touch) {
-            self.repeatable.entry(touch.limbs).or_default().push(number);
+            self.repeatable.entry(touch.told.limbs).or_default().push(number);
         }
     }
 
@@ -167,14 +167,14 @@ impl Stages {
         let Some(number) = met.touch else { return true };
         let (creature, skin) = (self.agent.creature(), self.agent.skin());
         let touch = &self.growth.touches()[number];
-        let Some(known) = touch.limbs.iter().position(|&limb| self.base_of(limb) == limb) else {
+        let Some(known) = touch.told.limbs.iter().position(|&limb| self.base_of(limb) == limb) else {
             return true;
         };
-        let receptor = &skin.receptors[touch.prepared.ends[known].receptor];
+        let receptor = &skin.receptors[touch.told.prepared.ends[known].receptor];
         let here = limb_frames(creature, schema, &self.start);
-        let limb = touch.limbs[known];
+        let limb = touch.told.limbs[known];
         let (place, outward) = (here[limb].point(&receptor.position), here[limb].rotation * receptor.normal);
-        let other = self.base_of(touch.limbs[1 - known]);
+        let other = self.base_of(touch.told.limbs[1 - known]);
         let opens = |to: &Posture| {
             let frames =
                 limb_frames(creature, schema, &Posture::between(creature, &self.start, to, FIRST_LOOK));
@@ -201,15 +201,15 @@ impl Stages {
         let schema = self.growth.schema()?;
         let number = self.repeated(rng)?;
         let touch = &self.growth.touches()[number];
-        let end = touch.limbs.iter().position(|&limb| self.wanted[limb])?;
-        let felt_by = touch.limbs[1 - end];
+        let end = touch.told.limbs.iter().position(|&limb| self.wanted[limb])?;
+        let felt_by = touch.told.limbs[1 - end];
         if self.wanted[felt_by] {
             return None;
         }
         // Seen from the limb before the first joint to be learned, it is where it was.
-        let base = self.base_of(touch.limbs[end]);
+        let base = self.base_of(touch.told.limbs[end]);
         let frames = limb_frames(creature, schema, &self.remembered[number][0]);
-        let receptor = &skin.receptors[touch.prepared.ends[1 - end].receptor];
+        let receptor = &skin.receptors[touch.told.prepared.ends[1 - end].receptor];
         // Above the receptor that felt it is inside of it.
         let above = receptor.place(DEPTH);
         let place = Place {
@@ -251,7 +251,7 @@ impl Stages {
     pub(super) fn again(&self, rng: &mut ChaCha8Rng) -> Option<Posture> {
         let number = self.repeated(rng)?;
         let mut target = self.here();
-        let between = self.growth.touches()[number].chain.iter().filter(|&&joint| self.free[joint]);
+        let between = self.growth.touches()[number].told.chain.iter().filter(|&&joint| self.free[joint]);
         let between: Vec<usize> = between.copied().collect();
         let coordinates = between.iter().map(|&joint| self.agent.creature().joints()[joint].dofs.len());
         let few = SCATTER / (coordinates.sum::<usize>() as f64).sqrt();

@@ -8,8 +8,8 @@
 
 use nalgebra::{Matrix3, SymmetricEigen, Vector3};
 
-use super::believing::FEWEST_FELT;
-use super::{CLOSED, GrownTouch, Growth, SHARP};
+use super::open::FEWEST_FELT;
+use super::{CLOSED, SHARP, Scrutiny, ToldTouch};
 use crate::creature::DofKind;
 use crate::learning::annealing::{NARROWEST, quantile};
 use crate::learning::least_squares::{Stopping, levenberg_marquardt};
@@ -17,7 +17,7 @@ use crate::learning::open_gaps::FELT;
 use crate::learning::prediction::GapRow;
 use crate::learning::surface_gap::SurfaceGap;
 use crate::learning::touch_set::TouchProblem;
-use crate::learning::{AxisModel, Parameters};
+use crate::learning::{AxisModel, Parameters, PriorTerm};
 use crate::schema::BodySchema;
 
 /// Hinges whose range is narrower than this hardly turn, radians.
@@ -54,19 +54,20 @@ struct Misses {
     count: usize,
 }
 
-impl Growth {
-    /// The first of the joints that hardly move, of which some touches tell, whose axes have a mirror image that explains these
+impl Scrutiny<'_> {
+    /// The first of the joints that hardly move, of which touches tell, whose axes have a mirror image that explains these
     /// as well or better than a schema that was fitted to them; `deviation` is that of a gap, metres.
-    pub(super) fn image(&self, among: &[usize], schema: &BodySchema, deviation: f64) -> Option<Image> {
+    pub(super) fn image(&self, told: &[&ToldTouch], schema: &BodySchema, deviation: f64) -> Option<Image> {
         let creature = self.agent.creature();
         if self.by_points() {
             return None;
         }
-        (0..creature.joints().len()).find_map(|joint| {
-            let touches = among.iter().map(|&number| &self.touches[number]);
-            let touches: Vec<&GrownTouch> = touches.filter(|touch| touch.moving.contains(&joint)).collect();
+        let open = (0..creature.joints().len()).filter(|&joint| !self.known.frozen[joint]);
+        open.into_iter().find_map(|joint| {
+            let touches = told.iter().copied();
+            let touches: Vec<&ToldTouch> = touches.filter(|touch| touch.moving.contains(&joint)).collect();
             let step = touches.len().div_ceil(MOST).max(1);
-            let touches: Vec<&GrownTouch> = touches.into_iter().step_by(step).collect();
+            let touches: Vec<&ToldTouch> = touches.into_iter().step_by(step).collect();
             if touches.is_empty() { None } else { self.image_of(joint, &touches, schema, deviation) }
         })
     }
@@ -74,7 +75,7 @@ impl Growth {
     fn image_of(
         &self,
         joint: usize,
-        touches: &[&GrownTouch],
+        touches: &[&ToldTouch],
         schema: &BodySchema,
         deviation: f64,
     ) -> Option<Image> {
@@ -98,7 +99,7 @@ impl Growth {
                 let mut other = schema.clone();
                 other.axes[axis] = image;
                 let other = self.fitted_alone(joint, touches, other, deviation);
-                if (other.axes[axis] - own).norm() < SAME_AXIS {
+                if (other.axes[axis] - own).norm() < SAME_AXIS || self.is_unlikely(joint, &other, schema) {
                     continue;
                 }
                 let then = self.misses(touches, &other);
@@ -113,11 +114,18 @@ impl Growth {
         None
     }
 
+    /// Whether what was known of a joint before the first touch speaks for one schema and against another.
+    fn is_unlikely(&self, joint: usize, schema: &BodySchema, than: &BodySchema) -> bool {
+        let parameters = Parameters::new(self.agent.creature(), AxisModel::Unit, |other| other == joint);
+        let cost = |schema: &BodySchema| self.known.given.cost(&parameters, schema);
+        cost(schema) > cost(than) + UNLIKELY
+    }
+
     /// Whether hardly any of some touches would part, or press, as a hinge turned.
-    fn is_unfelt(&self, dof: usize, touches: &[&GrownTouch], schema: &BodySchema) -> bool {
+    fn is_unfelt(&self, dof: usize, touches: &[&ToldTouch], schema: &BodySchema) -> bool {
         let nothing = Parameters::new(self.agent.creature(), AxisModel::Unit, |_| false);
         let (mut row, mut slopes) = (GapRow::default(), Vec::new());
-        let feels = |touch: &&&GrownTouch| {
+        let feels = |touch: &&&ToldTouch| {
             row.set(self.agent.skin(), &nothing, schema, &touch.prepared);
             row.angle_slopes(schema, &touch.prepared, &mut slopes);
             slopes.iter().any(|(other, slope)| *other == dof && slope.abs() > FELT)
@@ -126,7 +134,7 @@ impl Growth {
     }
 
     /// The directions of which touches tell least of an axis, the least first; the last is the one of which they tell most.
-    fn normals(&self, axis: usize, touches: &[&GrownTouch], schema: &BodySchema) -> [Vector3<f64>; 2] {
+    fn normals(&self, axis: usize, touches: &[&ToldTouch], schema: &BodySchema) -> [Vector3<f64>; 2] {
         let nothing = Parameters::new(self.agent.creature(), AxisModel::Unit, |_| false);
         let mut row = GapRow::default();
         let mut told = Matrix3::zeros();
@@ -145,27 +153,28 @@ impl Growth {
     fn fitted_alone(
         &self,
         joint: usize,
-        touches: &[&GrownTouch],
+        touches: &[&ToldTouch],
         mut schema: BodySchema,
         deviation: f64,
     ) -> BodySchema {
         let creature = self.agent.creature();
         let parameters = Parameters::new(creature, AxisModel::Unit, |other| other == joint);
-        let set = self.set(touches.iter().copied());
+        let set = self.set(touches);
         let mut found: Vec<f64> = touches.iter().map(|touch| self.miss(touch, &schema)).collect();
         found.sort_by(f64::total_cmp);
         let widest = quantile(&found, 0.9).max(deviation);
         let narrowest = if deviation > NARROWEST { deviation } else { SHARP };
         for width in [widest, (widest * narrowest).sqrt(), narrowest] {
             let model = SurfaceGap::new(self.agent.skin(), width).without_places();
-            let mut problem = TouchProblem::new(creature, &set, &parameters, model).with_prior(&self.prior);
+            let mut problem =
+                TouchProblem::new(creature, &set, &parameters, model).with_prior(&self.known.prior);
             let stopping = Stopping { iterations: STEPS, relative_cost: 1e-6, ..Stopping::default() };
             schema = levenberg_marquardt(&mut problem, schema, stopping).state;
         }
         schema
     }
 
-    fn misses(&self, touches: &[&GrownTouch], schema: &BodySchema) -> Misses {
+    fn misses(&self, touches: &[&ToldTouch], schema: &BodySchema) -> Misses {
         let mut gaps: Vec<f64> = touches.iter().map(|touch| self.felt_gap(CLOSED, touch, schema)).collect();
         gaps.sort_by(f64::total_cmp);
         let closed: Vec<f64> = gaps.iter().copied().filter(|gap| gap.is_finite()).collect();

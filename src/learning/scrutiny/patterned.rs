@@ -5,14 +5,11 @@
 
 use std::collections::BTreeMap;
 
-use super::believing::SHARPLY_OPEN;
-use super::part::Member;
-use super::{GrownTouch, Growth};
-use crate::creature::Posture;
+use super::open::SHARPLY_OPEN;
+use super::{Member, Scrutiny, ToldTouch};
 use crate::learning::annealing::quantile;
 use crate::learning::surface_gap::{CERTAIN_NOISE, SurfaceGap};
 use crate::schema::BodySchema;
-use crate::senses::Touch;
 
 /// Touches of a pair of limbs from which on a pattern in their gaps shows.
 const SHOWING: usize = 30;
@@ -25,47 +22,36 @@ const PATTERN: f64 = 0.5;
 /// The share of its touches that a joint or a limb has with patterns where it is wrong.
 const MOSTLY: f64 = 0.5;
 
-impl Growth {
-    /// The joint or the limb of whose touches among some most have gaps that are a function of the posture under a schema that
-    /// was fitted to them; `deviation` is that of a gap, metres.
-    ///
-    /// `felt` are all touches as they were made.
-    pub(super) fn patterned(
-        &self,
-        among: &[usize],
-        felt: &[Touch],
-        schema: &BodySchema,
-        deviation: f64,
-    ) -> Option<Member> {
+impl Scrutiny<'_> {
+    /// The joint or the limb of whose touches most have gaps that are a function of the posture under a schema that was fitted to
+    /// them; `deviation` is that of a gap, metres.
+    pub fn patterned(&self, told: &[&ToldTouch], schema: &BodySchema, deviation: f64) -> Option<Member> {
         if self.by_points() || deviation > CERTAIN_NOISE {
             return None;
         }
-        let mut pairs: BTreeMap<[usize; 2], Vec<(&GrownTouch, &Posture)>> = BTreeMap::new();
-        for &number in among {
-            let touch = &self.touches[number];
-            pairs.entry(touch.limbs).or_default().push((touch, &felt[number].posture));
+        let mut pairs: BTreeMap<[usize; 2], Vec<&ToldTouch>> = BTreeMap::new();
+        for &touch in told {
+            pairs.entry(touch.limbs).or_default().push(touch);
         }
         let against: BTreeMap<[usize; 2], bool> = pairs
             .into_iter()
             .map(|(limbs, touches)| (limbs, self.likeness(&touches, schema) > PATTERN))
             .collect();
-        let told = among.iter().map(|&number| &self.touches[number]);
-        let told = told.map(|touch| (touch, against[&touch.limbs]));
+        let told = told.iter().map(|&touch| (touch, against[&touch.limbs]));
         self.most_suspect(told, |[right, against], _| against > MOSTLY * (right + against))
     }
 
     /// How alike the gaps of two limbs are in neighbouring postures, as [`likeness`](crate::learning::noise::likeness) has it of
     /// neighbouring places; 0 where gaps are as narrow as those of right answers, or few.
-    fn likeness(&self, touches: &[(&GrownTouch, &Posture)], schema: &BodySchema) -> f64 {
+    fn likeness(&self, touches: &[&ToldTouch], schema: &BodySchema) -> f64 {
         if touches.len() < SHOWING {
             return 0.0;
         }
         let model = SurfaceGap::new(self.agent.skin(), 1.0);
         let step = touches.len().div_ceil(MOST).max(1);
-        let touches: Vec<(&GrownTouch, &Posture)> = touches.iter().copied().step_by(step).collect();
-        let gap = |(touch, _): &(&GrownTouch, &Posture)| {
-            model.gap(&touch.prepared.ends, &touch.prepared.frames(schema)).distance
-        };
+        let touches: Vec<&ToldTouch> = touches.iter().copied().step_by(step).collect();
+        let gap =
+            |touch: &&ToldTouch| model.gap(&touch.prepared.ends, &touch.prepared.frames(schema)).distance;
         let gaps: Vec<f64> = touches.iter().map(gap).collect();
         let mut sizes: Vec<f64> = gaps.iter().map(|gap| gap.abs()).collect();
         sizes.sort_by(f64::total_cmp);
@@ -74,16 +60,12 @@ impl Growth {
             return 0.0;
         }
         let gaps: Vec<f64> = gaps.iter().map(|gap| (gap / usual).clamp(-WIDEST, WIDEST)).collect();
-        let joints = self.agent.creature().joints();
-        let between = |(touch, posture): &(&GrownTouch, &Posture)| -> Vec<f64> {
-            touch.chain.iter().flat_map(|&joint| posture[joints[joint].coordinates()].to_vec()).collect()
-        };
-        let postures: Vec<Vec<f64>> = touches.iter().map(between).collect();
         let (mut alike, mut all) = (0.0, 0.0);
-        for (own, gap) in postures.iter().zip(&gaps) {
-            let apart =
-                |other: &Vec<f64>| -> f64 { own.iter().zip(other).map(|(a, b)| (a - b).powi(2)).sum() };
-            let others = postures.iter().zip(&gaps).filter(|(other, _)| !std::ptr::eq(*other, own));
+        for (own, gap) in touches.iter().zip(&gaps) {
+            let apart = |other: &ToldTouch| -> f64 {
+                own.coordinates.iter().zip(&other.coordinates).map(|(a, b)| (a - b).powi(2)).sum()
+            };
+            let others = touches.iter().zip(&gaps).filter(|(other, _)| !std::ptr::eq(**other, *own));
             let nearest = others.map(|(other, gap)| (apart(other), gap));
             if let Some((_, other)) = nearest.min_by(|a, b| a.0.total_cmp(&b.0)) {
                 alike += gap * other;
