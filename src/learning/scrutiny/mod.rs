@@ -1,8 +1,8 @@
 //! What of an answer stands: an answer that explains its touches need not be right.
 //!
 //! Whatever a learner comes to is held against its touches joint by joint and limb by limb. Wrong answers leave gaps open that right
-//! ones do not ([`open`]), leave gaps that are a function of the posture ([`patterned`]), or have a mirror image that explains the
-//! touches as well, or better ([`mirrored`]). What does not stand is not told of: the touches that tell of it are left out, and the
+//! ones do not (`open`), leave gaps that are a function of the posture (`patterned`), or have a mirror image that explains the
+//! touches as well, or better (`mirrored`). What does not stand is not told of: the touches that tell of it are left out, and the
 //! rest is fitted and asked once more.
 
 mod mirrored;
