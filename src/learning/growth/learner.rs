@@ -161,16 +161,12 @@ impl Grower {
         let fit = |schema: &BodySchema, told: &[usize]| {
             let mut last = SecondOrder::new(&self.agent, self.input, self.seed);
             told.iter().for_each(|&number| last.touch(&self.touches[number]));
-            last.refine_known(schema, vec![true; self.agent.creature().joints().len()])
+            last.refine(schema)
         };
         let touches: Vec<&ToldTouch> = self.growth.touches().iter().map(|touch| &touch.told).collect();
         let learned = fit(schema, &told);
         let mut learned = self.growth.scrutiny().standing(&touches, told, learned, fit);
         learned.initial_guesses = self.growth.starts();
-        learned.verdict = learned
-            .account
-            .as_ref()
-            .map_or(Verdict::Converged, |account| account.verdict(self.agent.creature()));
         learned
     }
 }

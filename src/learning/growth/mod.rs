@@ -415,11 +415,7 @@ impl Growth {
     }
 
     fn set<'t>(&self, touches: impl Iterator<Item = &'t GrownTouch>) -> TouchSet {
-        let mut set = TouchSet::default();
-        for touch in touches {
-            set.push_prepared(self.agent.creature(), touch.told.limbs, touch.told.prepared.clone());
-        }
-        set
+        self.scrutiny().set(touches.map(|touch| &touch.told))
     }
 }
 

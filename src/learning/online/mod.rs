@@ -508,16 +508,12 @@ impl Online {
         let fit = |schema: &BodySchema, told: &[usize]| {
             let mut last = SecondOrder::new(&self.agent, Input::Receptor, 0).with_known(self.known.clone());
             told.iter().for_each(|&number| last.touch(&all[number]));
-            last.refine_known(schema, vec![true; creature.joints().len()])
+            last.refine(schema)
         };
         let (initial_guesses, fresh_rms) = (learned.initial_guesses, learned.fresh_rms);
         let scrutiny = Scrutiny::new(&self.agent, Input::Receptor, &self.known).with_false_touches();
         let standing = scrutiny.standing(&touches, claimed, learned, fit);
-        let verdict = match &standing.account {
-            Some(account) => account.verdict(creature),
-            None => standing.verdict.clone(),
-        };
-        Learned { initial_guesses, fresh_rms, verdict, ..standing }
+        Learned { initial_guesses, fresh_rms, ..standing }
     }
 }
 

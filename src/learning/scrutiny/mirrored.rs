@@ -62,8 +62,8 @@ impl Scrutiny<'_> {
         if self.by_points() {
             return None;
         }
-        let open = (0..creature.joints().len()).filter(|&joint| !self.known.frozen[joint]);
-        open.into_iter().find_map(|joint| {
+        let mut open = (0..creature.joints().len()).filter(|&joint| !self.known.frozen[joint]);
+        open.find_map(|joint| {
             let touches = told.iter().copied();
             let touches: Vec<&ToldTouch> = touches.filter(|touch| touch.moving.contains(&joint)).collect();
             let step = touches.len().div_ceil(MOST).max(1);
@@ -159,7 +159,7 @@ impl Scrutiny<'_> {
     ) -> BodySchema {
         let creature = self.agent.creature();
         let parameters = Parameters::new(creature, AxisModel::Unit, |other| other == joint);
-        let set = self.set(touches);
+        let set = self.set(touches.iter().copied());
         let mut found: Vec<f64> = touches.iter().map(|touch| self.miss(touch, &schema)).collect();
         found.sort_by(f64::total_cmp);
         let widest = quantile(&found, 0.9).max(deviation);

@@ -142,7 +142,8 @@ impl<'a> Scrutiny<'a> {
     }
 
     /// What was learned from touches, as far as it stands: whatever does not, no touch tells of, and `fit` fits the others, of
-    /// their numbers, from a schema that is nearly right. `learned` is such a fit to those that are `told` at first.
+    /// their numbers, from a schema that is nearly right. `learned` is such a fit to those that are `told` at first. The verdict is
+    /// that of its account.
     pub fn standing(
         &self,
         touches: &[&ToldTouch],
@@ -155,6 +156,9 @@ impl<'a> Scrutiny<'a> {
             let of: Vec<&ToldTouch> = told.iter().map(|&number| touches[number]).collect();
             let deviation = learned.deviation.unwrap_or(0.0);
             let Some(doubt) = self.doubt(&of, &learned.schema, deviation, images < MOST_IMAGES) else {
+                if let Some(account) = &learned.account {
+                    learned.verdict = account.verdict(self.agent.creature());
+                }
                 return learned;
             };
             let schema = match doubt {
@@ -180,11 +184,12 @@ impl<'a> Scrutiny<'a> {
         deviation: f64,
         wants_better: bool,
     ) -> Option<Doubt> {
+        if let Some(wrong) = self.most_open(told, schema, deviation) {
+            return Some(Doubt::Of(wrong));
+        }
         let is_true = |touch: &&ToldTouch| !self.has_false_touches || !self.is_open(touch, schema, deviation);
         let true_ones: Vec<&ToldTouch> = told.iter().copied().filter(is_true).collect();
-        let wrong = self.most_open(told, schema, deviation);
-        let wrong = wrong.or_else(|| self.patterned(&true_ones, schema, deviation));
-        if let Some(wrong) = wrong {
+        if let Some(wrong) = self.patterned(&true_ones, schema, deviation) {
             return Some(Doubt::Of(wrong));
         }
         Some(match self.image(&true_ones, schema, deviation)? {
@@ -219,7 +224,8 @@ impl<'a> Scrutiny<'a> {
         suspects.max_by(|&a, &b| share(counts[a]).total_cmp(&share(counts[b]))).map(|at| members[at])
     }
 
-    fn set(&self, touches: &[&ToldTouch]) -> TouchSet {
+    /// Touches by their pairs of limbs.
+    pub fn set<'t>(&self, touches: impl Iterator<Item = &'t ToldTouch>) -> TouchSet {
         let mut set = TouchSet::default();
         for touch in touches {
             set.push_prepared(self.agent.creature(), touch.limbs, touch.prepared.clone());
