@@ -179,8 +179,19 @@ mod slow {
 
     fn nothing_is_claimed_wrongly(seed: &str, way: &str, seconds: &str, some: bool) {
         let place = tempfile::tempdir().unwrap();
-        let command =
-            ["study", "bodies", "--trials", "1", "--seed", seed, "--way", way, "--seconds", seconds, "--json"];
+        let command = [
+            "study",
+            "bodies",
+            "--trials",
+            "1",
+            "--seed",
+            seed,
+            "--way",
+            way,
+            "--seconds",
+            seconds,
+            "--json",
+        ];
         let found: serde_json::Value = serde_json::from_str(&succeeds(place.path(), &command)).unwrap();
         let row = &found["rows"][0];
         assert_eq!(row["claims"].as_u64().unwrap() > 0, some, "{row}");
