@@ -25,8 +25,12 @@ const MOSTLY: f64 = 0.5;
 impl Scrutiny<'_> {
     /// The joint or the limb of whose touches most have gaps that are a function of the posture under a schema that was fitted to
     /// them; `deviation` is that of a gap, metres.
+    ///
+    /// Where touches may be noisy nothing is asked of gaps that are wide: a misplaced receptor leaves much the same gap in much the
+    /// same postures as well.
     pub fn patterned(&self, told: &[&ToldTouch], schema: &BodySchema, deviation: f64) -> Option<Member> {
-        if self.by_points() || deviation > CERTAIN_NOISE {
+        let may_be_noise = self.has_false_touches && deviation > CERTAIN_NOISE;
+        if self.by_points() || may_be_noise {
             return None;
         }
         let mut pairs: BTreeMap<[usize; 2], Vec<&ToldTouch>> = BTreeMap::new();
