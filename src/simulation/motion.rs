@@ -25,6 +25,8 @@ const LONGEST_ENGINE_STEP: f64 = 1e-3;
 const BARELY: f64 = 1e-9;
 /// Steps from an overlap of a micrometre to there.
 const TO_SURFACE: usize = 4;
+/// The share of a motion that they lead at the most beyond the stretch that was found free.
+const BEYOND: f64 = 1e-3;
 
 /// Way of the fastest point within which geoms in contact must part, where only the engine can tell,
 /// metres.
@@ -388,7 +390,15 @@ impl<'a> Mover<'a> {
                 return t;
             }
             at -= (gap + BARELY) / opening;
+            // Of limbs that hardly move, while others do, only rounding tells how fast they close.
+            if !(-BEYOND..=t + BEYOND).contains(&at) {
+                return t;
+            }
         }
-        at
+        // The last step, too, is to lead to where they meet.
+        match self.clearance.gap(encounter, at) {
+            Some((gap, _)) if gap.abs() <= 2.0 * DEEPEST => at,
+            _ => t,
+        }
     }
 }

@@ -142,6 +142,28 @@ fn the_program_writes_bodies_and_studies_them() {
     assert!(place.path().join("studies/bodies/study.csv").is_file());
 }
 
+/// Two limbs in touch that hardly move while others do close as fast as rounding says.
+#[test]
+fn a_touch_of_limbs_that_hardly_move_is_in_the_posture_of_its_motion() {
+    let place = tempfile::tempdir().unwrap();
+    let command = [
+        "study",
+        "bodies",
+        "--trials",
+        "1",
+        "--seed",
+        "42108",
+        "--touches",
+        "250",
+        "--way",
+        "default",
+        "--json",
+    ];
+    let found: serde_json::Value = serde_json::from_str(&succeeds(place.path(), &command)).unwrap();
+    let row = &found["rows"][0];
+    assert_eq!((&row["touches"], &row["reason"]), (&1000.into(), &"".into()), "{row}");
+}
+
 mod slow {
     use super::*;
 
