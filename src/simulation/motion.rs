@@ -383,10 +383,9 @@ impl<'a> Mover<'a> {
     fn at_touch(&mut self, t: f64, encounter: &Encounter) -> f64 {
         let mut at = t;
         for _ in 0..TO_SURFACE {
-            let Some((gap, opening)) = self.clearance.gap(encounter, at) else { return t };
+            let Some((gap, opening)) = self.meeting(encounter, at) else { return t };
             // Limbs that slide along each other, or rest, are no farther apart anywhere near.
-            let closing = opening < -SLIDING * self.clearance.speed(encounter);
-            if !closing || gap.abs() > 2.0 * DEEPEST {
+            if opening >= -SLIDING * self.clearance.speed(encounter) {
                 return t;
             }
             at -= (gap + BARELY) / opening;
@@ -396,9 +395,11 @@ impl<'a> Mover<'a> {
             }
         }
         // The last step, too, is to lead to where they meet.
-        match self.clearance.gap(encounter, at) {
-            Some((gap, _)) if gap.abs() <= 2.0 * DEEPEST => at,
-            _ => t,
-        }
+        self.meeting(encounter, at).map_or(t, |_| at)
+    }
+
+    /// The gap and how fast it opens at `t`; none where surfaces do not meet there.
+    fn meeting(&mut self, encounter: &Encounter, t: f64) -> Option<(f64, f64)> {
+        self.clearance.gap(encounter, t).filter(|(gap, _)| gap.abs() <= 2.0 * DEEPEST)
     }
 }

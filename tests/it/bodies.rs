@@ -142,25 +142,19 @@ fn the_program_writes_bodies_and_studies_them() {
     assert!(place.path().join("studies/bodies/study.csv").is_file());
 }
 
+/// The row of a study of one body and one way to learn, with some more options.
+fn studied(seed: &str, way: &str, options: [&str; 2]) -> serde_json::Value {
+    let place = tempfile::tempdir().unwrap();
+    let mut command = vec!["study", "bodies", "--trials", "1", "--seed", seed, "--way", way, "--json"];
+    command.extend(options);
+    let mut found: serde_json::Value = serde_json::from_str(&succeeds(place.path(), &command)).unwrap();
+    found["rows"][0].take()
+}
+
 /// Two limbs in touch that hardly move while others do close as fast as rounding says.
 #[test]
 fn a_touch_of_limbs_that_hardly_move_is_in_the_posture_of_its_motion() {
-    let place = tempfile::tempdir().unwrap();
-    let command = [
-        "study",
-        "bodies",
-        "--trials",
-        "1",
-        "--seed",
-        "42108",
-        "--touches",
-        "250",
-        "--way",
-        "default",
-        "--json",
-    ];
-    let found: serde_json::Value = serde_json::from_str(&succeeds(place.path(), &command)).unwrap();
-    let row = &found["rows"][0];
+    let row = studied("42108", "default", ["--touches", "250"]);
     assert_eq!((&row["touches"], &row["reason"]), (&1000.into(), &"".into()), "{row}");
 }
 
@@ -198,22 +192,7 @@ mod slow {
     }
 
     fn nothing_is_claimed_wrongly(seed: &str, way: &str, seconds: &str, some: bool) {
-        let place = tempfile::tempdir().unwrap();
-        let command = [
-            "study",
-            "bodies",
-            "--trials",
-            "1",
-            "--seed",
-            seed,
-            "--way",
-            way,
-            "--seconds",
-            seconds,
-            "--json",
-        ];
-        let found: serde_json::Value = serde_json::from_str(&succeeds(place.path(), &command)).unwrap();
-        let row = &found["rows"][0];
+        let row = studied(seed, way, ["--seconds", seconds]);
         assert_eq!(row["claims"].as_u64().unwrap() > 0, some, "{row}");
         assert_eq!(row["wrong"], 0, "{row}");
     }
