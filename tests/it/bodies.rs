@@ -191,9 +191,10 @@ mod slow {
         }
     }
 
+    /// `some`: much of the body can be told, so that claiming nothing at all is no answer.
     fn nothing_is_claimed_wrongly(seed: &str, way: &str, seconds: &str, some: bool) {
         let row = studied(seed, way, ["--seconds", seconds]);
-        assert_eq!(row["claims"].as_u64().unwrap() > 0, some, "{row}");
+        assert!(row["claims"].as_u64().unwrap() > 0 || !some, "{row}");
         assert_eq!(row["wrong"], 0, "{row}");
     }
 }
