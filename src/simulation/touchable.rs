@@ -213,10 +213,16 @@ impl TouchablePairs {
 
     /// The pair of two clusters, the lesser number first; none where they cannot touch.
     pub fn pair_of(&self, [first, second]: [usize; 2]) -> Option<usize> {
-        let begin = self.first_pair[first] as usize;
-        let of_first = &self.pairs[begin..self.first_pair[first + 1] as usize];
-        let place = of_first.binary_search_by_key(&(second as u32), |pair| pair.clusters[1]).ok()?;
-        Some(begin + place)
+        let (begin, end) = (self.first_pair[first] as usize, self.first_pair[first + 1] as usize);
+        // Most can touch all that come after them, and so few lines of memory are read: the place is known but for those that
+        // this one cannot touch.
+        let at_most = second - first - 1;
+        let missing = self.clusters.len() - first - 1 - (end - begin);
+        let low = begin + at_most.saturating_sub(missing).min(end - begin);
+        let high = (begin + at_most + 1).min(end);
+        let place =
+            self.pairs[low..high].binary_search_by_key(&(second as u32), |pair| pair.clusters[1]).ok()?;
+        Some(low + place)
     }
 
     /// The encounter of two geoms, in either order; none where they cannot touch, or are joined.
