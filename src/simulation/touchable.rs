@@ -366,4 +366,27 @@ mod tests {
             assert_eq!(geom_pairs(&touchable(outside, &open)), [[0, 2], [0, 3]], "{outside}");
         }
     }
+
+    #[test]
+    fn a_pair_is_found_whichever_others_cannot_touch() {
+        // Nine balls, each on a joint of its own; every number leaves other pairs out.
+        let limb = |k: usize| {
+            format!(
+                r#"<body name="limb{k}" pos="{k} 0 0"><joint axis="0 0 1" range="-90 90"/><geom size=".1" pos="0 .5 0"/></body>"#
+            )
+        };
+        let limbs: String = (0..9).map(limb).collect();
+        for number in 0..64u32 {
+            let out = |first: usize, second: usize| number >> ((5 * first + second) % 6) & 1 == 1;
+            let geoms: Vec<[usize; 2]> =
+                (3..12).flat_map(|first| (first + 1..12).map(move |second| [first, second])).collect();
+            let left_out = geoms.into_iter().filter(|&[first, second]| out(first, second)).collect();
+            let touchable = touchable(&limbs, &left_out);
+            let clusters = touchable.clusters.len();
+            for pair in (0..clusters).flat_map(|i| (i + 1..clusters).map(move |j| [i, j])) {
+                let known = touchable.pairs.iter().position(|of| of.clusters() == pair);
+                assert_eq!(touchable.pair_of(pair), known, "{pair:?} of {number}");
+            }
+        }
+    }
 }
