@@ -218,7 +218,7 @@ impl TouchablePairs {
         // this one cannot touch.
         let at_most = second - first - 1;
         let missing = self.clusters.len() - first - 1 - (end - begin);
-        let low = begin + at_most.saturating_sub(missing).min(end - begin);
+        let low = begin + at_most.saturating_sub(missing);
         let high = (begin + at_most + 1).min(end);
         let place =
             self.pairs[low..high].binary_search_by_key(&(second as u32), |pair| pair.clusters[1]).ok()?;
