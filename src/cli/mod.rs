@@ -20,7 +20,6 @@ mod babbling;
 mod calibrate;
 mod completions;
 mod config;
-mod convert;
 mod ends_with;
 mod evaluate;
 mod export;
@@ -128,7 +127,6 @@ enum Command {
     Render(render::RenderArguments),
     Space(space::SpaceArguments),
     Export(export::ExportArguments),
-    Convert(convert::ConvertArguments),
     Inspect(inspect::InspectArguments),
     Skin(skin::SkinArguments),
     Generate(generate::GenerateArguments),
@@ -213,7 +211,6 @@ fn carry_out() -> Outcome {
         Command::Render(args) => render::run(&args),
         Command::Space(args) => space::run(&args),
         Command::Export(args) => export::run(&args),
-        Command::Convert(args) => convert::run(&args),
         Command::Inspect(args) => inspect::run(&args),
         Command::Skin(args) => skin::run(&args),
         Command::Generate(args) => generate::run(&args),

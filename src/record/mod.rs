@@ -24,8 +24,6 @@ mod leftovers;
 mod map_file;
 mod mistaken;
 mod model_hash;
-#[cfg(feature = "parquet")]
-mod parquet;
 mod part_file;
 mod progress;
 mod read_lock;
@@ -58,8 +56,6 @@ pub use map_file::{read_map, write_map};
 #[cfg_attr(not(feature = "render"), allow(unused_imports))]
 pub(crate) use mistaken::for_model as mistaken_for_model;
 pub use model_hash::model_hash;
-#[cfg(feature = "parquet")]
-pub use parquet::write_parquet;
 pub(crate) use part_file::{PartFile, PartFolder};
 pub use progress::BabblingProgress;
 pub use read_lock::ReadLock;

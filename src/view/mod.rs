@@ -16,8 +16,6 @@ pub mod live;
 pub mod picture;
 #[cfg(feature = "report")]
 pub mod report;
-#[cfg(feature = "rerun")]
-mod rerun;
 #[cfg(feature = "report")]
 pub mod space;
 #[cfg(feature = "report")]
@@ -27,8 +25,6 @@ pub mod tone;
 
 #[cfg(feature = "report")]
 pub use charts::study_chart;
-#[cfg(feature = "rerun")]
-pub use rerun::{RerunInput, write_rrd};
 
 /// How pages look, the body and charts in them as well.
 #[cfg(feature = "report")]

@@ -46,7 +46,6 @@ mod record;
 mod recording;
 mod render;
 mod report;
-mod rerun;
 mod results;
 mod resume;
 mod scale;

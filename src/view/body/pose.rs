@@ -7,8 +7,6 @@ use super::whole;
 use crate::agent::Agent;
 use crate::creature::Creature;
 use crate::geometry::Frame;
-#[cfg(feature = "rerun")]
-use crate::kinematics::axis_directions;
 use crate::kinematics::limb_frames;
 use crate::schema::BodySchema;
 
@@ -49,24 +47,6 @@ impl Pose {
         self.frames.iter_mut().for_each(|frame| frame.origin += by);
         self.begins.iter_mut().for_each(|begin| *begin += by);
         self
-    }
-
-    /// The ends of each bone: from joint to joint, and to the middle of the skin of limbs that carry no other.
-    #[cfg(feature = "rerun")]
-    pub fn bones(&self, agent: &Agent) -> Vec<[Vector3<f64>; 2]> {
-        let joints = agent.creature().joints().iter().zip(&self.begins[1..]);
-        let tips = tips(agent).into_iter();
-        joints
-            .map(|(joint, end)| [self.begins[joint.parent], *end])
-            .chain(tips.map(|(limb, p_l)| [self.begins[limb], self.frames[limb].point(&p_l)]))
-            .collect()
-    }
-
-    /// Per hinge and slide of the posture where its joint is and its unit axis, both in the root limb's frame.
-    #[cfg(feature = "rerun")]
-    pub fn axes(&self, creature: &Creature, schema: &BodySchema, posture: &[f64]) -> Vec<[Vector3<f64>; 2]> {
-        let axes = axis_directions(creature, schema, posture, &self.frames);
-        axes.into_iter().map(|(joint, axis)| [self.begins[joint + 1], axis]).collect()
     }
 
     /// As the viewer takes it: of each limb a quaternion w x y z and an origin, and where each limb begins.

@@ -24,17 +24,3 @@ pub fn refused(place: &Path, code: i32, arguments: &[&str]) -> String {
     assert!(output.stdout.is_empty() && !message.contains("panicked"), "{arguments:?}: {message}");
     message
 }
-
-/// Asks for a form of a session that needs a feature which this build lacks: it is refused with the mend. Returns the
-/// folder, in which the session is `s`.
-#[cfg(not(all(feature = "parquet", feature = "rerun")))]
-pub fn form_without_its_feature(form: &str, feature: &str) -> tempfile::TempDir {
-    let place = tempfile::tempdir().unwrap();
-    let hexapod = super::repository("mjcf/hexapod/hexapod.xml");
-    let babble =
-        ["babble", hexapod.to_str().unwrap(), "--touches", "20", "--learner", "hersch", "--out", "s"];
-    succeeds(place.path(), &babble);
-    let message = refused(place.path(), 1, &["convert", "s", form]);
-    assert!(message.contains(&format!("--features {feature}")), "{message}");
-    place
-}

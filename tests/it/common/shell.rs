@@ -29,12 +29,10 @@ impl Line {
         Line { text: text.trim().to_string(), slow: SLOW.iter().any(|slow| comment.contains(slow)) }
     }
 
-    /// Whether this machine or this build lacks what the line needs: Parquet, Rerun, MuJoCo's samples, OpenGL or ffmpeg.
+    /// Whether this machine lacks what the line needs: MuJoCo's samples, OpenGL or ffmpeg.
     pub fn lacks_something(&self) -> bool {
         let draws = self.text.contains("bodyschema render");
-        (self.text.contains("--parquet") && cfg!(not(feature = "parquet")))
-            || (self.text.contains("--rrd") && cfg!(not(feature = "rerun")))
-            || (self.text.contains(SAMPLES) && !Path::new(SAMPLES).is_dir())
+        (self.text.contains(SAMPLES) && !Path::new(SAMPLES).is_dir())
             || (draws && !drawing::opengl())
             || (draws && self.text.contains(".mp4") && !drawing::ffmpeg())
     }
