@@ -25,7 +25,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let RecordedSession { session, touches } = recorded;
     let session = BabbledSession { session, touches, grown: None };
     let learned = learn_session(&folder, &session, &options, None, &[], &())?;
-    println!("{}", learned.verdict);
+    println!("{}", learned.record.verdict);
     println!("elbow: {:.4?} m", learned.learned.schema.positions[0].as_slice());
     println!("axis: {:.4?}", learned.learned.schema.axes[0].as_slice());
     Ok(fs::remove_dir_all(&folder)?)

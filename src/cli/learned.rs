@@ -13,15 +13,15 @@ use crate::experiment::{
 };
 use crate::ground_truth::GroundTruth;
 use crate::learning::learners::{LearnerKind, LevenbergMarquardt, PartByPart};
-use crate::learning::{LimbFrames, Verdict};
 use crate::record::{Generation, LearningRecord, Session, TouchLog};
-use crate::senses::Touch;
+use crate::senses::{Touch, limb_pairs};
 use crate::simulation::MotionName;
-use crate::skin::Skin;
 use crate::view::report::{REPORT_FILE, write_report};
 use crate::view::text::{self, plural, shell_words};
 use crate::view::tone::Tone;
 
+/// Why nothing is known of a body: learning failed, or its learner makes no judgement.
+pub const UNCONFIRMED: &str = "no held-out touches confirm the schema";
 /// Where touches told too little, so many times as many are proposed.
 const MORE: usize = 3;
 
@@ -72,12 +72,6 @@ pub fn print_learned(
     Ok(())
 }
 
-/// The number of limb pairs that touched.
-fn limb_pairs(skin: &Skin, touches: &[Touch]) -> usize {
-    let pair = |touch: &Touch| touch.ends.map(|end| skin.receptors[end.receptor].limb);
-    touches.iter().map(pair).collect::<std::collections::BTreeSet<_>>().len()
-}
-
 /// How deep limbs were in each other where motions with physics stopped, millimetres; none where no touch tells.
 fn depth_mm(touches: &[Touch]) -> Option<Summary> {
     let depths = || touches.iter().filter_map(|touch| touch.moment).map(|moment| 1e3 * moment.depth);
@@ -94,22 +88,18 @@ fn to_json(
 ) -> Value {
     let summary = |s: Option<Summary>| s.map_or(Value::Null, |s| json!(s));
     let evaluation = result.evaluation.as_ref();
-    let (verdict, reason) = match &result.learned.verdict {
-        Verdict::Converged => (true, Value::Null),
-        Verdict::Failed(why) | Verdict::Unjudged(why) => (false, json!(why)),
-    };
-    json!({
+    let how = json!({
         "creature": session.agent.creature().name(),
         "joints": session.agent.creature().joints().len(),
         "dof": session.agent.creature().dof(),
         "touches": touches.len(),
         "motions": session.effort.map(|effort| effort.motions),
-        "limb_pairs": limb_pairs(session.agent.skin(), touches),
+        "limb_pairs": limb_pairs(session.agent.skin(), touches).len(),
         "babbling_s": session.effort.map(|effort| effort.babbling_s),
         "motion": session.options.motion.clone().unwrap_or_else(|| MotionName::default().to_string()),
         "simulated_s": session.effort.and_then(|effort| effort.simulated_s),
         "depth_mm": summary(depth_mm(touches)),
-        "learning_s": result.seconds,
+        "learning_s": result.record.seconds,
         "seed": session.seed,
         "policy": session.options.policy,
         "learner": options.learner.name(),
@@ -117,8 +107,6 @@ fn to_json(
         "knowledge": options.knowledge(),
         "frames": options.frames.to_string(),
         "known": options.known_json(session.agent.creature()),
-        "converged": verdict,
-        "reason": reason,
         "initial_guesses": result.learned.initial_guesses,
         "disturbances": options.disturbances,
         "heldout_mm": summary(evaluation.map(|e| e.heldout_mm)),
@@ -130,11 +118,10 @@ fn to_json(
         "axis_line_mm": summary(evaluation.map(|e| e.axis_line_mm)),
         "expected_mm": result.own_account.and_then(|account| account.expected_mm),
         "fresh_mm": summary(result.own_account.and_then(|account| account.fresh_mm)),
-        "undetermined": result.undetermined,
-        "undetermined_limbs": result.undetermined_limbs,
         "changes": result.changes,
         "session": folder,
-    })
+    });
+    output::joined(how, result.record.knowledge_json())
 }
 
 /// The short table of what was learned.
@@ -152,7 +139,7 @@ fn print_table(
         plural(creature.joints().len(), "joint"),
         creature.dof(),
         text::touches(touches.len()),
-        plural(limb_pairs(session.agent.skin(), touches), "pair of limbs")
+        plural(limb_pairs(session.agent.skin(), touches).len(), "pair of limbs")
     );
     if let Some(depth) = depth_mm(touches) {
         let simulated = session.effort.and_then(|effort| effort.simulated_s);
@@ -169,7 +156,7 @@ fn print_table(
         options.knowledge(),
         result.learned.initial_guesses,
         if result.learned.initial_guesses == 1 { "" } else { "es" },
-        result.seconds
+        result.record.seconds.unwrap_or_default()
     );
     if let Some(known) = options.known_words(creature) {
         say!("prior knowledge of joints: {known}");
@@ -177,17 +164,7 @@ fn print_table(
     if options.disturbances != DisturbanceLevels::default() {
         say!("disturbances: {}", options.disturbances);
     }
-    let undetermined = result.undetermined.len() + result.undetermined_limbs.len();
-    output::verdict(&result.verdict, Tone::new(result.learned.verdict.converged(), undetermined));
-    match result.learned.account {
-        Some(_) => {
-            say!("undetermined joints: {}", listed(&result.undetermined));
-            if options.frames == LimbFrames::Limb || !result.undetermined_limbs.is_empty() {
-                say!("undetermined limbs: {}", listed(&result.undetermined_limbs));
-            }
-        }
-        None => say!("undetermined joints: nothing tells, so all of them"),
-    }
+    print_knowledge(&result.record);
     result.changes.iter().for_each(|change| say!("{change}"));
     say!("");
     match &result.evaluation {
@@ -201,6 +178,22 @@ fn print_table(
     say!("next: {}", next(folder, session, touches.len(), options, result));
 }
 
+/// The verdict, and what is not known: the same words from every command.
+pub fn print_knowledge(record: &LearningRecord) {
+    output::verdict(&record.verdict, Tone::of(record));
+    if record.reliable_account().is_none() {
+        say!("undetermined joints: all ({UNCONFIRMED})");
+        return;
+    }
+    say!("undetermined joints: {}", listed(&record.undetermined));
+    if !record.undetermined_limbs.is_empty() {
+        say!("undetermined limbs: {}", listed(&record.undetermined_limbs));
+    }
+    if !record.open_directions.is_empty() {
+        say!("unobservable: {}", record.directions_in_words());
+    }
+}
+
 /// What to do with what was learned, or with what was not.
 fn next(
     folder: &Path,
@@ -212,7 +205,7 @@ fn next(
     let folder = shell_words(&[folder.display().to_string()]);
     if result.learned.verdict.converged() {
         return format!(
-            "open {folder}/{REPORT_FILE} in a browser; `bodyschema view {folder}` moves the body, `bodyschema observe {folder}` tells what is \
+            "open {folder}/{REPORT_FILE} in a browser; `bodyschema view {folder}` moves the body, `bodyschema observe {folder}` shows what is \
              certain and what is not"
         );
     }
@@ -226,7 +219,7 @@ fn next(
         None => format!("`{}` touches more", more_touches(session, touches)),
         Some(_) => "record more touches, of more pairs of limbs".to_string(),
     };
-    format!("{more}; `bodyschema observe {folder}` tells what these determine")
+    format!("{more}; `bodyschema observe {folder}` shows which limbs and joints these exercise")
 }
 
 /// The command line that made a session, for more touches in a folder of their own.
@@ -266,7 +259,7 @@ pub fn print_evaluation(evaluation: &Evaluation) {
     output::head();
     output::row("skin in another limb's frame", "mm", &evaluation.heldout_mm);
     if evaluation.determined_mm.max < evaluation.heldout_mm.max {
-        output::row("the same, of what is claimed", "mm", &evaluation.determined_mm);
+        output::row("the same, of located limbs", "mm", &evaluation.determined_mm);
     }
     if let Some(hand) = &evaluation.hand_mm {
         output::row("with a hand as one of the two", "mm", hand);
@@ -283,9 +276,12 @@ fn print_bound(bound: &CramerRaoBound) {
     let CramerRaoBound { error_rms, ratio, bound_rms, at_floor, .. } = bound;
     let beside = match at_floor {
         true => "touches are explained to the numerical floor".to_string(),
-        false => format!("{ratio:.2} times the Cramér-Rao bound of {} mm", output::number(*bound_rms)),
+        false => format!(
+            "{ratio:.2} times the Cramér-Rao bound of {} mm, which holds on average over sessions",
+            output::number(*bound_rms)
+        ),
     };
-    say!("\n  root mean square over what is claimed: {} mm; {beside}", output::number(*error_rms));
+    say!("\n  root mean square of located limbs: {} mm; {beside}", output::number(*error_rms));
 }
 
 /// Says on standard error when a log ends in the middle of a line.

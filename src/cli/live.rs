@@ -103,7 +103,7 @@ impl Live {
 
     /// All is learned and written down.
     pub fn done(&self, folder: &Path, learned: &LearnedSession) {
-        self.view.done(&learned.verdict, &learned.learned.schema, folder.join(REPORT_FILE));
+        self.view.done(&learned.record.verdict, &learned.learned.schema, folder.join(REPORT_FILE));
     }
 
     /// All is done: who sits before a terminal can go on looking until they end it.

@@ -1,26 +1,29 @@
 //! `bodyschema observe`: what a session's touches determine.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
-use serde_json::{Value, json};
+use serde_json::json;
 
-use super::learned::warn_truncated;
+use super::learned::{print_knowledge, warn_truncated};
 use super::{Failure, Outcome, output, progress};
-use crate::creature::{Creature, DofKind};
+use crate::agent::Agent;
+use crate::creature::DofKind;
 use crate::experiment::LearningOptions;
+use crate::kinematics::Chain;
 use crate::learning::{Account, Input, Learner, LimbFrames, SecondOrder};
 use crate::record::{
     LearningRecord, ReadLock, RecordedAccount, SCHEMA_FILE, Session, TOUCHES_FILE, read_schema, read_touches,
 };
 use crate::schema::BodySchema;
 use crate::senses::Touch;
+use crate::view::text;
 
-/// Tell what a session's touches determine, how well, and what they leave open.
+/// Show what a session's touches determine, how well, and what they leave open.
 ///
 /// From the surfaces' gaps, or a recording's points, at the session's schema: rank and condition of the problem, the indices that the
-/// calibration literature reports, the standard deviation of every joint's position and axes, and every
-/// direction in which the schema could change without any touch feeling it; and of every limb how far off its skin
-/// may be, and why. No truth is needed.
+/// calibration literature reports, the standard deviation of every joint's position and axes, and every unobservable
+/// direction of the schema; and of every limb how far off its skin may be, and why. No truth is needed. Bounds hold near a
+/// right schema only: none are given of one that no held-out touches confirm.
 #[derive(clap::Args)]
 #[command(after_help = "Examples:
   bodyschema observe sessions/max-1
@@ -44,16 +47,19 @@ pub fn run(args: &ObserveArguments) -> Outcome {
     if log.touches.is_empty() {
         return Err("there is no touch to look at: babble some first".into());
     }
-    let spinner = progress::spinner(&format!("looking at {} touches", log.touches.len()));
-    let Observed { account, deviation, touches, points } =
-        observed(&args.session, &session, &schema, &log.touches)?;
+    let record = LearningRecord::read_or_unknown(&args.session, creature)?;
+    let touches = &log.touches[..record.touches.min(log.touches.len())];
+    if !record.converged {
+        return unconfirmed(args, agent, touches, &record);
+    }
+    let spinner = progress::spinner(&format!("looking at {} touches", touches.len()));
+    let Observed { account, deviation, points } = observed(&session, &schema, touches, &record)?;
     spinner.finish_and_clear();
     let found = &account.observability;
-    let limbs = limb_lines(creature, &account);
     let indices = found.indices();
-    let undetermined = found.undetermined(creature, &schema);
     let millimetres = |joint: usize| found.position_std(joint).map(|metres| metres.map(|m| 1e3 * m));
     let degrees = |dof: usize| found.axis_std(creature, dof).map(f64::to_degrees);
+    let lines = account.limb_lines(creature);
     if args.json {
         let joints = creature.joints().iter().enumerate().map(|(j, joint)| {
             json!({
@@ -62,9 +68,20 @@ pub fn run(args: &ObserveArguments) -> Outcome {
                 "axes_std_deg": joint.dof_indices().map(degrees).collect::<Vec<_>>(),
             })
         });
-        return output::json(&json!({
+        let limbs = lines.iter().map(|line| {
+            let [best, worst] = line.bounds.map(|metres| Some(1e3 * metres).filter(|mm| mm.is_finite()));
+            json!({
+                "limb": creature.limbs()[line.limb],
+                "touches": line.touches,
+                "supporting_touches": line.supporting,
+                "best_mm": best,
+                "worst_mm": worst,
+                "open": line.why,
+            })
+        });
+        let determined = json!({
             "session": args.session,
-            "touches": touches,
+            "touches": touches.len(),
             "touch_deviation_mm": 1e3 * deviation,
             "parameters": found.singular_values.len(),
             "rank": found.rank,
@@ -72,14 +89,17 @@ pub fn run(args: &ObserveArguments) -> Outcome {
             "singular_values": found.singular_values,
             "indices": indices,
             "joints": joints.collect::<Vec<_>>(),
-            "limbs": limbs.iter().map(LimbLine::json).collect::<Vec<_>>(),
-            "undetermined": undetermined,
-        }));
+            "limbs": limbs.collect::<Vec<_>>(),
+            "bounds_note": record.floor_note(),
+            "unobservable": record.open_directions,
+        });
+        return output::json(&output::joined(determined, record.knowledge_json()));
     }
+    say!("{}: {}", args.session.display(), text::touches(touches.len()));
+    print_knowledge(&record);
+    record.open_directions.iter().for_each(|words| say!("  {words}"));
     say!(
-        "{}: {} touches determine {} of {} parameters; condition number {:.0}",
-        args.session.display(),
-        touches,
+        "\nThe touches determine {} of {} parameters; condition number {:.0}",
         found.rank,
         found.singular_values.len(),
         found.condition()
@@ -92,7 +112,7 @@ pub fn run(args: &ObserveArguments) -> Outcome {
         indices.noise_amplification
     );
     let (what, least) =
-        if points { ("miss, per coordinate", "") } else { ("gap", " (0.001 mm at the least)") };
+        if points { ("residual, per coordinate", "") } else { ("gap", " (0.001 mm at the least)") };
     say!("standard deviation of a touch's {what}: {:.4} mm{least}\n", 1e3 * deviation);
     say!("one standard deviation, – where nothing determines it; an axis by each coordinate across it:");
     say!("  {:<28}{:<32}axes, °", "joint", "position x y z, mm");
@@ -107,57 +127,55 @@ pub fn run(args: &ObserveArguments) -> Outcome {
         let position = millimetres(j).map(number).join("  ");
         say!("  {:<28}{position:<32}{}", joint.name, axes.join("  ").trim_end());
     }
-    say!("\nhow far off a limb's skin may be in the frames of the other limbs that are placed, 95 %:");
-    say!("  {:<28}{:<10}{:<12}{:<12}", "limb", "touches", "best, mm", "worst, mm");
-    for line in &limbs {
-        let [best, worst] = line.distances.map(|d| d.map_or("–".to_string(), output::number));
+    say!("\nhow far off a limb's skin may be in the frames of the other limbs that are located, 95 %:");
+    say!("  {:<28}{:<10}{:<12}{:<12}{:<12}", "limb", "touches", "supporting", "best, mm", "worst, mm");
+    for line in &lines {
+        let [best, worst] = line.bounds.map(|metres| output::number(1e3 * metres));
         let why = line.why.as_deref().unwrap_or("");
-        let line = format!("  {:<28}{:<10}{best:<12}{worst:<12}{why}", line.limb, line.touches);
+        let name = &creature.limbs()[line.limb];
+        let line =
+            format!("  {name:<28}{:<10}{:<12}{best:<12}{worst:<12}{why}", line.touches, line.supporting);
         say!("{}", line.trim_end());
     }
-    say!("");
-    if undetermined.is_empty() {
-        say!("nothing is left undetermined");
-    }
-    for words in undetermined {
-        say!("undetermined: {words}");
+    if let Some(note) = record.floor_note() {
+        say!("{note}");
     }
     Ok(())
 }
 
-/// What the account says of a limb.
-struct LimbLine {
-    limb: String,
-    touches: usize,
-    /// In the frame of a limb of the largest class where it is known best, and where worst, millimetres.
-    distances: [Option<f64>; 2],
-    /// Why it is not placed; none where it is.
-    why: Option<String>,
-}
-
-impl LimbLine {
-    fn json(&self) -> Value {
-        json!({
-            "limb": self.limb,
-            "touches": self.touches,
-            "best_mm": self.distances[0],
-            "worst_mm": self.distances[1],
-            "open": self.why,
-        })
+/// What can be shown of touches whose schema nothing confirms: which limbs and joints they exercise.
+fn unconfirmed(
+    args: &ObserveArguments,
+    agent: &Agent,
+    touches: &[Touch],
+    record: &LearningRecord,
+) -> Outcome {
+    let creature = agent.creature();
+    let mut of_limbs = vec![0; creature.limbs().len()];
+    let mut of_joints = vec![0; creature.joints().len()];
+    for limbs in touches.iter().map(|touch| touch.limbs(agent.skin())) {
+        limbs.into_iter().for_each(|limb| of_limbs[limb] += 1);
+        Chain::between(creature, limbs[0], limbs[1]).joints().for_each(|joint| of_joints[joint] += 1);
     }
-}
-
-/// What the account says of each limb that has skin, the limb that is placed worst first.
-fn limb_lines(creature: &Creature, account: &Account) -> Vec<LimbLine> {
-    let distances = |limb: usize| account.distance_to_most(limb).unwrap_or([f64::INFINITY; 2]);
-    let millimetres = |metres: f64| Some(1e3 * metres).filter(|mm| mm.is_finite());
-    let line = |limb: usize| LimbLine {
-        limb: creature.limbs()[limb].clone(),
-        touches: account.witnesses.of_limbs[limb],
-        distances: distances(limb).map(millimetres),
-        why: account.openness(creature, limb).map(|why| why.words(creature)),
-    };
-    account.worst_first().into_iter().map(line).collect()
+    let joints = || creature.joints().iter().map(|joint| &joint.name).zip(&of_joints);
+    let limbs = || agent.limbs_with_skin().into_iter().map(|limb| (&creature.limbs()[limb], of_limbs[limb]));
+    if args.json {
+        let exercised = json!({
+            "session": args.session,
+            "touches": touches.len(),
+            "joints": joints().map(|(joint, touches)| json!({ "joint": joint, "touches": touches })).collect::<Vec<_>>(),
+            "limbs": limbs().map(|(limb, touches)| json!({ "limb": limb, "touches": touches })).collect::<Vec<_>>(),
+        });
+        return output::json(&output::joined(exercised, record.knowledge_json()));
+    }
+    say!("{}: {}", args.session.display(), text::touches(touches.len()));
+    print_knowledge(record);
+    say!("\nNo bounds are given: they hold near a right schema only. What the touches exercise:");
+    say!("  {:<28}touches across it", "joint");
+    joints().for_each(|(joint, touches)| say!("  {joint:<28}{touches}"));
+    say!("  {:<28}touches of its skin", "limb");
+    limbs().for_each(|(limb, touches)| say!("  {limb:<28}{touches}"));
+    Ok(())
 }
 
 /// What touches determine.
@@ -165,24 +183,18 @@ struct Observed {
     account: Account,
     /// Standard deviation of a touch, metres.
     deviation: f64,
-    /// The touches that it rests on.
-    touches: usize,
-    /// Whether these told points of contact.
+    /// Whether touches reported points of contact.
     points: bool,
 }
 
-/// What the learner of a session said of it; of one that said nothing, what its touches determine at its schema.
+/// The account of a session's learner; of one that gave none, what its touches determine at its schema.
 fn observed(
-    folder: &Path,
     session: &Session,
     schema: &BodySchema,
     touches: &[Touch],
+    record: &LearningRecord,
 ) -> Result<Observed, Failure> {
-    let agent = &session.agent;
-    let record = LearningRecord::read(folder, agent.creature())?;
-    let count = record.as_ref().map_or(touches.len(), |record| record.touches.min(touches.len()));
-    let recorded = record.and_then(|record| record.account);
-    let (input, frames) = match &recorded {
+    let (input, frames) = match &record.account {
         Some(recorded) => (recorded.basis.input, recorded.basis.frames),
         // Sessions from before there was an account: limbs in frames of their own are learned from contact points.
         None => {
@@ -193,11 +205,12 @@ fn observed(
         }
     };
     let points = input == Input::Contact;
-    if let Some(RecordedAccount { deviation: Some(deviation), account: Some(account), .. }) = recorded {
-        return Ok(Observed { account, deviation, touches: count, points });
+    if let Some(RecordedAccount { deviation: Some(deviation), account: Some(account), .. }) = &record.account
+    {
+        return Ok(Observed { account: account.clone(), deviation: *deviation, points });
     }
-    let mut learner = SecondOrder::new(agent, input, session.seed).with_frames(frames);
-    touches[..count].iter().for_each(|touch| learner.touch(touch));
+    let mut learner = SecondOrder::new(&session.agent, input, session.seed).with_frames(frames);
+    touches.iter().for_each(|touch| learner.touch(touch));
     let (account, deviation) = learner.account(schema);
-    Ok(Observed { account, deviation, touches: count, points })
+    Ok(Observed { account, deviation, points })
 }

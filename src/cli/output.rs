@@ -3,6 +3,8 @@
 use std::io::{ErrorKind, Write};
 use std::path::Path;
 
+use serde_json::Value;
+
 use super::printable::Printable;
 use super::{Failure, Outcome};
 use crate::evaluation::Summary;
@@ -37,9 +39,17 @@ pub fn verdict(sentence: &str, tone: Tone) {
 }
 
 /// Prints one JSON object; numbers that do not exist are null.
-pub fn json(value: &serde_json::Value) -> Outcome {
+pub fn json(value: &Value) -> Outcome {
     say!("{}", serde_json::to_string_pretty(value)?);
     Ok(())
+}
+
+/// The members of two JSON objects in one.
+pub fn joined(mut object: Value, with: Value) -> Value {
+    if let (Some(object), Value::Object(with)) = (object.as_object_mut(), with) {
+        object.extend(with);
+    }
+    object
 }
 
 /// Makes the folder that results go to.

@@ -107,9 +107,7 @@ fn looked_at(what: &Path, args: &ViewArguments) -> Result<LookedAt, Failure> {
     let record = LearningRecord::read(what, creature)?;
     let truth = known_truth(&session, args.model.as_deref())?;
     let verdict = record.as_ref().map_or(String::new(), |record| record.verdict.clone());
-    let tone = record.as_ref().map(|record| {
-        Tone::new(record.converged, record.undetermined.len() + record.undetermined_limbs.len())
-    });
+    let tone = record.as_ref().map(Tone::of);
     let certainty = record.map_or(Certainty::Unknown, |record| record.certainty());
     Ok(LookedAt {
         name,

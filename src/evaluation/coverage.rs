@@ -60,7 +60,7 @@ fn posture_of_gap(
     gap: f64,
     tolerance: f64,
 ) -> Option<Posture> {
-    let limbs = touch.ends.map(|end| agent.skin().receptors[end.receptor].limb);
+    let limbs = touch.limbs(agent.skin());
     let chain = Chain::between(agent.creature(), limbs[0], limbs[1]);
     let gap_at = |posture: &[f64]| true_gap(agent, truth, touch, posture);
     let ways = ways_to_move(agent.creature(), &chain);
@@ -91,7 +91,7 @@ fn posture_of_gap(
 /// The gap of a touch's surfaces at a posture of the true body, metres.
 pub fn true_gap(agent: &Agent, truth: &GroundTruth, touch: &Touch, posture: &[f64]) -> f64 {
     let skin = agent.skin();
-    let limbs = touch.ends.map(|end| skin.receptors[end.receptor].limb);
+    let limbs = touch.limbs(skin);
     let chain = Chain::between(agent.creature(), limbs[0], limbs[1]);
     let frames =
         [0, 1].map(|k| ChainSide::new(agent.creature(), &chain.sides[k], posture).frame(&truth.schema));

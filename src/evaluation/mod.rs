@@ -24,7 +24,7 @@ use serde::{Deserialize, Serialize};
 use crate::agent::Agent;
 use crate::creature::Creature;
 use crate::ground_truth::GroundTruth;
-use crate::learning::{Account, Learned, Verdict};
+use crate::learning::{Account, Learned};
 use crate::schema::BodySchema;
 
 /// All error measures of one schema.
@@ -58,25 +58,25 @@ pub fn evaluate(
     measure(agent, truth, schema, [undetermined, &unplaced], None)
 }
 
-/// Measures a schema by what its account claims, beside the bound of that.
+/// Measures a schema by what its account claims, beside the bound of that. Where no account can be relied on, because
+/// learning did not converge or its learner gives none, nothing is claimed, and the axes of all joints are compared.
 pub fn evaluate_claims(
     agent: &Agent,
     truth: &GroundTruth,
     schema: &BodySchema,
-    account: &Account,
+    account: Option<&Account>,
 ) -> Evaluation {
+    let Some(account) = account else {
+        let nothing = Summary::of(std::iter::empty());
+        return Evaluation { determined_mm: nothing, ..evaluate(agent, truth, schema, &[]) };
+    };
     let undetermined = [account.undetermined(), account.undetermined_limbs()];
     measure(agent, truth, schema, undetermined, Some(account))
 }
 
-/// Measures what a learner came to: by what its account claims, beside the bound of that. Of a learner that gives no
-/// account all counts, but nothing where it failed.
+/// Measures what a learner came to, as [`evaluate_claims`].
 pub fn evaluate_learned(agent: &Agent, truth: &GroundTruth, learned: &Learned) -> Evaluation {
-    match (&learned.account, &learned.verdict) {
-        (Some(account), _) => evaluate_claims(agent, truth, &learned.schema, account),
-        (None, Verdict::Failed(_)) => evaluate(agent, truth, &learned.schema, &learned.undetermined()),
-        (None, _) => evaluate(agent, truth, &learned.schema, &[]),
-    }
+    evaluate_claims(agent, truth, &learned.schema, learned.reliable_account())
 }
 
 fn measure(

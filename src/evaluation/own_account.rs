@@ -36,7 +36,7 @@ impl OwnAccount {
             let [a, b] = point.limbs;
             let deviation =
                 observability.point_deviation(creature, &learned.schema, &point.posture, [a, b], &point.p_a);
-            if deviation.is_finite() && account.claims(a, b) {
+            if deviation.is_finite() && learned.verdict.converged() && account.claims(a, b) {
                 squares += (1e3 * deviation).powi(2);
                 count += 1;
             }
@@ -44,7 +44,7 @@ impl OwnAccount {
         let expected_mm = (count > 0).then(|| (squares / f64::from(count)).sqrt());
 
         // A body that places no skin may explain touches all the same, as far as one arm at one place tells.
-        let all = !account.claims_any();
+        let all = learned.reliable_account().is_none_or(|account| !account.claims_any());
         let known = (0..creature.joints().len())
             .map(|joint| all || !account.undetermined().contains(&joint))
             .collect();

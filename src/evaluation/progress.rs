@@ -24,7 +24,7 @@ impl<'a> Progress<'a> {
     pub fn new(agent: &'a Agent, truth: &'a GroundTruth, learned: &'a Learned) -> Progress<'a> {
         let determined = |point: &HeldOutPoint| {
             let [a, b] = point.limbs;
-            learned.account.as_ref().is_some_and(|account| account.claims(a, b))
+            learned.reliable_account().is_some_and(|account| account.claims(a, b))
         };
         let mut points = held_out_points(agent);
         // Where nothing is determined, or the learner cannot tell, all count.

@@ -126,7 +126,7 @@ impl Babbled {
             let agent = self.embodied.agent();
             let felt = options.disturbances.disturbances().felt(agent, &self.touches, self.seed);
             let mut learner = options.learner(&felt.agent, self.seed);
-            learn_from(learner.as_mut(), &felt.touches)?
+            learn_from(&felt.agent, learner.as_mut(), &felt.touches)?
         };
         Ok(LearnedBody { embodied: self.embodied, touches: self.touches, learned })
     }
@@ -140,18 +140,22 @@ impl Babbled {
         make: impl FnOnce(&'a Agent) -> L,
     ) -> Result<(Learned, Evaluation), ExperimentError> {
         let mut learner = make(self.embodied.agent());
-        let learned = learn_from(&mut learner, &self.touches)?;
+        let learned = learn_from(self.embodied.agent(), &mut learner, &self.touches)?;
         let evaluation = evaluate_learned(self.embodied.agent(), self.embodied.truth(), &learned);
         Ok((learned, evaluation))
     }
 }
 
-fn learn_from(learner: &mut dyn Learner, touches: &[Touch]) -> Result<Learned, ExperimentError> {
+fn learn_from(
+    agent: &Agent,
+    learner: &mut dyn Learner,
+    touches: &[Touch],
+) -> Result<Learned, ExperimentError> {
     if touches.is_empty() {
         return Err(ExperimentError::refused("there is no touch to learn from: babble some first"));
     }
     touches.iter().for_each(|touch| learner.touch(touch));
-    Ok(learner.learn())
+    Ok(learner.learn().with_made(agent, touches))
 }
 
 impl LearnedBody {

@@ -8,6 +8,8 @@ use super::learning_account::{changes, facts, sentence};
 use super::learning_options::LearningOptions;
 use super::observer::{LearningStep, Observer, Phase};
 use super::session::BabbledSession;
+use crate::agent::Agent;
+use crate::creature::Creature;
 use crate::evaluation::{Evaluation, OwnAccount, Progress, Summary, evaluate, evaluate_learned};
 use crate::export::to_mjcf;
 use crate::ground_truth::GroundTruth;
@@ -24,20 +26,14 @@ use crate::senses::{DisturbedSenses, Touch};
 pub struct LearnedSession {
     /// What was learned, and how far it can be trusted.
     pub learned: Learned,
-    /// The verdict in a sentence.
-    pub verdict: String,
+    /// What is said of it, as it is written down: every output has it from here.
+    pub record: LearningRecord,
     /// How the body changed as the learner understood it, in sentences.
     pub changes: Vec<String>,
-    /// Time that learning took, seconds.
-    pub seconds: f64,
     /// The errors; none where the truth is not at hand.
     pub evaluation: Option<Evaluation>,
     /// What can be told without the truth; none where the truth is at hand or the learner cannot tell.
     pub own_account: Option<OwnAccount>,
-    /// Joints that the touches leave undetermined, by name.
-    pub undetermined: Vec<String>,
-    /// Limbs whose own frames are not known, by name.
-    pub undetermined_limbs: Vec<String>,
     /// The held-out error from the same touches without the disturbances; none where there are none, or no
     /// truth at hand.
     pub undisturbed_heldout_mm: Option<Summary>,
@@ -80,6 +76,7 @@ pub fn learn_session(
         let last = n + 1 == touches.len();
         // Learning for a row of the table alone is not what learning takes.
         let learned = (last || (due && !run.predicts)).then(|| learner.learn());
+        let learned = learned.map(|learned| learned.with_made(&felt.agent, &felt.touches[..=n]));
         if last || !due || each {
             run.seconds += began.elapsed().as_secs_f64();
         }
@@ -104,63 +101,66 @@ pub fn learn_session(
         && options.skin == SkinKnowledge::Surface
         && options.frames == LimbFrames::Joint;
     let own_account = if tells { OwnAccount::new(&felt.agent, &felt.touches, &learned) } else { None };
-    let joint = |&joint: &usize| creature.joints()[joint].name.clone();
-    let limb = |&limb: &usize| creature.limbs()[limb].clone();
-    let result = LearnedSession {
-        verdict: sentence(creature, &learned),
-        changes: changes(creature, &learned),
-        undetermined: learned.undetermined().iter().map(joint).collect(),
-        undetermined_limbs: learned.undetermined_limbs().iter().map(limb).collect(),
-        learned,
-        seconds,
-        evaluation,
-        own_account,
-        undisturbed_heldout_mm,
-    };
-    let checkpoints = checkpoints(passed, session, &felt, options, truth, &result);
-    record(folder, session, touches.len(), options, command, checkpoints, &result)?;
-    Ok(result)
+    let checkpoints = checkpoints(passed, session, &felt, options, truth, (&learned, evaluation.as_ref()));
+    let bound = evaluation.as_ref().and_then(|evaluation| evaluation.bound_mm);
+    let how = (options, command, seconds);
+    let record = LearningRecord { checkpoints, bound, ..record(session, touches.len(), how, &learned) };
+    write(folder, creature, &learned, agent, &record)?;
+    let changes = changes(creature, &learned);
+    Ok(LearnedSession { learned, record, changes, evaluation, own_account, undisturbed_heldout_mm })
 }
 
-/// Writes what was learned into a session's folder.
+/// What is said of a schema that was learned from so many of a session's touches: by which options and command, in so many
+/// seconds.
 fn record(
-    folder: &Path,
     session: &Session,
     touches: usize,
-    options: &LearningOptions,
-    command: &[String],
-    checkpoints: Vec<Checkpoint>,
-    result: &LearnedSession,
-) -> Result<(), ExperimentError> {
-    let (creature, learned) = (session.agent.creature(), &result.learned);
-    let std = learned.schema_std(creature);
-    write_schema_with_std(&folder.join(SCHEMA_FILE), creature, &learned.schema, std.as_ref())?;
-    let path = folder.join(LEARNED_FILE);
-    let model = to_mjcf(&session.agent, &learned.schema);
-    write_whole(&path, model.as_bytes()).map_err(|source| RecordError::Io {
-        path,
-        action: Action::Write,
-        source,
-    })?;
-    let open = learned.observability();
-    let record = LearningRecord {
+    (options, command, seconds): (&LearningOptions, &[String], f64),
+    learned: &Learned,
+) -> LearningRecord {
+    let creature = session.agent.creature();
+    let joint = |&joint: &usize| creature.joints()[joint].name.clone();
+    let limb = |&limb: &usize| creature.limbs()[limb].clone();
+    let (joints, limbs) = (learned.undetermined(), learned.undetermined_limbs());
+    let directions = learned.reliable_account().map(|account| &account.observability);
+    LearningRecord {
         program: PROGRAM.to_string(),
         command: command.to_vec(),
         host: Some(Host::here()),
         seed: session.seed,
         touches,
-        facts: facts(session, options, result),
+        facts: facts(session, options, learned, seconds),
         // To hundredths: nobody reads more of a time.
-        seconds: Some((100.0 * result.seconds).round() / 100.0),
+        seconds: Some((100.0 * seconds).round() / 100.0),
         converged: learned.verdict.converged(),
-        verdict: result.verdict.clone(),
-        undetermined: result.undetermined.clone(),
-        undetermined_limbs: result.undetermined_limbs.clone(),
-        open_directions: open.map_or(Vec::new(), |open| open.undetermined(creature, &learned.schema)),
-        bound: result.evaluation.as_ref().and_then(|evaluation| evaluation.bound_mm),
+        verdict: sentence(creature, learned),
+        reason: learned.verdict.reason().map(str::to_string),
+        undetermined: joints.iter().map(joint).collect(),
+        undetermined_limbs: limbs.iter().map(limb).collect(),
+        open_directions: directions.map_or(Vec::new(), |found| found.undetermined(creature, &learned.schema)),
+        bound: None,
         account: Some(RecordedAccount::of(learned)),
-        checkpoints,
-    };
+        checkpoints: Vec::new(),
+    }
+}
+
+/// Writes what was learned into a session's folder.
+fn write(
+    folder: &Path,
+    creature: &Creature,
+    learned: &Learned,
+    agent: &Agent,
+    record: &LearningRecord,
+) -> Result<(), ExperimentError> {
+    let std = learned.schema_std(creature);
+    write_schema_with_std(&folder.join(SCHEMA_FILE), creature, &learned.schema, std.as_ref())?;
+    let path = folder.join(LEARNED_FILE);
+    let model = to_mjcf(agent, &learned.schema);
+    write_whole(&path, model.as_bytes()).map_err(|source| RecordError::Io {
+        path,
+        action: Action::Write,
+        source,
+    })?;
     Ok(record.write(folder, creature)?)
 }
 
@@ -295,27 +295,27 @@ fn measures(evaluation: Option<&Evaluation>) -> [f64; 4] {
     })
 }
 
-/// The schemas on the way with their errors and the bounds of these, where the truth is at hand.
+/// The schemas on the way with their errors and the bounds of these, where the truth is at hand and the touches show noise:
+/// at the numerical floor there is no noise to bound an error by.
 fn checkpoints(
     passed: Vec<(usize, BodySchema)>,
     session: &Session,
     felt: &DisturbedSenses,
     options: &LearningOptions,
     truth: Option<&GroundTruth>,
-    result: &LearnedSession,
+    (learned, evaluation): (&Learned, Option<&Evaluation>),
 ) -> Vec<Checkpoint> {
-    let learned = &result.learned;
     let progress = truth.map(|truth| Progress::new(&session.agent, truth, learned));
     // What touches determine is judged at what was learned in the end: at a wrong schema it says nothing.
     let mut learner = options.second_order(&felt.agent, session.seed);
     let mut touches = felt.touches.iter();
-    let bounded = learned.verdict.converged();
+    let bounded = learned.reliable_account().is_some_and(|account| !account.witnesses.at_floor);
     let checkpoint = |(count, schema): (usize, BodySchema)| {
         touches.by_ref().take(count - learner.touches().len()).for_each(|touch| learner.touch(touch));
         let progress = progress.as_ref();
         let bound_rms = progress.filter(|_| bounded && count > 0).and_then(|progress| {
             if count == felt.touches.len() {
-                return result.evaluation.as_ref()?.bound_mm.map(|bound| bound.bound_rms);
+                return evaluation?.bound_mm.map(|bound| bound.bound_rms);
             }
             progress.bound_rms(&learner.observe(&learned.schema).0)
         });

@@ -1,15 +1,19 @@
 //! What learning came to, in words.
 
 use super::disturbance_levels::DisturbanceLevels;
-use super::learned_session::LearnedSession;
 use super::learning_options::LearningOptions;
 use super::words::listed;
 use crate::creature::Creature;
-use crate::learning::{BodyChange, Learned, LimbFrames, Verdict, What};
+use crate::learning::{Account, BodyChange, Learned, LimbFrames, Verdict, What};
 use crate::record::Session;
 
 /// What the report says of how it was learned.
-pub fn facts(session: &Session, options: &LearningOptions, result: &LearnedSession) -> Vec<(String, String)> {
+pub fn facts(
+    session: &Session,
+    options: &LearningOptions,
+    learned: &Learned,
+    seconds: f64,
+) -> Vec<(String, String)> {
     let mut facts =
         vec![("learner", options.learner.name().to_string()), ("knowledge", options.knowledge().to_string())];
     if options.frames == LimbFrames::Limb {
@@ -21,9 +25,9 @@ pub fn facts(session: &Session, options: &LearningOptions, result: &LearnedSessi
     if options.disturbances != DisturbanceLevels::default() {
         facts.push(("disturbances", options.disturbances.to_string()));
     }
-    facts.push(("random initial guesses", result.learned.initial_guesses.to_string()));
-    facts.push(("learning", format!("{:.2} s", result.seconds)));
-    facts.extend(result.changes.iter().map(|change| ("change", change.clone())));
+    facts.push(("random initial guesses", learned.initial_guesses.to_string()));
+    facts.push(("learning", format!("{seconds:.2} s")));
+    facts.extend(changes(session.agent.creature(), learned).into_iter().map(|change| ("change", change)));
     facts.into_iter().map(|(name, value)| (name.to_string(), value)).collect()
 }
 
@@ -49,7 +53,7 @@ pub fn changes(creature: &Creature, learned: &Learned) -> Vec<String> {
     learned.changes.iter().map(sentence).collect()
 }
 
-/// The joints and limbs that are not learned, by name; none where all are.
+/// The joints and limbs that are not located, by name; `None` where all are.
 fn exceptions(creature: &Creature, learned: &Learned) -> Option<String> {
     let joints = learned.undetermined().into_iter().map(|joint| creature.joints()[joint].name.clone());
     let limbs = learned.undetermined_limbs().into_iter().map(|limb| creature.limbs()[limb].clone());
@@ -63,16 +67,27 @@ fn exceptions(creature: &Creature, learned: &Learned) -> Option<String> {
     (!parts.is_empty()).then(|| parts.join(" and "))
 }
 
-/// The verdict in a sentence.
+/// How many limbs are located, as `all 17 limbs` or `4 of 5 limbs`; limbs without skin are not counted.
+fn count_of_located(creature: &Creature, account: &Account) -> String {
+    let (located, all) = (account.located().len(), account.limbs().len());
+    let limbs = if all == creature.limbs().len() { "limbs" } else { "limbs with skin" };
+    if located == all { format!("all {all} {limbs}") } else { format!("{located} of {all} {limbs}") }
+}
+
+/// The verdict in a sentence: how much is known comes first.
 pub fn sentence(creature: &Creature, learned: &Learned) -> String {
-    match &learned.verdict {
-        Verdict::Converged => match exceptions(creature, learned) {
-            None => "learned: it explains touches that it was not fitted to".to_string(),
-            Some(names) => {
-                format!("learned except for {names}: the rest explains touches that it was not fitted to")
+    match (&learned.verdict, &learned.account) {
+        (Verdict::Converged, Some(account)) => {
+            let located = count_of_located(creature, account);
+            match exceptions(creature, learned) {
+                None => format!("Learned: {located} are located. The schema predicts held-out touches."),
+                Some(names) => format!(
+                    "Partly learned: {located} are located, but not {names}. What is located predicts held-out touches."
+                ),
             }
-        },
-        Verdict::Failed(why) => format!("NOT learned: {why}"),
-        Verdict::Unjudged(why) => format!("not judged: {why}"),
+        }
+        (Verdict::Converged, None) => "Learned. The schema predicts held-out touches.".to_string(),
+        (Verdict::Failed(why), _) => format!("NOT learned: {why}"),
+        (Verdict::Unjudged(why), _) => format!("Not judged: {why}"),
     }
 }

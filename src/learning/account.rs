@@ -14,10 +14,13 @@ use crate::agent::Agent;
 use crate::creature::Creature;
 use crate::kinematics::Chain;
 use crate::schema::BodySchema;
+use crate::senses::Touch;
 
 /// Skin is placed where it is known to this along every direction, in the unit that its body is learned in: one standard
 /// deviation, a millimetre on bodies of a person's size.
 pub const PLACED: f64 = 1e-3;
+/// Farther off than this, in the unit that the body is learned in, is no bound: the body itself is smaller.
+const FARTHEST: f64 = 10.0;
 
 /// So many times as many touches are no advice to anybody.
 const MANY_TIMES: f64 = 20.0;
@@ -46,8 +49,10 @@ pub struct Account {
 /// The touches that an account rests on.
 #[derive(Clone, Debug)]
 pub struct Witnesses {
-    /// Per limb, its touches that count.
+    /// Per limb, its touches that support the schema.
     pub of_limbs: Vec<usize>,
+    /// Per limb, all its touches, those included that the schema leaves open.
+    pub made_of_limbs: Vec<usize>,
     /// How far off the points are that touches tell, metres, a standard deviation; of surfaces the gaps, or 0 where these
     /// show no noise. Touches place nothing better than they are known themselves.
     pub point_deviation: f64,
@@ -56,11 +61,29 @@ pub struct Witnesses {
     pub at_floor: bool,
 }
 
+/// What is known of a limb, as every output has it.
+#[derive(Clone, Debug)]
+pub struct LimbLine {
+    /// The limb.
+    pub limb: usize,
+    /// All touches of its skin.
+    pub touches: usize,
+    /// Those that support the schema.
+    pub supporting: usize,
+    /// How far off its skin may be at 95 %, metres, in the frame of the located limb where it is known best, and in that
+    /// where it is known worst; infinite without a bound.
+    pub bounds: [f64; 2],
+    /// Why it is not located; `None` if it is.
+    pub why: Option<String>,
+}
+
 /// Why a limb is not placed in the frames of the largest class.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Openness {
-    /// No touch of its skin counts.
+    /// Nothing touched its skin.
     NeverTouched,
+    /// So many touches of its skin, none of which supports the schema.
+    Unsupported(usize),
     /// A joint on the way has no touch across it that counts.
     JointNeverTouched(usize),
     /// It can move without any touch feeling it.
@@ -74,6 +97,8 @@ impl Openness {
     pub fn words(self, creature: &Creature) -> String {
         match self {
             Openness::NeverTouched => "never touched".to_string(),
+            Openness::Unsupported(1) => "its one touch does not support the schema".to_string(),
+            Openness::Unsupported(touches) => format!("none of its {touches} touches supports the schema"),
             Openness::JointNeverTouched(joint) => {
                 format!("no touch across {}", creature.joints()[joint].name)
             }
@@ -116,7 +141,9 @@ impl Account {
         distances: DMatrix<f64>,
         witnesses: Witnesses,
     ) -> Account {
-        let placed = PLACED * observability.unit().metres();
+        let unit = observability.unit().metres();
+        let distances = distances.map(|d| if d > FARTHEST * unit { f64::INFINITY } else { d });
+        let placed = PLACED * unit;
         let limit = Z95 * placed.max(witnesses.point_deviation);
         let classes = classes(&limbs, &distances, limit);
         let mut class_of = vec![None; creature.limbs().len()];
@@ -154,9 +181,22 @@ impl Account {
         a == b || (self.class_of[a].is_some() && self.class_of[a] == self.class_of[b])
     }
 
+    /// The limbs that are located relative to one another: the largest class; none where no two are.
+    pub fn located(&self) -> &[usize] {
+        self.classes.first().filter(|largest| largest.len() > 1).map_or(&[], Vec::as_slice)
+    }
+
     /// Whether anything at all is claimed.
     pub fn claims_any(&self) -> bool {
-        self.classes.first().is_some_and(|largest| largest.len() > 1)
+        !self.located().is_empty()
+    }
+
+    /// The same account beside all touches that were made, those included that its learner left out.
+    pub fn with_made(mut self, agent: &Agent, touches: &[Touch]) -> Account {
+        self.witnesses.made_of_limbs = vec![0; agent.creature().limbs().len()];
+        let limbs = touches.iter().flat_map(|touch| touch.limbs(agent.skin()));
+        limbs.for_each(|limb| self.witnesses.made_of_limbs[limb] += 1);
+        self
     }
 
     /// How far off skin of either limb may be in the other's frame, metres, at 95 %; infinite where nothing bounds it
@@ -218,6 +258,18 @@ impl Account {
         limbs
     }
 
+    /// What is known of each limb that has skin, the limb that is known worst first.
+    pub fn limb_lines(&self, creature: &Creature) -> Vec<LimbLine> {
+        let line = |limb: usize| LimbLine {
+            limb,
+            touches: self.witnesses.made_of_limbs[limb],
+            supporting: self.witnesses.of_limbs[limb],
+            bounds: self.distance_to_most(limb).unwrap_or([f64::INFINITY; 2]),
+            why: self.openness(creature, limb).map(|why| why.words(creature)),
+        };
+        self.worst_first().into_iter().map(line).collect()
+    }
+
     /// Why a limb is not placed among the largest class; none where it is.
     pub fn openness(&self, creature: &Creature, limb: usize) -> Option<Openness> {
         let most = self.classes.first()?;
@@ -226,7 +278,10 @@ impl Account {
             return None;
         }
         if self.witnesses.of_limbs[limb] == 0 {
-            return Some(Openness::NeverTouched);
+            return Some(match self.witnesses.made_of_limbs[limb] {
+                0 => Openness::NeverTouched,
+                made => Openness::Unsupported(made),
+            });
         }
         let nearest =
             most.iter().min_by_key(|&&other| Chain::between(creature, limb, other).joints().count())?;

@@ -33,7 +33,7 @@ pub mod surface_gap;
 pub mod touch_set;
 mod twins;
 
-pub use account::{Account, Openness, PLACED, Witnesses};
+pub use account::{Account, LimbLine, Openness, PLACED, Witnesses};
 pub use certainty::{Basis, Certainty};
 pub use growth::Grower;
 pub use hersch::{Hersch, STEP};
@@ -48,6 +48,7 @@ pub use relaxed_gradient::{RelaxedGradient, STEPS};
 pub use rough::RoughFit;
 pub use second_order::SecondOrder;
 
+use crate::agent::Agent;
 use crate::creature::Creature;
 use crate::deadline::Deadline;
 use crate::schema::{BodySchema, SchemaStd};
@@ -115,38 +116,50 @@ impl Learned {
 
     /// How sure the schema is: as sure as the touches make it where it stands up to fresh ones, unknown elsewhere.
     pub fn certainty(&self) -> Certainty {
-        match &self.account {
-            Some(account) if self.verdict.converged() => Certainty::Estimated(Box::new(account.clone())),
-            _ => Certainty::Unknown,
-        }
+        self.reliable_account()
+            .map_or(Certainty::Unknown, |account| Certainty::Estimated(Box::new(account.clone())))
     }
 
-    /// Standard deviations of the positions and axes; none where the learner cannot tell.
+    /// The same beside all touches that were made, those included that the learner left out.
+    pub(crate) fn with_made(self, agent: &Agent, touches: &[Touch]) -> Learned {
+        Learned { account: self.account.map(|account| account.with_made(agent, touches)), ..self }
+    }
+
+    /// The account that may be relied on: that of a schema that predicts held-out touches. What touches determine at
+    /// a wrong schema bounds nothing.
+    pub fn reliable_account(&self) -> Option<&Account> {
+        self.account.as_ref().filter(|_| self.verdict.converged())
+    }
+
+    /// Standard deviations of the positions and axes; `None` without a reliable account.
     pub fn schema_std(&self, creature: &Creature) -> Option<SchemaStd> {
-        self.observability().map(|found| found.schema_std(creature))
+        self.reliable_account().map(|account| account.observability.schema_std(creature))
     }
 
-    /// What the touches determine of positions and axes; none where the learner cannot tell.
-    pub fn observability(&self) -> Option<&observability::Observability> {
-        self.account.as_ref().map(|account| &account.observability)
-    }
-
-    /// The joints that the touches do not determine; all of them where the learner cannot tell.
+    /// The joints that the touches do not determine; all of them without a reliable account.
     pub fn undetermined(&self) -> Vec<usize> {
-        match &self.account {
+        match self.reliable_account() {
             Some(account) => account.undetermined().to_vec(),
             None => (0..self.schema.positions.len()).collect(),
         }
     }
 
-    /// The limbs that are not placed though no joint between them and limbs that are is undetermined; none where the
-    /// learner cannot tell, for then all joints are.
+    /// The limbs that are not located though no joint between them and located ones is undetermined; none without a
+    /// reliable account, for then all joints are.
     pub fn undetermined_limbs(&self) -> Vec<usize> {
-        self.account.as_ref().map_or(Vec::new(), |account| account.undetermined_limbs().to_vec())
+        self.reliable_account().map_or(Vec::new(), |account| account.undetermined_limbs().to_vec())
     }
 }
 
 impl Verdict {
+    /// Why the schema may not be relied on; `None` where it may.
+    pub fn reason(&self) -> Option<&str> {
+        match self {
+            Verdict::Converged => None,
+            Verdict::Failed(why) | Verdict::Unjudged(why) => Some(why),
+        }
+    }
+
     /// Whether the schema may be relied on.
     pub fn converged(&self) -> bool {
         *self == Verdict::Converged

@@ -63,8 +63,11 @@ struct PlacedEntry {
 #[serde(expecting = "an object")]
 struct PlacedLimb {
     limb: String,
-    /// Its touches that count.
+    /// Its touches that support the schema.
     touches: usize,
+    /// All its touches; none in records from before they were counted.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    made: Option<usize>,
     /// How far off its skin may be in the frame of each limb before it in the list, at 95 %, metres; none where
     /// nothing bounds that.
     distances: Vec<Option<f64>>,
@@ -157,6 +160,7 @@ impl PlacedEntry {
             PlacedLimb {
                 limb: creature.limbs()[limb].clone(),
                 touches: account.witnesses.of_limbs[limb],
+                made: Some(account.witnesses.made_of_limbs[limb]),
                 distances: limbs[..number].iter().map(bounded).collect(),
             }
         };
@@ -169,6 +173,7 @@ impl PlacedEntry {
 
     fn account(&self, found: Observability, creature: &Creature) -> Result<Account, ContentFault> {
         let mut touches = vec![0; creature.limbs().len()];
+        let mut made = touches.clone();
         let mut limbs = Vec::with_capacity(self.limbs.len());
         for (number, entry) in self.limbs.iter().enumerate() {
             let limb = creature.limb(&entry.limb).filter(|limb| !limbs.contains(limb));
@@ -181,14 +186,19 @@ impl PlacedEntry {
                 .into());
             }
             touches[limb] = entry.touches;
+            made[limb] = entry.made.unwrap_or(entry.touches);
             limbs.push(limb);
         }
         let distances = DMatrix::from_fn(limbs.len(), limbs.len(), |i, j| match i == j {
             true => 0.0,
             false => self.limbs[i.max(j)].distances[i.min(j)].unwrap_or(f64::INFINITY),
         });
-        let witnesses =
-            Witnesses { of_limbs: touches, point_deviation: self.point_deviation, at_floor: self.at_floor };
+        let witnesses = Witnesses {
+            of_limbs: touches,
+            made_of_limbs: made,
+            point_deviation: self.point_deviation,
+            at_floor: self.at_floor,
+        };
         Ok(Account::of_distances(creature, found, limbs, distances, witnesses))
     }
 }
@@ -299,7 +309,12 @@ mod tests {
             let information = DMatrix::zeros(parameters.len(), parameters.len());
             let found =
                 Observability::new(&creature, parameters, &[false], information, 0, LengthUnit::METRE);
-            let witnesses = Witnesses { of_limbs: vec![3, 3], point_deviation: 0.0, at_floor: false };
+            let witnesses = Witnesses {
+                of_limbs: vec![3, 3],
+                made_of_limbs: vec![3, 4],
+                point_deviation: 0.0,
+                at_floor: false,
+            };
             let distances = DMatrix::from_row_slice(2, 2, &[0.0, distance, distance, 0.0]);
             let account = Account::of_distances(&creature, found, vec![0, 1], distances, witnesses);
             let recorded = RecordedAccount {

@@ -10,7 +10,7 @@ use super::stamp::Stamp;
 use super::{Host, LEARNED_RECORD_FILE, RecordError, files};
 use crate::creature::Creature;
 use crate::evaluation::CramerRaoBound;
-use crate::learning::Certainty;
+use crate::learning::{Account, Certainty};
 use crate::schema::BodySchema;
 
 const STAMP: Stamp = Stamp { format: "bodyschema learning", version: 1 };
@@ -39,10 +39,13 @@ pub struct LearningRecord {
     /// Time that learning took, seconds; none in records from before it was kept.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub seconds: Option<f64>,
-    /// Whether the schema explains touches that it was not fitted to.
+    /// Whether the schema predicts held-out touches.
     pub converged: bool,
     /// The verdict in a sentence.
     pub verdict: String,
+    /// Why it did not converge; `None` where it did, and in records from before this was kept.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub reason: Option<String>,
     /// The joints that the touches do not determine, by name.
     pub undetermined: Vec<String>,
     /// The limbs that are not placed though no joint between them and limbs that are is undetermined, by name.
@@ -98,12 +101,57 @@ struct LearningFile {
 }
 
 impl LearningRecord {
-    /// How sure the schema is: unknown where it did not stand up to fresh touches, and in records from before this
-    /// was kept.
+    /// The account that may be relied on; `None` where learning did not converge, and in records from before this was
+    /// kept: what touches determine at a wrong schema bounds nothing.
+    pub fn reliable_account(&self) -> Option<&Account> {
+        self.account.as_ref().filter(|_| self.converged)?.account.as_ref()
+    }
+
+    /// How sure the schema is: unknown without a reliable account.
     pub fn certainty(&self) -> Certainty {
-        let recorded = self.account.as_ref().filter(|_| self.converged);
-        let account = recorded.and_then(|recorded| recorded.account.clone());
+        let account = self.reliable_account().cloned();
         account.map_or(Certainty::Unknown, |account| Certainty::Estimated(Box::new(account)))
+    }
+
+    /// How many limbs are located relative to one another, and how many have skin; `None` where the learner gives no
+    /// account.
+    pub fn located(&self) -> Option<[usize; 2]> {
+        let account = self.account.as_ref()?.account.as_ref()?;
+        let located = self.reliable_account().map_or(0, |account| account.located().len());
+        Some([located, account.limbs().len()])
+    }
+
+    /// What the bounds of exact touches assume, in a sentence; `None` where touches show noise, or nothing is bounded.
+    pub fn floor_note(&self) -> Option<&'static str> {
+        self.reliable_account().filter(|account| account.witnesses.at_floor).map(|_| {
+            "The touches show no noise. The bounds assume the least noise that the learner does: errors are far smaller."
+        })
+    }
+
+    /// How many directions no touch feels, and what that means for what is located.
+    pub fn directions_in_words(&self) -> String {
+        let count = self.open_directions.len();
+        let directions = if count == 1 { "1 direction".to_string() } else { format!("{count} directions") };
+        match self.undetermined.is_empty() && self.undetermined_limbs.is_empty() {
+            true => {
+                format!("{directions} of joints, which move no located skin relative to other located skin")
+            }
+            false => format!("{directions} of joints and limbs"),
+        }
+    }
+
+    /// What is known, as every command's JSON has it.
+    pub fn knowledge_json(&self) -> serde_json::Value {
+        let [located, limbs] = self.located().map_or([None; 2], |counts| counts.map(Some));
+        serde_json::json!({
+            "converged": self.converged,
+            "reason": self.reason,
+            "verdict": self.verdict,
+            "located_limbs": located,
+            "limbs_with_skin": limbs,
+            "undetermined": self.undetermined,
+            "undetermined_limbs": self.undetermined_limbs,
+        })
     }
 
     /// Whether another was learned in the same way: from as many touches, with the same seed, learner, senses and prior.
@@ -113,6 +161,22 @@ impl LearningRecord {
             of_way.cloned().collect::<Vec<_>>()
         };
         (self.seed, self.touches) == (other.seed, other.touches) && way(self) == way(other)
+    }
+
+    /// As [`LearningRecord::read`]; of a session without a record one that says that nothing is known.
+    ///
+    /// # Errors
+    /// As [`LearningRecord::read`].
+    pub fn read_or_unknown(folder: &Path, creature: &Creature) -> Result<LearningRecord, RecordError> {
+        let unknown = || LearningRecord {
+            touches: usize::MAX,
+            verdict:
+                "The session does not say whether learning converged: `bodyschema learn` learns it again."
+                    .into(),
+            undetermined: creature.joints().iter().map(|joint| joint.name.clone()).collect(),
+            ..LearningRecord::default()
+        };
+        Ok(LearningRecord::read(folder, creature)?.unwrap_or_else(unknown))
     }
 
     /// Writes [`LEARNED_RECORD_FILE`] into `folder`, which is made if missing; whole or not at all.

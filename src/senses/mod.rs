@@ -38,5 +38,5 @@ pub use proprioception::{JointSensor, Proprioception, joint_sensors, posture_in_
 pub use sensation::{LimbSensation, Sensation, SensationSide, TouchEvent, TouchKind};
 pub use sense::{NewSense, SENSES, Sense, SensedStep};
 pub use skin_contact::{Party, SkinContact, SkinSpot, Toucher};
-pub use touch::{Moment, Touch, TouchEnd};
+pub use touch::{Moment, Touch, TouchEnd, limb_pairs};
 pub use touch_sensor::TouchSensor;

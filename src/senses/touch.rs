@@ -1,8 +1,10 @@
 //! A touch: two receptors that met, and the posture they met in.
 
-use crate::creature::{Creature, Posture};
+use std::collections::BTreeSet;
 
 use super::SkinSpot;
+use crate::creature::{Creature, Posture};
+use crate::skin::Skin;
 
 /// One end of a touch.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -23,6 +25,11 @@ impl From<SkinSpot> for TouchEnd {
     }
 }
 
+/// The pairs of limbs that touched.
+pub fn limb_pairs(skin: &Skin, touches: &[Touch]) -> BTreeSet<[usize; 2]> {
+    touches.iter().map(|touch| touch.limbs(skin)).collect()
+}
+
 /// When and how hard limbs met that were moved by forces.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Moment {
@@ -35,6 +42,11 @@ pub struct Moment {
 }
 
 impl Touch {
+    /// The limbs of its two ends, in their order.
+    pub fn limbs(&self, skin: &Skin) -> [usize; 2] {
+        self.ends.map(|end| skin.receptors[end.receptor].limb)
+    }
+
     /// The same touch of a creature with all lengths so many times as long.
     pub(crate) fn scaled(&self, creature: &Creature, by: f64) -> Touch {
         let end = |end: TouchEnd| TouchEnd {

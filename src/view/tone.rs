@@ -1,5 +1,7 @@
 //! How far a verdict can be relied on: its colour tells, on pages and terminals alike.
 
+use crate::record::LearningRecord;
+
 /// What of a body a verdict stands for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Tone {
@@ -12,6 +14,11 @@ pub enum Tone {
 }
 
 impl Tone {
+    /// That of what is said of a learned body.
+    pub fn of(record: &LearningRecord) -> Tone {
+        Tone::new(record.converged, record.undetermined.len() + record.undetermined_limbs.len())
+    }
+
     /// That of what was learned, or was not, but for so many joints and limbs.
     pub fn new(converged: bool, undetermined: usize) -> Tone {
         match (converged, undetermined) {

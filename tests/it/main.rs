@@ -60,5 +60,6 @@ mod tables;
 mod terminal;
 mod urdf;
 mod utterances;
+mod verdict;
 mod writers;
 mod zoo;

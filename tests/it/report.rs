@@ -97,6 +97,7 @@ impl Session {
             converged: Some(true),
             seconds: Some(4.31),
             account: None,
+            bounds_note: None,
             undetermined: &[1],
             undetermined_limbs: &[],
             open_directions: &self.open,
@@ -208,14 +209,17 @@ fn the_errors_are_told_in_their_units() {
 #[test]
 fn pairs_of_limbs_and_open_joints_are_named() {
     let page = report::html(&Session::new().input());
-    assert!(page.contains("3, between 2 pairs of aura limbs"));
+    assert!(page.contains("3 of 2 pairs of limbs"));
     let pairs: Vec<String> = marks(&page, "touch-matrix").into_iter().map(|(says, _)| says).collect();
     assert_eq!(pairs, ["left\"arm, trunk: 2 touches", "<right>, left\"arm: 1 touch"]);
     assert!(page.contains("do not determine 1 of 2 joints: ball."));
     let session = Session::new();
-    let page = |undetermined| report::html(&ReportInput { undetermined, ..session.input() });
-    assert!(page(&[]).contains("found no joint undetermined"));
-    assert!(page(&[0, 1]).contains("Of no joint is it known"));
+    let page = |converged, undetermined| {
+        report::html(&ReportInput { converged: Some(converged), undetermined, ..session.input() })
+    };
+    assert!(page(true, &[]).contains("No joint is undetermined"));
+    assert!(page(true, &[]).contains("they move no located skin"), "nor do the directions that stay open");
+    assert!(page(false, &[0, 1]).contains("All joints: no held-out touches confirm the schema"));
 }
 
 #[test]

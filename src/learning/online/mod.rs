@@ -239,10 +239,10 @@ impl Online {
     }
 
     fn lock(&mut self, learned: &Learned) {
-        let (Some(observability), Some(deviation)) = (learned.observability(), learned.deviation) else {
+        let (Some(account), Some(deviation)) = (&learned.account, learned.deviation) else {
             return;
         };
-        let parameters = observability.parameters.clone();
+        let parameters = account.observability.parameters.clone();
         let mut touches = TouchSet::default();
         let mut beyond = 0;
         for (limbs, touch) in self.batch.prepared() {
@@ -466,6 +466,7 @@ impl Online {
         );
         let witnesses = Witnesses {
             of_limbs: told.count_of_limbs(self.agent.creature()),
+            made_of_limbs: locked.touches.count_of_limbs(self.agent.creature()),
             point_deviation: 0.0,
             at_floor: belief.deviation <= NARROWEST,
         };

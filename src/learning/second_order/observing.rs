@@ -179,6 +179,7 @@ impl SecondOrder {
         };
         let witnesses = Witnesses {
             of_limbs: used.count_of_limbs(self.agent.creature()),
+            made_of_limbs: used.count_of_limbs(self.agent.creature()),
             point_deviation: if self.input == Input::Contact { deviation } else { spread },
             at_floor,
         };

@@ -129,16 +129,21 @@ impl LookingView {
     fn certainty(looked: &LookedAt, limb: usize) -> String {
         let creature = looked.agent.creature();
         let name = in_words(&creature.limbs()[limb]);
-        let Some(account) = looked.account() else { return name };
+        let Some(account) = looked.account() else {
+            return match looked.certainty {
+                Certainty::Exact => name,
+                _ => format!("{name}: not located, no held-out touches confirm the schema"),
+            };
+        };
         let millimetres = |metres: f64| error_number(1e3 * metres);
         match (account.openness(creature, limb), account.distance_to_most(limb)) {
-            (Some(why), _) => format!("{name}: not placed, {}", why.words(creature)),
+            (Some(why), _) => format!("{name}: not located, {}", why.words(creature)),
             (None, Some([best, worst])) if worst.is_finite() => format!(
-                "{name}: its skin is known to {} to {} mm (95 %) where other limbs have it",
+                "{name}: located to within {} to {} mm (95 %), depending on the reference limb",
                 millimetres(best),
                 millimetres(worst)
             ),
-            _ => format!("{name}: nothing is claimed of it"),
+            _ => format!("{name}: has no skin to locate"),
         }
     }
 

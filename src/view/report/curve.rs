@@ -77,14 +77,13 @@ pub(super) fn figure_of(input: &ReportInput) -> String {
     let panel = Panel { title: String::new(), x, y, groups, plot: [660.0, 320.0] };
     let mut caption = String::new();
     if !errors.is_empty() {
-        caption.push_str(
-            "The held-out error is the root mean square over what the touches determine in the end. ",
-        );
+        caption
+            .push_str("The held-out error is the root mean square over limbs that are located in the end. ");
     }
     if !limits.is_empty() {
         caption.push_str(
-            "The bound is the least that any unbiased learner could leave on average after so many touches, were \
-             their noise what the learner takes it to be. ",
+            "The bound is the least that any unbiased learner could leave on average over many sessions with so many \
+             touches, if their noise is what the learner estimates; a single session may lie below it. ",
         );
     }
     if !predicted.is_empty() {

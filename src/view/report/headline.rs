@@ -4,35 +4,32 @@ use super::ReportInput;
 use crate::view::text::{error_number, escape, touches};
 use crate::view::tone::Tone;
 
-/// The verdict and, where it can be told, how far off what was learned is.
+/// The verdict; how much of the body is located, and, where the truth is known, how far off that is.
 pub(super) fn of(input: &ReportInput) -> String {
     let named = input.undetermined.len() + input.undetermined_limbs.len();
     let tone = |converged: bool| format!(" {}", Tone::new(converged, named).class());
     let tone = input.converged.map_or(String::new(), tone);
-    let number = number(input).map_or(String::new(), |(number, what)| {
-        let time = input.seconds.map_or(String::new(), |seconds| format!(" in {}", time(seconds)));
-        format!(
-            "<p class=\"headline\"><strong>{} mm</strong> after {}{time}<br/><small>{what}</small></p>\n",
-            escape(&error_number(number)),
-            touches(input.touches.len()),
-        )
-    });
-    format!("<p class=\"verdict{tone}\">{}</p>\n{number}", escape(&input.verdict))
-}
-
-/// How far off skin is in another limb's frame, millimetres, and whose word that is.
-fn number(input: &ReportInput) -> Option<(f64, &'static str)> {
-    let of = |mm: f64, what| mm.is_finite().then_some((mm, what));
-    match (input.evaluation, input.account) {
-        (Some(evaluation), Some(_)) if input.converged == Some(true) => of(
-            evaluation.determined_mm.mean,
-            "mean error of skin whose place in another limb's frame is claimed, against the model",
-        ),
-        (Some(evaluation), _) => {
-            of(evaluation.heldout_mm.mean, "mean error of skin in another limb's frame, against the model")
+    let verdict = escape(&input.verdict);
+    let Some(evaluation) = input.evaluation else {
+        return format!("<p class=\"verdict{tone}\">{verdict}</p>\n");
+    };
+    let (error, located, of) = match input.account {
+        Some(account) => {
+            let (located, all) = (account.located().len(), account.limbs().len());
+            (evaluation.determined_mm.mean, format!("{located} of {all} limbs located<br/>"), "located limbs")
         }
-        _ => None,
+        None => (evaluation.heldout_mm.mean, String::new(), "all limbs"),
+    };
+    if !error.is_finite() {
+        return format!("<p class=\"verdict{tone}\">{verdict}</p>\n");
     }
+    let time = input.seconds.map_or(String::new(), |seconds| format!(" in {}", time(seconds)));
+    format!(
+        "<p class=\"verdict{tone}\">{verdict}</p>\n<p class=\"headline\">{located}<strong>{} mm</strong> after {}{time}<br/>\
+         <small>mean surface error of {of} relative to one another, compared with the true model</small></p>\n",
+        escape(&error_number(error)),
+        touches(input.touches.len()),
+    )
 }
 
 /// A time as people say it.

@@ -66,8 +66,11 @@ pub struct ReportInput<'a> {
     pub converged: Option<bool>,
     /// How long it took to touch and to learn, seconds; none where that was not kept.
     pub seconds: Option<f64>,
-    /// What is known of the body, where the learner can tell; must be of the creature.
+    /// What is known of the body; `None` where learning did not converge or its learner gives no account; must be of the
+    /// creature.
     pub account: Option<&'a Account>,
+    /// What the bounds in the account assume, in a sentence, where that is worth a word.
+    pub bounds_note: Option<&'static str>,
     /// The joints that the touches did not determine.
     pub undetermined: &'a [usize],
     /// The limbs that are not placed though no joint between them and limbs that are is undetermined, by name.

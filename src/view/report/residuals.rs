@@ -41,7 +41,7 @@ impl Residuals {
         }
         let values = input.touches.iter().map(|touch| {
             let frames = limb_frames(creature, input.schema, &touch.posture);
-            let limbs = touch.ends.map(|end| skin.receptors[end.receptor].limb);
+            let limbs = touch.limbs(skin);
             let [a, b] = [0, 1].map(|k| frames[limbs[k]].point(&touch.ends[k].contact));
             (limbs, 1e3 * (a - b).norm())
         });

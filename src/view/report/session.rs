@@ -3,15 +3,13 @@
 use std::path::Path;
 
 use super::{ReportInput, html};
-use crate::creature::Creature;
-use crate::evaluation::{Evaluation, evaluate, evaluate_claims};
+use crate::evaluation::{Evaluation, evaluate_claims};
 use crate::experiment::{ExperimentError, LearningOptions};
 use crate::ground_truth::GroundTruth;
 use crate::record::{
     Action, Host, LearningRecord, RecordError, SCHEMA_FILE, Session, SpaceRecord, read_predictions,
     read_schema_with_std, write_whole,
 };
-use crate::schema::SchemaStd;
 use crate::senses::Touch;
 use crate::view::text::shell_words;
 
@@ -33,26 +31,15 @@ pub fn write_report(
     let (schema, std) = read_schema_with_std(&folder.join(SCHEMA_FILE), creature)?;
     let found = LearningRecord::read(folder, creature)?;
     // Sessions from before there was a record still have their schema and touches.
-    let record = found.clone().unwrap_or_else(|| LearningRecord {
-        seed: session.seed,
-        touches: touches.len(),
-        verdict: "the session does not say whether it converged: `bodyschema learn` learns it again".into(),
-        undetermined: std.as_ref().map_or(Vec::new(), |std| open_joints(creature, std)),
-        ..LearningRecord::default()
-    });
+    let record = LearningRecord::read_or_unknown(folder, creature)?;
     let touches = &touches[..record.touches.min(touches.len())];
     let joints = creature.joints();
     let undetermined: Vec<usize> =
         (0..joints.len()).filter(|&joint| record.undetermined.contains(&joints[joint].name)).collect();
-    let account = record.account.as_ref().and_then(|recorded| recorded.account.as_ref());
-    let evaluation = truth.map(|truth| match account {
-        Some(account) => {
-            let evaluation = evaluate_claims(agent, truth, &schema, account);
-            Evaluation { bound_mm: record.bound, ..evaluation }
-        }
-        // A learner that cannot tell claims nothing: all is measured.
-        None if undetermined.len() == joints.len() => evaluate(agent, truth, &schema, &[]),
-        None => evaluate(agent, truth, &schema, &undetermined),
+    let account = record.reliable_account();
+    let evaluation = truth.map(|truth| {
+        let evaluation = evaluate_claims(agent, truth, &schema, account);
+        Evaluation { bound_mm: record.bound, ..evaluation }
     });
     let recorded = LearningOptions::default().for_session(session)?.input();
     let asked = session.options.input.as_deref().and_then(|input| input.parse().ok());
@@ -70,13 +57,14 @@ pub fn write_report(
         checkpoints: &record.checkpoints,
         predictions: &predictions,
         space: space.as_ref(),
-        seed: record.seed,
+        seed: found.as_ref().map_or(session.seed, |found| found.seed),
         commands: commands(session, found.as_ref()),
         facts: facts(session, found.as_ref()),
         verdict: record.verdict.clone(),
         converged: found.as_ref().map(|found| found.converged),
         seconds: seconds(session, found.as_ref()),
         account,
+        bounds_note: record.floor_note(),
         undetermined: &undetermined,
         undetermined_limbs: &record.undetermined_limbs,
         open_directions: &record.open_directions,
@@ -90,13 +78,6 @@ pub fn write_report(
 fn seconds(session: &Session, learned: Option<&LearningRecord>) -> Option<f64> {
     let learning = learned?.seconds?;
     Some(session.effort.map_or(0.0, |effort| effort.babbling_s) + learning)
-}
-
-/// The joints of which some coordinate or axis is known to be open.
-fn open_joints(creature: &Creature, std: &SchemaStd) -> Vec<String> {
-    let open = |joint: &usize| std.positions[*joint].iter().any(Option::is_none);
-    let names = |joint: usize| creature.joints()[joint].name.clone();
-    (0..creature.joints().len()).filter(open).map(names).collect()
 }
 
 /// The command lines that made the session and, if by another, what was learned from it.

@@ -1,33 +1,22 @@
 //! The tables of the page.
 
-use std::collections::BTreeSet;
-
 use super::ReportInput;
 use crate::creature::DofKind;
 use crate::evaluation::{AxisErrors, CramerRaoBound, Summary, axis_errors};
 use crate::kinematics::Chain;
-use crate::senses::Touch;
+use crate::learning::LimbLine;
+use crate::senses::limb_pairs;
 use crate::view::text::{error_number, escape, plural, short_number};
 
 /// The numbers of the session, counted and told.
 pub(super) fn facts(input: &ReportInput) -> String {
     let creature = input.agent.creature();
-    let of_limbs: Vec<Option<usize>> =
-        (0..creature.limbs().len()).map(|limb| creature.aura_of(limb)).collect();
-    let auras = |touch: &Touch| {
-        let mut pair = touch.ends.map(|end| of_limbs[input.agent.skin().receptors[end.receptor].limb]);
-        pair.sort();
-        pair
-    };
-    let pairs: BTreeSet<_> = input.touches.iter().map(auras).collect();
+    let pairs = limb_pairs(input.agent.skin(), input.touches);
     let joints = plural(creature.joints().len(), "joint");
     let counted = [
         ("Body", format!("{joints} with {} degrees of freedom", creature.dof())),
         ("Skin", plural(input.agent.skin().receptors.len(), "receptor")),
-        (
-            "Touches",
-            format!("{}, between {}", input.touches.len(), plural(pairs.len(), "pair of aura limbs")),
-        ),
+        ("Touches", format!("{} of {}", input.touches.len(), plural(pairs.len(), "pair of limbs"))),
     ];
     let counted = counted.map(|(name, value)| (name.to_string(), value));
     let seed = [("Seed".to_string(), input.seed.to_string())];
@@ -60,10 +49,10 @@ pub(super) fn errors(input: &ReportInput) -> String {
     };
     let rows = [
         ("Skin of any limb, in any other limb's frame", "mm", Some(evaluation.heldout_mm)),
-        ("the same, over what is claimed to be known", "mm", Some(evaluation.determined_mm)),
+        ("the same, of located limbs", "mm", Some(evaluation.determined_mm)),
         ("the same, with a hand as one of the two", "mm", evaluation.hand_mm),
-        ("Direction of determined axes", "°", Some(evaluation.axis_deg)),
-        ("Place of determined axes", "mm", Some(evaluation.axis_line_mm)),
+        ("Direction of axes", "°", Some(evaluation.axis_deg)),
+        ("Position of axes", "mm", Some(evaluation.axis_line_mm)),
     ];
     let row = |(name, unit, summary): (&str, &str, Option<Summary>)| {
         let summary = summary?;
@@ -88,15 +77,15 @@ pub(super) fn errors(input: &ReportInput) -> String {
 fn bound(bound: &CramerRaoBound) -> String {
     if bound.at_floor {
         return format!(
-            "<p class=\"bound\">Over what is claimed to be known the error is {} mm as a root mean square: the touches \
-             are explained to the numerical floor.</p>\n",
+            "<p class=\"bound\">Of located limbs the error is {} mm as a root mean square: the touches are explained to \
+             the numerical floor.</p>\n",
             number(bound.error_rms)
         );
     }
     format!(
-        "<p class=\"bound\">Over what is claimed to be known the error is {} mm as a root mean square: {} times the \
-         Cramér-Rao bound of {} mm, the least that any unbiased learner could leave on average after these touches, \
-         were their noise what the learner takes it to be.</p>\n",
+        "<p class=\"bound\">Of located limbs the error is {} mm as a root mean square: {} times the Cramér-Rao bound of \
+         {} mm, the least that any unbiased learner could leave on average over many sessions like this one, if their \
+         noise is what the learner estimates. A single session may lie below it.</p>\n",
         number(bound.error_rms),
         short_number(bound.ratio),
         number(bound.bound_rms)
@@ -105,22 +94,25 @@ fn bound(bound: &CramerRaoBound) -> String {
 
 /// A sentence that names what the touches leave open.
 pub(super) fn undetermined(input: &ReportInput) -> String {
+    if input.converged == Some(false) {
+        return "<p>All joints: no held-out touches confirm the schema, and what touches determine at a wrong schema bounds nothing.</p>\n".into();
+    }
     let limbs: Vec<String> = input.undetermined_limbs.iter().map(|limb| escape(limb)).collect();
     let limbs = match limbs.as_slice() {
         [] => String::new(),
-        limbs => format!(
-            "<p>The touches do not determine the place of {}: {}.</p>\n",
-            plural(limbs.len(), "limb"),
-            limbs.join(", ")
-        ),
+        limbs => {
+            format!("<p>{} could not be located: {}.</p>\n", plural(limbs.len(), "limb"), limbs.join(", "))
+        }
     };
     let directions: String =
         input.open_directions.iter().map(|words| format!("<li>{}</li>\n", escape(words))).collect();
+    let all_located = input.undetermined.is_empty() && input.undetermined_limbs.is_empty();
     let directions = match directions.as_str() {
         "" => String::new(),
-        items => format!(
-            "<p>No touch would feel it if the schema changed in these directions:</p>\n<ul>\n{items}</ul>\n"
+        items if all_located => format!(
+            "<p>Unobservable, but they move no located skin relative to other located skin:</p>\n<ul>\n{items}</ul>\n"
         ),
+        items => format!("<p>Unobservable directions:</p>\n<ul>\n{items}</ul>\n"),
     };
     format!("{}{limbs}{directions}", undetermined_joints(input))
 }
@@ -130,45 +122,42 @@ fn undetermined_joints(input: &ReportInput) -> String {
     let names: Vec<String> =
         input.undetermined.iter().filter_map(|&j| joints.get(j)).map(|j| escape(&j.name)).collect();
     if names.is_empty() {
-        return "<p>The learner found no joint undetermined.</p>\n".into();
-    }
-    if names.len() == joints.len() {
-        return "<p>Of no joint is it known that the touches determine it.</p>\n".into();
+        return "<p>No joint is undetermined.</p>\n".into();
     }
     format!(
-        "<p>The touches do not determine {} of {}: {}. Where these lie is a guess.</p>\n",
+        "<p>The touches do not determine {} of {}: {}. Where these are is a guess.</p>\n",
         names.len(),
         plural(joints.len(), "joint"),
         names.join(", ")
     )
 }
 
-/// The table of limbs: how far off their skin may be, the limb that is placed worst first; nothing where the learner
-/// cannot tell.
+/// The table of limbs: how far off their skin may be, the limb that is known worst first; nothing without an account.
 pub(super) fn limbs(input: &ReportInput) -> String {
     let creature = input.agent.creature();
     let Some(account) = input.account else { return String::new() };
-    let row = |limb: usize| {
-        let distances = account.distance_to_most(limb).unwrap_or([f64::INFINITY; 2]);
-        let cells = distances.map(|metres| format!("<td class=\"number\">{}</td>", number(1e3 * metres)));
-        let why = account.openness(creature, limb).map_or(String::new(), |why| why.words(creature));
+    let row = |line: LimbLine| {
+        let cells = line.bounds.map(|metres| format!("<td class=\"number\">{}</td>", number(1e3 * metres)));
+        let why = line.why.unwrap_or_default();
         format!(
-            "<tr><th scope=\"row\">{}</th><td class=\"number\">{}</td>{}<td class=\"{}\">{}</td></tr>\n",
-            escape(&creature.limbs()[limb]),
-            account.witnesses.of_limbs[limb],
+            "<tr><th scope=\"row\">{}</th><td class=\"number\">{}</td><td class=\"number\">{}</td>{}<td class=\"{}\">{}</td></tr>\n",
+            escape(&creature.limbs()[line.limb]),
+            line.touches,
+            line.supporting,
             cells.concat(),
             if why.is_empty() { "" } else { "open" },
             escape(&why)
         )
     };
-    let rows: String = account.worst_first().into_iter().map(row).collect();
+    let rows: String = account.limb_lines(creature).into_iter().map(row).collect();
+    let note = input.bounds_note.map_or(String::new(), |note| format!(" {note}"));
     format!(
         "<div class=\"wide\" tabindex=\"0\"><table class=\"limbs\">\n<thead><tr><th>Limb</th><th class=\"number\">Touches</th>\
-         <th class=\"number\">Off by, best, mm</th><th class=\"number\">worst, mm</th><th>Why it is not placed</th></tr>\
-         </thead>\n<tbody>\n{rows}</tbody>\n</table></div>\n\
+         <th class=\"number\">supporting</th><th class=\"number\">Off by, best, mm</th><th class=\"number\">worst, mm</th>\
+         <th>Why it is not located</th></tr></thead>\n<tbody>\n{rows}</tbody>\n</table></div>\n\
          <p class=\"note\">How far off any skin of a limb may be at 95 %, in the frames of the other limbs that are \
-         placed against one another: in that where it is known best, and in that where it is known worst. A dash \
-         stands where nothing bounds it. Touches are those that count.</p>\n"
+         located relative to one another: in that where it is known best, and in that where it is known worst. A dash \
+         stands for no bound.{note}</p>\n"
     )
 }
 
@@ -177,7 +166,7 @@ pub(super) fn joints(input: &ReportInput) -> String {
     let creature = input.agent.creature();
     let mut involved = vec![0usize; creature.joints().len()];
     for touch in input.touches {
-        let [a, b] = touch.ends.map(|end| input.agent.skin().receptors[end.receptor].limb);
+        let [a, b] = touch.limbs(input.agent.skin());
         Chain::between(creature, a, b).joints().for_each(|j| involved[j] += 1);
     }
     let errors = input.truth.map(|truth| axis_errors(creature, truth, input.schema, input.undetermined, &[]));

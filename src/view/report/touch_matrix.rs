@@ -75,7 +75,7 @@ fn counts(agent: &Agent, touches: &[Touch]) -> BTreeMap<[usize; 2], usize> {
     let auras: Vec<Option<usize>> = (0..creature.limbs().len()).map(|limb| creature.aura_of(limb)).collect();
     let mut counts = BTreeMap::new();
     for touch in touches {
-        let [a, b] = touch.ends.map(|end| auras[skin.receptors[end.receptor].limb]);
+        let [a, b] = touch.limbs(skin).map(|limb| auras[limb]);
         if let Some((a, b)) = a.zip(b) {
             *counts.entry([a.max(b), a.min(b)]).or_default() += 1;
         }

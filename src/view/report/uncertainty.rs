@@ -22,7 +22,7 @@ struct Deviation {
 /// The picture; a sentence where the learner cannot tell.
 pub(super) fn figure_of(input: &ReportInput) -> String {
     let Some(std) = input.std else {
-        return "<p class=\"note\">This learner does not tell how sure it is.</p>\n".into();
+        return "<p class=\"note\">There is no account of how sure it is: no held-out touches confirm the schema.</p>\n".into();
     };
     let [mut positions, mut axes] = deviations(input, std);
     let count = input.agent.creature().joints().len();
