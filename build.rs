@@ -75,8 +75,11 @@ fn build() -> Result<(), String> {
     };
     let headers = Headers::default();
     let mut bindings = generate(&include, headers.clone())?;
+    // Nobody formats the bindings: a space may be between any two words.
+    let bare = bindings.replace(' ', "");
+    let declares = |needle: &str| bare.contains(&needle.replace(' ', ""));
     for bit in OPTIONAL_BITS {
-        if !bindings.contains(&format!("const {bit}:")) {
+        if !declares(&format!("const {bit}:")) {
             bindings.push_str(&format!("pub const {bit}: u32 = 0;\n"));
         }
     }
@@ -93,7 +96,7 @@ fn build() -> Result<(), String> {
         ("pub eq_active0:", "mujoco_eq_active0"),
         ("pub body_contype:", "mujoco_body_contact_bits"),
     ] {
-        if bindings.contains(needle) {
+        if declares(needle) {
             println!("cargo::rustc-cfg={name}");
         }
     }
@@ -193,6 +196,7 @@ fn generate(include: &[PathBuf], headers: Headers) -> Result<String, String> {
         .default_enum_style(bindgen::EnumVariation::Consts)
         .prepend_enum_name(false)
         .layout_tests(false)
+        .formatter(bindgen::Formatter::None)
         .derive_debug(false)
         .parse_callbacks(Box::new(bindgen::CargoCallbacks::new()))
         .parse_callbacks(Box::new(headers));

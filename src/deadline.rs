@@ -2,7 +2,7 @@
 
 use std::time::{Duration, Instant};
 
-use rustix::time::{ClockId, clock_gettime};
+use nix::time::{ClockId, clock_gettime};
 
 /// A moment after which nothing more is begun; by default there is none. What is under way then is brought to its end, so
 /// that everything that was begun can be trusted.
@@ -47,8 +47,8 @@ impl Deadline {
 
 /// For how long this process has computed, on all its threads together.
 pub fn computed() -> Duration {
-    // It is no less than nothing, and no more than can be told.
-    Duration::try_from(clock_gettime(ClockId::ProcessCPUTime)).unwrap_or_default()
+    // Every system has this clock.
+    clock_gettime(ClockId::CLOCK_PROCESS_CPUTIME_ID).map(Duration::from).unwrap_or_default()
 }
 
 #[cfg(test)]

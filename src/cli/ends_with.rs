@@ -6,13 +6,15 @@ pub const ENDS_WITH: &str = "BODYSCHEMA_ENDS_WITH";
 /// Has the system end this process with the one that the environment names.
 #[cfg(target_os = "linux")]
 pub fn heed() {
-    use rustix::process::{Signal, getppid, set_parent_process_death_signal};
+    use nix::sys::prctl::set_pdeathsig;
+    use nix::sys::signal::Signal;
+    use nix::unistd::getppid;
 
     let parent = std::env::var(ENDS_WITH).ok().and_then(|text| text.parse::<i32>().ok());
     let Some(parent) = parent else { return };
-    let asked = set_parent_process_death_signal(Some(Signal::KILL));
+    let asked = set_pdeathsig(Signal::SIGKILL);
     // It may have ended before.
-    if asked.is_ok() && getppid().is_none_or(|now| now.as_raw_nonzero().get() != parent) {
+    if asked.is_ok() && getppid().as_raw() != parent {
         std::process::exit(1);
     }
 }

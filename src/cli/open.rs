@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, ExitStatus, Stdio};
 use std::sync::Arc;
 
-use rlimit::Resource;
+use nix::sys::resource::{Resource, getrlimit, setrlimit};
 
 use super::ends_with::ENDS_WITH;
 use super::progress::Bars;
@@ -138,7 +138,7 @@ fn reason(status: ExitStatus) -> Option<String> {
     const SIGKILL: i32 = 9;
     match status.signal()? {
         SIGXCPU | SIGKILL => {
-            let seconds = at_most(Resource::CPU, TIME).unwrap_or(TIME);
+            let seconds = at_most(Resource::RLIMIT_CPU, TIME).unwrap_or(TIME);
             Some(format!("MuJoCo did not come to an end with it in {seconds} s"))
         }
         signal => Some(format!("MuJoCo crashes on it (signal {signal})")),
@@ -147,7 +147,7 @@ fn reason(status: ExitStatus) -> Option<String> {
 
 /// A limit, or a lower one that the process has been given and must not raise.
 fn at_most(resource: Resource, most: u64) -> std::io::Result<u64> {
-    let (soft, hard) = resource.get()?;
+    let (soft, hard) = getrlimit(resource)?;
     Ok(most.min(soft).min(hard))
 }
 
@@ -159,9 +159,10 @@ pub struct RehearseArgs {
 
 /// Reads a model and computes one posture.
 pub fn run(args: &RehearseArgs) -> Outcome {
-    for (resource, most) in [(Resource::CPU, TIME), (Resource::AS, MEMORY), (Resource::CORE, 0)] {
+    let limits = [(Resource::RLIMIT_CPU, TIME), (Resource::RLIMIT_AS, MEMORY), (Resource::RLIMIT_CORE, 0)];
+    for (resource, most) in limits {
         let limit = at_most(resource, most)?;
-        resource.set(limit, limit)?;
+        setrlimit(resource, limit, limit)?;
     }
     let mut data = Data::new(Arc::new(Model::from_path(&args.model)?))?;
     data.kinematics()?;

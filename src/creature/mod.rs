@@ -111,6 +111,7 @@ impl Joint {
     }
 
     /// Its degrees of freedom, parent's side first, with where they stand in a schema and in a posture.
+    #[inline]
     pub fn elements(&self) -> impl Iterator<Item = DofElement<'_>> + Clone {
         let (mut axis, mut coordinate) = (self.first_dof, self.first_coordinate);
         self.dofs.iter().map(move |dof| {

@@ -48,6 +48,7 @@ impl<'a> DofElement<'a> {
     }
 
     /// Its coordinates in a posture.
+    #[inline]
     pub fn of<'p>(&self, posture: &'p [f64]) -> &'p [f64] {
         &posture[self.coordinates()]
     }
@@ -227,6 +228,7 @@ impl<'a> IntoIterator for &'a Posture {
 }
 
 /// A ball's rotation from its posture coordinates w x y z.
+#[inline]
 pub fn ball(q: &[f64]) -> UnitQuaternion<f64> {
     UnitQuaternion::from_quaternion(Quaternion::new(q[0], q[1], q[2], q[3]))
 }

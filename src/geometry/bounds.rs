@@ -22,6 +22,7 @@ impl Ball {
     }
 
     /// How far two balls are apart when their centres are at the points given, metres, negative where they overlap.
+    #[inline]
     pub fn gap_at(&self, centre: &Vector3<f64>, other: &Ball, other_centre: &Vector3<f64>) -> f64 {
         (centre - other_centre).norm() - self.radius - other.radius
     }

@@ -20,11 +20,13 @@ pub struct Capsule {
 
 impl Capsule {
     /// The ball about a point, as a capsule without length.
+    #[inline]
     pub fn ball(centre: Vector3<f64>, radius: f64) -> Capsule {
         Capsule { ends: [centre; 2], radius }
     }
 
     /// The same capsule in frame A, given in frame B at `X_AB`.
+    #[inline]
     pub fn placed(&self, x_ab: &Frame) -> Capsule {
         Capsule { ends: self.ends.map(|end| x_ab.point(&end)), radius: self.radius }
     }
@@ -37,6 +39,7 @@ impl Capsule {
 
     /// Where two capsules come closest; overlapping ones are measured along the shortest line between their
     /// segments.
+    #[inline]
     pub fn gap(&self, other: &Capsule) -> Gap {
         let Gap { distance, normal, points: [p, q] } = self.gap_at_segments(other);
         Gap { distance, normal, points: [p - normal * self.radius, q + normal * other.radius] }
@@ -53,6 +56,7 @@ impl Capsule {
     }
 
     /// How far it is from a ball at the least, metres, negative where they overlap.
+    #[inline]
     pub fn distance_to(&self, ball: &Ball) -> f64 {
         let [p, q] = closest_points(&[ball.centre; 2], &self.ends);
         (p - q).norm() - ball.radius - self.radius
@@ -61,6 +65,7 @@ impl Capsule {
 
 /// Distance of a point to a sphere's surface and the outward normal there, given where the point is from the centre; of
 /// a swept sphere, from the nearest point of its segment.
+#[inline]
 pub(super) fn distance_to_sphere(offset: &Vector3<f64>, radius: f64) -> (f64, Vector3<f64>) {
     let length = offset.norm();
     let normal = if length > MET { offset / length } else { Vector3::x() };

@@ -18,6 +18,7 @@ pub struct Frame {
 
 impl Frame {
     /// The pose of a frame in itself.
+    #[inline]
     pub fn identity() -> Frame {
         Frame { rotation: Matrix3::identity(), origin: Vector3::zeros() }
     }
@@ -41,6 +42,7 @@ impl Frame {
     }
 
     /// `p_B = X_AB⁻¹ p_A`, for an orthonormal rotation.
+    #[inline]
     pub fn inverse_point(&self, p_a: &Vector3<f64>) -> Vector3<f64> {
         self.rotation.tr_mul(&(p_a - self.origin))
     }
@@ -57,6 +59,7 @@ impl Frame {
     }
 
     /// `X_BA`, for an orthonormal rotation.
+    #[inline]
     pub fn inverse(&self) -> Frame {
         Frame { rotation: self.rotation.transpose(), origin: -self.rotation.tr_mul(&self.origin) }
     }
@@ -79,6 +82,7 @@ impl From<Frame> for Isometry3<f64> {
 impl Mul for Frame {
     type Output = Frame;
 
+    #[inline]
     fn mul(self, inner: Frame) -> Frame {
         Frame { rotation: product(&self.rotation, &inner.rotation), origin: self.point(&inner.origin) }
     }

@@ -19,11 +19,13 @@ pub struct Gap {
 
 impl Gap {
     /// The middle between the closest points, metres.
+    #[inline]
     pub fn middle(&self) -> Vector3<f64> {
         0.5 * (self.points[0] + self.points[1])
     }
 
     /// The same gap with the bodies exchanged.
+    #[inline]
     pub fn reversed(self) -> Gap {
         let [first, second] = self.points;
         Gap { distance: self.distance, normal: -self.normal, points: [second, first] }
@@ -54,6 +56,7 @@ pub struct PlacedShape<'a> {
 
 impl<'a> PlacedShape<'a> {
     /// A shape at `X_LG` on a limb at `X_CL`; none for one that is known only by its receptors.
+    #[inline]
     pub fn new(shape: &'a Shape, x_lg: Frame, x_cl: Frame) -> Option<PlacedShape<'a>> {
         shape.is_solid().then(|| PlacedShape { shape, x_cg: x_cl * x_lg })
     }

@@ -93,7 +93,7 @@ impl Shape {
 
     /// Whether more is known of it than its receptors: of all but a mesh without a hull.
     pub fn is_solid(&self) -> bool {
-        *self != Shape::Mesh
+        !matches!(self, Shape::Mesh)
     }
 
     /// Whether it is a box.
@@ -115,6 +115,7 @@ impl Shape {
     }
 
     /// The shape itself as a capsule in the frame that it is placed in, where it is one or a ball.
+    #[inline]
     pub fn as_capsule(&self, pose: &Frame) -> Option<Capsule> {
         let (radius, half_length) = match *self {
             Shape::Sphere { radius } => (radius, 0.0),

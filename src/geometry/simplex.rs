@@ -37,6 +37,7 @@ impl Simplex {
     }
 
     /// The same with one more corner, of three at the most before.
+    #[inline]
     pub fn with(mut self, corner: Corner) -> Simplex {
         self.corners[self.count] = corner;
         self.count += 1;

@@ -3,6 +3,7 @@
 use nalgebra::{Matrix3, Matrix3x2, Vector3};
 
 /// The cross-product matrix `[v]×`, with `[v]× w = v × w`.
+#[inline]
 pub fn skew(v: &Vector3<f64>) -> Matrix3<f64> {
     Matrix3::new(0.0, -v.z, v.y, v.z, 0.0, -v.x, -v.y, v.x, 0.0)
 }
@@ -12,6 +13,7 @@ pub fn skew(v: &Vector3<f64>) -> Matrix3<f64> {
 /// `sine` is sin θ and `versine` is 1 − cos θ. For a unit axis this is the rotation by θ. For any other
 /// length it is the polynomial continuation on which the second-order learner relaxes the unit-axis
 /// constraint: linear and quadratic in `a`, hence without the local minima that the sphere makes.
+#[inline]
 pub fn rotation(axis: &Vector3<f64>, sine: f64, versine: f64) -> Matrix3<f64> {
     // [a]×² = a aᵀ − |a|² I, written out: this is the innermost loop of every learner.
     let (x, y, z) = (axis.x, axis.y, axis.z);
@@ -35,6 +37,7 @@ pub fn rotation(axis: &Vector3<f64>, sine: f64, versine: f64) -> Matrix3<f64> {
 ///
 /// From `R v = v + sin θ a×v + (1 − cos θ) a×(a×v)` follows
 /// `−sin θ [v]× + (1 − cos θ) ((a·v) I + a vᵀ − 2 v aᵀ)`.
+#[inline]
 pub fn axis_derivative(axis: &Vector3<f64>, sine: f64, versine: f64, v: &Vector3<f64>) -> Matrix3<f64> {
     let mut derivative = skew(v) * -sine;
     derivative += (axis * v.transpose() - v * axis.transpose() * 2.0) * versine;
@@ -47,6 +50,7 @@ pub fn axis_derivative(axis: &Vector3<f64>, sine: f64, versine: f64, v: &Vector3
 
 /// An orthonormal basis (3×2) of the plane perpendicular to `axis`: the two directions in which a unit
 /// axis can turn.
+#[inline]
 pub fn tangent_basis(axis: &Vector3<f64>) -> Matrix3x2<f64> {
     let smallest = axis.iamin();
     let mut other = Vector3::zeros();

@@ -48,6 +48,7 @@ pub struct Receptor {
 
 impl Receptor {
     /// The direction of its second side: normal × tangent.
+    #[inline]
     pub fn bitangent(&self) -> Vector3<f64> {
         self.normal.cross(&self.tangent)
     }
@@ -58,6 +59,7 @@ impl Receptor {
     }
 
     /// A point of its limb in the patch's own coordinates: along both sides and the normal, metres.
+    #[inline]
     pub fn patch_coordinates(&self, p_l: &Vector3<f64>) -> Vector3<f64> {
         let offset = p_l - self.position;
         Vector3::new(offset.dot(&self.tangent), offset.dot(&self.bitangent()), offset.dot(&self.normal))

@@ -28,6 +28,7 @@ impl Surface {
     }
 
     /// The surface's shape where the limb's frame is at `X_CL`; none where it is known only by its receptors.
+    #[inline]
     pub fn placed(&self, limb: &Frame) -> Option<PlacedShape<'_>> {
         PlacedShape::new(&self.shape, self.pose(), *limb)
     }
@@ -43,6 +44,7 @@ impl Surface {
     }
 
     /// A point of the limb in the shape's own axes.
+    #[inline]
     pub fn to_shape(&self, p_l: &Vector3<f64>) -> Vector3<f64> {
         self.rotation.tr_mul(&(p_l - self.origin))
     }

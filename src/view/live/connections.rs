@@ -18,6 +18,7 @@ use hyper::server::conn::http1;
 use hyper::service::{Service, service_fn};
 use hyper_util::rt::{TokioIo, TokioTimer};
 use hyper_util::service::TowerToHyperService;
+use nix::sys::resource::{Resource, getrlimit};
 use tokio::net::{TcpListener, TcpStream};
 use tokio::task::AbortHandle;
 use tokio::time::{Instant, sleep, timeout};
@@ -112,7 +113,7 @@ pub(super) async fn serve(listener: TcpListener, routes: Router) {
 
 /// Most connections that this process may hold.
 fn most() -> usize {
-    let files = rlimit::Resource::NOFILE.get_soft().unwrap_or(u64::MAX);
+    let files = getrlimit(Resource::RLIMIT_NOFILE).map_or(u64::MAX, |(soft, _)| soft);
     (files / SHARE).clamp(1, MOST) as usize
 }
 

@@ -15,11 +15,10 @@ use axum::response::sse::{Event, KeepAlive, Sse};
 use axum::response::{Html, IntoResponse, Response};
 use axum::routing::{get, post};
 use axum::{Json, Router};
+use futures_util::stream::{self, Stream};
 use serde::Deserialize;
 use tokio::sync::{oneshot, watch};
 use tokio::time::MissedTickBehavior;
-use tokio_stream::wrappers::WatchStream;
-use tokio_stream::{Stream, StreamExt};
 
 use super::connections::serve;
 use super::guard::{guard, policy};
@@ -227,13 +226,18 @@ async fn space(State(shared): State<Shared>) -> impl IntoResponse {
 /// The state whenever it is new. Who cannot follow misses what was in between.
 async fn events(State(shared): State<Shared>) -> Sse<impl Stream<Item = Result<Event, Infallible>>> {
     let first = shared.newest.receiver_count() == 0;
-    let news = shared.newest.subscribe();
+    let mut news = shared.newest.subscribe();
     if first {
         // While nobody looked nobody was told.
         shared.newest.send_replace(shared.view.newest().into());
     }
     // Who comes late is told where things stand.
-    let states = WatchStream::new(news).map(|state| Ok(Event::default().data(&*state)));
+    news.mark_changed();
+    let states = stream::unfold(news, |mut news| async {
+        news.changed().await.ok()?;
+        let state = Event::default().data(&**news.borrow_and_update());
+        Some((Ok(state), news))
+    });
     Sse::new(states).keep_alive(KeepAlive::new().interval(STILL))
 }
 
