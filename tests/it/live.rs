@@ -1,6 +1,6 @@
 //! The live page as a browser shows it: it loads, draws, keeps up, and what is clicked is felt and answered.
 //!
-//! It takes Chromium. Where there is none the tests say so and are skipped, unless `BODYSCHEMA_BROWSER=required`.
+//! Where that is a browser, the test needs Chromium, and is ignored unless it is asked for.
 
 use std::time::{Duration, Instant};
 
@@ -22,8 +22,9 @@ fn open(browser: &'static Browser, served: &Served) -> Tab {
 }
 
 #[test]
+#[ignore = "needs Chromium and axe-core"]
 fn babbling_is_seen_while_it_goes_on() {
-    let Some(browser) = browser() else { return };
+    let browser = browser();
     let place = tempfile::tempdir().unwrap();
     let model = repository("mjcf/max/max.xml");
     let arguments = ["babble", model.to_str().unwrap(), "--joints", "all", "--touches", MANY, "--out", "max"];
@@ -105,8 +106,9 @@ fn a_page_sets_the_pace_as_long_as_it_asks_for_one() {
 }
 
 #[test]
+#[ignore = "needs Chromium and axe-core"]
 fn a_click_on_the_skin_is_felt_and_answered() {
-    let Some(browser) = browser() else { return };
+    let browser = browser();
     let place = sessions::max();
     let scene = repository("mjcf/max/table.xml");
     let served = Served::new(place, &["talk", scene.to_str().unwrap(), "max"]);
@@ -158,8 +160,9 @@ fn a_click_on_the_skin_is_felt_and_answered() {
 }
 
 #[test]
+#[ignore = "needs Chromium and axe-core"]
 fn sessions_are_looked_at_touch_by_touch_in_any_posture_and_beside_each_other() {
-    let Some(browser) = browser() else { return };
+    let browser = browser();
     let place = sessions::max();
     let model = repository("mjcf/max/max.xml");
     let served = Served::new(place, &["view", "max", "max", model.to_str().unwrap()]);

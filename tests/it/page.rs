@@ -1,6 +1,6 @@
 //! The report as a browser shows it: every picture holds data, nothing is fetched and nothing complains.
 //!
-//! It takes Chromium. Where there is none the tests say so and are skipped, unless `BODYSCHEMA_BROWSER=required`.
+//! That needs Chromium: these tests are ignored unless they are asked for.
 
 use std::path::Path;
 
@@ -94,8 +94,9 @@ fn pixels(tab: &Tab, picture: &str) -> (f64, u64) {
 }
 
 #[test]
+#[ignore = "needs Chromium and axe-core"]
 fn every_picture_is_drawn_and_nothing_is_fetched() {
-    let Some(browser) = browser() else { return };
+    let browser = browser();
     let place = tempfile::tempdir().unwrap();
     copy(sessions::max(), place.path());
     succeeds(place.path(), &["space", "max", "--voxel", "0.08"]);
@@ -212,8 +213,9 @@ fn every_picture_is_drawn_and_nothing_is_fetched() {
 }
 
 #[test]
+#[ignore = "needs Chromium and axe-core"]
 fn a_recording_has_a_page_without_the_truth() {
-    let Some(browser) = browser() else { return };
+    let browser = browser();
     let place = tempfile::tempdir().unwrap();
     copy(sessions::max(), place.path());
     let learn =

@@ -1,6 +1,6 @@
 //! Pictures and films: they show what they are to show, and where they cannot be made a sentence says why.
 //!
-//! They take OpenGL. Where there is none the tests say so and are skipped, unless `BODYSCHEMA_GL_TESTS=required`.
+//! Those that draw need OpenGL, and are ignored unless they are asked for.
 
 use std::fs;
 use std::os::unix::fs::PermissionsExt;
@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 use std::sync::LazyLock;
 
-use crate::common::drawing::{Picture, opengl};
+use crate::common::drawing::Picture;
 use crate::common::program::{refused, run, succeeds};
 use crate::common::shell::copy;
 use crate::common::{repository, sessions};
@@ -57,10 +57,8 @@ fn is_shirt(pixel: &[u8; 3]) -> bool {
 }
 
 #[test]
+#[ignore = "needs OpenGL"]
 fn a_model_at_ease_fills_its_picture() {
-    if !opengl() {
-        return;
-    }
     let place = tempfile::tempdir().unwrap();
     let drawn = picture(place.path(), &[&max(), "--size", "300x400", "--no-caption"]);
     assert_eq!((drawn.width, drawn.height), (300, 400));
@@ -77,10 +75,8 @@ fn a_model_at_ease_fills_its_picture() {
 }
 
 #[test]
+#[ignore = "needs OpenGL"]
 fn auras_are_veils_about_a_body_that_is_seen_through_them_and_the_map_is_of_lines() {
-    if !opengl() {
-        return;
-    }
     let place = tempfile::tempdir().unwrap();
     // From so far that the auras are within the picture.
     let from = ["--size", "300x300", "--camera", "180,0,4"];
@@ -103,10 +99,8 @@ fn auras_are_veils_about_a_body_that_is_seen_through_them_and_the_map_is_of_line
 }
 
 #[test]
+#[ignore = "needs OpenGL"]
 fn a_posture_is_drawn_as_words_or_a_file_give_it() {
-    if !opengl() {
-        return;
-    }
     let place = tempfile::tempdir().unwrap();
     fs::write(place.path().join("posture.json"), r#"{"left_shoulder_flexion": 1.0471975511965976}"#).unwrap();
     let (model, size) = (max(), ["--size", "160x200", "--camera", "205,-12,3.5"]);
@@ -120,10 +114,8 @@ fn a_posture_is_drawn_as_words_or_a_file_give_it() {
 }
 
 #[test]
+#[ignore = "needs OpenGL"]
 fn a_scene_has_its_sky_its_floor_and_its_cameras() {
-    if !opengl() {
-        return;
-    }
     let place = tempfile::tempdir().unwrap();
     let table = repository("mjcf/max/table.xml").display().to_string();
     let free = picture(place.path(), &[&table, "--size", "320x240"]);
@@ -142,10 +134,8 @@ fn a_scene_has_its_sky_its_floor_and_its_cameras() {
 }
 
 #[test]
+#[ignore = "needs OpenGL"]
 fn a_touch_is_lit_and_the_learned_body_is_over_the_true_one() {
-    if !opengl() {
-        return;
-    }
     let place = session();
     let draw = |arguments: &[&str]| picture(place, &[&["session", "--size", "480x480"], arguments].concat());
     let at_ease = draw(&[]);
@@ -170,10 +160,8 @@ fn a_touch_is_lit_and_the_learned_body_is_over_the_true_one() {
 }
 
 #[test]
+#[ignore = "needs OpenGL"]
 fn a_film_has_a_frame_for_every_moment() {
-    if !opengl() {
-        return;
-    }
     let place = session();
     let film = |arguments: &[&str], out: &str| {
         let line = [
@@ -217,10 +205,8 @@ fn run_with_path(place: &Path, path: &str, arguments: &[&str]) -> Output {
 }
 
 #[test]
+#[ignore = "needs OpenGL"]
 fn ffmpeg_gets_every_frame_and_what_it_says_is_told() {
-    if !opengl() {
-        return;
-    }
     let place = session();
     let line = [
         "render",
@@ -279,7 +265,7 @@ fn without_opengl_a_sentence_says_so_and_all_else_works() {
 #[test]
 fn what_cannot_be_drawn_is_refused_in_a_sentence() {
     let place = session();
-    let (model, table) = (max(), repository("mjcf/max/table.xml").display().to_string());
+    let model = max();
     fs::write(place.join("odd.json"), r#"{"left_elbow_flexion": 9.0}"#).unwrap();
     fs::write(place.join("text.json"), r#"{"left_elbow_flexion": "bent"}"#).unwrap();
     let cases: [(&[&str], &str); 15] = [
@@ -315,21 +301,25 @@ fn what_cannot_be_drawn_is_refused_in_a_sentence() {
         refused(place, 2, &["render", "session", option, value, "--out", "refused.mp4"]);
     }
     assert!(!place.join("refused.png").exists());
-    if opengl() {
-        let said = refused(place, 1, &["render", &table, "--camera", "top", "--out", "refused.png"]);
-        assert!(said.contains("it has front, side"), "{said}");
-        let said = refused(place, 1, &["render", &table, "--camera", "10,100", "--out", "refused.png"]);
-        assert!(said.contains("elevation from -90 to 90"), "{said}");
-        let output = run(place, &["render", &model, "--out", "session"]);
-        assert_eq!(output.status.code(), Some(1));
-    }
 }
 
 #[test]
+#[ignore = "needs OpenGL"]
+fn cameras_that_are_not_there_and_files_that_cannot_be_written_are_refused() {
+    let place = session();
+    let table = repository("mjcf/max/table.xml").display().to_string();
+    let said = refused(place, 1, &["render", &table, "--camera", "top", "--out", "no-camera.png"]);
+    assert!(said.contains("it has front, side"), "{said}");
+    let said = refused(place, 1, &["render", &table, "--camera", "10,100", "--out", "no-camera.png"]);
+    assert!(said.contains("elevation from -90 to 90"), "{said}");
+    assert!(!place.join("no-camera.png").exists());
+    let output = run(place, &["render", &max(), "--out", "session"]);
+    assert_eq!(output.status.code(), Some(1));
+}
+
+#[test]
+#[ignore = "needs OpenGL"]
 fn a_recording_without_a_model_shows_the_learned_body() {
-    if !opengl() {
-        return;
-    }
     // What a session of a recording is, as far as drawing goes: one that names no model.
     let place = tempfile::tempdir().unwrap();
     copy(&sessions::max().join("max"), &place.path().join("session"));
@@ -344,10 +334,8 @@ fn a_recording_without_a_model_shows_the_learned_body() {
 }
 
 #[test]
+#[ignore = "needs OpenGL"]
 fn rows_go_from_the_top_and_marks_are_where_they_are_put() {
-    if !opengl() {
-        return;
-    }
     let model = Model::from_xml("<mujoco/>").unwrap();
     let mut renderer = Renderer::new(&model, 90, 60).unwrap();
     let camera = Camera::Free { lookat: Point3::origin(), distance: 2.0, azimuth: 0.0, elevation: 0.0 };

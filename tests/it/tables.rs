@@ -1,48 +1,33 @@
-//! A session's files in other people's tools: pandas reads them as they are.
-//!
-//! Where Python or pandas is missing the first is skipped, with a sentence, unless `BODYSCHEMA_PANDAS` is
-//! `required`; `BODYSCHEMA_PYTHON` names the Python to use.
+//! A session's files in other people's tools: pandas and polars read them as they are, and Rerun shows them.
 
 use std::fs;
-use std::process::Command;
+use std::path::Path;
 
-use crate::common::repository;
 use crate::common::shell::run;
+use crate::common::{python, repository};
 
-/// A Python that has pandas.
-fn python() -> Option<String> {
-    let named = std::env::var("BODYSCHEMA_PYTHON").ok();
-    let candidates = named.into_iter().chain(["python3".to_string(), "/usr/bin/python3".to_string()]);
-    candidates.into_iter().find(|python| {
-        let imported = Command::new(python).args(["-c", "import pandas"]).output();
-        imported.is_ok_and(|output| output.status.success())
-    })
+/// The Python code that the documents show, whose first line is `import` and this.
+fn shown(imports: &str) -> String {
+    let document = fs::read_to_string(repository("docs/files.md")).unwrap();
+    let begins = format!("import {imports}\n");
+    let mut blocks = document.split("```python\n").skip(1).filter_map(|rest| rest.split("```").next());
+    blocks.find(|code| code.starts_with(&begins)).expect("docs/files.md shows it").to_string()
 }
 
-/// The Python code that the documents show.
-fn shown() -> String {
-    let document = fs::read_to_string(repository("docs/files.md")).unwrap();
-    let (_, code) = document.split_once("```python\n").expect("docs/files.md shows some Python");
-    code.split_once("```").unwrap().0.to_string()
+/// Makes a session of 130 touches in `sessions/max-1`.
+fn babble(place: &Path) {
+    let max = repository("mjcf/max/max.xml");
+    run(
+        place,
+        &format!("bodyschema babble {} --touches 130 --learner hersch --out sessions/max-1", max.display()),
+    );
 }
 
 #[test]
+#[ignore = "needs Python with pandas"]
 fn pandas_reads_a_session_as_the_documents_show() {
-    let Some(python) = python() else {
-        assert_ne!(
-            std::env::var("BODYSCHEMA_PANDAS").as_deref(),
-            Ok("required"),
-            "there is no Python with pandas"
-        );
-        eprintln!("skipped: there is no Python with pandas; Debian's is in python3-pandas");
-        return;
-    };
     let place = tempfile::tempdir().unwrap();
-    let max = repository("mjcf/max/max.xml");
-    run(
-        place.path(),
-        &format!("bodyschema babble {} --touches 130 --learner hersch --out sessions/max-1", max.display()),
-    );
+    babble(place.path());
     let check = r#"
 assert len(touches) == 130, len(touches)
 assert touches.index.tolist() == list(range(130)), touches.index
@@ -56,6 +41,30 @@ import json
 lines = open("sessions/max-1/touches.jsonl").read().splitlines()[1:]
 assert [json.loads(line)["posture"] for line in lines] == touches["posture"].tolist()
 "#;
-    fs::write(place.path().join("shown.py"), shown() + check).unwrap();
-    run(place.path(), &format!("{python} shown.py"));
+    python::run(place.path(), &(shown("pandas") + check));
+}
+
+#[test]
+#[ignore = "needs Python with polars and rerun-sdk"]
+fn polars_reads_a_session_and_rerun_gets_it_as_the_documents_show() {
+    let place = tempfile::tempdir().unwrap();
+    babble(place.path());
+    let check = r#"
+rerun.get_global_data_recording().flush()
+assert touches.shape == (130, 7), touches.shape
+assert touches.null_count().sum_horizontal().item() == 0, touches
+import json
+lines = open("sessions/max-1/touches.jsonl").read().splitlines()[1:]
+for column in ["bout", "motion", "posture", "limbs", "contacts"]:
+    assert [json.loads(line)[column] for line in lines] == touches[column].to_list(), column
+# Rerun's own program says how many points it has of which limb.
+import collections, re, subprocess, sys
+told = [sys.executable, "-m", "rerun", "rrd", "print", "max-1.rrd"]
+told = subprocess.run(told, capture_output=True, text=True, check=True).stdout
+shown = collections.Counter()
+for rows, limb in re.findall(r"with (\d+) rows .* - /(\w+) - data columns: \[Points3D:positions\]", told):
+    shown[limb] += int(rows)
+assert shown == collections.Counter(limb for limbs in touches["limbs"] for limb in limbs), (shown, told)
+"#;
+    python::run(place.path(), &(shown("polars, rerun") + check));
 }

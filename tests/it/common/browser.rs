@@ -1,5 +1,4 @@
-//! Chromium for tests, spoken to in its DevTools protocol through a pipe. Where there is none they say so and are
-//! skipped, unless `BODYSCHEMA_BROWSER=required`.
+//! Chromium for tests, spoken to in its DevTools protocol through a pipe.
 //!
 //! One browser serves all tests of a process, each in a window of its own; it ends with the process.
 
@@ -13,8 +12,8 @@ use std::time::{Duration, Instant};
 use base64::Engine;
 use serde_json::{Value, json};
 
-/// The variable that forbids to skip these tests.
-const REQUIRED: &str = "BODYSCHEMA_BROWSER";
+use super::python;
+
 /// The variable that names another browser of this family.
 const NAMED: &str = "CHROME";
 /// What the browser is called.
@@ -70,15 +69,10 @@ pub struct Tab {
     target: Value,
 }
 
-/// The browser; none where there is none and none is required.
-pub fn browser() -> Option<&'static Browser> {
+/// The browser.
+pub fn browser() -> &'static Browser {
     static BROWSER: LazyLock<Option<&Browser>> = LazyLock::new(|| executable().map(|path| start(&path)));
-    if BROWSER.is_none() {
-        let required = std::env::var(REQUIRED).is_ok_and(|value| value == "required");
-        assert!(!required, "no browser was found: install chromium, or unset {REQUIRED}");
-        eprintln!("skipped: no browser was found; `apt-get install chromium` brings one");
-    }
-    *BROWSER
+    BROWSER.expect("no browser was found: install Debian's package chromium, or name one in CHROME")
 }
 
 /// Where the browser's program is.
@@ -213,13 +207,11 @@ impl Tab {
         }
     }
 
-    /// Holds the page, light and dark, against axe-core's rules, where `BODYSCHEMA_AXE` says where that script is.
+    /// Holds the page, light and dark, against axe-core's rules.
     pub fn accessible(&self) {
-        let Some(place) = std::env::var_os("BODYSCHEMA_AXE") else {
-            eprintln!("BODYSCHEMA_AXE does not say where axe.min.js is: not held against axe-core's rules");
-            return;
-        };
-        let script = std::fs::read_to_string(&place).unwrap();
+        let place = python::packages().join("axe_playwright_python/axe.min.js");
+        let script =
+            std::fs::read_to_string(&place).unwrap_or_else(|error| panic!("{}: {error}", place.display()));
         self.call("Runtime.evaluate", json!({ "expression": script }));
         let told = "violations.map(({ id, nodes }) => [id, nodes.map((node) => `${node.html}: ${node.failureSummary}`)])";
         for scheme in ["dark", "light"] {

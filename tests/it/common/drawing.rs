@@ -1,32 +1,6 @@
-//! Whether pictures can be drawn here, and reading them.
+//! Reading pictures that were drawn.
 
 use std::path::Path;
-use std::process::{Command, Stdio};
-
-use bodyschema::mujoco::{Model, Renderer};
-
-/// The variable that forbids to skip what needs OpenGL or ffmpeg.
-const REQUIRED: &str = "BODYSCHEMA_GL_TESTS";
-
-fn there(what: &str, lacks: Option<String>) -> bool {
-    let Some(lacks) = lacks else { return true };
-    let required = std::env::var(REQUIRED).is_ok_and(|value| value == "required");
-    assert!(!required, "{what}: {lacks}, or unset {REQUIRED}");
-    eprintln!("skipped: {what}: {lacks}");
-    false
-}
-
-/// Whether there is an OpenGL to draw with; it says so where there is none, and fails where one is required.
-pub fn opengl() -> bool {
-    let model = Model::from_xml("<mujoco/>").unwrap();
-    there("OpenGL", Renderer::new(&model, 16, 16).err().map(|error| error.to_string()))
-}
-
-/// The same of ffmpeg.
-pub fn ffmpeg() -> bool {
-    let run = Command::new("ffmpeg").arg("-version").stdout(Stdio::null()).stderr(Stdio::null()).status();
-    there("ffmpeg", run.err().map(|error| format!("{error}: install Debian's package ffmpeg")))
-}
 
 /// A picture: its width and height, and red, green and blue of each pixel, rows from the top.
 pub struct Picture {

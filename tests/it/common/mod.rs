@@ -5,6 +5,7 @@ pub mod calibrating;
 pub mod clients;
 pub mod drawing;
 pub mod program;
+pub mod python;
 pub mod served;
 pub mod sessions;
 pub mod shell;

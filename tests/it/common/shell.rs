@@ -5,13 +5,10 @@ use std::path::Path;
 use std::process::{Command, Stdio};
 use std::time::Instant;
 
-use super::{drawing, repository};
+use super::repository;
 
 /// What a line says of itself where it takes too long for a test: then only its usage is checked.
 const SLOW: [&str; 2] = ["takes minutes", "takes hours"];
-
-/// The models of Debian's package libmujoco-samples.
-const SAMPLES: &str = "/usr/share/mujoco/model";
 
 /// A line of a shell, as it is written, and whether it says that it is slow.
 #[derive(Clone, Debug)]
@@ -27,14 +24,6 @@ impl Line {
     pub fn new(line: &str) -> Line {
         let (text, comment) = line.split_once(" #").unwrap_or((line, ""));
         Line { text: text.trim().to_string(), slow: SLOW.iter().any(|slow| comment.contains(slow)) }
-    }
-
-    /// Whether this machine lacks what the line needs: MuJoCo's samples, OpenGL or ffmpeg.
-    pub fn lacks_something(&self) -> bool {
-        let draws = self.text.contains("bodyschema render");
-        (self.text.contains(SAMPLES) && !Path::new(SAMPLES).is_dir())
-            || (draws && !drawing::opengl())
-            || (draws && self.text.contains(".mp4") && !drawing::ffmpeg())
     }
 
     /// Checks the usage of what the line has bodyschema do, without doing it.
