@@ -1,6 +1,7 @@
 //! A session: a creature babbles, and all of it goes into a folder, from which an interrupted session goes on.
 
 use std::collections::BTreeMap;
+use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
@@ -234,7 +235,7 @@ impl<'a> BabblingSession<'a> {
         });
         let began = Instant::now();
         let mut kept = began;
-        let (effort, grown) = make(&babbler, done, &mut |news| {
+        let made_all = make(&babbler, done, &mut |news| {
             match news {
                 Made::Touch(touch) => {
                     log.write(touch)?;
@@ -250,7 +251,12 @@ impl<'a> BabblingSession<'a> {
                 Made::Grown(growth) => observer.grew(growth),
             }
             Ok(())
-        })?;
+        });
+        if made_all.is_err() && made.is_empty() {
+            // There is nothing to go on with.
+            [TOUCHES_FILE, SESSION_FILE].iter().for_each(|file| drop(fs::remove_file(folder.join(file))));
+        }
+        let (effort, grown) = made_all?;
         observer.phase(Phase::Done);
         let touches = Some(made.len()).filter(|&made| made != setup.babbling.touches);
         session.effort =
