@@ -1,7 +1,7 @@
 //! One writer a folder: who writes a folder of results holds its lock.
 
 use std::fs::{self, File, OpenOptions, TryLockError};
-use std::io::{ErrorKind, Write};
+use std::io::{self, ErrorKind, Write};
 use std::os::unix::fs::MetadataExt;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -37,8 +37,7 @@ impl FolderLock {
     /// # Errors
     /// As [`FolderLock::take`], and where the folder cannot be made.
     pub fn make(folder: &Path) -> Result<FolderLock, RecordError> {
-        let made = MadeFolders::make(folder).map_err(RecordError::io(folder, Action::Write))?;
-        FolderLock::take_made(folder, made)
+        FolderLock::take_made(folder, MadeFolders::make(folder))
     }
 
     /// Makes a folder and takes it; none where it was there before.
@@ -48,14 +47,12 @@ impl FolderLock {
     pub fn make_new(folder: &Path) -> Result<Option<FolderLock>, RecordError> {
         match MadeFolders::make_new(folder) {
             Err(error) if error.kind() == ErrorKind::AlreadyExists => Ok(None),
-            made => {
-                let made = made.map_err(RecordError::io(folder, Action::Write))?;
-                FolderLock::take_made(folder, made).map(Some)
-            }
+            made => FolderLock::take_made(folder, made).map(Some),
         }
     }
 
-    fn take_made(folder: &Path, made: MadeFolders) -> Result<FolderLock, RecordError> {
+    fn take_made(folder: &Path, made: io::Result<MadeFolders>) -> Result<FolderLock, RecordError> {
+        let made = made.map_err(RecordError::io(folder, Action::Write))?;
         let mut lock = FolderLock::take(folder)?;
         lock.made = made;
         Ok(lock)

@@ -270,14 +270,14 @@ struct PaceRequest {
 }
 
 async fn say(State(shared): State<Shared>, Json(SayRequest { text }): Json<SayRequest>) -> StatusCode {
-    heard(&shared, Asked::Say(text.trim().chars().take(LONGEST_LINE).collect()))
+    status(shared.view.ask(Asked::Say(text.trim().chars().take(LONGEST_LINE).collect())))
 }
 
 async fn touch(
     State(shared): State<Shared>,
     Json(TouchRequest { receptor }): Json<TouchRequest>,
 ) -> StatusCode {
-    heard(&shared, Asked::Touch(receptor))
+    status(shared.view.ask(Asked::Touch(receptor)))
 }
 
 async fn show(State(shared): State<Shared>, Json(asked): Json<ShowRequest>) -> Response {
@@ -300,10 +300,6 @@ async fn pace(
         Some(pace) if !(0.0..=MOST_A_SECOND).contains(&pace) => StatusCode::UNPROCESSABLE_ENTITY,
         pace => status(shared.view.pace(pace)),
     }
-}
-
-fn heard(shared: &Shared, asked: Asked) -> StatusCode {
-    status(shared.view.ask(asked))
 }
 
 fn status(reception: Reception) -> StatusCode {
