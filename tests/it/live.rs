@@ -231,7 +231,7 @@ fn sessions_are_looked_at_touch_by_touch_in_any_posture_and_beside_each_other() 
     );
     let pixel = |k: usize| at[k].as_f64().unwrap() + corner[k].as_f64().unwrap();
     tab.click(pixel(0), pixel(1));
-    tab.wait("document.getElementById('about').textContent.includes(': its skin is known to ')");
+    tab.wait("document.getElementById('about').textContent.includes(': located to within ')");
 
     // And where it gets to is seen as a cloud, another one for another limb.
     let drawn_on = "(() => {

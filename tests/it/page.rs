@@ -139,6 +139,17 @@ fn every_picture_is_drawn_and_nothing_is_fetched() {
     })()",
     );
     assert!((shape.as_f64().unwrap() / 4.0 - 1.0).abs() < 0.02, "{shape}");
+    let paper = json!({ "width": 700, "height": 1000, "deviceScaleFactor": 1, "mobile": false });
+    tab.call("Emulation.setDeviceMetricsOverride", paper);
+    let cut = tab.evaluate(
+        "(() => {
+        const canvas = document.getElementById('body');
+        [canvas.width, canvas.height] = [300, 900];
+        return [canvas.offsetHeight - canvas.parentElement.clientHeight, getComputedStyle(canvas).objectFit];
+    })()",
+    );
+    assert!(cut[0].as_f64().unwrap() <= 0.0 && cut[1] == "contain", "{cut}");
+    tab.call("Emulation.clearDeviceMetricsOverride", json!({}));
     tab.call("Emulation.setEmulatedMedia", json!({ "media": "" }));
     tab.evaluate("(() => { document.getElementById('body').body.turn(0, 0); return 0; })()");
     tab.accessible();

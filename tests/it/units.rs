@@ -27,54 +27,32 @@ const STATISTICS: [&str; 8] = ["mean", "median", "p95", "max", "rms", "bound_rms
 /// … and what it may be called that has none.
 const OF_GROUPS: [&str; 2] = ["points", "ratio"];
 /// Numbers in SI, by what they measure.
+#[rustfmt::skip]
 const SI: [(&str, &[&str]); 6] = [
-    (
-        "length",
-        &[
-            "position",
-            "position_std",
-            "positions",
-            "contacts",
-            "half_extents",
-            "origin",
-            "radius",
-            "half_length",
-            "ends",
-            "reach",
-            "distances",
-            "distance",
-            "point",
-            "point_deviation",
-            "touch_deviation",
-            "voxel",
-            "first",
-            "at",
-            "outlines",
-            "beyond",
-            "miss",
-            "extents",
-            "near_extents",
-            "tip",
-            "length",
-            "interval",
-            "path",
-            "end",
-            "meeting",
-            "rms",
-            "bound_rms",
-            "error_rms",
-            "depth",
-            "half_width",
-        ],
-    ),
-    ("angle", &["axis_std", "rotation_std"]),
-    ("time", &["time", "time_to_contact", "began", "duration", "last", "seconds", "start"]),
+    ("length", &[
+        "position", "position_std", "positions", "contacts", "half_extents", "origin", "radius", "half_length", "ends", "reach",
+        "distances", "distance", "point", "point_deviation", "touch_deviation", "voxel", "first", "at", "outlines", "beyond", "miss",
+        "extents", "near_extents", "tip", "length", "interval", "path", "end", "meeting", "depth", "before", "after", "noise.points",
+    ]),
+    ("angle", &["axis_std", "rotation_std", "noise.joints"]),
+    ("time", &["time", "time_to_contact", "began", "duration", "last", "seconds"]),
     ("force", &["force", "mean_force", "peak_force"]),
     ("speed", &["speed"]),
     ("posture", &["posture", "range"]),
 ];
 /// Counts, seeds, indices, shares, directions and what else has no unit.
-const NO_UNIT: [&str; 0] = [];
+#[rustfmt::skip]
+const NO_UNIT: [&str; 83] = [
+    "touches", "seed", "seeds", "joints", "version", "dof", "motions", "motion", "bout", "limb", "limbs", "initial_guesses", "cores", "trials",
+    "tangent", "normal", "direction", "rotation", "axis", "axes", "surface", "receptors", "parent", "shared", "learned", "geometric",
+    "located_limbs", "limbs_with_skin", "limb_pairs", "false_touches", "false_share", "bare", "neighbours", "neighbours_mean", "again",
+    "engine_checks", "converged", "within", "visited", "unknowns", "torso_joints", "torso_dof", "step", "passes", "residuals",
+    "receptors_grown", "receptors_by_limb", "recall", "precision", "agreement", "points", "number", "made", "links_across_limbs",
+    "information", "geom_pairs_left_out", "fresh_rms", "cost", "coordinates", "constraints_not_heeded", "aura_limbs",
+    "supporting_touches", "strokes", "spins", "slides", "hinges", "balls", "welded", "locked", "followers", "skew", "singular_values",
+    "minimum_singular_value", "rank", "parameters", "noise_amplification", "noise", "line", "inverse_condition", "d_optimality",
+    "condition", "honest", "firings",
+];
 
 /// The numbers of a value by the names over them, the nearest first; of lists and of names that are data the list's own.
 fn numbers(value: &Value, names: &mut Vec<String>, found: &mut BTreeSet<Vec<String>>) {
@@ -109,12 +87,17 @@ fn unit(names: &[String]) -> Result<Option<(&'static str, &'static str)>, ()> {
     if let Some(found) = suffix(name) {
         return Ok(Some(found));
     }
-    let of_group = names.get(1).and_then(|group| suffix(group));
+    let si = |name: &str| {
+        let (measure, _) = SI.iter().find(|(_, all)| all.contains(&name))?;
+        Some((*measure, "SI"))
+    };
+    let in_group = names.get(1).map(|group| format!("{group}.{name}"));
+    if let Some(found) = in_group.and_then(|name| si(&name)).or_else(|| si(name)) {
+        return Ok(Some(found));
+    }
+    let of_group = names.get(1).and_then(|group| suffix(group).or_else(|| si(group)));
     if let Some(found) = of_group.filter(|_| STATISTICS.contains(&name) || OF_GROUPS.contains(&name)) {
         return Ok(Some(found).filter(|_| !OF_GROUPS.contains(&name)));
-    }
-    if let Some((measure, _)) = SI.iter().find(|(_, all)| all.contains(&name)) {
-        return Ok(Some((*measure, "SI")));
     }
     if NO_UNIT.contains(&name) { Ok(None) } else { Err(()) }
 }
@@ -129,12 +112,15 @@ fn faults(of: &str, values: &[Value]) -> Vec<String> {
         let path = names.iter().rev().cloned().collect::<Vec<_>>().join(".");
         match unit(names) {
             Err(()) => faults.push(format!("{of}: nobody can know the unit of {path}")),
-            Ok(Some((measure, unit))) => drop(units.entry((&names[1..], measure)).or_default().entry(unit).or_insert(path)),
+            Ok(Some((measure, unit))) => {
+                drop(units.entry((&names[1..], measure)).or_default().entry(unit).or_insert(path))
+            }
             Ok(None) => {}
         }
     }
     let mixed = units.iter().filter(|(_, units)| units.len() > 1);
-    faults.extend(mixed.map(|((_, measure), units)| format!("{of}: {measure} is in several units: {units:?}")));
+    faults
+        .extend(mixed.map(|((_, measure), units)| format!("{of}: {measure} is in several units: {units:?}")));
     faults
 }
 

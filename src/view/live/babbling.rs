@@ -317,7 +317,7 @@ impl LivePage for BabblingView {
         );
         Some(page(
             self.agent.creature().name(),
-            &format!("It touches itself, {wanted} times at the most, and learns its body from that"),
+            &format!("Exploring its body: up to {wanted} self-touches"),
             &content,
         ))
     }
