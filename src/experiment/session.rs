@@ -59,6 +59,8 @@ pub struct BabblingSession<'a> {
     log: TouchWriter<'a>,
     /// Zero bytes that were at the log's end and are not any more.
     zeros: u64,
+    /// Whether it was begun here, with an empty log.
+    begun: bool,
     /// The bouts that need not be made again.
     done: BoutsDone,
     /// The time that they took.
@@ -114,6 +116,7 @@ impl<'a> BabblingSession<'a> {
             session,
             log,
             zeros: 0,
+            begun: true,
             done: BoutsDone::default(),
             spent: Duration::ZERO,
             made: Vec::new(),
@@ -166,7 +169,9 @@ impl<'a> BabblingSession<'a> {
             }
         }
         let folder = folder.to_path_buf();
-        let resumed = BabblingSession { embodied, setup, folder, session, log, zeros, done, spent, made };
+        let begun = false;
+        let resumed =
+            BabblingSession { embodied, setup, folder, session, log, zeros, begun, done, spent, made };
         Ok(ResumedSession::Babbling(Box::new(resumed)))
     }
 
@@ -223,6 +228,7 @@ impl<'a> BabblingSession<'a> {
             &mut dyn FnMut(Made) -> Result<(), RecordError>,
         ) -> Result<(Effort, Option<Growth>), ExperimentError>,
     ) -> Result<BabbledSession, ExperimentError> {
+        let begun = self.begun;
         let BabblingSession { embodied, setup, folder, mut session, mut log, done, spent, mut made, .. } =
             self;
         let babbler =
@@ -252,7 +258,7 @@ impl<'a> BabblingSession<'a> {
             }
             Ok(())
         });
-        if made_all.is_err() && made.is_empty() {
+        if made_all.is_err() && begun && made.is_empty() {
             // There is nothing to go on with.
             [TOUCHES_FILE, SESSION_FILE].iter().for_each(|file| drop(fs::remove_file(folder.join(file))));
         }
