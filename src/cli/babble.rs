@@ -14,7 +14,7 @@ pub fn run(args: &BabbleArguments, given: Arguments) -> Outcome {
     if let (Some(share), Some(folder)) = (args.shard, &args.out) {
         return super::shard::run(&prepared, share, folder, args.json, given);
     }
-    let lock = session_folder(args.out.as_deref(), prepared.embodied.creature().name())?;
+    let lock = session_folder(args.out.as_deref(), prepared.embodied.creature().name(), args.force)?;
     let provenance = Provenance { command: output::command_line(), arguments: prepared.effective(given) };
     let session = BabblingSession::begin(&prepared.embodied, &prepared.setup, &lock, provenance)?;
     prepared.babble(args, lock, session)

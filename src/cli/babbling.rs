@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 use super::arguments::{Arguments, positive, touch_count};
+use super::folders::Force;
 use super::learned::{learn_and_report, print_learned};
 use super::learning_arguments::{KNOWN_HELP, LearningArguments};
 use super::live::{Live, LiveOptions, Place};
@@ -87,6 +88,8 @@ pub struct BabbleArguments {
     /// The session's folder [default: the first free of sessions/CREATURE-1, -2, …]
     #[arg(long, short, value_name = "DIR", help_heading = "Output")]
     pub out: Option<PathBuf>,
+    #[command(flatten)]
+    pub force: Force,
     /// Go on with a session that was interrupted, with the options that are in its session.json: its touches become
     /// what they would have been. Takes --jobs, --json and --live beside it
     #[arg(long, value_name = "DIR", help_heading = "Output")]
@@ -98,7 +101,7 @@ pub struct BabbleArguments {
         long,
         value_name = "SHARE",
         requires = "out",
-        conflicts_with_all = ["resume", "seconds"],
+        conflicts_with_all = ["resume", "seconds", "force"],
         help_heading = "Output"
     )]
     pub shard: Option<Share>,
@@ -215,7 +218,7 @@ impl Prepared {
     fn learn_with(
         &self,
         args: &BabbleArguments,
-        lock: FolderLock,
+        mut lock: FolderLock,
         babbled: &BabbledSession,
         observer: &dyn Observer,
         live: Option<&Live>,
@@ -232,7 +235,8 @@ impl Prepared {
             );
         }
         let result = learn_and_report(Generation::begin(&lock)?, babbled, learning, truth, observer)?;
-        let folder = lock.folder();
+        lock.finish()?;
+        let folder = lock.place();
         if let Some(live) = live {
             live.done(folder, &result);
         }

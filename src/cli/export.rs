@@ -1,11 +1,11 @@
 //! `bodyschema export`: a learned body for other programs.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use super::folders::written_session;
-use super::{Failure, Outcome};
+use super::{Outcome, output};
 use crate::export::{Urdf, to_mjcf, to_urdf};
-use crate::record::{LEARNED_FILE, ReadLock, SCHEMA_FILE, Session, read_schema, write_whole};
+use crate::record::{LEARNED_FILE, MadeFolders, ReadLock, SCHEMA_FILE, Session, folder_of, read_schema};
 
 /// Write a session's learned body as a model for other programs.
 ///
@@ -49,7 +49,7 @@ pub fn run(args: &ExportArguments) -> Outcome {
     let file = |name: &str| args.out.clone().unwrap_or_else(|| args.session.join(name));
     if args.format.mjcf {
         let path = file(LEARNED_FILE);
-        write(&path, to_mjcf(agent, &schema).as_bytes())?;
+        output::file(&path, to_mjcf(agent, &schema))?;
         say!("{}", path.display());
         return Ok(());
     }
@@ -58,22 +58,20 @@ pub fn run(args: &ExportArguments) -> Outcome {
     let mesh_name = format!("{stem}_ellipsoid.stl");
     let Urdf { xml, mesh } = to_urdf(agent, &schema, &mesh_name);
     let mesh_path = path.with_file_name(mesh_name);
-    // First what the other refers to.
+    let _made = MadeFolders::make(folder_of(&path)).map_err(output::not_written(&path))?;
+    // First what the other refers to, which is of no use alone.
+    let new = mesh.is_some() && !mesh_path.exists();
     if let Some(mesh) = &mesh {
-        write(&mesh_path, mesh)?;
+        output::file(&mesh_path, mesh)?;
     }
-    write(&path, xml.as_bytes())?;
+    output::file(&path, xml).inspect_err(|_| {
+        if new {
+            let _ = std::fs::remove_file(&mesh_path);
+        }
+    })?;
     say!("{}", path.display());
     if mesh.is_some() {
         say!("{}", mesh_path.display());
     }
     Ok(())
-}
-
-fn write(path: &Path, bytes: &[u8]) -> Outcome {
-    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
-    let made = folder.map_or(Ok(()), std::fs::create_dir_all);
-    made.and_then(|()| write_whole(path, bytes)).map_err(|error| {
-        Failure(format!("cannot write {}: {error}: give another file with --out", path.display()))
-    })
 }

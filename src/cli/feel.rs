@@ -9,7 +9,7 @@ use rand::seq::IndexedRandom;
 use rand_chacha::ChaCha8Rng;
 
 use super::arguments::Arguments;
-use super::folders::session_folder;
+use super::folders::{Force, session_folder};
 use super::open::{ModelArguments, open_body};
 use super::{Failure, Outcome, progress};
 use crate::agent::Agent;
@@ -61,6 +61,8 @@ pub struct FeelArguments {
     /// The session's folder, with --strokes [default: the first free of sessions/CREATURE-1, -2, …]
     #[arg(long, short, value_name = "DIR", requires = "strokes", help_heading = "Output")]
     out: Option<PathBuf>,
+    #[command(flatten)]
+    force: Force,
     /// A map of neighbours that `bodyschema map` learned, for the touch sensor [default: that of the geometry]
     #[arg(long, value_name = "FILE")]
     map: Option<PathBuf>,
@@ -115,7 +117,7 @@ fn minutes(text: &str) -> Result<f64, String> {
 fn strokes(args: &FeelArguments, stage: &Stage, minutes: f64, arguments: Arguments) -> Outcome {
     let creature = stage.agent().creature().clone();
     let skin = stage.skin().clone();
-    let lock = session_folder(args.out.as_deref(), creature.name())?;
+    let mut lock = session_folder(args.out.as_deref(), creature.name(), args.force)?;
     // A log of firings cannot be gone on with: it is there when it is whole.
     let generation = Generation::begin(&lock)?;
     let folder = generation.folder();
@@ -170,9 +172,10 @@ fn strokes(args: &FeelArguments, stage: &Stage, minutes: f64, arguments: Argumen
         return Err(Failure(format!("{}: there is no room to stroke this creature", args.model.display())));
     }
     generation.commit()?;
+    lock.finish()?;
     say!(
         "{sensed} sensations and {fired} firings in {minutes} minutes; the session is in {}",
-        lock.folder().display()
+        lock.place().display()
     );
     Ok(())
 }

@@ -1,17 +1,17 @@
 //! Folders that results go to: never one that holds some already, and never one that another process writes.
 
 use std::fs;
-use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
-use super::{Failure, output};
+use super::Failure;
 use crate::record::{
     FIRINGS_FILE, FolderLock, LEARNED_FILE, LEARNED_RECORD_FILE, LEARNING_FILE, PROGRESS_FILE, RecordError,
     SCHEMA_FILE, SENSATIONS_FILE, SESSION_FILE, SPACE_FILE, Session, TOUCHES_FILE,
 };
+use crate::view::report::REPORT_FILE;
 
 /// Files that a session writes, any of which would be lost if one began where it is.
-const OF_SESSIONS: [&str; 10] = [
+const OF_SESSIONS: [&str; 11] = [
     SESSION_FILE,
     TOUCHES_FILE,
     PROGRESS_FILE,
@@ -22,12 +22,21 @@ const OF_SESSIONS: [&str; 10] = [
     LEARNING_FILE,
     LEARNED_RECORD_FILE,
     SPACE_FILE,
+    REPORT_FILE,
 ];
 
+/// Whether results that are there already may be replaced.
+#[derive(clap::Args, Clone, Copy, Debug, Default)]
+pub struct Force {
+    /// Replace the results that are in the folder already; they stay until the new ones are complete
+    #[arg(long, requires = "out", help_heading = "Output")]
+    force: bool,
+}
+
 /// The folder of a new session: the one named, else the first free of sessions/CREATURE-1, -2, ….
-pub fn session_folder(out: Option<&Path>, creature: &str) -> Result<FolderLock, Failure> {
+pub fn session_folder(out: Option<&Path>, creature: &str, force: Force) -> Result<FolderLock, Failure> {
     let name: String = creature.chars().map(|c| if c.is_alphanumeric() { c } else { '_' }).take(40).collect();
-    free_folder(out, "session", &OF_SESSIONS, |k| Path::new("sessions").join(format!("{name}-{k}")))
+    free_folder(out, force, "session", &OF_SESSIONS, |k| Path::new("sessions").join(format!("{name}-{k}")))
 }
 
 /// The folder of a session that is there and that a command writes into.
@@ -39,38 +48,43 @@ pub fn written_session(folder: &Path) -> Result<FolderLock, Failure> {
     Ok(FolderLock::take(folder)?)
 }
 
-/// The folder named, unless one of some files is in it already, else the first that is free of numbered ones, which is
-/// made. It is the caller's alone.
+/// The folder named, unless one of some files is in it already and may not be replaced, else the first that is free of
+/// numbered ones. It is the caller's alone, who writes into [`FolderLock::folder`] and calls [`FolderLock::finish`] in the end.
 pub fn free_folder(
     out: Option<&Path>,
+    force: Force,
     what: &str,
     files: &[&str],
     numbered: impl Fn(u32) -> PathBuf,
 ) -> Result<FolderLock, Failure> {
     if let Some(folder) = out {
-        output::make_folder(folder)?;
-        let lock = FolderLock::take(folder)?;
-        return match held(folder, files) {
-            Some(file) => Err(Failure(format!(
-                "{} holds a {what} already ({file}): give another folder with --out, or remove it",
-                folder.display()
-            ))),
-            None => Ok(lock),
-        };
+        let mut lock = FolderLock::make(folder)?;
+        match held(folder, files) {
+            Some(_) if force.force => {
+                // What is no file could not be replaced all at once.
+                let no_file = |name: &&&str| {
+                    fs::symlink_metadata(folder.join(name)).is_ok_and(|about| !about.is_file())
+                };
+                if let Some(name) = files.iter().find(no_file) {
+                    let path = folder.join(name);
+                    return Err(Failure(format!("{}: it is no file: move it away first", path.display())));
+                }
+                lock.replace(files)?;
+            }
+            Some(file) => {
+                return Err(Failure(format!(
+                    "{} holds a {what} already ({file}): give another folder with --out, or replace it with --force",
+                    folder.display()
+                )));
+            }
+            None => {}
+        }
+        return Ok(lock);
     }
     for folder in (1..).map(numbered) {
-        if let Some(above) = folder.parent() {
-            output::make_folder(above)?;
-        }
-        // Of several processes one makes it, …
-        match fs::create_dir(&folder) {
-            Err(error) if error.kind() == ErrorKind::AlreadyExists => continue,
-            Err(error) => return Err(output::no_folder(&folder, &error)),
-            Ok(()) => {}
-        }
-        // … and that one has it, unless another was told to write just there.
-        match FolderLock::take(&folder) {
-            Ok(lock) if held(&folder, files).is_none() => return Ok(lock),
+        // Of several processes one makes it, and that one has it, unless another was told to write just there.
+        match FolderLock::make_new(&folder) {
+            Ok(Some(lock)) if held(&folder, files).is_none() => return Ok(lock),
             Ok(_) | Err(RecordError::Busy { .. }) => {}
             Err(error) => return Err(error.into()),
         }

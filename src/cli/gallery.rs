@@ -8,8 +8,9 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
 use super::ends_with::ENDS_WITH;
+use super::folders::{Force, free_folder};
 use super::{Failure, Outcome, output, progress};
-use crate::record::{FolderLock, PartFolder};
+use crate::record::PartFolder;
 
 /// The page that the gallery is.
 const PAGE_FILE: &str = "gallery.md";
@@ -55,6 +56,8 @@ pub struct GalleryArguments {
     /// The gallery's folder
     #[arg(long, short, value_name = "DIR", default_value = "gallery", help_heading = "Output")]
     out: PathBuf,
+    #[command(flatten)]
+    force: Force,
     /// Print one JSON object
     #[arg(long, help_heading = "Output")]
     json: bool,
@@ -125,22 +128,24 @@ struct Row {
 pub fn run(args: &GalleryArguments) -> Outcome {
     let last = args.seed.checked_add(u64::from(args.trials) - 1);
     let last = last.ok_or("the last trial's seed would be too great: give a smaller --seed")?;
-    output::make_folder(&args.out)?;
-    let _lock = FolderLock::take(&args.out)?;
-    let sessions =
-        PartFolder::make(&args.out, "sessions").map_err(|error| output::no_folder(&args.out, &error))?;
+    let files = [PAGE_FILE, TABLE_FILE];
+    let mut lock = free_folder(Some(&args.out), args.force, "gallery", &files, |_| args.out.clone())?;
+    let out = lock.folder().to_path_buf();
+    let sessions = PartFolder::make(&out, "sessions").map_err(output::not_written(&out))?;
     let bar = progress::steps(args.models.len() as u64);
     let mut rows = Vec::new();
     for model in &args.models {
         bar.set_message(model.display().to_string());
-        rows.push(row(model, args.seed..=last, &args.out, sessions.path())?);
+        rows.push(row(model, args.seed..=last, &out, sessions.path())?);
         let table = json!({ "seed": args.seed, "trials": args.trials, "bodies": rows });
         // Written after every body: nothing is lost where it is interrupted.
-        output::file(&args.out.join(TABLE_FILE), &format!("{}\n", serde_json::to_string_pretty(&table)?))?;
-        output::file(&args.out.join(PAGE_FILE), &page(&rows))?;
+        output::file(&out.join(TABLE_FILE), format!("{}\n", serde_json::to_string_pretty(&table)?))?;
+        output::file(&out.join(PAGE_FILE), page(&rows))?;
         bar.inc(1);
     }
     bar.finish_and_clear();
+    drop(sessions);
+    lock.finish()?;
     if args.json {
         return output::json(&json!({ "seed": args.seed, "trials": args.trials, "bodies": rows }));
     }

@@ -4,9 +4,8 @@ use std::path::{Path, PathBuf};
 
 use serde_json::json;
 
-use super::{Failure, Outcome, output};
+use super::{Outcome, output};
 use crate::experiment::bodies::GeneratedBody;
-use crate::record::write_whole;
 
 /// Make a body from a seed, as an MJCF file.
 ///
@@ -43,7 +42,6 @@ pub fn run(args: &GenerateArguments) -> Outcome {
     };
     let last = args.seed.checked_add(u64::from(count) - 1);
     let last = last.ok_or("the last body's seed would be too great: give a smaller --seed")?;
-    output::make_folder(out)?;
     for seed in args.seed..=last {
         let body = GeneratedBody::new(seed);
         write(&body, &out.join(format!("{}.xml", body.name())), args.json)?;
@@ -52,8 +50,7 @@ pub fn run(args: &GenerateArguments) -> Outcome {
 }
 
 fn write(body: &GeneratedBody, path: &Path, json: bool) -> Outcome {
-    write_whole(path, body.mjcf.as_bytes())
-        .map_err(|error| Failure(format!("cannot write {}: {error}: give another --out", path.display())))?;
+    output::file(path, &body.mjcf)?;
     if json {
         output::line(format_args!("{}", json!({ "file": path, "seed": body.seed, "drawn": body.drawn })));
     } else {

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use super::arguments::Arguments;
-use super::folders::{session_folder, written_session};
+use super::folders::{Force, session_folder, written_session};
 use super::learned::{learn_and_report, print_learned, warn_truncated};
 use super::learning_arguments::{KNOWN_HELP, LearningArguments};
 use super::open::known_truth;
@@ -18,7 +18,7 @@ use crate::senses::Touch;
 /// Of a session, the log alone is enough: the creature and its skin are in it. Where the model is still at hand,
 /// the result is measured against it. The session's schema, table and learned model are replaced, all at once; a schema that
 /// stood up to fresh touches and was learned in another way is kept, in earlier-1, -2, … of the session's folder. With --out
-/// the session stays as it is, and a new one gets its touches and what is learned.
+/// the session stays as it is, and a new one gets its touches and what is learned; --force replaces one that is there.
 ///
 /// Of a recording, a description of the creature in JSON and a log of touches are enough, and no model is
 /// needed: a new session is made of the two. Units are metres and radians.
@@ -47,6 +47,8 @@ pub struct LearnArguments {
     /// sessions/CREATURE-1, -2, …; of a session its own]
     #[arg(long, short, value_name = "DIR", help_heading = "Output")]
     out: Option<PathBuf>,
+    #[command(flatten)]
+    force: Force,
     /// Use only the first touches of the log
     #[arg(long, value_parser = clap::value_parser!(u64).range(1..))]
     touches: Option<u64>,
@@ -75,7 +77,7 @@ const RECORDING_HELP: &str = r#"Example of a recording: an elbow, and two touche
   {"posture": {"elbow_pitch": 0.75}, "limbs": ["base", "forearm"], "contacts": [[0.08, 0.01, 0.02], [0.21, 0.0, 0.01]]}"#;
 
 pub fn run(args: &LearnArguments, given: Arguments) -> Outcome {
-    let Learnable { lock, made, session, touches, learning } =
+    let Learnable { mut lock, made, session, touches, learning } =
         match (&args.session, &args.creature, &args.log) {
             (Some(folder), ..) => from_session(args, folder)?,
             (None, Some(creature), Some(log)) => {
@@ -93,7 +95,8 @@ pub fn run(args: &LearnArguments, given: Arguments) -> Outcome {
         made.write(generation.folder())?;
     }
     let result = learn_and_report(generation, &babbled, &learning, truth.as_ref(), &bars)?;
-    print_learned(lock.folder(), &babbled.session, &babbled.touches, &learning, &result, args.json)
+    lock.finish()?;
+    print_learned(lock.place(), &babbled.session, &babbled.touches, &learning, &result, args.json)
 }
 
 /// A session with the touches to learn from, and how.
@@ -119,7 +122,7 @@ fn from_session(args: &LearnArguments, folder: &Path) -> Result<Learnable, Failu
     let (lock, made) = match own {
         Some(lock) => (lock, None),
         None => {
-            let lock = session_folder(args.out.as_deref(), session.agent.creature().name())?;
+            let lock = session_folder(args.out.as_deref(), session.agent.creature().name(), args.force)?;
             (lock, Some(RecordedSession { session: session.clone(), touches: touches.clone() }))
         }
     };
@@ -139,7 +142,7 @@ fn from_recording(
     let recorded =
         RecordedSession::read(source, most(args), args.seed, &asked, provenance, &Bars::default())?;
     let learning = args.learning.options_for(&recorded.session)?;
-    let lock = session_folder(args.out.as_deref(), recorded.session.agent.creature().name())?;
+    let lock = session_folder(args.out.as_deref(), recorded.session.agent.creature().name(), args.force)?;
     let RecordedSession { session, touches } = recorded.clone();
     Ok(Learnable { lock, made: Some(recorded), session, touches, learning })
 }

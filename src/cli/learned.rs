@@ -230,6 +230,7 @@ fn more_touches(session: &Session, touches: usize) -> String {
     // The folder is another one, and what was a share is all of it.
     let alone = with_option(&with_option(command, "--out", None), "--shard", None);
     let mut words = with_option(&alone, "--touches", Some(&more));
+    words.retain(|word| word != "--force");
     words[0] = "bodyschema".into();
     shell_words(&words)
 }

@@ -156,11 +156,17 @@ pub fn place_at(address: Option<SocketAddr>, open: bool) -> Result<Place, Failur
 
 /// A page to look at, until nobody wants it any more.
 pub fn look(view: LookingView, place: Place) -> Outcome {
-    let server = serve(place, Arc::new(view))?;
-    tell!("the page stays until Enter or Ctrl-C");
-    let _ = std::io::stdin().lock().read_line(&mut String::new());
-    drop(server);
-    Ok(())
+    let _server = serve(place, Arc::new(view))?;
+    if std::io::stdin().is_terminal() {
+        tell!("the page stays until Enter or Ctrl-C");
+        let _ = std::io::stdin().lock().read_line(&mut String::new());
+        return Ok(());
+    }
+    // Nobody types: a script, or the system that started it, ends it by a signal.
+    tell!("the page stays until this process is ended, as by `kill {}`", std::process::id());
+    loop {
+        std::thread::park();
+    }
 }
 
 fn listen(address: SocketAddr) -> Result<TcpListener, Failure> {
@@ -220,12 +226,17 @@ pub fn talk(mut conversation: Conversation, stage: &Stage, place: Place, name: &
     let typed = hear.clone();
     std::thread::spawn(move || {
         let Ok(mut lines) = Typed::new() else { return };
+        // Who never typed a line, as where standard input is /dev/null, is no partner to end it.
+        let mut partner = lines.in_terminal();
         while let Ok(Some(line)) = lines.line() {
+            partner = true;
             if !line.is_empty() && typed.send(Heard::Asked(Asked::Say(line))).is_err() {
                 return;
             }
         }
-        let _ = typed.send(Heard::End);
+        if partner {
+            let _ = typed.send(Heard::End);
+        }
     });
     std::thread::spawn(move || asked.iter().try_for_each(|asked| hear.send(Heard::Asked(asked))));
     tell!("{name} listens, on the page and here");

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use super::again::with_option;
 use super::babbling::Prepared;
-use super::folders::{session_folder, written_session};
+use super::folders::{Force, session_folder, written_session};
 use super::resume::{args_of, finish};
 use super::study::shares::{StudyShares, are_of_study};
 use super::{Failure, Outcome, output};
@@ -70,7 +70,7 @@ fn session(args: &MergeArguments, shares: &BabbledShares) -> Outcome {
     (babble.jobs, babble.json, babble.out) = (args.jobs, args.json, Some(folder.clone()));
     let prepared = Prepared::new(&babble)?;
     if !folder.join(SESSION_FILE).exists() {
-        let lock = session_folder(Some(folder), "")?;
+        let lock = session_folder(Some(folder), "", Force::default())?;
         let arguments = shares.session().options.arguments.clone();
         let provenance = Provenance { command: output::command_line(), arguments };
         let session = BabblingSession::begin(&prepared.embodied, &prepared.setup, &lock, provenance)?;

@@ -5,9 +5,10 @@ use std::path::Path;
 
 use serde_json::Value;
 
+use super::Outcome;
 use super::printable::Printable;
-use super::{Failure, Outcome};
 use crate::evaluation::Summary;
+use crate::record::{Action, MadeFolders, RecordError, folder_of, write_whole};
 /// An error in its unit, as the report has it; a dash where there is none.
 pub(crate) use crate::view::text::error_number as number;
 use crate::view::tone::Tone;
@@ -52,30 +53,21 @@ pub fn joined(mut object: Value, with: Value) -> Value {
     object
 }
 
-/// Makes the folder that results go to.
-pub fn make_folder(folder: &Path) -> Outcome {
-    std::fs::create_dir_all(folder).map_err(|error| no_folder(folder, &error))
-}
-
-/// Why a folder that results go to cannot be made.
-pub fn no_folder(folder: &Path, error: &std::io::Error) -> Failure {
-    Failure(format!(
-        "cannot make the folder {}: {error}: give one you may write to with --out",
-        folder.display()
-    ))
-}
-
 /// The command line that this program was called with, word by word, the program by its name alone.
 pub fn command_line() -> Vec<String> {
     let words = std::env::args_os().skip(1).map(|word| word.to_string_lossy().into_owned());
     std::iter::once(env!("CARGO_PKG_NAME").to_string()).chain(words).collect()
 }
 
-/// Writes a file of results, whole or not at all.
-pub fn file(path: &Path, text: &str) -> Outcome {
-    crate::record::write_whole(path, text.as_bytes()).map_err(|error| {
-        Failure(format!("cannot write {}: {error}: give another folder with --out", path.display()))
-    })
+/// Writes a file of results, whole or not at all. The folders above it are made, and go again where it cannot be written.
+pub fn file(path: &Path, content: impl AsRef<[u8]>) -> Outcome {
+    let written = MadeFolders::make(folder_of(path)).and_then(|_made| write_whole(path, content.as_ref()));
+    Ok(written.map_err(not_written(path))?)
+}
+
+/// Why a file of results is not written.
+pub fn not_written(path: &Path) -> impl FnOnce(std::io::Error) -> RecordError {
+    move |source| RecordError::Io { path: path.to_path_buf(), action: Action::Write, source }
 }
 
 /// A summary as a row of a table, in its own unit.

@@ -11,11 +11,11 @@ use nalgebra::Point3;
 
 use super::open::{ModelArguments, open_model};
 use super::progress::Bars;
-use super::{Failure, Outcome, progress};
+use super::{Failure, Outcome, output, progress};
 use crate::creature::{Body, BodyError, JointSelection, Posture};
 use crate::experiment::skin_for;
 use crate::mujoco::{Camera, Data, Image, MOST_MARKS, Model, PICTURE_SIDES, Renderer};
-use crate::record::{SESSION_FILE, model_hash, write_whole};
+use crate::record::{MadeFolders, SESSION_FILE, folder_of, model_hash};
 use crate::skin::{Skin, SomatotopicMap, aura_of};
 use crate::view::picture::{
     self, Direction, Film, Shot, Storyboard, corners_of, draw, extent, frame, is_film, outline, outline_of,
@@ -161,7 +161,7 @@ pub fn run(args: &RenderArguments) -> Outcome {
     let film = is_film(&args.out);
     if !film && !args.out.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("png")) {
         return Err(Failure(format!(
-            "{}: its name does not say what to write: end it in .png for a picture, in .mp4 or .webm for a film",
+            "{}: unsupported format: end it in .png for a picture, in .mp4, .webm, .mov, .mkv or .gif for a film",
             args.out.display()
         )));
     }
@@ -193,16 +193,12 @@ pub fn run(args: &RenderArguments) -> Outcome {
     spinner.finish_and_clear();
     let shaded = |geom: usize| plan.shaded && subject.is_own(geom);
     let mut picture = |shot: &Shot| draw(&mut renderer, shot, camera, &shaded);
-    let folder = args.out.parent().filter(|folder| !folder.as_os_str().is_empty());
-    let cannot = |error| {
-        Failure(format!("cannot write {}: {error}: give another file with --out", args.out.display()))
-    };
-    folder.map_or(Ok(()), std::fs::create_dir_all).map_err(cannot)?;
     if !film {
-        write_whole(&args.out, &png(&picture(&plan.shots[0])?)).map_err(cannot)?;
+        output::file(&args.out, png(&picture(&plan.shots[0])?))?;
         say!("{}", args.out.display());
         return Ok(());
     }
+    let _made = MadeFolders::make(folder_of(&args.out)).map_err(output::not_written(&args.out))?;
     let mut film = Film::begin(&args.out, args.size, args.frames_per_second)?;
     let bar = progress::counted("drawing", plan.shots.len() as u64, "frames");
     let mut drawn: Option<(&Shot, Image)> = None;

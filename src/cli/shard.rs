@@ -58,6 +58,5 @@ pub fn take_share(folder: &Path, share: Share, whole: &str) -> Result<FolderLock
         )));
     }
     let place = Shares::folder(folder, share);
-    output::make_folder(&place)?;
-    Ok(FolderLock::take(&place)?)
+    Ok(FolderLock::make(&place)?)
 }

@@ -5,7 +5,6 @@ use std::path::PathBuf;
 use super::arguments::positive;
 use super::open::{ModelArguments, rehearse};
 use super::{Outcome, output, progress};
-use crate::record::write_whole;
 use crate::skin::{GrowOptions, PatchSize, grow_skin_rooted};
 
 /// Grow a skin of touch receptors on a model.
@@ -67,9 +66,7 @@ pub fn run(args: &SkinArguments) -> Outcome {
     match &args.out {
         None => output::line(format_args!("{}", grown.text(None).trim_end_matches('\n'))),
         Some(path) => {
-            let text = grown.text(path.parent());
-            write_whole(path, text.as_bytes())
-                .map_err(|error| format!("cannot write {}: {error}: give another --out", path.display()))?;
+            output::file(path, grown.text(path.parent()))?;
             let kept = match grown.kept {
                 0 => String::new(),
                 kept => format!(", {kept} touch sensors kept"),

@@ -211,7 +211,7 @@ impl Space {
                 record.hands.join(" and "),
                 record.chest
             );
-            output::file(path, &slices::chart(&record, &says).alone())?;
+            output::file(path, slices::chart(&record, &says).alone())?;
         }
         Ok(())
     }

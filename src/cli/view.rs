@@ -26,7 +26,7 @@ const MOST: usize = 20;
 /// A page on this machine shows a session's body as it was learned, over the true one in grey where the model is at hand. A
 /// slider goes through its touches, whose receptors light up; others put its joints into any posture; a click on a limb tells how
 /// sure it is, and where it gets to. Of two sessions the second stands beside the first; of more, the page chooses. Without any, the newest in the folder
-/// sessions. The page stays until Enter, the end of input or Ctrl-C.
+/// sessions. The page stays until Enter or Ctrl-C; started without a terminal, as by a script or a service, until its process is ended.
 #[derive(clap::Args)]
 #[command(after_help = "Examples:
   bodyschema view

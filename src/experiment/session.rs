@@ -1,6 +1,7 @@
 //! A session: a creature babbles, and all of it goes into a folder, from which an interrupted session goes on.
 
 use std::collections::BTreeMap;
+use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
@@ -58,6 +59,8 @@ pub struct BabblingSession<'a> {
     log: TouchWriter<'a>,
     /// Zero bytes that were at the log's end and are not any more.
     zeros: u64,
+    /// Whether it was begun here, with an empty log.
+    begun: bool,
     /// The bouts that need not be made again.
     done: BoutsDone,
     /// The time that they took.
@@ -113,6 +116,7 @@ impl<'a> BabblingSession<'a> {
             session,
             log,
             zeros: 0,
+            begun: true,
             done: BoutsDone::default(),
             spent: Duration::ZERO,
             made: Vec::new(),
@@ -165,7 +169,9 @@ impl<'a> BabblingSession<'a> {
             }
         }
         let folder = folder.to_path_buf();
-        let resumed = BabblingSession { embodied, setup, folder, session, log, zeros, done, spent, made };
+        let begun = false;
+        let resumed =
+            BabblingSession { embodied, setup, folder, session, log, zeros, begun, done, spent, made };
         Ok(ResumedSession::Babbling(Box::new(resumed)))
     }
 
@@ -222,6 +228,7 @@ impl<'a> BabblingSession<'a> {
             &mut dyn FnMut(Made) -> Result<(), RecordError>,
         ) -> Result<(Effort, Option<Growth>), ExperimentError>,
     ) -> Result<BabbledSession, ExperimentError> {
+        let begun = self.begun;
         let BabblingSession { embodied, setup, folder, mut session, mut log, done, spent, mut made, .. } =
             self;
         let babbler =
@@ -234,7 +241,7 @@ impl<'a> BabblingSession<'a> {
         });
         let began = Instant::now();
         let mut kept = began;
-        let (effort, grown) = make(&babbler, done, &mut |news| {
+        let made_all = make(&babbler, done, &mut |news| {
             match news {
                 Made::Touch(touch) => {
                     log.write(touch)?;
@@ -250,7 +257,12 @@ impl<'a> BabblingSession<'a> {
                 Made::Grown(growth) => observer.grew(growth),
             }
             Ok(())
-        })?;
+        });
+        if made_all.is_err() && begun && made.is_empty() {
+            // There is nothing to go on with.
+            [TOUCHES_FILE, SESSION_FILE].iter().for_each(|file| drop(fs::remove_file(folder.join(file))));
+        }
+        let (effort, grown) = made_all?;
         observer.phase(Phase::Done);
         let touches = Some(made.len()).filter(|&made| made != setup.babbling.touches);
         session.effort =

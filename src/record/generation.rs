@@ -18,6 +18,8 @@ pub(super) const PART: &str = ".generation.part";
 pub(super) const WHOLE: &str = ".generation";
 /// Where files of before are copied to, until they are all there.
 pub(super) const EARLIER_PART: &str = ".earlier.part";
+/// In a generation that replaces all results of a folder, the names of the files that go when it comes, a line each.
+const REMOVED: &str = ".removed";
 /// Files that were made of a schema, and go with it.
 const MADE_OF_SCHEMA: [&str; 1] = [SPACE_FILE];
 /// How long files are not moved for the sake of those who read them; reading takes seconds.
@@ -50,7 +52,7 @@ impl<'a> Generation<'a> {
         &self.part
     }
 
-    /// Where they will be in the end.
+    /// Where they will be after [`Generation::commit`].
     pub fn place(&self) -> &Path {
         self.lock.folder()
     }
@@ -91,18 +93,7 @@ impl<'a> Generation<'a> {
     /// [`RecordError::Io`] where a file cannot be stored; the folder is then as it was, or as it will be once the next
     /// command has put it in order.
     pub fn commit(self) -> Result<(), RecordError> {
-        let place = self.place();
-        for name in self.names()? {
-            let path = self.part.join(name);
-            File::open(&path)
-                .and_then(|file| file.sync_all())
-                .map_err(RecordError::io(&path, Action::Write))?;
-        }
-        files::sync_folder(&self.part).map_err(RecordError::io(&self.part, Action::Write))?;
-        let _alone = Unread::wait(place)?;
-        fs::rename(&self.part, place.join(WHOLE)).map_err(RecordError::io(place, Action::Write))?;
-        files::sync_folder(place).map_err(RecordError::io(place, Action::Write))?;
-        put_in_place(place)
+        commit(&self.part, self.place())
     }
 
     /// The names of its files.
@@ -116,6 +107,28 @@ impl Drop for Generation<'_> {
         // One that is committed is not there any more; what is left is swept by the next writer.
         let _ = fs::remove_dir_all(&self.part);
     }
+}
+
+/// Puts the files of a folder within `place` there in the stead of some that are named, which go.
+pub(super) fn replace(part: &Path, place: &Path, replaced: &[String]) -> Result<(), RecordError> {
+    let removed = replaced.iter().filter(|name| !part.join(name).exists());
+    let removed: String = removed.map(|name| format!("{name}\n")).collect();
+    let list = part.join(REMOVED);
+    fs::write(&list, removed).map_err(RecordError::io(&list, Action::Write))?;
+    commit(part, place)
+}
+
+/// Puts the files of a folder within `place` there, all at once.
+fn commit(part: &Path, place: &Path) -> Result<(), RecordError> {
+    for name in all_names(part)? {
+        let path = part.join(name);
+        File::open(&path).and_then(|file| file.sync_all()).map_err(RecordError::io(&path, Action::Write))?;
+    }
+    files::sync_folder(part).map_err(RecordError::io(part, Action::Write))?;
+    let _alone = Unread::wait(place)?;
+    fs::rename(part, place.join(WHOLE)).map_err(RecordError::io(place, Action::Write))?;
+    files::sync_folder(place).map_err(RecordError::io(place, Action::Write))?;
+    put_in_place(place)
 }
 
 /// Whether files of a generation are still to be moved to their places.
@@ -137,14 +150,17 @@ fn put_in_place(folder: &Path) -> Result<(), RecordError> {
     let whole = folder.join(WHOLE);
     let io = || RecordError::io(folder, Action::Write);
     let names = names(&whole)?;
+    let gone = |path: &Path| match fs::remove_file(path) {
+        Err(error) if error.kind() != io::ErrorKind::NotFound => Err(io()(error)),
+        _ => Ok(()),
+    };
+    let list = whole.join(REMOVED);
+    let removed = fs::read_to_string(&list).unwrap_or_default();
+    removed.lines().try_for_each(|name| gone(&folder.join(name)))?;
     // The schema is moved last: as long as it is there, so may be what was made of the one before.
     if names.iter().any(|name| name == Path::new(SCHEMA_FILE)) {
-        for made in MADE_OF_SCHEMA.iter().filter(|made| !whole.join(made).exists()) {
-            match fs::remove_file(folder.join(made)) {
-                Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(io()(error)),
-                _ => {}
-            }
-        }
+        let mut made = MADE_OF_SCHEMA.iter().filter(|made| !whole.join(made).exists());
+        made.try_for_each(|made| gone(&folder.join(made)))?;
     }
     let (schema, others): (Vec<_>, Vec<_>) =
         names.iter().partition(|name| name.as_path() == Path::new(SCHEMA_FILE));
@@ -153,11 +169,19 @@ fn put_in_place(folder: &Path) -> Result<(), RecordError> {
         fs::rename(whole.join(name), &place).map_err(RecordError::io(&place, Action::Write))?;
     }
     files::sync_folder(folder).map_err(io())?;
+    gone(&list)?;
     fs::remove_dir(&whole).map_err(io())
 }
 
+/// The names of the files that a generation puts in a folder.
+fn names(part: &Path) -> Result<Vec<PathBuf>, RecordError> {
+    let mut names = all_names(part)?;
+    names.retain(|name| name != Path::new(REMOVED));
+    Ok(names)
+}
+
 /// The names of the files in a folder.
-fn names(folder: &Path) -> Result<Vec<PathBuf>, RecordError> {
+fn all_names(folder: &Path) -> Result<Vec<PathBuf>, RecordError> {
     let io = || RecordError::io(folder, Action::Read);
     let entries = fs::read_dir(folder).map_err(io())?;
     let names = entries.map(|entry| entry.map(|entry| PathBuf::from(entry.file_name())));

@@ -53,7 +53,7 @@ pub struct LearningRecord {
     /// Every direction in which the schema could change without any touch feeling it, in words.
     pub open_directions: Vec<String>,
     /// The held-out error beside its bound; none where either is not known.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(rename = "bound_mm", alias = "bound", default, skip_serializing_if = "Option::is_none")]
     pub bound: Option<CramerRaoBound>,
     /// How sure the schema is; none in records from before it was kept.
     #[serde(skip)]

@@ -56,7 +56,7 @@ pub use map_file::{read_map, write_map};
 #[cfg_attr(not(feature = "render"), allow(unused_imports))]
 pub(crate) use mistaken::for_model as mistaken_for_model;
 pub use model_hash::model_hash;
-pub(crate) use part_file::{PartFile, PartFolder};
+pub(crate) use part_file::{MadeFolders, PartFile, PartFolder, folder_of};
 pub use progress::BabblingProgress;
 pub use read_lock::ReadLock;
 pub use recording::{CreatureFile, Recording, read_creature, read_recording};

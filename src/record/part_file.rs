@@ -1,4 +1,4 @@
-//! A file that comes to its place when it is whole, and a folder that never does.
+//! A file that comes to its place when it is whole, a folder that never does, and folders that are kept once they hold something.
 
 use std::fs::{self, File};
 use std::io;
@@ -78,6 +78,41 @@ impl Drop for PartFolder {
     }
 }
 
-fn folder_of(path: &Path) -> &Path {
+/// The folders that were made for results. Those that are still empty in the end are removed: a command that fails leaves none.
+#[derive(Debug, Default)]
+pub(crate) struct MadeFolders(Vec<PathBuf>);
+
+impl MadeFolders {
+    /// Makes a folder and those above it, where they are missing.
+    ///
+    /// # Errors
+    /// Where the system refuses.
+    pub fn make(folder: &Path) -> io::Result<MadeFolders> {
+        let missing = folder.ancestors().take_while(|above| !above.as_os_str().is_empty() && !above.exists());
+        let made = MadeFolders(missing.map(Path::to_path_buf).collect());
+        fs::create_dir_all(folder)?;
+        Ok(made)
+    }
+
+    /// Makes a folder that is not there yet, and those above it.
+    ///
+    /// # Errors
+    /// [`io::ErrorKind::AlreadyExists`] where it is there, and where the system refuses.
+    pub fn make_new(folder: &Path) -> io::Result<MadeFolders> {
+        let mut made = MadeFolders::make(folder_of(folder))?;
+        fs::create_dir(folder)?;
+        made.0.insert(0, folder.to_path_buf());
+        Ok(made)
+    }
+}
+
+impl Drop for MadeFolders {
+    fn drop(&mut self) {
+        // From within: the system removes none that holds anything.
+        self.0.iter().for_each(|folder| drop(fs::remove_dir(folder)));
+    }
+}
+
+pub(crate) fn folder_of(path: &Path) -> &Path {
     path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }

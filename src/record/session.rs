@@ -70,36 +70,29 @@ struct SessionFile {
     skin: Skin,
 }
 
+/// One of the two of the fields that both have, and of the ones that it has alone.
+macro_rules! of_both {
+    ($from:ident, $to:ident { $($own:ident),+ }) => {
+        $to {
+            program: $from.program,
+            engine: $from.engine,
+            model: $from.model,
+            model_hash: $from.model_hash,
+            recording: $from.recording,
+            command: $from.command,
+            host: $from.host,
+            seed: $from.seed,
+            options: $from.options,
+            effort: $from.effort,
+            $($own),+
+        }
+    };
+}
+
 impl From<Session> for SessionFile {
     fn from(session: Session) -> SessionFile {
-        let Session {
-            program,
-            engine,
-            model,
-            model_hash,
-            recording,
-            command,
-            host,
-            seed,
-            options,
-            effort,
-            agent,
-        } = session;
-        let (creature, skin) = (agent.creature().clone(), agent.skin().clone());
-        SessionFile {
-            program,
-            engine,
-            model,
-            model_hash,
-            recording,
-            command,
-            host,
-            seed,
-            options,
-            effort,
-            creature,
-            skin,
-        }
+        let (creature, skin) = (session.agent.creature().clone(), session.agent.skin().clone());
+        of_both!(session, SessionFile { creature, skin })
     }
 }
 
@@ -107,34 +100,8 @@ impl TryFrom<SessionFile> for Session {
     type Error = AgentError;
 
     fn try_from(file: SessionFile) -> Result<Session, AgentError> {
-        let SessionFile {
-            program,
-            engine,
-            model,
-            model_hash,
-            recording,
-            command,
-            host,
-            seed,
-            options,
-            effort,
-            creature,
-            skin,
-        } = file;
-        let agent = Agent::new(creature, skin)?;
-        Ok(Session {
-            program,
-            engine,
-            model,
-            model_hash,
-            recording,
-            command,
-            host,
-            seed,
-            options,
-            effort,
-            agent,
-        })
+        let agent = Agent::new(file.creature, file.skin)?;
+        Ok(of_both!(file, Session { agent }))
     }
 }
 

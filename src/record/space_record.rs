@@ -26,6 +26,7 @@ pub struct SpaceRecord {
     /// The side of a voxel, metres.
     pub voxel: f64,
     /// Per hand, the volumes of what is near and of what is far, litres.
+    #[serde(rename = "volumes_l", alias = "litres")]
     pub litres: Vec<[f64; 2]>,
     /// What of this is no knowledge but a guess, in sentences.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]

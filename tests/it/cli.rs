@@ -266,7 +266,7 @@ fn a_session_that_exists_is_never_overwritten() {
     place.session("taken", "20");
     let before = fs::read(place.path("taken/touches.jsonl")).unwrap();
     let message = place.fails(&["babble", "arms.xml", "--touches", "5", "--out", "taken"]);
-    has(&message, &["taken", "already", "--out"]);
+    has(&message, &["taken", "already", "--out", "--force"]);
     assert_eq!(fs::read(place.path("taken/touches.jsonl")).unwrap(), before);
     for number in 1..=2 {
         let hersch = ["babble", "arms.xml", "--touches", "5", "--learner", "hersch", "--json"];

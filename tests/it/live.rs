@@ -182,6 +182,43 @@ fn sessions_are_looked_at_touch_by_touch_in_any_posture_and_beside_each_other() 
     let touched = joints();
     assert_ne!(touched, at_ease);
 
+    // Another browser looks at its own; and where nothing changes nothing is drawn, lit receptors or not.
+    let other = open(browser, &served);
+    assert_eq!(other.evaluate("document.getElementById('touch').value"), "0");
+    let rests = "await (async () => {
+        const { body } = document.getElementById('body');
+        await new Promise((done) => setTimeout(done, 1500));
+        const before = body.draws();
+        await new Promise((done) => setTimeout(done, 1500));
+        return body.draws() - before;
+    })()";
+    for tab in [&tab, &other] {
+        assert_eq!(tab.evaluate(rests), 0, "it is drawn on at rest");
+    }
+    drop(other);
+    assert_eq!(joints(), touched);
+
+    // Whatever is said above it, the body stays where it is, on a phone as well.
+    let hops = "await (async () => {
+        const places = new Set();
+        for (const touch of [0, 1, 2, 3, 40, 0]) {
+            document.getElementById('touch').value = touch;
+            document.getElementById('touch').dispatchEvent(new Event('input'));
+            await new Promise((done) => setTimeout(done, 300));
+            document.querySelector('details.posture').open = touch % 2 === 1;
+            const { left, top, width, height } = document.getElementById('body').getBoundingClientRect();
+            places.add(`${left} ${top} ${width} ${height}`);
+        }
+        return [...places];
+    })()";
+    for (width, height) in [(1100, 900), (390, 844)] {
+        let size = json!({ "width": width, "height": height, "deviceScaleFactor": 1, "mobile": width < 600 });
+        tab.call("Emulation.setDeviceMetricsOverride", size);
+        let places = tab.evaluate(hops);
+        assert_eq!(places.as_array().unwrap().len(), 1, "{width} pixels wide the body hops: {places}");
+    }
+    tab.call("Emulation.clearDeviceMetricsOverride", json!({}));
+
     // A posture that is none of a touch.
     let elbow = "[...document.querySelectorAll('.dofs label')].find((label) => \
                  label.textContent.includes('left_elbow_flexion')).querySelector('input')";
@@ -197,7 +234,7 @@ fn sessions_are_looked_at_touch_by_touch_in_any_posture_and_beside_each_other() 
     );
     let pixel = |k: usize| at[k].as_f64().unwrap() + corner[k].as_f64().unwrap();
     tab.click(pixel(0), pixel(1));
-    tab.wait("document.getElementById('about').textContent.includes(': its skin is known to ')");
+    tab.wait("document.getElementById('about').textContent.includes(': located to within ')");
 
     // And where it gets to is seen as a cloud, another one for another limb.
     let drawn_on = "(() => {
@@ -229,11 +266,33 @@ fn sessions_are_looked_at_touch_by_touch_in_any_posture_and_beside_each_other() 
         ("{\"session\":3}", "404"),
         ("{\"beside\":9}", "404"),
         ("{\"touch\":-1}", "422"),
-        ("{\"beside\":null}", "204"),
+        ("{\"receptor\":99999}", "404"),
+        ("{\"beside\":null}", "200"),
     ] {
         let said = served.answer("POST", "/show", json, asked);
         assert!(said.starts_with(&format!("HTTP/1.1 {answer}")), "{asked}: {said}");
     }
+    for query in ["?session=3", "?session=0&beside=9", "?session=x"] {
+        let said = served.answer("GET", &format!("/{query}"), "host: HERE\r\n", "");
+        assert!(said.starts_with("HTTP/1.1 404"), "{query}: {said}");
+    }
+}
+
+#[test]
+fn a_page_stays_where_nobody_types_until_its_process_is_ended() {
+    let place = tempfile::tempdir().unwrap();
+    let model = repository("mjcf/hexapod/hexapod.xml");
+    let served = Served::unattended(place.path(), &["view", model.to_str().unwrap()]);
+    std::thread::sleep(Duration::from_millis(1500));
+    assert!(served.answer("GET", "/", "host: HERE\r\n", "").starts_with("HTTP/1.1 200"));
+    served.terminate();
+    let (status, said) = served.end();
+    assert!(!status.success() && said.contains("kill "), "{status}: {said}");
+    // And a conversation goes on there of which no line was ever typed.
+    let scene = repository("mjcf/max/table.xml");
+    let served = Served::unattended(sessions::max(), &["talk", scene.to_str().unwrap(), "max"]);
+    std::thread::sleep(Duration::from_millis(1500));
+    assert!(served.answer("GET", "/", "host: HERE\r\n", "").starts_with("HTTP/1.1 200"));
 }
 
 #[test]

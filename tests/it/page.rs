@@ -121,6 +121,38 @@ fn every_picture_is_drawn_and_nothing_is_fetched() {
         let (share, colours) = pixels(&tab, picture);
         assert!(share > 0.01 && colours > 20, "{picture}: {share} of it drawn on in {colours} colours");
     }
+    // All that is written at axes is within its picture.
+    let cut = "[...document.querySelectorAll('svg.chart')].flatMap((svg) => {
+        const all = svg.getBoundingClientRect();
+        const out = (at) => at.left < all.left - 0.5 || at.right > all.right + 0.5 || at.top < all.top - 0.5 || at.bottom > all.bottom + 0.5;
+        const texts = [...svg.querySelectorAll('text')].filter((text) => text.textContent.trim());
+        return texts.filter((text) => out(text.getBoundingClientRect())).map((text) => text.textContent);
+    })";
+    assert_eq!(tab.evaluate(cut), json!([]));
+    // Paper has another width than the screen that the body was drawn for: it keeps its shape.
+    tab.call("Emulation.setEmulatedMedia", json!({ "media": "print" }));
+    let shape = tab.evaluate(
+        "(() => {
+        const canvas = document.getElementById('body');
+        [canvas.width, canvas.height] = [600, 150];
+        const { width, height } = canvas.getBoundingClientRect();
+        return width / height;
+    })()",
+    );
+    assert!((shape.as_f64().unwrap() / 4.0 - 1.0).abs() < 0.02, "{shape}");
+    let paper = json!({ "width": 700, "height": 1000, "deviceScaleFactor": 1, "mobile": false });
+    tab.call("Emulation.setDeviceMetricsOverride", paper);
+    let cut = tab.evaluate(
+        "(() => {
+        const canvas = document.getElementById('body');
+        [canvas.width, canvas.height] = [300, 900];
+        return [canvas.offsetHeight - canvas.parentElement.clientHeight, getComputedStyle(canvas).objectFit];
+    })()",
+    );
+    assert!(cut[0].as_f64().unwrap() <= 0.0 && cut[1] == "contain", "{cut}");
+    tab.call("Emulation.clearDeviceMetricsOverride", json!({}));
+    tab.call("Emulation.setEmulatedMedia", json!({ "media": "" }));
+    tab.evaluate("(() => { document.getElementById('body').body.turn(0, 0); return 0; })()");
     tab.accessible();
     tab.picture("report");
     let speed = tab.evaluate(SPEED);

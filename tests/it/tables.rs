@@ -34,6 +34,8 @@ assert touches.index.tolist() == list(range(130)), touches.index
 assert str(touches["bout"].dtype) == "int64" and str(touches["motion"].dtype) == "int64", touches.dtypes
 assert touches["limbs"].map(len).eq(2).all() and touches["posture"].map(len).eq(42).all()
 assert not touches.isna().any().any(), touches.columns
+assert postures.shape == (130, 42) and postures.columns[0] == "lumbar1_flexion", postures.columns
+assert postures.loc[3].tolist() == touches["posture"][3], postures
 assert not {"format", "version", "units", "creature"} & set(touches.columns), touches.columns
 assert len(learning) >= 4 and str(learning["heldout_mean_mm"].dtype) == "float64", learning
 assert learning["touches"].iloc[-1] == 130

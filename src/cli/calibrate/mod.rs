@@ -7,6 +7,7 @@ mod tables;
 
 use std::path::{Path, PathBuf};
 
+use super::folders::Force;
 use super::open::rehearse;
 use super::{Failure, Outcome, output, progress};
 use crate::calibration::robot::{Knowledge, Robot};
@@ -43,6 +44,8 @@ pub struct CalibrateArguments {
     /// and all as JSON
     #[arg(long, short, value_name = "DIR", help_heading = "Output")]
     out: Option<PathBuf>,
+    #[command(flatten)]
+    force: Force,
     /// Print one JSON object
     #[arg(long, help_heading = "Output")]
     json: bool,
@@ -121,6 +124,7 @@ pub fn run(args: &CalibrateArguments) -> Outcome {
     }
     let robot = &file.robot;
     let options = args.noise.options()?;
+    let lock = args.out.as_deref().map(|out| results::folder(out, args.force, &args.robot)).transpose()?;
     let spinner = progress::spinner("calibrating");
     let estimator = Estimator::new(robot, &touches, options);
     if estimator.unknowns.is_empty() && estimator.open_signs().is_empty() {
@@ -135,10 +139,7 @@ pub fn run(args: &CalibrateArguments) -> Outcome {
     } else {
         results.print();
     }
-    match &args.out {
-        Some(folder) => results.write(folder, &args.robot, &file, args.json),
-        None => Ok(()),
-    }
+    lock.map_or(Ok(()), |lock| results.write(lock, &args.robot, &file, args.json))
 }
 
 /// The robot with what is known of it, and the touches.

@@ -97,7 +97,7 @@ pub fn run(args: &PlanArguments) -> Outcome {
     match &args.out {
         None => say!("{}", table.trim_end()),
         Some(path) => {
-            output::file(path, &table)?;
+            output::file(path, table)?;
             report(&robot, &estimator, &chosen, touches.len());
             say!("{}: {} touches to make", path.display(), chosen.touches.len());
         }

@@ -7,13 +7,16 @@ use serde_json::json;
 use super::report::words;
 use crate::calibration::robot::{Quantity, Robot};
 use crate::calibration::{Estimator, Fit, Judgement, Misses, SeenTouch, Touch, apart_at_random};
-use crate::cli::{Failure, Outcome, folders, output};
-use crate::record::{Generation, RobotFile, RobotFormat, json_of};
+use crate::cli::folders::{Force, free_folder};
+use crate::cli::{Failure, Outcome, output};
+use crate::record::{FolderLock, Generation, RobotFile, RobotFormat, json_of};
 use crate::view::report::REPORT_FILE;
 use crate::view::report::calibration::html;
 
 /// The file that holds all.
 const CALIBRATION_FILE: &str = "calibration.json";
+/// Tables of quantities, residuals and correlations.
+const TABLE_FILES: [&str; 3] = ["quantities.csv", "residuals.csv", "correlations.csv"];
 /// Correlations from which on two parameters are told of, and how many at the most.
 const CORRELATED: f64 = 0.95;
 const MOST_CORRELATIONS: usize = 5;
@@ -278,35 +281,43 @@ impl Results<'_> {
     }
 
     /// Writes the robot with its new numbers and the tables into a folder.
-    pub fn write(&self, folder: &Path, path: &Path, file: &RobotFile, quiet: bool) -> Outcome {
-        let files = [CALIBRATION_FILE];
-        let lock = folders::free_folder(Some(folder), "calibration", &files, |_| folder.to_path_buf())?;
+    pub fn write(&self, mut lock: FolderLock, path: &Path, file: &RobotFile, quiet: bool) -> Outcome {
+        let name = path.file_name().unwrap_or_default();
+        let [quantities, residuals, correlations] = TABLE_FILES;
         let generation = Generation::begin(&lock)?;
         let folder = generation.folder();
-        let name = path.file_name().unwrap_or_default();
         let written = file.with_values(path, &self.fit.values)?;
-        put(&folder.join(name), &written.bytes)?;
+        output::file(&folder.join(name), &written.bytes)?;
         for sentence in &written.left_out {
-            tell!("{}: {sentence}", lock.folder().join(name).display());
+            tell!("{}: {sentence}", lock.place().join(name).display());
         }
-        output::file(&folder.join("quantities.csv"), &self.quantities_table())?;
-        output::file(&folder.join("residuals.csv"), &self.residuals_table())?;
-        output::file(&folder.join("correlations.csv"), &self.correlations_table())?;
-        output::file(&folder.join(REPORT_FILE), &html(&self.report(file)))?;
+        output::file(&folder.join(quantities), self.quantities_table())?;
+        output::file(&folder.join(residuals), self.residuals_table())?;
+        output::file(&folder.join(correlations), self.correlations_table())?;
+        output::file(&folder.join(REPORT_FILE), html(&self.report(file)))?;
         let all = serde_json::to_string_pretty(&self.as_json())?;
-        output::file(&folder.join(CALIBRATION_FILE), &format!("{all}\n"))?;
+        output::file(&folder.join(CALIBRATION_FILE), format!("{all}\n"))?;
         generation.commit()?;
+        lock.finish()?;
         if !quiet {
             let kind = kind(file.format);
             say!("");
             say!(
                 "{}: the {kind} with its new numbers, {REPORT_FILE}, quantities.csv, residuals.csv, correlations.csv and \
                  {CALIBRATION_FILE}",
-                lock.folder().join(name).display()
+                lock.place().join(name).display()
             );
         }
         Ok(())
     }
+}
+
+/// The folder for the results about a robot, whose file gets there as well.
+pub(super) fn folder(out: &Path, force: Force, robot: &Path) -> Result<FolderLock, Failure> {
+    let [quantities, residuals, correlations] = TABLE_FILES;
+    let robot = robot.file_name().unwrap_or_default().to_string_lossy();
+    let files = [CALIBRATION_FILE, quantities, residuals, correlations, REPORT_FILE, &robot];
+    free_folder(Some(out), force, "calibration", &files, |_| out.to_path_buf())
 }
 
 /// What a file is called.
@@ -317,13 +328,6 @@ pub(super) fn kind(format: RobotFormat) -> &'static str {
         RobotFormat::Dh => "table",
         RobotFormat::Json => "description",
     }
-}
-
-/// Writes bytes whole or not at all.
-fn put(path: &Path, bytes: &[u8]) -> Outcome {
-    crate::record::write_whole(path, bytes).map_err(|error| {
-        Failure(format!("cannot write {}: {error}: give another folder with --out", path.display()))
-    })
 }
 
 fn mean(judged: &[Judgement], of: impl Fn(&Judgement) -> Misses) -> Misses {

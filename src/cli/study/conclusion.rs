@@ -10,6 +10,8 @@ use crate::experiment::study::{FoundTables, Study, WallTime};
 use crate::record::{FolderLock, Generation, STUDY_FILE};
 use crate::view::study_chart;
 
+/// All that a study leaves in its folder.
+pub const FILES: [&str; 3] = [STUDY_FILE, TABLE_FILE, PLOT_FILE];
 /// The measurements, in the study's folder.
 const TABLE_FILE: &str = "study.csv";
 /// The plot, in the study's folder.
@@ -17,11 +19,11 @@ const PLOT_FILE: &str = "study.svg";
 
 pub fn save_and_print(
     asked: &AskedStudy,
-    lock: &FolderLock,
+    lock: &mut FolderLock,
     findings: &FoundTables,
     seconds: WallTime,
 ) -> Outcome {
-    let (args, folder) = (asked.args, lock.folder());
+    let (args, folder) = (asked.args, lock.place().to_path_buf());
     let study = args.name;
     let mut result = asked.about()?;
     result["seeds"] = json!(asked.seeds);
@@ -34,6 +36,7 @@ pub fn save_and_print(
     let generation = Generation::begin(lock)?;
     save(generation.folder(), study, &result, findings)?;
     generation.commit()?;
+    lock.finish()?;
     if args.json {
         return output::json(&result);
     }
@@ -48,8 +51,8 @@ pub fn save_and_print(
 }
 
 fn save(folder: &Path, study: &Study, result: &Value, findings: &FoundTables) -> Outcome {
-    output::file(&folder.join(STUDY_FILE), &format!("{}\n", serde_json::to_string_pretty(result)?))?;
-    output::file(&folder.join(TABLE_FILE), &findings.measurements.to_csv()?)?;
+    output::file(&folder.join(STUDY_FILE), format!("{}\n", serde_json::to_string_pretty(result)?))?;
+    output::file(&folder.join(TABLE_FILE), findings.measurements.to_csv()?)?;
     let title = format!("{}: {}", study.name, study.about);
-    output::file(&folder.join(PLOT_FILE), &study_chart(&findings.plot, &title).alone())
+    output::file(&folder.join(PLOT_FILE), study_chart(&findings.plot, &title).alone())
 }

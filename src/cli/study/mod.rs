@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 
 use super::arguments::{Arguments, positive, touch_count};
-use super::folders::free_folder;
+use super::folders::{Force, free_folder};
 use super::open::{MAX, ModelArguments};
 use super::progress::Bars;
 use super::{Failure, Outcome};
@@ -22,7 +22,6 @@ use crate::experiment::study::calibration::CalibrationCase;
 use crate::experiment::study::claims::POLICIES as CLAIMS_POLICIES;
 use crate::experiment::study::{STUDIES, Study};
 use crate::experiment::{Observer, Phase};
-use crate::record::STUDY_FILE;
 use crate::share::Share;
 
 use asked::AskedStudy;
@@ -72,9 +71,11 @@ pub struct StudyArguments {
     /// The study's folder [default: studies/NAME, or the first free of studies/NAME-2, -3, …]
     #[arg(long, short, value_name = "DIR", help_heading = "Output")]
     out: Option<PathBuf>,
+    #[command(flatten)]
+    force: Force,
     /// Make only this share of the trials, as in 3/16: other processes, here or elsewhere, make the others, and `bodyschema
     /// merge DIR` makes of all what one process would have made. The same command goes on with a share that was interrupted
-    #[arg(long, value_name = "SHARE", requires = "out", help_heading = "Output")]
+    #[arg(long, value_name = "SHARE", requires = "out", conflicts_with = "force", help_heading = "Output")]
     shard: Option<Share>,
     /// Print one JSON object
     #[arg(long, help_heading = "Output")]
@@ -153,7 +154,7 @@ pub fn run(args: &StudyArguments, given: Arguments) -> Outcome {
         1 => Path::new("studies").join(study.name),
         _ => Path::new("studies").join(format!("{}-{k}", study.name)),
     };
-    let lock = free_folder(args.out.as_deref(), "study", &[STUDY_FILE], numbered)?;
+    let mut lock = free_folder(args.out.as_deref(), args.force, "study", &conclusion::FILES, numbered)?;
     let mut left = Vec::new();
     asked.run(&asked.seeds, &mut |_, trial| {
         left.push(trial);
@@ -161,5 +162,5 @@ pub fn run(args: &StudyArguments, given: Arguments) -> Outcome {
     })?;
     bars.phase(Phase::Done);
     let (findings, seconds) = asked.conclude(&left)?;
-    conclusion::save_and_print(&asked, &lock, &findings, seconds)
+    conclusion::save_and_print(&asked, &mut lock, &findings, seconds)
 }

@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 use super::asked::AskedStudy;
 use super::{StudyArguments, conclusion};
 use crate::cli::arguments::{Arguments, taken_up};
-use crate::cli::folders::free_folder;
+use crate::cli::folders::{Force, free_folder};
 use crate::cli::progress::Bars;
 use crate::cli::shard::take_share;
 use crate::cli::{Failure, Outcome, output};
@@ -152,14 +152,16 @@ impl StudyShares {
                 difference(&self.first.common, &now)
             )));
         }
-        let lock = free_folder(Some(folder), "study", &[STUDY_FILE], |_| folder.to_path_buf())?;
+        let mut lock = free_folder(Some(folder), Force::default(), "study", &conclusion::FILES, |_| {
+            folder.to_path_buf()
+        })?;
         let mut left = Vec::with_capacity(self.trials.len());
         for (seed, place) in &self.trials {
             left.push(read_trial(place, *seed)?);
         }
         let concluded = asked.conclude(&left);
         let (findings, seconds) = concluded.map_err(|error| self.blame(&asked, &left, error))?;
-        conclusion::save_and_print(&asked, &lock, &findings, seconds)
+        conclusion::save_and_print(&asked, &mut lock, &findings, seconds)
     }
 
     /// Which trial it is that is none.

@@ -166,19 +166,7 @@ fn humanoid(mut tree: Tree) -> Tree {
             0.15,
             &[1.0, 0.9],
         );
-        let mount = Mount {
-            parent: lower,
-            at: tree.end_of(lower) * 1.03,
-            towards: Vector3::z(),
-            spread: 0.0,
-            length: tree.length(0.4),
-            radius: 0.0,
-        };
-        let joining = tree.style.joining(&mut tree.draw);
-        let (palm, size) = palm(&mut tree, format!("{side}_hand"), mount, joining);
-        if hands {
-            fingers(&mut tree, palm, &format!("{side}_"), size);
-        }
+        hand_on(&mut tree, lower, side, hands);
     }
     for (side, sign) in [("left", 1.0), ("right", -1.0)] {
         let at = Vector3::new(sign * half.x.max(hip * 0.3) * 0.7, 0.0, -1.15 * half.z);
@@ -186,6 +174,17 @@ fn humanoid(mut tree: Tree) -> Tree {
         row(&mut tree, &format!("{side}_leg"), 0, at, towards, 0.1, &[1.2, 1.1, 0.5]);
     }
     tree
+}
+
+/// A palm at the end of a limb, with fingers where it has such.
+fn hand_on(tree: &mut Tree, limb: usize, side: &str, with_fingers: bool) {
+    let (at, length) = (tree.end_of(limb) * 1.03, tree.length(0.4));
+    let mount = Mount { parent: limb, at, towards: Vector3::z(), spread: 0.0, length, radius: 0.0 };
+    let joining = tree.style.joining(&mut tree.draw);
+    let (palm, size) = palm(tree, format!("{side}_hand"), mount, joining);
+    if with_fingers {
+        fingers(tree, palm, &format!("{side}_"), size);
+    }
 }
 
 fn walker(mut tree: Tree) -> Tree {
@@ -217,17 +216,7 @@ fn arms(mut tree: Tree) -> Tree {
         let shares: Vec<f64> = (0..joints).map(|k| [0.5, 1.2, 1.0, 0.8, 0.5, 0.4][k]).collect();
         let last = row(&mut tree, &side, 0, at, towards, 0.2, &shares);
         if hands {
-            let mount = Mount {
-                parent: last,
-                at: tree.end_of(last) * 1.03,
-                towards: Vector3::z(),
-                spread: 0.0,
-                length: tree.length(0.4),
-                radius: 0.0,
-            };
-            let joining = tree.style.joining(&mut tree.draw);
-            let (palm, size) = palm(&mut tree, format!("{side}_hand"), mount, joining);
-            fingers(&mut tree, palm, &format!("{side}_"), size);
+            hand_on(&mut tree, last, &side, true);
         }
     }
     tree

@@ -384,7 +384,7 @@ const Body = (figure) => {
     show(newer, felt) {
       Object.assign(poses, newer);
       values = felt;
-      moving();
+      soon();
     },
     // Dots about the root of the body at some poses; none for no dots.
     space(dotted) {

@@ -26,13 +26,29 @@ const FINE: f64 = 10.0;
 /// Size of letters, pixels; plotters takes letters to be so much higher.
 const LETTERS: f64 = 12.0;
 const HIGHER: f64 = 1.24;
-/// Width of a letter on average, and of the room about it, pixels.
-const LETTER: f64 = 6.6;
+/// Room to the left of all: plotters puts the letters of an upright title right at the edge, where a browser cuts their tops, pixels.
+const EDGE: f64 = 4.0;
+/// Size of the letters of a drawing's own title, pixels.
+const TITLE: f64 = 15.0;
 /// Height of a line of the legend, pixels.
 const LEGEND: f64 = 20.0;
 /// Stand-ins for colours that plotters cannot name: that of letters, and that of grids.
 const TEXT: RGBColor = RGBColor(1, 2, 3);
 const GRID: RGBColor = RGBColor(1, 2, 4);
+
+/// The width of a text in letters of 12 pixels: that in DejaVu Sans, which is wider than what most screens have.
+fn width_of(text: &str) -> f64 {
+    let share = |letter: char| match letter {
+        'f' | 'i' | 'j' | 'l' | 'r' | 't' | 'I' | ' ' | '.' | ',' | ':' | ';' | '\'' | '|' | '(' | ')'
+        | '-' => 0.41,
+        '²' | '³' | '⁰'..='⁹' | '⁻' | '°' => 0.5,
+        'm' | 'w' | 'M' | 'W' | '@' | '%' => 1.0,
+        letter if letter.is_ascii_uppercase() => 0.79,
+        letter if letter.is_ascii() => 0.64,
+        _ => 1.0,
+    };
+    LETTERS * text.chars().map(share).sum::<f64>()
+}
 
 /// Two axes and what is drawn on them.
 pub struct Panel {
@@ -77,6 +93,7 @@ impl Chart {
         let margins: Vec<[f64; 4]> = self.panels.iter().map(Panel::margins).collect();
         let sized = || self.panels.iter().zip(&margins);
         let width = sized().map(|(panel, [left, right, ..])| left + panel.plot[0] + right).sum::<f64>();
+        let width = width.max(TITLE + TITLE / LETTERS * width_of(title));
         let (legend, rows) = self.legend(width);
         let above = if title.is_empty() { 0.0 } else { 1.5 * LEGEND };
         let head = above + LEGEND * rows as f64;
@@ -129,7 +146,7 @@ impl Chart {
         let (mut svg, mut x, mut row) = (String::new(), 0.0, 0);
         let named = self.panels.iter().flat_map(|panel| &panel.groups).filter(|group| !group.name.is_empty());
         for group in named {
-            let wide = 34.0 + LETTER * group.name.chars().count() as f64;
+            let wide = 34.0 + width_of(&group.name);
             if x > 0.0 && x + wide > width {
                 (x, row) = (0.0, row + 1);
             }
@@ -153,14 +170,17 @@ impl Panel {
     /// The room about the plot, for what is written at the axes, pixels: left, right, above and below.
     fn margins(&self) -> [f64; 4] {
         let titled = |ruler: &Ruler| if ruler.title.is_empty() { 0.0 } else { 20.0 };
+        // How far the title of an axis reaches out beyond it on either side.
+        let over = |ruler: &Ruler, side: usize| 0.5 * (width_of(&ruler.title) - self.plot[side]);
         let top = if self.title.is_empty() { 8.0 } else { 1.5 * LETTERS + 8.0 };
-        let (named, longest) = (matches!(self.x.scale, Scale::Names(_)), LETTER * self.x.longest() as f64);
-        // Names stand aslant.
-        let below = if named { 10.0 + 0.75 * longest } else { 22.0 };
-        // The first of them reaches out to the left.
-        let left = 12.0 + LETTER * self.y.longest() as f64 + titled(&self.y);
-        let left = if named { left.max(0.75 * longest) } else { left };
-        [left, 16.0, top, below + titled(&self.x)]
+        let (named, longest) = (matches!(self.x.scale, Scale::Names(_)), self.x.widest());
+        // Names stand aslant; the first of them reaches out to the left.
+        let aslant = 0.75 * longest;
+        let below = titled(&self.x) + if named { 10.0 + aslant } else { 22.0 };
+        let left = EDGE + (12.0 + self.y.widest() + titled(&self.y)).max(if named { aslant } else { 0.0 });
+        let right = if named { 16.0 } else { (0.5 * longest).max(16.0) };
+        let [across, up] = [over(&self.x, 0), over(&self.y, 1)];
+        [left.max(across), right.max(across), top.max(up), below.max(up)]
     }
 
     fn draw(
@@ -174,10 +194,11 @@ impl Panel {
         let named = matches!(self.x.scale, Scale::Names(_));
         let (x, y) = (self.x.right(), self.y.up());
         let mut chart = ChartBuilder::on(area)
+            .margin_left(fine(EDGE))
             .margin_right(fine(margins[1]))
             .margin_top(fine(margins[2]))
             .x_label_area_size(fine(margins[3]))
-            .y_label_area_size(fine(margins[0]))
+            .y_label_area_size(fine(margins[0] - EDGE))
             .build_cartesian_2d(x.clone(), y.clone())?;
         chart
             .configure_mesh()

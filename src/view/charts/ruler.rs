@@ -4,6 +4,7 @@ use std::ops::Range;
 
 use plotters::coord::ranged1d::{DefaultFormatting, KeyPointHint, Ranged};
 
+use super::width_of;
 use crate::view::text::{bounds, plain, tick_label, ticks};
 
 /// Values below this are drawn as this on a logarithmic axis: rounding, not learning.
@@ -76,9 +77,9 @@ impl Ruler {
         }
     }
 
-    /// Letters of its longest label.
-    pub(super) fn longest(&self) -> usize {
-        self.ticks().into_iter().map(|tick| self.label(tick).chars().count()).max().unwrap_or(0)
+    /// The width of its widest label, pixels.
+    pub(super) fn widest(&self) -> f64 {
+        self.ticks().into_iter().map(|tick| width_of(&self.label(tick))).fold(0.0, f64::max)
     }
 
     fn ticks(&self) -> Vec<f64> {

@@ -287,7 +287,7 @@ fn halve(points: &mut Vec<[f64; 2]>) {
 }
 
 impl LivePage for BabblingView {
-    fn page(&self) -> String {
+    fn page(&self, _query: &str) -> Option<String> {
         let wanted = self.state().wanted;
         let ids = self.agent.skin().receptors.iter().map(|receptor| receptor.id.clone());
         let receptors = Layer { lit_alone: true, ..Layer::receptors("own", ids.collect()) };
@@ -315,11 +315,11 @@ impl LivePage for BabblingView {
             "<p class=\"verdict\" id=\"doing\" aria-live=\"polite\"></p>\n{PACES}<section>\n{body}</section>\n\
              <section class=\"beside\">\n{charts}</section>\n"
         );
-        page(
+        Some(page(
             self.agent.creature().name(),
-            &format!("It touches itself, {wanted} times at the most, and learns its body from that"),
+            &format!("Exploring its body: up to {wanted} self-touches"),
             &content,
-        )
+        ))
     }
 
     fn newest(&self) -> String {

@@ -1,9 +1,9 @@
 // Shows what the page is told: the newest state counts, what was missed is left out.
-(async () => {
+(() => {
   "use strict";
   const element = (id) => document.getElementById(id);
   const body = Body(document.querySelector("figure.body"));
-  // How often the body is drawn, milliseconds; and how much of a light is left each time.
+  // How often the body is drawn at most, milliseconds; and how much of a light is left each time.
   const EVERY = 50;
   const FADE = 0.75;
   // How touched a receptor looks that was touched just now.
@@ -16,20 +16,27 @@
   let last = null;
   let before = null;
   let glow = [];
-  let curvesAt = -Infinity;
+  let placed = "";
+  let drawnAt = -Infinity;
+  let due = false;
+  let curvesDue = false;
   let told = "";
   // For who measures: how often something new was drawn, and where a receptor is in the picture.
   window.live = { updates: 0, whereIs: body.whereIs };
 
+  // What receptors look like next, and whether that is another thing than before.
   const lights = (state) => {
+    const was = glow;
     glow = glow.map((light) => (light > 0.02 ? light * FADE : 0));
     if (state.lit && before) state.lit.forEach((n, k) => { if (n !== before[k]) glow[k] = LIT; });
     before = state.lit;
     for (const k of state.felt || []) glow[k] = LIT;
     glow = Array.from(glow, (light) => light || 0);
+    return glow.some((light, k) => light !== (was[k] || 0));
   };
 
   const curves = async () => {
+    curvesDue = false;
     const charts = await (await fetch("charts")).json();
     for (const [name, svg] of Object.entries(charts)) element(name).innerHTML = svg;
   };
@@ -46,7 +53,14 @@
     element("lines").scrollTop = element("lines").scrollHeight;
   };
 
-  // What is looked at: a touch, a posture, a session, and another one beside it.
+  const send = (path, body) =>
+    fetch(path, { method: "POST", headers: { "content-type": "application/json" }, body: JSON.stringify(body) });
+
+  // What this browser looks at, which nobody else knows: a touch or a posture of a session, another one beside it, and the
+  // receptor that was clicked.
+  const looked = document.querySelector("[data-session]");
+  const number = (text) => (text === "" ? null : Number(text));
+  const asked = looked && { session: number(looked.dataset.session), beside: number(looked.dataset.beside), touch: 0 };
   const dofs = [...document.querySelectorAll("[data-coordinate]")];
   let posture = [];
   let limb = null;
@@ -57,16 +71,13 @@
       body.space(null);
       return;
     }
-    const found = await (await fetch("space")).json();
+    const found = await (await send("space", asked)).json();
     if (!element("space").checked) return;
     element("space-says").textContent = found.says;
     body.space({ ...found.cloud, poses: "learned" });
   };
-  let edition = null;
   const looking = (state) => {
-    // Another page asked for another body.
-    if (edition !== null && edition !== state.edition) location.reload();
-    ({ posture, edition } = state);
+    ({ posture } = state);
     element("about").textContent = state.about;
     element("doing").className = `verdict ${state.tone}`;
     if (limb !== state.limb) {
@@ -91,14 +102,43 @@
     const learned = state.learnedFrom ? `; learned from ${state.learnedFrom}` : "";
     element("doing").textContent = `${state.doing}: ${state.touches} of ${state.wanted} touches${rate}${learned}`;
     if (state.report) {
-      document.querySelector(".pace")?.setAttribute("hidden", "");
+      // It keeps its room, so that the body stays where it is.
+      document.querySelector(".pace").style.visibility = "hidden";
       const link = Object.assign(document.createElement("a"), { href: "report", textContent: "the report" });
       element("doing").append(". As long as this page is served: ", link, `; it stays in ${state.report}`);
     }
   };
 
-  const send = (path, body) =>
-    fetch(path, { method: "POST", headers: { "content-type": "application/json" }, body: JSON.stringify(body) });
+  // Draws what is new, and goes on as long as lights change: at rest nothing is drawn.
+  const soon = () => {
+    if (due) return;
+    due = true;
+    setTimeout(draw, Math.max(0, drawnAt + EVERY - performance.now()));
+  };
+  const draw = () => {
+    due = false;
+    drawnAt = performance.now();
+    const state = newest;
+    const poses = JSON.stringify(state.poses);
+    const changes = lights(state);
+    if (changes || poses !== placed) body.show(state.poses, glow);
+    placed = poses;
+    if (state !== last) {
+      last = state;
+      words(state);
+      window.live.updates += 1;
+    }
+    if (changes) soon();
+  };
+  const receive = (state) => {
+    newest = state;
+    soon();
+    // Of the last state there are no later ones to be drawn with.
+    if (!state.wanted || (curvesDue && !state.report)) return;
+    curvesDue = true;
+    setTimeout(() => curves().catch(() => {}), window.live.updates && !state.report ? CURVE_EVERY : 0);
+  };
+
   const form = element("say");
   if (form) {
     form.addEventListener("submit", (event) => {
@@ -112,20 +152,38 @@
     body.onReceptor((receptor) => send("touch", { receptor }));
   }
 
-  if (element("about")) {
-    const show = (asked) => send("show", asked).catch(() => {});
-    element("touch")?.addEventListener("input", () => show({ touch: Number(element("touch").value) }));
+  if (looked) {
+    // One at a time: of what is asked meanwhile the last counts.
+    let waits = false;
+    let again = false;
+    const show = async (changes) => {
+      Object.assign(asked, changes);
+      again = true;
+      if (waits) return;
+      waits = true;
+      while (again) {
+        again = false;
+        const answer = await send("show", asked).catch(() => null);
+        if (answer?.ok) receive(await answer.json());
+      }
+      waits = false;
+    };
+    element("touch")?.addEventListener("input", () => show({ touch: Number(element("touch").value), posture: null }));
     for (const dof of dofs) {
       dof.addEventListener("input", () => {
         posture[dof.dataset.coordinate] = Number(dof.value);
-        show({ posture });
+        show({ posture, touch: 0 });
       });
     }
-    const number = (id) => (element(id).value === "" ? null : Number(element(id).value));
     element("space").addEventListener("change", () => space().catch(() => {}));
-    element("shown")?.addEventListener("change", () => show({ session: number("shown") }));
-    element("beside")?.addEventListener("change", () => show({ beside: number("beside") }));
-    body.onReceptor((receptor) => send("touch", { receptor }));
+    // Another body is another page.
+    for (const id of ["shown", "beside"]) {
+      element(id)?.addEventListener("change", () => {
+        location.search = `session=${element("shown").value}&beside=${element("beside").value}`;
+      });
+    }
+    body.onReceptor((receptor) => show({ receptor }));
+    show({});
   }
 
   // A pace holds as long as it is asked for.
@@ -142,26 +200,10 @@
   setInterval(() => { if (pace !== null) askPace(); }, PACE_EVERY);
 
   const source = new EventSource("events");
-  source.onmessage = (event) => { newest = event.data; };
+  source.onmessage = (event) => {
+    const state = JSON.parse(event.data);
+    if (state.poses) receive(state);
+  };
   source.onopen = () => { delete document.documentElement.dataset.lost; };
   source.onerror = () => { document.documentElement.dataset.lost = "lost"; };
-  for (;;) {
-    const began = performance.now();
-    const fresh = newest !== last;
-    if (newest && (fresh || glow.some((light) => light > 0))) {
-      const state = JSON.parse(newest);
-      last = newest;
-      lights(state);
-      body.show(state.poses, glow);
-      if (fresh) {
-        words(state);
-        window.live.updates += 1;
-      }
-      if (state.wanted && (began - curvesAt > CURVE_EVERY || state.report)) {
-        curvesAt = began;
-        curves().catch(() => {});
-      }
-    }
-    await new Promise((done) => setTimeout(done, Math.max(1, EVERY - (performance.now() - began))));
-  }
 })();

@@ -1,15 +1,14 @@
 //! Sessions and models to look at: their bodies in any posture, touch by touch, one beside another, and how sure each limb is.
 
 use std::fmt::Write;
-use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use nalgebra::Vector3;
 use serde_json::{Value, json};
 
-use super::server::{Asked, LivePage, Reception, ShowRequest};
+use super::server::{LivePage, ShowRequest};
 use super::{HEIGHT, page};
 use crate::agent::Agent;
-use crate::creature::{Appearance, Posture};
+use crate::creature::{Appearance, Creature, Posture};
 use crate::experiment::{hands, same_tree};
 use crate::learning::{Account, Certainty};
 use crate::named::in_words;
@@ -64,16 +63,15 @@ impl LookedAt {
     }
 }
 
-/// What is shown of some sessions and models.
+/// What is shown of some sessions and models. It keeps nothing of what a browser looks at: each has its own.
 pub struct LookingView {
     all: Vec<LookedAt>,
     /// How far each reaches from its root, metres.
     extents: Vec<f64>,
-    state: Mutex<LookingState>,
 }
 
-/// What is looked at now.
-struct LookingState {
+/// What a browser looks at.
+struct Looking {
     shown: usize,
     beside: Option<usize>,
     /// The touch that is shown, counted from 1; 0 for none.
@@ -81,33 +79,54 @@ struct LookingState {
     posture: Posture,
     /// The limb that was clicked last.
     limb: Option<usize>,
-    /// How often another page was asked for.
-    edition: usize,
 }
 
 impl LookingView {
-    /// A view of one or more, the first one shown, and the second beside it where there are two.
-    ///
-    /// # Panics
-    /// Where there is none.
+    /// A view of one or more.
     pub fn new(all: Vec<LookedAt>) -> LookingView {
-        let posture = Posture::start(all[0].agent.creature());
-        let beside = (all.len() == 2).then_some(1);
-        let state = LookingState { shown: 0, beside, touch: 0, posture, limb: None, edition: 0 };
-        LookingView { extents: all.iter().map(extent).collect(), all, state: Mutex::new(state) }
+        LookingView { extents: all.iter().map(extent).collect(), all }
     }
 
-    fn state(&self) -> MutexGuard<'_, LookingState> {
-        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    /// What is asked for; none where there is no such thing.
+    fn looking(&self, asked: &ShowRequest) -> Option<Looking> {
+        let shown = self.all.get(asked.session)?;
+        if asked.beside.is_some_and(|beside| beside >= self.all.len()) {
+            return None;
+        }
+        let creature = shown.agent.creature();
+        let (posture, touch) = match (&asked.posture, asked.touch.checked_sub(1)) {
+            (Some(coordinates), _) => (posture(creature, coordinates)?, 0),
+            (None, Some(touch)) => (shown.touches.get(touch)?.posture.clone(), asked.touch),
+            (None, None) => (Posture::start(creature), 0),
+        };
+        let receptor = |receptor: usize| Some(shown.agent.skin().receptors.get(receptor)?.limb);
+        let limb = match asked.receptor {
+            Some(clicked) => Some(receptor(clicked)?),
+            None => None,
+        };
+        Some(Looking { shown: asked.session, beside: asked.beside, touch, posture, limb })
+    }
+
+    /// What a page's address asks for, as in `session=2&beside=0`: the first one, and where there are two the other beside it,
+    /// unless others are named.
+    fn chosen(&self, query: &str) -> Option<Looking> {
+        let given = |name: &str| query.split('&').find_map(|pair| pair.strip_prefix(name)?.strip_prefix('='));
+        let session = given("session").map_or(Some(0), |number| number.parse().ok())?;
+        let beside = match given("beside") {
+            None => (self.all.len() == 2 && session == 0).then_some(1),
+            Some("") => None,
+            Some(number) => Some(number.parse().ok()?),
+        };
+        self.looking(&ShowRequest { session, beside, ..ShowRequest::default() })
     }
 
     /// How far aside along y the other body stands, metres.
-    fn aside(&self, state: &LookingState) -> f64 {
+    fn aside(&self, state: &Looking) -> f64 {
         state.beside.map_or(0.0, |beside| APART * (self.extents[state.shown] + self.extents[beside]))
     }
 
     /// The poses of all that is shown.
-    fn poses(&self, state: &LookingState) -> Vec<(&'static str, Pose)> {
+    fn poses(&self, state: &Looking) -> Vec<(&'static str, Pose)> {
         let shown = &self.all[state.shown];
         let creature = shown.agent.creature();
         let mut poses = vec![("learned", Pose::new(creature, &shown.schema, &state.posture))];
@@ -179,7 +198,7 @@ impl LookingView {
     }
 
     /// The touch that is shown, in words.
-    fn doing(&self, state: &LookingState) -> String {
+    fn doing(&self, state: &Looking) -> String {
         let shown = &self.all[state.shown];
         let Some(touch) = state.touch.checked_sub(1).and_then(|number| shown.touches.get(number)) else {
             return shown.verdict.clone();
@@ -192,7 +211,7 @@ impl LookingView {
     }
 
     /// The choice of what is shown, of what stands beside it, of a touch and of a posture.
-    fn controls(&self, state: &LookingState) -> String {
+    fn controls(&self, state: &Looking) -> String {
         let mut html = String::new();
         let choice = |id: &str, says: &str, none: bool, chosen: Option<usize>| {
             let mut options = String::new();
@@ -205,7 +224,7 @@ impl LookingView {
                 let _ =
                     write!(options, "<option value=\"{number}\"{selected}>{}</option>", escape(&looked.name));
             }
-            format!("<label>{says} <select id=\"{id}\">{options}</select></label>\n")
+            format!("<label>{says} <select id=\"{id}\" autocomplete=\"off\">{options}</select></label>\n")
         };
         if self.all.len() > 1 {
             html.push_str("<div class=\"choices\">\n");
@@ -244,6 +263,25 @@ impl LookingView {
     }
 }
 
+/// A posture of coordinates that a page has, within the joints' ranges; none where they are no such.
+fn posture(creature: &Creature, coordinates: &[f64]) -> Option<Posture> {
+    if coordinates.len() != creature.coordinates() || !coordinates.iter().all(|x| x.is_finite()) {
+        return None;
+    }
+    let mut posture = Posture::from(coordinates.to_vec());
+    for ball in creature.elements().filter(|at| at.is_ball()) {
+        let quaternion = &mut posture[ball.coordinates()];
+        let length = quaternion.iter().map(|x| x * x).sum::<f64>().sqrt();
+        if length < 1e-6 {
+            return None;
+        }
+        quaternion.iter_mut().for_each(|x| *x /= length);
+    }
+    posture.clamp(creature);
+    creature.couple(&mut posture);
+    Some(posture)
+}
+
 /// The greatest distance of any skin of a body at ease from its root, metres.
 fn extent(looked: &LookedAt) -> f64 {
     let pose = Pose::at_ease(looked.agent.creature(), &looked.schema);
@@ -253,8 +291,8 @@ fn extent(looked: &LookedAt) -> f64 {
 }
 
 impl LivePage for LookingView {
-    fn page(&self) -> String {
-        let state = self.state();
+    fn page(&self, query: &str) -> Option<String> {
+        let state = self.chosen(query)?;
         let shown = &self.all[state.shown];
         let (agent, skin) = (&shown.agent, shown.agent.skin());
         let clothes = Clothes::new(skin, shown.appearance.as_ref());
@@ -298,25 +336,23 @@ impl LivePage for LookingView {
                        wheel zooms.";
         let body = scene.figure("The body that is looked at", HEIGHT, "", caption);
         let content = format!(
-            "<p class=\"verdict\" id=\"doing\" aria-live=\"polite\">{}</p>\n<section class=\"looking\">\n<div>{body}</div>\n\
-             <div class=\"controls\">\n{}<p id=\"about\" class=\"note\" aria-live=\"polite\"></p>\n</div>\n</section>\n",
+            "<p class=\"verdict\" id=\"doing\" aria-live=\"polite\">{}</p>\n<section class=\"looking\" \
+             data-session=\"{}\" data-beside=\"{}\">\n<div>{body}</div>\n<div class=\"controls\">\n{}<p id=\"about\" class=\"note\" aria-live=\"polite\"></p>\n</div>\n</section>\n",
             escape(&self.doing(&state)),
+            state.shown,
+            state.beside.map_or(String::new(), |beside| beside.to_string()),
             self.controls(&state)
         );
-        page(agent.creature().name(), &shown.name, &content)
+        Some(page(agent.creature().name(), &shown.name, &content))
     }
 
-    fn edition(&self) -> usize {
-        self.state().edition
-    }
-
-    fn newest(&self) -> String {
-        let state = self.state();
+    fn show(&self, asked: &ShowRequest) -> Option<String> {
+        let state = self.looking(asked)?;
         let shown = &self.all[state.shown];
         let touch = state.touch.checked_sub(1).and_then(|number| shown.touches.get(number));
         let poses: serde_json::Map<String, Value> =
             self.poses(&state).into_iter().map(|(name, pose)| (name.to_string(), pose.told())).collect();
-        json!({
+        let told = json!({
             "doing": self.doing(&state),
             "tone": shown.tone.filter(|_| state.touch == 0).map_or("", Tone::class),
             "about": state.limb.map_or(String::new(), |limb| LookingView::certainty(shown, limb)),
@@ -324,81 +360,19 @@ impl LivePage for LookingView {
             "touch": state.touch,
             "posture": &state.posture[..],
             "felt": touch.map_or(Vec::new(), |touch| touch.ends.map(|end| end.receptor).to_vec()),
-            "edition": state.edition,
             "poses": poses,
-        })
-        .to_string()
+        });
+        Some(told.to_string())
     }
 
-    fn space(&self) -> String {
-        let (shown, limb) = {
-            let state = self.state();
-            (state.shown, state.limb)
-        };
+    fn space(&self, asked: &ShowRequest) -> Option<String> {
+        let Looking { shown, limb, .. } = self.looking(asked)?;
         // Threads of its own: where there is one alone, that waits for the page to be closed.
         let work = || LookingView::space(&self.all[shown], limb);
         let (cloud, says) = match rayon::ThreadPoolBuilder::new().build() {
             Ok(pool) => pool.install(work),
             Err(error) => (SpaceCloud::default(), format!("no thread works it out ({error})")),
         };
-        json!({ "cloud": cloud, "says": says }).to_string()
-    }
-
-    fn ask(&self, asked: Asked) -> Reception {
-        let mut state = self.state();
-        let shown = &self.all[state.shown];
-        match asked {
-            Asked::Touch(receptor) if receptor < shown.agent.skin().receptors.len() => {
-                state.limb = Some(shown.agent.skin().receptors[receptor].limb);
-                Reception::Taken
-            }
-            _ => Reception::Nobody,
-        }
-    }
-
-    fn show(&self, asked: ShowRequest) -> Reception {
-        let mut state = self.state();
-        let there = |number: usize| number < self.all.len();
-        match asked {
-            ShowRequest::Touch(number) => {
-                let shown = &self.all[state.shown];
-                if number > shown.touches.len() {
-                    return Reception::Nobody;
-                }
-                state.touch = number;
-                state.posture = match number.checked_sub(1) {
-                    Some(index) => shown.touches[index].posture.clone(),
-                    None => Posture::start(shown.agent.creature()),
-                };
-            }
-            ShowRequest::Posture(coordinates) => {
-                let creature = self.all[state.shown].agent.creature();
-                if coordinates.len() != creature.coordinates() || !coordinates.iter().all(|x| x.is_finite()) {
-                    return Reception::Nobody;
-                }
-                let mut posture = Posture::from(coordinates);
-                posture.clamp(creature);
-                creature.couple(&mut posture);
-                // Quaternions are not for sliders.
-                for ball in creature.elements().filter(|at| at.is_ball()) {
-                    posture[ball.coordinates()].copy_from_slice(ball.of(&state.posture));
-                }
-                (state.posture, state.touch) = (posture, 0);
-            }
-            ShowRequest::Session(number) if there(number) => {
-                if state.shown != number {
-                    (state.shown, state.touch) = (number, 0);
-                    state.posture = Posture::start(self.all[number].agent.creature());
-                    state.limb = None;
-                }
-                state.edition += 1;
-            }
-            ShowRequest::Beside(beside) if beside.is_none_or(there) => {
-                state.beside = beside;
-                state.edition += 1;
-            }
-            _ => return Reception::Nobody,
-        }
-        Reception::Taken
+        Some(json!({ "cloud": cloud, "says": says }).to_string())
     }
 }

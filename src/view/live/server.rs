@@ -8,7 +8,7 @@ use std::thread::JoinHandle;
 use std::time::Duration;
 
 use axum::body::Bytes;
-use axum::extract::{DefaultBodyLimit, State};
+use axum::extract::{DefaultBodyLimit, RawQuery, State};
 use axum::http::{StatusCode, header};
 use axum::middleware::from_fn;
 use axum::response::sse::{Event, KeepAlive, Sse};
@@ -40,17 +40,24 @@ const MOST_A_SECOND: f64 = 1e6;
 
 /// What a page shows.
 pub trait LivePage: Send + Sync + 'static {
-    /// The page, before anything has happened.
-    fn page(&self) -> String;
-    /// What to show next, as JSON: asked for at every tick as long as anyone looks.
-    fn newest(&self) -> String;
+    /// The page, before anything has happened; `query` is what its address asks for after the question mark. None where there
+    /// is no such page.
+    fn page(&self, query: &str) -> Option<String>;
+    /// What to show next to everyone, as JSON: asked for at every tick as long as anyone looks.
+    fn newest(&self) -> String {
+        "{}".into()
+    }
     /// What changes slowly: charts by the ids of their places, as a JSON object of SVG.
     fn charts(&self) -> String {
         "{}".into()
     }
-    /// Where the body that is shown gets to, as JSON, and in words what it is; worked out when it is asked for.
-    fn space(&self) -> String {
-        "{}".into()
+    /// What one browser wants to be shown, as JSON; none where there is no such thing.
+    fn show(&self, _asked: &ShowRequest) -> Option<String> {
+        None
+    }
+    /// Where the body that it is shown gets to, as JSON, and in words what it is; worked out when it is asked for.
+    fn space(&self, _asked: &ShowRequest) -> Option<String> {
+        None
     }
     /// The report to read, once there is one.
     fn report(&self) -> Option<PathBuf> {
@@ -59,14 +66,6 @@ pub trait LivePage: Send + Sync + 'static {
     /// Takes what a page asks for, and waits for nobody.
     fn ask(&self, _asked: Asked) -> Reception {
         Reception::Nobody
-    }
-    /// Shows something else.
-    fn show(&self, _asked: ShowRequest) -> Reception {
-        Reception::Nobody
-    }
-    /// How often the page itself has become another one.
-    fn edition(&self) -> usize {
-        0
     }
     /// Takes how many touches a second a page wants to see, 0 to rest; none for as many as there can be.
     fn pace(&self, _touches_a_second: Option<f64>) -> Reception {
@@ -94,18 +93,20 @@ pub enum Asked {
     Touch(usize),
 }
 
-/// What a page wants to be shown.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum ShowRequest {
-    /// A touch, counted from 1; 0 for the body at ease.
-    Touch(usize),
-    /// A posture: coordinates in the creature's order.
-    Posture(Vec<f64>),
-    /// Another of the sessions, by its number from 0.
-    Session(usize),
+/// What a browser looks at. It says all of it each time.
+#[derive(Clone, Debug, Default, PartialEq, Deserialize)]
+#[serde(default)]
+pub struct ShowRequest {
+    /// One of the sessions, by its number from 0.
+    pub session: usize,
     /// Another of them beside it, or none.
-    Beside(Option<usize>),
+    pub beside: Option<usize>,
+    /// A touch, counted from 1; 0 for the rest posture.
+    pub touch: usize,
+    /// A posture instead: coordinates in the creature's order, radians and metres.
+    pub posture: Option<Vec<f64>>,
+    /// The receptor that was clicked last.
+    pub receptor: Option<usize>,
 }
 
 /// A server that runs until it is dropped.
@@ -118,8 +119,8 @@ pub struct Server {
 #[derive(Clone)]
 struct Shared {
     view: Arc<dyn LivePage>,
-    /// The page, once somebody has asked for it, and which edition of it that is.
-    page: Arc<Mutex<Option<(usize, Bytes)>>>,
+    /// The page that was asked for last, and by which query.
+    page: Arc<Mutex<Option<(String, Bytes)>>>,
     newest: watch::Sender<Arc<str>>,
 }
 
@@ -188,7 +189,7 @@ fn routes(shared: Shared) -> Router {
     Router::new()
         .route("/", get(page))
         .route("/charts", get(charts))
-        .route("/space", get(space))
+        .route("/space", post(space))
         .route("/events", get(events))
         .route("/report", get(finished_report))
         .route("/say", post(say))
@@ -200,16 +201,22 @@ fn routes(shared: Shared) -> Router {
         .with_state(shared)
 }
 
-async fn page(State(shared): State<Shared>) -> impl IntoResponse {
+async fn page(State(shared): State<Shared>, RawQuery(query): RawQuery) -> Response {
+    let query = query.unwrap_or_default();
     let page = {
         let mut kept = shared.page.lock().unwrap_or_else(PoisonError::into_inner);
-        let edition = shared.view.edition();
         match &*kept {
-            Some((made, page)) if *made == edition => page.clone(),
-            _ => kept.insert((edition, shared.view.page().into())).1.clone(),
+            Some((of, page)) if *of == query => Some(page.clone()),
+            _ => shared.view.page(&query).map(|page| kept.insert((query, page.into())).1.clone()),
         }
     };
-    ([(header::CONTENT_SECURITY_POLICY, policy(&script(super::SCRIPT)))], Html(page))
+    match page {
+        Some(page) => {
+            ([(header::CONTENT_SECURITY_POLICY, policy(&script(super::SCRIPT)))], Html(page)).into_response()
+        }
+        None => (StatusCode::NOT_FOUND, "there is no such page: leave out what follows the question mark")
+            .into_response(),
+    }
 }
 
 async fn charts(State(shared): State<Shared>) -> impl IntoResponse {
@@ -217,10 +224,9 @@ async fn charts(State(shared): State<Shared>) -> impl IntoResponse {
 }
 
 /// It takes a moment: others are not kept waiting.
-async fn space(State(shared): State<Shared>) -> impl IntoResponse {
-    let view = shared.view.clone();
-    let space = tokio::task::spawn_blocking(move || view.space()).await.unwrap_or_else(|_| "{}".into());
-    ([(header::CONTENT_TYPE, "application/json")], space)
+async fn space(State(shared): State<Shared>, Json(asked): Json<ShowRequest>) -> Response {
+    let space = tokio::task::spawn_blocking(move || shared.view.space(&asked)).await;
+    shown(space.unwrap_or_default())
 }
 
 /// The state whenever it is new. Who cannot follow misses what was in between.
@@ -268,18 +274,26 @@ struct PaceRequest {
 }
 
 async fn say(State(shared): State<Shared>, Json(SayRequest { text }): Json<SayRequest>) -> StatusCode {
-    heard(&shared, Asked::Say(text.trim().chars().take(LONGEST_LINE).collect()))
+    status(shared.view.ask(Asked::Say(text.trim().chars().take(LONGEST_LINE).collect())))
 }
 
 async fn touch(
     State(shared): State<Shared>,
     Json(TouchRequest { receptor }): Json<TouchRequest>,
 ) -> StatusCode {
-    heard(&shared, Asked::Touch(receptor))
+    status(shared.view.ask(Asked::Touch(receptor)))
 }
 
-async fn show(State(shared): State<Shared>, Json(asked): Json<ShowRequest>) -> StatusCode {
-    status(shared.view.show(asked))
+async fn show(State(shared): State<Shared>, Json(asked): Json<ShowRequest>) -> Response {
+    shown(shared.view.show(&asked))
+}
+
+/// JSON of what is there.
+fn shown(json: Option<String>) -> Response {
+    match json {
+        Some(json) => ([(header::CONTENT_TYPE, "application/json")], json).into_response(),
+        None => StatusCode::NOT_FOUND.into_response(),
+    }
 }
 
 async fn pace(
@@ -290,10 +304,6 @@ async fn pace(
         Some(pace) if !(0.0..=MOST_A_SECOND).contains(&pace) => StatusCode::UNPROCESSABLE_ENTITY,
         pace => status(shared.view.pace(pace)),
     }
-}
-
-fn heard(shared: &Shared, asked: Asked) -> StatusCode {
-    status(shared.view.ask(asked))
 }
 
 fn status(reception: Reception) -> StatusCode {

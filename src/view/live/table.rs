@@ -136,7 +136,7 @@ impl TableView {
 }
 
 impl LivePage for TableView {
-    fn page(&self) -> String {
+    fn page(&self, _query: &str) -> Option<String> {
         let (own, things) = {
             let state = self.state();
             (Pose::of_parts(state.own.clone()), Pose::of_parts(state.things.clone()))
@@ -174,11 +174,11 @@ impl LivePage for TableView {
              aria-label=\"What you say\" placeholder=\"Is there something in front of you?\"/>\
              <button>Say</button></form>\n</div>\n</section>\n"
         );
-        page(
+        Some(page(
             &self.name,
             "It is blindfolded: it knows its body from touching itself, and the scene from what it feels",
             &content,
-        )
+        ))
     }
 
     fn newest(&self) -> String {

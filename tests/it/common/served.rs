@@ -18,7 +18,15 @@ impl Served {
     pub fn new(place: &Path, arguments: &[&str]) -> Served {
         let mut command = Command::new(env!("CARGO_BIN_EXE_bodyschema"));
         command.args(arguments);
-        Served::by(place, command)
+        // A conversation ends with its standard input, which stays open as long as the program is held.
+        Served::by(place, command, Stdio::piped())
+    }
+
+    /// The same where nobody types, as where a service starts it.
+    pub fn unattended(place: &Path, arguments: &[&str]) -> Served {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_bodyschema"));
+        command.args(arguments);
+        Served::by(place, command, Stdio::null())
     }
 
     /// The same where a process may have no more than so many files open. What the processor was busy with, for the
@@ -27,15 +35,14 @@ impl Served {
         let mut command = Command::new("bash");
         let line = format!("ulimit -n {files}; TIMEFORMAT='took %R %U %S'; time \"$0\" \"$@\"");
         command.args(["-c", &line, env!("CARGO_BIN_EXE_bodyschema")]).args(arguments);
-        Served::by(place, command)
+        Served::by(place, command, Stdio::piped())
     }
 
-    fn by(place: &Path, mut command: Command) -> Served {
+    fn by(place: &Path, mut command: Command, input: Stdio) -> Served {
         let mut program = command
             .args(["--live", "127.0.0.1:0"])
             .current_dir(place)
-            // A conversation ends with its standard input, which stays open as long as the program is held.
-            .stdin(Stdio::piped())
+            .stdin(input)
             .stdout(Stdio::null())
             .stderr(Stdio::piped())
             .spawn()
@@ -66,6 +73,11 @@ impl Served {
         let mut answer = String::new();
         stream.read_to_string(&mut answer).unwrap();
         answer
+    }
+
+    /// Asks it to end, as the system does with a service.
+    pub fn terminate(&self) {
+        assert!(Command::new("kill").arg(self.program.id().to_string()).status().unwrap().success());
     }
 
     /// Waits until it ends by itself: how it ended, and what it said since it began to serve.
