@@ -56,6 +56,7 @@ mod somatotopic;
 mod stick;
 mod study;
 mod surfaces;
+mod table;
 mod tables;
 mod terminal;
 mod urdf;
