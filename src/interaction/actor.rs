@@ -26,7 +26,7 @@ pub const CAREFUL: f64 = 0.15;
 /// The fastest that a joint turns, radians a second.
 const FASTEST_JOINT: f64 = 2.0;
 /// What is felt no farther than this from the top of the table, with skin that faces it, is the table, metres.
-const TABLE: f64 = 0.012;
+pub(super) const TABLE: f64 = 0.012;
 /// Steps of the last motion that are remembered …
 const TRAIL: usize = 1500;
 /// … and from how many of them it is told which way skin goes.

@@ -4,13 +4,14 @@
 //! A creature's own names come first, then everyday ones: the nose is the foremost skin of the head, an elbow is the skin
 //! behind the joint of this name.
 
+use std::collections::BTreeSet;
 use std::fmt;
 
 use nalgebra::Vector3;
 
 use super::actor::Actor;
-use super::conversation::language::{PartName, name_words, own_names, patch_name};
-use crate::geometry::Frame;
+use super::conversation::language::{PartName, name_words, patch_name};
+use crate::geometry::{Capsule, ConvexBody, Frame};
 use crate::peripersonal::STICK_TIP;
 
 /// How far from a joint the skin is that is taken for it, metres: half a limb's thickness.
@@ -25,12 +26,33 @@ pub struct BodyPart {
     pub receptors: Vec<usize>,
     /// The limb and the point of it that it is about, in the limb's frame, metres.
     place: (usize, Vector3<f64>),
+    /// Whether all of its skin is as good as any: a whole limb.
+    whole: bool,
 }
 
 impl BodyPart {
     /// Where it is in the root's frame, by the limbs' poses, metres.
-    pub fn at(&self, _actor: &Actor, frames: &[Frame]) -> Vector3<f64> {
+    pub fn at(&self, frames: &[Frame]) -> Vector3<f64> {
         frames[self.place.0].point(&self.place.1)
+    }
+
+    /// What it takes up in the root's frame, by the limbs' poses: the surfaces of a whole limb's skin, else its place alone.
+    pub fn extent<'a>(&self, actor: &'a Actor, frames: &[Frame]) -> Vec<Box<dyn ConvexBody + 'a>> {
+        let skin = actor.own.skin();
+        let surfaces: BTreeSet<usize> = match self.whole {
+            true => self.receptors.iter().filter_map(|&r| skin.receptors[r].surface).collect(),
+            false => BTreeSet::new(),
+        };
+        let mut extent: Vec<Box<dyn ConvexBody + 'a>> = Vec::new();
+        for surface in surfaces.into_iter().map(|surface| &skin.surfaces[surface]) {
+            if let Some(placed) = surface.placed(&frames[surface.limb]) {
+                extent.push(Box::new(placed));
+            }
+        }
+        if extent.is_empty() {
+            extent.push(Box::new(Capsule::ball(self.at(frames), 0.0)));
+        }
+        extent
     }
 
     /// How far a receptor is from the nearest of those that are this part, in the posture now, metres.
@@ -45,16 +67,10 @@ impl BodyPart {
             a.max(b)
         };
         let Some(&first) = self.receptors.first() else { return f64::NAN };
-        if self.receptors.contains(&receptor) && self.is_whole(actor) {
+        if self.receptors.contains(&receptor) && self.whole {
             return 0.0;
         }
         ((at(receptor) - at(first)).norm() - half(first)).max(0.0)
-    }
-
-    /// Whether all of its skin is as good as any: a whole limb.
-    fn is_whole(&self, actor: &Actor) -> bool {
-        let words: Vec<&str> = self.name.split(' ').collect();
-        own_names(&actor.own).iter().any(|name| name_words(name) == words)
     }
 }
 
@@ -141,10 +157,10 @@ const EVERYDAY: &[Everyday] = &[
     Everyday(&["wrist", "wrists"], true, Rule::About("wrist", ["forearm", "hand"], [0.0, 1.0, 0.0])),
     Everyday(&["lower arm"], true, Rule::All(&["forearm"])),
     Everyday(&["arm", "arms"], true, Rule::All(ARM)),
-    Everyday(&["upper arms"], true, Rule::All(&["upper_arm"])),
+    Everyday(&["upper arm", "upper arms"], true, Rule::All(&["upper_arm"])),
     Everyday(&["palm", "palms", "palm of hand"], true, Rule::Toward(&["hand"], [0.0, -1.0, 0.0])),
     Everyday(&["back of hand"], true, Rule::Toward(&["hand"], [0.0, 1.0, 0.0])),
-    Everyday(&["hands", "fist"], true, Rule::All(&["hand"])),
+    Everyday(&["hand", "hands", "fist"], true, Rule::All(&["hand"])),
     Everyday(&["knuckle", "knuckles"], true, Rule::Toward(&["hand"], [0.0, 1.0, -0.3])),
     Everyday(&["thumb", "thumbs"], true, Rule::Toward(&["hand"], [1.0, 0.0, 0.0])),
     Everyday(
@@ -169,7 +185,7 @@ const EVERYDAY: &[Everyday] = &[
     Everyday(&["shin", "shins", "lower leg"], true, Rule::Toward(&["shank"], [1.0, 0.0, 0.0])),
     Everyday(&["calf", "calves"], true, Rule::Toward(&["shank"], [-1.0, 0.0, 0.0])),
     Everyday(&["ankle", "ankles"], true, Rule::About("ankle", ["shank", "foot"], [0.0, 1.0, 0.0])),
-    Everyday(&["feet"], true, Rule::All(&["foot"])),
+    Everyday(&["foot", "feet"], true, Rule::All(&["foot"])),
     Everyday(&["heel", "heels"], true, Rule::Toward(&["foot"], [-1.0, 0.0, -0.5])),
     Everyday(&["toe", "toes", "big toe"], true, Rule::Toward(&["foot"], [1.0, 0.0, 0.0])),
     Everyday(&["sole", "soles", "sole of foot"], true, Rule::Toward(&["foot"], [0.0, 0.0, -1.0])),
@@ -282,12 +298,8 @@ impl PosedBody<'_> {
         let middle = receptors.iter().map(|&r| self.at(r)).sum::<Vector3<f64>>() / count;
         // What faces the front is easier met than what lies behind.
         let front = self.actor.front;
-        self.sorted(
-            name,
-            receptors,
-            |r| (self.at(r) - middle).norm() - 0.05 * self.outward(r).dot(&front),
-            None,
-        )
+        let cost = |r: usize| (self.at(r) - middle).norm() - 0.05 * self.outward(r).dot(&front);
+        Some(BodyPart { whole: true, ..self.sorted(name, receptors, cost, None)? })
     }
 
     fn sorted(
@@ -301,7 +313,7 @@ impl PosedBody<'_> {
         receptors.dedup();
         let first = &self.actor.own.skin().receptors[*receptors.first()?];
         let place = about.unwrap_or((first.limb, first.position));
-        Some(BodyPart { name, receptors, place })
+        Some(BodyPart { name, receptors, place, whole: false })
     }
 
     fn tip(&self, name: String, receptors: Vec<usize>) -> Option<BodyPart> {
@@ -349,15 +361,19 @@ impl PosedBody<'_> {
             .filter(|word| !(["left", "right"].contains(word) || tip && *word == "tip"))
             .collect();
         let noun = noun.join(" ");
-        let Everyday(_, sided, rule) =
+        let Everyday(nouns, sided, rule) =
             EVERYDAY.iter().find(|Everyday(nouns, ..)| nouns.contains(&noun.as_str()))?;
+        // "Your hands" are the left hand and the right hand.
+        let one =
+            nouns.first().filter(|one| noun == format!("{one}s") || ["feet", "calves"].contains(&&*noun));
+        let noun = one.filter(|_| *sided).map_or(noun.as_str(), |one| *one);
         let sides: Vec<Option<&str>> = match (sided, side) {
             (false, _) => vec![None],
             (true, Some(side)) => vec![Some(side.as_str())],
             (true, None) => vec![Some("left"), Some("right")],
         };
         let found = sides.into_iter().filter_map(|side| {
-            let name = side.map_or(noun.clone(), |side| format!("{side} {noun}"));
+            let name = side.map_or(noun.to_string(), |side| format!("{side} {noun}"));
             match rule {
                 _ if tip => self.tip(format!("{name} tip"), self.regions(rule.regions(), side)),
                 Rule::All(names) => self.whole(name, self.regions(names, side)),

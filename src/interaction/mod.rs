@@ -16,7 +16,9 @@ mod things;
 pub use actor::{Actor, CAREFUL, FoundThing, Hand, SWIFT, Stop};
 pub use avoiding::{Avoiding, PlaceGoal, QUICK};
 pub use body_part::{BodyPart, UnknownPart};
-pub use conversation::language::{HandName, Language, Mood, PartName, Understood, Which, understood};
+pub use conversation::language::{
+    Aside, End, HandName, Language, Mood, PartName, Request, Understood, Which, understood,
+};
 pub use conversation::{Conversation, Intent, Reply};
 pub use error::ActorError;
 pub use own_spot::OwnTouch;
@@ -25,4 +27,4 @@ pub use tasks::{
     Feeling, FeltOn, FeltOver, Grip, LiftTrouble, PalmPlan, Search, SearchPlan, ShapeFeeling, Spot, Touching,
     Trouble,
 };
-pub use things::{KnownThing, Things};
+pub use things::{KnownThing, ThingId, Things};

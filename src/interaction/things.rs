@@ -1,7 +1,5 @@
 //! What a creature remembers of the things that it felt, and which of them is meant.
 
-use std::ops::{Index, IndexMut};
-
 use nalgebra::Vector3;
 
 use super::actor::FoundThing;
@@ -12,9 +10,15 @@ const SAME: f64 = 0.09;
 /// How far into a thing the place is that is remembered of it, from where it was felt, metres.
 const INTO: f64 = 0.02;
 
+/// Names a thing that it remembers, whatever else is forgotten meanwhile; no other thing is ever named so.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ThingId(usize);
+
 /// What it remembers of a thing.
 #[derive(Clone, Debug, PartialEq)]
 pub struct KnownThing {
+    /// Its name among all that it remembers.
+    pub id: ThingId,
     /// How it was felt the last time.
     pub found: FoundThing,
     /// Where it is, in the root's frame, metres.
@@ -37,9 +41,12 @@ pub struct KnownShape {
 }
 
 impl KnownThing {
-    /// A thing that was felt, and may still be.
-    fn felt(found: &FoundThing, in_touch: Option<usize>) -> KnownThing {
-        KnownThing { found: found.clone(), at: found.point + found.direction * INTO, in_touch, shape: None }
+    /// It was felt anew, and may still be: the same thing keeps its shape.
+    fn felt(&mut self, found: &FoundThing, at: Vector3<f64>, in_touch: Option<usize>) {
+        if self.found.thing != found.thing {
+            self.shape = None;
+        }
+        (self.found, self.at, self.in_touch) = (found.clone(), at, in_touch);
     }
 
     /// It was carried by so much, in the root's frame, metres, and let go.
@@ -50,12 +57,19 @@ impl KnownThing {
     }
 }
 
+/// Where a thing is taken to be by how it was felt, in the root's frame, metres.
+fn place_of(found: &FoundThing) -> Vector3<f64> {
+    found.point + found.direction * INTO
+}
+
 /// The things that it remembers, in the order in which it felt them first.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Things {
     known: Vec<KnownThing>,
     /// Which of them "it" is.
-    it: Option<usize>,
+    it: Option<ThingId>,
+    /// How many it has ever felt.
+    named: usize,
 }
 
 impl Things {
@@ -74,58 +88,71 @@ impl Things {
         self.known.iter()
     }
 
+    /// The same, to change what is remembered of them.
+    pub fn iter_mut(&mut self) -> std::slice::IterMut<'_, KnownThing> {
+        self.known.iter_mut()
+    }
+
+    /// A thing, unless it has been forgotten.
+    pub fn get(&self, id: ThingId) -> Option<&KnownThing> {
+        self.known.iter().find(|known| known.id == id)
+    }
+
+    /// The same, to change what is remembered of it.
+    pub fn get_mut(&mut self, id: ThingId) -> Option<&mut KnownThing> {
+        self.known.iter_mut().find(|known| known.id == id)
+    }
+
     /// Remembers what was felt, and whether a receptor still touches it: as one that is known where that is near, as a
     /// new one elsewhere. Which.
-    pub fn remember(&mut self, found: &FoundThing, in_touch: Option<usize>) -> usize {
-        let felt = KnownThing::felt(found, in_touch);
-        match self.known.iter().position(|other| (other.at - felt.at).norm() < SAME) {
-            Some(i) => {
-                self.replace(i, felt);
-                i
+    pub fn remember(&mut self, found: &FoundThing, in_touch: Option<usize>) -> ThingId {
+        let at = place_of(found);
+        match self.known.iter_mut().find(|other| (other.at - at).norm() < SAME) {
+            Some(known) => {
+                known.felt(found, at, in_touch);
+                known.id
             }
-            None => {
-                self.known.push(felt);
-                self.known.len() - 1
-            }
+            None => self.add(found.clone(), at, in_touch),
         }
+    }
+
+    fn add(&mut self, found: FoundThing, at: Vector3<f64>, in_touch: Option<usize>) -> ThingId {
+        let id = ThingId(self.named);
+        self.named += 1;
+        self.known.push(KnownThing { id, found, at, in_touch, shape: None });
+        id
     }
 
     /// Takes over what a search felt: things that are known keep their order, new ones follow; what is known twice is one.
     /// What the search did not feel is forgotten where `gone` says that it would have felt it.
     pub fn take_over(&mut self, felt: &[(FoundThing, Vector3<f64>)], gone: impl Fn(&Vector3<f64>) -> bool) {
-        let mut taken = vec![false; felt.len()];
-        let mut which = 0;
-        while which < self.known.len() {
-            let at = self.known[which].at;
-            let away = |k: &usize| (felt[*k].1 - at).norm();
-            let nearest = (0..felt.len()).min_by(|a, b| away(a).total_cmp(&away(b)));
-            match nearest.filter(|k| away(k) < SAME) {
-                Some(k) if !taken[k] => {
-                    taken[k] = true;
-                    let in_touch = self.known[which].in_touch;
-                    let (found, at) = felt[k].clone();
-                    self.replace(which, KnownThing { found, at, in_touch, shape: None });
-                    which += 1;
-                }
-                None if !gone(&at) => which += 1,
-                _ => self.forget(which),
+        let mut new: Vec<Option<&(FoundThing, Vector3<f64>)>> = felt.iter().map(Some).collect();
+        self.known.retain_mut(|known| {
+            let away = |(_, at): &(FoundThing, Vector3<f64>)| (at - known.at).norm();
+            let nearest = felt.iter().zip(&mut new).min_by(|(a, _), (b, _)| away(a).total_cmp(&away(b)));
+            match nearest.filter(|(felt, _)| away(felt) < SAME) {
+                Some((_, new)) => new.take().is_some_and(|(found, at)| {
+                    known.felt(found, *at, known.in_touch);
+                    true
+                }),
+                None => !gone(&known.at),
             }
-        }
-        for ((found, at), _) in felt.iter().zip(&taken).filter(|(_, taken)| !**taken) {
-            self.known.push(KnownThing { found: found.clone(), at: *at, in_touch: None, shape: None });
+        });
+        for (found, at) in new.into_iter().flatten() {
+            self.add(found.clone(), *at, None);
         }
     }
 
     /// A thing was felt anew, by a receptor that touches it.
-    pub fn felt_again(&mut self, which: usize, found: &FoundThing) {
-        self.replace(which, KnownThing::felt(found, Some(found.receptor)));
+    pub fn felt_again(&mut self, id: ThingId, found: &FoundThing) {
+        if let Some(known) = self.get_mut(id) {
+            known.felt(found, place_of(found), Some(found.receptor));
+        }
     }
 
-    /// What was felt now counts for more, but the same thing has the same shape.
-    fn replace(&mut self, which: usize, felt: KnownThing) {
-        let known = &mut self.known[which];
-        let shape = known.shape.take().filter(|_| known.found.thing == felt.found.thing);
-        *known = KnownThing { shape, ..felt };
+    /// No receptor touches any of them.
+    pub fn parted(&mut self) {
+        self.known.iter_mut().for_each(|known| known.in_touch = None);
     }
 
     /// What one receptor felt is told of another from now on.
@@ -136,50 +163,32 @@ impl Things {
         }
     }
 
-    /// Which thing "it" is, where one is meant; not where there are several and none was named.
-    pub fn it(&self) -> Option<usize> {
-        self.it
+    /// The thing that "it" is: the one that is meant, or the only one; none where there are several and none was named.
+    pub fn it(&self) -> Option<&KnownThing> {
+        match (self.it.and_then(|it| self.get(it)), self.known.as_slice()) {
+            (None, [only]) => Some(only),
+            (it, _) => it,
+        }
     }
 
     /// From now on this one is meant; or it is not known which.
-    pub fn mean(&mut self, which: Option<usize>) {
+    pub fn mean(&mut self, which: Option<ThingId>) {
         self.it = which;
     }
 
     /// The one for which a value is greatest.
-    pub fn most(&self, value: impl Fn(&KnownThing) -> f64) -> Option<usize> {
-        (0..self.known.len()).max_by(|&i, &j| value(&self.known[i]).total_cmp(&value(&self.known[j])))
+    pub fn most(&self, value: impl Fn(&KnownThing) -> f64) -> Option<&KnownThing> {
+        self.known.iter().max_by(|a, b| value(a).total_cmp(&value(b)))
     }
 
     /// Forgets a thing; "it" is then no longer that one.
-    pub fn forget(&mut self, which: usize) {
-        if which < self.known.len() {
-            self.known.remove(which);
-            self.it = match self.it {
-                Some(it) if it == which => None,
-                Some(it) if it > which => Some(it - 1),
-                it => it,
-            };
-        }
+    pub fn forget(&mut self, id: ThingId) {
+        self.known.retain(|known| known.id != id);
     }
 
     /// Forgets all things.
     pub fn forget_all(&mut self) {
-        *self = Things::default();
-    }
-}
-
-impl Index<usize> for Things {
-    type Output = KnownThing;
-
-    fn index(&self, which: usize) -> &KnownThing {
-        &self.known[which]
-    }
-}
-
-impl IndexMut<usize> for Things {
-    fn index_mut(&mut self, which: usize) -> &mut KnownThing {
-        &mut self.known[which]
+        self.known.clear();
     }
 }
 
@@ -202,23 +211,38 @@ mod tests {
     #[test]
     fn what_is_felt_near_a_known_thing_is_that_thing() {
         let mut things = Things::default();
-        assert_eq!(things.remember(&felt_at(0.4), None), 0);
-        assert_eq!(things.remember(&felt_at(0.6), Some(3)), 1);
-        assert_eq!(things.remember(&felt_at(0.43), Some(3)), 0);
+        let first = things.remember(&felt_at(0.4), None);
+        assert_eq!(things.it().map(|known| known.id), Some(first), "the only one");
+        assert_ne!(things.remember(&felt_at(0.6), Some(3)), first);
+        assert_eq!(things.it(), None, "one of two");
+        assert_eq!(things.remember(&felt_at(0.43), Some(3)), first);
         assert_eq!(things.len(), 2);
-        assert!((things[0].at.x - 0.45).abs() < 1e-12 && things[0].in_touch == Some(3));
+        let known = things.get(first).unwrap();
+        assert!((known.at.x - 0.45).abs() < 1e-12 && known.in_touch == Some(3));
     }
 
     #[test]
-    fn it_stays_the_same_thing_when_another_is_forgotten() {
+    fn it_stays_the_same_thing_when_another_is_forgotten_and_is_none_once_it_is_forgotten_itself() {
         let mut things = Things::default();
-        for x in [0.2, 0.4, 0.6] {
-            things.remember(&felt_at(x), None);
-        }
-        things.mean(Some(2));
-        things.forget(0);
-        assert_eq!(things.it(), Some(1));
-        things.forget(1);
-        assert_eq!((things.it(), things.len()), (None, 1));
+        let ids = [0.2, 0.4, 0.6].map(|x| things.remember(&felt_at(x), None));
+        things.mean(Some(ids[2]));
+        things.forget(ids[0]);
+        assert_eq!(things.it().map(|known| known.id), Some(ids[2]));
+        things.forget(ids[2]);
+        things.felt_again(ids[2], &felt_at(0.6));
+        assert_eq!((things.get(ids[2]), things.len()), (None, 1), "and does not come back as another");
+        things.remember(&felt_at(0.8), None);
+        assert_eq!(things.it(), None);
+    }
+
+    #[test]
+    fn a_search_keeps_what_it_felt_again_and_forgets_what_is_gone_and_what_was_known_twice() {
+        let mut things = Things::default();
+        let ids = [0.2, 0.4, 0.6].map(|x| things.remember(&felt_at(x), None));
+        things.get_mut(ids[1]).unwrap().at.x = 0.21;
+        let felt = [0.2, 0.9].map(|x| (felt_at(x), Vector3::new(x, 0.0, 0.0)));
+        things.take_over(&felt, |at| at.x > 0.5);
+        let at: Vec<f64> = things.iter().map(|known| known.at.x).collect();
+        assert_eq!((at, things.iter().next().unwrap().id), (vec![0.2, 0.9], ids[0]));
     }
 }

@@ -57,6 +57,7 @@ mod somatotopic;
 mod stick;
 mod study;
 mod surfaces;
+mod table;
 mod tables;
 mod terminal;
 mod units;

@@ -5,7 +5,7 @@
 
 use std::collections::BTreeMap;
 
-use bodyschema::interaction::{HandName, understood};
+use bodyschema::interaction::{End, HandName, understood};
 use serde::Deserialize;
 
 use crate::common::repository;
@@ -112,6 +112,174 @@ fn unseen_utterances_are_understood_as_often_as_was_measured_and_none_moves_that
     // By this list nothing has been mended: it tells how many are understood of what nobody has tried yet.
     let (right, all) = taken(&["tests/it/utterances/unseen_3.jsonl"]);
     assert!(right * 1000 >= all * 940, "{right} of {all}");
+}
+
+/// What something is related to, to which side it is to go, or that it is denied in what is asked.
+#[derive(Deserialize)]
+struct Relation {
+    say: String,
+    means: Means,
+    may_move: bool,
+    hand: Option<String>,
+    /// What is related, then to what.
+    related: Option<Vec<String>>,
+    /// To which side, and how far, metres, where that is told.
+    aside: Option<String>,
+}
+
+/// The first 67 of these were written before anything was mended by them, and 64 taken for what they mean; of the 67 that
+/// were written then 62. None that may not moved him but "push it ten feet to the left", which now asks.
+#[test]
+fn relations_sides_and_what_is_denied_of_facts_are_understood() {
+    let text = std::fs::read_to_string(repository("tests/it/utterances/relations.jsonl")).unwrap();
+    let (mut wrong, mut moved, mut kept) = (Vec::new(), Vec::new(), 0);
+    for line in text.lines() {
+        let example: Relation = serde_json::from_str(line).unwrap();
+        let understood = understood(&example.say);
+        let intent = serde_json::to_value(understood.intent).unwrap();
+        let related = understood.related.as_ref().map(|(what, to)| {
+            let what = match what {
+                End::Thing => "it".to_string(),
+                End::Part(part) => part.text(),
+            };
+            std::iter::once(what).chain(to.iter().map(|part| part.text())).collect::<Vec<_>>()
+        });
+        let aside = understood.aside.map(|aside| {
+            let by = aside.by.map_or(String::new(), |by| format!(" {by}"));
+            format!("{}{by}", if aside.left { "left" } else { "right" })
+        });
+        let hand = match example.hand.as_deref() {
+            Some("left") => understood.hand == Some(HandName::Left),
+            Some(_) => understood.hand == Some(HandName::Right),
+            None => true,
+        };
+        let to_side = example.aside.is_none() || example.aside == aside;
+        if !example.means.has(intent.as_str().unwrap()) || related != example.related || !to_side || !hand {
+            wrong.push(format!("{}: {intent} {related:?} {aside:?}", example.say));
+        }
+        if understood.leave.is_some() && !example.may_move {
+            moved.push(example.say.clone());
+        }
+        kept += usize::from(understood.leave.is_none() && example.may_move);
+    }
+    assert!(moved.is_empty(), "these may not move: {moved:#?}");
+    assert!(wrong.len() <= 1 && kept <= 3, "{kept} ask first: {wrong:#?}");
+}
+
+/// What denies, asks, imagines or tells of something that has to do with sides, searching or where things are.
+const NOT_TO_BE_DONE: &[&str] = &[
+    "I haven't told you to push it to the left",
+    "I have not asked you to search for anything you haven't found yet",
+    "nobody said you should move it to the right",
+    "you haven't been asked to touch it",
+    "I did not say push it left",
+    "what happens when you push it to the left?",
+    "why would you push it to the right?",
+    "could it be pushed to the left?",
+    "can it move to the left?",
+    "might you have pushed it to the left?",
+    "is it true that you haven't touched it?",
+    "see whether it hasn't moved and don't touch it",
+    "see if it has not moved but do not touch it",
+    "check that you have not touched it",
+    "make sure you have not moved it to the left",
+    "make sure you don't push it to the left",
+    "tell me if you have not touched it before you touch it",
+    "tell me whether there isn't anything, without moving",
+    "without moving, tell me whether there isn't anything else",
+    "look for anything you haven't found, but not with your hands",
+    "don't see whether there's anything you haven't found yet",
+    "you shouldn't see whether there is anything",
+    "I wonder whether you shouldn't push it to the left",
+    "I'm not sure whether you should push it to the left",
+    "it's not clear if you haven't found it",
+    "do not check whether it hasn't moved",
+    "I don't care whether there isn't anything else",
+    "if it isn't there, search for it",
+    "when it is near, push it to the left",
+    "once you have found it push it to the right",
+    "before you push it to the left, wait",
+    "if only you had not pushed it to the left",
+    "were it on the left, you could push it to the right",
+    "you can push it to the left, can't you?",
+    "you pushed it to the left, didn't you",
+    "he pushed it to the left",
+    "she wants to move it to the right",
+    "people push it to the left",
+    "to push it to the left is silly",
+    "pushing it to the left is a bad idea",
+    "pushing it left would be wrong",
+    "not to the left, push it away",
+    "push it, but not to the left",
+    "push it left, no wait, right",
+    "push it left or right",
+    "push it neither left nor right",
+    "push it to the left if it is light",
+    "push it to the left unless it is heavy",
+    "push it to the left? no",
+    "should I push it to the left?",
+    "shall I move it right?",
+    "the left one, is it heavy?",
+    "it moved to the left",
+    "it went to the right",
+    "it is to the left of the box",
+    "is it the left one or the right one",
+    "put the thing that is on the left",
+    "never ever slide anything to the right",
+    "keep it where it is, don't move it left",
+    "leave it there, not further left",
+    "stop pushing it to the left",
+    "quit moving it left",
+    "avoid pushing it right",
+    "instead of the left push it nowhere",
+    "\"push it to the left\" is what he said",
+    "he said \"push it to the left\"",
+    "imagine you push it to the left",
+    "suppose it's pushed left",
+    "let him push it to the left",
+    "I will push it to the left",
+    "I'll move it to the left myself",
+    "we moved it to the left",
+    "how about not pushing it to the left",
+    "how do you push it to the left?",
+    "when did you push it left",
+    "how far to the left could you push it",
+    "how far left can you move it?",
+    "where would it be if you pushed it left?",
+    "what if there isn't anything you haven't found yet",
+    "I hope you haven't pushed it left",
+    "do you know what you have not found yet",
+    "did you see whether there isn't anything else?",
+    "have you checked whether there's anything you haven't found yet?",
+    "aren't you going to push it left?",
+    "isn't there any way not to touch it",
+    "isn't there something you shouldn't touch?",
+    "is there anything you must not touch?",
+    "is there something you don't want to touch?",
+    "are there things you can't reach?",
+    "are there things I should not touch?",
+    "find something not to touch",
+    "touch nothing you haven't touched yet",
+    "touch nothing to the left",
+    "move nothing to the left",
+    "nothing needs to be moved to the left",
+    "don't bother to push it left",
+    "no need to push it to the right",
+    "there is no reason to push it to the right",
+    "I'd rather you didn't push it to the left",
+    "I'd hate it if you pushed it to the left",
+    "you may not push it to the left",
+    "yesterday you pushed it left",
+    "tomorrow push it left",
+    "not now, but push it to the left later",
+];
+
+#[test]
+fn what_is_denied_asked_or_imagined_of_sides_and_of_searching_never_moves() {
+    for said in NOT_TO_BE_DONE {
+        let understood = understood(said);
+        assert!(understood.leave.is_none(), "{said}: {understood:?}");
+    }
 }
 
 /// Sentences that tell or ask of doing something, with `{}` where it stands, and ask nobody to do it.

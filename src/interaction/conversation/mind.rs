@@ -5,7 +5,7 @@ use nalgebra::Vector3;
 use super::language::{PartName, Which};
 use super::requests::Intent;
 use crate::interaction::actor::Actor;
-use crate::interaction::things::{KnownThing, Things};
+use crate::interaction::things::{KnownThing, ThingId, Things};
 
 /// Places at which a thing was felt that are nearer than this to each other are one, metres: a small patch of skin.
 const ONE_PLACE: f64 = 0.01;
@@ -41,9 +41,11 @@ pub(super) struct Forbidden {
 impl Forbidden {
     /// Whether doing something is forbidden by it: what cannot be done without a touch is, where touching is.
     pub fn bars(&self, intent: Intent, part: Option<&PartName>) -> bool {
-        let by_touch = [Intent::Touch, Intent::PutFar, Intent::BringNear, Intent::Lift, Intent::FeelShape]
-            .contains(&intent);
-        let same = self.intent == intent || (self.intent == Intent::Touch && by_touch);
+        use Intent::{BringNear, FeelShape, Lift, PutAside, PutFar, Touch};
+        let by_touch = [Touch, PutFar, BringNear, PutAside, Lift, FeelShape].contains(&intent);
+        // "Don't push it": whichever way.
+        let pushed = self.intent == PutFar && intent == PutAside;
+        let same = self.intent == intent || pushed || (self.intent == Touch && by_touch);
         let there = self.intent != Intent::TouchOwn || self.part.is_none() || self.part.as_ref() == part;
         same && there
     }
@@ -64,13 +66,13 @@ pub(super) struct Mind<'a> {
 
 impl Mind<'_> {
     /// Where a thing is, in words.
-    pub fn place(&self, i: usize) -> String {
-        place_in_words(self.actor, &self.things[i].at)
+    pub fn place(&self, known: &KnownThing) -> String {
+        place_in_words(self.actor, &known.at)
     }
 
-    /// Which thing is meant.
-    pub fn find(&self, which: Which) -> Option<usize> {
-        find(self.actor, self.things, which)
+    /// Which thing is meant, where words tell it.
+    pub fn find(&self, which: Option<Which>) -> Option<&KnownThing> {
+        which.and_then(|which| find(self.actor, self.things, which))
     }
 
     /// Asks which.
@@ -79,10 +81,11 @@ impl Mind<'_> {
     }
 
     /// Forgets a thing and where it was felt.
-    pub fn forget(&mut self, i: usize) {
-        let at = self.things[i].at;
-        self.felt.retain(|place| (place - at).norm() > ITS_OWN);
-        self.things.forget(i);
+    pub fn forget(&mut self, id: ThingId) {
+        if let Some(known) = self.things.get(id) {
+            self.felt.retain(|place| (place - known.at).norm() > ITS_OWN);
+            self.things.forget(id);
+        }
     }
 
     /// Forgets all things.
@@ -101,21 +104,21 @@ impl Mind<'_> {
 }
 
 /// Which of the things that are known words tell apart.
-pub(super) fn find(actor: &Actor, things: &Things, which: Which) -> Option<usize> {
+pub(super) fn find<'a>(actor: &Actor, things: &'a Things, which: Which) -> Option<&'a KnownThing> {
     let (left, front) = (actor.left(), actor.front);
     let most = |value: &dyn Fn(&KnownThing) -> f64| things.most(value);
-    let nth = |n: usize| (n < things.len()).then_some(n);
+    let nth = |n: usize| things.iter().nth(n);
     match which {
         Which::First => nth(0),
         Which::Second => nth(1),
         Which::Third => nth(2),
-        Which::Last => things.len().checked_sub(1),
+        Which::Last => things.iter().next_back(),
         Which::Left => most(&|known| known.at.dot(&left)),
         Which::Right => most(&|known| -known.at.dot(&left)),
         Which::Nearest => most(&|known| -known.at.dot(&front)),
         Which::Farthest => most(&|known| known.at.dot(&front)),
         Which::Other => match (things.it(), things.len()) {
-            (Some(it), 2) => Some(1 - it),
+            (Some(it), 2) => things.iter().find(|known| known.id != it.id),
             _ => None,
         },
     }

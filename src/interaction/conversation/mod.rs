@@ -14,12 +14,12 @@ use serde_json::{Value, json};
 
 pub use requests::Intent;
 
-use self::language::{HandName, Language, Leave, PartName, Understood, Which};
+use self::language::{HandName, Language, Leave, Request, Which};
 use self::mind::{Deed, Forbidden, Mind};
 use self::requests::{Act, Answer};
-use super::actor::Actor;
+use super::actor::{Actor, FoundThing};
 use super::tasks::{Grip, LiftTrouble, Search, Trouble};
-use super::things::Things;
+use super::things::{KnownThing, ThingId, Things};
 use crate::creature::Posture;
 use crate::named::in_words;
 use crate::peripersonal::ReachableMap;
@@ -54,64 +54,6 @@ impl Reply {
             "asks": self.asks,
             "felt": self.felt,
         })
-    }
-}
-
-/// A request, with what it names.
-#[derive(Clone, Debug)]
-struct Request {
-    intent: Intent,
-    hand: Option<HandName>,
-    part: Option<PartName>,
-    which: Option<Which>,
-    /// Whether it is done with a stick.
-    stick: bool,
-    /// Whether the trunk helps.
-    lean: bool,
-    /// Whether what was done before is to be done again.
-    again: bool,
-    /// Whether it is about all things.
-    all: bool,
-    /// Whether it is about any thing that there may be.
-    any: bool,
-    /// Whether it asks what, not whether.
-    open: bool,
-    /// What is forbidden, or asked about.
-    about: Option<Intent>,
-}
-
-impl Request {
-    /// One that names nothing.
-    fn bare(intent: Intent) -> Request {
-        Request {
-            intent,
-            hand: None,
-            part: None,
-            which: None,
-            stick: false,
-            lean: false,
-            again: false,
-            all: false,
-            any: false,
-            open: false,
-            about: None,
-        }
-    }
-
-    fn of(understood: &Understood) -> Request {
-        Request {
-            intent: understood.intent,
-            hand: understood.hand,
-            part: understood.part.clone(),
-            which: understood.which,
-            stick: understood.stick,
-            lean: understood.lean,
-            again: understood.again,
-            all: understood.all,
-            any: understood.any,
-            open: understood.open,
-            about: understood.about,
-        }
     }
 }
 
@@ -224,8 +166,8 @@ impl Conversation {
                     understood.intent,
                     Intent::Which | Intent::Unknown | Intent::Yes | Intent::Touch | Intent::Lift
                 );
-                if let Some(i) = which.filter(|_| answers && !understood.forbids) {
-                    self.things.mean(Some(i));
+                if let Some(id) = which.filter(|_| answers && !understood.forbids) {
+                    self.things.mean(Some(id));
                     return self.moves(&request, leave);
                 }
                 if matches!(understood.intent, Intent::Unknown | Intent::Which | Intent::Yes)
@@ -239,9 +181,9 @@ impl Conversation {
             }
             None => {}
         }
-        let request = Request::of(&understood);
-        if let Some(i) = request.which.and_then(|which| self.which(which)) {
-            self.things.mean(Some(i));
+        let request = understood.request.clone();
+        if let Some(id) = request.which.and_then(|which| self.which(which)) {
+            self.things.mean(Some(id));
         }
         let leave = understood.leave.take();
         self.act(request, leave, &understood.unknown)
@@ -261,7 +203,7 @@ impl Conversation {
             return Ok(self.reply(Intent::FeelTouch, format!("{feels}, and keep still"), None, false));
         }
         if let Some(doubt) = self.doubt() {
-            return Ok(self.reply(Intent::FeelTouch, format!("{feels}. {doubt}"), Some(false), false));
+            return self.fails(Intent::FeelTouch, format!("{feels}. {doubt}"));
         }
         let leave = Leave::by_touch();
         self.leave_spot(&leave);
@@ -307,10 +249,10 @@ impl Conversation {
             (Act::Tells(_) | Act::Minds(_), _) if kind.needs_body && self.doubt().is_some() => {
                 Answer::does(self.doubt().unwrap_or_default(), false)
             }
-            (Act::Tells(tell), _) => tell(self, &request),
+            (Act::Tells(tell), _) => self.relation(&request).unwrap_or_else(|| tell(self, &request)),
             (Act::Minds(mind), _) => mind(&mut self.mind(), &request),
-            (Act::Moves(_), None) => self.asks_whether(request, unknown),
-            (Act::Moves(_), Some(leave)) => {
+            (Act::Moves(_) | Act::Handles(_), None) => self.asks_whether(request, unknown),
+            (Act::Moves(_) | Act::Handles(_), Some(leave)) => {
                 let bars = |told: &Forbidden| {
                     told.bars(intent, request.part.as_ref())
                         || (request.lean && told.bars(Intent::LeanForward, None))
@@ -342,14 +284,13 @@ impl Conversation {
     fn moves(&mut self, request: &Request, leave: Leave) -> Result<Reply, EngineError> {
         let intent = request.intent;
         let Some(kind) = intent.kind() else { return Ok(self.not_understood(&[])) };
-        let Act::Moves(act) = kind.act else { return Ok(self.not_understood(&[])) };
         if kind.needs_body
             && let Some(doubt) = self.doubt()
         {
-            return Ok(self.reply(intent, doubt, Some(false), false));
+            return self.fails(intent, doubt);
         }
         if let Some(said) = self.barred_by_stick(request) {
-            return Ok(self.reply(intent, said, Some(false), false));
+            return self.fails(intent, said);
         }
         if !matches!(
             intent,
@@ -357,8 +298,8 @@ impl Conversation {
         ) {
             self.last = Some(request.clone());
         }
-        if kind.needs_thing {
-            match self.things.it() {
+        if matches!(kind.act, Act::Handles(_)) {
+            match self.things.it().map(|known| known.id) {
                 // What is near is felt for first; what is felt then is touched.
                 None if self.things.is_empty() && intent == Intent::Touch && request.any => {
                     self.still = false;
@@ -371,15 +312,13 @@ impl Conversation {
                     return Ok(reply);
                 }
                 None if self.things.is_empty() => {
-                    let said = "I have not felt anything yet: ask me to feel about first".to_string();
-                    return Ok(self.reply(intent, said, Some(false), false));
+                    return self.fails(intent, "I have not felt anything yet: ask me to feel about first");
                 }
-                None if self.things.len() > 1 => {
+                None => {
                     self.pending = Some(Pending::Which(request.clone(), leave));
                     return Ok(self.reply(intent, self.question(), None, true));
                 }
-                None => self.things.mean(Some(0)),
-                Some(_) => {}
+                it => self.things.mean(it),
             }
         }
         self.still = false;
@@ -394,11 +333,15 @@ impl Conversation {
         };
         if !keeps && let Some(held) = self.holding.take() {
             self.put_down(held)?;
-            if !matches!(intent, Intent::PutFar | Intent::BringNear) {
+            if !matches!(intent, Intent::PutFar | Intent::BringNear | Intent::PutAside) {
                 self.actor.let_go();
             }
         }
-        let mut reply = act(self, request, &leave)?;
+        let mut reply = match (&kind.act, self.things.it().cloned()) {
+            (Act::Moves(act), _) => act(self, request, &leave)?,
+            (Act::Handles(act), Some(thing)) => act(self, &thing, request, &leave)?,
+            _ => return Ok(self.not_understood(&[])),
+        };
         self.heed_unexpected(&mut reply);
         for known in self.things.iter().filter(|known| known.in_touch.is_some()) {
             mind::felt_at(&mut self.felt, known.found.point);
@@ -424,20 +367,20 @@ impl Conversation {
     }
 
     /// Which thing words mean.
-    fn which(&self, which: Which) -> Option<usize> {
-        mind::find(&self.actor, &self.things, which)
+    fn which(&self, which: Which) -> Option<ThingId> {
+        mind::find(&self.actor, &self.things, which).map(|known| known.id)
     }
 
     /// Where a thing was felt.
-    fn felt_places(&self, i: usize) -> Vec<Vector3<f64>> {
-        mind::places_of(&self.felt, &self.things[i].at)
+    fn felt_places(&self, known: &KnownThing) -> Vec<Vector3<f64>> {
+        mind::places_of(&self.felt, &known.at)
     }
 
     /// The hand that touches something now, or did last.
     fn hand_touching(&self) -> Option<usize> {
-        let it = self.things.it().or((!self.things.is_empty()).then_some(0))?;
+        let it = self.things.it().or(self.things.iter().next())?;
         let touching = self.things.iter().find_map(|known| known.in_touch);
-        self.actor.arm_of(touching.unwrap_or(self.things[it].found.receptor))
+        self.actor.arm_of(touching.unwrap_or(it.found.receptor))
     }
 
     /// The hand that words mean.
@@ -477,9 +420,9 @@ impl Conversation {
                     Err(LiftTrouble::Other(Trouble::Engine(error))) => return Err(error),
                     down => down.is_ok(),
                 };
-                if let Some(i) = self.things.iter().position(|known| known.found.thing == grip.thing) {
-                    let (moved, up) = (grip.middle() - self.things[i].at, self.actor.up);
-                    self.things[i].carried(&(moved - up * moved.dot(&up)));
+                if let Some(known) = self.things.iter_mut().find(|known| known.found.thing == grip.thing) {
+                    let (moved, up) = (grip.middle() - known.at, self.actor.up);
+                    known.carried(&(moved - up * moved.dot(&up)));
                 }
                 self.settle_at_ready();
                 Ok(("hands".into(), down))
@@ -493,27 +436,19 @@ impl Conversation {
         self.settle(&ready)
     }
 
-    /// Both hands to a posture; whether they got there.
+    /// Both hands to a posture, past what it knows of and what is met on the way; whether they got there.
     fn settle(&mut self, posture: &[f64]) -> bool {
-        for _ in 0..3 {
-            match self.actor.go(posture) {
-                Ok(()) => return true,
-                Err(Trouble::Hit(_)) => {}
-                Err(_) => return false,
-            }
-        }
-        false
+        let felt: Vec<FoundThing> = self.things.iter().map(|known| known.found.clone()).collect();
+        self.actor.go_round(posture, &felt).is_ok()
     }
 
     /// Takes the arm that touches something back from it.
     fn let_be(&mut self) {
         let ready = self.ready.clone();
-        for i in 0..self.things.len() {
-            if self.things[i].in_touch.take().is_some() {
-                let found = self.things[i].found.clone();
-                // Where it cannot, the next motion says so.
-                let _ = self.actor.withdraw(&found, &ready);
-            }
+        for known in self.things.iter_mut().filter(|known| known.in_touch.is_some()) {
+            known.in_touch = None;
+            // Where it cannot, the next motion says so.
+            let _ = self.actor.withdraw(&known.found, &ready);
         }
     }
 }

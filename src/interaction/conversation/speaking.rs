@@ -3,18 +3,37 @@
 use nalgebra::Vector3;
 use serde_json::{Value, json};
 
+use super::language::Request;
 use super::mind::{self, Deed};
 use super::requests::Intent;
-use super::{Conversation, Reply, Request};
+use super::{Conversation, Reply};
+use crate::geometry::{ConvexBody, Precision, gap};
 use crate::interaction::tasks::Trouble;
 use crate::interaction::things::KnownThing;
 use crate::named::in_words;
+use crate::simulation::EngineError;
+
+/// Something with a name and what it takes up in the root's frame.
+pub(super) struct Placed<'a> {
+    pub name: String,
+    pub extent: Vec<Box<dyn ConvexBody + 'a>>,
+}
 
 impl Conversation {
     pub(super) fn reply(&self, intent: Intent, said: String, done: Option<bool>, asks: bool) -> Reply {
         let said = if said.ends_with(['.', '?', '!']) { said } else { format!("{said}.") };
         let felt = self.things.iter().map(|known| self.known_json(known)).collect();
         Reply { intent, said, done, asks, felt }
+    }
+
+    /// What it says of what it did, or of what was so already.
+    pub(super) fn does(&self, intent: Intent, said: impl Into<String>) -> Result<Reply, EngineError> {
+        Ok(self.reply(intent, said.into(), Some(true), false))
+    }
+
+    /// What it says of what it could not do.
+    pub(super) fn fails(&self, intent: Intent, said: impl Into<String>) -> Result<Reply, EngineError> {
+        Ok(self.reply(intent, said.into(), Some(false), false))
     }
 
     fn known_json(&self, known: &KnownThing) -> Value {
@@ -31,9 +50,9 @@ impl Conversation {
     /// What went wrong, in words.
     pub(super) fn in_words(&self, trouble: &Trouble) -> String {
         match trouble {
-            Trouble::Hit(contacts) if !contacts.is_empty() => {
-                format!("I ran into something with my {}", self.limb_in_words(contacts[0].spot.receptor))
-            }
+            Trouble::Hit(contacts) => contacts.first().map_or(trouble.to_string(), |contact| {
+                format!("I ran into something with my {}", self.limb_in_words(contact.spot.receptor))
+            }),
             trouble => trouble.to_string(),
         }
     }
@@ -86,12 +105,34 @@ impl Conversation {
         format!("{along} my {root}, {side}, {height}")
     }
 
+    /// How far something is from something else where they are nearest to each other, and which way, in words.
+    pub(super) fn relation_in_words(&self, [what, to]: [&Placed<'_>; 2]) -> Option<String> {
+        let pair = |a| to.extent.iter().map(move |b| gap(a, &**b, Precision::Exact));
+        let pairs = what.extent.iter().flat_map(|a| pair(&**a));
+        let nearest = pairs.min_by(|a, b| a.distance.total_cmp(&b.distance))?;
+        let way = nearest.points[0] - nearest.points[1];
+        let along = |axis: Vector3<f64>, [ahead, behind]: [&str; 2]| {
+            let cm = 100.0 * way.dot(&axis);
+            let side = if cm > 0.0 { ahead } else { behind };
+            (cm.abs() >= 0.5).then(|| format!("{:.0} cm {side} it", cm.abs()))
+        };
+        let ways = [
+            along(self.actor.front, ["in front of", "behind"]),
+            along(self.actor.left(), ["to the left of", "to the right of"]),
+            along(self.actor.up, ["above", "below"]),
+        ];
+        let ways: Vec<String> = ways.into_iter().flatten().collect();
+        let distance = format!("{:.0} cm", 100.0 * nearest.distance.max(0.0));
+        let said = format!("{} is {distance} from {}", what.name, to.name);
+        Some(if ways.is_empty() { said } else { format!("{said}: {}", ways.join(", ")) })
+    }
+
     /// Takes down what it did.
     pub(super) fn did(&mut self, request: &Request, reply: &Reply) {
         let Some(done) = reply.done else { return };
         let intent = request.intent;
         let [doing, did] = intent.kind().map_or(["", ""], |kind| kind.doing);
-        let it = self.things.it().or((self.things.len() == 1).then_some(0)).map(|i| &self.things[i]);
+        let it = self.things.it();
         let with = self.hand_touching().map(|hand| in_words(&self.actor.hands[hand].name));
         let words = match (intent, done) {
             (Intent::TouchOwn, _) => {
@@ -110,7 +151,7 @@ impl Conversation {
             (Intent::Touch, true) => {
                 with.map_or(did.to_string(), |hand| format!("touched it with my {hand}"))
             }
-            (Intent::PutFar | Intent::BringNear, true) => {
+            (Intent::PutFar | Intent::BringNear | Intent::PutAside, true) => {
                 it.map_or(did.to_string(), |known| format!("{did}: it is {}", self.place(&known.at)))
             }
             _ => did.to_string(),

@@ -4,7 +4,7 @@ use nalgebra::Vector3;
 
 use super::{MARGIN, Trouble};
 use crate::creature::Posture;
-use crate::interaction::actor::{Actor, CAREFUL, FoundThing, Hand, Stop};
+use crate::interaction::actor::{Actor, CAREFUL, FoundThing, Hand, Stop, TABLE};
 use crate::kinematics::{Place, REACHED};
 use crate::peripersonal::{PosturePath, ReachTarget, Reaching, straight};
 use crate::senses::Toucher;
@@ -24,6 +24,31 @@ impl Actor {
     /// # Errors
     /// [`Trouble`]; [`Trouble::Nothing`] where there is no table.
     pub fn feel_table(&mut self, hand: usize) -> Result<f64, Trouble> {
+        let (height, _) = self.lower_hand(hand)?;
+        self.know_table(height);
+        Ok(height)
+    }
+
+    /// Lowers both hands, takes the lower of what they feel for the table, and so knows it. What a hand felt well above that
+    /// is a thing that stands there.
+    ///
+    /// # Errors
+    /// [`Trouble::Engine`] alone: where neither hand feels anything the table stays unknown.
+    pub fn find_table(&mut self) -> Result<Option<FoundThing>, Trouble> {
+        let mut felt = Vec::new();
+        for hand in 0..self.hands.len() {
+            match self.lower_hand(hand) {
+                Err(Trouble::Engine(error)) => return Err(error.into()),
+                lowered => felt.extend(lowered.ok()),
+            }
+        }
+        let Some(table) = felt.iter().map(|(height, _)| *height).reduce(f64::min) else { return Ok(None) };
+        self.know_table(table);
+        Ok(felt.into_iter().find(|(height, _)| height - table > TABLE).and_then(|(_, found)| found))
+    }
+
+    /// Lowers a hand until it feels something and takes it back: the height of that, metres, and what it felt.
+    fn lower_hand(&mut self, hand: usize) -> Result<(f64, Option<FoundThing>), Trouble> {
         let Hand { arm, tip, .. } = self.hands[hand].clone();
         let place = self.own.place(tip);
         let start = self.posture();
@@ -58,9 +83,9 @@ impl Actor {
             frame.point(&lowest).dot(&self.up)
         });
         let height = heights.fold(f64::INFINITY, f64::min);
-        self.know_table(height);
+        let found = contacts.iter().find_map(|contact| self.found(contact));
         self.retreat(&start)?;
-        Ok(height)
+        Ok((height, found))
     }
 
     /// The lanes of a sweep over the table with a hand: postures, lane by lane, nearest first.
@@ -109,8 +134,8 @@ impl Actor {
         lanes
     }
 
-    /// Sweeps the table with a hand until something is felt, by whatever part of the arm. None where all that it reaches
-    /// is empty. The table must be known.
+    /// Sweeps the table with a hand until something is felt, by whatever part of the arm, at last on its way back to where
+    /// it waits. None where all that it reaches is empty. The table must be known.
     ///
     /// # Errors
     /// [`Trouble`].
@@ -119,7 +144,7 @@ impl Actor {
         let arm = self.hands[hand].arm.clone();
         for lane in lanes {
             let from = self.posture();
-            let first = lane.0.first().expect("lanes are not empty").clone();
+            let Some(first) = lane.0.first().cloned() else { continue };
             let Ok(way) = self.find_path([&from, &first], &arm) else { continue };
             for way in [way, lane] {
                 let stop = self.follow(&way, SWEEPING, |actor, contact| !actor.is_table(contact))?;
@@ -130,6 +155,19 @@ impl Actor {
                 }
             }
         }
-        Ok(None)
+        self.feel_back()
+    }
+
+    /// Goes back to where the hands wait, or until something is felt: what that is.
+    ///
+    /// # Errors
+    /// [`Trouble::Engine`] alone.
+    pub fn feel_back(&mut self) -> Result<Option<FoundThing>, Trouble> {
+        let ready = self.ready();
+        match self.go(&ready) {
+            Err(Trouble::Engine(error)) => Err(error.into()),
+            Err(Trouble::Hit(contacts)) => Ok(contacts.iter().find_map(|contact| self.found(contact))),
+            _ => Ok(None),
+        }
     }
 }

@@ -7,8 +7,8 @@
 
 use nalgebra::Vector3;
 
-use super::Trouble;
 use super::two_palms::{PalmPlan, RISE};
+use super::{BACK, Trouble};
 use crate::creature::Posture;
 use crate::interaction::actor::{Actor, CAREFUL, FoundThing};
 use crate::senses::{SkinContact, Toucher};
@@ -161,7 +161,7 @@ impl Actor {
     pub fn lift(&mut self, found: &FoundThing, corrections: usize) -> Result<Grip, LiftTrouble> {
         let ready = self.ready();
         match self.withdraw(found, &ready) {
-            Err(Trouble::Hit(contacts)) => self.back_off(&contacts)?,
+            Err(Trouble::Hit(contacts)) => self.back_off(&contacts, BACK)?,
             Err(Trouble::Reach(_)) => {}
             went => went?,
         }
@@ -188,7 +188,7 @@ impl Actor {
             match self.raise_palms_over(&grip.plan) {
                 // Another way, with the palms otherwise.
                 Err(Trouble::Hit(contacts)) if correction < corrections => {
-                    self.back_off(&contacts)?;
+                    self.back_off(&contacts, BACK)?;
                     continue;
                 }
                 went => went?,

@@ -32,7 +32,7 @@ use crate::creature::Posture;
 use crate::kinematics::{InverseKinematics, Place};
 use crate::peripersonal::{OutOfReach, PosturePath, find_path};
 use crate::senses::SkinContact;
-use crate::simulation::EngineError;
+use crate::simulation::{EngineError, EngineResult};
 
 /// How clear ways keep of everything, metres.
 const MARGIN: f64 = 0.006;
@@ -153,8 +153,8 @@ impl Actor {
     }
 
     /// Goes back the way that it came from what was met on it.
-    fn back_off(&mut self, contacts: &[SkinContact]) -> Result<(), Trouble> {
-        if let Some(way) = contacts.first().and_then(|contact| self.back_by(contact.spot.receptor, BACK)) {
+    fn back_off(&mut self, contacts: &[SkinContact], far: f64) -> EngineResult<()> {
+        if let Some(way) = contacts.first().and_then(|contact| self.back_by(contact.spot.receptor, far)) {
             self.follow(&way, SWIFT, |_, _| false)?;
         }
         Ok(())

@@ -212,25 +212,20 @@ impl Actor {
         self.go_by(&from, &target, &idle)
     }
 
-    /// The spot at a place over the table, forward and to the hand's own side, at which the receptor that grips is upright
-    /// as it is now; none where it cannot be there.
+    /// The spot at the first of some places, in the root's frame, metres, at which the receptor that grips can be upright as
+    /// it is now; none where it can be at none.
     pub fn spot_at(
         &mut self,
         receptor: usize,
-        forward: f64,
-        across: f64,
-        height: f64,
+        places: impl IntoIterator<Item = Vector3<f64>>,
         upright: Vector3<f64>,
     ) -> Option<Spot> {
         let hand = self.arm_of(receptor)?;
         let joints = self.hands[hand].arm.clone();
-        let side = self.left() * self.side(hand);
         let place = Place { direction: upright, ..self.own.place(receptor) };
         let from = self.posture();
         let clearance = self.clearance.moved_by(&self.own, &joints);
-        // A little farther away is near as well.
-        (0..8).find_map(|k| {
-            let point = self.front * (forward + 0.03 * f64::from(k)) + side * across + self.up * height;
+        places.into_iter().find_map(|point| {
             let target = Place { limb: 0, point, direction: self.up };
             let reach = upright_at(&self.own, &joints, [place, target]).solve(&from);
             let fits = reach.miss <= REACHED

@@ -129,7 +129,7 @@ impl Actor {
         let ready = self.ready();
         match self.withdraw_felt(&felt, &ready) {
             // It touches something where it is: it stays there, a little back, and the other hand finds its way.
-            Err(Trouble::Hit(contacts)) => self.back_off(&contacts)?,
+            Err(Trouble::Hit(contacts)) => self.back_off(&contacts, BACK)?,
             went => went?,
         }
         self.touch_felt(felt, hand, lean, corrections)
@@ -234,7 +234,7 @@ impl Actor {
                             .map(|found| Room::of(&found)),
                     );
                     goes.push_front((lean, aim));
-                    self.back_off(&contacts)?;
+                    self.back_off(&contacts, BACK)?;
                     trouble = Trouble::Hit(contacts);
                 }
                 Err(trouble) => return Err(trouble),
@@ -249,6 +249,9 @@ impl Actor {
         met: &[Room],
         mut act: impl FnMut(&mut Actor) -> Result<T, Trouble>,
     ) -> Result<T, Trouble> {
+        if met.is_empty() {
+            return act(self);
+        }
         let mut outcome = Err(OutOfReach::Barred.into());
         for radius in ROOMS {
             let known = self.clearance.obstacles.len();
@@ -352,10 +355,27 @@ impl Actor {
         };
         // Only this arm moves: the other is where it is wanted.
         let target = Posture::with_joints(self.own.creature(), &back, arm.iter().copied(), ready);
-        let mut met = vec![felt.room()];
+        self.go_past(&target, &arm, vec![felt.room()])
+    }
+
+    /// Goes to a posture, moving both arms and what carries them, past things that were felt and what it meets on the way.
+    ///
+    /// # Errors
+    /// [`Trouble`] where there is no way or it meets more and more.
+    pub(in crate::interaction) fn go_round(
+        &mut self,
+        target: &[f64],
+        things: &[FoundThing],
+    ) -> Result<(), Trouble> {
+        let joints: Vec<usize> = self.hands.iter().flat_map(|hand| hand.leaning.clone()).collect();
+        self.go_past(target, &joints, things.iter().map(Room::of).collect())
+    }
+
+    /// Goes to a posture by some joints with room left for what was met, and for what it meets on the way.
+    fn go_past(&mut self, target: &[f64], joints: &[usize], mut met: Vec<Room>) -> Result<(), Trouble> {
         for _ in 0..WITHDRAWALS {
             let from = self.posture();
-            let Err(trouble) = self.making_room(&met, |actor| actor.go_by(&from, &target, &arm)) else {
+            let Err(trouble) = self.making_room(&met, |actor| actor.go_by(&from, target, joints)) else {
                 return Ok(());
             };
             let Trouble::Hit(contacts) = trouble else { return Err(trouble) };
@@ -363,7 +383,7 @@ impl Actor {
             met.extend(
                 contacts.iter().filter_map(|contact| self.found(contact)).map(|found| Room::of(&found)),
             );
-            self.back_off(&contacts)?;
+            self.back_off(&contacts, BACK)?;
         }
         Err(OutOfReach::Barred.into())
     }

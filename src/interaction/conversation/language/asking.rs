@@ -74,6 +74,10 @@ pub(super) fn asks(pieces: &[&Piece]) -> bool {
 
 /// "Is there anything?": it takes feeling about to say.
 pub(super) fn searching(pieces: &[&Piece]) -> bool {
+    // "Have you checked whether there is anything?" is of what was.
+    if has(pieces, "if|whether there be SOME|more|another") {
+        return !has(pieces, "^ =did|=have|=had|=were you|we|i|he|she|they");
+    }
     [
         "^ be there SOME",
         "^ be THING possible|likely ?that there be SOME",
@@ -88,7 +92,6 @@ pub(super) fn searching(pieces: &[&Piece]) -> bool {
         "^ be there ?any|some|more ?more $",
         "^ be there ?any|some|more more|other",
         "^ be SOME there|near|around|before|close|ahead|here|left|within|on|nearby|lie|stand",
-        "if|whether there be SOME|more|another",
         "^ what be ?lie on|in|near|before|around the|front|THING",
         "^ be SOME in ?your|the front|reach|vicinity|way",
         "^ ?any|some SOME ?else ?there|nearby|around|about|here|out|left|more ?there|here|now $",

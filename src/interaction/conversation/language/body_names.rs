@@ -191,7 +191,7 @@ fn begins(words: &[&str], name: &[String]) -> Option<usize> {
 }
 
 /// The names of a creature's limbs, auras, joints, and of its skin's patches without their numbers.
-pub(in crate::interaction) fn own_names(own: &OwnBody) -> Vec<String> {
+fn own_names(own: &OwnBody) -> Vec<String> {
     let creature = own.creature();
     let mut names: Vec<String> = creature.limbs().to_vec();
     names.extend(creature.aura_limbs().iter().map(|aura| aura.name.clone()));

@@ -89,7 +89,9 @@ impl<'a> Clause<'a> {
         let (told, asked, past) =
             (|| first(|kind| kind.told), || first(|kind| kind.asked), || first(|kind| kind.past));
         match self.mood {
-            Mood::Command | Mood::Polite => told().or_else(|| gist::told(&self.pieces)).or_else(asked),
+            Mood::Command | Mood::Polite => {
+                gist::way(&self.pieces).or_else(told).or_else(|| gist::told(&self.pieces)).or_else(asked)
+            }
             Mood::Search => asked().filter(|intent| *intent == Intent::HowMany).or(Some(Intent::Explore)),
             Mood::Question => asked().or_else(|| told().filter(|_| self.echoes())),
             Mood::Past => past(),

@@ -4,7 +4,7 @@ use super::asking::{ASKING, HELPING, SUBJECTS, ability, asked_of};
 use super::lexicon::Form;
 use super::mood::leads_in;
 use super::patterns::has;
-use super::slots::Piece;
+use super::slots::{Piece, Sense};
 use super::words::Mark;
 
 /// What forbids, wherever it stands.
@@ -74,6 +74,26 @@ pub(super) fn forbids(pieces: &[&Piece]) -> bool {
         return false;
     }
     FORBIDDING.iter().any(|pattern| forbidden_by(pieces, pattern))
+}
+
+/// What is not so, where that is to be found out or told.
+const FACTS: &str = "see|check|find|tell|know|ask|wonder|say|show|feel|look|learn|test|verify|sure|out ?me|us ?out if|whether|why|what|which|who|where|how|when !and|but .. be|have|=did|=does not $";
+
+/// What is not so, in what is to be found out or asked, forbids nothing: "see whether it isn't there", "isn't there
+/// anything?" That is said of facts alone: whoever says "see if you can not touch it" may forbid it.
+pub(super) fn facts(pieces: &mut [Piece]) {
+    for k in 0..pieces.len() {
+        let begins =
+            pieces[..k].iter().rposition(|piece| piece.word.mark.is_some()).map_or(0, |mark| mark + 1);
+        let before = pieces[begins..=k].iter().filter(|piece| piece.sense != Sense::Filler);
+        let before: Vec<&Piece> = before.collect();
+        let asked =
+            has(&before, "^ be not") && pieces.get(k + 1).is_some_and(|next| next.word.is(&["there"]));
+        let told = || has(&before, FACTS);
+        if pieces[k].word.is(&["not"]) && pieces[k].sense == Sense::Word && (asked || told()) {
+            pieces[k].sense = Sense::Filler;
+        }
+    }
 }
 
 fn forbidden_by(pieces: &[&Piece], pattern: &str) -> bool {

@@ -7,7 +7,7 @@ use crate::interaction::conversation::requests::Intent;
 /// Verbs of touching …
 const TOUCHING: &str = "touch|tap|poke|contact|pat|stroke|prod|rub|brush|press|scratch|tickle|reach|feel|hit|meet|squeeze|pinch|massage|knock|approach|slap|nudge";
 /// … of taking a thing or a hand somewhere …
-const MOVING: &str = "put|push|move|place|set|shove|slide|send|carry|take|shift|get|bring|transport|position|keep|stow|lay|drag|pop|roll|nudge|displace|pull|fetch|haul|draw|tug|guide|direct|steer|leave|rest|stretch|extend|deposit|scoot|pass|have|want|make|hold";
+pub(super) const MOVING: &str = "put|push|move|place|set|shove|slide|send|carry|take|shift|get|bring|transport|position|keep|stow|lay|drag|pop|roll|nudge|displace|pull|fetch|haul|draw|tug|guide|direct|steer|leave|rest|stretch|extend|deposit|scoot|pass|have|want|make|hold|go|come|roll|reposition|relocate";
 const PUSHING: &str = "push|shove|send|banish|remove|displace|clear|dispose";
 const PULLING: &str = "pull|bring|fetch|drag|haul|draw|tug|retrieve";
 const LIFTING: &str = "lift|raise|pick|grab|grasp|hoist|seize|clasp|scoop|heave|elevate|catch|grip|hold";
@@ -28,6 +28,27 @@ const BACK: &str = "back|backward|backwards|upright|up|straight|erect";
 const FORWARD: &str =
     "forward|forwards|over|in|toward|towards|closer|down|more|further|farther|ahead|out|front";
 const ON: &str = "on|onto|to|against|upon|at|over|with|in|by|towards|toward";
+
+/// Which way a thing is to be pushed, where that is told: not all that is pushed is to go far away.
+pub(super) fn way(pieces: &[&Piece]) -> Option<Intent> {
+    let first = pieces.iter().position(|piece| piece.sense == Sense::Word && piece.word.form.is_base())?;
+    let said = &pieces[first..];
+    let pushes = has(&said[..1], "push|move|shove|slide|nudge|shift|scoot");
+    if !pushes || !said.iter().any(|piece| piece.sense == Sense::Thing) {
+        return None;
+    }
+    let goes = |way: &str| has(said, &format!("THING .. {way}"));
+    match () {
+        () if has(said, "SIDE") => None,
+        () if goes("nearer|closer|inward|inwards") || goes("toward|towards|to you|me|us|yourself|PART") => {
+            Some(Intent::BringNear)
+        }
+        () if goes("far|away|out|farther|further|off") => None,
+        () if goes("up|upward|upwards $") || goes("up|upward|upwards by|high") => Some(Intent::Lift),
+        () if goes("down|downward|downwards $") || goes("down|downward|downwards by") => Some(Intent::LetGo),
+        () => None,
+    }
+}
 
 /// What pieces tell to do; nothing where the first verb among them is none of these.
 pub(super) fn told(pieces: &[&Piece]) -> Option<Intent> {

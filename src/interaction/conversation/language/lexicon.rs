@@ -168,7 +168,7 @@ const OTHERS: &str = "whatever whoever whichever i me my mine myself you your yo
     fair roughly approximately precise precisely currently presently meanwhile anymore such \
     contactless possession comfortable comfortably safe safely \
     maximum max minimum utmost extreme incoming \
-    two-handed handed curious detail details air path boy mug people person corner lap";
+    two-handed handed upward upwards downward downwards leftward leftwards rightward rightwards curious detail details air path boy mug people person corner lap";
 
 /// What is known of words.
 pub struct Lexicon {

@@ -20,20 +20,25 @@ mod light_verbs;
 mod mood;
 mod noun_phrases;
 mod patterns;
+mod places;
 mod slots;
 mod spelling;
 mod synonyms;
 mod words;
 
+use std::ops::Deref;
+
 pub use body_names::PartName;
-pub(in crate::interaction) use body_names::{name_words, own_names, patch_name};
+pub(in crate::interaction) use body_names::{name_words, patch_name};
 pub use leave::Leave;
 pub use mood::Mood;
+pub use places::{Aside, End};
 pub use slots::{HandName, Which};
 
 use self::body_names::BodyNames;
 use self::clauses::Clause;
 use self::lexicon::Lexicon;
+use self::patterns::has;
 use self::slots::{Piece, Sense};
 use self::words::Mark;
 use super::requests::{Intent, REQUESTS, STILL};
@@ -45,19 +50,21 @@ const BEFORE_NOUNS: &[&str] = &[
     "with", "in", "on", "at", "for", "into", "no", "up", "down", "over",
 ];
 
-/// What an utterance means.
-#[derive(Debug)]
-pub struct Understood {
+/// What is wanted, with what it names.
+#[derive(Clone, Debug, Default)]
+pub struct Request {
     /// What is wanted.
     pub intent: Intent,
-    /// What kind of sentence says so.
-    pub mood: Mood,
     /// The hand that is to do it.
     pub hand: Option<HandName>,
     /// The part of the body that it is about.
     pub part: Option<PartName>,
     /// Which of several things.
     pub which: Option<Which>,
+    /// What a question puts in relation, and to which parts of the body.
+    pub related: Option<(End, Vec<PartName>)>,
+    /// To which side a thing is to be moved.
+    pub aside: Option<Aside>,
     /// Whether it is to be done with a stick.
     pub stick: bool,
     /// Whether the trunk is to help.
@@ -70,14 +77,31 @@ pub struct Understood {
     pub any: bool,
     /// Whether it asks what or which, not whether.
     pub open: bool,
-    /// Whether anything is forbidden.
-    pub forbids: bool,
     /// What a prohibition forbids, or a report is about.
     pub about: Option<Intent>,
+}
+
+/// What an utterance means.
+#[derive(Debug)]
+pub struct Understood {
+    /// What is wanted.
+    pub request: Request,
+    /// What kind of sentence says so.
+    pub mood: Mood,
+    /// Whether anything is forbidden.
+    pub forbids: bool,
     /// The words of it that are not known.
     pub unknown: Vec<String>,
     /// Leave to move, where it gives any.
     pub leave: Option<Leave>,
+}
+
+impl Deref for Understood {
+    type Target = Request;
+
+    fn deref(&self) -> &Request {
+        &self.request
+    }
 }
 
 /// All that is needed to understand a partner.
@@ -105,7 +129,7 @@ impl Language {
             .chain(patterns::good_words())
             .chain(idioms::words());
         let words = patterns.chain(still).chain(frames).chain(fillers::words());
-        let mut words: Vec<&str> = words.chain(noun_phrases::words()).collect();
+        let mut words: Vec<&str> = words.chain(noun_phrases::words()).chain(places::words()).collect();
         words.extend(names.words());
         let lexicon = Lexicon::new(words);
         Language { lexicon, names }
@@ -134,10 +158,25 @@ impl Language {
         let answers = which.is_some() && unknown.is_empty() && said.iter().all(names);
         let (intent, clause) = meant.unwrap_or((if answers { Intent::Which } else { Intent::Unknown }, 0));
         let mood = clauses.get(clause).map_or(Mood::Statement, |clause| clause.mood);
+        let asks = match intent {
+            Intent::HowFar | Intent::WhereOwn | Intent::WhereFelt | Intent::NearOrFar => true,
+            Intent::Unknown => clauses.iter().any(|clause| clause.mood == Mood::Question),
+            // "Is it bigger than your hand?" is about no place.
+            Intent::HowBig => !has(&said, "than"),
+            _ => false,
+        };
+        let related = places::related(&pieces).filter(|_| asks);
+        let intent = match &related {
+            Some((End::Part(_), _)) => Intent::WhereOwn,
+            Some(_) if !matches!(intent, Intent::WhereFelt | Intent::NearOrFar) => Intent::HowFar,
+            _ => intent,
+        };
         let hypothesis = clauses.iter().any(|clause| clause.mood == Mood::Hypothesis);
         // Whatever is denied anywhere, it is better to ask.
-        let denied = pieces.iter().any(|piece| piece.word.is(&["not", "never", "no", "nope", "nah"]));
-        let whole = unknown.is_empty() && !hypothesis && !denied && !words::quotes(heard);
+        let denied = said.iter().any(|piece| piece.word.is(&["not", "never", "no", "nope", "nah"]));
+        let aside = places::aside(&pieces).filter(|_| intent == Intent::PutAside);
+        let clear = aside.is_none_or(|aside| aside.clear);
+        let whole = unknown.is_empty() && !hypothesis && !denied && clear && !words::quotes(heard);
         let leave = (intent.moves()).then(|| Leave::by_words(mood, whole, forbids)).flatten();
         let about = match intent {
             Intent::Dont | Intent::Report => clauses.iter().find_map(Clause::about),
@@ -151,12 +190,13 @@ impl Language {
         let (hand, part) = slots::hand_and_part(&pieces, about.unwrap_or(intent));
         let any =
             |lemmas: &[&str]| pieces.iter().any(|piece| piece.words.len() == 1 && piece.word.is(lemmas));
-        Understood {
+        let request = Request {
             intent,
-            mood,
             hand,
             part,
             which,
+            related,
+            aside,
             stick: slots::with_stick(&pieces),
             lean,
             again: any(&["again", "retry", "repeat", "try", "once"]),
@@ -164,11 +204,9 @@ impl Language {
                 || pieces.iter().any(|piece| piece.words.iter().any(|word| word == "all")),
             any: pieces.iter().any(|piece| piece.sense == Sense::Some),
             open: any(&["what", "which", "where", "how", "when", "why", "who"]),
-            forbids,
             about,
-            unknown,
-            leave,
-        }
+        };
+        Understood { request, mood, forbids, unknown, leave }
     }
 
     /// The request, and in which clause it is.

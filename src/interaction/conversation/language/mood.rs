@@ -161,7 +161,10 @@ fn hypothetical(pieces: &[&Piece]) -> bool {
         "what =happens",
         "^ when|before|after|until|while you|it|i|THING",
     ];
-    patterns.iter().any(|pattern| has(pieces, pattern)) || (!whether && has(pieces, "if"))
+    // "Were it on the left, …"
+    let inverted = pieces.last().is_some_and(|last| last.word.mark == Some(Mark::Pause))
+        && has(pieces, "^ =were|=should THING|SOME|BODY|you|i|we|he|she|they|there");
+    inverted || patterns.iter().any(|pattern| has(pieces, pattern)) || (!whether && has(pieces, "if"))
 }
 
 fn polite(pieces: &[&Piece]) -> bool {

@@ -77,6 +77,9 @@ const THINGS: &[&str] = &[
     "one",
     "ones",
 ];
+/// What it has done, or not, to what it knows of a thing or a place.
+const FELT: &[&str] =
+    &["find", "feel", "touch", "discover", "meet", "detect", "notice", "hold", "know", "search", "explore"];
 const PRONOUNS: &[&str] = &["it", "this", "that", "them", "these", "those"];
 const INDEFINITE: &[&str] = &["something", "anything", "someone", "somebody", "anybody", "anyone"];
 const DETERMINERS: &[&str] = &[
@@ -219,7 +222,7 @@ pub(super) fn noun_phrase(words: &[Word], before: Option<&Piece>) -> Option<(Sen
             || words[k - 1].mark.is_some()
             || is(k, &["please", "with", "to", "of", "from", "away", "now", "you", "me", "over", "there"]);
         let side = is(k - 1, &["left", "right"])
-            && before.is_some_and(|piece| piece.word.is(&["on", "to", "at", "from"]));
+            && before.is_some_and(|piece| piece.word.is(&["on", "to", "at", "from", "toward", "towards"]));
         if ends && !side {
             return Some((Sense::Thing, k));
         }
@@ -262,21 +265,23 @@ fn relative_clause(words: &[Word]) -> usize {
     {
         return to_the_end(words, 2);
     }
-    let mut k = usize::from(words.first().is_some_and(|word| word.is(&["that", "which"])));
-    let you = words.get(k).is_some_and(|word| word.is(&["you"]));
-    k += 1;
-    k += usize::from(words.get(k).is_some_and(|word| word.text == "have"));
-    k += usize::from(words.get(k).is_some_and(|word| word.is(&["just", "already", "first", "last"])));
-    let felt = ["find", "feel", "touch", "discover", "meet", "detect", "notice", "hold", "know"];
-    let verb = words.get(k).is_some_and(|word| word.is(&felt) && word.form == Form::Past);
-    if !you || !verb {
+    // "That you have felt before", "you did not find yet", "not found so far": what is not so tells which it is as well.
+    let is = |k: usize, list: &[&str]| words.get(k).is_some_and(|word| word.is(list));
+    let mut k = usize::from(is(0, &["that", "which"]));
+    let subject = is(k, &["you", "we", "i"]);
+    k += usize::from(subject);
+    let begin = k;
+    while is(k, &["have", "do", "be", "not", "never", "just", "already", "first", "last", "yet", "even"]) {
+        k += 1;
+    }
+    let helped = words[..k].iter().any(|word| word.is(&["do"]));
+    let begins = subject || is(0, &["not"]) || (begin == 1 && k > begin);
+    let verb = |word: &Word| word.is(FELT) && (word.form == Form::Past || helped);
+    if !begins || !words.get(k).is_some_and(verb) || words[..k].iter().any(|word| word.mark.is_some()) {
         return 0;
     }
-    k + 1
-        + words[k + 1..]
-            .iter()
-            .take_while(|word| word.is(&["first", "last", "before", "just", "so", "far", "earlier"]))
-            .count()
+    const WHEN: [&str; 8] = ["first", "last", "before", "just", "so", "far", "earlier", "yet"];
+    k + 1 + words[k + 1..].iter().take_while(|word| word.is(&WHEN)).count()
 }
 
 /// How many words there are to the end of a clause, from one on.

@@ -3,7 +3,7 @@
 //! A pattern is a row of words in their dictionary form. `a|b` is either; `?a` may be missing; `..` is any number of words;
 //! `^` and `$` are the ends of the clause; `!a|b` where neither follows. `=touching` is the very form. `THING` is one that is known ("it", "the left
 //! one"), `SOME` one that is not ("something", "an object"), `STICK` a stick, `HAND` a hand of its own, `PART` any
-//! other part of its body, `BODY` either. `VERB` is any verb as it is told, `PAST` as of what was, `DOING` its gerund; `GOOD` is what pleases, `ANY`
+//! other part of its body, `BODY` either, `SIDE` a side to which a thing is to be moved. `VERB` is any verb as it is told, `PAST` as of what was, `DOING` its gerund; `GOOD` is what pleases, `ANY`
 //! any word.
 
 use super::lexicon::Form;
@@ -56,6 +56,7 @@ fn is(piece: &Piece, token: &str) -> bool {
         "THING" => piece.sense == Sense::Thing,
         "SOME" => piece.sense == Sense::Some,
         "STICK" => piece.is_stick(),
+        "SIDE" => matches!(piece.sense, Sense::Side(_)),
         "HAND" => matches!(piece.sense, Sense::Hand(_)),
         "PART" => matches!(piece.sense, Sense::Part(_)),
         "BODY" => piece.is_body(),

@@ -2,7 +2,9 @@
 
 use super::body_names::{BodyNames, PartName};
 use super::fillers::{FILLERS, filling};
+use super::forbidding::facts;
 use super::noun_phrases::noun_phrase;
+use super::places::{Aside, sideways};
 use super::words::Word;
 
 /// Which of several things is meant.
@@ -54,6 +56,8 @@ pub(super) enum Sense {
     Hand(PartName),
     /// Another part of its body.
     Part(PartName),
+    /// The side to which a thing is to be moved: "to the left".
+    Side(Aside),
 }
 
 /// A stretch of words and what it stands for.
@@ -96,6 +100,8 @@ pub(super) fn pieces(words: &[Word], names: &BodyNames) -> Vec<Piece> {
         k += length;
     }
     referred(&mut pieces);
+    facts(&mut pieces);
+    sideways(&mut pieces);
     pieces
 }
 

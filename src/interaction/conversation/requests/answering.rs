@@ -12,7 +12,6 @@ pub(super) const YES: RequestKind = RequestKind {
         "^ that|THING be right|correct|true|fine|it",
         "^ by all means",
         "^ you may|can|should $",
-        "^ i do|think so",
         "^ why not $",
         "^ =do $",
         "^ sounds good|fine|right",
@@ -33,7 +32,6 @@ pub(super) const NO: RequestKind = RequestKind {
         "^ of course not",
         "^ rather|better not",
         "^ do not $",
-        "^ i would|had rather not",
         "^ never $",
         "^ not $",
         "^ you be wrong|mistaken",
@@ -44,13 +42,11 @@ pub(super) const NO: RequestKind = RequestKind {
 pub(super) const WHICH: RequestKind = RequestKind {
     said: &[
         "^ ?the THING ?farther|further|closer|nearer ?away|off $",
-        "^ ?the first|second|third|last|left|right|nearer|farther|nearest|farthest|closer|further|closest of",
         "^ ?not ?the|it|take|choose|mean|be|want|that|prefer THING ?on|to|at|with|by|that|which|in|i|from|further|closer ?the|your ?my ?left|right|side|front|back|mean|want|end|other $",
+        "^ on|to ?the|your|my left|right",
         "^ ?the first|second|third|last|left|right|nearer|farther|nearest|farthest|closer|further|closest $",
         "^ ?the first|second|third|last THING",
-        "^ on|to ?the|your|my left|right",
         "^ i mean|want|choose|pick|prefer|meant THING",
-        "^ the closer|nearer|left|right|farther|nearest|first|second|last of",
         "^ i would say THING",
         "^ either|whichever|any $",
         "^ either|whichever|any of THING",
@@ -58,18 +54,16 @@ pub(super) const WHICH: RequestKind = RequestKind {
     ],
     ..RequestKind::new(
         ["", ""],
-        Act::Minds(|mind, request| match request.which.and_then(|which| mind.find(which)) {
-            Some(i) => {
-                mind.things.mean(Some(i));
-                Answer::tells(format!("You mean the one {}", mind.place(i)))
+        // What words mean is meant from when they were heard on.
+        Act::Minds(|mind, request| match (mind.find(request.which), mind.things.it()) {
+            (Some(known), _) => Answer::tells(format!("You mean the one {}", mind.place(known))),
+            (None, Some(known)) if mind.things.len() == 1 => {
+                Answer::tells(format!("I know of one thing only, {}", mind.place(known)))
             }
-            None if mind.things.len() == 1 => {
-                Answer::tells(format!("I know of one thing only, {}", mind.place(0)))
-            }
-            None if mind.things.is_empty() => {
+            (None, _) if mind.things.is_empty() => {
                 Answer::tells("I have not felt anything yet, so I do not know which you mean")
             }
-            None => Answer::tells(format!("I do not know which one you mean. {}", mind.question())),
+            (None, _) => Answer::tells(format!("I do not know which one you mean. {}", mind.question())),
         }),
     )
 };

@@ -29,8 +29,6 @@ pub(super) const HOW_MANY: RequestKind = RequestKind {
         "just|only one",
         "just|only one",
         "count|tally",
-        "what number",
-        "number of",
     ],
     ..RequestKind::new(
         ["count the things", "counted the things"],

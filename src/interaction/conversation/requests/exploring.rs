@@ -3,6 +3,7 @@
 use super::super::Conversation;
 use super::{Act, Intent, Reply, RequestKind};
 use crate::interaction::conversation::language::Leave;
+use crate::interaction::things::{KnownThing, ThingId};
 use crate::interaction::{FoundThing, Trouble};
 use crate::simulation::{EngineError, EngineResult};
 
@@ -13,15 +14,11 @@ pub(super) const EXPLORE: RequestKind = RequestKind {
     told: &[
         "explore|search|scan|scour|sweep|comb|probe|survey|examine|check|inspect|feel|grope|fumble|investigate|rummage ?out|through|over|across|along|on|all|around|about|round ?over|across|on|at|all|of ?the|your|this|what ?whole|entire table|tabletop|space|area|surroundings|desk|surface|scene|environment|place|vicinity|top|front|region|room",
         "feel|look|search|grope|fumble|sweep|hunt|probe|cast|scout|explore|move|wave ?HAND|your ?hands ?out ?all around|about|round",
-        "feel|look|search|grope|reach|sweep|move|explore ?HAND ?out ?all over|across|along|in|on|upon ?front ?of ?the|this ?whole table|tabletop|you|surface|desk",
         "look|search|feel|grope|hunt|seek|check|scan|scout|probe|fish ?out|around|about|round|over ?with ?HAND ?on for SOME|THING|more|another",
         "look|search|feel|grope|seek|check ?around|about ?with ?HAND SOME",
-        "look|search|feel|check ?out if|whether",
-        "find|locate|discover|detect|seek|identify|spot|encounter|uncover ?out|me|us ?if|whether|another|what|all ?there ?be SOME|THING|there|more|another",
         "see|check|find|test|feel|learn|determine|verify|look ?out if|whether|what ?THING|SOME|there|you ?be",
         "reach ?out ?HAND ?over|out|around ?for|to|into|toward ?find SOME",
         "reach|stretch ?out ?your|HAND ?out|forward|ahead|forth $",
-        "reach|stretch ?HAND out|forward|ahead $",
         "sweep|run|move|slide|pass|swing|swipe|wave|glide|drag|pat ?your HAND ?slowly|all|back|gently ?and|over ?forth over|across|along|about|around|on|through|above ?the|top ?of ?the table|tabletop|surface|desk",
         "touch|grab|get|take SOME",
         "explore|search|sweep $",
@@ -30,7 +27,6 @@ pub(super) const EXPLORE: RequestKind = RequestKind {
         "find|discover|see|check|learn|feel|look ?out what|whatever be ?=lying|=standing in|on|before|around|there|out|here",
         "find|work out what be ?there|here|on|in|around|before",
         "what else",
-        "^ ?for|try|search ?another|any|some SOME|other|another|more ?else|more|SOME|one $",
         "find|locate|seek|discover THING",
         "run|bump|come|stumble ?up into|across|upon|against SOME",
         "have|take a ?good|quick ?look feel|search|rummage|look around|about|round|for",
@@ -59,8 +55,11 @@ impl Conversation {
         _leave: &Leave,
     ) -> Result<Reply, EngineError> {
         self.let_be();
-        if !self.knows_table() {
-            return Ok(self.no_table());
+        // What a hand met on its way down to the table is found already.
+        if let Some(met) = self.know_table()?
+            && let Some(found) = self.actor.touch_anew(&met)?
+        {
+            return Ok(self.finds(&found));
         }
         // Where nothing is known yet a quick sweep often does.
         if quick
@@ -68,33 +67,24 @@ impl Conversation {
             && self.search.is_none()
             && let Some(found) = self.sweep(hand)?
         {
-            let i = self.things.remember(&found, Some(found.receptor));
-            self.things.mean(Some(i));
-            let limb = self.limb_in_words(found.receptor);
-            let said = format!("Yes, I feel something with my {limb}, {}", self.place(&self.things[i].at));
-            return Ok(self.reply(Intent::Explore, said, Some(true), false));
+            return Ok(self.finds(&found));
         }
         if !self.begin(hand)? {
             return Ok(self.no_table());
         }
-        let before = self.things.len();
+        let before: Vec<ThingId> = self.things.iter().map(|known| known.id).collect();
         while let Some(mut search) = self.search.take() {
             let felt = self.actor.search_on(&mut search)?;
             self.search = Some(search);
             self.take_over();
             let Some(felt) = felt else { break };
-            if self.things.len() > before
-                && let Some(found) = self.actor.touch_anew(&felt)?
+            let new = self.things.iter().map(|known| known.id).find(|id| !before.contains(id));
+            if let Some(id) = new
+                && let Some(found) = self.actor.touch_anew(&felt.found)?
             {
-                let i = self.things.len() - 1;
-                self.things[i].found = found.clone();
-                self.things[i].in_touch = Some(found.receptor);
-                self.things.mean((self.things.len() == 1).then_some(i));
-                let limb = self.limb_in_words(found.receptor);
-                let something = if before > 0 { "something else" } else { "something" };
-                let said =
-                    format!("Yes, I feel {something} with my {limb}, {}", self.place(&self.things[i].at));
-                return Ok(self.reply(Intent::Explore, said, Some(true), false));
+                self.things.felt_again(id, &found);
+                self.things.mean(before.is_empty().then_some(id));
+                return Ok(self.feels(if before.is_empty() { "something" } else { "something else" }, id));
             }
         }
         self.settle_at_ready();
@@ -104,7 +94,7 @@ impl Conversation {
             count => format!("I felt about as far as I reach and found nothing but the {count} things"),
         };
         let said = format!("{said}{}", self.unsearched());
-        Ok(self.reply(Intent::Explore, said, Some(true), false))
+        self.does(Intent::Explore, said)
     }
 
     /// Searches all that it reaches and tells how many things it found: "how many things are there?"
@@ -121,16 +111,31 @@ impl Conversation {
         }
         self.take_over();
         self.settle_at_ready();
-        let said = match self.things.len() {
+        let places: Vec<String> = self.things.iter().map(|known| self.place(&known.at)).collect();
+        let said = match places.len() {
             0 => "I found nothing on the table as far as I reach".to_string(),
-            1 => format!("I found one thing, {}", self.place(&self.things[0].at)),
-            count => {
-                let places: Vec<String> = self.things.iter().map(|known| self.place(&known.at)).collect();
-                format!("I found {count} things: {}", places.join("; "))
-            }
+            1 => format!("I found one thing, {}", places.join("; ")),
+            count => format!("I found {count} things: {}", places.join("; ")),
         };
         let said = format!("{said}{}", self.unsearched());
-        Ok(self.reply(Intent::Explore, said, Some(true), false))
+        self.does(Intent::Explore, said)
+    }
+
+    /// It has found the first thing, and keeps touching it.
+    fn finds(&mut self, found: &FoundThing) -> Reply {
+        let id = self.things.remember(found, Some(found.receptor));
+        self.things.mean(Some(id));
+        self.feels("something", id)
+    }
+
+    /// It feels something and keeps touching it.
+    fn feels(&self, something: &str, id: ThingId) -> Reply {
+        let known = self.things.get(id);
+        let said = known.map(|known| {
+            let limb = self.limb_in_words(known.found.receptor);
+            format!("Yes, I feel {something} with my {limb}, {}", self.place(&known.at))
+        });
+        self.reply(Intent::Explore, said.unwrap_or_default(), Some(true), false)
     }
 
     /// Sweeps the table with one hand, or with one after the other, until something is felt.
@@ -148,22 +153,22 @@ impl Conversation {
         Ok(None)
     }
 
-    /// Lowers the hands onto the table where it is not known yet; whether it is known.
-    fn knows_table(&mut self) -> bool {
-        if self.actor.table.is_none() {
-            let heights: Vec<f64> = (0..2).filter_map(|hand| self.actor.feel_table(hand).ok()).collect();
-            if let Some(height) = heights.into_iter().reduce(f64::min) {
-                self.actor.know_table(height);
-            }
+    /// Lowers the hands onto the table where it is not known yet, and remembers what one of them met above it.
+    fn know_table(&mut self) -> EngineResult<Option<FoundThing>> {
+        if self.actor.table.is_some() {
+            return Ok(None);
         }
-        self.actor.table.is_some()
+        match self.actor.find_table() {
+            Err(Trouble::Engine(error)) => Err(error),
+            found => Ok(found.ok().flatten()),
+        }
     }
 
     /// Has a search to go on with, anew where the last one is done; whether there is a table.
     fn begin(&mut self, hand: Option<usize>) -> EngineResult<bool> {
         self.let_be();
-        if !self.knows_table() {
-            return Ok(false);
+        if let Some(met) = self.know_table()? {
+            self.things.remember(&met, None);
         }
         let again = self.search.take().filter(|search| !search.done || search.only != hand);
         self.search = match again {
@@ -205,14 +210,14 @@ impl Conversation {
         let Some(search) = &self.search else { return String::new() };
         let places = search.unsearched().into_iter().map(|([forward, left], _)| {
             let at = search.map.plane.point([forward, left, 0.0]);
-            let behind = |known: &&crate::interaction::KnownThing| {
+            let behind = |known: &&KnownThing| {
                 let apart = known.at - at;
                 let flat = apart - self.actor.up * apart.dot(&self.actor.up);
                 flat.norm() < BEHIND && known.at.dot(&self.actor.front) < forward
             };
-            match self.things.iter().position(|known| behind(&known)) {
-                Some(k) if self.things.len() > 1 => {
-                    format!("behind the one {}", self.place(&self.things[k].at))
+            match self.things.iter().find(behind) {
+                Some(known) if self.things.len() > 1 => {
+                    format!("behind the one {}", self.place(&known.at))
                 }
                 Some(_) => "behind it".to_string(),
                 None => self.place(&at),

@@ -1,7 +1,8 @@
 //! "Feel yourself over", "has your body changed?": it touches itself until it knows its body as it is now.
 
-use super::super::{Conversation, Pending, Request};
+use super::super::{Conversation, Pending};
 use super::{Act, Intent, Reply, RequestKind};
+use crate::interaction::conversation::language::Request;
 use crate::interaction::tasks::{FeltOver, Trouble};
 use crate::named::in_words;
 use crate::simulation::EngineError;
@@ -31,7 +32,7 @@ impl Conversation {
             Err(Trouble::Engine(error)) => return Err(error),
             Err(trouble) => {
                 let said = format!("I could not touch myself all over: {}", self.in_words(&trouble));
-                return Ok(self.reply(intent, said, Some(false), false));
+                return self.fails(intent, said);
             }
             Ok(found) => found,
         };
@@ -100,6 +101,6 @@ impl Conversation {
             if off > 0.0 { "apart" } else { "in each other" }
         );
         reply.asks = true;
-        self.pending = Some(Pending::Whether(Request::bare(Intent::FeelOver)));
+        self.pending = Some(Pending::Whether(Request { intent: Intent::FeelOver, ..Request::default() }));
     }
 }

@@ -1,29 +1,25 @@
 //! "Feel its shape": it touches a thing all about with the fingertips of both hands, and tells how large it is.
 
-use super::super::{Conversation, Request};
+use super::super::Conversation;
 use super::{Act, Intent, Reply, RequestKind};
-use crate::interaction::conversation::language::Leave;
+use crate::interaction::conversation::language::{Leave, Request};
 use crate::interaction::tasks::Trouble;
-use crate::interaction::things::KnownShape;
+use crate::interaction::things::{KnownShape, KnownThing};
 use crate::simulation::EngineError;
 
 pub(super) const FEEL_SHAPE: RequestKind = RequestKind {
     told: &[
         "have|take|get a ?good|proper feel of|for THING",
         "feel|explore|examine|inspect|investigate|palpate|study|trace|follow|check|find|discover|learn|work|figure|determine|measure|test|make|map|get|see|probe|scan|sense|recognise|recognize|identify .. shape|form|outline|contour|contours|size|edges|edge|corners|outside|dimensions|rim|curves|geometry|sides|surface|extent|proportions",
-        "feel .. shaped|formed",
         "feel|find|discover ?out what THING|SOME THING be",
         "feel|find|work|figure|see|check|learn|explore|discover|determine|test|measure .. how big|large|wide|tall|long|thick|high|round|small|broad|deep",
         "run|pass|slide|move|glide|stroke|let|guide|trace|draw|brush|wander|go|walk ?with HAND|PART ?all ?the|slowly ?way over|along|around|round|across|about THING|the|its ?whole|entire ?edge|edges|surface|outline|outside|sides|$",
-        "run|pass|slide|move|glide|trace|draw HAND ?all over|along|around|round THING",
         "explore|examine|inspect|palpate|measure|study|investigate|trace THING",
         "feel ?all ?the ?way round|around|over|about|along THING",
         "feel THING all|carefully|thoroughly|closely|over|around|round|about|up|from",
-        "feel THING ?with|using ?HAND ?to|and ?learn|find ?out $",
         "feel|tell|find|check|test ?out whether|if|what ?THING .. round|square|flat|pointed|like|rounded|angular|box",
         "get a|the feel of|for",
         "touch THING all over|around|round",
-        "trace|follow ?all ?the ?way round|around|along|about|over|out THING",
         "go|run|pass|move over|around|round|along ?all its|the edge|edges|outline|sides|side|rim|surface|contour|contours",
         "get|come to know|learn THING",
         "wrap|put|close HAND around|round THING",
@@ -31,17 +27,13 @@ pub(super) const FEEL_SHAPE: RequestKind = RequestKind {
         "touch THING in|at|from several|different|more|many|other|all|various",
         "^ feel THING $",
         "take|get THING|its|the ?its measurements",
-        "measure",
         "go ?all ?the ?way over|around|round|along THING",
-        "use HAND to feel|explore|examine|learn",
-        "explore|feel ?out its|the shape|form",
         "fingers over THING",
     ],
     needs_body: true,
-    needs_thing: true,
     ..RequestKind::new(
         ["feel its shape", "felt its shape"],
-        Act::Moves(|creature, request, leave| creature.feel_shape(request, leave)),
+        Act::Handles(|creature, thing, request, leave| creature.feel_shape(thing, request, leave)),
     )
 };
 
@@ -53,23 +45,29 @@ const FEW: usize = 4;
 const FITS: f64 = 0.003;
 
 impl Conversation {
-    fn feel_shape(&mut self, request: &Request, leave: &Leave) -> Result<Reply, EngineError> {
-        let i = self.things.it().expect("it is known which");
-        let touches_now = |creature: &Conversation| {
-            let known = &creature.things[i];
-            known.in_touch.is_some() && creature.actor.posture() == known.found.posture
+    fn feel_shape(
+        &mut self,
+        thing: &KnownThing,
+        request: &Request,
+        leave: &Leave,
+    ) -> Result<Reply, EngineError> {
+        let touched_now = |creature: &Conversation| {
+            let known = creature.things.get(thing.id)?;
+            let touches = known.in_touch.is_some() && creature.actor.posture() == known.found.posture;
+            touches.then(|| known.found.clone())
         };
-        if !touches_now(self) {
-            let hand = self.hand_for(request.hand);
-            let reply = self.touch(hand, request.lean, leave)?;
-            if reply.done != Some(true) || !touches_now(self) {
-                return Ok(Reply { intent: Intent::FeelShape, done: Some(false), ..reply });
+        let found = match touched_now(self) {
+            Some(found) => found,
+            None => {
+                let hand = self.hand_for(request.hand);
+                let reply = self.touch(thing, hand, request.lean, leave)?;
+                match touched_now(self).filter(|_| reply.done == Some(true)) {
+                    Some(found) => found,
+                    None => return Ok(Reply { intent: Intent::FeelShape, done: Some(false), ..reply }),
+                }
             }
-        }
-        for k in 0..self.things.len() {
-            self.things[k].in_touch = None;
-        }
-        let found = self.things[i].found.clone();
+        };
+        self.things.parted();
         let felt = self.actor.feel_shape(&found, TOUCHES);
         let ready = self.ready.clone();
         let went = felt.as_ref().is_ok_and(|felt| self.actor.go_about(&felt.shape, &ready).is_ok());
@@ -81,17 +79,18 @@ impl Conversation {
             Err(Trouble::Engine(error)) => return Err(error),
             Err(trouble) => {
                 let said = format!("I cannot feel its shape: {}", self.in_words(&trouble));
-                return Ok(self.reply(Intent::FeelShape, said, Some(false), false));
+                return self.fails(Intent::FeelShape, said);
             }
         };
         if felt.touches < FEW {
-            let said = "I could touch it at few places only, so I do not know its shape".into();
-            return Ok(self.reply(Intent::FeelShape, said, Some(false), false));
+            return self
+                .fails(Intent::FeelShape, "I could touch it at few places only, so I do not know its shape");
         }
         if felt.shape.unexplained > FITS {
-            let said =
-                "What I felt does not fit together: it may have moved, so I do not know its shape".into();
-            return Ok(self.reply(Intent::FeelShape, said, Some(false), false));
+            return self.fails(
+                Intent::FeelShape,
+                "What I felt does not fit together: it may have moved, so I do not know its shape",
+            );
         }
         let (front, left, up) = (self.actor.front, self.actor.left(), self.actor.up);
         let sides = [(-front, "in front"), (front, "behind"), (left, "on the left"), (-left, "on the right")];
@@ -99,8 +98,10 @@ impl Conversation {
         let unfelt = sides.filter(|(side, _)| !felt.shape.is_felt_along(side)).map(|(_, words)| words);
         let shape =
             KnownShape { size: felt.shape.size(&up), touches: felt.touches, unfelt: unfelt.collect() };
-        self.things[i].shape = Some(shape);
+        if let Some(known) = self.things.get_mut(thing.id) {
+            known.shape = Some(shape);
+        }
         let known = self.shape_in_words();
-        Ok(self.reply(Intent::FeelShape, known, Some(true), false))
+        self.does(Intent::FeelShape, known)
     }
 }

@@ -9,7 +9,6 @@ pub(super) const FORGET: RequestKind = RequestKind {
         "clear|wipe|strike|remove|drop|put|get|banish|dismiss|lose THING|SOME|everything|all ?all ?of ?it ?out from|of ?your memory|mind|head|memories|thoughts|list",
         "wipe THING|everything",
         "clear|wipe|erase|delete|drop what|whatever|everything ?that ?it you remember|know|felt|feel|learn",
-        "start|begin fresh",
         "fresh start|beginning",
         "start all|afresh|anew|over ?again ?afresh $",
         "from scratch",
@@ -24,14 +23,14 @@ pub(super) const FORGET: RequestKind = RequestKind {
     ..RequestKind::new(
         ["forget it", "forgot it"],
         Act::Minds(|mind, request| {
-            let count = mind.things.len();
-            let which = request.which.and_then(|which| mind.find(which));
-            let one = which.or(mind.things.it()).or((count == 1).then_some(0));
+            let one = mind.find(request.which).or(mind.things.it());
+            let one = one.map(|known| (known.id, mind.place(known)));
             match one.filter(|_| !request.all) {
-                _ if count == 0 => Answer::does("There is nothing that I have felt and could forget", true),
-                Some(i) => {
-                    let place = mind.place(i);
-                    mind.forget(i);
+                _ if mind.things.is_empty() => {
+                    Answer::does("There is nothing that I have felt and could forget", true)
+                }
+                Some((id, place)) => {
+                    mind.forget(id);
                     Answer::does(format!("I have forgotten the thing {place}"), true)
                 }
                 None if request.all => {

@@ -12,11 +12,8 @@ way of what comes; tell what I did; forget, do it again, rest, keep still. \"Qui
 
 pub(super) const HELP: RequestKind = RequestKind {
     told: &[
-        "^ help ?me ?out $",
-        "^ help me ?with ?this|it|THING $",
         "show me what you can|do",
         "^ usage|manual|instructions|commands|options $",
-        "i need|want ?some|your help|assistance|advice $",
         "assist|help me $",
         "^ menu $",
         "give|show ?me|us .. example|examples",
@@ -27,8 +24,6 @@ pub(super) const HELP: RequestKind = RequestKind {
         "what|which|list ?all|of ?THING|the|your|all ?SOME commands|command|abilities|ability|skills|options|instructions|requests|functions|features|actions|tasks|tricks|sentences|questions|capabilities|words",
         "what|which ?sort|kind|sorts|kinds|type ?of ?SOME|THING|things|stuff i|one|we can|could|may|might ask|say|tell|request|type|want|try",
         "help ?me|us ?out $",
-        "how do ?i|you|one THING|you|this|i|one work|use|operate|function|start|talk",
-        "what do you|i understand|know|offer|say|do ?now|next $",
         "how can|do|should|may|must|shall i|we ask|use|command|instruct|talk|speak|control|make|tell|get|work|operate|give",
         "your abilities|skills|commands|capabilities|options|instructions|talents|functions|features|repertoire",
         "what should|shall|must|might|can i|we ask|say|do|tell|type|request|try|want",
@@ -41,7 +36,6 @@ pub(super) const HELP: RequestKind = RequestKind {
         "be there ?a|any manual|instructions|help",
         "tell me what you can|know|do|understand",
         "what you can|understand|know $",
-        "what do you know how to",
         "what ?sort|kind|type|sorts|kinds ?of ?THING|SOME do you understand|know|obey|follow",
         "how .. ?to use you",
         "what can|could you help ?me ?with",
@@ -53,7 +47,6 @@ pub(super) const HELP: RequestKind = RequestKind {
         "^ how do|does this|THING|it work",
         "^ i be stuck|lost|confused",
         "^ i do not know what|how to",
-        "what now $",
     ],
     ..RequestKind::new(["help", "helped"], Act::Tells(|_, _| Answer::tells(ABILITIES)))
 };

@@ -31,11 +31,9 @@ pub(super) const KEEP_STILL: RequestKind = RequestKind {
         "hold|keep ?your ground|horses",
         "play|be|like|as ?a dead|statue|rock|stone",
         "rest motionless|still",
-        "^ wait there|here",
         "from =moving",
         "stay BODY",
         "keep|leave|hold BODY|yourself ?just|right where they|it|THING|you be",
-        "no moving|movement",
     ],
     asked: &["can|could|would|will you stay|keep|hold|stand ?perfectly still|there|put"],
     ..RequestKind::new(

@@ -1,8 +1,8 @@
 //! "Lean forward and try again", "lean back".
 
-use super::super::{Conversation, Request};
+use super::super::Conversation;
 use super::{Act, Intent, Reply, RequestKind};
-use crate::interaction::conversation::language::Leave;
+use crate::interaction::conversation::language::{Leave, Request};
 use crate::interaction::tasks::Trouble;
 use crate::simulation::EngineError;
 
@@ -12,10 +12,7 @@ pub(super) const LEAN_FORWARD: RequestKind = RequestKind {
         "lean|bend|tilt|bow|stoop|hunch|incline ?PART|yourself ?a ?bit|little ?further|farther|more over|down|in|into|toward|towards|across|closer|ahead|to|out|at|from",
         "tilt|bend|incline|bow PART",
         "lean|bow|stoop|hunch $",
-        "^ lean more|further|farther|again|and|as|then",
-        "=leaning forward|over|in",
         "^ ?a ?bit|little|lot ?more|further|even forward|forwards $",
-        "bend|bow|stoop|hunch $",
         "move|bring PART|yourself ?closer|nearer to|toward|towards ?the ?THING|table|front",
         "get PART over ?the THING|table",
     ],
@@ -32,19 +29,13 @@ pub(super) const LEAN_BACK: RequestKind = RequestKind {
         "move|bring|pull|draw PART|yourself ?right back|backward|backwards|upright",
         "sit|stand|get|straighten|come|rise|raise|go ?yourself|PART|right ?back ?right up|upright|straight|tall|erect|vertical",
         "be|stay ?yourself upright|erect|straight",
-        "stop|cease =leaning|=bending|=bowing",
-        "straighten ?your|out|yourself|BODY",
         "upright|erect|vertical",
         "^ ?now up straight|tall|again|now $",
-        "unbend|recline",
-        "raise yourself",
         "raise|lift|straighten PART|yourself ?back ?again ?upright|up $",
         "pull PART back|upright|up $",
         "away from the table",
         "^ ?come|go|get back up ?again|now|straight $",
         "lean the other way",
-        "undo ?the|your lean|leaning",
-        "no longer|not lean",
     ],
     needs_body: true,
     ..RequestKind::new(["lean back", "leaned back"], Act::Moves(|creature, _, _| creature.upright()))
@@ -61,8 +52,7 @@ impl Conversation {
                     Ok(Reply { intent: Intent::LeanForward, ..reply })
                 }
                 None => {
-                    let said = "There is nothing yet that I could try again leaning".to_string();
-                    Ok(self.reply(Intent::LeanForward, said, Some(false), false))
+                    self.fails(Intent::LeanForward, "There is nothing yet that I could try again leaning")
                 }
             };
         }
@@ -75,22 +65,16 @@ impl Conversation {
         match self.actor.lean_forward() {
             Ok(far) if far > 0.005 => {
                 let said = format!("I lean forward: my shoulders came {:.0} cm farther", 100.0 * far);
-                Ok(self.reply(Intent::LeanForward, said, Some(true), false))
+                self.does(Intent::LeanForward, said)
             }
-            Ok(_) => Ok(self.reply(
-                Intent::LeanForward,
-                "I lean forward already as far as I can".into(),
-                Some(true),
-                false,
-            )),
+            Ok(_) => self.does(Intent::LeanForward, "I lean forward already as far as I can"),
             Err(Trouble::Engine(error)) => Err(error),
             Err(Trouble::Reach(_)) => {
-                let said = "I cannot lean forward: something would be in the way".to_string();
-                Ok(self.reply(Intent::LeanForward, said, Some(false), false))
+                self.fails(Intent::LeanForward, "I cannot lean forward: something would be in the way")
             }
             Err(trouble) => {
                 let said = format!("I cannot lean forward: {}", self.in_words(&trouble));
-                Ok(self.reply(Intent::LeanForward, said, Some(false), false))
+                self.fails(Intent::LeanForward, said)
             }
         }
     }
@@ -98,7 +82,7 @@ impl Conversation {
     fn upright(&mut self) -> Result<Reply, EngineError> {
         let ready = self.ready.clone();
         if !self.actor.leans_from(&ready) {
-            return Ok(self.reply(Intent::LeanBack, "I am upright".into(), Some(true), false));
+            return self.does(Intent::LeanBack, "I am upright");
         }
         self.let_be();
         let went = self.settle(&ready);

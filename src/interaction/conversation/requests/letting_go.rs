@@ -11,25 +11,19 @@ pub(super) const LET_GO: RequestKind = RequestKind {
         "release|drop|unhand|relinquish|free|unclasp|ungrip THING|SOME|the|your|it|them",
         "release|relinquish|free|unclasp|ungrip HAND",
         "^ ungrip|unclasp $",
-        "^ release|drop ?now $",
         "put|set|lay|place|lower|sit|stand|rest THING|SOME ?back ?right down|gently",
         "put|set|lay|place|lower|stand down|back THING|SOME",
         "put|set|lay|place|lower|rest|stand|deposit THING|SOME ?back ?down on|onto|upon ?to ?top ?of THING|the|SOME ?table|tabletop|surface|desk",
         "open|loosen|relax|unclench|ease ?up HAND|your|THING ?own ?grip|grasp|hold|fist|fingers",
-        "leave ?go|hold of|go THING",
-        "leave THING ?there|here|where|standing|lying|be ?it $",
         "lose|give ?up your|the grip|hold|grasp",
         "take|get|pull HAND off|away|from ?of ?from THING",
         "put down $",
         "let THING be|stay|stand",
-        "^ lower THING",
         "^ down with THING",
-        "stop|quit =holding",
         "^ loosen|unhand|loose|free THING|$",
         "return THING to THING|the ?table|place",
         "put|set|place|give THING back where|in|there|to|on|again",
         "put|set|place|give THING back $",
-        "unload THING",
     ],
     ..RequestKind::new(["let go", "let go"], Act::Moves(|creature, _, _| creature.release()))
 };
@@ -69,6 +63,6 @@ impl Conversation {
             }
         };
         self.let_be();
-        Ok(self.reply(Intent::LetGo, said, Some(true), false))
+        self.does(Intent::LetGo, said)
     }
 }

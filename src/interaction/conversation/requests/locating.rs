@@ -1,8 +1,12 @@
 //! "Where is it?", "how far is it?", "is it near or far?", "where is your left elbow?", "what do you feel?"
 
-use super::super::{Conversation, OwnSpot, Request};
+use super::super::speaking::Placed;
+use super::super::{Conversation, OwnSpot};
 use super::{Act, Answer, RequestKind};
-use crate::interaction::body_part;
+use crate::geometry::Capsule;
+use crate::interaction::body_part::{self, BodyPart};
+use crate::interaction::conversation::language::{End, PartName, Request};
+use crate::interaction::things::KnownThing;
 use crate::named::in_words;
 use crate::peripersonal::Level;
 
@@ -17,13 +21,11 @@ pub(super) const HOW_FAR: RequestKind = RequestKind {
         "gap|space between",
         "in ?terms ?of centimetres|cm|centimeters|metres|inches",
         "the range to|of THING",
-        "how ?great|large|big|long be the way|gap|distance",
         "how long be the|your way|reach",
         "how long be THING to|from",
-        "how much .. away|farther|further|off|from",
         "how long|far|big|great a way|distance|stretch|gap|reach",
     ],
-    past: &["how far|near|close be THING|SOME", "distance"],
+    past: &["distance"],
     ..RequestKind::new(
         ["tell how far it is", "told how far it is"],
         Act::Tells(|creature, request| creature.how_far(request)),
@@ -32,22 +34,16 @@ pub(super) const HOW_FAR: RequestKind = RequestKind {
 
 pub(super) const NEAR_OR_FAR: RequestKind = RequestKind {
     asked: &[
-        "THING be ?still near|close|far|reachable",
         "BODY be ?long enough|long",
         "near|nearby|close far",
-        "near|nearby|close ?by or",
         "or a|some ?long way off|away",
         "near|nearby|close or|versus far|distant|not|away|farther|out",
         "far or|versus near|close|not",
         "within|in|inside|out|outside|beyond|at ?of ?easy ?arm|is|your|the|BODY ?easy|is|own ?arm reach|range|grasp|length|distance",
         "reachable|touchable|accessible|graspable|unreachable|attainable",
         "too|very far|distant|remote",
-        "near|close|far enough",
         "be THING|SOME|there ?quite|very|really|still|all|somewhat|pretty ?that near|nearby|close|far|distant|remote",
         "have|need|must|do you|i|BODY ?have|need to stretch|lean|bend|strain|step|extend",
-        "would you|i|BODY ?have|need ?to stretch|lean|bend|strain|extend|need",
-        "can|could|would|will|able|might you|BODY|i|to|either|one ?still|even|ever|able ?manage ?to reach|grasp ?at|to|for THING",
-        "get at|to|hold ?of THING",
         "able|capable|possible|manage of|to|for ?you ?to reach|=reaching|touch|get|grasp",
         "which ?THING|one|of be ?the nearer|closer|nearest|closest|farther|farthest",
         "do|would|can|could BODY ?ever reach|get|stretch|make|extend",
@@ -56,7 +52,6 @@ pub(super) const NEAR_OR_FAR: RequestKind = RequestKind {
         "get at THING",
         "get to THING ?without|with|from|if",
         "far away or",
-        "close ?by|at $",
         "can|could THING be reached|touched|grasped",
         "be THING =reached",
     ],
@@ -68,23 +63,18 @@ pub(super) const NEAR_OR_FAR: RequestKind = RequestKind {
 };
 
 pub(super) const WHERE_OWN: RequestKind = RequestKind {
-    told: &["locate BODY", "find|locate BODY $", "show ?me BODY"],
+    told: &["find|locate BODY $", "show ?me BODY"],
     asked: &[
+        "what be BODY do $",
         "where|whereabouts ?exactly|precisely ?do|be|would|can|have|about ?i|THING|you ?find|keep|hold|see|leave|have|locate BODY",
-        "where BODY ?be",
         "where have you get BODY",
         "BODY .. where",
         "whereabouts|location|position|place|posture|pose|direction|spot|coordinates|orientation|height ?of|are|be BODY",
-        "locate|place BODY",
         "be BODY now|there|here|up|down $",
-        "be BODY ?still|now =bent|=stretched|=raised|=extended",
-        "what be BODY do $",
         "how far|high|low ?out|up|off|down be BODY",
         "be BODY ?still|now !touch|contact hanging|resting|pointing|above|near|close|in|on|to|bent|raised|up|down|out|over|under|below|behind|beside|left|right|by|at|stretched|straight|extended|high|low|higher|lower",
         "how|what do|be BODY $",
-        "how|what do|be BODY held|positioned|placed|doing|lie|bent|high|far|hold",
         "how ?high|low|far|bent|be ?be BODY",
-        "in|which|what way|direction|side|height ?do|be BODY",
         "which|what side|way|direction|height|level .. BODY",
         "how far|high .. BODY from|above|to|off",
         "know|say|tell|describe|find BODY $",
@@ -103,13 +93,11 @@ pub(super) const WHERE_FELT: RequestKind = RequestKind {
         "where|whereabouts .. THING|SOME|feel|touch|contact|they|find|poke|press|tap|pat|stroke|rub",
         "^ where|whereabouts ?exactly|precisely|about ?be|now $",
         "whereabouts|location|position|place|coordinates|spot|direction|bearing|site",
-        "on|at|in|by|to|from which|what side|direction|place|spot|part|limb|way|location|position|point",
         "which|what side|direction|place|spot|part|limb|way|receptor|finger",
         "be THING ?more|now|still|somewhere|straight ?to|on|at|in ?the|your left|right|ahead|front|behind|side|above|below|middle|centre|center",
         "which|what HAND|BODY|limb|hand|arm do|be|feel|touch",
         "with which|what HAND|BODY|part|limb|hand|arm",
         "which|what bit|area|patch|piece|spot|place of you|your",
-        "which of your HAND|BODY|limbs",
         "left or ?to ?on ?the right",
         "where on|at|in the",
         "where be we",
@@ -132,15 +120,12 @@ pub(super) const WHAT_FELT: RequestKind = RequestKind {
         "be|do SOME|THING|you|BODY|there ?now|still|currently|in|any touch|contact|press|against|hold|feel|SOME",
         "what be in|on|at|under|against HAND|BODY",
         "you feel|sense|touch|hold",
-        "what be you touch|hold|feel",
         "^ still =feeling|=touching|=holding|=sensing",
-        "how do THING|that|BODY|your feel",
         "feel|sense|notice|perceive SOME",
         "SOME ?else under|at|against|in|beneath|on HAND|BODY",
         "do|be you|BODY ?still hold|touch|carry|feel|grasp|grip",
         "hold SOME|THING",
         "what ?do your skin|BODY|HAND|receptors say|feel|sense|tell|notice|touch|report",
-        "at your BODY|HAND",
     ],
     ..RequestKind::new(
         ["tell what I feel", "told what I feel"],
@@ -156,12 +141,18 @@ fn listed(names: &[String]) -> String {
     }
 }
 
+/// Words with a capital letter first.
+fn sentence(said: &str) -> String {
+    let mut letters = said.chars();
+    letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect())
+}
+
 impl Conversation {
     /// The thing that a question is about.
-    fn asked_about(&self, request: &Request) -> Result<usize, Answer> {
+    fn asked_about(&self, request: &Request) -> Result<&KnownThing, Answer> {
         let named = request.which.and_then(|which| self.which(which));
-        match named.or(self.things.it()).or((self.things.len() == 1).then_some(0)) {
-            Some(i) => Ok(i),
+        match named.and_then(|id| self.things.get(id)).or(self.things.it()) {
+            Some(known) => Ok(known),
             None if self.things.is_empty() => Err(Answer::tells("I have not felt anything yet")),
             None => Err(Answer { said: self.question(), done: None, asks: true }),
         }
@@ -169,7 +160,7 @@ impl Conversation {
 
     fn how_far(&self, request: &Request) -> Answer {
         let known = match self.asked_about(request) {
-            Ok(i) => &self.things[i],
+            Ok(known) => known,
             Err(answer) => return answer,
         };
         let distances = self.actor.distances(&known.at);
@@ -193,7 +184,7 @@ impl Conversation {
     /// From the map of what its hands reach, which knows joints' ranges and nothing in the way.
     fn near_or_far(&self, request: &Request) -> Answer {
         let known = match self.asked_about(request) {
-            Ok(i) => &self.things[i],
+            Ok(known) => known,
             Err(answer) => return answer,
         };
         let Some(maps) = self.reachable() else {
@@ -239,12 +230,52 @@ impl Conversation {
         let told: Vec<String> = found
             .iter()
             .map(|part| {
-                let at = part.at(&self.actor, &self.actor.frames());
+                let at = part.at(&self.actor.frames());
                 format!("my {} is {}", part.name, self.place_of_own(&at))
             })
             .collect();
-        let said = told.join("; ");
-        Answer::tells(format!("{}{}", said[..1].to_uppercase(), &said[1..]))
+        Answer::tells(sentence(&told.join("; ")))
+    }
+
+    /// How what a question puts in relation is placed, one relative to the other; nothing where it asks for none.
+    pub(in super::super) fn relation(&self, request: &Request) -> Option<Answer> {
+        let (what, to) = request.related.as_ref()?;
+        if let Some(doubt) = self.doubt() {
+            return Some(Answer::does(doubt, false));
+        }
+        Some(self.related(request, what, to).map_or_else(|answer| answer, Answer::tells))
+    }
+
+    fn related(&self, request: &Request, what: &End, to: &[PartName]) -> Result<String, Answer> {
+        let frames = self.actor.frames();
+        let parts = |part: &PartName| -> Result<Vec<Placed<'_>>, Answer> {
+            let found = body_part::find(&self.actor, part, self.hand_touching());
+            let found = found.map_err(|unknown| Answer::tells(unknown.to_string()))?;
+            let extent = |part: &BodyPart| part.extent(&self.actor, &frames);
+            Ok(found
+                .iter()
+                .map(|part| Placed { name: format!("my {}", part.name), extent: extent(part) })
+                .collect())
+        };
+        let what = match what {
+            End::Part(part) => parts(part)?,
+            End::Thing => {
+                let at = Capsule::ball(self.asked_about(request)?.at, 0.0);
+                vec![Placed { name: "it".to_string(), extent: vec![Box::new(at)] }]
+            }
+        };
+        let mut told: Vec<String> = Vec::new();
+        for part in to {
+            for to in parts(part)? {
+                // Of "your hands" the one and the other: that is told once.
+                let others = what.iter().take_while(|one| one.name != to.name);
+                told.extend(others.filter_map(|one| self.relation_in_words([one, &to])));
+            }
+        }
+        match told.is_empty() {
+            true => Err(Answer::tells("That is one and the same part of me")),
+            false => Ok(sentence(&told.join("; "))),
+        }
     }
 
     fn where_felt(&self) -> Answer {
@@ -260,16 +291,13 @@ impl Conversation {
                 )
             })
             .collect();
-        Answer::tells(match (told.is_empty(), self.things.it().or(self.things.len().checked_sub(1))) {
+        Answer::tells(match (told.is_empty(), self.things.it().or(self.things.iter().next_back())) {
             (false, _) => told.join("; "),
-            (true, Some(i)) => {
-                let known = &self.things[i];
-                format!(
-                    "I do not feel it now; I felt it with my {}, and it is {}",
-                    self.limb_in_words(known.found.receptor),
-                    self.place(&known.at)
-                )
-            }
+            (true, Some(known)) => format!(
+                "I do not feel it now; I felt it with my {}, and it is {}",
+                self.limb_in_words(known.found.receptor),
+                self.place(&known.at)
+            ),
             (true, None) => "I do not feel anything".into(),
         })
     }

@@ -4,11 +4,8 @@ use super::{Act, Answer, RequestKind};
 
 pub(super) const GREET: RequestKind = RequestKind {
     asked: &[
-        "how be you ?doing|feeling|today|going|all|$",
-        "how do you do $",
         "how be THING|life|everything|things going",
         "how be THING|life $",
-        "what be|is up $",
         "you|are|be ?you ok|okay|alright|well $",
     ],
     said: &[
@@ -16,7 +13,6 @@ pub(super) const GREET: RequestKind = RequestKind {
         "^ good morning|afternoon|evening|day",
         "^ ?it ?be nice|pleased|good|lovely|glad|great|pleasure|delighted to|meeting|seeing ?meet|see|you",
         "how be|do you ?doing|feeling|today|going|do|$",
-        "what be up",
         "^ morning|evening|afternoon",
         "how have you be",
         "long time no see",
@@ -51,7 +47,6 @@ pub(super) const WHO: RequestKind = RequestKind {
     ],
     asked: &[
         "who might|may|would you be",
-        "^ ?and ?so who|whom ?exactly|the be|am you|this|there|i|THING",
         "who ?exactly you be",
         "who be you",
         "who|whom do i|we have the",
@@ -63,14 +58,11 @@ pub(super) const WHO: RequestKind = RequestKind {
         "your name",
         "have ?you a name",
         "what be you ?exactly|call|name|then|anyway $",
-        "what do|should|may|can|shall|must|would ?people|i|they|we call|name you",
-        "about yourself|you $",
         "be you ?really ?a|an|the|called|named human|robot|real|person|machine|alive|virtual|computer|man|max|creature",
         "what|which kind|sort|type of THING|creature|robot|being|person|machine be|are|do you",
         "who|whom do|am|have|be i|we ?have talk|talking|speak|speaking|deal|dealing",
         "introduce yourself",
         "how be you called",
-        "what sort|kind of .. be you",
         "call|named you",
     ],
     ..RequestKind::new(

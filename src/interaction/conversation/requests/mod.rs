@@ -32,8 +32,9 @@ mod touching_own;
 
 use serde::Serialize;
 
-use super::language::Leave;
-use super::{Conversation, Mind, Reply, Request};
+use super::language::{Leave, Request};
+use super::{Conversation, Mind, Reply};
+use crate::interaction::things::KnownThing;
 use crate::simulation::EngineError;
 
 pub(super) use keeping_still::STILL;
@@ -52,8 +53,6 @@ pub(super) struct RequestKind {
     pub said: &'static [&'static str],
     /// Whether it must know its body for it.
     pub needs_body: bool,
-    /// Whether it is about a thing that was felt before.
-    pub needs_thing: bool,
     /// Does it, and answers.
     pub act: Act,
 }
@@ -66,6 +65,8 @@ pub(super) enum Act {
     Minds(fn(&mut Mind<'_>, &Request) -> Answer),
     /// It moves, for which there has to be leave.
     Moves(fn(&mut Conversation, &Request, &Leave) -> Result<Reply, EngineError>),
+    /// It moves, for which there has to be leave, and is about a thing that was felt before.
+    Handles(fn(&mut Conversation, &KnownThing, &Request, &Leave) -> Result<Reply, EngineError>),
 }
 
 /// What is said to a request that moves nothing.
@@ -94,16 +95,7 @@ impl RequestKind {
     /// One without words, which needs nothing.
     const fn new(doing: [&'static str; 2], act: Act) -> RequestKind {
         let none: &[&str] = &[];
-        RequestKind {
-            doing,
-            told: none,
-            asked: none,
-            past: none,
-            said: none,
-            needs_body: false,
-            needs_thing: false,
-            act,
-        }
+        RequestKind { doing, told: none, asked: none, past: none, said: none, needs_body: false, act }
     }
 
     /// All its patterns.
@@ -116,13 +108,14 @@ impl RequestKind {
 macro_rules! requests {
     ($($(#[$about:meta])* $intent:ident => $kind:expr;)+) => {
         /// What a partner may want.
-        #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+        #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
         #[serde(rename_all = "snake_case")]
         pub enum Intent {
             $($(#[$about])* $intent,)+
             /// To know what it feels where it is touched, and that it puts a hand there.
             FeelTouch,
             /// None of these.
+            #[default]
             Unknown,
         }
 
@@ -167,6 +160,8 @@ requests! {
     WhereFelt => locating::WHERE_FELT;
     /// That a part of its own body is touched.
     TouchOwn => touching_own::TOUCH_OWN;
+    /// That a thing is put to its left or right.
+    PutAside => putting::PUT_ASIDE;
     /// That a thing is brought near.
     BringNear => putting::BRING_NEAR;
     /// That a thing is put far away.
@@ -217,6 +212,6 @@ impl Intent {
 
     /// Whether it may move for it.
     pub fn moves(self) -> bool {
-        self.kind().is_some_and(|kind| matches!(kind.act, Act::Moves(_)))
+        self.kind().is_some_and(|kind| matches!(kind.act, Act::Moves(_) | Act::Handles(_)))
     }
 }

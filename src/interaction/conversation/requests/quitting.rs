@@ -4,22 +4,14 @@ use super::{Act, Answer, RequestKind};
 
 pub(super) const QUIT: RequestKind = RequestKind {
     told: &[
-        "^ quit|exit|leave|logout|disconnect|terminate $",
-        "^ quit|exit|terminate ?this|the|our program|session|conversation|talk|chat",
         "^ end|finish|terminate|conclude|close|stop|leave ?the|this|our conversation|talk|session|chat|dialogue|program",
-        "^ stop|quit =talking|=listening",
-        "^ exit",
         "^ log|sign out|off",
         "^ shut down|off",
         "^ turn|switch yourself off",
-        "^ stop|end|finish here|it|there|for",
     ],
     said: &[
         "^ bye|goodbye|farewell|ciao|adieu|quit|exit|byebye",
-        "^ see|catch you later|soon|tomorrow|again|around",
         "^ see you",
-        "^ so long $",
-        "^ ?and ?i ?think that|this|it|THING be ?all ?it|for|from ?now|today|me|folks|then $",
         "^ THING be all",
         "^ i be =going|=leaving $",
         "^ ?let|us|time ?us ?to end|finish THING|it ?here|now|there $",
@@ -36,9 +28,7 @@ pub(super) const QUIT: RequestKind = RequestKind {
         "have a|an ?good|nice|great|lovely day|evening|night|one",
         "^ end|finish|finished $",
         "^ finish ?here|now|up $",
-        "enough for today",
         "time to go|stop|leave|finish|quit|end",
-        "^ good bye",
         "let us stop|end|finish|leave|call",
     ],
     ..RequestKind::new(

@@ -1,18 +1,15 @@
 //! "Again."
 
-use super::super::{Conversation, Request};
+use super::super::Conversation;
 use super::{Act, Intent, Reply, RequestKind};
-use crate::interaction::conversation::language::Leave;
+use crate::interaction::conversation::language::{Leave, Request};
 use crate::simulation::EngineError;
 
 pub(super) const REPEAT: RequestKind = RequestKind {
     told: &[
         "^ ?and|now ?try again|repeat|retry|redo|encore|rerun",
         "once|one|twice|another ?more|last more|again|time",
-        "^ one|another ?more|last time|go|try|attempt|shot|round ?with|using ?HAND",
-        "one|another|a ?more|last|second|third more|time|try|go|attempt|shot|round",
         "do|try|attempt|perform ?THING|so|the|that ?same ?thing ?all|over again|over|anew|afresh",
-        "do the same",
         "have|take|give ?THING ?a second|third|another|further go|try|attempt|shot",
         "do|try|see|have ?THING|SOME ?all ?over ?yet ?once again",
         "go again",
@@ -20,7 +17,6 @@ pub(super) const REPEAT: RequestKind = RequestKind {
         "another|one|have|give|make ?THING ?another|a|one ?more|second|last go|try|attempt|shot|crack|whirl",
         "same again|thing|procedure",
         "try ?THING|it ?all again|anew|harder|more|over",
-        "repeat ?what|that|it|THING|the|your",
         "^ same THING $",
         "go|start|try over again",
         "^ try ?that|THING ?harder|more $",
@@ -37,12 +33,7 @@ pub(super) const REPEAT: RequestKind = RequestKind {
 impl Conversation {
     fn repeat(&mut self, request: &Request, leave: &Leave) -> Result<Reply, EngineError> {
         let Some(last) = self.last.clone() else {
-            return Ok(self.reply(
-                Intent::Repeat,
-                "I have not done anything yet that I could do again".into(),
-                Some(false),
-                false,
-            ));
+            return self.fails(Intent::Repeat, "I have not done anything yet that I could do again");
         };
         let again = Request { hand: request.hand.or(last.hand), lean: request.lean || last.lean, ..last };
         let reply = self.act(again, Some(leave.again()), &[])?;

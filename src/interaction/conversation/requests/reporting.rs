@@ -1,7 +1,8 @@
 //! "What did you do?", "did you touch it?"
 
-use super::super::{Conversation, Request};
+use super::super::Conversation;
 use super::{Act, Answer, Intent, RequestKind};
+use crate::interaction::conversation::language::Request;
 use crate::interaction::conversation::mind::Deed;
 
 /// How many of the last things that it did are told.
@@ -14,7 +15,6 @@ pub(super) const REPORT: RequestKind = RequestKind {
         "tell|give ?me|us ?a|the ?short|brief story|summary|report|account|recap|rundown",
     ],
     asked: &[
-        "summary|report|account|recap|story|rundown|log",
         "what happen|occur",
         "what ?just|has|have happen",
         "summarise|summarize|recap|recount",
@@ -29,16 +29,12 @@ pub(super) const REPORT: RequestKind = RequestKind {
     ],
     past: &[
         "what ?be the result|outcome|upshot",
-        "how many|often ?THING times .. you",
-        "what =went",
         "THING|SOME go|work|happen|succeed|move|fall|fail",
         "you",
         "happen|occur",
         "^ ?so|and =did|=has|=had|=was THING|SOME|BODY",
         "success|luck|work",
         "BODY",
-        "^ be THING|it",
-        "recount|recap|report|summarise|summarize",
     ],
     ..RequestKind::new(["report", "reported"], Act::Tells(|creature, request| creature.report(request)))
 };

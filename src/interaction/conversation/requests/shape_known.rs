@@ -10,17 +10,15 @@ const ROUGHLY: f64 = 0.005;
 
 pub(super) const HOW_BIG: RequestKind = RequestKind {
     asked: &[
-        "THING be|might ?be big|large|small|wide|tall|long|thick|bigger|larger|smaller",
         "how ?very big|large|small|wide|tall|long|high|thick|thin|broad|huge|tiny|deep|bulky",
         "size|sizes|dimensions|dimension|extent|extents|diameter|width|breadth|volume|length|height|girth|measurements|radius|thickness|proportions",
         "be|do THING|SOME ?seem|feel|look ?very|really|quite|rather|fairly|that|a ?all|bit big|bigger|large|larger|small|smaller|huge|tiny|wide|tall|long|thick|narrow|bulky|little",
         "bigger|smaller|larger|taller|wider|longer",
         "what do THING measure",
         "fit in|into ?one|your HAND|BODY",
-        "how much space|room do|does THING",
         "tiny|huge|big|small|large or",
     ],
-    past: &["how big|large|small|wide|tall|long", "size"],
+    past: &[],
     ..RequestKind::new(
         ["tell how big it is", "told how big it is"],
         Act::Tells(|creature, _| Answer::tells(creature.size_in_words())),
@@ -44,10 +42,8 @@ pub(super) const WHAT_SHAPE: RequestKind = RequestKind {
         "round|flat|square|pointed|curved|sharp|angular|rounded or|and|nor",
         "more like a|an|SOME",
         "corners|edges|roundness|curved|rounded|angular",
-        "how|what would|do|can you describe THING",
-        "what be THING|SOME $",
     ],
-    past: &["what shape|form", "shape"],
+    past: &["shape"],
     ..RequestKind::new(
         ["tell its shape", "told its shape"],
         Act::Tells(|creature, _| Answer::tells(creature.shape_in_words())),
@@ -66,19 +62,18 @@ impl Conversation {
     }
 
     fn felt_in_words(&self, what: &str) -> String {
-        let it = self.things.it().or((self.things.len() == 1).then_some(0));
-        let Some(i) = it else {
+        let Some(known) = self.things.it() else {
             return match self.things.is_empty() {
                 true => "I have not felt anything yet".into(),
                 false => self.question(),
             };
         };
-        if let Some(shape) = &self.things[i].shape {
+        if let Some(shape) = &known.shape {
             return said_of(shape);
         }
-        let places = self.felt_places(i);
+        let places = self.felt_places(known);
         let apart =
-            places.iter().enumerate().flat_map(|(k, a)| places[..k].iter().map(move |b| (a - b).norm()));
+            places.iter().enumerate().flat_map(|(k, a)| places.iter().take(k).map(move |b| (a - b).norm()));
         let widest = apart.fold(0.0, f64::max);
         match places.len() {
             0 | 1 => {

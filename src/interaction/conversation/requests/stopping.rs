@@ -6,7 +6,6 @@ pub(super) const STOP: RequestKind = RequestKind {
     told: &[
         "^ stop|quit|cease|halt|drop ?doing what|whatever|THING|everything|all",
         "^ end|finish what|whatever",
-        "^ stop|halt|cease|pause|abort|cancel|desist right|there|at|$",
         "^ wait ?a|just ?moment|minute|second|there $",
         "^ hold on|up $",
         "knock|pack THING off",
@@ -17,7 +16,6 @@ pub(super) const STOP: RequestKind = RequestKind {
         "^ stop|halt|whoa|woah|wait|cease|pause|abort|cancel",
         "never mind",
         "^ no more ?of ?THING $",
-        "^ freeze $",
         "^ no|not ?go ?carry ?any continue|on|further",
     ],
     ..RequestKind::new(

@@ -1,7 +1,8 @@
 //! "Here is a stick: take it with your right hand", "give me back the stick", "how long is the stick?"
 
-use super::super::{Conversation, Request};
+use super::super::Conversation;
 use super::{Act, Answer, Intent, Reply, RequestKind};
+use crate::interaction::conversation::language::Request;
 use crate::interaction::stick::KnownStick;
 use crate::interaction::tasks::Trouble;
 use crate::named::in_words;
@@ -77,7 +78,7 @@ impl Conversation {
         if !self.actor.take_stick(hand)? {
             self.settle_at_ready();
             let said = format!("I held out my {name}, and was given no stick");
-            return Ok(self.reply(intent, said, Some(false), false));
+            return self.fails(intent, said);
         }
         match self.actor.learn_stick() {
             Err(Trouble::Engine(error)) => Err(error),
@@ -89,14 +90,15 @@ impl Conversation {
                     known.by_tip,
                     tip_in_words(&known)
                 );
-                Ok(self.reply(intent, said, Some(true), false))
+                self.does(intent, said)
             }
             Ok(None) | Err(_) => {
                 self.actor.give_stick_back()?;
                 self.settle_at_ready();
-                let said =
-                    "I touched myself with the stick and could not tell where its tip is: I gave it back";
-                Ok(self.reply(intent, said.into(), Some(false), false))
+                self.fails(
+                    intent,
+                    "I touched myself with the stick and could not tell where its tip is: I gave it back",
+                )
             }
         }
     }
@@ -104,8 +106,7 @@ impl Conversation {
     /// Gives the stick back, where there is one.
     pub(super) fn give_stick_back(&mut self) -> Result<Reply, EngineError> {
         let Some(hand) = self.actor.stick().map(|stick| stick.hand) else {
-            let said = "I hold no stick".to_string();
-            return Ok(self.reply(Intent::GiveStickBack, said, Some(false), false));
+            return self.fails(Intent::GiveStickBack, "I hold no stick");
         };
         self.let_be();
         let tip = self.actor.stick_tip();
@@ -114,7 +115,7 @@ impl Conversation {
         self.things.felt_by_another(|receptor| if Some(receptor) == tip { bare } else { receptor });
         self.actor.give_stick_back()?;
         self.stick_changed();
-        Ok(self.reply(Intent::GiveStickBack, "I gave the stick back".into(), Some(true), false))
+        self.does(Intent::GiveStickBack, "I gave the stick back")
     }
 
     /// Goes to where its hands wait with or without a stick, and reaches as far as it does now.
@@ -146,8 +147,9 @@ impl Conversation {
         let with_both = request.intent == Intent::Lift && request.hand.is_none();
         let feels_about = matches!(request.intent, Intent::Explore | Intent::FeelShape | Intent::FeelOver)
             || (request.intent == Intent::Touch && request.any && self.things.is_empty());
-        let by_its_hand = matches!(request.intent, Intent::Lift | Intent::PutFar | Intent::BringNear)
-            && self.hand_for(request.hand) == Some(stick.hand);
+        let by_its_hand =
+            matches!(request.intent, Intent::Lift | Intent::PutFar | Intent::BringNear | Intent::PutAside)
+                && self.hand_for(request.hand) == Some(stick.hand);
         (with_both || feels_about || by_its_hand)
             .then(|| format!("The stick in my {name} is in the way of that: tell me to give it back first"))
     }

@@ -1,8 +1,9 @@
 //! "Touch your nose."
 
-use super::super::{Conversation, OwnSpot, Request};
+use super::super::{Conversation, OwnSpot};
 use super::{Act, Intent, Reply, RequestKind};
 use crate::interaction::body_part;
+use crate::interaction::conversation::language::Request;
 use crate::interaction::tasks::Trouble;
 use crate::named::in_words;
 use crate::simulation::EngineError;
@@ -17,24 +18,19 @@ pub(super) const TOUCH_OWN: RequestKind = RequestKind {
         "run|pass|draw|glide HAND|hand|finger ?all through|over|across|along|down PART",
         "touch|tap|poke|contact|pat|stroke|prod|rub|scratch|grab|grasp|clasp|grip|feel|reach|squeeze|tickle|brush|press|pinch|cover|pull|tug|find|slap|nudge|massage|cup|approach|clutch|hit|meet|hug ?gently|with|for|to|at|on|onto|against|up|down|behind|out|over ?HAND ?to|for|on|towards|at|onto ?your PART",
         "touch|tap|poke|contact|pat|stroke|prod|rub|scratch|squeeze|press|clasp|grip|massage|feel|hold ?you BODY",
-        "run|pass|draw|put|lay HAND|hand|finger|one ?hand through|over|behind|on ?you ?on ?your BODY",
         "grab|grasp|reach|hold|take BODY with HAND",
-        "hold PART",
         "put|lay|place|rest|set|get|position|move|bring|keep|press|point|have|lift|raise|stretch|extend|hold|guide|let|take ?a|one|the ?both HAND|finger|hand|palm ?up|down|over|back|rest|go|out ?right on|onto|upon|to|against|at|towards|over|around|in|touch|by|behind|near ?contact|top|touch ?with|of BODY",
         "put|lay|place|rest ?a ?finger|hand on|to|onto BODY",
         "get|take|catch|have|lay|keep|grab hold of BODY",
-        "^ HAND to|onto|on|against|at BODY",
         "^ HAND ?and PART $",
         "^ PART with ?your HAND $",
         "HAND ?should|must|be|go ?be|go on|onto|to|against BODY $",
-        "^ PART touch|tap|poke|rub|scratch $",
         "PART .. HAND on|to|onto|at PART",
         "PART .. touch|tap|poke|pat|grab|reach|feel THING",
         "use HAND .. PART",
         "with HAND .. PART",
         "make|get|establish contact|touch with|between|to BODY",
         "touch yourself",
-        "bend ?down and touch|reach|grab BODY",
         "BODY and BODY together",
         "point at|to PART",
         "reach ?up|down|out|over|back|behind ?to|for|and|at|towards ?touch ?behind BODY",
@@ -53,11 +49,11 @@ impl Conversation {
         };
         let found = match body_part::find(&self.actor, part, self.hand_touching()) {
             Ok(found) => found,
-            Err(unknown) => return Ok(self.reply(Intent::TouchOwn, unknown.to_string(), Some(false), false)),
+            Err(unknown) => return self.fails(Intent::TouchOwn, unknown.to_string()),
         };
         let by = self.hand_for(request.hand);
         if request.stick && self.actor.stick_tip().is_none() {
-            return Ok(self.reply(Intent::TouchOwn, "I hold no stick".into(), Some(false), false));
+            return self.fails(Intent::TouchOwn, "I hold no stick");
         }
         self.let_be();
         let mut trouble = None;
@@ -87,7 +83,7 @@ impl Conversation {
                                     part.name
                                 ),
                             };
-                            return Ok(self.reply(Intent::TouchOwn, said, Some(true), false));
+                            return self.does(Intent::TouchOwn, said);
                         }
                         Err(Trouble::Engine(error)) => return Err(error),
                         Err(this) => {
@@ -106,7 +102,7 @@ impl Conversation {
             Some((name, trouble)) => format!("I cannot touch my {name}: {}", self.in_words(&trouble)),
             None => format!("I have no skin at my {} that could be touched", part.text()),
         };
-        Ok(self.reply(Intent::TouchOwn, said, Some(false), false))
+        self.fails(Intent::TouchOwn, said)
     }
 
     /// Holds an arm out so that a spot of it can be touched; whether it does.

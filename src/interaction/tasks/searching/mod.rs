@@ -55,8 +55,8 @@ impl Actor {
     ///
     /// # Errors
     /// Where the engine fails.
-    pub fn touch_anew(&mut self, felt: &Feeling) -> EngineResult<Option<FoundThing>> {
-        match self.follow(&PosturePath(vec![felt.found.posture.clone()]), CAREFUL, |_, _| true)? {
+    pub fn touch_anew(&mut self, found: &FoundThing) -> EngineResult<Option<FoundThing>> {
+        match self.follow(&PosturePath(vec![found.posture.clone()]), CAREFUL, |_, _| true)? {
             Ended::Felt(contacts) => Ok(contacts.iter().find_map(|contact| self.found(contact))),
             Ended::Arrived => Ok(None),
         }
@@ -133,10 +133,7 @@ impl Actor {
         search.take_in_what_is_gone();
         let Ended::Felt(contacts) = ended else { return Ok(None) };
         let found = contacts.iter().find_map(|contact| self.found(contact));
-        let back = contacts[0].spot.receptor;
-        if let Some(way) = self.back_by(back, DRAWN_BACK) {
-            self.follow(&way, SWIFT, |_, _| false)?;
-        }
+        self.back_off(&contacts, DRAWN_BACK)?;
         let plane = search.map.plane;
         Ok(found.map(|found| Feeling {
             at: plane.coordinates(&found.point),
@@ -185,7 +182,7 @@ impl Actor {
             }
         }
         let from = self.posture();
-        let high = stop.rising.last().expect("the low posture").clone();
+        let high = stop.rising.last().unwrap_or(&stop.low).clone();
         let arm = self.hands[stop.hand].arm.clone();
         let Ok(way) = self.way_above(search, [&from, &high], &arm) else { return Ok(None) };
         let felt = self.feel_along(search, &way, ABOVE)?;
