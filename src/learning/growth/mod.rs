@@ -84,6 +84,8 @@ const MOST_AT_FIRST: usize = 1500;
 const MOST_STARTS: usize = 4000;
 /// Parts that are tried in vain before more touches are made.
 const TRIED: usize = 2;
+/// … and before it is over where no first part was found so far.
+const TRIED_AT_LAST: usize = 8;
 
 /// Schemas on the way that are kept; of more every second one is forgotten.
 const MOST_OF_WAY: usize = 12;
@@ -298,7 +300,7 @@ impl Growth {
 
     /// Learns all that can be learned from the touches so far, for there will be no more; whether that was anything.
     pub fn grow_all(&mut self) -> bool {
-        self.grow_trying(usize::MAX)
+        self.grow_trying(if self.gave_up() { TRIED_AT_LAST } else { usize::MAX })
     }
 
     fn grow_trying(&mut self, tried: usize) -> bool {
