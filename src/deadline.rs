@@ -1,10 +1,21 @@
-//! A moment after which nothing more is begun.
+//! A point after which nothing more is begun: so much work, or a moment on the clock.
+//!
+//! Work is counted where it is done, by the solvers and the motions, thread by thread: what a computation comes to must depend
+//! neither on what else the computer does nor on how many threads share it. So whatever runs beside something else
+//! ([`side_by_side`]) is counted apart, from what had been done when all of it was begun.
 
+use std::cell::Cell;
 use std::time::{Duration, Instant};
 
 use nix::time::{ClockId, clock_gettime};
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
 
-/// A moment after which nothing more is begun; by default there is none. What is under way then is brought to its end, so
+/// Work that one core of 2020 does in a second: multiplications and additions of a solver, and as many as take as long as what
+/// else is counted.
+const A_SECOND: f64 = 1.6e9;
+
+/// A point after which nothing more is begun; by default there is none. What is under way then is brought to its end, so
 /// that everything that was begun can be trusted.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Deadline(Option<Moment>);
@@ -13,8 +24,40 @@ pub struct Deadline(Option<Moment>);
 enum Moment {
     /// On the clock.
     Clock(Instant),
-    /// When this process has computed for so long, on all its threads together.
-    Computed(Duration),
+    /// When so much work is done.
+    Worked(u64),
+}
+
+/// What was limited where more was to be done.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Limit {
+    /// Work, as much on any computer.
+    Work,
+    /// Time on the clock.
+    Seconds,
+}
+
+impl std::fmt::Display for Limit {
+    fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
+        f.write_str(match self {
+            Limit::Work => "when its budget of work was spent, with more to be done (--work, --touches)",
+            Limit::Seconds => "when its time was over, with more to be done (--seconds, --touches)",
+        })
+    }
+}
+
+/// What was done on a thread.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Tally {
+    /// Work, in multiplications and additions.
+    pub work: u64,
+    /// Whether a deadline had passed where there was more to be begun.
+    pub ended: bool,
+}
+
+thread_local! {
+    static TALLY: Cell<Tally> = const { Cell::new(Tally { work: 0, ended: false }) };
 }
 
 impl Deadline {
@@ -26,23 +69,82 @@ impl Deadline {
         Deadline(began.checked_add(time).map(Moment::Clock))
     }
 
-    /// The moment when this process will have [`computed`] for so long: other work on the computer does not bring it nearer.
-    pub fn when_computed(time: Duration) -> Deadline {
-        Deadline(Some(Moment::Computed(time)))
+    /// When this thread, and those that work for it, have done as much more as a core does in so many seconds: as much on a busy
+    /// computer as on an idle one.
+    pub fn after_work_of(seconds: f64) -> Deadline {
+        Deadline(Some(Moment::Worked(TALLY.get().work.saturating_add((seconds * A_SECOND) as u64))))
     }
 
-    /// The time until then; none where there is no such moment.
+    /// The time until then; none where the clock does not tell.
     pub fn left(&self) -> Option<Duration> {
-        self.0.map(|moment| match moment {
-            Moment::Clock(moment) => moment.saturating_duration_since(Instant::now()),
-            Moment::Computed(time) => time.saturating_sub(computed()),
-        })
+        match self.0 {
+            Some(Moment::Clock(moment)) => Some(moment.saturating_duration_since(Instant::now())),
+            Some(Moment::Worked(_)) | None => None,
+        }
     }
 
-    /// Whether the moment has come.
-    pub fn has_passed(&self) -> bool {
-        self.left().is_some_and(|left| left.is_zero())
+    /// What it limits.
+    pub fn limit(&self) -> Limit {
+        if matches!(self.0, Some(Moment::Clock(_))) { Limit::Seconds } else { Limit::Work }
     }
+
+    /// Whether it has come, asked by who would begin something else.
+    pub fn has_passed(&self) -> bool {
+        let passed = match self.0 {
+            Some(Moment::Clock(moment)) => moment <= Instant::now(),
+            Some(Moment::Worked(work)) => work <= TALLY.get().work,
+            None => false,
+        };
+        if passed {
+            TALLY.set(Tally { ended: true, ..TALLY.get() });
+        }
+        passed
+    }
+}
+
+/// Counts work that was done, in multiplications and additions.
+pub fn count_work(work: usize) {
+    count(Tally { work: work as u64, ended: false });
+}
+
+/// Counts what was done apart.
+pub fn count(done: Tally) {
+    let before = TALLY.get();
+    TALLY.set(Tally { work: before.work.saturating_add(done.work), ended: before.ended | done.ended });
+}
+
+/// What something comes to, and what was done for it: none of it is counted yet.
+pub fn apart<T>(run: impl FnOnce() -> T) -> (T, Tally) {
+    apart_from(TALLY.get().work, run)
+}
+
+/// The same where so much was done before.
+fn apart_from<T>(work: u64, run: impl FnOnce() -> T) -> (T, Tally) {
+    let before = TALLY.replace(Tally { work, ended: false });
+    let found = run();
+    let after = TALLY.replace(before);
+    (found, Tally { work: after.work.saturating_sub(work), ended: after.ended })
+}
+
+/// How much was done on this thread.
+pub fn worked() -> u64 {
+    TALLY.get().work
+}
+
+/// What something comes to for each of several, on all threads, as if `work` had been done before each, and what was done for it:
+/// none of it is counted yet.
+pub fn side_by_side<I: Send, T: Send>(
+    work: u64,
+    items: Vec<I>,
+    run: impl Fn(I) -> T + Sync,
+) -> Vec<(T, Tally)> {
+    items.into_par_iter().map(|item| apart_from(work, || run(item))).collect()
+}
+
+/// What something comes to for each of several, on all threads, all of it counted.
+pub fn in_parallel<I: Send, T: Send>(items: Vec<I>, run: impl Fn(I) -> T + Sync) -> Vec<T> {
+    let made = side_by_side(worked(), items, run).into_iter();
+    made.map(|(found, done)| (found, count(done)).0).collect()
 }
 
 /// For how long this process has computed, on all its threads together.
@@ -69,14 +171,35 @@ mod tests {
     }
 
     #[test]
-    fn a_process_that_rests_computes_nothing() {
-        let deadline = Deadline::when_computed(computed() + Duration::from_millis(200));
-        // Other tests compute in this process meanwhile.
-        assert!(!Deadline::when_computed(computed() + Duration::from_secs(3600)).has_passed());
-        let mut sum = 0u64;
-        while !deadline.has_passed() {
-            sum = std::hint::black_box(sum.wrapping_mul(3).wrapping_add(1));
-        }
-        assert_eq!(deadline.left(), Some(Duration::ZERO));
+    fn work_brings_a_deadline_nearer_whatever_else_is_done_meanwhile() {
+        let deadline = Deadline::after_work_of(1e-6);
+        let half = || count_work(A_SECOND as usize / 2_000_000);
+        half();
+        // Other tests work in this process meanwhile.
+        std::thread::spawn(move || (0..100).for_each(|_| half())).join().expect("it only counts");
+        assert!(!deadline.has_passed());
+        half();
+        assert!(deadline.has_passed());
+    }
+
+    #[test]
+    fn what_runs_side_by_side_is_told_of_the_same_work_however_many_threads_there_are() {
+        let found = [1, 3].map(|threads| {
+            let pool =
+                rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads are to be had");
+            pool.install(|| {
+                let deadline = Deadline::after_work_of(1e-6);
+                let unit = A_SECOND as usize / 10_000_000;
+                // Each counts on until it is over; those inside it belong to it.
+                let ended = in_parallel((0..8).collect(), |number: usize| {
+                    in_parallel(vec![number, 1], |units| count_work(units * unit));
+                    (0..).take_while(|_| (count_work(unit), deadline.has_passed()).1 == false).count()
+                });
+                (ended, apart(|| deadline.has_passed()))
+            })
+        });
+        assert_eq!(found[0], found[1]);
+        assert_eq!(found[0].0, [8, 7, 6, 5, 4, 3, 2, 1]);
+        assert_eq!(found[0].1, (true, Tally { work: 0, ended: true }));
     }
 }

@@ -2,7 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use super::{BabblingError, TOUCHES_PER_BOUT};
+use super::{BabblingError, MOTION, TOUCHES_PER_BOUT};
+use crate::deadline::{Deadline, count_work};
 use crate::learning::growth::Growth;
 use crate::senses::Touch;
 use crate::share::Share;
@@ -97,12 +98,18 @@ pub(super) fn gather<E>(
     bouts: &mut dyn Iterator<Item = (u64, EngineResult<Bout>)>,
     mut done: BoutsDone,
     end: End,
-    fruitless_bouts: u64,
+    (fruitless_bouts, deadline): (u64, Deadline),
     receive: &mut impl FnMut(Made) -> Result<(), E>,
 ) -> Result<BoutsDone, BabblingError<E>> {
     let mut waiting = BTreeMap::new();
+    // Threads make bouts in any order: work is counted as if one had been made after the other.
+    count_work(MOTION * done.effort.motions as usize);
     'bouts: while !end.is_reached(&done) {
-        let Some((number, bout)) = bouts.next() else { break };
+        let next = bouts.next();
+        if deadline.has_passed() {
+            break;
+        }
+        let Some((number, bout)) = next else { break };
         waiting.insert(number, bout);
         while let Some(bout) = waiting.remove(&done.bouts) {
             let bout = bout.map_err(BabblingError::Engine)?;
@@ -115,6 +122,7 @@ pub(super) fn gather<E>(
                 }
             }
             done.effort += bout.effort;
+            count_work(MOTION * bout.effort.motions as usize);
             if !bout.is_whole {
                 break 'bouts;
             }
@@ -123,7 +131,7 @@ pub(super) fn gather<E>(
                 break 'bouts;
             }
             receive(Made::Bout(done, bout.effort)).map_err(BabblingError::Receiver)?;
-            if end.is_reached(&done) {
+            if end.is_reached(&done) || deadline.has_passed() {
                 break 'bouts;
             }
         }

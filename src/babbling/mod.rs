@@ -17,7 +17,7 @@ pub use policy::{Policy, PolicyName};
 
 use crate::babbling::bouts::{Bout, End, gather};
 use crate::babbling::policy::Random;
-use crate::deadline::Deadline;
+use crate::deadline::{Deadline, count_work};
 use crate::learning::Input;
 use crate::learning::growth::Growth;
 use crate::senses::Touch;
@@ -32,6 +32,8 @@ const MOTIONS_PER_BOUT: u64 = 1000;
 const FRUITLESS_BOUTS: u64 = 20;
 /// … and with physics, where a motion takes a thousand times as long.
 const FRUITLESS_DYNAMIC_BOUTS: u64 = 1;
+/// What a motion counts as, in work of [`count_work`].
+const MOTION: usize = 100_000;
 /// Marks the random streams of a seed that noise of the senses is drawn from.
 const NOISE_STREAMS: u64 = 1 << 62;
 
@@ -211,7 +213,7 @@ impl<'a> Babbler<'a> {
             otherwise.is_none().then_some((bout, made))
         });
         let end = End::AtTouch(options.touches);
-        let done = gather(&mut bouts, from, end, self.fruitless_bouts(), &mut receive)?;
+        let done = gather(&mut bouts, from, end, (self.fruitless_bouts(), self.deadline), &mut receive)?;
         drop(bouts);
         match otherwise {
             Some(bout) => Err(BabblingError::Otherwise { bout }),
@@ -251,7 +253,8 @@ impl<'a> Babbler<'a> {
                 });
             }
             drop(sender);
-            let result = gather(&mut receiver.iter(), from, end, self.fruitless_bouts(), receive);
+            let result =
+                gather(&mut receiver.iter(), from, end, (self.fruitless_bouts(), self.deadline), receive);
             done.store(true, Ordering::Relaxed);
             // Unblocks threads that wait to send.
             drop(receiver);
@@ -287,6 +290,7 @@ impl<'a> Babbler<'a> {
             let posture = mover.felt_posture().map_err(BabblingError::Engine)?;
             let target = policy.next_target(&posture, &mut rng);
             let ending = mover.advance(&target).map_err(BabblingError::Engine)?;
+            count_work(MOTION);
             let mut effort = before;
             effort += mover.effort();
             let motion = effort.motions;

@@ -19,6 +19,7 @@ use crate::experiment::{BabbledSession, BabbledShares, BabblingSession, Embodied
 use crate::learning::growth::Growth;
 use crate::learning::learners::{LearnerKind, PartByPart};
 use crate::record::{FolderLock, Generation};
+use crate::senses::joint_sensors;
 use crate::share::Share;
 use crate::simulation::MotionName;
 
@@ -26,9 +27,10 @@ use crate::simulation::MotionName;
 const TOUCHES: usize = 1000;
 /// … and by stages, which end by themselves, at the most.
 const MOST_TOUCHES: usize = 4000;
-/// Seconds that a session takes at the most where no number of touches is asked for: nobody is to wait longer for a word.
-const SECONDS: f64 = 50.0;
-/// The share of them after which no touches are made, …
+/// Work that a session takes at the most where no number of touches is asked for, in seconds of a core that does nothing else:
+/// nobody is to wait much longer for a word.
+const WORK: f64 = 50.0;
+/// The share of it after which no touches are made, …
 const BABBLING: f64 = 0.65;
 /// … and that after which nothing more is tried to explain them: the last fit and the measures take the rest.
 const LEARNING: f64 = 0.85;
@@ -59,10 +61,14 @@ pub struct BabbleArguments {
     /// most]
     #[arg(long, value_parser = touch_count, help_heading = "Babbling")]
     touches: Option<usize>,
-    /// Seconds after which the session comes to its end with what is known by then [default: 50; none with --touches, --live or
-    /// --motion dynamic]
-    #[arg(long, value_parser = positive, help_heading = "Babbling")]
+    /// Seconds after which the session comes to its end with what is known by then: what that is depends on what else the
+    /// computer does [default: none]
+    #[arg(long, value_parser = positive, conflicts_with = "work", help_heading = "Babbling")]
     seconds: Option<f64>,
+    /// Work after which it does so, the same on any computer: about what one core does in so many seconds [default: 50; none with
+    /// --seconds, --touches, --live or --motion dynamic]
+    #[arg(long, value_parser = positive, help_heading = "Babbling")]
+    work: Option<f64>,
     /// Seed of all random numbers: the same seed gives the same touches
     #[arg(long, default_value_t = 1, help_heading = "Babbling")]
     pub seed: u64,
@@ -101,7 +107,7 @@ pub struct BabbleArguments {
         long,
         value_name = "SHARE",
         requires = "out",
-        conflicts_with_all = ["resume", "seconds", "force"],
+        conflicts_with_all = ["resume", "seconds", "work", "force"],
         help_heading = "Output"
     )]
     pub shard: Option<Share>,
@@ -113,22 +119,24 @@ pub struct BabbleArguments {
 }
 
 impl BabbleArguments {
-    /// The policy that is asked for, or that suits what else is and the creature.
-    fn policy(&self, creature: &Creature) -> PolicyName {
+    /// The policy that is asked for, or that suits what else is and the creature, whose senses are exact or not.
+    fn policy(&self, creature: &Creature, exact: bool) -> PolicyName {
         let grows = self.motion == MotionName::Kinematic && self.learning.grows() && Growth::suits(creature);
+        let grows = grows && exact;
         let asked = self.learning.named().is_none_or(|learner| learner.name() == PartByPart.name());
         let grows = grows && self.shard.is_none();
         self.policy.unwrap_or(if grows && asked { PolicyName::Stages } else { PolicyName::Random })
     }
 
-    /// Seconds that the session may take, if it may not take as long as it likes.
-    fn seconds(&self) -> Option<f64> {
+    /// Work that the session may take, if it may not take as much as it likes.
+    fn work(&self) -> Option<f64> {
         // Who watches may pause it.
         let patient = self.touches.is_some()
+            || self.seconds.is_some()
             || self.shard.is_some()
             || self.motion == MotionName::Dynamic
             || self.live.is_asked();
-        self.seconds.or((!patient).then_some(SECONDS))
+        self.work.or((!patient).then_some(WORK))
     }
 }
 
@@ -136,29 +144,33 @@ impl BabbleArguments {
 pub struct Prepared {
     pub embodied: Embodied,
     pub setup: SessionSetup,
-    /// Seconds that it may take.
-    seconds: Option<f64>,
+    /// Work that it may take.
+    work: Option<f64>,
     /// Where a page is to be served, until it is.
     place: Cell<Option<Place>>,
 }
 
 impl Prepared {
     pub fn new(args: &BabbleArguments) -> Result<Prepared, Failure> {
-        let (began, seconds) = (Instant::now(), args.seconds());
-        let deadline = |share: f64| {
-            let time = seconds.and_then(|seconds| Duration::try_from_secs_f64(share * seconds).ok());
-            time.map_or(Deadline::NEVER, |time| Deadline::after(began, time))
+        let (began, work) = (Instant::now(), args.work());
+        let deadline = |share: f64| match (work, args.seconds) {
+            (Some(work), _) => Deadline::after_work_of(share * work),
+            (None, Some(seconds)) => Duration::try_from_secs_f64(share * seconds)
+                .map_or(Deadline::NEVER, |time| Deadline::after(began, time)),
+            (None, None) => Deadline::NEVER,
         };
         is_there(&args.model, "babble")?;
         let embodied = embodied(args.open.source(&args.model, args.joints.clone().unwrap_or_default()))?;
-        let policy = args.policy(embodied.creature());
+        // Noise of a model's own joint sensors is noise as any.
+        let exact = joint_sensors(embodied.body()).iter().flatten().all(|sensor| sensor.noise == 0.0);
+        let policy = args.policy(embodied.creature(), exact);
         if let Some(share) = args.shard.filter(|_| policy != PolicyName::Random) {
             return Err(Failure(format!(
                 "--policy {policy} learns on the way from all touches before, which share {share} has not: leave out --shard, \
                  or babble by --policy random"
             )));
         }
-        let mut learning = args.learning.options(embodied.creature(), policy)?;
+        let mut learning = args.learning.options(embodied.creature(), Some(policy).filter(|_| exact))?;
         learning.deadline = deadline(LEARNING);
         // Whether the creature can babble at all, and be watched, is told before any folder is made.
         embodied.babbler(args.motion)?;
@@ -168,7 +180,7 @@ impl Prepared {
         let setup =
             SessionSetup { babbling, policy, motion: args.motion, deadline: deadline(BABBLING), learning };
         let place = Cell::new(args.live.place()?);
-        Ok(Prepared { embodied, setup, seconds, place })
+        Ok(Prepared { embodied, setup, work, place })
     }
 
     /// All options in effect, those included that stand by default and by what else is asked: versions to come may choose
@@ -180,7 +192,8 @@ impl Prepared {
             ("policy", policy.to_string()),
             ("learner", learning.learner.name().to_string()),
         ];
-        for (option, value) in chosen {
+        let work = self.work.map(|work| ("work", work.to_string()));
+        for (option, value) in chosen.into_iter().chain(work) {
             given.entry(option.to_string()).or_insert_with(|| vec![value]);
         }
         given
@@ -226,16 +239,14 @@ impl Prepared {
         let BabbledSession { session, touches, .. } = babbled;
         let learning = &self.setup.learning;
         let truth = Some(self.embodied.truth());
-        let late = self.setup.deadline.has_passed();
-        if let Some(seconds) = self.seconds.filter(|_| late) {
-            tell!(
-                "babbling ended for want of time, after {} touches: give it more than {seconds:.0} s with --seconds, or \
-                 all that it takes with --touches",
-                touches.len()
-            );
-        }
         let result = learn_and_report(Generation::begin(&lock)?, babbled, learning, truth, observer)?;
         lock.finish()?;
+        if let Some(limit) = session.effort.and_then(|effort| effort.ended_by) {
+            tell!("babbling ended {limit}, after {} touches", touches.len());
+        }
+        if let Some(limit) = result.ended_by {
+            tell!("the search for what explains them ended {limit}");
+        }
         let folder = lock.place();
         if let Some(live) = live {
             live.done(folder, &result);

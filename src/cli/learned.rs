@@ -100,6 +100,7 @@ fn to_json(
         "simulated_s": session.effort.and_then(|effort| effort.simulated_s),
         "depth_mm": summary(depth_mm(touches)),
         "learning_s": result.record.seconds,
+        "ended_by": { "babbling": session.effort.and_then(|effort| effort.ended_by), "learning": result.ended_by },
         "seed": session.seed,
         "policy": session.options.policy,
         "learner": options.learner.name(),

@@ -59,9 +59,13 @@ impl LearningArguments {
         self.learner.as_deref().and_then(learner_kind)
     }
 
-    /// The options for a creature, with the file of known joints read; for touches by a policy.
-    pub fn options(&self, creature: &Creature, policy: PolicyName) -> Result<LearningOptions, Failure> {
-        self.with_known(self.bare(Some(policy)), creature)
+    /// The options for a creature, with the file of known joints read; for exact touches by a policy, or none.
+    pub fn options(
+        &self,
+        creature: &Creature,
+        policy: Option<PolicyName>,
+    ) -> Result<LearningOptions, Failure> {
+        self.with_known(self.bare(policy), creature)
     }
 
     /// The options for a session's touches: those of a recording report what the recording holds.

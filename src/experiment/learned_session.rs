@@ -10,6 +10,7 @@ use super::observer::{LearningStep, Observer, Phase};
 use super::session::BabbledSession;
 use crate::agent::Agent;
 use crate::creature::Creature;
+use crate::deadline::{Limit, apart, count};
 use crate::evaluation::{Evaluation, OwnAccount, Progress, Summary, evaluate, evaluate_learned};
 use crate::export::to_mjcf;
 use crate::ground_truth::GroundTruth;
@@ -30,6 +31,8 @@ pub struct LearnedSession {
     pub record: LearningRecord,
     /// How the body changed as the learner understood it, in sentences.
     pub changes: Vec<String>,
+    /// What ended the search for an answer where there was more to be tried; none where nothing did.
+    pub ended_by: Option<Limit>,
     /// The errors; none where the truth is not at hand.
     pub evaluation: Option<Evaluation>,
     /// What can be told without the truth; none where the truth is at hand or the learner cannot tell.
@@ -68,14 +71,16 @@ pub fn learn_session(
     let grown = grown.as_ref().filter(|_| disturbances.is_none());
     let mut learner = options.learner_from(&felt.agent, grown, session.seed);
     learner.end_at(options.deadline);
+    let mut ended_by = None;
     for (n, touch) in felt.touches.iter().enumerate() {
         let began = Instant::now();
         learner.touch(touch);
-        let late = options.deadline.has_passed();
-        let due = !late && run.is_due(n + 1, learner.schema().is_some());
+        let due = run.is_due(n + 1, learner.schema().is_some()) && !options.deadline.has_passed();
         let last = n + 1 == touches.len();
         // Learning for a row of the table alone is not what learning takes.
-        let learned = (last || (due && !run.predicts)).then(|| learner.learn());
+        let (learned, done) = apart(|| (last || (due && !run.predicts)).then(|| learner.learn()));
+        count(done);
+        ended_by = done.ended.then(|| options.deadline.limit());
         let learned = learned.map(|learned| learned.with_made(&felt.agent, &felt.touches[..=n]));
         if last || !due || each {
             run.seconds += began.elapsed().as_secs_f64();
@@ -104,10 +109,11 @@ pub fn learn_session(
     let checkpoints = checkpoints(passed, session, &felt, options, truth, (&learned, evaluation.as_ref()));
     let bound = evaluation.as_ref().and_then(|evaluation| evaluation.bound_mm);
     let how = (options, command, seconds);
-    let record = LearningRecord { checkpoints, bound, ..record(session, touches.len(), how, &learned) };
+    let mut record = LearningRecord { checkpoints, bound, ..record(session, touches.len(), how, &learned) };
+    record.facts.extend(ended_by.map(|limit| ("the search ended".to_string(), limit.to_string())));
     write(folder, creature, &learned, agent, &record)?;
     let changes = changes(creature, &learned);
-    Ok(LearnedSession { learned, record, changes, evaluation, own_account, undisturbed_heldout_mm })
+    Ok(LearnedSession { learned, record, changes, ended_by, evaluation, own_account, undisturbed_heldout_mm })
 }
 
 /// What is said of a schema that was learned from so many of a session's touches: by which options and command, in so many

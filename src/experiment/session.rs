@@ -12,7 +12,7 @@ use super::observer::{Observer, Phase};
 use super::shares::BabbledShares;
 use super::touches::make_touches;
 use crate::babbling::{Babbler, BabblingOptions, BoutsDone, Made, PolicyName};
-use crate::deadline::Deadline;
+use crate::deadline::{Deadline, apart, count};
 use crate::learning::growth::Growth;
 use crate::record::{
     BabblingEffort, BabblingProgress, FolderLock, Host, PROGRAM, RecordError, SESSION_FILE, Session,
@@ -241,32 +241,39 @@ impl<'a> BabblingSession<'a> {
         });
         let began = Instant::now();
         let mut kept = began;
-        let made_all = make(&babbler, done, &mut |news| {
-            match news {
-                Made::Touch(touch) => {
-                    log.write(touch)?;
-                    observer.touched(touch);
-                    made.push(touch.clone());
+        let (babbled, tally) = apart(|| {
+            make(&babbler, done, &mut |news| {
+                match news {
+                    Made::Touch(touch) => {
+                        log.write(touch)?;
+                        observer.touched(touch);
+                        made.push(touch.clone());
+                    }
+                    // Bouts can be shorter than it takes to write this down.
+                    Made::Bout(done, _) if kept.elapsed() >= KEPT_EVERY => {
+                        BabblingProgress::new(&done, spent + began.elapsed()).write(&folder)?;
+                        kept = Instant::now();
+                    }
+                    Made::Bout(..) => {}
+                    Made::Grown(growth) => observer.grew(growth),
                 }
-                // Bouts can be shorter than it takes to write this down.
-                Made::Bout(done, _) if kept.elapsed() >= KEPT_EVERY => {
-                    BabblingProgress::new(&done, spent + began.elapsed()).write(&folder)?;
-                    kept = Instant::now();
-                }
-                Made::Bout(..) => {}
-                Made::Grown(growth) => observer.grew(growth),
-            }
-            Ok(())
+                Ok(())
+            })
         });
-        if made_all.is_err() && begun && made.is_empty() {
+        count(tally);
+        if babbled.is_err() && begun && made.is_empty() {
             // There is nothing to go on with.
             [TOUCHES_FILE, SESSION_FILE].iter().for_each(|file| drop(fs::remove_file(folder.join(file))));
         }
-        let (effort, grown) = made_all?;
+        let (effort, grown) = babbled?;
         observer.phase(Phase::Done);
         let touches = Some(made.len()).filter(|&made| made != setup.babbling.touches);
-        session.effort =
-            Some(BabblingEffort { touches, ..BabblingEffort::new(&effort, spent + began.elapsed()) });
+        let ended_by = tally.ended.then(|| setup.deadline.limit());
+        session.effort = Some(BabblingEffort {
+            touches,
+            ended_by,
+            ..BabblingEffort::new(&effort, spent + began.elapsed())
+        });
         log.finish()?;
         session.write(&folder)?;
         BabblingProgress::remove(&folder);

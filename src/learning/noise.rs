@@ -20,13 +20,14 @@ use nalgebra::linalg::Cholesky;
 use nalgebra::{DMatrix, DVector, Dyn, Rotation3, Vector3};
 
 use crate::agent::Agent;
+use crate::deadline::count_work;
 use crate::learning::Parameters;
 use crate::learning::annealing::{NARROWEST, NORMAL_MEDIAN, quantile};
 use crate::learning::least_squares::{LeastSquares, Linearization};
 use crate::learning::prediction::{GapRow, add_row, information_inverse, row_variance};
 use crate::learning::prior::PriorTerm;
 use crate::learning::surface_gap::SurfaceGap;
-use crate::learning::touch_set::{PreparedTouch, TouchSet};
+use crate::learning::touch_set::{LOOK, PreparedTouch, TouchSet};
 use crate::schema::BodySchema;
 
 /// Rounds of who is honest, what the touches say and how much noise there is, one after the other.
@@ -540,6 +541,7 @@ impl LeastSquares for NoisyProblem<'_> {
 
     fn linearize(&mut self, schema: &BodySchema) -> Linearization {
         let n = self.parameters.len();
+        count_work(self.touches.len() * (LOOK + n.pow(2)));
         let gaps = gaps_of(self.agent, self.touches, self.parameters, schema, self.widening);
         let nothing = DMatrix::zeros(n, n);
         let mut system = MixedSystem::new(&self.noise, &gaps, n, &nothing, self.residuals.as_ref());

@@ -36,6 +36,7 @@ use rand::seq::SliceRandom;
 use rand_chacha::ChaCha8Rng;
 
 use crate::agent::Agent;
+use crate::deadline::count_work;
 use crate::kinematics::{Chain, ChainSide, SideJacobian};
 use crate::learning::observation::{Input, Observation};
 use crate::learning::touch_set::PreparedTouch;
@@ -55,6 +56,8 @@ pub const LAST_SCALE: f64 = 1e-5;
 pub const LAST_PULL: f64 = 0.1;
 /// Steps in all, whatever the number of touches: about a second.
 pub const STEPS: usize = 1_000_000;
+/// What a step counts as, in work of [`count_work`].
+const STEP: usize = 1_000;
 /// How exact a contact point is taken to be, metres.
 const CONTACT_DEVIATION: f64 = 1e-4;
 /// How far a curved limb is taken to bulge out of a flat patch, metres.
@@ -106,6 +109,7 @@ pub fn descend(
     let mut order: Vec<usize> = (0..touches.len()).collect();
     let mut sides = [SideJacobian::default(), SideJacobian::default()];
     let passes = (steps / order.len().max(1)).max(1);
+    count_work(STEP * passes * order.len());
     let mut misses = Vec::with_capacity(touches.len());
     let mut limit = f64::INFINITY;
     for pass in 0..passes {

@@ -8,10 +8,9 @@
 use nalgebra::Vector3;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use rayon::prelude::*;
 
 use crate::agent::Agent;
-use crate::deadline::Deadline;
+use crate::deadline::{Deadline, in_parallel};
 use crate::learning::annealing::{AnnealingLimits, NARROWEST, anneal_to, quantile};
 use crate::learning::initial_guess::{random_guess, randomize_joint};
 use crate::learning::least_squares::{LeastSquares, Stopping, levenberg_marquardt};
@@ -203,10 +202,7 @@ impl Learner for RoughFit {
             }
         }
         let count = initial_guesses.len();
-        let starts: Vec<(f64, BodySchema)> = initial_guesses
-            .into_par_iter()
-            .map(|initial_guess| self.start(&touches, initial_guess))
-            .collect();
+        let starts = in_parallel(initial_guesses, |initial_guess| self.start(&touches, initial_guess));
         let (_, schema) =
             starts.into_iter().min_by(|a, b| a.0.total_cmp(&b.0)).expect("at least one start is made");
         self.last = Some((schema.clone(), self.touches.len()));

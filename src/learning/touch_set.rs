@@ -5,6 +5,7 @@ use std::collections::BTreeSet;
 use nalgebra::{DMatrix, DVector, Matrix3x2, Vector3};
 
 use crate::creature::Creature;
+use crate::deadline::count_work;
 use crate::geometry::Frame;
 use crate::kinematics::{Chain, ChainSide, SideJacobian, tangent_basis};
 use crate::learning::least_squares::LeastSquares;
@@ -13,6 +14,9 @@ use crate::learning::observation::{Observation, ObservationModel, TouchResiduals
 use crate::learning::prior::PriorTerm;
 use crate::learning::{AxisModel, Parameters};
 use crate::schema::BodySchema;
+
+/// What looking at how a touch is explained counts as, in work of [`count_work`].
+pub(super) const LOOK: usize = 3_000;
 
 /// One touch as a solver sees it: two points that met in one posture.
 #[derive(Clone, Debug)]
@@ -273,10 +277,12 @@ impl<M: ObservationModel> LeastSquares for TouchProblem<'_, M> {
                 let used = jacobian.columns(0, row);
                 let hessian = used * used.transpose();
                 let gradient = used * residuals.rows(0, row);
+                count_work(LOOK * pair.touches.len() + row * columns.len.pow(2));
                 columns.scatter(&hessian, &gradient, &mut total);
             }
         }
         total.scale = total.hessian.diagonal();
+        count_work(total.gradient.len().pow(3) / 6);
         if let Some(prior) = self.prior {
             prior.add(self.parameters, schema, &mut total);
         }
@@ -285,6 +291,7 @@ impl<M: ObservationModel> LeastSquares for TouchProblem<'_, M> {
 
     fn cost(&self, schema: &BodySchema) -> f64 {
         let touches = self.touches.touches();
+        count_work(LOOK * self.touches.len());
         touches
             .zip(&self.fixed)
             .map(|(touch, fixed)| self.model.cost(&touch.ends, &touch.frames(schema), fixed))

@@ -274,18 +274,21 @@ impl OwnBody {
         }
     }
 
-    /// Whether skin of a limb can be put into the frame of another to [`TRUSTED`], at a posture.
+    /// Whether skin of a limb can be put into the frame of another at a posture: to [`TRUSTED`], or as exactly as noisy touches tell
+    /// at all.
     ///
     /// # Errors
     /// What is lacking, where it cannot.
     pub fn trusts(&self, posture: &[f64], limbs: [usize; 2], p_a: &Vector3<f64>) -> Result<(), Doubt> {
-        let found = match &self.certainty {
+        let account = match &self.certainty {
             Certainty::Exact => return Ok(()),
-            Certainty::Estimated(account) => &account.observability,
+            Certainty::Estimated(account) => account,
             Certainty::Unknown => return Err(Doubt::Unknown),
         };
+        let found = &account.observability;
         let deviation = self.covariance(posture, limbs, p_a).map(|c| c.trace().max(0.0).sqrt());
-        if deviation.is_some_and(|metres| metres <= TRUSTED) {
+        let as_told = account.claims(limbs[0], limbs[1]);
+        if deviation.is_some_and(|metres| as_told || metres <= TRUSTED) {
             return Ok(());
         }
         let unsure = |&joint: &usize| {

@@ -10,6 +10,7 @@ use super::stamp::Stamp;
 use super::{Host, RecordError, SESSION_FILE, files, mistaken};
 use crate::agent::{Agent, AgentError};
 use crate::creature::Creature;
+use crate::deadline::Limit;
 use crate::simulation::Effort;
 use crate::skin::Skin;
 
@@ -157,6 +158,9 @@ pub struct BabblingEffort {
     /// Touches made, where a policy knew all before it had made as many as were asked for.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub touches: Option<usize>,
+    /// What ended it where there was more to be touched; none where nothing did.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub ended_by: Option<Limit>,
     /// Postures whose contacts the engine was asked for.
     pub engine_checks: u64,
     /// Contacts on bare geometry, left out.
@@ -178,6 +182,7 @@ impl BabblingEffort {
         BabblingEffort {
             motions: effort.motions,
             touches: None,
+            ended_by: None,
             engine_checks: effort.engine_checks,
             bare: effort.bare,
             neighbours: effort.neighbours,

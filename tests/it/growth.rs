@@ -1,11 +1,15 @@
 //! Growing up: few joints at first, and more as they are known.
 
 use std::path::Path;
+use std::process::Command;
 
 use serde_json::Value;
 
 use crate::common::program::{refused, succeeds};
 use crate::common::{repository, two_arms};
+
+/// Work that ends a session of two arms before they are known.
+const WORK: &str = "0.3";
 
 /// A folder's `arms.xml`, with a grown skin.
 fn arms(place: &Path) {
@@ -56,6 +60,58 @@ fn a_body_grows_by_default_where_nothing_stands_against_it() {
         assert!(touches == if other.contains(&"--touches") { 60 } else { 1000 }, "{touches}");
     }
     assert_eq!(chosen(&["--policy", "random", "--input", "contact", "--touches", "60"]).1, "lm");
+}
+
+/// What a budget of work ends ends at the same place on a busy computer and by any number of threads, and that is said.
+#[test]
+fn a_session_that_work_ended_is_the_same_under_any_load() {
+    let place = tempfile::tempdir().unwrap();
+    arms(place.path());
+    let busy = std::sync::atomic::AtomicBool::new(true);
+    let found = std::thread::scope(|scope| {
+        let learned = |threads: &str| {
+            let out = format!("by{threads}");
+            let mut command = Command::new(env!("CARGO_BIN_EXE_bodyschema"));
+            command.args(["babble", "arms.xml", "--work", WORK, "--out", &out, "--json"]);
+            let output =
+                command.current_dir(place.path()).env("RAYON_NUM_THREADS", threads).output().unwrap();
+            let found: Value = serde_json::from_slice(&output.stdout).unwrap();
+            assert_eq!(found["ended_by"]["babbling"], "work", "{found}");
+            assert!(String::from_utf8_lossy(&output.stderr).contains("--work"), "{output:?}");
+            let read = |name: &str| std::fs::read(place.path().join(&out).join(name)).unwrap();
+            assert!(String::from_utf8(read("report.html")).unwrap().contains("budget of work"), "{out}");
+            ["schema.json", "touches.jsonl"].map(read)
+        };
+        let quiet = learned("3");
+        for _ in 0..2 {
+            scope.spawn(|| while busy.load(std::sync::atomic::Ordering::Relaxed) {});
+        }
+        let loaded = learned("1");
+        busy.store(false, std::sync::atomic::Ordering::Relaxed);
+        [quiet, loaded]
+    });
+    assert!(found[0] == found[1], "what was learned depends on what else the computer does");
+}
+
+/// Noise that the model itself gives its joint sensors is noise as any.
+#[test]
+fn a_body_whose_own_sensors_are_noisy_is_not_learned_as_if_they_were_exact() {
+    let place = tempfile::tempdir().unwrap();
+    arms(place.path());
+    if !bodyschema::mujoco::schema().unwrap().contains("sensornoise") {
+        return;
+    }
+    let exact = std::fs::read_to_string(place.path().join("arms.xml")).unwrap();
+    let sensor = r#"<sensor><jointpos joint="left_elbow_a" noise="0.01"/></sensor>"#;
+    let noisy = exact.replace("</mujoco>", &format!("{sensor}</mujoco>"));
+    let enabled = noisy.replace("<worldbody>", r#"<option><flag sensornoise="enable"/></option><worldbody>"#);
+    for (name, text, policy) in [("idle", noisy, "stages"), ("noisy", enabled, "random")] {
+        let file = format!("{name}.xml");
+        std::fs::write(place.path().join(&file), text).unwrap();
+        let found = json(place.path(), &["babble", &file, "--touches", "60", "--out", name, "--json"]);
+        assert_eq!(found["policy"], policy, "{name}");
+        assert_eq!(found["learner"], if policy == "stages" { "growth" } else { "lm" }, "{name}");
+    }
 }
 
 /// In a plane no gap feels to first order what is across it; how round limbs are tells it all the same, but not how a body turns

@@ -92,7 +92,8 @@ pub struct StudyArguments {
         help_heading = "Of the study calibration"
     )]
     cases: Vec<CalibrationCase>,
-    /// Seconds that a way to learn may compute with a body, its touches included [default: 50]
+    /// Work that a way to learn may take with a body, its touches included: about what one core does in so many seconds
+    /// [default: 50]
     #[arg(long, value_parser = positive, help_heading = "Of the study bodies")]
     seconds: Option<f64>,
     /// Only these of its ways to learn, separated by commas

@@ -3,11 +3,12 @@
 use std::collections::BTreeMap;
 
 use nalgebra::DMatrix;
-use rayon::prelude::*;
 
 use super::evidence::Equation;
 use super::solving::{PartProblem, Solved};
 use super::{FREEDOM, GrownTouch, Growth, LIMB_FREEDOM};
+use crate::creature::DofKind;
+use crate::deadline::in_parallel;
 use crate::learning::Parameters;
 use crate::learning::prediction::{add_row, information_inverse, row_variance};
 use crate::learning::scrutiny::Member;
@@ -17,15 +18,19 @@ use crate::schema::BodySchema;
 const CHECKED_OF_JOINT: f64 = 8.0;
 /// … and a limb.
 const CHECKED_OF_LIMB: f64 = 3.0;
-/// The most that the skin on a known joint may be off by its axes, one standard deviation, metres; but as much as this
-/// an axis may be off wherever its skin is, and never more than that, radians.
+/// The most that the skin on a known joint may be off by its axes where the joint turns as far as it can, one standard deviation,
+/// metres; but as much as this an axis may be off wherever its skin is, and never more than that where it turns by a radian, radians.
 const SURE: f64 = 5e-3;
 const SURE_AXIS: f64 = 0.02;
 const UNSURE_AXIS: f64 = 0.2;
+/// Two ways to turn that bring skin no farther apart are one, metres.
+const ALIKE: f64 = 1e-3;
 /// The leverage from which on no others check a touch, …
 const UNCHECKED: f64 = 0.97;
 /// … and the share of such touches that is left out at once: without the worst the others may be checked.
 const WORST: f64 = 0.2;
+/// What swings less counts as if it swung so far, radians.
+const LEAST_SWING: f64 = 1e-6;
 /// Two answers are not the same where they differ by more than this many deviations, …
 const TWIN: f64 = 20.0;
 /// … and by more than this, radians and metres.
@@ -109,14 +114,18 @@ impl Growth {
             };
             let of_joint = |joint: usize| checked(FREEDOM, &|touch| touch.told.moving.contains(&joint));
             let deviation = |joint: usize| self.axis_deviation_in(joint, &problem.unit, &covariance);
-            let sure = |joint: usize| (SURE / self.reach[joint]).clamp(SURE_AXIS, UNSURE_AXIS);
+            let sure = |joint: usize| {
+                let swing = self.swing(joint);
+                (SURE / self.reach[joint] / swing).clamp(SURE_AXIS, UNSURE_AXIS / swing)
+            };
             let doubt = |joint: usize| (1.0 + deviation(joint) / sure(joint)) / (of_joint(joint) + 1e-9);
             let twins = self.twins(problem, solved, &covariance);
             let doubtful = |joint: &usize| {
                 of_joint(*joint) < CHECKED_OF_JOINT
                     || deviation(*joint) > sure(*joint)
                     || twins[*joint]
-                    || may_turn_back.contains(joint)
+                    || (may_turn_back.contains(joint)
+                        && 2.0 * self.swing(*joint) * self.reach[*joint] > ALIKE)
             };
             let worst =
                 joints.iter().copied().filter(doubtful).max_by(|&a, &b| doubt(a).total_cmp(&doubt(b)));
@@ -142,8 +151,7 @@ impl Growth {
     /// along its side tells hardly anything of how it slides along itself.
     fn may_turn_back(&self, problem: &PartProblem, solved: &Solved, new: &[usize]) -> Vec<usize> {
         let creature = self.agent.creature();
-        let joints = problem.part.joints.par_iter().copied();
-        let as_well = |&joint: &usize| {
+        let as_well = |joint: usize| {
             let mut other = solved.schema.clone();
             creature.joints()[joint].dof_indices().for_each(|dof| other.axes[dof] = -other.axes[dof]);
             let other = self.closed_from(problem, other);
@@ -156,9 +164,9 @@ impl Growth {
             let turned = creature.joints()[joint]
                 .dof_indices()
                 .any(|dof| (other.axes[dof] - solved.schema.axes[dof]).norm() > TWIN_AXIS);
-            turned && closed as f64 > AS_WELL * of_it.len() as f64
+            (turned && closed as f64 > AS_WELL * of_it.len() as f64).then_some(joint)
         };
-        joints.filter(as_well).collect()
+        in_parallel(problem.part.joints.clone(), as_well).into_iter().flatten().collect()
     }
 
     /// Per joint, whether the answers of other starts have it elsewhere though touches seem to tell where it is.
@@ -179,6 +187,15 @@ impl Growth {
         };
         let joints = 0..creature.joints().len();
         joints.map(|joint| solved.others.iter().any(|other| is_elsewhere(joint, other))).collect()
+    }
+
+    /// How far a joint turns from where it rests at the most, radians, as far as it matters: what hardly swings displaces little,
+    /// however wrong its axis is.
+    fn swing(&self, joint: usize) -> f64 {
+        let elements =
+            self.agent.creature().joints()[joint].elements().filter(|at| at.kind == DofKind::Hinge);
+        let most = elements.map(|at| at.range[0].abs().max(at.range[1].abs())).reduce(f64::max);
+        most.unwrap_or(1.0).clamp(LEAST_SWING, 1.0)
     }
 
     /// The greatest standard deviation of a joint's axes across their directions, radians.

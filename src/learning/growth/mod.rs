@@ -49,7 +49,7 @@ const POINT: f64 = 1e-4;
 /// Coordinates that move between two limbs whose touches check their joints at the least, …
 pub const FREEDOM: usize = 4;
 /// … and where two limbs are that do not move on their joints.
-pub const LIMB_FREEDOM: usize = 3;
+pub const LIMB_FREEDOM: usize = 2;
 /// Starts from random initial guesses with the first part of a body, of which most are soon given up, …
 const FIRST_STARTS: usize = 200;
 /// … of no more unknowns than these, …
@@ -77,13 +77,15 @@ const ALIKE_UNPLACED: usize = 100;
 /// After so many touches, or this share of all, it is seen what can be learned.
 const EVERY: usize = 6;
 const EVERY_SHARE: usize = 100;
-/// Touches without a first part after which none is looked for any more: of some bodies all touches that few joints make are
-/// alike, or tell nothing.
+/// Touches without a first part after which none is looked for but where there are many more: of some bodies all touches that few
+/// joints make are alike, or tell nothing.
 const MOST_AT_FIRST: usize = 1500;
 /// The same of starts from random initial guesses: of 40 first parts that were found none took more than 2,600.
 const MOST_STARTS: usize = 4000;
 /// Parts that are tried in vain before more touches are made.
 const TRIED: usize = 2;
+/// … and before it is over where no first part was found so far.
+const TRIED_AT_LAST: usize = 8;
 
 /// Schemas on the way that are kept; of more every second one is forgotten.
 const MOST_OF_WAY: usize = 12;
@@ -197,9 +199,11 @@ impl Growth {
             told.moving.iter().copied().filter(|&joint| !self.resolved[joint]).collect();
         let spare = alike >= least.max((FIRST_TOUCHES * self.width(&unresolved) as f64) as usize);
         self.touches.push(GrownTouch { told, freedom, used: false, spare, refused: None });
-        let due = self.touches.len() >= self.next && !self.gave_up();
+        let due = self.touches.len() >= self.next;
         if due {
-            self.next = self.touches.len() + EVERY.max(self.touches.len() / EVERY_SHARE);
+            let few = EVERY.max(self.touches.len() / EVERY_SHARE);
+            let many = ((MORE - 1.0) * self.touches.len() as f64) as usize;
+            self.next = self.touches.len() + if self.gave_up() { many } else { few };
         }
         let grown = due && self.grow_trying(TRIED);
         if grown {
@@ -230,7 +234,7 @@ impl Growth {
         self.starts
     }
 
-    /// Whether no first part was found, and none is looked for any more.
+    /// Whether no first part was found, and none is looked for before there are many more touches.
     pub fn gave_up(&self) -> bool {
         self.belief.is_none() && (self.touches.len() >= MOST_AT_FIRST || self.starts >= MOST_STARTS)
     }
@@ -296,7 +300,7 @@ impl Growth {
 
     /// Learns all that can be learned from the touches so far, for there will be no more; whether that was anything.
     pub fn grow_all(&mut self) -> bool {
-        !self.gave_up() && self.grow_trying(usize::MAX)
+        self.grow_trying(if self.gave_up() { TRIED_AT_LAST } else { usize::MAX })
     }
 
     fn grow_trying(&mut self, tried: usize) -> bool {

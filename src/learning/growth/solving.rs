@@ -6,9 +6,9 @@ use nalgebra::{DMatrix, DVector, Vector3};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
-use rayon::prelude::*;
 
 use super::{FEWEST_UNKNOWNS, FREEDOM, GrownTouch, Growth, Part};
+use crate::deadline::in_parallel;
 use crate::learning::annealing::quantile;
 use crate::learning::initial_guess::randomize_joint;
 use crate::learning::least_squares::{Linearization, Stopping, levenberg_marquardt};
@@ -159,7 +159,7 @@ impl Growth {
             |touch: &PreparedTouch| self.agent.skin().all_round(touch.ends.iter().map(|end| end.receptor));
         let most_near = if problem.touches.touches().all(is_round) { MOST_NEAR_OF_ROUND } else { MOST_NEAR };
         for wave in numbers.chunks(AT_ONCE) {
-            let made: Vec<Solved> = wave.par_iter().map(|&number| self.start(problem, number)).collect();
+            let made: Vec<Solved> = in_parallel(wave.to_vec(), |number| self.start(problem, number));
             self.starts += made.len();
             solved.extend(made);
             let good = solved.iter().filter(|solved| solved.exact > AS_GOOD_AS_ALL).count();
@@ -214,7 +214,7 @@ impl Growth {
             // One after the other of those that are most suspect.
             let Some(&(_, suspect)) = suspects.get(round % suspects.len().clamp(1, SUSPECTS)) else { break };
             let tries: Vec<usize> = (0..AT_ONCE).collect();
-            let tried = tries.par_iter().map(|&number| {
+            let tried = in_parallel(tries, |number| {
                 let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
                 rng.set_stream((self.solves << 16) + (1 << 15) + (AT_ONCE * round + number) as u64);
                 let mut schema = best.schema.clone();
@@ -227,7 +227,6 @@ impl Growth {
                 }
                 self.closed(problem, schema, number)
             });
-            let tried: Vec<Solved> = tried.collect();
             self.starts += tried.len();
             let better = tried.into_iter().filter(|other| other.worth() > best.worth());
             if let Some(better) = better.max_by(|a, b| a.worth().total_cmp(&b.worth())) {

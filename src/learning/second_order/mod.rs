@@ -228,8 +228,10 @@ impl SecondOrder {
             };
         }
         let why = if initial_guesses == 0 && self.deadline.has_passed() {
-            "the time was over before one random initial guess was tried to its end: give it more (--seconds)"
-                .to_string()
+            format!(
+                "the search ended {}, before one random initial guess was tried to its end",
+                self.deadline.limit()
+            )
         } else if initial_guesses == 0 {
             "no joint has as many touches as it has unknowns: give more touches".to_string()
         } else if self.is_at_one_point() {

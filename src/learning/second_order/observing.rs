@@ -1,5 +1,7 @@
 //! What touches determine at a schema, and how noisy they show themselves to be.
 
+use std::collections::BTreeMap;
+
 use nalgebra::DMatrix;
 
 use super::judging::shown_deviation;
@@ -10,7 +12,7 @@ use crate::learning::growing::Evidence;
 use crate::learning::least_squares::LeastSquares;
 use crate::learning::noise::{Noise, NoisyGap, gaps_of, information, widening};
 use crate::learning::observability::Observability;
-use crate::learning::observation::{Input, PointsMeet};
+use crate::learning::observation::PointsMeet;
 use crate::learning::open_gaps::witnesses;
 use crate::learning::prediction::{GapRow, information_inverse};
 use crate::learning::surface_gap::{CERTAIN_NOISE, MEAN_WEIGHT, SHARPEST, SurfaceGap, TAIL, gap_scale};
@@ -59,11 +61,12 @@ impl SecondOrder {
     pub(super) fn account_of(&self, used: &TouchSet, schema: &BodySchema) -> (Account, f64) {
         let Seen { observability, witnesses, checked, deviation } = self.observe_touches(used, schema);
         let account = Account::new(&self.agent, schema, observability, witnesses);
-        (self.with_curvature(account, &checked, schema), deviation)
+        (self.with_exactness(account, &checked, schema), deviation)
     }
 
-    /// An account with what exact touches of round limbs tell at second order, where limbs are open at first order.
-    fn with_curvature(&self, account: Account, checked: &TouchSet, schema: &BodySchema) -> Account {
+    /// An account with what touches tell that are more exact than it took them to be, where limbs are open; of round limbs at second
+    /// order, too.
+    fn with_exactness(&self, account: Account, checked: &TouchSet, schema: &BodySchema) -> Account {
         let Evidence::Surfaces(skin) = self.evidence() else { return account };
         let all_placed = account.classes().len() <= 1;
         if all_placed || self.frames != LimbFrames::Joint {
@@ -73,8 +76,13 @@ impl SecondOrder {
         if deviation > SHARPEST {
             return account;
         }
+        let creature = self.agent.creature();
+        // What is known beforehand is not known better for that.
+        let exacter = if self.known.is_given() { 1.0 } else { deviation / SHARPEST };
+        let first = exacter * account.distances();
+        let account = account.with_distances(creature, first);
         let distances = distances_by_curvature(&self.agent, schema, &account, checked, deviation);
-        account.with_distances(self.agent.creature(), distances)
+        account.with_distances(creature, distances)
     }
 
     /// What touches determine at a schema.
@@ -126,13 +134,18 @@ impl SecondOrder {
         let mut spread = 0.0;
         let mut touches = used.clone();
         let (found, deviation, at_floor) = match self.evidence() {
-            Evidence::Points { .. } => {
+            Evidence::Points { patches, .. } => {
+                let linearize = |touches: &TouchSet| {
+                    TouchProblem::new(self.agent.creature(), touches, &parameters, PointsMeet::Shaped)
+                        .linearize(schema)
+                };
                 let (found, misses) = loop {
-                    let mut problem =
-                        TouchProblem::new(self.agent.creature(), &touches, &parameters, PointsMeet::Shaped);
-                    let model = problem.linearize(schema);
+                    let mut model = linearize(&touches);
                     let spare = (3 * touches.len()).saturating_sub(parameters.len()).max(1);
                     let misses = (2.0 * model.cost / spare as f64).sqrt();
+                    if patches {
+                        model = linearize(&shared_by_receptors(&touches));
+                    }
                     // Points that miss by more than they were taken to say that much less.
                     let least = misses.max(1.0).powi(2);
                     let found =
@@ -142,7 +155,8 @@ impl SecondOrder {
                         None => break (found, misses),
                     }
                 };
-                (found, taken_deviation(used) * misses, misses <= 1.0)
+                spread = taken_deviation(used) * misses;
+                (found, spread, misses <= 1.0)
             }
             Evidence::Surfaces(skin) => {
                 let mut deviation = self.gap_deviation(skin, used, &parameters, schema);
@@ -180,7 +194,7 @@ impl SecondOrder {
         let witnesses = Witnesses {
             of_limbs: used.count_of_limbs(self.agent.creature()),
             made_of_limbs: used.count_of_limbs(self.agent.creature()),
-            point_deviation: if self.input == Input::Contact { deviation } else { spread },
+            point_deviation: spread,
             at_floor,
         };
         Seen { observability: found.with_placed(placed), witnesses, checked: touches, deviation }
@@ -267,6 +281,19 @@ impl SecondOrder {
         });
         gap_scale(&rows.collect::<Vec<_>>(), start).max(NARROWEST)
     }
+}
+
+/// Touches of which all that have a receptor in common say as much as one: where the limb is under the middle of a patch is the
+/// same error in each, which no number of them averages out.
+fn shared_by_receptors(touches: &TouchSet) -> TouchSet {
+    let mut counts: BTreeMap<usize, f64> = BTreeMap::new();
+    let receptors = touches.touches().flat_map(|touch| touch.ends.each_ref().map(|end| end.receptor));
+    receptors.for_each(|receptor| *counts.entry(receptor).or_default() += 1.0);
+    let mut shared = touches.clone();
+    for touch in shared.pairs.iter_mut().flat_map(|pair| &mut pair.touches) {
+        touch.ends.iter_mut().for_each(|end| end.covariance *= counts[&end.receptor]);
+    }
+    shared
 }
 
 /// The touches that are closed and that others check; none where that are all.

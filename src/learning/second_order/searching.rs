@@ -4,9 +4,9 @@ use std::collections::BTreeMap;
 
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
-use rayon::prelude::*;
 
 use super::{MOST_NOISE, SecondOrder, taken_deviation};
+use crate::deadline::{count, side_by_side, worked};
 use crate::learning::annealing::NARROWEST;
 use crate::learning::growing::{EXACT, Evidence, Nursery, Start, WHOLE_DOF};
 use crate::learning::growing_limbs::LimbNursery;
@@ -17,6 +17,8 @@ use crate::learning::{AxisModel, LimbFrames, Parameters, PriorKnowledge};
 use crate::senses::Touch;
 use crate::skin::Receptor;
 
+/// So many accepted starts by which touches place nothing are enough to believe that there is nothing to be placed.
+const IDLE_STARTS: usize = 6;
 /// Every how many touches one is kept back to judge a start.
 const KEPT_BACK: usize = 5;
 /// Starts tried with a body too large to be solved whole.
@@ -82,6 +84,8 @@ pub(super) struct Judged {
     pub judged: f64,
     /// Noise of the touches that it was fitted to, metres.
     pub noise: f64,
+    /// Whether it is accepted, and the touches that it was fitted to place any limb by it.
+    places: bool,
 }
 
 impl Judged {
@@ -98,6 +102,9 @@ impl Judged {
     fn better(&self, other: &Judged) -> bool {
         if self.start.accepted != other.start.accepted {
             return self.start.accepted;
+        }
+        if self.places != other.places {
+            return self.places;
         }
         if self.start.accepted && self.known() != other.known() {
             return self.known() > other.known();
@@ -201,11 +208,12 @@ impl SecondOrder {
             };
             let (judged, noise) = self.judge(search, touches, fresh, &start);
             start.accepted &= judged <= 1.0;
-            Judged { start, judged, noise }
+            let places = start.accepted && self.places(touches, &start);
+            Judged { start, judged, noise, places }
         };
         // All cores make starts; which one is taken does not depend on how many there are.
         let mut best: Option<Judged> = None;
-        let (mut initial_guesses, mut settled) = (0, false);
+        let (mut initial_guesses, mut settled, mut idle) = (0, false, 0);
         let mut noises: Vec<f64> = Vec::new();
         let points = self.input == Input::Contact;
         let metres = if points { taken_deviation(touches) } else { 1.0 };
@@ -216,14 +224,18 @@ impl SecondOrder {
             search.starts
         };
         let numbers: Vec<usize> = (0..starts).collect();
+        let before = worked();
         'waves: for wave in numbers.chunks(rayon::current_num_threads()) {
-            if best.is_some() && self.deadline.has_passed() {
-                break;
-            }
-            let made: Vec<Judged> = wave.par_iter().map(|&number| make(number)).collect();
-            for (trial, number) in made.into_iter().zip(wave) {
+            let made = side_by_side(before, wave.to_vec(), make);
+            for ((trial, done), number) in made.into_iter().zip(wave) {
+                // As if one had been made after the other: those beyond the last one did not happen.
+                if best.is_some() && self.deadline.has_passed() {
+                    break 'waves;
+                }
+                count(done);
                 initial_guesses += trial.start.initial_guesses;
                 noises.push(trial.noise);
+                idle += usize::from(trial.start.accepted && !trial.places);
                 if best.as_ref().is_none_or(|best| trial.better(best)) {
                     best = Some(trial);
                 }
@@ -231,7 +243,8 @@ impl SecondOrder {
                 let agreeing =
                     noises.iter().filter(|&&noise| noise <= (1.0 + self.agreement()) * best.noise).count();
                 let complete = best.known() >= solvable || *number + 1 >= incomplete_starts;
-                if best.start.accepted && complete && (best.noise <= CERTAIN_NOISE || agreeing >= 2) {
+                let told = best.places || idle >= IDLE_STARTS;
+                if best.start.accepted && told && complete && (best.noise <= CERTAIN_NOISE || agreeing >= 2) {
                     break 'waves;
                 }
                 let blind = self.frames == LimbFrames::Limb && best.known() == 0;
@@ -255,6 +268,13 @@ impl SecondOrder {
         let agreeing = noises.iter().filter(|&&noise| noise <= (1.0 + self.agreement()) * best.noise).count();
         best.start.accepted &= best.noise <= CERTAIN_NOISE || agreeing >= 2;
         SearchResult { best, initial_guesses, settled }
+    }
+
+    /// Whether what some touches tell of a start that explains them places any limb: what closes most of them may be wrong where they
+    /// are all alike.
+    fn places(&self, touches: &TouchSet, start: &Start) -> bool {
+        let surfaces = matches!(self.evidence(), Evidence::Surfaces(_));
+        !surfaces || self.account_of(&touches.filter(|pair| start.covers(pair)), &start.schema).0.claims_any()
     }
 
     /// The share of the noise within which two starts have come to the same.

@@ -46,8 +46,10 @@ const RETREAT: f64 = 0.5;
 const GOALS: usize = 3;
 /// Motions in a row without any touch after which it is given up to find a first part of the body with few joints moving.
 const MOST_IN_VAIN: usize = 15_000;
-/// Touches at random with all joints, which are made where no first part was found.
-const AT_RANDOM: usize = 1000;
+/// Touches at random with all joints, which are made where no first part was found, …
+const AT_RANDOM: usize = 2500;
+/// … and after how many of them the body starts over, lest all are of the limbs that it got caught in.
+const AT_A_TIME: usize = 25;
 /// Motions in a row without a touch that tells anything, after which a body caught in itself starts over.
 const CAUGHT: usize = 12;
 
@@ -289,7 +291,10 @@ impl Policy for Stages {
             self.caught = if tells { 0 } else { self.caught + 1 };
             self.untouched = 0;
             match &mut self.at_random {
-                Some(touches) => *touches += 1,
+                Some(touches) => {
+                    *touches += 1;
+                    self.over |= touches.is_multiple_of(AT_A_TIME);
+                }
                 None if tells && first => self.count_trial(),
                 None => {}
             }

@@ -165,8 +165,7 @@ pub fn findings(trials: &[BodyTrial]) -> Findings<BodiesMeasurement, BodiesSumma
              standard deviations."
         ),
         "default: as `bodyschema babble BODY` learns, by stages and growth where that suits the body; the others learn from the \
-         same touches at random. late: the processor time that a way has for a body was over before all was done, and another computer may \
-         come to another end. Medians of held-out errors and seconds."
+         same touches at random. late: the work that a way may take with a body was spent before all was done. Medians of held-out errors and seconds."
             .to_string(),
     ];
     notes.extend(wrong().map(|one| {

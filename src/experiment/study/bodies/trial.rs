@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 use super::super::claims::judge;
 use super::{RIGHT, outcome};
 use crate::babbling::{BabblingError, BabblingOptions, PolicyName};
-use crate::deadline::{Deadline, computed};
+use crate::deadline::{Deadline, Tally, apart, computed, count};
 use crate::evaluation::{held_out, held_out_points};
 use crate::experiment::bodies::{DrawnBody, GeneratedBody};
 use crate::experiment::touches::all_touches;
@@ -36,15 +36,14 @@ pub const WAYS: [&str; 4] = ["default", "lm", "gradient", "hersch"];
 pub struct BodiesOptions {
     /// Touches at random.
     pub touches: usize,
-    /// Seconds that one way to learn may compute with one body, its touches included: on a busy computer it has as long as on an
-    /// idle one.
+    /// Work that one way to learn may take with one body, its touches included, in seconds of a core that does nothing else.
     pub seconds: f64,
     /// The ways to learn, of [`WAYS`].
     pub ways: Vec<&'static str>,
 }
 
 impl Default for BodiesOptions {
-    /// A thousand touches, and as long as a session takes that is not told otherwise.
+    /// A thousand touches, and as much as a session takes that is not told otherwise.
     fn default() -> BodiesOptions {
         BodiesOptions { touches: 1000, seconds: 50.0, ways: WAYS.to_vec() }
     }
@@ -74,7 +73,7 @@ pub struct WayTrial {
     pub outcome: String,
     /// Why it failed, where it did.
     pub reason: String,
-    /// Whether the time was over before all was done.
+    /// Whether the work was spent before all was done.
     pub late: bool,
     /// Touches made.
     pub touches: usize,
@@ -123,10 +122,12 @@ struct Babbled {
     touches: Vec<Touch>,
     grown: Option<Growth>,
     seconds: f64,
+    /// What was done for them.
+    done: Tally,
 }
 
-/// The body of a seed, and what each way to learn comes to with it. But where the time is over and in the seconds it
-/// depends on the seed and the count of touches alone.
+/// The body of a seed, and what each way to learn comes to with it: but for the seconds it depends on the seed and the options
+/// alone.
 pub fn trial(seed: u64, options: &BodiesOptions) -> BodyTrial {
     let touches = options.touches;
     let body = GeneratedBody::new(seed);
@@ -151,9 +152,7 @@ pub fn trial(seed: u64, options: &BodiesOptions) -> BodyTrial {
             learn(own, at_random(own).as_ref().map_err(Clone::clone)?, learner, &body, way, options)
         });
         let (found, seconds) = found.unwrap_or_else(|Failed { outcome, reason, seconds }| {
-            let late = seconds > BABBLING * options.seconds;
-            let failed =
-                WayTrial { way: way.into(), outcome: outcome.into(), reason, late, ..WayTrial::default() };
+            let failed = WayTrial { way: way.into(), outcome: outcome.into(), reason, ..WayTrial::default() };
             (failed, seconds)
         });
         trial.ways.push(found);
@@ -179,12 +178,6 @@ fn embody(body: &GeneratedBody) -> Result<Embodied, ExperimentError> {
     Embodied::of_model(ModelSource::new(format!("{}.xml", body.name())), model, &())
 }
 
-/// The moment so far into the time that a way to learn has, of which some is spent.
-fn deadline(share: f64, options: &BodiesOptions, spent: f64) -> Deadline {
-    let left = Duration::try_from_secs_f64((share * options.seconds - spent).max(0.0));
-    left.map_or(Deadline::NEVER, |left| Deadline::when_computed(computed().saturating_add(left)))
-}
-
 /// Seconds of processor time since a moment.
 fn seconds_since(began: Duration) -> f64 {
     computed().saturating_sub(began).as_secs_f64()
@@ -198,14 +191,16 @@ fn babble(
     options: &BodiesOptions,
 ) -> Result<Babbled, Failed> {
     let began = computed();
-    let by = deadline(BABBLING, options, 0.0);
+    let by = Deadline::after_work_of(BABBLING * options.seconds);
     let babbler = embodied.babbler(MotionName::default())?;
     let babbler = babbler.until(by).learning_from(Input::Receptor);
     let wanted = BabblingOptions { touches: most, seed, jobs: 1 };
     let mut touches = Vec::new();
-    let made = all_touches(embodied.model(), &babbler, policy, &wanted, |touch| touches.push(touch.clone()));
+    let make =
+        || all_touches(embodied.model(), &babbler, policy, &wanted, |touch| touches.push(touch.clone()));
+    let (made, done) = apart(make);
     let (_, grown) = made?;
-    Ok(Babbled { policy, touches, grown, seconds: seconds_since(began) })
+    Ok(Babbled { policy, touches, grown, seconds: seconds_since(began), done })
 }
 
 /// What a way to learn comes to with the touches of a body, and its seconds, the touches included.
@@ -236,14 +231,15 @@ fn learned(
     options: &BodiesOptions,
 ) -> WayTrial {
     let (agent, creature) = (embodied.agent(), embodied.creature());
-    // Ways share touches, and each has the time that these leave.
-    let by = deadline(LEARNING, options, babbled.seconds);
+    // Ways share touches, and each has the work that these leave.
+    let by = Deadline::after_work_of(LEARNING * options.seconds);
+    count(babbled.done);
     let how = LearningOptions { learner: kind, deadline: by, ..LearningOptions::default() };
     let mut learner = how.learner_from(agent, babbled.grown.as_ref(), body.seed);
     learner.end_at(by);
     babbled.touches.iter().for_each(|touch| learner.touch(touch));
-    let learned = learner.learn();
-    let late = by.has_passed() || babbled.seconds > BABBLING * options.seconds;
+    let (learned, done) = apart(|| learner.learn());
+    let late = done.ended || babbled.done.ended;
 
     let points = held_out_points(agent);
     let judged = judge(embodied, &learned, &points);
