@@ -27,6 +27,17 @@ pub(crate) fn is_angle(x: f64) -> bool {
     x.abs() <= GREATEST_ANGLE
 }
 
+/// Least and greatest coordinate between limits, of which those beyond all that can be, or infinite, are none: where only one
+/// is, the range is `span` to either side of its middle. None where neither is a limit.
+pub(crate) fn bounded([least, greatest]: [f64; 2], span: f64) -> Option<[f64; 2]> {
+    match [least, greatest].map(is_angle) {
+        [true, true] => Some([least, greatest]),
+        [true, false] => Some([least, least + 2.0 * span]),
+        [false, true] => Some([greatest - 2.0 * span, greatest]),
+        [false, false] => None,
+    }
+}
+
 /// Whether a number can be a deviation of a length, or of an angle: infinite where nothing is known.
 pub(crate) fn is_deviation(x: f64) -> bool {
     x == f64::INFINITY || (0.0..=GREATEST_LENGTH).contains(&x)

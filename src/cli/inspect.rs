@@ -49,6 +49,7 @@ pub fn run(args: &InspectArguments) -> Outcome {
     spinner.finish_and_clear();
     let creature = &body.creature;
     let in_file = creatures(&model);
+    let constraints = body.constraints_not_heeded() + left_out.unheeded;
     // Per limb its receptors, and those of them that were grown.
     let mut by_limb: Vec<(String, usize, usize)> =
         creature.aura_limbs().iter().map(|a| (a.name.clone(), 0, 0)).collect();
@@ -69,7 +70,11 @@ pub fn run(args: &InspectArguments) -> Outcome {
                 "root": creature.name,
                 "joints": creature.joints,
             })).collect::<Vec<_>>(),
-            "left_out": json!({"lost": left_out.lost, "unneeded": left_out.unneeded}),
+            "left_out": json!({
+                "lost": left_out.lost,
+                "unneeded": left_out.unneeded,
+                "notes": left_out.notes,
+            }),
             "joints": creature.joints().len(),
             "dof": creature.dof(),
             "torso_joints": learned.creature.joints().len(),
@@ -95,7 +100,7 @@ pub fn run(args: &InspectArguments) -> Outcome {
                 (skin.receptors[r].id.clone(), json!(ids))
             }).collect::<serde_json::Map<String, serde_json::Value>>(),
             "joint_sensors": sensors_json(creature, &sensors),
-            "constraints_not_heeded": body.constraints_not_heeded(),
+            "constraints_not_heeded": constraints,
             "limb_pairs": contact.pairs.iter().map(|pair| json!({
                 "limbs": pair.limbs.map(|limb| &learned.creature.limbs()[limb]),
                 "relation": pair.relation,
@@ -128,7 +133,6 @@ pub fn run(args: &InspectArguments) -> Outcome {
     print_file(&in_file, &left_out);
     print_tree(creature, &learned.creature, 0, 0);
     say!("\n{}", posture_in_words(&sensors));
-    let constraints = body.constraints_not_heeded();
     if constraints > 0 {
         say!("\n{constraints} constraints that close the tree or couple tendons are not heeded");
     }
@@ -201,6 +205,10 @@ fn print_file(creatures: &[CreatureInFile], left_out: &LeftOut) {
         for (kind, parts) in parts {
             parts.iter().for_each(|(what, count)| say!("{:<60} {count:>6}", format!("{kind}: {what}")));
         }
+        say!("");
+    }
+    if !left_out.notes.is_empty() {
+        left_out.notes.iter().for_each(|note| say!("note: {note}"));
         say!("");
     }
 }

@@ -51,7 +51,7 @@ pub fn run(args: &MapArguments) -> Outcome {
     let limbs: Vec<usize> = agent.skin().receptors.iter().map(|receptor| receptor.limb).collect();
     let spinner = progress::spinner(&format!("learning from {} firings", firings.len()));
     let learned = learn_map(&limbs, &firings);
-    let body = session_body(&session, None)?;
+    let body = session_body(&session, None, false)?;
     let geometric = SomatotopicMap::at_ease(&body, agent.skin())?;
     let [within, across] = MapAgreement::within_and_across(&learned.map, &geometric, agent.skin());
     let by_limb = MapAgreement::by_limb(&learned.map, &geometric, agent.skin(), creature.limbs().len());

@@ -47,7 +47,7 @@ pub struct ModelArguments {
 impl ModelArguments {
     /// A model's file, read like this.
     pub fn source(&self, model: &Path, joints: JointSelection) -> ModelSource {
-        ModelSource { model: model.to_path_buf(), joints, root: self.root.clone() }
+        ModelSource { model: model.to_path_buf(), joints, root: self.root.clone(), textures: false }
     }
 }
 
@@ -75,16 +75,16 @@ pub fn read_model(path: &Path) -> Result<(Model, LeftOut), Failure> {
     Ok(Model::read(path)?)
 }
 
-/// Reads a model, after another process has shown that the engine survives it.
-pub fn open_model(source: &ModelSource) -> Result<Model, Failure> {
+/// Reads a model with its textures, after another process has shown that the engine survives it.
+pub fn open_to_draw(source: ModelSource) -> Result<Model, Failure> {
     rehearse(&source.model)?;
-    Ok(source.read(&Bars::default())?)
+    Ok(ModelSource { textures: true, ..source }.read(&Bars::default())?)
 }
 
-/// A session's creature in its model, or in another that is named.
-pub fn session_body(session: &Session, model: Option<&Path>) -> Result<Body, Failure> {
+/// A session's creature in its model, or in another that is named; with its textures where they are wanted.
+pub fn session_body(session: &Session, model: Option<&Path>, textures: bool) -> Result<Body, Failure> {
     rehearse(model.unwrap_or(Path::new(&session.model)))?;
-    Ok(experiment::session_body(session, model, &Bars::default())?)
+    Ok(experiment::session_body(session, model, textures, &Bars::default())?)
 }
 
 /// The truth, where a model is at hand; a recording has one only if it is named.
@@ -104,7 +104,7 @@ pub fn known_truth(session: &Session, model: Option<&Path>) -> Result<Option<Gro
 
 /// The truth of a session's creature, from its model.
 pub fn session_truth(session: &Session, model: Option<&Path>) -> Result<GroundTruth, Failure> {
-    Ok(GroundTruth::new(&session_body(session, model)?)?)
+    Ok(GroundTruth::new(&session_body(session, model, false)?)?)
 }
 
 /// Whether the engine survives a model: a process of its own reads it, for a foreign file can crash the engine's
@@ -164,7 +164,7 @@ pub fn run(args: &RehearseArgs) -> Outcome {
         let limit = at_most(resource, most)?;
         setrlimit(resource, limit, limit)?;
     }
-    let mut data = Data::new(Arc::new(Model::from_path(&args.model)?))?;
+    let mut data = Data::new(Arc::new(Model::read(&args.model)?.0))?;
     data.kinematics()?;
     data.collision()?;
     Ok(())

@@ -9,7 +9,7 @@ use std::sync::Arc;
 
 use nalgebra::Point3;
 
-use super::open::{ModelArguments, open_model};
+use super::open::{ModelArguments, open_to_draw};
 use super::progress::Bars;
 use super::{Failure, Outcome, output, progress};
 use crate::creature::{Body, BodyError, JointSelection, Posture};
@@ -241,7 +241,7 @@ fn model(args: &RenderArguments, film: bool) -> Result<(RenderSubject, Storyboar
     // A file that is not there is told of as such, before anything else.
     model_hash(&args.what)?;
     let source = args.options.source(&args.what, JointSelection::All);
-    let model = Arc::new(open_model(&source)?);
+    let model = Arc::new(open_to_draw(source.clone())?);
     let body = match Body::rooted(model.clone(), &JointSelection::All, args.options.root.as_deref()) {
         // What cannot move can be looked at.
         Err(BodyError::NoJoints) if args.posture.is_none() => None,

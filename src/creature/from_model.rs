@@ -9,7 +9,8 @@ use super::coupling::couple;
 use super::selection::{JointSelection, Tree, select};
 use super::surface::surface;
 use super::{AuraLimb, Body, Creature, CreatureError, Dof, DofKind, Joint, Segment};
-use crate::mujoco::{self, JointKind, Model, ObjectKind};
+use crate::mujoco::{self, JointKind, Model, ModelJoint, ObjectKind};
+use crate::plausible::bounded;
 
 /// Tuples of a model whose name starts with this list the bodies of one aura limb.
 pub(crate) const LIMB_TUPLE: &str = "limb/";
@@ -118,8 +119,11 @@ impl Body {
             for (k, joints) in groups.into_iter().enumerate() {
                 segments.push(Segment { body, joints, last: k + 1 == count, parent: limb });
                 limb = segments.len();
-                let name = body_name(&model, body);
-                limbs.push(if k + 1 == count { name } else { format!("{name}/{k}") });
+                let mut name = body_name(&model, body);
+                if k + 1 < count {
+                    name = free_name(&model, ObjectKind::Body, format!("{name}/{k}"));
+                }
+                limbs.push(name);
             }
             limb_of_body[body] = Some(limb);
         }
@@ -238,15 +242,22 @@ fn dof(model: &Model, j: usize) -> Dof {
         }
         kind => {
             let slide = kind == JointKind::Slide;
-            let span = if slide { UNLIMITED_SLIDE } else { std::f64::consts::PI };
-            let range = match joint.limited {
-                true => [joint.range[0] - reference, joint.range[1] - reference],
-                false => [-span, span],
-            };
+            let span = span(kind);
+            let range = limits(&joint).map_or([-span, span], |limits| limits.map(|end| end - reference));
             (if slide { DofKind::Slide } else { DofKind::Hinge }, range)
         }
     };
     Dof { name, kind, range, follows: None }
+}
+
+/// Half of what a hinge or slide without limits moves through, radians or metres.
+pub(crate) fn span(kind: JointKind) -> f64 {
+    if kind == JointKind::Slide { UNLIMITED_SLIDE } else { std::f64::consts::PI }
+}
+
+/// Least and greatest coordinate of a hinge or slide as its file counts; none where it has no limits.
+pub(crate) fn limits(joint: &ModelJoint) -> Option<[f64; 2]> {
+    joint.limited.then_some(joint.range).and_then(|range| bounded(range, span(joint.kind)))
 }
 
 /// What the names of a joint's degrees of freedom have in common: `left_hip` of `left_hip_flexion` and
@@ -275,14 +286,30 @@ fn unused(name: String, joints: &[Joint]) -> String {
     (2..).map(|k| format!("{name}_{k}")).find(|name| !taken(name)).expect("some number is free")
 }
 
-/// A body's name, or one made from its number.
+/// A body's name, or one made from its number that no other has.
 pub(crate) fn body_name(model: &Model, body: usize) -> String {
-    model.body(body).name.map_or_else(|| format!("body{body}"), str::to_string)
+    let made = || free_name(model, ObjectKind::Body, format!("body{body}"));
+    model.body(body).name.map_or_else(made, str::to_string)
 }
 
-/// A joint's name, or one made from its number.
+/// A joint's name, or one made from its number that no other has.
 pub(crate) fn joint_name(model: &Model, joint: usize) -> String {
-    model.joint(joint).name.map_or_else(|| format!("joint{joint}"), str::to_string)
+    let made = || free_name(model, ObjectKind::Joint, format!("joint{joint}"));
+    model.joint(joint).name.map_or_else(made, str::to_string)
+}
+
+/// A site's name, or one made from its number that no other has, as receptors are called.
+pub(crate) fn site_name(model: &Model, site: usize) -> String {
+    let made = || free_name(model, ObjectKind::Site, format!("site{site}"));
+    model.site(site).name.map_or_else(made, str::to_string)
+}
+
+/// A name with underscores behind it where one of a kind has it in the model.
+fn free_name(model: &Model, kind: ObjectKind, mut name: String) -> String {
+    while model.id(kind, &name).is_some() {
+        name.push('_');
+    }
+    name
 }
 
 /// The aura limbs that the model's tuples define; each limb by itself where it defines none.
@@ -309,7 +336,11 @@ fn aura_limbs(model: &Model, limbs: &[String], limb_of_body: &[Option<usize>]) -
             .enumerate()
             .any(|(body, info)| limb_of_body[body] == Some(limb) && !info.geoms.is_empty());
         if !taken.contains_key(&limb) && bears_geoms {
-            auras.push(AuraLimb { name: name.clone(), limbs: vec![limb] });
+            let mut name = name.clone();
+            while auras.iter().any(|aura| aura.name == name) {
+                name.push('_');
+            }
+            auras.push(AuraLimb { name, limbs: vec![limb] });
         }
     }
     auras

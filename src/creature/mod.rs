@@ -17,7 +17,9 @@ pub use appearance::{Appearance, VisiblePart};
 pub use body::{Body, Segment};
 pub use coupling::Coupling;
 pub use from_model::BodyError;
-pub(crate) use from_model::{LIMB_TUPLE, UNLIMITED_SLIDE, body_name, joint_name, matrix};
+pub(crate) use from_model::{
+    LIMB_TUPLE, UNLIMITED_SLIDE, body_name, joint_name, limits, matrix, site_name, span,
+};
 pub use posture::{DofElement, Posture, ball, turn_ball};
 pub use selection::{CreatureInFile, JointSelection, creatures};
 

@@ -22,6 +22,8 @@ pub struct ModelSource {
     pub joints: JointSelection,
     /// The body at which the creature begins; the first of the tree with most joints where it is left out.
     pub root: Option<String>,
+    /// Whether the model is read with its textures, for pictures.
+    pub textures: bool,
 }
 
 /// A creature in its model, with its skin and the truth that it is measured against.
@@ -48,12 +50,16 @@ impl ModelSource {
     /// # Errors
     /// Where the file is not one that the engine takes.
     pub fn read(&self, observer: &dyn Observer) -> Result<Model, ExperimentError> {
-        let (model, left_out) = Model::read(&self.model)?;
+        let read = if self.textures { Model::read_with_textures } else { Model::read };
+        let (model, left_out) = read(&self.model)?;
         if let Some(words) = left_out.in_words() {
             observer.note(&format!(
                 "{} was read without {words}: `bodyschema inspect` lists all",
                 self.model.display()
             ));
+        }
+        for note in &left_out.notes {
+            observer.note(&format!("{}: {note}", self.model.display()));
         }
         Ok(model)
     }

@@ -19,22 +19,23 @@ pub fn session_truth(
     model: Option<&Path>,
     observer: &dyn Observer,
 ) -> Result<GroundTruth, ExperimentError> {
-    Ok(GroundTruth::new(&session_body(session, model, observer)?)?)
+    Ok(GroundTruth::new(&session_body(session, model, false, observer)?)?)
 }
 
-/// A session's creature in its model, or in another that is named.
+/// A session's creature in its model, or in another that is named; with its textures where they are wanted.
 ///
 /// # Errors
 /// Where the file is not one that the engine takes, or not that of the session's creature.
 pub fn session_body(
     session: &Session,
     model: Option<&Path>,
+    textures: bool,
     observer: &dyn Observer,
 ) -> Result<Body, ExperimentError> {
     let path = model.map_or_else(|| PathBuf::from(&session.model), Path::to_path_buf);
     if session.recording.is_some() {
         // Which joints of a model a recording has is not known by the name of a set.
-        let source = ModelSource::new(&path);
+        let source = ModelSource { textures, ..ModelSource::new(&path) };
         let model = Arc::new(source.read(observer)?);
         for selection in [JointSelection::Default, JointSelection::All] {
             let body = source.clone().with_joints(selection).body_in(model.clone())?;
@@ -50,7 +51,7 @@ pub fn session_body(
     }
     let SessionOptions { root, joints, .. } = &session.options;
     let joints = joints.parse::<JointSelection>().unwrap_or_default();
-    let source = ModelSource { model: path, joints, root: root.clone() };
+    let source = ModelSource { model: path, joints, root: root.clone(), textures };
     let body = source.body(observer)?;
     // Who names another file vouches for it, as far as it can be told.
     let other_file = model.is_none() && model_hash(&source.model)? != session.model_hash;

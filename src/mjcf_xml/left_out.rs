@@ -9,6 +9,10 @@ pub struct LeftOut {
     pub lost: BTreeMap<String, usize>,
     /// What has nothing to do with where limbs are and what they touch.
     pub unneeded: BTreeMap<String, usize>,
+    /// Entries of `<equality>` that couple joints or close the tree, and are not heeded.
+    pub unheeded: usize,
+    /// What was read otherwise than it stands there, or looks odd, a sentence each.
+    pub notes: Vec<String>,
 }
 
 impl LeftOut {

@@ -13,6 +13,19 @@ const FLAT: f64 = 1e-6;
 
 /// The corners in a file of STL, OBJ or PLY, each once; none where it holds none, is malformed or flat.
 pub(super) fn corners(file: &Path) -> Option<Vec<[f32; 3]>> {
+    let mut seen = BTreeSet::new();
+    let once: Vec<[f32; 3]> =
+        all_corners(file)?.into_iter().filter(|corner| seen.insert(corner.map(f32::to_bits))).collect();
+    (once.len() >= LEAST && !is_flat(&once)).then_some(once)
+}
+
+/// Whether a file can be read as what its name says, and has corners.
+pub(super) fn holds_corners(file: &Path) -> bool {
+    all_corners(file).is_some_and(|corners| !corners.is_empty())
+}
+
+/// All corners in a file, as often as they occur.
+fn all_corners(file: &Path) -> Option<Vec<[f32; 3]>> {
     if std::fs::metadata(file).ok()?.len() > GREATEST_FILE {
         return None;
     }
@@ -23,13 +36,7 @@ pub(super) fn corners(file: &Path) -> Option<Vec<[f32; 3]>> {
         "ply" => ply(&bytes)?,
         _ => return None,
     };
-    if !all.iter().flatten().all(|x| x.is_finite()) {
-        return None;
-    }
-    let mut seen = BTreeSet::new();
-    let once: Vec<[f32; 3]> =
-        all.into_iter().filter(|corner| seen.insert(corner.map(f32::to_bits))).collect();
-    (once.len() >= LEAST && !is_flat(&once)).then_some(once)
+    all.iter().flatten().all(|x| x.is_finite()).then_some(all)
 }
 
 /// Whether corners lie in a plane.

@@ -16,6 +16,7 @@ mod schema;
 mod source;
 mod urdf;
 mod urdf_names;
+mod urdf_tree;
 mod values;
 mod write;
 
@@ -28,7 +29,7 @@ pub(crate) use pose::{Angles, ORIENTATIONS};
 pub(crate) use reduce::Reduced;
 pub(crate) use source::{Refused, Source, place};
 pub(crate) use urdf::to_mjcf as urdf_to_mjcf;
-pub(crate) use urdf_names::{attribute_meant, element_meant, is_known};
+pub(crate) use urdf_tree::{GREATEST_TURN, UrdfFollowing, UrdfJoint, UrdfKind, UrdfTree, turn_fault};
 pub(crate) use values::check as check_values;
 pub(crate) use write::{Texts, numbered, write};
 

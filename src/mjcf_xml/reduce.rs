@@ -6,12 +6,13 @@
 //! says itself ([`mujoco::schema`](crate::mujoco::schema)).
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::path::Path;
 
 use xmltree::{Element, XMLNode};
 
 use super::expand::Expanded;
 use super::left_out::LeftOut;
-use super::mesh_files::{fault, mesh_name, take_corners};
+use super::mesh_files::{fault, kind, mesh_name, take_corners};
 use super::references::{Name, names, stands};
 use super::schema::Schema;
 use super::source::{Refused, Source};
@@ -149,23 +150,19 @@ impl Reduced {
     /// Leaves out what refers to what is not there.
     fn settle(&mut self) {
         let Reduced { root, left_out } = self;
-        let mut faulty: BTreeMap<&'static str, BTreeSet<String>> = BTreeMap::new();
+        let mut faulty: BTreeMap<String, String> = BTreeMap::new();
         each(root, &mut |e| {
-            if e.name == "mesh" && fault(e).is_some() && take_corners(e) {
-                return;
-            }
-            if e.name == "mesh"
-                && let Some(fault) = fault(e)
-            {
-                faulty.entry(fault).or_default().insert(mesh_name(e).unwrap_or_default());
+            // The engine does not read PLY.
+            let of_others = attribute(e, "file").is_some_and(|file| kind(Path::new(file)) == "ply");
+            if e.name == "mesh" && (of_others || fault(e).is_some()) && !take_corners(e) {
+                let fault = fault(e).unwrap_or_else(|| "it cannot be read".into());
+                faulty.insert(mesh_name(e).unwrap_or_default(), fault);
             }
         });
-        for (fault, meshes) in &faulty {
-            remove(root, &|e| e.name == "mesh" && mesh_name(e).is_some_and(|name| meshes.contains(&name)));
-            let gone = remove(root, &|e| {
-                e.name == "geom" && attribute(e, "mesh").is_some_and(|mesh| meshes.contains(mesh))
-            });
-            left_out.lose(format!("geom whose mesh {fault}"), gone);
+        remove(root, &|e| e.name == "mesh" && mesh_name(e).is_some_and(|name| faulty.contains_key(&name)));
+        for (mesh, fault) in &faulty {
+            let gone = remove(root, &|e| e.name == "geom" && attribute(e, "mesh") == Some(mesh));
+            left_out.lose(format!("geom of the mesh {mesh}: {fault}"), gone);
         }
         let mut meshes = BTreeSet::new();
         each(root, &mut |e| {

@@ -59,17 +59,17 @@ const ATTRIBUTES: [(&str, &[&str]); 13] = [
 ];
 
 /// The element that is meant by one in an element called `parent`, where it is misspelt.
-pub(crate) fn element_meant(parent: &str, name: &str) -> Option<&'static str> {
+pub(super) fn element_meant(parent: &str, name: &str) -> Option<&'static str> {
     meant(&ELEMENTS, parent, name)
 }
 
 /// The attribute that is meant by one of an element, where it is misspelt.
-pub(crate) fn attribute_meant(element: &str, name: &str) -> Option<&'static str> {
+pub(super) fn attribute_meant(element: &str, name: &str) -> Option<&'static str> {
     meant(&ATTRIBUTES, element, name)
 }
 
 /// Whether what is in an element is known here: what others have put in, is theirs.
-pub(crate) fn is_known(element: &str) -> bool {
+pub(super) fn is_known(element: &str) -> bool {
     ELEMENTS.iter().any(|(parent, _)| *parent == element)
 }
 

@@ -168,6 +168,8 @@ fn fault(element: &Element, name: &str, value: &str, part: Part) -> Option<Strin
     for token in &tokens {
         let mend = match token.parse::<f64>() {
             Ok(number) if number.is_finite() => continue,
+            // A limit that is infinite is none.
+            Ok(number) if !number.is_nan() && element.name == "limit" => continue,
             Ok(_) => return Some(format!("\"{token}\" in {name} of {title} is no finite number; give one")),
             Err(_) if !strict => continue,
             Err(_) if token.contains("${") => "write it out with `xacro FILE > robot.urdf`",

@@ -22,6 +22,7 @@ use crate::mjcf_xml::{
     LeftOut, Reduced, Refused, Source, Texts, anchor_assets, attribute, check_assets, check_limits,
     check_numbers, check_values, each, element, numbered, set_compiler, urdf_to_mjcf,
 };
+use crate::plausible::bounded;
 
 /// Bytes for the engine's message about a file.
 const MESSAGE_BYTES: usize = 2000;
@@ -55,15 +56,68 @@ impl Model {
     /// [`Error::Read`] where a file is missing, malformed, has numbers that would crash or hang the engine, or is refused
     /// by the engine for the body in it, [`Error::Version`] where the library is not the one the crate was built with.
     pub fn from_path(path: impl AsRef<Path>) -> Result<Self> {
-        Ok(Self::read(path)?.0)
+        Ok(Self::read_with_textures(path)?.0)
     }
 
-    /// Reads an MJCF or URDF file and what it includes, and tells what was left out of it.
+    /// Reads an MJCF or URDF file and what it includes, but its textures, which pictures alone need, and tells what was left
+    /// out of it.
     ///
     /// # Errors
     /// As [`Model::from_path`].
     pub fn read(path: impl AsRef<Path>) -> Result<(Self, LeftOut)> {
-        Loader::new().open(Source::read(path.as_ref())?, &[])
+        Self::read_by(&Loader::bare(), path.as_ref())
+    }
+
+    /// The same with its textures.
+    ///
+    /// # Errors
+    /// As [`Model::from_path`].
+    pub fn read_with_textures(path: impl AsRef<Path>) -> Result<(Self, LeftOut)> {
+        Self::read_by(&Loader::new(), path.as_ref())
+    }
+
+    fn read_by(loader: &Loader, path: &Path) -> Result<(Self, LeftOut)> {
+        let (model, mut left_out) = loader.open(Source::read(path)?, &[])?;
+        for joint in
+            model.joints().filter(|joint| joint.limited && bounded(joint.range, 0.0) != Some(joint.range))
+        {
+            let ([least, greatest], name) = (joint.range, joint.name.unwrap_or_default());
+            let note = format!(
+                "the limits of joint {name}, {least:?} to {greatest:?}, are beyond all that can be: taken for none"
+            );
+            left_out.notes.push(note);
+        }
+        Ok((model, left_out))
+    }
+
+    /// A model's tree with what the engine has to be given before it takes it, such as least masses; as it is where the
+    /// engine takes it so, or does not take it for anything else. Meshes are sought from the file `path`.
+    ///
+    /// # Errors
+    /// [`Error::Version`] where the library is not the one the crate was built with.
+    pub(crate) fn accepted(root: Element, path: &Path) -> Result<Element> {
+        let version = engine::check()?;
+        let loader = Loader { hulls: false, ..Loader::new() };
+        let mut given = root.clone();
+        anchor_assets(&mut given, path);
+        let mut mended = given.clone();
+        if loader.mended(&mut mended, version).is_err() || mended == given {
+            return Ok(root);
+        }
+        // The folders of meshes and textures are told as they were.
+        let is_compiler = |e: &&Element| e.name == "compiler";
+        let mut before = root.children.iter().filter_map(XMLNode::as_element).filter(is_compiler);
+        let settings = mended.children.iter_mut().filter_map(XMLNode::as_mut_element);
+        for compiler in settings.filter(|e| e.name == "compiler") {
+            let own = before.next();
+            for name in ["meshdir", "texturedir"] {
+                compiler.attributes.shift_remove(name);
+                if let Some(folder) = own.and_then(|own| attribute(own, name)) {
+                    compiler.attributes.insert(name.into(), folder.into());
+                }
+            }
+        }
+        Ok(mended)
     }
 
     /// Compiles a model from MJCF text; files that it includes or takes meshes from are sought in the
@@ -80,7 +134,7 @@ impl Model {
     /// # Errors
     /// As [`Model::from_path`].
     pub(crate) fn with_bodies(path: impl AsRef<Path>, bodies: Vec<Element>) -> Result<Self> {
-        Ok(Loader::new().open(Source::read(path.as_ref())?, &bodies)?.0)
+        Ok(Loader::bare().open(Source::read(path.as_ref())?, &bodies)?.0)
     }
 
     /// The model in a file as the engine writes it out: includes, composites and replicas as bodies, angles
@@ -126,7 +180,7 @@ impl Model {
     }
 }
 
-/// What is changed in every tree before the engine reads it, in this order.
+/// What is changed in every tree, in this order.
 fn prepare(root: &mut Element, source: &Source, bodies: &[Element]) {
     anchor_assets(root, &source.path);
     // A trunk that stands still would be joined to the world, and its limbs fall apart into creatures of their own; and what
@@ -153,11 +207,36 @@ struct Loader {
     _one_at_a_time: MutexGuard<'static, ()>,
     /// Whether the model is to have the hulls of all meshes that it can be touched on, for which it is loaded twice.
     hulls: bool,
+    /// Whether the model is to have its textures.
+    textures: bool,
 }
 
 impl Loader {
     fn new() -> Loader {
-        Loader { _one_at_a_time: LOADING.lock().unwrap_or_else(PoisonError::into_inner), hulls: true }
+        let lock = LOADING.lock().unwrap_or_else(PoisonError::into_inner);
+        Loader { _one_at_a_time: lock, hulls: true, textures: true }
+    }
+
+    /// One that leaves out textures: they may be larger than all else a thousand times, and every copy of the model with them.
+    fn bare() -> Loader {
+        Loader { textures: false, ..Loader::new() }
+    }
+
+    /// What is changed in every tree before the engine reads it.
+    fn prepare(&self, root: &mut Element, source: &Source, bodies: &[Element]) {
+        prepare(root, source, bodies);
+        if self.textures {
+            return;
+        }
+        let is = |child: &XMLNode, name: &str| child.as_element().is_some_and(|e| e.name == name);
+        each(root, &mut |e| match e.name.as_str() {
+            "asset" => e.children.retain(|child| !is(child, "texture")),
+            "material" => {
+                e.attributes.shift_remove("texture");
+                e.children.retain(|child| !is(child, "layer"));
+            }
+            _ => {}
+        });
     }
 
     /// Loads a file with more bodies in its world, as it is or else in terms that the engine knows.
@@ -169,7 +248,7 @@ impl Loader {
         let first = match source.root.name.as_str() {
             "mujoco" => {
                 let mut root = source.root.clone();
-                prepare(&mut root, &source, bodies);
+                self.prepare(&mut root, &source, bodies);
                 match self.mended(&mut root, version) {
                     Ok(model) => return Ok((model, LeftOut::default())),
                     Err(Failed::Engine(error)) => return Err(error),
@@ -185,7 +264,7 @@ impl Loader {
         };
         // Replicas and what is attached are written out there.
         check_numbers(&source, &reduced.root)?;
-        prepare(&mut reduced.root, &source, bodies);
+        self.prepare(&mut reduced.root, &source, bodies);
         source.root = Element::new("mujoco");
         loop {
             let complaint = match self.mended(&mut reduced.root, version) {

@@ -15,6 +15,7 @@ mod files;
 mod firing_log;
 mod folder_lock;
 mod generation;
+mod given_log;
 mod host;
 mod json_lines;
 mod known;

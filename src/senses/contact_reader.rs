@@ -3,7 +3,7 @@
 use nalgebra::{Point3, Vector3};
 
 use super::{SkinContact, SkinSpot, Toucher};
-use crate::creature::Body;
+use crate::creature::{Body, site_name};
 use crate::mujoco::{Contact, Data, ObjectKind, SensorKind};
 use crate::skin::Skin;
 
@@ -39,7 +39,7 @@ impl ContactReader {
         let mut sensor_of_receptor = vec![None; skin.receptors.len()];
         for sensor in body.model.sensors() {
             if let (SensorKind::Touch, ObjectKind::Site, Some(site)) = (sensor.kind, sensor.object, sensor.id)
-                && let Some(receptor) = skin.receptor(&site_name(body, site))
+                && let Some(receptor) = skin.receptor(&site_name(&body.model, site))
             {
                 sensor_of_receptor[receptor].get_or_insert(sensor.adr);
             }
@@ -130,9 +130,4 @@ impl ContactReader {
         let limb = skin.receptors[receptor].limb;
         Some(SkinSpot { limb, receptor, point, sensor_force: self.sensor_force(data, receptor) })
     }
-}
-
-/// The name of a site, or one made from its number, as receptors are called.
-fn site_name(body: &Body, site: usize) -> String {
-    body.model.site(site).name.map_or_else(|| format!("site{site}"), str::to_string)
 }

@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use nalgebra::{Isometry3, Vector3};
 
 use super::{Receptor, Skin, Surface};
-use crate::creature::{Body, matrix};
+use crate::creature::{Body, matrix, site_name};
 use crate::geometry::Shape;
 use crate::mujoco::{GeomKind, Model, ObjectKind, Sensor, SensorKind, Site};
 
@@ -32,7 +32,7 @@ pub fn skin_of(body: &Body) -> Skin {
         let Some(limb) = body.limb_of_body[site.body] else { continue };
         let on_body: Vec<usize> = model.body(site.body).geoms.filter_map(|g| surface_of_geom[g]).collect();
         let pose = body.pose_in_limb[site.body] * Isometry3::from_parts(site.pos.into(), site.quat);
-        let id = site.name.map_or_else(|| format!("site{s}"), str::to_string);
+        let id = site_name(model, s);
         receptors.push(receptor(id, limb, &site, &pose, &surfaces, &on_body));
     }
     Skin { receptors, surfaces }

@@ -57,7 +57,7 @@ pub fn plan(args: &RenderArguments, film: bool) -> Result<(RenderSubject, Storyb
         }
         learned(&session, &read_schema()?, &args.what)?
     } else {
-        session_body(&session, args.model.as_deref())?
+        session_body(&session, args.model.as_deref(), true)?
     };
     let schema = if args.schema { Some(read_schema()?) } else { None };
     let drawn = SessionDrawing::new(agent, &body, schema, args.frames_per_second)?;

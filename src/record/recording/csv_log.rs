@@ -7,11 +7,11 @@ use csv::StringRecord;
 use nalgebra::Vector3;
 
 use super::posture::unit_quaternions;
-use super::raw::{RawEnd, RawTouch};
+use super::raw::{RawEnd, RawLog, RawTouch};
 use crate::calibration::robot::likely;
 use crate::creature::{Creature, DofKind};
 use crate::record::RecordError;
-use crate::record::columns::{Column, Table, read_table};
+use crate::record::columns::{CellFault, Measure, Quantity, Table, read_table};
 use crate::record::error::ContentFault;
 
 /// The columns beside those of the degrees of freedom, end a then end b.
@@ -23,74 +23,76 @@ const COUNTS: [&str; 2] = ["bout", "motion"];
 /// What the columns of a ball's quaternion have behind its name.
 const QUATERNION: [&str; 4] = ["_w", "_x", "_y", "_z"];
 
-/// All names of columns that are not of degrees of freedom.
-fn reserved() -> impl Iterator<Item = &'static str> {
-    let pairs = [LIMBS, RECEPTORS, DEVIATIONS, COUNTS].into_iter().flatten();
-    pairs.chain(POINTS.into_iter().flatten())
+/// All columns that are not of degrees of freedom.
+fn reserved() -> impl Iterator<Item = Quantity<'static>> {
+    let texts = [LIMBS, RECEPTORS, COUNTS].into_iter().flatten().map(|name| (name, None));
+    let lengths = DEVIATIONS.into_iter().chain(POINTS.into_iter().flatten());
+    texts.chain(lengths.map(|name| (name, Some(Measure::Length))))
 }
 
-/// The names of the columns of a posture, in the creature's order.
-fn posture_columns(creature: &Creature) -> Vec<String> {
+/// The columns of a posture, in the creature's order.
+fn posture_columns(creature: &Creature) -> Vec<(String, Option<Measure>)> {
     let of_dof = |dof: &crate::creature::Dof| match dof.kind {
-        DofKind::Ball => QUATERNION.map(|suffix| format!("{}{suffix}", dof.name)).to_vec(),
-        _ => vec![dof.name.clone()],
+        DofKind::Ball => QUATERNION.map(|suffix| (format!("{}{suffix}", dof.name), None)).to_vec(),
+        DofKind::Hinge => vec![(dof.name.clone(), Some(Measure::Angle))],
+        DofKind::Slide => vec![(dof.name.clone(), Some(Measure::Length))],
     };
     creature.dofs().flat_map(of_dof).collect()
 }
 
-/// The touches, and which columns were passed over.
-pub(super) fn read(
-    path: &Path,
-    bytes: &[u8],
-    creature: &Creature,
-) -> Result<(Vec<RawTouch>, Option<String>), RecordError> {
-    let Table { line, columns, rows } = read_table(path, bytes)?;
+/// The touches, and what is worth a note.
+pub(super) fn read(path: &Path, bytes: &[u8], creature: &Creature) -> Result<RawLog, RecordError> {
+    let mut table = read_table(path, bytes)?;
     let refuse = |line: usize| move |fault: ContentFault| RecordError::format(path, Some(line), fault);
-    let (columns, spare) = CsvColumns::new(columns, creature).map_err(refuse(line))?;
-    let touches = rows.iter().map(|(line, row)| columns.touch(row, *line, creature).map_err(refuse(*line)));
-    let note = (!spare.is_empty()).then(|| format!("columns that are not used: {}", spare.join(", ")));
-    Ok((touches.collect::<Result<_, _>>()?, note))
+    let columns = CsvColumns::new(&mut table, creature).map_err(refuse(table.line))?;
+    let mut log = RawLog { cut: table.cut, ..RawLog::default() };
+    for (line, row) in &table.rows {
+        log.take(*line, columns.touch(&table, row, *line, creature)).map_err(refuse(*line))?;
+    }
+    let spare: Vec<&str> = columns.spare.iter().map(|title| title.as_str()).collect();
+    log.notes.extend((!spare.is_empty()).then(|| format!("columns that are not used: {}", spare.join(", "))));
+    Ok(log)
 }
 
 /// Which cell of a row holds what.
 struct CsvColumns {
-    columns: Vec<Column>,
     posture: Vec<usize>,
     reserved: HashMap<&'static str, usize>,
+    /// The titles of those that mean nothing.
+    spare: Vec<String>,
 }
 
 impl CsvColumns {
-    /// Those of a head, and the titles of those that mean nothing.
-    fn new(columns: Vec<Column>, creature: &Creature) -> Result<(CsvColumns, Vec<String>), ContentFault> {
+    /// Those of a head.
+    fn new(table: &mut Table, creature: &Creature) -> Result<CsvColumns, ContentFault> {
         let wanted = posture_columns(creature);
-        if let Some(name) = wanted.iter().find(|name| reserved().any(|other| other == **name)) {
+        if let Some((name, _)) = wanted.iter().find(|(name, _)| reserved().any(|(other, _)| other == *name)) {
             return Err(format!(
                 "the degree of freedom \"{name}\" is called as a column of another meaning: rename it in the creature's \
                  file, or give the log as lines of JSON"
             ).into());
         }
-        // A name as it stands counts before one without its unit.
-        let place = |name: &str| {
-            let titled = columns.iter().position(|column| column.title == name);
-            titled.or_else(|| columns.iter().position(|column| column.name == name))
-        };
-        let known = |column: &Column| {
-            let means = |name: &str| column.title == name || column.name == name;
-            wanted.iter().any(|name| means(name)) || reserved().any(means)
-        };
-        let spare: Vec<String> =
-            columns.iter().filter(|column| !known(column)).map(|column| column.title.clone()).collect();
-        let posture = wanted.iter().map(|name| {
-            place(name).ok_or_else(|| {
-                let meant = spare.iter().find(|other| likely(&Column::new(other).name, name));
-                let meant =
-                    meant.map_or(String::new(), |other| format!(", or is {other} meant? Then rename it"));
+        let mut quantities: Vec<Quantity> =
+            wanted.iter().map(|(name, measure)| (name.as_str(), *measure)).collect();
+        for quantity in reserved() {
+            quantities.push(quantity);
+        }
+        let places = table.assign(&quantities)?;
+        let used: Vec<usize> = places.iter().flatten().copied().collect();
+        let spare = table.spare(&used);
+        let (of_posture, of_reserved) = places.split_at(wanted.len());
+        let posture = wanted.iter().zip(of_posture).map(|((name, _), place)| {
+            place.ok_or_else(|| {
+                let meant = spare.iter().find(|other| likely(other.name(), name));
+                let meant = meant
+                    .map_or(String::new(), |other| format!(", or is {} meant? Then rename it", other.title));
                 format!("there is no column {name}: add this degree of freedom{meant}")
             })
         });
         let posture = posture.collect::<Result<Vec<usize>, String>>()?;
+        let spare = spare.iter().map(|column| column.title.clone()).collect();
         let reserved: HashMap<&'static str, usize> =
-            reserved().filter_map(|name| place(name).map(|place| (name, place))).collect();
+            reserved().zip(of_reserved).filter_map(|((name, _), place)| Some((name, (*place)?))).collect();
         let has = |name: &str| reserved.contains_key(name);
         for side in [0, 1] {
             let (limb, receptor) = (LIMBS[side], RECEPTORS[side]);
@@ -109,38 +111,29 @@ impl CsvColumns {
                 .into());
             }
         }
-        Ok((CsvColumns { columns, posture, reserved }, spare))
+        Ok(CsvColumns { posture, reserved, spare })
     }
 
-    fn touch(&self, row: &StringRecord, line: usize, creature: &Creature) -> Result<RawTouch, ContentFault> {
-        let place = |column: usize| format!("column {}, {}", column + 1, self.columns[column].title);
-        let number = |column: usize, unit: &str| -> Result<f64, ContentFault> {
-            let cell = &row[column];
-            if cell.is_empty() {
-                return Err(
-                    format!("{}: it is empty: give {unit}, or leave the touch out", place(column)).into()
-                );
-            }
-            match cell.parse::<f64>() {
-                Ok(value) if value.is_finite() => Ok(value * self.columns[column].factor.unwrap_or(1.0)),
-                Ok(_) => Err(format!(
-                    "{}: {cell} is not finite: give {unit}, or leave the touch out",
-                    place(column)
-                )
-                .into()),
-                Err(_) => Err(format!("{}: \"{cell}\" is no number: give {unit}", place(column)).into()),
-            }
-        };
+    fn touch(
+        &self,
+        table: &Table,
+        row: &StringRecord,
+        line: usize,
+        creature: &Creature,
+    ) -> Result<RawTouch, CellFault> {
+        let place = |column: usize| table.place(column);
+        let number = |column: usize, unit: &str| table.number(row, column, unit);
         // A reserved column's cell, where there is such a column and it is not empty.
         let cell = |name: &str| {
             let column = *self.reserved.get(name)?;
             (!row[column].is_empty()).then_some(column)
         };
-        let count = |name: &str| -> Result<Option<u64>, ContentFault> {
+        let count = |name: &str| -> Result<Option<u64>, CellFault> {
             let Some(column) = cell(name) else { return Ok(None) };
             let value = row[column].parse::<u64>();
             value.map(Some).map_err(|_| {
-                format!("{}: \"{}\" is no whole number: give one", place(column), &row[column]).into()
+                let message = format!("{}: \"{}\" is no whole number: give one", place(column), &row[column]);
+                CellFault::Wrong(message)
             })
         };
         let mut posture = Vec::with_capacity(self.posture.len());
@@ -148,7 +141,7 @@ impl CsvColumns {
             posture.push(number(column, "radians, or metres of a slide")?);
         }
         unit_quaternions(creature, &mut posture);
-        let end = |side: usize| -> Result<RawEnd, ContentFault> {
+        let end = |side: usize| -> Result<RawEnd, CellFault> {
             let point = match POINTS[side].map(cell) {
                 [None, None, None] => None,
                 _ => {
@@ -164,11 +157,9 @@ impl CsvColumns {
                 Some(column) => Some(number(column, "metres")?),
             };
             if let (Some(wrong), Some(column)) = (deviation.filter(|x| *x < 0.0), cell(DEVIATIONS[side])) {
-                return Err(format!(
-                    "{}: {wrong} is negative: give metres, or leave it empty",
-                    place(column)
-                )
-                .into());
+                let message =
+                    format!("{}: {wrong} is negative: give metres, or leave it empty", place(column));
+                return Err(CellFault::Wrong(message));
             }
             let text = |name: &str| cell(name).map(|column| row[column].to_string());
             Ok(RawEnd {

@@ -18,9 +18,9 @@ use nalgebra::Vector3;
 pub use creature_file::{CreatureFile, read_creature};
 use raw::{RawEnd, RawTouch};
 
-use super::json_lines::drop_zeros;
+use super::RecordError;
+use super::given_log::{cut_in_words, read_log};
 use super::touch_line::check;
-use super::{RecordError, files};
 use crate::agent::Agent;
 use crate::learning::Input;
 use crate::record::error::ContentFault;
@@ -43,40 +43,29 @@ pub struct Recording {
     pub notes: Vec<String>,
 }
 
-/// Reads a recording's touches from `path`, as comma-separated values where its name ends in `.csv`, else as
-/// lines of JSON.
+/// Reads a recording's touches from `path`, by its content: JSON where it begins so, else a table of comma-separated values;
+/// both may be packed by gzip.
 ///
 /// # Errors
 /// [`RecordError::Io`] where the file cannot be read. [`RecordError::Format`], with line and column, for what is
 /// no touch of the creature; for a log without touches; and for one whose angles are in degrees by the look.
 pub fn read_recording(path: &Path, agent: &Agent) -> Result<Recording, RecordError> {
     let creature = agent.creature();
-    let mut bytes = files::read(path)?;
-    let zeros = drop_zeros(&mut bytes);
-    let is_csv = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("csv"));
-    let mut spare = None;
-    let (raw, truncated) = if is_csv {
-        let (raw, note) = csv_log::read(path, &bytes, creature)?;
-        spare = note;
-        (raw, None)
-    } else {
-        json_log::read(path, &bytes, creature)?
-    };
-    if raw.is_empty() {
-        let mend = "give one with a touch a line";
-        return Err(RecordError::format(path, None, format!("it holds no touch: {mend}")));
+    let (bytes, mut notes) = read_log(path)?;
+    let is_json = matches!(bytes.trim_ascii_start().first(), Some(b'{' | b'['));
+    let read = if is_json { json_log::read } else { csv_log::read };
+    let log = read(path, &bytes, creature)?;
+    notes.extend(log.left_out_in_words());
+    if log.touches.is_empty() {
+        let why = notes.pop().map_or(String::new(), |note| format!(" ({note})"));
+        let message = format!("it holds no touch{why}: give one with a touch a line");
+        return Err(RecordError::format(path, None, message));
     }
-    posture::refuse_degrees(path, creature, &raw)?;
-    let mut recording = resolve(path, agent, &raw)?;
-    recording.notes = posture::notes(creature, &raw);
-    recording.notes.extend(spare);
-    recording.notes.extend(truncated.map(|line| {
-        format!("it ends in the middle of line {line}: that touch is left out, all before it are used")
-    }));
-    recording.notes.extend((zeros > 0).then(|| {
-        format!("it ends in {zeros} zero bytes, as a power failure leaves them: they are left out")
-    }));
-    Ok(recording)
+    posture::refuse_degrees(path, creature, &log.touches)?;
+    notes.extend(log.cut.map(cut_in_words));
+    notes.extend(posture::notes(creature, &log.touches));
+    notes.extend(log.notes);
+    Ok(Recording { notes, ..resolve(path, agent, &log.touches)? })
 }
 
 /// Gives every touch its limbs and receptors.

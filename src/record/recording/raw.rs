@@ -3,6 +3,8 @@
 use nalgebra::Vector3;
 
 use crate::creature::Posture;
+use crate::record::columns::{CellFault, left_out_in_words};
+use crate::record::error::ContentFault;
 use crate::skin::Skin;
 
 /// One end of a touch; where a field came from, as an error names it.
@@ -37,4 +39,36 @@ pub(super) struct RawTouch {
     pub motion: Option<u64>,
     pub posture: Posture,
     pub ends: [RawEnd; 2],
+}
+
+/// A log before it is known whether creature and skin have what it names.
+#[derive(Debug, Default)]
+pub(super) struct RawLog {
+    pub touches: Vec<RawTouch>,
+    /// The last line, where it ends in the middle and is left out.
+    pub cut: Option<usize>,
+    /// What looks odd, in sentences.
+    pub notes: Vec<String>,
+    /// Lines whose touches have numbers that are not finite, with what is wrong.
+    pub left_out: Vec<(usize, String)>,
+}
+
+impl RawLog {
+    /// Takes the touch of a line; one with a number that is not finite is left out.
+    ///
+    /// # Errors
+    /// Where anything else is wrong with it.
+    pub fn take(&mut self, line: usize, read: Result<RawTouch, CellFault>) -> Result<(), ContentFault> {
+        match read {
+            Ok(touch) => self.touches.push(touch),
+            Err(CellFault::NotFinite(fault)) => self.left_out.push((line, fault)),
+            Err(CellFault::Wrong(fault)) => return Err(fault.into()),
+        }
+        Ok(())
+    }
+
+    /// That touches are left out, as a sentence.
+    pub fn left_out_in_words(&self) -> Option<String> {
+        left_out_in_words(&self.left_out, self.touches.len() + self.left_out.len())
+    }
 }

@@ -17,12 +17,13 @@ use std::path::Path;
 
 use nalgebra::Vector3;
 
-use super::dh_table::{Cell, Field, Measure, Row, Table, table};
+use super::dh_table::{Cell, Field, Row, Table, table};
 use super::tags::Fault;
-use super::urdf_elements::GREATEST_ANGLE;
 use crate::calibration::robot::{Element, Robot, Unit, Value};
 use crate::creature::{DofKind, UNLIMITED_SLIDE};
+use crate::mjcf_xml::GREATEST_TURN;
 use crate::record::RecordError;
+use crate::record::columns::Measure;
 
 /// The root's name.
 pub(super) const BASE: &str = "base";
@@ -107,14 +108,14 @@ impl Cell {
 /// A cell's number, metres or radians. Where its unit is not said, it is refused if it is greater than `greatest`.
 pub(super) fn number(joint: &str, cell: &Cell, measure: Measure, greatest: f64) -> Result<f64, String> {
     let (name, text) = (cell.field.name(), cell.text.trim());
-    let number = text.parse::<f64>().ok().filter(|number| number.is_finite()).ok_or_else(|| {
+    let si = cell.si_number().ok_or_else(|| {
         let mend = match cell.field {
             Field::Theta | Field::D => "give what is added to the joint's own coordinate, 0 if nothing",
             _ => "give one",
         };
         format!("{name} of joint {joint} is \"{text}\", which is no finite number: {mend}")
     })?;
-    if cell.unit.is_none() && number.abs() > greatest {
+    if cell.unit.is_none() && si.abs() > greatest {
         let (unit, other, suffix) = match measure {
             Measure::Length => ("metres", "millimetres", "mm"),
             Measure::Angle => ("radians", "degrees", "deg"),
@@ -123,7 +124,6 @@ pub(super) fn number(joint: &str, cell: &Cell, measure: Measure, greatest: f64) 
             "{name} of joint {joint} is {text} {unit}: call it {name}_{suffix} if it is in {other}, or mend it"
         ));
     }
-    let si = cell.si(number);
     if measure == Measure::Angle && si.abs() > greatest {
         return Err(format!(
             "{name} of joint {joint} is {text}, more than a turn: take whole turns off, or mend it"
@@ -187,7 +187,7 @@ fn joint<'a>(row: &'a Row, convention: &mut Convention) -> Result<DhJoint<'a>, S
             Some(cell) => {
                 let (measure, greatest) = match field {
                     Field::D | Field::A => (Measure::Length, GREATEST_LENGTH),
-                    _ => (Measure::Angle, GREATEST_ANGLE),
+                    _ => (Measure::Angle, GREATEST_TURN),
                 };
                 *into = number(name, cell, measure, greatest)?;
             }
@@ -209,7 +209,7 @@ fn range(row: &Row, name: &str, kind: DofKind) -> Result<[f64; 2], String> {
     let (measure, span, greatest) = match kind {
         DofKind::Slide => (Measure::Length, UNLIMITED_SLIDE, GREATEST_LENGTH),
         // Some turn twice about, either way.
-        DofKind::Hinge | DofKind::Ball => (Measure::Angle, std::f64::consts::PI, 2.0 * GREATEST_ANGLE),
+        DofKind::Hinge | DofKind::Ball => (Measure::Angle, std::f64::consts::PI, 2.0 * GREATEST_TURN),
     };
     let end = |field: Field| -> Result<Option<f64>, String> {
         let mut found = None;

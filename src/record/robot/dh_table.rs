@@ -9,6 +9,7 @@ use serde_json::value::RawValue;
 
 use super::edits::first_byte;
 use super::tags::{Fault, line_of, text_begins};
+use crate::record::columns::{Measure, Unit, name_and_unit};
 use crate::record::error::json_reason;
 
 /// What a column or a field says.
@@ -67,52 +68,17 @@ impl Field {
     }
 }
 
-/// What a number measures.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Measure {
-    Length,
-    Angle,
-}
-
-/// The unit that a column's name says.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct TableUnit {
-    /// What it measures.
-    pub measure: Measure,
-    /// How many of it make a metre or a radian.
-    pub per: f64,
-}
-
-/// Degrees in a radian.
-const DEGREES: f64 = 180.0 / std::f64::consts::PI;
-
-/// Units by their names.
-const UNITS: [(&str, TableUnit); 6] = [
-    ("m", TableUnit { measure: Measure::Length, per: 1.0 }),
-    ("cm", TableUnit { measure: Measure::Length, per: 100.0 }),
-    ("mm", TableUnit { measure: Measure::Length, per: 1000.0 }),
-    ("rad", TableUnit { measure: Measure::Angle, per: 1.0 }),
-    ("deg", TableUnit { measure: Measure::Angle, per: DEGREES }),
-    ("°", TableUnit { measure: Measure::Angle, per: DEGREES }),
-];
-
 /// A field and its unit by a name such as `alpha`, `alpha_deg`, `alpha [deg]` or `a (mm)`.
-fn field(name: &str) -> Result<(Field, Option<TableUnit>), String> {
-    let lower = name.trim().to_lowercase();
-    let bracketed = lower
-        .strip_suffix([']', ')'])
-        .and_then(|inside| inside.split_once(['[', '(']))
-        .map(|(name, unit)| (name.trim(), unit.trim()));
-    let known = |unit: &str| UNITS.iter().find(|(name, _)| *name == unit).map(|(_, unit)| *unit);
-    let suffixed = || lower.rsplit_once('_').filter(|(_, unit)| known(unit).is_some());
-    let (bare, unit) = match bracketed.or_else(suffixed) {
-        Some((bare, unit)) => match known(unit) {
-            Some(unit) => (bare, Some(unit)),
-            None => return Err(format!("\"{name}\": its unit is not known: give m, cm, mm, rad or deg")),
-        },
-        None => (lower.as_str(), None),
+fn field(name: &str) -> Result<(Field, Option<Unit>), String> {
+    let (bare, unit) = match name_and_unit(name.trim()) {
+        Some((bare, Ok(unit))) => (bare, Some(unit)),
+        Some((_, Err(_))) => {
+            return Err(format!("\"{name}\": its unit is not known: give m, cm, mm, rad or deg"));
+        }
+        None => (name, None),
     };
-    let Some((field, _)) = Field::NAMES.iter().find(|(_, names)| names.contains(&bare)) else {
+    let bare = bare.trim().to_lowercase();
+    let Some((field, _)) = Field::NAMES.iter().find(|(_, names)| names.contains(&bare.as_str())) else {
         let names: Vec<&str> = Field::NAMES.iter().map(|(_, names)| names[0]).collect();
         return Err(format!("\"{name}\" is none of {}: rename it or leave it out", names.join(", ")));
     };
@@ -129,17 +95,58 @@ fn field(name: &str) -> Result<(Field, Option<TableUnit>), String> {
     }
 }
 
+/// Radians as books print them: 90°, or a product with π such as -pi/2, 2*pi/3 or 1.5π.
+fn printed(text: &str) -> Option<f64> {
+    let text: String = text.to_lowercase().chars().filter(|mark| !mark.is_whitespace()).collect();
+    let text = text.replace('π', "pi").replace('−', "-");
+    if let Some(number) = ["°", "deg"].iter().find_map(|unit| text.strip_suffix(unit)) {
+        return number.parse::<f64>().ok().map(f64::to_radians);
+    }
+    let (mut product, factors) = match text.strip_prefix('-') {
+        Some(factors) => (-1.0, factors),
+        None => (1.0, text.strip_prefix('+').unwrap_or(&text)),
+    };
+    let factors = factors.strip_prefix('(').and_then(|inside| inside.strip_suffix(')')).unwrap_or(factors);
+    let mut divided = false;
+    for part in factors.split_inclusive(['*', '/', '·', '×']) {
+        let factor = part.trim_end_matches(['*', '/', '·', '×']);
+        // As mathematics and the libraries of Python and C call it.
+        let times =
+            ["np.pi", "numpy.pi", "math.pi", "m_pi", "pi"].iter().find_map(|pi| factor.strip_suffix(pi));
+        let number = match times {
+            Some("") => std::f64::consts::PI,
+            Some(times) => times.parse::<f64>().ok()? * std::f64::consts::PI,
+            None => factor.parse().ok()?,
+        };
+        product = if divided { product / number } else { product * number };
+        divided = part.ends_with('/');
+    }
+    (!factors.ends_with(['*', '/', '·', '×'])).then_some(product)
+}
+
 /// A cell of a table.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Cell {
     /// What it says.
     pub field: Field,
     /// The unit that its name says; none for metres and radians.
-    pub unit: Option<TableUnit>,
+    pub unit: Option<Unit>,
     /// What is in it, without quotes.
     pub text: String,
     /// Where that is in the file.
     pub at: Range<usize>,
+}
+
+impl Cell {
+    /// Its number in metres or radians; none where it has no finite one.
+    pub fn si_number(&self) -> Option<f64> {
+        let text = self.text.trim();
+        let number = match text.parse() {
+            Ok(number) => Some(self.si(number)),
+            Err(_) => printed(text).filter(|_| self.field.takes(Measure::Angle)),
+        };
+        number.filter(|number| number.is_finite())
+    }
 }
 
 /// A row of a table: a joint.
@@ -272,7 +279,7 @@ fn json(text: &str) -> Result<Table, Fault> {
 
 fn csv(text: &str) -> Result<Table, Fault> {
     let mut table = Table::default();
-    let mut columns: Option<Vec<(Field, Option<TableUnit>)>> = None;
+    let mut columns: Option<Vec<(Field, Option<Unit>)>> = None;
     let mut at = text_begins(text.as_bytes());
     while at < text.len() {
         let line = line_of(text.as_bytes(), at);
@@ -308,7 +315,7 @@ fn csv(text: &str) -> Result<Table, Fault> {
 }
 
 /// The columns by the line that names them.
-fn header(text: &str, cells: &[Range<usize>]) -> Result<Vec<(Field, Option<TableUnit>)>, String> {
+fn header(text: &str, cells: &[Range<usize>]) -> Result<Vec<(Field, Option<Unit>)>, String> {
     if let [only] = cells
         && let Some(separator) =
             [';', '\t'].into_iter().find(|separator| text[only.clone()].contains(*separator))
@@ -317,7 +324,7 @@ fn header(text: &str, cells: &[Range<usize>]) -> Result<Vec<(Field, Option<Table
             "its columns are separated by {separator:?}: separate them by commas, and write decimals with a point"
         ));
     }
-    let mut columns: Vec<(Field, Option<TableUnit>)> = Vec::new();
+    let mut columns: Vec<(Field, Option<Unit>)> = Vec::new();
     for at in cells {
         let (field, unit) = field(&text[at.clone()]).map_err(|message| format!("column {message}"))?;
         if field == Field::Range {
@@ -376,6 +383,35 @@ fn record(text: &str, begin: usize) -> (Vec<Range<usize>>, usize, usize) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::record::columns::DEGREES;
+
+    #[test]
+    fn angles_are_read_as_books_print_them() {
+        use std::f64::consts::PI;
+        for (text, expected) in [
+            ("pi/2", PI / 2.0),
+            ("-pi", -PI),
+            ("2*pi/3", 2.0 * PI / 3.0),
+            ("π", PI),
+            ("−π/2", -PI / 2.0),
+            ("+0.5 * np.pi", 0.5 * PI),
+            ("-(math.pi / 4)", -PI / 4.0),
+            ("3π/4", 0.75 * PI),
+            ("PI", PI),
+            ("-90°", -PI / 2.0),
+            ("45 deg", PI / 4.0),
+        ] {
+            let found = printed(text).unwrap_or_else(|| panic!("{text} is read"));
+            assert!((found - expected).abs() < 1e-15, "{text}: {found}");
+        }
+        for text in ["pie", "pi/", "*pi", "pi//2", "q1", "", "theta+pi", "1/2/x"] {
+            assert_eq!(printed(text), None, "{text}");
+        }
+        let cell = |field, text: &str| Cell { field, unit: None, text: text.into(), at: 0..0 };
+        assert_eq!(cell(Field::Alpha, " pi/2 ").si_number(), Some(PI / 2.0));
+        assert_eq!(cell(Field::D, "pi/2").si_number(), None, "a length is no angle");
+        assert_eq!(cell(Field::Alpha, "pi/0").si_number(), None);
+    }
 
     #[test]
     fn names_say_fields_and_units() {
@@ -386,6 +422,8 @@ mod tests {
             ("a (mm)", Field::A, Some(1000.0)),
             ("theta_offset_rad", Field::Theta, Some(1.0)),
             ("max(°)", Field::Greatest, Some(DEGREES)),
+            ("ALPHA_DEG", Field::Alpha, Some(DEGREES)),
+            ("thetaDeg", Field::Theta, Some(DEGREES)),
         ] {
             let (found, unit) = field(name).unwrap();
             assert_eq!((found, unit.map(|unit| unit.per)), (expected, per), "{name}");

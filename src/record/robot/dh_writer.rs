@@ -43,7 +43,7 @@ fn written(original: &[u8], robot: &Robot, values: &[Value]) -> Result<Written, 
             let value = values[quantity].number();
             match row.cell(field) {
                 Some(cell) => {
-                    let old = cell.si(cell.text.trim().parse().unwrap_or_default());
+                    let old = cell.si_number().unwrap_or_default();
                     if value != old {
                         edits.replace(cell.at.clone(), digits(cell.own_unit(value)));
                     }

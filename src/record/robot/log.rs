@@ -21,9 +21,10 @@ use crate::calibration::robot::{Robot, likely, nearest_name};
 use crate::calibration::{End, Feature, Touch};
 use crate::creature::DofKind;
 use crate::plausible::{is_angle, is_length};
+use crate::record::RecordError;
 use crate::record::angles::{HingeAngles, wide_ranges};
-use crate::record::columns::{Column, Table, read_table};
-use crate::record::{RecordError, files};
+use crate::record::columns::{CellFault, Column, Measure, Quantity, Table, left_out_in_words, read_table};
+use crate::record::given_log::{cut_in_words, read_log};
 
 const NAMES: [[&str; 2]; 2] = [["limb_a", "receptor_a"], ["limb_b", "receptor_b"]];
 const POINTS: [[&str; 3]; 2] = [["ax", "ay", "az"], ["bx", "by", "bz"]];
@@ -51,17 +52,29 @@ pub struct CalibrationLog {
 /// # Errors
 /// [`RecordError::Io`] where it cannot be read; [`RecordError::Format`], with line, column and mend, where it is none.
 pub fn read_calibration_log(path: &Path, robot: &Robot) -> Result<CalibrationLog, RecordError> {
-    let bytes = files::read(path)?;
-    let table = read_table(path, &bytes)?;
-    let head = Head::new(&table, robot).map_err(|fault| RecordError::format(path, Some(1), fault))?;
+    let (bytes, mut notes) = read_log(path)?;
+    let mut table = read_table(path, &bytes)?;
+    let head = Head::new(&mut table, robot).map_err(|fault| RecordError::format(path, Some(1), fault))?;
+    notes.extend(table.cut.map(cut_in_words));
+    notes.extend(head.notes.iter().cloned());
+    let mut not_finite = Vec::new();
     let mut touches: Vec<Touch> = Vec::new();
     let mut by_name: HashMap<(String, [usize; 2]), usize> = HashMap::new();
     for (line, row) in &table.rows {
         let refuse = |fault: String| RecordError::format(path, Some(*line), fault);
-        let (name, ends, distance) = head.contact(&table, row, robot).map_err(refuse)?;
-        let links =
-            [0, 1].map(|side: usize| ends[side].as_ref().map_or(usize::MAX, |end| end.feature.link(robot)));
-        let posture = head.posture(&table, row, robot, links).map_err(refuse)?;
+        let read = head.contact(&table, row, robot).and_then(|contact| {
+            let posture = head.posture(&table, row, robot, links_of(&contact.1, robot))?;
+            Ok((contact, posture))
+        });
+        let ((name, ends, distance), posture) = match read {
+            Ok(read) => read,
+            Err(CellFault::NotFinite(fault)) => {
+                not_finite.push((*line, fault));
+                continue;
+            }
+            Err(CellFault::Wrong(fault)) => return Err(refuse(fault)),
+        };
+        let links = links_of(&ends, robot);
         let known = name.as_ref().and_then(|name| by_name.get(&(name.clone(), links)).copied());
         match known {
             Some(at) => {
@@ -92,7 +105,7 @@ pub fn read_calibration_log(path: &Path, robot: &Robot) -> Result<CalibrationLog
     }
     let before = touches.len();
     touches.retain(|touch| touch.ends.iter().all(|ends| !ends.is_empty()));
-    let mut notes = head.notes.clone();
+    notes.extend(left_out_in_words(&not_finite, table.rows.len()));
     if touches.len() < before {
         notes.push(format!(
             "{} touches have contacts on one side alone: they are left out",
@@ -114,6 +127,11 @@ pub(super) fn is_log(bytes: &[u8]) -> bool {
     NAMES.iter().flatten().any(|name| head.split(',').any(|title| title.trim() == *name))
 }
 
+/// The links that a touch's ends are on.
+fn links_of(ends: &[Option<End>; 2], robot: &Robot) -> [usize; 2] {
+    [0, 1].map(|side: usize| ends[side].as_ref().map_or(usize::MAX, |end| end.feature.link(robot)))
+}
+
 /// The name of a touch, what touched on either side, and how far apart they were.
 type Contact = (Option<String>, [Option<End>; 2], f64);
 
@@ -128,31 +146,29 @@ struct Head {
 }
 
 impl Head {
-    fn new(table: &Table, robot: &Robot) -> Result<Head, String> {
-        // A name as it stands counts before one without its unit.
-        let find = |name: &str| {
-            let titled = table.columns.iter().position(|column| column.title == name);
-            titled.or_else(|| table.columns.iter().position(|column| column.name == name))
-        };
-        let mut posture = Vec::new();
+    fn new(table: &mut Table, robot: &Robot) -> Result<Head, String> {
+        let mut coordinates: Vec<(String, Option<Measure>)> = Vec::new();
         for dof in robot.leaders() {
+            let measure = if dof.kind == DofKind::Slide { Measure::Length } else { Measure::Angle };
             match dof.kind {
-                DofKind::Ball => posture.extend(QUATERNION.map(|part| find(&format!("{}{part}", dof.name)))),
-                _ => posture.push(find(&dof.name)),
+                DofKind::Ball => {
+                    coordinates.extend(QUATERNION.map(|part| (format!("{}{part}", dof.name), None)))
+                }
+                _ => coordinates.push((dof.name.clone(), Some(measure))),
             }
         }
-        let mut fields: HashMap<&'static str, usize> = HashMap::new();
-        let all = NAMES
-            .iter()
-            .flatten()
-            .chain(POINTS.iter().flatten())
-            .chain(&DEVIATIONS)
-            .chain([&DISTANCE, &TOUCH]);
-        for name in all {
-            if let Some(at) = find(name) {
-                fields.insert(name, at);
-            }
+        let texts = NAMES.iter().flatten().chain([&TOUCH]).map(|name| (*name, None));
+        let lengths = POINTS.iter().flatten().chain(&DEVIATIONS).chain([&DISTANCE]);
+        let reserved = texts.chain(lengths.map(|name| (*name, Some(Measure::Length))));
+        let mut wanted: Vec<Quantity> =
+            coordinates.iter().map(|(name, measure)| (name.as_str(), *measure)).collect();
+        for quantity in reserved.clone() {
+            wanted.push(quantity);
         }
+        let mut posture = table.assign(&wanted)?;
+        let places = posture.split_off(coordinates.len());
+        let fields: HashMap<&'static str, usize> =
+            reserved.zip(places).filter_map(|((name, _), place)| Some((name, place?))).collect();
         for side in 0..2 {
             if NAMES[side].iter().all(|name| !fields.contains_key(name)) {
                 return Err(format!("there is no column {}: name what touched on this side", NAMES[side][0]));
@@ -168,13 +184,8 @@ impl Head {
             }
         }
         let used: Vec<usize> = posture.iter().flatten().chain(fields.values()).copied().collect();
-        let spare: Vec<&Column> = table
-            .columns
-            .iter()
-            .enumerate()
-            .filter(|(i, column)| !used.contains(i) && !QUIET.contains(&column.name.as_str()))
-            .map(|(_, column)| column)
-            .collect();
+        let mut spare = table.spare(&used);
+        spare.retain(|column| !QUIET.contains(&column.name()));
         let missing: Vec<&str> = robot
             .dofs
             .iter()
@@ -191,8 +202,8 @@ impl Head {
         let mut notes = Vec::new();
         for column in &spare {
             // A column that nearly has a missing joint's name is a slip, one of anything else is somebody's own.
-            let near = nearest_name(&column.name, missing.iter().copied());
-            let slip = near.filter(|near| near.to_lowercase() == column.name.to_lowercase());
+            let near = nearest_name(column.name(), missing.iter().copied());
+            let slip = near.filter(|near| near.to_lowercase() == column.name().to_lowercase());
             if let Some(near) = slip {
                 return Err(format!(
                     "column \"{}\" is nearly called as the joint {near}: rename it",
@@ -204,7 +215,7 @@ impl Head {
             let names: Vec<&str> = spare.iter().map(|column| column.title.as_str()).collect();
             notes.push(format!("columns that are not used: {}", names.join(", ")));
         }
-        let spare = spare.iter().map(|column| column.name.clone()).collect();
+        let spare = spare.iter().map(|column| column.name().to_string()).collect();
         Ok(Head { posture, fields, notes, spare })
     }
 
@@ -212,35 +223,26 @@ impl Head {
         self.fields.get(name).map(|at| &row[*at]).filter(|cell| !cell.is_empty())
     }
 
-    fn number(&self, table: &Table, row: &StringRecord, at: usize) -> Result<f64, String> {
-        let (cell, column) = (&row[at], &table.columns[at]);
-        let place = format!("column {}, {}", at + 1, column.title);
-        if cell.is_empty() {
-            return Err(format!("{place}: it is empty: give a number, or leave the touch out"));
+    fn number(&self, table: &Table, row: &StringRecord, at: usize) -> Result<f64, CellFault> {
+        let number = table.number(row, at, "a number")?;
+        if is_length(number) && is_angle(number) {
+            return Ok(number);
         }
-        match cell.parse::<f64>() {
-            Ok(x) if x.is_finite() => {
-                let si = x * column.factor.unwrap_or(1.0);
-                if is_length(si) && is_angle(si) {
-                    Ok(si)
-                } else {
-                    Err(format!(
-                        "{place}: {cell} is beyond all that can be: give metres or radians, or leave the touch out"
-                    ))
-                }
-            }
-            Ok(_) => Err(format!("{place}: {cell} is not finite: give a number, or leave the touch out")),
-            Err(_) => Err(format!("{place}: \"{cell}\" is no number: give one")),
-        }
+        Err(CellFault::Wrong(format!(
+            "{}: {} is beyond all that can be: give metres or radians, or leave the touch out",
+            table.place(at),
+            &row[at]
+        )))
     }
 
     /// The name of the touch, what touched on either side, and how far apart they were.
-    fn contact(&self, table: &Table, row: &StringRecord, robot: &Robot) -> Result<Contact, String> {
+    fn contact(&self, table: &Table, row: &StringRecord, robot: &Robot) -> Result<Contact, CellFault> {
         let name = self.field(row, TOUCH).map(str::to_string);
         let ends = [self.end(table, row, robot, 0)?, self.end(table, row, robot, 1)?];
         if name.is_none() && ends.iter().any(Option::is_none) {
             let side = usize::from(ends[0].is_some());
-            return Err(format!("column {} is empty: name what touched", NAMES[side][0]));
+            let message = format!("column {} is empty: name what touched", NAMES[side][0]);
+            return Err(CellFault::Wrong(message));
         }
         let distance = match self.fields.get(DISTANCE).filter(|at| !row[**at].is_empty()) {
             Some(at) => self.number(table, row, *at)?,
@@ -255,7 +257,8 @@ impl Head {
         row: &StringRecord,
         robot: &Robot,
         side: usize,
-    ) -> Result<Option<End>, String> {
+    ) -> Result<Option<End>, CellFault> {
+        let wrong = |message: String| Err(CellFault::Wrong(message));
         let [limb, receptor] = NAMES[side].map(|name| self.field(row, name));
         // A receptor is a point of its own; the limb beside it says no more.
         let receptor = receptor.filter(|name| limb.is_none() || robot.link(name).is_some());
@@ -266,7 +269,7 @@ impl Head {
                 let deviation = self.number(table, row, *at)?;
                 if deviation < 0.0 {
                     let title = &table.columns[*at].title;
-                    return Err(format!(
+                    return wrong(format!(
                         "column {title}: {deviation} is negative: give metres, or leave it empty"
                     ));
                 }
@@ -282,7 +285,7 @@ impl Head {
             [None, None, None] => None,
             _ => {
                 let [x, y, z] = POINTS[side];
-                return Err(format!("one of {x}, {y}, {z} is empty: give all three, or none"));
+                return wrong(format!("one of {x}, {y}, {z} is empty: give all three, or none"));
             }
         };
         let feature = match (point, robot.surface(name), robot.points_of(name)) {
@@ -290,13 +293,13 @@ impl Head {
             (None, Some(surface), _) => Feature::Surface(surface),
             (None, None, Some(link)) if robot.is_place(link) => Feature::Point(link, Vector3::zeros()),
             (None, None, Some(_)) => {
-                return Err(format!(
+                return wrong(format!(
                     "{name} has no point: give {} and the others, or name a surface of it",
                     POINTS[side][0]
                 ));
             }
             (Some(_), Some(_), None) => {
-                return Err(format!(
+                return wrong(format!(
                     "{name} is a surface: leave its point out, or name the limb that it is on"
                 ));
             }
@@ -305,7 +308,7 @@ impl Head {
                 let names = links.chain(robot.surfaces.iter().map(|surface| surface.name.as_str()));
                 let near =
                     nearest_name(name, names.filter(|name| !name.ends_with(".mount"))).unwrap_or_default();
-                return Err(format!(
+                return wrong(format!(
                     "column {}: {} has nothing called \"{name}\": name a limb, a point or a surface of it, such as {near}",
                     NAMES[side][0], robot.name
                 ));
@@ -321,25 +324,32 @@ impl Head {
         row: &StringRecord,
         robot: &Robot,
         links: [usize; 2],
-    ) -> Result<Vec<f64>, String> {
+    ) -> Result<Vec<f64>, CellFault> {
         let mut posture = Vec::with_capacity(self.posture.len());
+        let mut not_finite = None;
         for at in &self.posture {
-            posture.push(match at {
-                Some(at) if !row[*at].is_empty() => Some(self.number(table, row, *at)?),
-                _ => None,
+            posture.push(match at.filter(|at| !row[*at].is_empty()).map(|at| self.number(table, row, at)) {
+                Some(Err(fault @ CellFault::NotFinite(_))) => {
+                    not_finite.get_or_insert(fault);
+                    None
+                }
+                read => read.transpose()?,
             });
         }
         for (index, dof) in robot.dofs.iter().enumerate() {
             let own = dof.coordinate..dof.coordinate + dof.kind.coordinates();
             if posture[own].iter().any(Option::is_none) && robot.is_between(index, links) {
+                if let Some(fault) = not_finite {
+                    return Err(fault);
+                }
                 let unit = if dof.kind == DofKind::Slide { "metres" } else { "angle" };
                 let meant = self.spare.iter().find(|name| likely(name, &dof.name));
                 let meant =
                     meant.map_or(String::new(), |name| format!(", or is {name} meant? Then rename it"));
-                return Err(format!(
+                return Err(CellFault::Wrong(format!(
                     "{} moves what touched and was not read: give a column {} with its {unit}{meant}",
                     dof.name, dof.name
-                ));
+                )));
             }
         }
         let mut posture: Vec<f64> = posture.into_iter().map(Option::unwrap_or_default).collect();
@@ -354,6 +364,11 @@ impl Head {
         }
         Ok(posture)
     }
+}
+
+/// Whether a column's numbers are taken for metres or radians as they stand.
+fn is_si(column: &Column) -> bool {
+    column.unit.is_none_or(|unit| unit.per == 1.0)
 }
 
 /// Refuses angles that most of them are beyond a full turn, and single ones that their joint cannot have; what else looks odd.
@@ -371,7 +386,7 @@ fn check_angles(
         let Some(at) = head.posture.get(dof.coordinate).copied().flatten() else { continue };
         let angles = touches.iter().map(|touch| (touch.line, touch.posture[dof.coordinate])).collect();
         let hinge = HingeAngles { name: &dof.name, range: dof.range, angles };
-        if let Some((_, example)) = hinge.degrees().filter(|_| table.columns[at].factor.is_none()) {
+        if let Some((_, example)) = hinge.degrees().filter(|_| is_si(&table.columns[at])) {
             let message = format!(
                 "{} is {example} and mostly beyond a full turn of 6.283 radians: if these are degrees, call the column {}_deg",
                 dof.name, dof.name
@@ -399,7 +414,7 @@ fn refuse_millimetres(
     let size = reach(robot).max(0.05);
     for (side, [x, y, z]) in POINTS.into_iter().enumerate() {
         let Some(at) = head.fields.get(x) else { continue };
-        if table.columns[*at].factor.is_some() {
+        if !is_si(&table.columns[*at]) {
             continue;
         }
         let mut distances: Vec<f64> = touches

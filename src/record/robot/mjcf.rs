@@ -10,7 +10,7 @@ use std::path::Path;
 use nalgebra::{Matrix3, Rotation3, UnitVector3, Vector3};
 
 use crate::calibration::robot::{Element, Form, LinkMass, Robot, RobotDof, Unit, Value};
-use crate::creature::{BodyError, DofKind, UNLIMITED_SLIDE, body_name, creatures, joint_name, matrix};
+use crate::creature::{BodyError, DofKind, body_name, creatures, joint_name, limits, matrix, span};
 use crate::geometry::{Frame, Shape};
 use crate::mujoco::{self, Equality, GeomKind, JointKind, Model, ModelJoint};
 use crate::record::RecordError;
@@ -52,6 +52,7 @@ pub fn read_mjcf(path: &Path) -> Result<MjcfRobot, RecordError> {
             .in_words()
             .map(|what| format!("read without {what}, which MuJoCo does not take"))
             .into_iter()
+            .chain(left_out.notes)
             .collect(),
     };
     reader.links[root] = Some(0);
@@ -183,16 +184,16 @@ impl Reader<'_> {
 
     fn dof(&mut self, j: usize) -> usize {
         let joint = self.model.joint(j);
-        let (kind, span) = match joint.kind {
-            JointKind::Slide => (DofKind::Slide, UNLIMITED_SLIDE),
-            JointKind::Ball => (DofKind::Ball, std::f64::consts::PI),
-            JointKind::Hinge | JointKind::Free => (DofKind::Hinge, std::f64::consts::PI),
+        let kind = match joint.kind {
+            JointKind::Slide => DofKind::Slide,
+            JointKind::Ball => DofKind::Ball,
+            JointKind::Hinge | JointKind::Free => DofKind::Hinge,
         };
+        let span = span(joint.kind);
         let reference = if kind == DofKind::Ball { 0.0 } else { self.model.qpos0()[joint.qposadr] };
         let range = match (kind, joint.limited) {
             (DofKind::Ball, limited) => [0.0, if limited { joint.range[1] } else { span }],
-            (_, true) => joint.range,
-            (_, false) => [reference - span, reference + span],
+            _ => limits(&joint).unwrap_or([reference - span, reference + span]),
         };
         let dof = self.robot.add_dof(&joint_name(self.model, j), kind, range, joint.axis);
         if let Some(q) = self.robot.dofs[dof].quantities {

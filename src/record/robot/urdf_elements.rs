@@ -3,9 +3,7 @@
 use nalgebra::{Matrix3, Rotation3, Vector3};
 
 use super::tags::{Fault, Tag};
-
-/// Greatest angle that is taken for radians: a turn, and what rounding puts on top of it.
-pub(super) const GREATEST_ANGLE: f64 = std::f64::consts::TAU + 0.01;
+use crate::mjcf_xml::turn_fault;
 
 /// Where something is in the frame of its link or its parent.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -24,14 +22,10 @@ impl Origin {
         };
         let place = vector(origin, "xyz", of)?.unwrap_or_default();
         let turns = vector(origin, "rpy", of)?.unwrap_or_default();
-        if turns.amax() > GREATEST_ANGLE {
-            let message = format!(
-                "rpy=\"{}\" of {of} is more than a turn: give radians, not degrees",
-                origin.value("rpy").unwrap_or_default()
-            );
-            return Err((origin.line, message));
+        match turn_fault(origin.value("rpy").unwrap_or_default(), &turns, of) {
+            Some(message) => Err((origin.line, message)),
+            None => Ok(Origin { place, turns: turns.into() }),
         }
-        Ok(Origin { place, turns: turns.into() })
     }
 }
 
@@ -42,12 +36,13 @@ pub(super) fn rotation([roll, pitch, yaw]: [f64; 3]) -> Matrix3<f64> {
 
 /// The unit axis of a joint, in the joint's frame; x where it has none.
 pub(super) fn axis_of(tag: &Tag, name: &str) -> Result<Vector3<f64>, Fault> {
-    let Some(axis) = tag.child("axis") else { return Ok(Vector3::x()) };
-    let direction = vector(axis, "xyz", &format!("joint {name}"))?.unwrap_or(Vector3::x());
-    direction.try_normalize(f64::EPSILON).ok_or_else(|| {
-        let message = format!("the axis of joint {name} has no direction: give it one in <axis xyz=\"…\"/>");
-        (axis.line, message)
-    })
+    let axis = tag.child("axis").map(|axis| vector(axis, "xyz", &format!("joint {name}"))).transpose()?;
+    Ok(unit(&axis.flatten().unwrap_or(Vector3::x())))
+}
+
+/// An axis of length 1.
+pub(super) fn unit(axis: &Vector3<f64>) -> Vector3<f64> {
+    axis.try_normalize(f64::EPSILON).unwrap_or(Vector3::x())
 }
 
 /// The multiplier and the offset of a `<mimic>`.
@@ -70,13 +65,6 @@ pub(super) fn shapes<'a>(link: &str, tag: &'a Tag) -> Vec<(String, &'a Tag, &'a 
     let alone = found.len() == 1;
     let called = |i: usize| if alone { link.to_string() } else { format!("{link}.{}", i + 1) };
     found.into_iter().enumerate().map(|(i, (collision, shape))| (called(i), collision, shape)).collect()
-}
-
-/// The name of a link or joint.
-pub(super) fn name_of(tag: &Tag) -> Result<&str, Fault> {
-    tag.value("name")
-        .filter(|name| !name.trim().is_empty())
-        .ok_or_else(|| (tag.line, format!("<{}> has no name: give it name=\"…\"", tag.name)))
 }
 
 /// The numbers of an attribute of a part of `of`, separated by spaces.

@@ -124,6 +124,6 @@ pub fn build(path: &Path, options: &StageOptions) -> Result<StageCore, Simulatio
 
 /// The name of the first body of the creature of a file.
 fn root_of(path: &Path) -> Result<Option<String>, SimulationError> {
-    let alone = Body::new(Arc::new(Model::from_path(path)?), &JointSelection::All)?;
+    let alone = Body::new(Arc::new(Model::read(path)?.0), &JointSelection::All)?;
     Ok(alone.root_name().map(str::to_string))
 }

@@ -8,7 +8,7 @@ use xmltree::{Element, XMLNode};
 
 use super::auras::add_auras;
 use super::{GrowError, GrowOptions, Sprout, sprouts, wxyz};
-use crate::creature::{Body, BodyError, JointSelection, body_name};
+use crate::creature::{Body, BodyError, JointSelection, body_name, joint_name};
 use crate::geometry::Shape;
 use crate::mjcf_xml::{HALF_THICKNESS, Source, add_receptor_class, element, section, write};
 use crate::mujoco::{self, JointKind, Model, ObjectKind, SensorKind};
@@ -53,7 +53,7 @@ pub fn grow_skin(path: &Path, options: &GrowOptions) -> Result<Grown, GrowError>
 /// As [`grow_skin`], and where there is no such body.
 pub fn grow_skin_rooted(path: &Path, root: Option<&str>, options: &GrowOptions) -> Result<Grown, GrowError> {
     let unsuitable = |message: String| GrowError::Unsuitable { path: path.to_path_buf(), message };
-    let model = Arc::new(Model::from_path(path)?);
+    let model = Arc::new(Model::read(path)?.0);
     let body = Body::rooted(model.clone(), &JointSelection::All, root).map_err(|error| match error {
         BodyError::Engine(error) => GrowError::Engine(error),
         other => unsuitable(other.to_string()),
@@ -91,6 +91,8 @@ pub fn grow_skin_rooted(path: &Path, root: Option<&str>, options: &GrowOptions) 
         let section = section(&mut root, "sensor");
         section.children.extend(sensors.into_iter().map(XMLNode::Element));
     }
+    // What the engine was given in memory, so that it reads the file at all, stands in the file, too.
+    let root = Model::accepted(root, path)?;
     Ok(Grown { root, source: path.to_path_buf(), receptors: sprouts.len(), kept, auras })
 }
 
@@ -208,18 +210,12 @@ struct Names {
 
 fn names(body: &Body) -> Names {
     let model = &body.model;
-    let free = |object: ObjectKind, mut name: String| {
-        while model.id(object, &name).is_some() {
-            name.push('_');
-        }
-        name
-    };
     let own = |b: usize| b != 0 && body.limb_of_body[b].is_some();
     let bodies = (1..model.nbody()).filter(|&b| own(b) && model.body(b).name.is_none());
     let joints = model.joints().enumerate().filter(|(_, joint)| own(joint.body) && joint.name.is_none());
     Names {
-        bodies: bodies.map(|b| (b, free(ObjectKind::Body, body_name(model, b)))).collect(),
-        joints: joints.map(|(j, _)| (j, free(ObjectKind::Joint, format!("joint{j}")))).collect(),
+        bodies: bodies.map(|b| (b, body_name(model, b))).collect(),
+        joints: joints.map(|(j, _)| (j, joint_name(model, j))).collect(),
     }
 }
 

@@ -1,0 +1,339 @@
+//! The links and joints of a URDF file: what every command that reads one takes from it alike.
+
+use std::collections::BTreeSet;
+
+use nalgebra::Vector3;
+use xmltree::{Element, XMLNode};
+
+use super::pose::{numbers, vector};
+use super::source::{Refused, Source};
+use super::urdf_names::{attribute_meant, element_meant, is_known};
+use super::{attribute, titled};
+use crate::creature::UNLIMITED_SLIDE;
+use crate::plausible::bounded;
+
+/// Greatest angle of a roll, pitch or yaw that is taken for radians: a turn, and what rounding puts on top of it.
+pub(crate) const GREATEST_TURN: f64 = std::f64::consts::TAU + 0.01;
+
+/// What a joint lets its child do.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum UrdfKind {
+    Fixed,
+    Revolute,
+    Continuous,
+    Prismatic,
+    Floating,
+    Planar,
+}
+
+impl UrdfKind {
+    const NAMES: [(&'static str, UrdfKind); 6] = [
+        ("fixed", UrdfKind::Fixed),
+        ("revolute", UrdfKind::Revolute),
+        ("continuous", UrdfKind::Continuous),
+        ("prismatic", UrdfKind::Prismatic),
+        ("floating", UrdfKind::Floating),
+        ("planar", UrdfKind::Planar),
+    ];
+
+    /// Whether it is one coordinate about or along an axis.
+    pub fn is_single(self) -> bool {
+        matches!(self, UrdfKind::Revolute | UrdfKind::Continuous | UrdfKind::Prismatic)
+    }
+}
+
+/// How a joint goes along with another: its coordinate is gain × the leader's + offset.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct UrdfFollowing<'a> {
+    /// The joint that it follows in the end; none where that stands still.
+    pub leader: Option<&'a str>,
+    pub gain: f64,
+    pub offset: f64,
+}
+
+/// A joint as its file has it.
+#[derive(Clone, Debug)]
+pub(crate) struct UrdfJoint<'a> {
+    pub element: &'a Element,
+    pub name: &'a str,
+    pub parent: &'a str,
+    pub child: &'a str,
+    pub kind: UrdfKind,
+    /// Of any length above zero.
+    pub axis: Vector3<f64>,
+    /// Least and greatest coordinate, radians or metres; none where it has no limits.
+    pub limits: Option<[f64; 2]>,
+    pub follows: Option<UrdfFollowing<'a>>,
+}
+
+/// A robot's links and joints, which make a tree.
+#[derive(Clone, Debug)]
+pub(crate) struct UrdfTree<'a> {
+    source: &'a Source,
+    /// The link that no joint carries.
+    pub root: &'a str,
+    /// In the file's order.
+    pub links: Vec<(&'a str, &'a Element)>,
+    /// Every joint after those that carry it; those of one link in the file's order.
+    pub joints: Vec<UrdfJoint<'a>>,
+    /// What is read otherwise than it stands in the file, or looks odd, a sentence each.
+    pub notes: Vec<String>,
+}
+
+impl<'a> UrdfTree<'a> {
+    /// Reads a file's tree.
+    ///
+    /// # Errors
+    /// Where its links and joints make none.
+    pub fn new(source: &'a Source) -> Result<UrdfTree<'a>, Refused> {
+        check_names(source, &source.root)?;
+        let children = || source.root.children.iter().filter_map(XMLNode::as_element);
+        if let Some(of_xacro) = children().find(|child| child.name.starts_with("xacro:")) {
+            let message = format!(
+                "<{}> is of Xacro, not URDF; write it out with `xacro FILE > robot.urdf`",
+                of_xacro.name
+            );
+            return Err(source.refused(of_xacro, message));
+        }
+        let mut tree =
+            UrdfTree { source, root: "", links: Vec::new(), joints: Vec::new(), notes: Vec::new() };
+        for link in children().filter(|child| child.name == "link") {
+            let name = attribute(link, "name").unwrap_or_default();
+            if name.trim().is_empty() {
+                return Err(source.refused(link, "<link> has no name; give it name=\"…\""));
+            }
+            if tree.link(name).is_some() {
+                return Err(source.refused(link, format!("there are two links {name}; rename one")));
+            }
+            tree.links.push((name, link));
+        }
+        let mut joints: Vec<UrdfJoint> = Vec::new();
+        for element in children().filter(|child| child.name == "joint") {
+            let joint = tree.joint(element)?;
+            let same = |other: &&UrdfJoint| !joint.name.is_empty() && other.name == joint.name;
+            if let Some(other) = joints.iter().find(same) {
+                return Err(
+                    source.refused(element, format!("there are two joints {}; rename one", other.name))
+                );
+            }
+            if joints.iter().any(|other| other.child == joint.child) {
+                let message = format!("link {} is carried by two joints; remove one of them", joint.child);
+                return Err(source.refused(element, message));
+            }
+            joints.push(joint);
+        }
+        for k in 0..joints.len() {
+            joints[k].follows = tree.following(&joints, &joints[k])?;
+        }
+        tree.root = tree.root_of(&joints)?;
+        tree.joints = tree.in_order(joints)?;
+        tree.note_turns();
+        Ok(tree)
+    }
+
+    /// A link's element.
+    pub fn link(&self, name: &str) -> Option<&'a Element> {
+        self.links.iter().find(|(other, _)| *other == name).map(|(_, link)| *link)
+    }
+
+    /// The joints that a link carries.
+    pub fn carried_by<'t>(&'t self, link: &'t str) -> impl Iterator<Item = &'t UrdfJoint<'a>> {
+        self.joints.iter().filter(move |joint| joint.parent == link)
+    }
+
+    fn joint(&mut self, element: &'a Element) -> Result<UrdfJoint<'a>, Refused> {
+        let name = attribute(element, "name").unwrap_or_default();
+        let [parent, child] = [self.end(element, "parent")?, self.end(element, "child")?];
+        let given = attribute(element, "type").unwrap_or_default();
+        let Some((_, kind)) = UrdfKind::NAMES.into_iter().find(|(name, _)| *name == given) else {
+            let message = format!(
+                "joint {name} is of the type \"{given}\"; give revolute, continuous, prismatic, fixed, floating or planar"
+            );
+            return Err(self.source.refused(element, message));
+        };
+        let axis = element.get_child("axis").and_then(|axis| vector(attribute(axis, "xyz")?));
+        let axis = axis.unwrap_or(Vector3::x());
+        if kind.is_single() && axis.norm() < f64::EPSILON {
+            let message =
+                format!("the axis of joint {name} has no direction; give it one in <axis xyz=\"…\"/>");
+            return Err(self.source.refused(element, message));
+        }
+        let limits = self.limits(element, name, kind);
+        Ok(UrdfJoint { element, name, parent, child, kind, axis, limits, follows: None })
+    }
+
+    /// The link at an end of a joint.
+    fn end(&self, joint: &Element, end: &str) -> Result<&'a str, Refused> {
+        let name = attribute(joint, "name").unwrap_or_default();
+        let refused = |message: String| self.source.refused(joint, message);
+        let link = joint.get_child(end).and_then(|end| attribute(end, "link"));
+        let link =
+            link.ok_or_else(|| refused(format!("joint {name} has no <{end} link=\"…\"/>; give it one")))?;
+        let known = self.links.iter().find(|(known, _)| *known == link);
+        known.map(|(known, _)| *known).ok_or_else(|| {
+            refused(format!("joint {name} names the link {link}, which is not there; correct it there"))
+        })
+    }
+
+    /// The limits of a joint. Limits that leave no room are none, as MuJoCo has it, and so are those beyond all that can be,
+    /// by which other programs say that there are none.
+    fn limits(&mut self, joint: &Element, name: &str, kind: UrdfKind) -> Option<[f64; 2]> {
+        let limit = joint.get_child("limit").filter(|_| kind.is_single() && kind != UrdfKind::Continuous)?;
+        let given = ["lower", "upper"].map(|end| numbers(attribute(limit, end)?).first().copied());
+        let [lower, upper] = given.map(Option::unwrap_or_default);
+        let span = if kind == UrdfKind::Prismatic { UNLIMITED_SLIDE } else { std::f64::consts::PI };
+        let limits = bounded([lower, upper], span).filter(|_| lower < upper);
+        if limits != Some([lower, upper]) && given != [None; 2] {
+            let read = limits.map_or("none".into(), |[lower, upper]| format!("{lower:.3} to {upper:.3}"));
+            self.notes
+                .push(format!("the limits of joint {name}, {lower:?} to {upper:?}, are taken for {read}"));
+        }
+        limits
+    }
+
+    /// What a joint follows, through all that follow others themselves.
+    fn following(
+        &mut self,
+        joints: &[UrdfJoint<'a>],
+        joint: &UrdfJoint<'a>,
+    ) -> Result<Option<UrdfFollowing<'a>>, Refused> {
+        let Some(own) = mimic_of(joint) else { return Ok(None) };
+        let mut found = UrdfFollowing { leader: Some(joint.name), gain: 1.0, offset: 0.0 };
+        let (mut on, mut next) = (joint, Some(own));
+        for _ in 0..=joints.len() {
+            let Some(mimic) = next else { return Ok(Some(found)) };
+            let refused = |message: String| Err(self.source.refused(mimic, message));
+            let Some(leader) = attribute(mimic, "joint").filter(|leader| !leader.is_empty()) else {
+                return refused(format!("<mimic> of joint {} names no joint; give it joint=\"…\"", on.name));
+            };
+            let Some(leader) = joints.iter().find(|other| other.name == leader) else {
+                let message =
+                    format!("joint {} mimics {leader}, which is not there; correct it there", on.name);
+                return refused(message);
+            };
+            if leader.name == joint.name {
+                let way =
+                    if on.name == joint.name { String::new() } else { format!(" by way of {}", on.name) };
+                let message = format!("joint {} mimics itself{way}; remove one <mimic>", joint.name);
+                return Err(self.source.refused(own, message));
+            }
+            let number = |name: &str, default: f64| {
+                attribute(mimic, name).and_then(|text| numbers(text).first().copied()).unwrap_or(default)
+            };
+            found.offset += found.gain * number("offset", 0.0);
+            found.gain *= number("multiplier", 1.0);
+            (found.leader, on, next) = (Some(leader.name), leader, mimic_of(leader));
+            if leader.kind == UrdfKind::Fixed {
+                found.leader = None;
+                return Ok(Some(found));
+            }
+            if !leader.kind.is_single() {
+                self.notes.push(format!(
+                    "joint {} mimics {}, which has no single coordinate: it moves alone here",
+                    joint.name, leader.name
+                ));
+                return Ok(None);
+            }
+        }
+        // Others go round in a circle that it is not in.
+        let message = format!("joint {} mimics joints that mimic each other; remove one <mimic>", joint.name);
+        Err(self.source.refused(own, message))
+    }
+
+    /// The one link that no joint carries.
+    fn root_of(&self, joints: &[UrdfJoint]) -> Result<&'a str, Refused> {
+        let path = &self.source.path;
+        let mut roots = self.links.iter().filter(|(name, _)| joints.iter().all(|joint| joint.child != *name));
+        match (roots.next(), roots.next()) {
+            (Some((root, _)), None) => Ok(root),
+            (None, _) if self.links.is_empty() => {
+                Err(Refused::file(path, "it has no <link>; give a robot with links and joints"))
+            }
+            (None, _) => Err(Refused::file(
+                path,
+                "its links carry each other in a circle; correct the <parent> of one of its joints",
+            )),
+            (Some((first, _)), Some((second, link))) => Err(self.source.refused(
+                link,
+                format!("links {first} and {second} are not carried by any joint; join them with a <joint>"),
+            )),
+        }
+    }
+
+    /// The joints, every one after those that carry it.
+    fn in_order(&self, joints: Vec<UrdfJoint<'a>>) -> Result<Vec<UrdfJoint<'a>>, Refused> {
+        let mut order: Vec<UrdfJoint> = Vec::new();
+        let mut reached = BTreeSet::from([self.root]);
+        let mut due = vec![self.root];
+        while let Some(link) = due.pop() {
+            order.extend(joints.iter().find(|joint| joint.child == link).cloned());
+            // The first of them is the next to be looked at.
+            for joint in joints.iter().rev().filter(|joint| joint.parent == link) {
+                reached.insert(joint.child);
+                due.push(joint.child);
+            }
+        }
+        match self.links.iter().find(|(name, _)| !reached.contains(name)) {
+            None => Ok(order),
+            Some((name, link)) => {
+                let message =
+                    format!("link {name} is carried by itself; correct the <parent> of one of its joints");
+                Err(self.source.refused(link, message))
+            }
+        }
+    }
+
+    /// Notes turns that look like degrees.
+    fn note_turns(&mut self) {
+        let parts = ["inertial", "visual", "collision"];
+        let of_joints = self.joints.iter().map(|joint| (joint.element, format!("joint {}", joint.name)));
+        let of_links = self.links.iter().flat_map(|(name, link)| {
+            let children = link.children.iter().filter_map(XMLNode::as_element);
+            let placed = children.filter(|child| parts.contains(&child.name.as_str()));
+            placed.map(move |child| (child, format!("link {name}")))
+        });
+        let origins =
+            of_joints.chain(of_links).filter_map(|(of, title)| Some((of.get_child("origin")?, title)));
+        let faults = origins.filter_map(|(origin, title)| {
+            let rpy = attribute(origin, "rpy")?;
+            let fault = turn_fault(rpy, &vector(rpy)?, &title)?;
+            let line = super::place(origin).map_or(String::new(), |(_, line)| format!("line {line}: "));
+            Some(format!("{line}{fault}"))
+        });
+        let faults: Vec<String> = faults.collect();
+        self.notes.extend(faults);
+    }
+}
+
+/// The `<mimic>` of a joint that can go along with another.
+fn mimic_of<'a>(joint: &UrdfJoint<'a>) -> Option<&'a Element> {
+    joint.element.get_child("mimic").filter(|_| joint.kind.is_single())
+}
+
+/// What is wrong with the roll, pitch and yaw of `of` that look like degrees.
+pub(crate) fn turn_fault(written: &str, turns: &Vector3<f64>, of: &str) -> Option<String> {
+    (turns.amax() > GREATEST_TURN)
+        .then(|| format!("rpy=\"{written}\" of {of} is more than a turn: give radians, not degrees"))
+}
+
+/// Refuses names that are nearly some of URDF.
+fn check_names(source: &Source, element: &Element) -> Result<(), Refused> {
+    let slip = element.attributes.keys().find_map(|name| Some((name, attribute_meant(&element.name, name)?)));
+    if let Some((name, meant)) = slip {
+        let message =
+            format!("{name}=\"…\" of {} is none of URDF; correct it, if {meant} is meant", titled(element));
+        return Err(source.refused(element, message));
+    }
+    if !is_known(&element.name) {
+        return Ok(());
+    }
+    element.children.iter().filter_map(XMLNode::as_element).try_for_each(|child| {
+        match element_meant(&element.name, &child.name) {
+            Some(meant) => {
+                let message = format!("<{}> is none of URDF; correct it, if <{meant}> is meant", child.name);
+                Err(source.refused(child, message))
+            }
+            None => check_names(source, child),
+        }
+    })
+}
