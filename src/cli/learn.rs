@@ -10,6 +10,7 @@ use super::open::known_truth;
 use super::progress::Bars;
 use super::{Failure, Outcome, output};
 use crate::experiment::{BabbledSession, LearningOptions, Provenance, RecordedSession, RecordingSource};
+use crate::learning::{Input, Learner, LimbFrames};
 use crate::record::{FolderLock, Generation, ReadLock, Session, TOUCHES_FILE, read_touches};
 use crate::senses::Touch;
 
@@ -40,7 +41,7 @@ pub struct LearnArguments {
     /// one, or a whole session.json
     #[arg(long, value_name = "FILE", requires = "log", help_heading = "A recording")]
     creature: Option<PathBuf>,
-    /// The recorded touches: comma-separated values where the name ends in .csv, else lines of JSON
+    /// The recorded touches: a table of comma-separated values, or JSON, a touch a line or a list; packed by gzip or not
     #[arg(long, value_name = "FILE", requires = "creature", help_heading = "A recording")]
     log: Option<PathBuf>,
     /// The folder of a new session, which what is learned goes to [default: of a recording the first free of
@@ -95,8 +96,29 @@ pub fn run(args: &LearnArguments, given: Arguments) -> Outcome {
         made.write(generation.folder())?;
     }
     let result = learn_and_report(generation, &babbled, &learning, truth.as_ref(), &bars)?;
+    if !result.learned.verdict.converged() && are_of_limb_frames(&babbled, &learning) {
+        tell!(
+            "these touches are explained where points are in the limbs' own frames, as URDF has them, which are not parallel at \
+             zero: learn with `--frames limb --input contact`"
+        );
+    }
     lock.finish()?;
     print_learned(lock.place(), &babbled.session, &babbled.touches, &learning, &result, args.json)
+}
+
+/// Whether the points of a recording that is not learned are explained in frames of the limbs' own.
+fn are_of_limb_frames(babbled: &BabbledSession, learning: &LearningOptions) -> bool {
+    // What is exact is found by one of the first.
+    const STARTS: usize = 4;
+    let agent = &babbled.session.agent;
+    let other = LearningOptions { frames: LimbFrames::Limb, ..learning.clone() };
+    let asked = learning.frames == LimbFrames::Joint && learning.input() == Input::Contact;
+    if !asked || babbled.session.recording.is_none() || other.check(agent.creature()).is_err() {
+        return false;
+    }
+    let mut learner = other.second_order(agent, babbled.session.seed);
+    babbled.touches.iter().for_each(|touch| learner.touch(touch));
+    learner.learn_in(STARTS).verdict.converged()
 }
 
 /// A session with the touches to learn from, and how.

@@ -119,15 +119,22 @@ impl<'a> Writer<'a> {
         let [sign, gain, offset] = [q.sign, q.gain, q.offset].map(|quantity| self.values[quantity].number());
         let mut axis = self.values[q.axis].vector();
         if let Some(mimic) = tag.child("mimic") {
-            let [multiplier, shift] = follows(mimic, name)?;
-            // What it mimics may follow another itself.
-            let [leads, from] = self.leading(mimic.value("joint").unwrap_or_default());
-            if leads != 0.0 {
-                let slope = sign * gain / leads;
-                let of_gain = Change::of("multiplier", [multiplier], [slope]);
-                let of_offset = Change::of("offset", [shift], [offset - slope * from]);
-                let changes = [of_gain, of_offset].map(|change| Change { negligible: ROUNDING, ..change });
-                self.edits.set(self.original, mimic, &changes);
+            let ([multiplier, shift], leader) = follows(mimic, name)?;
+            // The file's numbers go by the joint that it names, which may mimic another in its turn.
+            let of_leader = |values: &[Value]| {
+                let mimics = self.robot.leaders().all(|other| other.name != leader);
+                let q = self.robot.dof(leader).filter(|_| mimics)?;
+                let q = self.robot.dofs[q].quantities?;
+                Some([values[q.sign].number() * values[q.gain].number(), values[q.offset].number()])
+            };
+            let [by, at] = of_leader(self.values).unwrap_or([1.0, 0.0]);
+            let nominal = self.robot.nominal();
+            let same = [q.sign, q.gain, q.offset].iter().all(|q| self.values[*q] == nominal[*q])
+                && of_leader(self.values) == of_leader(&nominal);
+            if !same && by != 0.0 {
+                let new = sign * gain / by;
+                self.edits.set(self.original, mimic, &[Change::of("multiplier", [multiplier], [new])]);
+                self.edits.set(self.original, mimic, &[Change::of("offset", [shift], [offset - new * at])]);
             }
         } else {
             match self.robot.dofs[dof].kind {
@@ -158,18 +165,6 @@ impl<'a> Writer<'a> {
             }
             None => Ok(new_element("axis", &[change])),
         }
-    }
-
-    /// What a joint that others mimic does of the encoder's coordinate that it has: by which factor, and from where.
-    fn leading(&self, name: &str) -> [f64; 2] {
-        let follows = !self.robot.leaders().any(|leader| leader.name == name);
-        let dof = self.robot.dof(name).filter(|_| follows);
-        let quantities = dof.and_then(|dof| self.robot.dofs[dof].quantities);
-        quantities.map_or([1.0, 0.0], |q| {
-            let [sign, gain, offset] =
-                [q.sign, q.gain, q.offset].map(|quantity| self.values[quantity].number());
-            [sign * gain, offset]
-        })
     }
 
     /// The limits of an axis that points the other way: each is the other's negative.
