@@ -17,7 +17,7 @@ use crate::senses::Touch;
 pub struct RecordingSource {
     /// The description of the creature in JSON.
     pub creature: PathBuf,
-    /// The log of touches: comma-separated values where its name ends in `.csv`, else lines of JSON.
+    /// The log of touches: a table or JSON, by its content.
     pub log: PathBuf,
 }
 

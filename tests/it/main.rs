@@ -21,6 +21,7 @@ mod dynamic;
 mod engines;
 mod export;
 mod felt_shape;
+mod files;
 mod foreign;
 mod frames;
 mod geometry;

@@ -242,7 +242,8 @@ fn a_robot_of_a_package_is_read_by_the_same_door() {
     let path = urdf.join("picker.urdf");
     std::fs::write(&path, ROBOT).unwrap();
     let (model, left_out) = Model::read(&path).unwrap();
-    assert_eq!(left_out.lost.get("geom whose mesh has no file"), Some(&1), "{left_out:?}");
+    let lost: Vec<&String> = left_out.lost.keys().collect();
+    assert!(lost.len() == 1 && lost[0].contains("package://picker/meshes/gone.stl"), "{left_out:?}");
     assert!(left_out.unneeded.contains_key("<transmission>"), "{left_out:?}");
     let model = Arc::new(model);
     let mut data = Data::new(model.clone()).unwrap();
@@ -316,11 +317,6 @@ fn a_robot_that_is_no_tree_is_told_by_link_and_line() {
             robot(&[a.clone(), b.clone(), joint("1", "a", "b", "<axis xyz='0 0 0'/>")]),
             "line 4",
             "no direction",
-        ),
-        (
-            robot(&[a.clone(), b.clone(), joint("1", "a", "b", "<limit lower='1' upper='0'/>")]),
-            "line 4",
-            "no room",
         ),
         (robot(&[a.clone(), a.clone()]), "line 3", "two links a"),
         (robot(&[a.clone(), "<link/>\n".into()]), "line 3", "no name"),
