@@ -2,8 +2,13 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::robot::{Knowledge, Robot, Value};
+use super::robot::{Knowledge, Robot, Unit, Value};
 use crate::learning::least_squares::Linearization;
+
+/// How far what is free may be off from the maker's value, metres, radians and ratios.
+const OPEN_POSITION: f64 = 0.1;
+const OPEN_ANGLE: f64 = 0.5;
+const OPEN_RATIO: f64 = 0.2;
 
 /// The open parameters of a robot.
 #[derive(Clone, Debug)]
@@ -65,6 +70,15 @@ impl Unknowns {
         let (quantity, component) = self.parameters[place];
         let of = self.near.iter().find(|(q, c, _)| *q == quantity && *c == component);
         of.map(|(_, _, deviation)| *deviation)
+    }
+
+    /// How far a parameter of which nothing is known may be off.
+    pub fn open_deviation(&self, robot: &Robot, place: usize) -> f64 {
+        match robot.quantities[self.parameters[place].0].unit {
+            Unit::Metre => OPEN_POSITION,
+            Unit::Radian => OPEN_ANGLE,
+            Unit::One | Unit::Compliance => OPEN_RATIO,
+        }
     }
 
     /// Values after a step of all parameters.

@@ -22,6 +22,7 @@ use super::json_lines::drop_zeros;
 use super::touch_line::check;
 use super::{RecordError, files};
 use crate::agent::Agent;
+use crate::calibration::{SAME_POINT, SAME_POSTURE, first_alike};
 use crate::learning::Input;
 use crate::record::error::ContentFault;
 use crate::senses::{Touch, TouchEnd};
@@ -69,6 +70,11 @@ pub fn read_recording(path: &Path, agent: &Agent) -> Result<Recording, RecordErr
     posture::refuse_degrees(path, creature, &raw)?;
     let mut recording = resolve(path, agent, &raw)?;
     recording.notes = posture::notes(creature, &raw);
+    let rows = recording.touches.len();
+    let repeats = drop_repeats(&mut recording.touches);
+    recording.notes.extend((repeats > 0).then(|| {
+        format!("{repeats} of {rows} rows repeat another in the same posture: each touch counts once")
+    }));
     recording.notes.extend(spare);
     recording.notes.extend(truncated.map(|line| {
         format!("it ends in the middle of line {line}: that touch is left out, all before it are used")
@@ -77,6 +83,20 @@ pub fn read_recording(path: &Path, agent: &Agent) -> Result<Recording, RecordErr
         format!("it ends in {zeros} zero bytes, as a power failure leaves them: they are left out")
     }));
     Ok(recording)
+}
+
+/// Leaves of touches that repeat one another the first; how many went.
+fn drop_repeats(touches: &mut Vec<Touch>) -> usize {
+    let row = |touch: &Touch| {
+        let posture = touch.posture.iter().map(|x| x / SAME_POSTURE);
+        let points = touch.ends.iter().flat_map(|end| end.contact.iter().map(|x| x / SAME_POINT));
+        ((touch.bout, touch.ends.map(|end| end.receptor)), posture.chain(points).collect())
+    };
+    let first = first_alike(&touches.iter().map(row).collect::<Vec<_>>());
+    let before = touches.len();
+    let mut keep = first.iter().enumerate().map(|(i, of)| i == *of);
+    touches.retain(|_| keep.next().unwrap_or(true));
+    before - touches.len()
 }
 
 /// Gives every touch its limbs and receptors.

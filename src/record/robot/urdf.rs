@@ -262,22 +262,26 @@ impl<'a> Parts<'a> {
         let Joint { tag, name, .. } = *joint;
         let mimic = tag.child("mimic").unwrap_or(tag);
         let refused = |message: String| Err((mimic.line, message));
-        let Some(leader) = mimic.value("joint").filter(|leader| !leader.is_empty()) else {
-            return refused(format!("<mimic> of joint {name} names no joint: give it joint=\"…\""));
-        };
-        if let Some(next) = self.joints.iter().find(|joint| joint.name == leader)
-            && let Some(mimicked) = next.tag.child("mimic").and_then(|mimic| mimic.value("joint"))
+        // What mimics one that mimics another goes along with that one: multipliers and offsets in turn.
+        let ([mut gain, mut offset], mut leader) = follows(mimic, name)?;
+        let mut seen = vec![name, leader];
+        while let Some(next) = self.joints.iter().find(|joint| joint.name == leader)
+            && let Some(mimic) = next.tag.child("mimic")
         {
-            return refused(format!(
-                "joint {name} mimics {leader}, which mimics {mimicked} itself: let it mimic one that moves by itself"
-            ));
+            let ([multiplier, shift], mimicked) = follows(mimic, leader)?;
+            if seen.contains(&mimicked) {
+                return refused(format!(
+                    "joint {name} mimics {leader}, which mimics {mimicked}: let one of them move alone"
+                ));
+            }
+            (gain, offset, leader) = (gain * multiplier, offset + gain * shift, mimicked);
+            seen.push(leader);
         }
         let Some(coordinate) = robot.dof(leader).map(|leader| robot.dofs[leader].coordinate) else {
             return refused(format!(
                 "joint {name} mimics {leader}, which is no joint that moves: correct it there"
             ));
         };
-        let [gain, offset] = follows(mimic, name)?;
         let dof = robot.add_dof(name, kind, range(joint, kind)?, axis_of(joint.tag, joint.name)?);
         robot.dofs[dof].coordinate = coordinate;
         if let Some(q) = robot.dofs[dof].quantities {

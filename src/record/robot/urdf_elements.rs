@@ -50,10 +50,15 @@ pub(super) fn axis_of(tag: &Tag, name: &str) -> Result<Vector3<f64>, Fault> {
     })
 }
 
-/// The multiplier and the offset of a `<mimic>`.
-pub(super) fn follows(mimic: &Tag, joint: &str) -> Result<[f64; 2], Fault> {
+/// The multiplier and the offset of a `<mimic>`, and the joint that it names.
+pub(super) fn follows<'a>(mimic: &'a Tag, joint: &str) -> Result<([f64; 2], &'a str), Fault> {
     let of = format!("joint {joint}");
-    Ok([number(mimic, "multiplier", &of)?.unwrap_or(1.0), number(mimic, "offset", &of)?.unwrap_or(0.0)])
+    let Some(leader) = mimic.value("joint").filter(|leader| !leader.is_empty()) else {
+        let message = format!("<mimic> of joint {joint} names no joint: give it joint=\"…\"");
+        return Err((mimic.line, message));
+    };
+    let multiplier = number(mimic, "multiplier", &of)?.unwrap_or(1.0);
+    Ok(([multiplier, number(mimic, "offset", &of)?.unwrap_or(0.0)], leader))
 }
 
 /// The shapes of a link's collision geometry that are no meshes: a surface's name, the `<collision>` and the shape.

@@ -119,9 +119,23 @@ impl<'a> Writer<'a> {
         let [sign, gain, offset] = [q.sign, q.gain, q.offset].map(|quantity| self.values[quantity].number());
         let mut axis = self.values[q.axis].vector();
         if let Some(mimic) = tag.child("mimic") {
-            let [multiplier, shift] = follows(mimic, name)?;
-            self.edits.set(self.original, mimic, &[Change::of("multiplier", [multiplier], [sign * gain])]);
-            self.edits.set(self.original, mimic, &[Change::of("offset", [shift], [offset])]);
+            let ([multiplier, shift], leader) = follows(mimic, name)?;
+            // The file's numbers go by the joint that it names, which may mimic another in its turn.
+            let of_leader = |values: &[Value]| {
+                let mimics = self.robot.leaders().all(|other| other.name != leader);
+                let q = self.robot.dof(leader).filter(|_| mimics)?;
+                let q = self.robot.dofs[q].quantities?;
+                Some([values[q.sign].number() * values[q.gain].number(), values[q.offset].number()])
+            };
+            let [by, at] = of_leader(self.values).unwrap_or([1.0, 0.0]);
+            let nominal = self.robot.nominal();
+            let same = [q.sign, q.gain, q.offset].iter().all(|q| self.values[*q] == nominal[*q])
+                && of_leader(self.values) == of_leader(&nominal);
+            if !same && by != 0.0 {
+                let new = sign * gain / by;
+                self.edits.set(self.original, mimic, &[Change::of("multiplier", [multiplier], [new])]);
+                self.edits.set(self.original, mimic, &[Change::of("offset", [shift], [offset - new * at])]);
+            }
         } else {
             match self.robot.dofs[dof].kind {
                 _ if offset == 0.0 => {}
