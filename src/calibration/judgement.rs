@@ -37,7 +37,7 @@ const EXPLAINED: f64 = 0.5;
 /// … what is less than this share may be a small pattern, …
 const PATTERN: f64 = 0.05;
 /// … of what is more one cause is believed that explains this share of its mean square, …
-const WHOLE: f64 = 0.75;
+const WHOLE: f64 = 0.95;
 /// … and no more of them are false.
 const MOST_FALSE: f64 = 0.4;
 /// Noise is contradicted where so many times what is said is left.
