@@ -21,7 +21,6 @@ use super::robot::{Element, Knowledge, Quantity, Robot, Value};
 use super::touch::{Feature, Touch};
 use super::unknowns::Unknowns;
 use crate::creature::DofKind;
-use crate::kinematics::tangent_basis;
 use crate::learning::least_squares::Linearization;
 
 /// Evidence that is believed, as a logarithm: among some hundred causes one in thousands of logs has as much by chance, …
@@ -43,6 +42,9 @@ const STILL_COUNTS: f64 = 0.5;
 /// How far an encoder that does not follow its joint is off, radians and metres: about half of what joints move by.
 const DEAD_ANGLE: f64 = 0.5;
 const DEAD_SHIFT: f64 = 0.1;
+/// Touches that are looked at, and that causes are fitted to, at the most.
+const TOUCHES: usize = 1000;
+const REFITTED: usize = 200;
 /// Parts of a log at whose ends a mount or an encoder may have slipped.
 const PARTS: usize = 4;
 /// The least share of its information that a column must have of its own, beside what was fitted.
@@ -117,7 +119,8 @@ pub fn explanations(estimator: &Estimator, fit: &Fit) -> Vec<Explanation> {
         extra_candidates(estimator, &all, seen.iter().flat_map(|(_, _, seen)| &seen.residuals.slopes));
     let mut total = Linearization::nothing(count);
     let (mut squares, mut equations) = (0.0, 0.0);
-    for (touch, _, seen) in &seen {
+    let step = seen.len().div_ceil(TOUCHES).max(1);
+    for (touch, _, seen) in seen.iter().step_by(step) {
         let honesty = fit.noise.honesty(seen);
         let Some(inverse) = fit.noise.covariance(seen).try_inverse() else { continue };
         let (weight, value) = (inverse * honesty, seen.residuals.value);
@@ -140,24 +143,22 @@ pub fn explanations(estimator: &Estimator, fit: &Fit) -> Vec<Explanation> {
         .collect();
     let mut information =
         DMatrix::from_fn(places.len(), places.len(), |i, j| total.hessian[(places[i], places[j])]);
-    let nominal = estimator.robot.nominal();
+    let mut slope = DVector::from_fn(places.len(), |i, _| total.gradient[places[i]]);
     let mut pulled: Vec<(usize, f64)> = Vec::new();
     for (k, place) in fitted.iter().enumerate() {
         let Some(deviation) = own.deviation_before(*place) else { continue };
-        let (q, component) = own.parameters[*place];
-        let difference = fit.values[q].difference(&nominal[q]);
-        let off = match &fit.values[q] {
-            Value::Direction(axis) => tangent_basis(axis).column(component).dot(&difference),
-            _ => difference[component],
-        };
+        let off = own.off(estimator.robot, &fit.values, *place);
         information[(k, k)] += deviation.powi(-2);
+        slope[k] += off / deviation.powi(2);
         squares += (off / deviation).powi(2);
         equations += 1.0;
-        // Without what was said of it, what is left of that: the residual of a row that is left out.
-        let determined = 1.0 - fit.told.covariance[(*place, *place)] / deviation.powi(2);
-        pulled.push((q, (off / deviation).powi(2) / determined.max(1e-9)));
+        pulled.extend(own.pulled(estimator.robot, fit, *place).map(|gain| (own.parameters[*place].0, gain)));
     }
     let left = equations - fitted.len() as f64;
+    let Some(factor) = information.cholesky() else { return Vec::new() };
+    // What the fit would still take off.
+    let rest = factor.solve(&slope);
+    squares -= slope.dot(&rest);
     let mut found: Vec<Explanation> = Vec::new();
     let mut add = |cause: Cause, gain: f64, columns: usize| {
         let nu = left - columns as f64;
@@ -175,9 +176,8 @@ pub fn explanations(estimator: &Estimator, fit: &Fit) -> Vec<Explanation> {
         let columns = (0..quantity.nominal.size()).filter(of).filter_map(|component| all.place(q, component));
         Candidate { cause: Cause::Quantity(q), columns: columns.collect() }
     });
-    let Some(factor) = information.cholesky() else { return Vec::new() };
     for candidate in known.chain(extra) {
-        let (gain, columns) = gain_of(&total, &places, &factor, &candidate.columns);
+        let (gain, columns) = gain_of(&total, (&places, &rest), &factor, &candidate.columns);
         add(candidate.cause, gain, columns);
     }
     found.extend(dead_encoders(estimator, fit, &seen));
@@ -188,7 +188,7 @@ pub fn explanations(estimator: &Estimator, fit: &Fit) -> Vec<Explanation> {
 /// What columns take off the sum of squares, and how many of them say anything of their own.
 fn gain_of(
     total: &Linearization,
-    fitted: &[usize],
+    (fitted, rest): (&[usize], &DVector<f64>),
     factor: &nalgebra::Cholesky<f64, nalgebra::Dyn>,
     columns: &[usize],
 ) -> (f64, usize) {
@@ -198,8 +198,8 @@ fn gain_of(
         DMatrix::from_fn(columns.len(), columns.len(), |i, j| total.hessian[(columns[i], columns[j])]);
     let whole = left.diagonal();
     left -= across.tr_mul(&solved);
-    // At a minimum what was fitted has no slope left.
     let mut slope = DVector::from_fn(columns.len(), |i, _| total.gradient[columns[i]]);
+    slope -= across.tr_mul(rest);
     let (mut gain, mut count) = (0.0, 0);
     for k in 0..columns.len() {
         if left[(k, k)] <= OWN * whole[k] || whole[k] == 0.0 {
@@ -374,18 +374,32 @@ pub fn best_explanation(
         chosen.extend(turned.into_iter().take(2 * most).map(|dof| other(Cause::Reversed(dof))));
         chosen.push(other(Cause::Convention));
     }
+    // Few touches show as well which is the likeliest.
+    let step = estimator.touches().len().div_ceil(REFITTED).max(1);
+    let touches: Vec<Touch> = estimator.touches().iter().step_by(step).cloned().collect();
+    let fewer = Estimator::new(robot, &touches, estimator.options());
+    let noise = fewer.noise_at(&fit.values, fit.noise.joint);
+    let of_fewer = (step > 1).then(|| fewer.settled(fit.values.clone(), noise, fit.noise.false_share > 0.0));
+    let (estimator, fit) = match &of_fewer {
+        Some(of_fewer) => (&fewer, of_fewer),
+        None => (estimator, fit),
+    };
     let still = still_encoders(estimator, fit);
     chosen.retain(|found| !still.iter().any(|dof| found.cause == Cause::Dead(*dof)));
     chosen.extend(still.iter().take(most).map(|dof| other(Cause::Dead(*dof))));
-    let fitted = chosen.into_par_iter().filter_map(|found| fitted(estimator, fit, found));
     let equations = fit.redundancy().equations;
-    let counted = fitted.map(|found| match found.cause {
-        Cause::Dead(dof) if found.evidence > 0.0 && still.contains(&dof) => {
-            Explanation { evidence: found.evidence + STILL_COUNTS * equations, ..found }
-        }
-        _ => found,
+    let fitted = chosen.into_par_iter().filter_map(|found| {
+        let of_fewer = match found.cause {
+            Cause::Slipped(q, from) => Explanation { cause: Cause::Slipped(q, from / step), ..found },
+            _ => found,
+        };
+        let fitted = fitted(estimator, fit, of_fewer)?;
+        let counts = matches!(found.cause, Cause::Dead(dof) if fitted.evidence > 0.0 && still.contains(&dof));
+        let still = if counts { STILL_COUNTS * equations } else { 0.0 };
+        let all = if found.cause.is_fitted(robot) { step as f64 } else { 1.0 };
+        Some(Explanation { cause: found.cause, evidence: all * (fitted.evidence + still), ..fitted })
     });
-    counted.collect::<Vec<_>>().into_iter().max_by(|a, b| a.evidence.total_cmp(&b.evidence))
+    fitted.collect::<Vec<_>>().into_iter().max_by(|a, b| a.evidence.total_cmp(&b.evidence))
 }
 
 /// What a cause explains when it is fitted: itself where it has no fit of its own.

@@ -16,7 +16,7 @@ use super::causes::{Cause, Explanation, best_explanation, explanations, still_en
 use super::estimate::{Estimator, Fit, SeenTouch};
 use super::noise::{Noise, Seen, taken_up};
 use super::repeats::postures;
-use super::robot::{Element, Knowledge, Unit, Value};
+use super::robot::{Element, Unit, Value};
 use super::touch::{Feature, Touch};
 
 /// The share of touches that an interval should hold, …
@@ -37,7 +37,7 @@ const EXPLAINED: f64 = 0.5;
 /// … what is less than this share may be a small pattern, …
 const PATTERN: f64 = 0.05;
 /// … of what is more one cause is believed that explains this share of its mean square, …
-const WHOLE: f64 = 0.95;
+const WHOLE: f64 = 0.9;
 /// … and no more of them are false.
 const MOST_FALSE: f64 = 0.4;
 /// Noise is contradicted where so many times what is said is left.
@@ -159,6 +159,8 @@ pub enum Question {
     Signs,
     /// Whether as much is left as the log says.
     Noise,
+    /// Whether what is nearly known is where it is said to be.
+    Prior,
     /// Whether the body is as large as it was.
     Scale,
     /// Whether what is left is noise, or goes with something.
@@ -226,19 +228,23 @@ pub fn objections(estimator: &Estimator, fit: &Fit, judged: &[Judgement]) -> Vec
         causes.sort_by(|a, b| b.evidence.total_cmp(&a.evidence));
     }
     let suspected = causes.iter().any(|cause| cause.stands_out() || matches!(cause.cause, Cause::Dead(_)));
-    let unexplained = |objection: &Objection| objection.question != Question::Noise;
     if !found.is_empty() || suspected {
+        let is =
+            |questions: &[Question]| found.iter().any(|objection| questions.contains(&objection.question));
+        let far_off =
+            is(&[Question::Control, Question::Outliers, Question::Signs, Question::Scale, Question::HeldOut]);
         let near = apart_at_random(estimator, fit)
             .is_none_or(|random| Misses::of(&fit.honest()).rms < PATTERN * random.rms);
-        let afar = !near || found.iter().any(unexplained);
-        // Far off, anything explains a little: what is the matter explains the most of it.
-        let whole = |best: &Explanation| best.stands_out() && (!afar || best.share > WHOLE);
-        let best = best_explanation(estimator, fit, &causes, afar).filter(whole);
+        let best =
+            best_explanation(estimator, fit, &causes, far_off || !near).filter(Explanation::stands_out);
         let still = still_encoders(estimator, fit);
         match best {
-            Some(best) => found.push(pattern(estimator, fit, &best)),
-            None if afar && !still.is_empty() => found.push(unmoved(estimator, fit, &still)),
-            None => {}
+            // Far off, anything explains a little: what is the matter explains the most of it.
+            Some(best) if best.share > WHOLE || !(far_off || is(&[Question::Prior])) => {
+                found.push(pattern(estimator, fit, &best))
+            }
+            _ if far_off && !still.is_empty() => found.push(unmoved(estimator, fit, &still)),
+            _ => {}
         }
     }
     found
@@ -272,8 +278,27 @@ fn doubts(estimator: &Estimator, fit: &Fit) -> Vec<Objection> {
         found.push(objection(Question::Signs, None, [starts.agreeing as f64, starts.all as f64], sentence));
     }
     found.extend(understated(estimator, fit));
+    found.extend(contradicted(estimator, fit));
     found.extend(shrunk(estimator, fit));
     found
+}
+
+/// The quantity that is farthest from where it was said to be, in units of how far the touches may have moved it.
+fn contradicted(estimator: &Estimator, fit: &Fit) -> Option<Objection> {
+    let (robot, unknowns) = (estimator.robot, &estimator.unknowns);
+    let far = |place: usize| unknowns.pulled(robot, fit, place).map(|pulled| (place, pulled.sqrt()));
+    let worst = (0..unknowns.len()).filter_map(far).max_by(|a, b| a.1.total_cmp(&b.1));
+    let (place, off) = worst.filter(|(_, off)| *off > SURE)?;
+    let (q, component) = unknowns.parameters[place];
+    let name = robot.quantities[q].component_name(component);
+    let (factor, unit) = robot.quantities[q].unit.for_readers();
+    let said = factor * unknowns.deviation_before(place).unwrap_or(0.0);
+    let sentence = format!(
+        "the touches contradict the prior of {name} ({} {unit}): they put it {} deviations away; give it a wider prior, or free it",
+        number(said),
+        number(off)
+    );
+    Some(objection(Question::Prior, Some(name), [off, SURE], sentence))
 }
 
 /// Whether there are too few rows, for all numbers together or for one of them.
@@ -340,7 +365,7 @@ fn understated(estimator: &Estimator, fit: &Fit) -> Option<Objection> {
     let beyond = (squares - spare) / (2.0 * spare).sqrt();
     (spare > 1.0 && beyond > SURE && squares > UNDERSTATED.powi(2) * spare).then(|| {
         let sentence = format!(
-            "the log's a_std and b_std say {} mm for each coordinate, and {} mm are left",
+            "a_std and b_std together state {} mm for each coordinate, and {} mm are left",
             mm(said),
             mm(rms)
         );
@@ -351,14 +376,21 @@ fn understated(estimator: &Estimator, fit: &Fit) -> Option<Objection> {
 /// Whether the body became much smaller: touches of a small body are all near each other.
 fn shrunk(estimator: &Estimator, fit: &Fit) -> Option<Objection> {
     let robot = estimator.robot;
-    // Of what carries something: where a place or a mount is has no size.
+    // Of what carries a joint: where a place or a mount is has no size.
+    let mut carries = vec![false; robot.links.len()];
+    for (link, about) in robot.links.iter().enumerate().rev() {
+        carries[link] |= about.elements.iter().any(|element| matches!(element, Element::Dof(_)));
+        let own = carries[link];
+        carries[about.parent] |= own;
+    }
     let lengths = |values: &[Value]| -> f64 {
         let of = |element: &Element| match *element {
             Element::Shift(q) if robot.quantities[q].is_open() => values[q].vector().norm_squared(),
             Element::ShiftAlong(_, q) if robot.quantities[q].is_open() => values[q].number().powi(2),
             _ => 0.0,
         };
-        robot.links.iter().flat_map(|link| &link.elements).map(of).sum::<f64>().sqrt()
+        let own = robot.links.iter().zip(&carries).filter(|(_, carries)| **carries);
+        own.flat_map(|(link, _)| &link.elements).map(of).sum::<f64>().sqrt()
     };
     let (after, before) = (lengths(&fit.values), lengths(&robot.nominal()));
     (after < SHRUNK * before).then(|| {
@@ -391,67 +423,46 @@ fn pattern(estimator: &Estimator, fit: &Fit, best: &Explanation) -> Objection {
     let robot = estimator.robot;
     let left = Misses::of(&fit.honest()).rms;
     let with = left * (1.0 - best.share).max(0.0).sqrt();
-    let lower = format!("{} mm are left, and about {} mm", mm(left), mm(with));
+    let lower = format!("the contact residual from {} to about {} mm", mm(left), mm(with));
     let dof = |dof: usize| robot.dofs[dof].name.clone();
+    let quantity = |q: usize| robot.quantities[q].name.clone();
     let (about, sentence) = match best.cause {
         Cause::Quantity(q) => {
-            let name = robot.quantities[q].name.clone();
-            let near = robot.quantities[q].knowledge.iter().find_map(|knowledge| match knowledge {
-                Knowledge::Near(deviation) => Some(deviation),
-                _ => None,
-            });
-            let said = match near {
-                Some(deviation) => {
-                    let (factor, unit) = robot.quantities[q].unit.for_readers();
-                    format!("to be known to {} {unit}", number(factor * deviation))
-                }
-                None => "to be as it is".into(),
-            };
-            (
-                name.clone(),
-                format!(
-                    "{name}, which is said {said}, speaks against the touches: {lower} with it free (--free {name})"
-                ),
-            )
+            let name = quantity(q);
+            let sentence = format!("freeing {name} reduces {lower} (--free {name})");
+            (name, sentence)
         }
         Cause::Reversed(d) => {
             let name = format!("{}.sign", dof(d));
-            (
-                name.clone(),
-                format!("the encoder of {} counts the other way: {lower} with {name} reversed", dof(d)),
-            )
+            let sentence =
+                format!("the encoder of {} counts the other way: reversing {name} reduces {lower}", dof(d));
+            (name, sentence)
         }
-        Cause::Dead(d) => (
-            dof(d),
-            format!(
-                "the encoder of {} does not follow its joint{}: {lower} without what it reads",
-                dof(d),
-                still(estimator, fit, d)
-            ),
-        ),
-        Cause::Curved(d) => (
-            dof(d),
-            format!(
-                "what is left goes with the angle of {}: {lower} where its encoder is no straight line",
+        Cause::Dead(d) => {
+            let read = still(estimator, fit, d);
+            let sentence = format!("the encoder of {} does not follow its joint{read}", dof(d));
+            (dof(d), sentence)
+        }
+        Cause::Curved(d) => {
+            let sentence = format!(
+                "the contact residual depends on the angle of {}: an encoder that is no straight line reduces {lower}",
                 dof(d)
-            ),
-        ),
-        Cause::Slipped(q, from) => {
-            let name = robot.quantities[q].name.clone();
-            let line = estimator.touches()[from].line;
-            (
-                name.clone(),
-                format!(
-                    "{name} changed in the course of the log, about line {line}: {lower} with it another from there on"
-                ),
-            )
+            );
+            (dof(d), sentence)
         }
-        Cause::Convention => (
-            "convention".into(),
-            format!(
-                "the table is of the other convention of Denavit and Hartenberg's: {lower} with that (column convention)"
-            ),
-        ),
+        Cause::Slipped(q, from) => {
+            let (name, line) = (quantity(q), estimator.touches()[from].line);
+            let sentence = format!(
+                "{name} changed in the course of the log: another value from about line {line} on reduces {lower}"
+            );
+            (name, sentence)
+        }
+        Cause::Convention => {
+            let sentence = format!(
+                "the table is of the other Denavit-Hartenberg convention: reading it so reduces {lower} (column convention)"
+            );
+            ("convention".into(), sentence)
+        }
     };
     objection(Question::Pattern, Some(about), [left, with], sentence)
 }
