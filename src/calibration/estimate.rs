@@ -3,7 +3,7 @@
 use nalgebra::DMatrix;
 
 use super::noise::{Groups, Noise, NoiseSource, Seen};
-use super::problem::{Problem, Weighing, information};
+use super::problem::{Problem, Weighing, hold, information};
 use super::robot::{Robot, Value};
 use super::signs::SignStarts;
 use super::told::Told;
@@ -71,6 +71,8 @@ pub struct Estimator<'a> {
     sources: Vec<Vec<NoiseSource>>,
     groups: Groups<Kind>,
     options: EstimatorOptions,
+    /// Places of parameters that stay as they are: the touches determine them only together with others.
+    held: Vec<usize>,
 }
 
 /// What was found.
@@ -110,7 +112,14 @@ impl<'a> Estimator<'a> {
         let kinds: Vec<Kind> = touches.iter().flat_map(|touch| kinds_of(touch, robot)).collect();
         let groups = Groups::of(&kinds);
         let sources = sources_of(robot, &groups, touches);
-        Estimator { robot, unknowns: Unknowns::of(robot), touches, sources, groups, options }
+        let unknowns = Unknowns::of(robot);
+        let mut estimator =
+            Estimator { robot, unknowns, touches, sources, groups, options, held: Vec::new() };
+        // What the touches do not determine stays at the maker's value.
+        let noise = estimator.noise(1.0, 0.0);
+        let seen = estimator.seen(&robot.nominal(), &noise);
+        estimator.held = Told::by(&estimator.information(&seen, &noise, true)).dependent;
+        estimator
     }
 
     /// Other touches as they are seen at some values, with the noise of these.
@@ -118,6 +127,12 @@ impl<'a> Estimator<'a> {
         let sources = sources_of(self.robot, &self.groups, touches);
         let weighing = Weighing::ByNoise;
         Problem::new(self.robot, &self.unknowns, touches, &sources, noise.clone(), weighing).seen(values)
+    }
+
+    /// What there is at other values of the same touches, by all of a robot's parameters that `unknowns` has.
+    pub(super) fn seen_by(&self, robot: &Robot, unknowns: &Unknowns, fit: &Fit) -> Vec<SeenTouch> {
+        let (noise, weighing) = (fit.noise.clone(), Weighing::ByNoise);
+        Problem::new(robot, unknowns, self.touches, &self.sources, noise, weighing).seen(&fit.values)
     }
 
     /// Noise of one deviation in all touches, metres, and of encoders, radians.
@@ -135,13 +150,16 @@ impl<'a> Estimator<'a> {
         self.touches
     }
 
-    fn problem(&self, noise: Noise, weighing: Weighing) -> Problem<'_> {
-        Problem::new(self.robot, &self.unknowns, self.touches, &self.sources, noise, weighing)
+    fn problem(&self, noise: Noise, weighing: Weighing, held: &[usize]) -> Problem<'_> {
+        let mut problem =
+            Problem::new(self.robot, &self.unknowns, self.touches, &self.sources, noise, weighing);
+        problem.held = held.to_vec();
+        problem
     }
 
     /// What the touches look like at some values, in some noise.
     pub fn seen(&self, values: &[Value], noise: &Noise) -> Vec<SeenTouch> {
-        self.problem(noise.clone(), Weighing::ByNoise).seen(values)
+        self.problem(noise.clone(), Weighing::ByNoise, &[]).seen(values)
     }
 
     /// Deviations by the medians of what is left, group by group.
@@ -173,20 +191,24 @@ impl<'a> Estimator<'a> {
             if settled {
                 break;
             }
-            let mut problem = self.problem(noise.clone(), Weighing::FromAfar);
+            let mut problem = self.problem(noise.clone(), Weighing::FromAfar, &self.held);
             let stopping = Stopping { iterations: ITERATIONS, relative_cost: 1e-3, ..Stopping::default() };
             values = self.canonical(levenberg_marquardt(&mut problem, values, stopping).state);
         }
         (values, noise)
     }
 
-    /// Fits from where the search begins: the nominal values.
+    /// Fits from where the search begins: the nominal values. The sign of an encoder is another than the nominal one only if the
+    /// touches demand it.
     pub fn fit(&self) -> Fit {
-        let start = self.robot.nominal();
+        let fit = self.fit_from(self.robot.nominal());
         if self.open_signs().is_empty() {
-            return self.fit_from(start);
+            return fit;
         }
-        let (start, starts) = self.with_likely_signs(start);
+        if fit.explains(self) {
+            return self.with_best_signs(fit);
+        }
+        let (start, starts) = self.with_likely_signs(self.robot.nominal());
         self.with_best_signs(Fit { sign_starts: Some(starts), ..self.fit_from(start) })
     }
 
@@ -203,11 +225,24 @@ impl<'a> Estimator<'a> {
         }
         let some = self.settled(values, noise, true);
         let sharper = some.typical_deviation() < FALSE_SHARE_OF_NOISE * all.typical_deviation();
-        if sharper && some.cost < all.cost - FALSE_GAIN { some } else { all }
+        // Whoever takes enough of them for false explains the rest.
+        let enough = some.redundancy().spare() >= 0.0;
+        if sharper && enough && some.cost < all.cost - FALSE_GAIN { some } else { all }
+    }
+
+    /// A fit again, with every touch taken for honest.
+    pub(super) fn with_all_honest(&self, fit: &Fit) -> Fit {
+        self.settled(fit.values.clone(), self.noise_at(&fit.values, fit.noise.joint), false)
+    }
+
+    /// As much noise as there seems to be at some values, and so much of encoders.
+    pub(super) fn noise_at(&self, values: &[Value], joint: f64) -> Noise {
+        let noise = self.noise(1.0, joint);
+        self.typical(&self.seen(values, &noise), &noise)
     }
 
     /// Values and noise in turn, until neither changes.
-    fn settled(&self, mut values: Vec<Value>, mut noise: Noise, with_false: bool) -> Fit {
+    pub(super) fn settled(&self, mut values: Vec<Value>, mut noise: Noise, with_false: bool) -> Fit {
         let with_joints = self.options.joint_noise == JointNoise::Estimated;
         if let JointNoise::Given(deviation) = self.options.joint_noise {
             noise.joint = deviation;
@@ -217,30 +252,65 @@ impl<'a> Estimator<'a> {
             noise.false_share = 0.1;
             noise.widen(&only(&seen));
         }
-        let mut cost = f64::INFINITY;
-        for _ in 0..ROUNDS {
-            let mut problem = self.problem(noise.clone(), Weighing::ByNoise);
-            let stopping = Stopping { iterations: ITERATIONS, relative_cost: 1e-9, ..Stopping::default() };
-            values = self.canonical(levenberg_marquardt(&mut problem, values, stopping).state);
-            let seen = self.seen(&values, &noise);
-            let told = Told::by(&self.information(&seen, &noise, true));
-            noise = noise.estimated(&only(&seen), &told.covariance, with_joints, with_false);
-            let now = self.cost_of(&self.seen(&values, &noise), &values, &noise);
-            let settled = (cost - now).abs() < SETTLED;
-            cost = now;
-            if settled || !now.is_finite() {
+        let mut held = self.held.clone();
+        let nominal = self.robot.nominal();
+        loop {
+            let mut cost = f64::INFINITY;
+            for _ in 0..ROUNDS {
+                let mut problem = self.problem(noise.clone(), Weighing::ByNoise, &held);
+                let stopping =
+                    Stopping { iterations: ITERATIONS, relative_cost: 1e-9, ..Stopping::default() };
+                values = self.canonical(levenberg_marquardt(&mut problem, values, stopping).state);
+                let seen = self.seen(&values, &noise);
+                let told = Told::by(&self.information(&seen, &noise, true));
+                noise = noise.estimated(&only(&seen), &told.covariance, with_joints, with_false);
+                let now = self.cost_of(&self.seen(&values, &noise), &values, &noise);
+                let settled = (cost - now).abs() < SETTLED;
+                cost = now;
+                if settled || !now.is_finite() {
+                    break;
+                }
+            }
+            // What the touches determine less well than it was known before goes back to where it was.
+            let vague = self.vague(&values, &noise, &held);
+            if vague.is_empty() {
                 break;
             }
+            for place in &vague {
+                let (q, component) = self.unknowns.parameters[*place];
+                values[q] = values[q].with_component_of(&nominal[q], component);
+            }
+            held.extend(vague);
         }
         let seen = self.seen(&values, &noise);
-        let told = Told::by(&self.information(&seen, &noise, true));
+        let mut told = Told::by(&self.information(&seen, &noise, true));
+        let alone = held
+            .into_iter()
+            .filter(|place| told.is_told(*place))
+            .map(|place| vec![place])
+            .collect::<Vec<_>>();
+        told.ties.extend(alone);
         let cost = self.cost_of(&seen, &values, &noise);
         Fit { values, noise, cost, told, seen, sign_starts: None, untold_signs: Vec::new() }
     }
 
+    /// Parameters beside those that are held of which the touches say less than that they are near the maker's value.
+    fn vague(&self, values: &[Value], noise: &Noise, held: &[usize]) -> Vec<usize> {
+        let seen = self.seen(values, noise);
+        let mut information = self.information(&seen, noise, true);
+        hold(&mut information, held);
+        let told = Told::by(&information);
+        let beyond = |place: &usize| {
+            let known = self.unknowns.deviation_before(*place).is_some() || held.contains(place);
+            let open = self.unknowns.open_deviation(self.robot, *place);
+            !known && (told.dependent.contains(place) || told.covariance[(*place, *place)] > open * open)
+        };
+        (0..self.unknowns.len()).filter(beyond).collect()
+    }
+
     /// Values fitted from others in noise that stays as it is, and `−log` of how likely they and the touches are.
     pub(super) fn refitted(&self, start: Vec<Value>, noise: &Noise) -> (Vec<Value>, f64) {
-        let mut problem = self.problem(noise.clone(), Weighing::ByNoise);
+        let mut problem = self.problem(noise.clone(), Weighing::ByNoise, &self.held);
         let stopping = Stopping { iterations: ITERATIONS, relative_cost: 1e-6, ..Stopping::default() };
         let values = self.canonical(levenberg_marquardt(&mut problem, start, stopping).state);
         let cost = self.cost_of(&self.seen(&values, noise), &values, noise);
@@ -272,14 +342,15 @@ type Kind = (usize, usize, bool);
 /// A touch, an index, which of its ends met, and what is left.
 pub type SeenTouch = (usize, [usize; 2], Seen);
 
-fn kind_of([a, b]: [&End; 2], robot: &Robot) -> Kind {
+fn kind_of(touch: &Touch, [a, b]: [&End; 2], robot: &Robot) -> Kind {
     let (a_link, b_link) = (a.feature.link(robot), b.feature.link(robot));
-    (a_link.min(b_link), a_link.max(b_link), is_point(&a.feature) && is_point(&b.feature))
+    let meet = is_point(&a.feature) && is_point(&b.feature) && touch.distance == 0.0;
+    (a_link.min(b_link), a_link.max(b_link), meet)
 }
 
 /// The kinds of all pairs of a touch's ends.
 fn kinds_of(touch: &Touch, robot: &Robot) -> Vec<Kind> {
-    pairs(touch).map(|ends| kind_of(ends, robot)).collect()
+    pairs(touch).map(|ends| kind_of(touch, ends, robot)).collect()
 }
 
 fn pairs(touch: &Touch) -> impl Iterator<Item = [&End; 2]> {
@@ -287,17 +358,12 @@ fn pairs(touch: &Touch) -> impl Iterator<Item = [&End; 2]> {
 }
 
 fn sources_of(robot: &Robot, groups: &Groups<Kind>, touches: &[Touch]) -> Vec<Vec<NoiseSource>> {
-    let of_pair = |ends: [&End; 2]| {
-        let variance: f64 =
-            ends.iter().filter_map(|end| end.deviation).map(|deviation| deviation.powi(2)).sum();
-        // Surfaces are as they are; where a point is felt and nothing is said of how exactly, or nothing at all is said, the
-        // touches tell.
-        let unsaid = |end: &&&End| end.deviation.is_none();
-        let estimated = ends.iter().filter(unsaid).any(|end| is_point(&end.feature))
-            || ends.iter().filter(unsaid).count() == 2;
-        NoiseSource { group: groups.group(&kind_of(ends, robot)), given: variance, estimated }
+    // Deviations that were given are what noise there is at the least: what more there is, the touches show.
+    let of_pair = |touch: &Touch, ends: [&End; 2]| {
+        let given = ends.iter().filter_map(|end| end.deviation).map(|deviation| deviation.powi(2)).sum();
+        NoiseSource { group: groups.group(&kind_of(touch, ends, robot)), given }
     };
-    touches.iter().map(|touch| pairs(touch).map(of_pair).collect()).collect()
+    touches.iter().map(|touch| pairs(touch).map(|ends| of_pair(touch, ends)).collect()).collect()
 }
 
 fn is_point(feature: &Feature) -> bool {

@@ -9,13 +9,16 @@
 //! Where [`learning`](crate::learning) begins from nothing, this begins from nominal values, and knows more kinds of what may
 //! be wrong: see [`robot`].
 
+mod causes;
 mod estimate;
 mod judgement;
+pub mod made;
 mod noise;
 mod pairing;
 mod places;
 mod plan;
 mod problem;
+mod repeats;
 pub mod robot;
 mod signs;
 pub mod simulated;
@@ -24,10 +27,13 @@ mod touch;
 mod unknowns;
 
 pub use estimate::{Estimator, EstimatorOptions, FalseTouches, Fit, JointNoise, SeenTouch};
-pub use judgement::{Judgement, Misses, apart_at_random, folds, judge, split};
+pub use judgement::{
+    FEWEST_HELD_OUT, Judgement, Misses, Objection, Question, folds, judge, objections, split,
+};
 pub use noise::{Noise, NoiseSource, Seen};
 pub use places::{add_places, put_on_places};
 pub use plan::{Plan, Planned, plan};
+pub use repeats::{SAME_POINT, SAME_POSTURE, drop_repeats, first_alike};
 pub use signs::SignStarts;
 pub use told::{Told, Untold};
 pub use touch::{End, Feature, Residuals, Touch};

@@ -6,7 +6,7 @@
 //! r ~ N(0, σ² I + σ_q² ∂r/∂q ∂r/∂qᵀ)  with probability 1 − ε,  else uniform in a ball (an interval) as wide as misses get
 //! ```
 //!
-//! where σ is given with the touch, or estimated for its pair of links. The deviations are of greatest restricted likelihood
+//! where σ² is what is given with the touch and what more its pair of links shows. The deviations are of greatest restricted likelihood
 //! by steps that cannot overshoot (Zhou, Hu, Zhou and Lange, "MM Algorithms for Variance Components Models", 2019). A pair's
 //! deviation is held to those of the others as if it had been seen a few times more at their mean (Smyth, "Linear Models and
 //! Empirical Bayes Methods", 2004): few touches that the parameters can fit exactly would come out as exact.
@@ -35,6 +35,17 @@ pub struct Noise {
     pub false_share: f64,
     /// Per group how far false touches may miss, metres.
     pub widths: Vec<f64>,
+    /// An encoder that says nothing of its joint, where one is taken to be.
+    pub dead: Option<DeadEncoder>,
+}
+
+/// An encoder that does not follow its joint.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DeadEncoder {
+    /// The degree of freedom.
+    pub dof: usize,
+    /// How far off the joint is from what is read, a standard deviation, radians or metres.
+    pub deviation: f64,
 }
 
 /// Which group a residual is of, and what is known of its noise.
@@ -44,8 +55,6 @@ pub struct NoiseSource {
     pub group: usize,
     /// The variance that was given with its ends, m².
     pub given: f64,
-    /// How many of its ends came without: the group's variance counts once where there are any.
-    pub estimated: bool,
 }
 
 /// A residual at the present values, with what its noise depends on.
@@ -60,17 +69,26 @@ pub struct Seen {
 impl Noise {
     /// So many groups of the same noise.
     pub fn alike(groups: usize, deviation: f64) -> Noise {
-        Noise { groups: vec![deviation; groups], joint: 0.0, false_share: 0.0, widths: vec![1.0; groups] }
+        Noise {
+            groups: vec![deviation; groups],
+            joint: 0.0,
+            false_share: 0.0,
+            widths: vec![1.0; groups],
+            dead: None,
+        }
     }
 
     /// The covariance of a residual, the unit beyond its size.
     pub fn covariance(&self, seen: &Seen) -> Matrix3<f64> {
-        let group = if seen.source.estimated { self.groups[seen.source.group].powi(2) } else { 0.0 };
-        let variance = (seen.source.given + group).max(FINEST * FINEST);
+        let variance = (seen.source.given + self.groups[seen.source.group].powi(2)).max(FINEST * FINEST);
         let mut covariance = Matrix3::identity();
         (0..seen.residuals.size).for_each(|i| covariance[(i, i)] = variance);
         if self.joint > 0.0 {
             covariance += joint_part(seen) * self.joint.powi(2);
+        }
+        if let Some(DeadEncoder { dof, deviation }) = self.dead {
+            let slope = along(seen, dof) * deviation;
+            covariance += slope * slope.transpose();
         }
         covariance
     }
@@ -149,11 +167,9 @@ impl Noise {
                     sums[0] += honesty * (pulled * part).trace();
                     sums[1] += honesty * (inverse * part).trace();
                 };
-                if seen.source.estimated {
-                    add(&mut sums[seen.source.group], &ones);
-                    let own = ((inverse - inverse * taken_up * inverse) * ones).trace();
-                    left[seen.source.group] += honesty * noise.groups[seen.source.group].powi(2) * own;
-                }
+                add(&mut sums[seen.source.group], &ones);
+                let own = ((inverse - inverse * taken_up * inverse) * ones).trace();
+                left[seen.source.group] += honesty * noise.groups[seen.source.group].powi(2) * own;
                 if with_joints {
                     add(&mut joints, &joint_part(seen));
                 }
@@ -209,6 +225,11 @@ fn mean_of_many(deviations: &[f64], left: &[f64]) -> Option<f64> {
     let logarithms: f64 =
         deviations.iter().zip(weights).map(|(deviation, weight)| weight * deviation.ln()).sum();
     (all > 1.0).then(|| (logarithms / all).exp())
+}
+
+/// A residual's derivative by a degree of freedom as it is; both sides may move with it.
+pub fn along(seen: &Seen, dof: usize) -> Vector3<f64> {
+    seen.residuals.by_dof.iter().filter(|(other, _)| *other == dof).map(|(_, slope)| slope).sum()
 }
 
 /// `∂r/∂q ∂r/∂qᵀ`.

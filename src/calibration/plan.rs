@@ -19,12 +19,8 @@ use rayon::prelude::*;
 use super::estimate::Estimator;
 use super::noise::{Noise, Seen, taken_up};
 use super::problem::information;
-use super::robot::{Unit, Value};
+use super::robot::Value;
 
-/// How far what is free may be off: enough to say where to begin.
-const OPEN_POSITION: f64 = 0.1;
-const OPEN_ANGLE: f64 = 0.5;
-const OPEN_RATIO: f64 = 0.2;
 /// Rounds of exchanges at the most.
 const ROUNDS: usize = 5;
 /// Which share of the mean square an exchange must take off.
@@ -259,12 +255,7 @@ fn before(estimator: &Estimator) -> DMatrix<f64> {
     let unknowns = &estimator.unknowns;
     let n = unknowns.len();
     let open = |place: usize| {
-        let (quantity, _) = unknowns.parameters[place];
-        unknowns.deviation_before(place).unwrap_or(match estimator.robot.quantities[quantity].unit {
-            Unit::Metre => OPEN_POSITION,
-            Unit::Radian => OPEN_ANGLE,
-            Unit::One | Unit::Compliance => OPEN_RATIO,
-        })
+        unknowns.deviation_before(place).unwrap_or(unknowns.open_deviation(estimator.robot, place))
     };
     DMatrix::from_fn(n, n, |i, j| if i == j { open(i).powi(2) } else { 0.0 })
 }

@@ -30,6 +30,8 @@ pub struct Problem<'a> {
     pub noise: Noise,
     /// How residuals count.
     pub weighing: Weighing,
+    /// Places of parameters that stay as they are.
+    pub held: Vec<usize>,
     /// What the last linearization fixed.
     fixed: Vec<Fixed>,
 }
@@ -52,7 +54,7 @@ impl<'a> Problem<'a> {
         noise: Noise,
         weighing: Weighing,
     ) -> Problem<'a> {
-        Problem { robot, unknowns, touches, sources, noise, weighing, fixed: Vec::new() }
+        Problem { robot, unknowns, touches, sources, noise, weighing, held: Vec::new(), fixed: Vec::new() }
     }
 
     /// The residuals at values of the robot's quantities, with their slopes; where it is not known who met whom, of those that
@@ -96,8 +98,7 @@ impl<'a> Problem<'a> {
 
     /// The deviation of a residual without what noisy encoders add.
     fn deviation(&self, source: NoiseSource) -> f64 {
-        let group = if source.estimated { self.noise.groups[source.group].powi(2) } else { 0.0 };
-        (source.given + group).sqrt().max(1e-10)
+        (source.given + self.noise.groups[source.group].powi(2)).sqrt().max(1e-10)
     }
 
     /// How a residual is weighed.
@@ -136,6 +137,10 @@ impl LeastSquares for Problem<'_> {
         }
         total.scale = total.hessian.diagonal();
         self.unknowns.add_prior(self.robot, values, &mut total);
+        hold(&mut total.hessian, &self.held);
+        for place in &self.held {
+            (total.gradient[*place], total.scale[*place]) = (0.0, 1.0);
+        }
         total
     }
 
@@ -155,7 +160,7 @@ impl LeastSquares for Problem<'_> {
 }
 
 /// Adds a residual to normal equations, of which the lower triangle is kept.
-fn add_to(
+pub(super) fn add_to(
     total: &mut Linearization,
     slopes: &[(usize, Vector3<f64>)],
     value: &Vector3<f64>,
@@ -169,6 +174,15 @@ fn add_to(
                 total.hessian[(*i, *j)] += weighed.dot(b);
             }
         }
+    }
+}
+
+/// Takes parameters out of normal equations: they stay as they are.
+pub(super) fn hold(matrix: &mut DMatrix<f64>, held: &[usize]) {
+    for place in held {
+        matrix.row_mut(*place).fill(0.0);
+        matrix.column_mut(*place).fill(0.0);
+        matrix[(*place, *place)] = 1.0;
     }
 }
 

@@ -176,19 +176,28 @@ impl Estimator<'_> {
                 let other = other_signs(&fit.values, &[*sign]);
                 let mut afar = other.clone();
                 self.forget(&mut afar, &[*sign]);
-                let starts = [other, self.approach(afar).0];
+                // The same touches are often explained by the maker's signs and offsets, too.
+                let mut as_made = other.clone();
+                self.forget(&mut as_made, &signs);
+                let starts = [other, self.approach(afar).0, self.approach(as_made).0];
                 let fits = starts.map(|start| self.refitted(start, &fit.noise));
                 let differs = |values: &[Value]| values[*sign] != fit.values[*sign];
                 let best = fits.into_iter().filter(|(values, _)| differs(values));
                 best.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(values, cost)| (*sign, values, cost))
             });
             let exchanged: Vec<(usize, Vec<Value>, f64)> = exchanged.flatten().collect();
-            let best = exchanged.iter().min_by(|a, b| a.2.total_cmp(&b.2));
-            if let Some((_, values, cost)) = best
-                && *cost < fit.cost - AGREE
+            let nominal = self.robot.nominal();
+            let least = |(sign, values, cost): &(usize, Vec<Value>, f64)| {
+                // The touches demand a sign that is not the maker's.
+                let back = values[*sign] == nominal[*sign] && fit.values[*sign] != nominal[*sign];
+                cost - if back { AGREE } else { -TOLD }
+            };
+            let best = exchanged.iter().min_by(|a, b| least(a).total_cmp(&least(b)));
+            if let Some(best @ (sign, values, _)) = best
+                && least(best) < fit.cost
             {
                 let better = self.fit_from(values.clone());
-                if better.cost < fit.cost - AGREE {
+                if least(&(*sign, better.values.clone(), better.cost)) < fit.cost {
                     fit = Fit { sign_starts: fit.sign_starts, ..better };
                     continue;
                 }

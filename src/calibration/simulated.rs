@@ -5,28 +5,13 @@ use nalgebra::Vector3;
 use rand::{Rng, RngExt};
 use rand_distr::{Distribution, StandardNormal};
 
-use super::robot::{Form, NominalJoint, Posed, Robot, Value};
+use super::robot::{Posed, Robot, Value};
 use super::touch::{End, Feature, Touch};
 use crate::agent::Agent;
 use crate::creature::{DofKind, Posture, ball};
 use crate::geometry::Frame;
 use crate::kinematics::limb_frames;
 use crate::schema::BodySchema;
-
-/// The robot of an agent whose joints are where a schema says.
-pub fn robot_of(agent: &Agent, schema: &BodySchema) -> Robot {
-    let creature = agent.creature();
-    let nominal: Vec<NominalJoint> = creature
-        .joints()
-        .iter()
-        .enumerate()
-        .map(|(j, joint)| NominalJoint {
-            position: schema.positions[j],
-            axes: joint.dof_indices().map(|k| schema.axes[k]).collect(),
-        })
-        .collect();
-    Robot::of_creature(creature, &nominal)
-}
 
 /// Touches of an agent, whose joints are where a schema says, as a log of points tells them for a robot with links and degrees
 /// of freedom of the same names. The robot's frames may be others, and its root one that carries the agent's: with all joints
@@ -87,32 +72,8 @@ pub fn point_touches(
             posture,
             ends: [end(&touch.ends[0])?, end(&touch.ends[1])?],
             distance: 0.0,
+            time: None,
         })
-    };
-    touches.iter().enumerate().filter_map(one).collect()
-}
-
-/// Touches of an agent as a log of surfaces tells them: which two met, and no more. Its limbs' surfaces are added to the robot.
-pub fn surface_touches(agent: &Agent, robot: &mut Robot, touches: &[crate::senses::Touch]) -> Vec<Touch> {
-    let limbs = agent.creature().limbs();
-    let surfaces: Vec<usize> = agent
-        .skin()
-        .surfaces
-        .iter()
-        .enumerate()
-        .map(|(k, surface)| {
-            let pose = Frame { rotation: surface.rotation, origin: surface.origin };
-            let link = robot.points_of(&limbs[surface.limb]).unwrap_or(surface.limb);
-            let name = format!("{}/{k}", limbs[surface.limb]);
-            robot.add_surface(&name, link, pose, Form::Solid(surface.shape.clone()))
-        })
-        .collect();
-    let one = |(i, touch): (usize, &crate::senses::Touch)| {
-        let felt = |k: usize| agent.skin().receptors[touch.ends[k].receptor].surface;
-        let end =
-            |surface: usize| vec![End { feature: Feature::Surface(surfaces[surface]), deviation: None }];
-        let [a, b] = [felt(0)?, felt(1)?];
-        Some(Touch { line: i + 1, posture: touch.posture.to_vec(), ends: [end(a), end(b)], distance: 0.0 })
     };
     touches.iter().enumerate().filter_map(one).collect()
 }

@@ -21,6 +21,8 @@ pub struct Told {
     /// Parameters that cannot be told apart: of each way in which all of them change together and nothing is felt of it, the
     /// parameters.
     pub ties: Vec<Vec<usize>>,
+    /// Of every tie a parameter that is as any when the others are as they can be for it.
+    pub dependent: Vec<usize>,
 }
 
 impl Told {
@@ -29,7 +31,8 @@ impl Told {
     pub fn by(information: &DMatrix<f64>) -> Told {
         let n = information.nrows();
         let scale: Vec<f64> = (0..n).map(|i| information[(i, i)].max(0.0).sqrt()).collect();
-        let mut ties: Vec<Vec<usize>> = (0..n).filter(|i| scale[*i] == 0.0).map(|i| vec![i]).collect();
+        let mut dependent: Vec<usize> = (0..n).filter(|i| scale[*i] == 0.0).collect();
+        let mut ties: Vec<Vec<usize>> = dependent.iter().map(|i| vec![*i]).collect();
         let mut order: Vec<usize> = (0..n).filter(|i| scale[*i] > 0.0).collect();
         let m = order.len();
         let mut left = DMatrix::from_fn(m, m, |i, j| {
@@ -67,6 +70,7 @@ impl Told {
             }
             rank += 1;
         }
+        dependent.extend(&order[rank..]);
         let factor = left.view((0, 0), (rank, rank)).lower_triangle();
         let mut covariance = DMatrix::zeros(n, n);
         if let Some(inverse) = factor.solve_lower_triangular(&DMatrix::identity(rank, rank)) {
@@ -85,7 +89,7 @@ impl Told {
                 ties.push(tie);
             }
         }
-        Told { covariance, ties }
+        Told { covariance, ties, dependent }
     }
 
     /// Whether a parameter is told by itself.

@@ -34,9 +34,12 @@ pub struct Touch {
     pub ends: [Vec<End>; 2],
     /// How far apart the two are, metres: 0 where they touched.
     pub distance: f64,
+    /// When, where the log says: in any unit.
+    pub time: Option<f64>,
 }
 
-/// The residuals of one pair of ends and how they change; one where a surface is touched, three where points meet.
+/// The residuals of one pair of ends and how they change; one where a surface is touched or a distance given, three where points
+/// meet.
 #[derive(Clone, Debug, Default)]
 pub struct Residuals {
     /// How many there are: 1 or 3.
@@ -61,8 +64,8 @@ impl Feature {
 
 impl Posed<'_> {
     /// How far two features are from where they would be if they touched; `place` gives a quantity's parameter its place among
-    /// the unknowns. Points that meet leave their difference in the frame of the last link on both ways, of surfaces the gap's
-    /// excess over `distance` is left.
+    /// the unknowns. Points that meet leave their difference in the frame of the last link on both ways; of surfaces, and of points
+    /// at a distance, the gap's excess over `distance` is left.
     pub fn residuals(
         &self,
         [a, b]: [&Feature; 2],
@@ -90,7 +93,7 @@ impl Posed<'_> {
                 },
             );
         }
-        let met = self.meeting([a, b], &frames);
+        let met = self.meeting([a, b], distance, &frames);
         let mut found = Residuals { size: met.size, ..Residuals::default() };
         let along =
             |v: Vector3<f64>| if met.size == 3 { v } else { Vector3::new(met.normal.dot(&v), 0.0, 0.0) };
@@ -114,18 +117,23 @@ impl Posed<'_> {
     pub fn miss(&self, [a, b]: [&Feature; 2], distance: f64) -> (usize, Vector3<f64>) {
         let robot = self.robot();
         let paths = self.paths([a.link(robot), b.link(robot)]);
-        let met = self.meeting([a, b], &[self.frame(&paths[0]), self.frame(&paths[1])]);
+        let met = self.meeting([a, b], distance, &[self.frame(&paths[0]), self.frame(&paths[1])]);
         match met.size {
             3 => (3, met.points[0] - met.points[1]),
             _ => (1, Vector3::new(met.gap - distance, 0.0, 0.0)),
         }
     }
 
-    fn meeting(&self, features: [&Feature; 2], frames: &[Frame; 2]) -> Meeting {
+    fn meeting(&self, features: [&Feature; 2], distance: f64, frames: &[Frame; 2]) -> Meeting {
         let placed = [0, 1].map(|side| self.placed(features[side], &frames[side]));
         match &placed {
             [Placed::Point(p), Placed::Point(q)] => {
-                Meeting { size: 3, points: [*p, *q], normal: Vector3::zeros(), gap: 0.0, radii: [None; 2] }
+                let (points, radii) = ([*p, *q], [None; 2]);
+                let gap = (p - q).norm();
+                // Points at a distance are on a sphere about each other.
+                let normal = (p - q).try_normalize(0.0).unwrap_or(Vector3::z());
+                let size = if distance == 0.0 { 3 } else { 1 };
+                Meeting { size, points, normal, gap, radii }
             }
             [a, b] => {
                 let Gap { distance, normal, points } = gap_between(a, b);

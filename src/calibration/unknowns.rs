@@ -2,8 +2,14 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::robot::{Knowledge, Robot, Value};
+use super::robot::{Knowledge, Robot, Unit, Value};
+use crate::kinematics::tangent_basis;
 use crate::learning::least_squares::Linearization;
+
+/// How far what is free may be off from the maker's value, metres, radians and ratios.
+const OPEN_POSITION: f64 = 0.1;
+const OPEN_ANGLE: f64 = 0.5;
+const OPEN_RATIO: f64 = 0.2;
 
 /// The open parameters of a robot.
 #[derive(Clone, Debug)]
@@ -67,6 +73,33 @@ impl Unknowns {
         of.map(|(_, _, deviation)| *deviation)
     }
 
+    /// How far off its nominal value a nearly known parameter would be without what was said of it, in units of how far touches in
+    /// agreement with that would move it, squared: what is left of what was said, as a row that is left out. `None` of others.
+    pub fn pulled(&self, robot: &Robot, fit: &super::Fit, place: usize) -> Option<f64> {
+        let deviation = self.deviation_before(place)?;
+        let determined = 1.0 - fit.told.covariance[(place, place)] / deviation.powi(2);
+        Some((self.off(robot, &fit.values, place) / deviation).powi(2) / determined.max(1e-9))
+    }
+
+    /// How far a parameter is from its nominal value.
+    pub fn off(&self, robot: &Robot, values: &[Value], place: usize) -> f64 {
+        let (q, component) = self.parameters[place];
+        let difference = values[q].difference(&robot.quantities[q].nominal);
+        match &values[q] {
+            Value::Direction(axis) => tangent_basis(axis).column(component).dot(&difference),
+            _ => difference[component],
+        }
+    }
+
+    /// How far a parameter of which nothing is known may be off.
+    pub fn open_deviation(&self, robot: &Robot, place: usize) -> f64 {
+        match robot.quantities[self.parameters[place].0].unit {
+            Unit::Metre => OPEN_POSITION,
+            Unit::Radian => OPEN_ANGLE,
+            Unit::One | Unit::Compliance => OPEN_RATIO,
+        }
+    }
+
     /// Values after a step of all parameters.
     pub fn step(&self, values: &[Value], step: &DVector<f64>) -> Vec<Value> {
         let mut values = values.to_vec();
@@ -97,14 +130,8 @@ impl Unknowns {
         model.cost += self.prior_cost(robot, values);
         for &(q, component, deviation) in &self.near {
             let Some(at) = self.places[q][component] else { continue };
-            let difference = values[q].difference(&robot.quantities[q].nominal);
             let weight = deviation.powi(-2);
-            let along = match &values[q] {
-                Value::Direction(axis) => {
-                    crate::kinematics::tangent_basis(axis).column(component).dot(&difference)
-                }
-                _ => difference[component],
-            };
+            let along = self.off(robot, values, at);
             model.hessian[(at, at)] += weight;
             model.scale[at] += weight;
             model.gradient[at] += weight * along;

@@ -62,8 +62,8 @@ pub use progress::BabblingProgress;
 pub use read_lock::ReadLock;
 pub use recording::{CreatureFile, Recording, read_creature, read_recording};
 pub use robot::{
-    CalibrationLog, RobotFile, RobotFormat, Written, apply_known, calibration_table, is_mjcf,
-    read_calibration_log, read_robot,
+    CalibrationLog, RobotFile, RobotFormat, Written, add_fixed_places, apply_known, calibration_table,
+    is_mjcf, read_calibration_log, read_robot,
 };
 pub(crate) use robot::{joint_cells, joint_titles, json_of, length, name_of, set_prior};
 pub use schema::{read_schema, read_schema_with_std, write_schema, write_schema_with_std};

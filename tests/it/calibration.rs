@@ -260,7 +260,13 @@ fn meetings(robot: &Robot, values: &[Value], surfaces: [usize; 2], count: usize)
         let within = robot.dofs.iter().zip(&posture).all(|(dof, q)| (dof.range[0]..dof.range[1]).contains(q));
         if gap.abs() < 1e-13 && within {
             let end = |k: usize| vec![End { feature: features[k], deviation: None }];
-            touches.push(Touch { line: touches.len() + 2, posture, ends: [end(0), end(1)], distance: 0.0 });
+            touches.push(Touch {
+                line: touches.len() + 2,
+                posture,
+                ends: [end(0), end(1)],
+                distance: 0.0,
+                time: None,
+            });
         }
     }
     touches
@@ -303,7 +309,7 @@ fn joints_that_give_way_are_found() {
             let posture: Vec<f64> = (0..3).map(|_| rng.random_range(-1.0..1.0)).collect();
             let height = Posed::new(&robot, &truth, &posture).miss([&features[0], &features[1]], 0.0).1.x;
             let end = |k: usize| vec![End { feature: features[k], deviation: None }];
-            Touch { line, posture, ends: [end(0), end(1)], distance: height }
+            Touch { line, posture, ends: [end(0), end(1)], distance: height, time: None }
         })
         .collect();
     let fit = Estimator::new(&robot, &touches, EstimatorOptions::default()).fit();
@@ -362,7 +368,8 @@ fn points_that_recur_are_places() {
     let on_place =
         |end: &End| matches!(end.feature, Feature::Point(link, p) if link >= links && p == Vector3::zeros());
     assert!(all.iter().flat_map(|touch| &touch.ends).flatten().all(on_place));
-    let noise = Noise { groups: vec![1e-3; 8], joint: 0.0, false_share: 0.0, widths: vec![1.0; 8] };
+    let noise =
+        Noise { groups: vec![1e-3; 8], joint: 0.0, false_share: 0.0, widths: vec![1.0; 8], dead: None };
     let seen = Estimator::new(&robot, &all, EstimatorOptions::default()).seen(&robot.nominal(), &noise);
     assert!(seen.iter().all(|(_, _, seen)| seen.residuals.value.norm() < 1e-9));
 }

@@ -11,6 +11,7 @@ mod bound;
 mod boundary;
 mod calibration;
 mod calibration_mjcf;
+mod calibration_verdict;
 mod cli;
 mod clients;
 mod config;

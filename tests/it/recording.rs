@@ -135,6 +135,19 @@ fn rows_and_lines_say_the_same() {
 }
 
 #[test]
+fn a_touch_that_is_held_or_copied_counts_once() {
+    let place = Place::new();
+    // The encoders flicker while it lasts; another touch is of another point.
+    let held: String =
+        (0..20).map(|k| format!("{}\n", ROW.replace("0.25", &format!("0.2500{k:02}")))).collect();
+    let log = format!("{HEADER}\n{held}{}\n{ROW}\n", ROW.replace("0.1,0.2", "0.11,0.2"));
+    let read = place.crane("touches.csv", &log).unwrap();
+    assert_eq!(read.touches.len(), 2);
+    assert_eq!(read.notes, ["20 of 22 rows repeat another in the same posture: each touch counts once"]);
+    assert_eq!(read.touches[0].posture[5], 0.25);
+}
+
+#[test]
 fn a_row_that_cannot_be_read_is_named_by_line_and_column() {
     let place = Place::new();
     let wrong = [

@@ -294,6 +294,23 @@ impl Robot {
         robot
     }
 
+    /// The robot of the same table of Denavit and Hartenberg's numbers by the other convention: θ and d after a and α, or before.
+    /// `None` if it is of no such table.
+    pub fn of_other_convention(&self) -> Option<Robot> {
+        let mut other = self.clone();
+        let of_table = |link: &&mut Link| {
+            link.elements.len() == 5 && link.elements.iter().any(|e| matches!(e, Element::ShiftAlong(0, _)))
+        };
+        let mut found = false;
+        for link in other.links.iter_mut().filter(of_table) {
+            // What is along and about one axis goes in any order.
+            let modified = matches!(link.elements[0], Element::TurnAbout(0, _));
+            link.elements.rotate_left(if modified { 3 } else { 2 });
+            found = true;
+        }
+        found.then_some(other)
+    }
+
     /// All quantities at their nominal values.
     pub fn nominal(&self) -> Vec<Value> {
         self.quantities.iter().map(|quantity| quantity.nominal).collect()

@@ -13,10 +13,11 @@ use super::{Failure, Outcome, output, progress};
 use crate::calibration::robot::{Knowledge, Robot};
 use crate::calibration::{
     Estimator, EstimatorOptions, FalseTouches, Fit, JointNoise, Judgement, Touch, add_places, folds, judge,
-    put_on_places, split,
+    objections, put_on_places, split,
 };
 use crate::record::{
-    RobotFile, apply_known, is_mjcf, length, read_calibration_log, read_known, read_robot, set_prior,
+    RobotFile, add_fixed_places, apply_known, is_mjcf, length, read_calibration_log, read_known, read_robot,
+    set_prior,
 };
 use results::Results;
 
@@ -59,8 +60,10 @@ const ROBOT_HELP: &str = r#"What may be unknown, by name; * stands for any part 
   JOINT.offset  JOINT.sign  JOINT.gain  JOINT.compliance   what its encoder reads, and how far it gives way to a torque
   LINK.mount.position  LINK.mount.orientation          where the skin is whose points are on a link
   POINT.position  FRAME.position  SURFACE.radius       tools, receptors, patches, trackers, spheres
+  PLACE.position                                       where a fixed place of the log is, in the root's frame
 Columns of a log: limb_a, limb_b (links, points or surfaces), ax, ay, az, bx, by, bz, a_std, b_std, distance, touch (one
-name for contacts in one posture that nobody paired), and one for each joint. Metres and radians, or a unit behind the
+name for contacts in one posture that nobody paired), place (in place of limb_b: a fixed place by its name, at bx, by, bz in
+the root's frame, or free where these are empty), time, and one for each joint. Metres and radians, or a unit behind the
 name, as in ax_mm and elbow_deg."#;
 
 /// What is unknown.
@@ -132,8 +135,10 @@ pub fn run(args: &CalibrateArguments) -> Outcome {
     }
     let fit = estimator.fit();
     let judged = args.judging.judged(robot, &touches, options, (&estimator, &fit))?;
+    let objections = objections(&estimator, &fit, &judged);
     spinner.finish_and_clear();
-    let results = Results { robot, touches: &touches, estimator: &estimator, fit: &fit, judged: &judged };
+    let (touches, judged, objections) = (&touches, &judged, &objections);
+    let results = Results { robot, touches, estimator: &estimator, fit: &fit, judged, objections };
     if args.json {
         output::json(&results.as_json())?;
     } else {
@@ -173,6 +178,7 @@ fn given(args: &CalibrateArguments) -> Result<(RobotFile, Vec<Touch>), Failure> 
         )
         .into());
     }
+    add_fixed_places(&args.log, &mut file.robot)?;
     args.unknowns.apply(&mut file.robot, file.says_what_is_open)?;
     let log = read_calibration_log(&args.log, &file.robot)?;
     for note in &log.notes {

@@ -2,7 +2,7 @@
 
 use nalgebra::{Rotation3, Vector3};
 
-use super::results::{Results, kind};
+use super::results::{REACH, Results, kind};
 use crate::calibration::Feature;
 use crate::calibration::robot::{RobotDof, Unit, Value};
 use crate::cli::output;
@@ -23,6 +23,7 @@ impl Results<'_> {
             robot: self.robot.name.clone(),
             calibrated,
             verdict,
+            reach: REACH,
             facts: self.facts(file),
             misses: self.misses(),
             held_out: self.held_out(),

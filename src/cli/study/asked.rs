@@ -6,11 +6,12 @@ use serde_json::{Value, json};
 
 use super::{StudyArguments, TOUCHES, bodies};
 use crate::babbling;
+use crate::calibration::made::Fault;
 use crate::cli::Failure;
 use crate::cli::open::{embodied, is_there};
 use crate::cli::progress::Bars;
 use crate::experiment::study::bodies::{self as bodies_study, BodiesOptions, STUDY as BODIES};
-use crate::experiment::study::calibration::STUDY as CALIBRATION;
+use crate::experiment::study::calibration::{self as calibration_study, STUDY as CALIBRATION};
 use crate::experiment::study::claims::STUDY as CLAIMS;
 use crate::experiment::study::hersch::{STUDY as HERSCH, TOUCHES as HERSCH_TOUCHES};
 use crate::experiment::study::trial::{self, Concluded};
@@ -34,6 +35,8 @@ enum StudyOf<'a> {
     Creature(Box<Subject<'a>>),
     /// Bodies that the seeds make.
     Bodies(BodiesOptions),
+    /// Robots that the seeds make, in these cases.
+    Robots(Vec<Fault>),
 }
 
 impl<'a> AskedStudy<'a> {
@@ -68,6 +71,10 @@ impl<'a> AskedStudy<'a> {
                 study.name
             )));
         }
+        if study.name == CALIBRATION.name {
+            bodies::refuse_creature(args)?;
+            return Ok(AskedStudy { args, seeds, of: StudyOf::Robots(args.cases.clone()), bars });
+        }
         is_there(model, &format!("study {}", study.name))?;
         let most = if study.name == HERSCH.name { HERSCH_TOUCHES } else { TOUCHES };
         let touches = args.touches.unwrap_or(most);
@@ -79,7 +86,6 @@ impl<'a> AskedStudy<'a> {
         subject.session.clone_from(&args.session);
         subject.hersch = rule;
         subject.policy = args.policy;
-        subject.cases.clone_from(&args.cases);
         Ok(AskedStudy { args, seeds, of: StudyOf::Creature(Box::new(subject)), bars })
     }
 
@@ -94,12 +100,19 @@ impl<'a> AskedStudy<'a> {
         match &self.of {
             StudyOf::Creature(subject) => self.args.name.trials.run(subject, seeds, receive),
             StudyOf::Bodies(options) => trial::record(seeds, receive, |seed| {
-                let trial = self.seeds.iter().position(|other| *other == seed).map_or(0, |k| k + 1);
-                let trials = self.seeds.len();
-                self.bars.phase(Phase::Trial { trial, trials, doing: "babbling and learning" });
+                self.begins(seed, "babbling and learning");
                 Ok(bodies_study::trial(seed, options))
             }),
+            StudyOf::Robots(cases) => trial::record(seeds, receive, |seed| {
+                self.begins(seed, "calibrating");
+                Ok(calibration_study::trial(seed, cases))
+            }),
         }
+    }
+
+    fn begins(&self, seed: u64, doing: &'static str) {
+        let trial = self.seeds.iter().position(|other| *other == seed).map_or(0, |k| k + 1);
+        self.bars.phase(Phase::Trial { trial, trials: self.seeds.len(), doing });
     }
 
     /// What trials found that left these texts, and how long they took.
@@ -109,6 +122,10 @@ impl<'a> AskedStudy<'a> {
             StudyOf::Bodies(_) => {
                 let (trials, seconds) = trial::read(left)?;
                 Ok((bodies_study::findings(&trials).into(), seconds))
+            }
+            StudyOf::Robots(_) => {
+                let (trials, seconds) = trial::read(left)?;
+                Ok((calibration_study::findings(&trials).into(), seconds))
             }
         }
     }
@@ -139,6 +156,7 @@ impl<'a> AskedStudy<'a> {
                 let of = format!("of {} touches at random", options.touches);
                 vec![format!("{} generated bodies {of}, seeds {named}", args.trials)]
             }
+            StudyOf::Robots(_) => vec![format!("{} made robots, seeds {named}", args.trials)],
         }
     }
 
@@ -156,6 +174,9 @@ impl<'a> AskedStudy<'a> {
         let options = match of {
             StudyOf::Bodies(BodiesOptions { touches, seconds, ways }) => {
                 json!({ "touches": touches, "seconds": seconds, "ways": ways })
+            }
+            StudyOf::Robots(cases) => {
+                json!({ "cases": cases.iter().map(|case| case.name()).collect::<Vec<_>>() })
             }
             StudyOf::Creature(subject) => {
                 let creature = &subject.body().creature;
@@ -187,7 +208,6 @@ impl<'a> AskedStudy<'a> {
             "session": args.session,
             "session_schema_hash": schema.transpose()?,
             "policy": args.policy.map(|policy| policy.to_string()),
-            "cases": args.cases.iter().map(|case| case.name()).collect::<Vec<_>>(),
         }))
     }
 }

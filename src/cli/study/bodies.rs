@@ -4,10 +4,10 @@ use std::path::Path;
 
 use super::StudyArguments;
 use crate::cli::Failure;
-use crate::experiment::study::bodies::{BodiesOptions, STUDY};
+use crate::experiment::study::bodies::BodiesOptions;
 
-/// Its options; refused where some are given that it does not have.
-pub fn options(args: &StudyArguments) -> Result<BodiesOptions, Failure> {
+/// Refuses options of a creature for a study that makes what it is of.
+pub fn refuse_creature(args: &StudyArguments) -> Result<(), Failure> {
     let given = [
         (args.model != [Path::new(crate::cli::open::MAX)], "the model"),
         (args.joints.is_some(), "--joints"),
@@ -15,12 +15,18 @@ pub fn options(args: &StudyArguments) -> Result<BodiesOptions, Failure> {
         (args.session.is_some(), "--session"),
         (args.jobs.is_some_and(|jobs| jobs != 1), "--jobs"),
     ];
-    if let Some((_, what)) = given.into_iter().find(|(given, _)| *given) {
-        return Err(Failure(format!(
-            "study {} makes its creatures by its seeds, each on one thread: leave out {what}",
-            STUDY.name
-        )));
+    match given.into_iter().find(|(given, _)| *given) {
+        Some((_, what)) => Err(Failure(format!(
+            "study {} makes its bodies by its seeds, each on one thread: leave out {what}",
+            args.name.name
+        ))),
+        None => Ok(()),
     }
+}
+
+/// Its options; refused where some are given that it does not have.
+pub fn options(args: &StudyArguments) -> Result<BodiesOptions, Failure> {
+    refuse_creature(args)?;
     let standard = BodiesOptions::default();
     Ok(BodiesOptions {
         touches: args.touches.unwrap_or(standard.touches),

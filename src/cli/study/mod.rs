@@ -16,9 +16,9 @@ use super::open::{MAX, ModelArguments};
 use super::progress::Bars;
 use super::{Failure, Outcome};
 use crate::babbling::PolicyName;
+use crate::calibration::made::Fault;
 use crate::creature::JointSelection;
 use crate::experiment::study::bodies::WAYS;
-use crate::experiment::study::calibration::CalibrationCase;
 use crate::experiment::study::claims::POLICIES as CLAIMS_POLICIES;
 use crate::experiment::study::{STUDIES, Study};
 use crate::experiment::{Observer, Phase};
@@ -91,7 +91,7 @@ pub struct StudyArguments {
         value_parser = case(),
         help_heading = "Of the study calibration"
     )]
-    cases: Vec<CalibrationCase>,
+    cases: Vec<Fault>,
     /// Work that a way to learn may take with a body, its touches included: about what one core does in so many seconds
     /// [default: 50]
     #[arg(long, value_parser = positive, help_heading = "Of the study bodies")]
@@ -133,9 +133,9 @@ fn policy(name: &str) -> Result<PolicyName, String> {
 }
 
 /// A case of the study `calibration`.
-fn case() -> impl TypedValueParser<Value = CalibrationCase> {
-    let names = CalibrationCase::ALL.iter().map(|case| case.name());
-    PossibleValuesParser::new(names).try_map(|name| name.parse::<CalibrationCase>())
+fn case() -> impl TypedValueParser<Value = Fault> {
+    let names = Fault::ALL.iter().map(|case| case.name());
+    PossibleValuesParser::new(names).try_map(|name| name.parse::<Fault>())
 }
 
 /// A way to learn of the study `bodies`.

@@ -4,7 +4,6 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Instant;
 
-use super::calibration::CalibrationCase;
 use super::hersch::HerschOptions;
 use super::table::WallTime;
 use crate::agent::Agent;
@@ -38,8 +37,6 @@ pub struct Subject<'a> {
     pub session: Option<PathBuf>,
     /// The policy that the study `claims` is about; all that it knows where it is none.
     pub policy: Option<PolicyName>,
-    /// The cases of the study `calibration`; all where none is named.
-    pub cases: Vec<CalibrationCase>,
     /// How the study `hersch` applies the rule.
     pub hersch: HerschOptions,
     jobs: usize,
@@ -86,7 +83,6 @@ impl<'a> Subject<'a> {
             seeds,
             session: None,
             policy: None,
-            cases: Vec::new(),
             hersch: HerschOptions::default(),
             jobs,
             observer,

@@ -22,6 +22,7 @@ use super::RecordError;
 use super::given_log::{cut_in_words, read_log};
 use super::touch_line::check;
 use crate::agent::Agent;
+use crate::calibration::{SAME_POINT, SAME_POSTURE, first_alike};
 use crate::learning::Input;
 use crate::record::error::ContentFault;
 use crate::senses::{Touch, TouchEnd};
@@ -65,7 +66,27 @@ pub fn read_recording(path: &Path, agent: &Agent) -> Result<Recording, RecordErr
     notes.extend(log.cut.map(cut_in_words));
     notes.extend(posture::notes(creature, &log.touches));
     notes.extend(log.notes);
-    Ok(Recording { notes, ..resolve(path, agent, &log.touches)? })
+    let mut recording = resolve(path, agent, &log.touches)?;
+    let rows = recording.touches.len();
+    let repeats = drop_repeats(&mut recording.touches);
+    notes.extend((repeats > 0).then(|| {
+        format!("{repeats} of {rows} rows repeat another in the same posture: each touch counts once")
+    }));
+    Ok(Recording { notes, ..recording })
+}
+
+/// Leaves of touches that repeat one another the first; how many went.
+fn drop_repeats(touches: &mut Vec<Touch>) -> usize {
+    let row = |touch: &Touch| {
+        let posture = touch.posture.iter().map(|x| x / SAME_POSTURE);
+        let points = touch.ends.iter().flat_map(|end| end.contact.iter().map(|x| x / SAME_POINT));
+        ((touch.bout, touch.ends.map(|end| end.receptor)), posture.chain(points).collect())
+    };
+    let first = first_alike(&touches.iter().map(row).collect::<Vec<_>>());
+    let before = touches.len();
+    let mut keep = first.iter().enumerate().map(|(i, of)| i == *of);
+    touches.retain(|_| keep.next().unwrap_or(true));
+    before - touches.len()
 }
 
 /// Gives every touch its limbs and receptors.

@@ -272,11 +272,16 @@ fn add_extras(robot: &mut Robot, extras: Extras) -> Result<bool, String> {
         robot.set_knowledge(pattern, Knowledge::Free)?;
     }
     for (pattern, deviation) in &extras.prior {
-        let text = match deviation {
-            Deviation::Number(number) => number.to_string(),
-            Deviation::Text(text) => text.clone(),
-        };
-        set_prior(robot, pattern, &text)?;
+        match deviation {
+            Deviation::Number(number) => {
+                let number = possible_deviation(*number, &number.to_string());
+                robot.set_knowledge(
+                    pattern,
+                    Knowledge::Near(number.map_err(|f| format!("{pattern}: {f}"))?),
+                )?;
+            }
+            Deviation::Text(text) => set_prior(robot, pattern, text)?,
+        }
     }
     for pattern in &extras.fix {
         robot.set_knowledge(pattern, Knowledge::Known)?;
@@ -302,14 +307,21 @@ fn deviation(text: &str) -> Result<(f64, Option<NamedUnit>), String> {
     let text = text.trim();
     let unit = UNITS.iter().find(|(name, ..)| text.ends_with(name));
     let number = unit.map_or(text, |(name, ..)| text.trim_end_matches(name).trim());
-    let number = number.parse().ok().filter(|x: &f64| x.is_finite() && *x > 0.0);
-    let number: f64 = number.ok_or_else(|| {
-        format!("\"{text}\" is no deviation: give a number above 0 and a unit, such as 5mm or 2deg")
-    })?;
-    if number > GREATEST_LENGTH {
-        return Err(format!("\"{text}\" is no deviation: give less, or say that nothing is known with free"));
+    let number = number.parse().map_or(f64::NAN, |x: f64| x * unit.map_or(1.0, |(_, factor, _)| *factor));
+    Ok((possible_deviation(number, text)?, unit.map(|(name, _, unit)| (*name, *unit))))
+}
+
+/// A deviation that may be, in its base unit; `text` is what was written.
+fn possible_deviation(number: f64, text: &str) -> Result<f64, String> {
+    match number {
+        _ if !(number.is_finite() && number > 0.0) => {
+            Err(format!("\"{text}\" is no deviation: give a number above 0 and a unit, such as 5mm or 2deg"))
+        }
+        _ if number > GREATEST_LENGTH => {
+            Err(format!("\"{text}\" is no deviation: give less, or say that nothing is known with free"))
+        }
+        _ => Ok(number),
     }
-    Ok((number * unit.map_or(1.0, |(_, factor, _)| *factor), unit.map(|(name, _, unit)| (*name, *unit))))
 }
 
 /// A deviation of a position, metres.
@@ -318,23 +330,35 @@ pub(crate) fn length(text: &str) -> Result<f64, String> {
         (_, Some((name, Unit::Radian))) => {
             Err(format!("a position is not measured in {name}: give millimetres"))
         }
+        (_, None) => Err(format!("\"{text}\" has no unit: give millimetres, as in {text}mm")),
         (metres, _) => Ok(metres),
     }
 }
 
-/// Says that what a pattern names is known to a deviation.
+/// Says that what a pattern names is known to a deviation, which has the unit of what it is of.
 pub(crate) fn set_prior(robot: &mut Robot, pattern: &str, text: &str) -> Result<(), String> {
     let (value, unit) = deviation(text).map_err(|fault| format!("{pattern}: {fault}"))?;
+    let before: Vec<_> = robot.quantities.iter().map(|quantity| quantity.knowledge).collect();
     robot.set_knowledge(pattern, Knowledge::Near(value))?;
-    let Some((name, wanted)) = unit else { return Ok(()) };
-    let near = |quantity: &&crate::calibration::robot::Quantity| {
-        quantity.knowledge.contains(&Knowledge::Near(value))
+    let set = robot.quantities.iter().zip(&before);
+    let mut named =
+        set.filter(|(quantity, before)| quantity.knowledge != **before).map(|(quantity, _)| quantity);
+    let fits = |quantity: &&crate::calibration::robot::Quantity| match quantity.unit {
+        Unit::Metre | Unit::Radian => unit.map(|(_, unit)| unit) == Some(quantity.unit),
+        Unit::One | Unit::Compliance => unit.is_none(),
     };
-    match robot.quantities.iter().filter(near).find(|quantity| quantity.unit != wanted) {
-        Some(other) => {
+    match (named.find(|quantity| !fits(quantity)), unit) {
+        (None, _) => Ok(()),
+        (Some(other), Some((name, _))) => {
             Err(format!("{} is not measured in {name}: give its deviation in its own unit", other.name))
         }
-        None => Ok(()),
+        (Some(other), None) => {
+            let example = if other.unit == Unit::Metre { "mm" } else { "deg" };
+            Err(format!(
+                "the deviation of {} has no unit: give one, as in {pattern}={text}{example}",
+                other.name
+            ))
+        }
     }
 }
 

@@ -7,6 +7,8 @@
 //! | `a_std`, `b_std` | standard deviation of each coordinate |
 //! | `distance` | how far apart the two were, where they did not touch |
 //! | `touch` | the same in lines of one posture: contacts of which nobody knows who met whom |
+//! | `place` | in place of `limb_b`: a fixed place by its name, at `bx`, `by`, `bz` in the root's frame, or nobody knows where |
+//! | `time` | when it was logged: what is held out is then a stretch of time |
 //! | a joint's name | what its encoder read; empty where it has no part in the touch |
 //!
 //! A unit behind a name (`ax_mm`, `elbow [deg]`) is minded; without one it is metres and radians. Other columns are passed over.
@@ -17,8 +19,8 @@ use std::path::Path;
 use csv::StringRecord;
 use nalgebra::Vector3;
 
-use crate::calibration::robot::{Robot, likely, nearest_name};
-use crate::calibration::{End, Feature, Touch};
+use crate::calibration::robot::{Element, Knowledge, Posed, Robot, Value, likely, nearest_name};
+use crate::calibration::{End, Feature, SAME_POINT, Touch, drop_repeats};
 use crate::creature::DofKind;
 use crate::plausible::{is_angle, is_length};
 use crate::record::RecordError;
@@ -31,6 +33,8 @@ const POINTS: [[&str; 3]; 2] = [["ax", "ay", "az"], ["bx", "by", "bz"]];
 const DEVIATIONS: [&str; 2] = ["a_std", "b_std"];
 const DISTANCE: &str = "distance";
 const TOUCH: &str = "touch";
+const PLACE: &str = "place";
+const TIME: &str = "time";
 /// Columns of other formats that are no oversight.
 const QUIET: [&str; 2] = ["bout", "motion"];
 /// What the columns of a ball's quaternion have behind its name.
@@ -59,6 +63,7 @@ pub fn read_calibration_log(path: &Path, robot: &Robot) -> Result<CalibrationLog
     notes.extend(head.notes.iter().cloned());
     let mut not_finite = Vec::new();
     let mut touches: Vec<Touch> = Vec::new();
+    let time = |row: &StringRecord| head.field(row, TIME).and_then(|cell| cell.parse().ok());
     let mut by_name: HashMap<(String, [usize; 2]), usize> = HashMap::new();
     for (line, row) in &table.rows {
         let refuse = |fault: String| RecordError::format(path, Some(*line), fault);
@@ -99,6 +104,7 @@ pub fn read_calibration_log(path: &Path, robot: &Robot) -> Result<CalibrationLog
                     posture,
                     ends: ends.map(|end| end.into_iter().collect()),
                     distance,
+                    time: time(row),
                 });
             }
         }
@@ -115,9 +121,81 @@ pub fn read_calibration_log(path: &Path, robot: &Robot) -> Result<CalibrationLog
     if touches.is_empty() {
         return Err(RecordError::format(path, None, "it holds no touch: give one with a touch a line"));
     }
+    let rows = touches.len();
+    let repeats = drop_repeats(&mut touches);
+    if repeats > 0 {
+        notes.push(format!(
+            "{repeats} of {rows} rows repeat another in the same posture: each touch counts once"
+        ));
+    }
     notes.extend(check_angles(path, &table, robot, &head, &touches)?);
     refuse_millimetres(path, robot, &table, &head, &touches)?;
     Ok(CalibrationLog { touches, notes })
+}
+
+/// Adds to a robot the fixed places that the log's column `place` names: points on its root, known where the log says where
+/// they are, and else free about where the robot puts what touched them.
+///
+/// # Errors
+/// As of [`read_calibration_log`]; also where a place is said to be at two positions.
+pub fn add_fixed_places(path: &Path, robot: &mut Robot) -> Result<(), RecordError> {
+    let (bytes, _) = read_log(path)?;
+    let mut table = read_table(path, &bytes)?;
+    let head = Head::new(&mut table, robot).map_err(|fault| RecordError::format(path, Some(1), fault))?;
+    let own = robot.links.len();
+    let mut unsaid = Vec::new();
+    for (line, row) in &table.rows {
+        let refuse = |fault: String| RecordError::format(path, Some(*line), fault);
+        let Some(name) = head.field(row, PLACE).filter(|name| robot.surface(name).is_none()) else {
+            continue;
+        };
+        let said = match head.point(&table, row, 1) {
+            Ok(said) => said,
+            // The row is left out where the log is read.
+            Err(CellFault::NotFinite(_)) => continue,
+            Err(CellFault::Wrong(fault)) => return Err(refuse(fault)),
+        };
+        match (robot.link(name), said) {
+            (None, _) => {
+                let link = robot.add_place(name, 0, said.unwrap_or_default());
+                if said.is_none() {
+                    unsaid.push((link, robot.quantities.len() - 1));
+                }
+            }
+            (Some(link), Some(at)) if link >= own => {
+                let Element::Shift(position) = robot.links[link].elements[0] else { continue };
+                if (robot.quantities[position].nominal.vector() - at).norm() > SAME_POINT {
+                    return Err(refuse(format!(
+                        "place {name} is at another position than before: give it one, or another name"
+                    )));
+                }
+            }
+            (Some(_), _) => {}
+        }
+    }
+    if unsaid.is_empty() {
+        return Ok(());
+    }
+    let touches = read_calibration_log(path, robot)?.touches;
+    for (link, position) in unsaid {
+        let values = robot.nominal();
+        let at_place = |touch: &Touch| {
+            let here = |end: &&End| end.feature.link(robot) == link;
+            touch.ends[1].iter().any(|end| here(&end)).then(|| {
+                let end = &touch.ends[0][0];
+                let frame = Posed::new(robot, &values, &touch.posture).frames()[end.feature.link(robot)];
+                match end.feature {
+                    Feature::Point(_, point) => frame.point(&point),
+                    Feature::Surface(_) => frame.origin,
+                }
+            })
+        };
+        let points: Vec<Vector3<f64>> = touches.iter().filter_map(at_place).collect();
+        let middle = points.iter().sum::<Vector3<f64>>() / points.len().max(1) as f64;
+        let quantity = &mut robot.quantities[position];
+        (quantity.nominal, quantity.knowledge) = (Value::Position(middle), [Knowledge::Free; 3]);
+    }
+    Ok(())
 }
 
 /// Whether bytes look like a log of touches.
@@ -157,7 +235,7 @@ impl Head {
                 _ => coordinates.push((dof.name.clone(), Some(measure))),
             }
         }
-        let texts = NAMES.iter().flatten().chain([&TOUCH]).map(|name| (*name, None));
+        let texts = NAMES.iter().flatten().chain([&TOUCH, &PLACE, &TIME]).map(|name| (*name, None));
         let lengths = POINTS.iter().flatten().chain(&DEVIATIONS).chain([&DISTANCE]);
         let reserved = texts.chain(lengths.map(|name| (*name, Some(Measure::Length))));
         let mut wanted: Vec<Quantity> =
@@ -170,7 +248,8 @@ impl Head {
         let fields: HashMap<&'static str, usize> =
             reserved.zip(places).filter_map(|((name, _), place)| Some((name, place?))).collect();
         for side in 0..2 {
-            if NAMES[side].iter().all(|name| !fields.contains_key(name)) {
+            let is_place = side == 1 && fields.contains_key(PLACE);
+            if !is_place && NAMES[side].iter().all(|name| !fields.contains_key(name)) {
                 return Err(format!("there is no column {}: name what touched on this side", NAMES[side][0]));
             }
             let points = POINTS[side].iter().filter(|name| fields.contains_key(**name)).count();
@@ -251,6 +330,27 @@ impl Head {
         Ok((name, ends, distance))
     }
 
+    /// The point of a side, where there is one.
+    fn point(
+        &self,
+        table: &Table,
+        row: &StringRecord,
+        side: usize,
+    ) -> Result<Option<Vector3<f64>>, CellFault> {
+        match POINTS[side].map(|name| self.fields.get(name).filter(|at| !row[**at].is_empty())) {
+            [Some(x), Some(y), Some(z)] => Ok(Some(Vector3::new(
+                self.number(table, row, *x)?,
+                self.number(table, row, *y)?,
+                self.number(table, row, *z)?,
+            ))),
+            [None, None, None] => Ok(None),
+            _ => {
+                let [x, y, z] = POINTS[side];
+                Err(CellFault::Wrong(format!("one of {x}, {y}, {z} is empty: give all three, or none")))
+            }
+        }
+    }
+
     fn end(
         &self,
         table: &Table,
@@ -259,10 +359,17 @@ impl Head {
         side: usize,
     ) -> Result<Option<End>, CellFault> {
         let wrong = |message: String| Err(CellFault::Wrong(message));
+        let place = self.field(row, PLACE).filter(|_| side == 1);
         let [limb, receptor] = NAMES[side].map(|name| self.field(row, name));
+        if let (Some(place), Some(other)) = (place, limb.or(receptor)) {
+            return wrong(format!(
+                "both {place} and {other} are named: leave column place or {} empty",
+                NAMES[1][0]
+            ));
+        }
         // A receptor is a point of its own; the limb beside it says no more.
         let receptor = receptor.filter(|name| limb.is_none() || robot.link(name).is_some());
-        let Some(name) = receptor.or(limb) else { return Ok(None) };
+        let Some(name) = receptor.or(limb).or(place) else { return Ok(None) };
         let deviation = match self.fields.get(DEVIATIONS[side]).filter(|at| !row[**at].is_empty()) {
             None => None,
             Some(at) => {
@@ -276,18 +383,7 @@ impl Head {
                 Some(deviation)
             }
         };
-        let point = match POINTS[side].map(|name| self.fields.get(name).filter(|at| !row[**at].is_empty())) {
-            [Some(x), Some(y), Some(z)] => Some(Vector3::new(
-                self.number(table, row, *x)?,
-                self.number(table, row, *y)?,
-                self.number(table, row, *z)?,
-            )),
-            [None, None, None] => None,
-            _ => {
-                let [x, y, z] = POINTS[side];
-                return wrong(format!("one of {x}, {y}, {z} is empty: give all three, or none"));
-            }
-        };
+        let point = self.point(table, row, side)?.filter(|_| place.is_none());
         let feature = match (point, robot.surface(name), robot.points_of(name)) {
             (Some(point), _, Some(link)) => Feature::Point(link, point),
             (None, Some(surface), _) => Feature::Surface(surface),
@@ -443,7 +539,7 @@ fn refuse_millimetres(
 fn reach(robot: &Robot) -> f64 {
     let values = robot.nominal();
     let posture = robot.zero_posture();
-    let posed = crate::calibration::robot::Posed::new(robot, &values, &posture);
+    let posed = Posed::new(robot, &values, &posture);
     let mut ways = vec![0.0f64; robot.links.len()];
     for link in 1..robot.links.len() {
         ways[link] = ways[robot.links[link].parent] + posed.frame(&[link]).origin.norm();

@@ -20,7 +20,7 @@ use std::path::Path;
 
 pub use edits::Written;
 pub(crate) use json::{json_of, length, set_prior};
-pub use log::{CalibrationLog, read_calibration_log};
+pub use log::{CalibrationLog, add_fixed_places, read_calibration_log};
 pub use log_writer::calibration_table;
 pub(crate) use log_writer::{joint_cells, joint_titles, name_of};
 

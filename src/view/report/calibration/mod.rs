@@ -16,6 +16,8 @@ pub struct CalibrationReport {
     pub calibrated: bool,
     /// The verdict in a sentence.
     pub verdict: String,
+    /// What a calibration is right for, in a sentence.
+    pub reach: &'static str,
     /// What was done, name and value.
     pub facts: Vec<(String, String)>,
     /// How far apart what touched is put, metres: before and after, of the touches and of those held out.
@@ -106,10 +108,11 @@ pub fn html(report: &CalibrationReport) -> String {
     let sections = super::in_sections(&sections);
     let content = format!(
         "<header>\n<h1>{}</h1>\n<p>A robot calibrated by its own touches</p>\n</header>\n\
-         <p class=\"verdict{}\">{}</p>\n{sections}",
+         <p class=\"verdict{}\">{}</p>\n<p class=\"note\">{}</p>\n{sections}",
         escape(&report.robot),
         if report.calibrated { "" } else { " open" },
         escape(&report.verdict),
+        escape(report.reach),
     );
     page(&format!("{}: calibrated by its own touches", report.robot), STYLE, &content, "")
 }
