@@ -16,29 +16,20 @@ pub mod coverage;
 pub mod disturbances;
 mod exhaustive_reach;
 pub mod farthest;
-pub mod felt_shape;
 pub mod finding;
-pub mod frames;
-pub mod grown;
 pub mod growth;
 pub mod hersch;
 pub mod learners;
-pub mod lift;
-mod liftable;
 pub mod map;
 pub mod other_hand;
 mod plot;
 pub mod policies;
-mod reach_bound;
-pub mod reachable;
 pub mod self_touch;
 pub mod sensations;
 mod subject;
 mod table;
-pub mod tool;
 mod touched_trial;
 pub mod trial;
-pub mod turned;
 
 use serde_json::Value;
 
@@ -56,9 +47,6 @@ pub const STUDIES: &[&Study] = &[
     &claims::STUDY,
     &disturbances::STUDY,
     &growth::STUDY,
-    &grown::STUDY,
-    &turned::STUDY,
-    &frames::STUDY,
     &sensations::STUDY,
     &approach::STUDY,
     &self_touch::STUDY,
@@ -66,12 +54,8 @@ pub const STUDIES: &[&Study] = &[
     &other_hand::STUDY,
     &finding::STUDY,
     &farthest::STUDY,
-    &lift::STUDY,
-    &tool::STUDY,
-    &felt_shape::STUDY,
     &avoid::STUDY,
     &avoid::BUSY,
-    &reachable::STUDY,
     &calibration::STUDY,
     &bodies::STUDY,
 ];
