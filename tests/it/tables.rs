@@ -6,12 +6,12 @@ use std::path::Path;
 use crate::common::shell::run;
 use crate::common::{python, repository};
 
-/// The Python code that the documents show, whose first line is `import` and this.
+/// The Python code that the documents show, which imports this.
 fn shown(imports: &str) -> String {
     let document = fs::read_to_string(repository("docs/files.md")).unwrap();
-    let begins = format!("import {imports}\n");
+    let import = format!("import {imports}\n");
     let mut blocks = document.split("```python\n").skip(1).filter_map(|rest| rest.split("```").next());
-    blocks.find(|code| code.starts_with(&begins)).expect("docs/files.md shows it").to_string()
+    blocks.find(|code| code.contains(&import)).expect("docs/files.md shows it").to_string()
 }
 
 /// Makes a session of 130 touches in `sessions/max-1`.
