@@ -82,7 +82,8 @@ fn unit(names: &[String]) -> Result<Option<(&'static str, &'static str)>, ()> {
     let name = names[0].as_str();
     let suffix = |name: &str| {
         let longest = SUFFIXES.iter().filter(|(suffix, _)| name.ends_with(suffix));
-        longest.max_by_key(|(suffix, _)| suffix.len()).map(|(suffix, measure)| (*measure, *suffix))
+        let (suffix, measure) = longest.max_by_key(|(suffix, _)| suffix.len())?;
+        Some((*measure, if ["_m", "_s", "_n", "_kg", "_m_s"].contains(suffix) { "SI" } else { *suffix }))
     };
     if let Some(found) = suffix(name) {
         return Ok(Some(found));
@@ -113,7 +114,7 @@ fn faults(of: &str, values: &[Value]) -> Vec<String> {
         match unit(names) {
             Err(()) => faults.push(format!("{of}: nobody can know the unit of {path}")),
             Ok(Some((measure, unit))) => {
-                drop(units.entry((&names[1..], measure)).or_default().entry(unit).or_insert(path))
+                units.entry((&names[1..], measure)).or_default().entry(unit).or_insert(path);
             }
             Ok(None) => {}
         }
