@@ -17,7 +17,7 @@ pub use requests::Intent;
 use self::language::{HandName, Language, Leave, Request, Which};
 use self::mind::{Deed, Forbidden, Mind};
 use self::requests::{Act, Answer};
-use super::actor::{Actor, FoundThing};
+use super::actor::Actor;
 use super::tasks::{Grip, LiftTrouble, Search, Trouble};
 use super::things::{KnownThing, ThingId, Things};
 use crate::creature::Posture;
@@ -436,10 +436,9 @@ impl Conversation {
         self.settle(&ready)
     }
 
-    /// Both hands to a posture, past what it knows of and what is met on the way; whether they got there.
+    /// Both hands to a posture, past what is met on the way; whether they got there.
     fn settle(&mut self, posture: &[f64]) -> bool {
-        let felt: Vec<FoundThing> = self.things.iter().map(|known| known.found.clone()).collect();
-        self.actor.go_round(posture, &felt).is_ok()
+        self.actor.go_round(posture).is_ok()
     }
 
     /// Takes the arm that touches something back from it.

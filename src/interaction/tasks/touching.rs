@@ -358,17 +358,13 @@ impl Actor {
         self.go_past(&target, &arm, vec![felt.room()])
     }
 
-    /// Goes to a posture, moving both arms and what carries them, past things that were felt and what it meets on the way.
+    /// Goes to a posture, moving both arms and what carries them, past what it meets on the way.
     ///
     /// # Errors
     /// [`Trouble`] where there is no way or it meets more and more.
-    pub(in crate::interaction) fn go_round(
-        &mut self,
-        target: &[f64],
-        things: &[FoundThing],
-    ) -> Result<(), Trouble> {
+    pub(in crate::interaction) fn go_round(&mut self, target: &[f64]) -> Result<(), Trouble> {
         let joints: Vec<usize> = self.hands.iter().flat_map(|hand| hand.leaning.clone()).collect();
-        self.go_past(target, &joints, things.iter().map(Room::of).collect())
+        self.go_past(target, &joints, Vec::new())
     }
 
     /// Goes to a posture by some joints with room left for what was met, and for what it meets on the way.

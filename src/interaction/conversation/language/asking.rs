@@ -76,7 +76,8 @@ pub(super) fn asks(pieces: &[&Piece]) -> bool {
 pub(super) fn searching(pieces: &[&Piece]) -> bool {
     // "Have you checked whether there is anything?" is of what was.
     if has(pieces, "if|whether there be SOME|more|another") {
-        return !has(pieces, "^ =did|=have|=had|=were you|we|i|he|she|they");
+        let was = "^ =did|=had|=were you|we|i|he|she|they";
+        return !has(pieces, was) && !has(pieces, "^ =have you|we|i|he|she|they .. whether");
     }
     [
         "^ be there SOME",
