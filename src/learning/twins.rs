@@ -22,7 +22,7 @@ const TOLD: usize = 8;
 const MOST: usize = 60;
 /// Steps from the turned axes.
 const STEPS: usize = 60;
-/// Axes of which any may be turned together; of more one or two, or all as in a mirror.
+/// Axes of which any may be turned together; of up to twice as many two, of more one, or all as in a mirror.
 const FEW_AXES: usize = 4;
 /// An axis that ends within this of where it was is the same, 1.
 const SAME_AXIS: f64 = 0.02;
@@ -104,7 +104,8 @@ fn twin(
     if axes.len() <= FEW_AXES {
         others.extend((1..1usize << axes.len()).map(|bits| turned(&|number| bits >> number & 1 == 1)));
     } else {
-        let pairs = (0..axes.len()).flat_map(|a| (a..axes.len()).map(move |b| [a, b]));
+        let beside = if axes.len() <= 2 * FEW_AXES { axes.len() } else { 1 };
+        let pairs = (0..axes.len()).flat_map(|a| (a..axes.len().min(a + beside)).map(move |b| [a, b]));
         others.extend(pairs.map(|pair| turned(&|number| pair.contains(&number))));
         for normal in few.pairs.iter().max_by_key(|pair| pair.touches.len()).into_iter().flat_map(normals) {
             let mut other = schema.clone();

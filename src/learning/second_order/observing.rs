@@ -61,12 +61,11 @@ impl SecondOrder {
     pub(super) fn account_of(&self, used: &TouchSet, schema: &BodySchema) -> (Account, f64) {
         let Seen { observability, witnesses, checked, deviation } = self.observe_touches(used, schema);
         let account = Account::new(&self.agent, schema, observability, witnesses);
-        (self.with_exactness(account, &checked, schema), deviation)
+        (self.with_curvature(account, &checked, schema), deviation)
     }
 
-    /// An account with what touches tell that are more exact than it took them to be, where limbs are open; of round limbs at second
-    /// order, too.
-    fn with_exactness(&self, account: Account, checked: &TouchSet, schema: &BodySchema) -> Account {
+    /// An account with what exact touches of round limbs tell at second order, where limbs are open at first order.
+    fn with_curvature(&self, account: Account, checked: &TouchSet, schema: &BodySchema) -> Account {
         let Evidence::Surfaces(skin) = self.evidence() else { return account };
         let all_placed = account.classes().len() <= 1;
         if all_placed || self.frames != LimbFrames::Joint {
@@ -76,13 +75,8 @@ impl SecondOrder {
         if deviation > SHARPEST {
             return account;
         }
-        let creature = self.agent.creature();
-        // What is known beforehand is not known better for that.
-        let exacter = if self.known.is_given() { 1.0 } else { deviation / SHARPEST };
-        let first = exacter * account.distances();
-        let account = account.with_distances(creature, first);
         let distances = distances_by_curvature(&self.agent, schema, &account, checked, deviation);
-        account.with_distances(creature, distances)
+        account.with_distances(self.agent.creature(), distances)
     }
 
     /// What touches determine at a schema.
