@@ -511,7 +511,7 @@ fn numbers_that_are_not_finite_leave_their_touch_out_and_are_told() {
         let read = recording(name, &text).unwrap_or_else(|error| panic!("{error}"));
         assert_eq!(read.touches.len(), 3, "{text}");
         let words = format!("1 of 4 touches are left out, for they have numbers that are not finite: {told}");
-        assert!(read.notes.contains(&words), "{text}: {:?}", read.notes);
+        assert!(read.notes[0].starts_with(&words), "{text}: {:?}", read.notes);
     }
     // A name is no number, whatever it is.
     let named = format!("{HEAD}\n{}\n", rows().join("\n")).replace("hand", "NaN");

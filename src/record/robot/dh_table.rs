@@ -121,7 +121,7 @@ fn printed(text: &str) -> Option<f64> {
         product = if divided { product / number } else { product * number };
         divided = part.ends_with('/');
     }
-    (!factors.ends_with(['*', '/', '·', '×'])).then_some(product)
+    (!factors.is_empty() && !factors.ends_with(['*', '/', '·', '×'])).then_some(product)
 }
 
 /// A cell of a table.

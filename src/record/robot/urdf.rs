@@ -326,7 +326,7 @@ pub(super) mod tests {
                 "joint finger names the link palm, which is not there",
             ),
             (with("parent link=\"base\"", "parent link=\"hand\""), "link upper is carried by itself; "),
-            (with("joint=\"finger\"", "joint=\"thumb\""), "joint thumb mimics thumb"),
+            (with("joint=\"finger\"", "joint=\"thumb\""), "joint thumb mimics itself"),
             (with("name=\"elbow\"", "name=\"wrist\""), "line 21: there are two joints wrist; "),
             (with("0.6 0 0.8", "0 0 0"), "the axis of joint finger has no direction"),
             (with("'0.05'", "'0'"), "line 4: <sphere> of link base needs radius=\"…\" above 0: "),
