@@ -96,6 +96,8 @@ pub struct Made {
 
 /// Rows of a log.
 const ROWS: usize = 90;
+/// Postures for each row from which a touch is looked for, at the most.
+const ATTEMPTS: usize = 100;
 /// Links' lengths, joints' ranges and greatest offsets, metres and radians.
 const LENGTHS: [f64; 2] = [0.08, 0.3];
 const RANGE: f64 = 1.3;
@@ -107,18 +109,30 @@ const MISPLACED: f64 = 0.01;
 const TURNED: f64 = 0.02;
 
 impl Made {
-    /// The robot of a seed with a log of some data and a fault.
+    /// The robot of a seed with a log of some data and a fault: the first whose touches can be made.
     pub fn new(data: Data, fault: Fault, seed: u64) -> Made {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        loop {
+            if let Some(made) = Made::drawn(data, fault, seed, &mut rng) {
+                return made;
+            }
+        }
+    }
+
+    /// A robot and its log. `None` if what is to touch is out of reach.
+    fn drawn(data: Data, fault: Fault, seed: u64, rng: &mut ChaCha8Rng) -> Option<Made> {
         let mut robot = Robot::new("made", "base");
         let sides: &[(&str, f64)] =
             if data == Data::SelfTouch { &[("left", 0.15), ("right", -0.15)] } else { &[("arm", 0.0)] };
-        let hands: Vec<usize> =
-            sides.iter().map(|(side, y)| add_arm(&mut robot, side, *y, &mut rng)).collect();
+        let hands: Vec<usize> = sides.iter().map(|(side, y)| add_arm(&mut robot, side, *y, rng)).collect();
         robot.mount_all();
-        let surroundings = surroundings(&mut robot, hands[0], data, &mut rng);
+        let body = match fault {
+            Fault::Convention => robot.of_other_convention().unwrap_or_else(|| robot.clone()),
+            _ => robot.clone(),
+        };
+        let surroundings = surroundings(&mut robot, (&body, hands[0]), data, rng);
         let mut made = Made { truth: robot.nominal(), touches: Vec::new(), faulty: None, robot };
-        made.misplace(data, &surroundings, &mut rng);
+        made.misplace(data, &surroundings, rng);
         // What turns all of a robot looks like surroundings that are turned.
         let may_be = |dof: &usize| match fault {
             Fault::Offset => !made.robot.dofs[*dof].name.ends_with("_j1"),
@@ -131,11 +145,11 @@ impl Made {
         };
         let dofs: Vec<usize> = (0..made.robot.dofs.len()).filter(may_be).collect();
         let dof = dofs.get(rng.random_range(0..dofs.len().max(1))).copied().unwrap_or_default();
-        made.spoil(fault, dof, &mut rng);
+        made.spoil(fault, dof, rng);
         let noise = 10f64.powf(rng.random_range(-3.6..-3.0));
         let said = rng.random_bool(0.5) || fault == Fault::WrongStd;
         let stated = said.then_some(noise * if fault == Fault::WrongStd { 0.25 } else { 1.0 });
-        made.log(data, (&hands, &surroundings), fault, [noise, rng.random_range(0.3..0.7)], &mut rng);
+        made.log(data, (&hands, &surroundings), fault, [noise, rng.random_range(0.3..0.7)], rng)?;
         for end in made.touches.iter_mut().flat_map(|touch| &mut touch.ends).flatten() {
             // One side is measured, or both alike.
             let measured = data == Data::SelfTouch
@@ -143,8 +157,8 @@ impl Made {
             let share = if data == Data::SelfTouch { 0.5f64.sqrt() } else { 1.0 };
             end.deviation = stated.map(|std| if measured { share * std } else { 0.0 });
         }
-        made.spoil_log(fault, dof, &mut rng);
-        made
+        made.spoil_log(fault, dof, rng);
+        Some(made)
     }
 
     /// Puts encoders off, and what stands about where nobody knows exactly; says what is to be found.
@@ -227,7 +241,7 @@ impl Made {
         fault: Fault,
         [noise, slips]: [f64; 2],
         rng: &mut ChaCha8Rng,
-    ) {
+    ) -> Option<()> {
         let robot = match fault {
             Fault::Convention => self.robot.of_other_convention().unwrap_or_else(|| self.robot.clone()),
             _ => self.robot.clone(),
@@ -239,10 +253,13 @@ impl Made {
             (Fault::FewRows, _) => 3,
             _ => ROWS,
         };
-        while self.touches.len() < rows {
+        for _ in 0..=ATTEMPTS * rows {
             let k = self.touches.len();
+            if k == rows {
+                return Some(());
+            }
             if fault == Fault::SlippedMount && k as f64 >= slips * rows as f64 && truth == self.truth {
-                let Element::Shift(position) = robot.links[hands[0]].elements[0] else { break };
+                let Element::Shift(position) = robot.links[hands[0]].elements[0] else { return None };
                 let by = Rotation3::new(point(TAU, rng)) * Vector3::x() * rng.random_range(8e-3..15e-3);
                 truth[position] = truth[position].stepped(by.as_slice());
             }
@@ -270,6 +287,7 @@ impl Made {
             let Some((posture, ends)) = touch else { continue };
             self.touches.push(Touch { line: k + 2, posture, ends, distance: 0.0, time: None });
         }
+        None
     }
 
     /// What is wrong with the log.
@@ -349,7 +367,12 @@ fn add_arm(robot: &mut Robot, side: &str, y: f64, rng: &mut impl Rng) -> usize {
 }
 
 /// What stands about a robot.
-fn surroundings(robot: &mut Robot, hand: usize, data: Data, rng: &mut impl Rng) -> Vec<Feature> {
+fn surroundings(
+    robot: &mut Robot,
+    (body, hand): (&Robot, usize),
+    data: Data,
+    rng: &mut impl Rng,
+) -> Vec<Feature> {
     match data {
         Data::SelfTouch => Vec::new(),
         Data::Tracker => {
@@ -363,8 +386,8 @@ fn surroundings(robot: &mut Robot, hand: usize, data: Data, rng: &mut impl Rng) 
             .map(|k| {
                 // Where the hand can be.
                 let posture: Vec<f64> =
-                    robot.dofs.iter().map(|_| rng.random_range(-0.5 * RANGE..0.5 * RANGE)).collect();
-                let at = Posed::new(robot, &robot.nominal(), &posture).frames()[hand].origin;
+                    body.dofs.iter().map(|_| rng.random_range(-0.5 * RANGE..0.5 * RANGE)).collect();
+                let at = Posed::new(body, &body.nominal(), &posture).frames()[hand].origin;
                 Feature::Point(robot.add_place(&format!("socket{k}"), 0, at), Vector3::zeros())
             })
             .collect(),

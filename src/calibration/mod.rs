@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! robot (links, quantities by name, what is known of each) + touches ─ problem ─ estimate ─ fit
-//! fit ─ told (deviations, what cannot be told apart) ─ judgement (touches that it was not fitted to)
+//! fit ─ told (deviations, what cannot be told apart) ─ judgement (held-out touches, objections) ─ causes (what would explain)
 //! robot + touches that could be made ─ plan (those that tell most)
 //! ```
 //!

@@ -1,8 +1,7 @@
 //! Touches of a simulated robot as its encoders and skins would report them: to see what a calibration is worth where the
 //! truth is known.
 
-use nalgebra::Vector3;
-use rand::{Rng, RngExt};
+use rand::Rng;
 use rand_distr::{Distribution, StandardNormal};
 
 use super::robot::{Posed, Robot, Value};
@@ -78,26 +77,6 @@ pub fn point_touches(
     touches.iter().enumerate().filter_map(one).collect()
 }
 
-/// Adds a second contact to touches of points, as where a limb lies on another: a point a few centimetres from the first on one
-/// side, and what is there on the other by the robot's `values`. Which contact of a side met which of the other is not told.
-pub fn double(robot: &Robot, values: &[Value], touches: &mut [Touch], rng: &mut impl Rng) {
-    const APART: f64 = 0.04;
-    for touch in touches {
-        let posed = Posed::new(robot, values, &touch.posture);
-        let [Feature::Point(a, p), Feature::Point(b, _)] =
-            [touch.ends[0][0].feature, touch.ends[1][0].feature]
-        else {
-            continue;
-        };
-        let aside = Vector3::from_fn(|_, _| APART * normal(rng));
-        let [to_a, to_b] = posed.paths([a, b]);
-        let there = posed.frame(&to_b).inverse_point(&posed.frame(&to_a).point(&(p + aside)));
-        let deviation = None;
-        touch.ends[0].push(End { feature: Feature::Point(a, p + aside), deviation });
-        touch.ends[1].insert(0, End { feature: Feature::Point(b, there), deviation });
-    }
-}
-
 /// What encoders that are off make of touches whose postures are as the joints are; `values` says how they are off. Joints that
 /// give way are left as they are.
 pub fn misread(robot: &Robot, values: &[Value], touches: &mut [Touch]) {
@@ -125,19 +104,6 @@ pub fn add_point_noise(touches: &mut [Touch], deviation: f64, rng: &mut impl Rng
     for end in touches.iter_mut().flat_map(|touch| &mut touch.ends).flatten() {
         if let Feature::Point(_, point) = &mut end.feature {
             point.iter_mut().for_each(|x| *x += deviation * normal(rng));
-        }
-    }
-}
-
-/// Makes a share of touches false: one of their ends is that of another touch of the log.
-pub fn falsify(touches: &mut [Touch], share: f64, rng: &mut impl Rng) {
-    let honest = touches.to_vec();
-    for touch in touches.iter_mut() {
-        if rng.random_bool(share) {
-            let other = &honest[rng.random_range(0..honest.len())];
-            let side = rng.random_range(0..2);
-            touch.ends[side].clone_from(&other.ends[side]);
-            touch.ends[side].truncate(touch.ends[1 - side].len());
         }
     }
 }

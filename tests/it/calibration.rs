@@ -3,13 +3,11 @@
 
 use std::fs;
 
-use crate::common::calibrating::Place;
+use crate::common::calibrating::{Place, double, falsify};
 use crate::common::repository;
 use bodyschema::agent::Agent;
 use bodyschema::calibration::robot::{Element, Form, Knowledge, Posed, Robot, Unit, Value};
-use bodyschema::calibration::simulated::{
-    add_joint_noise, add_point_noise, double, falsify, misread, point_touches,
-};
+use bodyschema::calibration::simulated::{add_joint_noise, add_point_noise, misread, point_touches};
 use bodyschema::calibration::{
     End, Estimator, EstimatorOptions, FalseTouches, Feature, Fit, Noise, Touch, add_places, judge, plan,
     split,
