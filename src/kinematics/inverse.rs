@@ -160,15 +160,6 @@ impl<'a> InverseKinematics<'a> {
         self
     }
 
-    /// Sets one end elsewhere on its limb.
-    ///
-    /// # Panics
-    /// Where it is on another limb: that is another chain.
-    pub fn set_end(&mut self, end: usize, place: Place) {
-        assert_eq!(self.ends[end].limb, place.limb, "another chain");
-        self.ends[end] = place;
-    }
-
     /// Solves from a start posture; coordinates outside the chain stay as they are there.
     pub fn solve(&mut self, start: &[f64]) -> Reach {
         let mut posture = Posture::from(start);

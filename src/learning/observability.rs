@@ -268,21 +268,6 @@ impl Observability {
         }
     }
 
-    /// Standard deviation of a joint's position, metres: the root of the covariance's trace; none where the
-    /// touches do not involve it.
-    pub fn position_deviation(&self, joint: usize) -> Option<f64> {
-        let offset = self.parameters.positions[joint]?;
-        let block = self.covariance.view((offset, offset), (3, 3));
-        Some(block.trace().max(0.0).sqrt())
-    }
-
-    /// Standard deviation of an axis' direction, radians.
-    pub fn axis_deviation(&self, dof: usize) -> Option<f64> {
-        let offset = self.parameters.axes[dof]?;
-        let block = self.covariance.view((offset, offset), (2, 2));
-        Some(block.trace().max(0.0).sqrt())
-    }
-
     /// Standard deviation of each coordinate of a joint's position `l_P`, metres. None for a coordinate that
     /// the touches leave open, all three of a joint that they do not involve.
     pub fn position_std(&self, joint: usize) -> [Option<f64>; 3] {

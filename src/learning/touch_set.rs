@@ -121,13 +121,6 @@ impl TouchSet {
     pub fn filter(&self, keep: impl Fn(&PairTouches) -> bool) -> TouchSet {
         TouchSet { pairs: self.pairs.iter().filter(|pair| keep(pair)).cloned().collect() }
     }
-
-    /// The touches for which `keep` holds.
-    pub fn filter_touches(mut self, keep: impl Fn(&PreparedTouch) -> bool) -> TouchSet {
-        self.pairs.iter_mut().for_each(|pair| pair.touches.retain(&keep));
-        self.pairs.retain(|pair| !pair.touches.is_empty());
-        self
-    }
 }
 
 impl LimbTouch<'_> {

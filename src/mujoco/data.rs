@@ -155,16 +155,6 @@ impl Data {
         Ok(())
     }
 
-    /// Sets the force on body `i` at its centre of mass, newtons, in the world's frame, of the steps to come.
-    ///
-    /// # Panics
-    /// Where there is no body `i`.
-    pub fn set_body_force(&mut self, i: usize, force: &Vector3<f64>) {
-        assert!(i < self.model.nbody(), "there is no body {i}");
-        // SAFETY: six numbers a body, and `self` is borrowed exclusively.
-        unsafe { std::ptr::copy_nonoverlapping(force.as_ptr(), self.raw.as_ref().xfrc_applied.add(6 * i), 3) }
-    }
-
     /// Simulated time, seconds.
     pub fn time(&self) -> f64 {
         self.raw().time

@@ -77,24 +77,6 @@ impl Model {
         Ok(Self { raw, version: self.version, warning: self.warning.clone() })
     }
 
-    /// A copy in which joints turn and shift about other axes: one per joint, of unit length, in its body's frame. Free
-    /// and ball joints have none and heed none.
-    ///
-    /// # Errors
-    /// [`Error::Size`] where there is not one axis per joint, [`Error::Engine`] where there is no memory for it.
-    pub fn with_joint_axes(&self, axes: &[Vector3<f64>]) -> Result<Self> {
-        if axes.len() != self.njnt() {
-            return Err(Error::Size { what: "jnt_axis", expected: self.njnt(), found: axes.len() });
-        }
-        let mut copy = self.copy()?;
-        let raw = copy.raw_mut();
-        for (i, axis) in axes.iter().enumerate().flat_map(|(j, axis)| (3 * j..).zip(axis)) {
-            // SAFETY: the copy is not shared yet, and the array holds three numbers per joint.
-            unsafe { *(*raw).jnt_axis.add(i) = *axis }
-        }
-        Ok(copy)
-    }
-
     /// A copy in which a body is elsewhere in its parent's frame, metres.
     ///
     /// # Errors

@@ -381,14 +381,4 @@ impl ReachableMap {
         };
         [share(|level| level == Level::Near), share(|level| level != Level::OutOfReach)]
     }
-
-    /// The outermost voxels beyond all that are reached: those that share a side with one and are not reached.
-    pub fn just_beyond(&self) -> Vec<[i32; 3]> {
-        let around = self.voxels().flat_map(|(cell, _)| super::flood::SIDES.map(|way| beside(cell, &way)));
-        let mut beyond: Vec<[i32; 3]> =
-            around.filter(|&cell| self.level_of(cell) == Level::OutOfReach).collect();
-        beyond.sort_unstable();
-        beyond.dedup();
-        beyond
-    }
 }

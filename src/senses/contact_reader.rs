@@ -52,11 +52,6 @@ impl ContactReader {
         !self.receptors_on_geom[geom].is_empty()
     }
 
-    /// Whether a receptor has a `touch` sensor of its own.
-    pub fn has_sensor(&self, receptor: usize) -> bool {
-        self.sensor_of_receptor[receptor].is_some()
-    }
-
     /// Reads one contact of `data`, in whose posture poses are computed.
     pub fn read(&self, body: &Body, skin: &Skin, data: &Data, contact: &Contact) -> Reading {
         let limbs = contact.geoms.map(|geom| body.limb_of_geom(geom));

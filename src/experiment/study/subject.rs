@@ -227,11 +227,6 @@ impl<'a> Subject<'a> {
         Ok(OwnBody::of(self.agent(), &learned, &touches))
     }
 
-    /// The creature in a model made from its own.
-    pub fn remade(&self, model: Arc<Model>) -> Result<Body, ExperimentError> {
-        self.embodied.source().body_in(model)
-    }
-
     /// The number of a seed's trial among all trials, from 0; none where the seed is of none.
     pub fn number(&self, seed: u64) -> Option<usize> {
         self.seeds.iter().position(|&other| other == seed)

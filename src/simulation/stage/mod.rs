@@ -235,12 +235,6 @@ impl Stage {
         self.core.borrow().data.body_pose(thing)
     }
 
-    /// Whether a thing touches anything in the last step.
-    pub fn is_touching(&self, thing: usize) -> bool {
-        let geom_of = |geom: &usize| self.body.model.geom_body(*geom) == thing;
-        self.core.borrow().data.contacts().any(|contact| contact.geoms.iter().any(geom_of))
-    }
-
     /// Where a limb and a thing touch in the last step, in the frame of the thing, metres.
     pub fn touching_at(&self, limb: usize, thing: usize) -> Option<Vector3<f64>> {
         self.core.borrow().touching_at(limb, thing)
