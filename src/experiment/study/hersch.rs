@@ -4,8 +4,8 @@
 //! from the same initial guesses (the paper's onsets) at the same postures, is given receptors' centres (the paper's input), the exact points of
 //! contact, and exact points of limbs in each other's frames: of the limbs that touch, and of any.
 
-use nalgebra::{UnitQuaternion, Vector3};
-use rand::{RngExt, SeedableRng};
+use nalgebra::{Unit, UnitQuaternion, Vector3};
+use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -14,14 +14,13 @@ use serde_json::json;
 use super::plot::{AxisScale, PlotAxis, PlotSeries, StudyPlot};
 use super::subject::{Subject, median};
 use super::table::row;
-use super::turned::direction_across;
 use super::{Findings, Study, Trial, Trials};
 use crate::agent::Agent;
 use crate::creature::DofKind;
 use crate::evaluation::{evaluate, evaluate_learned};
 use crate::experiment::ExperimentError;
 use crate::ground_truth::GroundTruth;
-use crate::kinematics::limb_frames;
+use crate::kinematics::{limb_frames, tangent_basis};
 use crate::learning::initial_guess::random_guess;
 use crate::learning::{Hersch, Input, Learner, STEP};
 use crate::schema::BodySchema;
@@ -358,4 +357,11 @@ fn findings(options: &HerschOptions, trials: &[HerschTrial]) -> Findings<HerschM
     let numbers = vec![("rule", json!(options))];
     let measurements = trials.iter().flat_map(|trial| trial.0.clone()).collect();
     Findings { measurements, summary, notes, plot, numbers }
+}
+
+/// A direction drawn uniformly from those across an axis.
+fn direction_across(axis: &Vector3<f64>, rng: &mut impl Rng) -> Unit<Vector3<f64>> {
+    let across = tangent_basis(axis);
+    let direction = std::f64::consts::TAU * rng.random::<f64>();
+    Unit::new_normalize(across.column(0) * direction.cos() + across.column(1) * direction.sin())
 }

@@ -12,7 +12,6 @@ pub mod bodies;
 pub mod calibration;
 mod changed_body;
 pub mod claims;
-pub mod coverage;
 pub mod disturbances;
 mod exhaustive_reach;
 pub mod farthest;
@@ -24,6 +23,7 @@ pub mod map;
 pub mod other_hand;
 mod plot;
 pub mod policies;
+mod reach_bound;
 pub mod self_touch;
 pub mod sensations;
 mod subject;
@@ -43,7 +43,6 @@ pub const STUDIES: &[&Study] = &[
     &learners::STUDY,
     &hersch::STUDY,
     &policies::STUDY,
-    &coverage::STUDY,
     &claims::STUDY,
     &disturbances::STUDY,
     &growth::STUDY,

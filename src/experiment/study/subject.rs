@@ -1,7 +1,6 @@
 //! Who is studied: a creature that babbles, learns and is measured, trial by trial.
 
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 use std::time::Instant;
 
 use super::hersch::HerschOptions;
@@ -15,7 +14,6 @@ use crate::experiment::touches::all_touches;
 use crate::experiment::{Embodied, ExperimentError, LearningOptions, Observer, Phase, own_body};
 use crate::ground_truth::GroundTruth;
 use crate::learning::{Learned, Verdict};
-use crate::mujoco::Model;
 use crate::peripersonal::OwnBody;
 use crate::senses::Touch;
 use crate::simulation::MotionName;
