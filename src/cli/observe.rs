@@ -5,16 +5,14 @@ use std::path::PathBuf;
 use serde_json::json;
 
 use super::learned::{print_knowledge, warn_truncated};
-use super::{Failure, Outcome, output, progress};
+use super::{Outcome, output};
 use crate::agent::Agent;
 use crate::creature::DofKind;
-use crate::experiment::LearningOptions;
 use crate::kinematics::Chain;
-use crate::learning::{Account, Input, Learner, LimbFrames, SecondOrder};
+use crate::learning::Input;
 use crate::record::{
-    LearningRecord, ReadLock, RecordedAccount, SCHEMA_FILE, Session, TOUCHES_FILE, read_schema, read_touches,
+    LearningRecord, ReadLock, SCHEMA_FILE, Session, TOUCHES_FILE, read_schema, read_touches,
 };
-use crate::schema::BodySchema;
 use crate::senses::Touch;
 use crate::view::text;
 
@@ -43,18 +41,18 @@ pub fn run(args: &ObserveArguments) -> Outcome {
     let creature = agent.creature();
     let log = read_touches(&args.session.join(TOUCHES_FILE), agent)?;
     warn_truncated(&log, &args.session);
-    let schema = read_schema(&args.session.join(SCHEMA_FILE), creature)?;
+    // Of a session that is not learned yet its absence says so.
+    read_schema(&args.session.join(SCHEMA_FILE), creature)?;
     if log.touches.is_empty() {
         return Err("there is no touch to look at: babble some first".into());
     }
     let record = LearningRecord::read_or_unknown(&args.session, creature)?;
     let touches = &log.touches[..record.touches.min(log.touches.len())];
-    if !record.converged {
+    let (Some(account), Some(recorded)) = (record.reliable_account(), &record.account) else {
         return unconfirmed(args, agent, touches, &record);
-    }
-    let spinner = progress::spinner(&format!("looking at {} touches", touches.len()));
-    let Observed { account, deviation, points } = observed(&session, &schema, touches, &record)?;
-    spinner.finish_and_clear();
+    };
+    let deviation = recorded.deviation.unwrap_or_default();
+    let points = recorded.basis.input == Input::Contact;
     let found = &account.observability;
     let indices = found.indices();
     let millimetres = |joint: usize| found.position_std(joint).map(|metres| metres.map(|m| 1e3 * m));
@@ -176,41 +174,4 @@ fn unconfirmed(
     say!("  {:<28}touches of its skin", "limb");
     limbs().for_each(|(limb, touches)| say!("  {limb:<28}{touches}"));
     Ok(())
-}
-
-/// What touches determine.
-struct Observed {
-    account: Account,
-    /// Standard deviation of a touch, metres.
-    deviation: f64,
-    /// Whether touches reported points of contact.
-    points: bool,
-}
-
-/// The account of a session's learner; of one that gave none, what its touches determine at its schema.
-fn observed(
-    session: &Session,
-    schema: &BodySchema,
-    touches: &[Touch],
-    record: &LearningRecord,
-) -> Result<Observed, Failure> {
-    let (input, frames) = match &record.account {
-        Some(recorded) => (recorded.basis.input, recorded.basis.frames),
-        // Sessions from before there was an account: limbs in frames of their own are learned from contact points.
-        None => {
-            let own_frames = !schema.limb_poses.is_empty();
-            let points = LearningOptions::default().for_session(session)?.input() == Input::Contact;
-            let input = if points || own_frames { Input::Contact } else { Input::Receptor };
-            (input, if own_frames { LimbFrames::Limb } else { LimbFrames::Joint })
-        }
-    };
-    let points = input == Input::Contact;
-    if let Some(RecordedAccount { deviation: Some(deviation), account: Some(account), .. }) = &record.account
-    {
-        return Ok(Observed { account: account.clone(), deviation: *deviation, points });
-    }
-    let mut learner = SecondOrder::new(&session.agent, input, session.seed).with_frames(frames);
-    touches.iter().for_each(|touch| learner.touch(touch));
-    let (account, deviation) = learner.account(schema);
-    Ok(Observed { account, deviation, points })
 }

@@ -119,20 +119,6 @@ fn receptors_that_could_meet_do_meet() {
         start[own.creature().elements().find(|at| at.name == name).unwrap().coordinate()] = 1.5;
     }
     let meetings = own.could_meet(forearm, hand, &start, Some(&clearance));
-    for (r, receptor) in own
-        .skin()
-        .receptors
-        .iter()
-        .enumerate()
-        .filter(|(_, r)| r.limb == own.creature().limb("right_forearm").unwrap())
-    {
-        eprintln!(
-            "QQ {:?} {} of {}",
-            receptor.normal.as_slice(),
-            own.could_meet(r, hand, &start, Some(&clearance)).len(),
-            own.could_meet(r, hand, &start, None).len()
-        );
-    }
     assert!(!meetings.is_empty(), "a hand reaches the other forearm");
     for meeting in &meetings {
         let [a, b] = [meeting.receptor, forearm].map(|receptor| {
