@@ -362,8 +362,7 @@ fn add_arm(robot: &mut Robot, side: &str, y: f64, rng: &mut impl Rng) -> usize {
         robot.masses.push(LinkMass { link, mass: rng.random_range(0.5..2.0), centre });
     }
     // Its mount is the one of this name, once all have one.
-    let mount = robot.add_mount(&format!("{side}_hand.mount"), link, Frame::identity());
-    mount
+    robot.add_mount(&format!("{side}_hand.mount"), link, Frame::identity())
 }
 
 /// What stands about a robot.

@@ -84,7 +84,11 @@ fn a_session_that_work_ended_is_the_same_under_any_load() {
         };
         let quiet = learned("3");
         for _ in 0..2 {
-            scope.spawn(|| while busy.load(std::sync::atomic::Ordering::Relaxed) {});
+            scope.spawn(|| {
+                while busy.load(std::sync::atomic::Ordering::Relaxed) {
+                    std::hint::spin_loop();
+                }
+            });
         }
         let loaded = learned("1");
         busy.store(false, std::sync::atomic::Ordering::Relaxed);
