@@ -257,7 +257,7 @@ fn doubts(estimator: &Estimator, fit: &Fit) -> Vec<Objection> {
     if let Some(random) = apart_at_random(estimator, fit).filter(|random| apart.rms >= EXPLAINED * random.rms)
     {
         let sentence = format!(
-            "what touched stays {} mm apart, and {} mm in postures exchanged at random: limbs or columns may be exchanged, units \
+            "what touched stays {} mm apart, and {} mm with what joints read exchanged between touches: limbs or columns may be exchanged, units \
              wrong, or what is off is not among what is said to be unknown",
             mm(apart.rms),
             mm(random.rms)
@@ -536,7 +536,7 @@ fn spread(fit: &Fit, seen: &Seen, value: nalgebra::Vector3<f64>) -> f64 {
     whitened.map_or(f64::INFINITY, |squares| (squares / size).sqrt())
 }
 
-/// How far apart touches would be in the postures of others between the same two: what a body that explains nothing leaves.
+/// How far apart touches would be with each joint as in another one between the same two: what a body that explains nothing leaves.
 /// `None` if no two touches are between the same.
 fn apart_at_random(estimator: &Estimator, fit: &Fit) -> Option<Misses> {
     let touches = estimator.touches();
@@ -551,9 +551,15 @@ fn apart_at_random(estimator: &Estimator, fit: &Fit) -> Option<Misses> {
     let mut exchanged = Vec::new();
     for own in alike.into_values().filter(|own| own.len() > 1) {
         for (k, i) in own.iter().enumerate() {
-            // One from far down the log: neighbours are often alike.
-            let other = own[(k + own.len().div_ceil(2)) % own.len()];
-            exchanged.push(Touch { posture: touches[other].posture.clone(), ..touches[*i].clone() });
+            // Each joint as it was in a touch of its own: where the same two always touch, nothing else was measured.
+            let mut touch = touches[*i].clone();
+            for (d, dof) in estimator.robot.dofs.iter().enumerate() {
+                let apart = (0.618_034 * (d + 1) as f64).fract() * (own.len() - 1) as f64;
+                let other = own[(k + 1 + apart as usize) % own.len()];
+                let coordinates = dof.coordinate..dof.coordinate + dof.kind.coordinates();
+                touch.posture[coordinates.clone()].copy_from_slice(&touches[other].posture[coordinates]);
+            }
+            exchanged.push(touch);
         }
     }
     let seen = estimator.seen_of(&exchanged, &fit.values, &fit.noise);
