@@ -22,7 +22,7 @@ const TOLD: usize = 8;
 const MOST: usize = 60;
 /// Steps from the turned axes.
 const STEPS: usize = 60;
-/// Axes of which any may be turned together; of up to twice as many two, of more one, or all as in a mirror.
+/// Axes of which any may be turned together; of up to twice as many two, of more one. All may also be mirrored.
 const FEW_AXES: usize = 4;
 /// An axis that ends within this of where it was is the same, 1.
 const SAME_AXIS: f64 = 0.02;
@@ -107,18 +107,18 @@ fn twin(
         let beside = if axes.len() <= 2 * FEW_AXES { axes.len() } else { 1 };
         let pairs = (0..axes.len()).flat_map(|a| (a..axes.len().min(a + beside)).map(move |b| [a, b]));
         others.extend(pairs.map(|pair| turned(&|number| pair.contains(&number))));
-        for normal in few.pairs.iter().max_by_key(|pair| pair.touches.len()).into_iter().flat_map(normals) {
-            let mut other = schema.clone();
-            for &axis in &axes {
-                let own = other.axes[axis];
-                other.axes[axis] = 2.0 * own.dot(&normal) * normal - own;
-            }
-            for &joint in joints {
-                let own = other.positions[joint];
-                other.positions[joint] = own - 2.0 * own.dot(&normal) * normal;
-            }
-            others.push(other);
+    }
+    for normal in few.pairs.iter().max_by_key(|pair| pair.touches.len()).into_iter().flat_map(normals) {
+        let mut other = schema.clone();
+        for &axis in &axes {
+            let own = other.axes[axis];
+            other.axes[axis] = 2.0 * own.dot(&normal) * normal - own;
         }
+        for &joint in joints {
+            let own = other.positions[joint];
+            other.positions[joint] = own - 2.0 * own.dot(&normal) * normal;
+        }
+        others.push(other);
     }
     others.into_iter().find_map(|other| {
         let stopping =

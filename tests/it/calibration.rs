@@ -484,7 +484,6 @@ fn a_mistake_gets_a_sentence_with_its_mend() {
         ),
         ("limb.csv", log.replace("left_hand", "lefthand"), &["line", "lefthand", "left_hand"]),
         ("point.csv", with_head(",ax,", ",a_x,"), &["no column ax"]),
-        ("semicolons.csv", log.replace(',', ";"), &["';'", "commas"]),
         (
             "words.csv",
             log.replacen("left_hand,right_hand,", "left_hand,right_hand,oops", 1),

@@ -1,6 +1,6 @@
 //! Postures as other programs write them: quaternions of few digits, and angles that look like degrees.
 
-use std::collections::{BTreeMap, HashSet};
+use std::collections::BTreeMap;
 use std::path::Path;
 
 use super::raw::RawTouch;
@@ -91,26 +91,6 @@ fn far_point(touches: &[RawTouch]) -> Option<String> {
     })
 }
 
-/// That lines tell the same touch, as a sentence.
-fn told_twice(touches: &[RawTouch]) -> Option<String> {
-    let mut seen = HashSet::new();
-    let bits = |touch: &RawTouch| {
-        let points =
-            touch.ends.iter().filter_map(|end| end.point).flat_map(|point| [point.x, point.y, point.z]);
-        let numbers = touch.posture.iter().copied().chain(points).map(f64::to_bits).collect::<Vec<_>>();
-        let names = touch.ends.iter().map(|end| (end.limb.clone(), end.receptor.clone())).collect::<Vec<_>>();
-        (numbers, names)
-    };
-    let twice: Vec<usize> =
-        touches.iter().filter(|touch| !seen.insert(bits(touch))).map(|touch| touch.line).collect();
-    let first = twice.first()?;
-    Some(format!(
-        "{} of {} touches are told twice, the first on line {first}: leave them out, as they tell nothing new",
-        twice.len(),
-        touches.len()
-    ))
-}
-
 /// What looks odd about a log: coordinates beyond their ranges, points far from their limbs.
 pub(super) fn notes(creature: &Creature, touches: &[RawTouch]) -> Vec<String> {
     let ranges =
@@ -138,7 +118,6 @@ pub(super) fn notes(creature: &Creature, touches: &[RawTouch]) -> Vec<String> {
         }
     }
     notes.extend(far_point(touches));
-    notes.extend(told_twice(touches));
     let mut distances: Vec<f64> =
         touches.iter().flat_map(|touch| &touch.ends).filter_map(|end| end.point).map(|p| p.norm()).collect();
     distances.sort_by(f64::total_cmp);
