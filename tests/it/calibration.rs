@@ -473,7 +473,7 @@ fn a_mistake_gets_a_sentence_with_its_mend() {
     let rows =
         log.lines().skip(1).map(|line| line.split(',').enumerate().map(metres).collect::<Vec<_>>().join(","));
     let millimetres = format!("{}\n{}\n", log.lines().next().unwrap(), rows.collect::<Vec<_>>().join("\n"));
-    let logs: [(&str, String, &[&str]); 10] = [
+    let logs: [(&str, String, &[&str]); 9] = [
         ("millimetres.csv", millimetres, &["millimetres", "ax_mm"]),
         ("degrees.csv", log.replacen("_deg", "", 10), &["degrees", "left_yaw_deg"]),
         ("joint.csv", with_head("left_wrist_deg", "left_wirst_deg"), &["left_wrist", "left_wirst", "rename"]),

@@ -77,7 +77,7 @@ fn one_verdict(place: &Path, number: usize) -> Value {
     let what = format!("{model} {options}");
     let [observed, evaluated] =
         ["observe", "evaluate"].map(|command| json(place, &[command, &session, "--json"]));
-    let same = [
+    let in_all = [
         "converged",
         "reason",
         "verdict",
@@ -87,7 +87,7 @@ fn one_verdict(place: &Path, number: usize) -> Value {
         "undetermined_limbs",
         "touches",
     ];
-    for key in same {
+    for key in in_all {
         assert!(babbled.get(key).is_some(), "{what}: no {key}");
         assert_eq!(babbled[key], observed[key], "{what}: {key} of observe");
         assert_eq!(babbled[key], evaluated[key], "{what}: {key} of evaluate");
