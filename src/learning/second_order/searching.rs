@@ -17,8 +17,6 @@ use crate::learning::{AxisModel, LimbFrames, Parameters, PriorKnowledge};
 use crate::senses::Touch;
 use crate::skin::Receptor;
 
-/// So many accepted starts by which touches place nothing are enough to believe that there is nothing to be placed.
-const IDLE_STARTS: usize = 6;
 /// Every how many touches one is kept back to judge a start.
 const KEPT_BACK: usize = 5;
 /// Starts tried with a body too large to be solved whole.
@@ -84,8 +82,6 @@ pub(super) struct Judged {
     pub judged: f64,
     /// Noise of the touches that it was fitted to, metres.
     pub noise: f64,
-    /// Whether it is accepted, and the touches that it was fitted to place any limb by it.
-    places: bool,
 }
 
 impl Judged {
@@ -102,9 +98,6 @@ impl Judged {
     fn better(&self, other: &Judged) -> bool {
         if self.start.accepted != other.start.accepted {
             return self.start.accepted;
-        }
-        if self.places != other.places {
-            return self.places;
         }
         if self.start.accepted && self.known() != other.known() {
             return self.known() > other.known();
@@ -208,12 +201,11 @@ impl SecondOrder {
             };
             let (judged, noise) = self.judge(search, touches, fresh, &start);
             start.accepted &= judged <= 1.0;
-            let places = start.accepted && self.places(touches, &start);
-            Judged { start, judged, noise, places }
+            Judged { start, judged, noise }
         };
         // All cores make starts; which one is taken does not depend on how many there are.
         let mut best: Option<Judged> = None;
-        let (mut initial_guesses, mut settled, mut idle) = (0, false, 0);
+        let (mut initial_guesses, mut settled) = (0, false);
         let mut noises: Vec<f64> = Vec::new();
         let points = self.input == Input::Contact;
         let metres = if points { taken_deviation(touches) } else { 1.0 };
@@ -235,7 +227,6 @@ impl SecondOrder {
                 count(done);
                 initial_guesses += trial.start.initial_guesses;
                 noises.push(trial.noise);
-                idle += usize::from(trial.start.accepted && !trial.places);
                 if best.as_ref().is_none_or(|best| trial.better(best)) {
                     best = Some(trial);
                 }
@@ -243,8 +234,7 @@ impl SecondOrder {
                 let agreeing =
                     noises.iter().filter(|&&noise| noise <= (1.0 + self.agreement()) * best.noise).count();
                 let complete = best.known() >= solvable || *number + 1 >= incomplete_starts;
-                let told = best.places || idle >= IDLE_STARTS;
-                if best.start.accepted && told && complete && (best.noise <= CERTAIN_NOISE || agreeing >= 2) {
+                if best.start.accepted && complete && (best.noise <= CERTAIN_NOISE || agreeing >= 2) {
                     break 'waves;
                 }
                 let blind = self.frames == LimbFrames::Limb && best.known() == 0;
@@ -268,13 +258,6 @@ impl SecondOrder {
         let agreeing = noises.iter().filter(|&&noise| noise <= (1.0 + self.agreement()) * best.noise).count();
         best.start.accepted &= best.noise <= CERTAIN_NOISE || agreeing >= 2;
         SearchResult { best, initial_guesses, settled }
-    }
-
-    /// Whether what some touches tell of a start that explains them places any limb: what closes most of them may be wrong where they
-    /// are all alike.
-    fn places(&self, touches: &TouchSet, start: &Start) -> bool {
-        let surfaces = matches!(self.evidence(), Evidence::Surfaces(_));
-        !surfaces || self.account_of(&touches.filter(|pair| start.covers(pair)), &start.schema).0.claims_any()
     }
 
     /// The share of the noise within which two starts have come to the same.
