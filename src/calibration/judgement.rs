@@ -257,8 +257,8 @@ fn doubts(estimator: &Estimator, fit: &Fit) -> Vec<Objection> {
     if let Some(random) = apart_at_random(estimator, fit).filter(|random| apart.rms >= EXPLAINED * random.rms)
     {
         let sentence = format!(
-            "what touched stays {} mm apart, and {} mm with what joints read exchanged between touches: limbs or columns may be exchanged, units \
-             wrong, or what is off is not among what is said to be unknown",
+            "what touched stays {} mm apart, and {} mm with what was measured exchanged between touches: limbs or columns may be \
+             exchanged, units wrong, or what is off is not among what is said to be unknown",
             mm(apart.rms),
             mm(random.rms)
         );
@@ -536,8 +536,9 @@ fn spread(fit: &Fit, seen: &Seen, value: nalgebra::Vector3<f64>) -> f64 {
     whitened.map_or(f64::INFINITY, |squares| (squares / size).sqrt())
 }
 
-/// How far apart touches would be with each joint as in another one between the same two: what a body that explains nothing leaves.
-/// `None` if no two touches are between the same.
+/// How far apart touches would be with what was measured exchanged between those of the same two links: what a body that explains
+/// nothing leaves. Exchanged are postures where points differ; where they are the same in all only joints were measured, and each
+/// is exchanged by itself. `None` if no two touches are between the same.
 fn apart_at_random(estimator: &Estimator, fit: &Fit) -> Option<Misses> {
     let touches = estimator.touches();
     let mut alike: BTreeMap<[(bool, usize); 2], Vec<usize>> = BTreeMap::new();
@@ -550,11 +551,14 @@ fn apart_at_random(estimator: &Estimator, fit: &Fit) -> Option<Misses> {
     }
     let mut exchanged = Vec::new();
     for own in alike.into_values().filter(|own| own.len() > 1) {
+        let features = |i: usize| touches[i].ends.each_ref().map(|ends| ends[0].feature);
+        let same_points = own.iter().all(|i| features(*i) == features(own[0]));
         for (k, i) in own.iter().enumerate() {
-            // Each joint as it was in a touch of its own: where the same two always touch, nothing else was measured.
             let mut touch = touches[*i].clone();
             for (d, dof) in estimator.robot.dofs.iter().enumerate() {
-                let apart = (0.618_034 * (d + 1) as f64).fract() * (own.len() - 1) as f64;
+                // Of a whole posture from far down the log: neighbours are often alike.
+                let share = if same_points { (0.618_034 * (d + 1) as f64).fract() } else { 0.5 };
+                let apart = share * (own.len() - 1) as f64;
                 let other = own[(k + 1 + apart as usize) % own.len()];
                 let coordinates = dof.coordinate..dof.coordinate + dof.kind.coordinates();
                 touch.posture[coordinates.clone()].copy_from_slice(&touches[other].posture[coordinates]);
