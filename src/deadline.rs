@@ -193,7 +193,7 @@ mod tests {
                 // Each counts on until it is over; those inside it belong to it.
                 let ended = in_parallel((0..8).collect(), |number: usize| {
                     in_parallel(vec![number, 1], |units| count_work(units * unit));
-                    (0..).take_while(|_| (count_work(unit), deadline.has_passed()).1 == false).count()
+                    (0..).take_while(|_| !(count_work(unit), deadline.has_passed()).1).count()
                 });
                 (ended, apart(|| deadline.has_passed()))
             })
