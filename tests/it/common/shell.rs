@@ -45,7 +45,11 @@ impl Line {
         self.check();
         if !self.slow {
             let begun = Instant::now();
-            run(folder, &self.text);
+            if self.text.starts_with("bodyschema view") {
+                serve(folder, &self.text);
+            } else {
+                run(folder, &self.text);
+            }
             println!("{:.1} s: {}", begun.elapsed().as_secs_f64(), self.text);
         }
         !self.slow
@@ -65,6 +69,13 @@ pub fn run(folder: &Path, line: &str) -> String {
         [&output.stdout, &output.stderr].map(|bytes| String::from_utf8_lossy(bytes).into_owned());
     assert!(output.status.success(), "{line}: {message}{out}");
     out
+}
+
+/// Runs a line that serves a page until it is ended: it must still serve after some seconds.
+fn serve(folder: &Path, line: &str) {
+    let ended = format!("timeout 5 {line} 2>&1; status=$?; test $status = 124 || exit $status");
+    let told = run(folder, &ended);
+    assert!(told.contains("live at http://"), "{line}: {told}");
 }
 
 /// Copies the repository's models and its robot into a folder, as a checkout has them.
