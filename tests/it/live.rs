@@ -226,7 +226,8 @@ fn sessions_are_looked_at_touch_by_touch_in_any_posture_and_beside_each_other() 
     tab.wait("document.getElementById('touch').value === '0'");
     assert_ne!(joints(), touched);
 
-    // A click on a limb tells how sure it is.
+    // A click on a limb tells how sure it is. It is of the picture that is seen, so that the body is let come to rest.
+    tab.evaluate(rests);
     let at = tab
         .wait("Array.from({ length: 300 }, (_, k) => window.live.whereIs(k)).find((at) => at && at[0] > 50)");
     let corner = tab.evaluate(

@@ -45,7 +45,9 @@ impl Line {
         self.check();
         if !self.slow {
             let begun = Instant::now();
-            if self.text.starts_with("bodyschema view") {
+            if self.text.starts_with("bodyschema view")
+                || self.text.starts_with("bodyschema talk") && self.text.ends_with("--live")
+            {
                 serve(folder, &self.text);
             } else {
                 run(folder, &self.text);
