@@ -39,20 +39,23 @@ impl Served {
     }
 
     fn by(place: &Path, mut command: Command, input: Stdio) -> Served {
-        let mut program = command
-            .args(["--live", "127.0.0.1:0"])
-            .current_dir(place)
-            .stdin(input)
-            .stdout(Stdio::null())
-            .stderr(Stdio::piped())
-            .spawn()
-            .unwrap();
+        command.args(["--live", "127.0.0.1:0"]).current_dir(place).stdin(input);
+        Served::started(command)
+    }
+
+    /// By a command as it is, wherever it serves.
+    pub fn started(mut command: Command) -> Served {
+        let mut program = command.stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap();
         let mut told = BufReader::new(program.stderr.take().unwrap());
         let address = (&mut told)
             .lines()
             .map_while(Result::ok)
             .find_map(|line| Some(line.split_once("live at ")?.1.to_string()));
-        Served { program, told, address: address.expect("it tells where it serves") }
+        Served {
+            program,
+            told,
+            address: address.unwrap_or_else(|| panic!("{command:?} does not tell where it serves")),
+        }
     }
 
     /// Where, as a host and a port.

@@ -6,6 +6,7 @@ use std::process::{Command, Stdio};
 use std::time::Instant;
 
 use super::repository;
+use super::served::Served;
 
 /// What a line says of itself where it takes too long for a test: then only its usage is checked.
 const SLOW: [&str; 2] = ["takes minutes", "takes hours"];
@@ -48,7 +49,10 @@ impl Line {
             if self.text.starts_with("bodyschema view")
                 || self.text.starts_with("bodyschema talk") && self.text.ends_with("--live")
             {
-                serve(folder, &self.text);
+                // It serves until it is ended.
+                let served = Served::started(shell(folder, &format!("exec {}", self.text)));
+                let page = served.answer("GET", "/", "host: HERE\r\n", "");
+                assert!(page.starts_with("HTTP/1.1 200"), "{self:?}: {page}");
             } else {
                 run(folder, &self.text);
             }
@@ -58,26 +62,24 @@ impl Line {
     }
 }
 
-/// Runs a line in a shell in a folder, with bodyschema in its path; it must succeed.
-pub fn run(folder: &Path, line: &str) -> String {
+/// A shell that runs a line in a folder, with bodyschema in its path, where nobody types.
+fn shell(folder: &Path, line: &str) -> Command {
     let program = Path::new(env!("CARGO_BIN_EXE_bodyschema"));
     let path = format!("{}:{}", program.parent().unwrap().display(), std::env::var("PATH").unwrap());
     let mut shell = Command::new("bash");
     shell.args(["-o", "pipefail", "-c", line]).current_dir(folder).env("PATH", path).stdin(Stdio::null());
     // What is installed for a user goes into the folder, too.
     shell.env("HOME", folder);
-    let output = shell.output().unwrap();
+    shell
+}
+
+/// Runs a line in a shell in a folder, with bodyschema in its path; it must succeed.
+pub fn run(folder: &Path, line: &str) -> String {
+    let output = shell(folder, line).output().unwrap();
     let [out, message] =
         [&output.stdout, &output.stderr].map(|bytes| String::from_utf8_lossy(bytes).into_owned());
     assert!(output.status.success(), "{line}: {message}{out}");
     out
-}
-
-/// Runs a line that serves a page until it is ended: it must still serve after some seconds.
-fn serve(folder: &Path, line: &str) {
-    let ended = format!("timeout 5 {line} 2>&1; status=$?; test $status = 124 || exit $status");
-    let told = run(folder, &ended);
-    assert!(told.contains("live at http://"), "{line}: {told}");
 }
 
 /// Copies the repository's models and its robot into a folder, as a checkout has them.
