@@ -96,12 +96,6 @@ pub fn run(args: &LearnArguments, given: Arguments) -> Outcome {
         made.write(generation.folder())?;
     }
     let result = learn_and_report(generation, &babbled, &learning, truth.as_ref(), &bars)?;
-    if !result.learned.verdict.converged() && are_of_limb_frames(&babbled, &learning) {
-        tell!(
-            "these touches are explained where points are in the limbs' own frames, as URDF has them, which are not parallel at \
-             zero: learn with `--frames limb --input contact`"
-        );
-    }
     lock.finish()?;
     if !result.learned.verdict.converged() && are_of_limb_frames(&babbled, &learning) {
         tell!(

@@ -406,3 +406,49 @@ fn what_cannot_tell_limbs_frames_is_refused() {
     fs::write(place.path().join("known.json"), r#"{"joints": []}"#).unwrap();
     refused(&["--input", "contact", "--known", "known.json"], "--known");
 }
+
+/// A creature as `learn --creature` reads it, and its touches as points in the limbs' frames.
+fn recording(pupil: &Pupil) -> [String; 2] {
+    let creature = pupil.agent.creature();
+    let name = |limb: usize| creature.limbs()[limb].name.clone();
+    let joints = creature.joints().iter().enumerate().map(|(joint, about)| {
+        let dofs = about
+            .dofs
+            .iter()
+            .map(|dof| serde_json::json!({"name": dof.name, "kind": "hinge", "range": dof.range}));
+        serde_json::json!({"name": about.name, "parent": name(about.parent), "limb": name(joint + 1),
+            "dofs": dofs.collect::<Vec<Value>>()})
+    });
+    let limbs: Vec<String> = (0..creature.limbs().len()).map(name).collect();
+    let described =
+        serde_json::json!({"name": "arms", "limbs": limbs, "joints": joints.collect::<Vec<Value>>()});
+    let mut log = "limb_a,limb_b,ax,ay,az,bx,by,bz".to_string();
+    creature.dofs().for_each(|dof| log += &format!(",{}", dof.name));
+    for touch in &pupil.touches {
+        let [a, b] = pupil.limbs_of(touch);
+        log += &format!("\n{},{}", name(a), name(b));
+        let points = touch.ends.iter().flat_map(|end| end.contact.iter().copied());
+        points.chain(touch.posture.iter().copied()).for_each(|x| log += &format!(",{x}"));
+    }
+    [described.to_string(), log]
+}
+
+#[test]
+fn points_in_the_limbs_own_frames_are_noticed_and_the_option_for_them_is_named_once() {
+    let pupil = Pupil::new(&arms(), 200, 3);
+    let place = tempfile::tempdir().unwrap();
+    let [creature, log] = recording(&pupil);
+    fs::write(place.path().join("arms.json"), creature).unwrap();
+    fs::write(place.path().join("log.csv"), log).unwrap();
+    let learn = ["learn", "--creature", "arms.json", "--log", "log.csv"];
+    let told = |more: &[&str]| {
+        let output = run(place.path(), &[&learn[..], more].concat());
+        assert_eq!(output.status.code(), Some(0));
+        [output.stdout, output.stderr].map(|said| String::from_utf8(said).unwrap())
+    };
+    let [said, hint] = told(&["--out", "joint"]);
+    assert!(said.contains("NOT learned"), "{said}");
+    assert_eq!(hint.matches("--frames limb").count(), 1, "{hint}");
+    let [said, hint] = told(&["--out", "limb", "--frames", "limb", "--input", "contact"]);
+    assert!(!said.contains("NOT learned") && !hint.contains("--frames limb"), "{said}{hint}");
+}
