@@ -33,7 +33,7 @@ const FRUITLESS_BOUTS: u64 = 20;
 /// … and with physics, where a motion takes a thousand times as long.
 const FRUITLESS_DYNAMIC_BOUTS: u64 = 1;
 /// What a motion counts as, in work of [`count_work`].
-const MOTION: usize = 100_000;
+const MOTION: usize = 400_000;
 /// Marks the random streams of a seed that noise of the senses is drawn from.
 const NOISE_STREAMS: u64 = 1 << 62;
 

@@ -57,7 +57,7 @@ pub const LAST_PULL: f64 = 0.1;
 /// Steps in all, whatever the number of touches: about a second.
 pub const STEPS: usize = 1_000_000;
 /// What a step counts as, in work of [`count_work`].
-const STEP: usize = 1_000;
+const STEP: usize = 4_000;
 /// How exact a contact point is taken to be, metres.
 const CONTACT_DEVIATION: f64 = 1e-4;
 /// How far a curved limb is taken to bulge out of a flat patch, metres.
