@@ -410,7 +410,7 @@ fn what_cannot_tell_limbs_frames_is_refused() {
 /// A creature as `learn --creature` reads it, and its touches as points in the limbs' frames.
 fn recording(pupil: &Pupil) -> [String; 2] {
     let creature = pupil.agent.creature();
-    let name = |limb: usize| creature.limbs()[limb].name.clone();
+    let name = |limb: usize| creature.limbs()[limb].clone();
     let joints = creature.joints().iter().enumerate().map(|(joint, about)| {
         let dofs = about
             .dofs
