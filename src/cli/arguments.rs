@@ -9,14 +9,14 @@ use clap::{Arg, ArgMatches, Args, Command};
 pub type Arguments = BTreeMap<String, Vec<String>>;
 
 /// What tells nothing of what a session is: where it goes, what is printed, and how fast it is made.
-const NOT_KEPT: [&str; 12] =
-    ["help", "version", "config", "quiet", "json", "out", "force", "jobs", "resume", "live", "open", "shard"];
+const NOT_KEPT: [&str; 11] =
+    ["help", "version", "quiet", "json", "out", "force", "jobs", "resume", "live", "open", "shard"];
 
 fn name(argument: &Arg) -> &str {
     argument.get_long().unwrap_or(argument.get_id().as_str())
 }
 
-/// All options of a command that are in effect: given, from a configuration file, or by default.
+/// All options of a command that are in effect: given or by default.
 pub fn effective(command: &Command, matches: &ArgMatches) -> Arguments {
     let kept = command.get_arguments().filter(|argument| !NOT_KEPT.contains(&name(argument)));
     let values = |argument: &Arg| {

@@ -19,7 +19,6 @@ mod babble;
 mod babbling;
 mod calibrate;
 mod completions;
-mod config;
 mod ends_with;
 mod evaluate;
 mod export;
@@ -90,13 +89,7 @@ type Outcome = Result<(), Failure>;
   bodyschema render sessions/max-1 --touch 3 --out touch.png # what a touch looks like
   bodyschema space sessions/max-1                            # where its hands can get to
   bodyschema export sessions/max-1 --urdf                    # the learned body for other programs
-  bodyschema study learners --trials 5                       # compare learners; takes minutes
-
-A file for --config:
-  quiet = true
-  [babble]
-  touches = 2000
-  joint-noise = 0.1"
+  bodyschema study learners --trials 5                       # compare learners; takes minutes"
 )]
 struct Cli {
     #[command(subcommand)]
@@ -104,10 +97,6 @@ struct Cli {
     /// No progress and no messages, but errors
     #[arg(short, long, global = true)]
     quiet: bool,
-    /// Options from a TOML file: a table per command, as in [babble], with keys as its long options; what the
-    /// command line says counts for more
-    #[arg(long, global = true, value_name = "FILE")]
-    config: Option<std::path::PathBuf>,
 }
 
 #[derive(Subcommand)]
@@ -151,7 +140,7 @@ pub fn check_usage<S: Into<std::ffi::OsString> + Clone>(
 }
 
 /// What may be given beside `--resume`, and itself.
-const BESIDE_RESUME: [&str; 7] = ["resume", "jobs", "json", "live", "open", "quiet", "config"];
+const BESIDE_RESUME: [&str; 6] = ["resume", "jobs", "json", "live", "open", "quiet"];
 
 /// The options in effect of the command that is run. Ends the program where options are given beside `--resume`.
 fn given(program: &mut clap::Command, matches: &clap::ArgMatches) -> Arguments {
@@ -184,12 +173,7 @@ fn carry_out() -> Outcome {
     let mut program = Cli::command();
     // Groups and global options are there only then.
     program.build();
-    let line = config::CommandLine::new(&program, std::env::args_os().collect())?;
-    let parsed = program.try_get_matches_from_mut(&line.arguments);
-    let matches = match parsed {
-        Ok(matches) => matches,
-        Err(error) => return Err(line.blame(&error).unwrap_or_else(|| error.exit())),
-    };
+    let matches = program.try_get_matches_from_mut(std::env::args_os()).unwrap_or_else(|error| error.exit());
     let cli = Cli::from_arg_matches(&matches).unwrap_or_else(|error| error.exit());
     if cli.quiet {
         message::be_quiet();

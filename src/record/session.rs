@@ -144,7 +144,7 @@ pub struct SessionOptions {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub share: Option<String>,
     /// All options that were in effect when the session was begun, by their names on the command line, defaults
-    /// and those of a configuration file included; empty in sessions of versions that did not write them.
+    /// included; empty in sessions of versions that did not write them.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub arguments: BTreeMap<String, Vec<String>>,
 }

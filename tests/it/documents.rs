@@ -74,7 +74,6 @@ fn file_of(block: &Block) -> Option<&'static str> {
     let has = |words: &str| block.text.contains(words);
     match block.language.as_str() {
         "csv" => Some("touches.csv"),
-        "toml" => Some("bodyschema.toml"),
         "json" if has("\"probes\"") => Some("touches.json"),
         "json" if has("\"limbs\": [\"base\"") => Some("robot.json"),
         "json" if has("\"joint\": \"left_elbow\"") => Some("known.json"),
@@ -279,15 +278,4 @@ fn the_site_has_every_document() {
         let is_page = name.ends_with(".md") && name != "SUMMARY.md";
         assert!(!is_page || summary.contains(&format!("]({name})")), "docs/SUMMARY.md leaves out {name}");
     }
-}
-
-#[test]
-fn the_configuration_in_the_help_is_one() {
-    let place = prepared();
-    let help = run(place.path(), "bodyschema --help");
-    let (_, config) = help.split_once("A file for --config:\n").unwrap();
-    fs::write(place.path().join("c.toml"), config).unwrap();
-    let told = run(place.path(), "bodyschema babble creature.xml --learner hersch --json --config c.toml");
-    let told: serde_json::Value = serde_json::from_str(&told).unwrap();
-    assert_eq!((&told["touches"], &told["disturbances"]["joint_noise_deg"]), (&2000.into(), &0.1.into()));
 }

@@ -14,7 +14,6 @@ mod calibration_mjcf;
 mod calibration_verdict;
 mod cli;
 mod clients;
-mod config;
 mod conversation;
 mod disturbance;
 mod documents;

@@ -54,7 +54,6 @@ fn a_pipe_is_read_where_somebody_writes_and_told_of_where_nobody_does() {
         ("learn --creature s/session.json --log pipe --out a", "pipe, and nobody has written"),
         ("learn s --known pipe --out b", "pipe, and nobody has written"),
         ("inspect pipe", "no regular file"),
-        ("inspect arms.xml --config pipe", "pipe, and nobody has written"),
         ("calibrate pipe pipe", "pipe, and nobody has written"),
         ("report t", "pipe, and nobody has written"),
         ("learn --creature s/session.json --log /dev/zero --out c", "device"),
@@ -127,22 +126,4 @@ fn control_characters_in_names_are_shown_and_not_obeyed() {
     let odd = "none\u{1b}[31m.xml";
     let message = refused(place.path(), 1, &["inspect", odd]);
     assert!(message.contains("none\\u001b[31m.xml"), "{message:?}");
-}
-
-#[test]
-fn quiet_may_be_said_twice() {
-    let place = place();
-    fs::write(place.path().join("q.toml"), "quiet = true\n").unwrap();
-    for line in [
-        "-q inspect arms.xml --config q.toml",
-        "inspect arms.xml -q --config q.toml",
-        "inspect arms.xml --quiet --config q.toml",
-    ] {
-        let output = run(place.path(), &line.split(' ').collect::<Vec<_>>());
-        assert!(
-            output.status.success() && output.stderr.is_empty(),
-            "{line}: {}",
-            String::from_utf8_lossy(&output.stderr)
-        );
-    }
 }

@@ -106,7 +106,6 @@ const DH_JSON: &str = r#"{"name": "arm", "convention": "modified", "joints": [
  {"joint": "elbow", "parent": "shoulder", "a": 0.3, "d": 0, "alpha_deg": 90, "theta": 0.5, "range_deg": [-150, 150]}]}"#;
 const SCRIPT: &str = r#"{"probes": [{"name": "finger", "path": [{"time": 0, "at": [0.3, 0.1, 0.2]},
  {"time": 1.5, "receptor": "left_r", "height": -0.001}, {"time": 2, "at": [0.3, 0.1, 0.3]}]}]}"#;
-const CONFIG: &str = "quiet = true\n\n[inspect]\nroot = \"trunk\"\n\n[babble]\ntouches = 40\nseed = 7\nlearner = \"hersch\"\njoint-noise = 0.25\njson = true\n\n[skin]\ndenser = [\"left_hand=2\", \"right_hand=3\"]\n";
 const URDF: &str = r#"<?xml version="1.0"?>
 <robot name="arm">
   <link name="base"><collision><geometry><sphere radius="0.05"/></geometry></collision></link>
@@ -377,7 +376,6 @@ impl Yard {
                 read: Box::new(read),
             });
         };
-        add("options", "options.toml", CONFIG.into(), 3, &["inspect", "arms.xml", "--json", "--config"]);
         add("model, MJCF", "model.xml", fs::read(self.path("arms.xml")).unwrap(), 6, &["rehearse", "--"]);
         add(
             "model, prepared",
