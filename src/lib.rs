@@ -6,11 +6,11 @@
 //! MJCF ─ mujoco ─┬─ creature, skin ─ agent   what the agent is given: tree, degrees of freedom, ranges, limbs, receptors
 //!                └─ ground_truth             where joints really are; only the evaluation may see it
 //! agent ─ simulation (motions until touch; a stage with things, probes and a handle) ─ senses ─ babbling ─ touches
-//! touches ─ record (the session on disk; or recordings of a real body, with no MJCF at all)
+//! touches ─ session (its folder on disk; or recordings of a real body, with no MJCF at all)
 //! touches ─ learning (Hersch's rule; its repair; second order, then online) ─ schema, and how sure it is
 //! schema + ground_truth ─ evaluation
 //! schema + skin + touch ─ peripersonal (what is where about the body, how to touch it) ─ interaction
-//! all of it ─ experiment (a session with an observer; studies) ─ cli
+//! all of it ─ session (with an observer), experiment (studies) ─ cli
 //! session, schema ─ export (MJCF, URDF), view (report, live page, charts; pictures and films by MuJoCo's renderer)
 //! ```
 //!
@@ -53,7 +53,7 @@
 //! # }
 //! ```
 //!
-//! With an observer, sessions on disk and studies: [`experiment`]; the files: [`record`].
+//! With an observer, and on disk: [`session`]; studies: [`experiment`].
 #![deny(unsafe_code)]
 #![warn(missing_docs)]
 
@@ -81,6 +81,7 @@ mod plausible;
 pub mod record;
 pub mod schema;
 pub mod senses;
+pub mod session;
 pub mod share;
 pub mod simulation;
 pub mod skin;

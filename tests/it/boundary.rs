@@ -10,8 +10,18 @@ use crate::common::repository;
 const AGENT: [&str; 5] = ["learning", "schema", "babbling", "peripersonal", "interaction"];
 /// What would let the truth in: by its name, by way of the model, of the side of the simulation that looks on, or of the
 /// measures.
-const NOT_THE_AGENTS: [&str; 9] =
-    ["ground_truth", "GroundTruth", "mujoco", "Body", "Model", "Data", "Stage", "evaluation", "experiment"];
+const NOT_THE_AGENTS: [&str; 10] = [
+    "ground_truth",
+    "GroundTruth",
+    "mujoco",
+    "Body",
+    "Model",
+    "Data",
+    "Stage",
+    "evaluation",
+    "session",
+    "experiment",
+];
 /// What the truth is called.
 const TRUTH: [&str; 2] = ["ground_truth", "GroundTruth"];
 
@@ -151,7 +161,8 @@ fn the_map_is_learned_without_knowing_where_receptors_are() {
 
 #[test]
 fn the_truth_is_named_by_those_who_simulate_and_measure_alone() {
-    let allowed = ["lib.rs", "ground_truth.rs", "simulation", "evaluation", "experiment", "view", "cli"];
+    let allowed =
+        ["lib.rs", "ground_truth.rs", "simulation", "evaluation", "session", "experiment", "view", "cli"];
     let source = repository("src");
     for file in rust_files(&source) {
         let first = file.strip_prefix(&source).unwrap().components().next().unwrap();

@@ -16,11 +16,11 @@ use super::{Findings, Study, Trial, Trials};
 use crate::babbling::{BabblingOptions, PolicyName};
 use crate::creature::JointSelection;
 use crate::evaluation::{HeldOutError, HeldOutPoint, held_out, held_out_points};
-use crate::experiment::disturbance_levels::DisturbanceLevels;
 use crate::experiment::touches::all_touches;
 use crate::experiment::{Embodied, ExperimentError, LearningOptions};
 use crate::learning::{Account, AxisModel, Input, Learned, LengthUnit, Parameters, Verdict, What, Z95};
 use crate::senses::Touch;
+use crate::session::DisturbanceLevels;
 use crate::simulation::MotionName;
 
 /// The study `claims`.

@@ -9,13 +9,13 @@ use crate::agent::Agent;
 use crate::babbling::{BabblingOptions, PolicyName, motions_until};
 use crate::creature::{Body, JointSelection};
 use crate::evaluation::{Evaluation, evaluate_learned};
-use crate::experiment::embodied::babbler;
 use crate::experiment::touches::all_touches;
 use crate::experiment::{Embodied, ExperimentError, LearningOptions, Observer, Phase, own_body};
 use crate::ground_truth::GroundTruth;
 use crate::learning::{Learned, Verdict};
 use crate::peripersonal::OwnBody;
 use crate::senses::Touch;
+use crate::session::babbler;
 use crate::simulation::MotionName;
 use crate::simulation::{Stage, StageOptions};
 

@@ -22,8 +22,8 @@ use super::tags::Fault;
 use crate::calibration::robot::{Element, Robot, Unit, Value};
 use crate::creature::{DofKind, UNLIMITED_SLIDE};
 use crate::mjcf_xml::GREATEST_TURN;
-use crate::record::RecordError;
-use crate::record::columns::Measure;
+use crate::session::RecordError;
+use crate::session::columns::Measure;
 
 /// The root's name.
 pub(super) const BASE: &str = "base";

@@ -7,7 +7,7 @@ use super::dh_table::{Field, table};
 use super::edits::{Edits, Written, digits, unsaid_compliance, unsaid_gain};
 use super::tags::Fault;
 use crate::calibration::robot::{Element, Robot, Value};
-use crate::record::RecordError;
+use crate::session::RecordError;
 
 /// How the format is called in what is left out.
 const FORMAT: &str = "a DH table";

@@ -12,7 +12,7 @@ use crate::calibration::robot::{Form, Knowledge, LinkMass, NominalJoint, Robot, 
 use crate::creature::{Creature, Dof, DofKind, Joint};
 use crate::geometry::{Frame, Shape};
 use crate::plausible::GREATEST_LENGTH;
-use crate::record::RecordError;
+use crate::session::RecordError;
 
 /// Length of a direction at the most that is given without regard to it.
 const GREATEST_DIRECTION: f64 = 1e6;

@@ -23,10 +23,10 @@ use crate::calibration::robot::{Element, Knowledge, Posed, Robot, Value, likely,
 use crate::calibration::{End, Feature, SAME_POINT, Touch, drop_repeats};
 use crate::creature::DofKind;
 use crate::plausible::{is_angle, is_length};
-use crate::record::RecordError;
-use crate::record::angles::{HingeAngles, wide_ranges};
-use crate::record::columns::{CellFault, Column, Measure, Quantity, Table, left_out_in_words, read_table};
-use crate::record::given_log::{cut_in_words, read_log};
+use crate::session::RecordError;
+use crate::session::angles::{HingeAngles, wide_ranges};
+use crate::session::columns::{CellFault, Column, Measure, Quantity, Table, left_out_in_words, read_table};
+use crate::session::given_log::{cut_in_words, read_log};
 
 const NAMES: [[&str; 2]; 2] = [["limb_a", "receptor_a"], ["limb_b", "receptor_b"]];
 const POINTS: [[&str; 3]; 2] = [["ax", "ay", "az"], ["bx", "by", "bz"]];

@@ -13,7 +13,7 @@ use crate::calibration::robot::{Element, Form, LinkMass, Robot, RobotDof, Unit, 
 use crate::creature::{BodyError, DofKind, body_name, creatures, joint_name, limits, matrix, span};
 use crate::geometry::{Frame, Shape};
 use crate::mujoco::{self, Equality, GeomKind, JointKind, Model, ModelJoint};
-use crate::record::RecordError;
+use crate::session::RecordError;
 
 /// A robot of an MJCF file.
 #[derive(Clone, Debug, PartialEq)]

@@ -20,7 +20,7 @@ use crate::creature::DofKind;
 use crate::geometry::Frame;
 use crate::mjcf_xml::{Angles, ORIENTATIONS, Source, element};
 use crate::mujoco;
-use crate::record::RecordError;
+use crate::session::RecordError;
 
 /// How the format is called in what is left out.
 const FORMAT: &str = "MJCF";

@@ -24,10 +24,10 @@ pub use log::{CalibrationLog, add_fixed_places, read_calibration_log};
 pub use log_writer::calibration_table;
 pub(crate) use log_writer::{joint_cells, joint_titles, name_of};
 
-use super::{RecordError, files};
 use crate::calibration::robot::{Knowledge, Robot, Value};
 use crate::creature::Creature;
 use crate::learning::KnownJoint;
+use crate::session::{RecordError, files};
 
 /// What a robot's file is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -17,7 +17,7 @@ use crate::geometry::{Frame, Shape};
 use crate::mjcf_xml::{
     Refused, Source, UrdfFollowing, UrdfJoint, UrdfKind, UrdfTree, check_limits, check_values,
 };
-use crate::record::RecordError;
+use crate::session::RecordError;
 
 /// A robot of a URDF file.
 #[derive(Clone, Debug, PartialEq)]

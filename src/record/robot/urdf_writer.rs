@@ -20,7 +20,7 @@ use super::urdf_elements::{Origin, axis_of, follows, number, rotation, shapes};
 use crate::calibration::robot::{Element, Form, Posed, Robot, Value};
 use crate::creature::DofKind;
 use crate::geometry::Frame;
-use crate::record::RecordError;
+use crate::session::RecordError;
 
 /// How the format is called in what is left out.
 const FORMAT: &str = "URDF";

@@ -1,0 +1,353 @@
+//! A session: a creature babbles, and all of it goes into a folder, from which an interrupted session goes on.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+use super::embodied::Embodied;
+use super::error::ExperimentError;
+use super::learning_options::LearningOptions;
+use super::observer::{Observer, Phase};
+use super::shares::BabbledShares;
+use super::touches::make_touches;
+use crate::babbling::{Babbler, BabblingOptions, BoutsDone, Made, PolicyName};
+use crate::deadline::{Deadline, apart, count};
+use crate::learning::growth::Growth;
+use crate::senses::Touch;
+use crate::session::{
+    BabblingEffort, BabblingProgress, FolderLock, Host, PROGRAM, RecordError, SESSION_FILE, Session,
+    SessionOptions, TOUCHES_FILE, TouchWriter, model_hash, read_touches,
+};
+use crate::simulation::{Effort, MotionName};
+use crate::skin::Skin;
+
+/// How often it is written down how far babbling has come.
+const KEPT_EVERY: Duration = Duration::from_secs(1);
+
+/// How a session goes.
+#[derive(Clone)]
+pub struct SessionSetup {
+    /// Touches to make, the seed of all random numbers, and threads.
+    pub babbling: BabblingOptions,
+    /// How motions are chosen.
+    pub policy: PolicyName,
+    /// How the body is moved.
+    pub motion: MotionName,
+    /// After which no touches are made any more.
+    pub deadline: Deadline,
+    /// How to learn.
+    pub learning: LearningOptions,
+}
+
+/// What asked for a session, as it is kept in it; empty where that was no command line.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Provenance {
+    /// The command line, word by word.
+    pub command: Vec<String>,
+    /// All options in effect, by their long names.
+    pub arguments: BTreeMap<String, Vec<String>>,
+}
+
+/// A session with touches still to make.
+pub struct BabblingSession<'a> {
+    embodied: &'a Embodied,
+    setup: &'a SessionSetup,
+    folder: PathBuf,
+    session: Session,
+    /// The log, ready for the touch after those of `done`.
+    log: TouchWriter<'a>,
+    /// Zero bytes that were at the log's end and are not any more.
+    zeros: u64,
+    /// Whether it was begun here, with an empty log.
+    begun: bool,
+    /// The bouts that need not be made again.
+    done: BoutsDone,
+    /// The time that they took.
+    spent: Duration,
+    /// Their touches.
+    made: Vec<Touch>,
+}
+
+/// A session of which all touches are made.
+#[derive(Clone, Debug)]
+pub struct BabbledSession {
+    /// The session, with what babbling cost.
+    pub session: Session,
+    /// Its touches.
+    pub touches: Vec<Touch>,
+    /// What was learned from them on the way; none where nothing was, or it is not known any more.
+    pub grown: Option<Growth>,
+}
+
+/// A session that was interrupted.
+pub enum ResumedSession<'a> {
+    /// While it babbled.
+    Babbling(Box<BabblingSession<'a>>),
+    /// After it had babbled.
+    Babbled(Box<BabbledSession>),
+}
+
+impl<'a> BabblingSession<'a> {
+    /// Begins a session in a folder, which is its writer's alone; keep the lock until all is done.
+    ///
+    /// # Errors
+    /// Where a file cannot be read or written, or there is a session or a log in the folder already.
+    pub fn begin(
+        embodied: &'a Embodied,
+        setup: &'a SessionSetup,
+        lock: &FolderLock,
+        provenance: Provenance,
+    ) -> Result<BabblingSession<'a>, ExperimentError> {
+        let folder = lock.folder();
+        for file in [SESSION_FILE, TOUCHES_FILE] {
+            if folder.join(file).exists() {
+                let reason = "it is there already: give another folder with --out, or move it away";
+                return Err(ExperimentError::unfit(&folder.join(file), reason));
+            }
+        }
+        let session = new_session(embodied, setup, provenance)?;
+        session.write(folder)?;
+        let log = TouchWriter::create(folder, embodied.agent())?;
+        Ok(BabblingSession {
+            embodied,
+            setup,
+            folder: folder.to_path_buf(),
+            session,
+            log,
+            zeros: 0,
+            begun: true,
+            done: BoutsDone::default(),
+            spent: Duration::ZERO,
+            made: Vec::new(),
+        })
+    }
+
+    /// Goes on with an interrupted session in its folder, with the setup that it was begun with: its touches become
+    /// what they would have been.
+    ///
+    /// # Errors
+    /// Where the creature or the engine has changed since, or a file cannot be read or written.
+    pub fn resume(
+        embodied: &'a Embodied,
+        setup: &'a SessionSetup,
+        lock: &FolderLock,
+        session: Session,
+    ) -> Result<ResumedSession<'a>, ExperimentError> {
+        let folder = lock.folder();
+        check_same(&session, embodied, folder)?;
+        let agent = embodied.agent();
+        let log_file = folder.join(TOUCHES_FILE);
+        if let Some(effort) = &session.effort {
+            let wanted = effort.touches.unwrap_or(setup.babbling.touches);
+            let touches = read_touches(&log_file, agent)?.touches;
+            if touches.len() != wanted {
+                let reason = format!(
+                    "it has {} touches of {wanted} though babbling was done: lines were added or lost; babble anew \
+                     with --out",
+                    touches.len(),
+                );
+                return Err(ExperimentError::unfit(&log_file, reason));
+            }
+            return Ok(ResumedSession::Babbled(Box::new(BabbledSession { session, touches, grown: None })));
+        }
+        let mut log = TouchWriter::resume(folder, agent)?;
+        let zeros = log.zeros();
+        let (mut done, mut spent, mut made) = (BoutsDone::default(), Duration::ZERO, Vec::new());
+        let progress = BabblingProgress::read(folder).filter(|_| setup.policy == PolicyName::Random);
+        if let Some(progress) = progress
+            && let Ok(babbled) = Duration::try_from_secs_f64(progress.effort.babbling_s)
+        {
+            if log.skip(progress.touches)? == progress.touches {
+                made = read_touches(&log_file, agent)?.touches;
+                made.truncate(progress.touches);
+                (done, spent) = (progress.done(), babbled);
+            } else {
+                // The disk lost some: all are made once more.
+                drop(log);
+                log = TouchWriter::resume(folder, agent)?;
+            }
+        }
+        let folder = folder.to_path_buf();
+        let begun = false;
+        let resumed =
+            BabblingSession { embodied, setup, folder, session, log, zeros, begun, done, spent, made };
+        Ok(ResumedSession::Babbling(Box::new(resumed)))
+    }
+
+    /// How many zero bytes were at the end of the log, as a file system leaves them where the power failed; they are dropped.
+    pub fn zeros(&self) -> u64 {
+        self.zeros
+    }
+
+    /// How many touches are there already.
+    pub fn made(&self) -> usize {
+        self.made.len()
+    }
+
+    /// Babbles what is missing, and writes every touch into the log as soon as it is made.
+    ///
+    /// # Errors
+    /// Where the engine fails, nothing can be touched, or a file cannot be written; a session that was interrupted so
+    /// can be resumed.
+    pub fn babble(self, observer: &dyn Observer) -> Result<BabbledSession, ExperimentError> {
+        let setup = self.setup;
+        let (model, options) = (self.embodied.model(), &setup.babbling);
+        self.make(observer, |babbler, done, receive| {
+            make_touches(model, babbler, setup.policy, done, options, receive)
+        })
+    }
+
+    /// Puts shares of the session together: the log becomes what one process would have written. What is missing for that
+    /// at the end, as where bouts brought few touches, is babbled.
+    ///
+    /// # Errors
+    /// As [`BabblingSession::babble`], and where the shares are not what would be babbled here.
+    pub fn put_together(
+        self,
+        shares: &BabbledShares,
+        observer: &dyn Observer,
+    ) -> Result<BabbledSession, ExperimentError> {
+        let (model, options) = (self.embodied.model(), &self.setup.babbling);
+        let bouts = shares.bouts(self.embodied.agent())?;
+        // Where this was interrupted before, their time is counted already.
+        let spent = if self.made.is_empty() { shares.spent() } else { self.spent };
+        BabblingSession { spent, ..self }.make(observer, |babbler, done, receive| {
+            let effort = babbler.put_together(done, options, bouts, receive);
+            Ok((effort.map_err(ExperimentError::babbling(model))?, None))
+        })
+    }
+
+    /// Writes touches into the log as they are made, in whatever way.
+    fn make(
+        self,
+        observer: &dyn Observer,
+        make: impl FnOnce(
+            &Babbler,
+            BoutsDone,
+            &mut dyn FnMut(Made) -> Result<(), RecordError>,
+        ) -> Result<(Effort, Option<Growth>), ExperimentError>,
+    ) -> Result<BabbledSession, ExperimentError> {
+        let begun = self.begun;
+        let BabblingSession { embodied, setup, folder, mut session, mut log, done, spent, mut made, .. } =
+            self;
+        let babbler =
+            embodied.babbler(setup.motion)?.until(setup.deadline).learning_from(setup.learning.input());
+        observer.phase(Phase::Babbling {
+            made: made.len(),
+            touches: setup.babbling.touches,
+            grows: setup.policy == PolicyName::Stages,
+            deadline: setup.deadline,
+        });
+        let began = Instant::now();
+        let mut kept = began;
+        let (babbled, tally) = apart(|| {
+            make(&babbler, done, &mut |news| {
+                match news {
+                    Made::Touch(touch) => {
+                        log.write(touch)?;
+                        observer.touched(touch);
+                        made.push(touch.clone());
+                    }
+                    // Bouts can be shorter than it takes to write this down.
+                    Made::Bout(done, _) if kept.elapsed() >= KEPT_EVERY => {
+                        BabblingProgress::new(&done, spent + began.elapsed()).write(&folder)?;
+                        kept = Instant::now();
+                    }
+                    Made::Bout(..) => {}
+                    Made::Grown(growth) => observer.grew(growth),
+                }
+                Ok(())
+            })
+        });
+        count(tally);
+        if babbled.is_err() && begun && made.is_empty() {
+            // There is nothing to go on with.
+            [TOUCHES_FILE, SESSION_FILE].iter().for_each(|file| drop(fs::remove_file(folder.join(file))));
+        }
+        let (effort, grown) = babbled?;
+        observer.phase(Phase::Done);
+        let touches = Some(made.len()).filter(|&made| made != setup.babbling.touches);
+        let ended_by = tally.ended.then(|| setup.deadline.limit());
+        session.effort = Some(BabblingEffort {
+            touches,
+            ended_by,
+            ..BabblingEffort::new(&effort, spent + began.elapsed())
+        });
+        log.finish()?;
+        session.write(&folder)?;
+        BabblingProgress::remove(&folder);
+        Ok(BabbledSession { session, touches: made, grown })
+    }
+}
+
+pub(super) fn new_session(
+    embodied: &Embodied,
+    setup: &SessionSetup,
+    provenance: Provenance,
+) -> Result<Session, ExperimentError> {
+    let (source, learning) = (embodied.source(), &setup.learning);
+    Ok(Session {
+        program: PROGRAM.to_string(),
+        engine: embodied.body().model.version().to_string(),
+        model: source.model.display().to_string(),
+        model_hash: model_hash(&source.model)?,
+        recording: None,
+        command: provenance.command,
+        host: Some(Host::here()),
+        seed: setup.babbling.seed,
+        options: SessionOptions {
+            touches: setup.babbling.touches,
+            joints: source.joints.to_string(),
+            root: source.root.clone(),
+            input: Some(learning.input().to_string()),
+            learner: Some(learning.learner.name().to_string()),
+            known: learning.known.as_ref().map(|known| known.path.display().to_string()),
+            policy: Some(setup.policy.to_string()),
+            motion: Some(setup.motion)
+                .filter(|motion| *motion != MotionName::default())
+                .map(|m| m.to_string()),
+            share: None,
+            arguments: provenance.arguments,
+        },
+        effort: None,
+        agent: embodied.agent().clone(),
+    })
+}
+
+/// Whether the session's creature and engine are still the same, without which touches would be others.
+pub(super) fn check_same(
+    session: &Session,
+    embodied: &Embodied,
+    folder: &Path,
+) -> Result<(), ExperimentError> {
+    let version = embodied.body().model.version().to_string();
+    if session.engine != version {
+        return Err(ExperimentError::unfit(
+            &folder.join(SESSION_FILE),
+            format!(
+                "it was begun with MuJoCo {}, and this is {version}: go on with that one, or babble anew",
+                session.engine
+            ),
+        ));
+    }
+    let model = Path::new(&session.model);
+    if session.model_hash != model_hash(model)?
+        || session.agent.creature() != embodied.creature()
+        || written(session.agent.skin()) != written(embodied.agent().skin())
+    {
+        return Err(ExperimentError::unfit(
+            model,
+            format!(
+                "it has changed since the session in {} was begun: put it back as it was, or babble anew",
+                folder.display()
+            ),
+        ));
+    }
+    Ok(())
+}
+
+/// A skin as it is written: what no file holds of it is no difference.
+fn written(skin: &Skin) -> Option<serde_json::Value> {
+    serde_json::to_value(skin).ok()
+}

@@ -1,0 +1,212 @@
+//! A creature in its model, with its skin: it can babble.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use super::error::ExperimentError;
+use super::observer::Observer;
+use crate::agent::Agent;
+use crate::babbling::Babbler;
+use crate::creature::{Body, Creature, CreatureInFile, JointSelection, creatures};
+use crate::ground_truth::GroundTruth;
+use crate::mujoco::Model;
+use crate::simulation::{MotionName, Movers};
+use crate::skin::{GrowOptions, Skin, grow_counted};
+
+/// A model's file, and what of it is the creature.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ModelSource {
+    /// The MJCF or URDF file.
+    pub model: PathBuf,
+    /// The joints that move.
+    pub joints: JointSelection,
+    /// The body at which the creature begins; the first of the tree with most joints where it is left out.
+    pub root: Option<String>,
+    /// Whether the model is read with its textures, for pictures.
+    pub textures: bool,
+}
+
+/// A creature in its model, with its skin and the truth that it is measured against.
+pub struct Embodied {
+    source: ModelSource,
+    body: Body,
+    agent: Agent,
+    truth: GroundTruth,
+}
+
+impl ModelSource {
+    /// A model's file, of which the joints move that are learned by default.
+    pub fn new(model: impl Into<PathBuf>) -> ModelSource {
+        ModelSource { model: model.into(), ..ModelSource::default() }
+    }
+
+    /// The same with other joints that move.
+    pub fn with_joints(self, joints: JointSelection) -> ModelSource {
+        ModelSource { joints, ..self }
+    }
+
+    /// Reads the model; the observer is told what is left out of it.
+    ///
+    /// # Errors
+    /// Where the file is not one that the engine takes.
+    pub fn read(&self, observer: &dyn Observer) -> Result<Model, ExperimentError> {
+        let read = if self.textures { Model::read_with_textures } else { Model::read };
+        let (model, left_out) = read(&self.model)?;
+        if let Some(words) = left_out.in_words() {
+            observer.note(&format!(
+                "{} was read without {words}: `bodyschema inspect` lists all",
+                self.model.display()
+            ));
+        }
+        for note in &left_out.notes {
+            observer.note(&format!("{}: {note}", self.model.display()));
+        }
+        Ok(model)
+    }
+
+    /// The creature in a model that was read.
+    ///
+    /// # Errors
+    /// Where there is none that can learn.
+    pub fn body_in(&self, model: Arc<Model>) -> Result<Body, ExperimentError> {
+        Body::rooted(model, &self.joints, self.root.as_deref()).map_err(ExperimentError::body(&self.model))
+    }
+
+    /// That other creatures are in the file, and how to choose one; none where there are no others, or one was chosen.
+    fn others(&self, body: &Body) -> Option<String> {
+        const SHOWN: usize = 5;
+        let creatures = creatures(&body.declared);
+        if self.root.is_some() || creatures.len() < 2 {
+            return None;
+        }
+        let own = |root: usize| body.limb_of_body[root].is_some();
+        let told = |creature: &CreatureInFile| format!("{} ({} joints)", creature.name, creature.joints);
+        let chosen = creatures.iter().find(|creature| own(creature.root)).map(told)?;
+        let others: Vec<String> = creatures.iter().filter(|creature| !own(creature.root)).map(told).collect();
+        let more = match others.len().saturating_sub(SHOWN) {
+            0 => String::new(),
+            more => format!(" and {more} more"),
+        };
+        let others = others[..others.len().min(SHOWN)].join(", ");
+        Some(format!(
+            "{} holds several creatures: this is {chosen}; --root chooses another of {others}{more}",
+            self.model.display()
+        ))
+    }
+
+    /// Reads the model and the creature in it.
+    ///
+    /// # Errors
+    /// See [`ModelSource::read`] and [`ModelSource::body_in`].
+    pub fn body(&self, observer: &dyn Observer) -> Result<Body, ExperimentError> {
+        self.body_in(Arc::new(self.read(observer)?))
+    }
+}
+
+impl Embodied {
+    /// Reads a model, its creature and its skin. Where the model has no touch sensors a skin is grown in memory, of which
+    /// the observer is told.
+    ///
+    /// # Errors
+    /// Where the file is not one that the engine takes, there is no creature in it that can learn, or no skin can be
+    /// grown on it.
+    pub fn open(source: ModelSource, observer: &dyn Observer) -> Result<Embodied, ExperimentError> {
+        let model = Arc::new(source.read(observer)?);
+        Embodied::of_model(source, model, observer)
+    }
+
+    /// The same of a model that was read, or never was in a file: that of its source names it in errors alone.
+    ///
+    /// # Errors
+    /// See [`Embodied::open`].
+    pub fn of_model(
+        source: ModelSource,
+        model: Arc<Model>,
+        observer: &dyn Observer,
+    ) -> Result<Embodied, ExperimentError> {
+        let body = source.body_in(model)?;
+        if let Some(sentence) = source.others(&body) {
+            observer.note(&sentence);
+        }
+        let (skin, _) = skin_for(&source.model, &body, observer)?;
+        let agent = Agent::new(body.creature.clone(), skin);
+        let agent = agent.map_err(|error| ExperimentError::unfit(&source.model, error.to_string()))?;
+        let truth = GroundTruth::new(&body)?;
+        Ok(Embodied { source, body, agent, truth })
+    }
+
+    /// Where it came from.
+    pub fn source(&self) -> &ModelSource {
+        &self.source
+    }
+
+    /// The model's file.
+    pub fn model(&self) -> &Path {
+        &self.source.model
+    }
+
+    /// The creature in its model.
+    pub fn body(&self) -> &Body {
+        &self.body
+    }
+
+    /// What the agent is given of its body.
+    pub fn creature(&self) -> &Creature {
+        &self.body.creature
+    }
+
+    /// What the agent is given of itself: its creature and skin.
+    pub fn agent(&self) -> &Agent {
+        &self.agent
+    }
+
+    /// Where its joints really are; for measures alone.
+    pub fn truth(&self) -> &GroundTruth {
+        &self.truth
+    }
+
+    /// Makes it ready to babble.
+    ///
+    /// # Errors
+    /// Where it has no skin, or no two of its limbs can meet.
+    pub fn babbler(&self, motion: MotionName) -> Result<Babbler<'_>, ExperimentError> {
+        babbler(&self.source.model, &self.body, &self.agent, motion)
+    }
+}
+
+/// The skin of a creature: the receptors in its model, and where these are too few or none, more that are grown in memory,
+/// of which the observer is told; and how many are the model's own, which come first.
+///
+/// # Errors
+/// Where none can be grown.
+pub fn skin_for(
+    model: &Path,
+    body: &Body,
+    observer: &dyn Observer,
+) -> Result<(Skin, usize), ExperimentError> {
+    let (skin, own) = grow_counted(body, &GrowOptions::default()).map_err(ExperimentError::skin(model))?;
+    let grown = skin.receptors.len() - own;
+    let model = model.display();
+    match (own, grown) {
+        (_, 0) => {}
+        (0, grown) => observer
+            .note(&format!("{model} has no touch sensors: {grown} receptors were grown on it in memory")),
+        (own, grown) => observer.note(&format!(
+            "the touch sensors of {model}, {own} of them, leave skin bare: {grown} receptors were grown there in memory"
+        )),
+    }
+    Ok((skin, own))
+}
+
+/// Prepares a body for babbling.
+///
+/// # Errors
+/// Where it cannot babble; errors name the file of its `model`.
+pub(crate) fn babbler<'a>(
+    model: &Path,
+    body: &'a Body,
+    agent: &'a Agent,
+    motion: MotionName,
+) -> Result<Babbler<'a>, ExperimentError> {
+    Movers::new(body, agent, motion).map(Babbler::new).map_err(ExperimentError::simulation(model))
+}

@@ -1,0 +1,18 @@
+//! Fields of JSON that a format does not have: most likely one that it has, with a slip of the pen.
+
+use serde_json::{Map, Value};
+
+use super::record_error::ContentFault;
+use crate::calibration::robot::{likely, nearest_name};
+
+/// Refuses an object with a field that is none of `known`; `at` stands before its name, with a dot where it is a place.
+///
+/// # Errors
+/// A sentence that names the field, and the one that it is nearest to.
+pub(super) fn check_fields(map: &Map<String, Value>, at: &str, known: &[&str]) -> Result<(), ContentFault> {
+    let Some(unknown) = map.keys().find(|key| !known.contains(&key.as_str())) else { return Ok(()) };
+    let near = nearest_name(unknown, known.iter().copied()).filter(|near| likely(unknown, near));
+    let meant = near.map_or(String::new(), |near| format!(" (is {near} meant?)"));
+    let fields = known.join(", ");
+    Err(format!("{at}{unknown} is unknown{meant}: rename it or leave it out, the fields are {fields}").into())
+}

@@ -1,0 +1,140 @@
+//! The log of firing receptors: a firing a line, with nothing of where receptors are.
+
+use std::collections::HashMap;
+use std::fs::File;
+use std::io::{BufRead, BufReader, BufWriter, Write};
+use std::path::{Path, PathBuf};
+
+use serde::{Deserialize, Serialize};
+
+use super::json_lines::read_lines;
+use super::record_error::json_reason;
+use super::stamp::Stamp;
+use super::{Action, FIRINGS_FILE, RecordError, files};
+use crate::senses::Firing;
+use crate::session::record_error::ContentFault;
+use crate::skin::Skin;
+
+const STAMP: Stamp = Stamp { format: "bodyschema firings", version: 1 };
+
+/// What the header says beside its stamp.
+#[derive(Serialize, Deserialize)]
+#[serde(expecting = "an object")]
+struct FiringHeader {
+    /// The creature's name.
+    creature: String,
+}
+
+/// A firing as a line has it; times are seconds.
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields, expecting = "an object")]
+struct FiringLine<Id> {
+    receptor: Id,
+    first: f64,
+    last: f64,
+}
+
+/// Writes [`FIRINGS_FILE`], a line a firing.
+#[derive(Debug)]
+pub struct FiringWriter<'a> {
+    path: PathBuf,
+    file: BufWriter<File>,
+    skin: &'a Skin,
+}
+
+impl<'a> FiringWriter<'a> {
+    /// Begins the log in `folder`, which is made if missing; an older log there is overwritten.
+    ///
+    /// # Errors
+    /// [`RecordError::Io`] where the folder or the file cannot be made.
+    pub fn create(folder: &Path, creature: &str, skin: &'a Skin) -> Result<FiringWriter<'a>, RecordError> {
+        files::make_folder(folder)?;
+        let path = folder.join(FIRINGS_FILE);
+        let file = File::create(&path).map_err(RecordError::io(&path, Action::Write))?;
+        let mut writer = FiringWriter { path, file: BufWriter::new(file), skin };
+        writer.line(&STAMP.on(&FiringHeader { creature: creature.to_string() }))?;
+        Ok(writer)
+    }
+
+    /// Adds a firing of the skin's.
+    ///
+    /// # Errors
+    /// [`RecordError::Io`] where writing fails.
+    pub fn write(&mut self, firing: &Firing) -> Result<(), RecordError> {
+        let [first, last] = firing.span;
+        let receptor = self.skin.receptors[firing.receptor].id.as_str();
+        self.line(&FiringLine { receptor, first, last })
+    }
+
+    /// Ends the log.
+    ///
+    /// # Errors
+    /// [`RecordError::Io`] where writing fails.
+    pub fn finish(mut self) -> Result<(), RecordError> {
+        self.file.flush().map_err(RecordError::io(&self.path, Action::Write))
+    }
+
+    fn line(&mut self, content: &impl Serialize) -> Result<(), RecordError> {
+        let io = || RecordError::io(&self.path, Action::Write);
+        serde_json::to_writer(&mut self.file, content).map_err(|error| io()(error.into()))?;
+        self.file.write_all(b"\n").map_err(io())
+    }
+}
+
+/// Reads the firings of a creature's skin from the log `path`, in the log's order; the last line may be incomplete, as
+/// a killed process leaves it, and is left out then.
+///
+/// # Errors
+/// [`RecordError::Io`] where the file cannot be read. [`RecordError::Format`], with the line, where it is no log of
+/// firings or one of a newer version, where it belongs to another creature or skin, and for any line that is no firing.
+pub fn read_firings(path: &Path, creature: &str, skin: &Skin) -> Result<Vec<Firing>, RecordError> {
+    let io = || RecordError::io(path, Action::Read);
+    let mut file = BufReader::new(files::open(path)?);
+    let receptors: HashMap<&str, usize> =
+        skin.receptors.iter().enumerate().map(|(r, receptor)| (receptor.id.as_str(), r)).collect();
+    let mut json = Vec::new();
+    file.read_until(b'\n', &mut json).map_err(io())?;
+    let refuse = |line: usize, message: String| Err(RecordError::format(path, Some(line), message));
+    if json.trim_ascii().is_empty() {
+        return refuse(1, "there is no header: give a log of firings, or record again".into());
+    }
+    STAMP.check(path, Some(1), &json)?;
+    match serde_json::from_slice::<FiringHeader>(&json) {
+        Ok(header) if header.creature == creature => {}
+        Ok(header) => {
+            let found = header.creature;
+            return refuse(
+                1,
+                format!("its firings are of \"{found}\", not of \"{creature}\": give the log of one session"),
+            );
+        }
+        Err(error) => {
+            let reason = json_reason(&error);
+            return refuse(
+                1,
+                format!("it is no header of firings ({reason}): mend the line or record again"),
+            );
+        }
+    }
+    let mut firings = Vec::new();
+    read_lines(path, &mut file, "firing", |found| {
+        firings.push(firing(&found, &receptors)?);
+        Ok(())
+    })?;
+    Ok(firings)
+}
+
+fn firing(line: &FiringLine<String>, receptors: &HashMap<&str, usize>) -> Result<Firing, ContentFault> {
+    let id = &line.receptor;
+    let &receptor = receptors.get(id.as_str()).ok_or_else(|| {
+        format!("the skin has no receptor \"{id}\": mend the line, or give the session it was recorded in")
+    })?;
+    let span = [line.first, line.last];
+    if span.iter().any(|time| !time.is_finite() || time.abs() > 1e9) || span[0] > span[1] {
+        return Err(format!(
+            "receptor \"{id}\" cannot have fired from {} to {} s: give times in their order, or delete the line",
+            span[0], span[1]
+        ).into());
+    }
+    Ok(Firing { receptor, span })
+}

@@ -1,0 +1,332 @@
+//! Learning from a session's touches: what it came to, and what is recorded of it.
+
+use std::path::Path;
+use std::time::Instant;
+
+use super::babbling::BabbledSession;
+use super::error::ExperimentError;
+use super::learning_account::{changes, facts, sentence};
+use super::learning_options::LearningOptions;
+use super::observer::{LearningStep, Observer, Phase};
+use crate::agent::Agent;
+use crate::creature::Creature;
+use crate::deadline::{Limit, apart, count};
+use crate::evaluation::{Evaluation, OwnAccount, Progress, Summary, evaluate, evaluate_learned};
+use crate::export::to_mjcf;
+use crate::ground_truth::GroundTruth;
+use crate::learning::{Expectation, Learned, Learner, LimbFrames, SkinKnowledge};
+use crate::schema::BodySchema;
+use crate::senses::{DisturbedSenses, Touch};
+use crate::session::{
+    Action, Checkpoint, Host, LEARNED_FILE, LearningRecord, LearningTable, PROGRAM, RecordError,
+    RecordedAccount, SCHEMA_FILE, Session, write_schema_with_std, write_whole,
+};
+
+/// What learning from a session came to.
+#[derive(Clone, Debug)]
+pub struct LearnedSession {
+    /// What was learned, and how far it can be trusted.
+    pub learned: Learned,
+    /// What is said of it, as it is written down: every output has it from here.
+    pub record: LearningRecord,
+    /// How the body changed as the learner understood it, in sentences.
+    pub changes: Vec<String>,
+    /// What ended the search for an answer where there was more to be tried; none where nothing did.
+    pub ended_by: Option<Limit>,
+    /// The errors; none where the truth is not at hand.
+    pub evaluation: Option<Evaluation>,
+    /// What can be told without the truth; none where the truth is at hand or the learner cannot tell.
+    pub own_account: Option<OwnAccount>,
+    /// The held-out error from the same touches without the disturbances; none where there are none, or no
+    /// truth at hand.
+    pub undisturbed_heldout_mm: Option<Summary>,
+}
+
+/// Learns from a session's touches, measures where the truth is at hand, and writes the results into its folder: the
+/// schema, the learned body as a model, the table of learning and the record of it.
+///
+/// The touches are the exact ones: what the agent feels of them is the options' affair. Only the learner is
+/// deceived: everything is measured on the session's own skin, which the learned model wears, too.
+///
+/// # Errors
+/// Where there is no touch, or a file cannot be written.
+pub fn learn_session(
+    folder: &Path,
+    babbled: &BabbledSession,
+    options: &LearningOptions,
+    truth: Option<&GroundTruth>,
+    command: &[String],
+    observer: &dyn Observer,
+) -> Result<LearnedSession, ExperimentError> {
+    let BabbledSession { session, touches, grown } = babbled;
+    let agent = &session.agent;
+    let creature = agent.creature();
+    let given = options.givens();
+    let each = options.learner.learns_each_touch(&given);
+    observer.phase(Phase::Learning { touches: touches.len(), each });
+    let disturbances = options.disturbances.disturbances();
+    let felt = disturbances.felt(agent, touches, session.seed);
+    let mut run = LearningRun::new(folder, session, touches.len(), options, truth)?;
+    // What was learned on the way was learned of a body without the disturbances.
+    let grown = grown.as_ref().filter(|_| disturbances.is_none());
+    let mut learner = options.learner_from(&felt.agent, grown, session.seed);
+    learner.end_at(options.deadline);
+    let mut ended_by = None;
+    for (n, touch) in felt.touches.iter().enumerate() {
+        let began = Instant::now();
+        learner.touch(touch);
+        let due = run.is_due(n + 1, learner.schema().is_some()) && !options.deadline.has_passed();
+        let last = n + 1 == touches.len();
+        // Learning for a row of the table alone is not what learning takes.
+        let (learned, done) = apart(|| (last || (due && !run.predicts)).then(|| learner.learn()));
+        count(done);
+        ended_by = done.ended.then(|| options.deadline.limit());
+        let learned = learned.map(|learned| learned.with_made(&felt.agent, &felt.touches[..=n]));
+        if last || !due || each {
+            run.seconds += began.elapsed().as_secs_f64();
+        }
+        if last {
+            run.pass(learner.way())?;
+        }
+        let now = Looked { touches: n + 1, touch, due, last, expected: learner.expectation() };
+        run.look(&now, learned, learner.schema(), observer)?;
+    }
+    let LearningRun { passed, seconds, result, .. } = run;
+    let (learned, evaluation) = result
+        .ok_or_else(|| ExperimentError::refused("there is no touch to learn from: babble some first"))?;
+    let undisturbed_heldout_mm = truth.filter(|_| !disturbances.is_none()).map(|truth| {
+        observer.phase(Phase::LearningUndisturbed);
+        let mut learner = options.learner(agent, session.seed);
+        touches.iter().for_each(|touch| learner.touch(touch));
+        evaluate_learned(agent, truth, &learner.learn()).heldout_mm
+    });
+    observer.phase(Phase::Done);
+    let tells = truth.is_none()
+        && options.learner.uses().surfaces
+        && options.skin == SkinKnowledge::Surface
+        && options.frames == LimbFrames::Joint;
+    let own_account = if tells { OwnAccount::new(&felt.agent, &felt.touches, &learned) } else { None };
+    let checkpoints = checkpoints(passed, session, &felt, options, truth, (&learned, evaluation.as_ref()));
+    let bound = evaluation.as_ref().and_then(|evaluation| evaluation.bound_mm);
+    let how = (options, command, seconds);
+    let mut record = LearningRecord { checkpoints, bound, ..record(session, touches.len(), how, &learned) };
+    record.facts.extend(ended_by.map(|limit| ("the search ended".to_string(), limit.to_string())));
+    write(folder, creature, &learned, agent, &record)?;
+    let changes = changes(creature, &learned);
+    Ok(LearnedSession { learned, record, changes, ended_by, evaluation, own_account, undisturbed_heldout_mm })
+}
+
+/// What is said of a schema that was learned from so many of a session's touches: by which options and command, in so many
+/// seconds.
+fn record(
+    session: &Session,
+    touches: usize,
+    (options, command, seconds): (&LearningOptions, &[String], f64),
+    learned: &Learned,
+) -> LearningRecord {
+    let creature = session.agent.creature();
+    let joint = |&joint: &usize| creature.joints()[joint].name.clone();
+    let limb = |&limb: &usize| creature.limbs()[limb].clone();
+    let (joints, limbs) = (learned.undetermined(), learned.undetermined_limbs());
+    let directions = learned.reliable_account().map(|account| &account.observability);
+    LearningRecord {
+        program: PROGRAM.to_string(),
+        command: command.to_vec(),
+        host: Some(Host::here()),
+        seed: session.seed,
+        touches,
+        facts: facts(session, options, learned, seconds),
+        // To hundredths: nobody reads more of a time.
+        seconds: Some((100.0 * seconds).round() / 100.0),
+        converged: learned.verdict.converged(),
+        verdict: sentence(creature, learned),
+        reason: learned.verdict.reason().map(str::to_string),
+        undetermined: joints.iter().map(joint).collect(),
+        undetermined_limbs: limbs.iter().map(limb).collect(),
+        open_directions: directions.map_or(Vec::new(), |found| found.undetermined(creature, &learned.schema)),
+        bound: None,
+        account: Some(RecordedAccount::of(learned)),
+        checkpoints: Vec::new(),
+    }
+}
+
+/// Writes what was learned into a session's folder.
+fn write(
+    folder: &Path,
+    creature: &Creature,
+    learned: &Learned,
+    agent: &Agent,
+    record: &LearningRecord,
+) -> Result<(), ExperimentError> {
+    let std = learned.schema_std(creature);
+    write_schema_with_std(&folder.join(SCHEMA_FILE), creature, &learned.schema, std.as_ref())?;
+    let path = folder.join(LEARNED_FILE);
+    let model = to_mjcf(agent, &learned.schema);
+    write_whole(&path, model.as_bytes()).map_err(|source| RecordError::Io {
+        path,
+        action: Action::Write,
+        source,
+    })?;
+    Ok(record.write(folder, creature)?)
+}
+
+/// Learning as it goes on: what was passed, and the table that is written.
+struct LearningRun<'a> {
+    session: &'a Session,
+    truth: Option<&'a GroundTruth>,
+    table: LearningTable,
+    /// Whether the learner predicts each touch, so that every touch has a row.
+    predicts: bool,
+    checkpoints: Vec<usize>,
+    /// The schemas passed, after how many touches.
+    passed: Vec<(usize, BodySchema)>,
+    seconds: f64,
+    result: Option<(Learned, Option<Evaluation>)>,
+}
+
+/// A moment of learning.
+struct Looked<'a> {
+    touches: usize,
+    touch: &'a Touch,
+    due: bool,
+    last: bool,
+    expected: Option<Expectation>,
+}
+
+impl<'a> LearningRun<'a> {
+    fn new(
+        folder: &Path,
+        session: &'a Session,
+        touches: usize,
+        options: &LearningOptions,
+        truth: Option<&'a GroundTruth>,
+    ) -> Result<LearningRun<'a>, ExperimentError> {
+        let mut columns =
+            vec!["touches", "predicted_gap_mm", "predicted_deviation_mm", "converged", "fresh_rms"];
+        if truth.is_some() {
+            columns.extend(["heldout_mean_mm", "heldout_p95_mm", "hand_mean_mm", "axis_median_deg"]);
+        }
+        let given = options.givens();
+        // Without the truth a fit on the way tells nothing that the last does not.
+        let checkpoints = match truth {
+            None if !options.learner.learns_each_touch(&given) => Vec::new(),
+            _ => options.learner.checkpoints(&given, touches),
+        };
+        Ok(LearningRun {
+            session,
+            truth,
+            table: LearningTable::create(folder, &columns)?,
+            predicts: options.predicts(),
+            checkpoints,
+            passed: vec![(0, options.initial_guess(&session.agent, session.seed))],
+            seconds: 0.0,
+            result: None,
+        })
+    }
+
+    /// Whether a schema after so many touches is worth a look.
+    fn is_due(&self, touches: usize, has_schema: bool) -> bool {
+        // The first schema is worth a look, whenever it comes.
+        let first = self.predicts && self.passed.len() == 1 && has_schema;
+        first || self.checkpoints.contains(&touches)
+    }
+
+    /// Takes down what a learner believed on its way.
+    fn pass(&mut self, way: &[(usize, BodySchema)]) -> Result<(), ExperimentError> {
+        for (touches, schema) in way {
+            let evaluation = self.truth.map(|truth| evaluate(&self.session.agent, truth, schema, &[]));
+            let mut row = vec![*touches as f64, f64::NAN, f64::NAN, f64::NAN, f64::NAN];
+            if self.truth.is_some() {
+                row.extend(measures(evaluation.as_ref()));
+            }
+            self.table.row(&row)?;
+            self.passed.push((*touches, schema.clone()));
+        }
+        Ok(())
+    }
+
+    /// Takes down what a learner has come to.
+    fn look(
+        &mut self,
+        now: &Looked,
+        learned: Option<Learned>,
+        schema: Option<&BodySchema>,
+        observer: &dyn Observer,
+    ) -> Result<(), ExperimentError> {
+        let expected = now.expected;
+        let schema = learned.as_ref().map(|learned| &learned.schema).or(schema);
+        let shown = now.due || now.last;
+        observer.learned(&LearningStep {
+            touches: now.touches,
+            touch: now.touch,
+            schema: schema.filter(|_| shown || self.predicts),
+            predicted_gap: expected.map(|expected| expected.gap),
+        });
+        if !shown && !self.predicts {
+            return Ok(());
+        }
+        let millimetres = |value: Option<f64>| value.map_or(f64::NAN, |metres| 1e3 * metres);
+        let mut row = vec![
+            now.touches as f64,
+            millimetres(expected.map(|expected| expected.gap)),
+            millimetres(expected.map(|expected| expected.deviation)),
+            learned.as_ref().map_or(f64::NAN, |learned| f64::from(u8::from(learned.verdict.converged()))),
+            learned.as_ref().map_or(f64::NAN, |learned| learned.fresh_rms),
+        ];
+        if let Some(schema) = schema.filter(|_| shown) {
+            self.passed.push((now.touches, schema.clone()));
+        }
+        let agent = &self.session.agent;
+        let measured = self.truth.zip(schema).filter(|_| shown);
+        let evaluation = measured.map(|(truth, schema)| match &learned {
+            Some(learned) => evaluate_learned(agent, truth, learned),
+            None => evaluate(agent, truth, schema, &[]),
+        });
+        if self.truth.is_some() {
+            row.extend(measures(evaluation.as_ref()));
+        }
+        self.table.row(&row)?;
+        if now.last {
+            self.result = learned.map(|learned| (learned, evaluation));
+        }
+        Ok(())
+    }
+}
+
+/// What the table has of an evaluation, as its last columns.
+fn measures(evaluation: Option<&Evaluation>) -> [f64; 4] {
+    evaluation.map_or([f64::NAN; 4], |e| {
+        let hand = e.hand_mm.map_or(f64::NAN, |hand| hand.mean);
+        [e.heldout_mm.mean, e.heldout_mm.p95, hand, e.axis_deg.median]
+    })
+}
+
+/// The schemas on the way with their errors and the bounds of these, where the truth is at hand and the touches show noise:
+/// at the numerical floor there is no noise to bound an error by.
+fn checkpoints(
+    passed: Vec<(usize, BodySchema)>,
+    session: &Session,
+    felt: &DisturbedSenses,
+    options: &LearningOptions,
+    truth: Option<&GroundTruth>,
+    (learned, evaluation): (&Learned, Option<&Evaluation>),
+) -> Vec<Checkpoint> {
+    let progress = truth.map(|truth| Progress::new(&session.agent, truth, learned));
+    // What touches determine is judged at what was learned in the end: at a wrong schema it says nothing.
+    let mut learner = options.second_order(&felt.agent, session.seed);
+    let mut touches = felt.touches.iter();
+    let bounded = learned.reliable_account().is_some_and(|account| !account.witnesses.at_floor);
+    let checkpoint = |(count, schema): (usize, BodySchema)| {
+        touches.by_ref().take(count - learner.touches().len()).for_each(|touch| learner.touch(touch));
+        let progress = progress.as_ref();
+        let bound_rms = progress.filter(|_| bounded && count > 0).and_then(|progress| {
+            if count == felt.touches.len() {
+                return evaluation?.bound_mm.map(|bound| bound.bound_rms);
+            }
+            progress.bound_rms(&learner.observe(&learned.schema).0)
+        });
+        let error_rms = progress.and_then(|progress| progress.error_rms(&schema));
+        Checkpoint { touches: count, schema, error_rms, bound_rms }
+    };
+    passed.into_iter().map(checkpoint).collect()
+}

@@ -1,0 +1,304 @@
+//! How to learn: the kind of learner, what a touch reports to it, what it knows, and what disturbs it.
+
+use std::path::{Path, PathBuf};
+
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use serde_json::{Value, json};
+
+use super::disturbance_levels::DisturbanceLevels;
+use super::error::ExperimentError;
+use super::words::listed;
+use crate::agent::Agent;
+use crate::babbling::PolicyName;
+use crate::creature::{Creature, DofKind};
+use crate::deadline::Deadline;
+use crate::learning::growth::Growth;
+use crate::learning::initial_guess::random_guess;
+use crate::learning::learners::{LEARNERS, LearnerGivens, LearnerKind, LearnerUses, PartByPart};
+use crate::learning::{
+    Input, KnownJoint, Learner, LearnerInUnit, LengthUnit, LimbFrames, SecondOrder, SkinKnowledge,
+};
+use crate::schema::BodySchema;
+use crate::session::{Session, read_known};
+use crate::skin::Receptor;
+
+/// How to learn.
+#[derive(Clone)]
+pub struct LearningOptions {
+    /// The kind of learner.
+    pub learner: &'static dyn LearnerKind,
+    /// What a touch reports; where it is left out receptors, or of a recording what it holds.
+    pub input: Option<Input>,
+    /// What the agent knows of its skin.
+    pub skin: SkinKnowledge,
+    /// Which frames points on limbs are given in.
+    pub frames: LimbFrames,
+    /// What is known of joints before the first touch.
+    pub known: Option<KnownFile>,
+    /// What is wrong with the agent's senses.
+    pub disturbances: DisturbanceLevels,
+    /// After which it learns from what it has.
+    pub deadline: Deadline,
+}
+
+/// What is known of joints, and the file that says so.
+#[derive(Clone, Debug, PartialEq)]
+pub struct KnownFile {
+    /// The file.
+    pub path: PathBuf,
+    /// What it says of the joints of a creature.
+    pub joints: Vec<KnownJoint>,
+}
+
+impl Default for LearningOptions {
+    fn default() -> LearningOptions {
+        LearningOptions {
+            learner: LEARNERS[0],
+            input: None,
+            skin: SkinKnowledge::default(),
+            frames: LimbFrames::default(),
+            known: None,
+            disturbances: DisturbanceLevels::default(),
+            deadline: Deadline::NEVER,
+        }
+    }
+}
+
+impl LearningOptions {
+    /// The learner of touches that a policy made, where none is named; of a recording's, where there was none.
+    pub fn default_learner(policy: Option<PolicyName>) -> &'static dyn LearnerKind {
+        match policy {
+            Some(PolicyName::Stages) => &PartByPart,
+            _ => LEARNERS[0],
+        }
+    }
+
+    /// Whether a body can grow part by part with what is given: by receptors on known surfaces alone, undisturbed.
+    pub fn grows(&self) -> bool {
+        self.skin == SkinKnowledge::Surface
+            && self.frames == LimbFrames::Joint
+            && self.known.is_none()
+            && self.disturbances == DisturbanceLevels::default()
+    }
+
+    /// What touches report.
+    pub fn input(&self) -> Input {
+        self.input.unwrap_or_default()
+    }
+
+    /// What the learner is given beside a body.
+    pub fn givens(&self) -> LearnerGivens {
+        LearnerGivens {
+            input: self.input(),
+            skin: self.skin,
+            frames: self.frames,
+            known: self.known.as_ref().map_or(Vec::new(), |known| known.joints.clone()),
+        }
+    }
+
+    /// These options with what a file says of a creature's joints: a `schema.json`, whole or with some of them.
+    ///
+    /// # Errors
+    /// Where the file is not one for this creature, or the learner has no use for it.
+    pub fn with_known(self, path: &Path, creature: &Creature) -> Result<LearningOptions, ExperimentError> {
+        self.check_frames(creature, true)?;
+        if !self.learner.uses().known_joints {
+            return Err(ExperimentError::unfit(
+                path,
+                format!(
+                    "the learner {} takes no prior knowledge: use --learner {}, or leave out --known",
+                    self.learner.name(),
+                    learners_that(|uses| uses.known_joints)
+                ),
+            ));
+        }
+        let joints = read_known(path, creature)?;
+        Ok(LearningOptions { known: Some(KnownFile { path: path.to_path_buf(), joints }), ..self })
+    }
+
+    /// Whether a creature can be learned with these options.
+    ///
+    /// # Errors
+    /// Where limbs in frames of their own cannot be learned.
+    pub fn check(&self, creature: &Creature) -> Result<(), ExperimentError> {
+        if self.learner.uses().surfaces_alone && self.skin != SkinKnowledge::Surface {
+            return Err(ExperimentError::refused(format!(
+                "--learner {} learns by the surfaces under receptors: leave out --skin, or use --learner {}",
+                self.learner.name(),
+                LEARNERS[0].name()
+            )));
+        }
+        self.check_frames(creature, self.known.is_some())
+    }
+
+    /// Whether the limbs' frames can be found, where joints are known a priori or not.
+    fn check_frames(&self, creature: &Creature, known: bool) -> Result<(), ExperimentError> {
+        if self.frames == LimbFrames::Joint {
+            return Ok(());
+        }
+        let refuse = |why: &str| Err(ExperimentError::refused(format!("--frames limb: {why}")));
+        if !self.learner.uses().limb_frames {
+            let able = learners_that(|uses| uses.limb_frames);
+            return refuse(&format!("only the learner {able} finds the limbs' frames: use --learner {able}"));
+        }
+        if self.input() != Input::Contact {
+            return refuse(
+                "receptors are too coarse to tell how a round limb is turned in its frame: use --input contact",
+            );
+        }
+        if known {
+            return refuse("no joint can be known a priori: leave out --known");
+        }
+        match creature.dofs().find(|dof| dof.kind == DofKind::Ball) {
+            Some(ball) => refuse(&format!(
+                "{} is a ball, whose angles are told along the axes of the joint's frame: name hinges and slides \
+                 with --joints, or use --frames joint",
+                ball.name
+            )),
+            None => Ok(()),
+        }
+    }
+
+    /// These options for a session's touches: those of a recording report what the recording holds.
+    ///
+    /// # Errors
+    /// Where receptors are asked for and the recording has none.
+    pub fn for_session(&self, session: &Session) -> Result<LearningOptions, ExperimentError> {
+        let Some(recording) = &session.recording else { return Ok(self.clone()) };
+        let bare = |receptor: &Receptor| receptor.surface.is_none() && receptor.half_extents == [0.0; 2];
+        if self.input == Some(Input::Receptor) && session.agent.skin().receptors.iter().any(bare) {
+            return Err(ExperimentError::unfit(
+                Path::new(&recording.log),
+                "its touches are points on limbs without a skin: use --input contact, or leave out --input",
+            ));
+        }
+        let recorded = session.options.input.as_deref().and_then(|input| input.parse().ok());
+        Ok(LearningOptions { input: self.input.or(recorded), ..self.clone() })
+    }
+
+    /// The learner of a body, whose random numbers come from `seed`.
+    pub fn learner(&self, agent: &Agent, seed: u64) -> Box<dyn Learner> {
+        self.learner_from(agent, None, seed)
+    }
+
+    /// The same that goes on from what was learned while the touches were made, where the learner is one that can.
+    pub fn learner_from(&self, agent: &Agent, grown: Option<&Growth>, seed: u64) -> Box<dyn Learner> {
+        let given = self.givens();
+        LearnerInUnit::of(agent, |agent, unit| {
+            let known = given.known.iter().map(|known| unit.known(known)).collect();
+            let given = LearnerGivens { known, ..given };
+            let goes_on = grown.and_then(|grown| self.learner.goes_on(agent, &given, grown, seed));
+            goes_on.unwrap_or_else(|| self.learner.learner(agent, &given, seed))
+        })
+    }
+
+    /// Whether the learner predicts each touch before it learns from it.
+    pub fn predicts(&self) -> bool {
+        self.learner.predicts(&self.givens())
+    }
+
+    /// What the learner was allowed to know, in words.
+    pub fn knowledge(&self) -> &'static str {
+        match (self.input(), self.skin) {
+            (Input::Contact, _) => "contact points",
+            (Input::Receptor, SkinKnowledge::Surface) if self.learner.uses().surfaces => {
+                "receptors and the surfaces under them"
+            }
+            (Input::Receptor, _) => "receptor centres",
+        }
+    }
+
+    /// What is believed before the first touch: the initial guess of a learner that has but one, else one like those that
+    /// it starts from.
+    pub(crate) fn initial_guess(&self, agent: &Agent, seed: u64) -> BodySchema {
+        let creature = agent.creature();
+        let unit = LengthUnit::of(agent).metres();
+        let initial_guess = random_guess(creature, &mut ChaCha8Rng::seed_from_u64(seed)).scaled(unit);
+        if self.frames == LimbFrames::Limb { initial_guess.with_limb_poses() } else { initial_guess }
+    }
+
+    /// The learner of all touches at once, with this input and this knowledge of skin and frames.
+    pub(crate) fn second_order(&self, agent: &Agent, seed: u64) -> SecondOrder {
+        SecondOrder::new(agent, self.input(), seed).with_frames(self.frames).with_skin(self.skin)
+    }
+
+    /// The prior knowledge, in JSON: the file, and its joints with whether they were exact.
+    pub fn known_json(&self, creature: &Creature) -> Value {
+        let Some(known) = &self.known else { return Value::Null };
+        let joint = |known: &KnownJoint| json!({ "joint": creature.joints()[known.joint].name, "exact": known.exact });
+        json!({ "file": known.path, "joints": known.joints.iter().map(joint).collect::<Vec<_>>() })
+    }
+
+    /// The same in words.
+    pub fn known_words(&self, creature: &Creature) -> Option<String> {
+        let known = self.known.as_ref()?;
+        let named = |exact: bool| {
+            let joints = known.joints.iter().filter(|known| known.exact == exact);
+            listed(&joints.map(|known| creature.joints()[known.joint].name.clone()).collect::<Vec<_>>())
+        };
+        Some(format!("exactly {}; nearly {}", named(true), named(false)))
+    }
+}
+
+/// The names of the learners that can use something.
+fn learners_that(can: fn(LearnerUses) -> bool) -> String {
+    let names = LEARNERS.iter().filter(|learner| can(learner.uses())).map(|learner| learner.name());
+    names.collect::<Vec<_>>().join(" or ")
+}
+
+#[cfg(test)]
+mod tests {
+    use std::cmp::Ordering;
+
+    use super::*;
+
+    /// The crane has slides, which are lengths in postures.
+    const CRANE: &str = "mjcf/bodies/crane.xml";
+    /// The longest limb of a body that is learned in metres, metres: at the least.
+    const LEAST: f64 = 0.1;
+
+    #[test]
+    fn a_small_body_is_learned_as_a_large_one_to_the_digit() {
+        let babbled = Agent::from_mjcf(CRANE).unwrap().babble(400).unwrap();
+        let agent = babbled.embodied().agent();
+        assert!(agent.creature().dofs().any(|dof| dof.kind == DofKind::Slide), "{CRANE} has no slide");
+        let options = LearningOptions { input: Some(Input::Contact), ..LearningOptions::default() };
+        // As small as a body may be that is learned in metres, and so small that it is learned in a unit of its own.
+        let by = [0.0, 5.0]
+            .map(|halvings: f64| (-(agent.skin().longest_limb() / LEAST).log2().floor() - halvings).exp2());
+        let [large, small] = by.map(|by| {
+            let scaled = agent.scaled(by);
+            let mut learner = options.learner(&scaled, 1);
+            let touches = babbled.touches().iter();
+            touches.for_each(|touch| learner.touch(&touch.scaled(agent.creature(), by)));
+            (LengthUnit::of(&scaled), learner.learn())
+        });
+        assert_eq!(large.0, LengthUnit::METRE);
+        assert_eq!(small.0, LengthUnit::from_metres(1.0 / 32.0).unwrap());
+        let (large, small) = (large.1, small.1);
+        assert!(large.verdict.converged(), "{:?}", large.verdict);
+        assert_eq!(small.verdict, large.verdict);
+        assert_eq!(small.schema.scaled(32.0), large.schema);
+        let (small, large) = (small.account.unwrap(), large.account.unwrap());
+        assert_eq!(small.classes(), large.classes());
+        assert_eq!(32.0 * small.limit(), large.limit());
+        assert_eq!(small.observability.singular_values, large.observability.singular_values);
+        for (a, b) in small.limbs().iter().flat_map(|&a| small.limbs().iter().map(move |&b| (a, b))) {
+            assert_eq!(32.0 * small.distance(a, b), large.distance(a, b), "limbs {a} and {b}");
+        }
+    }
+
+    #[test]
+    fn bodies_of_a_persons_size_are_learned_in_metres() {
+        for (model, unit) in [
+            ("mjcf/max/max.xml", Ordering::Equal),
+            ("mjcf/bodies/humanoid.xml", Ordering::Equal),
+            ("mjcf/bodies/tiny.xml", Ordering::Less),
+            ("mjcf/bodies/huge.xml", Ordering::Greater),
+        ] {
+            let found = LengthUnit::of(Agent::from_mjcf(model).unwrap().agent()).metres();
+            assert_eq!(found.total_cmp(&1.0), unit, "{model}: {found}");
+        }
+    }
+}

@@ -1,0 +1,130 @@
+//! A session: a creature babbles and learns, an observer looks on, and all of it goes into a folder.
+//!
+//! A session is a folder of files that other programs can read: [`SESSION_FILE`] says how it came
+//! about, [`TOUCHES_FILE`] holds a touch a line, [`SCHEMA_FILE`] the learned body by name, and
+//! [`LEARNING_FILE`] how learning went. Metres and radians throughout; names, not indices, between
+//! files. Numbers are written in the shortest form that reads back to the same bits.
+
+mod account;
+pub(crate) mod angles;
+mod babbling;
+mod bout_log;
+pub(crate) mod columns;
+mod disturbance_levels;
+mod embodied;
+mod error;
+mod fields;
+pub(crate) mod files;
+mod firing_log;
+mod folder_lock;
+mod generation;
+pub(crate) mod given_log;
+mod host;
+mod in_memory;
+mod json_lines;
+mod known;
+mod learned_session;
+mod learning_account;
+mod learning_options;
+mod learning_record;
+mod learning_table;
+mod leftovers;
+mod map_file;
+mod mistaken;
+mod model_hash;
+mod observer;
+mod own_body;
+mod part_file;
+mod progress;
+mod read_lock;
+mod record_error;
+mod recorded;
+mod recording;
+mod schema;
+mod session_body;
+mod session_file;
+mod share_folders;
+mod shares;
+mod space_record;
+mod stamp;
+mod study_share;
+mod touch_line;
+mod touch_reader;
+mod touch_writer;
+pub(crate) mod touches;
+pub(crate) mod words;
+
+pub use account::RecordedAccount;
+pub(crate) use angles::wide_ranges;
+pub use babbling::{BabbledSession, BabblingSession, Provenance, ResumedSession, SessionSetup};
+pub use bout_log::{BoutLine, BoutLog, read_bouts};
+pub use disturbance_levels::DisturbanceLevels;
+pub(crate) use embodied::babbler;
+pub use embodied::{Embodied, ModelSource, skin_for};
+pub use error::{CreatureFault, ExperimentError};
+pub(crate) use files::write_whole;
+pub use firing_log::{FiringWriter, read_firings};
+pub use folder_lock::{FolderLock, LOCK_FILE};
+pub use generation::Generation;
+pub use host::Host;
+pub use in_memory::{Babbled, LearnedBody};
+pub use known::read_known;
+pub use learned_session::{LearnedSession, learn_session};
+pub use learning_options::{KnownFile, LearningOptions};
+pub use learning_record::{Checkpoint, LearningRecord};
+pub use learning_table::{LearningRows, LearningTable, Prediction, read_learning_table, read_predictions};
+pub use map_file::{read_map, write_map};
+#[cfg_attr(not(feature = "render"), allow(unused_imports))]
+pub(crate) use mistaken::for_model as mistaken_for_model;
+pub use model_hash::model_hash;
+pub use observer::{LearningStep, Observer, Phase};
+pub use own_body::{hands, learned_body, own_body};
+pub(crate) use part_file::{MadeFolders, PartFile, PartFolder, folder_of};
+pub use progress::BabblingProgress;
+pub use read_lock::ReadLock;
+pub use record_error::{Action, RecordError};
+pub(crate) use record_error::{json_reason, shortened};
+pub use recorded::{RecordedSession, RecordingSource};
+pub use recording::{CreatureFile, Recording, read_creature, read_recording};
+pub use schema::{read_schema, read_schema_with_std, write_schema, write_schema_with_std};
+pub use session_body::{same_tree, session_body, session_truth};
+pub use session_file::{BabblingEffort, RecordingFiles, Session, SessionOptions};
+pub use share_folders::{SHARES_FOLDER, Shares};
+pub use shares::{BabbledShares, BabblingShare, Unready};
+pub use space_record::{SpaceRecord, SpaceSlice};
+pub use study_share::{StudyShare, read_trial, trial_file, write_trial};
+pub use touch_reader::{TouchLog, read_touches};
+pub use touch_writer::TouchWriter;
+
+/// How a session came about, in a session's folder.
+pub const SESSION_FILE: &str = "session.json";
+/// The log of touches, in a session's folder.
+pub const TOUCHES_FILE: &str = "touches.jsonl";
+/// How far babbling has come, in a session's folder while it babbles.
+pub const PROGRESS_FILE: &str = "babbling.json";
+/// The bouts of a share of a session and what each cost, in the share's folder.
+pub const BOUTS_FILE: &str = "bouts.csv";
+/// What a study was asked and what came out, in its folder.
+pub const STUDY_FILE: &str = "study.json";
+/// What a share of a study was asked for, in the share's folder.
+pub const STUDY_SHARE_FILE: &str = "study-share.json";
+/// The log of firing receptors, in the folder of a session of strokes.
+pub const FIRINGS_FILE: &str = "firings.jsonl";
+/// What the touch sensor made of them, in the same folder: a sensation a line.
+pub const SENSATIONS_FILE: &str = "sensations.jsonl";
+/// The learned body schema, in a session's folder.
+pub const SCHEMA_FILE: &str = "schema.json";
+/// The learned body as a model, in a session's folder.
+pub const LEARNED_FILE: &str = "learned.xml";
+/// The table of checkpoints of learning, in a session's folder.
+pub const LEARNING_FILE: &str = "learning.csv";
+/// What learning came to and how it got there, in a session's folder.
+pub const LEARNED_RECORD_FILE: &str = "learning.json";
+/// Slices of where the hands can get to, in a session's folder.
+pub const SPACE_FILE: &str = "space.json";
+
+/// This program and its version, as a session names what made it.
+pub const PROGRAM: &str = concat!(env!("CARGO_PKG_NAME"), " ", env!("CARGO_PKG_VERSION"));
+
+/// How far the length of an axis or a quaternion may be from 1 in a file.
+const UNIT_LENGTH: f64 = 1e-6;

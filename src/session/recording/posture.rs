@@ -1,0 +1,133 @@
+//! Postures as other programs write them: quaternions of few digits, and angles that look like degrees.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use super::raw::RawTouch;
+use crate::creature::{Creature, DofElement, DofKind};
+use crate::session::angles::{HingeAngles, wide_ranges};
+use crate::session::{RecordError, UNIT_LENGTH};
+
+/// How far from 1 the length of a quaternion may be that was written with few digits; it is then scaled.
+const ROUNDED: f64 = 0.01;
+/// Points farther from their limb's origin than this, metres, on the median look like millimetres; a single one so many times
+/// as far as the median is worth a note …
+const FAR: f64 = 10.0;
+/// … and a limb that is shorter than this, metres, is taken to be as long.
+const LEAST: f64 = 0.05;
+/// Share of a degree of freedom's coordinates beyond its range that is worth a note …
+const BEYOND_SHARE: f64 = 0.05;
+/// … where they are beyond it by more than this, radians and metres.
+const BEYOND: f64 = 0.02;
+
+/// Scales quaternions that were rounded when they were written; those that fit to the last digits stay.
+pub(super) fn unit_quaternions(creature: &Creature, posture: &mut [f64]) {
+    for ball in of_kind(creature, DofKind::Ball) {
+        let coordinates = ball.of_mut(posture);
+        let length = coordinates.iter().map(|x| x * x).sum::<f64>().sqrt();
+        let off = (length - 1.0).abs();
+        if off > UNIT_LENGTH && off < ROUNDED {
+            coordinates.iter_mut().for_each(|x| *x /= length);
+        }
+    }
+}
+
+/// Every degree of freedom of a kind.
+fn of_kind(creature: &Creature, kind: DofKind) -> impl Iterator<Item = DofElement<'_>> {
+    creature.elements().filter(move |element| element.kind == kind)
+}
+
+/// What a log tells of every hinge.
+fn hinges<'a>(creature: &'a Creature, touches: &[RawTouch]) -> Vec<HingeAngles<'a>> {
+    let angles = |at: usize| touches.iter().map(|touch| (touch.line, touch.posture[at])).collect();
+    { of_kind(creature, DofKind::Hinge) }
+        .map(|hinge| {
+            let dof = hinge.dof();
+            HingeAngles { name: &dof.name, range: dof.range, angles: angles(hinge.coordinate()) }
+        })
+        .collect()
+}
+
+/// Refuses angles that most of them are beyond a full turn, and single ones that their joint cannot have.
+pub(super) fn refuse_degrees(
+    path: &Path,
+    creature: &Creature,
+    touches: &[RawTouch],
+) -> Result<(), RecordError> {
+    let hinges = hinges(creature, touches);
+    for hinge in &hinges {
+        if let Some((line, angle)) = hinge.degrees() {
+            let message = format!(
+                "{} is {angle}, and most angles are beyond a full turn of 6.283 radians: they look like degrees, convert \
+                 them to radians, and the range as well, or take whole turns off",
+                hinge.name
+            );
+            return Err(RecordError::format(path, Some(line), message));
+        }
+    }
+    match hinges.iter().find_map(HingeAngles::impossible) {
+        Some((line, message)) => Err(RecordError::format(path, Some(line), message)),
+        None => Ok(()),
+    }
+}
+
+/// The first point that is far from its limb for a point of it, as a sentence.
+fn far_point(touches: &[RawTouch]) -> Option<String> {
+    let mut of_limbs: BTreeMap<&str, Vec<(usize, f64)>> = BTreeMap::new();
+    for (touch, end) in touches.iter().flat_map(|touch| touch.ends.iter().map(move |end| (touch, end))) {
+        if let (Some(limb), Some(point)) = (&end.limb, end.point) {
+            of_limbs.entry(limb).or_default().push((touch.line, point.norm()));
+        }
+    }
+    of_limbs.into_iter().find_map(|(limb, points)| {
+        let mut distances: Vec<f64> = points.iter().map(|(_, distance)| *distance).collect();
+        distances.sort_by(f64::total_cmp);
+        let usual = distances[distances.len() / 2].max(LEAST);
+        let (line, far) = points.into_iter().find(|(_, distance)| *distance > FAR * usual)?;
+        Some(format!(
+            "on line {line} the point on {limb} is {far:.3} m from its origin, and half of its points are within {usual:.3} m: \
+             mend it, or leave the touch out"
+        ))
+    })
+}
+
+/// What looks odd about a log: coordinates beyond their ranges, points far from their limbs.
+pub(super) fn notes(creature: &Creature, touches: &[RawTouch]) -> Vec<String> {
+    let ranges =
+        of_kind(creature, DofKind::Hinge).map(|hinge| (hinge.dof().name.as_str(), hinge.dof().range));
+    let mut notes: Vec<String> = wide_ranges(ranges).into_iter().collect();
+    let hinges = hinges(creature, touches);
+    let dofs = of_kind(creature, DofKind::Hinge).chain(of_kind(creature, DofKind::Slide));
+    for at in dofs {
+        let (dof, place, [low, high]) = (at.dof(), at.coordinate(), at.range);
+        let values = || touches.iter().map(|touch| touch.posture[place]);
+        let beyond = values().filter(|x| *x < low - BEYOND || *x > high + BEYOND).count();
+        if beyond as f64 > BEYOND_SHARE * touches.len() as f64 {
+            let (least, most) = values()
+                .fold((f64::INFINITY, f64::NEG_INFINITY), |(least, most), x| (least.min(x), most.max(x)));
+            notes.push(format!(
+                "{} goes from {least:.3} to {most:.3}, beyond its range of {low:.3} to {high:.3}, in {beyond} of {} \
+                 touches: mend the range in the creature's file, or the angles' sign or zero",
+                dof.name,
+                touches.len()
+            ));
+        } else if let Some(note) =
+            hinges.iter().find(|hinge| hinge.name == dof.name).and_then(HingeAngles::note)
+        {
+            notes.push(note);
+        }
+    }
+    notes.extend(far_point(touches));
+    let mut distances: Vec<f64> =
+        touches.iter().flat_map(|touch| &touch.ends).filter_map(|end| end.point).map(|p| p.norm()).collect();
+    distances.sort_by(f64::total_cmp);
+    if let Some(&median) = distances.get(distances.len() / 2)
+        && median > FAR
+    {
+        notes.push(format!(
+            "half of the points are more than {median:.0} m from their limb's origin: if they are in millimetres, \
+             convert them to metres"
+        ));
+    }
+    notes
+}

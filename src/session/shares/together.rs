@@ -1,0 +1,158 @@
+//! All shares of a session.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+use super::difference;
+use super::making::check_bouts;
+use crate::agent::Agent;
+use crate::babbling::RecordedBout;
+use crate::session::ExperimentError;
+use crate::session::{SESSION_FILE, Session, Shares, TOUCHES_FILE, read_bouts, read_touches};
+use crate::share::Share;
+
+/// Shares that are all made, of one session.
+pub struct BabbledShares {
+    of: u64,
+    /// The session, as its first share has it.
+    session: Session,
+    /// Where each share is.
+    folders: BTreeMap<Share, PathBuf>,
+    /// The time that all of them took.
+    spent: Duration,
+}
+
+/// Shares that have to be made before they can be put together.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Unready {
+    /// Those that were not begun, or of which nothing is left.
+    pub missing: Vec<Share>,
+    /// Those that were interrupted, or are being made.
+    pub unfinished: Vec<Share>,
+    /// How one that was begun was asked for, word by word; none where that was not kept.
+    pub command: Vec<String>,
+}
+
+impl Unready {
+    /// All of them, in their order.
+    pub fn all(&self) -> Vec<Share> {
+        let mut all: Vec<Share> = self.missing.iter().chain(&self.unfinished).copied().collect();
+        all.sort_unstable();
+        all
+    }
+}
+
+impl BabbledShares {
+    /// The shares in a folder, if all are made; else which are not.
+    ///
+    /// # Errors
+    /// Where a file cannot be read, or the shares are not all of one session.
+    pub fn find(shares: &Shares) -> Result<Result<BabbledShares, Unready>, ExperimentError> {
+        let mut unready = Unready { missing: shares.missing(), ..Unready::default() };
+        let (mut first, mut folders): (Option<(PathBuf, Session)>, _) = (None, BTreeMap::new());
+        let mut spent = Duration::ZERO;
+        for (share, folder) in shares.begun() {
+            // One that was killed at once has none yet.
+            if !folder.join(SESSION_FILE).exists() {
+                unready.missing.push(share);
+                continue;
+            }
+            let session = Session::read(folder)?;
+            let file = folder.join(SESSION_FILE);
+            if session.options.share != Some(share.to_string()) {
+                let reason =
+                    format!("it is not of share {share}: move it where it belongs, or make that share again");
+                return Err(ExperimentError::unfit(&file, reason));
+            }
+            match session.effort {
+                None => unready.unfinished.push(share),
+                Some(effort) => {
+                    let babbled = Duration::try_from_secs_f64(effort.babbling_s).unwrap_or_default();
+                    spent = spent.saturating_add(babbled);
+                }
+            }
+            match &first {
+                None => {
+                    unready.command.clone_from(&session.command);
+                    first = Some((folder.to_path_buf(), session));
+                }
+                Some((other, one)) => {
+                    if let Some(difference) = difference(one, &session) {
+                        let reason = format!(
+                            "it is not of the session that {} is of ({difference}): make one of them again",
+                            other.display()
+                        );
+                        return Err(ExperimentError::unfit(&file, reason));
+                    }
+                }
+            }
+            folders.insert(share, folder.to_path_buf());
+        }
+        Ok(match first {
+            Some((_, session)) if unready.all().is_empty() => {
+                Ok(BabbledShares { of: shares.of(), session, folders, spent })
+            }
+            _ => Err(unready),
+        })
+    }
+
+    /// The session that they are of, as one of them has it.
+    pub fn session(&self) -> &Session {
+        &self.session
+    }
+
+    /// The time that all of them took to babble.
+    pub fn spent(&self) -> Duration {
+        self.spent
+    }
+
+    /// Reads all that was made; what it gives hands out each bout once, by its number.
+    ///
+    /// # Errors
+    /// Where a log cannot be read or is not what its share's other files say.
+    pub(in crate::session) fn bouts(
+        &self,
+        agent: &Agent,
+    ) -> Result<impl FnMut(u64) -> Option<RecordedBout> + use<>, ExperimentError> {
+        let of = self.of;
+        let mut made: BTreeMap<Share, Vec<Option<RecordedBout>>> = BTreeMap::new();
+        for (share, folder) in &self.folders {
+            made.insert(*share, read_share(folder, *share, agent)?);
+        }
+        Ok(move |bout| {
+            let (share, own) = Share::having(bout, of);
+            made.get_mut(&share)?.get_mut(own as usize)?.take()
+        })
+    }
+}
+
+/// The bouts of one share.
+fn read_share(
+    folder: &Path,
+    share: Share,
+    agent: &Agent,
+) -> Result<Vec<Option<RecordedBout>>, ExperimentError> {
+    let bouts = read_bouts(folder)?;
+    check_bouts(folder, share, &bouts)?;
+    let path = folder.join(TOUCHES_FILE);
+    let mut touches = read_touches(&path, agent)?.touches.into_iter().peekable();
+    let recorded = bouts.iter().map(|line| {
+        let of_bout =
+            std::iter::from_fn(|| touches.next_if(|touch| touch.bout == line.bout)).collect::<Vec<_>>();
+        (of_bout.len() == line.touches)
+            .then(|| Some(RecordedBout { touches: of_bout, effort: line.effort() }))
+            .ok_or(line.bout)
+    });
+    let recorded: Result<Vec<_>, u64> = recorded.collect();
+    let lost = match recorded {
+        Ok(recorded) if touches.peek().is_none() => return Ok(recorded),
+        Ok(_) => "after the last bout".to_string(),
+        Err(bout) => format!("in bout {bout}"),
+    };
+    let reason = format!(
+        "lines were added or lost {lost}, for its bouts have other touches: remove {} and make share {share} again",
+        folder.display()
+    );
+    Err(ExperimentError::unfit(&path, reason))
+}

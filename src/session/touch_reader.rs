@@ -1,0 +1,160 @@
+//! Reading the log of touches, of this program or another.
+
+use std::collections::{HashMap, HashSet};
+use std::hash::{DefaultHasher, Hash, Hasher};
+use std::io::{BufRead, BufReader};
+use std::path::Path;
+
+use nalgebra::Vector3;
+
+use super::files;
+use super::json_lines::read_lines;
+use super::record_error::json_reason;
+use super::touch_line::{STAMP, TouchHeader, TouchLine, UNITS, check, limb_name};
+use super::{Action, RecordError};
+use crate::agent::Agent;
+use crate::creature::Creature;
+use crate::senses::{Moment, Touch, TouchEnd};
+use crate::session::record_error::ContentFault;
+
+/// How far a receptor's position in a log may be from the skin's, metres.
+const SAME_POSITION: f64 = 1e-9;
+
+/// What a log of touches holds.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct TouchLog {
+    /// The touches, in the log's order.
+    pub touches: Vec<Touch>,
+    /// The last line's number where it is incomplete, as a killed process leaves it; it is left out.
+    pub truncated: Option<usize>,
+    /// Zero bytes at its end, as a file system leaves them where the power failed; they are left out as well.
+    pub zeros: usize,
+}
+
+/// A line as it is read; JSON has no other way to say "not a finite number" than null.
+type FoundLine = TouchLine<String, Vec<Option<f64>>, [Option<f64>; 3]>;
+
+/// Reads the touches of a creature and its skin from the log `path`.
+///
+/// # Errors
+/// [`RecordError::Io`] where the file cannot be read. [`RecordError::Format`], with the line, where it
+/// is no log of touches or one of a newer version, where it belongs to another creature or skin, and
+/// for any line that is no touch; only the last one may be incomplete.
+pub fn read_touches(path: &Path, agent: &Agent) -> Result<TouchLog, RecordError> {
+    let io = || RecordError::io(path, Action::Read);
+    let mut file = BufReader::new(files::open(path)?);
+    let receptors: HashMap<&str, usize> =
+        agent.skin().receptors.iter().enumerate().map(|(r, receptor)| (receptor.id.as_str(), r)).collect();
+
+    let mut json = Vec::new();
+    file.read_until(b'\n', &mut json).map_err(io())?;
+    check_header(path, &json, 1, agent.creature())?;
+    let (mut log, mut told) = (TouchLog::default(), HashSet::new());
+    let end = read_lines(path, &mut file, "touch", |found: FoundLine| {
+        let touch = touch(found, agent, &receptors)?;
+        if !told.insert(print(&touch)) {
+            return Err("it is a touch that was told before: delete the line".into());
+        }
+        log.touches.push(touch);
+        Ok(())
+    })?;
+    (log.truncated, log.zeros) = (end.incomplete, end.zeros);
+    Ok(log)
+}
+
+/// By what a touch is known again: no two motions give the same numbers.
+fn print(touch: &Touch) -> u64 {
+    let mut hasher = DefaultHasher::new();
+    (touch.bout, touch.motion).hash(&mut hasher);
+    let contacts = touch.ends.iter().flat_map(|end| end.contact.iter());
+    touch.posture.iter().chain(contacts).for_each(|x| x.to_bits().hash(&mut hasher));
+    touch.ends.iter().for_each(|end| end.receptor.hash(&mut hasher));
+    hasher.finish()
+}
+
+/// Checks the header, which stands on a line of the log.
+pub(super) fn check_header(
+    path: &Path,
+    json: &[u8],
+    line: usize,
+    creature: &Creature,
+) -> Result<(), RecordError> {
+    let refuse = |message: String| Err(RecordError::format(path, Some(line), message));
+    if json.iter().all(|byte| *byte == 0 || byte.is_ascii_whitespace()) {
+        return refuse("there is no header: give a log of touches, or record again".into());
+    }
+    STAMP.check(path, Some(line), json)?;
+    let header: TouchHeader = match serde_json::from_slice(json) {
+        Ok(header) => header,
+        Err(error) => {
+            return refuse(format!(
+                "it is no header of touches ({}): mend the line or record again",
+                json_reason(&error)
+            ));
+        }
+    };
+    if header.units != UNITS {
+        return refuse(format!(
+            "its units are \"{}\", not \"{UNITS}\": convert its numbers to metres and radians",
+            header.units
+        ));
+    }
+    if header.creature != creature.name() || header.coordinates != creature.coordinates() {
+        return refuse(format!(
+            "its touches are of \"{}\" with {} coordinates, not of \"{}\" with {}: give the model and the \
+             joints that they were recorded with",
+            header.creature,
+            header.coordinates,
+            creature.name(),
+            creature.coordinates()
+        ));
+    }
+    Ok(())
+}
+
+/// The touch that a line tells of.
+fn touch(found: FoundLine, agent: &Agent, receptors: &HashMap<&str, usize>) -> Result<Touch, ContentFault> {
+    let skin = agent.skin();
+    let end = |k: usize| -> Result<TouchEnd, ContentFault> {
+        let id = &found.receptors[k];
+        let &receptor = receptors.get(id.as_str()).ok_or_else(|| {
+            format!("the skin has no receptor \"{id}\": give the skin that the touches were recorded with")
+        })?;
+        let limb = limb_name(agent, receptor)?;
+        if found.limbs[k] != limb {
+            return Err(format!(
+                "receptor \"{id}\" is on limb {limb}, not on \"{}\": give the skin that the touches were \
+                 recorded with, or mend the line",
+                found.limbs[k]
+            )
+            .into());
+        }
+        let away = (vector(&found.positions[k]) - skin.receptors[receptor].position).norm();
+        if away.is_nan() || away > SAME_POSITION {
+            return Err(format!(
+                "the position of receptor \"{id}\" is not the skin's: give the skin that the touches were \
+                 recorded with, or mend the line"
+            )
+            .into());
+        }
+        Ok(TouchEnd {
+            receptor,
+            contact: vector(&found.contacts[k]),
+            deviation: found.deviations.and_then(|of| of[k]),
+        })
+    };
+    let ends = [end(0)?, end(1)?];
+    let posture = found.posture.iter().map(|x| x.unwrap_or(f64::NAN)).collect();
+    let moment = match (found.time, found.force, found.depth) {
+        (None, None, None) => None,
+        (Some(time), Some(force), Some(depth)) => Some(Moment { time, force, depth }),
+        _ => return Err("it has some of time, force and depth: give all three or none".into()),
+    };
+    let touch = Touch { bout: found.bout, motion: found.motion, posture, ends, moment };
+    check(&touch, agent)?;
+    Ok(touch)
+}
+
+fn vector(found: &[Option<f64>; 3]) -> Vector3<f64> {
+    Vector3::from(found.map(|x| x.unwrap_or(f64::NAN)))
+}

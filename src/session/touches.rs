@@ -1,0 +1,45 @@
+//! Making touches: what all experiments that babble share.
+
+use std::path::Path;
+
+use super::error::ExperimentError;
+use crate::babbling::{Babbler, BabblingOptions, BoutsDone, Made, PolicyName};
+use crate::learning::growth::Growth;
+use crate::senses::Touch;
+use crate::session::RecordError;
+use crate::simulation::Effort;
+
+/// Babbles and hands on every touch, from where the bouts in `from` end; errors name the file of the `model`.
+///
+/// Policies other than random have no bouts, and begin at the beginning; those that learn all that can be learned
+/// hand over what they did.
+pub fn make_touches(
+    model: &Path,
+    babbler: &Babbler,
+    policy: PolicyName,
+    from: BoutsDone,
+    options: &BabblingOptions,
+    receive: impl FnMut(Made) -> Result<(), RecordError>,
+) -> Result<(Effort, Option<Growth>), ExperimentError> {
+    let made = match policy {
+        PolicyName::Random => babbler.babble_on(from, options, receive).map(|effort| (effort, None)),
+        _ => babbler.babble_by(policy, options, receive),
+    };
+    made.map_err(ExperimentError::babbling(model))
+}
+
+/// The touches alone, from the first on, and what was learned on the way.
+pub fn all_touches(
+    model: &Path,
+    babbler: &Babbler,
+    policy: PolicyName,
+    options: &BabblingOptions,
+    mut receive: impl FnMut(&Touch),
+) -> Result<(Effort, Option<Growth>), ExperimentError> {
+    make_touches(model, babbler, policy, BoutsDone::default(), options, |made| {
+        if let Made::Touch(touch) = made {
+            receive(touch);
+        }
+        Ok(())
+    })
+}
