@@ -152,7 +152,10 @@ pub fn explanations(estimator: &Estimator, fit: &Fit) -> Vec<Explanation> {
         slope[k] += off / deviation.powi(2);
         squares += (off / deviation).powi(2);
         equations += 1.0;
-        pulled.extend(own.pulled(estimator.robot, fit, *place).map(|gain| (own.parameters[*place].0, gain)));
+        pulled.extend(
+            own.pulled(estimator.robot, &fit.values, &fit.told.covariance, *place)
+                .map(|gain| (own.parameters[*place].0, gain)),
+        );
     }
     let left = equations - fitted.len() as f64;
     let Some(factor) = information.cholesky() else { return Vec::new() };

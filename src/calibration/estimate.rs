@@ -1,14 +1,16 @@
 //! The estimator: the quantities that touches, and what was known before, make most likely.
 
+use std::f64::consts::TAU;
+
 use nalgebra::DMatrix;
 
 use super::noise::{Groups, Noise, NoiseSource, Seen};
 use super::problem::{Problem, Weighing, hold, information};
-use super::robot::{Robot, Value};
-use super::signs::SignStarts;
+use super::robot::{Knowledge, Robot, Value};
 use super::told::Told;
 use super::touch::{End, Feature, Touch};
 use super::unknowns::Unknowns;
+use crate::creature::DofKind;
 use crate::learning::least_squares::{Stopping, levenberg_marquardt};
 
 /// Fits from afar, each with the deviation that the one before left.
@@ -25,6 +27,9 @@ const FALSE_GAIN: f64 = 10.0;
 const FALSE_SHARE_OF_NOISE: f64 = 0.7;
 /// The median of the absolute value of normal noise, over its deviation.
 const NORMAL_MEDIAN: f64 = 0.6745;
+
+/// Of fewer starts that agree, nothing confirms that signs are right.
+const CONFIRMED: usize = 2;
 
 /// What noise there may be.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -73,6 +78,22 @@ pub struct Estimator<'a> {
     options: EstimatorOptions,
     /// Places of parameters that stay as they are: the touches determine them only together with others.
     held: Vec<usize>,
+}
+
+/// How many starts came to the same signs, and of how many.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SignStarts {
+    /// Those that came to what was found.
+    pub agreeing: usize,
+    /// All.
+    pub all: usize,
+}
+
+impl SignStarts {
+    /// Whether what was found is the best, as far as starts tell.
+    pub fn agree(&self) -> bool {
+        self.agreeing >= CONFIRMED
+    }
 }
 
 /// What was found.
@@ -198,21 +219,7 @@ impl<'a> Estimator<'a> {
         (values, noise)
     }
 
-    /// Fits from where the search begins: the nominal values. The sign of an encoder is another than the nominal one only if the
-    /// touches demand it.
-    pub fn fit(&self) -> Fit {
-        let fit = self.fit_from(self.robot.nominal());
-        if self.open_signs().is_empty() {
-            return fit;
-        }
-        if fit.explains(self) {
-            return self.with_best_signs(fit);
-        }
-        let (start, starts) = self.with_likely_signs(self.robot.nominal());
-        self.with_best_signs(Fit { sign_starts: Some(starts), ..self.fit_from(start) })
-    }
-
-    /// The same from other values: by weights that bear with false touches first, and by all touches alike, for what few touches
+    /// Fits from given values: by weights that bear with false touches first, and by all touches alike, for what few touches
     /// tell looks false as long as it is wrong. Where touches may be false, that some are is believed if they are much likelier
     /// then.
     pub fn fit_from(&self, start: Vec<Value>) -> Fit {
@@ -228,6 +235,32 @@ impl<'a> Estimator<'a> {
         // Whoever takes enough of them for false explains the rest.
         let enough = some.redundancy().spare() >= 0.0;
         if sharper && enough && some.cost < all.cost - FALSE_GAIN { some } else { all }
+    }
+
+    /// Signs that are to be found.
+    pub fn open_signs(&self) -> Vec<usize> {
+        let signs = self.robot.dofs.iter().filter_map(|dof| Some(dof.quantities?.sign));
+        signs.filter(|sign| self.robot.quantities[*sign].knowledge[0] != Knowledge::Known).collect()
+    }
+
+    /// Values that mean the same in one way of saying it: gains are positive where a sign is to be found that can be exchanged
+    /// instead, and offsets of hinges less than half a turn from what was nominal.
+    fn canonical(&self, mut values: Vec<Value>) -> Vec<Value> {
+        let open = self.open_signs();
+        for dof in &self.robot.dofs {
+            let Some(q) = dof.quantities else { continue };
+            if open.contains(&q.sign) && values[q.gain].number() < 0.0 {
+                for quantity in [q.sign, q.gain] {
+                    values[quantity] = Value::Number(-values[quantity].number());
+                }
+            }
+            if dof.kind == DofKind::Hinge && self.robot.quantities[q.offset].is_open() {
+                let before = self.robot.quantities[q.offset].nominal.number();
+                let turns = ((values[q.offset].number() - before) / TAU).round();
+                values[q.offset] = Value::Number(values[q.offset].number() - turns * TAU);
+            }
+        }
+        values
     }
 
     /// A fit again, with every touch taken for honest.

@@ -286,7 +286,9 @@ fn doubts(estimator: &Estimator, fit: &Fit) -> Vec<Objection> {
 /// The quantity that is farthest from where it was said to be, in units of how far the touches may have moved it.
 fn contradicted(estimator: &Estimator, fit: &Fit) -> Option<Objection> {
     let (robot, unknowns) = (estimator.robot, &estimator.unknowns);
-    let far = |place: usize| unknowns.pulled(robot, fit, place).map(|pulled| (place, pulled.sqrt()));
+    let far = |place: usize| {
+        unknowns.pulled(robot, &fit.values, &fit.told.covariance, place).map(|pulled| (place, pulled.sqrt()))
+    };
     let worst = (0..unknowns.len()).filter_map(far).max_by(|a, b| a.1.total_cmp(&b.1));
     let (place, off) = worst.filter(|(_, off)| *off > SURE)?;
     let (q, component) = unknowns.parameters[place];

@@ -26,7 +26,7 @@ mod told;
 mod touch;
 mod unknowns;
 
-pub use estimate::{Estimator, EstimatorOptions, FalseTouches, Fit, JointNoise, SeenTouch};
+pub use estimate::{Estimator, EstimatorOptions, FalseTouches, Fit, JointNoise, SeenTouch, SignStarts};
 pub use judgement::{
     FEWEST_HELD_OUT, Judgement, Misses, Objection, Question, folds, judge, objections, split,
 };
@@ -34,7 +34,6 @@ pub use noise::{Noise, NoiseSource, Seen};
 pub use places::{add_places, put_on_places};
 pub use plan::{Plan, Planned, plan};
 pub use repeats::{SAME_POINT, SAME_POSTURE, drop_repeats, first_alike};
-pub use signs::SignStarts;
 pub use told::{Told, Untold};
 pub use touch::{End, Feature, Residuals, Touch};
 pub use unknowns::Unknowns;

@@ -1,13 +1,11 @@
 //! Which way encoders count, where nobody knows: what small steps cannot find.
 
-use std::f64::consts::TAU;
-
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 
-use super::estimate::{Estimator, Fit};
-use super::robot::{Knowledge, Posed, Value};
+use super::estimate::{Estimator, Fit, SignStarts};
+use super::robot::{Posed, Value};
 use crate::creature::DofKind;
 
 /// Touches that signs are looked for by.
@@ -20,8 +18,6 @@ const ASIDE: f64 = 0.2;
 /// The best is found when so many starts end there, as nearly as this.
 const AGREEING: usize = 3;
 const AGREE: f64 = 1.0;
-/// Of fewer, nothing confirms that it is.
-const CONFIRMED: usize = 2;
 /// Misses that are told apart while offsets are still wrong, and when they are right, metres.
 const ROUGH: f64 = 0.05;
 const FINE: f64 = 1e-3;
@@ -29,27 +25,19 @@ const FINE: f64 = 1e-3;
 const TOLD: f64 = 5.0;
 const SEED: u64 = 20;
 
-/// How many starts came to the same signs, and of how many.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct SignStarts {
-    /// Those that came to what was found.
-    pub agreeing: usize,
-    /// All.
-    pub all: usize,
-}
-
-impl SignStarts {
-    /// Whether what was found is the best, as far as starts tell.
-    pub fn agree(&self) -> bool {
-        self.agreeing >= CONFIRMED
-    }
-}
-
 impl Estimator<'_> {
-    /// Signs that are to be found.
-    pub fn open_signs(&self) -> Vec<usize> {
-        let signs = self.robot.dofs.iter().filter_map(|dof| Some(dof.quantities?.sign));
-        signs.filter(|sign| self.robot.quantities[*sign].knowledge[0] != Knowledge::Known).collect()
+    /// Fits from where the search begins: the nominal values. The sign of an encoder is another than the nominal one only if the
+    /// touches demand it.
+    pub fn fit(&self) -> Fit {
+        let fit = self.fit_from(self.robot.nominal());
+        if self.open_signs().is_empty() {
+            return fit;
+        }
+        if fit.explains(self) {
+            return self.with_best_signs(fit);
+        }
+        let (start, starts) = self.with_likely_signs(self.robot.nominal());
+        self.with_best_signs(Fit { sign_starts: Some(starts), ..self.fit_from(start) })
     }
 
     /// Values with likely signs, and how many starts came to them. Signs are exchanged, one or two at a time, from the nominal ones
@@ -206,26 +194,6 @@ impl Estimator<'_> {
             fit.untold_signs = untold.map(|(sign, ..)| *sign).collect();
             return fit;
         }
-    }
-
-    /// Values that mean the same in one way of saying it: gains are positive where a sign is to be found that can be exchanged
-    /// instead, and offsets of hinges less than half a turn from what was nominal.
-    pub(super) fn canonical(&self, mut values: Vec<Value>) -> Vec<Value> {
-        let open = self.open_signs();
-        for dof in &self.robot.dofs {
-            let Some(q) = dof.quantities else { continue };
-            if open.contains(&q.sign) && values[q.gain].number() < 0.0 {
-                for quantity in [q.sign, q.gain] {
-                    values[quantity] = Value::Number(-values[quantity].number());
-                }
-            }
-            if dof.kind == DofKind::Hinge && self.robot.quantities[q.offset].is_open() {
-                let before = self.robot.quantities[q.offset].nominal.number();
-                let turns = ((values[q.offset].number() - before) / TAU).round();
-                values[q.offset] = Value::Number(values[q.offset].number() - turns * TAU);
-            }
-        }
-        values
     }
 }
 

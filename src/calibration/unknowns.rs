@@ -75,10 +75,16 @@ impl Unknowns {
 
     /// How far off its nominal value a nearly known parameter would be without what was said of it, in units of how far touches in
     /// agreement with that would move it, squared: what is left of what was said, as a row that is left out. `None` of others.
-    pub fn pulled(&self, robot: &Robot, fit: &super::Fit, place: usize) -> Option<f64> {
+    pub fn pulled(
+        &self,
+        robot: &Robot,
+        values: &[Value],
+        covariance: &DMatrix<f64>,
+        place: usize,
+    ) -> Option<f64> {
         let deviation = self.deviation_before(place)?;
-        let determined = 1.0 - fit.told.covariance[(place, place)] / deviation.powi(2);
-        Some((self.off(robot, &fit.values, place) / deviation).powi(2) / determined.max(1e-9))
+        let determined = 1.0 - covariance[(place, place)] / deviation.powi(2);
+        Some((self.off(robot, values, place) / deviation).powi(2) / determined.max(1e-9))
     }
 
     /// How far a parameter is from its nominal value.
