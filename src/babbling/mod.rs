@@ -16,7 +16,7 @@ pub use bouts::{BoutsDone, Made, RecordedBout};
 pub use policy::{Policy, PolicyName};
 
 use crate::babbling::bouts::{Bout, End, gather};
-use crate::babbling::policy::Random;
+use crate::babbling::policy::{PolicyStart, Random};
 use crate::deadline::{Deadline, count_work};
 use crate::learning::Input;
 use crate::learning::growth::Growth;
@@ -333,9 +333,8 @@ impl<'a> Babbler<'a> {
         if policy == PolicyName::Random {
             return Ok((self.babble_on(BoutsDone::default(), options, receive)?, None));
         }
-        let mut policy = policy.policy(self.movers.agent(), options.seed);
-        policy.learns_from(self.input);
-        policy.end_at(self.deadline);
+        let start = PolicyStart { seed: options.seed, input: self.input, deadline: self.deadline };
+        let mut policy = policy.policy(self.movers.agent(), start);
         let effort = self.babble_with(policy.as_mut(), options, receive)?;
         Ok((effort, policy.grown().cloned()))
     }

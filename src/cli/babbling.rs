@@ -46,7 +46,6 @@ const LEARNING: f64 = 0.85;
   bodyschema babble mjcf/hexapod/hexapod.xml
   bodyschema babble mjcf/max/max.xml --touches 500 --input contact --json
   bodyschema babble mjcf/max/max.xml --joints all --touches 5000 --jobs 4    # takes minutes
-  bodyschema babble mjcf/max/max.xml --touches 250 --policy informative      # takes minutes
   bodyschema babble mjcf/max/max.xml --touches 300 --motion dynamic          # takes minutes
   bodyschema babble mjcf/max/max.xml --learner hersch --json
   bodyschema babble mjcf/max/max.xml --touches 500 --live                    # watch it in a browser

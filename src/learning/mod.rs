@@ -27,7 +27,6 @@ mod placement;
 pub mod prediction;
 mod prior;
 mod relaxed_gradient;
-pub mod rough;
 pub mod scrutiny;
 mod second_order;
 pub mod surface_gap;
@@ -47,7 +46,6 @@ pub use parameters::{AxisModel, Parameters};
 pub use placement::Z95;
 pub use prior::{Prior, PriorTerm};
 pub use relaxed_gradient::{RelaxedGradient, STEPS};
-pub use rough::RoughFit;
 pub use second_order::SecondOrder;
 
 use crate::agent::Agent;

@@ -14,9 +14,13 @@ use crate::learning::observation::{Observation, ObservationModel, TouchResiduals
 use crate::learning::prior::PriorTerm;
 use crate::learning::{AxisModel, Parameters};
 use crate::schema::BodySchema;
+use crate::skin::Skin;
 
 /// What looking at how a touch is explained counts as, in work of [`count_work`].
 pub(super) const LOOK: usize = 3_000;
+
+/// How far a curved limb is taken to bulge out of a flat patch, metres.
+const NORMAL_DEVIATION: f64 = 6e-3;
 
 /// One touch as a solver sees it: two points that met in one posture.
 #[derive(Clone, Debug)]
@@ -123,7 +127,18 @@ impl TouchSet {
     }
 }
 
-impl LimbTouch<'_> {
+impl<'a> LimbTouch<'a> {
+    /// A touch of two receptors in a posture, made or only imagined: the centres of their patches, with the shape of these.
+    pub fn of_receptors(skin: &Skin, receptors: [usize; 2], posture: &'a [f64]) -> LimbTouch<'a> {
+        let felt = receptors.map(|receptor| &skin.receptors[receptor]);
+        let ends = [0, 1].map(|end| Observation {
+            receptor: receptors[end],
+            position: felt[end].position,
+            covariance: felt[end].covariance(NORMAL_DEVIATION),
+        });
+        LimbTouch { limbs: felt.map(|receptor| receptor.limb), posture, ends }
+    }
+
     /// The limbs, the earlier one first, and the touch ready for a solver.
     pub fn prepare(mut self, creature: &Creature) -> ([usize; 2], PreparedTouch) {
         if self.limbs[0] > self.limbs[1] {

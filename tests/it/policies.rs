@@ -35,13 +35,11 @@ fn babble_by(body: &Body, policy: PolicyName, touches: usize, jobs: usize) -> (V
 
 #[test]
 fn every_policy_makes_the_same_touches_with_any_number_of_threads() {
-    let body = creature(&arms());
-    for policy in [PolicyName::Random, PolicyName::Steered, PolicyName::Informative] {
+    for (policy, body) in [(PolicyName::Random, creature(&arms())), (PolicyName::Stages, max("torso"))] {
         let with = |threads: usize| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
             pool.install(|| babble_by(&body, policy, 45, threads).0)
         };
-        // Schemas are learned after 20, 30 and 42 touches.
         let (one, three) = (with(1), with(3));
         assert_eq!(one.len(), 45);
         assert_eq!(format!("{one:?}"), format!("{three:?}"), "{policy}");
@@ -49,16 +47,14 @@ fn every_policy_makes_the_same_touches_with_any_number_of_threads() {
 }
 
 #[test]
-fn steered_motions_touch_more_often_than_random_ones_and_all_are_counted() {
+fn all_motions_are_counted_whatever_the_policy() {
     let body = max("torso");
-    let [random, steered] = [PolicyName::Random, PolicyName::Steered].map(|policy| {
+    for policy in [PolicyName::Random, PolicyName::Stages] {
         let (touches, effort) = babble_by(&body, policy, 60, 1);
         let motions = motions_until(&touches);
         assert_eq!(motions.last(), Some(&effort.motions), "{policy}");
         assert!(motions.windows(2).all(|pair| pair[0] < pair[1]), "{policy}: {motions:?}");
-        effort.motions
-    });
-    assert!(3 * steered < 2 * random, "{steered} steered motions, {random} random ones");
+    }
 }
 
 #[test]
@@ -66,7 +62,7 @@ fn a_session_says_by_which_policy_its_motions_were_chosen() {
     let place = tempfile::tempdir().unwrap();
     fs::write(place.path().join("arms.xml"), arms()).unwrap();
     let arguments =
-        ["babble", "arms.xml", "--touches", "30", "--policy", "informative", "--out", "here", "--json"];
+        ["babble", "arms.xml", "--touches", "30", "--policy", "stages", "--out", "here", "--json"];
     let output = Command::new(env!("CARGO_BIN_EXE_bodyschema"))
         .args(arguments)
         .current_dir(place.path())
@@ -74,10 +70,10 @@ fn a_session_says_by_which_policy_its_motions_were_chosen() {
         .unwrap();
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let printed: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
-    assert_eq!(printed["policy"], "informative");
+    assert_eq!(printed["policy"], "stages");
     let session = fs::read_to_string(place.path().join("here/session.json")).unwrap();
     let session: serde_json::Value = serde_json::from_str(&session).unwrap();
-    assert_eq!(session["options"]["policy"], "informative");
+    assert_eq!(session["options"]["policy"], "stages");
 }
 
 /// With the true schema it is right but for what is thinner than the way between two looks; with a schema in which the

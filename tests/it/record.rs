@@ -535,7 +535,7 @@ fn session() -> Session {
             input: Some("receptor".into()),
             learner: None,
             known: None,
-            policy: Some("steered".into()),
+            policy: Some("stages".into()),
             motion: Some("dynamic".into()),
             share: Some("3/16".into()),
             arguments: [("touches", "40"), ("joint-noise", "0.1")]

@@ -159,8 +159,7 @@ fn every_policy_and_motion_goes_on_in_the_middle_of_a_line() {
     let place = Place::new();
     for (name, touches, options) in [
         ("random", "60", &["--policy", "random"][..]),
-        ("steered", "30", &["--policy", "steered"]),
-        ("informative", "24", &["--policy", "informative"]),
+        ("stages", "30", &["--policy", "stages"]),
         ("dynamic", "8", &["--motion", "dynamic"]),
     ] {
         let begin = ["babble", "arms.xml", "--touches", touches, "--learner", "hersch", "--out", name];

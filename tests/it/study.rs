@@ -128,9 +128,9 @@ fn a_study_of_policies_relates_all_to_random() {
     let found = json(place.path(), &[&arguments[..], &["--out", "here"]].concat());
     let summary = found["summary"].as_array().unwrap();
     let policies: Vec<&str> = summary.iter().map(|row| row["policy"].as_str().unwrap()).collect();
-    assert_eq!(policies, ["random", "stages", "steered", "informative"]);
+    assert_eq!(policies, ["random", "stages"]);
     let rows = found["rows"].as_array().unwrap();
-    assert_eq!(rows.len(), 4, "forty touches are learned from once");
+    assert_eq!(rows.len(), 2, "forty touches are learned from once");
     assert!(rows.iter().all(|row| row["motions"].as_u64() >= Some(40)));
     assert!(place.path().join("here/study.svg").is_file());
 }

@@ -94,5 +94,5 @@ fn shells_complete_commands_options_and_values() {
     };
     assert_eq!(complete("bodyschema bab"), "babble");
     assert_eq!(complete("bodyschema babble --res"), "--resume");
-    assert_eq!(complete("bodyschema babble --policy ste"), "steered");
+    assert_eq!(complete("bodyschema babble --policy sta"), "stages");
 }

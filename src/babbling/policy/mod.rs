@@ -1,35 +1,23 @@
-//! How the next motion is chosen: at random, or by what was touched so far.
+//! How the next motion is chosen: at random, or from the touches so far.
 //!
 //! A policy knows what the agent knows: the joints' ranges, the skin in its limbs' own frames, and the
-//! touches. Where the limbs are it believes by a schema that it learns as it goes.
+//! touches. `stages` learns the schema during babbling, and so knows where the limbs are.
 
-mod experience;
-mod explorer;
 mod foresight;
-mod in_unit;
-mod information;
-mod informative;
 mod random;
 mod stages;
-mod steered;
-mod wide;
-mod working_schema;
 
 use rand_chacha::ChaCha8Rng;
 
 pub use foresight::{Foreseen, Foresight};
-pub use in_unit::PolicyInUnit;
-pub use informative::Informative;
 pub use random::Random;
 pub use stages::Stages;
-pub use steered::Steered;
-pub use working_schema::WorkingSchema;
 
 use crate::agent::Agent;
 use crate::creature::Posture;
 use crate::deadline::Deadline;
+use crate::learning::Input;
 use crate::learning::growth::Growth;
-use crate::learning::{Input, RoughFit};
 use crate::named::named;
 use crate::senses::Touch;
 use crate::simulation::Ending;
@@ -49,12 +37,6 @@ pub trait Policy {
         false
     }
 
-    /// Takes in what touches are to be learned from: what their ends report.
-    fn learns_from(&mut self, _input: Input) {}
-
-    /// Lets nothing more be learned on the way after a deadline.
-    fn end_at(&mut self, _deadline: Deadline) {}
-
     /// What was learned on the way by a policy that learns all that can be learned; none by others.
     fn grown(&self) -> Option<&Growth> {
         None
@@ -67,8 +49,18 @@ pub trait Policy {
     fn missed(&mut self, _ending: &Ending, _posture: &[f64]) {}
 }
 
-/// Names the policies: a line each, with what it is and how it is made for an agent, the seed of what it learns on the
-/// way, and the default first.
+/// How a policy that learns its schema during babbling begins.
+#[derive(Clone, Copy, Debug)]
+pub struct PolicyStart {
+    /// Seed of its random initial guesses.
+    pub seed: u64,
+    /// Which part of each touch it learns from.
+    pub input: Input,
+    /// When it stops learning.
+    pub deadline: Deadline,
+}
+
+/// Declares the policies, the default first: a line each, with its name and how it is made for an agent.
 macro_rules! policies {
     ($($(#[$about:meta])* $policy:ident, $name:literal => $make:expr;)+) => {
         /// The policies by name.
@@ -81,12 +73,12 @@ macro_rules! policies {
         named!(PolicyName, "policy", { $($policy => $name),+ });
 
         impl PolicyName {
-            /// The policy of an agent; what it learns by on the way starts from `seed`.
-            pub fn policy<'a>(self, agent: &'a Agent, seed: u64) -> Box<dyn Policy + 'a> {
+            /// The policy for an agent.
+            pub fn policy(self, agent: &Agent, start: PolicyStart) -> Box<dyn Policy> {
                 match self {
                     $(PolicyName::$policy => {
-                        let make: for<'b> fn(&'b Agent, u64) -> Box<dyn Policy + 'b> = $make;
-                        make(agent, seed)
+                        let make: fn(&Agent, PolicyStart) -> Box<dyn Policy> = $make;
+                        make(agent, start)
                     })+
                 }
             }
@@ -100,14 +92,5 @@ policies! {
     #[default]
     Random, "random" => |agent, _| Box::new(Random::new(agent.creature()));
     /// Few joints at first, and more as they are known, until all is.
-    Stages, "stages" => |agent, seed| Box::new(PolicyInUnit::of(agent, |agent| Stages::new(agent, seed)));
-    /// Towards limbs whose joints need touches, with few motions.
-    Steered, "steered" => |agent, seed| Box::new(Steered::new(agent, working_schema(agent, seed)));
-    /// Towards the touches that would tell most, whatever the motions.
-    Informative, "informative" => |agent, seed| Box::new(Informative::new(agent, working_schema(agent, seed)));
-}
-
-/// The schema that a policy learns as it goes, from scratch.
-fn working_schema(agent: &Agent, seed: u64) -> WorkingSchema<'_> {
-    WorkingSchema::new(Box::new(RoughFit::new(agent, seed)))
+    Stages, "stages" => |agent, start| Box::new(Stages::new(agent, start));
 }

@@ -6,21 +6,21 @@ use super::Policy;
 use crate::creature::{Creature, Posture};
 use crate::senses::Touch;
 
-/// The policy `random`: it heeds neither its posture nor its touches.
-pub struct Random<'a> {
-    creature: &'a Creature,
+/// The policy `random`: independent of posture and touches.
+pub struct Random {
+    creature: Creature,
 }
 
-impl<'a> Random<'a> {
+impl Random {
     /// The policy of a creature.
-    pub fn new(creature: &'a Creature) -> Random<'a> {
-        Random { creature }
+    pub fn new(creature: &Creature) -> Random {
+        Random { creature: creature.clone() }
     }
 }
 
-impl Policy for Random<'_> {
+impl Policy for Random {
     fn next_target(&mut self, _: &[f64], rng: &mut ChaCha8Rng) -> Posture {
-        Posture::random(self.creature, rng)
+        Posture::random(&self.creature, rng)
     }
 
     fn touched(&mut self, _: &Touch) {}

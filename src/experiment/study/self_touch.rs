@@ -11,9 +11,8 @@ use super::table::row;
 use super::{Findings, Study, Trial, Trials};
 use crate::creature::Posture;
 use crate::experiment::ExperimentError;
-use crate::learning::rough::imagined;
 use crate::learning::surface_gap::SurfaceGap;
-use crate::learning::touch_set::TouchSet;
+use crate::learning::touch_set::{LimbTouch, TouchSet};
 use crate::senses::{Party, Touch, TouchEvent, TouchKind};
 use crate::simulation::partner::Strokes;
 use crate::simulation::{Stage, StepSenses};
@@ -288,8 +287,8 @@ fn qpos(subject: &Subject, posture: &[f64]) -> Vec<f64> {
 fn pressed(subject: &Subject, touch: &Touch) -> Posture {
     let receptors = touch.ends.map(|end| end.receptor);
     let gap = |posture: &[f64]| {
-        let set =
-            TouchSet::new(&subject.body().creature, [imagined(subject.agent().skin(), receptors, posture)]);
+        let touch = LimbTouch::of_receptors(subject.agent().skin(), receptors, posture);
+        let set = TouchSet::new(&subject.body().creature, [touch]);
         let touch = set.touches().next().expect("it is a set of one");
         SurfaceGap::new(subject.agent().skin(), 1.0)
             .gap(&touch.ends, &touch.frames(&subject.truth().schema))

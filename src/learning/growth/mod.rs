@@ -36,9 +36,8 @@ use crate::learning::initial_guess::random_guess;
 #[cfg(doc)]
 use crate::learning::online::Anchor;
 use crate::learning::online::Belief;
-use crate::learning::rough::imagined;
 use crate::learning::scrutiny::{Scrutiny, ToldTouch};
-use crate::learning::touch_set::TouchSet;
+use crate::learning::touch_set::{LimbTouch, TouchSet};
 use crate::learning::{Input, PriorKnowledge};
 use crate::schema::BodySchema;
 use crate::senses::Touch;
@@ -175,7 +174,7 @@ impl Growth {
     pub fn touch(&mut self, touch: &Touch) -> bool {
         let creature = self.agent.creature();
         let receptors = touch.ends.map(|end| end.receptor);
-        let mut felt = imagined(self.agent.skin(), receptors, &touch.posture);
+        let mut felt = LimbTouch::of_receptors(self.agent.skin(), receptors, &touch.posture);
         if self.input == Input::Contact {
             for (end, contact) in felt.ends.iter_mut().zip(touch.ends.map(|end| end.contact)) {
                 (end.position, end.covariance) = (contact, Matrix3::from_diagonal_element(POINT.powi(2)));

@@ -18,12 +18,11 @@ use rand_chacha::ChaCha8Rng;
 
 use self::goals::UNPROMISING;
 use self::trials::{FirstSet, TRIAL_MOTIONS};
-use super::Policy;
 use super::foresight::Foresight;
+use super::{Policy, PolicyStart};
 use crate::agent::Agent;
 use crate::creature::Posture;
-use crate::deadline::Deadline;
-use crate::learning::Input;
+use crate::learning::LengthUnit;
 use crate::learning::growth::{FREEDOM, Growth};
 use crate::senses::Touch;
 use crate::simulation::Ending;
@@ -55,7 +54,9 @@ const CAUGHT: usize = 12;
 
 /// The policy `stages`.
 pub struct Stages {
+    /// The agent, in the unit of length that its body is learned in: how many metres that is.
     agent: Agent,
+    metres: f64,
     growth: Growth,
     foresight: Foresight,
     /// Per joint, the share of the skin on the side of it where there is less.
@@ -121,8 +122,10 @@ enum Goal {
 }
 
 impl Stages {
-    /// The policy of a body of which nothing is known; what it learns on the way begins with `seed`.
-    pub fn new(agent: &Agent, seed: u64) -> Stages {
+    /// The policy of a body of which nothing is known.
+    pub fn new(agent: &Agent, start: PolicyStart) -> Stages {
+        let unit = LengthUnit::of(agent);
+        let agent = &unit.agent(agent);
         let creature = agent.creature();
         let joints = creature.joints().len();
         let mut beyond = vec![0.0; joints];
@@ -134,9 +137,12 @@ impl Stages {
             }
         }
         let all = agent.skin().receptors.len().max(1) as f64;
-        let growth = Growth::new(agent, seed);
+        let mut growth = Growth::new(agent, start.seed);
+        growth.learn_from(start.input);
+        growth.end_at(start.deadline);
         let mut stages = Stages {
             agent: agent.clone(),
+            metres: unit.metres(),
             foresight: Foresight::new(agent),
             lever: beyond.iter().map(|beyond: &f64| beyond.min(all - beyond) / all).collect(),
             trials: Vec::new(),
@@ -229,13 +235,9 @@ impl Stages {
             Some(_) => {}
         }
     }
-}
 
-impl Policy for Stages {
-    fn next_target(&mut self, posture: &[f64], rng: &mut ChaCha8Rng) -> Posture {
-        self.motions += 1;
-        self.start = posture.into();
-        self.home.get_or_insert_with(|| posture.into());
+    /// The posture to move towards from `self.start`.
+    fn choose_target(&mut self, rng: &mut ChaCha8Rng) -> Posture {
         let first = self.growth.schema().is_none();
         if self.at_random.is_some() && first {
             return self.anywhere(rng);
@@ -277,7 +279,22 @@ impl Policy for Stages {
         self.anywhere(rng)
     }
 
+    /// A posture in metres, in the unit of length that the body is learned in.
+    fn in_unit(&self, posture: &[f64]) -> Posture {
+        Posture::from(posture).scaled(self.agent.creature(), 1.0 / self.metres)
+    }
+}
+
+impl Policy for Stages {
+    fn next_target(&mut self, posture: &[f64], rng: &mut ChaCha8Rng) -> Posture {
+        self.motions += 1;
+        self.start = self.in_unit(posture);
+        self.home.get_or_insert_with(|| self.start.clone());
+        self.choose_target(rng).scaled(self.agent.creature(), self.metres)
+    }
+
     fn touched(&mut self, touch: &Touch) {
+        let touch = &touch.scaled(self.agent.creature(), 1.0 / self.metres);
         self.grown = self.growth.touch(touch);
         self.remembered.push([touch.posture.clone(), self.start.clone()]);
         let number = self.remembered.len() - 1;
@@ -306,7 +323,7 @@ impl Policy for Stages {
         self.untouched += 1;
         match ending {
             Ending::Free => {
-                self.live_through(posture);
+                self.live_through(&self.in_unit(posture));
                 self.met = None;
             }
             Ending::Bare => self.met = Some(Met { touch: None, back: self.start.clone(), held: false }),
@@ -326,14 +343,6 @@ impl Policy for Stages {
 
     fn is_done(&self) -> bool {
         self.done
-    }
-
-    fn learns_from(&mut self, input: Input) {
-        self.growth.learn_from(input);
-    }
-
-    fn end_at(&mut self, deadline: Deadline) {
-        self.growth.end_at(deadline);
     }
 
     fn grown(&self) -> Option<&Growth> {
