@@ -65,7 +65,7 @@ pub struct BabbleArguments {
     #[arg(long, value_parser = positive, conflicts_with = "work", help_heading = "Babbling")]
     seconds: Option<f64>,
     /// Work after which it does so, the same on any computer: about what one core does in so many seconds [default: 50; none with
-    /// --seconds, --touches, --live or --motion dynamic]
+    /// --seconds, --touches or --motion dynamic]
     #[arg(long, value_parser = positive, help_heading = "Babbling")]
     work: Option<f64>,
     /// Seed of all random numbers: the same seed gives the same touches
@@ -129,12 +129,10 @@ impl BabbleArguments {
 
     /// Work that the session may take, if it may not take as much as it likes.
     fn work(&self) -> Option<f64> {
-        // Who watches may pause it.
         let patient = self.touches.is_some()
             || self.seconds.is_some()
             || self.shard.is_some()
-            || self.motion == MotionName::Dynamic
-            || self.live.is_asked();
+            || self.motion == MotionName::Dynamic;
         self.work.or((!patient).then_some(WORK))
     }
 }
@@ -202,7 +200,7 @@ impl Prepared {
     pub fn babble(&self, args: &BabbleArguments, lock: FolderLock, session: BabblingSession) -> Outcome {
         let live = self.live(session.made())?;
         let (bars, live) = (Bars::default(), live.as_ref());
-        let observers: &dyn Observer = &(&bars, live);
+        let observers: &dyn Observer = &(&bars, live.map(Live::view));
         let babbled = session.babble(observers)?;
         self.learn_with(args, lock, &babbled, observers, live)
     }
@@ -224,7 +222,7 @@ impl Prepared {
     pub fn learn(&self, args: &BabbleArguments, lock: FolderLock, babbled: &BabbledSession) -> Outcome {
         let live = self.live(babbled.touches.len())?;
         let (bars, live) = (Bars::default(), live.as_ref());
-        self.learn_with(args, lock, babbled, &(&bars, live), live)
+        self.learn_with(args, lock, babbled, &(&bars, live.map(Live::view)), live)
     }
 
     fn learn_with(

@@ -150,8 +150,7 @@ pub fn run(args: &InspectArguments) -> Outcome {
             "\neach receptor has {mean:.1} neighbours on average, {} have none; {across} of {pairs} links are across limbs",
             none.len()
         );
-        let model = args.model.display();
-        say!("to see them: bodyschema render {model} --skin --map --auras --out senses.png");
+        say!("to see them: bodyschema view {}", args.model.display());
     }
     Ok(())
 }

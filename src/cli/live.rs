@@ -1,6 +1,5 @@
 //! `--live`: a page to watch what is done while it is done, or to take part in it.
 
-use std::cell::RefCell;
 use std::io::{BufRead, ErrorKind, IsTerminal};
 use std::net::{IpAddr, Ipv4Addr, SocketAddr, TcpListener};
 use std::path::Path;
@@ -10,15 +9,10 @@ use std::time::{Duration, Instant};
 use super::happening::happens;
 use super::typed::Typed;
 use super::{Failure, Outcome, output};
-use crate::agent::Agent;
-use crate::experiment::{
-    Embodied, LearnedSession, LearningOptions, LearningStep, Observer, Phase, SessionSetup,
-};
+use crate::experiment::{Embodied, LearnedSession, SessionSetup};
 use crate::interaction::{Conversation, Reply};
-use crate::learning::growth::Growth;
-use crate::senses::Touch;
 use crate::simulation::Stage;
-use crate::view::live::{Asked, BabblingView, LiveLearner, LivePage, LookingView, Server, TableView};
+use crate::view::live::{Asked, BabblingView, LivePage, LookingView, Server, TableView};
 use crate::view::report::REPORT_FILE;
 
 /// Where a page is served unless told otherwise; where that port is taken, at a free one.
@@ -59,11 +53,6 @@ impl LiveOptions {
         let place = self.live.map(listen).transpose()?;
         Ok(place.map(|listener| Place { listener, open: self.open }))
     }
-
-    /// Whether somebody may watch, and so set the pace.
-    pub fn is_asked(&self) -> bool {
-        self.live.is_some()
-    }
 }
 
 /// An address from the command line.
@@ -77,11 +66,6 @@ pub fn address(text: &str) -> Result<SocketAddr, String> {
 /// A page that is served, on which a session is watched.
 pub struct Live {
     view: Arc<BabblingView>,
-    /// Who learns while babbling goes on.
-    learner: RefCell<Option<LiveLearner>>,
-    agent: Agent,
-    learning: LearningOptions,
-    seed: u64,
     server: Server,
 }
 
@@ -93,12 +77,15 @@ impl Live {
         setup: &SessionSetup,
         made: usize,
     ) -> Result<Live, Failure> {
-        let agent = embodied.agent().clone();
-        let babbling = &setup.babbling;
-        let view = Arc::new(BabblingView::new(&agent, embodied.truth(), babbling.touches, made));
+        let touches = setup.babbling.touches;
+        let view = Arc::new(BabblingView::new(embodied.agent(), embodied.truth(), touches, made));
         let server = serve(place, view.clone())?;
-        let learning = setup.learning.clone();
-        Ok(Live { view, learner: RefCell::new(None), agent, learning, seed: babbling.seed, server })
+        Ok(Live { view, server })
+    }
+
+    /// What observes the session.
+    pub fn view(&self) -> &BabblingView {
+        &self.view
     }
 
     /// All is learned and written down.
@@ -111,40 +98,6 @@ impl Live {
         if std::io::stdin().is_terminal() && std::io::stderr().is_terminal() {
             tell!("done; http://{}/ stays until Enter or Ctrl-C", self.server.address());
             let _ = std::io::stdin().lock().read_line(&mut String::new());
-        }
-    }
-}
-
-impl Observer for Live {
-    fn phase(&self, phase: Phase) {
-        // The learner on the way ends when it is dropped.
-        self.learner.replace(None);
-        match phase {
-            Phase::Babbling { .. } => {
-                self.view.begin();
-                // Without a thread for it nothing is learned on the way, and the session goes on.
-                let learner = LiveLearner::new(self.view.clone(), &self.agent, &self.learning, self.seed);
-                self.learner.replace(learner.ok());
-            }
-            Phase::Learning { .. } => self.view.now("learning"),
-            _ => {}
-        }
-    }
-
-    fn touched(&self, touch: &Touch) {
-        self.view.touched(touch);
-        self.view.keep_pace();
-    }
-
-    fn grew(&self, growth: &Growth) {
-        // Whoever learns on the way to be looked at is not needed then.
-        self.learner.replace(None);
-        self.view.grew(growth.believed());
-    }
-
-    fn learned(&self, step: &LearningStep) {
-        if step.schema.is_some() || step.predicted_gap.is_some() {
-            self.view.learned(step.touches, Some(step.touch), step.schema, step.predicted_gap);
         }
     }
 }
@@ -206,7 +159,7 @@ enum Heard {
 /// A conversation on a page and on standard input, with which it ends.
 pub fn talk(mut conversation: Conversation, stage: &Stage, place: Place, name: &str, json: bool) -> Outcome {
     let (ask, asked) = mpsc::sync_channel(MOST_ASKED);
-    let view = Arc::new(TableView::new(stage, ask));
+    let view = Arc::new(TableView::new(stage, ask)?);
     let server = serve(place, view.clone())?;
     let (looked_on, mut shown) = (view.clone(), Instant::now());
     let (mut clock, mut simulated) = (Instant::now(), stage.time());

@@ -31,7 +31,6 @@ mod inspect;
 mod learn;
 mod learned;
 mod learning_arguments;
-#[cfg_attr(not(feature = "live"), path = "no_live.rs")]
 mod live;
 mod map;
 mod merge;
@@ -41,7 +40,6 @@ mod open;
 mod output;
 mod printable;
 mod progress;
-#[cfg(feature = "render")]
 mod render;
 mod report;
 mod resume;
@@ -52,7 +50,6 @@ mod study;
 mod talk;
 mod threads;
 mod typed;
-#[cfg(feature = "live")]
 mod view;
 
 use std::fmt::Display;
@@ -110,9 +107,7 @@ enum Command {
     Evaluate(evaluate::EvaluateArguments),
     Observe(observe::ObserveArguments),
     Report(report::ReportArguments),
-    #[cfg(feature = "live")]
     View(view::ViewArguments),
-    #[cfg(feature = "render")]
     Render(render::RenderArguments),
     Space(space::SpaceArguments),
     Export(export::ExportArguments),
@@ -189,9 +184,7 @@ fn carry_out() -> Outcome {
         Command::Evaluate(args) => evaluate::run(&args),
         Command::Observe(args) => observe::run(&args),
         Command::Report(args) => report::run(&args),
-        #[cfg(feature = "live")]
         Command::View(args) => view::run(&args),
-        #[cfg(feature = "render")]
         Command::Render(args) => render::run(&args),
         Command::Space(args) => space::run(&args),
         Command::Export(args) => export::run(&args),

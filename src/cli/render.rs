@@ -1,41 +1,32 @@
 //! `bodyschema render`: pictures and films, by MuJoCo's own renderer.
 
-mod posture;
 mod session;
 
-use std::collections::HashSet;
 use std::path::PathBuf;
 use std::sync::Arc;
 
 use nalgebra::Point3;
 
 use super::open::{ModelArguments, open_to_draw};
-use super::progress::Bars;
 use super::{Failure, Outcome, output, progress};
-use crate::creature::{Body, BodyError, JointSelection, Posture};
-use crate::experiment::skin_for;
-use crate::mujoco::{Camera, Data, Image, MOST_MARKS, Model, PICTURE_SIDES, Renderer};
+use crate::creature::{Body, BodyError, Creature, DofKind, JointSelection, Posture};
+use crate::experiment::words::listed;
+use crate::mujoco::{Camera, Data, Image, Model, PICTURE_SIDES, Renderer};
 use crate::record::{MadeFolders, SESSION_FILE, folder_of, model_hash};
-use crate::skin::{Skin, SomatotopicMap, aura_of};
 use crate::view::picture::{
-    self, Direction, Film, Shot, Storyboard, corners_of, draw, extent, frame, is_film, outline, outline_of,
-    png,
+    Direction, Film, Shot, Storyboard, draw, frame, is_film, outline, outline_of, png,
 };
 
-/// Draw a model in a posture, or what a session is about, as a picture or a film.
+/// Draw a model in a posture, or a session, as a picture or a film.
 ///
-/// MuJoCo's renderer draws it, without a screen, by EGL or OSMesa. Of a model and of a session the posture at ease is
-/// drawn, or the one that --posture gives; of a session with --touch that of a touch, its two places lit, and with
-/// --schema the learned body over the true one, which becomes a shade. A film goes from touch to touch, or with
-/// --learning through the schema's checkpoints, from the initial guess on. Films need ffmpeg.
+/// MuJoCo's renderer draws it, without a screen, by EGL or OSMesa. A picture shows a model or a session in the rest posture or
+/// in that of --posture; of a session with --touch a touch, its two receptors lit; with --schema the learned body over the
+/// true one, which becomes a shade. A film goes from touch to touch, or with --learning through the schema's checkpoints, from
+/// the initial guess on. Films need ffmpeg.
 #[derive(clap::Args)]
 #[command(after_help = "Examples:
   bodyschema render mjcf/max/max.xml --out max.png
   bodyschema render mjcf/max/table.xml --posture left_elbow_flexion=90 --camera 140,-20 --out table.png
-  bodyschema render mjcf/max/max.xml --camera front --look-at head --out face.png
-  bodyschema render mjcf/hexapod/hexapod.xml --skin --out skin.png
-  bodyschema render mjcf/max/max.xml --auras --out auras.png
-  bodyschema render mjcf/max/max.xml --map --camera 180,0 --out map.png
   bodyschema render sessions/max-1 --touch 3 --schema --out touch.png
   bodyschema render sessions/max-1 --touches 1..2 --size 320x240 --out touches.mp4    # needs ffmpeg
   bodyschema render sessions/max-1 --learning --size 320x320 --out learning.mp4
@@ -51,20 +42,11 @@ pub struct RenderArguments {
     /// frame-%04d.png)
     #[arg(long, short, value_name = "FILE", help_heading = "Output")]
     out: PathBuf,
-    /// The posture: names of degrees of freedom with degrees or millimetres, as in
-    /// left_elbow_flexion=90,right_elbow_flexion=20, or a JSON file of names with radians, metres or w x y z; what is not named is at ease
-    #[arg(long, value_name = "NAME=DEG,…|FILE", allow_hyphen_values = true, help_heading = "What is drawn")]
+    /// The posture: names of degrees of freedom with degrees or millimetres, of a ball with its quaternion, as in
+    /// left_elbow_flexion=90,neck=0.7:0.7:0:0; joints that are not named rest
+    #[arg(long, value_name = "NAME=DEG,…", allow_hyphen_values = true, help_heading = "What is drawn")]
     posture: Option<String>,
-    /// Of a model, its skin: receptors of its own in blue, those that are grown on it in orange
-    #[arg(long, help_heading = "What is drawn")]
-    skin: bool,
-    /// The auras about its limbs: what is inside one is near that limb
-    #[arg(long, help_heading = "What is drawn")]
-    auras: bool,
-    /// The somatotopic map: which receptors are neighbours, red across limbs
-    #[arg(long, help_heading = "What is drawn")]
-    map: bool,
-    /// Of a session, the posture of a touch, counted from 1, its places lit
+    /// Of a session, a touch, counted from 1, its receptors lit
     #[arg(long, value_name = "N", conflicts_with = "posture", help_heading = "What is drawn")]
     touch: Option<usize>,
     /// Of a session, the learned body over the true one
@@ -83,37 +65,21 @@ pub struct RenderArguments {
     /// Width and height, pixels
     #[arg(long, value_name = "WxH", value_parser = size, default_value = "1280x960", help_heading = "Output")]
     size: [usize; 2],
-    /// Where it is looked at from: front, back, left, right or above, for creatures that face along x; azimuth and elevation
-    /// in degrees, as MuJoCo's viewer has them, with a distance in metres if it is not to fill the picture; or the name of a
-    /// camera in the model [default: 205,-12; 245,-20 for what lies along x]
+    /// The point of view: azimuth and elevation in degrees, as in MuJoCo's viewer, with a distance in metres if it is not to
+    /// fill the picture; or the name of a camera in the model [default: 205,-12; 245,-20 for what lies along x]
     #[arg(
         long,
-        value_name = "SIDE|AZIMUTH,ELEVATION[,METRES]|NAME",
+        value_name = "AZIMUTH,ELEVATION[,METRES]|NAME",
         allow_hyphen_values = true,
         help_heading = "What is drawn"
     )]
     camera: Option<String>,
-    /// What the picture is filled with: a body of the model with all that it carries, as in --look-at head
-    #[arg(long, value_name = "BODY", help_heading = "What is drawn")]
-    look_at: Option<String>,
-    /// Nothing is written into the picture, and no scale is drawn
-    #[arg(long, help_heading = "What is drawn")]
-    no_caption: bool,
     /// Pictures a second of a film
     #[arg(long, value_name = "N", value_parser = frames_per_second, default_value = "25", help_heading = "Output")]
     frames_per_second: f64,
     #[command(flatten)]
     options: ModelArguments,
 }
-
-/// Sides of what faces along x: azimuth and elevation of the eye that looks at it, degrees.
-const SIDES: [(&str, [f64; 2]); 5] = [
-    ("front", [180.0, -5.0]),
-    ("back", [0.0, -5.0]),
-    ("left", [270.0, -5.0]),
-    ("right", [90.0, -5.0]),
-    ("above", [180.0, -89.0]),
-];
 
 /// Width and height from the command line.
 fn size(text: &str) -> Result<[usize; 2], String> {
@@ -132,12 +98,10 @@ fn frames_per_second(text: &str) -> Result<f64, String> {
 
 /// What is drawn: a model, and what moves in it.
 struct RenderSubject {
-    /// The file, for what is said of it.
+    /// The file, for messages about it.
     place: String,
     model: Arc<Model>,
     body: Option<Body>,
-    /// The skin that it is drawn with.
-    skin: Option<Skin>,
     /// Whether only the creature is to fill the picture, and not all that is about it.
     alone: bool,
 }
@@ -159,33 +123,25 @@ impl RenderSubject {
 
 pub fn run(args: &RenderArguments) -> Outcome {
     let film = is_film(&args.out);
+    let out = args.out.display();
     if !film && !args.out.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("png")) {
         return Err(Failure(format!(
-            "{}: unsupported format: end it in .png for a picture, in .mp4, .webm, .mov, .mkv or .gif for a film",
-            args.out.display()
+            "{out}: unsupported format: end it in .png for a picture, in .mp4, .webm, .mov, .mkv or .gif for a film"
         )));
     }
-    let makes = |what: &str, given: bool, option: &str, mend: &str| match given {
-        true => Err(Failure(format!("{}: {option} makes a {what}: {mend}", args.out.display()))),
-        false => Ok(()),
-    };
-    if film {
-        let mend = "end the file's name in .png";
-        makes("picture", args.touch.is_some(), "--touch", mend)?;
-        makes("picture", args.posture.is_some(), "--posture", mend)?;
+    let pictures = [("--touch", args.touch.is_some()), ("--posture", args.posture.is_some())];
+    let films = [("--touches", args.touches.is_some()), ("--learning", args.learning)];
+    let (others, what, fix) = if film {
+        (pictures, "picture", "end the file's name in .png")
     } else {
-        let mend = "end the file's name in .mp4, or give one such as frame-%04d.png";
-        makes("film", args.touches.is_some(), "--touches", mend)?;
-        makes("film", args.learning, "--learning", mend)?;
+        (films, "film", "end the file's name in .mp4, or give one such as frame-%04d.png")
+    };
+    if let Some((option, _)) = others.iter().find(|(_, given)| *given) {
+        return Err(Failure(format!("{out}: {option} makes a {what}: {fix}")));
     }
     let spinner = progress::spinner("getting ready");
-    let (subject, mut plan) =
+    let (subject, plan) =
         if args.what.join(SESSION_FILE).exists() { session::plan(args, film)? } else { model(args, film)? };
-    add_layers(args, &subject, &mut plan)?;
-    if args.no_caption {
-        plan.shots.iter_mut().for_each(|shot| shot.caption.clear());
-    }
-    plan.shots.iter_mut().for_each(|shot| shot.scaled = !args.no_caption);
     let [width, height] = args.size;
     let mut renderer = Renderer::new(&subject.model, width, height)
         .map_err(|error| Failure(format!("{}: {error}", args.out.display())))?;
@@ -195,7 +151,7 @@ pub fn run(args: &RenderArguments) -> Outcome {
     let mut picture = |shot: &Shot| draw(&mut renderer, shot, camera, &shaded);
     if !film {
         output::file(&args.out, png(&picture(&plan.shots[0])?))?;
-        say!("{}", args.out.display());
+        say!("{out}");
         return Ok(());
     }
     let _made = MadeFolders::make(folder_of(&args.out)).map_err(output::not_written(&args.out))?;
@@ -214,7 +170,7 @@ pub fn run(args: &RenderArguments) -> Outcome {
     }
     bar.finish_and_clear();
     let frames = film.finish()?;
-    say!("{}: {frames} frames, {:.1} s", args.out.display(), frames as f64 / args.frames_per_second);
+    say!("{out}: {frames} frames, {:.1} s", frames as f64 / args.frames_per_second);
     Ok(())
 }
 
@@ -230,15 +186,16 @@ fn model(args: &RenderArguments, film: bool) -> Result<(RenderSubject, Storyboar
         (film, "a film"),
     ];
     if let Some((_, option)) = of_session.iter().find(|(given, _)| *given) {
-        let mend = "give the folder of one, as `bodyschema babble` writes it";
-        return Err(Failure(format!("{place} is no session, and {option} is of a session: {mend}")));
+        return Err(Failure(format!(
+            "{place} is no session, and {option} is of a session: give the folder of one, as `bodyschema babble` writes it"
+        )));
     }
     if args.what.is_dir() {
         return Err(Failure(format!(
             "{place}: there is no {SESSION_FILE} in it: give an MJCF file or a session's folder"
         )));
     }
-    // A file that is not there is told of as such, before anything else.
+    // A missing file is reported as such, before anything else.
     model_hash(&args.what)?;
     let source = args.options.source(&args.what, JointSelection::All);
     let model = Arc::new(open_to_draw(source.clone())?);
@@ -249,61 +206,13 @@ fn model(args: &RenderArguments, film: bool) -> Result<(RenderSubject, Storyboar
     };
     let mut qpos = model.qpos0().to_vec();
     if let Some(body) = &body {
-        let posture = match &args.posture {
-            Some(text) => posture::read(text, &body.creature)?,
-            None => Posture::start(&body.creature),
-        };
-        body.write_qpos(&posture, &mut qpos);
+        body.write_qpos(&posture(args, &body.creature)?, &mut qpos);
     }
-    let mut marks = Vec::new();
-    let mut subject =
-        RenderSubject { place, model, body, skin: None, alone: args.skin || args.auras || args.map };
-    if let Some(body) = subject.body.as_ref().filter(|_| subject.alone) {
-        // The skin that a body babbles with.
-        let (skin, own) = skin_for(&args.what, body, &Bars::default())?;
-        if args.skin {
-            let data = subject.data(&qpos)?;
-            let on_limbs = skin.receptors.iter().filter_map(|r| Some((r, body.limb_pose(&data, r.limb)?)));
-            marks = picture::skin(on_limbs, own, size_of(body, &data));
-        }
-        subject.skin = Some(skin);
-    }
-    Ok((subject, Storyboard::still(Shot { qpos, marks, ..Shot::default() }, false)))
+    let shots = vec![Shot { qpos, ..Shot::default() }];
+    Ok((RenderSubject { place, model, body, alone: false }, Storyboard { shots, shaded: false }))
 }
 
-/// How large a body is, metres, given data with poses computed.
-fn size_of(body: &Body, data: &Data) -> f64 {
-    extent(&outline(data, &|geom| body.limb_of_geom(geom).is_some()))
-}
-
-/// Draws the aura and the somatotopic map into every picture where they are asked for.
-fn add_layers(args: &RenderArguments, subject: &RenderSubject, plan: &mut Storyboard) -> Outcome {
-    let (Some(body), Some(skin)) = (&subject.body, &subject.skin) else { return Ok(()) };
-    let at_rest = body.reference_data()?;
-    let size = size_of(body, &at_rest);
-    let geometries = match args.auras {
-        true => aura_of(body, skin, &body.limb_frames(&at_rest)),
-        false => Vec::new(),
-    };
-    let map = args.map.then(|| SomatotopicMap::at_ease(body, skin)).transpose()?;
-    for shot in &mut plan.shots {
-        if args.auras || args.map {
-            let frames = body.limb_frames(&subject.data(&shot.qpos)?);
-            shot.marks.extend(picture::auras(&geometries, &frames));
-            shot.marks.extend(map.iter().flat_map(|map| picture::map(skin, map, &frames, size)));
-        }
-        let count = shot.marks.len() + shot.lit.len();
-        if count > MOST_MARKS {
-            return Err(Failure(format!(
-                "{}: {count} marks are more than the {MOST_MARKS} of a picture: leave out --map or --skin",
-                subject.place
-            )));
-        }
-    }
-    Ok(())
-}
-
-/// The camera that is asked for, or one that holds all that is shown.
+/// The camera of --camera, or one that holds all that is shown.
 fn camera(
     args: &RenderArguments,
     subject: &RenderSubject,
@@ -312,12 +221,7 @@ fn camera(
 ) -> Result<Camera, Failure> {
     let mut direction = None;
     let mut distance = None;
-    if let Some((_, side)) =
-        args.camera.as_deref().and_then(|name| SIDES.iter().find(|(side, _)| *side == name))
-    {
-        let [azimuth, elevation] = side.map(f64::to_radians);
-        direction = Some(Direction { azimuth, elevation });
-    } else if let Some(text) = &args.camera {
+    if let Some(text) = &args.camera {
         let numbers: Option<Vec<f64>> = text.split(',').map(|number| number.trim().parse().ok()).collect();
         match numbers.as_deref() {
             Some(&[azimuth, elevation, ref rest @ ..])
@@ -339,42 +243,15 @@ fn camera(
             None => return named_camera(text, subject),
         }
     }
-    let looked_at = args.look_at.as_deref().map(|name| carried_by(name, subject)).transpose()?;
-    let shown = |geom: usize| {
-        renderer.shows(geom)
-            && looked_at
-                .as_ref()
-                .map_or(!subject.alone || subject.is_own(geom), |geoms| geoms.contains(&geom))
-    };
+    let shown = |geom: usize| renderer.shows(geom) && (!subject.alone || subject.is_own(geom));
     let mut points: Vec<Point3<f64>> = Vec::new();
-    for &held in &plan.held {
-        let shot = &plan.shots[held];
+    for shot in plan.held() {
         points.extend(outline(&subject.data(&shot.qpos)?, &shown));
-        points.extend(shot.marks.iter().flat_map(corners_of));
         let copies = shot.copies.iter().filter(|copy| shown(copy.geom));
         points.extend(copies.flat_map(|copy| outline_of(&subject.model, copy.geom, &copy.pose)));
     }
     let direction = direction.unwrap_or_else(|| Direction::suiting(&points));
     Ok(frame(points, direction, renderer.lens(), distance))
-}
-
-/// The geoms of a body of a name and of all bodies that it carries.
-fn carried_by(name: &str, subject: &RenderSubject) -> Result<HashSet<usize>, Failure> {
-    let model = &subject.model;
-    let body = (0..model.nbody()).find(|&body| model.body(body).name == Some(name)).ok_or_else(|| {
-        let named = (1..model.nbody()).filter_map(|body| model.body(body).name);
-        let place = &subject.place;
-        Failure(format!(
-            "{place}: it has no body named {name}, to look at: give one of {}",
-            named.collect::<Vec<_>>().join(", ")
-        ))
-    })?;
-    let mut carried = vec![false; model.nbody()];
-    // Bodies come after those that carry them.
-    for at in body..model.nbody() {
-        carried[at] = at == body || (at > body && carried[model.body(at).parent]);
-    }
-    Ok((0..model.ngeom()).filter(|&geom| carried[model.geom_body(geom)]).collect())
 }
 
 fn named_camera(name: &str, subject: &RenderSubject) -> Result<Camera, Failure> {
@@ -388,4 +265,73 @@ fn named_camera(name: &str, subject: &RenderSubject) -> Result<Camera, Failure> 
         "{}: it has no camera named {name}, it has {there}: give one of these, or azimuth and elevation as in 205,-12",
         subject.place
     )))
+}
+
+/// How far a coordinate may be beyond its range, radians or metres: degrees are rounded.
+const PLAY: f64 = 1e-6;
+
+/// The posture of --posture, else the rest posture.
+fn posture(args: &RenderArguments, creature: &Creature) -> Result<Posture, Failure> {
+    let mut posture = Posture::start(creature);
+    let words = args.posture.iter().flat_map(|text| text.split(',')).map(str::trim);
+    for word in words.filter(|word| !word.is_empty()) {
+        set(word, creature, &mut posture)
+            .map_err(|message| Failure(format!("--posture {word}: {message}")))?;
+    }
+    creature.couple(&mut posture);
+    Ok(posture)
+}
+
+/// Sets one degree of freedom by a word such as left_elbow_flexion=90.
+fn set(word: &str, creature: &Creature, posture: &mut Posture) -> Result<(), String> {
+    let numbers = |text: &str| -> Option<Vec<f64>> {
+        let numbers =
+            text.split(':').map(|number| number.trim().parse::<f64>().ok().filter(|x| x.is_finite()));
+        numbers.collect()
+    };
+    let (name, numbers) = word
+        .split_once('=')
+        .and_then(|(name, value)| Some((name.trim(), numbers(value)?)))
+        .ok_or("give a name, = and a number, as in left_elbow_flexion=90")?;
+    let element = creature.elements().find(|element| element.name == name).ok_or_else(|| {
+        // Of many names, those that share a word are the useful ones.
+        let words: Vec<&str> = name.split(['_', ' ', '-', '.']).filter(|word| word.len() > 2).collect();
+        let shared = |name: &str| words.iter().filter(|word| name.contains(**word)).count();
+        let most = creature.dofs().map(|dof| shared(&dof.name)).max().unwrap_or(0);
+        let alike = creature.dofs().map(|dof| dof.name.clone()).filter(|name| shared(name) == most);
+        let names = listed(&alike.collect::<Vec<_>>());
+        format!("{} has no degree of freedom named {name}; it has {names}", creature.name())
+    })?;
+    if let Some(coupling) = element.follows {
+        let leader = creature.dofs().nth(coupling.leader).map_or("", |dof| &dof.name);
+        return Err(format!("{name} follows {leader}: set that one"));
+    }
+    let (unit, per_unit) = match element.kind {
+        DofKind::Slide => (" mm", 1e3),
+        DofKind::Hinge | DofKind::Ball => ("°", 1f64.to_degrees()),
+    };
+    let coordinate = match (element.kind, numbers.as_slice()) {
+        (DofKind::Ball, &[w, x, y, z]) => {
+            let length = [w, x, y, z].iter().map(|x| x * x).sum::<f64>().sqrt();
+            if (length - 1.0).abs() > 0.02 {
+                return Err(format!("the quaternion's length is {length:.3}: make it 1"));
+            }
+            let quaternion = [w, x, y, z].map(|x| x / length);
+            element.of_mut(posture).copy_from_slice(&quaternion);
+            2.0 * quaternion[0].abs().min(1.0).acos()
+        }
+        (DofKind::Hinge | DofKind::Slide, &[number]) => {
+            posture[element.coordinate()] = number / per_unit;
+            number / per_unit
+        }
+        (DofKind::Ball, _) => return Err(format!("{name} is a ball: give its quaternion as w:x:y:z")),
+        _ => return Err(format!("{name} is no ball: give one number")),
+    };
+    let [low, high] = element.range;
+    if (low - PLAY..=high + PLAY).contains(&coordinate) {
+        return Ok(());
+    }
+    let [x, low, high] =
+        [coordinate, low, high].map(|x| format!("{}{unit}", (x * per_unit * 100.0).round() / 100.0));
+    Err(format!("{x} is beyond its range of {low} to {high}: give a number within"))
 }

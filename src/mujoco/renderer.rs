@@ -119,8 +119,6 @@ pub struct View<'a> {
     pub copies: &'a [GeomCopy],
     /// What is written below, in ASCII; none where that is empty.
     pub caption: &'a str,
-    /// The same above to the right.
-    pub scale: &'a str,
 }
 
 /// Draws a model in any posture, with MuJoCo's renderer, into memory. It stays in its thread.
@@ -198,21 +196,6 @@ impl Renderer {
         (degrees.to_radians(), self.width as f64 / self.height as f64)
     }
 
-    /// Rows of a picture.
-    pub fn height(&self) -> usize {
-        self.height
-    }
-
-    /// Rows at an edge that what is written there takes, with what is free about it.
-    pub fn label_height(&self) -> usize {
-        font(self.height) as usize * 32 / 100
-    }
-
-    /// The data of the last picture, for whoever wants to know where things are in it.
-    pub fn data(&self) -> &Data {
-        &self.data
-    }
-
     /// The model in a posture: `nq` coordinates in radians and metres, quaternions w x y z.
     ///
     /// # Errors
@@ -231,21 +214,16 @@ impl Renderer {
         let row = 3 * self.width;
         let mut upwards = vec![0u8; row * self.height];
         let (scene, buffers) = (&mut *self.scene.0, &*self.buffers.0);
-        let ascii = |text: &str| {
-            CString::new(text.replace(|c: char| !c.is_ascii() || c == '\0', "?")).unwrap_or_default()
-        };
-        let labels = [
-            (ffi::mjGRID_BOTTOMLEFT as i32, ascii(view.caption)),
-            (ffi::mjGRID_TOPRIGHT as i32, ascii(view.scale)),
-        ];
+        let caption = view.caption.replace(|c: char| !c.is_ascii() || c == '\0', "?");
+        let caption = CString::new(caption).unwrap_or_default();
         guarded("mjr_render", || {
             // SAFETY: scene and buffers are the engine's own and made for this context of OpenGL, which is current; the
             // bytes are as many as the engine writes for a viewport of this size.
             unsafe {
                 ffi::mjr_render(viewport, scene, buffers);
-                for (place, text) in labels.iter().filter(|(_, text)| !text.is_empty()) {
-                    let font = ffi::mjFONT_NORMAL as i32;
-                    ffi::mjr_overlay(font, *place, viewport, text.as_ptr(), std::ptr::null(), buffers);
+                if !caption.is_empty() {
+                    let (font, place) = (ffi::mjFONT_NORMAL as i32, ffi::mjGRID_BOTTOMLEFT as i32);
+                    ffi::mjr_overlay(font, place, viewport, caption.as_ptr(), std::ptr::null(), buffers);
                 }
                 ffi::mjr_readPixels(upwards.as_mut_ptr(), std::ptr::null_mut(), viewport, buffers);
             }

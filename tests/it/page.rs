@@ -11,8 +11,7 @@ use crate::common::shell::copy;
 use serde_json::{Value, json};
 
 /// Every picture of a page with all there is to show.
-const PICTURES: [&str; 7] =
-    ["body", "curve", "joint-errors", "residuals", "uncertainty", "touch-matrix", "reachable"];
+const PICTURES: [&str; 6] = ["body", "curve", "joint-errors", "residuals", "touch-matrix", "reachable"];
 /// The most bytes of a page.
 const MOST_BYTES: u64 = 1_500_000;
 /// The figures of the first body that is drawn: when it was there, when the page was loaded, both in milliseconds from the

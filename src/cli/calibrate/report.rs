@@ -3,12 +3,11 @@
 use nalgebra::{Rotation3, Vector3};
 
 use super::results::{REACH, Results, kind};
-use crate::calibration::Feature;
-use crate::calibration::robot::{RobotDof, Unit, Value};
+use crate::calibration::SeenTouch;
+use crate::calibration::robot::Value;
 use crate::cli::output;
-use crate::creature::DofKind;
 use crate::record::{RobotFile, name_of};
-use crate::view::report::calibration::{CalibrationReport, ReportedJoint, ReportedQuantity, ReportedTouch};
+use crate::view::report::calibration::{CalibrationReport, ReportedQuantity, ReportedTouch};
 
 /// Pairs of parameters that are known together, at the most.
 const MOST_PAIRS: usize = 12;
@@ -35,7 +34,6 @@ impl Results<'_> {
             untold: self.untold(),
             correlations,
             touches: self.reported_touches(),
-            joints: self.robot.leaders().filter(|dof| dof.kind != DofKind::Ball).map(joint).collect(),
         }
     }
 
@@ -71,63 +69,18 @@ impl Results<'_> {
     }
 
     fn reported_touches(&self) -> Vec<ReportedTouch> {
-        let robot = self.robot;
-        let leaders: Vec<usize> = robot
-            .leaders()
-            .filter(|dof| dof.kind != DofKind::Ball)
-            .filter_map(|leader| robot.dof(&leader.name))
-            .collect();
-        // What follows a joint has its coordinate.
-        let moves = |dof: usize, links: [usize; 2]| {
-            let coordinate = robot.dofs[dof].coordinate;
-            let same = (0..robot.dofs.len()).filter(|other| robot.dofs[*other].coordinate == coordinate);
-            same.into_iter().any(|other| robot.is_between(other, links))
-        };
-        let one = |(touch, ends, seen): &crate::calibration::SeenTouch| {
+        let one = |(touch, ends, seen): &SeenTouch| {
             let about = &self.touches[*touch];
-            let features = [0, 1].map(|side| about.ends[side][ends[side]].feature);
-            let links = features.map(|feature| feature.link(robot));
-            let read = leaders.iter().enumerate().filter(|(_, dof)| moves(**dof, links));
-            let joints = read.map(|(k, dof)| {
-                let RobotDof { kind, coordinate, .. } = robot.dofs[*dof];
-                (k, factor(kind) * about.posture[coordinate])
-            });
+            let name = |side: usize| name_of(self.robot, &about.ends[side][ends[side]].feature);
             ReportedTouch {
                 line: about.line,
-                between: features.map(|feature| name_of(robot, &feature)),
-                places: features.map(|feature| self.place(&feature)),
+                between: [name(0), name(1)],
                 apart: seen.residuals.value.norm(),
                 honesty: self.fit.noise.honesty(seen),
-                joints: joints.collect(),
             }
         };
         self.fit.seen.iter().map(one).collect()
     }
-
-    /// What a feature is called whenever it touches: a point by its coordinates.
-    fn place(&self, feature: &Feature) -> String {
-        let name = name_of(self.robot, feature);
-        match *feature {
-            Feature::Point(link, p) if !self.robot.is_place(link) => {
-                let [x, y, z] = [p.x, p.y, p.z].map(|x| format!("{:.1}", 1e3 * x + 0.0).replace('-', "−"));
-                format!("{name} {x} {y} {z}")
-            }
-            _ => name,
-        }
-    }
-}
-
-/// What a reading is multiplied by for a reader.
-fn factor(kind: DofKind) -> f64 {
-    unit(kind).for_readers().0
-}
-
-fn unit(kind: DofKind) -> Unit {
-    if kind == DofKind::Slide { Unit::Metre } else { Unit::Radian }
-}
-
-fn joint(dof: &RobotDof) -> ReportedJoint {
-    ReportedJoint { name: dof.name.clone(), unit: unit(dof.kind).for_readers().1 }
 }
 
 /// A value as a person reads it.

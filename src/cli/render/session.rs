@@ -7,7 +7,7 @@ use super::super::Failure;
 use super::super::learned::warn_truncated;
 use super::super::open::session_body;
 use super::{RenderArguments, RenderSubject, posture};
-use crate::creature::{Body, Creature, JointSelection, Posture};
+use crate::creature::{Body, Creature, JointSelection};
 use crate::experiment::{ModelSource, same_tree};
 use crate::export::to_mjcf;
 use crate::mujoco::Model;
@@ -37,13 +37,6 @@ pub fn plan(args: &RenderArguments, film: bool) -> Result<(RenderSubject, Storyb
             args.what.display()
         )));
     }
-    if args.skin {
-        return Err(Failure(format!(
-            "{}: --skin is of a model: give its file, {}",
-            args.what.display(),
-            if session.model.is_empty() { "which this session has none of" } else { &session.model }
-        )));
-    }
     let agent = &session.agent;
     let creature = agent.creature();
     let read_schema = || read_schema(&args.what.join(SCHEMA_FILE), creature);
@@ -62,7 +55,7 @@ pub fn plan(args: &RenderArguments, film: bool) -> Result<(RenderSubject, Storyb
     let schema = if args.schema { Some(read_schema()?) } else { None };
     let drawn = SessionDrawing::new(agent, &body, schema, args.frames_per_second)?;
     let board = match (film, args.learning) {
-        (true, true) => drawn.learning(&checkpoints(args, creature)?)?,
+        (true, true) => drawn.learning(&checkpoints(args, creature)?),
         (true, false) => {
             let touches = touches(args, &session)?;
             let [first, last] = args.touches.unwrap_or([TOUCHES[0], TOUCHES[1].min(touches.len().max(1))]);
@@ -72,24 +65,17 @@ pub fn plan(args: &RenderArguments, film: bool) -> Result<(RenderSubject, Storyb
         (false, _) => still(args, &session, &drawn)?,
     };
     let (place, model) = (args.what.display().to_string(), body.declared.clone());
-    let skin = Some(agent.skin().clone());
-    Ok((RenderSubject { place, model, body: Some(body), skin, alone: true }, board))
+    Ok((RenderSubject { place, model, body: Some(body), alone: true }, board))
 }
 
 /// One picture: of a touch, or in a posture.
 fn still(args: &RenderArguments, session: &Session, drawn: &SessionDrawing) -> Result<Storyboard, Failure> {
-    let creature = session.agent.creature();
-    let board = match (args.touch, &args.posture) {
-        (Some(number), _) => {
-            let touches = touches(args, session)?;
-            let touch = number.checked_sub(1).and_then(|index| touches.get(index));
-            let touch = touch.ok_or_else(|| no_touch(args, number, touches.len()))?;
-            drawn.still(&touch.posture, Some((number, touch)))?
-        }
-        (None, Some(text)) => drawn.still(&posture::read(text, creature)?, None)?,
-        (None, None) => drawn.still(&Posture::start(creature), None)?,
+    let Some(number) = args.touch else {
+        return Ok(drawn.posture(&posture(args, session.agent.creature())?));
     };
-    Ok(board)
+    let touches = touches(args, session)?;
+    let touch = number.checked_sub(1).and_then(|index| touches.get(index));
+    Ok(drawn.touch(number, touch.ok_or_else(|| no_touch(args, number, touches.len()))?)?)
 }
 
 fn no_touch(args: &RenderArguments, number: usize, count: usize) -> Failure {

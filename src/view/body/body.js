@@ -22,10 +22,6 @@ const Body = (figure) => {
   const WITHIN = "#252c5c";
   const ACROSS = "#d11a6e";
   const BEFORE = 0.012;
-  // What is near and what is far, and how opaque a dot of it is.
-  const NEARBY = "#2f7fd0";
-  const FARTHER = "#c98a1b";
-  const DOT = 0.55;
 
   // What the button says while it plays; how long playing takes at the least, at the most and a step, and how long the first is held,
   // milliseconds; and errors below which all are alike.
@@ -67,7 +63,6 @@ const Body = (figure) => {
   const auras = scene.auras.map((own) => ({ ...own, shown: false }));
   const maps = scene.maps.map((own) => ({ ...own, shown: false }));
   const skin = layers.find(({ look }) => look === "receptors");
-  let cloud = null;
   let values = scene.values;
   let seen = null;
   let draws = 0;
@@ -125,35 +120,6 @@ const Body = (figure) => {
     context.globalAlpha = 1;
   };
 
-  // Where limbs get to: dots about the root, those behind a body not seen.
-  const dots = (camera, ratio) => {
-    const pose = poses[cloud.poses];
-    const side = Math.max(1.5 * ratio, 0.16 * (cloud.voxel / PARTS) * camera.scales[0]);
-    const at = cloud.points.map(([x, y, z, level]) => [...project(camera, placed(pose, 0, [x, y, z].map((n) => n / PARTS))), level]);
-    for (const level of [1, 2]) {
-      context.fillStyle = level === 2 ? NEARBY : FARTHER;
-      context.globalAlpha = DOT;
-      for (const [x, y, z, own] of at) {
-        const [column, row] = [Math.floor(x), Math.floor(y)];
-        if (own !== level || column < 0 || row < 0 || column >= seen.width || row >= seen.height) continue;
-        if (seen.depth[row * seen.width + column] <= z) context.fillRect(x - side / 2, y - side / 2, side, side);
-      }
-    }
-    context.globalAlpha = 1;
-  };
-
-  // So far that all dots are in sight.
-  const zoomOut = () => {
-    const [width, height] = [canvas.clientWidth, canvas.clientHeight];
-    const camera = cameraOf(view, width, height);
-    const pose = poses[cloud.poses];
-    const over = cloud.points.map(([x, y, z]) => {
-      const at = project(camera, placed(pose, 0, [x, y, z].map((n) => n / PARTS)));
-      return Math.max(Math.abs(2 * at[0] / width - 1), Math.abs(2 * at[1] / height - 1));
-    });
-    zoom(1 / over.reduce((most, share) => Math.max(most, share), 1));
-  };
-
   // Lines between neighbouring receptors that are both in sight.
   const map = (own, camera, ratio) => {
     const pose = poses[own.poses];
@@ -186,7 +152,6 @@ const Body = (figure) => {
     context.putImageData(seen.image, 0, 0);
     for (const own of auras) if (own.shown && poses[own.poses]) aura(own, camera, ratio);
     for (const own of maps) if (own.shown && poses[own.poses]) map(own, camera, ratio);
-    if (cloud && poses[cloud.poses]) dots(camera, ratio);
     for (const own of skeletons) if (own.shown && poses[own.poses]) skeleton(own, camera, ratio);
     draws += 1;
   };
@@ -385,13 +350,6 @@ const Body = (figure) => {
       Object.assign(poses, newer);
       values = felt;
       soon();
-    },
-    // Dots about the root of the body at some poses; none for no dots.
-    space(dotted) {
-      const first = !cloud;
-      cloud = dotted;
-      if (first && cloud) zoomOut();
-      moving();
     },
     onReceptor(listener) { clicked = listener; },
     whereIs: (receptor) => (seen ? whereIs(receptor) : null),

@@ -22,6 +22,7 @@ pub(super) use senses::{AURAS, AuraOverlay, MAP, MapOverlay};
 use super::text::{error_number, escape, harmless};
 use crate::agent::Agent;
 use crate::creature::{Appearance, VisiblePart};
+use crate::schema::BodySchema;
 use crate::skin::Skin;
 
 /// What draws bodies in a page.
@@ -30,6 +31,8 @@ pub(super) const SCRIPT: &str = concat!(include_str!("paint.js"), include_str!("
 /// The colours of limbs that have none of their own, and of a shade.
 pub(super) const LIMB: &str = "#b9c7d3";
 pub(super) const SHADE: &str = "#8a939c";
+/// Most receptors whose neighbours are drawn.
+const MOST_NEIGHBOURS: usize = 3000;
 /// Numbers are told in so many parts of a metre, and of one.
 const PARTS: f64 = 1e4;
 
@@ -241,6 +244,37 @@ pub(super) struct BodyScene {
 }
 
 impl BodyScene {
+    /// A body by a schema, at some poses, as it looks, with receptors that are seen once they feel something. Its joints, of
+    /// which some are `open`, its aura and its map are hidden at first.
+    pub fn of_body(
+        agent: &Agent,
+        schema: &BodySchema,
+        open: &[usize],
+        appearance: Option<&Appearance>,
+        poses: &'static str,
+    ) -> BodyScene {
+        let skin = agent.skin();
+        let ids = skin.receptors.iter().map(|receptor| receptor.id.clone()).collect();
+        let mut scene = BodyScene {
+            auras: vec![AuraOverlay::by_schema(agent, schema, open, poses)],
+            hidden: vec!["joints", "true joints", AURAS, MAP],
+            ..BodyScene::default()
+        };
+        scene.add("limbs", poses, Clothes::new(skin, appearance));
+        scene.meshes.push(BodyMesh::of_receptors(skin));
+        scene.layers.push(Layer { lit_alone: true, ..Layer::receptors(poses, ids) });
+        if skin.receptors.len() <= MOST_NEIGHBOURS {
+            scene.maps.push(MapOverlay::by_schema(agent, schema, poses));
+        }
+        scene
+    }
+
+    /// Adds a body as it looks, at some poses.
+    pub fn add(&mut self, name: &str, poses: &'static str, clothes: Clothes) {
+        self.layers.push(Layer::clothed(name, self.meshes.len(), poses, &clothes));
+        self.meshes.push(clothes.mesh);
+    }
+
     /// The box about the corners of meshes at poses, and about joints; none where there is nothing.
     pub fn room_of<'a>(
         meshes: impl IntoIterator<Item = (&'a BodyMesh, &'a Pose)>,

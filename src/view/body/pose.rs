@@ -30,8 +30,8 @@ impl Pose {
         Pose { frames, begins }
     }
 
-    /// At ease.
-    pub fn at_ease(creature: &Creature, schema: &BodySchema) -> Pose {
+    /// In the rest posture.
+    pub fn at_rest(creature: &Creature, schema: &BodySchema) -> Pose {
         Pose::new(creature, schema, &creature.reference_posture())
     }
 

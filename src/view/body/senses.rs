@@ -6,7 +6,7 @@ use super::whole;
 use crate::agent::Agent;
 use crate::kinematics::limb_frames;
 use crate::schema::BodySchema;
-use crate::skin::{ProximityGeometry, Skin, SomatotopicMap, grow_aura};
+use crate::skin::{ProximityGeometry, Receptor, SomatotopicMap, grow_aura};
 
 /// What the auras and the map are called where they are switched on; both are hidden at first.
 pub(in crate::view) const AURAS: &str = "auras";
@@ -22,8 +22,7 @@ pub(in crate::view) struct AuraOverlay {
 }
 
 impl AuraOverlay {
-    /// Geometries on limbs at some poses.
-    pub fn new(geometries: &[ProximityGeometry], poses: &'static str) -> AuraOverlay {
+    fn new(geometries: &[ProximityGeometry], poses: &'static str) -> AuraOverlay {
         let told = |geometry: &ProximityGeometry| {
             let [a, b] = geometry.capsule.ends.map(|end| [end.x, end.y, end.z].map(whole));
             let radius = whole(geometry.capsule.radius);
@@ -59,20 +58,16 @@ pub(in crate::view) struct MapOverlay {
 }
 
 impl MapOverlay {
-    /// The somatotopic map of a skin on limbs at some poses.
-    pub fn new(skin: &Skin, map: &SomatotopicMap, poses: &'static str) -> MapOverlay {
-        let point = |receptor: &crate::skin::Receptor| {
+    /// The somatotopic map of an agent's skin on limbs placed by a schema.
+    pub fn by_schema(agent: &Agent, schema: &BodySchema, poses: &'static str) -> MapOverlay {
+        let (creature, skin) = (agent.creature(), agent.skin());
+        let frames = limb_frames(creature, schema, &creature.reference_posture());
+        let map = SomatotopicMap::new(creature, skin, &[frames]);
+        let point = |receptor: &Receptor| {
             let [x, y, z] = [receptor.position.x, receptor.position.y, receptor.position.z].map(whole);
             [receptor.limb as i64, x, y, z]
         };
         let points = skin.receptors.iter().map(point).collect();
         MapOverlay { name: MAP, poses, points, links: map.pairs().collect() }
-    }
-
-    /// The map of an agent's skin on limbs that are where a schema has them.
-    pub fn by_schema(agent: &Agent, schema: &BodySchema, poses: &'static str) -> MapOverlay {
-        let creature = agent.creature();
-        let frames = limb_frames(creature, schema, &creature.reference_posture());
-        MapOverlay::new(agent.skin(), &SomatotopicMap::new(creature, agent.skin(), &[frames]), poses)
     }
 }

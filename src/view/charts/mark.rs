@@ -36,19 +36,9 @@ impl Ink {
     pub const SERIES: [Ink; 7] =
         [Ink::Blue, Ink::Orange, Ink::Green, Ink::Pink, Ink::Amber, Ink::Sky, Ink::Letters];
 
-    pub(super) fn class(self) -> &'static str {
-        match self {
-            Ink::Blue => "blue",
-            Ink::Orange => "orange",
-            Ink::Green => "green",
-            Ink::Grey => "grey",
-            Ink::Pink => "pink",
-            Ink::Amber => "amber",
-            Ink::Sky => "sky",
-            Ink::Letters => "letters",
-            Ink::Sand => "sand",
-            Ink::Ochre => "ochre",
-        }
+    /// Its class in `charts.css`.
+    pub(super) fn class(self) -> String {
+        format!("{self:?}").to_lowercase()
     }
 }
 
@@ -87,6 +77,11 @@ pub struct ChartGroup {
 }
 
 impl ChartGroup {
+    /// Marks of a name and a colour.
+    pub fn new(name: &str, ink: Ink, marks: Vec<ChartMark>) -> ChartGroup {
+        ChartGroup { name: name.into(), ink, marks }
+    }
+
     /// Writes the marks, whose places in the drawing `place` tells; a mark without a place is left out.
     pub(super) fn draw(&self, place: &dyn Fn([f64; 2]) -> [i32; 2], svg: &mut String) {
         let _ = writeln!(svg, "<g class=\"{}\">", self.ink.class());

@@ -1,16 +1,13 @@
 //! Charts, all of them: panels with two axes each, as SVG that follows the reader's screen.
 //!
-//! plotters lays out axes, grids and labels. The marks are written beside it, for it knows neither titles, which a
-//! browser shows where the mouse rests, nor classes, by which `charts.css` gives the colours of a light or a dark
-//! screen. Numbers of the drawing are tenths of a pixel: plotters has whole ones.
+//! Each mark has a title, which a browser shows where the mouse rests, and a class, by which `charts.css` gives it the colours
+//! of a light or a dark screen. The drawing's unit is a tenth of a pixel.
 
 mod mark;
 mod ruler;
 mod study;
 
 use std::fmt::Write;
-
-use plotters::prelude::*;
 
 pub use mark::{ChartGroup, ChartMark, Ink};
 pub use ruler::{Ruler, Scale};
@@ -21,20 +18,21 @@ use super::text::escape;
 /// The colours of charts.
 pub(super) const STYLE: &str = include_str!("charts.css");
 
-/// Whole numbers of the drawing to a pixel.
+/// Units of the drawing to a pixel.
 const FINE: f64 = 10.0;
-/// Size of letters, pixels; plotters takes letters to be so much higher.
+/// Size of letters, pixels.
 const LETTERS: f64 = 12.0;
-const HIGHER: f64 = 1.24;
-/// Room to the left of all: plotters puts the letters of an upright title right at the edge, where a browser cuts their tops, pixels.
-const EDGE: f64 = 4.0;
 /// Size of the letters of a drawing's own title, pixels.
 const TITLE: f64 = 15.0;
-/// Height of a line of the legend, pixels.
-const LEGEND: f64 = 20.0;
-/// Stand-ins for colours that plotters cannot name: that of letters, and that of grids.
-const TEXT: RGBColor = RGBColor(1, 2, 3);
-const GRID: RGBColor = RGBColor(1, 2, 4);
+/// Height of a line of the legend and of an axis' title, pixels.
+const LINE: f64 = 20.0;
+/// Between an axis and its labels, pixels.
+const GAP: f64 = 8.0;
+
+/// A length in pixels in units of the drawing.
+fn fine(pixels: f64) -> i32 {
+    (FINE * pixels).round() as i32
+}
 
 /// The width of a text in letters of 12 pixels: that in DejaVu Sans, which is wider than what most screens have.
 fn width_of(text: &str) -> f64 {
@@ -50,7 +48,7 @@ fn width_of(text: &str) -> f64 {
     LETTERS * text.chars().map(share).sum::<f64>()
 }
 
-/// Two axes and what is drawn on them.
+/// Two axes and the marks on them.
 pub struct Panel {
     /// What stands above it; empty for nothing.
     pub title: String,
@@ -58,7 +56,7 @@ pub struct Panel {
     pub x: Ruler,
     /// The axis upwards; names stand from the top down.
     pub y: Ruler,
-    /// What is drawn, one after the other.
+    /// The marks, one group over the other.
     pub groups: Vec<ChartGroup>,
     /// Width and height between its axes, pixels.
     pub plot: [f64; 2],
@@ -66,7 +64,7 @@ pub struct Panel {
 
 /// Panels side by side.
 pub struct Chart {
-    /// What it is, for who cannot see it, and above a drawing that stands alone.
+    /// What it shows, for those who cannot see it, and above a drawing that stands alone.
     pub says: String,
     /// The panels, from the left, their feet on one line.
     pub panels: Vec<Panel>,
@@ -95,50 +93,27 @@ impl Chart {
         let width = sized().map(|(panel, [left, right, ..])| left + panel.plot[0] + right).sum::<f64>();
         let width = width.max(TITLE + TITLE / LETTERS * width_of(title));
         let (legend, rows) = self.legend(width);
-        let above = if title.is_empty() { 0.0 } else { 1.5 * LEGEND };
-        let head = above + LEGEND * rows as f64;
+        let above = if title.is_empty() { 0.0 } else { 1.5 * LINE };
+        let head = above + LINE * rows as f64;
         let tallest = sized().map(|(panel, [_, _, top, _])| top + panel.plot[1]).fold(0.0, f64::max);
         let foot = margins.iter().map(|[.., bottom]| *bottom).fold(0.0, f64::max);
-        let height = head + tallest + foot;
-        let mut scaffold = String::new();
-        let mut marks = String::new();
-        {
-            let size = [width, height].map(|side| (FINE * side).round() as u32);
-            let area = SVGBackend::with_string(&mut scaffold, size.into()).into_drawing_area();
-            let mut left = 0.0;
-            for (panel, margins) in sized() {
-                let size = [margins[0] + panel.plot[0] + margins[1], margins[2] + panel.plot[1] + margins[3]];
-                let corner = [left, head + tallest - panel.plot[1] - margins[2]];
-                let [corner, size] = [corner, size].map(|pair| pair.map(|x| (FINE * x).round() as i32));
-                // A string takes all that is written.
-                let _ = panel.draw(
-                    &area.clone().shrink((corner[0], corner[1]), (size[0], size[1])),
-                    *margins,
-                    &mut marks,
-                );
-                left += f64::from(size[0]) / FINE;
-            }
-        }
-        let body = scaffold.split_once('>').map_or("", |(_, body)| body);
-        let body = body.trim_end().trim_end_matches("</svg>");
-        let body = body
-            .replace("\"#010203\"", "\"currentColor\"")
-            .replace("\"#010204\"", "\"var(--line)\"")
-            .replace(" opacity=\"1\"", "")
-            .replace(" font-family=\"sans-serif\"", "");
-        let title = match title {
-            "" => String::new(),
-            title => format!("<text class=\"title\" x=\"100\" y=\"190\">{}</text>\n", escape(title)),
-        };
-        format!(
-            "<svg{space} class=\"chart\" viewBox=\"0 0 {:.0} {:.0}\" role=\"img\" \
-             aria-label=\"{}\" style=\"width:{width:.0}px;--own:{width:.0}px\">\n{style}{title}{body}{marks}\
-             <g transform=\"translate(0 {:.0})\">\n{legend}</g>\n</svg>\n",
-            FINE * width,
-            FINE * height,
+        let mut svg = format!(
+            "<svg{space} class=\"chart\" viewBox=\"0 0 {} {}\" role=\"img\" aria-label=\"{}\" \
+             style=\"width:{width:.0}px;--own:{width:.0}px\">\n{style}",
+            fine(width),
+            fine(head + tallest + foot),
             escape(&self.says),
-            FINE * above,
-        )
+        );
+        if !title.is_empty() {
+            let _ = writeln!(svg, "<text class=\"title\" x=\"100\" y=\"190\">{}</text>", escape(title));
+        }
+        let mut left = 0.0;
+        for (panel, margins) in sized() {
+            panel.draw([left + margins[0], head + tallest - panel.plot[1]], &mut svg);
+            left += margins[0] + panel.plot[0] + margins[1];
+        }
+        let _ = writeln!(svg, "<g transform=\"translate(0 {})\">\n{legend}</g>\n</svg>", fine(above));
+        svg
     }
 
     /// The names of groups with their colours, and how many rows they take.
@@ -152,10 +127,10 @@ impl Chart {
             }
             let _ = writeln!(
                 svg,
-                "<g class=\"{}\" transform=\"translate({:.0} {:.0})\">{}<text x=\"190\" y=\"45\" class=\"plain\">{}</text></g>",
+                "<g class=\"{}\" transform=\"translate({} {})\">{}<text x=\"190\" y=\"45\" class=\"plain\">{}</text></g>",
                 group.ink.class(),
-                FINE * (x + 4.0),
-                FINE * (LEGEND * row as f64 + 8.0),
+                fine(x + 4.0),
+                fine(LINE * row as f64 + 8.0),
                 group.sample(),
                 escape(&group.name)
             );
@@ -167,78 +142,80 @@ impl Chart {
 }
 
 impl Panel {
+    /// A panel without a title, given the titles and scales of its axes.
+    pub fn new(x: (&str, Scale), y: (&str, Scale), groups: Vec<ChartGroup>, plot: [f64; 2]) -> Panel {
+        let [x, y] = [x, y].map(|(title, scale)| Ruler { title: title.into(), scale });
+        Panel { title: String::new(), x, y, groups, plot }
+    }
+
     /// The room about the plot, for what is written at the axes, pixels: left, right, above and below.
     fn margins(&self) -> [f64; 4] {
-        let titled = |ruler: &Ruler| if ruler.title.is_empty() { 0.0 } else { 20.0 };
+        let titled = |ruler: &Ruler| if ruler.title.is_empty() { 0.0 } else { LINE };
         // How far the title of an axis reaches out beyond it on either side.
         let over = |ruler: &Ruler, side: usize| 0.5 * (width_of(&ruler.title) - self.plot[side]);
-        let top = if self.title.is_empty() { 8.0 } else { 1.5 * LETTERS + 8.0 };
-        let (named, longest) = (matches!(self.x.scale, Scale::Names(_)), self.x.widest());
+        let top = if self.title.is_empty() { GAP } else { 1.5 * LETTERS + GAP };
+        let (named, longest) = (self.x.is_named(), self.x.widest());
         // Names stand aslant; the first of them reaches out to the left.
         let aslant = 0.75 * longest;
-        let below = titled(&self.x) + if named { 10.0 + aslant } else { 22.0 };
-        let left = EDGE + (12.0 + self.y.widest() + titled(&self.y)).max(if named { aslant } else { 0.0 });
+        let below = titled(&self.x) + if named { 10.0 + aslant } else { LINE + 2.0 };
+        let left = 2.0 * GAP + (self.y.widest() + titled(&self.y)).max(if named { aslant } else { 0.0 });
         let right = if named { 16.0 } else { (0.5 * longest).max(16.0) };
         let [across, up] = [over(&self.x, 0), over(&self.y, 1)];
         [left.max(across), right.max(across), top.max(up), below.max(up)]
     }
 
-    fn draw(
-        &self,
-        area: &DrawingArea<SVGBackend, plotters::coord::Shift>,
-        margins: [f64; 4],
-        marks: &mut String,
-    ) -> Result<(), Box<dyn std::error::Error>> {
-        let fine = |pixels: f64| (FINE * pixels).round() as i32;
-        let font = || ("sans-serif", FINE * LETTERS * HIGHER).into_font().color(&TEXT);
-        let named = matches!(self.x.scale, Scale::Names(_));
-        let (x, y) = (self.x.right(), self.y.up());
-        let mut chart = ChartBuilder::on(area)
-            .margin_left(fine(EDGE))
-            .margin_right(fine(margins[1]))
-            .margin_top(fine(margins[2]))
-            .x_label_area_size(fine(margins[3]))
-            .y_label_area_size(fine(margins[0] - EDGE))
-            .build_cartesian_2d(x.clone(), y.clone())?;
-        chart
-            .configure_mesh()
-            .bold_line_style(GRID.stroke_width(FINE as u32))
-            .light_line_style(TRANSPARENT)
-            .axis_style(GRID.stroke_width(FINE as u32))
-            .set_all_tick_mark_size(fine(3.0))
-            .x_desc(&self.x.title)
-            .y_desc(&self.y.title)
-            .axis_desc_style(font())
-            .label_style(font())
-            .x_label_formatter(&|at| if named { String::new() } else { self.x.label(x.value(*at)) })
-            .y_label_formatter(&|at| self.y.label(y.value(*at)))
-            .draw()?;
-        let place = |point: [f64; 2]| -> [i32; 2] {
-            chart.backend_coord(&(x.coordinate(point[0]), y.coordinate(point[1]))).into()
+    /// Draws it with the upper left corner of its plot somewhere, pixels.
+    fn draw(&self, corner: [f64; 2], svg: &mut String) {
+        let [width, height] = self.plot;
+        let [left, top] = corner.map(fine);
+        let foot = fine(corner[1] + height);
+        let across = |x: f64| fine(corner[0] + width * self.x.share(x));
+        let up = |y: f64| {
+            let share = self.y.share(y);
+            fine(corner[1] + height * if self.y.is_named() { share } else { 1.0 - share })
         };
-        if !self.title.is_empty() {
-            let (left, top) =
-                (chart.plotting_area().get_pixel_range().0.start, area.get_pixel_range().1.start);
-            writeln!(
-                marks,
-                "<text x=\"{left}\" y=\"{}\">{}</text>",
-                top + fine(LETTERS),
-                escape(&self.title)
-            )?;
-        }
-        if let Scale::Names(names) = &self.x.scale {
-            let foot = chart.plotting_area().get_pixel_range().1.end + fine(10.0);
-            for (k, name) in names.iter().enumerate() {
-                let x = chart.backend_coord(&(x.coordinate(k as f64), 0.0)).0 + fine(4.0);
-                let name = escape(name);
+        let _ = writeln!(svg, "<path class=\"grid\" d=\"M{left} {top}V{foot}h{}\"/>", fine(width));
+        for tick in self.x.ticks() {
+            let (x, label) = (across(tick), escape(&self.x.label(tick)));
+            let _ = writeln!(svg, "<path class=\"grid\" d=\"M{x} {top}V{foot}\"/>");
+            let _ = if self.x.is_named() {
+                let (x, y) = (x + fine(4.0), foot + fine(10.0));
                 writeln!(
-                    marks,
-                    "<text class=\"aslant\" transform=\"translate({x} {foot}) rotate(-45)\">{name}</text>"
-                )?;
-            }
+                    svg,
+                    "<text class=\"aslant\" transform=\"translate({x} {y}) rotate(-45)\">{label}</text>"
+                )
+            } else {
+                let y = foot + fine(GAP + LETTERS - 3.0);
+                writeln!(svg, "<text class=\"middle\" x=\"{x}\" y=\"{y}\">{label}</text>")
+            };
         }
-        self.groups.iter().for_each(|group| group.draw(&place, marks));
-        Ok(())
+        for tick in self.y.ticks() {
+            let (x, y, label) = (left - fine(GAP), up(tick), escape(&self.y.label(tick)));
+            let _ = writeln!(
+                svg,
+                "<path class=\"grid\" d=\"M{left} {y}h{}\"/>\n<text class=\"end\" x=\"{x}\" y=\"{}\">{label}</text>",
+                fine(width),
+                y + 42
+            );
+        }
+        if !self.x.title.is_empty() {
+            let y = fine(corner[1] + height + self.margins()[3] - 6.0);
+            let (x, title) = (left + fine(width / 2.0), escape(&self.x.title));
+            let _ = writeln!(svg, "<text class=\"middle\" x=\"{x}\" y=\"{y}\">{title}</text>");
+        }
+        if !self.y.title.is_empty() {
+            let x = left - fine(2.0 * GAP + self.y.widest());
+            let (y, title) = (top + fine(height / 2.0), escape(&self.y.title));
+            let _ = writeln!(
+                svg,
+                "<text class=\"middle\" transform=\"translate({x} {y}) rotate(-90)\">{title}</text>"
+            );
+        }
+        if !self.title.is_empty() {
+            let _ =
+                writeln!(svg, "<text x=\"{left}\" y=\"{}\">{}</text>", top - fine(GAP), escape(&self.title));
+        }
+        self.groups.iter().for_each(|group| group.draw(&|[x, y]| [across(x), up(y)], svg));
     }
 }
 
@@ -248,10 +225,9 @@ mod tests {
 
     fn chart(y: Scale, points: &[[f64; 2]]) -> Chart {
         let dots = points.iter().map(|at| ChartMark::dot(*at, 3.0, "a < b".into())).collect();
-        let groups = vec![ChartGroup { name: "a & b".into(), ink: Ink::Blue, marks: dots }];
-        let x = Ruler { title: "touches".into(), scale: Scale::logarithmic(points.iter().map(|p| p[0])) };
-        let y = Ruler { title: "error, mm".into(), scale: y };
-        Chart::new("a chart", Panel { title: String::new(), x, y, groups, plot: [300.0, 200.0] })
+        let groups = vec![ChartGroup::new("a & b", Ink::Blue, dots)];
+        let x = Scale::logarithmic(points.iter().map(|p| p[0]));
+        Chart::new("a chart", Panel::new(("touches", x), ("error, mm", y), groups, [300.0, 200.0]))
     }
 
     #[test]
@@ -265,29 +241,20 @@ mod tests {
     }
 
     #[test]
-    fn marks_say_what_they_are() {
+    fn marks_have_titles_and_no_colour_that_a_dark_screen_would_hide() {
         let svg = chart(Scale::logarithmic([1.0, 10.0]), &[[100.0, 2.0], [200.0, 4.0]]).in_page();
         assert_eq!(svg.matches("<title>a &lt; b</title>").count(), 2);
+        assert!(!svg.contains("\"#"), "{svg}");
     }
 
     #[test]
     fn names_stand_at_their_numbers() {
         let names = Scale::Names(vec!["first".into(), "second".into()]);
         let svg = chart(names, &[[100.0, 0.0], [200.0, 1.0]]).in_page();
-        assert!(svg.find("first").is_some() && svg.contains("second"), "{svg}");
+        assert!(svg.contains("first") && svg.contains("second"), "{svg}");
         // The marks come first, then the one that explains them.
-        let heights: Vec<f64> = svg
-            .split("cy=\"")
-            .skip(1)
-            .filter_map(|rest| rest.split('"').next()?.parse().ok())
-            .take(2)
-            .collect();
+        let of = |rest: &str| rest.split('"').next()?.parse().ok();
+        let heights: Vec<f64> = svg.split("cy=\"").skip(1).filter_map(of).take(2).collect();
         assert!(heights.len() == 2 && heights[0] < heights[1], "the first stands above: {heights:?}");
-    }
-
-    #[test]
-    fn no_colour_is_left_that_a_dark_screen_would_hide() {
-        let svg = chart(Scale::logarithmic([1.0, 10.0]), &[[100.0, 2.0]]).in_page();
-        assert!(!svg.contains("\"#"), "{svg}");
     }
 }

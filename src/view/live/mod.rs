@@ -1,35 +1,40 @@
 //! A live view: a page on this machine that shows what happens while it happens.
 //!
-//! Who works writes down what is newest and goes on; a thread of its own tells the pages, each as often as it can
-//! follow. A slow page, or none, or a thousand clients that hold on to a connection, change nothing for who works.
+//! A page records its newest state and goes on; a thread of the server sends it to browsers, each as often as it can
+//! follow. A slow browser, or none, or a thousand clients that hold on to a connection, change nothing for the work.
 //!
 //! ```text
-//! babbling, talking ─ LivePage (the newest state) ─ Server (20 times a second) ─ page
-//!                       └───────── Asked (what is typed, where the skin is clicked) ┘
+//! babbling, looking, table ─ LivePage (the newest state) ─ Server (20 times a second) ─ browser
+//!                               └──────── Asked (what is typed, where the skin is clicked) ┘
 //!   within the server: connections (how many, how long) ─ guard (who, and what browsers may do) ─ routes
 //! ```
 
 mod babbling;
 mod connections;
 mod guard;
-mod learner;
 mod looking;
-mod pace;
 mod server;
 mod table;
 
+use nalgebra::Vector3;
+
 pub use babbling::BabblingView;
-pub use learner::LiveLearner;
 pub use looking::{LookedAt, LookingView};
 pub use server::{Asked, LivePage, Reception, Server};
 pub use table::TableView;
 
-/// What such a page does beside drawing bodies.
+use super::body::Pose;
+use crate::agent::Agent;
+use crate::schema::BodySchema;
+
+/// What such a page does besides drawing bodies.
 const SCRIPT: &str = include_str!("live.js");
 /// Height of the picture, pixels.
 const HEIGHT: usize = 560;
+/// Half the side of the box to be seen, as a share of the body's extent: outstretched arms may leave it.
+const ROOM: f64 = 0.86;
 
-/// A page with a title, a sentence below it, and what it shows, which is HTML.
+/// A page with a title, a sentence below it, and its content, which is HTML.
 fn page(title: &str, about: &str, content: &str) -> String {
     let content = format!(
         "<header>\n<h1>{}</h1>\n<p>{}</p>\n</header>\n{content}",
@@ -37,4 +42,18 @@ fn page(title: &str, about: &str, content: &str) -> String {
         super::text::escape(about)
     );
     super::page(&format!("{title}, live"), include_str!("live.css"), &content, SCRIPT)
+}
+
+/// The greatest distance of any receptor or joint of a body in the rest posture from its root, metres.
+fn extent(agent: &Agent, schema: &BodySchema) -> f64 {
+    let pose = Pose::at_rest(agent.creature(), schema);
+    let receptors = agent.skin().receptors.iter();
+    let places = receptors.map(|receptor| pose.frames[receptor.limb].point(&receptor.position).norm());
+    places.chain(pose.begins.iter().map(|begin| begin.norm())).fold(0.1, f64::max)
+}
+
+/// The box to be seen of a body of some extent, and of another one so far beside it along y, metres.
+fn room(extent: f64, aside: f64) -> [Vector3<f64>; 2] {
+    let r = ROOM * extent;
+    [Vector3::repeat(-r), Vector3::new(r, aside + r, r)]
 }

@@ -11,16 +11,16 @@ use axum::body::Bytes;
 use axum::extract::{DefaultBodyLimit, RawQuery, State};
 use axum::http::{StatusCode, header};
 use axum::middleware::from_fn;
-use axum::response::sse::{Event, KeepAlive, Sse};
+use axum::response::sse::{Event, Sse};
 use axum::response::{Html, IntoResponse, Response};
 use axum::routing::{get, post};
-use axum::{Json, Router};
+use axum::{Extension, Json, Router};
 use futures_util::stream::{self, Stream};
 use serde::Deserialize;
 use tokio::sync::{oneshot, watch};
-use tokio::time::MissedTickBehavior;
+use tokio::time::{MissedTickBehavior, timeout};
 
-use super::connections::serve;
+use super::connections::{LastUse, serve};
 use super::guard::{guard, policy};
 use crate::view::report;
 use crate::view::script;
@@ -35,9 +35,6 @@ const STILL: Duration = Duration::from_secs(1);
 const LONGEST_LINE: usize = 500;
 /// … and the longest body of a request, bytes: such a line in the longest of all ways to write it as JSON.
 const LONGEST_BODY: usize = 16 << 10;
-/// The most touches a second that can be asked for.
-const MOST_A_SECOND: f64 = 1e6;
-
 /// What a page shows.
 pub trait LivePage: Send + Sync + 'static {
     /// The page, before anything has happened; `query` is what its address asks for after the question mark. None where there
@@ -55,20 +52,12 @@ pub trait LivePage: Send + Sync + 'static {
     fn show(&self, _asked: &ShowRequest) -> Option<String> {
         None
     }
-    /// Where the body that it is shown gets to, as JSON, and in words what it is; worked out when it is asked for.
-    fn space(&self, _asked: &ShowRequest) -> Option<String> {
-        None
-    }
     /// The report to read, once there is one.
     fn report(&self) -> Option<PathBuf> {
         None
     }
     /// Takes what a page asks for, and waits for nobody.
     fn ask(&self, _asked: Asked) -> Reception {
-        Reception::Nobody
-    }
-    /// Takes how many touches a second a page wants to see, 0 to rest; none for as many as there can be.
-    fn pace(&self, _touches_a_second: Option<f64>) -> Reception {
         Reception::Nobody
     }
 }
@@ -189,12 +178,10 @@ fn routes(shared: Shared) -> Router {
     Router::new()
         .route("/", get(page))
         .route("/charts", get(charts))
-        .route("/space", post(space))
         .route("/events", get(events))
         .route("/report", get(finished_report))
         .route("/say", post(say))
         .route("/touch", post(touch))
-        .route("/pace", post(pace))
         .route("/show", post(show))
         .layer(DefaultBodyLimit::max(LONGEST_BODY))
         .layer(from_fn(guard))
@@ -223,28 +210,31 @@ async fn charts(State(shared): State<Shared>) -> impl IntoResponse {
     ([(header::CONTENT_TYPE, "application/json")], shared.view.charts())
 }
 
-/// It takes a moment: others are not kept waiting.
-async fn space(State(shared): State<Shared>, Json(asked): Json<ShowRequest>) -> Response {
-    let space = tokio::task::spawn_blocking(move || shared.view.space(&asked)).await;
-    shown(space.unwrap_or_default())
-}
-
-/// The state whenever it is new. Who cannot follow misses what was in between.
-async fn events(State(shared): State<Shared>) -> Sse<impl Stream<Item = Result<Event, Infallible>>> {
+/// The state whenever it is new. A client that cannot follow misses the states in between.
+async fn events(
+    State(shared): State<Shared>,
+    Extension(last_use): Extension<LastUse>,
+) -> Sse<impl Stream<Item = Result<Event, Infallible>>> {
     let first = shared.newest.receiver_count() == 0;
     let mut news = shared.newest.subscribe();
     if first {
-        // While nobody looked nobody was told.
+        // While nobody looked nothing was sent.
         shared.newest.send_replace(shared.view.newest().into());
     }
-    // Who comes late is told where things stand.
+    // Whoever comes late gets the state as it is.
     news.mark_changed();
-    let states = stream::unfold(news, |mut news| async {
-        news.changed().await.ok()?;
-        let state = Event::default().data(&**news.borrow_and_update());
-        Some((Ok(state), news))
-    });
-    Sse::new(states).keep_alive(KeepAlive::new().interval(STILL))
+    Sse::new(stream::unfold((news, last_use), |(mut news, last_use)| async {
+        let event = match timeout(STILL, news.changed()).await {
+            Ok(changed) => {
+                changed.ok()?;
+                Event::default().data(&**news.borrow_and_update())
+            }
+            Err(_) => Event::default().comment("nothing new"),
+        };
+        // It is asked for only where the client has taken what came before.
+        last_use.note();
+        Some((Ok(event), (news, last_use)))
+    }))
 }
 
 async fn finished_report(State(shared): State<Shared>) -> Response {
@@ -268,11 +258,6 @@ struct TouchRequest {
     receptor: usize,
 }
 
-#[derive(Deserialize)]
-struct PaceRequest {
-    touches_a_second: Option<f64>,
-}
-
 async fn say(State(shared): State<Shared>, Json(SayRequest { text }): Json<SayRequest>) -> StatusCode {
     status(shared.view.ask(Asked::Say(text.trim().chars().take(LONGEST_LINE).collect())))
 }
@@ -285,24 +270,9 @@ async fn touch(
 }
 
 async fn show(State(shared): State<Shared>, Json(asked): Json<ShowRequest>) -> Response {
-    shown(shared.view.show(&asked))
-}
-
-/// JSON of what is there.
-fn shown(json: Option<String>) -> Response {
-    match json {
+    match shared.view.show(&asked) {
         Some(json) => ([(header::CONTENT_TYPE, "application/json")], json).into_response(),
         None => StatusCode::NOT_FOUND.into_response(),
-    }
-}
-
-async fn pace(
-    State(shared): State<Shared>,
-    Json(PaceRequest { touches_a_second }): Json<PaceRequest>,
-) -> StatusCode {
-    match touches_a_second {
-        Some(pace) if !(0.0..=MOST_A_SECOND).contains(&pace) => StatusCode::UNPROCESSABLE_ENTITY,
-        pace => status(shared.view.pace(pace)),
     }
 }
 

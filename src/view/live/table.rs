@@ -8,12 +8,14 @@ use serde_json::json;
 
 use super::server::{Asked, LivePage, Reception};
 use super::{HEIGHT, page};
-use crate::creature::Appearance;
+use crate::agent::Agent;
 use crate::geometry::Frame;
+use crate::ground_truth::GroundTruth;
+use crate::mujoco;
 use crate::senses::SkinContact;
 use crate::simulation::Stage;
-use crate::skin::{Skin, aura_of, surface_of_body};
-use crate::view::body::{AURAS, AuraOverlay, BodyMesh, BodyScene, Clothes, Layer, MAP, MapOverlay, Pose};
+use crate::skin::{Skin, surface_of_body};
+use crate::view::body::{BodyMesh, BodyScene, Layer, Pose};
 
 /// Most lines of the conversation that are shown.
 const MOST_LINES: usize = 200;
@@ -30,13 +32,8 @@ struct Utterance {
 
 /// What is shown of a conversation.
 pub struct TableView {
-    name: String,
-    clothes: Clothes,
-    receptors: BodyMesh,
-    auras: AuraOverlay,
-    map: MapOverlay,
-    /// What receptors are called.
-    ids: Vec<String>,
+    agent: Agent,
+    truth: GroundTruth,
     /// Per body of the scene that is not the creature's, its name and its mesh.
     things: Vec<(String, BodyMesh)>,
     bodies: Vec<usize>,
@@ -56,8 +53,11 @@ struct TableState {
 
 impl TableView {
     /// A view of a scene; what a page asks for is sent on, as long as there is room for it.
-    pub fn new(stage: &Stage, asked: SyncSender<Asked>) -> TableView {
-        let (body, skin) = (stage.body(), stage.skin());
+    ///
+    /// # Errors
+    /// If the engine fails.
+    pub fn new(stage: &Stage, asked: SyncSender<Asked>) -> mujoco::Result<TableView> {
+        let body = stage.body();
         let model = &body.model;
         let mut things = Vec::new();
         let mut bodies = Vec::new();
@@ -86,19 +86,15 @@ impl TableView {
             over: false,
         };
         let view = TableView {
-            name: body.creature.name().to_string(),
-            clothes: Clothes::new(skin, Some(&Appearance::of(body))),
-            receptors: BodyMesh::of_receptors(skin),
-            auras: AuraOverlay::new(&aura_of(body, skin, &stage.limb_frames()), "own"),
-            map: MapOverlay::new(skin, &stage.map(), "own"),
-            ids: skin.receptors.iter().map(|receptor| receptor.id.clone()).collect(),
+            agent: stage.agent().clone(),
+            truth: GroundTruth::new(body)?,
             things,
             bodies,
             state: Mutex::new(state),
             asked,
         };
         view.shows(stage, &[]);
-        view
+        Ok(view)
     }
 
     fn state(&self) -> MutexGuard<'_, TableState> {
@@ -141,29 +137,20 @@ impl LivePage for TableView {
             let state = self.state();
             (Pose::of_parts(state.own.clone()), Pose::of_parts(state.things.clone()))
         };
-        let receptors = Layer { lit_alone: true, ..Layer::receptors("own", self.ids.clone()) };
-        let mut layers = vec![Layer::clothed("body", 0, "own", &self.clothes), receptors];
-        let mut meshes = vec![self.clothes.mesh.clone(), self.receptors.clone()];
+        let truth = &self.truth;
+        let mut scene = BodyScene::of_body(&self.agent, &truth.schema, &[], Some(&truth.appearance), "own");
         for (k, (name, mesh)) in self.things.iter().enumerate() {
             let colour = COLOURS[k % COLOURS.len()];
             let labels = vec![name.clone(); mesh.pieces.len()];
-            layers.push(Layer { labels, ..Layer::solid("things", meshes.len(), "things", colour) });
-            meshes.push(mesh.clone());
+            let number = scene.meshes.len();
+            scene.layers.push(Layer { labels, ..Layer::solid("things", number, "things", colour) });
+            scene.meshes.push(mesh.clone());
         }
         let poses = |mesh: usize| if mesh < 2 { &own } else { &things };
-        let room = BodyScene::room_of(meshes.iter().enumerate().map(|(k, mesh)| (mesh, poses(k))))
-            .unwrap_or_default();
-        let room = [room[0] - Vector3::repeat(ROOM), room[1] + Vector3::repeat(ROOM)];
-        let scene = BodyScene {
-            meshes,
-            layers,
-            auras: vec![self.auras.clone()],
-            maps: vec![self.map.clone()],
-            hidden: vec![AURAS, MAP],
-            poses: vec![("own", own), ("things", things)],
-            room,
-            ..BodyScene::default()
-        };
+        let drawn = scene.meshes.iter().enumerate().map(|(k, mesh)| (mesh, poses(k)));
+        let room = BodyScene::room_of(drawn).unwrap_or_default();
+        scene.room = [room[0] - Vector3::repeat(ROOM), room[1] + Vector3::repeat(ROOM)];
+        scene.poses = vec![("own", own), ("things", things)];
         let caption =
             "Click on its skin to touch it there. Turn it with the mouse; receptors light up where it feels.";
         let body = scene.figure("The creature and what is about it", HEIGHT, "", caption);
@@ -175,7 +162,7 @@ impl LivePage for TableView {
              <button>Say</button></form>\n</div>\n</section>\n"
         );
         Some(page(
-            &self.name,
+            self.agent.creature().name(),
             "It is blindfolded: it knows its body from touching itself, and the scene from what it feels",
             &content,
         ))
@@ -204,7 +191,7 @@ impl LivePage for TableView {
 
     fn ask(&self, asked: Asked) -> Reception {
         let known = match &asked {
-            Asked::Touch(receptor) => *receptor < self.ids.len(),
+            Asked::Touch(receptor) => *receptor < self.agent.skin().receptors.len(),
             Asked::Say(text) => !text.is_empty(),
         };
         if !known {

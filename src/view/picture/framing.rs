@@ -3,7 +3,7 @@
 use nalgebra::{Isometry3, Point3, Vector3};
 
 use crate::geometry::Shape;
-use crate::mujoco::{Camera, Data, GeomKind, Mark, Model};
+use crate::mujoco::{Camera, Data, GeomKind, Model};
 
 /// The part of a picture's width and height that is left free about what it shows.
 const MARGIN: f64 = 0.06;
@@ -102,13 +102,8 @@ fn half_sides(kind: GeomKind, size: [f64; 3]) -> [f64; 3] {
     Shape::primitive(kind, size).map_or(size, |shape| shape.half_bounds().into())
 }
 
-/// Points about a mark.
-pub fn corners_of(mark: &Mark) -> impl Iterator<Item = Point3<f64>> + use<> {
-    corners(&mark.pose, half_sides(mark.kind, mark.size))
-}
-
 /// The longest side of the box along the world's axes about some points, metres.
-pub fn extent(points: &[Point3<f64>]) -> f64 {
+pub(super) fn extent(points: &[Point3<f64>]) -> f64 {
     let least = points.iter().fold(Vector3::repeat(f64::INFINITY), |least, p| least.inf(&p.coords));
     let most = points.iter().fold(Vector3::repeat(f64::NEG_INFINITY), |most, p| most.sup(&p.coords));
     (most - least).max().max(0.0)

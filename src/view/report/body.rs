@@ -4,11 +4,8 @@ use std::fmt::Write;
 
 use super::ReportInput;
 use crate::record::Checkpoint;
-use crate::skin::Skin;
-use crate::view::body::{
-    AURAS, AuraOverlay, Beside, BodyMesh, BodyScene, Clothes, Layer, Look, MAP, MapOverlay, Pose, SHADE,
-    Skeleton, Step,
-};
+use crate::skin::{Receptor, Skin};
+use crate::view::body::{AURAS, Beside, BodyMesh, BodyScene, Layer, Look, MAP, Pose, SHADE, Skeleton, Step};
 use crate::view::text::plural;
 
 /// Most steps of the slider, …
@@ -19,8 +16,6 @@ const MOST_LIMBS_OF_STEPS: usize = 6000;
 const FEWEST_STEPS: usize = 3;
 /// Most receptors that are drawn: of more, those that were touched most.
 const MOST_RECEPTORS: usize = 6000;
-/// Most receptors of which the neighbours are drawn.
-const MOST_NEIGHBOURS: usize = 3000;
 /// Height of the picture, pixels.
 const HEIGHT: usize = 640;
 /// The picture's width by the body's, and the least and most of it by its height.
@@ -30,77 +25,53 @@ const WIDEST: f64 = 1.15;
 
 /// The picture; a sentence where there is nothing to draw.
 pub(super) fn figure_of(input: &ReportInput, above: &str) -> String {
-    let (creature, skin) = (input.agent.creature(), input.agent.skin());
-    let clothes = Clothes::new(skin, input.truth.map(|truth| &truth.appearance));
-    let limbs = clothes.mesh.clone();
+    let (agent, creature) = (input.agent, input.agent.creature());
+    let appearance = input.truth.map(|truth| &truth.appearance);
+    let mut scene = BodyScene::of_body(agent, input.schema, input.undetermined, appearance, "learned");
     let counts = counts(input);
     let drawn = most_touched(&counts);
     let left_out = counts.len() - drawn.len();
     let counts: Vec<usize> = drawn.iter().map(|&receptor| counts[receptor]).collect();
-    let drawn_receptors = drawn.iter().map(|&receptor| skin.receptors[receptor].clone()).collect();
-    let drawn = Skin { receptors: drawn_receptors, surfaces: skin.surfaces.clone() };
-    let receptors = BodyMesh::of_receptors(&drawn);
-    let learned = Pose::at_ease(creature, input.schema);
-    let truth = input.truth.map(|truth| Pose::at_ease(creature, &truth.schema));
-    let all = [&limbs, &receptors]
-        .into_iter()
-        .flat_map(|mesh| std::iter::once(&learned).chain(&truth).map(move |pose| (mesh, pose)));
+    let skin = Skin {
+        receptors: drawn.iter().map(|&receptor| agent.skin().receptors[receptor].clone()).collect(),
+        surfaces: agent.skin().surfaces.clone(),
+    };
+    let touched =
+        |(receptor, count): (&Receptor, &usize)| format!("{}: touched {}", receptor.id, times(*count));
+    scene.meshes[1] = BodyMesh::of_receptors(&skin);
+    scene.layers[1] = Layer::receptors("learned", skin.receptors.iter().zip(&counts).map(touched).collect());
+    scene.poses = vec![("learned", Pose::at_rest(creature, input.schema))];
+    scene.skeletons.push(Skeleton::learned(agent, input.undetermined));
+    if let Some(truth) = input.truth {
+        scene.poses.push(("true", Pose::at_rest(creature, &truth.schema)));
+        scene.layers.push(Layer { look: Look::Ghost, ..Layer::solid("true body", 0, "true", SHADE) });
+        scene.skeletons.push(Skeleton::shade(agent, "true joints", "true"));
+    }
+    let all = scene.meshes.iter().flat_map(|mesh| scene.poses.iter().map(move |(_, pose)| (mesh, pose)));
     let Some(room) = BodyScene::room_of(all) else {
         return format!("{above}<p class=\"note\">There is nothing to draw.</p>\n");
     };
-    let touched = |(receptor, count): (&crate::skin::Receptor, &usize)| {
-        format!("{}: touched {}", receptor.id, times(*count))
-    };
-    let patches = Layer::receptors("learned", drawn.receptors.iter().zip(&counts).map(touched).collect());
-    let bare = limbs.pieces.is_empty();
-    let mut layers = Vec::new();
-    if !bare {
-        layers.push(Layer::clothed("limbs", 0, "learned", &clothes));
-    }
-    layers.push(patches);
-    let mut skeletons = vec![Skeleton::learned(input.agent, input.undetermined)];
-    if input.truth.is_some() {
-        if !bare {
-            layers.push(Layer { look: Look::Ghost, ..Layer::solid("true body", 0, "true", SHADE) });
-        }
-        skeletons.push(Skeleton::shade(input.agent, "true joints", "true"));
+    let bare = scene.meshes[0].pieces.is_empty();
+    scene.hidden = if bare { vec![AURAS, MAP] } else { vec!["receptors", AURAS, MAP] };
+    if bare {
+        // Receptors alone have neither limbs to be seen nor auras about them.
+        scene.layers.retain(|layer| layer.mesh != 0);
+        scene.auras.clear();
     }
     let most = counts.iter().copied().max().unwrap_or(0);
     let shade = |count: usize| (count as f64).ln_1p() / (most.max(1) as f64).ln_1p();
-    let steps = steps(input);
+    scene.values = counts.iter().map(|count| shade(*count)).collect();
+    scene.steps = steps(input);
+    let several = scene.steps.len() > 1;
+    scene.room = room;
     let sides = room[1] - room[0];
-    let (width, height) = (sides.x.max(sides.y), sides.z);
-    let several = steps.len() > 1;
-    let mut poses = vec![("learned", learned)];
-    poses.extend(truth.map(|pose| ("true", pose)));
-    let scene = BodyScene {
-        meshes: vec![limbs, receptors],
-        layers,
-        skeletons,
-        poses,
-        values: counts.iter().map(|count| shade(*count)).collect(),
-        steps,
-        room,
-        // Where the learned body has them: what it acts on.
-        auras: if bare {
-            Vec::new()
-        } else {
-            vec![AuraOverlay::by_schema(input.agent, input.schema, input.undetermined, "learned")]
-        },
-        maps: if skin.receptors.len() > MOST_NEIGHBOURS {
-            Vec::new()
-        } else {
-            vec![MapOverlay::by_schema(input.agent, input.schema, "learned")]
-        },
-        hidden: if bare { vec![AURAS, MAP] } else { vec!["receptors", AURAS, MAP] },
-        beside: Some(Beside {
-            above: above.into(),
-            aspect: (ROOM_ABOUT * width / height).clamp(NARROWEST, WIDEST),
-        }),
-    };
+    scene.beside = Some(Beside {
+        above: above.into(),
+        aspect: (ROOM_ABOUT * sides.x.max(sides.y) / sides.z).clamp(NARROWEST, WIDEST),
+    });
     let over = if input.truth.is_some() { " before the true one, grey" } else { "" };
     let caption = format!(
-        "The learned body{over}, at ease. Turn it with the mouse or the arrow keys; Ctrl with the wheel zooms. \
+        "The learned body{over}, in the rest posture. Turn it with the mouse or the arrow keys; Ctrl with the wheel zooms. \
          Receptors{} are coloured by how often they were touched; orange joints are those that the touches do not \
          determine.{}{}",
         if bare { "" } else { ", once they are switched on," },
@@ -149,7 +120,7 @@ fn steps(input: &ReportInput) -> Vec<Step> {
     let every = before.len().div_ceil(most - 1).max(1);
     let name = |touches: usize| if touches == 0 { "initial guess".to_string() } else { touches.to_string() };
     let step = |touches: usize, millimetres: Option<f64>, schema| {
-        let pose = Pose::at_ease(input.agent.creature(), schema);
+        let pose = Pose::at_rest(input.agent.creature(), schema);
         Step { name: name(touches), touches, millimetres, poses: "learned", pose }
     };
     let earlier = before.iter().step_by(every);

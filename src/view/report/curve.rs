@@ -1,7 +1,7 @@
 //! The learning curve: the error and its bound as touches come in, and how far each touch was from its prediction.
 
 use super::ReportInput;
-use crate::view::charts::{Chart, ChartGroup, ChartMark, Ink, Panel, Ruler, Scale};
+use crate::view::charts::{Chart, ChartGroup, ChartMark, Ink, Panel, Scale};
 use crate::view::figure;
 use crate::view::text::{bounds, short_number as number, thinned, touches};
 
@@ -34,9 +34,7 @@ pub(super) fn figure_of(input: &ReportInput) -> String {
         return "<p class=\"note\">Too little was kept on the way for a curve.</p>\n".into();
     };
     let mut groups = Vec::new();
-    let mut group = |name: &str, ink: Ink, marks: Vec<ChartMark>| {
-        groups.push(ChartGroup { name: name.into(), ink, marks })
-    };
+    let mut group = |name: &str, ink, marks| groups.push(ChartGroup::new(name, ink, marks));
     let after = |count: f64| format!("after {}", touches(count as usize));
     if !predicted.is_empty() {
         let dot = |p: &[f64; 3]| {
@@ -72,9 +70,8 @@ pub(super) fn figure_of(input: &ReportInput) -> String {
     };
     curve("held-out error", Ink::Blue, &errors, "", 4.0);
     curve("Cramér-Rao bound", Ink::Orange, &limits, "7 4", 3.2);
-    let x = Ruler { title: "touches".into(), scale: Scale::logarithmic(x()) };
-    let y = Ruler { title: "error, mm".into(), scale };
-    let panel = Panel { title: String::new(), x, y, groups, plot: [660.0, 320.0] };
+    let panel =
+        Panel::new(("touches", Scale::logarithmic(x())), ("error, mm", scale), groups, [660.0, 320.0]);
     let mut caption = String::new();
     if !errors.is_empty() {
         caption

@@ -4,20 +4,20 @@ use super::ReportInput;
 use super::residuals::Residuals;
 use crate::evaluation::{held_out, held_out_points};
 use crate::kinematics::Chain;
-use crate::view::charts::{Chart, ChartGroup, ChartMark, Ink, Panel, Ruler, Scale};
+use crate::view::charts::{Chart, ChartGroup, ChartMark, Ink, Panel, Scale};
 use crate::view::figure;
 use crate::view::text::short_number as number;
 
 /// Values below this are drawn as this, millimetres: rounding, not learning.
 const LEAST: f64 = 1e-12;
 /// Most joints that are shown: of more, those with the greatest errors.
-pub(super) const MOST_JOINTS: usize = 120;
+const MOST_JOINTS: usize = 120;
 /// Height of a joint's row, and width of all of them, pixels.
 const ROW: f64 = 17.0;
 const WIDTH: f64 = 560.0;
 
 /// The picture: against the truth where it is known, else by what is left of the touches.
-pub(super) fn figure_of(input: &ReportInput, residuals: &Residuals) -> String {
+pub(super) fn figure_of(input: &ReportInput) -> String {
     let creature = input.agent.creature();
     let mut values = vec![Vec::new(); creature.joints().len()];
     let title = match input.truth {
@@ -29,7 +29,7 @@ pub(super) fn figure_of(input: &ReportInput, residuals: &Residuals) -> String {
             "held-out error, mm"
         }
         None => {
-            for ([a, b], residual) in &residuals.values {
+            for ([a, b], residual) in &Residuals::new(input).values {
                 Chain::between(creature, *a, *b)
                     .joints()
                     .for_each(|joint| values[joint].push(residual.abs()));
@@ -61,16 +61,9 @@ pub(super) fn figure_of(input: &ReportInput, residuals: &Residuals) -> String {
     }
     let scale = Scale::logarithmic(boxes.iter().flat_map(|(_, values)| [values[0], values[4]]));
     let height = ROW * boxes.len() as f64;
-    let panel = Panel {
-        title: String::new(),
-        x: Ruler { title: title.into(), scale },
-        y: Ruler {
-            title: String::new(),
-            scale: Scale::Names(boxes.into_iter().map(|(name, _)| name).collect()),
-        },
-        groups: vec![ChartGroup { name: String::new(), ink: Ink::Blue, marks }],
-        plot: [WIDTH, height],
-    };
+    let names = Scale::Names(boxes.into_iter().map(|(name, _)| name).collect());
+    let groups = vec![ChartGroup::new("", Ink::Blue, marks)];
+    let panel = Panel::new((title, scale), ("", names), groups, [WIDTH, height]);
     let caption = match input.truth {
         Some(_) => {
             "Per joint, the held-out errors of all skin points that are expressed in a limb beyond it: the middle \

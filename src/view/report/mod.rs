@@ -13,7 +13,6 @@ mod residuals;
 mod session;
 mod tables;
 mod touch_matrix;
-mod uncertainty;
 
 use crate::agent::Agent;
 use crate::evaluation::Evaluation;
@@ -24,7 +23,6 @@ use crate::schema::{BodySchema, SchemaStd};
 use crate::senses::Touch;
 use crate::view::page;
 use crate::view::text::escape;
-use residuals::Residuals;
 pub use session::{REPORT_FILE, write_report};
 
 /// What the page does beside drawing the body.
@@ -79,24 +77,25 @@ pub struct ReportInput<'a> {
     pub open_directions: &'a [String],
 }
 
+/// The sections of the page, below the body: a title, and what makes its content.
+const SECTIONS: [(&str, fn(&ReportInput) -> String); 10] = [
+    ("How well it was learned", tables::errors),
+    ("What stays undetermined", tables::undetermined),
+    ("Located limbs", tables::limbs),
+    ("Learning curve", curve::figure_of),
+    ("Who touched whom", touch_matrix::figure_of),
+    ("Where the hands can get to", reachable::figure_of),
+    ("Error per joint", joint_errors::figure_of),
+    ("Residuals", residuals::figure_of),
+    ("Joint by joint", tables::joints),
+    ("What was done", tables::facts),
+];
+
 /// The whole page: HTML of some hundred kilobytes, of a creature of a thousand limbs less than two thousand.
 pub fn html(input: &ReportInput) -> String {
     let name = input.agent.creature().name();
     let seed = input.seed;
-    let residuals = Residuals::new(input);
-    let sections = [
-        ("How well it was learned", tables::errors(input)),
-        ("What stays undetermined", tables::undetermined(input)),
-        ("How sure the learner is", tables::limbs(input) + &uncertainty::figure_of(input)),
-        ("Learning curve", curve::figure_of(input)),
-        ("Who touched whom", touch_matrix::figure_of(input)),
-        ("Where the hands can get to", reachable::figure_of(input.space)),
-        ("Error per joint", joint_errors::figure_of(input, &residuals)),
-        ("Residuals", residuals::figure_of(&residuals)),
-        ("Joint by joint", tables::joints(input)),
-        ("What was done", tables::facts(input)),
-    ];
-    let sections = in_sections(&sections);
+    let sections = in_sections(&SECTIONS.map(|(title, content)| (title, content(input))));
     let content = format!(
         "<header>\n<h1>{}</h1>\n<p>A body schema learned from self-touch</p>\n</header>\n{}{sections}",
         escape(name),

@@ -5,7 +5,7 @@ use crate::evaluation::Summary;
 use crate::kinematics::limb_frames;
 use crate::learning::surface_gap::SurfaceGap;
 use crate::learning::{Input, Learner, SecondOrder};
-use crate::view::charts::{Chart, ChartGroup, ChartMark, Ink, Panel, Ruler, Scale};
+use crate::view::charts::{Chart, ChartGroup, ChartMark, Ink, Panel, Scale};
 use crate::view::figure;
 use crate::view::text::{short_number as number, touches};
 
@@ -50,7 +50,8 @@ impl Residuals {
 }
 
 /// The picture; a sentence where there was no touch.
-pub(super) fn figure_of(residuals: &Residuals) -> String {
+pub(super) fn figure_of(input: &ReportInput) -> String {
+    let residuals = Residuals::new(input);
     let all: Vec<f64> = residuals.values.iter().map(|(_, value)| *value).filter(|v| v.is_finite()).collect();
     if all.is_empty() {
         return "<p class=\"note\">There is no touch to look at.</p>\n".into();
@@ -82,13 +83,11 @@ pub(super) fn figure_of(residuals: &Residuals) -> String {
     let marks = bars.iter().filter(|(_, count)| *count > 0).map(cell).collect();
     let (first, last) = (bars[0].0[0], bars[bars.len() - 1].0[1]);
     let room = 0.02 * (last - first);
-    let panel = Panel {
-        title: String::new(),
-        x: Ruler { title: what, scale: Scale::Linear(first - room, last + room) },
-        y: Ruler { title: "touches".into(), scale: Scale::linear(0.0, bars.iter().map(|(_, n)| *n as f64)) },
-        groups: vec![ChartGroup { name: String::new(), ink: Ink::Blue, marks }],
-        plot: [660.0, 230.0],
-    };
+    let axes = (
+        (what.as_str(), Scale::Linear(first - room, last + room)),
+        ("touches", Scale::linear(0.0, bars.iter().map(|(_, n)| *n as f64))),
+    );
+    let panel = Panel::new(axes.0, axes.1, vec![ChartGroup::new("", Ink::Blue, marks)], [660.0, 230.0]);
     let mut caption = format!(
         "Every touch under the learned schema; {} {unit} on the median, {} {unit} at 95 %, {} {unit} at most.",
         number(scale * sizes.median),

@@ -6,7 +6,7 @@ use super::ReportInput;
 use crate::agent::Agent;
 use crate::named::in_words;
 use crate::senses::Touch;
-use crate::view::charts::{Chart, ChartGroup, ChartMark, Ink, Panel, Ruler, Scale};
+use crate::view::charts::{Chart, ChartGroup, ChartMark, Ink, Panel, Scale};
 use crate::view::figure;
 use crate::view::text::touches;
 
@@ -50,15 +50,10 @@ pub(super) fn figure_of(input: &ReportInput) -> String {
             says: format!("{}, {}: {}", names[i], names[j], touches(count)),
         });
     }
-    let ruler = || Ruler { title: String::new(), scale: Scale::Names(names.clone()) };
+    let names = || Scale::Names(names.clone());
     let side = (27.0 * n as f64).clamp(160.0, 620.0);
-    let panel = Panel {
-        title: String::new(),
-        x: ruler(),
-        y: ruler(),
-        groups: vec![ChartGroup { name: String::new(), ink: Ink::Blue, marks }],
-        plot: [1.15 * side, side],
-    };
+    let groups = vec![ChartGroup::new("", Ink::Blue, marks)];
+    let panel = Panel::new(("", names()), ("", names()), groups, [1.15 * side, side]);
     let left_out = match auras.len() - n {
         0 => String::new(),
         _ => format!(" Of {} limbs it shows the {n} that touched most.", auras.len()),

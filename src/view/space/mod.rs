@@ -1,6 +1,4 @@
 //! Maps of where hands can get to: as slices for report and picture, as a cloud about a body, and as a file of VTK.
 
-#[cfg(feature = "live")]
-pub mod cloud;
 pub mod slices;
 pub mod vtk;

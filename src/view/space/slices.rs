@@ -172,7 +172,7 @@ fn groups(slice: &SpaceSlice, voxel: f64, several: bool, named: bool) -> Vec<Cha
                 })
             });
             let name = if named { name.to_string() } else { String::new() };
-            ChartGroup { name, ink: *ink, marks: marks.collect() }
+            ChartGroup::new(&name, *ink, marks.collect())
         })
         .collect();
     let outlines = slice.outlines.iter().map(|points| ChartMark::Line {
@@ -180,7 +180,7 @@ fn groups(slice: &SpaceSlice, voxel: f64, several: bool, named: bool) -> Vec<Cha
         dashes: "",
         width: 1.0,
     });
-    groups.push(ChartGroup { name: String::new(), ink: Ink::Letters, marks: outlines.collect() });
+    groups.push(ChartGroup::new("", Ink::Letters, outlines.collect()));
     groups
 }
 

@@ -32,8 +32,6 @@ pub struct CalibrationReport {
     pub correlations: Vec<(String, String, f64)>,
     /// What is left of the touches.
     pub touches: Vec<ReportedTouch>,
-    /// The joints that were read.
-    pub joints: Vec<ReportedJoint>,
 }
 
 /// A quantity as a person reads it.
@@ -60,14 +58,10 @@ pub struct ReportedTouch {
     pub line: usize,
     /// The links or surfaces that touched.
     pub between: [String; 2],
-    /// What touched on either side, by a name that it has whenever it touches.
-    pub places: [String; 2],
     /// How far apart the two are put by what was found, metres.
     pub apart: f64,
     /// How likely it is honest.
     pub honesty: f64,
-    /// Which of the joints are between the two, and what was read of them, in their units.
-    pub joints: Vec<(usize, f64)>,
 }
 
 impl ReportedTouch {
@@ -81,18 +75,6 @@ impl ReportedTouch {
     }
 }
 
-/// A joint that was read.
-#[derive(Clone, Debug)]
-pub struct ReportedJoint {
-    /// Its name.
-    pub name: String,
-    /// The unit of what is read.
-    pub unit: &'static str,
-}
-
-/// Rows of small charts stand apart.
-const STYLE: &str = "#by-joint .chart + .chart { margin-top: .8rem; }\n";
-
 /// The whole page.
 pub fn html(report: &CalibrationReport) -> String {
     let sections = [
@@ -100,10 +82,8 @@ pub fn html(report: &CalibrationReport) -> String {
         ("How far apart what touched is put", tables::misses(report)),
         ("What was found", tables::quantities(report)),
         ("What cannot be told apart", tables::untold(report)),
-        ("What is left, by pair of links", charts::by_pair(report)),
-        ("What is left, by joint", charts::by_joint(report)),
-        ("What is left, by place", charts::by_place(report)),
-        ("What is known together", tables::correlations(report)),
+        ("Residuals by pair of links", charts::by_pair(report)),
+        ("Correlations", tables::correlations(report)),
     ];
     let sections = super::in_sections(&sections);
     let content = format!(
@@ -114,5 +94,5 @@ pub fn html(report: &CalibrationReport) -> String {
         escape(&report.verdict),
         escape(report.reach),
     );
-    page(&format!("{}: calibrated by its own touches", report.robot), STYLE, &content, "")
+    page(&format!("{}: calibrated by its own touches", report.robot), "", &content, "")
 }
