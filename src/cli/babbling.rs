@@ -18,7 +18,7 @@ use crate::deadline::Deadline;
 use crate::experiment::{BabbledSession, BabbledShares, BabblingSession, Embodied, Observer, SessionSetup};
 use crate::learning::growth::Growth;
 use crate::learning::learners::{LearnerKind, PartByPart};
-use crate::record::{FolderLock, Generation};
+use crate::record::FolderLock;
 use crate::senses::joint_sensors;
 use crate::share::Share;
 use crate::simulation::MotionName;
@@ -228,7 +228,7 @@ impl Prepared {
     fn learn_with(
         &self,
         args: &BabbleArguments,
-        mut lock: FolderLock,
+        lock: FolderLock,
         babbled: &BabbledSession,
         observer: &dyn Observer,
         live: Option<&Live>,
@@ -236,8 +236,7 @@ impl Prepared {
         let BabbledSession { session, touches, .. } = babbled;
         let learning = &self.setup.learning;
         let truth = Some(self.embodied.truth());
-        let result = learn_and_report(Generation::begin(&lock)?, babbled, learning, truth, observer)?;
-        lock.finish()?;
+        let result = learn_and_report(&lock, babbled, learning, truth, observer)?;
         if let Some(limit) = session.effort.and_then(|effort| effort.ended_by) {
             tell!("babbling ended {limit}, after {} touches", touches.len());
         }

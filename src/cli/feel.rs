@@ -15,7 +15,7 @@ use super::{Failure, Outcome, progress};
 use crate::agent::Agent;
 use crate::creature::JointSelection;
 use crate::record::{
-    FiringWriter, Generation, Host, PROGRAM, SENSATIONS_FILE, Session, SessionOptions, model_hash, read_map,
+    FiringWriter, Host, PROGRAM, SENSATIONS_FILE, Session, SessionOptions, model_hash, read_map,
 };
 use crate::senses::{FiringRecorder, TouchEvent, TouchKind};
 use crate::simulation::partner::{Script, Strokes, stroke_for};
@@ -117,10 +117,9 @@ fn minutes(text: &str) -> Result<f64, String> {
 fn strokes(args: &FeelArguments, stage: &Stage, minutes: f64, arguments: Arguments) -> Outcome {
     let creature = stage.agent().creature().clone();
     let skin = stage.skin().clone();
-    let mut lock = session_folder(args.out.as_deref(), creature.name(), args.force)?;
+    let lock = session_folder(args.out.as_deref(), creature.name(), args.force)?;
     // A log of firings cannot be gone on with: it is there when it is whole.
-    let generation = Generation::begin(&lock)?;
-    let folder = generation.folder();
+    let folder = lock.part()?;
     let options = SessionOptions {
         joints: "all".to_string(),
         root: args.open.root.clone(),
@@ -171,8 +170,7 @@ fn strokes(args: &FeelArguments, stage: &Stage, minutes: f64, arguments: Argumen
     if !room {
         return Err(Failure(format!("{}: there is no room to stroke this creature", args.model.display())));
     }
-    generation.commit()?;
-    lock.finish()?;
+    lock.commit()?;
     say!(
         "{sensed} sensations and {fired} firings in {minutes} minutes; the session is in {}",
         lock.place().display()

@@ -49,7 +49,7 @@ pub fn written_session(folder: &Path) -> Result<FolderLock, Failure> {
 }
 
 /// The folder named, unless one of some files is in it already and may not be replaced, else the first that is free of
-/// numbered ones. It is the caller's alone, who writes into [`FolderLock::folder`] and calls [`FolderLock::finish`] in the end.
+/// numbered ones. It is the caller's alone, who writes into [`FolderLock::folder`] and calls [`FolderLock::commit`] in the end.
 pub fn free_folder(
     out: Option<&Path>,
     force: Force,

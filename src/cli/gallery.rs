@@ -10,7 +10,6 @@ use serde_json::{Value, json};
 use super::ends_with::ENDS_WITH;
 use super::folders::{Force, free_folder};
 use super::{Failure, Outcome, output, progress};
-use crate::record::PartFolder;
 
 /// The page that the gallery is.
 const PAGE_FILE: &str = "gallery.md";
@@ -129,14 +128,14 @@ pub fn run(args: &GalleryArguments) -> Outcome {
     let last = args.seed.checked_add(u64::from(args.trials) - 1);
     let last = last.ok_or("the last trial's seed would be too great: give a smaller --seed")?;
     let files = [PAGE_FILE, TABLE_FILE];
-    let mut lock = free_folder(Some(&args.out), args.force, "gallery", &files, |_| args.out.clone())?;
+    let lock = free_folder(Some(&args.out), args.force, "gallery", &files, |_| args.out.clone())?;
     let out = lock.folder().to_path_buf();
-    let sessions = PartFolder::make(&out, "sessions").map_err(output::not_written(&out))?;
+    let sessions = lock.scratch()?;
     let bar = progress::steps(args.models.len() as u64);
     let mut rows = Vec::new();
     for model in &args.models {
         bar.set_message(model.display().to_string());
-        rows.push(row(model, args.seed..=last, &out, sessions.path())?);
+        rows.push(row(model, args.seed..=last, &out, &sessions)?);
         let table = json!({ "seed": args.seed, "trials": args.trials, "bodies": rows });
         // Written after every body: nothing is lost where it is interrupted.
         output::file(&out.join(TABLE_FILE), format!("{}\n", serde_json::to_string_pretty(&table)?))?;
@@ -144,8 +143,7 @@ pub fn run(args: &GalleryArguments) -> Outcome {
         bar.inc(1);
     }
     bar.finish_and_clear();
-    drop(sessions);
-    lock.finish()?;
+    lock.commit()?;
     if args.json {
         return output::json(&json!({ "seed": args.seed, "trials": args.trials, "bodies": rows }));
     }

@@ -11,7 +11,7 @@ use super::progress::Bars;
 use super::{Failure, Outcome, output};
 use crate::experiment::{BabbledSession, LearningOptions, Provenance, RecordedSession, RecordingSource};
 use crate::learning::{Input, Learner, LimbFrames};
-use crate::record::{FolderLock, Generation, ReadLock, Session, TOUCHES_FILE, read_touches};
+use crate::record::{FolderLock, ReadLock, Session, TOUCHES_FILE, read_touches};
 use crate::senses::Touch;
 
 /// Learn again from the touches of a session, or from a recording of a real body.
@@ -78,7 +78,7 @@ const RECORDING_HELP: &str = r#"Example of a recording: an elbow, and two touche
   {"posture": {"elbow_pitch": 0.75}, "limbs": ["base", "forearm"], "contacts": [[0.08, 0.01, 0.02], [0.21, 0.0, 0.01]]}"#;
 
 pub fn run(args: &LearnArguments, given: Arguments) -> Outcome {
-    let Learnable { mut lock, made, session, touches, learning } =
+    let Learnable { lock, made, session, touches, learning } =
         match (&args.session, &args.creature, &args.log) {
             (Some(folder), ..) => from_session(args, folder)?,
             (None, Some(creature), Some(log)) => {
@@ -91,12 +91,10 @@ pub fn run(args: &LearnArguments, given: Arguments) -> Outcome {
     let truth = known_truth(&session, args.model.as_deref())?;
     let bars = Bars::default();
     let babbled = BabbledSession { session, touches, grown: None };
-    let generation = Generation::begin(&lock)?;
     if let Some(made) = made {
-        made.write(generation.folder())?;
+        made.write(lock.part()?)?;
     }
-    let result = learn_and_report(generation, &babbled, &learning, truth.as_ref(), &bars)?;
-    lock.finish()?;
+    let result = learn_and_report(&lock, &babbled, &learning, truth.as_ref(), &bars)?;
     if !result.learned.verdict.converged() && are_of_limb_frames(&babbled, &learning) {
         tell!(
             "these touches are explained where points are in the limbs' own frames, as URDF has them, which are not parallel at \

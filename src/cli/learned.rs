@@ -13,7 +13,7 @@ use crate::experiment::{
 };
 use crate::ground_truth::GroundTruth;
 use crate::learning::learners::{LearnerKind, LevenbergMarquardt, PartByPart};
-use crate::record::{Generation, LearningRecord, Session, TouchLog};
+use crate::record::{FolderLock, LearningRecord, Session, TouchLog};
 use crate::senses::{Touch, limb_pairs};
 use crate::simulation::MotionName;
 use crate::view::report::{REPORT_FILE, write_report};
@@ -28,31 +28,32 @@ const MORE: usize = 3;
 /// Learns from a session's touches, and writes all that comes of it into its folder at once, the report as well. A schema that
 /// is there, stood up to fresh touches and was learned otherwise is kept beside it.
 pub fn learn_and_report(
-    generation: Generation,
+    lock: &FolderLock,
     babbled: &BabbledSession,
     options: &LearningOptions,
     truth: Option<&GroundTruth>,
     observer: &dyn Observer,
 ) -> Result<LearnedSession, Failure> {
     let command = output::command_line();
-    let (folder, creature) = (generation.folder(), babbled.session.agent.creature());
+    let (folder, creature) = (lock.part()?, babbled.session.agent.creature());
     let result = learn_session(folder, babbled, options, truth, &command, observer)?;
     write_report(folder, &babbled.session, &babbled.touches, truth)?;
     // One that cannot be read is not known to be worth nothing.
     let way = |folder: &Path| LearningRecord::read(folder, creature).ok().flatten();
-    let (before, now) = (way(generation.place()), way(folder));
+    let (before, now) = (way(lock.place()), way(folder));
     let worthless = before.as_ref().is_some_and(|before| !before.converged);
     let alike = before.is_some_and(|before| now.is_some_and(|now| now.is_learned_as(&before)));
-    if !worthless
+    if !lock.replaces()
+        && !worthless
         && !alike
-        && let Some(earlier) = generation.keep_earlier()?
+        && let Some(earlier) = lock.keep_earlier()?
     {
         tell!(
             "what was learned before by other means is kept in {}: --out of `learn` gives what is learned a folder of its own",
             earlier.display()
         );
     }
-    generation.commit()?;
+    lock.commit()?;
     Ok(result)
 }
 

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
-use super::{Action, BOUTS_FILE, RecordError, files};
+use super::{Action, BOUTS_FILE, RecordError, files, write_whole};
 use crate::simulation::Effort;
 
 /// A line of [`BOUTS_FILE`].
@@ -77,7 +77,7 @@ impl BoutLog {
         let io = || RecordError::io(&path, Action::Write);
         let mut text = Vec::new();
         bouts.iter().try_for_each(|bout| write(&mut text, bout)).map_err(io())?;
-        files::write_whole(&path, &text).map_err(io())?;
+        write_whole(&path, &text).map_err(io())?;
         let file = OpenOptions::new().append(true).open(&path).map_err(io())?;
         Ok(BoutLog { path, file })
     }

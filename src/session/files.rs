@@ -1,4 +1,4 @@
-//! Files written whole or not at all, and JSON that people can read.
+//! Reading and writing the files of a session; JSON that people can read.
 
 use std::fs::{self, File};
 use std::io::{self, Write};
@@ -7,7 +7,7 @@ use std::path::Path;
 use serde::Serialize;
 use serde_json::ser::Formatter;
 
-use super::part_file::PartFile;
+use super::part_file::write_whole;
 use super::{Action, RecordError};
 use crate::given_file;
 
@@ -35,29 +35,6 @@ pub(super) fn write_json(path: &Path, value: &impl Serialize) -> Result<(), Reco
         .map_err(|error| RecordError::io(path, Action::Write)(io::Error::other(error)))?;
     json.push(b'\n');
     write_whole(path, &json).map_err(RecordError::io(path, Action::Write))
-}
-
-/// Writes a new file beside `path` and puts it in its place, so that no reader sees a part of it. Parts that killed processes
-/// left of it are removed.
-pub(crate) fn write_whole(path: &Path, bytes: &[u8]) -> io::Result<()> {
-    // What is no file, such as a pipe, is never replaced.
-    if fs::metadata(path).is_ok_and(|about| !about.is_file() && !about.is_dir()) {
-        return fs::write(path, bytes);
-    }
-    let part = PartFile::begin(path)?;
-    fs::write(part.path(), bytes)?;
-    part.put()
-}
-
-/// Waits until the names in a folder are on the disk.
-pub(super) fn sync_folder(folder: &Path) -> io::Result<()> {
-    match File::open(folder)?.sync_all() {
-        // Some file systems keep names without being asked, and refuse to be.
-        Err(error) if matches!(error.kind(), io::ErrorKind::InvalidInput | io::ErrorKind::Unsupported) => {
-            Ok(())
-        }
-        result => result,
-    }
 }
 
 /// JSON of one field a line, with every array of plain values on one line.

@@ -1,29 +1,38 @@
-//! A file that comes to its place when it is whole, a folder that never does, and folders that are kept once they hold something.
+//! A file that is put in its place once it is complete, and folders that are kept once they hold something.
 
-use std::fs::{self, File};
-use std::io;
+use std::fs::{self, File, OpenOptions, TryLockError};
+use std::io::{self, Write};
+use std::os::unix::fs::MetadataExt;
 use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
 
-use super::files::sync_folder;
-use super::leftovers::{part_name, sweep_parts};
+/// How long another process may write the same file.
+const PATIENCE: Duration = Duration::from_secs(60);
+/// How often a lock is tried.
+const TRIED_EVERY: Duration = Duration::from_millis(5);
 
-/// A new file beside the place that it is to have, so that no reader sees a part of it. What is not put in its place is
-/// removed.
+/// A new file beside the place that it is to have, so that no reader sees half of it. It is locked while it is written; one
+/// that a killed process left is written anew by the next. What is not put in its place is removed.
 #[derive(Debug)]
 pub(crate) struct PartFile {
     place: PathBuf,
     part: PathBuf,
+    file: File,
+    /// Whether another process may have the name of the part by now.
+    is_put: bool,
 }
 
 impl PartFile {
-    /// Begins the file of a place, and removes what killed processes left of such ones.
+    /// Begins the file of a place.
     ///
     /// # Errors
-    /// Where the place has no name.
+    /// If the place has no name, and if another process goes on writing it.
     pub fn begin(place: &Path) -> io::Result<PartFile> {
         let name = place.file_name().ok_or(io::ErrorKind::InvalidFilename)?.to_string_lossy();
-        sweep_parts(folder_of(place), |of| of == name);
-        Ok(PartFile { place: place.to_path_buf(), part: place.with_file_name(part_name(&name)) })
+        let part = place.with_file_name(format!(".{name}.part"));
+        let file = open_locked(&part, PATIENCE)?;
+        file.set_len(0)?;
+        Ok(PartFile { place: place.to_path_buf(), part, file, is_put: false })
     }
 
     /// Where it is to be written.
@@ -34,47 +43,54 @@ impl PartFile {
     /// Puts it in its place, once it is on the disk.
     ///
     /// # Errors
-    /// Where the system refuses.
-    pub fn put(self) -> io::Result<()> {
-        File::open(&self.part)?.sync_all()?;
+    /// If the system refuses.
+    pub fn put(mut self) -> io::Result<()> {
+        self.file.sync_all()?;
         fs::rename(&self.part, &self.place)?;
+        self.is_put = true;
         sync_folder(folder_of(&self.place))
     }
 }
 
 impl Drop for PartFile {
     fn drop(&mut self) {
-        // One that was put in its place is not here any more.
-        let _ = fs::remove_file(&self.part);
+        if !self.is_put {
+            let _ = fs::remove_file(&self.part);
+        }
     }
 }
 
-/// A new folder in another one, out of sight, for what is needed for a while. It is removed in the end, by the next who takes
-/// the lock of that other one where this process is killed before.
-#[derive(Debug)]
-pub(crate) struct PartFolder(PathBuf);
-
-impl PartFolder {
-    /// Makes one of a name in `folder`, of which the lock is held.
-    ///
-    /// # Errors
-    /// Where the system refuses.
-    pub fn make(folder: &Path, name: &str) -> io::Result<PartFolder> {
-        let part = PartFolder(folder.join(part_name(name)));
-        let _ = fs::remove_dir_all(&part.0);
-        fs::create_dir(&part.0)?;
-        Ok(part)
+/// Writes a new file beside `path` and puts it in its place, so that no reader sees half of it.
+pub(crate) fn write_whole(path: &Path, bytes: &[u8]) -> io::Result<()> {
+    // What is not a file, such as a pipe, is never replaced.
+    if fs::metadata(path).is_ok_and(|about| !about.is_file() && !about.is_dir()) {
+        return fs::write(path, bytes);
     }
-
-    /// Where it is.
-    pub fn path(&self) -> &Path {
-        &self.0
-    }
+    let mut part = PartFile::begin(path)?;
+    part.file.write_all(bytes)?;
+    part.put()
 }
 
-impl Drop for PartFolder {
-    fn drop(&mut self) {
-        let _ = fs::remove_dir_all(&self.0);
+/// Opens a file, which is made if missing, and locks it; [`io::ErrorKind::WouldBlock`] if another process has it for so
+/// long. It is the file at its place, and not one that another process has just removed or renamed.
+pub(super) fn open_locked(path: &Path, patience: Duration) -> io::Result<File> {
+    let began = Instant::now();
+    loop {
+        let file = OpenOptions::new().read(true).write(true).create(true).truncate(false).open(path)?;
+        match file.try_lock() {
+            Err(TryLockError::WouldBlock) if began.elapsed() < patience => {
+                std::thread::sleep(TRIED_EVERY);
+                continue;
+            }
+            Err(TryLockError::WouldBlock) => return Err(io::ErrorKind::WouldBlock.into()),
+            // Without locks, nobody else can be kept away.
+            Ok(()) | Err(TryLockError::Error(_)) => {}
+        }
+        let id = |about: fs::Metadata| (about.dev(), about.ino());
+        let own = file.metadata().map(id)?;
+        if fs::metadata(path).is_ok_and(|there| id(there) == own) {
+            return Ok(file);
+        }
     }
 }
 
@@ -83,10 +99,10 @@ impl Drop for PartFolder {
 pub(crate) struct MadeFolders(Vec<PathBuf>);
 
 impl MadeFolders {
-    /// Makes a folder and those above it, where they are missing.
+    /// Makes a folder and those above it, if they are missing.
     ///
     /// # Errors
-    /// Where the system refuses.
+    /// If the system refuses.
     pub fn make(folder: &Path) -> io::Result<MadeFolders> {
         let missing = folder.ancestors().take_while(|above| !above.as_os_str().is_empty() && !above.exists());
         let made = MadeFolders(missing.map(Path::to_path_buf).collect());
@@ -94,10 +110,10 @@ impl MadeFolders {
         Ok(made)
     }
 
-    /// Makes a folder that is not there yet, and those above it.
+    /// Makes a folder that does not exist, and those above it.
     ///
     /// # Errors
-    /// [`io::ErrorKind::AlreadyExists`] where it is there, and where the system refuses.
+    /// [`io::ErrorKind::AlreadyExists`] if it exists, and if the system refuses.
     pub fn make_new(folder: &Path) -> io::Result<MadeFolders> {
         let mut made = MadeFolders::make(folder_of(folder))?;
         fs::create_dir(folder)?;
@@ -115,4 +131,15 @@ impl Drop for MadeFolders {
 
 pub(crate) fn folder_of(path: &Path) -> &Path {
     path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
+}
+
+/// Waits until the names in a folder are on the disk.
+pub(super) fn sync_folder(folder: &Path) -> io::Result<()> {
+    match File::open(folder)?.sync_all() {
+        // Some file systems keep names without being asked, and refuse to be.
+        Err(error) if matches!(error.kind(), io::ErrorKind::InvalidInput | io::ErrorKind::Unsupported) => {
+            Ok(())
+        }
+        result => result,
+    }
 }

@@ -37,21 +37,13 @@ pub enum RecordError {
         /// The system's own reason.
         source: io::Error,
     },
-    /// Another process writes the folder.
-    #[error("{}: {holder} is writing it: wait for its end, or give another folder", folder.display())]
+    /// Another process writes the folder, or reads it and does not finish.
+    #[error("{}: {what}", folder.display())]
     Busy {
         /// The folder.
         folder: PathBuf,
-        /// The process, as it names itself.
-        holder: String,
-    },
-    /// Another process reads the folder and does not come to its end.
-    #[error("{}: {holder} is reading it, so that nothing in it can be replaced: end it, and try again", folder.display())]
-    Read {
-        /// The folder.
-        folder: PathBuf,
-        /// The process.
-        holder: String,
+        /// Which process does what, and the mend.
+        what: String,
     },
     /// The content is not what the file should hold.
     #[error("{}{}: {message}", path.display(), line.map(|line| format!(", line {line}")).unwrap_or_default())]

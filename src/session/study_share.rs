@@ -9,7 +9,7 @@ use serde_json::Value;
 
 use super::record_error::json_reason;
 use super::stamp::Stamp;
-use super::{Action, RecordError, STUDY_SHARE_FILE, files};
+use super::{Action, RecordError, STUDY_SHARE_FILE, files, write_whole};
 
 const STAMP: Stamp = Stamp { format: "bodyschema share of a study", version: 1 };
 /// Where its trials are, in its folder.
@@ -69,7 +69,7 @@ pub fn trial_file(folder: &Path, seed: u64) -> PathBuf {
 /// [`RecordError::Io`] where it cannot be written.
 pub fn write_trial(folder: &Path, seed: u64, text: &str) -> Result<(), RecordError> {
     let path = trial_file(folder, seed);
-    files::write_whole(&path, format!("{text}\n").as_bytes()).map_err(RecordError::io(&path, Action::Write))
+    write_whole(&path, format!("{text}\n").as_bytes()).map_err(RecordError::io(&path, Action::Write))
 }
 
 /// Reads what a trial left.

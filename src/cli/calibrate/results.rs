@@ -9,7 +9,7 @@ use crate::calibration::robot::{Quantity, Robot};
 use crate::calibration::{Estimator, FEWEST_HELD_OUT, Fit, Judgement, Misses, Objection, SeenTouch, Touch};
 use crate::cli::folders::{Force, free_folder};
 use crate::cli::{Failure, Outcome, output};
-use crate::record::{FolderLock, Generation, RobotFile, RobotFormat, json_of};
+use crate::record::{FolderLock, RobotFile, RobotFormat, json_of};
 use crate::view::report::REPORT_FILE;
 use crate::view::report::calibration::html;
 
@@ -253,11 +253,10 @@ impl Results<'_> {
     }
 
     /// Writes the robot with its new numbers and the tables into a folder.
-    pub fn write(&self, mut lock: FolderLock, path: &Path, file: &RobotFile, quiet: bool) -> Outcome {
+    pub fn write(&self, lock: FolderLock, path: &Path, file: &RobotFile, quiet: bool) -> Outcome {
         let name = path.file_name().unwrap_or_default();
         let [quantities, residuals, correlations] = TABLE_FILES;
-        let generation = Generation::begin(&lock)?;
-        let folder = generation.folder();
+        let folder = lock.part()?;
         let written = file.with_values(path, &self.fit.values)?;
         output::file(&folder.join(name), &written.bytes)?;
         for sentence in &written.left_out {
@@ -269,8 +268,7 @@ impl Results<'_> {
         output::file(&folder.join(REPORT_FILE), html(&self.report(file)))?;
         let all = serde_json::to_string_pretty(&self.as_json())?;
         output::file(&folder.join(CALIBRATION_FILE), format!("{all}\n"))?;
-        generation.commit()?;
-        lock.finish()?;
+        lock.commit()?;
         if !quiet {
             let kind = kind(file.format);
             say!("");

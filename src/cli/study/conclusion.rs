@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 use super::asked::AskedStudy;
 use crate::cli::{Outcome, output};
 use crate::experiment::study::{FoundTables, Study, WallTime};
-use crate::record::{FolderLock, Generation, STUDY_FILE};
+use crate::record::{FolderLock, STUDY_FILE};
 use crate::view::study_chart;
 
 /// All that a study leaves in its folder.
@@ -19,7 +19,7 @@ const PLOT_FILE: &str = "study.svg";
 
 pub fn save_and_print(
     asked: &AskedStudy,
-    lock: &mut FolderLock,
+    lock: &FolderLock,
     findings: &FoundTables,
     seconds: WallTime,
 ) -> Outcome {
@@ -33,10 +33,8 @@ pub fn save_and_print(
     result["rows"] = findings.measurements.to_json();
     result["folder"] = json!(folder);
     findings.numbers.iter().for_each(|(name, number)| result[*name] = number.clone());
-    let generation = Generation::begin(lock)?;
-    save(generation.folder(), study, &result, findings)?;
-    generation.commit()?;
-    lock.finish()?;
+    save(lock.part()?, study, &result, findings)?;
+    lock.commit()?;
     if args.json {
         return output::json(&result);
     }

@@ -155,7 +155,7 @@ pub fn run(args: &StudyArguments, given: Arguments) -> Outcome {
         1 => Path::new("studies").join(study.name),
         _ => Path::new("studies").join(format!("{}-{k}", study.name)),
     };
-    let mut lock = free_folder(args.out.as_deref(), args.force, "study", &conclusion::FILES, numbered)?;
+    let lock = free_folder(args.out.as_deref(), args.force, "study", &conclusion::FILES, numbered)?;
     let mut left = Vec::new();
     asked.run(&asked.seeds, &mut |_, trial| {
         left.push(trial);
@@ -163,5 +163,5 @@ pub fn run(args: &StudyArguments, given: Arguments) -> Outcome {
     })?;
     bars.phase(Phase::Done);
     let (findings, seconds) = asked.conclude(&left)?;
-    conclusion::save_and_print(&asked, &mut lock, &findings, seconds)
+    conclusion::save_and_print(&asked, &lock, &findings, seconds)
 }

@@ -152,7 +152,7 @@ impl StudyShares {
                 difference(&self.first.common, &now)
             )));
         }
-        let mut lock = free_folder(Some(folder), Force::default(), "study", &conclusion::FILES, |_| {
+        let lock = free_folder(Some(folder), Force::default(), "study", &conclusion::FILES, |_| {
             folder.to_path_buf()
         })?;
         let mut left = Vec::with_capacity(self.trials.len());
@@ -161,7 +161,7 @@ impl StudyShares {
         }
         let concluded = asked.conclude(&left);
         let (findings, seconds) = concluded.map_err(|error| self.blame(&asked, &left, error))?;
-        conclusion::save_and_print(&asked, &mut lock, &findings, seconds)
+        conclusion::save_and_print(&asked, &lock, &findings, seconds)
     }
 
     /// Which trial it is that is none.

@@ -23,7 +23,7 @@ use crate::calibration::robot::{Element, Robot, Unit, Value};
 use crate::creature::{DofKind, UNLIMITED_SLIDE};
 use crate::mjcf_xml::GREATEST_TURN;
 use crate::session::RecordError;
-use crate::session::columns::Measure;
+use crate::session::table::Measure;
 
 /// The root's name.
 pub(super) const BASE: &str = "base";

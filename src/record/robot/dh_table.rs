@@ -9,8 +9,8 @@ use serde_json::value::RawValue;
 
 use super::edits::first_byte;
 use super::tags::{Fault, line_of, text_begins};
-use crate::session::columns::{Measure, Unit, name_and_unit};
 use crate::session::json_reason;
+use crate::session::table::{Measure, Unit, name_and_unit};
 
 /// What a column or a field says.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -383,7 +383,7 @@ fn record(text: &str, begin: usize) -> (Vec<Range<usize>>, usize, usize) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::session::columns::DEGREES;
+    use crate::session::table::DEGREES;
 
     #[test]
     fn angles_are_read_as_books_print_them() {

@@ -1,4 +1,4 @@
-//! A log of touches to calibrate by: comma-separated values, a touch a line.
+//! A log of touches to calibrate by: a table of comma-separated values or JSON, a touch a line.
 //!
 //! | column | is |
 //! |---|---|
@@ -19,26 +19,24 @@ use std::path::Path;
 use csv::StringRecord;
 use nalgebra::Vector3;
 
-use crate::calibration::robot::{Element, Knowledge, Posed, Robot, Value, likely, nearest_name};
+use crate::calibration::robot::{Element, Knowledge, Posed, Robot, RobotDof, Value, likely, nearest_name};
 use crate::calibration::{End, Feature, SAME_POINT, Touch, drop_repeats};
 use crate::creature::DofKind;
 use crate::plausible::{is_angle, is_length};
 use crate::session::RecordError;
 use crate::session::angles::{HingeAngles, wide_ranges};
-use crate::session::columns::{CellFault, Column, Measure, Quantity, Table, left_out_in_words, read_table};
-use crate::session::given_log::{cut_in_words, read_log};
+use crate::session::table::{
+    CellFault, Column, LIMBS, Measure, POINTS, QUATERNION, Quantity, RECEPTORS, Table, read_table,
+};
+use crate::session::touch_columns::{TouchColumns, left_out_in_words};
 
-const NAMES: [[&str; 2]; 2] = [["limb_a", "receptor_a"], ["limb_b", "receptor_b"]];
-const POINTS: [[&str; 3]; 2] = [["ax", "ay", "az"], ["bx", "by", "bz"]];
-const DEVIATIONS: [&str; 2] = ["a_std", "b_std"];
 const DISTANCE: &str = "distance";
 const TOUCH: &str = "touch";
 const PLACE: &str = "place";
 const TIME: &str = "time";
-/// Columns of other formats that are no oversight.
-const QUIET: [&str; 2] = ["bout", "motion"];
-/// What the columns of a ball's quaternion have behind its name.
-const QUATERNION: [&str; 4] = ["_w", "_x", "_y", "_z"];
+/// The columns of a log of a robot alone.
+const FURTHER: [Quantity<'static>; 4] =
+    [(DISTANCE, Some(Measure::Length)), (TOUCH, None), (PLACE, None), (TIME, None)];
 /// Points farther from their limb than so many times the robot's size look like another unit.
 const FAR: f64 = 20.0;
 
@@ -56,14 +54,11 @@ pub struct CalibrationLog {
 /// # Errors
 /// [`RecordError::Io`] where it cannot be read; [`RecordError::Format`], with line, column and mend, where it is none.
 pub fn read_calibration_log(path: &Path, robot: &Robot) -> Result<CalibrationLog, RecordError> {
-    let (bytes, mut notes) = read_log(path)?;
-    let mut table = read_table(path, &bytes)?;
-    let head = Head::new(&mut table, robot).map_err(|fault| RecordError::format(path, Some(1), fault))?;
-    notes.extend(table.cut.map(cut_in_words));
-    notes.extend(head.notes.iter().cloned());
+    let (table, head) = read(path, robot)?;
+    let mut notes: Vec<String> = table.notes().chain(head.columns.note()).collect();
     let mut not_finite = Vec::new();
     let mut touches: Vec<Touch> = Vec::new();
-    let time = |row: &StringRecord| head.field(row, TIME).and_then(|cell| cell.parse().ok());
+    let time = |row: &StringRecord| head.columns.text(row, TIME).and_then(|cell| cell.parse().ok());
     let mut by_name: HashMap<(String, [usize; 2]), usize> = HashMap::new();
     for (line, row) in &table.rows {
         let refuse = |fault: String| RecordError::format(path, Some(*line), fault);
@@ -139,14 +134,12 @@ pub fn read_calibration_log(path: &Path, robot: &Robot) -> Result<CalibrationLog
 /// # Errors
 /// As of [`read_calibration_log`]; also where a place is said to be at two positions.
 pub fn add_fixed_places(path: &Path, robot: &mut Robot) -> Result<(), RecordError> {
-    let (bytes, _) = read_log(path)?;
-    let mut table = read_table(path, &bytes)?;
-    let head = Head::new(&mut table, robot).map_err(|fault| RecordError::format(path, Some(1), fault))?;
+    let (table, head) = read(path, robot)?;
     let own = robot.links.len();
     let mut unsaid = Vec::new();
     for (line, row) in &table.rows {
         let refuse = |fault: String| RecordError::format(path, Some(*line), fault);
-        let Some(name) = head.field(row, PLACE).filter(|name| robot.surface(name).is_none()) else {
+        let Some(name) = head.columns.text(row, PLACE).filter(|name| robot.surface(name).is_none()) else {
             continue;
         };
         let said = match head.point(&table, row, 1) {
@@ -198,11 +191,31 @@ pub fn add_fixed_places(path: &Path, robot: &mut Robot) -> Result<(), RecordErro
     Ok(())
 }
 
+/// A table of a robot's touches, and which column holds what.
+fn read(path: &Path, robot: &Robot) -> Result<(Table, Head), RecordError> {
+    let coordinates = coordinates(robot);
+    let names: Vec<String> = coordinates.iter().map(|(name, _)| name.clone()).collect();
+    let mut table = read_table(path, &names, None)?;
+    let head = Head::new(&mut table, robot, &coordinates);
+    let head = head.map_err(|fault| RecordError::format(path, Some(1), fault))?;
+    Ok((table, head))
+}
+
+/// The columns of a posture.
+fn coordinates(robot: &Robot) -> Vec<(String, Option<Measure>)> {
+    let of_dof = |dof: &RobotDof| match dof.kind {
+        DofKind::Ball => QUATERNION.map(|end| (format!("{}{end}", dof.name), None)).to_vec(),
+        DofKind::Slide => vec![(dof.name.clone(), Some(Measure::Length))],
+        DofKind::Hinge => vec![(dof.name.clone(), Some(Measure::Angle))],
+    };
+    robot.leaders().flat_map(of_dof).collect()
+}
+
 /// Whether bytes look like a log of touches.
 pub(super) fn is_log(bytes: &[u8]) -> bool {
     let head = bytes.split(|byte| *byte == b'\n').find(|line| !line.starts_with(b"#")).unwrap_or_default();
     let head = String::from_utf8_lossy(head);
-    NAMES.iter().flatten().any(|name| head.split(',').any(|title| title.trim() == *name))
+    LIMBS.iter().chain(&RECEPTORS).any(|name| head.split(',').any(|title| title.trim() == *name))
 }
 
 /// The links that a touch's ends are on.
@@ -215,62 +228,26 @@ type Contact = (Option<String>, [Option<End>; 2], f64);
 
 /// Which column holds what.
 struct Head {
-    /// Per coordinate of a posture.
-    posture: Vec<Option<usize>>,
-    fields: HashMap<&'static str, usize>,
-    notes: Vec<String>,
-    /// Columns that mean nothing, without their units.
-    spare: Vec<String>,
+    columns: TouchColumns,
 }
 
 impl Head {
-    fn new(table: &mut Table, robot: &Robot) -> Result<Head, String> {
-        let mut coordinates: Vec<(String, Option<Measure>)> = Vec::new();
-        for dof in robot.leaders() {
-            let measure = if dof.kind == DofKind::Slide { Measure::Length } else { Measure::Angle };
-            match dof.kind {
-                DofKind::Ball => {
-                    coordinates.extend(QUATERNION.map(|part| (format!("{}{part}", dof.name), None)))
-                }
-                _ => coordinates.push((dof.name.clone(), Some(measure))),
-            }
-        }
-        let texts = NAMES.iter().flatten().chain([&TOUCH, &PLACE, &TIME]).map(|name| (*name, None));
-        let lengths = POINTS.iter().flatten().chain(&DEVIATIONS).chain([&DISTANCE]);
-        let reserved = texts.chain(lengths.map(|name| (*name, Some(Measure::Length))));
-        let mut wanted: Vec<Quantity> =
-            coordinates.iter().map(|(name, measure)| (name.as_str(), *measure)).collect();
-        for quantity in reserved.clone() {
-            wanted.push(quantity);
-        }
-        let mut posture = table.assign(&wanted)?;
-        let places = posture.split_off(coordinates.len());
-        let fields: HashMap<&'static str, usize> =
-            reserved.zip(places).filter_map(|((name, _), place)| Some((name, place?))).collect();
+    fn new(
+        table: &mut Table,
+        robot: &Robot,
+        coordinates: &[(String, Option<Measure>)],
+    ) -> Result<Head, String> {
+        let columns = TouchColumns::new(table, coordinates, &FURTHER)?;
+        let has = |name: &str| columns.place(name).is_some();
         for side in 0..2 {
-            let is_place = side == 1 && fields.contains_key(PLACE);
-            if !is_place && NAMES[side].iter().all(|name| !fields.contains_key(name)) {
-                return Err(format!("there is no column {}: name what touched on this side", NAMES[side][0]));
-            }
-            let points = POINTS[side].iter().filter(|name| fields.contains_key(**name)).count();
-            if points != 0 && points != 3 {
-                let missing = POINTS[side]
-                    .iter()
-                    .find(|name| !fields.contains_key(**name))
-                    .copied()
-                    .unwrap_or_default();
-                return Err(format!("there is no column {missing}: a point has three coordinates"));
+            let is_place = side == 1 && has(PLACE);
+            if !is_place && !has(LIMBS[side]) && !has(RECEPTORS[side]) {
+                return Err(format!("there is no column {}: name what touched on this side", LIMBS[side]));
             }
         }
-        let used: Vec<usize> = posture.iter().flatten().chain(fields.values()).copied().collect();
-        let mut spare = table.spare(&used);
-        spare.retain(|column| !QUIET.contains(&column.name()));
-        let missing: Vec<&str> = robot
-            .dofs
-            .iter()
-            .filter(|dof| posture[dof.coordinate].is_none())
-            .map(|dof| dof.name.as_str())
-            .collect();
+        let missing = robot.dofs.iter().filter(|dof| columns.posture[dof.coordinate].is_none());
+        let missing: Vec<&str> = missing.map(|dof| dof.name.as_str()).collect();
+        let spare = &columns.spare;
         if missing.len() == robot.dofs.len() && !missing.is_empty() {
             let example = spare.first().map_or(String::new(), |column| format!(", not \"{}\"", column.title));
             return Err(format!(
@@ -278,8 +255,7 @@ impl Head {
                 robot.name, missing[0]
             ));
         }
-        let mut notes = Vec::new();
-        for column in &spare {
+        for column in spare {
             // A column that nearly has a missing joint's name is a slip, one of anything else is somebody's own.
             let near = nearest_name(column.name(), missing.iter().copied());
             let slip = near.filter(|near| near.to_lowercase() == column.name().to_lowercase());
@@ -290,16 +266,7 @@ impl Head {
                 ));
             }
         }
-        if !spare.is_empty() {
-            let names: Vec<&str> = spare.iter().map(|column| column.title.as_str()).collect();
-            notes.push(format!("columns that are not used: {}", names.join(", ")));
-        }
-        let spare = spare.iter().map(|column| column.name().to_string()).collect();
-        Ok(Head { posture, fields, notes, spare })
-    }
-
-    fn field<'r>(&self, row: &'r StringRecord, name: &str) -> Option<&'r str> {
-        self.fields.get(name).map(|at| &row[*at]).filter(|cell| !cell.is_empty())
+        Ok(Head { columns })
     }
 
     fn number(&self, table: &Table, row: &StringRecord, at: usize) -> Result<f64, CellFault> {
@@ -316,38 +283,34 @@ impl Head {
 
     /// The name of the touch, what touched on either side, and how far apart they were.
     fn contact(&self, table: &Table, row: &StringRecord, robot: &Robot) -> Result<Contact, CellFault> {
-        let name = self.field(row, TOUCH).map(str::to_string);
+        let name = self.columns.text(row, TOUCH).map(str::to_string);
         let ends = [self.end(table, row, robot, 0)?, self.end(table, row, robot, 1)?];
         if name.is_none() && ends.iter().any(Option::is_none) {
             let side = usize::from(ends[0].is_some());
-            let message = format!("column {} is empty: name what touched", NAMES[side][0]);
+            let message = format!("column {} is empty: name what touched", LIMBS[side]);
             return Err(CellFault::Wrong(message));
         }
-        let distance = match self.fields.get(DISTANCE).filter(|at| !row[**at].is_empty()) {
-            Some(at) => self.number(table, row, *at)?,
+        let distance = match self.columns.given(row, DISTANCE) {
+            Some(at) => self.number(table, row, at)?,
             None => 0.0,
         };
         Ok((name, ends, distance))
     }
 
-    /// The point of a side, where there is one.
+    /// The point of a side, if there is one.
     fn point(
         &self,
         table: &Table,
         row: &StringRecord,
         side: usize,
     ) -> Result<Option<Vector3<f64>>, CellFault> {
-        match POINTS[side].map(|name| self.fields.get(name).filter(|at| !row[**at].is_empty())) {
-            [Some(x), Some(y), Some(z)] => Ok(Some(Vector3::new(
-                self.number(table, row, *x)?,
-                self.number(table, row, *y)?,
-                self.number(table, row, *z)?,
+        let point = self.columns.point(table, row, side)?;
+        match point.filter(|point| !point.iter().all(|x| is_length(*x))) {
+            None => Ok(point),
+            Some(_) => Err(CellFault::Wrong(format!(
+                "the point {} is beyond all that can be: give metres, or leave the touch out",
+                POINTS[side].join(", ")
             ))),
-            [None, None, None] => Ok(None),
-            _ => {
-                let [x, y, z] = POINTS[side];
-                Err(CellFault::Wrong(format!("one of {x}, {y}, {z} is empty: give all three, or none")))
-            }
         }
     }
 
@@ -359,30 +322,18 @@ impl Head {
         side: usize,
     ) -> Result<Option<End>, CellFault> {
         let wrong = |message: String| Err(CellFault::Wrong(message));
-        let place = self.field(row, PLACE).filter(|_| side == 1);
-        let [limb, receptor] = NAMES[side].map(|name| self.field(row, name));
+        let place = self.columns.text(row, PLACE).filter(|_| side == 1);
+        let [limb, receptor] = [LIMBS, RECEPTORS].map(|names| self.columns.text(row, names[side]));
         if let (Some(place), Some(other)) = (place, limb.or(receptor)) {
             return wrong(format!(
                 "both {place} and {other} are named: leave column place or {} empty",
-                NAMES[1][0]
+                LIMBS[1]
             ));
         }
         // A receptor is a point of its own; the limb beside it says no more.
         let receptor = receptor.filter(|name| limb.is_none() || robot.link(name).is_some());
         let Some(name) = receptor.or(limb).or(place) else { return Ok(None) };
-        let deviation = match self.fields.get(DEVIATIONS[side]).filter(|at| !row[**at].is_empty()) {
-            None => None,
-            Some(at) => {
-                let deviation = self.number(table, row, *at)?;
-                if deviation < 0.0 {
-                    let title = &table.columns[*at].title;
-                    return wrong(format!(
-                        "column {title}: {deviation} is negative: give metres, or leave it empty"
-                    ));
-                }
-                Some(deviation)
-            }
-        };
+        let deviation = self.columns.deviation(table, row, side)?;
         let point = self.point(table, row, side)?.filter(|_| place.is_none());
         let feature = match (point, robot.surface(name), robot.points_of(name)) {
             (Some(point), _, Some(link)) => Feature::Point(link, point),
@@ -406,7 +357,7 @@ impl Head {
                     nearest_name(name, names.filter(|name| !name.ends_with(".mount"))).unwrap_or_default();
                 return wrong(format!(
                     "column {}: {} has nothing called \"{name}\": name a limb, a point or a surface of it, such as {near}",
-                    NAMES[side][0], robot.name
+                    LIMBS[side], robot.name
                 ));
             }
         };
@@ -421,9 +372,9 @@ impl Head {
         robot: &Robot,
         links: [usize; 2],
     ) -> Result<Vec<f64>, CellFault> {
-        let mut posture = Vec::with_capacity(self.posture.len());
+        let mut posture = Vec::with_capacity(self.columns.posture.len());
         let mut not_finite = None;
-        for at in &self.posture {
+        for at in &self.columns.posture {
             posture.push(match at.filter(|at| !row[*at].is_empty()).map(|at| self.number(table, row, at)) {
                 Some(Err(fault @ CellFault::NotFinite(_))) => {
                     not_finite.get_or_insert(fault);
@@ -439,7 +390,7 @@ impl Head {
                     return Err(fault);
                 }
                 let unit = if dof.kind == DofKind::Slide { "metres" } else { "angle" };
-                let meant = self.spare.iter().find(|name| likely(name, &dof.name));
+                let meant = self.columns.spare.iter().map(Column::name).find(|name| likely(name, &dof.name));
                 let meant =
                     meant.map_or(String::new(), |name| format!(", or is {name} meant? Then rename it"));
                 return Err(CellFault::Wrong(format!(
@@ -479,7 +430,7 @@ fn check_angles(
     let mut notes: Vec<String> =
         wide_ranges(hinges().map(|dof| (dof.name.as_str(), dof.range))).into_iter().collect();
     for dof in hinges() {
-        let Some(at) = head.posture.get(dof.coordinate).copied().flatten() else { continue };
+        let Some(at) = head.columns.posture.get(dof.coordinate).copied().flatten() else { continue };
         let angles = touches.iter().map(|touch| (touch.line, touch.posture[dof.coordinate])).collect();
         let hinge = HingeAngles { name: &dof.name, range: dof.range, angles };
         if let Some((_, example)) = hinge.degrees().filter(|_| is_si(&table.columns[at])) {
@@ -509,8 +460,8 @@ fn refuse_millimetres(
 ) -> Result<(), RecordError> {
     let size = reach(robot).max(0.05);
     for (side, [x, y, z]) in POINTS.into_iter().enumerate() {
-        let Some(at) = head.fields.get(x) else { continue };
-        if !is_si(&table.columns[*at]) {
+        let Some(at) = head.columns.place(x) else { continue };
+        if !is_si(&table.columns[at]) {
             continue;
         }
         let mut distances: Vec<f64> = touches

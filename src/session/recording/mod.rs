@@ -1,28 +1,28 @@
 //! Self-touch recordings of a body that no simulator knows: a creature by hand, a log of touches from anywhere.
 //!
-//! A creature comes from a JSON file ([`read_creature`]), the log from lines of JSON or from comma-separated
-//! values ([`read_recording`]). What a touch needs is where the joints were, which two limbs met, and either the
-//! point of contact in both limbs' frames or the receptors that felt it. Limbs without a skin get [bare
-//! receptors](bare_receptors), so that such a recording is a session as any other.
+//! A creature comes from a JSON file ([`read_creature`]), the log from a [table](super::table) ([`read_recording`]). What a touch
+//! needs is where the joints were, which two limbs met, and either the point of contact in both limbs' frames or the receptors
+//! that felt it. Limbs without a skin get [bare receptors](bare_receptors), so that such a recording is a session as any other.
 
 mod creature_file;
-mod csv_log;
-mod json_log;
 mod posture;
-mod raw;
 
 use std::path::Path;
 
+use csv::StringRecord;
 use nalgebra::Vector3;
 
 pub use creature_file::{CreatureFile, read_creature};
-use raw::{RawEnd, RawTouch};
 
 use super::RecordError;
-use super::given_log::{cut_in_words, read_log};
+use super::table::{CellFault, LIMBS, Measure, POINTS, QUATERNION, RECEPTORS, Table, read_table};
+use super::touch_columns::{TouchColumns, left_out_in_words};
 use super::touch_line::check;
+use super::words::listed;
 use crate::agent::Agent;
+use crate::calibration::robot::likely;
 use crate::calibration::{SAME_POINT, SAME_POSTURE, first_alike};
+use crate::creature::{Creature, Dof, DofKind, Posture};
 use crate::learning::Input;
 use crate::senses::{Touch, TouchEnd};
 use crate::session::record_error::ContentFault;
@@ -34,45 +34,145 @@ const BARE_RECEPTORS: usize = 12;
 /// A log of touches, and the skin that they are on.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Recording {
-    /// The agent that was given, with bare receptors where limbs were touched that have none.
+    /// The agent that was given, with bare receptors if limbs were touched that have none.
     pub agent: Agent,
     /// The touches in the log's order.
     pub touches: Vec<Touch>,
-    /// What the touches report: points where every touch has them and one lacks receptors, else receptors.
+    /// What the touches report: points if every touch has them and one lacks receptors, else receptors.
     pub input: Input,
     /// What looks odd, in sentences: nothing that stands in the way.
     pub notes: Vec<String>,
 }
 
-/// Reads a recording's touches from `path`, by its content: JSON where it begins so, else a table of comma-separated values;
-/// both may be packed by gzip.
+/// One end of a touch as the log has it.
+struct RawEnd {
+    /// The name of the limb.
+    limb: Option<String>,
+    /// The id of the receptor.
+    receptor: Option<String>,
+    /// The point of contact in the limb's frame, metres.
+    point: Option<Vector3<f64>>,
+    /// Standard deviation of each of its coordinates, metres.
+    deviation: Option<f64>,
+}
+
+impl RawEnd {
+    /// The receptor, an index into the skin; `None` if the skin does not have it.
+    fn receptor(&self, skin: &Skin) -> Option<usize> {
+        self.receptor.as_ref().and_then(|id| skin.receptor(id))
+    }
+}
+
+/// A touch before it is known whether creature and skin have what it names; its posture in the creature's order.
+struct RawTouch {
+    line: usize,
+    bout: Option<u64>,
+    motion: Option<u64>,
+    posture: Posture,
+    ends: [RawEnd; 2],
+}
+
+/// Reads a recording's touches from `path`: JSON or a table of comma-separated values, packed by gzip or not.
 ///
 /// # Errors
-/// [`RecordError::Io`] where the file cannot be read. [`RecordError::Format`], with line and column, for what is
-/// no touch of the creature; for a log without touches; and for one whose angles are in degrees by the look.
+/// [`RecordError::Io`] if the file cannot be read. [`RecordError::Format`], with line and column, for what is
+/// no touch of the creature; for a log without touches; and for one whose angles look like degrees.
 pub fn read_recording(path: &Path, agent: &Agent) -> Result<Recording, RecordError> {
     let creature = agent.creature();
-    let (bytes, mut notes) = read_log(path)?;
-    let is_json = matches!(bytes.trim_ascii_start().first(), Some(b'{' | b'['));
-    let read = if is_json { json_log::read } else { csv_log::read };
-    let log = read(path, &bytes, creature)?;
-    notes.extend(log.left_out_in_words());
-    if log.touches.is_empty() {
-        let why = notes.pop().map_or(String::new(), |note| format!(" ({note})"));
+    let coordinates = coordinates(creature);
+    let names: Vec<String> = coordinates.iter().map(|(name, _)| name.clone()).collect();
+    let mut table = read_table(path, &names, Some(creature))?;
+    let (mut touches, mut left_out) = (Vec::with_capacity(table.rows.len()), Vec::new());
+    let mut columns = None;
+    if !table.rows.is_empty() || !table.columns.is_empty() {
+        let found = columns_of(&mut table, &coordinates);
+        columns = Some(found.map_err(|fault| RecordError::format(path, Some(table.line), fault))?);
+    }
+    for ((line, row), columns) in table.rows.iter().zip(columns.iter().cycle()) {
+        match raw_touch(&table, columns, *line, row, creature) {
+            Ok(touch) => touches.push(touch),
+            Err(CellFault::NotFinite(fault)) => left_out.push((*line, fault)),
+            Err(CellFault::Wrong(fault)) => return Err(RecordError::format(path, Some(*line), fault)),
+        }
+    }
+    let left_out = left_out_in_words(&left_out, table.rows.len());
+    if touches.is_empty() {
+        let why = left_out.map_or(String::new(), |note| format!(" ({note})"));
         let message = format!("it holds no touch{why}: give one with a touch a line");
         return Err(RecordError::format(path, None, message));
     }
-    posture::refuse_degrees(path, creature, &log.touches)?;
-    notes.extend(log.cut.map(cut_in_words));
-    notes.extend(posture::notes(creature, &log.touches));
-    notes.extend(log.notes);
-    let mut recording = resolve(path, agent, &log.touches)?;
+    posture::refuse_degrees(path, creature, &touches)?;
+    let mut notes: Vec<String> = table.notes().chain(left_out).collect();
+    notes.extend(posture::notes(creature, &touches));
+    notes.extend(columns.and_then(|columns| columns.note()));
+    let mut recording = resolve(path, agent, &touches)?;
     let rows = recording.touches.len();
     let repeats = drop_repeats(&mut recording.touches);
     notes.extend((repeats > 0).then(|| {
         format!("{repeats} of {rows} rows repeat another in the same posture: each touch counts once")
     }));
     Ok(Recording { notes, ..recording })
+}
+
+/// The columns of a posture, in the creature's order.
+fn coordinates(creature: &Creature) -> Vec<(String, Option<Measure>)> {
+    let of_dof = |dof: &Dof| match dof.kind {
+        DofKind::Ball => QUATERNION.map(|end| (format!("{}{end}", dof.name), None)).to_vec(),
+        DofKind::Hinge => vec![(dof.name.clone(), Some(Measure::Angle))],
+        DofKind::Slide => vec![(dof.name.clone(), Some(Measure::Length))],
+    };
+    creature.dofs().flat_map(of_dof).collect()
+}
+
+/// The columns of a table, which has all that a touch needs.
+fn columns_of(table: &mut Table, coordinates: &[(String, Option<Measure>)]) -> Result<TouchColumns, String> {
+    let columns = TouchColumns::new(table, coordinates, &[])?;
+    if let Some(missing) = columns.posture.iter().position(Option::is_none) {
+        let name = &coordinates[missing].0;
+        let meant = columns.spare.iter().find(|other| likely(other.name(), name));
+        let meant =
+            meant.map_or(String::new(), |other| format!(", or is {} meant? Then rename it", other.title));
+        return Err(format!("there is no column {name}: add this degree of freedom{meant}"));
+    }
+    for side in [0, 1] {
+        let (limb, receptor, [x, y, z]) = (LIMBS[side], RECEPTORS[side], POINTS[side]);
+        let has = |name: &str| columns.place(name).is_some();
+        if !has(receptor) && !(has(limb) && has(x)) {
+            let missing = if has(limb) { x } else { limb };
+            return Err(format!(
+                "there is no column {missing}: give {limb} with {x}, {y}, {z}, or {receptor}"
+            ));
+        }
+    }
+    Ok(columns)
+}
+
+/// The touch of a row.
+fn raw_touch(
+    table: &Table,
+    columns: &TouchColumns,
+    line: usize,
+    row: &StringRecord,
+    creature: &Creature,
+) -> Result<RawTouch, CellFault> {
+    let number = |at: &usize| table.number(row, *at, "radians, or metres of a slide");
+    let mut posture = columns.posture.iter().flatten().map(number).collect::<Result<Vec<f64>, _>>()?;
+    posture::unit_quaternions(creature, &mut posture);
+    let end = |side: usize| -> Result<RawEnd, CellFault> {
+        Ok(RawEnd {
+            limb: columns.text(row, LIMBS[side]).map(str::to_string),
+            receptor: columns.text(row, RECEPTORS[side]).map(str::to_string),
+            point: columns.point(table, row, side)?,
+            deviation: columns.deviation(table, row, side)?,
+        })
+    };
+    Ok(RawTouch {
+        line,
+        bout: columns.count(table, row, "bout")?,
+        motion: columns.count(table, row, "motion")?,
+        ends: [end(0)?, end(1)?],
+        posture: posture.into(),
+    })
 }
 
 /// Leaves of touches that repeat one another the first; how many went.
@@ -166,10 +266,10 @@ fn limb_of(agent: &Agent, touch: &RawTouch, k: usize) -> Result<usize, ContentFa
         None => None,
         Some(name) => Some(creature.limb(name).ok_or_else(|| {
             format!(
-                "{}: {} has no limb \"{name}\": name one of {}",
-                end.limb_place,
+                "column {}: {} has no limb \"{name}\": name one of {}",
+                LIMBS[k],
                 creature.name(),
-                some(creature.limbs())
+                listed(creature.limbs())
             )
         })?),
     };
@@ -183,7 +283,7 @@ fn limb_of(agent: &Agent, touch: &RawTouch, k: usize) -> Result<usize, ContentFa
                     "give the skin that the touches were recorded with"
                 };
                 return Err(
-                    format!("{}: the skin has no receptor \"{id}\": {mend}", end.receptor_place).into()
+                    format!("column {}: the skin has no receptor \"{id}\": {mend}", RECEPTORS[k]).into()
                 );
             }
             _ => None,
@@ -191,8 +291,8 @@ fn limb_of(agent: &Agent, touch: &RawTouch, k: usize) -> Result<usize, ContentFa
     };
     match (felt, named) {
         (Some(felt), Some(named)) if felt != named => Err(format!(
-            "{}: receptor \"{}\" is on limb {}, not on {}: mend one of the two",
-            end.limb_place,
+            "column {}: receptor \"{}\" is on limb {}, not on {}: mend one of the two",
+            LIMBS[k],
             end.receptor.as_deref().unwrap_or_default(),
             creature.limbs()[felt],
             creature.limbs()[named]
@@ -203,15 +303,6 @@ fn limb_of(agent: &Agent, touch: &RawTouch, k: usize) -> Result<usize, ContentFa
         ).into()),
         (None, Some(limb)) => Ok(limb),
         (None, None) => Err(format!("end {side} has no limb: name the limb, or a receptor of the skin").into()),
-    }
-}
-
-/// The first names of many.
-fn some(names: &[String]) -> String {
-    const SHOWN: usize = 8;
-    match names.len() {
-        n if n <= SHOWN => names.join(", "),
-        n => format!("{} and {} more", names[..SHOWN].join(", "), n - SHOWN),
     }
 }
 

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use super::raw::RawTouch;
+use super::RawTouch;
 use crate::creature::{Creature, DofElement, DofKind};
 use crate::session::angles::{HingeAngles, wide_ranges};
 use crate::session::{RecordError, UNIT_LENGTH};

@@ -1,10 +1,39 @@
-//! A table's head: what each column holds, and in which unit. Every table that is read here is read by it.
+//! Tables of touches and of postures, as people have them: comma-separated values or JSON, packed by gzip or not.
+//!
+//! A table has a line of column names, then a touch a line; columns are separated by commas, tabs or semicolons. JSON has a touch
+//! a line, or a list of them, each an object: `posture` by names or as a list, `limbs`, `receptors`, `contacts` and `deviations`
+//! as in a session's log, and any column by its name.
 
+use std::borrow::Cow;
+use std::collections::HashMap;
+use std::io::{ErrorKind, Read};
 use std::path::Path;
 
 use csv::{ReaderBuilder, StringRecord};
+use flate2::read::MultiGzDecoder;
+use serde_json::Value;
+use serde_json::value::RawValue;
 
-use crate::session::RecordError;
+use super::json_lines::{drop_zeros, incomplete};
+use super::record_error::json_reason;
+use super::touch_reader::check_header;
+use super::{RecordError, files};
+use crate::creature::Creature;
+
+/// The columns of limbs, receptors and points of contact, side a then side b.
+pub(crate) const LIMBS: [&str; 2] = ["limb_a", "limb_b"];
+pub(crate) const RECEPTORS: [&str; 2] = ["receptor_a", "receptor_b"];
+pub(crate) const POINTS: [[&str; 3]; 2] = [["ax", "ay", "az"], ["bx", "by", "bz"]];
+/// The columns of the standard deviations of the points' coordinates.
+pub(crate) const DEVIATIONS: [&str; 2] = ["a_std", "b_std"];
+/// The ends of the names of the columns of a ball's quaternion.
+pub(crate) const QUATERNION: [&str; 4] = ["_w", "_x", "_y", "_z"];
+/// The first bytes of a file that gzip packed.
+const PACKED: [u8; 2] = [0x1f, 0x8b];
+/// Greatest bytes of a table that is unpacked: a few packed bytes may stand for very many.
+const GREATEST_TABLE: u64 = 4 << 30;
+/// The mark that some programs put before text in UTF-8.
+const MARK: [u8; 3] = [0xef, 0xbb, 0xbf];
 
 /// What a number measures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -111,8 +140,12 @@ pub(crate) struct Table {
     pub line: usize,
     pub columns: Vec<Column>,
     pub rows: Vec<(usize, StringRecord)>,
-    /// The last line, where it ends in the middle and is left out.
+    /// The last line, if it ends in the middle and is left out.
     pub cut: Option<usize>,
+    /// Whether it was JSON, where columns have names alone.
+    is_json: bool,
+    /// What looks odd about the file, in sentences.
+    pub notes: Vec<String>,
 }
 
 impl Table {
@@ -167,9 +200,18 @@ impl Table {
         spare.map(|(_, column)| column).filter(|column| !column.title.is_empty()).collect()
     }
 
+    /// What worth a note is: of the file, and that its last line is left out.
+    pub fn notes(&self) -> impl Iterator<Item = String> + use<> {
+        let cut = self.cut.map(|line| {
+            format!("it ends in the middle of line {line}: that touch is left out, all before it are used")
+        });
+        self.notes.clone().into_iter().chain(cut)
+    }
+
     /// A column, as messages call it.
     pub fn place(&self, at: usize) -> String {
-        format!("column {}, {}", at + 1, self.columns[at].title)
+        let title = &self.columns[at].title;
+        if self.is_json { title.clone() } else { format!("column {}, {title}", at + 1) }
     }
 
     /// The number in a cell, metres or radians where it has a unit; `needed` says what is to be given.
@@ -189,17 +231,244 @@ impl Table {
     }
 }
 
+/// Reads a table. `coordinates` are the columns of a posture that JSON gives as a list; the header of a session's log must be of
+/// the `creature`, if one is given.
+///
+/// # Errors
+/// [`RecordError::Io`] if it cannot be read, [`RecordError::Format`], with the line, if it is no table.
+pub(crate) fn read_table(
+    path: &Path,
+    coordinates: &[String],
+    creature: Option<&Creature>,
+) -> Result<Table, RecordError> {
+    let (bytes, notes) = read_text(path)?;
+    let table = match bytes.trim_ascii_start().first() {
+        Some(b'{' | b'[') => read_json(path, &bytes, coordinates, creature)?,
+        _ => read_separated(path, &bytes)?,
+    };
+    Ok(Table { notes, ..table })
+}
+
+/// The text of a file in UTF-8, unpacked and without a mark before it; and what is worth a note.
+fn read_text(path: &Path) -> Result<(Vec<u8>, Vec<String>), RecordError> {
+    let mut bytes = files::read(path)?;
+    let mut notes = Vec::new();
+    if bytes.starts_with(&PACKED) {
+        let mut plain = Vec::new();
+        let refused = |what: String| Err(RecordError::format(path, None, format!("{what}: unpack it first")));
+        match MultiGzDecoder::new(&bytes[..]).take(GREATEST_TABLE + 1).read_to_end(&mut plain) {
+            Ok(_) if plain.len() as u64 > GREATEST_TABLE => {
+                return refused("unpacked it is larger than 4 GiB".into());
+            }
+            Ok(_) => {}
+            // As it is while it is being written.
+            Err(error) if error.kind() == ErrorKind::UnexpectedEof && !plain.is_empty() => notes
+                .push("it was packed by gzip and ends in the middle: what can be unpacked is used".into()),
+            Err(error) => return refused(format!("it is packed by gzip and cannot be read ({error})")),
+        }
+        bytes = plain;
+    }
+    let zeros = drop_zeros(&mut bytes);
+    if let Some(text) = utf_16(&bytes) {
+        bytes = text.into_bytes();
+    } else if zeros > 0 {
+        notes.push(format!("it ends in {zeros} zero bytes, as after a power failure: they are left out"));
+    }
+    if bytes.starts_with(&MARK) {
+        bytes.drain(..MARK.len());
+    }
+    Ok((bytes, notes))
+}
+
+/// The text of bytes in UTF-16, as spreadsheets write it.
+fn utf_16(bytes: &[u8]) -> Option<String> {
+    let of: fn([u8; 2]) -> u16 = match bytes {
+        [0xff, 0xfe, ..] => u16::from_le_bytes,
+        [0xfe, 0xff, ..] => u16::from_be_bytes,
+        _ => return None,
+    };
+    // The last character's zero byte may be gone.
+    let pair = |pair: &[u8]| of([pair[0], pair.get(1).copied().unwrap_or_default()]);
+    let units: Vec<u16> = bytes[2..].chunks(2).map(pair).collect();
+    Some(String::from_utf16_lossy(&units))
+}
+
+/// Reads objects of JSON, one after the other or in a list. Every name in one of them is a column.
+fn read_json(
+    path: &Path,
+    bytes: &[u8],
+    coordinates: &[String],
+    creature: Option<&Creature>,
+) -> Result<Table, RecordError> {
+    let bytes = &with_null(bytes);
+    let refuse = |line: usize, fault: String| Err(RecordError::format(path, Some(line), fault));
+    let list = bytes.trim_ascii_start().starts_with(b"[");
+    let mut at = usize::from(list) + bytes.len() - bytes.trim_ascii_start().len();
+    let mut line = 1 + newlines(&bytes[..at]);
+    let between = |byte: &u8| byte.is_ascii_whitespace() || list && *byte == b',';
+    let (mut objects, mut cut, mut first) = (Vec::new(), None, line);
+    while let Some(blank) = bytes[at..].iter().position(|byte| !between(byte)) {
+        line += newlines(&bytes[at..at + blank]);
+        at += blank;
+        if list && bytes[at] == b']' {
+            break;
+        }
+        let json = value(&bytes[at..]);
+        match serde_json::from_slice::<Value>(json) {
+            Ok(found) if objects.is_empty() && found.get("format").is_some() => {
+                creature.map_or(Ok(()), |creature| check_header(path, json, line, creature))?;
+            }
+            Ok(found) => match cells(&found, coordinates) {
+                Ok(cells) => objects.push((line, cells)),
+                Err(fault) => return refuse(line, fault),
+            },
+            Err(error)
+                if at + json.len() == bytes.len() && !objects.is_empty() && incomplete(json, &error) =>
+            {
+                cut = Some(line);
+            }
+            Err(error) => {
+                let fault = format!("it is no touch ({}): mend the line or delete it", json_reason(&error));
+                return refuse(line + error.line().saturating_sub(1), fault);
+            }
+        }
+        line += newlines(json);
+        at += json.len();
+    }
+    first = objects.first().map_or(first, |(line, _)| *line);
+    let (mut columns, mut places) = (Vec::new(), HashMap::new());
+    for (title, _) in objects.iter().flat_map(|(_, cells)| cells) {
+        if !places.contains_key(title) {
+            places.insert(title.clone(), columns.len());
+            columns.push(Column::new(title));
+        }
+    }
+    let row = |(line, cells): (usize, Vec<(String, String)>)| {
+        let mut row = vec![String::new(); columns.len()];
+        cells.into_iter().for_each(|(title, cell)| row[places[&title]] = cell);
+        (line, StringRecord::from(row))
+    };
+    let rows = objects.into_iter().map(row).collect();
+    Ok(Table { line: first, columns, rows, cut, is_json: true, notes: Vec::new() })
+}
+
+fn newlines(bytes: &[u8]) -> usize {
+    bytes.iter().filter(|&&byte| byte == b'\n').count()
+}
+
+/// The JSON that bytes begin with, however many lines it has, or all of them if they end in it; if it is none, the line.
+fn value(bytes: &[u8]) -> &[u8] {
+    let mut values = serde_json::Deserializer::from_slice(bytes).into_iter::<&RawValue>();
+    match values.next() {
+        Some(Ok(raw)) => &bytes[..raw.get().len()],
+        Some(Err(error)) if error.is_eof() => bytes,
+        _ => bytes.split_inclusive(|&byte| byte == b'\n').next().unwrap_or(bytes),
+    }
+}
+
+/// The same JSON with null for NaN and Infinity, as Python writes them. They are longer or as long, and lines stay.
+fn with_null(bytes: &[u8]) -> Cow<'_, [u8]> {
+    const WORDS: [&[u8]; 3] = [b"NaN", b"-Infinity", b"Infinity"];
+    if !WORDS.iter().any(|word| bytes.windows(word.len()).any(|window| window == *word)) {
+        return Cow::Borrowed(bytes);
+    }
+    let (mut plain, mut at, mut quoted) = (Vec::with_capacity(bytes.len()), 0, false);
+    while let Some(&byte) = bytes.get(at) {
+        let word = WORDS.iter().find(|word| !quoted && bytes[at..].starts_with(word));
+        let taken = word.map_or(1, |word| word.len()).max(1 + usize::from(quoted && byte == b'\\'));
+        quoted ^= byte == b'"';
+        plain.extend_from_slice(if word.is_some() {
+            b"null"
+        } else {
+            &bytes[at..bytes.len().min(at + taken)]
+        });
+        at += taken;
+    }
+    Cow::Owned(plain)
+}
+
+/// The cells of an object, each with its column.
+fn cells(touch: &Value, coordinates: &[String]) -> Result<Vec<(String, String)>, String> {
+    let Value::Object(fields) = touch else {
+        return Err("it is no touch, which is an object: mend the line or delete it".into());
+    };
+    let mut cells = Vec::new();
+    for (field, value) in fields {
+        match (field.as_str(), value) {
+            // Where receptors are is known from the skin; what is null is not given.
+            ("positions", _) | (_, Value::Null) => {}
+            ("posture", Value::Array(numbers)) => {
+                if numbers.len() != coordinates.len() {
+                    return Err(format!(
+                        "posture has {} numbers in place of {}: give one for each coordinate, in their order, or an object of \
+                         names",
+                        numbers.len(),
+                        coordinates.len()
+                    ));
+                }
+                add(&mut cells, coordinates, numbers)?;
+            }
+            ("posture", Value::Object(named)) => {
+                for (name, value) in named {
+                    match value {
+                        Value::Array(quaternion) if quaternion.len() == QUATERNION.len() => {
+                            add(&mut cells, &QUATERNION.map(|end| format!("{name}{end}")), quaternion)?;
+                        }
+                        value => add(&mut cells, &[name], [value])?,
+                    }
+                }
+            }
+            ("posture", _) => {
+                let what = "posture is neither a list of numbers nor an object of names: give one of the two";
+                return Err(what.into());
+            }
+            ("limbs", Value::Array(names)) if names.len() == 2 => add(&mut cells, &LIMBS, names)?,
+            ("receptors", Value::Array(names)) if names.len() == 2 => add(&mut cells, &RECEPTORS, names)?,
+            ("deviations", Value::Array(numbers)) if numbers.len() == 2 => {
+                let given = DEVIATIONS.iter().zip(numbers).filter(|(_, number)| !number.is_null());
+                given.into_iter().try_for_each(|(title, number)| add(&mut cells, &[title], [number]))?;
+            }
+            ("contacts", Value::Array(points)) if points.len() == 2 => {
+                for (titles, point) in POINTS.iter().zip(points) {
+                    let point = point.as_array().filter(|point| point.len() == 3);
+                    let point = point.ok_or("contacts are not two points of three coordinates: give them")?;
+                    add(&mut cells, titles, point)?;
+                }
+            }
+            (_, value) => add(&mut cells, &[field], [value])?,
+        }
+    }
+    Ok(cells)
+}
+
+/// Adds a cell for each of some columns. JSON has no other way to say "not a finite number" than null.
+fn add<'v>(
+    cells: &mut Vec<(String, String)>,
+    titles: &[impl AsRef<str>],
+    values: impl IntoIterator<Item = &'v Value>,
+) -> Result<(), String> {
+    for (title, value) in titles.iter().map(AsRef::as_ref).zip(values) {
+        let cell = match value {
+            Value::Null => f64::NAN.to_string(),
+            Value::String(text) => text.clone(),
+            Value::Number(number) => number.to_string(),
+            _ => {
+                return Err(format!(
+                    "{title} is neither a number nor a text: give posture, limbs, contacts, receptors, deviations, or columns by \
+                     their names"
+                ));
+            }
+        };
+        cells.push((title.to_string(), cell));
+    }
+    Ok(())
+}
+
 /// Reads a table whose first line has the columns' names; they are separated by commas, tabs or semicolons. Lines that hold
 /// nothing are left out.
-pub(crate) fn read_table(path: &Path, bytes: &[u8]) -> Result<Table, RecordError> {
+fn read_separated(path: &Path, bytes: &[u8]) -> Result<Table, RecordError> {
     let refuse = |line: usize, message: String| RecordError::format(path, Some(line), message);
     let text = bytes.trim_ascii_start();
-    if text.starts_with(b"{") || text.starts_with(b"[") {
-        return Err(refuse(
-            1,
-            "it is JSON, where a table of touches belongs: give the log as comma-separated values".into(),
-        ));
-    }
     if text.starts_with(b"<") {
         return Err(refuse(
             1,
@@ -234,7 +503,8 @@ pub(crate) fn read_table(path: &Path, bytes: &[u8]) -> Result<Table, RecordError
         match &mut table {
             None => {
                 let columns = head(&record).map_err(|fault| refuse(line, fault))?;
-                table = Some(Table { line, columns, rows: Vec::new(), cut: None })
+                let rows = Vec::new();
+                table = Some(Table { line, columns, rows, cut: None, is_json: false, notes: Vec::new() })
             }
             Some(table) if record.len() == table.columns.len() => {
                 // Where semicolons separate, commas are decimal points.
@@ -304,22 +574,12 @@ fn head(record: &StringRecord) -> Result<Vec<Column>, String> {
     Ok(columns)
 }
 
-/// That touches with numbers that are not finite are left out, as a sentence; `left_out` has their lines and what is wrong
-/// with each.
-pub(crate) fn left_out_in_words(left_out: &[(usize, String)], all: usize) -> Option<String> {
-    let (line, fault) = left_out.first()?;
-    Some(format!(
-        "{} of {all} touches are left out, for they have numbers that are not finite: line {line}: {fault}",
-        left_out.len()
-    ))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
     fn table(head: &str) -> Table {
-        read_table(Path::new("log.csv"), head.as_bytes()).unwrap()
+        read_separated(Path::new("log.csv"), head.as_bytes()).unwrap()
     }
 
     #[test]
