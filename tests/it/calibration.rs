@@ -499,7 +499,7 @@ fn a_mistake_gets_a_sentence_with_its_mend() {
     place.write("robot.json", "{\"name\": 3}");
     place.fails(&["touches.csv", "arms.urdf"], &["touches.csv", "robot first"]);
     place.fails(&["arms.urdf", "arms.urdf"], &["arms.urdf", "XML"]);
-    place.fails(&["arms.urdf", "robot.json"], &["robot.json", "JSON"]);
+    place.fails(&["arms.urdf", "robot.json"], &["robot.json", "no column limb_a"]);
     place.fails(&["robot.json", "touches.csv"], &["robot.json", "name"]);
     place.fails(&["gone.urdf", "touches.csv"], &["gone.urdf", "exists"]);
     place.fails(&["arms.urdf", "touches.csv", "--free", "*.offsets"], &["*.offsets", "left_yaw.offset"]);
