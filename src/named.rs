@@ -19,6 +19,15 @@ impl UnknownName {
     }
 }
 
+/// The name that is meant by one that is none of them, where it is likely a slip of the pen: two letters, whatever their
+/// case, or one of a short name, which is near to many.
+pub(crate) fn did_you_mean<'a>(name: &str, names: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+    const SHORT: usize = 4;
+    let slips = |other: &str| strsim::osa_distance(&name.to_lowercase(), &other.to_lowercase());
+    let near = names.into_iter().min_by_key(|other| slips(other))?;
+    (slips(near) <= if near.len() <= SHORT { 1 } else { 2 }).then_some(near)
+}
+
 /// A name of a model as a person says it.
 pub(crate) fn in_words(name: &str) -> String {
     name.replace('_', " ")
@@ -57,3 +66,16 @@ macro_rules! named {
 }
 
 pub(crate) use named;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn slips_of_the_pen_are_names_that_are_meant() {
+        assert_eq!(did_you_mean("elbow_ptich", ["elbow_pitch", "wrist"]), Some("elbow_pitch"));
+        assert_eq!(did_you_mean("Lower", ["lower", "upper"]), Some("lower"));
+        assert_eq!(did_you_mean("xy", ["xyz", "rpy"]), Some("xyz"));
+        assert_eq!(did_you_mean("id", ["xyz", "rpy"]), None);
+    }
+}

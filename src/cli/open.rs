@@ -13,7 +13,7 @@ use super::{Failure, Outcome};
 use crate::creature::{Body, DofKind, JointSelection};
 use crate::experiment::{self, Embodied, ModelSource};
 use crate::ground_truth::GroundTruth;
-use crate::mjcf_xml::unreadable_mesh;
+use crate::model_files::unreadable_mesh;
 use crate::mujoco::{Data, LeftOut, Model};
 use crate::record::{Session, mistaken_for_model, wide_ranges};
 

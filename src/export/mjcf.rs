@@ -7,12 +7,11 @@
 use std::f64::consts::PI;
 
 use nalgebra::{Matrix3, Vector3};
-use xmltree::{Element, XMLNode};
 
 use crate::agent::Agent;
 use crate::creature::{Creature, Dof, DofKind, LIMB_TUPLE};
 use crate::geometry::Frame;
-use crate::mjcf_xml::{HALF_THICKNESS, add_receptor_class, element, exact, section, write};
+use crate::model_files::{Element, HALF_THICKNESS, add_receptor_class, element, exact, write};
 use crate::schema::BodySchema;
 use crate::skin::{Receptor, Surface};
 
@@ -41,22 +40,22 @@ pub fn to_mjcf(agent: &Agent, schema: &BodySchema) -> String {
         ("boundmass", LEAST_MASS.to_string()),
         ("boundinertia", LEAST_INERTIA.to_string()),
     ];
+    let note = " As learned from self-touch: masses are stand-ins, gravity is off. ";
     let head = [
-        XMLNode::Comment(" As learned from self-touch: masses are stand-ins, gravity is off. ".into()),
-        XMLNode::Element(element("compiler", &compiler)),
-        XMLNode::Element(element("option", &[("gravity", "0 0 0".into())])),
+        Element { comments: vec![note.into()], ..element("compiler", &compiler) },
+        element("option", &[("gravity", "0 0 0".into())]),
     ];
     root.children.splice(0..0, head);
     for (s, surface) in agent.skin().surfaces.iter().enumerate() {
         if let Some(hull) = surface.shape.hull() {
             let mesh = [("name", hull_name(s)), ("vertex", exact(hull.vertices().iter().flatten()))];
-            add(section(&mut root, "asset"), element("mesh", &mesh));
+            add(root.section("asset"), element("mesh", &mesh));
         }
     }
-    add(section(&mut root, "worldbody"), body(agent, schema, &names, 0));
+    add(root.section("worldbody"), body(agent, schema, &names, 0));
     for [a, b] in excluded(agent) {
         let pair = [("body1", names[a].clone()), ("body2", names[b].clone())];
-        add(section(&mut root, "contact"), element("exclude", &pair));
+        add(root.section("contact"), element("exclude", &pair));
     }
     let dofs: Vec<&Dof> = creature.dofs().collect();
     for (dof, coupling) in dofs.iter().filter_map(|dof| Some((dof, dof.follows?))) {
@@ -65,17 +64,17 @@ pub fn to_mjcf(agent: &Agent, schema: &BodySchema) -> String {
             ("joint2", dofs[coupling.leader].name.clone()),
             ("polycoef", exact(&coupling.polynomial)),
         ];
-        add(section(&mut root, "equality"), element("joint", &coupled));
+        add(root.section("equality"), element("joint", &coupled));
     }
     for dof in creature.dofs() {
         // A ball's angles are a quaternion, which has a sensor of its own.
         let kind = if dof.kind == DofKind::Ball { "ballquat" } else { "jointpos" };
         let sensor = [("name", format!("{}_pos", dof.name)), ("joint", dof.name.clone())];
-        add(section(&mut root, "sensor"), element(kind, &sensor));
+        add(root.section("sensor"), element(kind, &sensor));
     }
     for receptor in &agent.skin().receptors {
         let sensor = [("name", format!("{}_touch", receptor.id)), ("site", receptor.id.clone())];
-        add(section(&mut root, "sensor"), element("touch", &sensor));
+        add(root.section("sensor"), element("touch", &sensor));
     }
     for aura in creature.aura_limbs().iter().filter(|aura| !aura.limbs.is_empty()) {
         let mut tuple = element("tuple", &[("name", format!("{LIMB_TUPLE}{}", aura.name))]);
@@ -83,7 +82,7 @@ pub fn to_mjcf(agent: &Agent, schema: &BodySchema) -> String {
             let member = [("objtype", "body".into()), ("objname", names[limb].clone())];
             add(&mut tuple, element("element", &member));
         }
-        add(section(&mut root, "custom"), tuple);
+        add(root.section("custom"), tuple);
     }
     write(&root)
 }
@@ -109,17 +108,17 @@ fn body(agent: &Agent, schema: &BodySchema, names: &[String], limb: usize) -> El
     if let Some(j) = creature.joint_of(limb) {
         // A limb's own frame is the body's: at (Q, c) on the joint, which is seen from there.
         let pose = schema.limb_poses.get(j).copied().unwrap_or(Frame::identity());
-        body.attributes.insert("pos".into(), exact(&(schema.positions[j] + pose.origin)));
+        body.set("pos", exact(&(schema.positions[j] + pose.origin)));
         let joint = &creature.joints()[j];
         for (k, dof) in joint.dof_indices().zip(&joint.dofs) {
             let mut element = joint_element(dof, &pose.rotation.tr_mul(&schema.axes[k]));
             if pose != Frame::identity() {
-                element.attributes.insert("pos".into(), exact(&pose.inverse().origin));
+                element.set("pos", exact(&pose.inverse().origin));
             }
             add(&mut body, element);
         }
         if pose != Frame::identity() {
-            body.attributes.insert("quat".into(), exact(&pose.wxyz()));
+            body.set("quat", exact(&pose.wxyz()));
         }
     }
     for (s, surface) in skin.surfaces.iter().enumerate().filter(|(_, surface)| surface.limb == limb) {
@@ -147,7 +146,7 @@ fn joint_element(dof: &Dof, axis: &Vector3<f64>) -> Element {
         DofKind::Ball => ("ball", high < PI, 0.0),
     };
     let mut joint = element("joint", &[("name", dof.name.clone()), ("type", kind.into())]);
-    let mut set = |name: &str, value: String| joint.attributes.insert(name.into(), value);
+    let mut set = |name: &str, value: String| joint.set(name, value);
     if dof.kind != DofKind::Ball {
         let axis = if axis.norm() > 1e-12 { *axis } else { Vector3::z() };
         set("axis", exact(&axis));
@@ -164,8 +163,8 @@ fn geom(s: usize, surface: &Surface) -> Option<Element> {
     let (kind, size) = surface.shape.mjcf()?;
     let mut geom = placed("geom", kind, &size, &surface.pose());
     if kind == "mesh" {
-        geom.attributes.shift_remove("size");
-        geom.attributes.insert("mesh".into(), hull_name(s));
+        geom.remove("size");
+        geom.set("mesh", hull_name(s));
     }
     Some(geom)
 }
@@ -189,7 +188,7 @@ fn site(receptor: &Receptor) -> Element {
     let size = [u, v, half_thickness(receptor)];
     let mut site =
         placed("site", "box", &size, &Frame { rotation: axes(receptor), origin: receptor.position });
-    site.attributes.shift_remove("type");
+    site.remove("type");
     let mut named = element("site", &[("class", "receptor".into()), ("name", receptor.id.clone())]);
     named.attributes.extend(site.attributes);
     named
@@ -244,5 +243,5 @@ fn excluded(agent: &Agent) -> Vec<[usize; 2]> {
 }
 
 fn add(parent: &mut Element, child: Element) {
-    parent.children.push(XMLNode::Element(child));
+    parent.children.push(child);
 }

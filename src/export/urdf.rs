@@ -10,12 +10,11 @@ use std::collections::HashSet;
 use std::f64::consts::PI;
 
 use nalgebra::{Matrix3, Rotation3, Vector3};
-use xmltree::{Element, XMLNode};
 
 use crate::agent::Agent;
 use crate::creature::{Creature, Dof, DofKind};
 use crate::geometry::{Frame, UrdfGeometry};
-use crate::mjcf_xml::{element, exact, write};
+use crate::model_files::{Element, element, exact, write};
 use crate::schema::BodySchema;
 use crate::skin::{Receptor, Skin, Surface};
 
@@ -53,9 +52,8 @@ pub fn to_urdf(agent: &Agent, schema: &BodySchema, mesh_name: &str) -> Urdf {
     let creature = agent.creature();
     let mut robot = element("robot", &[("name", creature.name().into())]);
     let note = " As learned from self-touch: masses, efforts and velocities are stand-ins. ";
-    robot.children.push(XMLNode::Comment(note.into()));
     // MuJoCo's own settings, which other readers pass over: keep the root link, and paths as they are.
-    let mut settings = element("mujoco", &[]);
+    let mut settings = Element { comments: vec![note.into()], ..Element::new("mujoco") };
     add(
         &mut settings,
         element("compiler", &[("fusestatic", "false".into()), ("discardvisual", "true".into())]),
@@ -162,8 +160,8 @@ fn joint_element(dof: &Dof, axis: &Vector3<f64>, at: &Frame, parent: &str, child
     let [low, high] = dof.range;
     let mut limit = element("limit", &[("effort", EFFORT.into()), ("velocity", VELOCITY.into())]);
     if kind != "continuous" {
-        limit.attributes.insert("lower".into(), exact(&[low]));
-        limit.attributes.insert("upper".into(), exact(&[high]));
+        limit.set("lower", exact(&[low]));
+        limit.set("upper", exact(&[high]));
     }
     add(&mut joint, limit);
     joint
@@ -213,10 +211,10 @@ fn pieces(skin: &Skin, limb: usize, mesh_name: &str) -> Vec<LinkPiece> {
         for UrdfGeometry { element: name, attributes, height } in geometries {
             let mut geometry = element(name, &[]);
             if name == "mesh" {
-                geometry.attributes.insert("filename".into(), mesh_name.into());
+                geometry.set("filename", mesh_name);
             }
             for (attribute, values) in attributes {
-                geometry.attributes.insert(attribute.into(), exact(&values));
+                geometry.set(attribute, exact(&values));
             }
             let origin = surface.origin + surface.rotation * Vector3::new(0.0, 0.0, height);
             pieces.push(LinkPiece { origin, rotation: surface.rotation, geometry });
@@ -274,5 +272,5 @@ fn sphere_stl() -> Vec<u8> {
 }
 
 fn add(parent: &mut Element, child: Element) {
-    parent.children.push(XMLNode::Element(child));
+    parent.children.push(child);
 }

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use super::engine::version_text;
-use crate::mjcf_xml::Refused;
+use crate::model_files::Refused;
 
 /// A failure of the engine, of a model's file, or of what was handed to the engine.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]

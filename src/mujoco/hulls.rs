@@ -7,11 +7,9 @@
 
 use std::collections::BTreeSet;
 
-use xmltree::Element;
-
 use super::element::GeomKind;
 use super::model::Model;
-use crate::mjcf_xml::open_meshes;
+use crate::model_files::{Element, open_meshes};
 
 impl Model {
     /// The model with the hulls of all meshes that its parts can be touched on, of the tree that it was read from; as it is

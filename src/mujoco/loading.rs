@@ -1,7 +1,7 @@
 //! Loading a model, whoever made it: one door for every file.
 //!
 //! A file is read as a tree and handed to the engine as it is. Where the engine refuses it, the tree is put in terms that
-//! it knows ([`crate::mjcf_xml`]), and the caller is told what was left out. What is to be changed in every tree before
+//! it knows ([`crate::model_files`]), and the caller is told what was left out. What is to be changed in every tree before
 //! the engine sees it goes into [`prepare`].
 
 use std::ffi::CString;
@@ -10,17 +10,15 @@ use std::ptr::NonNull;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-use xmltree::{Element, XMLNode};
-
 use super::engine::{self, Version};
 use super::error::{Error, Result};
 use super::ffi;
 use super::model::Model;
 use super::refusal::{Complaint, refusal};
 use super::vfs::{self, Vfs};
-use crate::mjcf_xml::{
-    LeftOut, Reduced, Refused, Source, Texts, anchor_assets, attribute, check_assets, check_limits,
-    check_numbers, check_values, each, element, numbered, set_compiler, urdf_to_mjcf,
+use crate::model_files::{
+    Element, LeftOut, Reduced, Refused, Source, Texts, anchor_assets, check_assets, check_limits,
+    check_numbers, check_values, element, numbered, set_compiler, urdf_to_mjcf,
 };
 use crate::plausible::bounded;
 
@@ -106,14 +104,14 @@ impl Model {
         }
         // The folders of meshes and textures are told as they were.
         let is_compiler = |e: &&Element| e.name == "compiler";
-        let mut before = root.children.iter().filter_map(XMLNode::as_element).filter(is_compiler);
-        let settings = mended.children.iter_mut().filter_map(XMLNode::as_mut_element);
+        let mut before = root.children.iter().filter(is_compiler);
+        let settings = mended.children.iter_mut();
         for compiler in settings.filter(|e| e.name == "compiler") {
             let own = before.next();
             for name in ["meshdir", "texturedir"] {
-                compiler.attributes.shift_remove(name);
-                if let Some(folder) = own.and_then(|own| attribute(own, name)) {
-                    compiler.attributes.insert(name.into(), folder.into());
+                compiler.remove(name);
+                if let Some(folder) = own.and_then(|own| own.get(name)) {
+                    compiler.set(name, folder);
                 }
             }
         }
@@ -186,18 +184,17 @@ fn prepare(root: &mut Element, source: &Source, bodies: &[Element]) {
     // A trunk that stands still would be joined to the world, and its limbs fall apart into creatures of their own; and what
     // is for show alone may be all there is to touch.
     for (name, kept) in [("fusestatic", "false"), ("discardvisual", "false")] {
-        let mut compilers =
-            root.children.iter().filter_map(XMLNode::as_element).filter(|e| e.name == "compiler");
-        if compilers.any(|compiler| attribute(compiler, name).is_some()) {
+        let mut compilers = root.children.iter().filter(|e| e.name == "compiler");
+        if compilers.any(|compiler| compiler.get(name).is_some()) {
             set_compiler(root, name, kept);
         }
     }
     if !bodies.is_empty() {
         let (assets, bodies): (Vec<_>, Vec<_>) = bodies.iter().cloned().partition(|e| e.name == "mesh");
-        let nodes = |elements: Vec<Element>| elements.into_iter().map(XMLNode::Element);
-        crate::mjcf_xml::section(root, "worldbody").children.extend(nodes(bodies));
+        let nodes = |elements: Vec<Element>| elements.into_iter();
+        root.section("worldbody").children.extend(nodes(bodies));
         if !assets.is_empty() {
-            crate::mjcf_xml::section(root, "asset").children.extend(nodes(assets));
+            root.section("asset").children.extend(nodes(assets));
         }
     }
 }
@@ -228,12 +225,11 @@ impl Loader {
         if self.textures {
             return;
         }
-        let is = |child: &XMLNode, name: &str| child.as_element().is_some_and(|e| e.name == name);
-        each(root, &mut |e| match e.name.as_str() {
-            "asset" => e.children.retain(|child| !is(child, "texture")),
+        root.each(&mut |e| match e.name.as_str() {
+            "asset" => e.children.retain(|child| child.name != "texture"),
             "material" => {
-                e.attributes.shift_remove("texture");
-                e.children.retain(|child| !is(child, "layer"));
+                e.remove("texture");
+                e.children.retain(|child| child.name != "layer");
             }
             _ => {}
         });
@@ -275,9 +271,7 @@ impl Loader {
             // A mesh that the engine cannot use, such as a flat one, need not be the end of it.
             let element = complaint.element.and_then(|number| numbered(&mut reduced.root, number));
             let mesh = match element {
-                Some(element) => {
-                    attribute(element, "name").filter(|_| element.name == "mesh").map(str::to_string)
-                }
+                Some(element) => element.get("name").filter(|_| element.name == "mesh").map(str::to_string),
                 None => reduced
                     .meshes()
                     .into_iter()
@@ -298,7 +292,7 @@ impl Loader {
                     && !first.message.contains("unrecognized element")
             });
             let Complaint { message, place, .. } = told.unwrap_or(complaint);
-            let (path, line) = place.map_or((source.path, None), |(path, line)| (path, Some(line)));
+            let (path, line) = place.map_or((source.path, None), |at| (at.file.to_path_buf(), Some(at.line)));
             return Err(Error::Read { path, line, message: refusal(&message, version) });
         }
     }
@@ -369,9 +363,9 @@ fn mend(root: &mut Element, complaint: &Complaint) -> bool {
     } else {
         return false;
     };
-    let mut compilers = root.children.iter().filter_map(XMLNode::as_element).filter(|e| e.name == "compiler");
+    let mut compilers = root.children.iter().filter(|e| e.name == "compiler");
     let last = compilers.next_back();
-    if settings.iter().all(|(name, value)| last.is_some_and(|e| attribute(e, name) == Some(value))) {
+    if settings.iter().all(|(name, value)| last.is_some_and(|e| e.get(name) == Some(value))) {
         return false;
     }
     settings.iter().for_each(|(name, value)| set_compiler(root, name, value));
@@ -382,11 +376,11 @@ fn mend(root: &mut Element, complaint: &Complaint) -> bool {
 fn weigh(root: &mut Element, complaint: &Complaint) -> bool {
     let [mass, inertia] = LEAST_MASS.map(|(_, least)| least.to_string());
     let Some(body) = complaint.element.and_then(|number| numbered(root, number)) else { return false };
-    if body.name != "body" || body.get_child("inertial").is_some() {
+    if body.name != "body" || body.child("inertial").is_some() {
         return false;
     }
     let least = [("pos", "0 0 0".into()), ("mass", mass), ("diaginertia", [inertia.as_str(); 3].join(" "))];
-    body.children.insert(0, XMLNode::Element(element("inertial", &least)));
+    body.children.insert(0, element("inertial", &least));
     set_compiler(root, "inertiafromgeom", "auto");
     true
 }
@@ -395,19 +389,19 @@ fn weigh(root: &mut Element, complaint: &Complaint) -> bool {
 fn unweigh(root: &mut Element, complaint: &Complaint) -> bool {
     let Some(body) = complaint.element.and_then(|number| numbered(root, number)) else { return false };
     let before = body.children.len();
-    body.children.retain(|child| child.as_element().is_none_or(|e| e.name != "inertial"));
+    body.children.retain(|child| child.name != "inertial");
     body.children.len() < before
 }
 
 /// Lets the geoms of a flat mesh weigh as its surface does; whether there is any that does not.
 fn thin(root: &mut Element, message: &str) -> bool {
     let mut changed = false;
-    each(root, &mut |e| {
+    root.each(&mut |e| {
         if e.name == "geom"
-            && attribute(e, "mesh").is_some_and(|mesh| message.contains(mesh))
-            && !e.attributes.contains_key("shellinertia")
+            && e.get("mesh").is_some_and(|mesh| message.contains(mesh))
+            && !e.has("shellinertia")
         {
-            e.attributes.insert("shellinertia".into(), "true".into());
+            e.set("shellinertia", "true");
             changed = true;
         }
     });

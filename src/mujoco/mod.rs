@@ -30,7 +30,7 @@ mod simulated;
 mod surface;
 mod vfs;
 
-pub use crate::mjcf_xml::LeftOut;
+pub use crate::model_files::LeftOut;
 pub use contact::{Contact, Contacts};
 pub use data::Data;
 pub use element::{

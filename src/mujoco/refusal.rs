@@ -1,11 +1,7 @@
 //! The engine's words about a file, told of the user's own file.
 
-use std::path::PathBuf;
-
-use xmltree::{Element, XMLNode};
-
 use super::engine::Version;
-use crate::mjcf_xml::{Texts, numbered, place, titled};
+use crate::model_files::{Element, Place, Texts, numbered};
 
 /// What the engine says of a tree.
 #[derive(Clone, Debug)]
@@ -15,7 +11,7 @@ pub(super) struct Complaint {
     /// The same without the element.
     pub words: String,
     /// The user's file and the line in it.
-    pub place: Option<(PathBuf, usize)>,
+    pub place: Option<Place>,
     /// The number of the element in the tree, where it is known.
     pub element: Option<usize>,
 }
@@ -30,8 +26,8 @@ impl Complaint {
             Some(number) => numbered(root, number).map(|element| &*element),
             None => sensor(words, root),
         };
-        let message = element.map_or(kept.clone(), |element| format!("{}: {kept}", titled(element)));
-        let place = element.and_then(place).map(|(path, line)| (path.to_path_buf(), line));
+        let message = element.map_or(kept.clone(), |element| format!("{}: {kept}", element.title()));
+        let place = element.and_then(|element| element.place.clone());
         Complaint { message, words: kept, place, element: number }
     }
 }
@@ -39,7 +35,7 @@ impl Complaint {
 /// The sensor that the engine's words are about: of sensors it tells no line, but their number.
 fn sensor<'e>(words: &str, root: &'e Element) -> Option<&'e Element> {
     let (_, number) = words.rsplit_once("id = ").filter(|_| words.contains("sensor"))?;
-    let elements = |element: &'e Element| element.children.iter().filter_map(XMLNode::as_element);
+    let elements = |element: &'e Element| element.children.iter();
     elements(root)
         .filter(|section| section.name == "sensor")
         .flat_map(elements)

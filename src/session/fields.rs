@@ -3,7 +3,7 @@
 use serde_json::{Map, Value};
 
 use super::record_error::ContentFault;
-use crate::calibration::robot::{likely, nearest_name};
+use crate::named::did_you_mean;
 
 /// Refuses an object with a field that is none of `known`; `at` stands before its name, with a dot where it is a place.
 ///
@@ -11,7 +11,7 @@ use crate::calibration::robot::{likely, nearest_name};
 /// A sentence that names the field, and the one that it is nearest to.
 pub(super) fn check_fields(map: &Map<String, Value>, at: &str, known: &[&str]) -> Result<(), ContentFault> {
     let Some(unknown) = map.keys().find(|key| !known.contains(&key.as_str())) else { return Ok(()) };
-    let near = nearest_name(unknown, known.iter().copied()).filter(|near| likely(unknown, near));
+    let near = did_you_mean(unknown, known.iter().copied());
     let meant = near.map_or(String::new(), |near| format!(" (is {near} meant?)"));
     let fields = known.join(", ");
     Err(format!("{at}{unknown} is unknown{meant}: rename it or leave it out, the fields are {fields}").into())

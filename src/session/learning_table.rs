@@ -5,7 +5,7 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use super::{Action, LEARNING_FILE, RecordError, files};
-use crate::calibration::robot::{likely, nearest_name};
+use crate::named::did_you_mean;
 
 /// Columns that learning writes.
 const COLUMNS: [&str; 9] = [
@@ -130,8 +130,7 @@ pub fn read_learning_table(folder: &Path) -> Result<LearningRows, RecordError> {
         return Err(refuse(1, format!("there are two columns {}", columns[twice])));
     }
     if let Some(slip) = columns.iter().find(|name| !COLUMNS.contains(&name.as_str())) {
-        let near = nearest_name(slip, COLUMNS.into_iter()).filter(|near| likely(slip, near));
-        if let Some(near) = near {
+        if let Some(near) = did_you_mean(slip, COLUMNS) {
             return Err(refuse(1, format!("there is a column {slip}, where {near} is meant")));
         }
     }

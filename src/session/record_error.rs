@@ -3,6 +3,8 @@
 use std::io;
 use std::path::{Path, PathBuf};
 
+use crate::model_files::Refused;
+
 /// Characters of a sentence at the most.
 const LONGEST_SENTENCE: usize = 2000;
 
@@ -62,6 +64,12 @@ pub enum RecordError {
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{0}")]
 pub(super) struct ContentFault(String);
+
+impl From<Refused> for RecordError {
+    fn from(Refused { path, line, message }: Refused) -> RecordError {
+        RecordError::format(&path, line, message)
+    }
+}
 
 impl From<String> for ContentFault {
     fn from(sentence: String) -> ContentFault {

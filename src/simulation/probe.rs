@@ -3,7 +3,7 @@
 use nalgebra::Vector3;
 
 use super::ProbePath;
-use crate::mjcf_xml::{element, exact};
+use crate::model_files::{Element, element, exact};
 use crate::mujoco::Model;
 
 /// The radius of a probe, metres.
@@ -62,7 +62,7 @@ impl Probe {
 }
 
 /// A probe's body as MJCF: a smooth ball on three slides whose coordinates are its place in the world.
-pub(super) fn described(name: &str) -> xmltree::Element {
+pub(super) fn described(name: &str) -> Element {
     let mut body = element("body", &[("name", name.into()), ("pos", "0 0 0".into())]);
     let inertia = 0.4 * MASS * PROBE_RADIUS * PROBE_RADIUS;
     let inertial = [
@@ -70,7 +70,7 @@ pub(super) fn described(name: &str) -> xmltree::Element {
         ("mass", exact(&[MASS])),
         ("diaginertia", exact(&[inertia, inertia, inertia])),
     ];
-    body.children.push(xmltree::XMLNode::Element(element("inertial", &inertial)));
+    body.children.push(element("inertial", &inertial));
     for (k, axis) in ["1 0 0", "0 1 0", "0 0 1"].into_iter().enumerate() {
         let joint = [
             ("name", format!("{name}_{k}")),
@@ -83,7 +83,7 @@ pub(super) fn described(name: &str) -> xmltree::Element {
             ("armature", "0".into()),
             ("frictionloss", "0".into()),
         ];
-        body.children.push(xmltree::XMLNode::Element(element("joint", &joint)));
+        body.children.push(element("joint", &joint));
     }
     let geom = [
         ("name", name.into()),
@@ -96,6 +96,6 @@ pub(super) fn described(name: &str) -> xmltree::Element {
         ("condim", "3".into()),
         ("friction", "0.2 0.001 0.0001".into()),
     ];
-    body.children.push(xmltree::XMLNode::Element(element("geom", &geom)));
+    body.children.push(element("geom", &geom));
     body
 }

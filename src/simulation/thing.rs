@@ -1,10 +1,9 @@
 //! Things that are put on a stage.
 
 use nalgebra::Isometry3;
-use xmltree::{Element, XMLNode};
 
 use crate::geometry::Shape;
-use crate::mjcf_xml::{element, exact};
+use crate::model_files::{Element, element, exact};
 
 /// Density of what a thing is made of where its mass is not said, kilograms a cubic metre: light wood.
 const DENSITY: f64 = 300.0;
@@ -50,7 +49,7 @@ pub(super) fn described(thing: &Thing) -> Vec<Element> {
     ];
     let mut body = element("body", &pose);
     if !thing.fixed {
-        body.children.push(XMLNode::Element(element("freejoint", &[])));
+        body.children.push(element("freejoint", &[]));
     }
     let Substance { mass, friction } = thing.substance;
     let coefficient = friction.unwrap_or(FRICTION);
@@ -67,7 +66,7 @@ pub(super) fn described(thing: &Thing) -> Vec<Element> {
             ("friction", exact(&[coefficient, coefficient / TURNING, coefficient / ROLLING])),
         ],
     );
-    let mut set = |key: &str, value: String| geom.attributes.insert(key.into(), value);
+    let mut set = |key: &str, value: String| geom.set(key, value);
     match mass {
         Some(mass) => set("mass", exact(&[mass])),
         None => set("density", exact(&[DENSITY])),
@@ -91,7 +90,7 @@ pub(super) fn described(thing: &Thing) -> Vec<Element> {
             set("size", exact(&size));
         }
     }
-    body.children.push(XMLNode::Element(geom));
+    body.children.push(geom);
     described.push(body);
     described
 }

@@ -646,14 +646,6 @@ fn a_table_as_books_print_it_is_read_and_kept_as_it_is() {
     values[file.robot.quantity("thumb.alpha").unwrap()] = bodyschema::calibration::robot::Value::Number(1.5);
     let written = file.with_values(&place.path("thumb.csv"), &values).unwrap();
     assert_eq!(String::from_utf8(written.bytes).unwrap(), THUMB.replace("pi/2", "1.5"));
-    // In JSON they are texts.
-    place.write(
-        "thumb.json",
-        r#"{"joints": [{"joint": "t", "a": 0.3, "d": 0, "alpha": "-2*pi/3"}, {"joint": "u", "a": 0.1, "d": 0, "alpha_deg": 90}]}"#,
-    );
-    let file = read_robot(&place.path("thumb.json")).unwrap();
-    let alpha = file.robot.nominal()[file.robot.quantity("t.alpha").unwrap()].number();
-    assert_eq!(alpha, -2.0 * std::f64::consts::PI / 3.0);
     place.write("thumb.csv", THUMB.replace("pi/2", "pie/2"));
     assert!(
         read_robot(&place.path("thumb.csv"))

@@ -11,8 +11,8 @@ use bodyschema::mujoco::Model;
 use bodyschema::record::Checkpoint;
 use bodyschema::senses::{Touch, TouchEnd};
 use bodyschema::view::report::{self, ReportInput};
+use roxmltree::{Document, Node, ParsingOptions};
 use serde_json::{Value, json};
-use xmltree::Element;
 
 /// Two arms on a trunk, with names that would break out of a careless page.
 const ODD: &str = r#"<mujoco model="&lt;script&gt;alert('1')&lt;/script&gt; &amp; co">
@@ -116,18 +116,17 @@ fn names(list: &Value) -> Vec<&str> {
     list.as_array().unwrap().iter().map(|entry| entry["name"].as_str().unwrap()).collect()
 }
 
+/// An element of a page, which lasts as long as the tests.
+type Element = Node<'static, 'static>;
+
 /// The marks of a chart that say something: what, with the mark itself.
 fn marks(page: &str, id: &str) -> Vec<(String, Element)> {
-    fn find(element: &Element, id: &str, found: &mut Vec<(String, Element)>, within: bool) {
-        let within = within || element.attributes.get("id").is_some_and(|own| own == id);
-        if within && let Some(title) = element.get_child("title") {
-            found.push((title.get_text().unwrap_or_default().into(), element.clone()));
-        }
-        element.children.iter().filter_map(|c| c.as_element()).for_each(|c| find(c, id, found, within));
-    }
-    let mut found = Vec::new();
-    find(&parse(page), id, &mut found, false);
-    found
+    let within = |element: &Element| element.ancestors().any(|around| around.attribute("id") == Some(id));
+    let titled = |element: Element| {
+        let title = element.children().find(|child| child.has_tag_name("title"))?;
+        Some((title.text().unwrap_or_default().to_string(), element))
+    };
+    parse(page).descendants().filter(within).filter_map(titled).collect()
 }
 
 /// The page without what only a browser reads: scripts, and the data of pictures.
@@ -140,28 +139,21 @@ fn without_scripts(page: &str) -> String {
 
 /// The page as a tree: it is written so that it is XML as well.
 fn parse(page: &str) -> Element {
-    Element::parse(without_scripts(page).as_bytes()).unwrap_or_else(|e| panic!("{e}\n{page}"))
-}
-
-fn tables<'a>(element: &'a Element, class: &str, found: &mut Vec<&'a Element>) {
-    if element.name == "table" && element.attributes.get("class").is_some_and(|c| c == class) {
-        found.push(element);
-    }
-    for child in element.children.iter().filter_map(|child| child.as_element()) {
-        tables(child, class, found);
-    }
+    let text = Box::leak(without_scripts(page).into_boxed_str());
+    let options = ParsingOptions { allow_dtd: true, ..ParsingOptions::default() };
+    let document = Document::parse_with_options(text, options).unwrap_or_else(|e| panic!("{e}\n{page}"));
+    Box::leak(Box::new(document)).root_element()
 }
 
 /// The cells of a table, row by row.
 fn rows(page: &Element, class: &str) -> Vec<Vec<String>> {
-    let mut found = Vec::new();
-    tables(page, class, &mut found);
+    let is_table = |e: &Element| e.has_tag_name("table") && e.attribute("class") == Some(class);
+    let found: Vec<Element> = page.descendants().filter(is_table).collect();
     assert_eq!(found.len(), 1);
-    let elements =
-        |e: &'_ Element| e.children.iter().filter_map(|c| c.as_element()).cloned().collect::<Vec<Element>>();
-    let text = |cell: &Element| cell.get_text().map(String::from).unwrap_or_default();
-    let lines = elements(found[0]).iter().flat_map(elements).collect::<Vec<_>>();
-    lines.iter().map(|line| elements(line).iter().map(text).collect()).collect()
+    let elements = |e: Element| e.children().filter(Element::is_element);
+    let text = |cell: Element| cell.text().unwrap_or_default().to_string();
+    let lines = elements(found[0]).flat_map(elements);
+    lines.map(|line| elements(line).map(text).collect()).collect()
 }
 
 #[test]
@@ -319,7 +311,7 @@ fn the_curve_has_the_error_its_bound_and_the_guess() {
     ];
     assert_eq!(says, told);
     // Both axes are logarithmic, and errors grow upwards.
-    let at = |mark: usize, side: &str| marks[mark].1.attributes[side].parse::<f64>().unwrap();
+    let at = |mark: usize, side: &str| marks[mark].1.attribute(side).unwrap().parse::<f64>().unwrap();
     let share = |side: &str, values: [f64; 3]| {
         let drawn = (at(4, side) - at(2, side)) / (at(3, side) - at(2, side));
         let [first, second, third] = values.map(f64::ln);

@@ -13,7 +13,6 @@ mod quantity;
 use nalgebra::Vector3;
 
 pub use from_creature::NominalJoint;
-pub use naming::{likely, nearest_name};
 pub use pose::{Posed, Twist};
 pub use quantity::{Knowledge, Quantity, Unit, Value};
 

@@ -50,16 +50,6 @@ impl Robot {
     }
 }
 
-/// The name that is nearest to one that is none.
-pub fn nearest_name<'a>(name: &str, names: impl Iterator<Item = &'a str>) -> Option<&'a str> {
-    names.min_by_key(|other| levenshtein(&name.to_lowercase(), &other.to_lowercase()))
-}
-
-/// Whether one name is likely another with a slip of the pen: two letters, whatever their case.
-pub fn likely(name: &str, other: &str) -> bool {
-    levenshtein(&name.to_lowercase(), &other.to_lowercase()) <= 2
-}
-
 /// Whether a name is of a pattern in which `*` stands for any letters.
 fn matches(pattern: &str, name: &str) -> bool {
     let Some((first, rest)) = pattern.split_once('*') else { return pattern == name };
@@ -84,6 +74,5 @@ mod tests {
         assert!(matches("*.offset", "elbow.offset") && matches("left_*.position", "left_hand.position"));
         assert!(matches("*", "anything") && matches("a*b*c", "aXbYc") && !matches("a*b*c", "aXcYb"));
         assert!(!matches("*.offset", "elbow.offsets") && !matches("elbow", "elbow.axis"));
-        assert_eq!(nearest_name("elbow_ptich", ["elbow_pitch", "wrist"].into_iter()), Some("elbow_pitch"));
     }
 }

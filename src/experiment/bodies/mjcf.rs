@@ -1,13 +1,12 @@
 //! A drawn body as MJCF.
 
 use nalgebra::{UnitQuaternion, Vector3};
-use xmltree::{Element, XMLNode};
 
 use super::draw::{Draw, rounded};
 use super::joints::{Freedom, Moves};
 use super::limb::Shape;
 use super::tree::{Limb, Tree};
-use crate::mjcf_xml::{element, exact, write};
+use crate::model_files::{Element, element, exact, write};
 
 /// Share of bodies that are fixed to the world; the others are carried by a free joint.
 const FIXED: f64 = 0.4;
@@ -19,8 +18,8 @@ const SENSORS: [usize; 2] = [4, 12];
 /// The text of a model called `name`, headed by a line of what it is.
 pub fn text(tree: &mut Tree, name: &str, about: &str) -> String {
     let mut root = element("mujoco", &[("model", name.into())]);
-    root.children.push(XMLNode::Comment(format!(" {about} ")));
-    push(&mut root, element("compiler", &[("angle", "degree".into()), ("autolimits", "true".into())]));
+    let compiler = element("compiler", &[("angle", "degree".into()), ("autolimits", "true".into())]);
+    push(&mut root, Element { comments: vec![format!(" {about} ")], ..compiler });
     let mut defaults = element("default", &[]);
     push(&mut defaults, element("geom", &[("density", "500".into()), ("rgba", "0.55 0.5 0.45 1".into())]));
     push(&mut root, defaults);
@@ -33,14 +32,12 @@ pub fn text(tree: &mut Tree, name: &str, about: &str) -> String {
     push(&mut root, couplings(&tree.limbs));
     let mut sensors = element("sensor", &[]);
     for site in sites.iter().flatten() {
-        let name = site.attributes.get("name").cloned().unwrap_or_default();
+        let name = site.get("name").map(str::to_string).unwrap_or_default();
         push(&mut sensors, element("touch", &[("name", format!("{name}_touch")), ("site", name)]));
     }
     push(&mut root, sensors);
     // A section of nothing is none.
-    root.children.retain(|child| {
-        child.as_element().is_none_or(|one| !one.children.is_empty() || one.name == "compiler")
-    });
+    root.children.retain(|child| !child.children.is_empty() || child.name == "compiler");
     write(&root)
 }
 
@@ -54,15 +51,15 @@ pub fn freedom_name(limb: &Limb, number: usize) -> String {
 }
 
 fn push(parent: &mut Element, child: Element) {
-    parent.children.push(XMLNode::Element(child));
+    parent.children.push(child);
 }
 
 fn body(limbs: &[Limb], sites: &[Vec<Element>], number: usize, fixed: bool) -> Element {
     let limb = &limbs[number];
     let mut body = element("body", &[("name", limb.name.clone())]);
     if limb.parent.is_some() {
-        body.attributes.insert("pos".into(), vector(&limb.pose.translation.vector));
-        body.attributes.insert("quat".into(), turn(&limb.pose.rotation));
+        body.set("pos", vector(&limb.pose.translation.vector));
+        body.set("quat", turn(&limb.pose.rotation));
     } else if !fixed {
         push(&mut body, element("freejoint", &[("name", "free".into())]));
     }
@@ -85,12 +82,12 @@ fn joint(name: &str, freedom: &Freedom) -> Element {
     };
     let mut joint = element("joint", &[("name", name.into()), ("type", kind.into())]);
     if freedom.anchor != Vector3::zeros() {
-        joint.attributes.insert("pos".into(), vector(&freedom.anchor));
+        joint.set("pos", vector(&freedom.anchor));
     }
     if freedom.moves != Moves::Ball {
-        joint.attributes.insert("axis".into(), vector(&freedom.axis));
+        joint.set("axis", vector(&freedom.axis));
     }
-    joint.attributes.insert("range".into(), numbers(&freedom.range));
+    joint.set("range", numbers(&freedom.range));
     joint
 }
 
@@ -139,7 +136,7 @@ fn couplings(limbs: &[Limb]) -> Element {
             let leader = freedom_name(before, before.freedoms.len() - 1);
             let names = [("joint1", freedom_name(limb, k)), ("joint2", leader)];
             let mut joint = element("joint", &names);
-            joint.attributes.insert("polycoef".into(), numbers(&[0.0, times, 0.0, 0.0, 0.0]));
+            joint.set("polycoef", numbers(&[0.0, times, 0.0, 0.0, 0.0]));
             push(&mut equality, joint);
         }
     }

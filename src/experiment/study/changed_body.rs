@@ -6,11 +6,10 @@ use std::path::Path;
 use std::sync::Arc;
 
 use nalgebra::Vector3;
-use xmltree::{Element, XMLNode};
 
 use crate::creature::{Body, JointSelection};
 use crate::experiment::ExperimentError;
-use crate::mjcf_xml::{element, exact, write};
+use crate::model_files::{Element, Source, element, exact, write};
 use crate::mujoco::Model;
 use crate::senses::{Touch, TouchEnd};
 use crate::skin::{Receptor, Skin, skin_of};
@@ -56,7 +55,7 @@ impl LimbInModel<'_> {
             let position = numbers(element, "pos");
             let direction = position.try_normalize(1e-6).unwrap_or_else(Vector3::z);
             let grown = position + direction * length;
-            element.attributes.insert("pos".into(), exact(grown.as_slice()));
+            element.set("pos", exact(grown.as_slice()));
         })
     }
 
@@ -89,9 +88,9 @@ impl LimbInModel<'_> {
                 let size = exact(&[ALL]);
                 let position = exact((at + side * STICK_RADIUS * 1.01).as_slice());
                 let site = [("name", format!("{STICK}{k}")), ("pos", position), ("size", size)];
-                body.children.insert(0, XMLNode::Element(element("site", &site)));
+                body.children.insert(0, element("site", &site));
             }
-            body.children.insert(0, XMLNode::Element(geom.clone()));
+            body.children.insert(0, geom.clone());
         })?;
         Ok(body)
     }
@@ -100,12 +99,11 @@ impl LimbInModel<'_> {
     fn changed(&self, mut change: impl FnMut(&mut Element)) -> Result<Body, ExperimentError> {
         let name = self.name()?;
         let fail = |why: String| ExperimentError::Refused(format!("{}: {why}", self.model.display()));
-        let file = std::fs::File::open(self.model).map_err(|error| fail(error.to_string()))?;
-        let mut root = Element::parse(file).map_err(|error| fail(error.to_string()))?;
-        let found = root.get_mut_child("worldbody").and_then(|world| find(world, name));
+        let mut root = Source::read(self.model).map_err(crate::mujoco::Error::from)?.root;
+        let found = find(root.section("worldbody"), name);
         let found = found.ok_or_else(|| {
             fail(format!(
-                "the body {name} is not in this very file: put included bodies into it to study growth"
+                "the body {name} is not written out in it: write out its <replicate> to study growth"
             ))
         })?;
         change(found);
@@ -118,27 +116,27 @@ impl LimbInModel<'_> {
 /// Touch sensors for the stick's sites, where there are any.
 fn add_sensors(root: &mut Element) {
     let mut text = 0;
-    let world = root.get_child("worldbody");
+    let world = root.child("worldbody");
     while world.is_some_and(|world| has_site(world, &format!("{STICK}{text}"))) {
         text += 1;
     }
-    let sensors = crate::mjcf_xml::section(root, "sensor");
+    let sensors = root.section("sensor");
     for k in 0..text {
         let site = format!("{STICK}{k}");
-        sensors.children.push(XMLNode::Element(element("touch", &[("site", site)])));
+        sensors.children.push(element("touch", &[("site", site)]));
     }
 }
 
 fn has_site(parent: &Element, name: &str) -> bool {
-    parent.children.iter().filter_map(XMLNode::as_element).any(|child| {
-        (child.name == "site" && child.attributes.get("name").is_some_and(|n| n == name))
-            || has_site(child, name)
-    })
+    parent
+        .children
+        .iter()
+        .any(|child| (child.name == "site" && child.get("name") == Some(name)) || has_site(child, name))
 }
 
 fn find<'a>(parent: &'a mut Element, name: &str) -> Option<&'a mut Element> {
-    for child in parent.children.iter_mut().filter_map(XMLNode::as_mut_element) {
-        if child.name == "body" && child.attributes.get("name").is_some_and(|n| n == name) {
+    for child in parent.children.iter_mut() {
+        if child.name == "body" && child.get("name") == Some(name) {
             return Some(child);
         }
         if let Some(found) = find(child, name) {
@@ -149,7 +147,7 @@ fn find<'a>(parent: &'a mut Element, name: &str) -> Option<&'a mut Element> {
 }
 
 fn numbers(element: &Element, key: &str) -> Vector3<f64> {
-    let text = element.attributes.get(key).map_or("", String::as_str);
+    let text = element.get(key).unwrap_or_default();
     let mut values = text.split_whitespace().filter_map(|word| word.parse().ok());
     Vector3::from_fn(|_, _| values.next().unwrap_or(0.0))
 }

@@ -19,9 +19,10 @@ use std::path::Path;
 use csv::StringRecord;
 use nalgebra::Vector3;
 
-use crate::calibration::robot::{Element, Knowledge, Posed, Robot, RobotDof, Value, likely, nearest_name};
+use crate::calibration::robot::{Element, Knowledge, Posed, Robot, RobotDof, Value};
 use crate::calibration::{End, Feature, SAME_POINT, Touch, drop_repeats};
 use crate::creature::DofKind;
+use crate::named::did_you_mean;
 use crate::plausible::{is_angle, is_length};
 use crate::session::RecordError;
 use crate::session::angles::{HingeAngles, wide_ranges};
@@ -257,9 +258,8 @@ impl Head {
         }
         for column in spare {
             // A column that nearly has a missing joint's name is a slip, one of anything else is somebody's own.
-            let near = nearest_name(column.name(), missing.iter().copied());
-            let slip = near.filter(|near| near.to_lowercase() == column.name().to_lowercase());
-            if let Some(near) = slip {
+            let called = column.name().to_lowercase();
+            if let Some(near) = missing.iter().find(|name| name.to_lowercase() == called) {
                 return Err(format!(
                     "column \"{}\" is nearly called as the joint {near}: rename it",
                     column.title
@@ -353,8 +353,8 @@ impl Head {
             (_, None, None) => {
                 let links = robot.links.iter().map(|link| link.name.as_str());
                 let names = links.chain(robot.surfaces.iter().map(|surface| surface.name.as_str()));
-                let near =
-                    nearest_name(name, names.filter(|name| !name.ends_with(".mount"))).unwrap_or_default();
+                let names = names.filter(|name| !name.ends_with(".mount"));
+                let near = did_you_mean(name, names.clone()).or({ names }.next()).unwrap_or_default();
                 return wrong(format!(
                     "column {}: {} has nothing called \"{name}\": name a limb, a point or a surface of it, such as {near}",
                     LIMBS[side], robot.name
@@ -390,7 +390,12 @@ impl Head {
                     return Err(fault);
                 }
                 let unit = if dof.kind == DofKind::Slide { "metres" } else { "angle" };
-                let meant = self.columns.spare.iter().map(Column::name).find(|name| likely(name, &dof.name));
+                let meant = self
+                    .columns
+                    .spare
+                    .iter()
+                    .map(Column::name)
+                    .find(|name| did_you_mean(name, [dof.name.as_str()]).is_some());
                 let meant =
                     meant.map_or(String::new(), |name| format!(", or is {name} meant? Then rename it"));
                 return Err(CellFault::Wrong(format!(

@@ -15,22 +15,14 @@ use crate::geometry::{Frame, Shape};
 use crate::mujoco::{self, Equality, GeomKind, JointKind, Model, ModelJoint};
 use crate::session::RecordError;
 
-/// A robot of an MJCF file.
-#[derive(Clone, Debug, PartialEq)]
-pub struct MjcfRobot {
-    /// The robot, in its maker's frames. Of a model that stands on the world the world is the root; of one that a free joint
-    /// carries the body that it carries. A joint that an equality lets follow another by a straight line is a degree of
-    /// freedom after all that do not, with that one's coordinate.
-    pub robot: Robot,
-    /// What of the file is of no use here, a sentence each.
-    pub passed_over: Vec<String>,
-}
-
-/// Reads a robot from an MJCF file and what it includes.
+/// Reads a robot from an MJCF file and what it includes, in its maker's frames, and tells what of the file is of no use here,
+/// a sentence each. Of a model that stands on the world the world is the root; of one that a free joint carries the body
+/// that it carries. A joint that an equality lets follow another by a straight line is a degree of freedom after all that do
+/// not, with that one's coordinate.
 ///
 /// # Errors
 /// Where MuJoCo does not take it, or nothing in it can move.
-pub fn read_mjcf(path: &Path) -> Result<MjcfRobot, RecordError> {
+pub fn read_mjcf(path: &Path) -> Result<(Robot, Vec<String>), RecordError> {
     let (model, left_out) = Model::read(path).map_err(|error| match error {
         mujoco::Error::Read { path, line, message } => RecordError::Format { path, line, message },
         other => RecordError::format(path, None, other.to_string()),
@@ -62,7 +54,7 @@ pub fn read_mjcf(path: &Path) -> Result<MjcfRobot, RecordError> {
     reader.surfaces();
     let turned = if root == 0 { Matrix3::identity() } else { matrix(&model.body(root).quat) };
     reader.robot.gravity = turned.tr_mul(&model.gravity());
-    Ok(MjcfRobot { robot: reader.robot, passed_over: reader.passed_over })
+    Ok((reader.robot, reader.passed_over))
 }
 
 /// Whether a body flies freely.

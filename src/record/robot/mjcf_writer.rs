@@ -7,19 +7,15 @@
 use std::path::Path;
 
 use nalgebra::{Rotation3, UnitQuaternion};
-use quick_xml::escape::escape;
 
-use super::edits::{
-    Change, Edits, Written, indentation, is_to_be_found, negative, new_element, number_list,
-    unsaid_compliance, unsaid_gain,
-};
 use super::mjcf::{read_mjcf, surface_name};
-use super::tags::{Tag, parse};
+use super::writing::{Written, is_to_be_found, unsaid_compliance, unsaid_gain};
 use crate::calibration::robot::{Element, Form, Posed, Robot, Value};
 use crate::creature::DofKind;
 use crate::geometry::Frame;
-use crate::mjcf_xml::{Angles, ORIENTATIONS, Source, element};
-use crate::mujoco;
+use crate::model_files::{
+    Angles, Change, Element as Tag, ORIENTATIONS, Source, XmlEdits, escape, exact, negative, new_element,
+};
 use crate::session::RecordError;
 
 /// How the format is called in what is left out.
@@ -27,7 +23,7 @@ const FORMAT: &str = "MJCF";
 /// A pose that a file says is the one that MuJoCo compiled if it is no farther from it, metres and radians.
 const ROUNDING: f64 = 1e-9;
 /// Elements in a body that make others, or put them elsewhere.
-const MAKERS: [&str; 6] = ["include", "frame", "replicate", "composite", "flexcomp", "attach"];
+const MAKERS: [&str; 5] = ["frame", "replicate", "composite", "flexcomp", "attach"];
 
 /// The MJCF file `original`, which `robot` was read from, with `values` in the place of the numbers that differ from them, and
 /// every other byte as it was. Links that were added to the robot and whose pose was to be found become bodies of the file.
@@ -42,23 +38,20 @@ pub fn write_mjcf(
     robot: &Robot,
     values: &[Value],
 ) -> Result<Written, RecordError> {
-    let root = parse(original).map_err(|(line, message)| RecordError::format(path, Some(line), message))?;
-    let source = Source::read(path)
-        .map_err(|refused| RecordError::format(path, None, mujoco::Error::from(refused).to_string()))?;
+    let source = Source::read(path)?;
     let mut writer = Writer {
-        original,
         // What the file says, without what was added since.
-        file: &read_mjcf(path)?.robot,
+        file: &read_mjcf(path)?.0,
         robot,
         values,
         angles: Angles::of(&source.root),
-        edits: Edits::default(),
+        edits: XmlEdits::new(original),
         left_out: Vec::new(),
         unsaid: Vec::new(),
     };
-    let bodies = Bodies::of(&root, writer.file);
+    let bodies = Bodies::of(&source, writer.file);
     writer.bodies(&bodies);
-    writer.equalities(&root);
+    writer.equalities(&source);
     writer.added(&bodies);
     for dof in 0..writer.file.dofs.len() {
         if !writer.follows(dof) {
@@ -73,7 +66,7 @@ pub fn write_mjcf(
              <frame> or what makes bodies: put them there by hand, from quantities.csv"
         ));
     }
-    Ok(Written { bytes: writer.edits.of(original), left_out: writer.left_out })
+    Ok(Written { bytes: writer.edits.written(), left_out: writer.left_out })
 }
 
 /// The bodies of a file that stand in it as they are, each with its link, and their joints with their degrees of freedom.
@@ -83,13 +76,15 @@ struct Bodies<'a> {
 }
 
 impl<'a> Bodies<'a> {
-    fn of(root: &'a Tag, file: &Robot) -> Bodies<'a> {
+    fn of(source: &'a Source, file: &Robot) -> Bodies<'a> {
         let mut bodies = Bodies { links: Vec::new(), joints: Vec::new() };
         let mut count = Count { file, bodies: 1, joints: 0, known: true };
-        for world in root.children_of("worldbody") {
+        for world in source.root.all("worldbody") {
             bodies.links.extend(file.link("world").map(|link| (link, world)));
             count.inside(world, &mut bodies);
         }
+        bodies.links.retain(|(_, tag)| source.is_own(tag));
+        bodies.joints.retain(|(_, tag)| source.is_own(tag));
         bodies
     }
 }
@@ -127,18 +122,17 @@ impl Count<'_> {
     }
 
     fn name(&self, tag: &Tag, kind: &str, number: usize) -> Option<String> {
-        let own = tag.value("name").map(str::to_string);
+        let own = tag.get("name").map(str::to_string);
         own.or_else(|| self.known.then(|| format!("{kind}{number}")))
     }
 }
 
 struct Writer<'a> {
-    original: &'a [u8],
     file: &'a Robot,
     robot: &'a Robot,
     values: &'a [Value],
     angles: Angles,
-    edits: Edits,
+    edits: XmlEdits<'a>,
     left_out: Vec<String>,
     /// Quantities that the file has no place for.
     unsaid: Vec<String>,
@@ -196,9 +190,7 @@ impl Writer<'_> {
 
     /// Whether a body's pose is what its element says: it is not where something else puts it.
     fn stands_so(&self, link: usize, tag: &Tag) -> bool {
-        let attributes: Vec<(&str, String)> =
-            tag.attributes.iter().map(|own| (own.name.as_str(), own.value.clone())).collect();
-        let said = Frame::from(self.angles.pose(&element(&tag.name, &attributes)));
+        let said = Frame::from(self.angles.pose(tag));
         let nominal = self.file.nominal();
         match self.file.links[link].elements.as_slice() {
             [Element::Shift(shift), Element::Turn(turn), ..] => {
@@ -212,22 +204,15 @@ impl Writer<'_> {
     fn position(&mut self, tag: &Tag, q: usize) {
         if self.changed(q) {
             let (old, new) = (self.file.quantities[q].nominal.vector(), self.values[q].vector());
-            self.edits.set(self.original, tag, &[Change::of("pos", old.as_slice(), new.as_slice())]);
+            self.edits.set(tag, &[Change::of("pos", old.as_slice(), new.as_slice())]);
         }
     }
 
     fn orientation(&mut self, tag: &Tag, q: usize) {
         let (true, Value::Orientation(turn)) = (self.changed(q), self.values[q]) else { return };
-        let change = quaternion(&turn);
-        match tag.attributes.iter().find(|own| ORIENTATIONS.contains(&own.name.as_str())) {
-            Some(own) => {
-                if own.name != change.attribute {
-                    self.edits.replace(own.name_at.clone(), change.attribute);
-                }
-                self.edits.replace(own.at.clone(), change.numbers());
-            }
-            None => self.edits.insert(tag.after_attributes(), change.text()),
-        }
+        let own = tag.attributes.iter().map(|(name, _)| name.as_str());
+        let own = { own }.find(|name| ORIENTATIONS.contains(name)).unwrap_or("quat");
+        self.edits.put(tag, own, "quat", &quaternion(&turn).numbers());
     }
 
     /// A joint's axis and where its coordinate begins.
@@ -247,13 +232,13 @@ impl Writer<'_> {
                     DofKind::Slide | DofKind::Ball => x,
                 };
                 let change = Change::of("ref", [written(before)], [written(reference)]);
-                self.edits.set(self.original, tag, &[change]);
+                self.edits.set(tag, &[change]);
             }
         }
         if axis != old {
             // Where the file's axis is not of length 1, none of its numbers stays.
-            let given = tag.value("axis").map_or_else(|| old.as_slice().to_vec(), number_list);
-            self.edits.set(self.original, tag, &[Change::of("axis", given, axis.as_slice())]);
+            let given = if tag.has("axis") { tag.numbers("axis") } else { old.as_slice().to_vec() };
+            self.edits.set(tag, &[Change::of("axis", given, axis.as_slice())]);
         }
     }
 
@@ -271,29 +256,25 @@ impl Writer<'_> {
     /// The limits of an axis that points the other way: each is the other's negative. Without any they are even about `ref`.
     fn turn_limits_round(&mut self, tag: &Tag, dof: usize, begins_at_zero: bool) {
         let range = self.file.dofs[dof].range;
-        let text = |low: &str, high: &str| format!("{} {}", negative(high), negative(low));
-        match tag.attribute("range") {
-            Some(own) => {
-                if let [low, high] = own.value.split_ascii_whitespace().collect::<Vec<_>>()[..] {
-                    self.edits.replace(own.at.clone(), text(low, high));
+        let text =
+            match tag.get("range").map(|own| own.split_ascii_whitespace().collect::<Vec<_>>()).as_deref() {
+                Some([low, high]) => format!("{} {}", negative(high), negative(low)),
+                // Those of a default class.
+                None if begins_at_zero && range[0] + range[1] != 0.0 => {
+                    let hinge = self.file.dofs[dof].kind == DofKind::Hinge;
+                    let [low, high] = range.map(|x| if hinge { self.angles.written(x) } else { x });
+                    exact(&[-high, -low])
                 }
-            }
-            // Those of a default class.
-            None if begins_at_zero && range[0] + range[1] != 0.0 => {
-                let hinge = self.file.dofs[dof].kind == DofKind::Hinge;
-                let range = range.map(|x| if hinge { self.angles.written(x) } else { x });
-                self.edits
-                    .insert(tag.after_attributes(), Change::of("range", [], [-range[1], -range[0]]).text());
-            }
-            None => {}
-        }
+                _ => return,
+            };
+        self.edits.put(tag, "range", "range", &text);
     }
 
     /// The radii of a body's spheres.
     fn radii(&mut self, link: usize, tag: &Tag, said: &mut [bool]) {
-        let geoms: Vec<&Tag> = tag.children_of("geom").collect();
+        let geoms: Vec<&Tag> = tag.all("geom").collect();
         for (k, geom) in geoms.iter().enumerate() {
-            let name = match geom.value("name") {
+            let name = match geom.get("name") {
                 Some(name) => name.to_string(),
                 None => surface_name(&self.file.links[link].name, k, geoms.len()),
             };
@@ -301,7 +282,7 @@ impl Writer<'_> {
             let Some((on, Form::Sphere(q))) = surface.map(|surface| (surface.link, &surface.form)) else {
                 continue;
             };
-            let old = number_list(geom.value("size").unwrap_or_default());
+            let old = geom.numbers("size");
             let radius = self.file.quantities[*q].nominal.number();
             // Geoms without names may be counted otherwise where something makes others.
             if on != link || old.first().is_some_and(|old| (old - radius).abs() > ROUNDING) {
@@ -312,21 +293,25 @@ impl Writer<'_> {
                 let mut new = old.clone();
                 new.truncate(3);
                 new.splice(..new.len().min(1), [self.number(*q)]);
-                self.edits.set(self.original, geom, &[Change::of("size", old, new)]);
+                self.edits.set(geom, &[Change::of("size", old, new)]);
             }
         }
     }
 
     /// How joints follow others.
-    fn equalities(&mut self, root: &Tag) {
+    fn equalities(&mut self, source: &Source) {
         let nominal = self.file.nominal();
-        let entries: Vec<&Tag> =
-            root.children_of("equality").flat_map(|tag| tag.children_of("joint")).collect();
+        let entries: Vec<&Tag> = source
+            .root
+            .all("equality")
+            .flat_map(|tag| tag.all("joint"))
+            .filter(|tag| source.is_own(tag))
+            .collect();
         let followers: Vec<usize> = (0..self.file.dofs.len()).filter(|dof| self.follows(*dof)).collect();
         for dof in followers {
             let name = &self.file.dofs[dof].name;
-            let entry = entries.iter().find(|entry| entry.value("joint1") == Some(name));
-            let leader = entry.and_then(|entry| entry.value("joint2")).and_then(|name| self.file.dof(name));
+            let entry = entries.iter().find(|entry| entry.get("joint1") == Some(name));
+            let leader = entry.and_then(|entry| entry.get("joint2")).and_then(|name| self.file.dof(name));
             let (Some(entry), Some(leader)) = (entry, leader) else {
                 if self.line(dof, self.values) != self.line(dof, &nominal) {
                     self.unsaid.push(format!("{name}.gain, {name}.offset"));
@@ -339,9 +324,9 @@ impl Writer<'_> {
             };
             let (old, new) = (coefficients(&nominal), coefficients(self.values));
             if old != new {
-                let given = number_list(entry.value("polycoef").unwrap_or("0 1"));
+                let given = if entry.has("polycoef") { entry.numbers("polycoef") } else { vec![0.0, 1.0] };
                 let new = new.into_iter().chain(given.iter().copied().skip(2)).collect::<Vec<_>>();
-                self.edits.set(self.original, entry, &[Change::of("polycoef", given, new)]);
+                self.edits.set(entry, &[Change::of("polycoef", given, new)]);
             }
         }
     }
@@ -376,22 +361,11 @@ impl Writer<'_> {
                 self.unsaid.push(link.name.clone());
                 continue;
             };
-            let name = format!("body name=\"{}\"", escape(link.name.as_str()));
+            let name = format!("body name=\"{}\"", escape(&link.name));
             let zero = [0.0; 3];
             let place = Change::of("pos", zero, pose.origin.as_slice());
             let body = new_element(&name, &[place, quaternion(&pose.rotation)]);
-            let first = tag.children.first().map(|child| child.start.start);
-            let break_before = |at: usize| indentation(self.original, at);
-            let before = first.map_or_else(|| break_before(tag.start.start) + "  ", break_before);
-            let body = body.replace('\n', &before);
-            if tag.start.end == tag.end {
-                let end = break_before(tag.start.start);
-                self.edits.replace(tag.end - 2..tag.end, format!(">{body}{end}</{}>", tag.name));
-            } else {
-                // After the last line that is not blank.
-                let at = self.original[..tag.end].trim_ascii_end().len();
-                self.edits.insert(at, body);
-            }
+            self.edits.add(tag, &body, false);
         }
     }
 }

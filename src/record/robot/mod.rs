@@ -2,31 +2,28 @@
 //! of Denavit and Hartenberg's numbers; comma-separated values in the units that their columns say.
 
 mod dh;
-mod dh_table;
-mod dh_writer;
-mod edits;
 mod json;
 mod log;
 mod log_writer;
 mod mjcf;
 mod mjcf_writer;
 mod possible;
-mod tags;
 mod urdf;
-mod urdf_elements;
 mod urdf_writer;
+mod writing;
 
 use std::path::Path;
 
-pub use edits::Written;
 pub(crate) use json::{json_of, length, set_prior};
 pub use log::{CalibrationLog, add_fixed_places, read_calibration_log};
 pub use log_writer::calibration_table;
 pub(crate) use log_writer::{joint_cells, joint_titles, name_of};
+pub use writing::Written;
 
 use crate::calibration::robot::{Knowledge, Robot, Value};
 use crate::creature::Creature;
 use crate::learning::KnownJoint;
+use crate::model_files::{begins_as, first_letter};
 use crate::session::{RecordError, files};
 
 /// What a robot's file is.
@@ -38,7 +35,7 @@ pub enum RobotFormat {
     Urdf,
     /// MJCF.
     Mjcf,
-    /// A table of Denavit and Hartenberg's numbers, as comma-separated values or JSON.
+    /// A table of Denavit and Hartenberg's numbers, as comma-separated values.
     Dh,
 }
 
@@ -63,11 +60,7 @@ pub struct RobotFile {
 
 /// Whether a file is MJCF, which MuJoCo reads: one that is not to be trusted may crash it.
 pub fn is_mjcf(path: &Path) -> bool {
-    path.is_file() && std::fs::read(path).is_ok_and(|bytes| begins_as_mjcf(&bytes))
-}
-
-fn begins_as_mjcf(bytes: &[u8]) -> bool {
-    edits::first_byte(bytes) == Some(b'<') && tags::parse(bytes).is_ok_and(|root| root.name == "mujoco")
+    path.is_file() && std::fs::read(path).is_ok_and(|bytes| begins_as(&bytes, "mujoco"))
 }
 
 /// Reads a robot from a file: a description in JSON, URDF, MJCF, or a table of Denavit and Hartenberg's numbers, by its
@@ -97,21 +90,21 @@ fn read_any(path: &Path) -> Result<RobotFile, RecordError> {
             notes,
         }
     };
-    match edits::first_byte(&bytes) {
-        Some(b'<') if begins_as_mjcf(&bytes) => {
-            let read = mjcf::read_mjcf(path)?;
-            Ok(plain(read.robot, RobotFormat::Mjcf, read.passed_over, bytes))
+    match first_letter(&bytes) {
+        Some(b'<') if begins_as(&bytes, "mujoco") => {
+            let (robot, notes) = mjcf::read_mjcf(path)?;
+            Ok(plain(robot, RobotFormat::Mjcf, notes, bytes))
         }
         Some(b'<') => {
-            let read = urdf::read_urdf(path, &bytes)?;
-            Ok(plain(read.robot, RobotFormat::Urdf, read.passed_over, bytes))
+            let (robot, notes) = urdf::read_urdf(path, &bytes)?;
+            Ok(plain(robot, RobotFormat::Urdf, notes, bytes))
         }
         Some(_) if log::is_log(&bytes) => Err(RecordError::format(
             path,
             Some(1),
             "it is a log of touches, where a robot belongs: give the robot first, then the log",
         )),
-        Some(b'{') if !dh_table::is_dh_json(&bytes) => json::read(path, bytes),
+        Some(b'{') => json::read(path, bytes),
         _ => Ok(plain(dh::read_dh(path, &bytes)?, RobotFormat::Dh, Vec::new(), bytes)),
     }
 }
@@ -125,9 +118,9 @@ impl RobotFile {
     pub fn with_values(&self, path: &Path, values: &[Value]) -> Result<Written, RecordError> {
         match self.format {
             RobotFormat::Json => Ok(json::with_values(&self.bytes, &self.robot, values)),
-            RobotFormat::Urdf => urdf_writer::write_urdf(path, &self.bytes, &self.robot, values),
+            RobotFormat::Urdf => Ok(urdf_writer::write_urdf(path, &self.bytes, &self.robot, values)?),
             RobotFormat::Mjcf => mjcf_writer::write_mjcf(path, &self.bytes, &self.robot, values),
-            RobotFormat::Dh => dh_writer::write_dh(path, &self.bytes, &self.robot, values),
+            RobotFormat::Dh => dh::write_dh(path, &self.bytes, &self.robot, values),
         }
     }
 }

@@ -1,119 +1,84 @@
 //! A robot from URDF: its links and joints as quantities, its masses, and what of its collision geometry is no mesh.
 //!
 //! The pose of a joint's child is `JOINT.position`, then `JOINT.orientation`, then what the degree of freedom JOINT does.
-//! The crate `urdf-rs` refuses limits without a greatest velocity and masses without an inertia, and keeps neither lines
-//! nor bytes, without which a file could not be written back as it was.
 
 use std::path::Path;
 
 use nalgebra::Rotation3;
 
-use super::edits::first_byte;
-use super::tags::{Fault, Tag, parse};
-use super::urdf_elements::{Origin, number, rotation, shapes, unit, vector};
 use crate::calibration::robot::{Element, Form, LinkMass, Robot, Unit, Value};
 use crate::creature::{DofKind, UNLIMITED_SLIDE};
 use crate::geometry::{Frame, Shape};
-use crate::mjcf_xml::{
-    Refused, Source, UrdfFollowing, UrdfJoint, UrdfKind, UrdfTree, check_limits, check_values,
+use crate::model_files::{
+    Element as Tag, Origin, Refused, Source, UrdfFollowing, UrdfJoint, UrdfKind, UrdfTree, check_limits,
+    check_values,
 };
-use crate::session::RecordError;
 
-/// A robot of a URDF file.
-#[derive(Clone, Debug, PartialEq)]
-pub struct UrdfRobot {
-    /// The robot, in its maker's frames. A joint that mimics another is a degree of freedom after all that do not, with the
-    /// coordinate of the one that it follows, by its nominal gain and offset.
-    pub robot: Robot,
-    /// What of the file is of no use here, a sentence each.
-    pub passed_over: Vec<String>,
-}
-
-/// Reads a robot from the bytes of a URDF file, which is called `path` in messages.
+/// Reads a robot from a URDF file, in its maker's frames, and tells what of the file is of no use here, a sentence each. A
+/// joint that mimics another is a degree of freedom after all that do not, with the coordinate of the one that it follows,
+/// by its nominal gain and offset.
 ///
 /// # Errors
-/// Where it is no URDF, or describes no tree of hinges, slides and fixed joints; [`RecordError`] names the
-/// line.
-pub fn read_urdf(path: &Path, bytes: &[u8]) -> Result<UrdfRobot, RecordError> {
-    let at = |(line, message): Fault| RecordError::format(path, Some(line), message);
-    let refused = |refused: Refused| RecordError::format(path, refused.line, refused.message);
-    let tags = root(bytes).map_err(at)?;
-    let source = Source::of_text(path, &String::from_utf8_lossy(bytes)).map_err(refused)?;
-    check_limits(&source).and_then(|()| check_values(&source)).map_err(refused)?;
-    let tree = UrdfTree::new(&source).map_err(refused)?;
-    robot(&tags, &tree).map_err(at)
+/// Where it is no URDF, or describes no tree of hinges, slides and fixed joints.
+pub fn read_urdf(path: &Path, bytes: &[u8]) -> Result<(Robot, Vec<String>), Refused> {
+    let source = Source::of_bytes(path, bytes)?;
+    if source.root.name != "robot" {
+        let message = format!(
+            "it is no URDF, but <{}>; give a URDF file, whose first element is <robot>",
+            source.root.name
+        );
+        return Err(source.refused(&source.root, message));
+    }
+    check_limits(&source)?;
+    check_values(&source)?;
+    let tree = UrdfTree::new(&source)?;
+    if let Some((origin, fault)) = tree.turn_faults().into_iter().next() {
+        return Err(source.refused(origin, fault));
+    }
+    robot(&source, &tree)
 }
 
-/// The element `<robot>` of a file.
-pub(super) fn root(bytes: &[u8]) -> Result<Tag, Fault> {
-    let refused = |message: &str| Err((1, message.to_string()));
-    match first_byte(bytes) {
-        Some(b'{' | b'[') => {
-            return refused(
-                "it is JSON where URDF is expected: give it with the ending .json, or give a URDF file",
-            );
-        }
-        Some(b'<') => {}
-        Some(0xff | 0xfe) => return refused("it is in UTF-16: save it in UTF-8"),
-        None => return refused("it is empty: give a URDF file"),
-        Some(_) => return refused("it is no XML: give a URDF file, whose first element is <robot>"),
-    }
-    let root = parse(bytes)?;
-    match root.name.as_str() {
-        "robot" => Ok(root),
-        name => {
-            let message =
-                format!("it is no URDF, but <{name}>: give a URDF file, whose first element is <robot>");
-            Err((root.line, message))
-        }
-    }
-}
-
-/// The robot of a file's tree; `tags` are the same elements with the bytes that they stand in.
-fn robot(tags: &Tag, tree: &UrdfTree) -> Result<UrdfRobot, Fault> {
-    let mut robot = Robot::new(tags.value("name").unwrap_or("robot"), tree.root);
+/// The robot of a file's tree.
+fn robot(source: &Source, tree: &UrdfTree) -> Result<(Robot, Vec<String>), Refused> {
+    let mut robot = Robot::new(source.root.get("name").unwrap_or("robot"), tree.root);
     let mut passed_over = tree.notes.clone();
     let mut followers = Vec::new();
     for joint in &tree.joints {
-        let UrdfJoint { name, parent, child, axis, .. } = *joint;
-        let tag = tags
-            .children_of("joint")
-            .find(|tag| tag.child("child").and_then(|c| c.value("link")) == Some(child));
-        let tag = tag.unwrap_or(tags);
+        let UrdfJoint { name, parent, child, axis, element, .. } = *joint;
         if name.is_empty() {
-            return Err((tag.line, "<joint> has no name: give it name=\"…\"".into()));
+            return Err(source.refused(element, "<joint> has no name; give it name=\"…\""));
         }
-        let Origin { place, turns } = Origin::of(tag, &format!("joint {name}"))?;
+        let origin = Origin::of(element);
         let parent_link = robot.link(parent).unwrap_or_default();
         let kind = match joint.kind {
             UrdfKind::Fixed => None,
             UrdfKind::Revolute | UrdfKind::Continuous => Some(DofKind::Hinge),
             UrdfKind::Prismatic => Some(DofKind::Slide),
             UrdfKind::Floating | UrdfKind::Planar => {
-                let about = tag.value("type").unwrap_or_default();
+                let about = element.get("type").unwrap_or_default();
                 if parent != tree.root {
                     let message = format!(
-                        "joint {name} is {about}, which an encoder does not read: make it fixed, or hinges and slides \
+                        "joint {name} is {about}, which an encoder does not read; make it fixed, or hinges and slides \
                          one after the other"
                     );
-                    return Err((tag.line, message));
+                    return Err(source.refused(element, message));
                 }
                 passed_over.push(format!(
                     "joint {name} is {about} and at the root: link {child} is taken to stand still in link {parent}"
                 ));
-                let pose = Frame { rotation: rotation(turns), origin: place };
-                robot.add_link(child, parent_link, vec![Element::Fixed(pose)]);
+                robot.add_link(child, parent_link, vec![Element::Fixed(frame(&origin))]);
                 continue;
             }
         };
-        let shift = robot.add_quantity(format!("{name}.position"), Unit::Metre, Value::Position(place));
-        let turn = Value::Orientation(rotation(turns));
+        let shift = Value::Position(origin.place);
+        let shift = robot.add_quantity(format!("{name}.position"), Unit::Metre, shift);
+        let turn = Value::Orientation(origin.rotation());
         let turn = robot.add_quantity(format!("{name}.orientation"), Unit::Radian, turn);
         let mut elements = vec![Element::Shift(shift), Element::Turn(turn)];
         if let Some(kind) = kind {
             let span = if kind == DofKind::Slide { UNLIMITED_SLIDE } else { std::f64::consts::PI };
             let range = joint.limits.unwrap_or([-span, span]);
-            let axis = unit(&axis);
+            let axis = axis.normalize();
             match joint.follows {
                 Some(UrdfFollowing { leader: Some(leader), gain, offset }) => {
                     followers.push((name, leader, [gain, offset], kind, range, axis, robot.links.len()));
@@ -141,14 +106,13 @@ fn robot(tags: &Tag, tree: &UrdfTree) -> Result<UrdfRobot, Fault> {
         robot.links[link].elements.push(Element::Dof(dof));
     }
     let mut meshed = Vec::new();
-    for tag in tags.children_of("link") {
-        let name = tag.value("name").unwrap_or_default();
+    for (name, element) in &tree.links {
         let link = robot.link(name).unwrap_or_default();
-        add_mass(&mut robot, link, tag)?;
-        add_surfaces(&mut robot, link, tag)?;
-        let mesh = |c: &Tag| c.child("geometry").and_then(|g| g.child("mesh")).is_some();
-        if tag.children_of("collision").any(mesh) {
-            meshed.push(name);
+        add_mass(&mut robot, link, source, element)?;
+        add_surfaces(&mut robot, link, source, element)?;
+        let is_mesh = |c: &Tag| c.child("geometry").and_then(|geometry| geometry.child("mesh")).is_some();
+        if element.all("collision").any(is_mesh) {
+            meshed.push(*name);
         }
     }
     if !meshed.is_empty() {
@@ -157,37 +121,40 @@ fn robot(tags: &Tag, tree: &UrdfTree) -> Result<UrdfRobot, Fault> {
             "the meshes of {links} are passed over: only spheres, cylinders, capsules and boxes are surfaces here"
         ));
     }
-    Ok(UrdfRobot { robot, passed_over })
+    Ok((robot, passed_over))
+}
+
+fn frame(origin: &Origin) -> Frame {
+    Frame { rotation: origin.rotation(), origin: origin.place }
 }
 
 /// What a link weighs, where it weighs anything.
-fn add_mass(robot: &mut Robot, link: usize, tag: &Tag) -> Result<(), Fault> {
-    let Some(inertial) = tag.child("inertial") else { return Ok(()) };
-    let of = format!("link {}", robot.links[link].name);
+fn add_mass(robot: &mut Robot, link: usize, source: &Source, element: &Tag) -> Result<(), Refused> {
+    let Some(inertial) = element.child("inertial") else { return Ok(()) };
     let Some(mass) = inertial.child("mass") else { return Ok(()) };
-    let kilograms = number(mass, "value", &of)?.unwrap_or(0.0);
+    let kilograms = mass.number("value").unwrap_or(0.0);
     if kilograms < 0.0 {
-        return Err((mass.line, format!("the mass of {of} is negative: give kilograms")));
+        let message = format!("the mass of link {} is negative; give kilograms", robot.links[link].name);
+        return Err(source.refused(mass, message));
     }
     if kilograms > 0.0 {
-        let centre = Origin::of(inertial, &of)?.place;
-        robot.masses.push(LinkMass { link, mass: kilograms, centre });
+        robot.masses.push(LinkMass { link, mass: kilograms, centre: Origin::of(inertial).place });
     }
     Ok(())
 }
 
 /// A link's collision geometry as surfaces: called LINK where there is one, else LINK.1, LINK.2 and so on.
-fn add_surfaces(robot: &mut Robot, link: usize, tag: &Tag) -> Result<(), Fault> {
-    let of = format!("link {}", robot.links[link].name);
-    for (name, collision, shape) in shapes(&robot.links[link].name.clone(), tag) {
-        let Origin { place, turns } = Origin::of(collision, &of)?;
-        let pose = Frame { rotation: rotation(turns), origin: place };
+fn add_surfaces(robot: &mut Robot, link: usize, source: &Source, element: &Tag) -> Result<(), Refused> {
+    let of = robot.links[link].name.clone();
+    for (name, collision, shape) in shapes(&of, element) {
+        let pose = frame(&Origin::of(collision));
+        let needs = |attribute: &str| {
+            let message =
+                format!("<{}> of link {of} needs {attribute}=\"…\" above 0; give metres", shape.name);
+            source.refused(shape, message)
+        };
         let length = |attribute: &str| {
-            number(shape, attribute, &of)?.filter(|length| *length > 0.0).ok_or_else(|| {
-                let message =
-                    format!("<{}> of {of} needs {attribute}=\"…\" above 0: give metres", shape.name);
-                (shape.line, message)
-            })
+            shape.number(attribute).filter(|length| *length > 0.0).ok_or_else(|| needs(attribute))
         };
         let form = match shape.name.as_str() {
             "sphere" => {
@@ -197,15 +164,27 @@ fn add_surfaces(robot: &mut Robot, link: usize, tag: &Tag) -> Result<(), Fault> 
             "cylinder" => Shape::Cylinder { radius: length("radius")?, half_length: 0.5 * length("length")? },
             "capsule" => Shape::Capsule { radius: length("radius")?, half_length: 0.5 * length("length")? },
             _ => {
-                let size = vector(shape, "size", &of)?.filter(|size| size.min() > 0.0).ok_or_else(|| {
-                    (shape.line, format!("<box> of {of} needs size=\"…\" above 0: give metres"))
-                })?;
-                Shape::Box { half_extents: (0.5 * size).into() }
+                let size = shape.vector("size").filter(|size| size.min() > 0.0);
+                Shape::Box { half_extents: (0.5 * size.ok_or_else(|| needs("size"))?).into() }
             }
         };
         robot.add_surface(&name, link, pose, Form::Solid(form));
     }
     Ok(())
+}
+
+/// The shapes of a link's collision geometry that are no meshes: a surface's name, the `<collision>` and the shape.
+pub(super) fn shapes<'a>(link: &str, element: &'a Tag) -> Vec<(String, &'a Tag, &'a Tag)> {
+    let known = |shape: &&Tag| ["sphere", "cylinder", "capsule", "box"].contains(&shape.name.as_str());
+    let found: Vec<(&Tag, &Tag)> = element
+        .children
+        .iter()
+        .filter(|child| child.name == "collision")
+        .filter_map(|collision| Some((collision, collision.child("geometry")?.children.iter().find(known)?)))
+        .collect();
+    let alone = found.len() == 1;
+    let called = |i: usize| if alone { link.to_string() } else { format!("{link}.{}", i + 1) };
+    found.into_iter().enumerate().map(|(i, (collision, shape))| (called(i), collision, shape)).collect()
 }
 
 #[cfg(test)]
@@ -249,9 +228,9 @@ pub(super) mod tests {
 </robot>
 "#;
 
-    pub fn read(text: &str) -> Result<UrdfRobot, String> {
+    pub fn read(text: &str) -> Result<(Robot, Vec<String>), String> {
         let read = read_urdf(Path::new("arm.urdf"), text.as_bytes());
-        read.map_err(|error| error.to_string())
+        read.map_err(|refused| format!("line {}: {}", refused.line.unwrap_or_default(), refused.message))
     }
 
     pub fn about(axis: usize, angle: f64) -> Frame {
@@ -270,7 +249,7 @@ pub(super) mod tests {
 
     #[test]
     fn links_are_where_urdf_has_them() {
-        let UrdfRobot { robot, passed_over } = read(ARM).unwrap();
+        let (robot, passed_over) = read(ARM).unwrap();
         assert_eq!(robot.coordinates(), 3);
         let names: Vec<&str> = robot.dofs.iter().map(|dof| dof.name.as_str()).collect();
         assert_eq!(names, ["shoulder", "elbow", "finger", "thumb"]);
@@ -302,9 +281,7 @@ pub(super) mod tests {
             read(&ARM.replacen(from, to, 1)).unwrap_err()
         };
         let cases = [
-            (read("{\"joints\": []}").unwrap_err(), "line 1: it is JSON where URDF is expected: "),
-            (read("<mujoco/>").unwrap_err(), "line 1: it is no URDF, but <mujoco>: "),
-            (read("joint,a,d").unwrap_err(), "line 1: it is no XML: "),
+            (read("<mujoco/>").unwrap_err(), "line 1: it is no URDF, but <mujoco>; "),
             (with("<link name=\"hand\"/>", "<xacro:hand/>"), "line 22: <xacro:hand> is of Xacro, not URDF; "),
             (
                 with("0 0.2 0", "0 ${length} 0"),
@@ -319,7 +296,7 @@ pub(super) mod tests {
             (with("\"continuous\"", "\"hinge\""), "joint elbow is of the type \"hinge\"; "),
             (
                 with("\"continuous\"", "\"floating\""),
-                "joint elbow is floating, which an encoder does not read: ",
+                "joint elbow is floating, which an encoder does not read; ",
             ),
             (
                 with("parent link=\"hand\"", "parent link=\"palm\""),
@@ -329,7 +306,7 @@ pub(super) mod tests {
             (with("joint=\"finger\"", "joint=\"thumb\""), "joint thumb mimics itself"),
             (with("name=\"elbow\"", "name=\"wrist\""), "line 21: there are two joints wrist; "),
             (with("0.6 0 0.8", "0 0 0"), "the axis of joint finger has no direction"),
-            (with("'0.05'", "'0'"), "line 4: <sphere> of link base needs radius=\"…\" above 0: "),
+            (with("'0.05'", "'0'"), "line 4: <sphere> of link base needs radius=\"…\" above 0; "),
         ];
         for (message, expected) in cases {
             assert!(message.contains(expected) && message.contains([':', ';']), "{message} != {expected}");

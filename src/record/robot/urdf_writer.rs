@@ -8,19 +8,16 @@ use std::collections::BTreeSet;
 use std::path::Path;
 
 use nalgebra::{Matrix3, Rotation3, Unit, Vector3};
-use quick_xml::escape::escape;
 
-use super::edits::{
-    Change, Edits, Written, indentation, is_to_be_found, negative, new_element, number_list,
-    unsaid_compliance, unsaid_gain,
-};
-use super::tags::{Fault, Tag};
-use super::urdf::root;
-use super::urdf_elements::{Origin, axis_of, follows, number, rotation, shapes};
+use super::urdf::shapes;
+use super::writing::{Written, is_to_be_found, unsaid_compliance, unsaid_gain};
 use crate::calibration::robot::{Element, Form, Posed, Robot, Value};
 use crate::creature::DofKind;
 use crate::geometry::Frame;
-use crate::session::RecordError;
+use crate::model_files::{
+    Change, Element as Tag, Origin, Refused, Source, UrdfJoint, UrdfTree, XmlEdits, escape, negative,
+    new_element,
+};
 
 /// How the format is called in what is left out.
 const FORMAT: &str = "URDF";
@@ -36,33 +33,20 @@ const UPRIGHT: f64 = 1e-12;
 ///
 /// # Errors
 /// Where `original` is no URDF.
-pub fn write_urdf(
-    path: &Path,
-    original: &[u8],
-    robot: &Robot,
-    values: &[Value],
-) -> Result<Written, RecordError> {
-    written(original, robot, values).map_err(|(line, message)| RecordError::format(path, Some(line), message))
-}
-
-fn written(original: &[u8], robot: &Robot, values: &[Value]) -> Result<Written, Fault> {
-    let root = root(original)?;
-    let mut writer = Writer { original, robot, values, edits: Edits::default(), left_out: Vec::new() };
-    for joint in root.children_of("joint") {
-        writer.joint(joint)?;
-    }
-    for link in root.children_of("link") {
-        writer.radii(link)?;
-    }
-    writer.added(&root);
-    Ok(Written { bytes: writer.edits.of(original), left_out: writer.left_out })
+pub fn write_urdf(path: &Path, original: &[u8], robot: &Robot, values: &[Value]) -> Result<Written, Refused> {
+    let source = Source::of_bytes(path, original)?;
+    let tree = UrdfTree::new(&source)?;
+    let mut writer = Writer { robot, values, edits: XmlEdits::new(original), left_out: Vec::new() };
+    tree.joints.iter().for_each(|joint| writer.joint(joint));
+    tree.links.iter().for_each(|(name, link)| writer.radii(name, link));
+    writer.added(&source.root, &tree);
+    Ok(Written { bytes: writer.edits.written(), left_out: writer.left_out })
 }
 
 struct Writer<'a> {
-    original: &'a [u8],
     robot: &'a Robot,
     values: &'a [Value],
-    edits: Edits,
+    edits: XmlEdits<'a>,
     left_out: Vec<String>,
 }
 
@@ -72,54 +56,50 @@ impl<'a> Writer<'a> {
     }
 
     /// A joint's origin and axis, and what of its encoder can be said.
-    fn joint(&mut self, tag: &Tag) -> Result<(), Fault> {
-        let name = tag.value("name").unwrap_or_default();
-        let old = Origin::of(tag, &format!("joint {name}"))?;
+    fn joint(&mut self, joint: &UrdfJoint) {
+        let UrdfJoint { element: tag, name, .. } = *joint;
+        let old = Origin::of(tag);
         let (Some(Value::Position(mut place)), Some(Value::Orientation(mut turn))) =
             (self.value(&format!("{name}.position")), self.value(&format!("{name}.orientation")))
         else {
-            return Ok(());
+            return;
         };
-        let mut missing = self.degree_of_freedom(tag, name, &mut place, &mut turn)?;
+        let mut missing = self.degree_of_freedom(joint, &mut place, &mut turn);
         let mut changes = Vec::new();
         if place != old.place {
             changes.push(Change::of("xyz", old.place.as_slice(), place.as_slice()));
         }
-        if turn != rotation(old.turns) {
+        if turn != old.rotation() {
             let change = Change::of("rpy", old.turns, turns(&turn, old.turns));
             changes.push(Change { negligible: ROUNDING, ..change });
         }
         match tag.child("origin") {
             _ if changes.is_empty() => {}
-            Some(origin) => self.edits.set(self.original, origin, &changes),
+            Some(origin) => self.edits.set(origin, &changes),
             None => missing.insert_str(0, &new_element("origin", &changes)),
         }
         if !missing.is_empty() {
-            let before = indentation(
-                self.original,
-                tag.children.first().map_or(tag.start.end, |child| child.start.start),
-            );
-            let missing = missing.replace('\n', &before);
-            self.edits.insert(tag.start.end, missing);
+            self.edits.add(tag, &missing, true);
         }
-        Ok(())
     }
 
     /// What of a degree of freedom can be said: its offset goes into the pose of its joint, its sign into its axis. An
     /// element for the axis where the file has none.
     fn degree_of_freedom(
         &mut self,
-        tag: &Tag,
-        name: &str,
+        joint: &UrdfJoint,
         place: &mut Vector3<f64>,
         turn: &mut Matrix3<f64>,
-    ) -> Result<String, Fault> {
-        let Some(dof) = self.robot.dof(name) else { return Ok(String::new()) };
-        let Some(q) = self.robot.dofs[dof].quantities else { return Ok(String::new()) };
+    ) -> String {
+        let UrdfJoint { element: tag, name, .. } = *joint;
+        let Some(dof) = self.robot.dof(name) else { return String::new() };
+        let Some(q) = self.robot.dofs[dof].quantities else { return String::new() };
         let [sign, gain, offset] = [q.sign, q.gain, q.offset].map(|quantity| self.values[quantity].number());
         let mut axis = self.values[q.axis].vector();
         if let Some(mimic) = tag.child("mimic") {
-            let ([multiplier, shift], leader) = follows(mimic, name)?;
+            let [multiplier, shift] = [("multiplier", 1.0), ("offset", 0.0)]
+                .map(|(attribute, default)| mimic.number(attribute).unwrap_or(default));
+            let leader = mimic.get("joint").unwrap_or_default();
             // The file's numbers go by the joint that it names, which may mimic another in its turn.
             let of_leader = |values: &[Value]| {
                 let mimics = self.robot.leaders().all(|other| other.name != leader);
@@ -133,8 +113,8 @@ impl<'a> Writer<'a> {
                 && of_leader(self.values) == of_leader(&nominal);
             if !same && by != 0.0 {
                 let new = sign * gain / by;
-                self.edits.set(self.original, mimic, &[Change::of("multiplier", [multiplier], [new])]);
-                self.edits.set(self.original, mimic, &[Change::of("offset", [shift], [offset - new * at])]);
+                self.edits.set(mimic, &[Change::of("multiplier", [multiplier], [new])]);
+                self.edits.set(mimic, &[Change::of("offset", [shift], [offset - new * at])]);
             }
         } else {
             match self.robot.dofs[dof].kind {
@@ -151,19 +131,18 @@ impl<'a> Writer<'a> {
             self.left_out.extend(unsaid_gain(self.robot, self.values, dof, FORMAT));
         }
         self.left_out.extend(unsaid_compliance(self.robot, self.values, dof, FORMAT));
-        let was = axis_of(tag, name)?;
+        let was = joint.axis.normalize();
         if axis == was {
-            return Ok(String::new());
+            return String::new();
         }
         let change = Change::of("xyz", was.as_slice(), axis.as_slice());
         match tag.child("axis") {
             // Where the file's axis is not of length 1, none of its numbers stays.
             Some(found) => {
-                let given = number_list(found.value("xyz").unwrap_or("1 0 0"));
-                self.edits.set(self.original, found, &[Change { old: given, ..change }]);
-                Ok(String::new())
+                self.edits.set(found, &[Change { old: joint.axis.as_slice().into(), ..change }]);
+                String::new()
             }
-            None => Ok(new_element("axis", &[change])),
+            None => new_element("axis", &[change]),
         }
     }
 
@@ -174,41 +153,29 @@ impl<'a> Writer<'a> {
         {
             let Some(limit) = joint.child(child) else { continue };
             for (name, other) in [(lower, upper), (upper, lower)] {
-                let opposite = limit.value(other).map(negative);
-                match (limit.attribute(name), opposite) {
-                    (Some(own), opposite) => {
-                        self.edits.replace(own.at.clone(), opposite.unwrap_or_else(|| "0".into()));
-                    }
-                    (None, Some(opposite)) => {
-                        self.edits.insert(limit.after_name(), format!(" {name}=\"{opposite}\""));
-                    }
-                    (None, None) => {}
+                let opposite = limit.get(other).map(negative);
+                // A limit that is not given is 0.
+                if limit.has(name) || opposite.is_some() {
+                    self.edits.put(limit, name, name, opposite.as_deref().unwrap_or("0"));
                 }
             }
         }
     }
 
     /// The radii of a link's spheres.
-    fn radii(&mut self, tag: &Tag) -> Result<(), Fault> {
-        let link = tag.value("name").unwrap_or_default();
+    fn radii(&mut self, link: &str, tag: &Tag) {
         for (name, _, shape) in shapes(link, tag) {
             let surface = self.robot.surface(&name).map(|surface| &self.robot.surfaces[surface].form);
             if let (Some(Form::Sphere(radius)), "sphere") = (surface, shape.name.as_str()) {
-                let old = number(shape, "radius", &format!("link {link}"))?.unwrap_or_default();
-                self.edits.set(
-                    self.original,
-                    shape,
-                    &[Change::of("radius", [old], [self.values[*radius].number()])],
-                );
+                let old = shape.number("radius").unwrap_or_default();
+                self.edits.set(shape, &[Change::of("radius", [old], [self.values[*radius].number()])]);
             }
         }
-        Ok(())
     }
 
     /// Links that are not of the file, where their pose was to be found.
-    fn added(&mut self, root: &Tag) {
-        let mut there: BTreeSet<&str> =
-            root.children_of("link").filter_map(|link| link.value("name")).collect();
+    fn added(&mut self, root: &Tag, tree: &UrdfTree) {
+        let mut there: BTreeSet<&str> = tree.links.iter().map(|(name, _)| *name).collect();
         let rest = vec![0.0; self.robot.coordinates()];
         let posed = Posed::new(self.robot, self.values, &rest);
         let mut text = String::new();
@@ -235,7 +202,7 @@ impl<'a> Writer<'a> {
                 Change::of("xyz", zero, pose.origin.as_slice()),
                 Change::of("rpy", zero, turns(&pose.rotation, zero)),
             ];
-            let (name, parent) = (escape(link.name.as_str()), escape(parent));
+            let (name, parent) = (escape(&link.name), escape(parent));
             text += &format!(
                 "\n<link name=\"{name}\"/>\n<joint name=\"{name}.joint\" type=\"fixed\">\n  <parent \
                  link=\"{parent}\"/>\n  <child link=\"{name}\"/>{}\n</joint>",
@@ -243,11 +210,7 @@ impl<'a> Writer<'a> {
             );
         }
         if !text.is_empty() {
-            let first = root.children.first().map_or(root.start.end, |child| child.start.start);
-            let text = text.replace('\n', &indentation(self.original, first));
-            // After the last line that is not blank.
-            let at = self.original[..root.end].trim_ascii_end().len();
-            self.edits.insert(at, text);
+            self.edits.add(root, &text, false);
         }
     }
 }
@@ -307,14 +270,14 @@ mod tests {
     #[test]
     fn what_did_not_change_is_written_byte_for_byte() {
         for text in [ARM.to_string(), ARM.replace('\n', "\r\n"), format!("\u{feff}{ARM}")] {
-            let robot = read(&text).unwrap().robot;
+            let robot = read(&text).unwrap().0;
             assert_eq!(write(&text, &robot, &robot.nominal()), (text, Vec::new()));
         }
     }
 
     #[test]
     fn only_the_numbers_that_changed_are_written() {
-        let robot = read(ARM).unwrap().robot;
+        let robot = read(ARM).unwrap().0;
         let mut values = robot.nominal();
         values[robot.quantity("shoulder.position").unwrap()] =
             Value::Position(Vector3::new(0.1, 0.002, 0.30));
@@ -329,7 +292,7 @@ mod tests {
 
     #[test]
     fn a_calibrated_robot_reads_back_as_the_same() {
-        let mut robot = read(ARM).unwrap().robot;
+        let mut robot = read(ARM).unwrap().0;
         let names: Vec<String> = robot.links.iter().map(|link| link.name.clone()).collect();
         let hand = robot.link("hand").unwrap();
         robot.add_mount("hand.mount", hand, Frame::identity());
@@ -352,7 +315,7 @@ mod tests {
             }
             let (text, left_out) = write(ARM, &robot, &values);
             assert_eq!(left_out, Vec::<String>::new());
-            let again = read(&text).unwrap().robot;
+            let again = read(&text).unwrap().0;
             let all: Vec<&str> = names.iter().map(String::as_str).chain(["hand.mount", "tool"]).collect();
             assert_same_links((&robot, &values), (&again, &again.nominal()), &all, trial);
             let turned = values[robot.quantity("shoulder.sign").unwrap()].number() < 0.0;
@@ -362,7 +325,7 @@ mod tests {
 
     #[test]
     fn what_urdf_cannot_say_is_told() {
-        let robot = read(ARM).unwrap().robot;
+        let robot = read(ARM).unwrap().0;
         let mut values = robot.nominal();
         values[robot.quantity("elbow.gain").unwrap()] = Value::Number(1.03);
         values[robot.quantity("finger.compliance").unwrap()] = Value::Number(1e-4);
@@ -379,6 +342,7 @@ mod tests {
     fn an_upright_pitch_keeps_its_rotation() {
         let mut rng = ChaCha8Rng::seed_from_u64(2);
         let upright = 0.5 * std::f64::consts::PI;
+        let rotation = |turns: [f64; 3]| Origin { place: Vector3::zeros(), turns }.rotation();
         for pitch in [upright, upright + 4e-6, 1e-4 - upright, 1.6, 0.3] {
             let near = [rng.random_range(-3.0..3.0), pitch, rng.random_range(-3.0..3.0)];
             for turn in [rotation(near), rotation(near) * about(0, 1e-3).rotation] {

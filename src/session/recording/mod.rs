@@ -20,10 +20,10 @@ use super::touch_columns::{TouchColumns, left_out_in_words};
 use super::touch_line::check;
 use super::words::listed;
 use crate::agent::Agent;
-use crate::calibration::robot::likely;
 use crate::calibration::{SAME_POINT, SAME_POSTURE, first_alike};
 use crate::creature::{Creature, Dof, DofKind, Posture};
 use crate::learning::Input;
+use crate::named::did_you_mean;
 use crate::senses::{Touch, TouchEnd};
 use crate::session::record_error::ContentFault;
 use crate::skin::{Receptor, Skin};
@@ -129,7 +129,7 @@ fn columns_of(table: &mut Table, coordinates: &[(String, Option<Measure>)]) -> R
     let columns = TouchColumns::new(table, coordinates, &[])?;
     if let Some(missing) = columns.posture.iter().position(Option::is_none) {
         let name = &coordinates[missing].0;
-        let meant = columns.spare.iter().find(|other| likely(other.name(), name));
+        let meant = columns.spare.iter().find(|other| did_you_mean(other.name(), [name.as_str()]).is_some());
         let meant =
             meant.map_or(String::new(), |other| format!(", or is {} meant? Then rename it", other.title));
         return Err(format!("there is no column {name}: add this degree of freedom{meant}"));

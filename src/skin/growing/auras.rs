@@ -2,12 +2,10 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use xmltree::{Element, XMLNode};
-
 use super::file::{each_body, free_class, insert_behind_geoms, numbers};
 use crate::creature::Body;
 use crate::geometry::Frame;
-use crate::mjcf_xml::{add_class, attribute, element, set_compiler};
+use crate::model_files::{Element, add_class, element, set_compiler};
 use crate::mujoco::{self, AURA_GEOM, ObjectKind};
 use crate::skin::aura::{aura_of, on_body};
 use crate::skin::skin_of;
@@ -73,9 +71,9 @@ fn leave_out_of_inertia(root: &mut Element, body: &Body) {
     if (0..model.ngeom()).any(|geom| model.geom(geom).group >= GROUP && !model.is_aura(geom)) {
         return;
     }
-    let compilers = root.children.iter().filter_map(XMLNode::as_element).filter(|e| e.name == "compiler");
+    let compilers = root.children.iter().filter(|e| e.name == "compiler");
     // A later setting overrides an earlier one.
-    let told = compilers.filter_map(|e| attribute(e, RANGE)).next_back().unwrap_or("0 5");
+    let told = compilers.filter_map(|e| e.get(RANGE)).next_back().unwrap_or("0 5");
     let range: Vec<i32> = told.split_whitespace().filter_map(|number| number.parse().ok()).collect();
     if let [least, most] = range[..]
         && most >= GROUP

@@ -4,13 +4,11 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use xmltree::{Element, XMLNode};
-
 use super::auras::add_auras;
 use super::{GrowError, GrowOptions, Sprout, sprouts, wxyz};
 use crate::creature::{Body, BodyError, JointSelection, body_name, joint_name};
 use crate::geometry::Shape;
-use crate::mjcf_xml::{HALF_THICKNESS, Source, add_receptor_class, element, section, write};
+use crate::model_files::{Element, HALF_THICKNESS, Source, add_receptor_class, element, write};
 use crate::mujoco::{self, JointKind, Model, ObjectKind, SensorKind};
 use crate::skin::from_model::{skin_of, touch_sites};
 
@@ -59,13 +57,13 @@ pub fn grow_skin_rooted(path: &Path, root: Option<&str>, options: &GrowOptions) 
         other => unsuitable(other.to_string()),
     })?;
     let mut root = Source::read(path).map_err(mujoco::Error::from)?.root;
-    if attribute(&root, "compiler", "coordinate") == Some("global") {
+    if root.child("compiler").and_then(|e| e.get("coordinate")) == Some("global") {
         return Err(unsuitable("it uses global coordinates: convert it to local ones first".into()));
     }
     if name_all(&mut root, &body).is_none() {
         // Composites and replicas are not written out in the file; the engine does that.
         let written = Model::written_out(path)?;
-        root = Element::parse(written.as_bytes()).map_err(|e| unsuitable(e.to_string()))?;
+        root = Source::of_text(path, &written).map_err(mujoco::Error::from)?.root;
         name_all(&mut root, &body).ok_or_else(|| {
             unsuitable("its bodies are not written out in the file: flatten it first".into())
         })?;
@@ -88,8 +86,8 @@ pub fn grow_skin_rooted(path: &Path, root: Option<&str>, options: &GrowOptions) 
     let auras = add_auras(&mut root, &body, digits(&sprouts))?;
     let sensors = add(&mut root, &body, &sprouts).map_err(|fault| unsuitable(fault.to_string()))?;
     if !sensors.is_empty() {
-        let section = section(&mut root, "sensor");
-        section.children.extend(sensors.into_iter().map(XMLNode::Element));
+        let section = root.section("sensor");
+        section.children.extend(sensors.into_iter());
     }
     // What the engine was given in memory, so that it reads the file at all, stands in the file, too.
     let root = Model::accepted(root, path)?;
@@ -165,17 +163,16 @@ fn add(root: &mut Element, body: &Body, sprouts: &[Sprout]) -> Result<Vec<Elemen
 
 /// Puts elements into a body, behind its geoms.
 pub(super) fn insert_behind_geoms(body: &mut Element, new: impl Iterator<Item = Element>) {
-    let geom = |child: &XMLNode| child.as_element().is_some_and(|e| e.name == "geom");
-    let at = body.children.iter().rposition(geom).map_or(0, |k| k + 1);
-    body.children.splice(at..at, new.map(XMLNode::Element));
+    let at = body.children.iter().rposition(|child| child.name == "geom").map_or(0, |k| k + 1);
+    body.children.splice(at..at, new);
 }
 
 /// Makes the class of the receptors' sites, and returns its name.
 fn receptor_class(root: &mut Element) -> Result<String, StickyDefault> {
-    for default in root.children.iter().filter_map(XMLNode::as_element).filter(|e| e.name == "default") {
+    for default in root.children.iter().filter(|e| e.name == "default") {
         // Every class inherits from the outermost.
-        if let Some(site) = default.get_child("site")
-            && let Some(sticky) = STICKY.iter().find(|&&name| site.attributes.contains_key(name))
+        if let Some(site) = default.child("site")
+            && let Some(sticky) = STICKY.iter().find(|&&name| site.has(name))
         {
             return Err(StickyDefault(sticky));
         }
@@ -188,7 +185,7 @@ fn receptor_class(root: &mut Element) -> Result<String, StickyDefault> {
 /// A name for a class of defaults that a file has not taken yet.
 pub(super) fn free_class(root: &Element, name: &str) -> String {
     let mut taken = BTreeSet::new();
-    let sections = root.children.iter().filter_map(XMLNode::as_element);
+    let sections = root.children.iter();
     sections.filter(|section| section.name == "default").for_each(|section| classes(section, &mut taken));
     let mut class = name.to_string();
     while taken.contains(&class) {
@@ -198,8 +195,8 @@ pub(super) fn free_class(root: &Element, name: &str) -> String {
 }
 
 fn classes(element: &Element, taken: &mut BTreeSet<String>) {
-    taken.extend(element.attributes.get("class").cloned());
-    element.children.iter().filter_map(XMLNode::as_element).for_each(|child| classes(child, taken));
+    taken.extend(element.get("class").map(str::to_string));
+    element.children.iter().for_each(|child| classes(child, taken));
 }
 
 /// Names for the creature's bodies and joints that have none.
@@ -232,21 +229,20 @@ fn name_all(root: &mut Element, body: &Body) -> Option<()> {
             return;
         }
         let info = model.body(number);
-        let named = element.attributes.get("name").filter(|name| !name.is_empty());
-        agree &= named.map(String::as_str) == info.name;
+        let named = element.get("name").filter(|name| !name.is_empty());
+        agree &= named == info.name;
         let joint = |child: &&mut Element| child.name == "joint" || child.name == "freejoint";
-        let joints: Vec<&mut Element> =
-            element.children.iter_mut().filter_map(XMLNode::as_mut_element).filter(joint).collect();
+        let joints: Vec<&mut Element> = element.children.iter_mut().filter(joint).collect();
         agree &= joints.len() == info.joints.len();
         for (element, j) in joints.into_iter().zip(info.joints) {
-            let named = element.attributes.get("name").filter(|name| !name.is_empty());
-            agree &= named.map(String::as_str) == model.joint(j).name;
+            let named = element.get("name").filter(|name| !name.is_empty());
+            agree &= named == model.joint(j).name;
             if let Some(name) = names.joints.get(&j) {
-                element.attributes.insert("name".into(), name.clone());
+                element.set("name", name.clone());
             }
         }
         if let Some(name) = names.bodies.get(&number) {
-            element.attributes.insert("name".into(), name.clone());
+            element.set("name", name.clone());
         }
     });
     (agree && number + 1 == model.nbody()).then_some(())
@@ -254,7 +250,7 @@ fn name_all(root: &mut Element, body: &Body) -> Option<()> {
 
 /// Visits the bodies of a file in its order.
 pub(super) fn each_body(root: &mut Element, visit: &mut impl FnMut(&mut Element)) {
-    for child in root.children.iter_mut().filter_map(XMLNode::as_mut_element) {
+    for child in root.children.iter_mut() {
         if child.name == "body" {
             visit(child);
         }
@@ -282,36 +278,30 @@ fn way(from: &Path, to: &Path) -> Option<PathBuf> {
 /// Sets the folders of meshes and textures, where any come from files, so that they are found from elsewhere.
 fn move_assets(root: &mut Element, way: &Path) {
     let from_file = |asset: &Element| {
-        let mut parts = asset.children.iter().filter_map(XMLNode::as_element);
-        parts.any(|part| part.attributes.keys().any(|name| name.starts_with("file")))
+        let mut parts = asset.children.iter();
+        parts.any(|part| part.attributes.iter().any(|(name, _)| name.starts_with("file")))
     };
-    let sections = root.children.iter().filter_map(XMLNode::as_element);
+    let sections = root.children.iter();
     if !sections.filter(|section| section.name == "asset").any(from_file) {
         return;
     }
-    if root.get_child("compiler").is_none() {
-        root.children.insert(0, XMLNode::Element(Element::new("compiler")));
+    if root.child("compiler").is_none() {
+        root.children.insert(0, Element::new("compiler"));
     }
     for folder in ["meshdir", "texturedir"] {
         // A later compiler section overrides an earlier one.
-        let told = root
-            .children
-            .iter_mut()
-            .filter_map(XMLNode::as_mut_element)
-            .filter(|section| section.name == "compiler")
-            .fold(None, |last: Option<&mut Element>, section| {
-                if last.is_none() || section.attributes.contains_key(folder) { Some(section) } else { last }
-            });
+        let told = root.children.iter_mut().filter(|section| section.name == "compiler").fold(
+            None,
+            |last: Option<&mut Element>, section| {
+                if last.is_none() || section.has(folder) { Some(section) } else { last }
+            },
+        );
         if let Some(compiler) = told {
-            let old = compiler.attributes.get(folder).cloned().unwrap_or_default();
+            let old = compiler.get(folder).unwrap_or_default();
             let new = way.join(old).display().to_string();
-            compiler.attributes.insert(folder.into(), new);
+            compiler.set(folder, new);
         }
     }
-}
-
-fn attribute<'a>(root: &'a Element, child: &str, name: &str) -> Option<&'a str> {
-    root.get_child(child)?.attributes.get(name).map(String::as_str)
 }
 
 /// Digits after the point: a micrometre, or less where receptors are small.

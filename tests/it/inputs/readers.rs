@@ -101,9 +101,6 @@ shoulder,hinge,base,0.1,300,90,0,-120,120
 elbow,hinge,,0.3,0,0,0.5,-150,150
 lift,slide,,0,0.2,-90,0,,
 ";
-const DH_JSON: &str = r#"{"name": "arm", "convention": "modified", "joints": [
- {"joint": "shoulder", "a": 0.1, "d": 0.3, "alpha": 1.5708, "theta": 0},
- {"joint": "elbow", "parent": "shoulder", "a": 0.3, "d": 0, "alpha_deg": 90, "theta": 0.5, "range_deg": [-150, 150]}]}"#;
 const SCRIPT: &str = r#"{"probes": [{"name": "finger", "path": [{"time": 0, "at": [0.3, 0.1, 0.2]},
  {"time": 1.5, "receptor": "left_r", "height": -0.001}, {"time": 2, "at": [0.3, 0.1, 0.3]}]}]}"#;
 const URDF: &str = r#"<?xml version="1.0"?>
@@ -348,8 +345,7 @@ impl Yard {
         );
         add("robot, JSON", "robot.json", ROBOT.as_bytes(), 8, Box::new(|path| taken(read_robot(path))));
         add("robot, URDF", "robot.urdf", URDF.as_bytes(), 7, Box::new(robot_but_mjcf));
-        add("robot, DH in CSV", "dh.csv", DH.as_bytes(), 6, Box::new(robot_but_mjcf));
-        add("robot, DH in JSON", "dh.json", DH_JSON.as_bytes(), 5, Box::new(robot_but_mjcf));
+        add("robot, DH", "dh.csv", DH.as_bytes(), 6, Box::new(robot_but_mjcf));
         add(
             "robot's log",
             "robot.csv",

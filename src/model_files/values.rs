@@ -3,11 +3,9 @@
 //! The engine checks what it reads itself, but a file that it does not take as it is, is put in plain terms first: what is
 //! wrong in it must not be read as if it were not there.
 
-use xmltree::{Element, XMLNode};
-
 use super::pose::ORIENTATIONS;
 use super::source::{Refused, Source};
-use super::{attribute, titled};
+use super::tree::Element;
 
 /// Elements of a tree with places in it.
 const PLACED: [&str; 6] = ["body", "frame", "replicate", "geom", "site", "inertial"];
@@ -103,7 +101,7 @@ const WORDS: [(&[&str], &str, &[&str]); 6] = [
 /// # Errors
 /// Where a number or word is none, or a direction is zero.
 pub(crate) fn check(source: &Source) -> Result<(), Refused> {
-    for section in source.root.children.iter().filter_map(XMLNode::as_element) {
+    for section in source.root.children.iter() {
         let part = match section.name.as_str() {
             _ if source.root.name == "robot" => Part::Urdf,
             "worldbody" | "default" | "asset" | "compiler" => Part::Bodies,
@@ -128,9 +126,9 @@ fn within(source: &Source, element: &Element, part: Part) -> Result<(), Refused>
     if let Some(message) = wrong {
         return Err(source.refused(element, message));
     }
-    let children = element.children.iter().filter_map(XMLNode::as_element);
+    let children = element.children.iter();
     // What turns for ever has no limits, whatever it says of them.
-    let unlimited = attribute(element, "type") == Some("continuous");
+    let unlimited = element.get("type") == Some("continuous");
     { children }
         .filter(|child| !(unlimited && child.name == "limit"))
         .try_for_each(|child| within(source, child, part))
@@ -143,7 +141,7 @@ fn fault(element: &Element, name: &str, value: &str, part: Part) -> Option<Strin
         return None;
     }
     let of = |names: &&[&str]| names.contains(&element.name.as_str());
-    let title = titled(element);
+    let title = element.title();
     if part == Part::Bodies {
         let choice = WORDS.iter().find(|(names, word, _)| of(names) && *word == name);
         if let Some((_, _, words)) = choice.filter(|(_, _, words)| !words.contains(&value)) {
@@ -189,8 +187,8 @@ fn undirected(element: &Element) -> Option<String> {
     }
     let mut given = ORIENTATIONS
         .into_iter()
-        .filter(|name| attribute(element, name).is_some_and(|value| !value.trim().is_empty()));
-    let title = titled(element);
+        .filter(|name| element.get(name).is_some_and(|value| !value.trim().is_empty()));
+    let title = element.title();
     let first = given.next()?;
     if let Some(second) = given.next() {
         return Some(format!("{title} is turned by {first} and by {second}; remove one of them"));

@@ -1,11 +1,21 @@
-//! Writing a tree as XML: an element a line, so that a line says which element it is.
+//! Writing a tree as XML: an element a line, so that a line shows which element it is.
 
-use xmltree::{Element, XMLNode};
-
-use quick_xml::escape::escape;
+use super::tree::Element;
 
 /// Elements lie in each other at most so deep in one text: MuJoCo's XML reader takes 100 levels.
 const DEEPEST: usize = 80;
+
+/// A text with entities for the marks of XML.
+pub(crate) fn escape(text: &str) -> String {
+    let marks = [("&", "&amp;"), ("<", "&lt;"), (">", "&gt;"), ("\"", "&quot;"), ("'", "&apos;")];
+    marks.iter().fold(text.to_string(), |text, (mark, entity)| text.replace(mark, entity))
+}
+
+/// Numbers to the last digit: they read back as the very same.
+pub(crate) fn exact<'a>(values: impl IntoIterator<Item = &'a f64>) -> String {
+    // Adding zero turns -0 into 0.
+    values.into_iter().map(|value| (value + 0.0).to_string()).collect::<Vec<_>>().join(" ")
+}
 
 /// The text of a file, indented by two spaces.
 pub(crate) fn write(root: &Element) -> String {
@@ -15,50 +25,28 @@ pub(crate) fn write(root: &Element) -> String {
 }
 
 fn element(one: &Element, depth: usize, text: &mut String) {
-    start(one, depth, text);
-    if one.children.is_empty() {
-        text.push_str("/>\n");
-        return;
+    comments(&one.comments, depth, text);
+    let indent = "  ".repeat(depth);
+    text.push_str(&format!("{indent}{}", start(one)));
+    if one.children.is_empty() && one.last_comments.is_empty() {
+        return text.push_str("/>\n");
     }
     text.push_str(">\n");
-    for child in &one.children {
-        match child {
-            XMLNode::Element(child) => element(child, depth + 1, text),
-            other => node(other, depth + 1, text),
-        }
-    }
-    end(one, depth, text);
+    one.children.iter().for_each(|child| element(child, depth + 1, text));
+    comments(&one.last_comments, depth + 1, text);
+    text.push_str(&format!("{indent}</{}>\n", one.name));
 }
 
-fn indent(depth: usize, text: &mut String) {
-    text.extend(std::iter::repeat_n("  ", depth));
+fn comments(all: &[String], depth: usize, text: &mut String) {
+    all.iter().for_each(|words| text.push_str(&format!("{}<!--{words}-->\n", "  ".repeat(depth))));
 }
 
 /// A start tag without its end.
-fn start(element: &Element, depth: usize, text: &mut String) {
-    indent(depth, text);
-    text.push('<');
-    text.push_str(&element.name);
-    for (name, value) in &element.attributes {
-        text.push_str(&format!(" {name}=\"{}\"", escape(value.as_str()).replace(['\n', '\r', '\t'], " ")));
-    }
-}
-
-fn end(element: &Element, depth: usize, text: &mut String) {
-    indent(depth, text);
-    text.push_str(&format!("</{}>\n", element.name));
-}
-
-/// What is no element, in lines of its own.
-fn node(node: &XMLNode, depth: usize, text: &mut String) {
-    let words = match node {
-        XMLNode::Comment(words) => format!("<!--{words}-->"),
-        XMLNode::Text(words) | XMLNode::CData(words) => escape(words.as_str()).into_owned(),
-        XMLNode::Element(_) | XMLNode::ProcessingInstruction(..) => return,
-    };
-    indent(depth, text);
-    text.push_str(&words);
-    text.push('\n');
+fn start(element: &Element) -> String {
+    let attributes = element.attributes.iter();
+    let attributes = attributes
+        .map(|(name, value)| format!(" {name}=\"{}\"", escape(value).replace(['\n', '\r', '\t'], " ")));
+    format!("<{}{}", element.name, attributes.collect::<String>())
 }
 
 /// A tree as texts that the engine reads, of which the first includes the others: no text is deeper than its XML
@@ -104,14 +92,12 @@ impl Texts {
             return;
         }
         self.elements += 1;
-        let mut tag = String::new();
-        start(one, 0, &mut tag);
-        let children: Vec<&Element> = one.children.iter().filter_map(XMLNode::as_element).collect();
-        if children.is_empty() {
+        let tag = start(one);
+        if one.children.is_empty() {
             return self.push(text, &format!("{tag}/>\n"), Some(number));
         }
         self.push(text, &format!("{tag}>\n"), Some(number));
-        children.into_iter().for_each(|child| self.element(child, depth + 1, text));
+        one.children.iter().for_each(|child| self.element(child, depth + 1, text));
         self.push(text, &format!("</{}>\n", one.name), None);
     }
 }
@@ -123,7 +109,7 @@ pub(crate) fn numbered(root: &mut Element, number: usize) -> Option<&mut Element
             return Some(element);
         }
         *left -= 1;
-        element.children.iter_mut().filter_map(XMLNode::as_mut_element).find_map(|child| within(child, left))
+        element.children.iter_mut().find_map(|child| within(child, left))
     }
     within(root, &mut { number })
 }

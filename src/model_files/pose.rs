@@ -1,9 +1,9 @@
 //! Poses as MJCF writes them: in degrees or radians, by quaternions, axes, or angles in some order.
 
 use nalgebra::{Isometry3, Matrix3, Quaternion, Rotation3, Translation3, UnitQuaternion, Vector3};
-use xmltree::{Element, XMLNode};
 
-use super::{attribute, exact};
+use super::tree::Element;
+use super::write::exact;
 
 /// The ways to give an orientation.
 pub(crate) const ORIENTATIONS: [&str; 5] = ["quat", "axisangle", "xyaxes", "zaxis", "euler"];
@@ -27,8 +27,8 @@ impl Angles {
     /// By what a model's file says, with what it includes written out.
     pub fn of(root: &Element) -> Angles {
         // A later setting overrides an earlier one.
-        let compilers = root.children.iter().filter_map(XMLNode::as_element).filter(|e| e.name == "compiler");
-        let setting = |name: &str| compilers.clone().filter_map(|e| attribute(e, name)).next_back();
+        let compilers = root.children.iter().filter(|e| e.name == "compiler");
+        let setting = |name: &str| compilers.clone().filter_map(|e| e.get(name)).next_back();
         Angles::new(setting("angle"), setting("eulerseq"))
     }
 
@@ -57,7 +57,7 @@ impl Angles {
 
     /// The orientation that an element gives, if it gives one.
     pub fn orientation(&self, element: &Element) -> Option<UnitQuaternion<f64>> {
-        let given = |name: &str| attribute(element, name).map(numbers);
+        let given = |name: &str| element.get(name).map(numbers);
         if let Some([x, y, z]) = given("euler").as_deref() {
             return Some(self.euler([*x, *y, *z]));
         }
@@ -83,7 +83,7 @@ impl Angles {
 
     /// The pose that an element gives; what it does not give is zero.
     pub fn pose(&self, element: &Element) -> Isometry3<f64> {
-        let position = attribute(element, "pos").and_then(vector).unwrap_or_default();
+        let position = element.get("pos").and_then(vector).unwrap_or_default();
         let orientation = self.orientation(element).unwrap_or_default();
         Isometry3::from_parts(Translation3::from(position), orientation)
     }
@@ -109,13 +109,13 @@ pub(super) fn vector(text: &str) -> Option<Vector3<f64>> {
 /// Writes a pose into an element, in place of the one it has; zero is left out.
 pub(super) fn set_pose(element: &mut Element, pose: &Isometry3<f64>) {
     for name in ORIENTATIONS.into_iter().chain(["pos"]) {
-        element.attributes.shift_remove(name);
+        element.remove(name);
     }
     if pose.translation.vector != Vector3::zeros() {
-        element.attributes.insert("pos".into(), exact(pose.translation.vector.iter()));
+        element.set("pos", exact(pose.translation.vector.iter()));
     }
     let turn = &pose.rotation;
     if turn.imag() != Vector3::zeros() {
-        element.attributes.insert("quat".into(), exact(&[turn.w, turn.i, turn.j, turn.k]));
+        element.set("quat", exact(&[turn.w, turn.i, turn.j, turn.k]));
     }
 }

@@ -2,23 +2,23 @@
 
 use std::collections::BTreeSet;
 
-use xmltree::{Element, XMLNode};
+use super::tree::Element;
 
 /// Lets the geoms of some meshes collide, whatever else their filters say; how many there are.
 pub(crate) fn open_meshes(root: &mut Element, meshes: &BTreeSet<String>) -> usize {
-    let sections = root.children.iter_mut().filter_map(XMLNode::as_mut_element);
+    let sections = root.children.iter_mut();
     sections.filter(|section| section.name == "worldbody").map(|world| open(world, meshes)).sum()
 }
 
 /// Opens the geoms below an element that are of these meshes, or may be by their class; how many.
 fn open(element: &mut Element, meshes: &BTreeSet<String>) -> usize {
     let mut opened = 0;
-    for child in element.children.iter_mut().filter_map(XMLNode::as_mut_element) {
+    for child in element.children.iter_mut() {
         opened += open(child, meshes);
-        let of = |name: &str| child.attributes.get(name).map(String::as_str);
+        let of = |name: &str| child.get(name);
         let may_be_of_class = || of("type").is_none_or(|kind| kind == "mesh");
         if child.name == "geom" && of("mesh").map_or_else(may_be_of_class, |mesh| meshes.contains(mesh)) {
-            child.attributes.insert("contype".into(), "1".into());
+            child.set("contype", "1");
             opened += 1;
         }
     }

@@ -3,9 +3,7 @@
 
 use std::collections::BTreeSet;
 
-use xmltree::{Element, XMLNode};
-
-use super::attribute;
+use super::tree::Element;
 
 /// What kind of thing has a name, and the name.
 pub(super) type Name = (&'static str, String);
@@ -23,20 +21,20 @@ pub(super) fn kind(element: &str) -> Option<&'static str> {
 
 /// The names in a tree.
 pub(super) fn names(element: &Element, into: &mut BTreeSet<Name>) {
-    if let (Some(kind), Some(name)) = (kind(&element.name), attribute(element, "name")) {
+    if let (Some(kind), Some(name)) = (kind(&element.name), element.get("name")) {
         into.insert((kind, name.to_string()));
     }
-    element.children.iter().filter_map(XMLNode::as_element).for_each(|child| names(child, into));
+    element.children.iter().for_each(|child| names(child, into));
 }
 
 /// Renames all in a tree that has a name.
 pub(super) fn rename(element: &mut Element, change: &dyn Fn(&str) -> String) {
     if kind(&element.name).is_some()
-        && let Some(name) = element.attributes.get_mut("name")
+        && let Some(name) = element.get_mut("name")
     {
         *name = change(name);
     }
-    element.children.iter_mut().filter_map(XMLNode::as_mut_element).for_each(|child| rename(child, change));
+    element.children.iter_mut().for_each(|child| rename(child, change));
 }
 
 /// The attributes by which an element names things, with their kinds.
@@ -47,7 +45,7 @@ fn slots(element: &Element) -> &'static [(&'static str, &'static str)] {
         "joint" => &[("joint1", "joint"), ("joint2", "joint")],
         "touch" => &[("site", "site")],
         "jointpos" | "ballquat" => &[("joint", "joint")],
-        "element" => match attribute(element, "objtype") {
+        "element" => match element.get("objtype") {
             Some("body" | "xbody") => &[("objname", "body")],
             Some("joint") => &[("objname", "joint")],
             Some("geom") => &[("objname", "geom")],
@@ -61,12 +59,12 @@ fn slots(element: &Element) -> &'static [(&'static str, &'static str)] {
 /// What an element of a section names.
 pub(super) fn named(element: &Element) -> Vec<Name> {
     let slots = slots(element).iter();
-    slots.filter_map(|(slot, kind)| Some((*kind, attribute(element, slot)?.to_string()))).collect()
+    slots.filter_map(|(slot, kind)| Some((*kind, element.get(slot)?.to_string()))).collect()
 }
 
 /// Whether all is there that an element of a section names.
 pub(super) fn stands(element: &Element, names: &BTreeSet<Name>) -> bool {
-    let told = slots(element).first().map(|(slot, _)| attribute(element, slot).is_some());
+    let told = slots(element).first().map(|(slot, _)| element.get(slot).is_some());
     named(element).iter().all(|name| names.contains(name) || name == &("body", "world".to_string()))
         && told.unwrap_or(element.name != "element")
 }
@@ -75,13 +73,13 @@ pub(super) fn stands(element: &Element, names: &BTreeSet<Name>) -> bool {
 fn renamed(element: &Element, names: &BTreeSet<Name>, change: &dyn Fn(&str) -> String) -> Element {
     let mut copy = element.clone();
     for (slot, kind) in slots(element) {
-        if let Some(name) = copy.attributes.get_mut(*slot)
+        if let Some(name) = copy.get_mut(slot)
             && names.contains(&(*kind, name.clone()))
         {
             *name = change(name);
         }
     }
-    if let Some(name) = copy.attributes.get_mut("name") {
+    if let Some(name) = copy.get_mut("name") {
         *name = change(name);
     }
     copy
@@ -97,9 +95,8 @@ pub(super) fn repeated(
     if element.name == "tuple" {
         let mut tuple = element.clone();
         let entries = std::mem::take(&mut tuple.children);
-        let entries = entries.iter().filter_map(XMLNode::as_element);
-        tuple.children =
-            entries.flat_map(|entry| repeated(entry, names, changes)).map(XMLNode::Element).collect();
+        let entries = entries.iter();
+        tuple.children = entries.flat_map(|entry| repeated(entry, names, changes)).collect();
         return vec![tuple];
     }
     if named(element).iter().any(|name| names.contains(name)) {

@@ -1,6 +1,6 @@
 //! What URDF calls things: a name that is nearly one of these is a slip of the pen, and what it says would be lost in silence.
 
-use crate::calibration::robot::nearest_name;
+use crate::named::did_you_mean;
 
 /// Elements, by the element that they are in.
 const ELEMENTS: [(&str, &[&str]); 7] = [
@@ -75,10 +75,7 @@ pub(super) fn is_known(element: &str) -> bool {
 
 fn meant(of: &[(&str, &[&'static str])], within: &str, name: &str) -> Option<&'static str> {
     let (_, known) = of.iter().find(|(parent, _)| *parent == within)?;
-    let near = nearest_name(name, known.iter().copied()).filter(|_| !known.contains(&name))?;
-    // Short names are near to many.
-    let slips = if near.len() <= 4 { 1 } else { 2 };
-    (strsim::osa_distance(&name.to_lowercase(), near) <= slips).then_some(near)
+    did_you_mean(name, known.iter().copied()).filter(|_| !known.contains(&name))
 }
 
 #[cfg(test)]

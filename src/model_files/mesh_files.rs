@@ -3,11 +3,9 @@
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
-use xmltree::{Element, XMLNode};
-
-use super::attribute;
 use super::mesh_corners::{corners, holds_corners};
 use super::source::{Refused, Source, whole_folder_of, with_slashes};
+use super::tree::Element;
 
 /// The kinds of files that meshes are read from: those of the engine, and PLY here.
 const KINDS: [&str; 4] = ["stl", "obj", "msh", "ply"];
@@ -25,12 +23,11 @@ pub(super) struct MeshFolder {
 impl MeshFolder {
     /// By the settings of a model's compiler, which URDF has in an element of its own.
     pub fn of(source: &Source) -> MeshFolder {
-        let elements =
-            |of: &'_ Element| of.children.iter().filter_map(XMLNode::as_element).cloned().collect();
+        let elements = |of: &'_ Element| of.children.iter().cloned().collect();
         let mut sections: Vec<Element> = elements(&source.root);
-        sections.extend(source.root.get_child("mujoco").map(elements).unwrap_or_default());
+        sections.extend(source.root.child("mujoco").map(elements).unwrap_or_default());
         let compilers = || sections.iter().filter(|e| e.name == "compiler");
-        let setting = |name: &str| compilers().filter_map(|e| attribute(e, name)).next_back();
+        let setting = |name: &str| compilers().filter_map(|e| e.get(name)).next_back();
         let folder = whole_folder_of(&source.path);
         let own = setting("meshdir").or_else(|| setting("assetdir"));
         let mut folders: Vec<PathBuf> = own.map(|own| folder.join(with_slashes(own))).into_iter().collect();
@@ -41,9 +38,9 @@ impl MeshFolder {
     /// Gives a mesh the whole path of its file, and a name: that of the file where it has none of its own.
     pub fn settle(&self, mesh: &mut Element) {
         if let Some(name) = mesh_name(mesh) {
-            mesh.attributes.insert("name".into(), name);
+            mesh.set("name", name);
         }
-        if let Some(file) = mesh.attributes.get_mut("file") {
+        if let Some(file) = mesh.get_mut("file") {
             *file = self.find(file).display().to_string();
         }
     }
@@ -134,8 +131,8 @@ fn in_any_case(path: &Path) -> Option<PathBuf> {
 
 /// A mesh's name, or that of its file.
 pub(super) fn mesh_name(mesh: &Element) -> Option<String> {
-    let stem = || Path::new(attribute(mesh, "file")?).file_stem()?.to_str().map(str::to_string);
-    attribute(mesh, "name").map(str::to_string).or_else(stem)
+    let stem = || Path::new(mesh.get("file")?).file_stem()?.to_str().map(str::to_string);
+    mesh.get("name").map(str::to_string).or_else(stem)
 }
 
 /// The kind of a file by its name, in small letters.
@@ -146,13 +143,13 @@ pub(super) fn kind(file: &Path) -> String {
 /// Gives a mesh the corners of its file in the place of the file, or takes its faces from it, so that the engine makes its
 /// hull; whether there was anything to be changed.
 pub(super) fn take_corners(mesh: &mut Element) -> bool {
-    if let Some(corners) = attribute(mesh, "file").and_then(|file| corners(Path::new(file))) {
+    if let Some(corners) = mesh.get("file").and_then(|file| corners(Path::new(file))) {
         let corners: Vec<String> = corners.as_flattened().iter().map(f32::to_string).collect();
-        mesh.attributes.shift_remove("file");
-        mesh.attributes.insert("vertex".into(), corners.join(" "));
+        mesh.remove("file");
+        mesh.set("vertex", corners.join(" "));
         return true;
     }
-    mesh.attributes.contains_key("vertex") && mesh.attributes.shift_remove("face").is_some()
+    mesh.has("vertex") && mesh.remove("face").is_some()
 }
 
 /// A refusal of a model by the first of its meshes whose file cannot be read, where there is one.
@@ -164,13 +161,12 @@ pub(crate) fn unreadable_mesh(path: &Path) -> Option<Refused> {
     } else {
         source.root.clone()
     };
-    let assets = root.children.iter().filter_map(XMLNode::as_element).filter(|e| e.name == "asset");
-    let meshes =
-        assets.flat_map(|e| &e.children).filter_map(XMLNode::as_element).filter(|e| e.name == "mesh");
+    let assets = root.children.iter().filter(|e| e.name == "asset");
+    let meshes = assets.flat_map(|e| &e.children).filter(|e| e.name == "mesh");
     { meshes }.find_map(|mesh| {
         let mut settled = mesh.clone();
         folder.settle(&mut settled);
-        let file = PathBuf::from(attribute(&settled, "file")?);
+        let file = PathBuf::from(settled.get("file")?);
         let sound = kind(&file) == "msh" || corners(&file).is_some();
         (file.is_file() && !sound).then(|| {
             let message = format!(
@@ -184,10 +180,10 @@ pub(crate) fn unreadable_mesh(path: &Path) -> Option<Refused> {
 
 /// Why the engine cannot read a mesh, as far as that can be told from outside.
 pub(super) fn fault(mesh: &Element) -> Option<String> {
-    if attribute(mesh, "vertex").is_some() {
+    if mesh.get("vertex").is_some() {
         return None;
     }
-    match attribute(mesh, "file") {
+    match mesh.get("file") {
         Some(file) => found_fault(Path::new(file)),
         None => Some("it has neither file nor vertices, or is made by the engine it was written for".into()),
     }

@@ -5,7 +5,6 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 
 use nalgebra::{Isometry3, Vector3};
-use xmltree::{Element, XMLNode};
 
 use super::defaults::Defaults;
 use super::left_out::LeftOut;
@@ -13,7 +12,9 @@ use super::mesh_files::{MeshFolder, mesh_name};
 use super::pose::{Angles, ORIENTATIONS, numbers, set_pose, vector};
 use super::references::{Name, names, rename, repeated, stands};
 use super::source::{Refused, Source, folder_of, with_slashes};
-use super::{attribute, exact, limits, titled, values};
+use super::tree::Element;
+use super::write::exact;
+use super::{limits, values};
 
 /// Elements that a file may come to with all its replicas.
 const GREATEST_TREE: usize = 200_000;
@@ -50,17 +51,15 @@ impl Expanded {
     /// # Errors
     /// Where it refers to a model that cannot be read, or comes to more than can be.
     pub fn new(source: &Source, left_out: &mut LeftOut, nesting: usize) -> Result<Expanded, Refused> {
-        let sections = |name: &'static str| {
-            source.root.children.iter().filter_map(XMLNode::as_element).filter(move |e| e.name == name)
-        };
-        let setting = |name: &str| sections("compiler").filter_map(|e| attribute(e, name)).next_back();
+        let sections = |name: &'static str| source.root.children.iter().filter(move |e| e.name == name);
+        let setting = |name: &str| sections("compiler").filter_map(|e| e.get(name)).next_back();
         let defaults = Defaults::new(sections("default"))
             .map_err(|(element, message)| source.refused(element, message))?;
-        let assets = || sections("asset").flat_map(|e| &e.children).filter_map(XMLNode::as_element);
+        let assets = || sections("asset").flat_map(|e| &e.children);
         let colours = assets().filter(|e| e.name == "material").filter_map(|material| {
             let mut material = material.clone();
             defaults.apply(&mut material, None);
-            Some((attribute(&material, "name")?.to_string(), attribute(&material, "rgba")?.to_string()))
+            Some((material.get("name")?.to_string(), material.get("rgba")?.to_string()))
         });
         let folder = MeshFolder::of(source);
         let meshes = assets().filter(|e| e.name == "mesh").map(|mesh| {
@@ -71,7 +70,7 @@ impl Expanded {
         });
         let mut references = Vec::new();
         for (section, kept) in REFERENCES {
-            for entry in sections(section).flat_map(|e| &e.children).filter_map(XMLNode::as_element) {
+            for entry in sections(section).flat_map(|e| &e.children) {
                 if kept.contains(&entry.name.as_str()) {
                     references.push((section, entry.clone()));
                 } else if section == "equality" {
@@ -96,7 +95,7 @@ impl Expanded {
         };
         let mut world = Vec::new();
         for section in sections("worldbody") {
-            world.extend(expansion.children(section, attribute(section, "childclass"))?);
+            world.extend(expansion.children(section, section.get("childclass"))?);
         }
         let Expansion { meshes, references, .. } = expansion;
         Ok(Expanded { world, meshes, references })
@@ -105,16 +104,16 @@ impl Expanded {
 
 /// The file of a model that can be attached.
 fn model_file(source: &Source, model: &Element) -> Option<PathBuf> {
-    Some(folder_of(&source.path).join(with_slashes(attribute(model, "file")?)))
+    Some(folder_of(&source.path).join(with_slashes(model.get("file")?)))
 }
 
 /// The name of a model that can be attached: its own, or what its file calls it.
 fn model_name(source: &Source, model: &Element) -> String {
-    let told = attribute(model, "name").map(str::to_string);
+    let told = model.get("name").map(str::to_string);
     let own = || {
         let file = model_file(source, model)?;
         let read = Source::read(&file).ok()?;
-        attribute(&read.root, "model").map(str::to_string)
+        read.root.get("model").map(str::to_string)
     };
     told.or_else(own).unwrap_or_default()
 }
@@ -139,7 +138,7 @@ impl Expansion<'_> {
     /// What an element of the tree holds, in plain terms; `class` is the one that its ancestors gave their children.
     fn children(&mut self, parent: &Element, class: Option<&str>) -> Result<Vec<Element>, Refused> {
         let mut plain = Vec::new();
-        for child in parent.children.iter().filter_map(XMLNode::as_element) {
+        for child in parent.children.iter() {
             match child.name.as_str() {
                 "body" => plain.push(self.body(child, class)?),
                 "geom" | "site" | "joint" | "freejoint" | "inertial" => plain.push(self.part(child, class)?),
@@ -168,7 +167,7 @@ impl Expansion<'_> {
 
     /// Tells what an element has besides these attributes and a pose.
     fn lose_unknown(&mut self, element: &Element, known: &[&str]) {
-        for name in element.attributes.keys() {
+        for (name, _) in &element.attributes {
             let posed = name == "pos" || ORIENTATIONS.contains(&name.as_str());
             if !posed && !known.contains(&name.as_str()) {
                 self.left_out.lose(format!("{name} of <{}>, which MuJoCo does not know", element.name), 1);
@@ -189,20 +188,20 @@ impl Expansion<'_> {
 
     fn body(&mut self, body: &Element, class: Option<&str>) -> Result<Element, Refused> {
         let mut plain = Element { children: Vec::new(), ..body.clone() };
-        plain.attributes.shift_remove("childclass");
+        plain.remove("childclass");
         set_pose(&mut plain, &self.angles.pose(body));
         let children = self.children(body, self.class(body, "childclass")?.or(class))?;
-        plain.children = children.into_iter().map(XMLNode::Element).collect();
+        plain.children = children.into_iter().collect();
         Ok(plain)
     }
 
     /// The class that an element names.
     fn class<'e>(&self, element: &'e Element, attribute: &str) -> Result<Option<&'e str>, Refused> {
-        match super::attribute(element, attribute) {
+        match element.get(attribute) {
             Some(class) if !class.is_empty() && !self.defaults.has(class) => {
                 let message = format!(
                     "{attribute}=\"{class}\" of {} is the name of no <default>; define that class or correct the name",
-                    titled(element)
+                    element.title()
                 );
                 Err(self.source.refused(element, message))
             }
@@ -215,12 +214,12 @@ impl Expansion<'_> {
         self.class(part, "class")?;
         let mut plain = Element { children: Vec::new(), ..part.clone() };
         // Newer engines take an empty attribute for none.
-        plain.attributes.retain(|_, value| !value.trim().is_empty());
+        plain.attributes.retain(|(_, value)| !value.trim().is_empty());
         self.defaults.apply(&mut plain, class);
-        if plain.name == "site" && attribute(&plain, "type") == Some("mesh") {
+        if plain.name == "site" && plain.get("type") == Some("mesh") {
             // A site of a mesh is somewhere, too.
-            plain.attributes.shift_remove("type");
-            plain.attributes.shift_remove("mesh");
+            plain.remove("type");
+            plain.remove("mesh");
         }
         match plain.name.as_str() {
             "joint" => self.joint(&mut plain),
@@ -229,14 +228,16 @@ impl Expansion<'_> {
                 let pose = self.angles.pose(&plain);
                 set_pose(&mut plain, &pose);
                 // Newer engines take the body's origin where none is given.
-                plain.attributes.insert("pos".into(), exact(pose.translation.vector.iter()));
+                plain.set("pos", exact(pose.translation.vector.iter()));
             }
             _ => {
-                let material = plain.attributes.shift_remove("material");
+                let material = plain.remove("material");
                 if let Some(colour) = material.and_then(|material| self.colours.get(&material)) {
-                    plain.attributes.entry("rgba".into()).or_insert_with(|| colour.clone());
+                    if !plain.has("rgba") {
+                        plain.set("rgba", colour);
+                    }
                 }
-                if attribute(&plain, "fromto").is_none() {
+                if plain.get("fromto").is_none() {
                     let pose = self.angles.pose(&plain);
                     set_pose(&mut plain, &pose);
                 }
@@ -247,38 +248,38 @@ impl Expansion<'_> {
 
     /// Writes out a joint's angles in radians, and whether it has limits.
     fn joint(&self, joint: &mut Element) {
-        let kind = attribute(joint, "type").unwrap_or("hinge").to_string();
+        let kind = joint.get("type").unwrap_or("hinge").to_string();
         let angular = |name: &str| match name {
             "range" => matches!(kind.as_str(), "hinge" | "ball"),
             _ => kind == "hinge",
         };
         for name in ["range", "ref", "springref"] {
-            if let Some(value) = joint.attributes.get_mut(name).filter(|_| angular(name)) {
+            if let Some(value) = joint.get_mut(name).filter(|_| angular(name)) {
                 let radians: Vec<f64> = numbers(value).into_iter().map(|x| self.angles.radians(x)).collect();
                 *value = exact(&radians);
             }
         }
-        let range = attribute(joint, "range").map(numbers).unwrap_or_default();
-        let limited = match attribute(joint, "limited") {
+        let range = joint.get("range").map(numbers).unwrap_or_default();
+        let limited = match joint.get("limited") {
             Some(told @ ("true" | "false")) => told == "true",
             _ => self.autolimits && range.iter().any(|&end| end != 0.0),
         };
-        joint.attributes.insert("limited".into(), limited.to_string());
+        joint.set("limited", limited.to_string());
     }
 
     /// Repeats elements, each time moved on by the same way from where they were, their names with the replica's number.
     fn replicate(&mut self, replicate: &Element, inner: &[Element]) -> Result<Vec<Element>, Refused> {
         let refused = |message: String| self.source.refused(replicate, message);
-        let count = attribute(replicate, "count");
+        let count = replicate.get("count");
         let count = count.ok_or_else(|| refused("<replicate> has no count; give it count=\"…\"".into()))?;
         let count = count.trim().parse::<usize>().map_err(|_| {
             refused(format!("count=\"{count}\" of <replicate> is no whole number of 0 or above; give one"))
         })?;
         self.bounded(replicate, self.elements.saturating_add(count.saturating_mul(inner.len())))?;
-        let offset = attribute(replicate, "offset").and_then(vector).unwrap_or_default();
+        let offset = replicate.get("offset").and_then(vector).unwrap_or_default();
         let turn = self.angles.orientation(replicate).unwrap_or_default();
         let step = Isometry3::from_parts(offset.into(), turn);
-        let separator = attribute(replicate, "sep").unwrap_or_default();
+        let separator = replicate.get("sep").unwrap_or_default();
         let digits = count.saturating_sub(1).to_string().len();
         let suffixed = |k: usize| move |name: &str| format!("{name}{separator}{k:0digits$}");
         let mut replicated: BTreeSet<Name> = BTreeSet::new();
@@ -306,7 +307,7 @@ impl Expansion<'_> {
     /// The body of another model, or all of its world, every name with a prefix.
     fn attach(&mut self, attach: &Element) -> Result<Vec<Element>, Refused> {
         let refused = |message: String| self.source.refused(attach, message);
-        let name = attribute(attach, "model").filter(|name| !name.is_empty());
+        let name = attach.get("model").filter(|name| !name.is_empty());
         let name = name.ok_or_else(|| refused("<attach> names no model; give it model=\"…\"".into()))?;
         let file = self.models.get(name).and_then(|model| model_file(self.source, model)).ok_or_else(|| {
             refused(format!(
@@ -314,7 +315,7 @@ impl Expansion<'_> {
                  file=\"…\"/>"
             ))
         })?;
-        if attach.attributes.contains_key("frame") {
+        if attach.has("frame") {
             return Err(refused("<attach> names a frame, which cannot be read; name the body in it".into()));
         }
         if !file.is_file() {
@@ -340,7 +341,7 @@ impl Expansion<'_> {
         values::check(&attached)?;
         let Expanded { mut world, meshes, references } =
             Expanded::new(&attached, self.left_out, self.nesting + 1)?;
-        if let Some(body) = attribute(attach, "body") {
+        if let Some(body) = attach.get("body") {
             let found = world.iter().find_map(|element| find_body(element, body)).cloned();
             world = vec![found.ok_or_else(|| {
                 refused(format!(
@@ -349,7 +350,7 @@ impl Expansion<'_> {
                 ))
             })?];
         }
-        let prefix = attribute(attach, "prefix").unwrap_or_default();
+        let prefix = attach.get("prefix").unwrap_or_default();
         let prefixed = |name: &str| format!("{prefix}{name}");
         let mut taken: BTreeSet<Name> = BTreeSet::new();
         world.iter().for_each(|element| names(element, &mut taken));
@@ -358,16 +359,16 @@ impl Expansion<'_> {
         }
         for mut mesh in meshes {
             let name = prefixed(&mesh_name(&mesh).unwrap_or_default());
-            mesh.attributes.insert("name".into(), name.clone());
+            mesh.set("name", name.clone());
             // A model may be attached several times.
-            if self.meshes.iter().all(|other| attribute(other, "name") != Some(&name)) {
+            if self.meshes.iter().all(|other| other.get("name") != Some(&name)) {
                 self.meshes.push(mesh);
             }
         }
         for element in &mut world {
             rename(element, &prefixed);
-            super::each(element, &mut |element| {
-                if let Some(mesh) = element.attributes.get_mut("mesh") {
+            element.each(&mut |element| {
+                if let Some(mesh) = element.get_mut("mesh") {
                     *mesh = prefixed(mesh);
                 }
             });
@@ -379,14 +380,14 @@ impl Expansion<'_> {
 
 /// Whether all that an entry of a section names is there.
 fn whole(entry: &Element, names: &BTreeSet<Name>) -> bool {
-    stands(entry, names) && entry.children.iter().filter_map(XMLNode::as_element).all(|e| stands(e, names))
+    stands(entry, names) && entry.children.iter().all(|e| stands(e, names))
 }
 
 fn find_body<'a>(element: &'a Element, name: &str) -> Option<&'a Element> {
-    if element.name == "body" && attribute(element, "name") == Some(name) {
+    if element.name == "body" && element.get("name") == Some(name) {
         return Some(element);
     }
-    element.children.iter().filter_map(XMLNode::as_element).find_map(|child| find_body(child, name))
+    element.children.iter().find_map(|child| find_body(child, name))
 }
 
 /// Moves an element of a frame to where it is in what holds the frame.
@@ -398,24 +399,24 @@ fn put(element: &mut Element, pose: &Isometry3<f64>) {
     match element.name.as_str() {
         "freejoint" => {}
         "joint" => {
-            let kind = attribute(element, "type").unwrap_or("hinge");
+            let kind = element.get("type").unwrap_or("hinge");
             if kind == "free" {
                 return;
             }
             if kind != "ball" {
-                let axis = attribute(element, "axis").and_then(vector).unwrap_or(Vector3::z());
+                let axis = element.get("axis").and_then(vector).unwrap_or(Vector3::z());
                 let axis = pose.rotation * axis;
-                element.attributes.insert("axis".into(), exact(axis.iter()));
+                element.set("axis", exact(axis.iter()));
             }
-            let anchor = point(attribute(element, "pos"));
-            element.attributes.insert("pos".into(), exact(anchor.coords.iter()));
+            let anchor = point(element.get("pos"));
+            element.set("pos", exact(anchor.coords.iter()));
         }
-        _ => match attribute(element, "fromto").map(numbers).as_deref() {
+        _ => match element.get("fromto").map(numbers).as_deref() {
             Some([a, b, c, d, e, f]) => {
                 let ends = [Vector3::new(*a, *b, *c), Vector3::new(*d, *e, *f)];
                 let ends = ends.map(|end| pose * nalgebra::Point3::from(end));
                 let ends = exact(ends.iter().flat_map(|end| end.coords.iter()));
-                element.attributes.insert("fromto".into(), ends);
+                element.set("fromto", ends);
             }
             _ => {
                 // Poses are in plain terms by now: a position and a quaternion.

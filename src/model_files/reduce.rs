@@ -8,15 +8,13 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
-use xmltree::{Element, XMLNode};
-
 use super::expand::Expanded;
 use super::left_out::LeftOut;
 use super::mesh_files::{fault, kind, mesh_name, take_corners};
 use super::references::{Name, names, stands};
 use super::schema::Schema;
 use super::source::{Refused, Source};
-use super::{attribute, each, element, remove, titled};
+use super::tree::{Element, element};
 
 /// Settings of the compiler that every file in plain terms has alike, or that speak of what is left out.
 const SETTLED: [&str; 7] =
@@ -77,11 +75,11 @@ impl Reduced {
     pub fn new(source: &Source, schema: &str) -> Result<Reduced, Refused> {
         let schema = Schema::parse(schema);
         let mut left_out = LeftOut::default();
-        let sections = || source.root.children.iter().filter_map(XMLNode::as_element);
+        let sections = || source.root.children.iter();
         for section in sections().filter(|section| !READ.contains(&section.name.as_str())) {
             let what = format!("<{}>", section.name);
             if OF_BODIES.contains(&section.name.as_str()) {
-                let message = format!("{} stands outside of <worldbody>; put it there", titled(section));
+                let message = format!("{} stands outside of <worldbody>; put it there", section.title());
                 return Err(source.refused(section, message));
             }
             if BODILY.contains(&section.name.as_str()) {
@@ -91,7 +89,7 @@ impl Reduced {
             }
         }
         for asset in sections().filter(|e| e.name == "asset").flat_map(|e| &e.children) {
-            if let Some(asset) = asset.as_element().filter(|e| !matches!(e.name.as_str(), "mesh" | "model")) {
+            if let Some(asset) = Some(asset).filter(|e| !matches!(e.name.as_str(), "mesh" | "model")) {
                 left_out.spare(format!("<{}>", asset.name));
             }
         }
@@ -104,37 +102,37 @@ impl Reduced {
         for section in sections() {
             // What is wrong in one is looked for in its line.
             match section.name.as_str() {
-                "compiler" => compiler.namespace.clone_from(&section.namespace),
-                "option" => option.namespace.clone_from(&section.namespace),
+                "compiler" => compiler.place.clone_from(&section.place),
+                "option" => option.place.clone_from(&section.place),
                 _ => {}
             }
             for (name, value) in &section.attributes {
                 if section.name == "compiler" && !SETTLED.contains(&name.as_str()) {
-                    compiler.attributes.insert(name.clone(), value.clone());
+                    compiler.set(name, value);
                 } else if section.name == "option" && PHYSICS.contains(&name.as_str()) {
-                    option.attributes.insert(name.clone(), value.clone());
+                    option.set(name, value);
                 }
             }
         }
         let mut root = Element::new("mujoco");
-        if let Some(name) = source.root.attributes.get("model") {
-            root.attributes.insert("model".into(), name.clone());
+        if let Some(name) = source.root.get("model") {
+            root.set("model", name);
         }
-        let section = |name: &str, children: Vec<Element>| Element {
-            children: children.into_iter().map(XMLNode::Element).collect(),
-            ..Element::new(name)
-        };
-        let mut sections =
-            vec![compiler, option, section("asset", expanded.meshes), section("worldbody", expanded.world)];
+        let mut sections = vec![
+            compiler,
+            option,
+            Element::holding("asset", expanded.meshes),
+            Element::holding("worldbody", expanded.world),
+        ];
         for name in ["contact", "equality", "custom", "sensor"] {
             let entries = expanded.references.iter().filter(|(section, _)| *section == name);
-            sections.push(section(name, entries.map(|(_, entry)| entry.clone()).collect()));
+            sections.push(Element::holding(name, entries.map(|(_, entry)| entry.clone()).collect()));
         }
         for section in &mut sections {
             let name = section.name.clone();
             known(section, &name, &schema, &mut left_out);
         }
-        root.children = sections.into_iter().map(XMLNode::Element).collect();
+        root.children = sections;
         let mut reduced = Reduced { root, left_out };
         reduced.settle();
         Ok(reduced)
@@ -151,31 +149,30 @@ impl Reduced {
     fn settle(&mut self) {
         let Reduced { root, left_out } = self;
         let mut faulty: BTreeMap<String, String> = BTreeMap::new();
-        each(root, &mut |e| {
+        root.each(&mut |e| {
             // The engine does not read PLY.
-            let of_others = attribute(e, "file").is_some_and(|file| kind(Path::new(file)) == "ply");
+            let of_others = e.get("file").is_some_and(|file| kind(Path::new(file)) == "ply");
             if e.name == "mesh" && (of_others || fault(e).is_some()) && !take_corners(e) {
                 let fault = fault(e).unwrap_or_else(|| "it cannot be read".into());
                 faulty.insert(mesh_name(e).unwrap_or_default(), fault);
             }
         });
-        remove(root, &|e| e.name == "mesh" && mesh_name(e).is_some_and(|name| faulty.contains_key(&name)));
+        root.remove_all(&|e| e.name == "mesh" && mesh_name(e).is_some_and(|name| faulty.contains_key(&name)));
         for (mesh, fault) in &faulty {
-            let gone = remove(root, &|e| e.name == "geom" && attribute(e, "mesh") == Some(mesh));
+            let gone = root.remove_all(&|e| e.name == "geom" && e.get("mesh") == Some(mesh));
             left_out.lose(format!("geom of the mesh {mesh}: {fault}"), gone);
         }
         let mut meshes = BTreeSet::new();
-        each(root, &mut |e| {
+        root.each(&mut |e| {
             if e.name == "mesh" {
                 meshes.extend(mesh_name(e));
             }
         });
-        let gone = remove(root, &|e| {
-            e.name == "geom" && attribute(e, "mesh").is_some_and(|mesh| !meshes.contains(mesh))
-        });
+        let gone = root
+            .remove_all(&|e| e.name == "geom" && e.get("mesh").is_some_and(|mesh| !meshes.contains(mesh)));
         left_out.lose("geom whose mesh is not there", gone);
         for shape in other_shapes(root) {
-            let gone = remove(root, &|e| e.name == "geom" && attribute(e, "type") == Some(&shape));
+            let gone = root.remove_all(&|e| e.name == "geom" && e.get("type") == Some(&shape));
             // Height fields are ground, and not of a body.
             if shape == "hfield" {
                 left_out.spare("<geom> of a height field");
@@ -184,15 +181,13 @@ impl Reduced {
             }
         }
         let mut there: BTreeSet<Name> = BTreeSet::new();
-        if let Some(world) = root.get_child("worldbody") {
+        if let Some(world) = root.child("worldbody") {
             names(world, &mut there);
         }
         for section in ["contact", "equality", "custom", "sensor"] {
-            if let Some(section) = root.get_mut_child(section) {
-                let gone = remove(section, &|e| !stands(e, &there));
-                section.children.retain(|child| {
-                    child.as_element().is_some_and(|e| e.name != "tuple" || !e.children.is_empty())
-                });
+            if let Some(section) = root.children.iter_mut().find(|own| own.name == section) {
+                let gone = section.remove_all(&|e| !stands(e, &there));
+                section.children.retain(|child| child.name != "tuple" || !child.children.is_empty());
                 for _ in 0..gone {
                     left_out.spare(format!("entry of <{}> for what is not there", section.name));
                 }
@@ -203,7 +198,7 @@ impl Reduced {
     /// Has the engine make the hull of a mesh whose faces it refuses; whether there was such a mesh.
     pub fn take_hull(&mut self, name: &str) -> bool {
         let mut found = false;
-        each(&mut self.root, &mut |e| {
+        self.root.each(&mut |e| {
             if e.name == "mesh" && mesh_name(e).as_deref() == Some(name) && take_corners(e) {
                 found = true;
             }
@@ -217,9 +212,9 @@ impl Reduced {
     /// Leaves out a mesh that the engine refuses, and all geoms of it; whether there was such a mesh.
     /// `reason` is what the engine says of it.
     pub fn drop_mesh(&mut self, name: &str, reason: &str) -> bool {
-        let found = remove(&mut self.root, &|e| e.name == "mesh" && mesh_name(e).as_deref() == Some(name));
+        let found = self.root.remove_all(&|e| e.name == "mesh" && mesh_name(e).as_deref() == Some(name));
         if found > 0 {
-            let geoms = remove(&mut self.root, &|e| e.name == "geom" && attribute(e, "mesh") == Some(name));
+            let geoms = self.root.remove_all(&|e| e.name == "geom" && e.get("mesh") == Some(name));
             self.left_out
                 .lose(format!("geom of the mesh {name}, which this MuJoCo refuses: {reason}"), geoms);
         }
@@ -228,8 +223,8 @@ impl Reduced {
 
     /// The names of its meshes.
     pub fn meshes(&self) -> Vec<String> {
-        let assets = self.root.get_child("asset").into_iter().flat_map(|asset| &asset.children);
-        assets.filter_map(XMLNode::as_element).filter_map(mesh_name).collect()
+        let assets = self.root.child("asset").into_iter().flat_map(|asset| &asset.children);
+        assets.filter_map(mesh_name).collect()
     }
 }
 
@@ -260,7 +255,7 @@ const DEFAULTS: [&str; 21] = [
 
 /// Tells what default classes say of what nothing is known of.
 fn lose_unknown_defaults(class: &Element, left_out: &mut LeftOut) {
-    for child in class.children.iter().filter_map(XMLNode::as_element) {
+    for child in class.children.iter() {
         match child.name.as_str() {
             "default" => lose_unknown_defaults(child, left_out),
             name if DEFAULTS.contains(&name) => {}
@@ -272,8 +267,8 @@ fn lose_unknown_defaults(class: &Element, left_out: &mut LeftOut) {
 /// The shapes of geoms that no limb can have.
 fn other_shapes(root: &mut Element) -> BTreeSet<String> {
     let mut shapes = BTreeSet::new();
-    each(root, &mut |e| {
-        let shape = attribute(e, "type").filter(|shape| e.name == "geom" && !SHAPES.contains(shape));
+    root.each(&mut |e| {
+        let shape = e.get("type").filter(|shape| e.name == "geom" && !SHAPES.contains(shape));
         shapes.extend(shape.map(str::to_string));
     });
     shapes
@@ -282,11 +277,11 @@ fn other_shapes(root: &mut Element) -> BTreeSet<String> {
 /// Leaves out attributes that the engine does not know, all over a section.
 fn known(one: &mut Element, section: &str, schema: &Schema, left_out: &mut LeftOut) {
     let name = one.name.clone();
-    for attribute in one.attributes.keys().cloned().collect::<Vec<_>>() {
+    for attribute in one.attributes.clone().into_iter().map(|(attribute, _)| attribute) {
         if attribute == "user" {
-            one.attributes.shift_remove("user");
+            one.remove("user");
         } else if !schema.knows(section, &name, &attribute) {
-            one.attributes.shift_remove(&attribute);
+            one.remove(&attribute);
             if section == "worldbody" && !NEWER.contains(&attribute.as_str()) {
                 left_out.lose(format!("{attribute} of <{name}>, which MuJoCo does not know"), 1);
             } else {
@@ -294,7 +289,7 @@ fn known(one: &mut Element, section: &str, schema: &Schema, left_out: &mut LeftO
             }
         }
     }
-    one.children.iter_mut().filter_map(XMLNode::as_mut_element).for_each(|child| {
+    one.children.iter_mut().for_each(|child| {
         known(child, section, schema, left_out);
     });
 }

@@ -2,13 +2,13 @@
 
 use std::collections::BTreeSet;
 
-use nalgebra::Vector3;
-use xmltree::{Element, XMLNode};
+use nalgebra::{Matrix3, Rotation3, Vector3};
 
 use super::pose::{numbers, vector};
 use super::source::{Refused, Source};
+use super::tree::Element;
 use super::urdf_names::{attribute_meant, element_meant, is_known};
-use super::{attribute, titled};
+
 use crate::creature::UNLIMITED_SLIDE;
 use crate::plausible::bounded;
 
@@ -39,6 +39,30 @@ impl UrdfKind {
     /// Whether it is one coordinate about or along an axis.
     pub fn is_single(self) -> bool {
         matches!(self, UrdfKind::Revolute | UrdfKind::Continuous | UrdfKind::Prismatic)
+    }
+}
+
+/// Where something is in the frame of its link or its parent.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Origin {
+    /// Metres.
+    pub place: Vector3<f64>,
+    /// Roll, pitch and yaw, radians: turns about axes that stand still, one after the other.
+    pub turns: [f64; 3],
+}
+
+impl Origin {
+    /// The `<origin>` in an element; zero where there is none.
+    pub fn of(element: &Element) -> Origin {
+        let vector = |name: &str| element.child("origin")?.vector(name);
+        let turns = vector("rpy").unwrap_or_default();
+        Origin { place: vector("xyz").unwrap_or_default(), turns: turns.into() }
+    }
+
+    /// The rotation by its turns.
+    pub fn rotation(&self) -> Matrix3<f64> {
+        let [roll, pitch, yaw] = self.turns;
+        Rotation3::from_euler_angles(roll, pitch, yaw).into_inner()
     }
 }
 
@@ -87,7 +111,7 @@ impl<'a> UrdfTree<'a> {
     /// Where its links and joints make none.
     pub fn new(source: &'a Source) -> Result<UrdfTree<'a>, Refused> {
         check_names(source, &source.root)?;
-        let children = || source.root.children.iter().filter_map(XMLNode::as_element);
+        let children = || source.root.children.iter();
         if let Some(of_xacro) = children().find(|child| child.name.starts_with("xacro:")) {
             let message = format!(
                 "<{}> is of Xacro, not URDF; write it out with `xacro FILE > robot.urdf`",
@@ -98,7 +122,7 @@ impl<'a> UrdfTree<'a> {
         let mut tree =
             UrdfTree { source, root: "", links: Vec::new(), joints: Vec::new(), notes: Vec::new() };
         for link in children().filter(|child| child.name == "link") {
-            let name = attribute(link, "name").unwrap_or_default();
+            let name = link.get("name").unwrap_or_default();
             if name.trim().is_empty() {
                 return Err(source.refused(link, "<link> has no name; give it name=\"…\""));
             }
@@ -127,7 +151,6 @@ impl<'a> UrdfTree<'a> {
         }
         tree.root = tree.root_of(&joints)?;
         tree.joints = tree.in_order(joints)?;
-        tree.note_turns();
         Ok(tree)
     }
 
@@ -142,16 +165,16 @@ impl<'a> UrdfTree<'a> {
     }
 
     fn joint(&mut self, element: &'a Element) -> Result<UrdfJoint<'a>, Refused> {
-        let name = attribute(element, "name").unwrap_or_default();
+        let name = element.get("name").unwrap_or_default();
         let [parent, child] = [self.end(element, "parent")?, self.end(element, "child")?];
-        let given = attribute(element, "type").unwrap_or_default();
+        let given = element.get("type").unwrap_or_default();
         let Some((_, kind)) = UrdfKind::NAMES.into_iter().find(|(name, _)| *name == given) else {
             let message = format!(
                 "joint {name} is of the type \"{given}\"; give revolute, continuous, prismatic, fixed, floating or planar"
             );
             return Err(self.source.refused(element, message));
         };
-        let axis = element.get_child("axis").and_then(|axis| vector(attribute(axis, "xyz")?));
+        let axis = element.child("axis").and_then(|axis| vector(axis.get("xyz")?));
         let axis = axis.unwrap_or(Vector3::x());
         if kind.is_single() && axis.norm() < f64::EPSILON {
             let message =
@@ -164,9 +187,9 @@ impl<'a> UrdfTree<'a> {
 
     /// The link at an end of a joint.
     fn end(&self, joint: &Element, end: &str) -> Result<&'a str, Refused> {
-        let name = attribute(joint, "name").unwrap_or_default();
+        let name = joint.get("name").unwrap_or_default();
         let refused = |message: String| self.source.refused(joint, message);
-        let link = joint.get_child(end).and_then(|end| attribute(end, "link"));
+        let link = joint.child(end).and_then(|end| end.get("link"));
         let link =
             link.ok_or_else(|| refused(format!("joint {name} has no <{end} link=\"…\"/>; give it one")))?;
         let known = self.links.iter().find(|(known, _)| *known == link);
@@ -178,8 +201,8 @@ impl<'a> UrdfTree<'a> {
     /// The limits of a joint. Limits that leave no room are none, as MuJoCo has it, and so are those beyond all that can be,
     /// by which other programs say that there are none.
     fn limits(&mut self, joint: &Element, name: &str, kind: UrdfKind) -> Option<[f64; 2]> {
-        let limit = joint.get_child("limit").filter(|_| kind.is_single() && kind != UrdfKind::Continuous)?;
-        let given = ["lower", "upper"].map(|end| numbers(attribute(limit, end)?).first().copied());
+        let limit = joint.child("limit").filter(|_| kind.is_single() && kind != UrdfKind::Continuous)?;
+        let given = ["lower", "upper"].map(|end| numbers(limit.get(end)?).first().copied());
         let [lower, upper] = given.map(Option::unwrap_or_default);
         let span = if kind == UrdfKind::Prismatic { UNLIMITED_SLIDE } else { std::f64::consts::PI };
         let limits = bounded([lower, upper], span).filter(|_| lower < upper);
@@ -203,7 +226,7 @@ impl<'a> UrdfTree<'a> {
         for _ in 0..=joints.len() {
             let Some(mimic) = next else { return Ok(Some(found)) };
             let refused = |message: String| Err(self.source.refused(mimic, message));
-            let Some(leader) = attribute(mimic, "joint").filter(|leader| !leader.is_empty()) else {
+            let Some(leader) = mimic.get("joint").filter(|leader| !leader.is_empty()) else {
                 return refused(format!("<mimic> of joint {} names no joint; give it joint=\"…\"", on.name));
             };
             let Some(leader) = joints.iter().find(|other| other.name == leader) else {
@@ -218,7 +241,7 @@ impl<'a> UrdfTree<'a> {
                 return Err(self.source.refused(own, message));
             }
             let number = |name: &str, default: f64| {
-                attribute(mimic, name).and_then(|text| numbers(text).first().copied()).unwrap_or(default)
+                mimic.get(name).and_then(|text| numbers(text).first().copied()).unwrap_or(default)
             };
             found.offset += found.gain * number("offset", 0.0);
             found.gain *= number("multiplier", 1.0);
@@ -283,57 +306,46 @@ impl<'a> UrdfTree<'a> {
         }
     }
 
-    /// Notes turns that look like degrees.
-    fn note_turns(&mut self) {
-        let parts = ["inertial", "visual", "collision"];
+    /// Every `<origin>` whose turns look like degrees, with what is wrong.
+    pub fn turn_faults(&self) -> Vec<(&'a Element, String)> {
         let of_joints = self.joints.iter().map(|joint| (joint.element, format!("joint {}", joint.name)));
         let of_links = self.links.iter().flat_map(|(name, link)| {
-            let children = link.children.iter().filter_map(XMLNode::as_element);
-            let placed = children.filter(|child| parts.contains(&child.name.as_str()));
+            let parts = ["inertial", "visual", "collision"];
+            let placed = link.children.iter().filter(move |child| parts.contains(&child.name.as_str()));
             placed.map(move |child| (child, format!("link {name}")))
         });
-        let origins =
-            of_joints.chain(of_links).filter_map(|(of, title)| Some((of.get_child("origin")?, title)));
-        let faults = origins.filter_map(|(origin, title)| {
-            let rpy = attribute(origin, "rpy")?;
-            let fault = turn_fault(rpy, &vector(rpy)?, &title)?;
-            let line = super::place(origin).map_or(String::new(), |(_, line)| format!("line {line}: "));
-            Some(format!("{line}{fault}"))
+        let faults = of_joints.chain(of_links).filter_map(|(of, title)| {
+            let origin = of.child("origin")?;
+            let (rpy, turns) = (origin.get("rpy")?, origin.vector("rpy")?);
+            let fault = format!("rpy=\"{rpy}\" of {title} is more than a turn: give radians, not degrees");
+            (turns.amax() > GREATEST_TURN).then_some((origin, fault))
         });
-        let faults: Vec<String> = faults.collect();
-        self.notes.extend(faults);
+        faults.collect()
     }
 }
 
 /// The `<mimic>` of a joint that can go along with another.
 fn mimic_of<'a>(joint: &UrdfJoint<'a>) -> Option<&'a Element> {
-    joint.element.get_child("mimic").filter(|_| joint.kind.is_single())
-}
-
-/// What is wrong with the roll, pitch and yaw of `of` that look like degrees.
-pub(crate) fn turn_fault(written: &str, turns: &Vector3<f64>, of: &str) -> Option<String> {
-    (turns.amax() > GREATEST_TURN)
-        .then(|| format!("rpy=\"{written}\" of {of} is more than a turn: give radians, not degrees"))
+    joint.element.child("mimic").filter(|_| joint.kind.is_single())
 }
 
 /// Refuses names that are nearly some of URDF.
 fn check_names(source: &Source, element: &Element) -> Result<(), Refused> {
-    let slip = element.attributes.keys().find_map(|name| Some((name, attribute_meant(&element.name, name)?)));
+    let slip =
+        element.attributes.iter().find_map(|(name, _)| Some((name, attribute_meant(&element.name, name)?)));
     if let Some((name, meant)) = slip {
         let message =
-            format!("{name}=\"…\" of {} is none of URDF; correct it, if {meant} is meant", titled(element));
+            format!("{name}=\"…\" of {} is none of URDF; correct it, if {meant} is meant", element.title());
         return Err(source.refused(element, message));
     }
     if !is_known(&element.name) {
         return Ok(());
     }
-    element.children.iter().filter_map(XMLNode::as_element).try_for_each(|child| {
-        match element_meant(&element.name, &child.name) {
-            Some(meant) => {
-                let message = format!("<{}> is none of URDF; correct it, if <{meant}> is meant", child.name);
-                Err(source.refused(child, message))
-            }
-            None => check_names(source, child),
+    element.children.iter().try_for_each(|child| match element_meant(&element.name, &child.name) {
+        Some(meant) => {
+            let message = format!("<{}> is none of URDF; correct it, if <{meant}> is meant", child.name);
+            Err(source.refused(child, message))
         }
+        None => check_names(source, child),
     })
 }

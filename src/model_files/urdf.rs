@@ -7,15 +7,15 @@
 use std::collections::BTreeMap;
 
 use nalgebra::{Isometry3, Matrix3, Translation3, UnitQuaternion, Vector3};
-use xmltree::{Element, XMLNode};
 
 use super::left_out::LeftOut;
 use super::mesh_files::{MeshFolder, file_fault};
 use super::pose::{numbers, set_pose, vector};
 use super::reduce::Reduced;
 use super::source::{Refused, Source};
-use super::urdf_tree::{UrdfJoint, UrdfKind, UrdfTree};
-use super::{attribute, element, exact};
+use super::tree::{Element, element};
+use super::urdf_tree::{Origin, UrdfJoint, UrdfKind, UrdfTree};
+use super::write::exact;
 
 /// The link that stands for the world where it is the root.
 const WORLD: &str = "world";
@@ -27,7 +27,11 @@ const WORLD: &str = "world";
 pub(crate) fn to_mjcf(source: &Source) -> Result<Reduced, Refused> {
     let tree = UrdfTree::new(source)?;
     let mut left_out = LeftOut { notes: tree.notes.clone(), ..LeftOut::default() };
-    for child in source.root.children.iter().filter_map(XMLNode::as_element) {
+    for (origin, fault) in tree.turn_faults() {
+        let line = origin.place.as_ref().map_or(String::new(), |place| format!("line {}: ", place.line));
+        left_out.notes.push(format!("{line}{fault}"));
+    }
+    for child in &source.root.children {
         if !matches!(child.name.as_str(), "link" | "joint") {
             left_out.spare(format!("<{}>", child.name));
         }
@@ -38,26 +42,21 @@ pub(crate) fn to_mjcf(source: &Source) -> Result<Reduced, Refused> {
     let root = parts.body(tree.root, None)?;
     // The world is no body, and has no mass.
     let world = match tree.root {
-        WORLD => super::take_children(root).into_iter().filter(|e| e.name != "inertial").collect(),
+        WORLD => root.children.into_iter().filter(|e| e.name != "inertial").collect(),
         _ => vec![root],
     };
     let Parts { meshes, followers, left_out, .. } = parts;
     let mut mujoco = Element::new("mujoco");
-    if let Some(name) = attribute(&source.root, "name") {
-        mujoco.attributes.insert("model".into(), name.into());
+    if let Some(name) = source.root.get("name") {
+        mujoco.set("model", name);
     }
     let compiler = element("compiler", &[("angle", "radian".into()), ("autolimits", "true".into())]);
-    let section = |name: &str, children: Vec<Element>| Element {
-        children: children.into_iter().map(XMLNode::Element).collect(),
-        ..Element::new(name)
-    };
-    let sections = [
+    mujoco.children = vec![
         compiler,
-        section("asset", meshes.into_values().collect()),
-        section("worldbody", world),
-        section("equality", followers),
+        Element::holding("asset", meshes.into_values().collect()),
+        Element::holding("worldbody", world),
+        Element::holding("equality", followers),
     ];
-    mujoco.children = sections.into_iter().map(XMLNode::Element).collect();
     Ok(Reduced::plain(mujoco, left_out))
 }
 
@@ -78,8 +77,7 @@ impl Parts<'_> {
     fn body(&mut self, link: &str, by: Option<&UrdfJoint>) -> Result<Element, Refused> {
         let tree = self.tree;
         let described = tree.link(link).expect("a link of the tree");
-        let mut body =
-            Element { namespace: described.namespace.clone(), ..element("body", &[("name", link.into())]) };
+        let mut body = element("body", &[("name", link.into())]).placed_as(described);
         let mut parts = Vec::new();
         if let Some(joint) = by {
             set_pose(&mut body, &origin(joint.element));
@@ -89,7 +87,7 @@ impl Parts<'_> {
         let mut geoms = self.geoms(described, "collision")?;
         if geoms.is_empty() {
             geoms = self.geoms(described, "visual")?;
-            if !geoms.is_empty() && described.get_child("collision").is_some() {
+            if !geoms.is_empty() && described.child("collision").is_some() {
                 self.left_out.notes.push(format!(
                     "link {link} is touched on its visual shape, for its collision shape cannot be read"
                 ));
@@ -99,16 +97,16 @@ impl Parts<'_> {
         for joint in tree.carried_by(link) {
             parts.push(self.body(joint.child, Some(joint))?);
         }
-        body.children = parts.into_iter().map(XMLNode::Element).collect();
+        body.children = parts;
         Ok(body)
     }
 
     /// The degrees of freedom of a joint, at the origin of the link that it carries.
     fn joint(&mut self, joint: &UrdfJoint) -> Vec<Element> {
         let UrdfJoint { element: described, name, axis, .. } = joint;
-        let made = |kind: &str, name: String, axis: &Vector3<f64>| Element {
-            namespace: described.namespace.clone(),
-            ..element("joint", &[("name", name), ("type", kind.into()), ("axis", exact(axis.iter()))])
+        let made = |kind: &str, name: String, axis: &Vector3<f64>| {
+            let attributes = [("name", name), ("type", kind.into()), ("axis", exact(axis.iter()))];
+            element("joint", &attributes).placed_as(described)
         };
         let mut moved = match joint.kind {
             UrdfKind::Fixed => return Vec::new(),
@@ -143,27 +141,26 @@ impl Parts<'_> {
             let leader = follows.leader.map(|leader| ("joint2".to_string(), leader.to_string()));
             follower.attributes.extend(leader);
             let polynomial = exact(&[follows.offset, follows.gain, 0.0, 0.0, 0.0]);
-            follower.attributes.insert("polycoef".into(), polynomial);
-            follower.namespace = described.get_child("mimic").and_then(|mimic| mimic.namespace.clone());
+            follower.set("polycoef", polynomial);
+            follower.place = described.child("mimic").and_then(|mimic| mimic.place.clone());
             self.followers.push(follower);
         }
         if let Some(limits) = joint.limits {
-            moved.attributes.insert("range".into(), exact(&limits));
+            moved.set("range", exact(&limits));
         }
-        moved.attributes.insert("limited".into(), joint.limits.is_some().to_string());
+        moved.set("limited", joint.limits.is_some().to_string());
         vec![moved]
     }
 
     /// The geom of a `<collision>` or `<visual>`; none where it has a shape that cannot be read.
     fn geom(&mut self, described: &Element) -> Result<Option<Element>, Refused> {
-        let shape =
-            described.get_child("geometry").and_then(|e| e.children.iter().find_map(XMLNode::as_element));
+        let shape = described.child("geometry").and_then(|e| e.children.iter().find_map(|e| Some(e)));
         let Some(shape) = shape else {
             self.left_out.lose(format!("<{}> without geometry", described.name), 1);
             return Ok(None);
         };
         let lengths = |name: &str| {
-            let lengths = attribute(shape, name).map(numbers).filter(|lengths| !lengths.is_empty());
+            let lengths = shape.get(name).map(numbers).filter(|lengths| !lengths.is_empty());
             lengths.filter(|lengths| lengths.iter().all(|&length| length > 0.0)).ok_or_else(|| {
                 let message = format!("<{}> needs {name}=\"…\" of numbers above 0; give it that", shape.name);
                 self.source.refused(shape, message)
@@ -191,7 +188,7 @@ impl Parts<'_> {
     /// The geoms of all descriptions of a kind.
     fn geoms(&mut self, link: &Element, kind: &str) -> Result<Vec<Element>, Refused> {
         let mut geoms = Vec::new();
-        for described in link.children.iter().filter_map(XMLNode::as_element).filter(|e| e.name == kind) {
+        for described in link.children.iter().filter(|e| e.name == kind) {
             geoms.extend(self.geom(described)?);
         }
         Ok(geoms)
@@ -199,7 +196,7 @@ impl Parts<'_> {
 
     /// The name of a mesh, which is read with its scale; none where its file cannot be read.
     fn mesh(&mut self, shape: &Element) -> Result<Option<String>, Refused> {
-        let file = attribute(shape, "filename").filter(|file| !file.trim().is_empty());
+        let file = shape.get("filename").filter(|file| !file.trim().is_empty());
         let written =
             file.ok_or_else(|| self.source.refused(shape, "<mesh> names no file; give it filename=\"…\""))?;
         let file = self.folder.find(written);
@@ -207,12 +204,10 @@ impl Parts<'_> {
             self.left_out.lose(format!("geom of the mesh {written}: {fault}"), 1);
             return Ok(None);
         }
-        let scale = attribute(shape, "scale").and_then(vector).unwrap_or(Vector3::repeat(1.0));
+        let scale = shape.get("scale").and_then(vector).unwrap_or(Vector3::repeat(1.0));
         let stem = file.file_stem().and_then(|stem| stem.to_str()).unwrap_or("mesh").to_string();
         let (file, scale) = (file.display().to_string(), exact(scale.iter()));
-        let same = |mesh: &Element| {
-            attribute(mesh, "file") == Some(&file) && attribute(mesh, "scale") == Some(&scale)
-        };
+        let same = |mesh: &Element| mesh.get("file") == Some(&file) && mesh.get("scale") == Some(&scale);
         let mut name = stem.clone();
         for number in 2.. {
             if self.meshes.get(&name).is_none_or(same) {
@@ -221,33 +216,29 @@ impl Parts<'_> {
             name = format!("{stem}_{number}");
         }
         let mesh = [("name", name.clone()), ("file", file.clone()), ("scale", scale.clone())];
-        let mesh = Element { namespace: shape.namespace.clone(), ..element("mesh", &mesh) };
+        let mesh = element("mesh", &mesh).placed_as(shape);
         self.meshes.insert(name.clone(), mesh);
         Ok(Some(name))
     }
 }
 
-/// The pose in an `<origin>`: a place, and turns about axes that stand still.
+/// The pose in an `<origin>`.
 fn origin(of: &Element) -> Isometry3<f64> {
-    let Some(origin) = of.get_child("origin") else { return Isometry3::identity() };
-    let place = attribute(origin, "xyz").and_then(vector).unwrap_or_default();
-    let turns = attribute(origin, "rpy").and_then(vector).unwrap_or_default();
-    let turn = UnitQuaternion::from_euler_angles(turns.x, turns.y, turns.z);
-    Isometry3::from_parts(Translation3::from(place), turn)
+    let Origin { place, turns: [roll, pitch, yaw] } = Origin::of(of);
+    Isometry3::from_parts(Translation3::from(place), UnitQuaternion::from_euler_angles(roll, pitch, yaw))
 }
 
 /// A geom where its description has it.
 fn placed(mut geom: Element, described: &Element) -> Element {
-    geom.namespace.clone_from(&described.namespace);
+    geom.place.clone_from(&described.place);
     set_pose(&mut geom, &origin(described));
     geom
 }
 
 /// The mass and inertia of a link, where they are those of a body that there can be.
 fn inertial(link: &Element) -> Option<Element> {
-    let described = link.get_child("inertial")?;
-    let number =
-        |child: &str, name: &str| numbers(attribute(described.get_child(child)?, name)?).first().copied();
+    let described = link.child("inertial")?;
+    let number = |child: &str, name: &str| numbers(described.child(child)?.get(name)?).first().copied();
     let mass = number("mass", "value").filter(|mass| *mass > 0.0)?;
     let [xx, yy, zz, xy, xz, yz] =
         ["ixx", "iyy", "izz", "ixy", "ixz", "iyz"].map(|name| number("inertia", name).unwrap_or(0.0));

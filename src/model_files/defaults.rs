@@ -2,10 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use xmltree::{Element, XMLNode};
-
-use super::attribute;
 use super::pose::{ORIENTATIONS, numbers};
+use super::tree::Element;
 
 /// The name of the class that all others inherit from.
 const MAIN: &str = "main";
@@ -25,7 +23,7 @@ impl Defaults {
         let mut defaults = Defaults::default();
         defaults.classes.insert(MAIN.into(), BTreeMap::new());
         for (k, section) in sections.enumerate() {
-            let name = attribute(section, "class").unwrap_or(MAIN);
+            let name = section.get("class").unwrap_or(MAIN);
             let inherited =
                 if k == 0 || name == MAIN { defaults.classes[MAIN].clone() } else { BTreeMap::new() };
             defaults.class(section, name, inherited)?;
@@ -44,7 +42,7 @@ impl Defaults {
         inherited: BTreeMap<String, Element>,
     ) -> Result<(), (&'a Element, String)> {
         let mut own = inherited;
-        for child in section.children.iter().filter_map(XMLNode::as_element).filter(|e| e.name != "default") {
+        for child in section.children.iter().filter(|e| e.name != "default") {
             let mut merged = child.clone();
             if let Some(before) = own.get(&child.name) {
                 inherit(&mut merged, before);
@@ -52,8 +50,8 @@ impl Defaults {
             own.insert(child.name.clone(), merged);
         }
         self.classes.insert(name.to_string(), own.clone());
-        for inner in section.children.iter().filter_map(XMLNode::as_element).filter(|e| e.name == "default") {
-            match attribute(inner, "class").unwrap_or_default() {
+        for inner in section.children.iter().filter(|e| e.name == "default") {
+            match inner.get("class").unwrap_or_default() {
                 "" => return Err((inner, "<default> in another has no class; give it class=\"…\"".into())),
                 name if name != MAIN && self.has(name) => {
                     return Err((inner, format!("there are two classes {name}; rename one")));
@@ -71,7 +69,7 @@ impl Defaults {
 
     /// Writes out what an element has by its own class, or the one that its ancestors gave their children.
     pub fn apply(&self, element: &mut Element, inherited: Option<&str>) {
-        let class = element.attributes.shift_remove("class");
+        let class = element.remove("class");
         let known = [class.as_deref(), inherited].into_iter().flatten().find(|class| self.has(class));
         if let Some(default) = self.classes[known.unwrap_or(MAIN)].get(&element.name) {
             inherit(element, default);
@@ -82,16 +80,16 @@ impl Defaults {
 /// Gives an element what a default has and it has not. Of a list of numbers that is shorter than its default's, the
 /// default has the rest; who gives an orientation undoes that of the default, in whatever way it is given.
 fn inherit(element: &mut Element, default: &Element) {
-    let turned = ORIENTATIONS.iter().any(|name| element.attributes.contains_key(*name));
-    let placed = element.attributes.contains_key("fromto");
+    let turned = ORIENTATIONS.iter().any(|name| element.has(name));
+    let placed = element.has("fromto");
     for (name, value) in &default.attributes {
         let pose = ORIENTATIONS.contains(&name.as_str());
         if name == "class" || pose && (turned || placed) || name == "pos" && placed {
             continue;
         }
-        match element.attributes.get_mut(name) {
+        match element.get_mut(name) {
             None => {
-                element.attributes.insert(name.clone(), value.clone());
+                element.set(name, value);
             }
             Some(own) => {
                 let (given, all) = (numbers(own).len(), value.split_whitespace().collect::<Vec<_>>());

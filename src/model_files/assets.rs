@@ -1,10 +1,8 @@
 //! The files of meshes, height fields and textures that a model names: the engine opens them itself, and would wait for ever
 //! for what comes through a pipe.
 
-use xmltree::{Element, XMLNode};
-
 use super::source::{Refused, Source, whole_folder_of, with_slashes};
-use super::{attribute, titled};
+use super::tree::Element;
 
 /// Attributes by which the engine opens files.
 const FILES: [&str; 7] = ["file", "fileright", "fileleft", "fileup", "filedown", "filefront", "fileback"];
@@ -17,9 +15,9 @@ const FOLDERS: [&str; 3] = ["meshdir", "texturedir", "assetdir"];
 /// Where one is.
 pub(crate) fn check(source: &Source) -> Result<(), Refused> {
     let folder = whole_folder_of(&source.path);
-    let sections = source.root.children.iter().filter_map(XMLNode::as_element);
+    let sections = source.root.children.iter();
     let settings = sections.filter(|section| section.name == "compiler");
-    let own = settings.flat_map(|compiler| FOLDERS.iter().filter_map(|name| attribute(compiler, name)));
+    let own = settings.flat_map(|compiler| FOLDERS.iter().filter_map(|name| compiler.get(name)));
     let folders: Vec<_> = own.chain([""]).map(|own| folder.join(with_slashes(own))).collect();
     within(source, &source.root, &|name: &str| {
         folders.iter().any(|folder| {
@@ -30,15 +28,11 @@ pub(crate) fn check(source: &Source) -> Result<(), Refused> {
 }
 
 fn within(source: &Source, element: &Element, endless: &dyn Fn(&str) -> bool) -> Result<(), Refused> {
-    let named = FILES.iter().filter_map(|name| attribute(element, name));
+    let named = FILES.iter().filter_map(|name| element.get(name));
     if let Some(name) = named.into_iter().find(|name| !name.is_empty() && endless(name)) {
         let message =
-            format!("{} is in {name}, which is a pipe or a device; give it a regular file", titled(element));
+            format!("{} is in {name}, which is a pipe or a device; give it a regular file", element.title());
         return Err(source.refused(element, message));
     }
-    element
-        .children
-        .iter()
-        .filter_map(XMLNode::as_element)
-        .try_for_each(|child| within(source, child, endless))
+    element.children.iter().try_for_each(|child| within(source, child, endless))
 }

@@ -3,10 +3,8 @@
 //! Of 5,000 mutated files MuJoCo 2.2.2 crashed on some sizes and never returned from others: numbers of that order are
 //! refused here, in the file and in what it includes.
 
-use xmltree::{Element, XMLNode};
-
 use super::source::{Refused, Source};
-use super::titled;
+use super::tree::Element;
 
 /// Greatest length, coordinate or scale accepted, in metres: a thousand kilometres.
 const GREATEST_LENGTH: f64 = 1e6;
@@ -101,7 +99,7 @@ fn count(element: &Element, numbers: &mut [usize; GREATEST_NUMBERS.len()]) {
     if let Some(kind) = GREATEST_NUMBERS.iter().position(|(name, _)| *name == element.name) {
         numbers[kind] += 1;
     }
-    element.children.iter().filter_map(XMLNode::as_element).for_each(|child| count(child, numbers));
+    element.children.iter().for_each(|child| count(child, numbers));
 }
 
 fn within(source: &Source, element: &Element) -> Result<(), Refused> {
@@ -111,7 +109,7 @@ fn within(source: &Source, element: &Element) -> Result<(), Refused> {
         }
         let Some(greatest) = greatest(&element.name, attribute) else { continue };
         if let Some(token) = excess(value, greatest) {
-            let title = titled(element);
+            let title = element.title();
             let message = if number(token).is_some_and(f64::is_finite) {
                 format!(
                     "{attribute}=\"{token}\" of {title} is beyond {greatest}, the greatest that MuJoCo takes safely; give \
@@ -123,7 +121,7 @@ fn within(source: &Source, element: &Element) -> Result<(), Refused> {
             return Err(source.refused(element, message));
         }
     }
-    element.children.iter().filter_map(XMLNode::as_element).try_for_each(|child| within(source, child))
+    element.children.iter().try_for_each(|child| within(source, child))
 }
 
 /// What is wrong with a setting of the engine with which nothing can be simulated in a time that anybody would wait.

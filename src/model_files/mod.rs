@@ -1,0 +1,71 @@
+//! Model files as XML: reading them with a place for every element, putting what is newer than the engine in plain
+//! terms, and writing elements, sections, and the receptors' look, alike in every file of ours.
+
+mod assets;
+mod defaults;
+mod edits;
+mod expand;
+mod hulls;
+mod left_out;
+mod limits;
+mod mesh_corners;
+mod mesh_files;
+mod parse;
+mod pose;
+mod reduce;
+mod references;
+mod schema;
+mod source;
+mod tree;
+mod urdf;
+mod urdf_names;
+mod urdf_tree;
+mod values;
+mod write;
+
+pub(crate) use assets::check as check_assets;
+pub(crate) use edits::{Change, Edits, XmlEdits, negative, new_element};
+pub(crate) use hulls::open_meshes;
+pub use left_out::LeftOut;
+pub(crate) use limits::{check as check_limits, check_numbers};
+pub(crate) use mesh_files::unreadable_mesh;
+pub(crate) use pose::{Angles, ORIENTATIONS};
+pub(crate) use reduce::Reduced;
+pub(crate) use source::{Refused, Source, begins_as, first_letter};
+pub(crate) use tree::{Element, Place, element};
+pub(crate) use urdf::to_mjcf as urdf_to_mjcf;
+pub(crate) use urdf_tree::{GREATEST_TURN, Origin, UrdfFollowing, UrdfJoint, UrdfKind, UrdfTree};
+pub(crate) use values::check as check_values;
+pub(crate) use write::{Texts, escape, exact, numbered, write};
+
+/// Half the thickness of a receptor's site, metres.
+pub(crate) const HALF_THICKNESS: f64 = 0.0008;
+
+/// Lets a file's meshes and textures be found from anywhere: its folders for them become absolute.
+pub(crate) fn anchor_assets(root: &mut Element, path: &std::path::Path) {
+    let folder = source::whole_folder_of(path);
+    for name in ["meshdir", "texturedir"] {
+        let own = root.setting("compiler", name).unwrap_or_default();
+        let absolute = folder.join(own).display().to_string();
+        set_compiler(root, name, &absolute);
+    }
+}
+
+/// The default class of the receptors' sites.
+pub(crate) fn add_receptor_class(root: &mut Element, name: &str) {
+    let look = [("type", "box".into()), ("group", "3".into()), ("rgba", "0.2 0.6 0.9 0.5".into())];
+    add_class(root, name, element("site", &look));
+}
+
+/// A default class of one kind of element.
+pub(crate) fn add_class(root: &mut Element, name: &str, of: Element) {
+    let class = Element { children: vec![of], ..element("default", &[("class", name.into())]) };
+    root.section("default").children.push(class);
+}
+
+/// A setting of the compiler, in place of all that a file says of it.
+pub(crate) fn set_compiler(root: &mut Element, name: &str, value: &str) {
+    root.section("compiler");
+    let sections = root.children.iter_mut().filter(|section| section.name == "compiler");
+    sections.for_each(|compiler| compiler.set(name, value));
+}

@@ -1,0 +1,215 @@
+//! Reading a model's file as XML, with what it includes written out and every element knowing its place.
+
+use std::path::{Path, PathBuf};
+
+use super::parse::{Tolerant, name_at, parse};
+use super::tree::{Element, Place};
+
+/// Greatest bytes of an XML file; what is large in a model lies in its meshes.
+const GREATEST_FILE: u64 = 256 << 20;
+/// How deep files may include each other.
+const GREATEST_INCLUSION: usize = 1000;
+
+/// Why a file cannot be read: a clause with its mend, and where it applies.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Refused {
+    /// The file.
+    pub path: PathBuf,
+    /// The line in it, counted from 1; none where it is about the whole file.
+    pub line: Option<usize>,
+    /// What is wrong, and what to do about it.
+    pub message: String,
+}
+
+impl Refused {
+    /// A refusal of a whole file.
+    pub fn file(path: &Path, message: impl Into<String>) -> Refused {
+        Refused { path: path.to_path_buf(), line: None, message: message.into() }
+    }
+
+    /// A refusal of what an element says; of `path` where the element is of no file.
+    pub fn of(element: &Element, path: &Path, message: impl Into<String>) -> Refused {
+        match &element.place {
+            Some(Place { file, line, .. }) => {
+                Refused { path: file.to_path_buf(), line: Some(*line), message: message.into() }
+            }
+            None => Refused::file(path, message),
+        }
+    }
+}
+
+/// A model's file as a tree, with what it includes written out.
+#[derive(Clone, Debug)]
+pub(crate) struct Source {
+    /// The file that was named.
+    pub path: PathBuf,
+    /// This file and those that it includes, in the order in which they are named.
+    pub files: Vec<PathBuf>,
+    /// The root element.
+    pub root: Element,
+}
+
+impl Source {
+    /// Reads a file and what it includes.
+    ///
+    /// # Errors
+    /// Where a file cannot be read or is malformed.
+    pub fn read(path: &Path) -> Result<Source, Refused> {
+        Source::included(path, parse(path, &text_of(path)?)?)
+    }
+
+    /// Reads a model's text, called `name` in messages; what it includes is sought in the working folder.
+    ///
+    /// # Errors
+    /// As [`Source::read`].
+    pub fn of_text(name: &Path, text: &str) -> Result<Source, Refused> {
+        Source::included(name, parse(name, text)?)
+    }
+
+    /// Reads a file's bytes, called `name` in messages.
+    ///
+    /// # Errors
+    /// As [`Source::read`].
+    pub fn of_bytes(name: &Path, bytes: &[u8]) -> Result<Source, Refused> {
+        Source::of_text(name, &text_from(bytes))
+    }
+
+    /// Whether an element stands in the file itself, and not in one that it includes.
+    pub fn is_own(&self, element: &Element) -> bool {
+        element.place.as_ref().is_some_and(|place| *place.file == *self.path)
+    }
+
+    /// Refuses what an element of it says.
+    pub fn refused(&self, element: &Element, message: impl Into<String>) -> Refused {
+        Refused::of(element, &self.path, message)
+    }
+
+    fn included(path: &Path, mut root: Element) -> Result<Source, Refused> {
+        let main = folder_of(path);
+        let mut files = vec![path.to_path_buf()];
+        Include { main: &main, files: &mut files }.within(&mut root, &main, path, 0)?;
+        Ok(Source { path: path.to_path_buf(), files, root })
+    }
+}
+
+/// The first letter or mark of a file, after what editors put before it.
+pub(crate) fn first_letter(bytes: &[u8]) -> Option<u8> {
+    let text = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
+    text.trim_ascii_start().first().copied()
+}
+
+/// Whether the first element of a file has a name.
+pub(crate) fn begins_as(bytes: &[u8], name: &str) -> bool {
+    let text = text_from(bytes);
+    first_letter(bytes) == Some(b'<')
+        && Tolerant::new(&text).root.is_some_and(|root| name_at(&text, root) == name)
+}
+
+/// A path with the separators of this system, wherever it was written.
+pub(super) fn with_slashes(path: &str) -> String {
+    path.replace('\\', "/")
+}
+
+/// The folder that a file is in; empty for the working folder.
+pub(super) fn folder_of(path: &Path) -> PathBuf {
+    path.parent().unwrap_or(Path::new("")).to_path_buf()
+}
+
+/// The same from the root of the file system on.
+pub(super) fn whole_folder_of(path: &Path) -> PathBuf {
+    let folder = folder_of(path);
+    let folder = if folder.as_os_str().is_empty() { PathBuf::from(".") } else { folder };
+    folder.canonicalize().unwrap_or(folder)
+}
+
+/// The text of a model file, whatever its encoding.
+fn text_of(path: &Path) -> Result<String, Refused> {
+    let refused = |message: String| Refused::file(path, message);
+    let about = std::fs::metadata(path).map_err(|error| match error.kind() {
+        std::io::ErrorKind::NotFound => {
+            refused("there is no such file; give the path of an MJCF or URDF file".into())
+        }
+        _ => refused(format!("it cannot be read ({error}); give an MJCF or URDF file that can")),
+    })?;
+    if !about.is_file() {
+        return Err(refused("it is no regular file; give the path of an MJCF or URDF file".into()));
+    }
+    if about.len() > GREATEST_FILE {
+        return Err(refused("it is larger than 256 MiB; give the path of an MJCF or URDF file".into()));
+    }
+    let bytes = std::fs::read(path).map_err(|error| {
+        refused(format!("it cannot be read ({error}); give an MJCF or URDF file that can"))
+    })?;
+    if bytes.starts_with(&[0xff, 0xfe]) || bytes.starts_with(&[0xfe, 0xff]) {
+        return Err(refused("it is in UTF-16; save it in UTF-8".into()));
+    }
+    Ok(text_from(&bytes))
+}
+
+/// The text of bytes, as long as they are: a mark stands for each that is not of UTF-8.
+pub(super) fn text_from(bytes: &[u8]) -> String {
+    let mut text = String::with_capacity(bytes.len());
+    for part in bytes.utf8_chunks() {
+        text.push_str(part.valid());
+        text.extend(std::iter::repeat_n('?', part.invalid().len()));
+    }
+    text
+}
+
+/// What is known while includes are written out.
+struct Include<'a> {
+    main: &'a Path,
+    files: &'a mut Vec<PathBuf>,
+}
+
+impl Include<'_> {
+    /// Writes out what an element of the file `path`, in `folder`, includes. Paths are sought from the main file's
+    /// folder, as MuJoCo has it, then from the folder of the file that includes.
+    fn within(
+        &mut self,
+        element: &mut Element,
+        folder: &Path,
+        path: &Path,
+        depth: usize,
+    ) -> Result<(), Refused> {
+        for mut inner in std::mem::take(&mut element.children) {
+            if inner.name != "include" {
+                self.within(&mut inner, folder, path, depth)?;
+                element.children.push(inner);
+                continue;
+            }
+            let inner = &inner;
+            let Some(name) = inner.get("file").filter(|name| !name.is_empty()) else {
+                return Err(Refused::of(inner, path, "<include> names no file; give it file=\"…\""));
+            };
+            let file = with_slashes(name);
+            let candidates = [self.main.join(&file), folder.join(&file)];
+            let Some(found) = candidates.iter().find(|candidate| candidate.is_file()) else {
+                let message = format!("it includes {name}, which cannot be found; correct the path there");
+                return Err(Refused::of(inner, path, message));
+            };
+            if self.files.contains(found) {
+                let message = format!(
+                    "it includes {name} a second time; MuJoCo allows each file once: remove it there"
+                );
+                return Err(Refused::of(inner, path, message));
+            }
+            self.files.push(found.clone());
+            let mut included = parse(found, &text_of(found)?)?;
+            if included.name == "robot" {
+                let message =
+                    format!("it includes {name}, which is URDF; convert it first, or remove it there");
+                return Err(Refused::of(inner, path, message));
+            }
+            if depth >= GREATEST_INCLUSION {
+                return Err(Refused::file(
+                    found,
+                    "files include each other without end; remove an <include>",
+                ));
+            }
+            self.within(&mut included, &folder_of(found), found, depth + 1)?;
+            element.children.extend(included.children);
+        }
+        Ok(())
+    }
+}
