@@ -207,7 +207,7 @@ fn next(
     let folder = shell_words(&[folder.display().to_string()]);
     if result.learned.verdict.converged() {
         return format!(
-            "open {folder}/{REPORT_FILE} in a browser; `bodyschema view {folder}` moves the body, `bodyschema observe {folder}` shows what is \
+            "open {folder}/{REPORT_FILE} in a browser; `bodyschema view {folder}` moves the body, `bodyschema report {folder}` shows what is \
              certain and what is not"
         );
     }
@@ -221,7 +221,7 @@ fn next(
         None => format!("`{}` touches more", more_touches(session, touches)),
         Some(_) => "record more touches, of more pairs of limbs".to_string(),
     };
-    format!("{more}; `bodyschema observe {folder}` shows which limbs and joints these exercise")
+    format!("{more}; {folder}/{REPORT_FILE} shows which limbs and joints these exercise")
 }
 
 /// The command line that made a session, for more touches in a folder of their own.
@@ -253,7 +253,7 @@ fn print_own_account(result: &LearnedSession) {
         say!("");
     }
     say!(
-        "no model, so nothing is compared with the truth (--model names one); `bodyschema observe` tells more"
+        "no model, so nothing is compared with the truth (--model names one); `bodyschema report` prints more"
     );
 }
 

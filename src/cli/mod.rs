@@ -20,9 +20,7 @@ mod babbling;
 mod calibrate;
 mod completions;
 mod ends_with;
-mod evaluate;
 mod export;
-mod feel;
 mod folders;
 mod gallery;
 mod generate;
@@ -32,20 +30,18 @@ mod learn;
 mod learned;
 mod learning_arguments;
 mod live;
-mod map;
 mod merge;
 mod message;
-mod observe;
 mod open;
 mod output;
 mod printable;
 mod progress;
+mod reach;
 mod render;
 mod report;
 mod resume;
 mod shard;
 mod skin;
-mod space;
 mod study;
 mod talk;
 mod threads;
@@ -55,6 +51,7 @@ mod view;
 use std::fmt::Display;
 use std::process::ExitCode;
 
+use clap::error::{ContextKind, ErrorKind};
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 
 use arguments::{Arguments, effective};
@@ -84,7 +81,7 @@ type Outcome = Result<(), Failure>;
   bodyschema learn --creature robot.json --log touches.csv   # learn from a recording of a real body
   bodyschema calibrate examples/robot/arms.urdf examples/robot/touches.csv --out calibrated
   bodyschema render sessions/max-1 --touch 3 --out touch.png # what a touch looks like
-  bodyschema space sessions/max-1                            # where its hands can get to
+  bodyschema reach sessions/max-1                            # where its hands can get to
   bodyschema export sessions/max-1 --urdf                    # the learned body for other programs
   bodyschema study learners --trials 5                       # compare learners; takes minutes"
 )]
@@ -104,21 +101,18 @@ enum Command {
     Learn(learn::LearnArguments),
     Calibrate(calibrate::CalibrateArguments),
     Plan(calibrate::plan::PlanArguments),
-    Evaluate(evaluate::EvaluateArguments),
-    Observe(observe::ObserveArguments),
     Report(report::ReportArguments),
     View(view::ViewArguments),
     Render(render::RenderArguments),
-    Space(space::SpaceArguments),
+    Reach(reach::ReachArguments),
     Export(export::ExportArguments),
     Inspect(inspect::InspectArguments),
     Skin(skin::SkinArguments),
     Generate(generate::GenerateArguments),
-    Feel(feel::FeelArguments),
     Talk(talk::TalkArguments),
-    Map(map::MapArguments),
     Study(study::StudyArguments),
     Gallery(gallery::GalleryArguments),
+    #[command(hide = true)]
     Completions(completions::CompletionsArguments),
     #[command(hide = true)]
     Rehearse(open::RehearseArgs),
@@ -134,19 +128,32 @@ pub fn check_usage<S: Into<std::ffi::OsString> + Clone>(
     Cli::try_parse_from(line).map(drop).map_err(|error| error.to_string())
 }
 
+/// Commands of the version before, and those that do their work now.
+const RENAMED: [(&str, &str); 5] = [
+    ("evaluate", "report"),
+    ("observe", "report"),
+    ("space", "reach"),
+    ("feel", "skin feel"),
+    ("map", "skin map"),
+];
+
 /// What may be given beside `--resume`, and itself.
 const BESIDE_RESUME: [&str; 6] = ["resume", "jobs", "json", "live", "open", "quiet"];
 
 /// The options in effect of the command that is run. Ends the program where options are given beside `--resume`.
 fn given(program: &mut clap::Command, matches: &clap::ArgMatches) -> Arguments {
-    let Some((name, matches)) = matches.subcommand() else { return Arguments::default() };
-    let Some(command) = program.find_subcommand_mut(name) else { return Arguments::default() };
+    let (mut command, mut matches) = (program, matches);
+    // As in `skin feel`, a command may have commands of its own.
+    while let Some((name, inner)) = matches.subcommand() {
+        let Some(found) = command.find_subcommand_mut(name) else { return Arguments::default() };
+        (command, matches) = (found, inner);
+    }
     let given = arguments::given(command, matches);
     let is = |argument: &clap::Arg, ids: &[&str]| ids.contains(&argument.get_id().as_str());
     let other = given.iter().find(|argument| !is(argument, &BESIDE_RESUME)).map(ToString::to_string);
     if let Some(other) = other.filter(|_| given.iter().any(|argument| is(argument, &["resume"]))) {
         let words = format!("--resume takes all options from the session: leave out {other}");
-        command.error(clap::error::ErrorKind::ArgumentConflict, words).exit();
+        command.error(ErrorKind::ArgumentConflict, words).exit();
     }
     effective(command, matches)
 }
@@ -168,7 +175,17 @@ fn carry_out() -> Outcome {
     let mut program = Cli::command();
     // Groups and global options are there only then.
     program.build();
-    let matches = program.try_get_matches_from_mut(std::env::args_os()).unwrap_or_else(|error| error.exit());
+    let matches = program.try_get_matches_from_mut(std::env::args_os()).unwrap_or_else(|error| {
+        let word = error.get(ContextKind::InvalidSubcommand).map(ToString::to_string);
+        match RENAMED.iter().find(|(old, _)| word.as_deref() == Some(old)) {
+            Some((old, new)) => {
+                let sentence =
+                    format!("`bodyschema {old}` is `bodyschema {new}` now: see `bodyschema {new} --help`");
+                program.error(ErrorKind::InvalidSubcommand, sentence).exit()
+            }
+            None => error.exit(),
+        }
+    });
     let cli = Cli::from_arg_matches(&matches).unwrap_or_else(|error| error.exit());
     if cli.quiet {
         message::be_quiet();
@@ -181,19 +198,15 @@ fn carry_out() -> Outcome {
         Command::Learn(args) => learn::run(&args, given()),
         Command::Calibrate(args) => calibrate::run(&args),
         Command::Plan(args) => calibrate::plan::run(&args),
-        Command::Evaluate(args) => evaluate::run(&args),
-        Command::Observe(args) => observe::run(&args),
         Command::Report(args) => report::run(&args),
         Command::View(args) => view::run(&args),
         Command::Render(args) => render::run(&args),
-        Command::Space(args) => space::run(&args),
+        Command::Reach(args) => reach::run(&args),
         Command::Export(args) => export::run(&args),
         Command::Inspect(args) => inspect::run(&args),
-        Command::Skin(args) => skin::run(&args),
+        Command::Skin(args) => skin::run(&args, given()),
         Command::Generate(args) => generate::run(&args),
-        Command::Feel(args) => feel::run(&args, given()),
         Command::Talk(args) => talk::run(&args),
-        Command::Map(args) => map::run(&args),
         Command::Study(args) => study::run(&args, given()),
         Command::Gallery(args) => gallery::run(&args),
         Command::Completions(args) => completions::run(&args, &Cli::command()),

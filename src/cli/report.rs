@@ -1,32 +1,40 @@
-//! `bodyschema report`: a session as one page to read.
+//! `bodyschema report`: what a session learned, printed and as one page to read.
 
 use std::path::PathBuf;
 
-use super::Outcome;
-use super::folders::written_session;
-use super::learned::warn_truncated;
-use super::open::known_truth;
-use crate::record::{Session, TOUCHES_FILE, read_touches};
-use crate::view::report::{REPORT_FILE, write_report};
+use serde_json::{Value, json};
 
-/// Write a session's report anew: one page that opens in any browser, without a network.
+use super::folders::written_session;
+use super::learned::{print_evaluation, print_knowledge, warn_truncated};
+use super::open::known_truth;
+use super::{Outcome, output, progress};
+use crate::evaluation::{Evaluation, Summary, touch_misses, touches_across};
+use crate::learning::Account;
+use crate::senses::Touch;
+use crate::session::{LearningRecord, SCHEMA_FILE, Session, TOUCHES_FILE, read_schema, read_touches};
+use crate::view::report::{REPORT_FILE, write_report};
+use crate::view::text;
+
+/// Report what a session learned, how accurate it is, and what stays unobservable; write its page anew.
 ///
-/// It shows the learned body over the true one in three dimensions and on the way from the initial guess, the receptors by
-/// how often they were touched, who touched whom, the learning curve beside its bound, the error of every joint, the
-/// residuals, how sure the learner is and of what it is not, and where the hands can get to, once `bodyschema
-/// space` has worked that out. `babble` and `learn` write it by themselves.
+/// Printed are the verdict; the errors against the model where it is at hand: where the skin of every limb lands relative to
+/// every other limb at random postures, the angles between learned and true axes and the distances between their lines; the
+/// contact residual of the touches; and how well every limb is located. No truth is needed for the last two. --json adds every
+/// joint's standard deviations and the observability indices of the calibration literature. The page, one file that opens in
+/// any browser without a network, adds pictures. `babble` and `learn` write it, too.
 #[derive(clap::Args)]
 #[command(after_help = "Examples:
   bodyschema report sessions/max-1
-  bodyschema space sessions/max-1
-  bodyschema report sessions/max-1
-  bodyschema report sessions/max-1 --model mjcf/max/max.xml")]
+  bodyschema report sessions/max-1 --model mjcf/max/max.xml --json")]
 pub struct ReportArguments {
     /// The session's folder
     session: PathBuf,
     /// The model to measure against, where it is not at the path in the session
     #[arg(long)]
     model: Option<PathBuf>,
+    /// Print one JSON object
+    #[arg(long, help_heading = "Output")]
+    json: bool,
 }
 
 pub fn run(args: &ReportArguments) -> Outcome {
@@ -35,8 +43,140 @@ pub fn run(args: &ReportArguments) -> Outcome {
     let session = Session::read(folder)?;
     let log = read_touches(&folder.join(TOUCHES_FILE), &session.agent)?;
     warn_truncated(&log, folder);
+    let schema = read_schema(&folder.join(SCHEMA_FILE), session.agent.creature())?;
     let truth = known_truth(&session, args.model.as_deref())?;
-    write_report(folder, &session, &log.touches, truth.as_ref())?;
-    say!("{}", folder.join(REPORT_FILE).display());
+    let record = LearningRecord::read_or_unknown(folder, session.agent.creature())?;
+    let spinner = progress::spinner("measuring");
+    let evaluation = write_report(folder, &session, &log.touches, truth.as_ref())?;
+    let touches = &log.touches[..record.touches.min(log.touches.len())];
+    let residual = touch_misses(&session.agent, &schema, touches);
+    spinner.finish_and_clear();
+    let found = Found { session: &session, touches, record: &record, evaluation, residual };
+    if args.json {
+        return output::json(&output::joined(found.to_json(args), record.knowledge_json()));
+    }
+    found.print(args);
     Ok(())
+}
+
+/// What is reported.
+struct Found<'a> {
+    session: &'a Session,
+    /// Those that were learned from.
+    touches: &'a [Touch],
+    record: &'a LearningRecord,
+    /// `None` if the truth is not known.
+    evaluation: Option<Evaluation>,
+    /// Contact residual, millimetres.
+    residual: Summary,
+}
+
+impl Found<'_> {
+    fn to_json(&self, args: &ReportArguments) -> Value {
+        let (agent, creature) = (&self.session.agent, self.session.agent.creature());
+        let evaluation = self.evaluation.as_ref();
+        let mut all = json!({
+            "session": args.session,
+            "page": args.session.join(REPORT_FILE),
+            "creature": creature.name(),
+            "touches": self.touches.len(),
+            "heldout_mm": evaluation.map(|e| e.heldout_mm),
+            "determined_mm": evaluation.map(|e| e.determined_mm),
+            "bound_mm": self.record.bound,
+            "hand_mm": evaluation.map(|e| e.hand_mm),
+            "axis_deg": evaluation.map(|e| e.axis_deg),
+            "axis_line_mm": evaluation.map(|e| e.axis_line_mm),
+            "touch_mm": self.residual,
+        });
+        let [of_joints, of_limbs] = touches_across(agent, self.touches);
+        let named = creature.joints().iter().map(|joint| &joint.name).zip(of_joints);
+        let mut joints: Vec<Value> =
+            named.map(|(joint, touches)| json!({ "joint": joint, "touches": touches })).collect();
+        let account = self.record.reliable_account();
+        let limbs: Vec<Value> = match account {
+            Some(account) => {
+                for (j, joint) in joints.iter_mut().enumerate() {
+                    *joint = output::joined(joint.take(), joint_json(account, self.session, j));
+                }
+                let lines = account.limb_lines(creature).into_iter();
+                let bound = |metres: f64| Some(1e3 * metres).filter(|mm| mm.is_finite());
+                lines
+                    .map(|line| {
+                        json!({
+                            "limb": creature.limbs()[line.limb],
+                            "touches": line.touches,
+                            "supporting_touches": line.supporting,
+                            "best_mm": bound(line.bounds[0]),
+                            "worst_mm": bound(line.bounds[1]),
+                            "open": line.why,
+                        })
+                    })
+                    .collect()
+            }
+            // Bounds hold near a right schema only: none are given of one that no held-out touches confirm.
+            None => {
+                let limbs = agent.limbs_with_skin().into_iter();
+                let line = |limb: usize| json!({ "limb": creature.limbs()[limb], "touches": of_limbs[limb] });
+                limbs.map(line).collect()
+            }
+        };
+        (all["joints"], all["limbs"]) = (joints.into(), limbs.into());
+        let Some(account) = account else { return all };
+        let observed = &account.observability;
+        let deviation = self.record.account.as_ref().and_then(|recorded| recorded.deviation);
+        let determined = json!({
+            "touch_deviation_mm": 1e3 * deviation.unwrap_or_default(),
+            "parameters": observed.singular_values.len(),
+            "rank": observed.rank,
+            "condition": observed.condition(),
+            "singular_values": observed.singular_values,
+            "indices": observed.indices(),
+            "bounds_note": self.record.floor_note(),
+            "unobservable": self.record.open_directions,
+        });
+        output::joined(all, determined)
+    }
+
+    fn print(&self, args: &ReportArguments) {
+        let creature = self.session.agent.creature();
+        say!("{}: {} of {}", args.session.display(), text::touches(self.touches.len()), creature.name());
+        print_knowledge(self.record);
+        self.record.open_directions.iter().for_each(|words| say!("  {words}"));
+        say!("");
+        match &self.evaluation {
+            Some(evaluation) => print_evaluation(evaluation),
+            None => output::head(),
+        }
+        output::row("contact residual of all touches", "mm", &self.residual);
+        if let Some(account) = self.record.reliable_account() {
+            say!("\nhow far off a limb's skin may be in the frames of the other located limbs, 95 %:");
+            say!(
+                "  {:<28}{:<10}{:<12}{:<12}{:<12}",
+                "limb",
+                "touches",
+                "supporting",
+                "best, mm",
+                "worst, mm"
+            );
+            for line in account.limb_lines(creature) {
+                let [best, worst] = line.bounds.map(|metres| output::number(1e3 * metres));
+                let (limb, why) = (&creature.limbs()[line.limb], line.why.as_deref().unwrap_or(""));
+                let counts = format!("{:<10}{:<12}", line.touches, line.supporting);
+                say!("{}", format!("  {limb:<28}{counts}{best:<12}{worst:<12}{why}").trim_end());
+            }
+            self.record.floor_note().iter().for_each(|note| say!("{note}"));
+        }
+        say!("\npage: {}", args.session.join(REPORT_FILE).display());
+    }
+}
+
+/// The standard deviations of a joint's position and axes; null if nothing determines them.
+fn joint_json(account: &Account, session: &Session, joint: usize) -> Value {
+    let (creature, observed) = (session.agent.creature(), &account.observability);
+    let axes = creature.joints()[joint].dof_indices();
+    let degrees = |dof: usize| observed.axis_std(creature, dof).map(f64::to_degrees);
+    json!({
+        "position_std_mm": observed.position_std(joint).map(|metres| metres.map(|m| 1e3 * m)),
+        "axes_std_deg": axes.map(degrees).collect::<Vec<_>>(),
+    })
 }

@@ -270,3 +270,14 @@ pub fn touch_misses(agent: &Agent, schema: &BodySchema, touches: &[Touch]) -> Su
     };
     Summary::of(touches.iter().map(miss))
 }
+
+/// How many touches each joint lies across, and how many are of each limb's skin.
+pub fn touches_across(agent: &Agent, touches: &[Touch]) -> [Vec<usize>; 2] {
+    let creature = agent.creature();
+    let (mut of_joints, mut of_limbs) = (vec![0; creature.joints().len()], vec![0; creature.limbs().len()]);
+    for [a, b] in touches.iter().map(|touch| touch.limbs(agent.skin())) {
+        Chain::between(creature, a, b).joints().for_each(|joint| of_joints[joint] += 1);
+        [a, b].into_iter().for_each(|limb| of_limbs[limb] += 1);
+    }
+    [of_joints, of_limbs]
+}

@@ -14,7 +14,7 @@ mod progress;
 pub use map_agreement::MapAgreement;
 pub use measures::{
     AxisErrors, CramerRaoBound, HELD_OUT_POSTURES, HeldOutError, HeldOutPoint, Summary, axis_errors,
-    held_out, held_out_points, touch_misses,
+    held_out, held_out_points, touch_misses, touches_across,
 };
 
 pub use own_account::OwnAccount;

@@ -80,7 +80,7 @@ pub fn read_map(path: &Path, creature: &str, skin: &Skin) -> Result<SomatotopicM
     let refuse = |message: String| Err(RecordError::format(path, None, message));
     if read.creature != creature {
         return refuse(format!(
-            "it is the map of \"{}\", not of \"{creature}\": give the one that `bodyschema map` wrote of this creature",
+            "it is the map of \"{}\", not of \"{creature}\": give the one that `bodyschema skin map` wrote of this creature",
             read.creature
         ));
     }

@@ -84,11 +84,11 @@ impl SpaceRecord {
         });
         let litres = record.litres.iter().flatten().all(|litres| (0.0..=GREATEST_LITRES).contains(litres));
         if !((LEAST_VOXEL..=GREATEST_LENGTH).contains(&record.voxel) && litres && { places }.all(is_length)) {
-            let message = "it has a size or a place that cannot be: make it anew with `bodyschema space`";
+            let message = "it has a size or a place that cannot be: make it anew with `bodyschema reach`";
             return Err(RecordError::format(&path, None, message));
         }
         if record.hands.len() != record.litres.len() {
-            let message = "it has not the volumes of every hand: make it anew with `bodyschema space`";
+            let message = "it has not the volumes of every hand: make it anew with `bodyschema reach`";
             return Err(RecordError::format(&path, None, message));
         }
         for (i, slice) in record.slices.iter().enumerate() {
@@ -102,7 +102,7 @@ impl SpaceRecord {
             {
                 let message = format!(
                     "its slice {} has other axes than two of 0 to 2, other digits than 0 to 4, or rows of several lengths: make it anew with \
-                     `bodyschema space`",
+                     `bodyschema reach`",
                     i + 1
                 );
                 return Err(RecordError::format(&path, None, message));

@@ -125,7 +125,7 @@ fn a_session_says_that_it_does_not_know_where_its_learner_did_not() {
     // The same touches by a learner that knows how good it is.
     succeeds(place, &["learn", "hersch", "--input", "contact"]);
     assert_eq!(doubt_of("hersch"), None);
-    let json = succeeds(place, &["observe", "hersch", "--json"]);
+    let json = succeeds(place, &["report", "hersch", "--json"]);
     // What is asked later is what was learned, not what some other learner would say.
     let told: Value = serde_json::from_str(&json).unwrap();
     let file = fs::read_to_string(place.join("hersch").join(LEARNED_RECORD_FILE)).unwrap();
@@ -139,7 +139,7 @@ fn a_session_says_that_it_does_not_know_where_its_learner_did_not() {
     old.as_object_mut().unwrap().remove("account");
     fs::write(place.join("hersch").join(LEARNED_RECORD_FILE), old.to_string()).unwrap();
     assert_eq!(doubt_of("hersch"), Some(Doubt::Unknown));
-    succeeds(place, &["observe", "hersch"]);
+    succeeds(place, &["report", "hersch"]);
     // One of another creature is refused.
     let other = file.replace("\"left_shoulder\"", "\"left_knee\"");
     assert_ne!(other, file);

@@ -315,7 +315,7 @@ fn learn_prints_one_json_object_and_uses_the_first_touches_asked_for() {
     assert_eq!((&found["touches"], &found["learner"]), (&Value::from(40), &Value::from("hersch")));
     let found = place.json(&["learn", "session", "--touches", "99999", "--learner", "hersch", "--json"]);
     assert_eq!(found["touches"], 150);
-    let found = place.json(&["evaluate", "session", "--json"]);
+    let found = place.json(&["report", "session", "--json"]);
     has_keys(&found, &["heldout_mm", "axis_deg", "touch_mm"]);
 }
 
@@ -367,7 +367,7 @@ fn the_results_for_people_go_to_standard_output_and_hold_no_control_characters()
     let (out, message) = place.succeeds(&arguments);
     has(&out, &["60 touches", "session: s"]);
     assert!(!out.contains('\u{1b}') && !message.contains('\u{1b}'), "{out}{message}");
-    let (out, _) = place.succeeds(&["evaluate", "s"]);
+    let (out, _) = place.succeeds(&["report", "s"]);
     has(&out, &["mean", "median"]);
 }
 
@@ -403,7 +403,7 @@ fn the_log_alone_is_enough_to_learn_when_the_model_is_gone() {
     assert_eq!(found["heldout_mm"], Value::Null, "there is nothing to measure against");
     has(&text(&output.stderr), &["not measured", "arms.xml"]);
     place.succeeds(&["learn", "session", "--learner", "hersch"]);
-    has(&place.fails(&["evaluate", "session"]), &["arms.xml"]);
+    has(&place.succeeds(&["report", "session"]).1, &["not measured", "arms.xml"]);
     has(&place.fails(&["learn", "session", "--model", "gone.xml"]), &["gone.xml"]);
     place.write("moved.xml", &arms());
     let found = place.json(&["learn", "session", "--model", "moved.xml", "--learner", "hersch", "--json"]);
@@ -415,12 +415,12 @@ fn a_model_that_changed_since_is_not_measured_against() {
     let place = Place::new();
     place.session("session", "60");
     place.write("arms.xml", &arms().replace("range=\"-2.4 2.4\"", "range=\"-2.3 2.4\""));
-    has(&place.fails(&["evaluate", "session"]), &["arms.xml", "--model"]);
+    has(&place.succeeds(&["report", "session"]).1, &["not measured", "arms.xml", "--model"]);
     // Only where the joints are has changed: nothing that the agent is given.
     place.write("arms.xml", &arms().replace("pos=\"0.3 0 0\"", "pos=\"0.31 0 0\""));
-    has(&place.fails(&["evaluate", "session"]), &["arms.xml", "--model"]);
+    has(&place.succeeds(&["report", "session"]).1, &["not measured", "arms.xml", "--model"]);
     place.write("arms.xml", &arms());
-    place.succeeds(&["evaluate", "session"]);
+    has(&place.succeeds(&["report", "session"]).0, &["angle between axes"]);
 }
 
 #[test]
@@ -434,7 +434,7 @@ fn a_truncated_log_loses_the_last_touch_alone() {
     assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
     assert_eq!(serde_json::from_slice::<Value>(&output.stdout).unwrap()["touches"], 49);
     has(&text(&output.stderr), &["line 51", "left out"]);
-    place.succeeds(&["evaluate", "session"]);
+    has(&place.succeeds(&["report", "session"]).0, &["angle between axes"]);
 }
 
 #[test]
@@ -472,7 +472,7 @@ fn a_log_with_anything_wrong_in_it_is_refused_with_its_line() {
     ];
     for (content, word) in nonsense {
         fs::write(&log, &content).unwrap();
-        for command in ["learn", "evaluate"] {
+        for command in ["learn", "report"] {
             has(&place.fails(&[command, "session"]), &["touches.jsonl", word]);
         }
     }
@@ -506,7 +506,7 @@ fn a_foreign_or_empty_session_is_refused_by_name() {
     let place = Place::new();
     place.session("session", "20");
     has(&place.fails(&["learn", "nowhere"]), &["nowhere"]);
-    has(&place.fails(&["evaluate", "nowhere"]), &["nowhere"]);
+    has(&place.fails(&["report", "nowhere"]), &["nowhere"]);
     fs::create_dir(place.path("empty")).unwrap();
     has(&place.fails(&["learn", "empty"]), &["empty: it is no session's folder", "babble"]);
     has(&place.fails(&["learn", "arms.xml"]), &["it is a model's file", "bodyschema babble arms.xml"]);
@@ -556,15 +556,13 @@ fn motions_with_physics_are_told_from_those_without() {
 }
 
 #[test]
-fn evaluating_a_session_without_a_schema_says_so() {
+fn reporting_a_session_without_a_schema_says_so() {
     let place = Place::new();
     place.session("session", "20");
     fs::remove_file(place.path("session/schema.json")).unwrap();
-    for command in ["evaluate", "report", "observe"] {
-        has(&place.fails(&[command, "session"]), &["session: ", "babble --resume session", "learn session"]);
-    }
+    has(&place.fails(&["report", "session"]), &["session: ", "babble --resume session", "learn session"]);
     place.write("session/schema.json", "{\"format\":\"bodyschema schema\",\"version\":1}");
-    has(&place.fails(&["evaluate", "session"]), &["schema.json"]);
+    has(&place.fails(&["report", "session"]), &["schema.json"]);
 }
 
 #[test]
@@ -604,7 +602,7 @@ fn every_example_of_the_help_parses() {
     let (main, _) = place.succeeds(&["--help"]);
     let mut all = examples(&main);
     assert!(all.len() >= 5, "{main}");
-    for command in ["babble", "learn", "evaluate", "inspect", "skin"] {
+    for command in ["babble", "learn", "report", "inspect", "skin"] {
         has(&main, &[command]);
         let (help, _) = place.succeeds(&[command, "--help"]);
         let found = examples(&help);
@@ -742,4 +740,15 @@ fn a_session_of_a_creature_with_an_odd_name_stays_in_its_folder() {
     let session = Path::new(found["session"].as_str().unwrap());
     assert_eq!(session.parent(), Some(Path::new("sessions")));
     assert!(place.path("sessions").join(session.file_name().unwrap()).is_dir());
+}
+
+#[test]
+fn old_names_of_commands_are_answered_with_the_new_ones() {
+    let place = Place::new();
+    for (old, new) in [("evaluate", "report"), ("observe", "report"), ("space", "reach"), ("map", "skin map")]
+    {
+        let output = place.run(&[old, "session"]);
+        assert_eq!(output.status.code(), Some(2));
+        has(&text(&output.stderr), &[&format!("`bodyschema {old}` is `bodyschema {new}` now")]);
+    }
 }

@@ -329,7 +329,7 @@ fn names_that_are_made_up_are_nobody_elses() {
     let babble =
         ["babble", "arm.xml", "--touches", "30", "--policy", "random", "--out", "s", "--learner", "hersch"];
     succeeds(folder.path(), &babble);
-    succeeds(folder.path(), &["observe", "s"]);
+    succeeds(folder.path(), &["report", "s"]);
 }
 
 #[test]

@@ -559,7 +559,7 @@ fn other_creatures_in_a_file_are_told_of_and_props_are_none() {
     assert!(told.contains("this is big (3 joints); --root chooses another of small (1 joints)"), "{told}");
     assert!(!told.contains("ball"), "{told}");
     assert!(!note(&["other", "--root", "big"]).contains("several creatures"));
-    for command in [&["skin", "--out", "skin.xml"][..], &["feel"], &["study", "learners"]] {
+    for command in [&["skin", "--out", "skin.xml"][..], &["skin", "feel"], &["study", "learners"]] {
         let told = refused(folder.path(), 1, &[command, &["--root", "nobody", "two.xml"]].concat());
         assert!(told.contains("nobody") && told.contains("big, small"), "{told}");
     }

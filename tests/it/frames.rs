@@ -380,12 +380,11 @@ fn a_session_is_learned_with_its_limbs_frames_evaluated_and_observed() {
     assert_eq!(found["undetermined_limbs"], serde_json::json!([]));
     let again = json(place.path(), &[&["learn", "s"][..], &options].concat());
     assert_eq!(found["heldout_mm"], again["heldout_mm"]);
-    let measured = json(place.path(), &["evaluate", "s", "--json"]);
+    let measured = json(place.path(), &["report", "s", "--json"]);
     assert!(measured["heldout_mm"]["max"].as_f64().unwrap() < EXACT_MM, "{measured}");
     let schema = fs::read_to_string(place.path().join("s/schema.json")).unwrap();
     assert!(schema.contains("limb_position") && schema.contains("limb_quaternion"), "{schema}");
-    let observed = json(place.path(), &["observe", "s", "--json"]);
-    assert_eq!(observed["rank"], observed["parameters"], "{observed}");
+    assert_eq!(measured["rank"], measured["parameters"], "{measured}");
     let output = run(place.path(), &["learn", "s", "--known", "s/schema.json"]);
     let message = String::from_utf8(output.stderr).unwrap();
     assert!(output.status.code() == Some(1) && message.contains("--frames joint"), "{message}");

@@ -137,7 +137,8 @@ fn a_receptor_fires_on_over_a_bounce_and_anew_after_silence() {
 fn a_snake_that_is_stroked_for_a_minute_learns_true_neighbours() {
     let place = tempfile::tempdir().unwrap();
     let snake = repository("mjcf/snake/snake.xml");
-    let stroke = ["feel", snake.to_str().unwrap(), "--strokes", "1", "--seed", "3", "--out", "stroked"];
+    let stroke =
+        ["skin", "feel", snake.to_str().unwrap(), "--strokes", "1", "--seed", "3", "--out", "stroked"];
     let told = succeeds(place.path(), &stroke);
     assert!(told.contains("in 1 minutes") && told.contains("stroked"), "{told}");
     for file in ["session.json", "firings.jsonl", "sensations.jsonl"] {
@@ -149,7 +150,7 @@ fn a_snake_that_is_stroked_for_a_minute_learns_true_neighbours() {
         let firing: Value = serde_json::from_str(line).unwrap();
         assert!(firing.as_object().unwrap().keys().all(|key| fields.contains(&key.as_str())), "{line}");
     }
-    let arguments = ["map", "stroked", "--out", "map.json", "--json"];
+    let arguments = ["skin", "map", "stroked", "--out", "map.json", "--json"];
     let found: Value = serde_json::from_str(&succeeds(place.path(), &arguments)).unwrap();
     let number = |key: &str| found[key].as_f64().unwrap();
     assert!(number("precision") > 0.85 && number("recall") > 0.15, "{found}");
@@ -173,9 +174,9 @@ fn a_snake_that_is_stroked_for_a_minute_learns_true_neighbours() {
         (neighbours.len() as u64, links as u64),
         (of_limbs("receptors"), 2 * found["learned"].as_u64().unwrap())
     );
-    let table = succeeds(place.path(), &["map", "stroked"]);
+    let table = succeeds(place.path(), &["skin", "map", "stroked"]);
     assert!(table.contains("geometric") && table.contains("agreement"), "{table}");
-    let felt = ["feel", snake.to_str().unwrap(), "--stimulations", "2", "--map", "map.json"];
+    let felt = ["skin", "feel", snake.to_str().unwrap(), "--stimulations", "2", "--map", "map.json"];
     assert!(succeeds(place.path(), &felt).contains("\"sensed\""));
     wrong_maps_are_told_in_one_sentence(place.path(), &felt, &map);
     wrong_logs_are_told_in_one_sentence(place.path(), &log);
@@ -244,7 +245,7 @@ fn wrong_logs_are_told_in_one_sentence(place: &Path, log: &str) {
     ];
     for (text, word) in cases {
         fs::write(&file, &text).unwrap();
-        let message = refused(place, 1, &["map", "stroked"]);
+        let message = refused(place, 1, &["skin", "map", "stroked"]);
         assert_eq!(message.trim_end().lines().count(), 1, "{message}");
         assert!(message.contains(word) && message.contains("firings.jsonl"), "no \"{word}\" in: {message}");
         let line = if text.starts_with(header) { "line 2" } else { "line 1" };
@@ -252,17 +253,17 @@ fn wrong_logs_are_told_in_one_sentence(place: &Path, log: &str) {
     }
     // What a killed process leaves is read up to there.
     fs::write(&file, &log[..log.len() - 5]).unwrap();
-    succeeds(place, &["map", "stroked"]);
+    succeeds(place, &["skin", "map", "stroked"]);
     fs::remove_file(&file).unwrap();
-    assert!(refused(place, 1, &["map", "stroked"]).contains("--strokes"));
-    assert!(refused(place, 1, &["map", "nowhere"]).contains("nowhere"));
+    assert!(refused(place, 1, &["skin", "map", "stroked"]).contains("--strokes"));
+    assert!(refused(place, 1, &["skin", "map", "nowhere"]).contains("nowhere"));
 }
 
 #[test]
 fn strokes_go_with_neither_a_script_nor_nonsense() {
     let place = tempfile::tempdir().unwrap();
     let snake = repository("mjcf/snake/snake.xml");
-    let feel = ["feel", snake.to_str().unwrap()];
+    let feel = ["skin", "feel", snake.to_str().unwrap()];
     for wrong in [
         &["--strokes", "0"][..],
         &["--strokes", "nan"],

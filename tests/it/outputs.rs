@@ -144,7 +144,7 @@ fn other_results_are_replaced_by_force_too() {
     succeeds(place.path(), &[&calibrate("made")[..], &["--force"]].concat());
     assert_eq!(files(&at("made")), before);
 
-    let feel = ["feel", "arms.xml", "--strokes", "0.02", "--out", "s"];
+    let feel = ["skin", "feel", "arms.xml", "--strokes", "0.02", "--out", "s"];
     assert!(refused(place.path(), 1, &feel).contains("--force"));
     succeeds(place.path(), &[&feel[..], &["--force"]].concat());
     let names: Vec<String> = files(&at("s")).into_keys().collect();

@@ -98,7 +98,7 @@ fn every_picture_is_drawn_and_nothing_is_fetched() {
     let browser = browser();
     let place = tempfile::tempdir().unwrap();
     copy(sessions::max(), place.path());
-    succeeds(place.path(), &["space", "max", "--voxel", "0.08"]);
+    succeeds(place.path(), &["reach", "max", "--voxel", "0.08"]);
     succeeds(place.path(), &["report", "max"]);
     let page = place.path().join("max/report.html");
     let bytes = std::fs::metadata(&page).unwrap().len();

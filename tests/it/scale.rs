@@ -220,7 +220,7 @@ mod large {
             tell("babble", touches, cost(place.path(), &words(&line)));
             for (name, line) in [
                 ("learn --learner lm", &["learn", "s", "--learner", "lm"][..]),
-                ("evaluate", &["evaluate", "s"]),
+                ("report", &["report", "s"]),
                 ("report", &["report", "s"]),
             ] {
                 tell(name, touches, cost(place.path(), line));

@@ -430,7 +430,7 @@ fn feel(script: Option<&str>) -> Output {
         fs::write(place.path().join("touches.json"), script).unwrap();
     }
     let mut command = Command::new(env!("CARGO_BIN_EXE_bodyschema"));
-    command.arg("feel").arg(repository("mjcf/max/max.xml")).args(["--script", "touches.json"]);
+    command.args(["skin", "feel"]).arg(repository("mjcf/max/max.xml")).args(["--script", "touches.json"]);
     command.current_dir(place.path()).env("RUST_BACKTRACE", "0").output().unwrap()
 }
 

@@ -187,8 +187,7 @@ fn every_number_is_in_si_or_named_with_its_unit() {
         ],
         &["learn", "s", "--learner", "lm", "--out", "t", "--json"],
         &["learn", max, "--learner", "hersch", "--out", "m", "--json"],
-        &["evaluate", max, "--json"],
-        &["observe", max, "--json"],
+        &["report", "s", "--json"],
         &["inspect", "arms.xml", "--json"],
         &["inspect", scene.to_str().unwrap(), "--json"],
         &["generate", "--out", "g.xml", "--json"],
@@ -200,12 +199,12 @@ fn every_number_is_in_si_or_named_with_its_unit() {
         all.extend(faults(&arguments[..2].join(" "), &[output]));
     }
     crate::common::shell::copy(Path::new(max), &at("w"));
-    let space = succeeds(place.path(), &["space", "w", "--voxel", "0.1", "--at", "0.3,0,0.1", "--json"]);
-    all.extend(faults("space", &[serde_json::from_str(&space).unwrap()]));
-    let feel = succeeds(place.path(), &["feel", "arms.xml", "--stimulations", "4"]);
+    let reach = succeeds(place.path(), &["reach", "w", "--voxel", "0.1", "--at", "0.3,0,0.1", "--json"]);
+    all.extend(faults("reach", &[serde_json::from_str(&reach).unwrap()]));
+    let feel = succeeds(place.path(), &["skin", "feel", "arms.xml", "--stimulations", "4"]);
     all.extend(faults("feel", &lines(&feel)));
-    succeeds(place.path(), &["feel", "arms.xml", "--strokes", "0.05", "--out", "f"]);
-    let map = succeeds(place.path(), &["map", "f", "--out", "map.json", "--json"]);
+    succeeds(place.path(), &["skin", "feel", "arms.xml", "--strokes", "0.05", "--out", "f"]);
+    let map = succeeds(place.path(), &["skin", "map", "f", "--out", "map.json", "--json"]);
     all.extend(faults("map", &[serde_json::from_str(&map).unwrap()]));
     for file in [
         "s/session.json",

@@ -75,8 +75,7 @@ fn one_verdict(place: &Path, number: usize) -> Value {
     babble.extend(options.split(' '));
     let babbled = json(place, &babble);
     let what = format!("{model} {options}");
-    let [observed, evaluated] =
-        ["observe", "evaluate"].map(|command| json(place, &[command, &session, "--json"]));
+    let reported = json(place, &["report", &session, "--json"]);
     let in_all = [
         "converged",
         "reason",
@@ -89,16 +88,10 @@ fn one_verdict(place: &Path, number: usize) -> Value {
     ];
     for key in in_all {
         assert!(babbled.get(key).is_some(), "{what}: no {key}");
-        assert_eq!(babbled[key], observed[key], "{what}: {key} of observe");
-        assert_eq!(babbled[key], evaluated[key], "{what}: {key} of evaluate");
+        assert_eq!(babbled[key], reported[key], "{what}: {key} of report");
     }
     for key in ["heldout_mm", "determined_mm", "hand_mm", "axis_deg", "axis_line_mm", "bound_mm"] {
-        assert!(
-            same(&babbled[key], &evaluated[key]),
-            "{what}: {key}: {} and {}",
-            babbled[key],
-            evaluated[key]
-        );
+        assert!(same(&babbled[key], &reported[key]), "{what}: {key}: {} and {}", babbled[key], reported[key]);
     }
     let converged = babbled["converged"].as_bool().unwrap();
     let verdict = babbled["verdict"].as_str().unwrap();
@@ -108,18 +101,16 @@ fn one_verdict(place: &Path, number: usize) -> Value {
         "all (no held-out touches confirm the schema)".into()
     };
     let page = fs::read_to_string(place.join(&session).join("report.html")).unwrap();
-    for command in ["observe", "evaluate"] {
-        let shown = succeeds(place, &[command, &session]);
-        assert!(shown.contains(verdict), "{what}: {command}: {shown}");
-        assert_eq!(between(&shown, "undetermined joints: ", "\n").unwrap(), joints, "{what}: {command}");
-    }
+    let shown = succeeds(place, &["report", &session]);
+    assert!(shown.contains(verdict), "{what}: {shown}");
+    assert_eq!(between(&shown, "undetermined joints: ", "\n").unwrap(), joints, "{what}");
     assert!(page.contains(&escaped(verdict)), "{what}: the page");
 
     // The number on the page is that of JSON: of located limbs where there are any, else of all.
     let shown = between(&page, "<strong>", " mm</strong>").unwrap();
     let of = if converged { "determined_mm" } else { "heldout_mm" };
     assert!(shows(shown, babbled[of]["mean"].as_f64().unwrap()), "{what}: {shown}, {}", babbled[of]);
-    let limbs = observed["limbs"].as_array().unwrap();
+    let limbs = reported["limbs"].as_array().unwrap();
     if !converged {
         // Nothing is bounded near a schema that may be wrong.
         assert_eq!(
@@ -146,7 +137,7 @@ fn one_verdict(place: &Path, number: usize) -> Value {
     }
     // Bounds of exact touches say what they assume, and nothing is drawn as the least error that there could be.
     let at_floor = &babbled["bound_mm"]["at_floor"];
-    assert_eq!(at_floor.as_bool().unwrap(), observed["bounds_note"].is_string(), "{what}");
+    assert_eq!(at_floor.as_bool().unwrap(), reported["bounds_note"].is_string(), "{what}");
     let record = fs::read_to_string(place.join(&session).join("learning.json")).unwrap();
     if at_floor.as_bool().unwrap() {
         assert!(!record.contains("bound_rms_mm") && !page.contains("Cramér-Rao bound"), "{what}");

@@ -128,7 +128,7 @@ impl Yard {
         // What is learned of the same touches without the model has other columns.
         yard.succeeds(&[&RECORDING[..], &["--out", "recorded"]].concat());
         yard.generations.push(yard.learned("recorded").unwrap());
-        yard.succeeds(&["feel", "arms.xml", "--strokes", "0.02", "--out", "stroked", "--quiet"]);
+        yard.succeeds(&["skin", "feel", "arms.xml", "--strokes", "0.02", "--out", "stroked", "--quiet"]);
         // One that babbled and did not learn, and one that was interrupted.
         yard.copy("whole-1", "cut");
         for file in OF_GENERATION {
@@ -321,7 +321,7 @@ struct Victim {
 impl Victim {
     /// Whether its session is one of touches and what is learned from them.
     fn learns(&self) -> bool {
-        !["feel", "map"].contains(&self.words[0])
+        !["skin", "feel", "map"].contains(&self.words[0])
     }
 }
 
@@ -337,9 +337,9 @@ fn victims() -> Vec<Victim> {
         victim(&[&RECORDING[..], &["--out", "s"]].concat(), None),
         victim(&["report", "s"], Some("whole-1")),
         victim(&["export", "s", "--urdf"], Some("whole-1")),
-        victim(&["space", "s", "--hand", "left_fore"], Some("whole-1")),
-        victim(&["map", "s", "--out", "s/map.json", "--quiet"], Some("stroked")),
-        victim(&["feel", "arms.xml", "--strokes", "0.02", "--out", "s", "--quiet"], None),
+        victim(&["reach", "s", "--hand", "left_fore"], Some("whole-1")),
+        victim(&["skin", "map", "s", "--out", "s/map.json", "--quiet"], Some("stroked")),
+        victim(&["skin", "feel", "arms.xml", "--strokes", "0.02", "--out", "s", "--quiet"], None),
     ]
 }
 
@@ -368,7 +368,7 @@ fn aftermath(yard: &Yard, victim: &Victim, how: &str, findings: &mut Findings) {
         // Whoever reads it first puts it in order.
         let read = match victim.learns() {
             true => yard.tries(&["export", "s", "--mjcf", "--out", "other.xml"]),
-            false => yard.tries(&["map", "s", "--out", "other.json", "--quiet"]),
+            false => yard.tries(&["skin", "map", "s", "--out", "other.json", "--quiet"]),
         };
         findings.check(read.is_ok(), STALE, || format!("{how}: {read:?}"));
         if victim.learns() {

@@ -8,7 +8,7 @@ use crate::view::text::{escape, short_number as number};
 /// The picture; a sentence that says how to get one where there is no map yet.
 pub(super) fn figure_of(input: &ReportInput) -> String {
     let Some(space) = input.space.filter(|space| !space.slices.is_empty()) else {
-        return "<p class=\"note\">There is no map yet: <code>bodyschema space SESSION</code> works it out and \
+        return "<p class=\"note\">There is no map yet: <code>bodyschema reach SESSION</code> works it out and \
                 <code>bodyschema report SESSION</code> shows it here.</p>\n"
             .into();
     };

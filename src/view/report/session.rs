@@ -16,7 +16,8 @@ use crate::view::text::shell_words;
 /// The report, in a session's folder.
 pub const REPORT_FILE: &str = "report.html";
 
-/// Writes the report of a session from what its folder holds. Of its touches those count that were learned from.
+/// Writes the report of a session from what its folder holds, and returns the error measures if the truth is known. Of its
+/// touches those count that were learned from.
 ///
 /// # Errors
 /// Where a file of it cannot be read, or the report not written.
@@ -25,7 +26,7 @@ pub fn write_report(
     session: &Session,
     touches: &[Touch],
     truth: Option<&GroundTruth>,
-) -> Result<(), ExperimentError> {
+) -> Result<Option<Evaluation>, ExperimentError> {
     let agent = &session.agent;
     let creature = agent.creature();
     let (schema, std) = read_schema_with_std(&folder.join(SCHEMA_FILE), creature)?;
@@ -70,8 +71,12 @@ pub fn write_report(
         open_directions: &record.open_directions,
     };
     let path = folder.join(REPORT_FILE);
-    write_whole(&path, html(&report).as_bytes())
-        .map_err(|source| RecordError::Io { path, action: Action::Write, source }.into())
+    write_whole(&path, html(&report).as_bytes()).map_err(|source| RecordError::Io {
+        path,
+        action: Action::Write,
+        source,
+    })?;
+    Ok(evaluation)
 }
 
 /// How long touching and learning took in all, as far as that was kept.

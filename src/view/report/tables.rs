@@ -2,8 +2,7 @@
 
 use super::ReportInput;
 use crate::creature::DofKind;
-use crate::evaluation::{AxisErrors, CramerRaoBound, Summary, axis_errors};
-use crate::kinematics::Chain;
+use crate::evaluation::{AxisErrors, CramerRaoBound, Summary, axis_errors, touches_across};
 use crate::learning::LimbLine;
 use crate::senses::limb_pairs;
 use crate::view::text::{error_number, escape, plural, short_number};
@@ -164,11 +163,7 @@ pub(super) fn limbs(input: &ReportInput) -> String {
 /// The table of joints.
 pub(super) fn joints(input: &ReportInput) -> String {
     let creature = input.agent.creature();
-    let mut involved = vec![0usize; creature.joints().len()];
-    for touch in input.touches {
-        let [a, b] = touch.limbs(input.agent.skin());
-        Chain::between(creature, a, b).joints().for_each(|j| involved[j] += 1);
-    }
+    let [involved, _] = touches_across(input.agent, input.touches);
     let errors = input.truth.map(|truth| axis_errors(creature, truth, input.schema, input.undetermined, &[]));
     let mut groups = String::new();
     for (j, joint) in creature.joints().iter().enumerate() {

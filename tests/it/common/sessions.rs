@@ -10,7 +10,7 @@ use super::shell::{copy_models, run};
 /// What makes [`checkout`] out of a copy of the models, as the documents show it: the main job, and strokes for the map.
 pub const CHECKOUT: [&str; 2] = [
     "bodyschema babble mjcf/max/max.xml",
-    "bodyschema feel mjcf/max/max.xml --strokes 0.5 --out sessions/stroked",
+    "bodyschema skin feel mjcf/max/max.xml --strokes 0.5 --out sessions/stroked",
 ];
 /// The touches of [`max`].
 pub const MAX_TOUCHES: usize = 1000;

@@ -43,8 +43,8 @@ impl Yard {
             let read = commands(place.clone(), lines);
             readers.push(Reader { name, file, good, share: SHARE, process: true, read });
         };
-        let looked_at: &[&str] = &["evaluate {/}", "report {/}"];
-        let learned_from: &[&str] = &["evaluate {/}", "report {/}", "learn {/} --learner lm --out out"];
+        let looked_at: &[&str] = &["report {/}"];
+        let learned_from: &[&str] = &["report {/}", "learn {/} --learner lm --out out"];
         for (name, file, lines) in [
             ("commands, session", "session.json", learned_from),
             ("commands, touches", "touches.jsonl", learned_from),

@@ -1,4 +1,4 @@
-//! `bodyschema feel`: what a creature feels when it is touched.
+//! `bodyschema skin feel`: what a creature feels when it is touched.
 
 use std::fs::File;
 use std::io::{BufWriter, Write};
@@ -8,11 +8,11 @@ use rand::SeedableRng;
 use rand::seq::IndexedRandom;
 use rand_chacha::ChaCha8Rng;
 
-use super::arguments::Arguments;
-use super::folders::{Force, session_folder};
-use super::open::{ModelArguments, open_body};
-use super::{Failure, Outcome, progress};
 use crate::agent::Agent;
+use crate::cli::arguments::Arguments;
+use crate::cli::folders::{Force, session_folder};
+use crate::cli::open::{ModelArguments, open_body};
+use crate::cli::{Failure, Outcome, progress};
 use crate::creature::JointSelection;
 use crate::record::{
     FiringWriter, Host, PROGRAM, SENSATIONS_FILE, Session, SessionOptions, model_hash, read_map,
@@ -38,14 +38,14 @@ const AFTER: f64 = 0.1;
 /// the creature is touched at random.
 ///
 /// With --strokes it is stroked all over for so many minutes, and what it feels goes into a session's folder:
-/// firings.jsonl has which receptor fired and when, sensations.jsonl what the touch sensor made of it. `bodyschema map`
+/// firings.jsonl has which receptor fired and when, sensations.jsonl what the touch sensor made of it. `bodyschema skin map`
 /// learns from the former which receptors are neighbours; with --map the touch sensor goes by such a map.
 #[derive(clap::Args)]
 #[command(verbatim_doc_comment)]
 #[command(after_help = "Examples:
-  bodyschema feel mjcf/max/max.xml
-  bodyschema feel mjcf/max/max.xml --script touches.json
-  bodyschema feel mjcf/max/max.xml --strokes 20 --out sessions/stroked     # takes minutes")]
+  bodyschema skin feel mjcf/max/max.xml
+  bodyschema skin feel mjcf/max/max.xml --script touches.json
+  bodyschema skin feel mjcf/max/max.xml --strokes 20 --out sessions/stroked     # takes minutes")]
 pub struct FeelArguments {
     /// The MJCF or URDF file of a creature
     model: PathBuf,
@@ -63,7 +63,7 @@ pub struct FeelArguments {
     out: Option<PathBuf>,
     #[command(flatten)]
     force: Force,
-    /// A map of neighbours that `bodyschema map` learned, for the touch sensor [default: that of the geometry]
+    /// A map of neighbours that `bodyschema skin map` learned, for the touch sensor [default: that of the geometry]
     #[arg(long, value_name = "FILE")]
     map: Option<PathBuf>,
     /// Seed of the random touches
@@ -132,7 +132,7 @@ fn strokes(args: &FeelArguments, stage: &Stage, minutes: f64, arguments: Argumen
         model: args.model.display().to_string(),
         model_hash: model_hash(&args.model)?,
         recording: None,
-        command: super::output::command_line(),
+        command: crate::cli::output::command_line(),
         host: Some(Host::here()),
         seed: args.seed,
         options,

@@ -1,4 +1,4 @@
-//! `bodyschema space`: where a creature's hands can get to, by the schema of a session.
+//! `bodyschema reach`: where a creature's hands can get to, by the schema of a session.
 
 use std::path::PathBuf;
 use std::time::Instant;
@@ -9,7 +9,6 @@ use serde_json::{Value, json};
 use super::folders::written_session;
 use super::{Failure, Outcome, output, progress};
 use crate::experiment::{hands, learned_body};
-use crate::kinematics::Place;
 use crate::named::in_words;
 use crate::peripersonal::{Level, OwnBody, Reach, ReachableMap};
 use crate::view::space::{slices, vtk};
@@ -19,16 +18,15 @@ use crate::view::text::error_number;
 ///
 /// A map of voxels in the frame of the chest at ease: near is what the tip of a hand reaches by the arm alone, far what
 /// it reaches when the trunk leans. Joints' ranges alone count; whether limbs are in each other's way is not regarded.
-/// Three slices of it are kept in the session, for `bodyschema report`. With a stick there is one more map, of its tip.
+/// Three slices of it are kept in the session, for `bodyschema report`.
 /// Where a hand is not placed by what was touched, that is told: its map is a guess then.
 #[derive(clap::Args)]
 #[command(after_help = "Examples:
-  bodyschema space sessions/max-1
-  bodyschema space sessions/max-1 --voxel 0.04 --picture space.svg --vtk space.vtk
-  bodyschema space sessions/max-1 --at 0.3,0.2,0.1
-  bodyschema space sessions/max-1 --hand left_hand --at 0.3,0.2,0.1 --json
-  bodyschema space sessions/max-1 --voxel 0.04 --stick right_hand=0.06,0.03,-0.31 --picture space.svg")]
-pub struct SpaceArguments {
+  bodyschema reach sessions/max-1
+  bodyschema reach sessions/max-1 --voxel 0.04 --picture reach.svg --vtk reach.vtk
+  bodyschema reach sessions/max-1 --at 0.3,0.2,0.1
+  bodyschema reach sessions/max-1 --hand left_hand --at 0.3,0.2,0.1 --json")]
+pub struct ReachArguments {
     /// The session's folder
     session: PathBuf,
     /// A limb that reaches; may be given several times [default: the limbs whose names end in hand]
@@ -37,9 +35,6 @@ pub struct SpaceArguments {
     /// The side of a voxel, metres [default: about a 50th of the longest reach, 2 cm for Max]
     #[arg(long, value_name = "METRES")]
     voxel: Option<f64>,
-    /// A stick that a hand holds: where its tip is in the frame of that limb, metres, as `talk` tells it
-    #[arg(long, value_name = "LIMB=X,Y,Z", value_parser = stick)]
-    stick: Option<Stick>,
     /// Write the maps to a file that ParaView opens
     #[arg(long, value_name = "FILE", help_heading = "Output")]
     vtk: Option<PathBuf>,
@@ -63,53 +58,6 @@ fn point(text: &str) -> Result<Vector3<f64>, String> {
     }
 }
 
-/// A stick in a hand.
-#[derive(Clone)]
-struct Stick {
-    hand: String,
-    /// Its tip in the hand's frame, metres.
-    tip: Vector3<f64>,
-}
-
-fn stick(text: &str) -> Result<Stick, String> {
-    let (hand, tip) = text
-        .split_once('=')
-        .ok_or("a stick is a limb and where its tip is, as in right_hand=0.06,0.03,-0.31")?;
-    Ok(Stick { hand: hand.trim().to_string(), tip: point(tip)? })
-}
-
-/// What is near and what is far, litres: for any of several maps, and for each of them.
-fn litres(maps: &[ReachableMap]) -> [[f64; 2]; 2] {
-    let lattice = vtk::about(maps);
-    let mut counts = [[0.0; 2]; 2];
-    for cell in (0..lattice.len()).map(|index| lattice.cell_at(index)) {
-        let levels = || maps.iter().map(|map| map.level_of(cell));
-        let nearest = levels().max_by_key(|level| level.number());
-        let farthest = levels().min_by_key(|level| level.number());
-        for (level, counts) in [nearest, farthest].into_iter().zip(&mut counts) {
-            match level {
-                Some(Level::Near) => counts[0] += 1.0,
-                Some(Level::Far) => counts[1] += 1.0,
-                _ => {}
-            }
-        }
-    }
-    counts.map(|counts| counts.map(|count| 1e3 * count * lattice.voxel.powi(3)))
-}
-
-/// Least and greatest coordinate along each axis of what is reached, metres.
-fn extents(map: &ReachableMap, near: bool) -> [[f64; 2]; 3] {
-    let mut extents = [[f64::INFINITY, f64::NEG_INFINITY]; 3];
-    for (cell, _) in map.voxels().filter(|(_, level)| !near || *level == Level::Near) {
-        let (middle, half) = (map.lattice().middle(cell), map.lattice().half());
-        for k in 0..3 {
-            let [low, high] = &mut extents[k];
-            (*low, *high) = (low.min(middle[k] - half), high.max(middle[k] + half));
-        }
-    }
-    extents
-}
-
 /// Voxels in the longest reach where the map is asked for, and where it only helps to answer for a point.
 const FINE: f64 = 50.0;
 const COARSE: f64 = 12.0;
@@ -121,14 +69,12 @@ fn side_of(length: f64, many: f64) -> f64 {
     [5.0, 2.0, 1.0].into_iter().find(|&round| round * decade <= side).unwrap_or(1.0) * decade
 }
 
-pub fn run(args: &SpaceArguments) -> Outcome {
+pub fn run(args: &ReachArguments) -> Outcome {
     let _lock = written_session(&args.session)?;
     let own = learned_body(&args.session)?;
     let hands = hands(&own, &args.hand)?;
     let chest = own.carrier_of(&hands);
-    let held = args.stick.as_ref().map(|stick| held(&own, &hands, stick)).transpose()?;
-    let mut tips: Vec<Place> = hands.iter().filter_map(|&hand| own.tip_of(hand)).collect();
-    tips.extend(held);
+    let tips: Vec<_> = hands.iter().filter_map(|&hand| own.tip_of(hand)).collect();
     let at_alone = args.at.is_some() && args.voxel.is_none() && args.vtk.is_none() && args.picture.is_none();
     let longest = tips.iter().map(|tip| own.length_of(tip)).fold(0.0, f64::max);
     let voxel = args.voxel.unwrap_or_else(|| side_of(longest, if at_alone { COARSE } else { FINE }));
@@ -196,7 +142,7 @@ impl Space {
     }
 
     /// Keeps the slices in the session, and writes the files that are asked for.
-    fn write(&self, args: &SpaceArguments) -> Outcome {
+    fn write(&self, args: &ReachArguments) -> Outcome {
         let record = slices::record(&self.own, &self.maps, self.doubts());
         record.write(&args.session)?;
         if let Some(path) = &args.vtk {
@@ -216,7 +162,7 @@ impl Space {
         Ok(())
     }
 
-    fn print_json(&self, args: &SpaceArguments, at_alone: bool, answers: &[Answer]) -> Outcome {
+    fn print_json(&self, args: &ReachArguments, at_alone: bool, answers: &[Answer]) -> Outcome {
         let (own, limbs) = (&self.own, self.own.creature().limbs());
         let told = self.maps.iter().map(|map| {
             let [near, far] = map.volumes().map(|volume| 1e3 * volume);
@@ -225,8 +171,6 @@ impl Space {
                 "tip": map.tip.point.as_slice(),
                 "near_l": near,
                 "far_l": far,
-                "near_extents": extents(map, true),
-                "extents": extents(map, false),
             })
         });
         let at = args.at.map(|at| {
@@ -247,16 +191,12 @@ impl Space {
         });
         // Volumes of voxels as coarse as an answer for a point needs would mislead.
         if !at_alone {
-            let [either, both] = litres(&self.maps);
-            all["voxel"] = json!(self.voxel);
-            all["hands"] = told.collect();
-            all["either"] = json!({"near_l": either[0], "far_l": either[1]});
-            all["both"] = json!({"near_l": both[0], "far_l": both[1]});
+            (all["voxel"], all["hands"]) = (json!(self.voxel), told.collect());
         }
         output::json(&all)
     }
 
-    fn print(&self, args: &SpaceArguments) {
+    fn print(&self, args: &ReachArguments) {
         say!(
             "{}: voxels of {} m in the frame of {}, worked out in {:.2} s",
             args.session.display(),
@@ -264,17 +204,10 @@ impl Space {
             self.own.creature().limbs()[self.chest],
             self.seconds
         );
-        say!("  {:<24}{:>12}{:>12}   x, m             y, m             z, m", "", "near, l", "far, l");
+        say!("  {:<24}{:>12}{:>12}", "", "near, l", "far, l");
         for map in &self.maps {
             let [near, far] = map.volumes().map(|volume| 1e3 * volume);
-            let extents =
-                extents(map, false).map(|[low, high]| format!("{low:>6.2} to {high:<5.2}")).join("  ");
-            say!("  {:<24}{near:>12.1}{far:>12.1}  {extents}", map.name(&self.own));
-        }
-        if self.maps.len() > 1 {
-            for (name, [near, far]) in ["any of them", "each of them"].into_iter().zip(litres(&self.maps)) {
-                say!("  {name:<24}{near:>12.1}{far:>12.1}");
-            }
+            say!("  {:<24}{near:>12.1}{far:>12.1}", map.name(&self.own));
         }
     }
 }
@@ -287,21 +220,6 @@ fn distances(own: &OwnBody, map: &ReachableMap, at: &Vector3<f64>) -> Vec<(Strin
         named.filter_map(|(limb, distance)| Some((limb.clone(), distance?))).collect();
     known.sort_by(|a, b| a.1.total_cmp(&b.1));
     known
-}
-
-/// The tip of a stick that one of some hands holds, as a place of that hand.
-fn held(own: &OwnBody, hands: &[usize], stick: &Stick) -> Result<Place, Failure> {
-    let limb = own.creature().limb(&stick.hand).filter(|limb| hands.contains(limb));
-    let limb = limb.ok_or_else(|| {
-        let known: Vec<&str> = hands.iter().map(|&hand| own.creature().limbs()[hand].as_str()).collect();
-        Failure(format!(
-            "--stick {}: no map is made of that limb: give one of {}, or name it with --hand as well",
-            stick.hand,
-            known.join(", ")
-        ))
-    })?;
-    let direction = stick.tip.try_normalize(1e-6).unwrap_or_else(Vector3::x);
-    Ok(Place { limb, point: stick.tip, direction })
 }
 
 /// What a hand can do about a point.

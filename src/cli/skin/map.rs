@@ -1,11 +1,11 @@
-//! `bodyschema map`: which receptors are neighbours, learned from touch alone.
+//! `bodyschema skin map`: which receptors are neighbours, learned from touch alone.
 
 use std::path::PathBuf;
 
 use serde_json::{Value, json};
 
-use super::open::session_body;
-use super::{Failure, Outcome, output, progress};
+use crate::cli::open::session_body;
+use crate::cli::{Failure, Outcome, output, progress};
 use crate::evaluation::MapAgreement;
 use crate::record::{FIRINGS_FILE, ReadLock, Session, read_firings, write_map};
 use crate::senses::learn_map;
@@ -14,15 +14,15 @@ use crate::skin::SomatotopicMap;
 /// Learn which receptors are neighbours from nothing but when they fired.
 ///
 /// Receptors that fire one after the other under strokes are neighbours, on one limb and across joints. The log of a
-/// session that `bodyschema feel --strokes` wrote is read, the map is learned, and it is compared with the one that the
+/// session that `bodyschema skin feel --strokes` wrote is read, the map is learned, and it is compared with the one that the
 /// places of the receptors give: how many of its pairs were learned (recall), and how many of the learned pairs it has
-/// (precision). What --out writes `bodyschema feel --map` gives to the touch sensor.
+/// (precision). What --out writes `bodyschema skin feel --map` gives to the touch sensor.
 #[derive(clap::Args)]
 #[command(after_help = "Examples:
-  bodyschema feel mjcf/max/max.xml --strokes 20 --out sessions/stroked     # takes minutes
-  bodyschema map sessions/stroked
-  bodyschema map sessions/stroked --out map.json --json
-  bodyschema feel mjcf/max/max.xml --map map.json")]
+  bodyschema skin feel mjcf/max/max.xml --strokes 20 --out sessions/stroked     # takes minutes
+  bodyschema skin map sessions/stroked
+  bodyschema skin map sessions/stroked --out map.json --json
+  bodyschema skin feel mjcf/max/max.xml --map map.json")]
 pub struct MapArguments {
     /// The session's folder
     session: PathBuf,
@@ -42,7 +42,7 @@ pub fn run(args: &MapArguments) -> Outcome {
     let log = args.session.join(FIRINGS_FILE);
     if !log.exists() {
         return Err(Failure(format!(
-            "{}: there is no such file: record one with `bodyschema feel MODEL --strokes MINUTES --out DIR`",
+            "{}: there is no such file: record one with `bodyschema skin feel MODEL --strokes MINUTES --out DIR`",
             log.display()
         )));
     }

@@ -1,8 +1,11 @@
-//! `bodyschema skin`: grow receptors on a model; and the skin that other commands work with.
+//! `bodyschema skin`: grow receptors on a model, touch them, and learn which are neighbours.
 
-use std::path::PathBuf;
+mod feel;
+mod map;
 
-use super::arguments::positive;
+use std::path::{Path, PathBuf};
+
+use super::arguments::{Arguments, positive};
 use super::open::{ModelArguments, rehearse};
 use super::{Outcome, output, progress};
 use crate::skin::{GrowOptions, PatchSize, grow_skin_rooted};
@@ -15,13 +18,21 @@ use crate::skin::{GrowOptions, PatchSize, grow_skin_rooted};
 /// is the area of its receptors in cm². Where neither the model nor an option says how large receptors are, some
 /// 250 cover the creature, however large it is.
 #[derive(clap::Args)]
-#[command(after_help = "Examples:
+#[command(
+    args_conflicts_with_subcommands = true,
+    subcommand_negates_reqs = true,
+    after_help = "Examples:
   bodyschema skin mjcf/max/body.xml --out max_with_skin.xml
   bodyschema skin mjcf/hexapod/hexapod.xml --receptors 400 --denser left_front_tibia=3 --out hexapod_with_skin.xml
-  bodyschema skin robot.xml --spacing 0.02 --out robot_with_skin.xml")]
+  bodyschema skin robot.xml --spacing 0.02 --out robot_with_skin.xml
+  bodyschema skin feel mjcf/max/max.xml                      # what it feels when it is touched"
+)]
 pub struct SkinArguments {
+    #[command(subcommand)]
+    command: Option<SkinCommand>,
     /// The MJCF or URDF file of a creature
-    model: PathBuf,
+    #[arg(required = true)]
+    model: Option<PathBuf>,
     #[command(flatten)]
     open: ModelArguments,
     /// Where to write the model with its skin; standard output if left out
@@ -41,6 +52,12 @@ pub struct SkinArguments {
     denser: Vec<(String, f64)>,
 }
 
+#[derive(clap::Subcommand)]
+enum SkinCommand {
+    Feel(feel::FeelArguments),
+    Map(map::MapArguments),
+}
+
 fn area(text: &str) -> Result<f64, String> {
     let area: f64 = text.parse().map_err(|_| "give a number of cm²".to_string())?;
     if (0.01..=1e4).contains(&area) { Ok(area) } else { Err("give an area from 0.01 to 10000 cm²".into()) }
@@ -51,7 +68,17 @@ fn denser(text: &str) -> Result<(String, f64), String> {
     Ok((limb.to_string(), positive(factor)?))
 }
 
-pub fn run(args: &SkinArguments) -> Outcome {
+pub fn run(args: &SkinArguments, given: Arguments) -> Outcome {
+    match (&args.command, &args.model) {
+        (Some(SkinCommand::Feel(args)), _) => feel::run(args, given),
+        (Some(SkinCommand::Map(args)), _) => map::run(args),
+        (None, Some(model)) => grow(args, model),
+        (None, None) => Ok(()),
+    }
+}
+
+/// Grows a skin on a model.
+fn grow(args: &SkinArguments, model: &Path) -> Outcome {
     let size = match (args.receptors, args.spacing, args.area) {
         (Some(count), ..) => PatchSize::Count(count as usize),
         (_, Some(side), _) => PatchSize::Spacing(side),
@@ -59,9 +86,9 @@ pub fn run(args: &SkinArguments) -> Outcome {
         _ => PatchSize::OfCreature,
     };
     let options = GrowOptions { size, denser: args.denser.clone() };
-    rehearse(&args.model)?;
+    rehearse(model)?;
     let spinner = progress::spinner("growing a skin");
-    let grown = grow_skin_rooted(&args.model, args.open.root.as_deref(), &options)?;
+    let grown = grow_skin_rooted(model, args.open.root.as_deref(), &options)?;
     spinner.finish_and_clear();
     match &args.out {
         None => output::line(format_args!("{}", grown.text(None).trim_end_matches('\n'))),
