@@ -10,7 +10,7 @@ use std::fmt;
 use nalgebra::Vector3;
 
 use super::actor::Actor;
-use super::conversation::language::{PartName, name_words, patch_name};
+use super::conversation::grammar::{PartName, name_words, patch_name};
 use crate::geometry::{Capsule, ConvexBody, Frame};
 use crate::peripersonal::STICK_TIP;
 

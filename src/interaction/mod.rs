@@ -16,15 +16,14 @@ mod things;
 pub use actor::{Actor, CAREFUL, FoundThing, Hand, SWIFT, Stop};
 pub use avoiding::{Avoiding, PlaceGoal, QUICK};
 pub use body_part::{BodyPart, UnknownPart};
-pub use conversation::language::{
-    Aside, End, HandName, Language, Mood, PartName, Request, Understood, Which, understood,
+pub use conversation::grammar::{
+    Aside, End, HandName, Language, Mood, PartName, Request, Understood, UnknownWord, Which,
 };
-pub use conversation::{Conversation, Intent, Reply};
+pub use conversation::{Conversation, Intent, Reply, understood};
 pub use error::ActorError;
 pub use own_spot::OwnTouch;
 pub use stick::{HeldStick, KnownStick};
 pub use tasks::{
-    Feeling, FeltOn, FeltOver, Grip, LiftTrouble, PalmPlan, Search, SearchPlan, ShapeFeeling, Spot, Touching,
-    Trouble,
+    Feeling, FeltOn, FeltOver, Grip, PalmPlan, Search, SearchPlan, ShapeFeeling, Spot, Touching, Trouble,
 };
 pub use things::{KnownThing, ThingId, Things};

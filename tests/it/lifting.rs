@@ -4,7 +4,7 @@ use crate::common::{babble, max, repository, truth};
 use bodyschema::agent::Agent;
 use bodyschema::creature::JointSelection;
 use bodyschema::geometry::Shape;
-use bodyschema::interaction::{Actor, LiftTrouble};
+use bodyschema::interaction::{Actor, Trouble};
 use bodyschema::learning::Certainty;
 use bodyschema::peripersonal::{OwnBody, Palm};
 use bodyschema::simulation::{Stage, StageOptions, Substance, Thing};
@@ -62,7 +62,7 @@ fn what_has_no_friction_slips_and_he_says_so() {
     let found = actor.explore(1).unwrap().unwrap();
     assert_eq!(found.thing, parcel);
     let trouble = actor.lift(&found, 0).unwrap_err();
-    assert!(matches!(trouble, LiftTrouble::Slipped), "{trouble}");
+    assert!(matches!(trouble, Trouble::Slipped), "{trouble}");
     assert!(trouble.to_string().contains("slips"));
     let after = stage.thing_pose(parcel).translation.vector;
     assert!(after.z < TOP + 0.06, "it is at a height of {} m", after.z);

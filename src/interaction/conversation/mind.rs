@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 
-use super::language::{PartName, Which};
+use super::grammar::{PartName, Request, Which};
 use super::requests::Intent;
 use crate::interaction::actor::Actor;
 use crate::interaction::things::{KnownThing, ThingId, Things};
@@ -40,7 +40,7 @@ pub(super) struct Forbidden {
 
 impl Forbidden {
     /// Whether doing something is forbidden by it: what cannot be done without a touch is, where touching is.
-    pub fn bars(&self, intent: Intent, part: Option<&PartName>) -> bool {
+    fn bars(&self, intent: Intent, part: Option<&PartName>) -> bool {
         use Intent::{BringNear, FeelShape, Lift, PutAside, PutFar, Touch};
         let by_touch = [Touch, PutFar, BringNear, PutAside, Lift, FeelShape].contains(&intent);
         // "Don't push it": whichever way.
@@ -48,6 +48,12 @@ impl Forbidden {
         let same = self.intent == intent || pushed || (self.intent == Touch && by_touch);
         let there = self.intent != Intent::TouchOwn || self.part.is_none() || self.part.as_ref() == part;
         same && there
+    }
+
+    /// Whether it forbids what a request asks for, or the leaning that it takes.
+    pub fn bars_request(&self, request: &Request) -> bool {
+        self.bars(request.intent, request.part.as_ref())
+            || (request.lean && self.bars(Intent::LeanForward, None))
     }
 }
 

@@ -1,29 +1,29 @@
 //! A partner's requests in plain words, and what a blindfolded creature says and does (IVA 2009, section 4).
 //!
-//! To teach it a request, see `requests/`; what words mean is found out in `language/`.
+//! To teach it a request, see `requests/`; what words mean is found out in `grammar/`.
 
-pub mod language;
+pub mod grammar;
 mod mind;
 mod requests;
 mod speaking;
 
 use std::cell::OnceCell;
+use std::sync::LazyLock;
 
 use nalgebra::Vector3;
 use serde_json::{Value, json};
 
 pub use requests::Intent;
 
-use self::language::{HandName, Language, Leave, Request, Which};
+use self::grammar::{BodyNames, HandName, Language, Leave, Request, Understood, UnknownWord, Which};
 use self::mind::{Deed, Forbidden, Mind};
-use self::requests::{Act, Answer};
+use self::requests::{Act, Answer, REQUESTS};
 use super::actor::Actor;
-use super::tasks::{Grip, LiftTrouble, Search, Trouble};
+use super::tasks::{Grip, Search, Trouble, tried};
 use super::things::{KnownThing, ThingId, Things};
 use crate::creature::Posture;
-use crate::named::in_words;
 use crate::peripersonal::ReachableMap;
-use crate::simulation::EngineError;
+use crate::simulation::{EngineError, EngineResult};
 
 /// The voxels of the map that tells what its hands reach, metres.
 const VOXEL: f64 = 0.04;
@@ -114,14 +114,12 @@ impl Conversation {
     /// Where the engine fails.
     pub fn new(mut actor: Actor) -> Result<Conversation, EngineError> {
         let ready = actor.ready();
-        if actor.posture().distance(&ready) > 0.0
-            && let Err(Trouble::Engine(error)) = actor.go(&ready)
-        {
-            return Err(error);
+        if actor.posture().distance(&ready) > 0.0 {
+            tried(actor.go(&ready))?;
         }
         actor.wait(0.5)?;
         Ok(Conversation {
-            language: Language::of(&actor.own),
+            language: language(BodyNames::of(&actor.own)),
             actor,
             things: Things::default(),
             felt: Vec::new(),
@@ -153,30 +151,23 @@ impl Conversation {
         match self.pending.take() {
             Some(Pending::Whether(request)) => {
                 if let Some(leave) = Leave::by_yes(&understood) {
-                    self.forbidden.retain(|told| {
-                        let leaning = request.lean && told.bars(Intent::LeanForward, None);
-                        !told.bars(request.intent, request.part.as_ref()) && !leaning
-                    });
+                    self.forbidden.retain(|told| !told.bars_request(&request));
                     return self.moves(&request, leave);
                 }
             }
             Some(Pending::Which(request, leave)) => {
                 let which = understood.which.and_then(|which| self.which(which));
-                let answers = matches!(
-                    understood.intent,
-                    Intent::Which | Intent::Unknown | Intent::Yes | Intent::Touch | Intent::Lift
-                );
+                let only_which = matches!(understood.intent, Intent::Which | Intent::Unknown | Intent::Yes);
+                let answers = only_which || matches!(understood.intent, Intent::Touch | Intent::Lift);
                 if let Some(id) = which.filter(|_| answers && !understood.forbids) {
                     self.things.mean(Some(id));
                     return self.moves(&request, leave);
                 }
-                if matches!(understood.intent, Intent::Unknown | Intent::Which | Intent::Yes)
-                    && !understood.forbids
-                {
+                if only_which && !understood.forbids {
                     let intent = request.intent;
                     self.pending = Some(Pending::Which(request, leave));
                     let said = format!("I did not understand which one. {}", self.question());
-                    return Ok(self.reply(intent, said, None, true));
+                    return Ok(self.reply(intent, Answer { said, done: None, asks: true }));
                 }
             }
             None => {}
@@ -199,37 +190,40 @@ impl Conversation {
     pub fn touched(&mut self, receptor: usize) -> Result<Reply, EngineError> {
         let id = &self.actor.own.skin().receptors[receptor].id;
         let feels = format!("I feel you touch my {} (receptor {id})", self.limb_in_words(receptor));
-        if self.still {
-            return Ok(self.reply(Intent::FeelTouch, format!("{feels}, and keep still"), None, false));
-        }
-        if let Some(doubt) = self.doubt() {
-            return self.fails(Intent::FeelTouch, format!("{feels}. {doubt}"));
-        }
-        let leave = Leave::by_touch();
-        self.leave_spot(&leave);
-        self.let_be();
-        let (said, done) = match self.actor.touch_own(receptor) {
-            Ok(touch) => {
-                let name = in_words(&self.actor.hands[touch.hand].name);
-                let there = match touch.off {
-                    off if off < 0.005 => "there".to_string(),
-                    off => format!("{:.0} cm from there", (100.0 * off).max(1.0)),
-                };
-                (format!("{feels}, and put my {name} {there}"), true)
-            }
-            Err(Trouble::Engine(error)) => return Err(error),
-            Err(trouble) => {
-                (format!("{feels}, but cannot put a hand there: {}", self.in_words(&trouble)), false)
-            }
+        let answer = match self.doubt() {
+            _ if self.still => Answer::tells(format!("{feels}, and keep still")),
+            Some(doubt) => Answer::failed(format!("{feels}. {doubt}")),
+            None => self.puts_hand(receptor, &feels)?,
         };
-        self.spot = Some(OwnSpot { receptor, by_stick: false });
-        let mut reply = self.reply(Intent::FeelTouch, said, Some(done), false);
+        let mut reply = self.reply(Intent::FeelTouch, answer);
         self.heed_unexpected(&mut reply);
         Ok(reply)
     }
 
+    /// Puts a hand to where it feels a touch.
+    fn puts_hand(&mut self, receptor: usize, feels: &str) -> EngineResult<Answer> {
+        self.leave_spot();
+        self.let_be();
+        let touched = self.actor.touch_own(receptor);
+        self.spot = Some(OwnSpot { receptor, by_stick: false });
+        Ok(match touched {
+            Ok(touch) => {
+                let there = match touch.off {
+                    off if off < 0.005 => "there".to_string(),
+                    off => format!("{:.0} cm from there", (100.0 * off).max(1.0)),
+                };
+                Answer::done(format!("{feels}, and put my {} {there}", self.hand_name(touch.hand)))
+            }
+            Err(Trouble::Engine(error)) => return Err(error),
+            Err(trouble) => {
+                let trouble = self.in_words(&trouble);
+                Answer::failed(format!("{feels}, but cannot put a hand there: {trouble}"))
+            }
+        })
+    }
+
     /// Takes a hand back from where it touches its own skin.
-    fn leave_spot(&mut self, _leave: &Leave) {
+    fn leave_spot(&mut self) {
         if self.spot.take().is_some() {
             // Where it cannot, the next motion says so.
             self.settle_at_ready();
@@ -241,41 +235,40 @@ impl Conversation {
         &mut self,
         request: Request,
         leave: Option<Leave>,
-        unknown: &[String],
+        unknown: &[UnknownWord],
     ) -> Result<Reply, EngineError> {
         let intent = request.intent;
         let Some(kind) = intent.kind() else { return Ok(self.not_understood(unknown)) };
         let answer = match (&kind.act, leave) {
             (Act::Tells(_) | Act::Minds(_), _) if kind.needs_body && self.doubt().is_some() => {
-                Answer::does(self.doubt().unwrap_or_default(), false)
+                Answer::failed(self.doubt().unwrap_or_default())
             }
             (Act::Tells(tell), _) => self.relation(&request).unwrap_or_else(|| tell(self, &request)),
             (Act::Minds(mind), _) => mind(&mut self.mind(), &request),
-            (Act::Moves(_) | Act::Handles(_), None) => self.asks_whether(request, unknown),
-            (Act::Moves(_) | Act::Handles(_), Some(leave)) => {
-                let bars = |told: &Forbidden| {
-                    told.bars(intent, request.part.as_ref())
-                        || (request.lean && told.bars(Intent::LeanForward, None))
+            (Act::Moves(_) | Act::Handles(_), None) => {
+                let doing = doing(&request);
+                let asks = match unknown {
+                    [] => format!("Do you want me to {doing}?"),
+                    [word, ..] => format!("{}. Do you want me to {doing}?", word.in_words()),
                 };
-                let barred = self.forbidden.iter().any(bars);
-                if !barred {
+                self.asks_whether(request, asks)
+            }
+            (Act::Moves(_) | Act::Handles(_), Some(leave)) => {
+                if !self.forbidden.iter().any(|told| told.bars_request(&request)) {
                     return self.moves(&request, leave);
                 }
-                let said = format!("You told me not to {}: do you want me to do it now?", doing(&request));
-                self.pending = Some(Pending::Whether(request));
-                Answer { said, done: None, asks: true }
+                let doing = doing(&request);
+                self.asks_whether(
+                    request,
+                    format!("You told me not to {doing}: do you want me to do it now?"),
+                )
             }
         };
-        Ok(self.reply(intent, answer.said, answer.done, answer.asks))
+        Ok(self.reply(intent, answer))
     }
 
     /// Asks whether it is to do what was not clearly asked for.
-    fn asks_whether(&mut self, request: Request, unknown: &[String]) -> Answer {
-        let doing = doing(&request);
-        let said = match unknown {
-            [] => format!("Do you want me to {doing}?"),
-            [word, ..] => format!("I do not know the word \"{word}\": do you want me to {doing}?"),
-        };
+    fn asks_whether(&mut self, request: Request, said: String) -> Answer {
         self.pending = Some(Pending::Whether(request));
         Answer { said, done: None, asks: true }
     }
@@ -284,13 +277,9 @@ impl Conversation {
     fn moves(&mut self, request: &Request, leave: Leave) -> Result<Reply, EngineError> {
         let intent = request.intent;
         let Some(kind) = intent.kind() else { return Ok(self.not_understood(&[])) };
-        if kind.needs_body
-            && let Some(doubt) = self.doubt()
-        {
-            return self.fails(intent, doubt);
-        }
-        if let Some(said) = self.barred_by_stick(request) {
-            return self.fails(intent, said);
+        let doubt = if kind.needs_body { self.doubt() } else { None };
+        if let Some(said) = doubt.or_else(|| self.barred_by_stick(request)) {
+            return Ok(self.reply(intent, Answer::failed(said)));
         }
         if !matches!(
             intent,
@@ -298,60 +287,72 @@ impl Conversation {
         ) {
             self.last = Some(request.clone());
         }
+        // What is near is felt for first; what is felt then is touched.
+        let mut feels_first = false;
         if matches!(kind.act, Act::Handles(_)) {
             match self.things.it().map(|known| known.id) {
-                // What is near is felt for first; what is felt then is touched.
                 None if self.things.is_empty() && intent == Intent::Touch && request.any => {
-                    self.still = false;
-                    self.leave_spot(&leave);
-                    let hand = self.hand_for(request.hand);
-                    let found = self.explore(hand, false, &leave)?;
-                    let done = Some(!self.things.is_empty());
-                    let reply = Reply { intent, done, ..found };
-                    self.did(request, &reply);
-                    return Ok(reply);
+                    feels_first = true;
                 }
                 None if self.things.is_empty() => {
-                    return self.fails(intent, "I have not felt anything yet: ask me to feel about first");
+                    let said = "I have not felt anything yet: ask me to feel about first";
+                    return Ok(self.reply(intent, Answer::failed(said)));
                 }
                 None => {
+                    let said = self.question();
                     self.pending = Some(Pending::Which(request.clone(), leave));
-                    return Ok(self.reply(intent, self.question(), None, true));
+                    return Ok(self.reply(intent, Answer { said, done: None, asks: true }));
                 }
                 it => self.things.mean(it),
             }
         }
         self.still = false;
-        self.leave_spot(&leave);
-        let keeps = match self.holding {
-            // Palms that face each other cannot lean.
-            Some(Held::Palms(_)) => matches!(intent, Intent::Lift | Intent::LetGo | Intent::Repeat),
-            _ => matches!(
-                intent,
-                Intent::Lift | Intent::LetGo | Intent::LeanForward | Intent::LeanBack | Intent::Repeat
-            ),
-        };
-        if !keeps && let Some(held) = self.holding.take() {
-            self.put_down(held)?;
-            if !matches!(intent, Intent::PutFar | Intent::BringNear | Intent::PutAside) {
-                self.actor.let_go();
-            }
-        }
-        let mut reply = match (&kind.act, self.things.it().cloned()) {
-            (Act::Moves(act), _) => act(self, request, &leave)?,
-            (Act::Handles(act), Some(thing)) => act(self, &thing, request, &leave)?,
+        self.leave_spot();
+        self.put_by(intent)?;
+        let acted = match (&kind.act, self.things.it().cloned()) {
+            _ if feels_first => self.explore(self.hand_for(request.hand), false).map(|answer| {
+                let done = Some(!self.things.is_empty());
+                Answer { done, ..answer }
+            }),
+            (Act::Moves(act), _) => act(self, request, &leave),
+            (Act::Handles(act), Some(thing)) => act(self, &thing, request, &leave),
             _ => return Ok(self.not_understood(&[])),
         };
+        let answer = match acted {
+            Ok(answer) => answer,
+            Err(Trouble::Engine(error)) => return Err(error),
+            Err(trouble) => {
+                Answer::failed(format!("I cannot {}: {}", doing(request), self.in_words(&trouble)))
+            }
+        };
+        let mut reply = self.reply(intent, answer);
         self.heed_unexpected(&mut reply);
         for known in self.things.iter().filter(|known| known.in_touch.is_some()) {
             mind::felt_at(&mut self.felt, known.found.point);
         }
-        if intent != Intent::Repeat
-            && !(intent == Intent::LeanForward && (request.again || request.about.is_some()))
-        {
+        let retried = intent == Intent::LeanForward && (request.again || request.about.is_some());
+        if intent != Intent::Repeat && !retried {
             self.did(request, &reply);
         }
         Ok(reply)
+    }
+
+    /// Puts down what it holds, unless what it is to do is done with it.
+    fn put_by(&mut self, intent: Intent) -> Result<(), EngineError> {
+        use Intent::{BringNear, LeanBack, LeanForward, LetGo, Lift, PutAside, PutFar, Repeat};
+        let keeps = match intent {
+            Lift | LetGo | Repeat => true,
+            // Palms that face each other cannot lean.
+            LeanForward | LeanBack => !matches!(self.holding, Some(Held::Palms(_))),
+            _ => false,
+        };
+        if !keeps && let Some(held) = self.holding.take() {
+            self.put_down(held)?;
+            if !matches!(intent, PutFar | BringNear | PutAside) {
+                self.actor.let_go();
+            }
+        }
+        Ok(())
     }
 
     /// All that may change without moving.
@@ -411,15 +412,12 @@ impl Conversation {
     /// Lowers what it holds until it stands; what it holds it with, in words, and whether it was felt to stand. Palms let go.
     fn put_down(&mut self, held: Held) -> Result<(String, bool), EngineError> {
         match held {
-            Held::Stuck { receptor, raised } => match self.actor.lower(receptor, raised) {
-                Err(Trouble::Engine(error)) => Err(error),
-                lowered => Ok((self.limb_in_words(receptor), lowered.unwrap_or(false))),
-            },
+            Held::Stuck { receptor, raised } => {
+                let lowered = tried(self.actor.lower(receptor, raised))?;
+                Ok((self.limb_in_words(receptor), lowered.unwrap_or(false)))
+            }
             Held::Palms(mut grip) => {
-                let down = match self.actor.set_down(&mut grip) {
-                    Err(LiftTrouble::Other(Trouble::Engine(error))) => return Err(error),
-                    down => down.is_ok(),
-                };
+                let down = tried(self.actor.set_down(&mut grip))?.is_some();
                 if let Some(known) = self.things.iter_mut().find(|known| known.found.thing == grip.thing) {
                     let (moved, up) = (grip.middle() - known.at, self.actor.up);
                     known.carried(&(moved - up * moved.dot(&up)));
@@ -450,6 +448,16 @@ impl Conversation {
             let _ = self.actor.withdraw(&known.found, &ready);
         }
     }
+}
+
+/// What words mean, without a creature's own names.
+pub fn understood(request: &str) -> Understood {
+    static EVERYDAY: LazyLock<Language> = LazyLock::new(|| language(BodyNames::everyday()));
+    EVERYDAY.understand(request)
+}
+
+fn language(names: BodyNames) -> Language {
+    Language::new(REQUESTS.iter().map(|(intent, kind)| (*intent, kind.words)).collect(), names)
 }
 
 /// What a request asks for, as it says it.

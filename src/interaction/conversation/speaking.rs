@@ -3,15 +3,14 @@
 use nalgebra::Vector3;
 use serde_json::{Value, json};
 
-use super::language::Request;
+use super::grammar::Request;
 use super::mind::{self, Deed};
-use super::requests::Intent;
+use super::requests::{Answer, Intent};
 use super::{Conversation, Reply};
 use crate::geometry::{ConvexBody, Precision, gap};
 use crate::interaction::tasks::Trouble;
 use crate::interaction::things::KnownThing;
 use crate::named::in_words;
-use crate::simulation::EngineError;
 
 /// Something with a name and what it takes up in the root's frame.
 pub(super) struct Placed<'a> {
@@ -20,20 +19,16 @@ pub(super) struct Placed<'a> {
 }
 
 impl Conversation {
-    pub(super) fn reply(&self, intent: Intent, said: String, done: Option<bool>, asks: bool) -> Reply {
+    pub(super) fn reply(&self, intent: Intent, answer: Answer) -> Reply {
+        let Answer { said, done, asks } = answer;
         let said = if said.ends_with(['.', '?', '!']) { said } else { format!("{said}.") };
         let felt = self.things.iter().map(|known| self.known_json(known)).collect();
         Reply { intent, said, done, asks, felt }
     }
 
-    /// What it says of what it did, or of what was so already.
-    pub(super) fn does(&self, intent: Intent, said: impl Into<String>) -> Result<Reply, EngineError> {
-        Ok(self.reply(intent, said.into(), Some(true), false))
-    }
-
-    /// What it says of what it could not do.
-    pub(super) fn fails(&self, intent: Intent, said: impl Into<String>) -> Result<Reply, EngineError> {
-        Ok(self.reply(intent, said.into(), Some(false), false))
+    /// What a hand is called.
+    pub(super) fn hand_name(&self, hand: usize) -> String {
+        in_words(&self.actor.hands[hand].name)
     }
 
     fn known_json(&self, known: &KnownThing) -> Value {
@@ -133,7 +128,7 @@ impl Conversation {
         let intent = request.intent;
         let [doing, did] = intent.kind().map_or(["", ""], |kind| kind.doing);
         let it = self.things.it();
-        let with = self.hand_touching().map(|hand| in_words(&self.actor.hands[hand].name));
+        let with = self.hand_touching().map(|hand| self.hand_name(hand));
         let words = match (intent, done) {
             (Intent::TouchOwn, _) => {
                 let part = request.part.as_ref().map_or("self".to_string(), |part| part.text());

@@ -76,36 +76,6 @@ const LOW: f64 = 0.03;
 /// How far palms open to let go, metres.
 const LET_GO: f64 = 0.05;
 
-/// Why a thing could not be lifted.
-#[derive(Debug)]
-pub enum LiftTrouble {
-    /// The palms cannot both get to its sides.
-    NoSides,
-    /// It is wider than the palms come apart.
-    TooWide,
-    /// It slipped out from between the palms.
-    Slipped,
-    /// Something else went wrong.
-    Other(Trouble),
-}
-
-impl<T: Into<Trouble>> From<T> for LiftTrouble {
-    fn from(trouble: T) -> LiftTrouble {
-        LiftTrouble::Other(trouble.into())
-    }
-}
-
-impl std::fmt::Display for LiftTrouble {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match self {
-            LiftTrouble::NoSides => write!(f, "I cannot get my hands to both sides of it"),
-            LiftTrouble::TooWide => write!(f, "it is too wide for my hands"),
-            LiftTrouble::Slipped => write!(f, "it slips from between my hands"),
-            LiftTrouble::Other(trouble) => trouble.fmt(f),
-        }
-    }
-}
-
 /// A thing between both palms.
 #[derive(Clone, Debug)]
 pub struct Grip {
@@ -157,8 +127,8 @@ impl Actor {
     /// off it is taken again, otherwise and harder, up to `corrections` times.
     ///
     /// # Errors
-    /// [`LiftTrouble`].
-    pub fn lift(&mut self, found: &FoundThing, corrections: usize) -> Result<Grip, LiftTrouble> {
+    /// [`Trouble`].
+    pub fn lift(&mut self, found: &FoundThing, corrections: usize) -> Result<Grip, Trouble> {
         let ready = self.ready();
         match self.withdraw(found, &ready) {
             Err(Trouble::Hit(contacts)) => self.back_off(&contacts, BACK)?,
@@ -199,7 +169,7 @@ impl Actor {
             });
             let trouble = match lifted {
                 Ok(()) => return Ok(grip),
-                Err(LiftTrouble::Other(Trouble::Engine(error))) => return Err(error.into()),
+                Err(Trouble::Engine(error)) => return Err(error.into()),
                 Err(trouble) => trouble,
             };
             // From where it was felt last; what slipped is near there.
@@ -209,18 +179,18 @@ impl Actor {
             if correction == corrections {
                 return Err(trouble);
             }
-            if matches!(trouble, LiftTrouble::Slipped) {
+            if matches!(trouble, Trouble::Slipped) {
                 force *= HARDER;
             }
         }
-        Err(LiftTrouble::Slipped)
+        Err(Trouble::Slipped)
     }
 
     /// Holds what is between the palms up for some time.
     ///
     /// # Errors
-    /// [`LiftTrouble::Slipped`] where it is felt to slip.
-    pub fn hold_up(&mut self, grip: &mut Grip, seconds: f64) -> Result<(), LiftTrouble> {
+    /// [`Trouble::Slipped`] where it is felt to slip.
+    pub fn hold_up(&mut self, grip: &mut Grip, seconds: f64) -> Result<(), Trouble> {
         let (mut lost, step) = (0.0, STEP / LIFTING);
         for _ in 0..(seconds / step).ceil() as usize {
             self.bear(grip, grip.rise, step, &mut lost)?;
@@ -231,8 +201,8 @@ impl Actor {
     /// Sets what is between the palms down where it was, and lets go of it.
     ///
     /// # Errors
-    /// [`LiftTrouble::Slipped`] where it fell on the way.
-    pub fn set_down(&mut self, grip: &mut Grip) -> Result<(), LiftTrouble> {
+    /// [`Trouble::Slipped`] where it fell on the way.
+    pub fn set_down(&mut self, grip: &mut Grip) -> Result<(), Trouble> {
         let down = self.carry(grip, grip.gripped);
         self.open(grip, LET_GO)?;
         self.palms_up(grip)?;
@@ -240,7 +210,7 @@ impl Actor {
     }
 
     /// Comes down on both sides of a thing, feels along them, closes about the middle, and squeezes.
-    fn take(&mut self, grip: &mut Grip) -> Result<(), LiftTrouble> {
+    fn take(&mut self, grip: &mut Grip) -> Result<(), Trouble> {
         self.come_down(grip)?;
         self.find_middle(grip)?;
         self.grip_high(grip)?;
@@ -248,7 +218,7 @@ impl Actor {
     }
 
     /// Takes the palms from where they are down to about the middle of what is tall.
-    fn grip_high(&mut self, grip: &mut Grip) -> Result<(), LiftTrouble> {
+    fn grip_high(&mut self, grip: &mut Grip) -> Result<(), Trouble> {
         let high = (GRIPPED_AT * grip.tallest - FINGERTIP).clamp(0.0, HIGHEST_GRIP);
         if high < LEAST_HIGHER {
             return Ok(());
@@ -264,7 +234,7 @@ impl Actor {
     }
 
     /// Feels the sides of a thing from end to end with the fingertips, and closes the palms about the middle of them.
-    fn find_middle(&mut self, grip: &mut Grip) -> Result<(), LiftTrouble> {
+    fn find_middle(&mut self, grip: &mut Grip) -> Result<(), Trouble> {
         let wide = grip.apart;
         // First where anything is felt, and with the fingertips.
         let mut felt = None;
@@ -291,7 +261,7 @@ impl Actor {
             }
             match self.feel_sides(grip, wide)? {
                 Some(now) => place = now,
-                None => return Err(Trouble::Nothing.into()),
+                None => return Err(Trouble::Nothing),
             }
         }
         if grip.width() > NOTHING_BETWEEN && place.abs() > CENTRED {
@@ -302,13 +272,13 @@ impl Actor {
 
     /// Closes the palms, and tells how far towards the fingertips they feel the thing, metres; none where there is nothing
     /// between them, which leaves them apart.
-    fn feel_sides(&mut self, grip: &mut Grip, apart: [f64; 2]) -> Result<Option<f64>, LiftTrouble> {
+    fn feel_sides(&mut self, grip: &mut Grip, apart: [f64; 2]) -> Result<Option<f64>, Trouble> {
         match self.close(grip) {
-            Err(LiftTrouble::Other(Trouble::Nothing)) => {
+            Err(Trouble::Nothing) => {
                 self.open_to(grip, apart)?;
                 Ok(None)
             }
-            Err(LiftTrouble::NoSides) => {
+            Err(Trouble::NoSides) => {
                 self.open_to(grip, apart)?;
                 Ok(None)
             }
@@ -322,11 +292,11 @@ impl Actor {
 
     /// Opens the palms, and shifts them towards where the fingers point; whether the arms get there. Where they do not, they
     /// are where they were.
-    fn go_along(&mut self, grip: &mut Grip, far: f64, apart: [f64; 2]) -> Result<bool, LiftTrouble> {
+    fn go_along(&mut self, grip: &mut Grip, far: f64, apart: [f64; 2]) -> Result<bool, Trouble> {
         self.open_to(grip, apart)?;
         let begun = grip.plan.middle;
         match self.shift(grip, grip.plan.forward * far) {
-            Err(LiftTrouble::NoSides) => {
+            Err(Trouble::NoSides) => {
                 let back = begun - grip.plan.middle;
                 self.shift(grip, back)?;
                 Ok(false)
@@ -336,7 +306,7 @@ impl Actor {
     }
 
     /// Opens the palms to so far from the middle each.
-    fn open_to(&mut self, grip: &mut Grip, apart: [f64; 2]) -> Result<(), LiftTrouble> {
+    fn open_to(&mut self, grip: &mut Grip, apart: [f64; 2]) -> Result<(), Trouble> {
         let start = grip.apart;
         let far = (0..2).map(|k| (apart[k] - start[k]).abs()).fold(0.0, f64::max);
         let steps = (far / STEP).ceil();
@@ -344,7 +314,7 @@ impl Actor {
             let share = k as f64 / steps;
             let apart = [0, 1].map(|hand| start[hand] + share * (apart[hand] - start[hand]));
             match self.move_palms(grip, apart, grip.rise, STEP / CAREFUL, [false; 2]) {
-                Err(LiftTrouble::NoSides) => break,
+                Err(Trouble::NoSides) => break,
                 moved => moved?,
             };
         }
@@ -352,7 +322,7 @@ impl Actor {
     }
 
     /// Lowers the palms until they are down, without meeting anything; where one comes down on the thing, both go aside.
-    fn come_down(&mut self, grip: &mut Grip) -> Result<(), LiftTrouble> {
+    fn come_down(&mut self, grip: &mut Grip) -> Result<(), Trouble> {
         let mut met = [false; 2];
         for _ in 0..DESCENTS {
             let mut feeling = PalmFeeling::default();
@@ -368,27 +338,27 @@ impl Actor {
             }
             self.unintended += 1;
             if !feeling.hit.is_empty() {
-                return Err(Trouble::Hit(feeling.hit).into());
+                return Err(Trouble::Hit(feeling.hit));
             }
             for (met, touches) in met.iter_mut().zip(feeling.touches) {
                 *met |= touches;
             }
             self.palms_up(grip)?;
             if met == [true; 2] {
-                return Err(LiftTrouble::TooWide);
+                return Err(Trouble::TooWide);
             }
             let aside = grip.plan.outward[usize::from(met[1])] * ASIDE;
             self.shift(grip, aside)?;
         }
-        Err(LiftTrouble::TooWide)
+        Err(Trouble::TooWide)
     }
 
     /// Closes the palms until both feel the thing: how far towards the fingertips they do, metres.
-    fn close(&mut self, grip: &mut Grip) -> Result<f64, LiftTrouble> {
+    fn close(&mut self, grip: &mut Grip) -> Result<f64, Trouble> {
         let mut felt = PalmFeeling::default();
         while felt.touches != [true; 2] {
             if grip.width() < NOTHING_BETWEEN {
-                return Err(Trouble::Nothing.into());
+                return Err(Trouble::Nothing);
             }
             let apart = [0, 1].map(|k| grip.apart[k] - if felt.touches[k] { 0.0 } else { STEP });
             let until = felt.touches.map(|touches| !touches);
@@ -399,25 +369,25 @@ impl Actor {
             }
             // Where the hands meet each other there is nothing between them.
             if feeling.hit.iter().any(|contact| matches!(contact.by, Toucher::Own(_))) {
-                return Err(Trouble::Nothing.into());
+                return Err(Trouble::Nothing);
             }
             if !feeling.hit.is_empty() {
                 self.unintended += 1;
-                return Err(Trouble::Hit(feeling.hit).into());
+                return Err(Trouble::Hit(feeling.hit));
             }
         }
         Ok(felt.mean_place(0).unwrap_or(0.0))
     }
 
     /// Opens the palms so far each, metres.
-    fn open(&mut self, grip: &mut Grip, far: f64) -> Result<(), LiftTrouble> {
+    fn open(&mut self, grip: &mut Grip, far: f64) -> Result<(), Trouble> {
         let steps = (far / STEP).ceil();
         for k in 0..steps as usize {
             // Slowly at first: what stands askew is to settle.
             let speed = if k < 5 { 0.2 * CAREFUL } else { CAREFUL };
             let apart = grip.apart.map(|apart| apart + far / steps);
             match self.move_palms(grip, apart, grip.rise, STEP / speed, [false; 2]) {
-                Err(LiftTrouble::NoSides) => break,
+                Err(Trouble::NoSides) => break,
                 moved => moved?,
             };
         }
@@ -426,7 +396,7 @@ impl Actor {
 
     /// Moves both palms, and the middle between them, along the table. Where the arms do not get there, they stay where they
     /// got to.
-    fn shift(&mut self, grip: &mut Grip, by: Vector3<f64>) -> Result<(), LiftTrouble> {
+    fn shift(&mut self, grip: &mut Grip, by: Vector3<f64>) -> Result<(), Trouble> {
         let steps = (by.norm() / STEP).ceil().max(1.0);
         for _ in 0..steps as usize {
             let before = grip.plan.middle;
@@ -441,12 +411,12 @@ impl Actor {
     }
 
     /// Squeezes until both palms feel the force wanted.
-    fn squeeze(&mut self, grip: &mut Grip) -> Result<(), LiftTrouble> {
+    fn squeeze(&mut self, grip: &mut Grip) -> Result<(), Trouble> {
         let mut firm = 0;
         let mut feeling = PalmFeeling::default();
         while firm < FIRM {
             if grip.width() < NOTHING_BETWEEN {
-                return Err(Trouble::Nothing.into());
+                return Err(Trouble::Nothing);
             }
             let presses = |k: usize| if feeling.force[k] < grip.force { SQUEEZE } else { 0.0 };
             let apart = [0, 1].map(|k| grip.apart[k] - presses(k));
@@ -457,13 +427,13 @@ impl Actor {
     }
 
     /// Raises or lowers what is between the palms to a height over where it stood, metres.
-    fn carry(&mut self, grip: &mut Grip, to: f64) -> Result<(), LiftTrouble> {
+    fn carry(&mut self, grip: &mut Grip, to: f64) -> Result<(), Trouble> {
         let mut lost = 0.0;
         while grip.rise != to {
             let rise = if to > grip.rise { (grip.rise + STEP).min(to) } else { (grip.rise - STEP).max(to) };
             match self.bear(grip, rise, STEP / LIFTING, &mut lost) {
                 // As high as the arms go.
-                Err(LiftTrouble::NoSides) if to > rise && rise > grip.gripped + HIGH_ENOUGH => break,
+                Err(Trouble::NoSides) if to > rise && rise > grip.gripped + HIGH_ENOUGH => break,
                 borne => borne?,
             }
         }
@@ -472,7 +442,7 @@ impl Actor {
 
     /// Goes on for a moment with a thing between the palms, and presses as it is felt; `lost` is for how long a palm has felt
     /// nothing.
-    fn bear(&mut self, grip: &mut Grip, rise: f64, seconds: f64, lost: &mut f64) -> Result<(), LiftTrouble> {
+    fn bear(&mut self, grip: &mut Grip, rise: f64, seconds: f64, lost: &mut f64) -> Result<(), Trouble> {
         let feeling = self.move_palms(grip, grip.apart, rise, seconds, [false; 2])?;
         for k in 0..2 {
             let share = feeling.force[k] / grip.force;
@@ -488,19 +458,19 @@ impl Actor {
         }
         let sunk = grip.felt_at.zip(feeling.mean_place(1)).map_or(0.0, |(before, now)| before - now);
         if *lost > LOST || sunk > SLIPPED || grip.width() < NOTHING_BETWEEN {
-            return Err(LiftTrouble::Slipped);
+            return Err(Trouble::Slipped);
         }
         Ok(())
     }
 
     /// Lowers the hands, lets go, and raises them again.
-    fn give_up(&mut self, grip: &mut Grip) -> Result<(), LiftTrouble> {
+    fn give_up(&mut self, grip: &mut Grip) -> Result<(), Trouble> {
         let down = (grip.rise.min(grip.gripped + LIFT) - grip.gripped).max(0.0);
         let steps = (down / STEP).ceil().max(1.0);
         for k in 1..=steps as usize {
             let rise = grip.gripped + down * (1.0 - k as f64 / steps);
             match self.move_palms(grip, grip.apart, rise, STEP / LIFTING, [false; 2]) {
-                Err(LiftTrouble::NoSides) => break,
+                Err(Trouble::NoSides) => break,
                 moved => moved?,
             };
         }
@@ -509,11 +479,11 @@ impl Actor {
     }
 
     /// Raises the palms to where they came down from.
-    fn palms_up(&mut self, grip: &mut Grip) -> Result<(), LiftTrouble> {
+    fn palms_up(&mut self, grip: &mut Grip) -> Result<(), Trouble> {
         while grip.rise < RISE {
             let rise = (grip.rise + STEP).min(RISE);
             match self.move_palms(grip, grip.apart, rise, STEP / CAREFUL, [false; 2]) {
-                Err(LiftTrouble::NoSides) => break,
+                Err(Trouble::NoSides) => break,
                 moved => moved?,
             };
         }
@@ -529,9 +499,9 @@ impl Actor {
         rise: f64,
         seconds: f64,
         until: [bool; 2],
-    ) -> Result<PalmFeeling, LiftTrouble> {
+    ) -> Result<PalmFeeling, Trouble> {
         let start = self.posture();
-        let target = self.palms_at(&grip.plan, apart, rise, &start).ok_or(LiftTrouble::NoSides)?;
+        let target = self.palms_at(&grip.plan, apart, rise, &start).ok_or(Trouble::NoSides)?;
         let steps = (seconds / self.handle.timestep()).round().max(1.0) as usize;
         let mut feeling = PalmFeeling::default();
         let mut gone = 0;

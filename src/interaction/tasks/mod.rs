@@ -21,7 +21,7 @@ use rand_chacha::ChaCha8Rng;
 pub use feeling::FeltOn;
 pub use feeling_over::FeltOver;
 pub use feeling_shape::ShapeFeeling;
-pub use lifting::{Grip, LiftTrouble};
+pub use lifting::Grip;
 pub use putting::Spot;
 pub use searching::{Feeling, Search, SearchPlan};
 pub use touching::Touching;
@@ -52,8 +52,32 @@ pub enum Trouble {
     Nothing,
     /// Something else was in the way.
     Hit(Vec<SkinContact>),
+    /// The palms cannot both get to the sides of a thing.
+    NoSides,
+    /// A thing is wider than the palms come apart.
+    TooWide,
+    /// A thing slipped out from between the palms.
+    Slipped,
     /// The engine failed.
     Engine(EngineError),
+}
+
+impl Trouble {
+    /// What hinders the task alone: a failure of the engine is passed on.
+    pub(in crate::interaction) fn of_task(self) -> EngineResult<Trouble> {
+        match self {
+            Trouble::Engine(error) => Err(error),
+            trouble => Ok(trouble),
+        }
+    }
+}
+
+/// What was done, `None` if something hindered it that does not matter; only a failure of the engine is passed on.
+pub(in crate::interaction) fn tried<T>(result: Result<T, Trouble>) -> EngineResult<Option<T>> {
+    match result {
+        Ok(done) => Ok(Some(done)),
+        Err(trouble) => trouble.of_task().map(|_| None),
+    }
 }
 
 impl From<EngineError> for Trouble {
@@ -74,6 +98,9 @@ impl std::fmt::Display for Trouble {
             Trouble::Reach(reason) => reason.fmt(f),
             Trouble::Nothing => write!(f, "I felt nothing where I expected something"),
             Trouble::Hit(_) => write!(f, "I ran into something on the way"),
+            Trouble::NoSides => write!(f, "I cannot get my hands to both sides of it"),
+            Trouble::TooWide => write!(f, "it is too wide for my hands"),
+            Trouble::Slipped => write!(f, "it slips from between my hands"),
             Trouble::Engine(error) => error.fmt(f),
         }
     }

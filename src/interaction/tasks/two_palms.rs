@@ -5,7 +5,6 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
 use super::Trouble;
-use super::lifting::LiftTrouble;
 use crate::creature::Posture;
 use crate::geometry::{Capsule, Frame};
 use crate::interaction::actor::{Actor, SWIFT};
@@ -113,14 +112,14 @@ impl Actor {
     /// in none of the ways that were `tried`, told as how far from straight across, radians. Tells that, too.
     ///
     /// # Errors
-    /// [`LiftTrouble::NoSides`] where there are no postures for it, [`Trouble::Nothing`] where no table is known.
+    /// [`Trouble::NoSides`] where there are no postures for it, [`Trouble::Nothing`] where no table is known.
     pub(super) fn plan_palms(
         &mut self,
         place: &Vector3<f64>,
         tried: &[f64],
-    ) -> Result<(PalmPlan, f64), LiftTrouble> {
+    ) -> Result<(PalmPlan, f64), Trouble> {
         let table = self.table.ok_or(Trouble::Nothing)?;
-        let palm = |hand: usize| Palm::of(&self.own, self.hands[hand].limb).ok_or(LiftTrouble::NoSides);
+        let palm = |hand: usize| Palm::of(&self.own, self.hands[hand].limb).ok_or(Trouble::NoSides);
         let palms = [palm(0)?, palm(1)?];
         let (up, left) = (self.up, self.left());
         let middle = place + up * (table - place.dot(&up));
@@ -171,7 +170,7 @@ impl Actor {
                 }
             }
         }
-        Err(LiftTrouble::NoSides)
+        Err(Trouble::NoSides)
     }
 
     /// Turns a palm of a plan so that its fingers point down by an angle, radians, with its lowest skin just over the table.

@@ -1,57 +1,42 @@
 //! "Yes", "no", "the nearer one".
 
-use super::{Act, Answer, RequestKind};
+use super::{Act, Answer, RequestKind, Words};
 
 pub(super) const YES: RequestKind = RequestKind {
-    said: &[
-        "^ yes|yeah|yep|yup|yea|aye|sure|ok|okay|alright|absolutely|certainly|definitely|affirmative|agreed",
-        "^ go ahead|on",
-        "^ do it|so|that $",
-        "^ correct|exactly|indeed|right|true|naturally|fine|precisely",
-        "^ of course",
-        "^ that|THING be right|correct|true|fine|it",
-        "^ by all means",
-        "^ you may|can|should $",
-        "^ why not $",
-        "^ =do $",
-        "^ sounds good|fine|right",
-        "^ that|THING be ?the one|idea|case $",
-        "^ you be|have ?got right|it",
-    ],
+    words: Words {
+        said: "^ YES $ ; ^ YES ; ^ YES thing ; ^ go ahead|on ; ^ go for THING ; ^ DO it|so|that|THING $ ; ^ DO $ ; \
+            ^ of course ; ^ that|THING be right|correct|true|fine|it ; ^ by all means ; ^ you may|can|should $ ; \
+            ^ why not $ ; ^ sounds good|fine|right ; ^ that|THING be ?the one|idea|case $ ; ^ that|THING be THING $ ; \
+            ^ you be|have ?get right|it ; ^ YES ?go|DO ?ahead|THING",
+        ..Words::NONE
+    },
     ..RequestKind::new(["", ""], Act::Tells(|_, _| Answer::tells("Good; but I did not ask you anything")))
 };
 
 pub(super) const NO: RequestKind = RequestKind {
-    said: &[
-        "^ no|nope|nah|negative|nay",
-        "^ wrong|incorrect|false",
-        "^ not really|quite|exactly|THING|yet|now|so|right|correct|true|me|at|in",
-        "^ that|THING be not|wrong|false|incorrect",
-        "^ i do not think|want|believe",
-        "^ certainly|absolutely|definitely|of not",
-        "^ of course not",
-        "^ rather|better not",
-        "^ do not $",
-        "^ never $",
-        "^ not $",
-        "^ you be wrong|mistaken",
-    ],
+    words: Words {
+        said: "^ NO ; ^ NO way|thanks|thank ; ^ wrong|incorrect|false ; \
+            ^ not really|quite|THING|yet|now|so|right|correct|true|me|at|in ; \
+            ^ that|THING be not|wrong|false|incorrect ; ^ i do not think|want|believe ; ^ YES not ; ^ of course not ; \
+            ^ rather|better not ; ^ do not|never|not $ ; ^ not $ ; ^ never $ ; ^ you be wrong|mistaken ; \
+            ^ i would rather not",
+        ..Words::NONE
+    },
     ..RequestKind::new(["", ""], Act::Minds(|_, _| Answer::tells("All right, I do nothing")))
 };
 
 pub(super) const WHICH: RequestKind = RequestKind {
-    said: &[
-        "^ ?the THING ?farther|further|closer|nearer ?away|off $",
-        "^ ?not ?the|it|take|choose|mean|be|want|that|prefer THING ?on|to|at|with|by|that|which|in|i|from|further|closer ?the|your ?my ?left|right|side|front|back|mean|want|end|other $",
-        "^ on|to ?the|your|my left|right",
-        "^ ?the first|second|third|last|left|right|nearer|farther|nearest|farthest|closer|further|closest $",
-        "^ ?the first|second|third|last THING",
-        "^ i mean|want|choose|pick|prefer|meant THING",
-        "^ i would say THING",
-        "^ either|whichever|any $",
-        "^ either|whichever|any of THING",
-        "^ number one|two|three",
-    ],
+    words: Words {
+        told: "^ choose|mean THING|one ; ^ THING FAR|NEAR ?away|off $",
+        said: "^ ?make ?THING THING $ ; ^ ?the THING ?FAR|NEAR ?away|off $ ; \
+            ^ ?not ?the|it|take|choose|mean|be|want|that|prefer THING ?ON|at|with|by|that|which|in|i|from|FAR|NEAR ?the|your ?my ?left|right|side|front|back|mean|want|end|other $ ; \
+            ^ ON ?the|your|my left|right ; ^ ?the first|second|third|last|left|right|NEAR|FAR $ ; \
+            ^ ?the first|second|third|last THING ; THING i mean|want|choose|meant $ ; \
+            ^ i mean|want|choose|pick|prefer|meant THING ; ^ i would say THING ; ^ either|whichever|any $ ; \
+            ^ either|whichever|any of THING ; ^ number NUMBER ; ^ number one|two|three ; \
+            ^ THING ON ?the ?your left|right",
+        ..Words::NONE
+    },
     ..RequestKind::new(
         ["", ""],
         // What words mean is meant from when they were heard on.

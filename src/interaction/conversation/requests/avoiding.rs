@@ -1,9 +1,8 @@
 //! "Avoid it", "watch out": it watches what comes near, and gets out of its way.
 
 use super::super::Conversation;
-use super::{Act, Intent, Reply, RequestKind};
+use super::{Act, Acted, Answer, RequestKind, Words};
 use crate::interaction::avoiding::Avoiding;
-use crate::simulation::EngineError;
 
 /// How long it watches, seconds of its own time, …
 const WATCHING: f64 = 5.0;
@@ -11,34 +10,27 @@ const WATCHING: f64 = 5.0;
 const MOVED: f64 = 0.02;
 
 pub(super) const AVOID: RequestKind = RequestKind {
-    told: &[
-        "avoid|dodge|evade|duck",
-        "out of ?the|its|his|my|harm|THING ?be way",
-        "get|keep|stay|steer|move|pull|stand ?yourself|BODY clear",
-        "move|step|stand|go|lean|shift|jump|get|swerve|come ?yourself|BODY ?out|over aside|sideways",
-        "watch|look out",
-        "make way|room",
-        "keep|stay|get|move|back|pull|step|come|swing ?yourself|BODY away|off ?from ?THING|SOME|what",
-        "keep|hold|maintain ?your|some|a ?safe distance",
-        "not let THING|SOME hit|touch|reach|bump|get",
-        "let nothing|SOME hit|touch",
-        "protect|defend|save|guard|shield yourself|BODY",
-        "get out ?of ?there|here $",
-        "^ move $",
-        "^ move|step|jump|get back $",
-        "SOME|THING be ?=coming|=approaching|=flying|=heading ?straight|right at|toward|towards|for|your ?you|PART|way",
-        "SOME|THING =coming|=approaching",
-        "let THING|SOME pass",
-        "take cover|evasive",
-        "shy|shrink|flinch|draw away|back",
-        "incoming",
-        "evasive",
-        "give THING ?a ?wide room|way|space|berth",
-        "on your|guard guard",
-        "beware",
-        "mind your|the head|BODY",
-        "heads up",
-    ],
+    words: Words {
+        told: "AVOID THING|SOME|$ ; AVOID ; out of ?the|its|his|my|harm|THING way ; \
+            GO|keep|stay|steer|PULL|hold|stand ?yourself|BODY ?well clear ; \
+            GO|jump|stand|shift ?yourself|BODY ?out|over aside|SIDEWAYS ; watch|look|mind out ; make way|room ; \
+            GO|keep|stay|back|jump|draw|PULL ?yourself|BODY|PART ?BACK|well away|off|FAR ?from ?THING|SOME|what & !HAND ; \
+            keep|KEEP|maintain ?your|some|a ?safe distance ; PROTECT yourself|BODY ; get out ?of there|here $ ; \
+            ^ move $ ; ^ GO|jump BACK $ ; THING|SOME ?be =coming|=approaching|=flying ; let THING|SOME pass ; \
+            take cover|evasive ; shy|shrink|flinch|draw|back away ; incoming ; evasive ; \
+            give THING ?a ?wide room|way|space|berth ; on your|guard guard ; beware ; mind your|the BODY|yourself ; \
+            heads|HEAD up ; move so .. miss|past ; GO out of ?its|THING ; AVOID be|get ; get|be missed ; \
+            be careful|alert|watchful $ ; GO THING|SOME ?can|could ?not hit|touch|get|reach",
+        denied: "not|nothing|never LET|let THING|SOME ?at|ever hit|TOUCH|reach|bump|get|TEND|catch ; let nothing ; \
+            not get|be hit|=touched|=struck|caught|bumped ; not to get|be hit|=touched ; \
+            GO .. THING|SOME HELPING|do not hit|TOUCH|get|reach|catch|meet ; \
+            nothing|nobody TOUCH|hit|reach|get you|PART|BODY ; not THING hit|touch you|BODY ; \
+            not bump|run|collide into|with|ON ; avoid|dodge ?=being|=getting =hit|hit|it|THING ; \
+            GO ?yourself|BODY away|clear|aside & !HAND ; so .. not hit|touch you ; without =being hit",
+        said: "THING|SOME ?be =coming|=approaching|=flying|=heading ?UPRIGHT|right at|ON|for|your ?you|PART|way ; \
+            THING|SOME ?be =coming|=approaching|=flying|=moving ; beware",
+        ..Words::NONE
+    },
     needs_body: true,
     ..RequestKind::new(
         ["get out of the way", "watched what came near"],
@@ -48,7 +40,7 @@ pub(super) const AVOID: RequestKind = RequestKind {
 
 impl Conversation {
     /// Watches for a while, out of the way of what comes.
-    fn watch_out(&mut self) -> Result<Reply, EngineError> {
+    fn watch_out(&mut self) -> Acted {
         // What it touches it cannot keep away from: the arm first.
         let touched = self.things.iter().any(|known| known.in_touch.is_some());
         self.let_be();
@@ -70,6 +62,6 @@ impl Conversation {
                 format!("{from} for {WATCHING:.0} seconds; I feel a touch, but nothing came at me")
             }
         };
-        Ok(self.reply(Intent::Avoid, said, Some(!(moved && met)), false))
+        Ok(Answer::does(said, !(moved && met)))
     }
 }

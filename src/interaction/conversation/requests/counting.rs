@@ -1,35 +1,22 @@
 //! "How many things are there?": tells how many it has felt.
 
-use super::{Act, Answer, RequestKind};
+use super::{Act, Answer, RequestKind, Words};
 
 pub(super) const HOW_MANY: RequestKind = RequestKind {
-    asked: &[
-        "how many THING|SOME|different|of|do|be|have|there|did|now|in|you|other|things|separate",
-        "how many $",
-        "how much SOME",
-        "count|tally ?up ?all ?of THING|SOME|what|them|everything",
-        "count|number|tally of THING|SOME",
-        "^ ?just|only|but one ?SOME|THING or",
-        "^ count ?them ?all ?up $",
-        "more than one|two|three|THING|SOME",
-        "just|only one",
-        "be THING ?just|only one|THING|SOME ?SOME|THING or two|three|more|several|many",
-        "be there two|three|four|five|several|only|just",
-        "^ what|give .. count|tally|total|number",
-        "how large|big be the number",
-        "keep count",
-        "total number",
-        "one or two|more|several",
-        "how numerous",
-    ],
-    past: &[
-        "one|two|three|four or",
-        "how many",
-        "more than one|two",
-        "just|only one",
-        "just|only one",
-        "count|tally",
-    ],
+    words: Words {
+        asked: "how many & !UNIT|cms ; just|only THING or MORE ; number of THING|SOME ; how many THING|SOME & that ; \
+            how many THING|SOME|different|of|do|be|have|there|did|now|in|you|other|separate & !UNIT ; \
+            COUNT ?up ?ALL ?of THING|SOME|what|them|everything ; COUNT THING|SOME ; number|total|tally of THING|SOME ; \
+            what .. number|count|total|tally ; just|only one|THING|SOME ; MORE than one|two|three|THING|SOME ; \
+            one|just|only ?THING|SOME or|and MORE|two|several|NUMBER ; be there ?only|just two|three|four|five|several ; \
+            how numerous ; how SIZED be number ; give .. count|tally|total|number ; ^ count|tally ; more than one ; \
+            be THING just|only SOME|one ; NUMBER or NUMBER|MORE ; SOME|THING or NUMBER|MORE ; \
+            how many THING|SOME|UNIT & !UNIT ; keep count|tally ; number|total $ ; how much SOME ; \
+            what MORE|else & number",
+        past: "how many ; number of THING|SOME ; what number ; NUMBER or ; or NUMBER|MORE & THING|SOME ; number|total ; \
+            MORE than one|two ; just|only one|THING ; COUNT",
+        ..Words::NONE
+    },
     ..RequestKind::new(
         ["count the things", "counted the things"],
         Act::Tells(|creature, _| {

@@ -1,46 +1,57 @@
 //! "Is there something in front of you?": it feels about on the table.
 
 use super::super::Conversation;
-use super::{Act, Intent, Reply, RequestKind};
-use crate::interaction::conversation::language::Leave;
+use super::{Act, Acted, Answer, Intent, Reply, RequestKind, Words};
+use crate::interaction::FoundThing;
+use crate::interaction::tasks::tried;
 use crate::interaction::things::{KnownThing, ThingId};
-use crate::interaction::{FoundThing, Trouble};
 use crate::simulation::{EngineError, EngineResult};
 
 /// What is no farther behind a thing than this is told of as behind it, metres.
 const BEHIND: f64 = 0.15;
+/// What it says where it felt no table.
+const NO_TABLE: &str = "I lowered my hands and felt no table in front of me";
 
 pub(super) const EXPLORE: RequestKind = RequestKind {
-    told: &[
-        "explore|search|scan|scour|sweep|comb|probe|survey|examine|check|inspect|feel|grope|fumble|investigate|rummage ?out|through|over|across|along|on|all|around|about|round ?over|across|on|at|all|of ?the|your|this|what ?whole|entire table|tabletop|space|area|surroundings|desk|surface|scene|environment|place|vicinity|top|front|region|room",
-        "feel|look|search|grope|fumble|sweep|hunt|probe|cast|scout|explore|move|wave ?HAND|your ?hands ?out ?all around|about|round",
-        "look|search|feel|grope|hunt|seek|check|scan|scout|probe|fish ?out|around|about|round|over ?with ?HAND ?on for SOME|THING|more|another",
-        "look|search|feel|grope|seek|check ?around|about ?with ?HAND SOME",
-        "see|check|find|test|feel|learn|determine|verify|look ?out if|whether|what ?THING|SOME|there|you ?be",
-        "reach ?out ?HAND ?over|out|around ?for|to|into|toward ?find SOME",
-        "reach|stretch ?out ?your|HAND ?out|forward|ahead|forth $",
-        "sweep|run|move|slide|pass|swing|swipe|wave|glide|drag|pat ?your HAND ?slowly|all|back|gently ?and|over ?forth over|across|along|about|around|on|through|above ?the|top ?of ?the table|tabletop|surface|desk",
-        "touch|grab|get|take SOME",
-        "explore|search|sweep $",
-        "go|run|pass|move|feel ?HAND over|along|across|around ?the table|tabletop|desk|surface",
-        "look|search ?around ?once again|more",
-        "find|discover|see|check|learn|feel|look ?out what|whatever be ?=lying|=standing in|on|before|around|there|out|here",
-        "find|work out what be ?there|here|on|in|around|before",
-        "what else",
-        "find|locate|seek|discover THING",
-        "run|bump|come|stumble ?up into|across|upon|against SOME",
-        "have|take a ?good|quick ?look feel|search|rummage|look around|about|round|for",
-        "get to know your|the surroundings|table|space|environment",
-        "^ explore|search",
-        "keep =looking|=searching|=exploring|=feeling",
-        "tell|show ?me what|whether ?SOME be on|in|there",
-    ],
+    words: Words {
+        told: "SEARCH|FEEL|EXAMINE|LOOK|grope ?out|through|over|across|along|ON|ALL|AROUND|of ?ALL ?of ?over|across|ON|around|at ?the|your|this|what ?ALL TABLE|SPACE|top|front ; \
+            SEARCH|FEEL|LOOK|cast|move|wave|grope|GRAB ?HAND|your ?hands ?out ?ALL AROUND|about|round ; \
+            SEARCH|LOOK|FEEL|EXAMINE|fish ?out|AROUND|over|with ?with ?HAND ?on for SOME|THING|MORE ; \
+            SEARCH|LOOK|FEEL ?AROUND ?with ?HAND SOME ; \
+            see|EXAMINE|FIND|FEEL|look|LOOK ?out if|whether|what|for ?THING|SOME|there|you|i ?be ?SOME ; \
+            see|check what ?you FIND ; see|EXAMINE|FIND if|whether|what .. there|SOME ; \
+            REACH ?out ?HAND ?over|out|AROUND ?for|ON|and ?FIND|TOUCH SOME ; REACH ?out ?your|HAND ?out|FORWARD $ ; \
+            RUN|SEARCH|pat|PULL|PUT|PUSH ?your HAND ?ALL|BACK ?and ?over ?forth over|AROUND|ON|above ?the|top ?of ?the TABLE|SPACE ; \
+            TOUCH|GRAB|get SOME ; ^ SEARCH ; ^ SEARCH $ ; SEARCH THING|SOME ; GO|RUN|FEEL ?HAND AROUND|over ?the TABLE ; \
+            LOOK|SEARCH ?AROUND AGAIN|MORE|further ; \
+            FIND|discover|see|EXAMINE|FEEL|LOOK ?out what|whatever .. there|on|in|around|before|out|here|TABLE ; \
+            FIND|work out what be ?there|here|on|in|around|before ; what else ; FIND|SEARCH ?me THING|SOME|MORE ; \
+            give TABLE|SPACE|the .. SEARCH|FEEL ; run|bump|come|stumble ?UP into|across|ON SOME ; \
+            have|take|give a ?GOOD ?quick FEEL|LOOK|SEARCH|feel ?AROUND|for ; get to KNOW your|the SPACE|TABLE ; \
+            keep|go ?on =looking|=searching|=exploring|=feeling ; FEEL ?about|AROUND $ ; FEEL|SEARCH with HAND ; \
+            what be on|in TABLE|SPACE|front ; SEARCH|LOOK|FEEL in front|before|around|AROUND ; REACH for SOME ; \
+            FIND another|more|out ; LOOK for ; locate THING|SOME ; SEARCH|LOOK|FEEL & THING|SOME ; \
+            FEEL for SOME|THING|more",
+        asked: "be there|THING ?in|on|also|still|not|by|you SOME ; be there ?any ?MORE|else|other SOME|THING|more|MORE ; \
+            be SOME there|here|ON|in|around|near|AROUND|NEAR|before|out|within|left|nearby|lying|standing ; ^ SOME $ ; \
+            ^ any|more SOME|MORE|others|there ; ^ SOME ?in|on|there|AROUND|ON|before|near ; HELPING there be SOME ; \
+            what be ?there|lying|standing|=lying|=standing ON|in|before|around|there|AROUND ?the|front ?TABLE ; \
+            HELPING you FIND|SEARCH|FEEL|detect|locate|see|LOOK SOME ?ON|AROUND|in|else|there|around|$|near ; \
+            do|be SOME ?lie|stand|sit|=lying|=standing|=sitting ON|in|AROUND|there ; what else ; SOME else ; SOME MORE ; \
+            ?if|whether there|SOME be SOME ; whether|if .. SOME & there|ON|TABLE|front ; be there THING|SOME ; \
+            SOME there ; SOME within|in ?easy ?your RANGE ; SOME within|in ?easy ?your RANGE ?there ; \
+            what ?THING|SOME ?HELPING be ?out there|here|ON ; what ?THING|SOME HELPING you FIND|see|LOOK|SEARCH ; \
+            be THING|SOME there ; find SOME ; sign|trace of SOME ; SOME ?else AROUND|there|about ; come across SOME ; \
+            have|do THING|TABLE|SPACE have|hold SOME ON ; \
+            be|do you ?see|have|notice SOME ?in front|before|ON|around|there ; what THING|SOME be ?there ON|in|around",
+        ..Words::NONE
+    },
     needs_body: true,
     ..RequestKind::new(
         ["feel about for things", "felt about for things"],
-        Act::Moves(|creature, request, leave| {
+        Act::Moves(|creature, request, _| {
             let hand = creature.hand_for(request.hand);
-            if request.all { creature.count(hand) } else { creature.explore(hand, true, leave) }
+            if request.all { Ok(creature.counted(hand)?) } else { creature.explore(hand, true) }
         }),
     )
 };
@@ -52,8 +63,7 @@ impl Conversation {
         &mut self,
         hand: Option<usize>,
         quick: bool,
-        _leave: &Leave,
-    ) -> Result<Reply, EngineError> {
+    ) -> Acted {
         self.let_be();
         // What a hand met on its way down to the table is found already.
         if let Some(met) = self.know_table()?
@@ -70,7 +80,7 @@ impl Conversation {
             return Ok(self.finds(&found));
         }
         if !self.begin(hand)? {
-            return Ok(self.no_table());
+            return Ok(Answer::failed(NO_TABLE));
         }
         let before: Vec<ThingId> = self.things.iter().map(|known| known.id).collect();
         while let Some(mut search) = self.search.take() {
@@ -93,8 +103,7 @@ impl Conversation {
             1 => "I felt about as far as I reach and found nothing but the one thing".to_string(),
             count => format!("I felt about as far as I reach and found nothing but the {count} things"),
         };
-        let said = format!("{said}{}", self.unsearched());
-        self.does(Intent::Explore, said)
+        Ok(Answer::done(format!("{said}{}", self.unsearched())))
     }
 
     /// Searches all that it reaches and tells how many things it found: "how many things are there?"
@@ -102,8 +111,13 @@ impl Conversation {
     /// # Errors
     /// Where the engine fails.
     pub fn count(&mut self, hand: Option<usize>) -> Result<Reply, EngineError> {
+        let answer = self.counted(hand)?;
+        Ok(self.reply(Intent::Explore, answer))
+    }
+
+    fn counted(&mut self, hand: Option<usize>) -> EngineResult<Answer> {
         if !self.begin(hand)? {
-            return Ok(self.no_table());
+            return Ok(Answer::failed(NO_TABLE));
         }
         if let Some(mut search) = self.search.take() {
             while self.actor.search_on(&mut search)?.is_some() {}
@@ -117,50 +131,42 @@ impl Conversation {
             1 => format!("I found one thing, {}", places.join("; ")),
             count => format!("I found {count} things: {}", places.join("; ")),
         };
-        let said = format!("{said}{}", self.unsearched());
-        self.does(Intent::Explore, said)
+        Ok(Answer::done(format!("{said}{}", self.unsearched())))
     }
 
     /// It has found the first thing, and keeps touching it.
-    fn finds(&mut self, found: &FoundThing) -> Reply {
+    fn finds(&mut self, found: &FoundThing) -> Answer {
         let id = self.things.remember(found, Some(found.receptor));
         self.things.mean(Some(id));
         self.feels("something", id)
     }
 
     /// It feels something and keeps touching it.
-    fn feels(&self, something: &str, id: ThingId) -> Reply {
+    fn feels(&self, something: &str, id: ThingId) -> Answer {
         let known = self.things.get(id);
         let said = known.map(|known| {
             let limb = self.limb_in_words(known.found.receptor);
             format!("Yes, I feel {something} with my {limb}, {}", self.place(&known.at))
         });
-        self.reply(Intent::Explore, said.unwrap_or_default(), Some(true), false)
+        Answer::done(said.unwrap_or_default())
     }
 
     /// Sweeps the table with one hand, or with one after the other, until something is felt.
     fn sweep(&mut self, hand: Option<usize>) -> EngineResult<Option<FoundThing>> {
-        let hands = hand.map_or(vec![1, 0], |hand| vec![hand]);
-        for hand in hands {
-            match self.actor.explore(hand) {
-                Ok(Some(found)) => return Ok(Some(found)),
-                Err(Trouble::Engine(error)) => return Err(error),
-                Ok(None) | Err(_) => {
-                    self.settle_at_ready();
-                }
+        for hand in hand.map_or(vec![1, 0], |hand| vec![hand]) {
+            if let Some(found) = tried(self.actor.explore(hand))?.flatten() {
+                return Ok(Some(found));
             }
+            self.settle_at_ready();
         }
         Ok(None)
     }
 
     /// Lowers the hands onto the table where it is not known yet, and remembers what one of them met above it.
     fn know_table(&mut self) -> EngineResult<Option<FoundThing>> {
-        if self.actor.table.is_some() {
-            return Ok(None);
-        }
-        match self.actor.find_table() {
-            Err(Trouble::Engine(error)) => Err(error),
-            found => Ok(found.ok().flatten()),
+        match self.actor.table {
+            Some(_) => Ok(None),
+            None => Ok(tried(self.actor.find_table())?.flatten()),
         }
     }
 
@@ -171,19 +177,11 @@ impl Conversation {
             self.things.remember(&met, None);
         }
         let again = self.search.take().filter(|search| !search.done || search.only != hand);
-        self.search = match again {
-            Some(search) => Some(search),
-            None => self.actor.begin_search(),
-        };
+        self.search = again.or_else(|| self.actor.begin_search());
         if let Some(search) = &mut self.search {
             search.only = hand;
         }
         Ok(self.search.is_some())
-    }
-
-    fn no_table(&self) -> Reply {
-        let said = "I lowered my hands and felt no table in front of me".to_string();
-        self.reply(Intent::Explore, said, Some(false), false)
     }
 
     /// Remembers what the search felt; what it would have felt and did not is forgotten.

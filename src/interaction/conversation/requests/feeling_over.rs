@@ -1,21 +1,21 @@
 //! "Feel yourself over", "has your body changed?": it touches itself until it knows its body as it is now.
 
 use super::super::{Conversation, Pending};
-use super::{Act, Intent, Reply, RequestKind};
-use crate::interaction::conversation::language::Request;
-use crate::interaction::tasks::{FeltOver, Trouble};
+use super::{Act, Acted, Answer, Intent, Reply, RequestKind, Words};
+use crate::interaction::conversation::grammar::Request;
+use crate::interaction::tasks::FeltOver;
 use crate::named::in_words;
-use crate::simulation::EngineError;
 
 pub(super) const FEEL_OVER: RequestKind = RequestKind {
-    told: &[
-        "feel|touch|pat ?your yourself|body|BODY ?all over|everywhere|anew",
-        "feel|touch|pat all over ?your yourself|body|BODY",
-        "check|examine|inspect|explore|learn|relearn|know|study ?your yourself|body",
-        "get|become used|accustomed ?to ?your body|limbs",
-        "calibrate|recalibrate ?your|yourself ?body|yourself",
-        "find|work out ?how|what|whether ?your body",
-    ],
+    words: Words {
+        told: "FEEL|TOUCH|pat ?your yourself|body ?ALL ?over|everywhere|AGAIN|AROUND ; \
+            FEEL|TOUCH|pat yourself|BODY ALL|over|everywhere|anew|AROUND ; \
+            FEEL|TOUCH|pat ALL over ?your yourself|body|BODY ; \
+            EXAMINE|SEARCH|learn|relearn|KNOW|study ?your yourself|body ; \
+            get|become used|accustomed ?to ?your body|limbs ; CALIBRATE ; CALIBRATE ?your|yourself ?body|yourself ; \
+            FIND|work out ?how|what|whether ?your body ; EXAMINE your body ; FEEL your body",
+        ..Words::NONE
+    },
     ..RequestKind::new(
         ["feel myself over", "felt myself over"],
         Act::Moves(|creature, _, _| creature.feel_over()),
@@ -24,22 +24,19 @@ pub(super) const FEEL_OVER: RequestKind = RequestKind {
 
 impl Conversation {
     /// Feels itself over, and tells what has changed.
-    fn feel_over(&mut self) -> Result<Reply, EngineError> {
-        let intent = Intent::FeelOver;
+    fn feel_over(&mut self) -> Acted {
         self.let_be();
         self.settle_at_ready();
         let found = match self.actor.feel_over() {
-            Err(Trouble::Engine(error)) => return Err(error),
-            Err(trouble) => {
-                let said = format!("I could not touch myself all over: {}", self.in_words(&trouble));
-                return self.fails(intent, said);
-            }
             Ok(found) => found,
+            Err(trouble) => {
+                let trouble = self.in_words(&trouble.of_task()?);
+                return Ok(Answer::failed(format!("I could not touch myself all over: {trouble}")));
+            }
         };
         // What he touched himself with was meant.
         self.actor.take_unexpected();
-        let changed = matches!(found, FeltOver::Changed { .. });
-        if changed {
+        if matches!(found, FeltOver::Changed { .. }) {
             self.things.forget_all();
             self.search = None;
             self.felt.clear();
@@ -47,44 +44,33 @@ impl Conversation {
             self.ready = self.actor.ready();
         }
         self.settle_at_ready();
-        let (said, done) = match found {
+        Ok(match found {
             FeltOver::Same { touches } => {
-                (format!("I touched myself {touches} times: my body is as I know it"), true)
+                Answer::done(format!("I touched myself {touches} times: my body is as I know it"))
             }
             FeltOver::Changed { touches, joints } => {
                 let names = self.actor.own.creature().joints();
                 let told = |(joint, distance): &(usize, f64)| {
-                    format!(
-                        "my {} is {:.1} cm from where I had it",
-                        in_words(&names[*joint].name),
-                        100.0 * distance
-                    )
+                    let cm = 100.0 * distance;
+                    format!("my {} is {cm:.1} cm from where I had it", in_words(&names[*joint].name))
                 };
                 let told: Vec<String> = joints.iter().map(told).collect();
-                let said = format!(
-                    "I touched myself {touches} times, and my body has changed: {}. I act by what I know of it now, and have to feel anew where the table is and what stands on it",
-                    told.join("; ")
-                );
-                (said, true)
+                let changed =
+                    format!("I touched myself {touches} times, and my body has changed: {}", told.join("; "));
+                Answer::done(format!(
+                    "{changed}. I act by what I know of it now, and have to feel anew where the table is and what stands on it"
+                ))
             }
-            FeltOver::Unexplained { touches } => {
-                let said = format!(
-                    "I touched myself {touches} times: my body is not as I know it, and I did not find out how it has changed. I keep from acting by what I know of it"
-                );
-                (said, false)
-            }
-            FeltOver::TooFew { touches: 0 } => {
-                let said = "I know nothing of how sure I am of my body, so I cannot tell whether it has changed: I should babble anew";
-                (said.to_string(), false)
-            }
-            FeltOver::TooFew { touches } => (
-                format!(
-                    "I touched myself only {touches} times, which does not tell whether my body has changed"
-                ),
-                false,
+            FeltOver::Unexplained { touches } => Answer::failed(format!(
+                "I touched myself {touches} times: my body is not as I know it, and I did not find out how it has changed. I keep from acting by what I know of it"
+            )),
+            FeltOver::TooFew { touches: 0 } => Answer::failed(
+                "I know nothing of how sure I am of my body, so I cannot tell whether it has changed: I should babble anew",
             ),
-        };
-        Ok(self.reply(intent, said, Some(done), false))
+            FeltOver::TooFew { touches } => Answer::failed(format!(
+                "I touched myself only {touches} times, which does not tell whether my body has changed"
+            )),
+        })
     }
 
     /// Says that it touched itself where it did not expect it, and asks whether to feel itself over, where that happened.

@@ -1,39 +1,36 @@
 //! "Feel its shape": it touches a thing all about with the fingertips of both hands, and tells how large it is.
 
 use super::super::Conversation;
-use super::{Act, Intent, Reply, RequestKind};
-use crate::interaction::conversation::language::{Leave, Request};
-use crate::interaction::tasks::Trouble;
+use super::{Act, Acted, Answer, RequestKind, Words};
+use crate::interaction::conversation::grammar::Request;
 use crate::interaction::things::{KnownShape, KnownThing};
-use crate::simulation::EngineError;
 
 pub(super) const FEEL_SHAPE: RequestKind = RequestKind {
-    told: &[
-        "have|take|get a ?good|proper feel of|for THING",
-        "feel|explore|examine|inspect|investigate|palpate|study|trace|follow|check|find|discover|learn|work|figure|determine|measure|test|make|map|get|see|probe|scan|sense|recognise|recognize|identify .. shape|form|outline|contour|contours|size|edges|edge|corners|outside|dimensions|rim|curves|geometry|sides|surface|extent|proportions",
-        "feel|find|discover ?out what THING|SOME THING be",
-        "feel|find|work|figure|see|check|learn|explore|discover|determine|test|measure .. how big|large|wide|tall|long|thick|high|round|small|broad|deep",
-        "run|pass|slide|move|glide|stroke|let|guide|trace|draw|brush|wander|go|walk ?with HAND|PART ?all ?the|slowly ?way over|along|around|round|across|about THING|the|its ?whole|entire ?edge|edges|surface|outline|outside|sides|$",
-        "explore|examine|inspect|palpate|measure|study|investigate|trace THING",
-        "feel ?all ?the ?way round|around|over|about|along THING",
-        "feel THING all|carefully|thoroughly|closely|over|around|round|about|up|from",
-        "feel|tell|find|check|test ?out whether|if|what ?THING .. round|square|flat|pointed|like|rounded|angular|box",
-        "get a|the feel of|for",
-        "touch THING all over|around|round",
-        "go|run|pass|move over|around|round|along ?all its|the edge|edges|outline|sides|side|rim|surface|contour|contours",
-        "get|come to know|learn THING",
-        "wrap|put|close HAND around|round THING",
-        "find|work|figure|make out what kind|sort|shape|form",
-        "touch THING in|at|from several|different|more|many|other|all|various",
-        "^ feel THING $",
-        "take|get THING|its|the ?its measurements",
-        "go ?all ?the ?way over|around|round|along THING",
-        "fingers over THING",
-    ],
+    words: Words {
+        told: "FEEL|EXAMINE|SEARCH|FIND|TOUCH|get|make|sense|take|work .. FORM|EDGE|SIZE ; \
+            work|find out ?what ?its|the FORM ; RUN .. EDGE|FORM ; FEEL|FIND|EXAMINE|see ?out what THING|SOME be|look ; \
+            FEEL|FIND|EXAMINE|work|see|SEARCH .. how SIZED|SHAPED ; \
+            RUN ?with ?your HAND|PART ?slowly ?ALL ?the ?way AROUND|over|along THING|the|its|EDGE ; \
+            HAND|PART ?ALL ?the ?way over|around|round|along|across THING ; EXAMINE|SEARCH|palpate THING ; \
+            FEEL ?ALL ?the ?way AROUND|over|about THING ; FEEL|TOUCH THING ALL|over|AROUND|up|from|with|closely ; \
+            FEEL|TELL|FIND|EXAMINE ?out whether|if|what ?THING ?be|is SHAPED|like|box ; \
+            FEEL|TELL|FIND|EXAMINE .. whether|if .. SHAPED|SIZED ; \
+            get|have|take|give ?THING a|the ?GOOD ?proper feel|FEEL ?for|of|over ; TOUCH THING ALL over|AROUND ; \
+            GO|RUN ?ALL over|AROUND|along ?ALL ?its|the EDGE|THING ; get|come to KNOW|EXAMINE|learn THING|FORM ; \
+            wrap|put|close HAND AROUND THING ; FIND|work|figure|make out what KIND|FORM ; \
+            TOUCH THING in|at|from several|different|MORE|many|other|ALL|various ; ^ FEEL THING $ ; \
+            take|get THING|its|the ?its SIZE ; GO ?ALL ?the ?way AROUND|over|along THING ; \
+            what .. FORM & FEEL|find|work|TOUCH ; FEEL every|ALL ; FEEL EDGE ; learn FORM ; explore THING ; \
+            what ?THING feel like & FEEL ; FEEL THING ; EXAMINE|SEARCH THING ?with HAND ; \
+            EXAMINE|SEARCH THING .. with HAND ; give THING .. FEEL ; give THING .. over with HAND ; FEEL what KIND ; \
+            FIND out what THING ; RUN HAND|PART|finger EDGE|along|over & EDGE ; EXAMINE EDGE|FORM|SIZE ; \
+            describe with HAND",
+        ..Words::NONE
+    },
     needs_body: true,
     ..RequestKind::new(
         ["feel its shape", "felt its shape"],
-        Act::Handles(|creature, thing, request, leave| creature.feel_shape(thing, request, leave)),
+        Act::Handles(|creature, thing, request, _| creature.feel_shape(thing, request)),
     )
 };
 
@@ -45,12 +42,7 @@ const FEW: usize = 4;
 const FITS: f64 = 0.003;
 
 impl Conversation {
-    fn feel_shape(
-        &mut self,
-        thing: &KnownThing,
-        request: &Request,
-        leave: &Leave,
-    ) -> Result<Reply, EngineError> {
+    fn feel_shape(&mut self, thing: &KnownThing, request: &Request) -> Acted {
         let touched_now = |creature: &Conversation| {
             let known = creature.things.get(thing.id)?;
             let touches = known.in_touch.is_some() && creature.actor.posture() == known.found.posture;
@@ -59,11 +51,10 @@ impl Conversation {
         let found = match touched_now(self) {
             Some(found) => found,
             None => {
-                let hand = self.hand_for(request.hand);
-                let reply = self.touch(thing, hand, request.lean, leave)?;
-                match touched_now(self).filter(|_| reply.done == Some(true)) {
+                let answer = self.touch(thing, self.hand_for(request.hand), request.lean)?;
+                match touched_now(self).filter(|_| answer.done == Some(true)) {
                     Some(found) => found,
-                    None => return Ok(Reply { intent: Intent::FeelShape, done: Some(false), ..reply }),
+                    None => return Ok(Answer::failed(answer.said)),
                 }
             }
         };
@@ -76,21 +67,18 @@ impl Conversation {
         }
         let felt = match felt {
             Ok(felt) => felt,
-            Err(Trouble::Engine(error)) => return Err(error),
             Err(trouble) => {
-                let said = format!("I cannot feel its shape: {}", self.in_words(&trouble));
-                return self.fails(Intent::FeelShape, said);
+                let trouble = self.in_words(&trouble.of_task()?);
+                return Ok(Answer::failed(format!("I cannot feel its shape: {trouble}")));
             }
         };
         if felt.touches < FEW {
-            return self
-                .fails(Intent::FeelShape, "I could touch it at few places only, so I do not know its shape");
+            return Ok(Answer::failed("I could touch it at few places only, so I do not know its shape"));
         }
         if felt.shape.unexplained > FITS {
-            return self.fails(
-                Intent::FeelShape,
+            return Ok(Answer::failed(
                 "What I felt does not fit together: it may have moved, so I do not know its shape",
-            );
+            ));
         }
         let (front, left, up) = (self.actor.front, self.actor.left(), self.actor.up);
         let sides = [(-front, "in front"), (front, "behind"), (left, "on the left"), (-left, "on the right")];
@@ -101,7 +89,6 @@ impl Conversation {
         if let Some(known) = self.things.get_mut(thing.id) {
             known.shape = Some(shape);
         }
-        let known = self.shape_in_words();
-        self.does(Intent::FeelShape, known)
+        Ok(Answer::done(self.shape_in_words()))
     }
 }

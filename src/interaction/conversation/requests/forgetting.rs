@@ -1,25 +1,18 @@
 //! "Forget it", "forget everything you felt".
 
-use super::{Act, Answer, RequestKind};
+use super::{Act, Answer, RequestKind, Words};
 
 pub(super) const FORGET: RequestKind = RequestKind {
-    told: &[
-        "forget|erase|unlearn|delete|disregard|discard|purge",
-        "clear|clean|empty|wipe|reset|flush|scrub ?out your|the|its|all ?whole|entire ?memory|mind|memories|head|slate|history|knowledge|record|list",
-        "clear|wipe|strike|remove|drop|put|get|banish|dismiss|lose THING|SOME|everything|all ?all ?of ?it ?out from|of ?your memory|mind|head|memories|thoughts|list",
-        "wipe THING|everything",
-        "clear|wipe|erase|delete|drop what|whatever|everything ?that ?it you remember|know|felt|feel|learn",
-        "fresh start|beginning",
-        "start all|afresh|anew|over ?again ?afresh $",
-        "from scratch",
-        "^ reset $",
-        "remember nothing",
-        "clean slate",
-        "let THING slip",
-        "no longer|not remember",
-        "as if|though .. never",
-        "ignore THING|everything|all",
-    ],
+    words: Words {
+        told: "FORGET ; FORGET ?about THING|SOME|everything|ALL ; CLEAR ?out your|THING|the|ALL ?whole|entire MEMORY ; \
+            PUT|CLEAR|get|lose|PUSH|take THING|SOME|ALL|what ?ALL out|from ?of ?from ?your MEMORY ; \
+            ^ wipe|clear THING|everything|ALL & !HAND|TABLE ; \
+            CLEAR what|whatever|ALL ?that ?THING ?you KNOW|FEEL|felt|FIND ; FRESH|fresh START|beginning ; \
+            start ALL|AGAIN|afresh|over ; from scratch ; ^ reset $ ; remember nothing ; clean slate ; LET THING slip ; \
+            as if|though .. never ; put THING behind you ; lose THING from",
+        denied: "not|longer remember ; need not|longer|to remember|KNOW ; forget about =remembering",
+        ..Words::NONE
+    },
     ..RequestKind::new(
         ["forget it", "forgot it"],
         Act::Minds(|mind, request| {

@@ -1,7 +1,8 @@
 //! "What can you do?", and what it says where it did not understand.
 
 use super::super::Conversation;
-use super::{Act, Answer, Intent, Reply, RequestKind};
+use super::super::grammar::UnknownWord;
+use super::{Act, Answer, Intent, Reply, RequestKind, Words};
 
 /// What it can do, as it says it.
 const ABILITIES: &str = "I can feel about for things (\"is there something in front of you?\"), touch what I felt with either \
@@ -11,49 +12,30 @@ tell where a thing or a part of me is, how far, how many, how big, and whether I
 way of what comes; tell what I did; forget, do it again, rest, keep still. \"Quit\" ends our talk";
 
 pub(super) const HELP: RequestKind = RequestKind {
-    told: &[
-        "show me what you can|do",
-        "^ usage|manual|instructions|commands|options $",
-        "assist|help me $",
-        "^ menu $",
-        "give|show ?me|us .. example|examples",
-    ],
-    asked: &[
-        "what ?else|all|exactly|things|sort|kind ?of ?SOME|THING can|could|may you|i do|ask|say|tell|understand|make|perform|type|offer|know|have",
-        "what be you able|capable|good|for",
-        "what|which|list ?all|of ?THING|the|your|all ?SOME commands|command|abilities|ability|skills|options|instructions|requests|functions|features|actions|tasks|tricks|sentences|questions|capabilities|words",
-        "what|which ?sort|kind|sorts|kinds|type ?of ?SOME|THING|things|stuff i|one|we can|could|may|might ask|say|tell|request|type|want|try",
-        "help ?me|us ?out $",
-        "how can|do|should|may|must|shall i|we ask|use|command|instruct|talk|speak|control|make|tell|get|work|operate|give",
-        "your abilities|skills|commands|capabilities|options|instructions|talents|functions|features|repertoire",
-        "what should|shall|must|might|can i|we ask|say|do|tell|type|request|try|want",
-        "what be possible",
-        "what|which ?sort|kind ?of THING|SOME can|may|could i|we ask|say|tell|request|give",
-        "what be my|the options|choices|possibilities",
-        "what can|may be done|asked|said",
-        "what|which kind|sort|sorts|kinds|type|types of requests|commands|tasks|requests|SOME can|could|do you|i",
-        "do you need|have ?any|a instructions|manual",
-        "be there ?a|any manual|instructions|help",
-        "tell me what you can|know|do|understand",
-        "what you can|understand|know $",
-        "what ?sort|kind|type|sorts|kinds ?of ?THING|SOME do you understand|know|obey|follow",
-        "how .. ?to use you",
-        "what can|could you help ?me ?with",
-    ],
-    said: &[
-        "^ help",
-        "^ i need|want .. help|assistance",
-        "^ i could|can use ?some help",
-        "^ how do|does this|THING|it work",
-        "^ i be stuck|lost|confused",
-        "^ i do not know what|how to",
-    ],
+    words: Words {
+        told: "show me what you can|do ; ^ usage|manual|instructions|commands|options|menu $ ; assist|help me $ ; \
+            give|show ?me|us .. COMMANDS ; list COMMANDS",
+        asked: "what ?else|ALL|things|KIND|sort ?of ?SOME|THING HELPING you|i|we do|TELL|SPEAK|understand|make|perform|offer|KNOW|try|want|request|DO ; \
+            what HELPING|do you|i do $ ; what ?KIND|THING|SOME ?of ?THING|SOME HELPING i|we|you ; \
+            what be you able|capable|good|for ; \
+            what|which|list|TELL|your|all|give|any ?ALL|of ?THING|the|your|ALL|be ?your COMMANDS ; help ?me|us ?out $ ; \
+            how HELPING|do i|we SPEAK|USE|TELL|get|make|work|GIVE ; your COMMANDS ; \
+            what HELPING i|we SPEAK|TELL|do|try|want ; what be possible ; what be my|the options|choices|possibilities ; \
+            what HELPING be =done|=asked|=said|done|asked ; do you need|have ?any|a COMMANDS ; \
+            be there ?a|any COMMANDS|help ; TELL ?me what you HELPING|KNOW|do|understand ; \
+            what you HELPING|understand|KNOW $ ; what ?KIND ?of ?THING do you understand|KNOW|obey|follow ; \
+            how .. ?to USE you ; what HELPING you help ?me ?with ; what KIND|sort .. requests|COMMANDS ; \
+            what i HELPING|do ; what KIND of THING|SOME HELPING you ; how HELPING i",
+        said: "^ help ; ^ i =need|=want .. help|assistance ; ^ i could|can ?use ?some help ; ^ how do|does THING|it work ; \
+            ^ i be stuck|lost|confused ; ^ i do not KNOW what|how ; what should i",
+        ..Words::NONE
+    },
     ..RequestKind::new(["help", "helped"], Act::Tells(|_, _| Answer::tells(ABILITIES)))
 };
 
 impl Conversation {
     /// What it says where it did not understand: why, and three examples that fit what it knows by now.
-    pub(in super::super) fn not_understood(&self, unknown: &[String]) -> Reply {
+    pub(in super::super) fn not_understood(&self, unknown: &[UnknownWord]) -> Reply {
         let examples =
             match (self.things.is_empty(), self.things.iter().any(|known| known.in_touch.is_some())) {
                 (true, _) => ["is there something in front of you?", "touch your nose", "what can you do?"],
@@ -68,13 +50,12 @@ impl Conversation {
             };
         let told = match unknown {
             [] => "I did not understand that".to_string(),
-            [word] => format!("I do not know the word \"{word}\""),
-            [first, .., last] => format!("I do not know words like \"{first}\" and \"{last}\""),
+            [word, ..] => word.in_words(),
         };
         let said = format!(
             "{told}. I understand, for example: \"{}\", \"{}\", \"{}\"",
             examples[0], examples[1], examples[2]
         );
-        self.reply(Intent::Unknown, format!("{said}."), None, false)
+        self.reply(Intent::Unknown, Answer::tells(said))
     }
 }

@@ -1,21 +1,25 @@
 //! "Lean forward and try again", "lean back".
 
 use super::super::Conversation;
-use super::{Act, Intent, Reply, RequestKind};
-use crate::interaction::conversation::language::{Leave, Request};
+use super::{Act, Acted, Answer, RequestKind, Words};
+use crate::interaction::conversation::grammar::{Leave, Request};
 use crate::interaction::tasks::Trouble;
-use crate::simulation::EngineError;
 
 pub(super) const LEAN_FORWARD: RequestKind = RequestKind {
-    told: &[
-        "lean|bend|tilt|bow|stoop|hunch|incline|tip|reach|stretch|move|come|get|push|bring ?PART|yourself ?a ?bit|little|lot|way|from|at ?the ?waist|hips ?far|further|farther|more forward|forwards",
-        "lean|bend|tilt|bow|stoop|hunch|incline ?PART|yourself ?a ?bit|little ?further|farther|more over|down|in|into|toward|towards|across|closer|ahead|to|out|at|from",
-        "tilt|bend|incline|bow PART",
-        "lean|bow|stoop|hunch $",
-        "^ ?a ?bit|little|lot ?more|further|even forward|forwards $",
-        "move|bring PART|yourself ?closer|nearer to|toward|towards ?the ?THING|table|front",
-        "get PART over ?the THING|table",
-    ],
+    words: Words {
+        told: "a BIT ?of ?a lean ; yourself|you ?a ?BIT MORE FORWARD ; \
+            LEAN ?your ?THING|PART|yourself|HAND|over|body ?BIT ?way|at|from ?the ?waist|hips ?far ?MORE FORWARD ; \
+            AGAIN & LEAN FORWARD ; TRY|REPEAT & LEAN FORWARD ; \
+            LEAN ?your ?PART|yourself|body ?a ?BIT ?FAR ?MORE over|down|in|into|ON|out|across|closer|ahead|at|MORE|further ; \
+            ^ LEAN $ ; ^ LEAN ?a ?BIT ?MORE ; ^ ?BIT ?MORE FORWARD $ ; \
+            come|get|move|bring|push|REACH ?yourself|PART|FAR ?BIT ?MORE FORWARD & !THING|SOME ; \
+            bring|put|move|get your PART FORWARD & !THING ; LEAN BIT|now|THING|PART & !BACK|UPRIGHT ; \
+            come|get|go closer|nearer to|over ?the TABLE & !THING ; \
+            move|bring|get BODY|yourself NEAR|over ON|the ?the TABLE ; \
+            get|move|bring ?your yourself|PART|body ?BIT ?FAR FORWARD|over|further ; LEAN PART ; a|the lean ; \
+            have|take a lean|bow ; bow $ ; LEAN to ; LEAN so ; lean as ; LEAN with",
+        ..Words::NONE
+    },
     needs_body: true,
     ..RequestKind::new(
         ["lean forward", "leaned forward"],
@@ -24,69 +28,58 @@ pub(super) const LEAN_FORWARD: RequestKind = RequestKind {
 };
 
 pub(super) const LEAN_BACK: RequestKind = RequestKind {
-    told: &[
-        "lean|tilt|bend|tip|sit|rock|recline ?PART|yourself|right|well|all ?the ?way back|backward|backwards",
-        "move|bring|pull|draw PART|yourself ?right back|backward|backwards|upright",
-        "sit|stand|get|straighten|come|rise|raise|go ?yourself|PART|right ?back ?right up|upright|straight|tall|erect|vertical",
-        "be|stay ?yourself upright|erect|straight",
-        "upright|erect|vertical",
-        "^ ?now up straight|tall|again|now $",
-        "raise|lift|straighten PART|yourself ?back ?again ?upright|up $",
-        "pull PART back|upright|up $",
-        "away from the table",
-        "^ ?come|go|get back up ?again|now|straight $",
-        "lean the other way",
-    ],
+    words: Words {
+        told: "LEAN ?PART|yourself|THING ?a ?BIT BACK ; LEAN ?a ?BIT away|off ; LEAN ?right BACK ; LEAN .. other way ; \
+            up you get ; STRAIGHTEN up|yourself|BODY|out|BACK|UPRIGHT ; ^ STRAIGHTEN $ ; ^ unbend ; \
+            STRAIGHTEN ?BACK up ; UPRIGHT ; sit|stand|get|come|go|lift|raise|straighten ?yourself|PART BACK ?UP ; \
+            sit|stand ?BACK UP|BACK|properly ; raise|lift|straighten yourself|BODY & !HAND ; stop|undo =leaning|lean ; \
+            back up|upright|straight ; get|come|be|keep|hold ?yourself|BODY UPRIGHT ; un bend ; \
+            take|get|pull|move|bring your|yourself|PART BACK & !HAND|THING ; UP straight ; no LEAN ; \
+            UPRIGHT ?again|BACK ; GO ?BACK UPRIGHT ; up ?BACK UPRIGHT ; STRAIGHTEN your ; BACK ON ?an UPRIGHT POSE",
+        denied: "STOP|quit|cease =leaning|=bending ; not|stop slouch|slump|=slouching ; not slouch & STRAIGHTEN ; \
+            not LEAN any|longer|anymore",
+        ..Words::NONE
+    },
     needs_body: true,
     ..RequestKind::new(["lean back", "leaned back"], Act::Moves(|creature, _, _| creature.upright()))
 };
 
 impl Conversation {
-    /// Leans; and where something was asked for before that failed or that goes farther so, does that again.
-    fn lean(&mut self, request: &Request, leave: &Leave) -> Result<Reply, EngineError> {
-        if request.again {
-            return match self.last.clone() {
-                Some(last) => {
-                    let retried = Request { lean: true, hand: request.hand.or(last.hand), ..last };
-                    let reply = self.act(retried, Some(leave.again()), &[])?;
-                    Ok(Reply { intent: Intent::LeanForward, ..reply })
-                }
-                None => {
-                    self.fails(Intent::LeanForward, "There is nothing yet that I could try again leaning")
-                }
-            };
-        }
-        if let Some(intent) = request.about {
-            let leaning = Request { intent, about: None, lean: true, ..request.clone() };
-            let reply = self.act(leaning, Some(leave.again()), &[])?;
-            return Ok(Reply { intent: Intent::LeanForward, ..reply });
+    /// Leans; and if something was asked for before that failed or that goes farther so, does that again.
+    fn lean(&mut self, request: &Request, leave: &Leave) -> Acted {
+        let retried = match (request.again, request.about, self.last.clone()) {
+            (true, _, None) => {
+                return Ok(Answer::failed("There is nothing yet that I could try again leaning"));
+            }
+            (true, _, Some(last)) => Some(Request { lean: true, hand: request.hand.or(last.hand), ..last }),
+            (false, Some(intent), _) => Some(Request { intent, about: None, lean: true, ..request.clone() }),
+            (false, None, _) => None,
+        };
+        if let Some(retried) = retried {
+            return Ok(self.act(retried, Some(leave.again()), &[])?.into());
         }
         self.let_be();
         match self.actor.lean_forward() {
             Ok(far) if far > 0.005 => {
-                let said = format!("I lean forward: my shoulders came {:.0} cm farther", 100.0 * far);
-                self.does(Intent::LeanForward, said)
+                Ok(Answer::done(format!("I lean forward: my shoulders came {:.0} cm farther", 100.0 * far)))
             }
-            Ok(_) => self.does(Intent::LeanForward, "I lean forward already as far as I can"),
-            Err(Trouble::Engine(error)) => Err(error),
+            Ok(_) => Ok(Answer::done("I lean forward already as far as I can")),
             Err(Trouble::Reach(_)) => {
-                self.fails(Intent::LeanForward, "I cannot lean forward: something would be in the way")
+                Ok(Answer::failed("I cannot lean forward: something would be in the way"))
             }
-            Err(trouble) => {
-                let said = format!("I cannot lean forward: {}", self.in_words(&trouble));
-                self.fails(Intent::LeanForward, said)
-            }
+            Err(trouble) => Err(trouble),
         }
     }
 
-    fn upright(&mut self) -> Result<Reply, EngineError> {
+    fn upright(&mut self) -> Acted {
         let ready = self.ready.clone();
         if !self.actor.leans_from(&ready) {
-            return self.does(Intent::LeanBack, "I am upright");
+            return Ok(Answer::done("I am upright"));
         }
         self.let_be();
-        let went = self.settle(&ready);
-        let said = if went { "I am upright again" } else { "I cannot get upright: something is in the way" };
-        Ok(self.reply(Intent::LeanBack, said.into(), Some(went), false))
+        Ok(match self.settle(&ready) {
+            true => Answer::done("I am upright again"),
+            false => Answer::failed("I cannot get upright: something is in the way"),
+        })
     }
 }

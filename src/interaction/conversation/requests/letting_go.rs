@@ -1,68 +1,50 @@
 //! "Let go."
 
 use super::super::Conversation;
-use super::{Act, Intent, Reply, RequestKind};
-use crate::simulation::EngineError;
+use super::{Act, Acted, Answer, RequestKind, Words};
 
 pub(super) const LET_GO: RequestKind = RequestKind {
-    told: &[
-        "leave THING on",
-        "let ?THING|SOME|it go|loose|fall|drop|off|slip",
-        "release|drop|unhand|relinquish|free|unclasp|ungrip THING|SOME|the|your|it|them",
-        "release|relinquish|free|unclasp|ungrip HAND",
-        "^ ungrip|unclasp $",
-        "put|set|lay|place|lower|sit|stand|rest THING|SOME ?back ?right down|gently",
-        "put|set|lay|place|lower|stand down|back THING|SOME",
-        "put|set|lay|place|lower|rest|stand|deposit THING|SOME ?back ?down on|onto|upon ?to ?top ?of THING|the|SOME ?table|tabletop|surface|desk",
-        "open|loosen|relax|unclench|ease ?up HAND|your|THING ?own ?grip|grasp|hold|fist|fingers",
-        "lose|give ?up your|the grip|hold|grasp",
-        "take|get|pull HAND off|away|from ?of ?from THING",
-        "put down $",
-        "let THING be|stay|stand",
-        "^ down with THING",
-        "^ loosen|unhand|loose|free THING|$",
-        "return THING to THING|the ?table|place",
-        "put|set|place|give THING back where|in|there|to|on|again",
-        "put|set|place|give THING back $",
-    ],
+    words: Words {
+        told: "LET ?THING|SOME go|loose|fall|drop|off|slip|DROP ; LET go ?of ?THING ; DROP THING|SOME ; ^ DROP $ ; \
+            leave go|THING ON|of|there ; PUT|LOWER|lower|lay|sit THING|SOME ?BACK ?right down|gently ; \
+            PUT|lower|lay DOWN|BACK THING|SOME ; \
+            PUT|lower|lay|sit THING|SOME ?BACK ?down ON ?top ?of THING|SOME|the ?TABLE ; open|unclench HAND ; \
+            open|loosen|relax|unclench|ease|lose|release|give|let ?up ?go ?of ?your|the grip|GRAB|grasp|hold|fist|fingers|THING ?own ?grip|hold ; \
+            take|get|PULL HAND off|away|from ?of ?from THING ; PUT DOWN $ ; let THING be|stay|stand ; \
+            ^ DOWN with THING ; ^ loose|DROP THING|$ ; return THING to THING|the ?TABLE|place ; \
+            PUT|give|return THING BACK ?where|in|there|ON|again|$ ; HAND HELPING GO off ; \
+            ON|back ?the TABLE with THING ; BACK with THING ; HAND off THING ; open ?up ?your HAND ; \
+            release ?your|the hold|grip|THING ; put THING BACK ; THING down ; THING BACK ON ?the TABLE ; \
+            hands|fingers off",
+        denied: "STOP|cease =holding|=gripping|=grasping|=grabbing|=carrying ; no need|longer|more .. hold|=holding ; \
+            need|have not|longer|to ?to hold|keep ; not|longer hold|keep THING ?any ; not .. hold .. longer|more|anymore",
+        ..Words::NONE
+    },
     ..RequestKind::new(["let go", "let go"], Act::Moves(|creature, _, _| creature.release()))
 };
 
 impl Conversation {
     /// Lets go of what it holds, and takes its hand back from it.
-    fn release(&mut self) -> Result<Reply, EngineError> {
-        let held = std::mem::take(&mut self.holding);
-        let said = match held {
-            Some(held) => {
+    fn release(&mut self) -> Acted {
+        let touching = self.things.iter().any(|known| known.in_touch.is_some());
+        let said = match (std::mem::take(&mut self.holding), self.actor.stick().is_some()) {
+            (Some(held), _) => {
                 let (name, lowered) = self.put_down(held)?;
                 self.actor.let_go();
                 self.actor.wait(0.2)?;
-                if lowered {
-                    format!("I put it down and let go of it with my {name}")
-                } else {
-                    format!("I let go of it with my {name}")
-                }
+                let put = if lowered { "put it down and " } else { "" };
+                format!("I {put}let go of it with my {name}")
             }
-            // Where the stick is all that he holds, it is meant.
-            None if self.actor.stick().is_some()
-                && self.things.iter().all(|known| known.in_touch.is_none()) =>
-            {
-                let given = self.give_stick_back()?;
-                return Ok(Reply { intent: Intent::LetGo, ..given });
-            }
-            None => {
+            // The stick is all that it holds: it is meant.
+            (None, true) if !touching => return self.give_stick_back(),
+            (None, stick) => {
                 self.actor.let_go();
-                let touching = self.things.iter().any(|known| known.in_touch.is_some());
-                match (touching, self.actor.stick().is_some()) {
-                    (true, true) => {
-                        "I hold nothing but the stick, and took my hand back from what I touched".to_string()
-                    }
-                    (true, false) => "I hold nothing, and took my hand back from what I touched".to_string(),
-                    (false, _) => "I hold nothing".to_string(),
-                }
+                let but = if stick { " but the stick" } else { "" };
+                let back = if touching { ", and took my hand back from what I touched" } else { "" };
+                format!("I hold nothing{but}{back}")
             }
         };
         self.let_be();
-        self.does(Intent::LetGo, said)
+        Ok(Answer::done(said))
     }
 }

@@ -1,11 +1,9 @@
 //! "Pick it up."
 
 use super::super::{Conversation, Held};
-use super::{Act, Intent, Reply, RequestKind};
-use crate::interaction::conversation::language::{Leave, Request};
-use crate::interaction::tasks::{LiftTrouble, Trouble};
+use super::{Act, Acted, Answer, RequestKind, SLIPPED, Words};
+use crate::interaction::conversation::grammar::Request;
 use crate::interaction::things::KnownThing;
-use crate::simulation::EngineError;
 
 /// How high one hand raises it, metres.
 const HEIGHT: f64 = 0.1;
@@ -13,45 +11,40 @@ const HEIGHT: f64 = 0.1;
 const CORRECTIONS: usize = 3;
 
 pub(super) const LIFT: RequestKind = RequestKind {
-    told: &[
-        "^ up with THING",
-        "pick .. up",
-        "pick|take|lift|get up THING|SOME",
-        "lift|raise|hoist|heave|elevate THING|SOME|them|up",
-        "lift|raise|hoist|heave|elevate ?up ?a ?bit $",
-        "get|take|catch|lay|have|keep ?a ?good ?firm|tight hold|grip ?of ?on|of ?THING|SOME",
-        "take|get THING up|off",
-        "off the table",
-        "into|in|to the|mid air",
-        "up THING go|come",
-        "^ grab|grasp|seize|lift $",
-        "^ ?you take THING|SOME",
-    ],
+    words: Words {
+        told: "^ up with THING ; pick .. up ; LIFT|GRAB THING|SOME ?UP ; LIFT|GRAB|get ?UP THING|SOME ; \
+            LIFT THING|SOME|them|UP ?UP|off|high ; LIFT ?UP ?a ?BIT $ ; \
+            get|take|catch|have|keep|lay|GRAB ?a ?GOOD ?firm|tight hold|grip|GRAB ?ON|of|OF THING|SOME ; \
+            PUT|PUSH|take|get|bring|PULL|hold THING|SOME ?BIT up|UP|off|upward & !to ; THING ?UP off|from the TABLE ; \
+            PUT|PUSH|take|get|GRAB THING ?UP off|from ?the|that TABLE ; into|in|to|the|mid air ; UP THING GO ; \
+            ^ LIFT|GRAB $ ; ^ GRAB THING|SOME ; hold THING|SOME ?UP ; take|get|hold THING|SOME in|into|between HAND ; \
+            with HAND LIFT|GRAB THING|SOME ; give THING ?a lift ; THING up ; pick THING ; get|have|take hold|grip ; \
+            GRAB & LIFT ; LIFT HAND",
+        ..Words::NONE
+    },
     needs_body: true,
     ..RequestKind::new(
         ["pick it up", "picked it up"],
-        Act::Handles(|creature, thing, request, leave| creature.lift(thing, request, leave)),
+        Act::Handles(|creature, thing, request, _| creature.lift(thing, request)),
     )
 };
 
 impl Conversation {
-    fn lift(&mut self, thing: &KnownThing, request: &Request, leave: &Leave) -> Result<Reply, EngineError> {
+    fn lift(&mut self, thing: &KnownThing, request: &Request) -> Acted {
         let with = match &self.holding {
             Some(Held::Stuck { receptor, .. }) => Some(self.limb_in_words(*receptor)),
             Some(Held::Palms(_)) => Some("hands".to_string()),
             None => None,
         };
-        if let Some(with) = with {
-            return self.does(Intent::Lift, format!("I hold it already, with my {with}"));
-        }
-        match request.hand {
-            None => self.lift_with_both(thing),
-            hand => self.lift_with_one(thing, self.hand_for(hand), request.lean, leave),
+        match (with, request.hand) {
+            (Some(with), _) => Ok(Answer::done(format!("I hold it already, with my {with}"))),
+            (None, None) => self.lift_with_both(thing),
+            (None, hand) => self.lift_with_one(thing, self.hand_for(hand), request.lean),
         }
     }
 
     /// Between both palms, by friction.
-    fn lift_with_both(&mut self, thing: &KnownThing) -> Result<Reply, EngineError> {
+    fn lift_with_both(&mut self, thing: &KnownThing) -> Acted {
         if let Some(known) = self.things.get_mut(thing.id) {
             known.in_touch = None;
         }
@@ -62,51 +55,38 @@ impl Conversation {
         match self.actor.lift(&thing.found, CORRECTIONS) {
             Ok(grip) => {
                 self.holding = Some(Held::Palms(Box::new(grip)));
-                self.does(Intent::Lift, "I picked it up between my hands, and hold it by squeezing")
+                Ok(Answer::done("I picked it up between my hands, and hold it by squeezing"))
             }
-            Err(LiftTrouble::Other(Trouble::Engine(error))) => Err(error),
             Err(trouble) => {
+                let trouble = trouble.of_task()?;
                 self.settle_at_ready();
-                let said = format!(
-                    "I tried to take it between my hands, and do not hold it: {trouble}; \
-                     it may stand elsewhere now"
-                );
-                self.fails(Intent::Lift, said)
+                let said = "I tried to take it between my hands, and do not hold it";
+                Ok(Answer::failed(format!("{said}: {trouble}; it may stand elsewhere now")))
             }
         }
     }
 
     /// With the hand that was named, by a weld.
-    fn lift_with_one(
-        &mut self,
-        thing: &KnownThing,
-        hand: Option<usize>,
-        lean: bool,
-        leave: &Leave,
-    ) -> Result<Reply, EngineError> {
-        let receptor = match self.in_hand(thing, hand, lean, leave)? {
+    fn lift_with_one(&mut self, thing: &KnownThing, hand: Option<usize>, lean: bool) -> Acted {
+        let receptor = match self.in_hand(thing, hand, lean)? {
             Ok(receptor) => receptor,
-            Err(touched) => return Ok(Reply { intent: Intent::Lift, ..touched }),
+            Err(answer) => return Ok(answer),
         };
         if !self.actor.hold(receptor) {
-            return self.fails(Intent::Lift, "It slipped away: I no longer feel it");
+            return Ok(Answer::failed(SLIPPED));
         }
         let name = self.limb_in_words(receptor);
         match self.actor.raise(receptor, HEIGHT) {
             Ok(raised) => {
                 self.holding = Some(Held::Stuck { receptor, raised });
-                let said = format!(
-                    "I picked it up with my {name}, to which it sticks, and hold it {:.0} cm higher than it stood",
-                    100.0 * raised
-                );
-                self.does(Intent::Lift, said)
+                let higher = 100.0 * raised;
+                let said = format!("I picked it up with my {name}, to which it sticks");
+                Ok(Answer::done(format!("{said}, and hold it {higher:.0} cm higher than it stood")))
             }
-            Err(Trouble::Engine(error)) => Err(error),
             Err(trouble) => {
+                let trouble = self.in_words(&trouble.of_task()?);
                 self.actor.let_go();
-                let said =
-                    format!("I touch it with my {name}, but cannot raise it: {}", self.in_words(&trouble));
-                self.fails(Intent::Lift, said)
+                Ok(Answer::failed(format!("I touch it with my {name}, but cannot raise it: {trouble}")))
             }
         }
     }

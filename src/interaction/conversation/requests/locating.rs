@@ -2,30 +2,26 @@
 
 use super::super::speaking::Placed;
 use super::super::{Conversation, OwnSpot};
-use super::{Act, Answer, RequestKind};
+use super::{Act, Answer, RequestKind, Words};
 use crate::geometry::Capsule;
 use crate::interaction::body_part::{self, BodyPart};
-use crate::interaction::conversation::language::{End, PartName, Request};
+use crate::interaction::conversation::grammar::{End, PartName, Request};
 use crate::interaction::things::KnownThing;
 use crate::named::in_words;
 use crate::peripersonal::Level;
 
 pub(super) const HOW_FAR: RequestKind = RequestKind {
-    asked: &[
-        "how far|distant",
-        "how near|close be|to|do|does|THING|it|$",
-        "distance",
-        "how much farther|further|space|room",
-        "how many centimetres|centimeters|cm|inches|metres|meters|steps|millimetres|feet",
-        "metre|meter|centimetre|foot|metres|centimetres off|away|from|or",
-        "gap|space between",
-        "in ?terms ?of centimetres|cm|centimeters|metres|inches",
-        "the range to|of THING",
-        "how long be the|your way|reach",
-        "how long be THING to|from",
-        "how long|far|big|great a way|distance|stretch|gap|reach",
-    ],
-    past: &["distance"],
+    words: Words {
+        asked: "how FAR ; how many cms ; how FAR do you have ?to ; how FAR|distant|NEAR ?away|off ?from|be THING ; \
+            how FAR .. THING ; how NEAR|close be|to|do|THING|$ ; GAP & !close|BODY ; distance|range ; \
+            give|TELL ?me ?the|a|its distance ; distance|range ?to|of|from|between ?THING|it ; the|its distance ; \
+            distance $ ; UNIT ?off|away|from|or ; how many|much UNIT|FAR|MORE|space|room ; the range to|of THING ; \
+            how long|SIZED|FAR a|be way ; how long a|be ?THING ?way to|from|distance|stretch|gap|reach ; \
+            how long be the|your way|REACH ; in ?terms ?of UNIT ; GAP|space between ; how SIZED be the GAP ; \
+            FAR away from ; how FAR off|away|out",
+        past: "distance ; how FAR|NEAR",
+        ..Words::NONE
+    },
     ..RequestKind::new(
         ["tell how far it is", "told how far it is"],
         Act::Tells(|creature, request| creature.how_far(request)),
@@ -33,28 +29,22 @@ pub(super) const HOW_FAR: RequestKind = RequestKind {
 };
 
 pub(super) const NEAR_OR_FAR: RequestKind = RequestKind {
-    asked: &[
-        "BODY be ?long enough|long",
-        "near|nearby|close far",
-        "or a|some ?long way off|away",
-        "near|nearby|close or|versus far|distant|not|away|farther|out",
-        "far or|versus near|close|not",
-        "within|in|inside|out|outside|beyond|at ?of ?easy ?arm|is|your|the|BODY ?easy|is|own ?arm reach|range|grasp|length|distance",
-        "reachable|touchable|accessible|graspable|unreachable|attainable",
-        "too|very far|distant|remote",
-        "be THING|SOME|there ?quite|very|really|still|all|somewhat|pretty ?that near|nearby|close|far|distant|remote",
-        "have|need|must|do you|i|BODY ?have|need to stretch|lean|bend|strain|step|extend",
-        "able|capable|possible|manage of|to|for ?you ?to reach|=reaching|touch|get|grasp",
-        "which ?THING|one|of be ?the nearer|closer|nearest|closest|farther|farthest",
-        "do|would|can|could BODY ?ever reach|get|stretch|make|extend",
-        "BODY long|enough ?enough",
-        "reach THING",
-        "get at THING",
-        "get to THING ?without|with|from|if",
-        "far away or",
-        "can|could THING be reached|touched|grasped",
-        "be THING =reached",
-    ],
+    words: Words {
+        asked: "NEAR or|versus|and|not ?FAR ; FAR or|versus|and|not ?NEAR ; or ?a|some ?long way off|away ; \
+            within|in|inside|out|outside|beyond|at ?of ?easy|your|the|HAND|arm ?arm|easy|own RANGE & !put ; REACHABLE ; \
+            too|very FAR|NEAR ; be THING|SOME|there ?still|ALL|that|BIT ?that NEAR|FAR & !from|how|where ; \
+            have|need|must|do you|i|BODY ?have|need to REACH|LEAN|strain|step ; \
+            able|possible|manage|easy|hard|difficult|capable of|to|for ?you ?to REACH|TOUCH|get|GRAB|=reaching|=touching ; \
+            ^ can|could|will|would|may|might you|i|BODY|HAND ?be ?able ?to ?ever ?maybe REACH|TOUCH|GRAB|get|make THING|SOME|to|that|at|there ; \
+            able ?to REACH|TOUCH|GRAB|get ; able ; REACH THING if|without|with|from ; HELPING you ?ever REACH THING ; \
+            which THING|one|of be ?the NEAR|FAR ; can|could|will|would|may|might|do BODY ?ever REACH|get|make|TOUCH ; \
+            BODY long|enough ; BODY be ?long enough|long ; REACH THING|SOME|that|there ; get at|to THING ; \
+            get THING without|with|from|if ; HELPING THING be =reached|=touched|=grasped ; \
+            be THING =reached|=touched|=grasped & !already ; near enough ; close enough ; far enough ; \
+            how easily|well|easy & REACH ; FAR $ ; close|near at hand ; to hand ; get that FAR ; get there ; \
+            touch THING from|without ; which ?THING be NEAR",
+        ..Words::NONE
+    },
     needs_body: true,
     ..RequestKind::new(
         ["tell whether I reach it", "told whether I reach it"],
@@ -63,24 +53,17 @@ pub(super) const NEAR_OR_FAR: RequestKind = RequestKind {
 };
 
 pub(super) const WHERE_OWN: RequestKind = RequestKind {
-    told: &["find|locate BODY $", "show ?me BODY"],
-    asked: &[
-        "what be BODY do $",
-        "where|whereabouts ?exactly|precisely ?do|be|would|can|have|about ?i|THING|you ?find|keep|hold|see|leave|have|locate BODY",
-        "where have you get BODY",
-        "BODY .. where",
-        "whereabouts|location|position|place|posture|pose|direction|spot|coordinates|orientation|height ?of|are|be BODY",
-        "be BODY now|there|here|up|down $",
-        "how far|high|low ?out|up|off|down be BODY",
-        "be BODY ?still|now !touch|contact hanging|resting|pointing|above|near|close|in|on|to|bent|raised|up|down|out|over|under|below|behind|beside|left|right|by|at|stretched|straight|extended|high|low|higher|lower",
-        "how|what do|be BODY $",
-        "how ?high|low|far|bent|be ?be BODY",
-        "which|what side|way|direction|height|level .. BODY",
-        "how far|high .. BODY from|above|to|off",
-        "know|say|tell|describe|find BODY $",
-        "show me BODY",
-        "BODY be where|located|now",
-    ],
+    words: Words {
+        told: "find|locate BODY $ ; show ?me BODY",
+        asked: "where|whereabouts BODY ; where|whereabouts .. BODY ; BODY .. where ; BODY .. where be|have ?THING ; \
+            WHEREABOUTS ?of|are|be BODY ; WHEREABOUTS .. BODY ; be BODY now|there|here|UP|DOWN $ ; \
+            be BODY ?still bent|raised|resting|hanging|pointing|ON|up|down|out|over|under|below|behind|beside|left|right|by|at|above|STILL|UPRIGHT|high|low|higher|lower|near|close|stretched|extended ; \
+            how|what ?HIGH|high|low|FAR|SIZED|bent ?out|up|off|down do|be|DO|have BODY ; how high|low|FAR|bent .. BODY ; \
+            which|what WHEREABOUTS|side|way|height|level .. BODY ; TELL|know|find BODY $ ; what be BODY do ; \
+            BODY be where|located|now ; how be BODY $ ; BODY .. ?is WHEREABOUTS ; what POSE|position .. BODY ; \
+            BODY bent ; how BODY =placed|=held|=positioned",
+        ..Words::NONE
+    },
     needs_body: true,
     ..RequestKind::new(
         ["tell where it is", "told where it is"],
@@ -89,22 +72,24 @@ pub(super) const WHERE_OWN: RequestKind = RequestKind {
 };
 
 pub(super) const WHERE_FELT: RequestKind = RequestKind {
-    asked: &[
-        "where|whereabouts .. THING|SOME|feel|touch|contact|they|find|poke|press|tap|pat|stroke|rub",
-        "^ where|whereabouts ?exactly|precisely|about ?be|now $",
-        "whereabouts|location|position|place|coordinates|spot|direction|bearing|site",
-        "which|what side|direction|place|spot|part|limb|way|receptor|finger",
-        "be THING ?more|now|still|somewhere|straight ?to|on|at|in ?the|your left|right|ahead|front|behind|side|above|below|middle|centre|center",
-        "which|what HAND|BODY|limb|hand|arm do|be|feel|touch",
-        "with which|what HAND|BODY|part|limb|hand|arm",
-        "which|what bit|area|patch|piece|spot|place of you|your",
-        "left or ?to ?on ?the right",
-        "where on|at|in the",
-        "where be we",
-        "^ ?tell|say|show ?me|us where $",
-        "^ THING be where",
-    ],
-    past: &["where"],
+    words: Words {
+        asked: "where|whereabouts ; where|whereabouts .. THING|SOME|FEEL|TOUCH|contact|they|FIND|i|we ; \
+            WHEREABOUTS of|OF|be THING|SOME|you ; WHEREABOUTS ; \
+            which|what WHEREABOUTS|side|part|limb|way|direction|receptor|finger ; which|what .. side ; \
+            be THING ?MORE ?now|STILL|somewhere|UPRIGHT ?to|ON|at|in ?the|your|my left|right|ahead|front|behind|side|above|below|middle ; \
+            be THING in front|straight ; which|what HAND|BODY|limb|hand|arm HELPING|be|FEEL|TOUCH ; \
+            which|what ?of ?your HAND|BODY|part|limb|hand|arm ; with which|what HAND|BODY|part|limb|hand ; \
+            which|what part|area|patch|piece|bit|spot|place of|on you|your|BODY ; left or ?to|on ?ON ?the right ; \
+            left|right|front|behind or ; ^ TELL ?me where $ ; ^ THING be where ; TELL|KNOW|show .. where|side ; \
+            TELL|KNOW|show ?me which|what side|way|direction ; where on|at|in the ; \
+            where HELPING|be you|i|THING|BODY FEEL|TOUCH|press|sense ; \
+            which|what HAND|BODY|limb|part|place|spot|side|finger HELPING|be you|i|THING FEEL|TOUCH|sense|press ; \
+            which|what place|spot|part ?of ?the BODY|body ; where ON you|your|BODY HELPING|be ; LOCATE ; \
+            locate THING & words ; where be THING ?now ; what part|spot ; BODY or|the BODY & FEEL ; be THING SIDE ; \
+            left|right side ; be THING ahead|behind|left|right ; on|to your left|right",
+        past: "where & you|THING|SOME|BODY|HAND ; where",
+        ..Words::NONE
+    },
     ..RequestKind::new(
         ["tell where I feel it", "told where I feel it"],
         Act::Tells(|creature, _| creature.where_felt()),
@@ -112,21 +97,21 @@ pub(super) const WHERE_FELT: RequestKind = RequestKind {
 };
 
 pub(super) const WHAT_FELT: RequestKind = RequestKind {
-    asked: &[
-        "what|do|be|can|how|tell|if|whether .. feel|sense|perceive|notice|detect|contact",
-        "what|be|do|how .. =touching|=touches|=feeling",
-        "any|which|what|your|the ?any contact|sensation|sensations|touch|feeling|feelings|pressure",
-        "SOME|THING|who|i touch|press|hold|push|contact|poke|tap|brush ?on|against|into|at BODY|you|your",
-        "be|do SOME|THING|you|BODY|there ?now|still|currently|in|any touch|contact|press|against|hold|feel|SOME",
-        "what be in|on|at|under|against HAND|BODY",
-        "you feel|sense|touch|hold",
-        "^ still =feeling|=touching|=holding|=sensing",
-        "feel|sense|notice|perceive SOME",
-        "SOME ?else under|at|against|in|beneath|on HAND|BODY",
-        "do|be you|BODY ?still hold|touch|carry|feel|grasp|grip",
-        "hold SOME|THING",
-        "what ?do your skin|BODY|HAND|receptors say|feel|sense|tell|notice|touch|report",
-    ],
+    words: Words {
+        asked: "can|could you FEEL ?SOME|THING|ANY ; what HELPING|be you|BODY|HAND FEEL|sense|TOUCH|notice ; \
+            do you FEEL my ; what .. you FEEL|sense ; ^ still FEEL THING|SOME ; do you ?still FEEL ?ANY BODY|my ; \
+            ^ FEEL SOME $ ; what|do|be|HELPING|how|tell|if|whether|any .. FEEL|sense|perceive|notice|detect|contact ; \
+            what|be|do|how .. =touching|=touches|=feeling ; any|which|what|your|the|in ?any|the CONTACT ; \
+            SOME|THING|who|i|what TOUCH|press|hold|PUSH|CONTACT|brush|=pressing|lean ?ON|against|into|at BODY|you|your ; \
+            be|do SOME|THING|you|BODY|HAND|there ?still|in|any ?in|any TOUCH|contact|CONTACT|press|against|hold|FEEL ; \
+            what be in|ON|at|under|against HAND|BODY ; what do you FEEL ; you FEEL|sense|TOUCH|hold ; \
+            ^ =feeling|=touching|=holding|=sensing ; FEEL SOME ; SOME ?else under|at|against|in|beneath|ON HAND|BODY ; \
+            do|be you|BODY|HAND ?still hold|TOUCH|carry|FEEL|GRAB ?SOME|THING ; hold SOME|THING ; \
+            what ?do your skin|BODY|HAND|receptors TELL|FEEL|notice|TOUCH ; TELL .. what you FEEL ; \
+            you FEEL SOME|THING ?with HAND ; FEEL SOME with|on|against ; be HAND TOUCH|on|against|=touching SOME|THING ; \
+            in CONTACT with ; do THING touch you|BODY",
+        ..Words::NONE
+    },
     ..RequestKind::new(
         ["tell what I feel", "told what I feel"],
         Act::Tells(|creature, _| creature.what_felt()),

@@ -1,22 +1,17 @@
 //! "Hello", "who are you?", "thank you".
 
-use super::{Act, Answer, RequestKind};
+use super::{Act, Answer, RequestKind, Words};
 
 pub(super) const GREET: RequestKind = RequestKind {
-    asked: &[
-        "how be THING|life|everything|things going",
-        "how be THING|life $",
-        "you|are|be ?you ok|okay|alright|well $",
-    ],
-    said: &[
-        "^ hello|hi|hey|hiya|howdy|greetings|welcome|yo|salutations",
-        "^ good morning|afternoon|evening|day",
-        "^ ?it ?be nice|pleased|good|lovely|glad|great|pleasure|delighted to|meeting|seeing ?meet|see|you",
-        "how be|do you ?doing|feeling|today|going|do|$",
-        "^ morning|evening|afternoon",
-        "how have you be",
-        "long time no see",
-    ],
+    words: Words {
+        asked: "how be THING|life|everything|things|you|ALL ?going|$ ; how do you do|$ ; \
+            you|are|be ?you ok|okay|alright|well $",
+        said: "^ HELLO ; ^ GOOD|good morning|afternoon|evening|day ; \
+            ^ ?THING ?be GOOD|nice|pleased|glad|pleasure to|meeting|=meeting|seeing ?MEET|meet|see ?you ; \
+            how be|do you ?doing|feeling|today|going|do|$ ; ^ morning|evening|afternoon ; how have you be ; \
+            long time no see ; ^ HELLO there|BEING",
+        ..Words::NONE
+    },
     ..RequestKind::new(
         ["", ""],
         Act::Tells(|_, _| Answer::tells("Hello. I cannot see you, but I hear you: what shall I do?")),
@@ -24,47 +19,30 @@ pub(super) const GREET: RequestKind = RequestKind {
 };
 
 pub(super) const THANKS: RequestKind = RequestKind {
-    said: &[
-        "thank|thanks|grateful|ta|appreciate|appreciated|thankful|cheers|obliged|indebted|kudos|bravo",
-        "^ well|nicely do|done",
-        "^ good|clever|nice boy|man|robot|one",
-        "kind|good|nice|sweet of you",
-        "you have be|being ?a|of ?great|big|real help|helpful|useful",
-        "good|great|nice|excellent|perfect|brilliant|wonderful|fantastic|awesome|lovely job|work",
-        "^ good|great|nice|excellent|perfect|brilliant|wonderful|fantastic|awesome|lovely ?one $",
-        "very|so|most|how kind",
-        "that|THING be ?very|really|so ?a good|great|nice|perfect|kind|helpful|excellent|lovely|well|brilliant|help",
-        "you be ?very|so|a|really|most kind|helpful|great|good|best",
-    ],
+    words: Words {
+        told: "THANKS ?you|THING|many|much ?for|very|ALL|so|a ?THING|your ?help|much|$",
+        past: "THANKS ; you =have =been ?a ?GOOD help|GOOD ; you =did GOOD ; ^ that be ?a|so GOOD ?of ?you",
+        said: "THANKS ; ^ well|nicely =done|do ; ^ GOOD BEING|boy|one|$ ; ^ GOOD ?one $ ; GOOD of you ; \
+            you have be|being ?a|of ?GOOD help|helpful|useful|GOOD ; GOOD job|work|effort ; how kind ; \
+            THING be ?a|so ?very GOOD ; you be GOOD ; you be a|the GOOD",
+        ..Words::NONE
+    },
     ..RequestKind::new(["", ""], Act::Tells(|_, _| Answer::tells("You are welcome")))
 };
 
 pub(super) const WHO: RequestKind = RequestKind {
-    told: &[
-        "introduce|present yourself",
-        "say|tell|give ?me|us ?your who|name|yourself $",
-        "tell me ?SOME|more|a ?bit|little about yourself",
-    ],
-    asked: &[
-        "who might|may|would you be",
-        "who ?exactly you be",
-        "who be you",
-        "who|whom do i|we have the",
-        "which|what creature|robot|being|person be you",
-        "your purpose|function|job",
-        "^ ?and you be $",
-        "what ?kind|sort|type ?of =being",
-        "^ who be =speaking|=talking|there",
-        "your name",
-        "have ?you a name",
-        "what be you ?exactly|call|name|then|anyway $",
-        "be you ?really ?a|an|the|called|named human|robot|real|person|machine|alive|virtual|computer|man|max|creature",
-        "what|which kind|sort|type of THING|creature|robot|being|person|machine be|are|do you",
-        "who|whom do|am|have|be i|we ?have talk|talking|speak|speaking|deal|dealing",
-        "introduce yourself",
-        "how be you called",
-        "call|named you",
-    ],
+    words: Words {
+        told: "INTRODUCE yourself ; TELL|give ?me|us ?your who|name|yourself $ ; TELL ?me ?SOME|MORE|a ?BIT about yourself",
+        asked: "who HELPING|be you ; who|what ?you|exactly be you ; \
+            who|whom do|be|have i|we have|the|TELL|=talking|=speaking|SPEAK ; \
+            which|what KIND|BEING ?of ?BEING|THING|SOME be|are you ; your purpose|function|job|name ; ^ ?and you be $ ; \
+            what be your name ; you have ?a name ; what be you $ ; \
+            be you ?a|an|the|called|named BEING|real|alive|virtual|SOME|max ; you be max ; INTRODUCE yourself ; \
+            how be you =called ; call|named|name you ; you be BEING|right|real ; who be =speaking|=talking|there|this ; \
+            people call you ; TELL .. who you be ; what you be|call|called ; about yourself ; \
+            what HELPING|be i call you ; be this|that BEING",
+        ..Words::NONE
+    },
     ..RequestKind::new(
         ["tell who I am", "told who I am"],
         Act::Tells(|creature, _| {

@@ -1,8 +1,7 @@
 //! What a partner may ask for: the words that mean it, what it needs, and what the creature then does.
 //!
 //! To add a request, write a file with a [`RequestKind`], and name it in the table below. Its words are patterns
-//! ([`language`](super::language)); an utterance is taken for the first request of the table that it means, so what is
-//! told more exactly stands before what is told less.
+//! ([`grammar`](super::grammar)); an utterance means the request whose pattern takes most of its words, of two the first in the table.
 
 mod answering;
 mod avoiding;
@@ -32,25 +31,17 @@ mod touching_own;
 
 use serde::Serialize;
 
-use super::language::{Leave, Request};
+use super::grammar::{Leave, Request, Words};
 use super::{Conversation, Mind, Reply};
+use crate::interaction::tasks::Trouble;
 use crate::interaction::things::KnownThing;
-use crate::simulation::EngineError;
-
-pub(super) use keeping_still::STILL;
 
 /// A request that a creature understands.
 pub(super) struct RequestKind {
     /// What it is called in a sentence, and when it is done: `touch it`, `touched it`.
     pub doing: [&'static str; 2],
-    /// The words by which it is told or asked to do it …
-    pub told: &'static [&'static str],
-    /// … asked for it, where an answer is all that is wanted …
-    pub asked: &'static [&'static str],
-    /// … asked for it of the past …
-    pub past: &'static [&'static str],
-    /// … and those that say it by themselves, in whatever sentence.
-    pub said: &'static [&'static str],
+    /// The words that mean it.
+    pub words: Words,
     /// Whether it must know its body for it.
     pub needs_body: bool,
     /// Does it, and answers.
@@ -64,12 +55,18 @@ pub(super) enum Act {
     /// It changes what is remembered, and nothing else.
     Minds(fn(&mut Mind<'_>, &Request) -> Answer),
     /// It moves, for which there has to be leave.
-    Moves(fn(&mut Conversation, &Request, &Leave) -> Result<Reply, EngineError>),
+    Moves(fn(&mut Conversation, &Request, &Leave) -> Acted),
     /// It moves, for which there has to be leave, and is about a thing that was felt before.
-    Handles(fn(&mut Conversation, &KnownThing, &Request, &Leave) -> Result<Reply, EngineError>),
+    Handles(fn(&mut Conversation, &KnownThing, &Request, &Leave) -> Acted),
 }
 
-/// What is said to a request that moves nothing.
+/// What is said of what was done, or why it could not be.
+pub(super) type Acted = Result<Answer, Trouble>;
+
+/// What it says where it no longer feels what it was to hold.
+const SLIPPED: &str = "It slipped away: I no longer feel it";
+
+/// What is said to a request.
 pub(super) struct Answer {
     /// What it says.
     pub said: String,
@@ -85,22 +82,32 @@ impl Answer {
         Answer { said: said.into(), done: None, asks: false }
     }
 
+    /// It did what was wanted, or it was so already.
+    pub fn done(said: impl Into<String>) -> Answer {
+        Answer::does(said, true)
+    }
+
+    /// It could not do it.
+    pub fn failed(said: impl Into<String>) -> Answer {
+        Answer::does(said, false)
+    }
+
     /// It did what was wanted, or did not.
     pub fn does(said: impl Into<String>, done: bool) -> Answer {
         Answer { said: said.into(), done: Some(done), asks: false }
     }
 }
 
+impl From<Reply> for Answer {
+    fn from(Reply { said, done, asks, .. }: Reply) -> Answer {
+        Answer { said, done, asks }
+    }
+}
+
 impl RequestKind {
     /// One without words, which needs nothing.
     const fn new(doing: [&'static str; 2], act: Act) -> RequestKind {
-        let none: &[&str] = &[];
-        RequestKind { doing, told: none, asked: none, past: none, said: none, needs_body: false, act }
-    }
-
-    /// All its patterns.
-    pub fn patterns(&self) -> impl Iterator<Item = &'static str> {
-        [self.told, self.asked, self.past, self.said].into_iter().flatten().copied()
+        RequestKind { doing, words: Words::NONE, needs_body: false, act }
     }
 }
 
@@ -174,28 +181,28 @@ requests! {
     Lift => lifting::LIFT;
     /// To know what it did.
     Report => reporting::REPORT;
+    /// To know what it feels.
+    WhatFelt => locating::WHAT_FELT;
     /// To know whether something is there.
     Explore => exploring::EXPLORE;
     /// That it goes back to rest.
     Rest => resting::REST;
     /// That a thing is touched.
     Touch => touching::TOUCH;
-    /// To know what it feels.
-    WhatFelt => locating::WHAT_FELT;
     /// To know who it is.
     Who => meeting::WHO;
     /// To know what it can do.
     Help => helping::HELP;
     /// That what was done before is done again.
     Repeat => repeating::REPEAT;
+    /// That the conversation ends.
+    Quit => quitting::QUIT;
     /// That it stops.
     Stop => stopping::STOP;
     /// No.
     No => answering::NO;
     /// Yes.
     Yes => answering::YES;
-    /// That the conversation ends.
-    Quit => quitting::QUIT;
     /// Thanks.
     Thanks => meeting::THANKS;
     /// A greeting.

@@ -1,11 +1,10 @@
 //! "Put it as far away as possible", "bring it near", and "push it to the left".
 
 use super::super::Conversation;
-use super::{Act, Intent, Reply, RequestKind};
-use crate::interaction::conversation::language::{Aside, Leave, Request};
-use crate::interaction::tasks::Trouble;
+use super::{Act, Acted, Answer, RequestKind, SLIPPED, Words};
+use crate::interaction::conversation::grammar::{Aside, Request};
+use crate::interaction::tasks::{Spot, tried};
 use crate::interaction::things::KnownThing;
-use crate::simulation::EngineError;
 
 /// How far before the trunk something is that is brought near, metres: where the table begins nobody knows, and all of the
 /// thing is to stand on it …
@@ -23,64 +22,67 @@ const ASIDE: f64 = 0.15;
 const EFFORT: usize = 2;
 
 pub(super) const PUT_FAR: RequestKind = RequestKind {
-    told: &[
-        "put|push|move|place|set|shove|slide|send|carry|take|throw|shift|get|bring|transport|position|deliver|displace|nudge|keep|reposition|stow|lay|drag|relocate|toss|stand THING|SOME .. far|farther|further|farthest|furthest|away|distant|remote|distance",
-        "put|push|move|place|set|shove|slide|send|carry|take|shift|get THING|SOME ?right|well off to|into|over|there|toward|towards|far|$",
-        "put|push|move|place|set|shove|slide|send|carry|take|shift|transport|position|nudge THING|SOME ?straight|right|all ?the ?way out|forward|forwards|ahead|outward|outwards|across|beyond|aside|yonder|over",
-        "put|push|move|place|set|shove|slide|send|carry|take|get|shift|transport|position|stretch|hold|deposit .. arms|BODY|full|at|arm|maximum|maximal|max ?is|own length|reach|extent|stretch|distance|range",
-        "out of ?my|your|the|easy ?easy reach|range",
-        "get|be|make ?yourself rid of",
-        "increase|widen|maximise|maximize|extend|enlarge|lengthen ?the|a|its|THING ?a distance|gap|space|room|separation",
-        "push|shove|nudge THING|SOME",
-        "give THING ?a ?little|gentle|good push|shove|nudge",
-        "^ put|push|shove ?as|so|very far|away|further|farther",
-        "put|push|move|get|take|carry|shift|set THING|SOME out of",
-        "^ ?even|a|as|much|still ?bit|little|lot farther|further|away|far ?away|off|out|as $",
-        "put THING to|at|on|over|in|behind|beyond|near ?the far|other|farther|opposite|distance",
-        "more distance|space|room between|from",
-        "make THING ?be further|farther|far|more|distant|remote",
-        "away with THING",
-        "THING ?to ?could|should|must ?to =be|go|come|move|get|stay ?go|away ?even|much|a ?still ?bit|little|lot|long ?way far|farther|further|away|farthest|distant|miles|beyond",
-        "put|leave|get|have ?as ?much|more|some space|room|distance as|between",
-    ],
+    words: Words {
+        told: "PUT|PUSH|take|get|keep|carry|bring|PULL|give|have|want|like|make|want|GO THING|SOME .. FAR ; \
+            PUT|PUSH|PULL|take|get|carry THING|SOME ?UPRIGHT|right|well off|out|over|across ; \
+            PUT|PUSH|PULL|take|get|carry THING|SOME ?straight|right|ALL ?the ?way out|FORWARD|outward|outwards|across|beyond|aside|yonder ; \
+            PUT|PUSH|take|get|carry|REACH|hold .. arms|BODY|full|at|arm|maximum|max|maximal|your LENGTH|extent|range ; \
+            out of ?my|your|the|easy ?easy reach|range ; get|be|make ?yourself rid of ; \
+            increase|widen|maximise|maximize|extend|lengthen ?the|a|its|THING ?a GAP ; PUSH THING|SOME ; \
+            give THING ?a ?BIT ?GOOD PUSH ; ^ ?as FAR ?away|off as .. ; ^ PUT|PUSH|take|move ?as|so|very|BIT|MORE FAR ; \
+            PUT|PUSH|get|take|carry THING|SOME out of ; ^ ?even|a|as|much|BIT FAR ?away|off|out|as $ ; ^ ?BIT FAR ; \
+            ^ ?BIT MORE FAR ; PUT THING ON|behind|beyond|near ?the|very far|other|farther|opposite|distance|back|end ; \
+            MORE GAP|distance|space|room between|from ; make|LET THING ?be|GO|stand ?MORE FAR ; \
+            LET|have THING ?at ?a FAR|distance ; THING at a distance ; THING to ?the FAR end ; FAR with THING ; \
+            away with THING ; THING ?to ?could|should|must ?to =be|GO ?even|BIT ?MORE FAR ; \
+            PUT|leave|get|have ?as ?much|MORE space|room|distance as|between ; \
+            PUT|PUSH|take THING ON ?the ?very|far other|far|opposite|back end|side|edge|of|part ; \
+            THING as FAR as|possible ; as FAR as .. ; PUSH THING|SOME FAR ?from ?you ; \
+            PUT THING FAR ?from you|BODY|here ; THING FAR & !be|how|where|which ; PUSH|PUT THING away|off ; ^ PUSH $ ; \
+            send|throw|toss|thrust THING",
+        ..Words::NONE
+    },
     needs_body: true,
     ..RequestKind::new(
         ["put it far away", "put it far away"],
-        Act::Handles(|creature, thing, request, leave| creature.put(Goal::Far, thing, request, leave)),
+        Act::Handles(|creature, thing, request, _| creature.put(Goal::Far, thing, request)),
     )
 };
 
 pub(super) const BRING_NEAR: RequestKind = RequestKind {
-    told: &[
-        "THING ?to ?could|should|must ?to =be|come|go|get|move ?a|much|even|rather|right|very ?bit|little|lot|up closer|nearer|near|close|here",
-        "bring|pull|fetch|draw|drag|haul|tug|retrieve|recover|collect !far|farther|farthest|further|furthest|away|off THING|SOME|them|me",
-        "put|move|place|slide|shift|set|take|push|transport|scoot|nudge|reposition|carry|have|bring|pull|get !far|opposite|other ?THING|SOME ?a|as|right|very|all|over|up|even|much|bit|little|rather|back ?bit|little|lot|way|more|to near|nearer|close|closer|here|nearest|closest|toward|towards|adjacent|beside|inward|inwards|this",
-        "put|move|place|slide|shift|set|take|push|carry !far|opposite|other THING|SOME ?back|right|up|over|close|in|just ?right|front|close|back ?of to|toward|towards|by|near|beside|next|before|against|into|in ?front ?of ?your|to ?own you|me|yourself|PART|here|body|lap|self",
-        "^ ?a|much|even|still ?bit|little|lot closer|nearer|near",
-        "reduce|decrease|shorten|close|narrow|lessen|minimise|minimize|shrink|cut ?the|its|your distance|gap|space|separation",
-        "like|want|need|have THING ?a ?bit|little|lot|much closer|nearer|near|here|close",
-        "^ bring|pull|fetch|draw|drag|retrieve|haul $",
-        "come ?back here|back|closer|nearer with THING",
-        "make THING ?come|be closer|nearer|near|close",
-        "^ ?over here $",
-    ],
+    words: Words {
+        told: "PULL ?THING|SOME ?BIT NEAR & !FAR ; PULL ?me THING|SOME & !FAR|away|off|UP ; \
+            PUT|PUSH|PULL|take|get|make|have|let|LET|want|carry THING|SOME ?a ?BIT ?MORE ?right|UP|over|back|in ?to NEAR & !FAR ; \
+            PUT|PUSH|PULL|take|get|make|carry THING|SOME .. ?right|over|up|just|back ?close|near ON|by|near|beside|next|before|against|into ?in ?front ?of ?your|to ?own you|me|yourself|PART|here|body|lap & !FAR|away ; \
+            THING ?to ?could|should|must ?to =be|GO ?a ?BIT ?MORE NEAR ; ^ ?BIT NEAR ; ^ ?BIT ?MORE NEAR ?please $ ; \
+            reduce|decrease|shorten|close|narrow|minimise|minimize|shrink|lessen|cut ?the|its|your GAP ; \
+            like|want|need|have THING ?a ?BIT ?MORE NEAR ; ^ PULL|fetch|draw|drag $ ; come ?BACK|NEAR with THING ; \
+            make THING ?come|be ?MORE NEAR ; ^ ?over here $ ; \
+            PUT|PUSH|get|take THING in front of you|yourself|BODY|PART ; THING NEAR & !be ; \
+            THING right in front of you|yourself|BODY ; PULL THING ?BACK in|up|back|over|here|ON|your|closer ; \
+            PULL THING ON you|yourself|BODY|me ; PUSH|PUT THING your way ; \
+            PUT|PUSH|get|take|want|like|have THING right in front of ; PUT|PUSH THING back to you|me ; \
+            bring|get THING here|over|back & !FAR ; PULL in THING ; shift|PUSH THING ON you|yourself|BODY|me ; PULL BACK",
+        ..Words::NONE
+    },
     needs_body: true,
     ..RequestKind::new(
         ["bring it near", "brought it near"],
-        Act::Handles(|creature, thing, request, leave| creature.put(Goal::Near, thing, request, leave)),
+        Act::Handles(|creature, thing, request, _| creature.put(Goal::Near, thing, request)),
     )
 };
 
 pub(super) const PUT_ASIDE: RequestKind = RequestKind {
-    told: &["SIDE"],
+    words: Words {
+        told: "SIDE ; PUT|PUSH|PULL|take|get THING|SOME ?a ?BIT SIDE ; THING|SOME & SIDE ; PUSH|PUT & THING|SOME & SIDE",
+        ..Words::NONE
+    },
     needs_body: true,
     ..RequestKind::new(
         ["move it to the side", "moved it to the side"],
-        Act::Handles(|creature, thing, request, leave| {
-            let Some(aside) = request.aside else {
-                return creature.fails(Intent::PutAside, "I do not know to which side I am to move it");
-            };
-            creature.put(Goal::Aside(aside), thing, request, leave)
+        Act::Handles(|creature, thing, request, _| match request.aside {
+            Some(aside) => creature.put(Goal::Aside(aside), thing, request),
+            None => Ok(Answer::failed("I do not know to which side I am to move it")),
         }),
     )
 };
@@ -94,44 +96,63 @@ enum Goal {
 }
 
 impl Conversation {
-    fn put(
-        &mut self,
-        goal: Goal,
-        thing: &KnownThing,
-        request: &Request,
-        leave: &Leave,
-    ) -> Result<Reply, EngineError> {
-        let intent = match goal {
-            Goal::Far => Intent::PutFar,
-            Goal::Near => Intent::BringNear,
-            Goal::Aside(_) => Intent::PutAside,
-        };
-        let far = matches!(goal, Goal::Far);
-        let lean = request.lean;
-        let receptor = match self.in_hand(thing, self.hand_for(request.hand), lean, leave)? {
+    fn put(&mut self, goal: Goal, thing: &KnownThing, request: &Request) -> Acted {
+        let (far, lean) = (matches!(goal, Goal::Far), request.lean);
+        let receptor = match self.in_hand(thing, self.hand_for(request.hand), lean)? {
             Ok(receptor) => receptor,
-            Err(touched) => return Ok(Reply { intent, ..touched }),
+            Err(answer) => return Ok(answer),
         };
         if !self.actor.hold(receptor) {
             self.things.parted();
-            return self.fails(intent, "It slipped away: I no longer feel it");
+            return Ok(Answer::failed(SLIPPED));
         }
-        let actor = &mut self.actor;
         if far && lean {
             // Where the other arm cannot make way, what is left is found all the same.
-            if let Err(Trouble::Engine(error)) = actor.make_way_to_lean(receptor, EFFORT) {
-                return Err(error);
-            }
+            tried(self.actor.make_way_to_lean(receptor, EFFORT))?;
         }
-        let limb = actor.own.place(receptor).limb;
-        let (point, _) = actor.feels_at(receptor);
-        let upright = actor.frames()[limb].rotation.tr_mul(&actor.up);
-        let height = point.dot(&actor.up);
         // What was searched is no longer so.
         self.search = None;
+        let point = self.actor.feels_at(receptor).0;
+        let Some(spot) = self.spot_for(goal, receptor, lean) else {
+            self.actor.let_go();
+            return Ok(Answer::failed("I find no place for it that I reach"));
+        };
+        let stands = match self.actor.put(receptor, &spot, lean) {
+            Ok(stands) => stands,
+            Err(trouble) => {
+                let trouble = self.in_words(&trouble.of_task()?);
+                self.actor.let_go();
+                return Ok(Answer::failed(format!("I held it, but did not get it there: {trouble}")));
+            }
+        };
+        let mut at = stands;
+        if let Some(known) = self.things.get_mut(thing.id) {
+            known.carried(&(stands - point));
+            at = known.at;
+        }
+        let rest = if self.settle_at_ready() { "" } else { "; my hand is still there" };
+        let how = if lean { "I leaned forward and" } else { "I" };
+        let done = match goal {
+            Goal::Far => "put it as far away as I could".to_string(),
+            Goal::Near => "put it near me".to_string(),
+            Goal::Aside(aside) => {
+                let side = if aside.left { "left" } else { "right" };
+                let left = 100.0 * (stands - point).dot(&self.actor.left());
+                format!("moved it {:.0} cm to my {side}", if aside.left { left } else { -left })
+            }
+        };
+        Ok(Answer::done(format!("{how} {done}: it is {} now{rest}", self.place(&at))))
+    }
+
+    /// Where what a receptor holds is to be put.
+    fn spot_for(&mut self, goal: Goal, receptor: usize, lean: bool) -> Option<Spot> {
         let actor = &mut self.actor;
+        let (point, _) = actor.feels_at(receptor);
+        let limb = actor.own.place(receptor).limb;
+        let upright = actor.frames()[limb].rotation.tr_mul(&actor.up);
+        let height = point.dot(&actor.up);
         let (front, left, up) = (actor.front, actor.left(), actor.up);
-        let spot = match goal {
+        match goal {
             Goal::Far => actor.farthest(receptor, height, upright, lean, EFFORT),
             Goal::Near => {
                 let edge = actor.trunk_front(actor.table.unwrap_or(height));
@@ -146,39 +167,6 @@ impl Conversation {
                 // What is too far is left out, as long as anything of it is left.
                 let shorter = (0..STEPS).map(|k| far * (1.0 - f64::from(k) / f64::from(STEPS)));
                 actor.spot_at(receptor, shorter.map(|far| point + way * far), upright)
-            }
-        };
-        let Some(spot) = spot else {
-            actor.let_go();
-            return self.fails(intent, "I find no place for it that I reach");
-        };
-        match self.actor.put(receptor, &spot, lean) {
-            Ok(stands) => {
-                let mut at = stands;
-                if let Some(known) = self.things.get_mut(thing.id) {
-                    known.carried(&(stands - point));
-                    at = known.at;
-                }
-                let back = self.settle_at_ready();
-                let how = if lean { "I leaned forward and" } else { "I" };
-                let done = match goal {
-                    Goal::Far => "put it as far away as I could".to_string(),
-                    Goal::Near => "put it near me".to_string(),
-                    Goal::Aside(aside) => {
-                        let side = if aside.left { "left" } else { "right" };
-                        let moved = (stands - point).dot(&left) * if aside.left { 100.0 } else { -100.0 };
-                        format!("moved it {moved:.0} cm to my {side}")
-                    }
-                };
-                let rest = if back { "" } else { "; my hand is still there" };
-                let said = format!("{how} {done}: it is {} now{rest}", self.place(&at));
-                self.does(intent, said)
-            }
-            Err(Trouble::Engine(error)) => Err(error),
-            Err(trouble) => {
-                self.actor.let_go();
-                let said = format!("I held it, but did not get it there: {}", self.in_words(&trouble));
-                self.fails(intent, said)
             }
         }
     }

@@ -1,36 +1,24 @@
 //! "Goodbye": the conversation ends.
 
-use super::{Act, Answer, RequestKind};
+use super::{Act, Answer, RequestKind, Words};
 
 pub(super) const QUIT: RequestKind = RequestKind {
-    told: &[
-        "^ end|finish|terminate|conclude|close|stop|leave ?the|this|our conversation|talk|session|chat|dialogue|program",
-        "^ log|sign out|off",
-        "^ shut down|off",
-        "^ turn|switch yourself off",
-    ],
-    said: &[
-        "^ bye|goodbye|farewell|ciao|adieu|quit|exit|byebye",
-        "^ see you",
-        "^ THING be all",
-        "^ i be =going|=leaving $",
-        "^ ?let|us|time ?us ?to end|finish THING|it ?here|now|there $",
-        "^ that|THING will be all",
-        "^ good night",
-        "^ ?i|we ?think ?i|we be all|through|=leaving|off|do|finish|done|finished",
-        "^ i|we have|must|need|got|should|will|had|ought ?got|better ?to ?better go|leave|run|dash|quit|stop",
-        "until next|tomorrow|then|later",
-        "over and out",
-        "^ all done|finished",
-        "talk|speak to you later|soon|tomorrow",
-        "^ later $",
-        "take care",
-        "have a|an ?good|nice|great|lovely day|evening|night|one",
-        "^ end|finish|finished $",
-        "^ finish ?here|now|up $",
-        "time to go|stop|leave|finish|quit|end",
-        "let us stop|end|finish|leave|call",
-    ],
+    words: Words {
+        told: "^ END|STOP|call THING ?a day|here|now ; ^ STOP|END here ; wrap THING up|for ?for ?today ; \
+            ^ quit|exit|end|finish $ ; ^ END|leave|finish|end ?the|this|our|THING TALK ; ^ log|sign out|off ; \
+            ^ shut down|off ; ^ turn|switch yourself off",
+        denied: "STOP|cease =talking|=listening",
+        said: "^ BYE|quit|exit ; BYE $ ; i|we must|have ?to be|go off|away ; ^ YES BYE ; ^ see|SEE you ; ^ THING be ALL ; \
+            ^ i be =going|=leaving $ ; ^ ?let|us|time ?us ?to end|finish THING|it ?here|now|there $ ; \
+            ^ that|THING will be ALL ; ^ good night ; ^ ?i|we ?think ?i|we be ALL|through|=leaving|off|=done|=finished ; \
+            ^ i|we HELPING|=got|better ?to|=got ?to|better =go|=leave|=run|quit|stop ; until next|tomorrow|then|later ; \
+            over and out ; ^ ALL =done|=finished ; SPEAK to you later|soon|tomorrow ; ^ later $ ; take care ; \
+            have a|an ?GOOD day|evening|night|one ; ^ END $ ; ^ finish ?here|now|up $ ; \
+            time to go|stop|leave|finish|quit|end ; let us STOP|END|call ; that be ALL|THING ?for today ; \
+            keep in touch ; ALL for today|now ; THING ALL for|today ; we be =done|=finished ; i be =done|off ; \
+            END here ; wrap THING up",
+        ..Words::NONE
+    },
     ..RequestKind::new(
         ["end our talk", "ended our talk"],
         Act::Minds(|mind, _| {

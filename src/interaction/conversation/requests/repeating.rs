@@ -1,29 +1,23 @@
 //! "Again."
 
 use super::super::Conversation;
-use super::{Act, Intent, Reply, RequestKind};
-use crate::interaction::conversation::language::{Leave, Request};
-use crate::simulation::EngineError;
+use super::{Act, Acted, Answer, RequestKind, Words};
+use crate::interaction::conversation::grammar::{Leave, Request};
 
 pub(super) const REPEAT: RequestKind = RequestKind {
-    told: &[
-        "^ ?and|now ?try again|repeat|retry|redo|encore|rerun",
-        "once|one|twice|another ?more|last more|again|time",
-        "do|try|attempt|perform ?THING|so|the|that ?same ?thing ?all|over again|over|anew|afresh",
-        "have|take|give ?THING ?a second|third|another|further go|try|attempt|shot",
-        "do|try|see|have ?THING|SOME ?all ?over ?yet ?once again",
-        "go again",
-        "do THING ?one|once more",
-        "another|one|have|give|make ?THING ?another|a|one ?more|second|last go|try|attempt|shot|crack|whirl",
-        "same again|thing|procedure",
-        "try ?THING|it ?all again|anew|harder|more|over",
-        "^ same THING $",
-        "go|start|try over again",
-        "^ try ?that|THING ?harder|more $",
-        "do what you =did",
-        "keep =trying|going",
-        "as|like before",
-    ],
+    words: Words {
+        told: "^ ?and ?try AGAIN ; ^ ?and AGAIN but ; from the top ; DO over ; another|other go|try|time ; ^ REPEAT ; \
+            REPEAT THING ; ^ encore ; once|one|twice|another ?last MORE ?again|time ; \
+            DO|TRY|attempt|have ?THING|so|the|that|SOME ?same ?thing ?ALL|over ?yet ?once ?over AGAIN|over|anew|afresh ; \
+            have|take|give ?THING ?a|another ?second|third|further|MORE go|try|TRY|attempt|shot|crack|stab|bash|whirl|GO ; \
+            go AGAIN|over ; DO THING ?one|once MORE|again ; \
+            another|one|a|second MORE|another|last|go ?go TRY|go|attempt|shot|crack|time ; \
+            DO ?the|that same ?again|thing ; same again|thing|procedure ; TRY ?THING ?ALL AGAIN|harder|MORE|over ; \
+            ^ same THING $ ; DO as .. before ; the same ?thing with|ON|AGAIN ; have|get THING AGAIN ; \
+            go|start|TRY over again ; do what you =did ; keep =trying|going ; as|like before ; another try|go|time ; \
+            TRY AGAIN ; AGAIN $ ; DO .. AGAIN ; AGAIN with HAND ; one more ; MORE time",
+        ..Words::NONE
+    },
     ..RequestKind::new(
         ["do it again", "did it again"],
         Act::Moves(|creature, request, leave| creature.repeat(request, leave)),
@@ -31,12 +25,11 @@ pub(super) const REPEAT: RequestKind = RequestKind {
 };
 
 impl Conversation {
-    fn repeat(&mut self, request: &Request, leave: &Leave) -> Result<Reply, EngineError> {
+    fn repeat(&mut self, request: &Request, leave: &Leave) -> Acted {
         let Some(last) = self.last.clone() else {
-            return self.fails(Intent::Repeat, "I have not done anything yet that I could do again");
+            return Ok(Answer::failed("I have not done anything yet that I could do again"));
         };
         let again = Request { hand: request.hand.or(last.hand), lean: request.lean || last.lean, ..last };
-        let reply = self.act(again, Some(leave.again()), &[])?;
-        Ok(Reply { intent: Intent::Repeat, ..reply })
+        Ok(self.act(again, Some(leave.again()), &[])?.into())
     }
 }

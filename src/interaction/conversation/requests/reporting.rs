@@ -1,41 +1,31 @@
 //! "What did you do?", "did you touch it?"
 
 use super::super::Conversation;
-use super::{Act, Answer, Intent, RequestKind};
-use crate::interaction::conversation::language::Request;
+use super::{Act, Answer, Intent, RequestKind, Words};
+use crate::interaction::conversation::grammar::Request;
 use crate::interaction::conversation::mind::Deed;
 
 /// How many of the last things that it did are told.
 const LAST: usize = 4;
 
 pub(super) const REPORT: RequestKind = RequestKind {
-    told: &[
-        "^ summarise|summarize|recap|recount|sum",
-        "^ report",
-        "tell|give ?me|us ?a|the ?short|brief story|summary|report|account|recap|rundown",
-    ],
-    asked: &[
-        "what happen|occur",
-        "what ?just|has|have happen",
-        "summarise|summarize|recap|recount",
-        "be you =done|finish|finished|successful",
-        "be THING|SOME|that|it all ?done|finished|moved",
-        "how do|be THING|that go|went|turn",
-        "^ any luck|success|progress|news",
-        "success|successful",
-        "what you do",
-        "what be the result|outcome|upshot",
-        "what =went|=goes wrong|well|right|amiss",
-    ],
-    past: &[
-        "what ?be the result|outcome|upshot",
-        "THING|SOME go|work|happen|succeed|move|fall|fail",
-        "you",
-        "happen|occur",
-        "^ ?so|and =did|=has|=had|=was THING|SOME|BODY",
-        "success|luck|work",
-        "BODY",
-    ],
+    words: Words {
+        told: "^ summarise|summarize|recap|recount|sum ; ^ report ; \
+            TELL|give ?me|us ?a|the ?short|brief story|summary|report|account|recap|rundown",
+        asked: "what HAPPEN ; TELL|KNOW ?me ?what you =did|=have|done ; TELL .. whether|if you =have|=did ; how many times ; \
+            what =went ; what ?have HAPPEN ; TELL|say what HAPPEN ; how do|be THING|that go|went|turn ; \
+            success|successful ; what be result|outcome|upshot ; what =went|=goes wrong|well|right ; \
+            be you|THING|ALL =done|=finished|finish|successful|through ; any luck|success|progress|news ; \
+            TELL .. what you do ; summary|report|recap|recount ; status|progress ; TELL .. you =did|=done|=did|PAST ; \
+            what be|have you|HAND =doing|=done",
+        past: "you ; what|how|where =went|go ; how many time|times & you ; what be the result|outcome|upshot ; \
+            you|BODY|HAND|THING|SOME PAST ; what ?be result|outcome|upshot ; \
+            THING|SOME GO|work|HAPPEN|succeed|fall|fail ; HAPPEN ; \
+            ^ ?so|and =did|=has|=had|=was|=have THING|SOME|BODY|you ; success|luck|work|successful ; BODY ; which HAND ; \
+            what|which ?THING .. you ; THING =moved|=put|=done ; anything ; how THING|that go ; be THING PAST ; \
+            ^ HELPING|be you|THING|SOME",
+        ..Words::NONE
+    },
     ..RequestKind::new(["report", "reported"], Act::Tells(|creature, request| creature.report(request)))
 };
 

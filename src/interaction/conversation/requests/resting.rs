@@ -1,42 +1,37 @@
 //! "Rest."
 
 use super::super::Conversation;
-use super::{Act, Intent, Reply, RequestKind};
-use crate::simulation::EngineError;
+use super::{Act, Acted, Answer, RequestKind, Words};
 
 pub(super) const REST: RequestKind = RequestKind {
-    told: &[
-        "^ assume|adopt .. start|=starting|=resting|rest|initial|original posture|position|pose",
-        "back to the|your ?old start|rest|beginning|place",
-        "have|take ?a|your ?good|little|short|well ?earned rest|break|breather",
-        "at ease|rest $",
-        "starting|initial|resting|rest|home|neutral|default|original|ready|waiting|start position|posture|pose|place|stance|state",
-        "go|return|come ?back home",
-        "go|return|get|move|come ?back to rest|start|normal|base",
-        "lower|drop|relax|withdraw|retract|hang HAND|BODY",
-        "put|lower|take|bring|let|lay|rest ?both HAND|BODY down|back|rest|hang|fall|away|in|at|by",
-        "put|lower|take|pull down|back HAND|BODY",
-        "HAND ?sink|fall|drop|come|go down|back $",
-        "HAND ?back ?down to|at|by|in ?your|the side|sides|lap",
-        "^ ?time|how ?about ?for ?you|it ?would ?that|to ?deserve|earn|need|get ?yourself|THING ?ought ?a ?little|short|good|well ?deserved|earned rest $",
-        "settle down|back",
-        "reset yourself|your|BODY",
-        "HAND ?go back ?to where|how",
-        "back|go|return|move|get|put .. where|how you|THING|they start|begin|was|were|came|be",
-        "relax|unwind",
-        "^ return $",
-        "as you were $",
-    ],
+    words: Words {
+        told: "^ assume|adopt|resume|take|take .. START ?old POSE ; \
+            BACK to the|your|where ?old START|rest|beginning|place ; \
+            have|take|get ?yourself|a|your ?GOOD|BIT|short|well ?earned|deserved rest|break|breather ; at ease ; \
+            START POSE ; GO|return|sit ?BACK home ; GO ?BACK to|into rest|START|normal|base ; \
+            lower|drop|relax|withdraw|retract|hang|rest|DROP ?both BODY ; \
+            PUT|lower|take|bring|let|LET|lay|rest|PULL|DROP ?both HAND ?BACK DOWN|BACK|rest|hang|fall|away|in|at|by|home|drop ; \
+            PUT|lower|take|PULL|bring DOWN|BACK HAND ; HAND ?sink|fall|drop|GO DOWN|BACK $ ; \
+            HAND ?BACK ?DOWN ?please $ & DOWN|BACK ; HAND ?BACK ?DOWN to|at|by|in ?your|the side|sides|lap|START|rest ; \
+            ^ ?time ?for ?a rest $ ; ^ rest ; settle down|BACK ; reset yourself|your|BODY ; \
+            HAND ?go BACK ?to where|how ; \
+            BACK|GO|return|PUT .. where|how ?you|THING|they ?PAST start|begin|=was|=were|came|be|=started|=began|PAST ; \
+            RELAX ; a|short|good|BIT rest|break|breather ; LET HAND sink|drop|fall|hang|rest ; take THING easy ; \
+            ?BACK to|into your|the ?START POSE ; DROP|lower HAND ; ^ return $ ; as you were ; take five $ ; \
+            GO limp|slack ; GO ?BACK to your|the START ?POSE ; GO BACK to|rest|START ; rest $ ; chill ; \
+            stand down|easy|easily ; hang loose ; a rest",
+        ..Words::NONE
+    },
     ..RequestKind::new(["go back to rest", "went back to rest"], Act::Moves(|creature, _, _| creature.rest()))
 };
 
 impl Conversation {
-    fn rest(&mut self) -> Result<Reply, EngineError> {
+    fn rest(&mut self) -> Acted {
         self.actor.let_go();
         self.let_be();
-        let went = self.settle_at_ready();
-        let said =
-            if went { "I am at rest again" } else { "I cannot get back to rest: something is in the way" };
-        Ok(self.reply(Intent::Rest, said.into(), Some(went), false))
+        Ok(match self.settle_at_ready() {
+            true => Answer::done("I am at rest again"),
+            false => Answer::failed("I cannot get back to rest: something is in the way"),
+        })
     }
 }

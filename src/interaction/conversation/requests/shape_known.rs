@@ -1,7 +1,7 @@
 //! "How big is it?", "what shape is it?": from what feeling its shape told; before that from where it was felt, which is little.
 
 use super::super::Conversation;
-use super::{Act, Answer, RequestKind};
+use super::{Act, Answer, RequestKind, Words};
 use crate::interaction::things::KnownShape;
 use crate::peripersonal::FeltLength;
 
@@ -9,16 +9,15 @@ use crate::peripersonal::FeltLength;
 const ROUGHLY: f64 = 0.005;
 
 pub(super) const HOW_BIG: RequestKind = RequestKind {
-    asked: &[
-        "how ?very big|large|small|wide|tall|long|high|thick|thin|broad|huge|tiny|deep|bulky",
-        "size|sizes|dimensions|dimension|extent|extents|diameter|width|breadth|volume|length|height|girth|measurements|radius|thickness|proportions",
-        "be|do THING|SOME ?seem|feel|look ?very|really|quite|rather|fairly|that|a ?all|bit big|bigger|large|larger|small|smaller|huge|tiny|wide|tall|long|thick|narrow|bulky|little",
-        "bigger|smaller|larger|taller|wider|longer",
-        "what do THING measure",
-        "fit in|into ?one|your HAND|BODY",
-        "tiny|huge|big|small|large or",
-    ],
-    past: &[],
+    words: Words {
+        asked: "how ?SIZED SIZED ; how SIZED .. THING ; how SIZED do THING FEEL|look|seem ; \
+            TELL|give ?me ?about ?the|its SIZE ; SIZE ; be|do THING|SOME ?seem|feel|look|appear ?that|ALL|BIT SIZED ; \
+            bigger|smaller|larger|taller|wider|longer|higher ?or|than ; bigger|smaller|larger|taller|wider|longer than ; \
+            what do THING measure ; fit in|into|inside|between ?one|your HAND|BODY ; SIZED or SIZED ; what SIZE ; \
+            SIZE of THING ; idea how SIZED ; THING ?be SIZED ; EXAMINE|measure THING ; be THING SOME & SIZED",
+        past: "how SIZED ; SIZE",
+        ..Words::NONE
+    },
     ..RequestKind::new(
         ["tell how big it is", "told how big it is"],
         Act::Tells(|creature, _| Answer::tells(creature.size_in_words())),
@@ -26,24 +25,21 @@ pub(super) const HOW_BIG: RequestKind = RequestKind {
 };
 
 pub(super) const WHAT_SHAPE: RequestKind = RequestKind {
-    told: &["describe THING|SOME|its"],
-    asked: &[
-        "can|could|might|may THING be SOME",
-        "THING be ?more|like|a round|square|flat|rectangular|spherical|cylindrical|cubic|curved|pointed|smooth|oval|angular|sphere|cylinder",
-        "shape|shaped|form|outline|geometry|contour|contours|silhouette",
-        "be|do THING|SOME ?seem|feel|look|have|got ?any|more|very|rather|quite|like|all|perfectly|to ?a|an|be ?be ?like round|square|flat|rectangular|spherical|cylindrical|cubic|curved|pointed|sharp|smooth|rough|hard|soft|angular|corners|edges|corner|edge|oval|sphere|cylinder|boxy|pointy|cubical|bumpy|elongated|hollow|conical|symmetric|symmetrical|sides|rounded",
-        "be THING roundish|squarish",
-        "be|do THING|SOME ?seem|feel|look ?more ?like|to ?be a|an|SOME",
-        "describe THING|SOME|its",
-        "what ?kind|sort|type|manner ?of ?SOME|THING do|be THING|SOME ?look|feel|seem ?like|resemble $",
-        "what do THING look|feel|seem|resemble ?like",
-        "what .. THING look|feel like",
-        "what kind|sort|type of THING|SOME",
-        "round|flat|square|pointed|curved|sharp|angular|rounded or|and|nor",
-        "more like a|an|SOME",
-        "corners|edges|roundness|curved|rounded|angular",
-    ],
-    past: &["shape"],
+    words: Words {
+        told: "describe THING|SOME|its ; TELL ?me ?about its|the FORM",
+        asked: "HELPING THING be SOME ; THING ?be ?MORE|like|a SHAPED ; FORM ; what ?be FORM ; \
+            be|do THING|SOME|they ?seem|feel|look|have|got|get ?any|MORE|like|ALL|to ?a|an|be ?be ?like SHAPED ; \
+            be|do THING|SOME ?seem|feel|look ?MORE ?like|to ?be ?a SOME ; be THING ?MORE ?like a|an ; \
+            describe THING|SOME|its ; \
+            what ?KIND ?of ?SOME|THING do|be|HELPING THING|SOME ?look|feel|seem|be ?like|resemble ; \
+            what do THING look|feel|seem|resemble ?like ; what .. THING look|feel ?like ; \
+            what KIND of THING|SOME ?be|have|do|$ ; SHAPED or|and|nor SHAPED ; any SHAPED|EDGE ON|$ ; \
+            be there any SHAPED|EDGE ; MORE like a|an|SOME ; SOME or SOME ; call THING SHAPED ; what be THING $ ; \
+            what FORM ; have THING ?get|any SHAPED|EDGE|a ; what do THING ?look|seem ; TELL|know what THING be $ ; \
+            be THING SOME ; what could|might THING be ; SHAPED or",
+        past: "FORM ; SHAPED",
+        ..Words::NONE
+    },
     ..RequestKind::new(
         ["tell its shape", "told its shape"],
         Act::Tells(|creature, _| Answer::tells(creature.shape_in_words())),

@@ -1,23 +1,20 @@
 //! "Stop."
 
-use super::{Act, Answer, RequestKind};
+use super::{Act, Answer, RequestKind, Words};
 
 pub(super) const STOP: RequestKind = RequestKind {
-    told: &[
-        "^ stop|quit|cease|halt|drop ?doing what|whatever|THING|everything|all",
-        "^ end|finish what|whatever",
-        "^ wait ?a|just ?moment|minute|second|there $",
-        "^ hold on|up $",
-        "knock|pack THING off",
-    ],
-    said: &[
-        "enough",
-        "^ THING|that ?be|will ?do quite|sufficient|do",
-        "^ stop|halt|whoa|woah|wait|cease|pause|abort|cancel",
-        "never mind",
-        "^ no more ?of ?THING $",
-        "^ no|not ?go ?carry ?any continue|on|further",
-    ],
+    words: Words {
+        told: "^ STOP $ ; THING|that|ok will DO ; that be enough ; \
+            ^ STOP|quit ?DOING ?what|whatever|THING|everything|ALL $ ; ^ STOP what|whatever|THING|ALL|everything ; \
+            ^ STOP ?right there|$ ; ^ END what|whatever ; ^ wait|hold ?on|up|it ?a|there ?moment|minute|second|there $ ; \
+            ^ hold on|up ; knock|pack|cut THING off|out ; ^ STOP",
+        denied: "^ STOP|quit what|whatever|you ; ^ STOP|cease ?THING $ ; no more $ ; \
+            no|not ?go ?carry ?any continue|on|further ; cut THING out ; STOP ?THING ?right there $",
+        said: "enough ; ^ THING|that ?be|will ?DO quite|sufficient|do|enough ; \
+            ^ STOP|whoa|woah|wait|pause|abort|cancel|halt ; never mind ; ^ no MORE ?of ?THING $ ; \
+            ^ no|not ?go ?carry ?any continue|on|further",
+        ..Words::NONE
+    },
     ..RequestKind::new(
         ["stop", "stopped"],
         Act::Minds(|mind, _| {

@@ -1,20 +1,17 @@
 //! "Here is a stick: take it with your right hand", "give me back the stick", "how long is the stick?"
 
 use super::super::Conversation;
-use super::{Act, Answer, Intent, Reply, RequestKind};
-use crate::interaction::conversation::language::Request;
+use super::{Act, Acted, Answer, Intent, RequestKind, Words};
+use crate::interaction::conversation::grammar::Request;
 use crate::interaction::stick::KnownStick;
-use crate::interaction::tasks::Trouble;
-use crate::named::in_words;
-use crate::simulation::EngineError;
+use crate::interaction::tasks::tried;
 
 pub(super) const TAKE_STICK: RequestKind = RequestKind {
-    told: &[
-        "take|grab|grasp|hold|have|get|catch|seize|accept|clasp|grip STICK",
-        "pick|lift|raise ?up STICK",
-        "take|get|catch hold of STICK",
-        "^ here be STICK",
-    ],
+    words: Words {
+        told: "GRAB|have|get|accept|pick|lift|KEEP ?up STICK ; take|get|catch|keep ?GOOD hold of STICK ; ^ here be STICK ; \
+            LIFT|GRAB STICK ?UP ; reach for STICK",
+        ..Words::NONE
+    },
     needs_body: true,
     ..RequestKind::new(
         ["take the stick", "took the stick"],
@@ -23,14 +20,12 @@ pub(super) const TAKE_STICK: RequestKind = RequestKind {
 };
 
 pub(super) const GIVE_STICK_BACK: RequestKind = RequestKind {
-    told: &[
-        "give|hand|pass|return ?me ?back STICK",
-        "put|lay|set|place|take STICK down|away|back|aside|off",
-        "put|lay|set|place down|away|back|aside STICK",
-        "drop|release|return|unhand STICK",
-        "let STICK go|fall|drop",
-        "let|leave ?go of|off STICK",
-    ],
+    words: Words {
+        told: "GIVE ?me ?BACK STICK ?BACK ; PUT|take STICK DOWN|away|BACK|SIDEWAYS|off ; \
+            PUT DOWN|away|BACK|SIDEWAYS STICK ; DROP|return STICK ; LET STICK go|fall|drop ; \
+            LET|leave ?go of|off STICK ; GIVE STICK",
+        ..Words::NONE
+    },
     ..RequestKind::new(
         ["give the stick back", "gave the stick back"],
         Act::Moves(|creature, _, _| creature.give_stick_back()),
@@ -38,12 +33,11 @@ pub(super) const GIVE_STICK_BACK: RequestKind = RequestKind {
 };
 
 pub(super) const STICK_KNOWN: RequestKind = RequestKind {
-    asked: &[
-        "how ?long|big|large|great|thick|far be STICK",
-        "what|where|whereabouts be STICK",
-        "do|be you ?still have|hold|know|feel|get STICK",
-        "length|tip|end|point|size of STICK",
-    ],
+    words: Words {
+        asked: "how ?long|SIZED|FAR be STICK ; what|where|whereabouts be STICK ; \
+            do|be you ?still have|hold|know|feel|get STICK ; LENGTH|tip|end|point|SIZE of|OF STICK",
+        ..Words::NONE
+    },
     ..RequestKind::new(
         ["tell what I know of the stick", "told what I know of the stick"],
         Act::Tells(|creature, _| Answer::tells(creature.stick_in_words())),
@@ -53,60 +47,47 @@ pub(super) const STICK_KNOWN: RequestKind = RequestKind {
 impl Conversation {
     /// Holds out a hand for a stick, and learns it by touching himself with it; gives it back where he cannot tell where its
     /// tip is.
-    fn take_stick(&mut self, request: &Request) -> Result<Reply, EngineError> {
-        let intent = Intent::TakeStick;
+    fn take_stick(&mut self, request: &Request) -> Acted {
         // The right hand, where none is named.
         let right = (0..2).find(|&hand| self.actor.side(hand) < 0.0).unwrap_or(1);
         let named = self.hand_for(request.hand);
         if let Some(stick) = self.actor.stick() {
             let as_told = named.is_none_or(|hand| hand == stick.hand);
-            return Ok(self.reply(intent, self.stick_in_words(), Some(as_told), false));
+            return Ok(Answer::does(self.stick_in_words(), as_told));
         }
         let hand = named.unwrap_or(right);
-        let name = in_words(&self.actor.hands[hand].name);
+        let name = self.hand_name(hand);
         self.let_be();
         self.settle_at_ready();
         // While he does not know how far the stick reaches he keeps it well over a table.
-        if self.actor.table.is_none()
-            && let Err(Trouble::Engine(error)) = self.actor.feel_table(hand)
-        {
-            return Err(error);
+        if self.actor.table.is_none() {
+            tried(self.actor.feel_table(hand))?;
         }
-        if let Err(Trouble::Engine(error)) = self.actor.hold_out(hand) {
-            return Err(error);
-        }
+        tried(self.actor.hold_out(hand))?;
         if !self.actor.take_stick(hand)? {
             self.settle_at_ready();
-            let said = format!("I held out my {name}, and was given no stick");
-            return self.fails(intent, said);
+            return Ok(Answer::failed(format!("I held out my {name}, and was given no stick")));
         }
-        match self.actor.learn_stick() {
-            Err(Trouble::Engine(error)) => Err(error),
-            Ok(Some(known)) => {
-                self.stick_changed();
-                let said = format!(
-                    "I hold the stick with my {name}, and touched myself {} times with it, {} times with its tip: {}",
-                    known.touches,
-                    known.by_tip,
-                    tip_in_words(&known)
-                );
-                self.does(intent, said)
-            }
-            Ok(None) | Err(_) => {
-                self.actor.give_stick_back()?;
-                self.settle_at_ready();
-                self.fails(
-                    intent,
-                    "I touched myself with the stick and could not tell where its tip is: I gave it back",
-                )
-            }
-        }
+        let Some(known) = tried(self.actor.learn_stick())?.flatten() else {
+            self.actor.give_stick_back()?;
+            self.settle_at_ready();
+            return Ok(Answer::failed(
+                "I touched myself with the stick and could not tell where its tip is: I gave it back",
+            ));
+        };
+        self.stick_changed();
+        Ok(Answer::done(format!(
+            "I hold the stick with my {name}, and touched myself {} times with it, {} times with its tip: {}",
+            known.touches,
+            known.by_tip,
+            tip_in_words(&known)
+        )))
     }
 
     /// Gives the stick back, where there is one.
-    pub(super) fn give_stick_back(&mut self) -> Result<Reply, EngineError> {
+    pub(super) fn give_stick_back(&mut self) -> Acted {
         let Some(hand) = self.actor.stick().map(|stick| stick.hand) else {
-            return self.fails(Intent::GiveStickBack, "I hold no stick");
+            return Ok(Answer::failed("I hold no stick"));
         };
         self.let_be();
         let tip = self.actor.stick_tip();
@@ -115,7 +96,7 @@ impl Conversation {
         self.things.felt_by_another(|receptor| if Some(receptor) == tip { bare } else { receptor });
         self.actor.give_stick_back()?;
         self.stick_changed();
-        self.does(Intent::GiveStickBack, "I gave the stick back")
+        Ok(Answer::done("I gave the stick back"))
     }
 
     /// Goes to where its hands wait with or without a stick, and reaches as far as it does now.
@@ -129,7 +110,7 @@ impl Conversation {
     fn stick_in_words(&self) -> String {
         match self.actor.stick() {
             Some(stick) => {
-                let name = in_words(&self.actor.hands[stick.hand].name);
+                let name = self.hand_name(stick.hand);
                 let known = stick.known.map_or("I do not know it".to_string(), |known| {
                     let [x, y, z]: [f64; 3] = known.tool.tip.into();
                     format!("{} (at {x:.3},{y:.3},{z:.3} m in that hand's frame)", tip_in_words(&known))
@@ -143,7 +124,7 @@ impl Conversation {
     /// Why something cannot be done with a stick in a hand; none where it can.
     pub(in super::super) fn barred_by_stick(&self, request: &Request) -> Option<String> {
         let stick = self.actor.stick()?;
-        let name = in_words(&self.actor.hands[stick.hand].name);
+        let name = self.hand_name(stick.hand);
         let with_both = request.intent == Intent::Lift && request.hand.is_none();
         let feels_about = matches!(request.intent, Intent::Explore | Intent::FeelShape | Intent::FeelOver)
             || (request.intent == Intent::Touch && request.any && self.things.is_empty());

@@ -1,12 +1,11 @@
 //! "Touch your nose."
 
 use super::super::{Conversation, OwnSpot};
-use super::{Act, Intent, Reply, RequestKind};
-use crate::interaction::body_part;
-use crate::interaction::conversation::language::Request;
-use crate::interaction::tasks::Trouble;
-use crate::named::in_words;
-use crate::simulation::EngineError;
+use super::{Act, Acted, Answer, RequestKind, Words};
+use crate::interaction::body_part::{self, BodyPart};
+use crate::interaction::conversation::grammar::Request;
+use crate::interaction::own_spot::OwnTouch;
+use crate::interaction::tasks::{Trouble, tried};
 
 /// Places of a part that are tried, the one that it is first.
 const TRIES: usize = 6;
@@ -14,27 +13,23 @@ const TRIES: usize = 6;
 const NEAR: f64 = 0.01;
 
 pub(super) const TOUCH_OWN: RequestKind = RequestKind {
-    told: &[
-        "run|pass|draw|glide HAND|hand|finger ?all through|over|across|along|down PART",
-        "touch|tap|poke|contact|pat|stroke|prod|rub|scratch|grab|grasp|clasp|grip|feel|reach|squeeze|tickle|brush|press|pinch|cover|pull|tug|find|slap|nudge|massage|cup|approach|clutch|hit|meet|hug ?gently|with|for|to|at|on|onto|against|up|down|behind|out|over ?HAND ?to|for|on|towards|at|onto ?your PART",
-        "touch|tap|poke|contact|pat|stroke|prod|rub|scratch|squeeze|press|clasp|grip|massage|feel|hold ?you BODY",
-        "grab|grasp|reach|hold|take BODY with HAND",
-        "put|lay|place|rest|set|get|position|move|bring|keep|press|point|have|lift|raise|stretch|extend|hold|guide|let|take ?a|one|the ?both HAND|finger|hand|palm ?up|down|over|back|rest|go|out ?right on|onto|upon|to|against|at|towards|over|around|in|touch|by|behind|near ?contact|top|touch ?with|of BODY",
-        "put|lay|place|rest ?a ?finger|hand on|to|onto BODY",
-        "get|take|catch|have|lay|keep|grab hold of BODY",
-        "^ HAND ?and PART $",
-        "^ PART with ?your HAND $",
-        "HAND ?should|must|be|go ?be|go on|onto|to|against BODY $",
-        "PART .. HAND on|to|onto|at PART",
-        "PART .. touch|tap|poke|pat|grab|reach|feel THING",
-        "use HAND .. PART",
-        "with HAND .. PART",
-        "make|get|establish contact|touch with|between|to BODY",
-        "touch yourself",
-        "BODY and BODY together",
-        "point at|to PART",
-        "reach ?up|down|out|over|back|behind ?to|for|and|at|towards ?touch ?behind BODY",
-    ],
+    words: Words {
+        told: "TOUCH|GRAB|TEND|REACH ?for|with|to|at|on|onto|against|up|down|behind|out|over|hold|out ?HAND ?to|for|on|onto|towards|at|and ?your|hold ?of PART ; \
+            FIND PART with|HAND ; TOUCH|TEND|REACH|FEEL BODY ; TOUCH|TEND|REACH|GRAB BODY with HAND ; \
+            PUT|get|keep|have|bring|press|point|raise|lift|STRETCH|REACH|hold|let|LET|take|PULL|PUSH|guide ?a|one|the ?both HAND|finger|hand|palm ?UP|down|over|back|rest|go|out|TOUCH ?straight ON|OF|upon|over|around|touch|by|behind|near ?contact|top|touch ?with|of BODY ; \
+            PUT ?a ?finger|hand|HAND ON BODY ; PUT HAND|finger ON ?the end|tip|top ?of BODY ; \
+            get|take|catch|have|lay|keep|GRAB hold of BODY ; ^ HAND ?and PART $ ; ^ PART with|by ?your HAND $ ; \
+            ^ PART HAND $ ; HAND ?should|must|be|GO ?be|go ON|over BODY ; BODY .. HAND ON THING|PART ; BODY .. HAND ON ; \
+            PART .. TOUCH|TEND|GRAB|REACH|FEEL|PUT|give THING|PART ; ^ PART TOUCH|TEND ; USE HAND .. PART ; \
+            with|by HAND .. BODY ; make|get|establish contact|touch|CONTACT with|between|ON BODY ; TOUCH|TEND yourself ; \
+            TOUCH|TEND yourself ON PART ; give yourself|BODY .. TOUCH|TEND ON PART ; BODY and BODY together ; \
+            point at|ON BODY ; REACH ?UP|DOWN|out|over|BACK|behind|AROUND ?to|for|and|at|ON ?TOUCH|TEND ?behind BODY ; \
+            give BODY ?a ?GOOD ?BIT TOUCH|TEND|rub ; give BODY a ; find BODY with HAND ; GRAB|hold onto|ON BODY ; \
+            PUT|PULL|get|move BODY .. ON|near BODY ; HAND .. GO|get to BODY ; ^ HAND ON PART ; HAND ON BODY ; \
+            go|head for|to BODY ; PUT BODY on|ON BODY ; GRAB BODY ; PART & HAND & TOUCH|GRAB|PUT|REACH|USE|TEND|get ; \
+            ^ PART $ ; HAND to ?your BODY",
+        ..Words::NONE
+    },
     needs_body: true,
     ..RequestKind::new(
         ["touch myself there", "touched myself"],
@@ -43,24 +38,24 @@ pub(super) const TOUCH_OWN: RequestKind = RequestKind {
 };
 
 impl Conversation {
-    fn touch_part(&mut self, request: &Request) -> Result<Reply, EngineError> {
+    fn touch_part(&mut self, request: &Request) -> Acted {
         let Some(part) = &request.part else {
-            return Ok(self.reply(Intent::TouchOwn, "Which part of me do you mean?".into(), None, true));
+            return Ok(Answer { said: "Which part of me do you mean?".into(), done: None, asks: true });
         };
         let found = match body_part::find(&self.actor, part, self.hand_touching()) {
             Ok(found) => found,
-            Err(unknown) => return self.fails(Intent::TouchOwn, unknown.to_string()),
+            Err(unknown) => return Ok(Answer::failed(unknown.to_string())),
         };
         let by = self.hand_for(request.hand);
         if request.stick && self.actor.stick_tip().is_none() {
-            return self.fails(Intent::TouchOwn, "I hold no stick");
+            return Ok(Answer::failed("I hold no stick"));
         }
         self.let_be();
         let mut trouble = None;
         for part in &found {
             // As the arms are, and then with the arm that it is on held out to the other.
             for held_out in [false, true] {
-                if held_out && !self.holds_out(part.receptors[0])? {
+                if held_out && !tried(self.actor.present(part.receptors[0]))?.unwrap_or(false) {
                     break;
                 }
                 for &receptor in part.receptors.iter().take(TRIES) {
@@ -68,48 +63,32 @@ impl Conversation {
                         true => self.actor.touch_own_with_stick(receptor),
                         false => self.actor.touch_own_with(receptor, by),
                     };
-                    match touched {
-                        Ok(touch) => {
-                            self.spot = Some(OwnSpot { receptor, by_stick: request.stick });
-                            let name = match request.stick {
-                                true => "stick".to_string(),
-                                false => in_words(&self.actor.hands[touch.hand].name),
-                            };
-                            let said = match part.off(&self.actor, touch.felt) {
-                                off if off < NEAR => format!("I touch my {} with my {name}", part.name),
-                                off => format!(
-                                    "I touch myself {:.0} cm from my {} with my {name}",
-                                    100.0 * off,
-                                    part.name
-                                ),
-                            };
-                            return self.does(Intent::TouchOwn, said);
-                        }
-                        Err(Trouble::Engine(error)) => return Err(error),
-                        Err(this) => {
-                            let met = matches!(this, Trouble::Hit(_) | Trouble::Nothing);
-                            trouble.get_or_insert((part.name.clone(), this));
-                            if met {
-                                self.settle_at_ready();
-                            }
-                        }
+                    let this = match touched {
+                        Ok(touch) => return Ok(self.touches_own(part, receptor, &touch, request.stick)),
+                        Err(this) => this.of_task()?,
+                    };
+                    let met = matches!(this, Trouble::Hit(_) | Trouble::Nothing);
+                    trouble.get_or_insert((part.name.clone(), this));
+                    if met {
+                        self.settle_at_ready();
                     }
                 }
             }
         }
         self.settle_at_ready();
-        let said = match trouble {
+        Ok(Answer::failed(match trouble {
             Some((name, trouble)) => format!("I cannot touch my {name}: {}", self.in_words(&trouble)),
             None => format!("I have no skin at my {} that could be touched", part.text()),
-        };
-        self.fails(Intent::TouchOwn, said)
+        }))
     }
 
-    /// Holds an arm out so that a spot of it can be touched; whether it does.
-    fn holds_out(&mut self, receptor: usize) -> Result<bool, EngineError> {
-        match self.actor.present(receptor) {
-            Err(Trouble::Engine(error)) => Err(error),
-            held_out => Ok(held_out.unwrap_or(false)),
-        }
+    /// It touches a part of itself.
+    fn touches_own(&mut self, part: &BodyPart, receptor: usize, touch: &OwnTouch, by_stick: bool) -> Answer {
+        self.spot = Some(OwnSpot { receptor, by_stick });
+        let name = if by_stick { "stick".to_string() } else { self.hand_name(touch.hand) };
+        Answer::done(match part.off(&self.actor, touch.felt) {
+            off if off < NEAR => format!("I touch my {} with my {name}", part.name),
+            off => format!("I touch myself {:.0} cm from my {} with my {name}", 100.0 * off, part.name),
+        })
     }
 }

@@ -13,33 +13,12 @@ const NOUNS: &str = "nose chin forehead brow head face mouth lip lips cheek chee
     bottom bum buttocks lap shoulder shoulders armpit collarbone clavicle elbow elbows wrist wrists forearm forearms \
     hand hands arm arms palm palms fist thumb thumbs finger fingers fingertip fingertips knuckle knuckles index \
     leg legs thigh thighs knee knees shin shins calf calves shank ankle ankles foot feet heel heels toe toes sole soles \
-    torso trunk breastbone backside hair limb limbs";
+    torso trunk breastbone backside hair limb limbs \
+    eyebrow eyebrows earlobe earlobes nostril nostrils pinky bellybutton gut butt groin eyelid eyelids tongue teeth";
 /// The same of more than one word.
-const COMPOUNDS: &[&str] = &[
-    "index finger",
-    "middle finger",
-    "ring finger",
-    "little finger",
-    "big toe",
-    "upper arm",
-    "lower arm",
-    "upper arms",
-    "lower back",
-    "upper back",
-    "upper leg",
-    "lower leg",
-    "upper body",
-    "shoulder blade",
-    "belly button",
-    "back of hand",
-    "back of head",
-    "back of neck",
-    "top of head",
-    "sole of foot",
-    "side of head",
-    "palm of hand",
-    "tip of nose",
-];
+const COMPOUNDS: &str = "index finger,middle finger,tummy button,shoulder blades,ring finger,little finger,big toe,upper arm,lower arm,upper arms,lower back,\
+    upper back,upper leg,lower leg,upper body,shoulder blade,belly button,back of hand,back of head,back of neck,top of head,\
+    sole of foot,side of head,palm of hand,tip of nose";
 /// Nouns that mean something else as often: they are a part only after one of [`OWNERS`].
 const DOUBTFUL: &[&str] = &[
     "back", "face", "head", "crown", "bottom", "index", "lap", "sole", "heart", "temple", "trunk", "calf",
@@ -48,19 +27,7 @@ const DOUBTFUL: &[&str] = &[
 /// Words after which a doubtful noun is a part.
 const OWNERS: &[&str] = &["your", "his", "own", "left", "right", "upper", "lower", "yourself"];
 /// The nouns of what acts.
-const HANDS: &[&str] = &[
-    "hand",
-    "hands",
-    "arm",
-    "arms",
-    "palm",
-    "palms",
-    "fist",
-    "finger",
-    "fingers",
-    "fingertip",
-    "fingertips",
-];
+const HANDS: &str = "hand hands arm arms palm palms fist finger fingers fingertip fingertips";
 
 /// A part of the body as it was named.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -82,7 +49,7 @@ impl PartName {
 
     /// Whether it is what acts: a hand, an arm, a finger.
     pub fn is_hand(&self) -> bool {
-        let last = self.words.last().is_some_and(|last| HANDS.contains(&last.as_str()));
+        let last = self.words.last().is_some_and(|last| HANDS.split(' ').any(|hand| hand == last));
         last && !self
             .words
             .iter()
@@ -101,7 +68,7 @@ impl BodyNames {
     /// Everyday names alone.
     pub fn everyday() -> BodyNames {
         let nouns = NOUNS.split_whitespace().map(|noun| vec![noun.to_string()]);
-        let compounds = COMPOUNDS.iter().map(|name| name.split(' ').map(String::from).collect());
+        let compounds = COMPOUNDS.split(',').map(|name| name.split(' ').map(String::from).collect());
         let adjectives = WHICH.iter().map(|word| word.to_string()).collect();
         let mut names: Vec<Vec<String>> = nouns.chain(compounds).collect();
         names.sort_by_key(|name| std::cmp::Reverse(name.len()));

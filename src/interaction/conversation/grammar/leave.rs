@@ -1,0 +1,29 @@
+//! Leave to move: only words that ask for it, a "yes" to a question of its own, or a touch give it; all that moves takes one.
+
+use super::{Intent, Understood};
+
+/// Leave to move.
+#[derive(Debug)]
+pub struct Leave(());
+
+impl Leave {
+    /// Leave for a request is leave for what it asks to be done again.
+    pub(in crate::interaction::conversation) fn again(&self) -> Leave {
+        Leave(())
+    }
+
+    /// The leave that a touch of the skin gives: to put a hand there.
+    pub(in crate::interaction::conversation) fn by_touch() -> Leave {
+        Leave(())
+    }
+
+    /// The leave that words give that are understood and ask for something to be done.
+    pub(super) fn by_words(asked: bool) -> Option<Leave> {
+        asked.then_some(Leave(()))
+    }
+
+    /// The leave that "yes" gives where it was asked whether it should.
+    pub(in crate::interaction::conversation) fn by_yes(answer: &Understood) -> Option<Leave> {
+        (answer.intent == Intent::Yes && !answer.forbids).then_some(Leave(()))
+    }
+}

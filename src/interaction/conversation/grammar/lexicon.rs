@@ -1,0 +1,339 @@
+//! What words mean: acts, relations and modifiers, a table each, and words that have no meaning of their own here.
+
+use std::collections::BTreeMap;
+
+use super::words::Word;
+
+/// What is done, and the verbs that say so.
+const ACTS: &[(&str, &str)] = &[
+    (
+        "TOUCH",
+        "touch tap poke contact stroke pat prod nudge brush press rub tickle knock meet feel finger pet",
+    ),
+    ("TEND", "scratch squeeze pinch cover tug pull slap massage cup hug clutch hit approach point wipe"),
+    ("REACH", "reach stretch extend"),
+    ("GRAB", "grab grasp seize grip clasp hold catch take grapple"),
+    ("LIFT", "lift raise hoist heave elevate pick uplift"),
+    (
+        "PUT",
+        "put place set lay move position stow stick deposit relocate reposition transport carry stand rest pop plonk",
+    ),
+    ("PUSH", "push shove slide send nudge shift throw toss thrust scoot propel displace chuck hurl"),
+    ("PULL", "bring pull fetch draw drag haul tug retrieve collect recover"),
+    ("DROP", "release drop free unhand relinquish unclasp ungrip unclench loosen loose"),
+    ("LEAN", "lean bend tilt bow stoop hunch incline tip"),
+    ("STRAIGHTEN", "straighten unbend sit rise"),
+    (
+        "SEARCH",
+        "explore search scan scour sweep comb probe survey hunt seek grope fumble rummage scout forage root",
+    ),
+    ("LOOK", "look see"),
+    ("FIND", "find locate discover detect encounter spot identify"),
+    ("FEEL", "feel sense perceive notice palpate"),
+    (
+        "EXAMINE",
+        "examine inspect investigate study trace measure check determine verify test learn recognise recognize figure map outline",
+    ),
+    ("RUN", "run pass glide wander follow trace slide move go stroke guide draw sweep brush walk wave swing"),
+    ("AVOID", "avoid dodge evade duck swerve flinch sidestep shun"),
+    ("PROTECT", "protect defend save guard shield"),
+    ("GO", "go come move get step return"),
+    ("RELAX", "rest relax unwind chill"),
+    ("FORGET", "forget erase unlearn delete disregard discard purge ignore"),
+    ("CLEAR", "clear clean empty wipe reset flush banish dismiss remove"),
+    ("REPEAT", "repeat retry redo rerun"),
+    ("TRY", "try attempt"),
+    ("DO", "do perform make"),
+    ("STOP", "stop halt cease pause abort cancel desist"),
+    ("END", "end finish terminate conclude close stop leave quit exit"),
+    ("KEEP", "keep stay remain hold stand sit lie wait be"),
+    (
+        "TELL",
+        "tell say describe report explain show name state mention summarise summarize recap recount estimate announce",
+    ),
+    ("KNOW", "know remember recall wonder guess see think reckon believe"),
+    ("COUNT", "count tally"),
+    ("GIVE", "give hand pass return"),
+    ("USE", "use"),
+    ("LET", "let"),
+    ("HAVE", "have get"),
+    ("HAPPEN", "happen occur"),
+    ("INTRODUCE", "introduce present"),
+    ("SPEAK", "talk speak chat ask command instruct control operate type"),
+    ("CALIBRATE", "calibrate recalibrate relearn"),
+    ("STIR", "move budge stir twitch wiggle wriggle fidget shift"),
+    (
+        "CARE",
+        "want need like love prefer wish expect mind hope enjoy hate dislike mean choose start begin put set \
+        help assist work turn lower open ease bump run make become leave log shut switch change play withdraw retract hang \
+        lay fall lose sink shrink shy widen increase reduce decrease shorten narrow maximise maximize minimise minimize \
+        matter appreciate thank suggest succeed proceed continue add repeat fit weigh seem appear sound resemble suppose imagine \
+        pretend assume manage freeze settle welcome understand obey answer agree refuse fail order allow permit watch listen hear \
+        wrap roll lean dare attend undo deserve earn call slump slouch fly approach attack travel sway crash hurtle yield stroll \
+        resume adopt kick jump clap sing dance forbid object ban miss ask happen greet excuse figure cut act react notice remind grope blow carry",
+    ),
+];
+/// How things are placed and moved, and of which kind they are.
+const RELATIONS: &[(&str, &str)] = &[
+    (
+        "FAR",
+        "far farther further farthest furthest away distant remote off beyond miles opposite apart yonder outward outwards",
+    ),
+    ("NEAR", "near nearer nearest close closer closest nearby here adjacent inward inwards"),
+    ("FORWARD", "forward forwards ahead forth"),
+    ("UP", "up upward upwards"),
+    ("UPRIGHT", "upright straight erect"),
+    ("DOWN", "down downward downwards"),
+    ("OUT", "out"),
+    ("BACK", "back backward backwards"),
+    ("SIDEWAYS", "aside sideways over"),
+    ("AROUND", "around about round along over across through everywhere"),
+    ("ON", "on onto upon to against at towards toward over across in"),
+    ("OF", "of on at from"),
+    ("CLEAR_OF", "clear"),
+    ("TABLE", "table tabletop desk surface worktop counter"),
+    ("SPACE", "space area surroundings environment surface scene place vicinity top region room surrounding"),
+    ("REACHABLE", "reachable touchable accessible graspable unreachable attainable"),
+    ("RANGE", "reach range grasp arm length stretch"),
+    ("LENGTH", "length extent reach"),
+    ("GAP", "distance gap space separation room"),
+    (
+        "EDGE",
+        "edge edges corner corners rim sides outside outline contour contours surface geometry curves dimensions extent",
+    ),
+    ("FORM", "shape shaped form outline contour contours silhouette geometry"),
+    ("KIND", "kind sort type manner kinds sorts types"),
+    (
+        "SHAPED",
+        "round square flat rectangular spherical cylindrical cubic cubical curved pointed pointy sharp smooth rough hard soft \
+        angular oval boxy bumpy elongated hollow conical symmetric symmetrical rounded roundish squarish roundness sphere cylinder cube \
+        corner corners edge edges lopsided even spiky",
+    ),
+    (
+        "SIZED",
+        "big bigger biggest large larger small smaller huge tiny wide wider tall taller long longer thick thicker high higher narrow \
+        bulky broad deep thin short little great",
+    ),
+    (
+        "SIZE",
+        "size sizes dimension dimensions extent extents diameter width breadth volume length height girth measurements radius \
+        thickness proportions measurement",
+    ),
+    (
+        "UNIT",
+        "centimetre centimetres centimeter centimeters cm inch inches metre metres meter meters millimetre millimetres mm foot",
+    ),
+    (
+        "WHEREABOUTS",
+        "where whereabouts location position place spot coordinates direction bearing site posture pose orientation",
+    ),
+    ("CONTACT", "contact sensation sensations feeling feelings pressure touch"),
+    ("POSE", "position posture pose place stance state spot"),
+    (
+        "START",
+        "start starting initial original beginning resting rest home neutral default ready waiting old normal base",
+    ),
+    ("MEMORY", "memory mind memories head slate history knowledge record list thoughts"),
+    (
+        "COMMANDS",
+        "commands command abilities ability skills skill options instructions requests functions features actions tasks tricks \
+        sentences questions capabilities talents repertoire words manual menu usage examples example",
+    ),
+    ("TALK", "conversation talk session chat dialogue program"),
+    ("BEING", "creature robot being person machine human man woman computer"),
+];
+/// How, how often, how much.
+const MODIFIERS: &[(&str, &str)] = &[
+    ("AGAIN", "again anew afresh once"),
+    ("MORE", "more another"),
+    ("ALL", "all everything every whole entire"),
+    ("NUMBER", "one two three four five several many"),
+    ("STILL", "still motionless immobile frozen quiet steady unmoving stationary fixed put"),
+    ("THERE", "there here where"),
+    ("BIT", "bit little lot much tad touch"),
+    (
+        "GOOD",
+        "good nice great lovely wonderful splendid helpful handy useful super brilliant fantastic marvellous excellent perfect ideal \
+        best better wise clever kind sweet cool awesome amazing fun grateful glad happy happier pleased delighted thankful obliged thrilled \
+        grand terrific preferable sensible superb neat fine well dandy swell dear angel",
+    ),
+    (
+        "BAD",
+        "bad wrong terrible awful horrible rude angry upset sad unhappy annoyed shame pity unwise dangerous foolish silly mistake",
+    ),
+    (
+        "THANKS",
+        "thank thanks grateful ta appreciate appreciated thankful cheers obliged indebted kudos bravo",
+    ),
+    ("HELLO", "hello hi hey hiya howdy greetings welcome yo salutations"),
+    ("BYE", "cheerio bye goodbye farewell ciao adieu byebye"),
+    (
+        "YES",
+        "yes yeah yep yup yea aye sure ok okay alright absolutely certainly definitely affirmative agreed correct exactly indeed \
+        precisely right true naturally fine",
+    ),
+    ("NO", "no nope nah negative nay"),
+    ("ASKING", "what where when why who which how whereabouts whose whom"),
+    ("HELPING", "can could will would may might shall should must do be have need ought"),
+    ("SUBJECT", "i you he she it we they there this that these those who everybody nobody somebody people"),
+];
+/// Words without a meaning of their own here.
+const FUNCTION: &str = "a an the of to in on at by for with from into and or but not never nor neither if unless whether because so as \
+    than then that this these those it its he she him her his they them their we us our i me my you your yourself himself please \
+    very really quite rather too just only even also still yet already ever soon later today tomorrow yesterday now time times moment \
+    any some every each both all none nothing nobody no other another same such own else instead without before after until while during \
+    since like unlike about above below under beneath underneath behind beside between among up down out off over there here away \
+    what who whom whose which why how when where would will can could may might must shall should ought let lets once twice first \
+    second third last next left right middle centre center front hand side half end top bottom way thing things stuff something \
+    anything everything someone anyone somebody anybody everyone max robot mate buddy partner friend one two three four five six seven \
+    eight nine ten number enough more most less least much many few little lot lots bit maybe perhaps possibly probably kindly gently \
+    carefully slowly quickly softly lightly firmly straight well ok okay oh um uh er hmm ah hey good day night morning evening afternoon \
+    again back ahead forward be am is are was were been being do does did done doing have has had having got gotten going gone \
+    able possible impossible sure certain safe easy hard ready willing free chance favour favor sorry mr name names \
+    life idea job turn task mission goal aim word words question answer problem trouble bother difference success luck result outcome \
+    upshot progress news summary story account rundown brief short long able capable allowed supposed dead statue rock stone muscle step \
+    inch movement movements motion motions trunk waist posture air mid light quick full maximum maximal separate different total \
+    numerous real alive virtual called named nice boy break breather ease lap asap fast while minute second seconds sec wee tiny slight \
+    scratch slate fresh purpose function body skin receptor receptors finger hand grip fist fingers grasp hold neighbourhood parts part \
+    bit bits small respect relation relative reference perspective viewpoint compared measured seen though although however both by \
+    mine yours ours attention careful hurry fair lost confused stuck horses ground wait help harm guard room berth distance cover \
+    evasive incoming opposite table stick rod unsure exact exactly precisely roughly approximately actually certainly definitely simply \
+    slightly immediately directly completely absolutely perfectly entirely thoroughly closely further farther proper tight firm total \
+    encore shot crack whirl bash stab go kindness solid good-bye via using onto upon toward towards within inside outside against \
+    nose everywhere anywhere somewhere nowhere otherwise rid under no-one terms course means true false incorrect mistaken stop \
+    curious interested interest unsure business tired seat goes belongs lad till detail thorough path funny appreciated heavy sense physical left-hand right-hand sec jiffy whole self";
+/// Irregular forms of verbs; `*` where it is also the base form.
+const IRREGULAR: &str = "felt feel,found find,held hold,took take,taken take,caught catch,brought bring,got get,gotten get,went go,gone go,\
+    came come,put put*,set set*,let let*,hit hit*,laid lay,stood stand,sat sit,lain lie,kept keep,left leave,lost lose,\
+    ran run,threw throw,thrown throw,drew draw,drawn draw,sent send,stuck stick,slid slide,swept sweep,sought seek,bent bend,leant lean,\
+    rose rise,risen rise,fell fall,fallen fall,forgot forget,forgotten forget,did do,done do,does do,made make,told tell,said say,shown show,\
+    knew know,known know,gave give,given give,met meet,saw see,seen see,was be,were be,been be,am be,is be,are be,has have,had have,\
+    thought think,meant mean,spoke speak,spoken speak,began begin,begun begin,chose choose,chosen choose,understood understand,\
+    learnt learn,hung hang,froze freeze,frozen freeze,shrank shrink,became become,flew fly,heard hear,read read*,shut shut*,cut cut*,\
+    unbent unbend,undid undo,undone undo,lit light,swung swing,sank sink,blew blow,quit quit*,dying die,forbidden forbid,forbade forbid";
+
+/// Which form of a verb a word is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Form {
+    /// As it is told: `touch`.
+    Base,
+    /// As it is told, or of what was: `put`.
+    BaseOrPast,
+    /// `touched`.
+    Past,
+    /// `touching`.
+    Ing,
+    /// `touches`.
+    Third,
+    /// No verb.
+    Other,
+}
+
+impl Form {
+    /// Whether it may be told so.
+    pub fn is_base(self) -> bool {
+        matches!(self, Form::Base | Form::BaseOrPast)
+    }
+}
+
+/// All words that are known.
+pub(super) struct Lexicon {
+    /// Of a word its lemma and form.
+    forms: BTreeMap<String, (String, Form)>,
+}
+
+impl Lexicon {
+    /// The tables' words, and some more that are no verbs.
+    pub fn new(more: impl Iterator<Item = String>) -> Lexicon {
+        let mut forms: BTreeMap<String, (String, Form)> = BTreeMap::new();
+        for verb in ACTS.iter().flat_map(|(_, verbs)| verbs.split_whitespace()) {
+            for (text, form) in inflected(verb) {
+                forms.entry(text).or_insert((verb.to_string(), form));
+            }
+            forms.insert(verb.to_string(), (verb.to_string(), Form::Base));
+        }
+        for pair in IRREGULAR.split(',') {
+            let Some((text, lemma)) = pair.trim().split_once(' ') else { continue };
+            let (lemma, form) = match lemma.strip_suffix('*') {
+                Some(lemma) => (lemma, Form::BaseOrPast),
+                None if "am is are has does".split(' ').any(|third| third == text) => (lemma, Form::Third),
+                None => (lemma, Form::Past),
+            };
+            forms.insert(text.to_string(), (lemma.to_string(), form));
+        }
+        let tables = RELATIONS.iter().chain(MODIFIERS).flat_map(|(_, words)| words.split_whitespace());
+        for word in tables.chain(FUNCTION.split_whitespace()).map(String::from).chain(more) {
+            forms.entry(word.clone()).or_insert((word, Form::Other));
+        }
+        Lexicon { forms }
+    }
+
+    /// A word, or the nearest that is known.
+    pub fn word(&self, typed: &str) -> Word {
+        let number = typed.chars().all(|c| c.is_ascii_digit() || c == '.');
+        let known = self.forms.contains_key(typed) || number;
+        let near = if known { None } else { self.nearest(typed) };
+        let text = near.unwrap_or(typed);
+        let (lemma, form) = self.forms.get(text).cloned().unwrap_or((text.to_string(), Form::Other));
+        Word { text: text.into(), lemma, form, unknown: (!known).then(|| typed.to_string()), mark: None }
+    }
+
+    /// The known word that is nearest to one that is not, where it can be a slip of the pen.
+    pub fn nearest(&self, typed: &str) -> Option<&str> {
+        let length = typed.chars().count();
+        let slips = match length {
+            0..=2 => return None,
+            3..=7 => 1,
+            _ => 2,
+        };
+        let distance = |known: &&str| strsim::osa_distance(typed, known);
+        let same_letters = |known: &str| {
+            let mut both = [typed, known].map(|word| word.chars().collect::<Vec<_>>());
+            both.iter_mut().for_each(|word| word.sort_unstable());
+            both[0] == both[1]
+        };
+        let alike = |known: &&str| {
+            let letters = known.chars().count();
+            let close = letters > 2 && letters.abs_diff(length) <= slips;
+            // What begins otherwise is another word, but for two letters that changed places.
+            close && (length > 3 && known.chars().next() == typed.chars().next() || same_letters(known))
+        };
+        let near =
+            self.forms.keys().map(String::as_str).filter(alike).filter(|known| distance(known) <= slips);
+        near.min_by_key(|known| (distance(known), !same_letters(known), std::cmp::Reverse(known.len())))
+    }
+}
+
+/// What a word means: the names of the tables' lines that it stands in.
+pub(super) fn meanings(lemma: &str, text: &str) -> impl Iterator<Item = &'static str> {
+    let tables = ACTS.iter().chain(RELATIONS).chain(MODIFIERS);
+    let has = move |words: &str| words.split_whitespace().any(|word| word == lemma || word == text);
+    tables.filter(|(_, words)| has(words)).map(|(name, _)| *name).collect::<Vec<_>>().into_iter()
+}
+
+/// The regular forms of a verb.
+fn inflected(verb: &str) -> Vec<(String, Form)> {
+    let mut letters = verb.chars().rev();
+    let (last, second, third) = (letters.next(), letters.next(), letters.next());
+    let vowel = |letter: Option<char>| letter.is_some_and(|letter| "aeiou".contains(letter));
+    let short =
+        verb.len() <= 4 || ["unclasp", "forget", "begin", "ungrip", "sidestep", "commit"].contains(&verb);
+    let doubles =
+        short && !vowel(last) && !matches!(last, Some('w' | 'x' | 'y')) && vowel(second) && !vowel(third);
+    let (stem, ed) = match last {
+        Some('e') => (verb.trim_end_matches('e').to_string(), "ed"),
+        Some('y') if !vowel(second) => (verb.to_string(), "ied"),
+        _ if doubles => (format!("{verb}{}", last.unwrap_or_default()), "ed"),
+        _ => (verb.to_string(), "ed"),
+    };
+    let past = if ed == "ied" { format!("{}ied", &verb[..verb.len() - 1]) } else { format!("{stem}{ed}") };
+    let third_person = match last {
+        Some('y') if !vowel(second) => format!("{}ies", &verb[..verb.len() - 1]),
+        Some('s' | 'x' | 'o') => format!("{verb}es"),
+        Some('h') if matches!(second, Some('c' | 's')) => format!("{verb}es"),
+        _ => format!("{verb}s"),
+    };
+    let ing =
+        if verb.ends_with("ee") || verb.len() < 3 { format!("{verb}ing") } else { format!("{stem}ing") };
+    vec![(past, Form::Past), (ing, Form::Ing), (third_person, Form::Third)]
+}

@@ -1,0 +1,310 @@
+//! What an utterance means: acts × objects × relations × modifiers, said in patterns.
+//!
+//! ```text
+//! words (lexicon) ─▶ pieces: a thing, a hand, a part (names) ─▶ frames, fillers fall away ─▶ clauses, each with a mood ─▶ request, leave to move
+//! ```
+
+mod clauses;
+mod frames;
+mod leave;
+mod lexicon;
+mod names;
+mod patterns;
+mod pieces;
+mod places;
+mod words;
+
+use std::ops::Deref;
+
+pub use clauses::Mood;
+pub use leave::Leave;
+pub use names::{BodyNames, PartName};
+pub(in crate::interaction) use names::{name_words, patch_name};
+pub use pieces::{HandName, Which};
+pub use places::{Aside, End};
+
+use self::clauses::Clause;
+use self::lexicon::{Form, Lexicon};
+use self::patterns::has;
+use self::pieces::{Piece, Sense};
+use self::words::Mark;
+use super::requests::Intent;
+
+/// The words that mean a request, as patterns parted by `;` ([`patterns`](self::patterns)).
+#[derive(Clone, Copy)]
+pub struct Words {
+    /// By which it is told or asked to do it.
+    pub told: &'static str,
+    /// By which an answer is asked for.
+    pub asked: &'static str,
+    /// By which it is asked of what was.
+    pub past: &'static str,
+    /// By which it is meant where something is denied: "don't move".
+    pub denied: &'static str,
+    /// By which it is said alone, in whatever sentence.
+    pub said: &'static str,
+}
+
+impl Words {
+    /// None.
+    pub const NONE: Words = Words { told: "", asked: "", past: "", denied: "", said: "" };
+}
+
+/// The requests and their words.
+pub type Grammar = Vec<(Intent, Words)>;
+
+/// What is wanted, with what it names.
+#[derive(Clone, Debug, Default)]
+pub struct Request {
+    /// What is wanted.
+    pub intent: Intent,
+    /// The hand that is to do it.
+    pub hand: Option<HandName>,
+    /// The part of the body that it is about.
+    pub part: Option<PartName>,
+    /// Which of several things.
+    pub which: Option<Which>,
+    /// What a question puts in relation, and to which parts of the body.
+    pub related: Option<(End, Vec<PartName>)>,
+    /// To which side a thing is to be moved.
+    pub aside: Option<Aside>,
+    /// Whether it is to be done with a stick.
+    pub stick: bool,
+    /// Whether the trunk is to help.
+    pub lean: bool,
+    /// Whether what was done before is to be done again.
+    pub again: bool,
+    /// Whether it is about all things.
+    pub all: bool,
+    /// Whether it is about any thing that there may be: "an object".
+    pub any: bool,
+    /// Whether it asks what or which, not whether.
+    pub open: bool,
+    /// What a prohibition forbids, or a report is about.
+    pub about: Option<Intent>,
+}
+
+/// A word that is not known.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct UnknownWord {
+    /// As it was typed.
+    pub typed: String,
+    /// The nearest known word, which it is taken for; `None` if there is none near.
+    pub nearest: Option<String>,
+}
+
+impl UnknownWord {
+    fn of(word: &words::Word) -> Option<UnknownWord> {
+        let typed = word.unknown.clone()?;
+        let nearest = Some(word.text.clone()).filter(|text| *text != typed);
+        Some(UnknownWord { typed, nearest })
+    }
+
+    /// How it is asked back.
+    pub fn in_words(&self) -> String {
+        match &self.nearest {
+            Some(nearest) => format!("I do not know the word \"{}\", only \"{nearest}\"", self.typed),
+            None => format!("I do not know the word \"{}\"", self.typed),
+        }
+    }
+}
+
+/// What an utterance means.
+#[derive(Debug)]
+pub struct Understood {
+    /// What is wanted.
+    pub request: Request,
+    /// What kind of sentence says so.
+    pub mood: Mood,
+    /// Whether anything is forbidden.
+    pub forbids: bool,
+    /// The words of it that are not known.
+    pub unknown: Vec<UnknownWord>,
+    /// Leave to move, where it gives any.
+    pub leave: Option<Leave>,
+}
+
+impl Deref for Understood {
+    type Target = Request;
+
+    fn deref(&self) -> &Request {
+        &self.request
+    }
+}
+
+/// All that is needed to understand a partner.
+pub struct Language {
+    lexicon: Lexicon,
+    names: BodyNames,
+    grammar: Grammar,
+}
+
+impl Language {
+    /// Some requests' words, and what a creature's parts are called.
+    pub fn new(grammar: Grammar, names: BodyNames) -> Language {
+        let lists = |words: &Words| [words.told, words.asked, words.past, words.denied, words.said];
+        let patterns = grammar.iter().flat_map(|(_, words)| lists(words)).flat_map(patterns::listed);
+        let words = patterns
+            .chain(frames::patterns())
+            .chain(clauses::patterns())
+            .flat_map(patterns::words)
+            .chain(pieces::words())
+            .map(String::from);
+        let lexicon = Lexicon::new(words.chain(names.words().map(String::from)));
+        Language { lexicon, names, grammar }
+    }
+
+    /// What was said means.
+    pub fn understand(&self, heard: &str) -> Understood {
+        let words = words::words(heard, &self.lexicon);
+        let unknown: Vec<UnknownWord> = words.iter().filter_map(UnknownWord::of).collect();
+        let pieces = pieces::pieces(&words, &self.names);
+        let mut pieces = frames::unframed(pieces);
+        places::sideways(&mut pieces);
+        let clauses = clauses::of(pieces.clone());
+        let forbids = clauses.iter().any(Clause::denies) || clauses::denies(&pieces) && clauses.len() > 1;
+        let which = pieces::which(&pieces);
+        // "The one nearest you", and nothing else.
+        let names = |piece: &Piece| {
+            piece.sense == Sense::Thing || piece.sense == Sense::Word && piece.word.form == Form::Other
+        };
+        let answers = which.is_some() && unknown.is_empty() && pieces.iter().all(names);
+        let other = if answers { Intent::Which } else { Intent::Unknown };
+        let (intent, at, heads) = self.meant(&pieces, &clauses).unwrap_or((other, 0, false));
+        let mood = clauses.get(at).map_or(Mood::Statement, |clause| clause.mood);
+        let asks = match intent {
+            Intent::HowFar | Intent::WhereOwn | Intent::WhereFelt | Intent::NearOrFar => true,
+            Intent::Unknown => mood == Mood::Question,
+            // "Is it bigger than your hand?" is about no place.
+            Intent::HowBig => !has(&pieces, "than"),
+            _ => false,
+        };
+        let related = places::related(&pieces).filter(|_| asks);
+        let intent = match &related {
+            Some((End::Part(_), _)) => Intent::WhereOwn,
+            Some(_) if !matches!(intent, Intent::WhereFelt | Intent::NearOrFar) => Intent::HowFar,
+            _ => intent,
+        };
+        let aside = places::aside(&pieces).filter(|_| intent == Intent::PutAside);
+        // Whatever is denied or supposed anywhere, it is better to ask.
+        let doubtful = clauses.iter().any(|clause| matches!(clause.mood, Mood::Hypothesis | Mood::Past))
+            || forbids
+            || has(
+                &pieces,
+                "not|never|no|nope|nah|or|if|when|before|after|until|unless|tomorrow|later|day & !$ & !xx",
+            )
+            || aside.is_some_and(|aside| !aside.clear)
+            || words::quotes(heard);
+        let whole = unknown.is_empty() && !doubtful;
+        let asked = heads && (mood == Mood::Command || mood == Mood::Question && intent == Intent::Explore);
+        let leave = intent.moves().then(|| Leave::by_words(asked && whole)).flatten();
+        let about = match intent {
+            Intent::Dont | Intent::Report => clauses.iter().find_map(|clause| clause.about(&self.grammar)),
+            // "Lean forward and touch it."
+            Intent::LeanForward => clauses
+                .iter()
+                .skip(at + 1)
+                .find_map(|clause| clause.meant(&self.grammar))
+                .map(|meant| meant.0),
+            _ => None,
+        };
+        let about = about
+            .filter(|about| intent != Intent::LeanForward || (about.moves() && *about != Intent::Repeat));
+        let (hand, part) = pieces::hand_and_part(&pieces, about.unwrap_or(intent));
+        let any = |lemmas: &str| pieces.iter().any(|piece| piece.is(lemmas));
+        let request = Request {
+            intent,
+            hand,
+            part,
+            which,
+            related,
+            aside,
+            stick: pieces::with_stick(&pieces),
+            lean: any("lean") && !matches!(intent, Intent::LeanForward | Intent::LeanBack),
+            again: any("again retry repeat try once"),
+            all: pieces
+                .iter()
+                .any(|piece| piece.words.iter().any(|word| word == "all" || word == "everything")),
+            any: pieces.iter().any(|piece| piece.sense == Sense::Some),
+            open: any("what which where how when why who"),
+            about,
+        };
+        Understood { request, mood, forbids, unknown, leave }
+    }
+
+    /// The request, in which clause it is, and whether it may be done for that.
+    fn meant(&self, pieces: &[Piece], clauses: &[Clause]) -> Option<(Intent, usize, bool)> {
+        let found: Vec<(Intent, usize, bool)> = clauses
+            .iter()
+            .enumerate()
+            .filter_map(|(k, clause)| clause.meant(&self.grammar).map(|(intent, heads)| (intent, k, heads)))
+            .collect();
+        let commands = |k: usize| clauses[k].mood == Mood::Command;
+        // What is wanted comes before what is forbidden beside it, and what is told before what is asked or said.
+        let wanted = found.iter().find(|(intent, ..)| *intent != Intent::Dont).or(found.first()).copied();
+        let told = found.iter().copied().find(|(intent, k, _)| commands(*k) && intent.moves());
+        let wanted = match (wanted, told) {
+            (Some((Intent::TakeStick, k, _)), Some((Intent::Lift, at, heads))) if k < at => {
+                Some((Intent::TakeStick, at, heads))
+            }
+            (Some((_, k, _)), Some(told)) if !commands(k) && clauses[k].mark >= Some(Mark::Pause) => {
+                Some(told)
+            }
+            _ => wanted,
+        };
+        // To bend down is but the way to touch one's own leg.
+        let own = found.iter().copied().find(|(intent, ..)| *intent == Intent::TouchOwn);
+        let wanted = if matches!(wanted, Some((Intent::LeanForward, ..))) { own.or(wanted) } else { wanted };
+        match wanted {
+            Some(wanted)
+                if wanted.0 == Intent::Dont
+                    || !strange(pieces)
+                        && !has(pieces, OTHERS)
+                        && !IDIOMS.iter().any(|idiom| has(pieces, idiom)) =>
+            {
+                Some(wanted)
+            }
+            _ => clauses
+                .iter()
+                .enumerate()
+                .find_map(|(k, clause)| Some((clause.alone(&self.grammar)?, k, false))),
+        }
+    }
+}
+
+/// What is done to somebody else.
+const OTHERS: &str = "TOUCH|GRAB|TEND|LIFT ?ON me|us|him|her|my|his|their|our";
+/// Words that name parts or acts and mean something else.
+const IDIOMS: &[&str] = &[
+    "yourself together",
+    "close|open|shut PART",
+    "lean on me",
+    "stand ON PART",
+    "feel free $",
+    "run away",
+    "in peace",
+    "keep in touch",
+    "keep the change",
+    "no hard",
+];
+
+/// Whether an utterance is about something that nobody here knows: the moon, politics.
+fn strange(pieces: &[Piece]) -> bool {
+    let foreign =
+        |piece: &Piece| piece.sense == Sense::Word && piece.word.unknown.as_ref() == Some(&piece.word.text);
+    (0..pieces.len()).any(|k| {
+        let after = k == 0
+            || pieces[k - 1]
+                .is("the a an my your our some any this that of about to from with in on at for into no")
+            || foreign(&pieces[k - 1])
+            || pieces[k - 1].word.form != Form::Other;
+        let ends = pieces[k].word.mark.is_some()
+            || pieces.get(k + 1).is_none_or(|next| {
+                next.sense == Sense::Word
+                    && (next.word.form != Form::Other
+                        || foreign(next)
+                        || next.is("of to from with in on at for and or behind like"))
+            });
+        foreign(&pieces[k]) && after && ends
+    })
+}
