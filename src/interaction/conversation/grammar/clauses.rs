@@ -32,9 +32,11 @@ const DENYING: &str = "not|never|without|neither|nor|refrain|abstain|cease|desis
     no ?more DOING|TOUCH|PUSH|LEAN|LIFT|REACH|PULL|GRAB|PUT|contact; keep|take|get HAND off|away|from; \
     hold off|back from|DOING; keep|stay off; keep|away|refrain|far from DOING|TOUCH; from DOING; \
     forget ?about DOING; i|we would ?really|absolutely hate|dislike|loathe|resent|mind|object; \
-    BAD if|to|for|idea; keep HAND to; no business; anything|SOME but; under|by|on no; \
+    BAD if|to|for|idea; HAND to yourself; keep HAND to; no business; anything|SOME but; under|by|on no; \
     be forbidden|=forbidden; off limits; make no; nowhere; no need|reason|longer|point; last thing; \
     no|nope|nah ?ANY ?THING $; beware of; cut THING out";
+/// How many words a side counts for that a thing is to be moved to.
+const SIDE: usize = 4;
 /// Words that a command may begin with, before its verb.
 const MEANS: &str = "with by using to back over in from on up down away off left right out again your the";
 
@@ -120,8 +122,11 @@ impl Clause {
         for (intent, words) in grammar.iter() {
             for pattern in listed(of(words)) {
                 let Some(taken) = taken(&begun, pattern) else { continue };
-                if best.is_none_or(|(most, ..)| taken.len() > most) {
-                    best = Some((taken.len(), *intent, taken.contains(&head)));
+                // "To the left" says more than the words about it.
+                let side = taken.iter().any(|&k| matches!(begun[k].sense, Sense::Side(_)));
+                let weight = taken.len() + if side { SIDE } else { 0 };
+                if best.is_none_or(|(most, ..)| weight > most) {
+                    best = Some((weight, *intent, taken.contains(&head)));
                 }
             }
         }
@@ -164,7 +169,7 @@ impl Clause {
                     || has(self.begun(), "^ i|we & !you|your|THING|SOME|BODY")
                     || has(self.begun(), "^ you PAST|VERB|always|never")
                     || has(&self.pieces, "he|she|they|him|her|his|them")
-                    || has(&self.pieces, "we|i|PAST|to|be") && !has(&self.pieces, "you|your|HAND|BODY");
+                    || has(&self.pieces, "we|i|PAST|to|be") && !has(&self.pieces, "you|your|HAND|BODY|STICK");
                 let own = self.pieces.len() > 1
                     && !others
                     && self.pieces.iter().all(|piece| piece.word.unknown.is_none());
@@ -257,7 +262,11 @@ fn facts(pieces: &mut Vec<Piece>) {
 }
 
 fn mood(pieces: &[Piece], asks: bool) -> Mood {
-    let wanted = pieces.iter().any(|piece| piece.wanted.is_some());
+    let wish = pieces.iter().find_map(|piece| piece.wanted);
+    let wanted = wish.is_some();
+    if wish == Some(Wish::Answer) {
+        return Mood::Question;
+    }
     let inverted = has(pieces, "^ !=do !=have !need HELPING ?not SUBJECT|THING|SOME|BODY")
         || has(pieces, "^ =do|=have|need ?not SUBJECT|BODY|THING !AGAIN");
     let inverted = inverted
@@ -325,7 +334,7 @@ fn begins_as_command(pieces: &[Piece]) -> bool {
     let subject = has(pieces, "^ SUBJECT")
         || has(pieces, "^ THING|SOME|BODY HELPING|be|PAST|THIRD")
         || has(pieces, "^ to VERB")
-        || has(pieces, "^ DOING");
+        || has(pieces, "^ !=using DOING");
     let verb = |piece: &Piece| piece.sense == Sense::Word && piece.word.form.is_base();
     let means = has(
         pieces,

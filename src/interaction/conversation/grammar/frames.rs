@@ -14,10 +14,23 @@ pub enum Wish {
     Asked,
     /// It leaves open whether it is wanted: "you could …"; it is asked back.
     Open,
+    /// It asks for an answer: "I want to know …".
+    Answer,
 }
 
 /// Frames, each with what is wanted at its end: its verb, or all from `~` on.
-const FRAMES: [(Wish, &str); 3] = [(Wish::Asked, ASKED), (Wish::Told, TOLD), (Wish::Open, OPEN)];
+const FRAMES: [(Wish, &str); 4] =
+    [(Wish::Asked, ASKED), (Wish::Told, TOLD), (Wish::Open, OPEN), (Wish::Answer, ANSWER)];
+/// They ask for an answer.
+const ANSWER: &str = "i|we ?would|do ?really =like|=love|=want|=need|=wish to =know|=hear|=learn|=ask|=find|=see ?out ?you ?about ~ ASKING|if|whether|your|the|its|THING|PART|HAND; \
+    i|we be =curious|=interested|=wondering|=asking ?to|about|in ?know ~ ASKING|if|whether|your|the|its; \
+    i|we ?just =wonder|=wondered|=ask ?about ~ ASKING|if|whether; \
+    i|we do|can|could not =know|=tell|=see|=understand|=remember ~ ASKING|if|whether|your|the|its; \
+    i|we ?would ?do =like|=want|=need a|an|some ?rough idea|estimate|notion of|about ~ ANY|THING|PART|HAND; \
+    i|we be unsure|not ?sure|certain ~ ASKING|if|whether; i|we have no idea ~ ASKING|if|whether; \
+    i|we ?would|=am be ?ever ?so GOOD|interested|curious to =know|=hear|=learn ~ ASKING|if|whether|your|the|its|ANY; \
+    THING would be GOOD ?for ?me to =know|=hear|=learn ~ ANY|THING|PART|HAND; \
+    my question be ~ ASKING|if|whether; ?do ?you have ?you any|an|no idea ?of|about ~ ANY|THING|PART|HAND";
 /// They ask for it.
 const ASKED: &str = "can|could|will|would|might|may not you ?also VERB; \
     can|could|will|would|might|may you ?also ?try ?and ?to VERB; \
@@ -117,7 +130,8 @@ const FILLERS: &str = "please|kindly|just|simply|now|um|uh|er|hmm; oh|ah|actuall
 /// Whom one speaks to.
 const VOCATIVES: &str = "max mate buddy partner robot friend guys pal sir dear lad bud";
 /// Questions that begin as a request does: whether it is able to.
-const ABILITY: &str = "can|could|would|will you ?be ?able ?to ?maybe ?still REACH THING|that|there; \
+const ABILITY: &str = "can|could THING be =reached|=touched|=grasped|=gripped; \
+    can|could|would|will you ?be ?able ?to ?maybe ?still REACH THING|that|there; \
     can|could|would|will you ?be ?able ?to get at|to THING|there|that; \
     can|could|would|will you be able to TOUCH|GRAB|get|FEEL; be you able; \
     you can|could|would ?be ?able ?to REACH THING|that; can|could|would you TOUCH|GRAB THING from|without; \

@@ -1,4 +1,4 @@
-//! Leave to move: only words that ask for it, a "yes" to a question of its own, or a touch give it; all that moves takes one.
+//! Leave to move: only words that ask for it or a "yes" to a question of its own give it; all requests that move take one.
 
 use super::{Intent, Understood};
 
@@ -9,11 +9,6 @@ pub struct Leave(());
 impl Leave {
     /// Leave for a request is leave for what it asks to be done again.
     pub(in crate::interaction::conversation) fn again(&self) -> Leave {
-        Leave(())
-    }
-
-    /// The leave that a touch of the skin gives: to put a hand there.
-    pub(in crate::interaction::conversation) fn by_touch() -> Leave {
         Leave(())
     }
 

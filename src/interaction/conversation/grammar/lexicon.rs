@@ -49,7 +49,7 @@ const ACTS: &[(&str, &str)] = &[
     ("KEEP", "keep stay remain hold stand sit lie wait be"),
     (
         "TELL",
-        "tell say describe report explain show name state mention summarise summarize recap recount estimate announce",
+        "tell say describe report explain show name state mention list summarise summarize recap recount estimate announce",
     ),
     ("KNOW", "know remember recall wonder guess see think reckon believe"),
     ("COUNT", "count tally"),
@@ -75,6 +75,7 @@ const ACTS: &[(&str, &str)] = &[
 ];
 /// How things are placed and moved, and of which kind they are.
 const RELATIONS: &[(&str, &str)] = &[
+    ("FARTHER", "far farther further farthest furthest away miles"),
     (
         "FAR",
         "far farther further farthest furthest away distant remote off beyond miles opposite apart yonder outward outwards",
@@ -201,7 +202,7 @@ const FUNCTION: &str = "a an the of to in on at by for with from into and or but
     slightly immediately directly completely absolutely perfectly entirely thoroughly closely further farther proper tight firm total \
     encore shot crack whirl bash stab go kindness solid good-bye via using onto upon toward towards within inside outside against \
     nose everywhere anywhere somewhere nowhere otherwise rid under no-one terms course means true false incorrect mistaken stop \
-    curious interested interest unsure business tired seat goes belongs lad till detail thorough path funny appreciated heavy sense physical left-hand right-hand sec jiffy whole self";
+    curious interested interest unsure business tired seat leftward leftwards rightward rightwards empty bare goes belongs lad till detail thorough path funny appreciated heavy sense physical left-hand right-hand sec jiffy whole self";
 /// Irregular forms of verbs; `*` where it is also the base form.
 const IRREGULAR: &str = "felt feel,found find,held hold,took take,taken take,caught catch,brought bring,got get,gotten get,went go,gone go,\
     came come,put put*,set set*,let let*,hit hit*,laid lay,stood stand,sat sit,lain lie,kept keep,left leave,lost lose,\

@@ -189,10 +189,7 @@ impl Language {
         // Whatever is denied or supposed anywhere, it is better to ask.
         let doubtful = clauses.iter().any(|clause| matches!(clause.mood, Mood::Hypothesis | Mood::Past))
             || forbids
-            || has(
-                &pieces,
-                "not|never|no|nope|nah|or|if|when|before|after|until|unless|tomorrow|later|day & !$ & !xx",
-            )
+            || clauses.iter().any(|clause| has(&clause.pieces, DOUBTFUL))
             || aside.is_some_and(|aside| !aside.clear)
             || words::quotes(heard);
         let whole = unknown.is_empty() && !doubtful;
@@ -242,7 +239,10 @@ impl Language {
         let commands = |k: usize| clauses[k].mood == Mood::Command;
         // What is wanted comes before what is forbidden beside it, and what is told before what is asked or said.
         let wanted = found.iter().find(|(intent, ..)| *intent != Intent::Dont).or(found.first()).copied();
-        let told = found.iter().copied().find(|(intent, k, _)| commands(*k) && intent.moves());
+        let moves = |(intent, k, _): &(Intent, usize, bool)| commands(*k) && intent.moves();
+        let heads = |meant: &(Intent, usize, bool)| moves(meant) && meant.2;
+        let told =
+            found.iter().find(|meant| heads(meant)).or(found.iter().find(|meant| moves(meant))).copied();
         let wanted = match (wanted, told) {
             (Some((Intent::TakeStick, k, _)), Some((Intent::Lift, at, heads))) if k < at => {
                 Some((Intent::TakeStick, at, heads))
@@ -272,6 +272,8 @@ impl Language {
     }
 }
 
+/// What makes it doubtful whether something is wanted, or wanted now.
+const DOUBTFUL: &str = "not|never|no|nope|nah|or|if|when|before|after|until|unless|tomorrow|later|day";
 /// What is done to somebody else.
 const OTHERS: &str = "TOUCH|GRAB|TEND|LIFT ?ON me|us|him|her|my|his|their|our";
 /// Words that name parts or acts and mean something else.
@@ -285,6 +287,7 @@ const IDIOMS: &[&str] = &[
     "in peace",
     "keep in touch",
     "keep the change",
+    "off you go",
     "no hard",
 ];
 

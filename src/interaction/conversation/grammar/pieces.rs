@@ -158,7 +158,7 @@ fn referred(pieces: &mut [Piece]) {
             .any(|piece| piece.sense == Sense::Word && piece.word.form.is_base() && !piece.is("be do have"));
         match &pieces[k].sense {
             Sense::Part(part) => named = (pieces[k].word.mark.is_some() && !told).then(|| part.clone()),
-            Sense::Thing if pieces[k].word.text == "it" => {
+            Sense::Thing if ["it", "that"].contains(&pieces[k].word.text.as_str()) => {
                 if let Some(part) = &named {
                     pieces[k].sense = Sense::Part(part.clone());
                 }
@@ -254,6 +254,10 @@ fn noun_phrase(words: &[Word], before: Option<&Piece>) -> Option<(Sense, usize)>
         .iter()
         .take_while(|word| ADJECTIVES.split_whitespace().any(|other| other == word.text))
         .count();
+    // "Stick it there."
+    if listed(0, "stick") && listed(1, "it that the this them your a") {
+        return None;
+    }
     // "The can" is a thing, "can you" is not.
     if listed(k, THINGS)
         && (determined > 0 || k > 0 && listed(k, "one") || !listed(k, "can one die key glass tin"))

@@ -4,10 +4,13 @@ use super::{Act, Answer, RequestKind, Words};
 
 pub(super) const YES: RequestKind = RequestKind {
     words: Words {
-        said: "^ YES $ ; ^ YES ; ^ YES thing ; ^ go ahead|on ; ^ go for THING ; ^ DO it|so|that|THING $ ; ^ DO $ ; \
-            ^ of course ; ^ that|THING be right|correct|true|fine|it ; ^ by all means ; ^ you may|can|should $ ; \
-            ^ why not $ ; ^ sounds good|fine|right ; ^ that|THING be ?the one|idea|case $ ; ^ that|THING be THING $ ; \
-            ^ you be|have ?get right|it ; ^ YES ?go|DO ?ahead|THING",
+        said: "i agree ; that|THING suits|works|suit ; i would like|love that|THING $ ; ^ that would be GOOD $ ; ^ well $ ; \
+            i think|suppose|guess|believe|hope so ; what i mean|want ; ^ make THING so ; \
+            you ?have =got|understand THING|me|right ; ^ YES $ ; ^ YES ; ^ YES thing ; ^ go ahead|on ; ^ go for THING ; \
+            ^ DO it|so|that|THING $ ; ^ DO $ ; ^ of course ; ^ that|THING be right|correct|true|fine|it ; \
+            ^ by all means ; ^ you may|can|should $ ; ^ why not $ ; ^ sounds good|fine|right ; \
+            ^ that|THING be ?the one|idea|case $ ; ^ that|THING be THING $ ; ^ you be|have ?get right|it ; \
+            ^ YES ?go|DO ?ahead|THING",
         ..Words::NONE
     },
     ..RequestKind::new(["", ""], Act::Tells(|_, _| Answer::tells("Good; but I did not ask you anything")))
@@ -15,11 +18,11 @@ pub(super) const YES: RequestKind = RequestKind {
 
 pub(super) const NO: RequestKind = RequestKind {
     words: Words {
-        said: "^ NO ; ^ NO way|thanks|thank ; ^ wrong|incorrect|false ; \
+        said: "i disagree ; not what i mean|want ; i do not mean ; =misunderstood ; change|changed my mind ; ^ NO ; \
+            ^ NO way|thanks|thank ; ^ wrong|incorrect|false ; \
             ^ not really|quite|THING|yet|now|so|right|correct|true|me|at|in ; \
             ^ that|THING be not|wrong|false|incorrect ; ^ i do not think|want|believe ; ^ YES not ; ^ of course not ; \
-            ^ rather|better not ; ^ do not|never|not $ ; ^ not $ ; ^ never $ ; ^ you be wrong|mistaken ; \
-            ^ i would rather not",
+            ^ rather|better not ; ^ never|not $ ; ^ you be wrong|mistaken ; ^ i would rather not",
         ..Words::NONE
     },
     ..RequestKind::new(["", ""], Act::Minds(|_, _| Answer::tells("All right, I do nothing")))
@@ -28,7 +31,9 @@ pub(super) const NO: RequestKind = RequestKind {
 pub(super) const WHICH: RequestKind = RequestKind {
     words: Words {
         told: "^ choose|mean THING|one ; ^ THING FAR|NEAR ?away|off $",
-        said: "^ ?make ?THING THING $ ; ^ ?the THING ?FAR|NEAR ?away|off $ ; \
+        said: "THING ?that i mean|want|need|think ; i be|was =talking|=thinking about|of THING ; ^ THING be THING ; \
+            either|whichever|any one|THING ; THING be THING ?that ; about THING $ ; ^ ?make ?THING THING $ ; \
+            ^ ?the THING ?FAR|NEAR ?away|off $ ; \
             ^ ?not ?the|it|take|choose|mean|be|want|that|prefer THING ?ON|at|with|by|that|which|in|i|from|FAR|NEAR ?the|your ?my ?left|right|side|front|back|mean|want|end|other $ ; \
             ^ ON ?the|your|my left|right ; ^ ?the first|second|third|last|left|right|NEAR|FAR $ ; \
             ^ ?the first|second|third|last THING ; THING i mean|want|choose|meant $ ; \

@@ -32,7 +32,9 @@ pub(super) const EXPLORE: RequestKind = RequestKind {
             what be on|in TABLE|SPACE|front ; SEARCH|LOOK|FEEL in front|before|around|AROUND ; REACH for SOME ; \
             FIND another|more|out ; LOOK for ; locate THING|SOME ; SEARCH|LOOK|FEEL & THING|SOME ; \
             FEEL for SOME|THING|more",
-        asked: "be there|THING ?in|on|also|still|not|by|you SOME ; be there ?any ?MORE|else|other SOME|THING|more|MORE ; \
+        asked: "be TABLE empty|bare|clear ; be there one|any ; what you HELPING FIND|see ; \
+            what stand|lie|be|=standing|=lying ON|in TABLE|front ; be there|THING ?in|on|also|still|not|by|you SOME ; \
+            be there ?any ?MORE|else|other SOME|THING|more|MORE ; \
             be SOME there|here|ON|in|around|near|AROUND|NEAR|before|out|within|left|nearby|lying|standing ; ^ SOME $ ; \
             ^ any|more SOME|MORE|others|there ; ^ SOME ?in|on|there|AROUND|ON|before|near ; HELPING there be SOME ; \
             what be ?there|lying|standing|=lying|=standing ON|in|before|around|there|AROUND ?the|front ?TABLE ; \
@@ -44,6 +46,8 @@ pub(super) const EXPLORE: RequestKind = RequestKind {
             be THING|SOME there ; find SOME ; sign|trace of SOME ; SOME ?else AROUND|there|about ; come across SOME ; \
             have|do THING|TABLE|SPACE have|hold SOME ON ; \
             be|do you ?see|have|notice SOME ?in front|before|ON|around|there ; what THING|SOME be ?there ON|in|around",
+        said: "there ought|must|should|may|might|could ?to be SOME|THING|MORE ; \
+            i think|believe|guess|suppose|bet there be SOME|MORE|THING",
         ..Words::NONE
     },
     needs_body: true,

@@ -15,7 +15,8 @@ pub(super) const HELP: RequestKind = RequestKind {
     words: Words {
         told: "show me what you can|do ; ^ usage|manual|instructions|commands|options|menu $ ; assist|help me $ ; \
             give|show ?me|us .. COMMANDS ; list COMMANDS",
-        asked: "what ?else|ALL|things|KIND|sort ?of ?SOME|THING HELPING you|i|we do|TELL|SPEAK|understand|make|perform|offer|KNOW|try|want|request|DO ; \
+        asked: "what ?all you can|could|may do ; how this|THING|that work ; what to SPEAK|TELL|do ; \
+            what ?else|ALL|things|KIND|sort ?of ?SOME|THING HELPING you|i|we do|TELL|SPEAK|understand|make|perform|offer|KNOW|try|want|request|DO ; \
             what HELPING|do you|i do $ ; what ?KIND|THING|SOME ?of ?THING|SOME HELPING i|we|you ; \
             what be you able|capable|good|for ; \
             what|which|list|TELL|your|all|give|any ?ALL|of ?THING|the|your|ALL|be ?your COMMANDS ; help ?me|us ?out $ ; \

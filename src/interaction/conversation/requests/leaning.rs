@@ -11,7 +11,7 @@ pub(super) const LEAN_FORWARD: RequestKind = RequestKind {
             LEAN ?your ?THING|PART|yourself|HAND|over|body ?BIT ?way|at|from ?the ?waist|hips ?far ?MORE FORWARD ; \
             AGAIN & LEAN FORWARD ; TRY|REPEAT & LEAN FORWARD ; \
             LEAN ?your ?PART|yourself|body ?a ?BIT ?FAR ?MORE over|down|in|into|ON|out|across|closer|ahead|at|MORE|further ; \
-            ^ LEAN $ ; ^ LEAN ?a ?BIT ?MORE ; ^ ?BIT ?MORE FORWARD $ ; \
+            ^ LEAN $ ; ^ LEAN ?a ?BIT ?MORE ; ^ ?BIT ?MORE|FAR FORWARD $ ; \
             come|get|move|bring|push|REACH ?yourself|PART|FAR ?BIT ?MORE FORWARD & !THING|SOME ; \
             bring|put|move|get your PART FORWARD & !THING ; LEAN BIT|now|THING|PART & !BACK|UPRIGHT ; \
             come|get|go closer|nearer to|over ?the TABLE & !THING ; \

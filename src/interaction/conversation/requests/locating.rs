@@ -30,10 +30,11 @@ pub(super) const HOW_FAR: RequestKind = RequestKind {
 
 pub(super) const NEAR_OR_FAR: RequestKind = RequestKind {
     words: Words {
-        asked: "NEAR or|versus|and|not ?FAR ; FAR or|versus|and|not ?NEAR ; or ?a|some ?long way off|away ; \
+        asked: "if|whether you|your|BODY can|could ?ever REACH|TOUCH|get|GRAB ; if|whether THING be ?too FAR|NEAR ; \
+            too FAR|NEAR ; NEAR or|versus|and|not ?FAR ; FAR or|versus|and|not ?NEAR ; or ?a|some ?long way off|away ; \
             within|in|inside|out|outside|beyond|at ?of ?easy|your|the|HAND|arm ?arm|easy|own RANGE & !put ; REACHABLE ; \
             too|very FAR|NEAR ; be THING|SOME|there ?still|ALL|that|BIT ?that NEAR|FAR & !from|how|where ; \
-            have|need|must|do you|i|BODY ?have|need to REACH|LEAN|strain|step ; \
+            have|need|must|do you|i|BODY ?have|need ?to REACH|LEAN|strain|step ; \
             able|possible|manage|easy|hard|difficult|capable of|to|for ?you ?to REACH|TOUCH|get|GRAB|=reaching|=touching ; \
             ^ can|could|will|would|may|might you|i|BODY|HAND ?be ?able ?to ?ever ?maybe REACH|TOUCH|GRAB|get|make THING|SOME|to|that|at|there ; \
             able ?to REACH|TOUCH|GRAB|get ; able ; REACH THING if|without|with|from ; HELPING you ?ever REACH THING ; \
@@ -87,7 +88,7 @@ pub(super) const WHERE_FELT: RequestKind = RequestKind {
             which|what place|spot|part ?of ?the BODY|body ; where ON you|your|BODY HELPING|be ; LOCATE ; \
             locate THING & words ; where be THING ?now ; what part|spot ; BODY or|the BODY & FEEL ; be THING SIDE ; \
             left|right side ; be THING ahead|behind|left|right ; on|to your left|right",
-        past: "where & you|THING|SOME|BODY|HAND ; where",
+        past: "left|right or ; where & you|THING|SOME|BODY|HAND ; where",
         ..Words::NONE
     },
     ..RequestKind::new(
@@ -99,8 +100,10 @@ pub(super) const WHERE_FELT: RequestKind = RequestKind {
 pub(super) const WHAT_FELT: RequestKind = RequestKind {
     words: Words {
         asked: "can|could you FEEL ?SOME|THING|ANY ; what HELPING|be you|BODY|HAND FEEL|sense|TOUCH|notice ; \
-            do you FEEL my ; what .. you FEEL|sense ; ^ still FEEL THING|SOME ; do you ?still FEEL ?ANY BODY|my ; \
-            ^ FEEL SOME $ ; what|do|be|HELPING|how|tell|if|whether|any .. FEEL|sense|perceive|notice|detect|contact ; \
+            what you be FEEL|TOUCH|sense ; what you FEEL ; if|whether you FEEL|TOUCH ; do you FEEL my ; \
+            do THING|you FEEL SOME ; what .. you FEEL|sense ; ^ still FEEL THING|SOME ; \
+            do you ?still FEEL ?ANY BODY|my ; ^ FEEL SOME $ ; \
+            what|do|be|HELPING|how|tell|if|whether|any .. FEEL|sense|perceive|notice|detect|contact ; \
             what|be|do|how .. =touching|=touches|=feeling ; any|which|what|your|the|in ?any|the CONTACT ; \
             SOME|THING|who|i|what TOUCH|press|hold|PUSH|CONTACT|brush|=pressing|lean ?ON|against|into|at BODY|you|your ; \
             be|do SOME|THING|you|BODY|HAND|there ?still|in|any ?in|any TOUCH|contact|CONTACT|press|against|hold|FEEL ; \

@@ -6,10 +6,11 @@ pub(super) const GREET: RequestKind = RequestKind {
     words: Words {
         asked: "how be THING|life|everything|things|you|ALL ?going|$ ; how do you do|$ ; \
             you|are|be ?you ok|okay|alright|well $",
-        said: "^ HELLO ; ^ GOOD|good morning|afternoon|evening|day ; \
+        said: "GOOD to MEET|meet|see you ; i be back ; how have you be ; ^ HELLO ; \
+            ^ GOOD|good morning|afternoon|evening|day ; \
             ^ ?THING ?be GOOD|nice|pleased|glad|pleasure to|meeting|=meeting|seeing ?MEET|meet|see ?you ; \
-            how be|do you ?doing|feeling|today|going|do|$ ; ^ morning|evening|afternoon ; how have you be ; \
-            long time no see ; ^ HELLO there|BEING",
+            how be|do you ?doing|feeling|today|going|do|$ ; ^ morning|evening|afternoon ; long time no see ; \
+            ^ HELLO there|BEING",
         ..Words::NONE
     },
     ..RequestKind::new(
@@ -21,8 +22,10 @@ pub(super) const GREET: RequestKind = RequestKind {
 pub(super) const THANKS: RequestKind = RequestKind {
     words: Words {
         told: "THANKS ?you|THING|many|much ?for|very|ALL|so|a ?THING|your ?help|much|$",
-        past: "THANKS ; you =have =been ?a ?GOOD help|GOOD ; you =did GOOD ; ^ that be ?a|so GOOD ?of ?you",
-        said: "THANKS ; ^ well|nicely =done|do ; ^ GOOD BEING|boy|one|$ ; ^ GOOD ?one $ ; GOOD of you ; \
+        past: "THANKS ; you be ?a ?GOOD help ; not thank you ; you =have =been ?a ?GOOD help|GOOD ; you =did GOOD ; \
+            ^ that be ?a|so GOOD ?of ?you",
+        said: "you be ?a GOOD help|=doing ; you be =doing well|GOOD ; owe you ; impressed ; not thank you ; THANKS ; \
+            ^ well|nicely =done|do ; ^ GOOD BEING|boy|one|$ ; ^ GOOD ?one $ ; GOOD of you ; \
             you have be|being ?a|of ?GOOD help|helpful|useful|GOOD ; GOOD job|work|effort ; how kind ; \
             THING be ?a|so ?very GOOD ; you be GOOD ; you be a|the GOOD",
         ..Words::NONE
@@ -33,7 +36,7 @@ pub(super) const THANKS: RequestKind = RequestKind {
 pub(super) const WHO: RequestKind = RequestKind {
     words: Words {
         told: "INTRODUCE yourself ; TELL|give ?me|us ?your who|name|yourself $ ; TELL ?me ?SOME|MORE|a ?BIT about yourself",
-        asked: "who HELPING|be you ; who|what ?you|exactly be you ; \
+        asked: "who HELPING|be you ; who you be ; who i be ?=talking|=speaking ; your name ; who|what ?you|exactly be you ; \
             who|whom do|be|have i|we have|the|TELL|=talking|=speaking|SPEAK ; \
             which|what KIND|BEING ?of ?BEING|THING|SOME be|are you ; your purpose|function|job|name ; ^ ?and you be $ ; \
             what be your name ; you have ?a name ; what be you $ ; \

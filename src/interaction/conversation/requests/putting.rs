@@ -30,12 +30,13 @@ pub(super) const PUT_FAR: RequestKind = RequestKind {
             out of ?my|your|the|easy ?easy reach|range ; get|be|make ?yourself rid of ; \
             increase|widen|maximise|maximize|extend|lengthen ?the|a|its|THING ?a GAP ; PUSH THING|SOME ; \
             give THING ?a ?BIT ?GOOD PUSH ; ^ ?as FAR ?away|off as .. ; ^ PUT|PUSH|take|move ?as|so|very|BIT|MORE FAR ; \
-            PUT|PUSH|get|take|carry THING|SOME out of ; ^ ?even|a|as|much|BIT FAR ?away|off|out|as $ ; ^ ?BIT FAR ; \
-            ^ ?BIT MORE FAR ; PUT THING ON|behind|beyond|near ?the|very far|other|farther|opposite|distance|back|end ; \
+            PUT|PUSH|get|take|carry THING|SOME out of ; ^ ?even|a|as|much|BIT FARTHER ?away|off|out|as $ ; \
+            ^ ?BIT FARTHER ; ^ ?BIT MORE FARTHER ; \
+            PUT THING ON|behind|beyond|near ?the|very far|other|farther|opposite|distance|back|end ; \
             MORE GAP|distance|space|room between|from ; make|LET THING ?be|GO|stand ?MORE FAR ; \
             LET|have THING ?at ?a FAR|distance ; THING at a distance ; THING to ?the FAR end ; FAR with THING ; \
             away with THING ; THING ?to ?could|should|must ?to =be|GO ?even|BIT ?MORE FAR ; \
-            PUT|leave|get|have ?as ?much|MORE space|room|distance as|between ; \
+            PUT|leave|get|have ?as ?much|MORE|some space|room|distance as|between ; \
             PUT|PUSH|take THING ON ?the ?very|far other|far|opposite|back end|side|edge|of|part ; \
             THING as FAR as|possible ; as FAR as .. ; PUSH THING|SOME FAR ?from ?you ; \
             PUT THING FAR ?from you|BODY|here ; THING FAR & !be|how|where|which ; PUSH|PUT THING away|off ; ^ PUSH $ ; \
@@ -74,7 +75,8 @@ pub(super) const BRING_NEAR: RequestKind = RequestKind {
 
 pub(super) const PUT_ASIDE: RequestKind = RequestKind {
     words: Words {
-        told: "SIDE ; PUT|PUSH|PULL|take|get THING|SOME ?a ?BIT SIDE ; THING|SOME & SIDE ; PUSH|PUT & THING|SOME & SIDE",
+        told: "SIDE ; PUT|PUSH|PULL|take|get|give|make|keep|want .. SIDE ; VERB .. SIDE ; \
+            PUT|PUSH|PULL|take|get THING|SOME ?a ?BIT SIDE ; THING|SOME & SIDE ; PUSH|PUT & THING|SOME & SIDE",
         ..Words::NONE
     },
     needs_body: true,

@@ -8,9 +8,13 @@ pub(super) const QUIT: RequestKind = RequestKind {
             ^ quit|exit|end|finish $ ; ^ END|leave|finish|end ?the|this|our|THING TALK ; ^ log|sign out|off ; \
             ^ shut down|off ; ^ turn|switch yourself off",
         denied: "STOP|cease =talking|=listening",
-        said: "^ BYE|quit|exit ; BYE $ ; i|we must|have ?to be|go off|away ; ^ YES BYE ; ^ see|SEE you ; ^ THING be ALL ; \
-            ^ i be =going|=leaving $ ; ^ ?let|us|time ?us ?to end|finish THING|it ?here|now|there $ ; \
-            ^ that|THING will be ALL ; ^ good night ; ^ ?i|we ?think ?i|we be ALL|through|=leaving|off|=done|=finished ; \
+        said: "i|we ?have|must|better|should|need ?got|had ?better|best ?to be|dash off|away|$ ; \
+            i must|have ?to dash|run|go|leave ; end of our|the TALK ; i be =going|=leaving|=off home|off|away|now ; \
+            time for|to ?me|us ?to go ; no more questions ; see you later|tomorrow|soon|then|again|around|$ ; \
+            meet again ; you may go ; leave THING at THING ; ^ BYE|quit|exit ; ^ so long $ ; BYE $ ; \
+            i|we must|have ?to be|go off|away ; ^ YES BYE ; ^ see|SEE you ; ^ THING be ALL ; ^ i be =going|=leaving $ ; \
+            ^ ?let|us|time ?us ?to end|finish THING|it ?here|now|there $ ; ^ that|THING will be ALL ; ^ good night ; \
+            ^ ?i|we ?think ?i|we be ALL|through|=leaving|off|=done|=finished ; \
             ^ i|we HELPING|=got|better ?to|=got ?to|better =go|=leave|=run|quit|stop ; until next|tomorrow|then|later ; \
             over and out ; ^ ALL =done|=finished ; SPEAK to you later|soon|tomorrow ; ^ later $ ; take care ; \
             have a|an ?GOOD day|evening|night|one ; ^ END $ ; ^ finish ?here|now|up $ ; \

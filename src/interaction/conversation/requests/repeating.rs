@@ -15,7 +15,7 @@ pub(super) const REPEAT: RequestKind = RequestKind {
             DO ?the|that same ?again|thing ; same again|thing|procedure ; TRY ?THING ?ALL AGAIN|harder|MORE|over ; \
             ^ same THING $ ; DO as .. before ; the same ?thing with|ON|AGAIN ; have|get THING AGAIN ; \
             go|start|TRY over again ; do what you =did ; keep =trying|going ; as|like before ; another try|go|time ; \
-            TRY AGAIN ; AGAIN $ ; DO .. AGAIN ; AGAIN with HAND ; one more ; MORE time",
+            second|third time ; TRY AGAIN ; AGAIN $ ; DO .. AGAIN ; AGAIN with HAND ; one more ; MORE time",
         ..Words::NONE
     },
     ..RequestKind::new(

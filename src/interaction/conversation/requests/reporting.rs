@@ -12,14 +12,15 @@ pub(super) const REPORT: RequestKind = RequestKind {
     words: Words {
         told: "^ summarise|summarize|recap|recount|sum ; ^ report ; \
             TELL|give ?me|us ?a|the ?short|brief story|summary|report|account|recap|rundown",
-        asked: "what HAPPEN ; TELL|KNOW ?me ?what you =did|=have|done ; TELL .. whether|if you =have|=did ; how many times ; \
-            what =went ; what ?have HAPPEN ; TELL|say what HAPPEN ; how do|be THING|that go|went|turn ; \
-            success|successful ; what be result|outcome|upshot ; what =went|=goes wrong|well|right ; \
+        asked: "what HAPPEN ; if|whether THING|that|you =worked|work|PAST|have|did ; what you =did|=have|PAST ; \
+            TELL|KNOW ?me ?what you =did|=have|done ; TELL .. whether|if you =have|=did ; how many times ; what =went ; \
+            what ?have HAPPEN ; TELL|say what HAPPEN ; how do|be THING|that go|went|turn ; success|successful ; \
+            what be result|outcome|upshot ; what =went|=goes wrong|well|right ; \
             be you|THING|ALL =done|=finished|finish|successful|through ; any luck|success|progress|news ; \
             TELL .. what you do ; summary|report|recap|recount ; status|progress ; TELL .. you =did|=done|=did|PAST ; \
             what be|have you|HAND =doing|=done",
-        past: "you ; what|how|where =went|go ; how many time|times & you ; what be the result|outcome|upshot ; \
-            you|BODY|HAND|THING|SOME PAST ; what ?be result|outcome|upshot ; \
+        past: "you ; what be that $ ; what|how|where =went|go ; how many time|times & you ; \
+            what be the result|outcome|upshot ; you|BODY|HAND|THING|SOME PAST ; what ?be result|outcome|upshot ; \
             THING|SOME GO|work|HAPPEN|succeed|fall|fail ; HAPPEN ; \
             ^ ?so|and =did|=has|=had|=was|=have THING|SOME|BODY|you ; success|luck|work|successful ; BODY ; which HAND ; \
             what|which ?THING .. you ; THING =moved|=put|=done ; anything ; how THING|that go ; be THING PAST ; \

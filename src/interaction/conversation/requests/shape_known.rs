@@ -10,7 +10,7 @@ const ROUGHLY: f64 = 0.005;
 
 pub(super) const HOW_BIG: RequestKind = RequestKind {
     words: Words {
-        asked: "how ?SIZED SIZED ; how SIZED .. THING ; how SIZED do THING FEEL|look|seem ; \
+        asked: "how ?SIZED SIZED ; how SIZED .. THING ; as SIZED as ; how SIZED do THING FEEL|look|seem ; \
             TELL|give ?me ?about ?the|its SIZE ; SIZE ; be|do THING|SOME ?seem|feel|look|appear ?that|ALL|BIT SIZED ; \
             bigger|smaller|larger|taller|wider|longer|higher ?or|than ; bigger|smaller|larger|taller|wider|longer than ; \
             what do THING measure ; fit in|into|inside|between ?one|your HAND|BODY ; SIZED or SIZED ; what SIZE ; \
@@ -34,9 +34,9 @@ pub(super) const WHAT_SHAPE: RequestKind = RequestKind {
             what ?KIND ?of ?SOME|THING do|be|HELPING THING|SOME ?look|feel|seem|be ?like|resemble ; \
             what do THING look|feel|seem|resemble ?like ; what .. THING look|feel ?like ; \
             what KIND of THING|SOME ?be|have|do|$ ; SHAPED or|and|nor SHAPED ; any SHAPED|EDGE ON|$ ; \
-            be there any SHAPED|EDGE ; MORE like a|an|SOME ; SOME or SOME ; call THING SHAPED ; what be THING $ ; \
-            what FORM ; have THING ?get|any SHAPED|EDGE|a ; what do THING ?look|seem ; TELL|know what THING be $ ; \
-            be THING SOME ; what could|might THING be ; SHAPED or",
+            THING have SHAPED|EDGE ; be there any SHAPED|EDGE ; MORE like a|an|SOME ; SOME or SOME ; call THING SHAPED ; \
+            what be THING $ ; what FORM ; have THING ?get|any SHAPED|EDGE|a ; what do THING ?look|seem ; \
+            TELL|know what THING be $ ; be THING SOME ; what could|might THING be ; SHAPED or",
         past: "FORM ; SHAPED",
         ..Words::NONE
     },

@@ -10,7 +10,7 @@ pub(super) const STOP: RequestKind = RequestKind {
             ^ hold on|up ; knock|pack|cut THING off|out ; ^ STOP",
         denied: "^ STOP|quit what|whatever|you ; ^ STOP|cease ?THING $ ; no more $ ; \
             no|not ?go ?carry ?any continue|on|further ; cut THING out ; STOP ?THING ?right there $",
-        said: "enough ; ^ THING|that ?be|will ?DO quite|sufficient|do|enough ; \
+        said: "i =said stop ; enough ; ^ THING|that ?be|will ?DO quite|sufficient|do|enough ; \
             ^ STOP|whoa|woah|wait|pause|abort|cancel|halt ; never mind ; ^ no MORE ?of ?THING $ ; \
             ^ no|not ?go ?carry ?any continue|on|further",
         ..Words::NONE
