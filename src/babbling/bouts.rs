@@ -138,3 +138,85 @@ pub(super) fn gather<E>(
     }
     Ok(done)
 }
+
+#[cfg(test)]
+mod tests {
+    use std::convert::Infallible;
+
+    use nalgebra::Vector3;
+
+    use super::*;
+    use crate::babbling::{MOTIONS_PER_BOUT, motions_until};
+    use crate::creature::Posture;
+    use crate::senses::TouchEnd;
+
+    fn touch(bout: u64, motion: u64) -> Touch {
+        let end = |receptor| TouchEnd { receptor, contact: Vector3::zeros(), deviation: None };
+        Touch { bout, motion, posture: Posture::default(), ends: [end(0), end(1)], moment: None }
+    }
+
+    fn effort(motions: u64) -> Effort {
+        Effort { motions, ..Effort::default() }
+    }
+
+    /// A whole bout of so many touches, two motions each, and one motion more.
+    fn bout(number: u64, touches: u64) -> Bout {
+        let touches = (1..=touches).map(|k| (touch(number, 2 * k), effort(2 * k))).collect::<Vec<_>>();
+        Bout { effort: effort(2 * touches.len() as u64 + 1), touches, is_whole: true }
+    }
+
+    /// The bouts of the touches handed on, and the result, of bouts that become ready in this order.
+    fn gathered(order: &[(u64, u64)], end: End) -> (Vec<u64>, BoutsDone) {
+        let mut bouts = order.iter().map(|&(number, touches)| (number, Ok(bout(number, touches))));
+        let mut received = Vec::new();
+        let receive = &mut |made: Made| {
+            if let Made::Touch(touch) = made {
+                received.push(touch.bout);
+            }
+            Ok::<(), Infallible>(())
+        };
+        let done = gather(&mut bouts, BoutsDone::default(), end, (3, Deadline::NEVER), receive);
+        (received, done.expect("no bout fails"))
+    }
+
+    #[test]
+    fn bouts_made_in_any_order_are_handed_on_in_theirs_up_to_the_last_touch_wanted() {
+        for order in [[(0, 2), (1, 3), (2, 2)], [(2, 2), (0, 2), (1, 3)]] {
+            let (received, done) = gathered(&order, End::AtTouch(4));
+            assert_eq!(received, [0, 0, 1, 1]);
+            // The first bout took 5 motions; the second touch of the next one came with its fourth.
+            assert_eq!((done.bouts, done.touches, done.effort.motions), (1, 4, 9));
+        }
+    }
+
+    #[test]
+    fn nothing_is_handed_on_after_a_gap_and_fruitless_bouts_end_it() {
+        assert_eq!(gathered(&[(0, 1), (2, 5)], End::AtTouch(10)).0, [0]);
+        let (received, done) = gathered(&[(0, 0), (1, 0), (2, 0), (3, 1)], End::AtTouch(1));
+        assert_eq!((received.len(), done.bouts), (0, 3));
+    }
+
+    #[test]
+    fn shares_of_full_bouts_add_up_to_the_session() {
+        for wanted in [1, 25, 26, 990] {
+            let ends = Share::all(7).map(|share| match End::of_share(share, wanted) {
+                End::AtBout(end) => end.bouts,
+                End::AtTouch(_) => panic!("a share ends with a whole bout"),
+            });
+            assert_eq!(ends.sum::<u64>(), wanted.div_ceil(TOUCHES_PER_BOUT) as u64);
+        }
+    }
+
+    #[test]
+    fn motions_are_counted_over_bouts_that_touches_or_motions_ended() {
+        let full = (1..=TOUCHES_PER_BOUT as u64).map(|k| touch(0, 3 * k));
+        // Bout 1 has no touch, bout 2 ended after its last motion.
+        let touches: Vec<Touch> = full.chain([touch(2, 7), touch(3, 1)]).collect();
+        let motions = motions_until(&touches);
+        let last = 3 * TOUCHES_PER_BOUT as u64;
+        assert_eq!(
+            motions[TOUCHES_PER_BOUT - 1..],
+            [last, last + MOTIONS_PER_BOUT + 7, last + 2 * MOTIONS_PER_BOUT + 1]
+        );
+    }
+}

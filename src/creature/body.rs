@@ -118,6 +118,11 @@ impl Body {
         self.surface[geom]
     }
 
+    /// Per geom, whether [`Body::feels`] holds.
+    pub(crate) fn surface(&self) -> &[bool] {
+        &self.surface
+    }
+
     /// The limb that a geom belongs to.
     pub fn limb_of_geom(&self, geom: usize) -> Option<usize> {
         self.limb_of_body[self.model.geom_body(geom)]

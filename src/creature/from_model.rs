@@ -7,8 +7,8 @@ use nalgebra::{Isometry3, UnitQuaternion, Vector3};
 
 use super::coupling::couple;
 use super::selection::{JointSelection, Tree, select};
-use super::surface::surface;
 use super::{AuraLimb, Body, Creature, CreatureError, Dof, DofKind, Joint, Segment};
+use crate::geometry::Shape;
 use crate::mujoco::{self, JointKind, Model, ModelJoint, ObjectKind};
 use crate::plausible::bounded;
 
@@ -94,7 +94,10 @@ impl Body {
         root: Option<&str>,
     ) -> Result<Body, BodyError> {
         let Tree { root, holds } = Tree::new(&declared, root)?;
-        let surface = surface(&declared, &holds);
+        // What of the creature can be touched, whichever joints are selected.
+        let own: Vec<bool> =
+            declared.geoms().map(|geom| holds[geom.body] && Shape::is_of_kind(geom.kind)).collect();
+        let surface = declared.surface_among(&own);
         let model = Arc::new(declared.touching_with(&surface)?);
         let selected = select(&model, selection)?;
         let chosen = |j: usize| {

@@ -7,7 +7,6 @@ mod coupling;
 mod from_model;
 mod posture;
 mod selection;
-mod surface;
 
 use std::f64::consts::TAU;
 

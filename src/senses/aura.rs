@@ -7,17 +7,18 @@ use std::collections::{BTreeMap, VecDeque};
 
 use nalgebra::{Point3, Vector3};
 
+use super::{Sense, SensedStep, SensingBody};
 use crate::creature::Body;
 use crate::geometry::{Ball, Frame, Precision, gap};
-use crate::mujoco::Data;
+use crate::mujoco::{self, Data};
 use crate::skin::{AURA_REACH, ProximityGeometry, Skin, Surface, aura_of, surface_of_body};
 
 /// How far ahead a contact is predicted, seconds.
-pub const HORIZON: f64 = 0.6;
+const HORIZON: f64 = 0.6;
 /// Receptors named for a contact that is predicted.
-pub const RECEPTORS_NAMED: usize = 5;
+const RECEPTORS_NAMED: usize = 5;
 /// Every how many seconds what is near is looked at.
-pub const LOOK_PERIOD: f64 = 0.01;
+const LOOK_PERIOD: f64 = 0.01;
 /// Looks from which the motion of an object is told.
 const LOOKS: usize = 5;
 /// An object this near counts as there, metres.
@@ -82,11 +83,26 @@ pub enum AuraEvent {
 /// The sense of what is near.
 pub struct Aura {
     /// The proximity geometries.
-    pub geometries: Vec<ProximityGeometry>,
+    geometries: Vec<ProximityGeometry>,
     /// Per object, its surfaces in its own body's frame.
     objects: BTreeMap<usize, Vec<Surface>>,
     followed: BTreeMap<usize, Followed>,
+    /// Whether the creature watches out; otherwise nothing is sensed.
+    watching: bool,
     next: f64,
+    /// The events of the last step.
+    events: Vec<AuraEvent>,
+}
+
+impl Sense for Aura {
+    fn step(&mut self, step: &SensedStep) -> mujoco::Result<()> {
+        self.events.clear();
+        if self.watching && step.time >= self.next {
+            self.next = step.time + LOOK_PERIOD - 1e-9;
+            self.events = self.look(step.time, step.body, step.agent.skin(), step.data);
+        }
+        Ok(())
+    }
 }
 
 /// The limb that is nearest to an object.
@@ -118,10 +134,10 @@ struct Followed {
 }
 
 impl Aura {
-    /// The aura of a creature whose limbs are at `X_WL` in its reference posture, with the bodies that are no part of it
-    /// for objects.
-    pub fn new(body: &Body, skin: &Skin, frames: &[Frame]) -> Aura {
-        let geometries = aura_of(body, skin, frames);
+    /// The aura of a creature, with the bodies that are no part of it for objects.
+    pub(super) fn of(own: &SensingBody) -> Aura {
+        let body = own.body;
+        let geometries = aura_of(body, own.agent.skin(), own.frames);
         let mut objects: BTreeMap<usize, Vec<Surface>> = BTreeMap::new();
         let foreign = |b: &usize| body.limb_of_body[*b].is_none() && body.model.weld(*b) != 0;
         for object in (1..body.model.nbody()).filter(foreign) {
@@ -130,7 +146,19 @@ impl Aura {
                 objects.insert(object, surfaces);
             }
         }
-        Aura { geometries, objects, followed: BTreeMap::new(), next: f64::NEG_INFINITY }
+        let (followed, next, events) = (BTreeMap::new(), f64::NEG_INFINITY, Vec::new());
+        Aura { geometries, objects, followed, watching: false, next, events }
+    }
+
+    /// Watches out for what comes near from now on; nothing was near before.
+    pub fn watch_out(&mut self) {
+        (self.watching, self.next) = (true, f64::NEG_INFINITY);
+        self.followed.clear();
+    }
+
+    /// The events of the last step.
+    pub fn events(&self) -> &[AuraEvent] {
+        &self.events
     }
 
     /// What is in an aura now.
@@ -138,13 +166,9 @@ impl Aura {
         self.followed.values().filter_map(|followed| followed.approach.as_ref())
     }
 
-    /// Looks at what is near, at most every 10 ms, given data with poses of a step at `time`, seconds.
-    pub fn step(&mut self, time: f64, body: &Body, skin: &Skin, data: &Data) -> Vec<AuraEvent> {
+    /// Looks at what is near, given data with poses of a step at `time`, seconds.
+    fn look(&mut self, time: f64, body: &Body, skin: &Skin, data: &Data) -> Vec<AuraEvent> {
         let mut events = Vec::new();
-        if time < self.next {
-            return events;
-        }
-        self.next = time + LOOK_PERIOD - 1e-9;
         let mut frames: Option<Vec<Frame>> = None;
         for (&object, surfaces) in &self.objects {
             let pose = data.body_pose(object);

@@ -3,6 +3,7 @@
 use nalgebra::Vector3;
 
 use super::sense::{Sense, SensedStep};
+use crate::mujoco;
 
 /// The sense of balance, in the root limb.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -19,9 +20,14 @@ impl Default for Balance {
 }
 
 impl Sense for Balance {
-    fn step(&mut self, step: &SensedStep) {
+    fn step(&mut self, step: &SensedStep) -> mujoco::Result<()> {
+        self.place(step)
+    }
+
+    fn place(&mut self, step: &SensedStep) -> mujoco::Result<()> {
         if let Some(root) = step.body.limb_pose(step.data, 0) {
             self.up = root.inverse_transform_vector(&Vector3::z());
         }
+        Ok(())
     }
 }

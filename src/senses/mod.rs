@@ -1,5 +1,4 @@
-//! The senses: contacts read as touches of the skin, posture, what is near; what may be wrong with them, and other frames
-//! to tell them in.
+//! The senses: contacts read as touches of the skin, posture, what is near; and disturbances of them.
 //!
 //! "Something was felt" has these levels, each made of the one before:
 //! - [`Reading`]: what one contact of the engine is, two places of skin, or bare, or foreign.
@@ -8,7 +7,7 @@
 //! - [`Firing`]: of all that, only which receptor fired and when.
 //! - [`Touch`]: a self-touch that a motion ended in, with the posture and its two [`TouchEnd`]s: what is learned from.
 //!
-//! What else a creature on a stage senses is a [`Sense`] each.
+//! Touch, posture, proximity and balance are a [`Sense`] each, listed in [`SENSES`].
 
 pub mod aura;
 mod balance;
@@ -18,7 +17,6 @@ mod felt_surface;
 mod firing;
 mod followed_touch;
 mod learned_map;
-mod own_frames;
 mod proprioception;
 mod sensation;
 mod sense;
@@ -27,16 +25,15 @@ mod touch;
 pub mod touch_sensor;
 mod touch_trail;
 
-pub use aura::{Approach, Aura, AuraEvent, LOOK_PERIOD};
+pub use aura::{Approach, Aura, AuraEvent};
 pub use balance::Balance;
 pub use contact_reader::{ContactReader, FAINT, Reading};
 pub use disturbance::{Disturbances, DisturbedSenses};
 pub use firing::{Firing, FiringRecorder};
 pub use learned_map::{LearnedMap, learn_map};
-pub use own_frames::OwnFrames;
 pub use proprioception::{JointSensor, Proprioception, joint_sensors, posture_in_words};
 pub use sensation::{LimbSensation, Sensation, SensationSide, TouchEvent, TouchKind};
-pub use sense::{NewSense, SENSES, Sense, SensedStep};
+pub use sense::{NewSense, SENSES, Sense, SensedStep, SensingBody};
 pub use skin_contact::{Party, SkinContact, SkinSpot, Toucher};
 pub use touch::{Moment, Touch, TouchEnd, limb_pairs};
 pub use touch_sensor::TouchSensor;

@@ -5,9 +5,11 @@
 //! noise is drawn here, from a stream of its own, so that the same seed feels the same whatever else runs beside it.
 
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
+use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
+use super::{Sense, SensedStep, SensingBody};
 use crate::creature::{Body, DofKind, Posture};
 use crate::mujoco::{self, Data, Sensor, SensorKind};
 
@@ -85,6 +87,19 @@ pub struct Proprioception {
     noise: ChaCha8Rng,
     /// Without noise, the posture that it read last, and how that felt: a body that keeps still need not be read again.
     last: Option<[Posture; 2]>,
+    /// The latest report to a creature on a stage.
+    felt: Posture,
+}
+
+impl Sense for Proprioception {
+    fn step(&mut self, step: &SensedStep) -> mujoco::Result<()> {
+        self.place(step)
+    }
+
+    fn place(&mut self, step: &SensedStep) -> mujoco::Result<()> {
+        self.felt = self.read(step.body, step.posture)?;
+        Ok(())
+    }
 }
 
 impl Proprioception {
@@ -100,7 +115,17 @@ impl Proprioception {
         });
         let qpos = vec![0.0; body.model.nq()];
         let (channels, data) = (channels.collect(), Data::new(body.model.clone())?);
-        Ok(Proprioception { channels, data, qpos, noise, last: None })
+        Ok(Proprioception { channels, data, qpos, noise, last: None, felt: Posture::default() })
+    }
+
+    /// The sense of a creature on a stage, which is there once.
+    pub(super) fn of(own: &SensingBody) -> mujoco::Result<Proprioception> {
+        Proprioception::new(own.body, ChaCha8Rng::seed_from_u64(0))
+    }
+
+    /// The posture as it was felt last on a stage.
+    pub fn felt(&self) -> &Posture {
+        &self.felt
     }
 
     /// Draws its noise from another stream from now on.

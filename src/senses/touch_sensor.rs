@@ -13,7 +13,8 @@
 
 use super::felt_surface::FeltSurface;
 use super::followed_touch::{FollowedTouch, earlier_first, fused};
-use super::{SkinContact, TouchEvent};
+use super::{Sense, SensedStep, SensingBody, SkinContact, TouchEvent};
+use crate::mujoco;
 use crate::skin::{Skin, SomatotopicMap};
 
 /// How long nothing must touch before a sensation has ended, seconds: a fingertip that bounces over an edge comes
@@ -36,6 +37,15 @@ pub struct TouchSensor {
     count: u64,
     /// What touched in the last step, limb by limb.
     present: Vec<SkinContact>,
+    /// The events of the last step.
+    events: Vec<TouchEvent>,
+}
+
+impl Sense for TouchSensor {
+    fn step(&mut self, step: &SensedStep) -> mujoco::Result<()> {
+        self.events = self.follow(step.time, step.contacts);
+        Ok(())
+    }
 }
 
 impl TouchSensor {
@@ -46,7 +56,19 @@ impl TouchSensor {
             touches: Vec::new(),
             count: 0,
             present: Vec::new(),
+            events: Vec::new(),
         }
+    }
+
+    /// The sensor of a creature on a stage, by the map of its skin in the reference posture.
+    pub(super) fn of(own: &SensingBody) -> mujoco::Result<TouchSensor> {
+        let skin = own.agent.skin();
+        Ok(TouchSensor::new(SomatotopicMap::at_ease(own.body, skin)?, skin))
+    }
+
+    /// The events of the last step.
+    pub fn events(&self) -> &[TouchEvent] {
+        &self.events
     }
 
     /// Which receptors it takes for neighbours.
@@ -55,7 +77,7 @@ impl TouchSensor {
     }
 
     /// Takes in the contacts of one step at `time`, seconds, later than the last one.
-    pub fn step(&mut self, time: f64, contacts: &[SkinContact]) -> Vec<TouchEvent> {
+    pub fn follow(&mut self, time: f64, contacts: &[SkinContact]) -> Vec<TouchEvent> {
         let mut events = Vec::new();
         for (touch, contacts) in self.shared_out(time, contacts) {
             match touch {
@@ -150,5 +172,79 @@ impl TouchSensor {
             }
         }
         patches.iter().map(|patch| fused(patch.iter())).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::Vector3;
+
+    use super::*;
+    use crate::senses::{SkinSpot, TouchKind, Toucher};
+    use crate::skin::Receptor;
+
+    /// Length of a step, seconds.
+    const STEP: f64 = 0.002;
+
+    /// A sensor of a row of flat receptors on one limb, 2 cm wide each.
+    fn row(receptors: usize) -> TouchSensor {
+        let receptor = |k: usize| Receptor {
+            id: format!("r{k}"),
+            limb: 0,
+            position: Vector3::new(0.02 * k as f64, 0.0, 0.0),
+            normal: Vector3::z(),
+            tangent: Vector3::x(),
+            half_extents: [0.01; 2],
+            surface: None,
+        };
+        let skin = Skin { receptors: (0..receptors).map(receptor).collect(), surfaces: Vec::new() };
+        TouchSensor::new(SomatotopicMap::of_links(receptors, (1..receptors).map(|k| [k - 1, k])), &skin)
+    }
+
+    /// A contact of the thing 1 at a place along the row, metres.
+    fn at(x: f64) -> SkinContact {
+        let receptor = (x / 0.02).round() as usize;
+        let spot = SkinSpot { limb: 0, receptor, point: Vector3::new(x, 0.0, 0.0), sensor_force: None };
+        SkinContact { spot, by: Toucher::Thing(1), force: 1.0 }
+    }
+
+    /// The kinds of the sensations that contacts at these places, step by step, come to.
+    fn kinds(places: impl Iterator<Item = Vec<f64>>) -> Vec<TouchKind> {
+        let mut sensor = row(6);
+        let silence = std::iter::repeat_n(Vec::new(), (1.0 / STEP) as usize);
+        let mut kinds = Vec::new();
+        for (k, places) in places.chain(silence).enumerate() {
+            let contacts: Vec<SkinContact> = places.into_iter().map(at).collect();
+            kinds.extend(sensor.follow(STEP * k as f64, &contacts).into_iter().filter_map(
+                |event| match event {
+                    TouchEvent::Sensed { sensation, .. } => Some(sensation.kind),
+                    TouchEvent::Began { .. } => None,
+                },
+            ));
+        }
+        kinds
+    }
+
+    #[test]
+    fn contacts_within_a_fingertip_are_one_touch_and_those_of_two_fingers_are_two() {
+        for (apart, touches) in [(0.9 * TOGETHER, 1), (1.1 * TOGETHER, 2)] {
+            let kinds = kinds(std::iter::repeat_n(vec![0.02, 0.02 + apart], 200));
+            assert_eq!(kinds, vec![TouchKind::Press; touches], "{apart} m apart");
+        }
+    }
+
+    #[test]
+    fn what_goes_on_farther_than_a_finger_gets_until_the_release_is_another_touch() {
+        let jump = |way: f64| vec![vec![0.0]; 20].into_iter().chain(vec![vec![way]; 20]);
+        assert_eq!(kinds(jump(0.9 * NEAR)).len(), 1);
+        assert_eq!(kinds(jump(1.1 * NEAR)).len(), 2);
+    }
+
+    #[test]
+    fn along_the_row_is_a_stroke_and_back_again_a_rub() {
+        let along = || (0..=400).map(|k| 0.1 * f64::from(k) / 400.0);
+        assert_eq!(kinds(along().map(|x| vec![x])), [TouchKind::Stroke]);
+        let back: Vec<f64> = along().collect();
+        assert_eq!(kinds(along().chain(back.into_iter().rev()).map(|x| vec![x])), [TouchKind::Rub]);
     }
 }

@@ -39,3 +39,34 @@ impl JoinedLimbs {
         (0..self.joined.len()).filter(move |&other| self.joined[limb][other])
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::Vector3;
+
+    use super::*;
+    use crate::creature::Joint;
+    use crate::skin::Receptor;
+
+    #[test]
+    fn skins_may_meet_over_limbs_without_receptors_and_not_over_those_with_some() {
+        // A row of five limbs, of which the middle one and its neighbour have no skin.
+        let limbs: Vec<String> = (0..5).map(|limb| format!("limb{limb}")).collect();
+        let joints = (0..4).map(|parent| Joint::new(format!("joint{parent}"), parent, Vec::new())).collect();
+        let creature = Creature::new("row".into(), limbs, joints, Vec::new()).expect("it is a creature");
+        let receptor = |limb: usize| Receptor {
+            id: format!("r{limb}"),
+            limb,
+            position: Vector3::zeros(),
+            normal: Vector3::z(),
+            tangent: Vector3::x(),
+            half_extents: [0.01; 2],
+            surface: None,
+        };
+        let skin = Skin { receptors: [0, 1, 4].map(receptor).into(), surfaces: Vec::new() };
+        let joined = JoinedLimbs::new(&creature, &skin);
+        assert!(joined.are(0, 1) && joined.are(1, 4) && joined.are(4, 1) && joined.are(3, 3));
+        assert!(!joined.are(0, 4) && !joined.are(4, 0));
+        assert_eq!(joined.of(1).collect::<Vec<_>>(), [0, 1, 2, 3, 4]);
+    }
+}

@@ -157,3 +157,28 @@ impl Skin {
         self.receptors.iter().position(|receptor| receptor.id == id)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_receptor_feels_its_own_patch_from_outside_alone() {
+        let receptor = Receptor {
+            id: "back".into(),
+            limb: 0,
+            position: Vector3::new(0.0, 0.0, 0.1),
+            normal: Vector3::z(),
+            tangent: Vector3::y(),
+            half_extents: [0.02, 0.01],
+            surface: None,
+        };
+        // The tangent leads along y: there it is twice as wide.
+        let [inside, beside] = [Vector3::new(0.009, 0.019, 0.1), Vector3::new(0.019, 0.009, 0.1)];
+        assert!(receptor.feels(&inside, &Vector3::z()) && !receptor.feels(&inside, &-Vector3::z()));
+        assert!(!receptor.feels(&beside, &Vector3::z()));
+        let covariance = receptor.covariance(0.003);
+        let expected = Vector3::new(0.01f64.powi(2) / 3.0, 0.02f64.powi(2) / 3.0, 0.003f64.powi(2));
+        assert!((covariance - Matrix3::from_diagonal(&expected)).norm() < 1e-12);
+    }
+}

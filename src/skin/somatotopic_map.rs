@@ -137,3 +137,31 @@ impl SomatotopicMap {
         borders.flatten().min_by(f64::total_cmp)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_receptor_has_its_first_links_and_being_neighbours_is_mutual() {
+        let star = (1..=MOST_NEIGHBOURS + 2).map(|other| [0, other]);
+        let map = SomatotopicMap::of_links(MOST_NEIGHBOURS + 3, star);
+        assert_eq!(map.neighbours(0), (1..=MOST_NEIGHBOURS).collect::<Vec<_>>());
+        assert!(map.adjacent(3, 0) && map.adjacent(0, 3) && map.adjacent(3, 3));
+        assert!(!map.adjacent(0, MOST_NEIGHBOURS + 1) && !map.adjacent(1, 2));
+        assert_eq!(map.pairs().count(), MOST_NEIGHBOURS);
+    }
+
+    #[test]
+    fn the_way_to_another_limb_leads_over_the_nearest_place_where_their_skins_meet() {
+        let x = |x: f64| Vector3::new(x, 0.0, 0.0);
+        let crossings = BTreeMap::from([([2, 5], vec![[x(0.1), x(-0.1)], [x(0.3), x(0.3)]])]);
+        let map = SomatotopicMap { neighbours: Vec::new(), crossings };
+        let [from, to] = [(2, x(0.12)), (5, x(-0.15))];
+        for way in [map.way_across(from, to), map.way_across(to, from)] {
+            assert!((way.expect("it is known") - 0.07).abs() < 1e-12);
+        }
+        assert!((map.way_to_border(5, &x(0.25)).expect("it is known") - 0.05).abs() < 1e-12);
+        assert_eq!((map.way_across(from, (6, x(0.0))), map.way_to_border(6, &x(0.0))), (None, None));
+    }
+}

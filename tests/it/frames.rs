@@ -7,7 +7,7 @@ use std::sync::Arc;
 use crate::common::program::run;
 use crate::common::{babble, creature, max, two_arms};
 use bodyschema::agent::Agent;
-use bodyschema::creature::{Body, JointSelection, Posture};
+use bodyschema::creature::{Body, Creature, JointSelection, Posture};
 use bodyschema::evaluation::{Evaluation, evaluate, evaluate_learned};
 use bodyschema::export::to_mjcf;
 use bodyschema::geometry::Frame;
@@ -16,12 +16,13 @@ use bodyschema::kinematics::{Chain, ChainSide, SideJacobian, limb_frames};
 use bodyschema::learning::{Account, Input, Learned, Learner, LimbFrames, SecondOrder};
 use bodyschema::mujoco::{Data, Model};
 use bodyschema::record::{read_schema, write_schema};
-use bodyschema::schema::nearest_rotation;
-use bodyschema::senses::{OwnFrames, Touch};
-use bodyschema::skin::skin_of;
-use nalgebra::{DVector, Matrix3, Rotation3, Vector3};
+use bodyschema::schema::{BodySchema, nearest_rotation};
+use bodyschema::senses::Touch;
+use bodyschema::skin::{Skin, skin_of};
+use nalgebra::{DVector, Matrix3, Rotation3, UnitQuaternion, Vector3};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
 use serde_json::Value;
 
 /// Rounding in poses of bodies of a metre or two.
@@ -30,6 +31,67 @@ const ROUNDING: f64 = 1e-12;
 const DERIVATIVE: f64 = 1e-8;
 /// Greatest held-out error from exact contact points, millimetres.
 const EXACT_MM: f64 = 1e-6;
+
+/// The random stream of a seed that frames are drawn from, apart from those of babbling, initial guesses and disturbances.
+const FRAME_STREAM: u64 = u64::MAX - 3;
+/// How far an own frame's origin may be from the joint along each axis, metres.
+const FARTHEST: f64 = 0.1;
+
+/// Per limb, the pose of its own frame in the frame of its joint.
+#[derive(Clone, Debug, PartialEq)]
+struct OwnFrames(Vec<Frame>);
+
+impl OwnFrames {
+    /// Random frames: any rotation, and a shift of up to 0.1 m along each axis, for every limb, the root among
+    /// them.
+    fn random(creature: &Creature, seed: u64) -> OwnFrames {
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        rng.set_stream(FRAME_STREAM);
+        let frame = |_| {
+            // Four normal numbers point to a rotation drawn uniformly from all.
+            let [w, x, y, z]: [f64; 4] = std::array::from_fn(|_| StandardNormal.sample(&mut rng));
+            let turn = UnitQuaternion::from_quaternion(nalgebra::Quaternion::new(w, x, y, z));
+            let origin = Vector3::from_fn(|_, _| rng.random_range(-FARTHEST..FARTHEST));
+            Frame { rotation: turn.to_rotation_matrix().into_inner(), origin }
+        };
+        OwnFrames((0..creature.limbs().len()).map(frame).collect())
+    }
+
+    /// The skin in these frames.
+    fn skin(&self, skin: &Skin) -> Skin {
+        let mut skin = skin.clone();
+        for receptor in &mut skin.receptors {
+            let frame = &self.0[receptor.limb];
+            receptor.position = frame.inverse_point(&receptor.position);
+            receptor.normal = frame.rotation.tr_mul(&receptor.normal);
+            receptor.tangent = frame.rotation.tr_mul(&receptor.tangent);
+        }
+        for surface in &mut skin.surfaces {
+            let frame = &self.0[surface.limb];
+            surface.origin = frame.inverse_point(&surface.origin);
+            surface.rotation = frame.rotation.tr_mul(&surface.rotation);
+        }
+        skin
+    }
+
+    /// Touches of a skin in these frames.
+    fn touches(&self, skin: &Skin, touches: &[Touch]) -> Vec<Touch> {
+        let mut touches = touches.to_vec();
+        for end in touches.iter_mut().flat_map(|touch| &mut touch.ends) {
+            end.contact = self.0[skin.receptors[end.receptor].limb].inverse_point(&end.contact);
+        }
+        touches
+    }
+
+    /// A schema with limbs in their joints' frames, of the same body in these frames.
+    fn schema(&self, creature: &Creature, schema: &BodySchema) -> BodySchema {
+        let mut schema = schema.clone().with_limb_poses();
+        for (limb, frame) in self.0.iter().enumerate() {
+            schema.reframe(creature, limb, frame);
+        }
+        schema
+    }
+}
 
 /// A body told in random frames of its limbs' own.
 struct Pupil {

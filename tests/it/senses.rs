@@ -89,7 +89,7 @@ impl Skinned {
         // Longer than what may come back is waited for.
         let silence = vec![Vec::new(); (20.0 * RELEASE / STEP) as usize];
         let steps = steps.iter().chain(&silence).enumerate();
-        steps.flat_map(|(k, contacts)| sensor.step(STEP * k as f64, contacts)).collect()
+        steps.flat_map(|(k, contacts)| sensor.follow(STEP * k as f64, contacts)).collect()
     }
 
     /// The sensations, of which each must have begun before.

@@ -212,7 +212,7 @@ pub fn touch(stage: &Stage, done: &[Stimulation], one_party: bool) -> mujoco::Re
             }
         }
         let touches = match &mut own_sensor {
-            Some(sensor) => sensor.step(time, &of_one_party(&contacts, &bodies)),
+            Some(sensor) => sensor.follow(time, &of_one_party(&contacts, &bodies)),
             None => touches,
         };
         trial.felt.extend(touches.into_iter().filter_map(|event| match event {

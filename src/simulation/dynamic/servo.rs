@@ -169,8 +169,8 @@ pub(super) fn levels(
 ) -> mujoco::Result<Vec<Arc<Model>>> {
     let first = body.model.timestep().min(longest);
     let step = |level: usize| first / finer.powi(level as i32);
-    let surface: Vec<bool> = (0..body.model.ngeom()).map(|geom| body.feels(geom)).collect();
     // From the model as it was declared: the engine cannot copy one whose excludes are gone.
-    let model = |level| body.declared.simulated(step(level), &servo.rigid, false)?.touching_with(&surface);
+    let model =
+        |level| body.declared.simulated(step(level), &servo.rigid, false)?.touching_with(body.surface());
     (0..count).map(|level| model(level).map(Arc::new)).collect()
 }

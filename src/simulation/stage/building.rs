@@ -5,8 +5,6 @@ use std::path::Path;
 use std::sync::Arc;
 
 use nalgebra::Vector3;
-use rand::SeedableRng;
-use rand_chacha::ChaCha8Rng;
 
 use super::StageOptions;
 use super::core::StageCore;
@@ -14,11 +12,11 @@ use super::meeting::sorted;
 use super::stillness::Stillness;
 use crate::agent::Agent;
 use crate::creature::{Body, JointSelection, Posture};
-use crate::mujoco::{Data, LONGEST_STEP, Model};
-use crate::senses::{ContactReader, Proprioception, SENSES, TouchSensor};
+use crate::mujoco::{self, Data, LONGEST_STEP, Model};
+use crate::senses::{ContactReader, SENSES, SensingBody};
 use crate::simulation::probe::{self, Probe};
 use crate::simulation::{ProbePath, SelfContact, SimulationError, thing};
-use crate::skin::{GrowOptions, SomatotopicMap, grow};
+use crate::skin::{GrowOptions, grow};
 
 /// Where probes wait, metres along the world's x axis.
 const AWAY: f64 = 100.0;
@@ -60,7 +58,6 @@ pub fn build(path: &Path, options: &StageOptions) -> Result<StageCore, Simulatio
         simulated = simulated.without_creep();
     }
     body.model = Arc::new(simulated.touching_with(&touchable)?);
-    let proprioception = Proprioception::new(&body, ChaCha8Rng::seed_from_u64(0))?;
     let reader = ContactReader::new(&body, agent.skin());
     let posture = Posture::start(&body.creature);
 
@@ -91,10 +88,8 @@ pub fn build(path: &Path, options: &StageOptions) -> Result<StageCore, Simulatio
     let mut data = Data::new(Arc::new(simulated.touching_others(&touchable, &own_geom)?))?;
     data.set_qpos(&qpos)?;
     data.forward()?;
-    let at_ease = body.limb_frames(&data);
-    let map = SomatotopicMap::at_ease(&body, agent.skin())?;
-    let touch_sensor = TouchSensor::new(map, agent.skin());
-    let senses = SENSES.iter().map(|sense| sense(&agent)).collect();
+    let own = SensingBody { agent: &agent, body: &body, frames: &body.limb_frames(&data) };
+    let senses = SENSES.iter().map(|new| new(&own)).collect::<mujoco::Result<_>>()?;
     let mut core = StageCore {
         body: Arc::new(body),
         agent,
@@ -106,19 +101,14 @@ pub fn build(path: &Path, options: &StageOptions) -> Result<StageCore, Simulatio
         own_qpos,
         own_dof,
         overlapping,
-        at_ease,
         probes: waiting,
         carried: Vec::new(),
         stillness: Stillness::new(declared.nq()),
-        felt_posture: posture.clone(),
         posture,
         time: 0.0,
-        proprioception,
-        touch_sensor,
-        aura: None,
         senses,
     };
-    core.feel(&[])?;
+    core.feel_placed()?;
     Ok(core)
 }
 

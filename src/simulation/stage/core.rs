@@ -1,5 +1,6 @@
 //! How a stage goes on, step by step, and what the creature feels of it.
 
+use std::any::Any;
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
@@ -10,11 +11,10 @@ use super::meeting::meets;
 use super::stillness::Stillness;
 use crate::agent::Agent;
 use crate::creature::{Body, Posture};
-use crate::geometry::Frame;
 use crate::mujoco::{self, Data, JointKind, Model};
 use crate::senses::{
-    Aura, AuraEvent, ContactReader, FAINT, Proprioception, Sense, SensedStep, SkinContact, SkinSpot,
-    TouchEvent, TouchSensor, Toucher,
+    Aura, AuraEvent, ContactReader, FAINT, Sense, SensedStep, SkinContact, SkinSpot, TouchEvent, TouchSensor,
+    Toucher,
 };
 use crate::simulation::ProbePath;
 use crate::simulation::probe::Probe;
@@ -52,8 +52,6 @@ pub struct StageCore {
     /// Geoms that pass through each other: those of the creature that overlap by construction, and what it stands in at
     /// ease, as feet in a floor; the lesser number first.
     pub overlapping: BTreeSet<[usize; 2]>,
-    /// Where the limbs are in the posture that the creature came with.
-    pub at_ease: Vec<Frame>,
     pub probes: Vec<Probe>,
     pub carried: Vec<Carried>,
     pub stillness: Stillness,
@@ -61,11 +59,7 @@ pub struct StageCore {
     pub posture: Posture,
     /// Simulated time, seconds.
     pub time: f64,
-    pub proprioception: Proprioception,
-    pub felt_posture: Posture,
-    pub touch_sensor: TouchSensor,
-    pub aura: Option<Aura>,
-    /// All other senses.
+    /// The senses of [`SENSES`](crate::senses::SENSES), in its order.
     pub senses: Vec<Box<dyn Sense>>,
 }
 
@@ -82,31 +76,48 @@ impl StageCore {
         let qpos = self.qpos_with(posture);
         self.data.set_qpos(&qpos)?;
         self.data.forward()?;
-        self.feel(&[])
+        self.feel_placed()
     }
 
-    /// Feels the posture that the creature is in, and what its other senses tell.
-    pub fn feel(&mut self, contacts: &[SkinContact]) -> mujoco::Result<()> {
-        self.felt_posture = self.proprioception.read(&self.body, &self.posture)?;
-        let StageCore { time, agent, body, data, senses, .. } = self;
-        let step = SensedStep { time: *time, agent, body, data, contacts };
-        senses.iter_mut().for_each(|sense| sense.step(&step));
-        Ok(())
+    /// Lets the senses take in the posture that the creature was put into.
+    pub fn feel_placed(&mut self) -> mujoco::Result<()> {
+        self.each_sense(self.time, &[], |sense, step| sense.place(step))
     }
 
-    /// Lets the creature watch out for what comes near from now on.
-    pub fn grow_aura(&mut self) {
-        self.aura = Some(Aura::new(&self.body, self.agent.skin(), &self.at_ease));
+    fn each_sense(
+        &mut self,
+        time: f64,
+        contacts: &[SkinContact],
+        mut take_in: impl FnMut(&mut dyn Sense, &SensedStep) -> mujoco::Result<()>,
+    ) -> mujoco::Result<()> {
+        let StageCore { agent, body, posture, data, senses, .. } = self;
+        let step = SensedStep { time, agent, body, posture, data, contacts };
+        senses.iter_mut().try_for_each(|sense| take_in(sense.as_mut(), &step))
+    }
+
+    /// One of its senses by its type; none that is not in [`SENSES`](crate::senses::SENSES).
+    pub fn find_sense<S: Sense>(&self) -> Option<&S> {
+        self.senses.iter().find_map(|sense| (sense.as_ref() as &dyn Any).downcast_ref())
+    }
+
+    /// One of the senses that every creature has.
+    pub fn sense<S: Sense>(&self) -> &S {
+        self.find_sense().expect("every creature on a stage has this sense")
+    }
+
+    /// The same, to be changed.
+    pub fn sense_mut<S: Sense>(&mut self) -> &mut S {
+        let found = self.senses.iter_mut().find_map(|sense| (sense.as_mut() as &mut dyn Any).downcast_mut());
+        found.expect("every creature on a stage has this sense")
     }
 
     /// Goes on by one step, at whose end the creature is in a posture: all that it feels.
     pub fn step(&mut self, towards: &[f64]) -> mujoco::Result<StepSenses> {
         let time = self.time;
         let contacts = if self.go_on(towards)? { self.contacts() } else { Vec::new() };
-        let touches = self.touch_sensor.step(time, &contacts);
-        let look = |aura: &mut Aura| aura.step(time, &self.body, self.agent.skin(), &self.data);
-        let near = self.aura.as_mut().map(look).unwrap_or_default();
-        self.feel(&contacts)?;
+        self.each_sense(time, &contacts, |sense, step| sense.step(step))?;
+        let touches = self.sense::<TouchSensor>().events().to_vec();
+        let near = self.sense::<Aura>().events().to_vec();
         Ok(StepSenses { time, contacts, touches, near })
     }
 

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::core::StageCore;
 use crate::creature::Body;
 use crate::mujoco::{self, Data};
-use crate::senses::{Aura, ContactReader};
+use crate::senses::ContactReader;
 
 impl StageCore {
     /// Puts the joint that moves a limb farther out, by `length`, metres, on the limb that carries it; nearer where that is
@@ -27,9 +27,6 @@ impl StageCore {
         self.body = Arc::new(body);
         self.reader = ContactReader::new(&self.body, self.agent.skin());
         self.data = data;
-        if self.aura.is_some() {
-            self.aura = Some(Aura::new(&self.body, self.agent.skin(), &self.at_ease));
-        }
         self.stillness.disturb();
         Ok(())
     }

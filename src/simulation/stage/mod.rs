@@ -16,7 +16,6 @@ mod growing;
 mod meeting;
 mod stillness;
 
-use std::any::Any;
 use std::cell::{Ref, RefCell};
 use std::path::Path;
 use std::rc::Rc;
@@ -32,7 +31,7 @@ use crate::agent::Agent;
 use crate::creature::{Body, JointSelection, Posture, body_name};
 use crate::geometry::Frame;
 use crate::mujoco::{self, Data};
-use crate::senses::{Approach, Sense, SkinContact, TouchSensor};
+use crate::senses::{Approach, Aura, Proprioception, Sense, SkinContact, TouchSensor};
 use crate::skin::{Skin, SomatotopicMap};
 
 /// What is on a stage beside what its file has.
@@ -148,7 +147,7 @@ impl Stage {
     pub(super) fn step_towards(&self, towards: &[f64]) -> mujoco::Result<(StepSenses, Vec<SkinContact>)> {
         let mut core = self.core.borrow_mut();
         let senses = core.step(towards)?;
-        let present: Vec<SkinContact> = core.touch_sensor.present().cloned().collect();
+        let present: Vec<SkinContact> = core.sense::<TouchSensor>().present().cloned().collect();
         drop(core);
         // Who looks on may ask the stage anything.
         let watcher = self.watcher.borrow_mut().take();
@@ -161,24 +160,23 @@ impl Stage {
 
     /// Which receptors its touch sensor takes for neighbours.
     pub fn map(&self) -> SomatotopicMap {
-        self.core.borrow().touch_sensor.map().clone()
+        self.core.borrow().sense::<TouchSensor>().map().clone()
     }
 
     /// Gives its touch sensor another map of which receptors are neighbours than that of the reference posture; it feels
     /// nothing yet.
     pub fn feel_by(&self, map: SomatotopicMap) {
-        self.core.borrow_mut().touch_sensor = TouchSensor::new(map, self.skin());
+        *self.core.borrow_mut().sense_mut() = TouchSensor::new(map, self.skin());
     }
 
     /// Lets the creature watch out for what comes near from now on; nothing was near before.
     pub fn grow_aura(&self) {
-        self.core.borrow_mut().grow_aura();
+        self.core.borrow_mut().sense_mut::<Aura>().watch_out();
     }
 
     /// What is near, where the creature watches out for it.
     pub fn approaches(&self) -> Vec<Approach> {
-        let core = self.core.borrow();
-        core.aura.iter().flat_map(|aura| aura.approaches().cloned()).collect()
+        self.core.borrow().sense::<Aura>().approaches().cloned().collect()
     }
 
     /// Puts a probe to the beginning of a path, at rest, and lets it follow from now on.
@@ -277,16 +275,12 @@ impl Stage {
 
     /// The posture as the creature feels it.
     pub(super) fn felt_posture(&self) -> Posture {
-        self.core.borrow().felt_posture.clone()
+        self.core.borrow().sense::<Proprioception>().felt().clone()
     }
 
     /// What a sense of the creature's tells; nothing where it has no such sense.
     pub(super) fn sense<S: Sense + Clone>(&self) -> Option<S> {
-        let core = self.core.borrow();
-        core.senses.iter().find_map(|sense| {
-            let sense: &dyn Any = sense.as_ref();
-            sense.downcast_ref::<S>().cloned()
-        })
+        self.core.borrow().find_sense().cloned()
     }
 
     /// Welds the thing that a receptor's limb touches to that limb; whether there was one.
