@@ -15,59 +15,10 @@ pub struct Agent {
     skin: Arc<Skin>,
 }
 
-/// Why a skin is not a creature's.
+/// Why a skin does not fit a creature: the receptor or surface, the fault and the fix.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum AgentError {
-    /// Two receptors have the same id.
-    #[error("receptor \"{id}\" occurs twice: give each an id of its own")]
-    SameId {
-        /// The id.
-        id: String,
-    },
-    /// A receptor is on a limb that the creature does not have.
-    #[error("receptor \"{id}\" is on a limb that does not exist: give it one of the creature's limbs")]
-    ReceptorLimb {
-        /// The receptor.
-        id: String,
-    },
-    /// A receptor is on a surface that the skin does not have.
-    #[error("receptor \"{id}\" is on a surface that does not exist: give it one of the skin's surfaces")]
-    ReceptorSurface {
-        /// The receptor.
-        id: String,
-    },
-    /// A number of a receptor is infinite or none.
-    #[error("receptor \"{id}\" has a number that is not finite: give a finite one")]
-    NotFinite {
-        /// The receptor.
-        id: String,
-    },
-    /// A receptor cannot be as it is said to be.
-    #[error("receptor \"{id}\" {fault}")]
-    Receptor {
-        /// The receptor.
-        id: String,
-        /// What is wrong with it, and the mend.
-        fault: String,
-    },
-    /// A surface cannot be as it is said to be.
-    #[error("surface {surface} (from 0) of the skin {fault}")]
-    Surface {
-        /// The surface, an index into [`Skin::surfaces`].
-        surface: usize,
-        /// What is wrong with it, and the mend.
-        fault: String,
-    },
-    /// A surface is on a limb that the creature does not have.
-    #[error(
-        "surface {surface} (from 0) of the skin is on a limb that does not exist: give it one of the creature's \
-         limbs"
-    )]
-    SurfaceLimb {
-        /// The surface, an index into [`Skin::surfaces`].
-        surface: usize,
-    },
-}
+#[error("{0}")]
+pub struct AgentError(String);
 
 impl Agent {
     /// A creature with a skin.
@@ -120,8 +71,26 @@ impl Agent {
     }
 }
 
-/// What is wrong with a receptor that no receptor can have, and the mend.
-fn receptor_fault(receptor: &Receptor) -> Option<String> {
+/// The first fault of a receptor of a skin, and the fix.
+fn receptor_fault(receptor: &Receptor, limbs: usize, skin: &Skin) -> Option<String> {
+    if receptor.limb >= limbs {
+        return Some("is on a limb that does not exist: give it one of the creature's limbs".into());
+    }
+    if let Some(surface) = receptor.surface {
+        let Some(found) = skin.surfaces.get(surface) else {
+            return Some("is on a surface that does not exist: give it one of the skin's surfaces".into());
+        };
+        if found.limb != receptor.limb {
+            return Some(format!(
+                "is on another limb than its surface {surface} (from 0): mend one of the two"
+            ));
+        }
+    }
+    let vectors = [&receptor.position, &receptor.normal, &receptor.tangent];
+    let mut numbers = vectors.into_iter().flatten().chain(&receptor.half_extents);
+    if !numbers.all(|number| number.is_finite()) {
+        return Some("has a number that is not finite: give a finite one".into());
+    }
     let across = receptor.normal.dot(&receptor.tangent).abs() > plausible::UNIT;
     plausible::place_fault(&receptor.position)
         .or_else(|| plausible::extent_fault(&receptor.half_extents))
@@ -137,40 +106,19 @@ fn check(creature: &Creature, skin: &Skin) -> Result<(), AgentError> {
     let limbs = creature.limbs().len();
     let mut ids = HashSet::new();
     for receptor in &skin.receptors {
-        let id = || receptor.id.clone();
-        if !ids.insert(&receptor.id) {
-            return Err(AgentError::SameId { id: id() });
-        }
-        if receptor.limb >= limbs {
-            return Err(AgentError::ReceptorLimb { id: id() });
-        }
-        if receptor.surface.is_some_and(|surface| surface >= skin.surfaces.len()) {
-            return Err(AgentError::ReceptorSurface { id: id() });
-        }
-        if let Some(surface) =
-            receptor.surface.filter(|surface| skin.surfaces[*surface].limb != receptor.limb)
-        {
-            let fault =
-                format!("is on another limb than its surface {surface} (from 0): mend one of the two");
-            return Err(AgentError::Receptor { id: id(), fault });
-        }
-        let vectors = [&receptor.position, &receptor.normal, &receptor.tangent];
-        let mut numbers = vectors.into_iter().flatten().chain(&receptor.half_extents);
-        if !numbers.all(|number| number.is_finite()) {
-            return Err(AgentError::NotFinite { id: id() });
-        }
-        if let Some(fault) = receptor_fault(receptor) {
-            return Err(AgentError::Receptor { id: id(), fault });
+        let twice = !ids.insert(&receptor.id);
+        let twice = twice.then(|| "occurs twice: give each an id of its own".to_string());
+        if let Some(fault) = twice.or_else(|| receptor_fault(receptor, limbs, skin)) {
+            return Err(AgentError(format!("receptor \"{}\" {fault}", receptor.id)));
         }
     }
     for (number, surface) in skin.surfaces.iter().enumerate() {
+        let nowhere = (surface.limb >= limbs)
+            .then(|| "is on a limb that does not exist: give it one of the creature's limbs".to_string());
         let fault = plausible::pose_fault(&surface.pose()).or_else(|| plausible::shape_fault(&surface.shape));
-        if let Some(fault) = fault {
-            return Err(AgentError::Surface { surface: number, fault });
+        if let Some(fault) = fault.or(nowhere) {
+            return Err(AgentError(format!("surface {number} (from 0) of the skin {fault}")));
         }
     }
-    match skin.surfaces.iter().position(|surface| surface.limb >= limbs) {
-        Some(surface) => Err(AgentError::SurfaceLimb { surface }),
-        None => Ok(()),
-    }
+    Ok(())
 }

@@ -1,21 +1,14 @@
 //! Enums whose values have names, in files and on the command line alike.
 
-/// A name that none of the choices has.
+/// A name that none of the choices has: what it would name, and the choices.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("there is no {what} {name}: choose one of {choices}")]
-pub struct UnknownName {
-    /// What is named.
-    pub what: &'static str,
-    /// The name.
-    pub name: String,
-    /// The names that there are.
-    pub choices: String,
-}
+#[error("{0}")]
+pub struct UnknownName(String);
 
 impl UnknownName {
     /// The error for a name of which there is none among the choices.
     pub fn new(what: &'static str, name: &str, choices: &[&str]) -> UnknownName {
-        UnknownName { what, name: name.to_string(), choices: choices.join(", ") }
+        UnknownName(format!("there is no {what} {name}: choose one of {}", choices.join(", ")))
     }
 }
 

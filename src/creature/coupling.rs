@@ -58,7 +58,10 @@ pub(super) fn couple(
         {
             if let Some(start) = way.iter().position(|&passed| passed == on) {
                 let joints: Vec<String> = way[start..].iter().map(|&joint| name(joint)).collect();
-                return Err(BodyError::Circle { joints: joints.join(", ") });
+                return Err(BodyError::Unsuitable(format!(
+                    "joints {} follow each other in a circle: remove one of their <joint> entries in <equality>",
+                    joints.join(", ")
+                )));
             }
             way.push(on);
             polynomial = composed(&polynomial, outer);
@@ -71,7 +74,11 @@ pub(super) fn couple(
         };
         let degree = polynomial.iter().rposition(|&coefficient| coefficient != 0.0).unwrap_or(0);
         if degree >= own.len() {
-            return Err(BodyError::Degree { joint: name(joint), leader: name(moving), degree });
+            let (joint, leader) = (name(joint), name(moving));
+            return Err(BodyError::Unsuitable(format!(
+                "joint {joint} follows {leader} through others by a polynomial of degree {degree}, and 4 is the most: let \
+                 it follow {leader} itself"
+            )));
         }
         let mut coupling = Coupling { leader: leading, polynomial: own };
         coupling

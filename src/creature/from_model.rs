@@ -28,43 +28,9 @@ pub enum BodyError {
     /// Nothing can move.
     #[error("the model has no hinge, slide or ball joint: give a creature that can move")]
     NoJoints,
-    /// `--joints` names what is not there.
-    #[error("the model has no joint and no joint set named {name}; it has the sets {sets}")]
-    UnknownJoint {
-        /// The name asked for.
-        name: String,
-        /// The sets there are.
-        sets: String,
-    },
-    /// `--root` names what is not there.
-    #[error("the model has no body named {name}; its creatures begin at {roots}: give one of these")]
-    UnknownRoot {
-        /// The name asked for.
-        name: String,
-        /// The first body of every creature.
-        roots: String,
-    },
-    /// Joints that follow each other.
-    #[error(
-        "joints {joints} follow each other in a circle: remove one of their <joint> entries in <equality>"
-    )]
-    Circle {
-        /// Their names.
-        joints: String,
-    },
-    /// A joint that follows another through others by too high a power.
-    #[error(
-        "joint {joint} follows {leader} through others by a polynomial of degree {degree}, and 4 is the most: let it \
-         follow {leader} itself"
-    )]
-    Degree {
-        /// The joint that follows.
-        joint: String,
-        /// The joint that it follows in the end.
-        leader: String,
-        /// The degree.
-        degree: usize,
-    },
+    /// The model or what is asked of it is unsuitable: the fault and the fix.
+    #[error("{0}")]
+    Unsuitable(String),
     /// The tree could not be put together.
     #[error("the model's tree cannot be read: {0}")]
     Tree(#[from] CreatureError),
@@ -115,8 +81,12 @@ impl Body {
             }
             let info = model.body(body);
             let parent = if info.parent == 0 { Some(0) } else { limb_of_body[info.parent] };
-            let mut limb =
-                parent.ok_or_else(|| BodyError::Tree(CreatureError::BodyOrder(body_name(&model, body))))?;
+            let mut limb = parent.ok_or_else(|| {
+                let name = body_name(&model, body);
+                BodyError::Unsuitable(format!(
+                    "the model's tree cannot be read: body {name} comes before its parent"
+                ))
+            })?;
             let groups = group_by_anchor(&model, info.joints.filter(|&j| chosen(j)));
             let count = groups.len();
             for (k, joints) in groups.into_iter().enumerate() {

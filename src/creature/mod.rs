@@ -158,46 +158,10 @@ impl From<Creature> for Parts {
     }
 }
 
-/// Why limbs and joints make no creature.
+/// Why limbs and joints make no creature: the part, the fault and the fix.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum CreatureError {
-    /// There is not one joint per limb but the root.
-    #[error("a creature of {limbs} limbs needs one joint fewer, not {joints}")]
-    Joints {
-        /// The limbs.
-        limbs: usize,
-        /// The joints.
-        joints: usize,
-    },
-    /// A joint's parent does not come before it.
-    #[error("joint {0} comes before the limb that carries it")]
-    Order(String),
-    /// A body of a model does not come after the one that carries it.
-    #[error("body {0} comes before its parent")]
-    BodyOrder(String),
-    /// A range is not two finite numbers in order.
-    #[error("the range of {0} is not two numbers in order")]
-    Range(String),
-    /// A range goes farther than anything does.
-    #[error(
-        "the range of {0} goes beyond 10,000: give radians of a hinge, metres of a slide, or no range of what turns for ever"
-    )]
-    FarRange(String),
-    /// The range of a ball is none of angles.
-    #[error(
-        "the range of {0}, a ball, is not 0 and an angle: give 0 and the greatest angle, radians, π at the most"
-    )]
-    BallRange(String),
-    /// How a degree of freedom follows another is no number that can be.
-    #[error("{0} follows another by a coefficient beyond 1,000,000: give finite ones, metres and radians")]
-    Coefficient(String),
-    /// What a degree of freedom follows does not move by itself.
-    #[error("{0} follows what is no hinge or slide that moves by itself")]
-    Leader(String),
-    /// An aura names a limb that does not exist.
-    #[error("aura limb {0} names a limb that does not exist")]
-    AuraLimb(String),
-}
+#[error("{0}")]
+pub struct CreatureError(String);
 
 impl TryFrom<Parts> for Creature {
     type Error = CreatureError;
@@ -220,29 +184,39 @@ impl Creature {
         mut joints: Vec<Joint>,
         aura_limbs: Vec<AuraLimb>,
     ) -> Result<Creature, CreatureError> {
+        let fault = |sentence: String| Err(CreatureError(sentence));
         if limbs.len() != joints.len() + 1 {
-            return Err(CreatureError::Joints { limbs: limbs.len(), joints: joints.len() });
+            let [limbs, joints] = [limbs.len(), joints.len()];
+            return fault(format!("a creature of {limbs} limbs needs one joint fewer, not {joints}"));
         }
         let (mut elements, mut coordinates) = (0, 0);
         for (i, joint) in joints.iter_mut().enumerate() {
             if joint.parent > i {
-                return Err(CreatureError::Order(joint.name.clone()));
+                return fault(format!("joint {} comes before the limb that carries it", joint.name));
             }
             (joint.first_dof, joint.first_coordinate) = (elements, coordinates);
             for dof in &joint.dofs {
-                let [low, high] = dof.range;
+                let (name, [low, high]) = (&dof.name, dof.range);
                 if !(low.is_finite() && high.is_finite() && low <= high) {
-                    return Err(CreatureError::Range(dof.name.clone()));
+                    return fault(format!("the range of {name} is not two numbers in order"));
                 }
                 if !dof.range.iter().all(|&end| plausible::is_angle(end) && plausible::is_length(end)) {
-                    return Err(CreatureError::FarRange(dof.name.clone()));
+                    return fault(format!(
+                        "the range of {name} goes beyond 10,000: give radians of a hinge, metres of a slide, or no range of \
+                         what turns for ever"
+                    ));
                 }
                 if dof.kind == DofKind::Ball && !(low >= 0.0 && high <= TAU) {
-                    return Err(CreatureError::BallRange(dof.name.clone()));
+                    return fault(format!(
+                        "the range of {name}, a ball, is not 0 and an angle: give 0 and the greatest angle, radians, π at \
+                         the most"
+                    ));
                 }
                 let coefficients = dof.follows.iter().flat_map(|coupling| coupling.polynomial);
                 if { coefficients }.any(|c| c.is_nan() || c.abs() > plausible::GREATEST_COEFFICIENT) {
-                    return Err(CreatureError::Coefficient(dof.name.clone()));
+                    return fault(format!(
+                        "{name} follows another by a coefficient beyond 1,000,000: give finite ones, metres and radians"
+                    ));
                 }
                 elements += 1;
                 coordinates += dof.kind.coordinates();
@@ -254,10 +228,10 @@ impl Creature {
         };
         let mut followers = joints.iter().flat_map(|joint| &joint.dofs);
         if let Some(dof) = followers.find(|dof| dof.follows.is_some_and(|c| !leads(c.leader))) {
-            return Err(CreatureError::Leader(dof.name.clone()));
+            return fault(format!("{} follows what is no hinge or slide that moves by itself", dof.name));
         }
         if let Some(aura) = aura_limbs.iter().find(|a| a.limbs.iter().any(|&l| l >= limbs.len())) {
-            return Err(CreatureError::AuraLimb(aura.name.clone()));
+            return fault(format!("aura limb {} names a limb that does not exist", aura.name));
         }
         let parts = Parts { name, limbs, joints, aura_limbs };
         Ok(Creature { parts, coordinates, elements })

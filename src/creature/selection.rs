@@ -108,7 +108,10 @@ fn named(model: &Model, name: &str) -> Result<usize, BodyError> {
     found.or_else(unnamed).ok_or_else(|| {
         let roots: Vec<String> =
             creatures(model).into_iter().map(|creature| creature.name).take(12).collect();
-        BodyError::UnknownRoot { name: name.to_string(), roots: roots.join(", ") }
+        BodyError::Unsuitable(format!(
+            "the model has no body named {name}; its creatures begin at {}: give one of these",
+            roots.join(", ")
+        ))
     })
 }
 
@@ -150,7 +153,10 @@ pub(super) fn select(model: &Model, selection: &JointSelection) -> Result<Vec<bo
         if !found {
             let sets = tuples.iter().filter_map(|t| t.name?.strip_prefix(JOINTS_TUPLE));
             let sets: Vec<&str> = sets.chain(["all"]).collect();
-            return Err(BodyError::UnknownJoint { name: name.to_string(), sets: sets.join(", ") });
+            return Err(BodyError::Unsuitable(format!(
+                "the model has no joint and no joint set named {name}; it has the sets {}",
+                sets.join(", ")
+            )));
         }
     }
     Ok(selected)

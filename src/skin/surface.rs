@@ -45,7 +45,7 @@ impl Surface {
 
     /// A point of the limb in the shape's own axes.
     #[inline]
-    pub fn to_shape(&self, p_l: &Vector3<f64>) -> Vector3<f64> {
+    fn to_shape(&self, p_l: &Vector3<f64>) -> Vector3<f64> {
         self.rotation.tr_mul(&(p_l - self.origin))
     }
 
