@@ -6,6 +6,8 @@
 use std::collections::{BTreeSet, VecDeque};
 
 use nalgebra::Vector3;
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
 
 use super::error::ActorError;
 use super::stick::HeldStick;
@@ -216,6 +218,25 @@ impl Actor {
     /// Its limbs' poses in the root's frame as the schema has them.
     pub fn frames(&self) -> Vec<Frame> {
         self.own.frames(&self.handle.posture())
+    }
+
+    /// A new random stream.
+    pub(super) fn new_rng(&mut self) -> ChaCha8Rng {
+        self.seed = self.seed.wrapping_add(1);
+        ChaCha8Rng::seed_from_u64(self.seed)
+    }
+
+    /// Does something with obstacles beside those that are known.
+    pub(super) fn with_obstacles<T>(
+        &mut self,
+        obstacles: impl IntoIterator<Item = Obstacle>,
+        act: impl FnOnce(&mut Actor) -> T,
+    ) -> T {
+        let known = self.clearance.obstacles.len();
+        self.clearance.obstacles.extend(obstacles);
+        let done = act(self);
+        self.clearance.obstacles.truncate(known);
+        done
     }
 
     /// A body that reaches with some joints; a new random stream with each.

@@ -1,8 +1,5 @@
 //! Leaning the trunk forward, and back upright.
 
-use rand::SeedableRng;
-use rand_chacha::ChaCha8Rng;
-
 use super::actor::Actor;
 use super::tasks::Trouble;
 use crate::creature::Posture;
@@ -63,8 +60,7 @@ impl Actor {
     /// A posture with the trunk as far on the way to a bent one as there are postures of the arms that keep clear: as they
     /// are, at ease, or drawn.
     fn leaning_towards(&mut self, from: &[f64], bent: &[f64]) -> Option<Posture> {
-        self.seed = self.seed.wrapping_add(1);
-        let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
+        let mut rng = self.new_rng();
         let arms = self.arms();
         let ease = self.own.at_ease();
         let creature = self.own.creature();

@@ -1,8 +1,5 @@
 //! Putting a hand to a spot of one's own skin.
 
-use rand::SeedableRng;
-use rand_chacha::ChaCha8Rng;
-
 use super::actor::{Actor, CAREFUL, SWIFT, Stop};
 use super::tasks::Trouble;
 use crate::creature::Posture;
@@ -90,8 +87,7 @@ impl Actor {
         let joints = self.hands[arm].arm.clone();
         let from = self.posture();
         let clearance = self.clearance.moved_by(&self.own, &joints);
-        self.seed = self.seed.wrapping_add(1);
-        let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
+        let mut rng = self.new_rng();
         let place = self.own.place(receptor);
         let shoulder = self.frames()[self.hands[1 - arm].arm[0] + 1].origin;
         let wanted = shoulder + self.front * PRESENTED;

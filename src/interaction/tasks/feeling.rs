@@ -4,7 +4,6 @@
 use std::collections::VecDeque;
 
 use nalgebra::{Rotation3, Unit, Vector3};
-use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
 use super::Trouble;
@@ -104,8 +103,7 @@ impl Actor {
             .map(|before| FeltPose { limb: self.own.frames(before)[limb], receptor: None })
             .collect();
         let mut came_by = self.take_trail();
-        self.seed = self.seed.wrapping_add(1);
-        let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
+        let mut rng = self.new_rng();
         let estimate = |actor: &Actor, poses: &[FeltPose], rng: &mut ChaCha8Rng| {
             FeltSurface::of(&actor.own, found.receptor, &first, poses, rng)
         };

@@ -6,7 +6,7 @@
 //! elsewhere now. He takes the schema over once it foretells touches in a row with both arms; where it does not, he does not
 //! rely on the old one any more.
 
-use rand::{RngExt, SeedableRng};
+use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
 use super::Trouble;
@@ -114,8 +114,7 @@ impl Actor {
     /// [`Trouble`] on the way.
     pub fn feel_over(&mut self) -> Result<FeltOver, Trouble> {
         let agent = self.own.agent().clone();
-        self.seed = self.seed.wrapping_add(1);
-        let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
+        let mut rng = self.new_rng();
         let learner = self.own.account().and_then(|account| {
             Online::going_on(&agent, self.own.schema.clone(), account, DEVIATION, self.seed)
         });

@@ -119,11 +119,8 @@ impl Actor {
         shape: &ShapeEstimate,
         target: &[f64],
     ) -> Result<(), Trouble> {
-        let known = self.clearance.obstacles.len();
-        self.clearance.obstacles.extend(Capsule::about_points(&shape.corners()).map(Obstacle::Capsule));
-        let went = self.go(target);
-        self.clearance.obstacles.truncate(known);
-        went
+        let thing = Capsule::about_points(&shape.corners()).map(Obstacle::Capsule);
+        self.with_obstacles(thing, |actor| actor.go(target))
     }
 
     /// The outward direction in which least is known of a thing's extent, of those not tried yet.
@@ -162,10 +159,9 @@ impl Actor {
         for hand in [own_side, 1 - own_side] {
             let tips = self.tips(hand);
             let (arm, from) = (self.hands[hand].arm.clone(), self.posture());
-            let known = self.clearance.obstacles.len();
-            self.clearance.obstacles.extend(thing.map(Obstacle::Capsule));
-            let plan = self.reaching(arm).approach(&from, &tips, &aim);
-            self.clearance.obstacles.truncate(known);
+            let plan = self.with_obstacles(thing.map(Obstacle::Capsule), |actor| {
+                actor.reaching(arm).approach(&from, &tips, &aim)
+            });
             let Ok(plan) = plan else { continue };
             let mut into = aim.direction;
             let came = match self.follow(&plan.way, SWIFT, |_, _| true)? {

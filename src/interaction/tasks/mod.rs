@@ -15,8 +15,6 @@ mod two_palms;
 mod wielding;
 
 use nalgebra::Vector3;
-use rand::SeedableRng;
-use rand_chacha::ChaCha8Rng;
 
 pub use feeling::FeltOn;
 pub use feeling_over::FeltOver;
@@ -174,8 +172,7 @@ impl Actor {
 
     /// A way between two postures that moves some joints and keeps clear; a new random stream with each.
     fn find_path(&mut self, ends: [&[f64]; 2], joints: &[usize]) -> Result<PosturePath, OutOfReach> {
-        self.seed = self.seed.wrapping_add(1);
-        let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
+        let mut rng = self.new_rng();
         find_path(&self.own, &self.clearance, ends, joints, MARGIN, &mut rng).ok_or(OutOfReach::Barred)
     }
 

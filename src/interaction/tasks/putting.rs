@@ -184,6 +184,7 @@ impl Actor {
             Some(farthest) => farthest.clone(),
             None => self.bent_forward(hand, &place, &from),
         };
+        let mut rng = self.new_rng();
         let clearance = self.clearance.moved_by(&self.own, &idle);
         let creature = self.own.creature();
         let with_arm =
@@ -195,8 +196,6 @@ impl Actor {
             });
             gaps.fold(f64::INFINITY, f64::min)
         };
-        self.seed = self.seed.wrapping_add(1);
-        let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
         let drawn = (0..IDLE_POSTURES).map(|_| self.own.random_posture(&from, &idle, &mut rng));
         let mut best = (clear(&from), from.clone());
         for arm in std::iter::once(self.own.at_ease()).chain(drawn) {

@@ -4,8 +4,6 @@ use std::collections::VecDeque;
 use std::f64::consts::TAU;
 
 use nalgebra::{Rotation3, Vector3};
-use rand::SeedableRng;
-use rand_chacha::ChaCha8Rng;
 
 use super::{BACK, FeltOn, MARGIN, Trouble};
 use crate::creature::Posture;
@@ -254,10 +252,7 @@ impl Actor {
         }
         let mut outcome = Err(OutOfReach::Barred.into());
         for radius in ROOMS {
-            let known = self.clearance.obstacles.len();
-            self.clearance.obstacles.extend(met.iter().map(|room| room.obstacle(radius)));
-            outcome = act(self);
-            self.clearance.obstacles.truncate(known);
+            outcome = self.with_obstacles(met.iter().map(|room| room.obstacle(radius)), &mut act);
             if !matches!(outcome, Err(Trouble::Reach(OutOfReach::Barred))) {
                 break;
             }
@@ -413,8 +408,7 @@ impl Actor {
             ways.push(way);
         }
         // … and by all joints of the arm at once, as it comes.
-        self.seed = self.seed.wrapping_add(1);
-        let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
+        let mut rng = self.new_rng();
         let mut others = Vec::new();
         for _ in 0..WAYS_OFF {
             let target = self.own.random_posture(&from, arm, &mut rng);

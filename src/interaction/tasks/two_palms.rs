@@ -1,8 +1,6 @@
 //! Where both palms face each other across a thing, and the postures of both arms for it, by the schema.
 
 use nalgebra::{Matrix3, Rotation3, Vector3};
-use rand::SeedableRng;
-use rand_chacha::ChaCha8Rng;
 
 use super::Trouble;
 use crate::creature::Posture;
@@ -10,8 +8,7 @@ use crate::geometry::{Capsule, Frame};
 use crate::interaction::actor::{Actor, SWIFT};
 use crate::kinematics::axis_directions;
 use crate::peripersonal::{
-    CollisionChecker, LimbGoal, LimbPosture, Obstacle, OutOfReach, OwnBody, Palm, find_path, limb_posture,
-    palm_turn,
+    CollisionChecker, LimbGoal, LimbPosture, Obstacle, OutOfReach, OwnBody, Palm, limb_posture, palm_turn,
 };
 
 /// How far a palm is from the middle of a thing before it closes, metres: the widest of these that both arms can do.
@@ -24,8 +21,6 @@ pub const RISE: f64 = 0.12;
 const OVER_TABLE: f64 = 0.006;
 /// How clear of everything an arm keeps there, metres.
 const CLEAR: f64 = 0.003;
-/// How clear of everything arms keep on the way there, metres.
-const MARGIN: f64 = 0.006;
 /// Ways in which the palms may face each other: how far from straight across, radians, …
 const YAWS: [f64; 7] = [0.0, 0.3, -0.3, 0.6, -0.6, 0.9, -0.9];
 /// … and how far the fingers point down, radians: steeply first, where the thumbs, which stand out, are not over the thing.
@@ -124,8 +119,7 @@ impl Actor {
         let (up, left) = (self.up, self.left());
         let middle = place + up * (table - place.dot(&up));
         let azimuth = place.dot(&left).atan2(place.dot(&self.front));
-        self.seed = self.seed.wrapping_add(1);
-        let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
+        let mut rng = self.new_rng();
         let ready = self.ready();
         let mut joints = self.hands[0].leaning.clone();
         joints.extend(&self.hands[1].arm);
@@ -302,13 +296,9 @@ impl Actor {
         let (from, target) = (self.posture(), &plan.raised);
         for room in ROOMS {
             let ends = [plan.middle, plan.middle + self.up * (ROOM_HEIGHT - room)];
-            let known = self.clearance.obstacles.len();
-            self.clearance.obstacles.push(Obstacle::Capsule(Capsule { ends, radius: room }));
-            self.seed = self.seed.wrapping_add(1);
-            let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
-            let way = find_path(&self.own, &self.clearance, [&from, target], &joints, MARGIN, &mut rng);
-            self.clearance.obstacles.truncate(known);
-            if let Some(way) = way {
+            let thing = Obstacle::Capsule(Capsule { ends, radius: room });
+            let way = self.with_obstacles([thing], |actor| actor.find_path([&from, target], &joints));
+            if let Ok(way) = way {
                 return self.pass(&way, SWIFT);
             }
         }

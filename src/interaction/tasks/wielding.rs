@@ -6,7 +6,7 @@
 //! learned schema is what he believes; he counts as known only what has foretold fresh touches, the tip's among them.
 
 use nalgebra::{Matrix3, Vector3};
-use rand::{RngExt, SeedableRng};
+use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
 use super::{MARGIN, Trouble};
@@ -69,8 +69,7 @@ impl Actor {
     /// # Errors
     /// [`Trouble`] on the way.
     pub fn hold_out(&mut self, hand: usize) -> Result<(), Trouble> {
-        self.seed = self.seed.wrapping_add(1);
-        let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
+        let mut rng = self.new_rng();
         let from = self.posture();
         let arm = self.hands[hand].arm.clone();
         let grip = self.own.place(self.grip_of(hand));
@@ -111,8 +110,7 @@ impl Actor {
     /// # Errors
     /// Where the engine fails.
     pub fn learn_stick(&mut self) -> Result<Option<KnownStick>, Trouble> {
-        self.seed = self.seed.wrapping_add(1);
-        let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
+        let mut rng = self.new_rng();
         let mut belief = None;
         // How far off each touch was from what was expected, and whether by the tip.
         let mut foretold: Vec<(f64, bool)> = Vec::new();

@@ -150,12 +150,9 @@ impl Actor {
         ends: [&[f64]; 2],
         arm: &[usize],
     ) -> Result<PosturePath, OutOfReach> {
-        let before = self.clearance.obstacles.len();
         let live = search.felt.iter().filter(|felt| !felt.gone);
         let balls = live.map(|felt| search.map.plane.point(felt.within)).map(|at| Capsule::ball(at, ABOUT));
-        self.clearance.obstacles.extend(balls.map(Obstacle::Capsule));
-        let way = self.find_path(ends, arm);
-        self.clearance.obstacles.truncate(before);
+        let way = self.with_obstacles(balls.map(Obstacle::Capsule), |actor| actor.find_path(ends, arm));
         way.or_else(|_| self.find_path(ends, arm))
     }
 
