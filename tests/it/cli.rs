@@ -225,9 +225,9 @@ fn wrong_usage_is_exit_code_2() {
         &["babble", "arms.xml", "--input", "telepathy"],
         &["learn"],
         &["learn", "session", "--touches", "0"],
-        &["skin", "arms.xml", "--area", "0"],
-        &["skin", "arms.xml", "--area", "nan"],
-        &["skin", "arms.xml", "--area", "inf"],
+        &["skin", "arms.xml", "--spacing", "0"],
+        &["skin", "arms.xml", "--spacing", "nan"],
+        &["skin", "arms.xml", "--spacing", "inf"],
         &["dance"],
     ] {
         place.misused(wrong);

@@ -44,9 +44,6 @@ pub struct SkinArguments {
     /// Side of a receptor in metres, whatever the model says
     #[arg(long, value_name = "M", group = "size", value_parser = positive)]
     spacing: Option<f64>,
-    /// Area of a receptor in cm² where the model does not say
-    #[arg(long, value_name = "CM2", group = "size", value_parser = area)]
-    area: Option<f64>,
     /// How many times as many receptors a limb has on the same area, by its tuple's or body's name; repeatable
     #[arg(long, value_name = "LIMB=FACTOR", value_parser = denser)]
     denser: Vec<(String, f64)>,
@@ -56,11 +53,6 @@ pub struct SkinArguments {
 enum SkinCommand {
     Feel(feel::FeelArguments),
     Map(map::MapArguments),
-}
-
-fn area(text: &str) -> Result<f64, String> {
-    let area: f64 = text.parse().map_err(|_| "give a number of cm²".to_string())?;
-    if (0.01..=1e4).contains(&area) { Ok(area) } else { Err("give an area from 0.01 to 10000 cm²".into()) }
 }
 
 fn denser(text: &str) -> Result<(String, f64), String> {
@@ -79,11 +71,10 @@ pub fn run(args: &SkinArguments, given: Arguments) -> Outcome {
 
 /// Grows a skin on a model.
 fn grow(args: &SkinArguments, model: &Path) -> Outcome {
-    let size = match (args.receptors, args.spacing, args.area) {
-        (Some(count), ..) => PatchSize::Count(count as usize),
-        (_, Some(side), _) => PatchSize::Spacing(side),
-        (.., Some(area)) => PatchSize::Area(area * 1e-4),
-        _ => PatchSize::OfCreature,
+    let size = match (args.receptors, args.spacing) {
+        (Some(count), _) => PatchSize::Count(count as usize),
+        (None, Some(side)) => PatchSize::Spacing(side),
+        (None, None) => PatchSize::OfCreature,
     };
     let options = GrowOptions { size, denser: args.denser.clone() };
     rehearse(model)?;

@@ -20,8 +20,6 @@ pub enum PatchSize {
     /// As the model says; where it says nothing, so that some 250 cover the creature.
     #[default]
     OfCreature,
-    /// As the model says; where it says nothing, this area, m².
-    Area(f64),
     /// Squares with sides of this length, metres, whatever the model says.
     Spacing(f64),
     /// So that there are this many in all, in the proportions that [`PatchSize::OfCreature`] has.
@@ -59,7 +57,7 @@ impl GrowOptions {
     ) -> Result<Vec<f64>, GrowError> {
         let sound = |value: f64| value > 0.0 && value.is_finite();
         let positive = match self.size {
-            PatchSize::Area(size) | PatchSize::Spacing(size) => sound(size),
+            PatchSize::Spacing(side) => sound(side),
             PatchSize::Count(count) => count > 0,
             PatchSize::OfCreature => true,
         };
@@ -75,15 +73,10 @@ impl GrowOptions {
             PatchSize::OfCreature if !all_said => grounds(),
             _ => Vec::new(),
         };
-        let default = |g: usize| match self.size {
-            PatchSize::Area(area) => area,
-            PatchSize::Spacing(side) => side * side,
-            PatchSize::OfCreature | PatchSize::Count(_) => evenly(&measured, g),
-        };
         let area = |&g: &usize| {
             let of_limb = match self.size {
-                PatchSize::Spacing(_) => default(g),
-                _ => said(g).unwrap_or_else(|| default(g)),
+                PatchSize::Spacing(side) => side * side,
+                _ => said(g).unwrap_or_else(|| evenly(&measured, g)),
             };
             of_limb / denser[model.geom_body(g)]
         };
