@@ -18,7 +18,7 @@ use crate::learning::{Expectation, Learned, Learner, LimbFrames, SkinKnowledge};
 use crate::schema::BodySchema;
 use crate::senses::{DisturbedSenses, Touch};
 use crate::session::{
-    Action, Checkpoint, Host, LEARNED_FILE, LearningRecord, LearningTable, PROGRAM, RecordError,
+    Action, Checkpoint, Host, LEARNED_FILE, LearningRecord, LearningRow, LearningTable, PROGRAM, RecordError,
     RecordedAccount, SCHEMA_FILE, Session, write_schema_with_std, write_whole,
 };
 
@@ -201,11 +201,6 @@ impl<'a> LearningRun<'a> {
         options: &LearningOptions,
         truth: Option<&'a GroundTruth>,
     ) -> Result<LearningRun<'a>, ExperimentError> {
-        let mut columns =
-            vec!["touches", "predicted_gap_mm", "predicted_deviation_mm", "converged", "fresh_rms"];
-        if truth.is_some() {
-            columns.extend(["heldout_mean_mm", "heldout_p95_mm", "hand_mean_mm", "axis_median_deg"]);
-        }
         let given = options.givens();
         // Without the truth a fit on the way tells nothing that the last does not.
         let checkpoints = match truth {
@@ -215,7 +210,7 @@ impl<'a> LearningRun<'a> {
         Ok(LearningRun {
             session,
             truth,
-            table: LearningTable::create(folder, &columns)?,
+            table: LearningTable::create(folder)?,
             predicts: options.predicts(),
             checkpoints,
             passed: vec![(0, options.initial_guess(&session.agent, session.seed))],
@@ -235,11 +230,7 @@ impl<'a> LearningRun<'a> {
     fn pass(&mut self, way: &[(usize, BodySchema)]) -> Result<(), ExperimentError> {
         for (touches, schema) in way {
             let evaluation = self.truth.map(|truth| evaluate(&self.session.agent, truth, schema, &[]));
-            let mut row = vec![*touches as f64, f64::NAN, f64::NAN, f64::NAN, f64::NAN];
-            if self.truth.is_some() {
-                row.extend(measures(evaluation.as_ref()));
-            }
-            self.table.row(&row)?;
+            self.table.row(&row_of(*touches, evaluation.as_ref()))?;
             self.passed.push((*touches, schema.clone()));
         }
         Ok(())
@@ -265,14 +256,6 @@ impl<'a> LearningRun<'a> {
         if !shown && !self.predicts {
             return Ok(());
         }
-        let millimetres = |value: Option<f64>| value.map_or(f64::NAN, |metres| 1e3 * metres);
-        let mut row = vec![
-            now.touches as f64,
-            millimetres(expected.map(|expected| expected.gap)),
-            millimetres(expected.map(|expected| expected.deviation)),
-            learned.as_ref().map_or(f64::NAN, |learned| f64::from(u8::from(learned.verdict.converged()))),
-            learned.as_ref().map_or(f64::NAN, |learned| learned.fresh_rms),
-        ];
         if let Some(schema) = schema.filter(|_| shown) {
             self.passed.push((now.touches, schema.clone()));
         }
@@ -282,10 +265,13 @@ impl<'a> LearningRun<'a> {
             Some(learned) => evaluate_learned(agent, truth, learned),
             None => evaluate(agent, truth, schema, &[]),
         });
-        if self.truth.is_some() {
-            row.extend(measures(evaluation.as_ref()));
-        }
-        self.table.row(&row)?;
+        self.table.row(&LearningRow {
+            predicted_gap_mm: expected.map(|expected| 1e3 * expected.gap),
+            predicted_deviation_mm: expected.map(|expected| 1e3 * expected.deviation),
+            converged: learned.as_ref().map(|learned| u8::from(learned.verdict.converged())),
+            fresh_rms: learned.as_ref().map(|learned| learned.fresh_rms),
+            ..row_of(now.touches, evaluation.as_ref())
+        })?;
         if now.last {
             self.result = learned.map(|learned| (learned, evaluation));
         }
@@ -293,12 +279,16 @@ impl<'a> LearningRun<'a> {
     }
 }
 
-/// What the table has of an evaluation, as its last columns.
-fn measures(evaluation: Option<&Evaluation>) -> [f64; 4] {
-    evaluation.map_or([f64::NAN; 4], |e| {
-        let hand = e.hand_mm.map_or(f64::NAN, |hand| hand.mean);
-        [e.heldout_mm.mean, e.heldout_mm.p95, hand, e.axis_deg.median]
-    })
+/// The row of an evaluation after so many touches.
+fn row_of(touches: usize, evaluation: Option<&Evaluation>) -> LearningRow {
+    LearningRow {
+        touches,
+        heldout_mean_mm: evaluation.map(|e| e.heldout_mm.mean),
+        heldout_p95_mm: evaluation.map(|e| e.heldout_mm.p95),
+        hand_mean_mm: evaluation.and_then(|e| e.hand_mm).map(|hand| hand.mean),
+        axis_median_deg: evaluation.map(|e| e.axis_deg.median),
+        ..LearningRow::default()
+    }
 }
 
 /// The schemas on the way with their errors and the bounds of these, where the truth is at hand and the touches show noise:

@@ -200,7 +200,7 @@ impl LearningRecord {
             checkpoints: self.checkpoints.iter().map(entry).collect(),
         };
         files::make_folder(folder)?;
-        files::write_json(&folder.join(LEARNED_RECORD_FILE), &STAMP.on(&content))
+        STAMP.write(&folder.join(LEARNED_RECORD_FILE), &content)
     }
 
     /// Reads [`LEARNED_RECORD_FILE`] of `folder`; none where there is no such file, as in sessions from before
@@ -214,10 +214,7 @@ impl LearningRecord {
         if !path.exists() {
             return Ok(None);
         }
-        let json = files::read(&path)?;
-        STAMP.check(&path, None, &json)?;
-        let content: LearningFile = serde_json::from_slice(&json)
-            .map_err(|error| RecordError::json(&path, "record of learning", &error))?;
+        let content: LearningFile = STAMP.read(&path, "record of learning")?;
         let refuse = |message: String| RecordError::format(&path, None, message);
         if content.creature != creature.name() {
             return Err(refuse(format!(

@@ -1,84 +1,48 @@
 //! The table of how learning went: a row per checkpoint.
 
 use std::fs::File;
-use std::io::Write;
+use std::io;
 use std::path::{Path, PathBuf};
 
-use super::{Action, LEARNING_FILE, RecordError, files};
-use crate::named::did_you_mean;
+use serde::{Deserialize, Serialize};
 
-/// Columns that learning writes.
-const COLUMNS: [&str; 9] = [
-    "touches",
-    "predicted_gap_mm",
-    "predicted_deviation_mm",
-    "converged",
-    "fresh_rms",
-    "heldout_mean_mm",
-    "heldout_p95_mm",
-    "hand_mean_mm",
-    "axis_median_deg",
-];
-/// Letters of a column's name at the most.
-const LONGEST_NAME: usize = 64;
+use super::{Action, LEARNING_FILE, RecordError, files};
+
 /// Touches of a log at the most.
-const MOST_TOUCHES: f64 = 1e8;
-/// Numbers in the table at the most; what is farther off is none that learning gives.
+const MOST_TOUCHES: usize = 100_000_000;
+/// Numbers in the table at the most; learning gives none that are farther off.
 const GREATEST: f64 = 1e15;
 
-/// Writes [`LEARNING_FILE`]: comma-separated values behind a line of column names.
-#[derive(Debug)]
-pub struct LearningTable {
-    path: PathBuf,
-    file: File,
-    columns: usize,
-    rows: usize,
-}
-
-impl LearningTable {
-    /// Begins the table in a session's folder; an older one there is overwritten.
-    ///
-    /// # Errors
-    /// [`RecordError::Io`] where the folder or the file cannot be made, [`RecordError::Format`] for a
-    /// column's name that needs quoting.
-    pub fn create(folder: &Path, columns: &[&str]) -> Result<LearningTable, RecordError> {
-        let path = folder.join(LEARNING_FILE);
-        if let Some(name) = columns.iter().find(|name| name.contains([',', '"', '\n', '\r'])) {
-            let message = format!("the column {name:?} has a comma, quote or line break: name it without");
-            return Err(RecordError::format(&path, Some(1), message));
-        }
-        files::make_folder(folder)?;
-        let file = File::create(&path).map_err(RecordError::io(&path, Action::Write))?;
-        let mut table = LearningTable { path, file, columns: columns.len(), rows: 0 };
-        table.write_line(&columns.join(","))?;
-        Ok(table)
-    }
-
-    /// Adds a row, a number per column; what is no number that a measure can have leaves its cell empty.
-    ///
-    /// # Errors
-    /// [`RecordError::Io`] where writing fails, [`RecordError::Format`] where the row does not have a
-    /// number per column.
-    pub fn row(&mut self, values: &[f64]) -> Result<(), RecordError> {
-        if values.len() != self.columns {
-            let message = format!(
-                "a row of {} numbers does not fit {} columns: give one per column",
-                values.len(),
-                self.columns
-            );
-            return Err(RecordError::format(&self.path, Some(self.rows + 2), message));
-        }
-        let cell = |value: &f64| if value.abs() <= GREATEST { value.to_string() } else { String::new() };
-        let cells: Vec<String> = values.iter().map(cell).collect();
-        self.write_line(&cells.join(","))?;
-        self.rows += 1;
-        Ok(())
-    }
-
-    fn write_line(&mut self, line: &str) -> Result<(), RecordError> {
-        let line = format!("{line}\n");
-        self.file.write_all(line.as_bytes()).map_err(RecordError::io(&self.path, Action::Write))
-    }
+/// A row of [`LEARNING_FILE`]; what is not known has an empty cell.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct LearningRow {
+    /// The touches that were learned from.
+    pub touches: usize,
+    /// How far apart the schema before put the surfaces that met in the last of them, millimetres, …
+    #[serde(default)]
+    pub predicted_gap_mm: Option<f64>,
+    /// … and the standard deviation that the learner expected of that.
+    #[serde(default)]
+    pub predicted_deviation_mm: Option<f64>,
+    /// 1 if the schema predicts held-out touches, else 0.
+    #[serde(default)]
+    pub converged: Option<u8>,
+    /// The residual of held-out touches, a root mean square in the learner's own unit.
+    #[serde(default)]
+    pub fresh_rms: Option<f64>,
+    /// The mean surface error between all pairs of limbs, millimetres.
+    #[serde(default)]
+    pub heldout_mean_mm: Option<f64>,
+    /// 95 % of these errors are less.
+    #[serde(default)]
+    pub heldout_p95_mm: Option<f64>,
+    /// The mean surface error between a hand and other limbs, millimetres.
+    #[serde(default)]
+    pub hand_mean_mm: Option<f64>,
+    /// The median angle between learned and true axes, degrees.
+    #[serde(default)]
+    pub axis_median_deg: Option<f64>,
 }
 
 /// What the learner predicted of one touch.
@@ -92,109 +56,113 @@ pub struct Prediction {
     pub deviation: f64,
 }
 
-/// [`LEARNING_FILE`] as it was read.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct LearningRows {
-    /// The columns' names, which end in their unit.
-    pub columns: Vec<String>,
-    /// Per row a number per column; none where its cell is empty.
-    pub rows: Vec<Vec<Option<f64>>>,
+/// Writes [`LEARNING_FILE`]: comma-separated values after a line of column names.
+pub struct LearningTable {
+    path: PathBuf,
+    writer: csv::Writer<File>,
 }
 
-/// Reads [`LEARNING_FILE`] of a session's folder; nothing where there is no such file.
+impl LearningTable {
+    /// Begins the table in a session's folder; an older one there is overwritten.
+    ///
+    /// # Errors
+    /// [`RecordError::Io`] if the folder or the file cannot be made.
+    pub fn create(folder: &Path) -> Result<LearningTable, RecordError> {
+        let path = folder.join(LEARNING_FILE);
+        files::make_folder(folder)?;
+        let file = File::create(&path).map_err(RecordError::io(&path, Action::Write))?;
+        Ok(LearningTable { path, writer: csv::Writer::from_writer(file) })
+    }
+
+    /// Adds a row. A number that no measure can have leaves its cell empty.
+    ///
+    /// # Errors
+    /// [`RecordError::Io`] if writing fails.
+    pub fn row(&mut self, row: &LearningRow) -> Result<(), RecordError> {
+        let mut row = row.clone();
+        row.numbers().into_iter().for_each(|number| *number = number.filter(|x| x.abs() <= GREATEST));
+        let written = self.writer.serialize(&row).map_err(io::Error::other);
+        written.and_then(|()| self.writer.flush()).map_err(RecordError::io(&self.path, Action::Write))
+    }
+}
+
+impl LearningRow {
+    /// The measures, the predicted gap first.
+    fn numbers(&mut self) -> [&mut Option<f64>; 7] {
+        [
+            &mut self.predicted_gap_mm,
+            &mut self.predicted_deviation_mm,
+            &mut self.fresh_rms,
+            &mut self.heldout_mean_mm,
+            &mut self.heldout_p95_mm,
+            &mut self.hand_mean_mm,
+            &mut self.axis_median_deg,
+        ]
+    }
+
+    /// What of it cannot be, after a row of so many touches.
+    fn fault(&self, before: usize) -> Option<String> {
+        let mut row = self.clone();
+        let numbers = row.numbers();
+        // A gap may be an overlap.
+        let least = |k: usize| if k == 0 { -GREATEST } else { 0.0 };
+        let wrong = numbers
+            .iter()
+            .enumerate()
+            .find_map(|(k, number)| number.filter(|x| !(least(k)..=GREATEST).contains(x)));
+        let converged = self.converged.filter(|converged| *converged > 1).map(f64::from);
+        if let Some(wrong) = wrong.or(converged) {
+            return Some(format!("{wrong} is no number that this measure can have"));
+        }
+        let touches = self.touches;
+        let order = touches >= before && touches <= MOST_TOUCHES;
+        (!order).then(|| format!("it is of {touches} touches, after {before}"))
+    }
+}
+
+/// Reads [`LEARNING_FILE`] of a session's folder; nothing if there is no such file.
 ///
 /// # Errors
-/// [`RecordError::Io`] where it cannot be read, [`RecordError::Format`] where a number is none or not finite, a row has not a
-/// cell per column, and where it has no column of touches.
-pub fn read_learning_table(folder: &Path) -> Result<LearningRows, RecordError> {
+/// [`RecordError::Io`] if it cannot be read, [`RecordError::Format`], with the line, if it is no such table.
+pub fn read_learning_table(folder: &Path) -> Result<Vec<LearningRow>, RecordError> {
     let path = folder.join(LEARNING_FILE);
     if !path.exists() {
-        return Ok(LearningRows::default());
+        return Ok(Vec::new());
     }
     let bytes = files::read(&path)?;
-    let text = String::from_utf8_lossy(&bytes);
-    let mut lines = text.lines();
-    let columns: Vec<String> = lines.next().unwrap_or_default().split(',').map(String::from).collect();
     let refuse = |line: usize, what: String| {
         let mend = "learn again with `bodyschema learn`, which writes the table anew";
         RecordError::format(&path, Some(line), format!("{what}: {mend}"))
     };
-    let plain = |name: &String| {
-        (1..=LONGEST_NAME).contains(&name.len())
-            && name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_')
-    };
-    if let Some(odd) = columns.iter().find(|name| !plain(name)) {
-        return Err(refuse(1, format!("\"{odd}\" is no name of a column, of which commas are between")));
-    }
-    if let Some(twice) = (1..columns.len()).find(|&k| columns[..k].contains(&columns[k])) {
-        return Err(refuse(1, format!("there are two columns {}", columns[twice])));
-    }
-    if let Some(slip) = columns.iter().find(|name| !COLUMNS.contains(&name.as_str())) {
-        if let Some(near) = did_you_mean(slip, COLUMNS) {
-            return Err(refuse(1, format!("there is a column {slip}, where {near} is meant")));
-        }
-    }
-    let has = |name: &str| columns.iter().any(|column| column == name);
-    if has("predicted_gap_mm") != has("predicted_deviation_mm") {
-        return Err(refuse(
-            1,
-            "it has one of predicted_gap_mm and predicted_deviation_mm, and not the other".into(),
-        ));
-    }
-    let Some(touches) = columns.iter().position(|name| name == "touches") else {
-        return Err(refuse(1, "there is no column touches".into()));
-    };
-    let converged = columns.iter().position(|name| name == "converged");
-    let number = |n: usize, cell: &str| match cell {
-        "" => Ok(None),
-        cell => match cell.parse::<f64>() {
-            Ok(number) if number.is_finite() && number.abs() <= GREATEST => Ok(Some(number)),
-            Ok(number) => Err(refuse(n + 2, format!("{number} is no number that a measure can have"))),
-            Err(_) => Err(refuse(n + 2, format!("\"{cell}\" is no number"))),
-        },
-    };
-    let mut last = 0.0;
-    let row = |(n, line): (usize, &str)| {
-        let cells = line.split(',').map(|cell| number(n, cell)).collect::<Result<Vec<_>, _>>()?;
-        if cells.len() != columns.len() {
-            let (cells, columns) = (cells.len(), columns.len());
-            return Err(refuse(n + 2, format!("it has {cells} cells in place of {columns}")));
-        }
-        match cells[touches] {
-            Some(count) if (0.0..=MOST_TOUCHES).contains(&count) && count.fract() == 0.0 => {
-                if count < last {
-                    return Err(refuse(n + 2, format!("it is of {count} touches, after {last}")));
-                }
-                last = count;
-                if converged.is_some_and(|k| cells[k].is_some_and(|x| x != 0.0 && x != 1.0)) {
-                    return Err(refuse(n + 2, "its converged is neither 0 nor 1".into()));
-                }
-                let negative =
-                    |k: usize| columns[k] != "predicted_gap_mm" && cells[k].is_some_and(|x| x < 0.0);
-                match (0..columns.len()).find(|&k| negative(k)) {
-                    Some(k) => Err(refuse(n + 2, format!("its {} is negative", columns[k]))),
-                    None => Ok(cells),
-                }
+    let mut rows: Vec<LearningRow> = Vec::new();
+    for (k, row) in csv::Reader::from_reader(&bytes[..]).deserialize().enumerate() {
+        let row: LearningRow = row.map_err(|error: csv::Error| match error.kind() {
+            csv::ErrorKind::Deserialize { err, pos } => {
+                let field = err.field().map_or(String::new(), |field| format!("cell {}: ", field + 1));
+                let line = pos.as_ref().map_or(k + 2, |pos| pos.line() as usize);
+                refuse(line, format!("it is no row of learning ({field}{})", err.kind()))
             }
-            _ => Err(refuse(n + 2, "its number of touches is no whole number".into())),
+            csv::ErrorKind::UnequalLengths { expected_len, len, .. } => {
+                refuse(k + 2, format!("it has {len} cells in place of {expected_len}"))
+            }
+            _ => refuse(k + 2, format!("it is no row of learning ({error})")),
+        })?;
+        if let Some(fault) = row.fault(rows.last().map_or(0, |last| last.touches)) {
+            return Err(refuse(k + 2, fault));
         }
-    };
-    let rows = lines.enumerate().map(row).collect::<Result<_, _>>()?;
-    Ok(LearningRows { columns, rows })
+        rows.push(row);
+    }
+    Ok(rows)
 }
 
-/// Reads from [`LEARNING_FILE`] of a session's folder what the learner predicted of touches; nothing where there is
-/// no such file, or no such columns.
+/// What the learner predicted of touches, from [`LEARNING_FILE`] of a session's folder; nothing if it is not there.
 ///
 /// # Errors
-/// [`RecordError::Io`] where it cannot be read, [`RecordError::Format`] where a number is none.
+/// As [`read_learning_table`].
 pub fn read_predictions(folder: &Path) -> Result<Vec<Prediction>, RecordError> {
-    let LearningRows { columns, rows } = read_learning_table(folder)?;
-    let column = |name: &str| columns.iter().position(|found| found == name);
-    let found = ["touches", "predicted_gap_mm", "predicted_deviation_mm"].map(column);
-    let [Some(touch), Some(gap), Some(deviation)] = found else { return Ok(Vec::new()) };
-    let prediction = |row: &Vec<Option<f64>>| {
-        Some(Prediction { touch: row[touch]? as usize, gap: row[gap]?, deviation: row[deviation]? })
+    let prediction = |row: LearningRow| {
+        let (gap, deviation) = (row.predicted_gap_mm?, row.predicted_deviation_mm?);
+        Some(Prediction { touch: row.touches, gap, deviation })
     };
-    Ok(rows.iter().filter_map(prediction).collect())
+    Ok(read_learning_table(folder)?.into_iter().filter_map(prediction).collect())
 }

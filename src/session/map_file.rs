@@ -8,7 +8,6 @@ use serde::de::{MapAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize};
 
 use super::RecordError;
-use super::files::{self, write_json};
 use super::stamp::Stamp;
 use crate::skin::{MOST_NEIGHBOURS, Skin, SomatotopicMap};
 
@@ -62,7 +61,7 @@ pub fn write_map(path: &Path, creature: &str, skin: &Skin, map: &SomatotopicMap)
     let id = |receptor: usize| skin.receptors[receptor].id.as_str();
     let of = |receptor: usize| map.neighbours(receptor).iter().map(|&other| id(other)).collect();
     let neighbours = (0..map.receptors()).map(|receptor| (id(receptor), of(receptor))).collect();
-    write_json(path, &STAMP.on(&MapContent { creature, neighbours }))
+    STAMP.write(path, &MapContent { creature, neighbours })
 }
 
 /// Reads the map of a creature's skin from `path`.
@@ -73,10 +72,7 @@ pub fn write_map(path: &Path, creature: &str, skin: &Skin, map: &SomatotopicMap)
 /// more than eight neighbours, or is its own, and where one of two receptors has the other for a neighbour, but not
 /// the other way round.
 pub fn read_map(path: &Path, creature: &str, skin: &Skin) -> Result<SomatotopicMap, RecordError> {
-    let json = files::read(path)?;
-    STAMP.check(path, None, &json)?;
-    let read: ReadMap = serde_json::from_slice(&json)
-        .map_err(|error| RecordError::json(path, "map of neighbours", &error))?;
+    let read: ReadMap = STAMP.read(path, "map of neighbours")?;
     let refuse = |message: String| Err(RecordError::format(path, None, message));
     if read.creature != creature {
         return refuse(format!(

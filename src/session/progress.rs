@@ -6,7 +6,7 @@ use std::time::Duration;
 use serde::{Deserialize, Serialize};
 
 use super::stamp::Stamp;
-use super::{BabblingEffort, PROGRESS_FILE, RecordError, files};
+use super::{BabblingEffort, PROGRESS_FILE, RecordError};
 use crate::babbling::BoutsDone;
 
 const STAMP: Stamp = Stamp { format: "bodyschema babbling", version: 1 };
@@ -39,15 +39,12 @@ impl BabblingProgress {
     /// # Errors
     /// [`RecordError::Io`] where the file cannot be written.
     pub fn write(&self, folder: &Path) -> Result<(), RecordError> {
-        files::write_json(&folder.join(PROGRESS_FILE), &STAMP.on(self))
+        STAMP.write(&folder.join(PROGRESS_FILE), self)
     }
 
     /// Reads [`PROGRESS_FILE`] of `folder`; none where there is none that can be used.
     pub fn read(folder: &Path) -> Option<BabblingProgress> {
-        let path = folder.join(PROGRESS_FILE);
-        let json = files::read(&path).ok()?;
-        STAMP.check(&path, None, &json).ok()?;
-        serde_json::from_slice(&json).ok()
+        STAMP.read(&folder.join(PROGRESS_FILE), "progress of babbling").ok()
     }
 
     /// Removes [`PROGRESS_FILE`] from `folder`, where babbling is done.

@@ -1,43 +1,52 @@
-//! The learned body schema as a file of names.
+//! The body schema as a file of names: what was learned of all joints, or what is known of some.
 
 use std::path::Path;
 
 use nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3};
 use serde::{Deserialize, Deserializer, Serialize};
+use serde_json::{Map, Value};
 
+use super::record_error::ContentFault;
 use super::stamp::Stamp;
-use super::{RecordError, SESSION_FILE, UNIT_LENGTH, files, mistaken};
-use crate::creature::{Creature, DofKind, Joint};
+use super::{RecordError, SESSION_FILE, UNIT_LENGTH, fields::check_fields, files, mistaken};
+use crate::creature::{Creature, Dof, DofKind, Joint};
 use crate::geometry::Frame;
+use crate::learning::KnownJoint;
 use crate::plausible::{GREATEST_LEARNED, GREATEST_LENGTH, is_deviation};
 use crate::schema::{BodySchema, SchemaStd};
-use crate::session::record_error::ContentFault;
 
-pub(super) const STAMP: Stamp = Stamp { format: "bodyschema schema", version: 1 };
+const STAMP: Stamp = Stamp { format: "bodyschema schema", version: 1 };
 
-/// The file, behind its stamp. Fields that it has besides are passed over.
+/// The fields of a joint.
+const OF_JOINT: [&str; 7] =
+    ["joint", "parent", "position", "position_std", "axes", "limb_position", "limb_quaternion"];
+/// The fields of an axis.
+const OF_AXIS: [&str; 4] = ["dof", "kind", "axis", "axis_std"];
+
+/// The file, behind its stamp.
 #[derive(Deserialize, Serialize)]
 #[serde(expecting = "an object")]
 struct SchemaFile {
-    creature: String,
+    creature: Option<String>,
     joints: Vec<JointEntry>,
 }
 
 /// One joint.
-#[derive(Deserialize, Serialize)]
+#[derive(Clone, Deserialize, Serialize)]
 #[serde(expecting = "an object")]
 pub(super) struct JointEntry {
     joint: String,
     /// The name of the limb it is mounted on.
-    parent: String,
+    parent: Option<String>,
     /// `l_P`: its position in the parent limb's frame, metres.
-    position: [f64; 3],
-    /// Standard deviation of each of its coordinates, metres; null where nothing determines it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    position_std: Option<[Option<f64>; 3]>,
-    axes: Vec<AxisEntry>,
-    /// `c`: the origin of the frame of the limb that it carries, in the frame of the joint, metres. Only where
-    /// limbs have frames of their own and the touches told this one.
+    position: Option<[f64; 3]>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    position_std: Option<PositionStd>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    axes: Option<Vec<AxisEntry>>,
+    /// `c`: the origin of the frame of the limb that it carries, in the frame of the joint, metres. Only if limbs have
+    /// frames of their own and the touches determine this one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     limb_position: Option<[f64; 3]>,
     /// `Q`: the rotation from that frame to the joint's, a unit quaternion w x y z.
@@ -45,19 +54,29 @@ pub(super) struct JointEntry {
     limb_quaternion: Option<[f64; 4]>,
 }
 
+/// The standard deviation of a position, metres.
+#[derive(Clone, Copy, Deserialize, Serialize)]
+#[serde(untagged, expecting = "one deviation in metres, or one for each coordinate")]
+enum PositionStd {
+    /// The same for all coordinates.
+    One(f64),
+    /// One each; null if nothing determines it.
+    Each([Option<f64>; 3]),
+}
+
 /// One degree of freedom.
-#[derive(Deserialize, Serialize)]
+#[derive(Clone, Deserialize, Serialize)]
 #[serde(expecting = "an object")]
 struct AxisEntry {
-    dof: String,
+    dof: Option<String>,
     /// Of use to other programs; this one knows it from the creature.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     kind: Option<DofKind>,
     /// `a_P`, of unit length; a ball has none.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     axis: Option<[f64; 3]>,
-    /// Standard deviation of each of the two coordinates of the axis across its direction, radians; null
-    /// where nothing determines it.
+    /// Standard deviation of each of the two coordinates of the axis across its direction, radians; null if nothing
+    /// determines it.
     #[serde(default, deserialize_with = "present", skip_serializing_if = "Option::is_none")]
     axis_std: Option<Option<f64>>,
 }
@@ -67,17 +86,29 @@ fn present<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<Option<f
     Option::deserialize(deserializer).map(Some)
 }
 
+/// A joint of the creature as a file has it.
+struct Found {
+    joint: usize,
+    position: Option<Vector3<f64>>,
+    /// `None` if the file gives no deviation.
+    position_std: Option<[Option<f64>; 3]>,
+    /// Degrees of freedom by their index, the axis and its deviation, which may not be given.
+    axes: Vec<(usize, Vector3<f64>, Option<Option<f64>>)>,
+    /// The pose of its limb, if it is given.
+    pose: Option<Frame>,
+}
+
 /// Writes a creature's schema to the file `path`, whole or not at all; its folder is made if missing.
 ///
 /// # Errors
-/// [`RecordError::Io`] where the file cannot be written, [`RecordError::Format`] for a schema that
+/// [`RecordError::Io`] if the file cannot be written, [`RecordError::Format`] for a schema that
 /// could not be read again: of another shape than the creature's, not finite, or with axes that are
 /// not of unit length.
 pub fn write_schema(path: &Path, creature: &Creature, schema: &BodySchema) -> Result<(), RecordError> {
     write_schema_with_std(path, creature, schema, None)
 }
 
-/// Like [`write_schema`], with the standard deviations of the positions and axes where these are known.
+/// Like [`write_schema`], with the standard deviations of the positions and axes if these are known.
 ///
 /// # Errors
 /// Those of [`write_schema`], and [`RecordError::Format`] for deviations of another shape than the
@@ -94,12 +125,11 @@ pub fn write_schema_with_std(
         return Err(RecordError::format(path, None, message));
     }
     check(creature, schema).map_err(|message| RecordError::format(path, None, message))?;
-    let content =
-        SchemaFile { creature: creature.name().into(), joints: joint_entries(creature, schema, std) };
+    let joints = joint_entries(creature, schema, std);
     if let Some(folder) = path.parent() {
         files::make_folder(folder)?;
     }
-    files::write_json(path, &STAMP.on(&content))
+    STAMP.write(path, &SchemaFile { creature: Some(creature.name().into()), joints })
 }
 
 /// The joints of a schema by name, in the creature's order.
@@ -108,9 +138,11 @@ pub(super) fn joint_entries(
     schema: &BodySchema,
     std: Option<&SchemaStd>,
 ) -> Vec<JointEntry> {
+    // A deviation that says anything.
+    let determined = |std: Option<f64>| std.filter(|std| is_deviation(*std) && std.is_finite());
     let entry = |(j, joint): (usize, &Joint)| {
         let axes = joint.dof_indices().zip(&joint.dofs).map(|(k, dof)| AxisEntry {
-            dof: dof.name.clone(),
+            dof: Some(dof.name.clone()),
             kind: Some(dof.kind),
             axis: (dof.kind != DofKind::Ball).then(|| schema.axes[k].into()),
             axis_std: std.filter(|_| dof.kind != DofKind::Ball).map(|std| determined(std.axes[k])),
@@ -118,34 +150,28 @@ pub(super) fn joint_entries(
         // A limb without a place keeps the joint's frame.
         let pose = schema.limb_poses.get(j).filter(|pose| **pose != Frame::identity());
         JointEntry {
+            joint: joint.name.clone(),
+            parent: Some(creature.limbs()[joint.parent].clone()),
+            position: Some(schema.positions[j].into()),
+            position_std: std.map(|std| PositionStd::Each(std.positions[j].map(determined))),
+            axes: Some(axes.collect()),
             limb_position: pose.map(|pose| pose.origin.into()),
             limb_quaternion: pose.map(Frame::wxyz),
-            joint: joint.name.clone(),
-            parent: creature.limbs()[joint.parent].clone(),
-            position: schema.positions[j].into(),
-            position_std: std.map(|std| std.positions[j].map(determined)),
-            axes: axes.collect(),
         }
     };
     creature.joints().iter().enumerate().map(entry).collect()
 }
 
-/// A deviation that tells anything.
-fn determined(std: Option<f64>) -> Option<f64> {
-    std.filter(|std| is_deviation(*std) && std.is_finite())
-}
-
 /// Reads a creature's schema from the file `path`.
 ///
 /// # Errors
-/// [`RecordError::Io`] where the file cannot be read, [`RecordError::Format`] where it is no schema or
-/// one of a newer version, where its names are not the creature's, where an axis is not of unit length, and where a
-/// position or a deviation cannot be.
+/// [`RecordError::Io`] if the file cannot be read, [`RecordError::Format`] if it is no schema or one of a newer version, if its
+/// names are not the creature's, an axis is not of unit length, or a position or a deviation cannot be.
 pub fn read_schema(path: &Path, creature: &Creature) -> Result<BodySchema, RecordError> {
     Ok(read_schema_with_std(path, creature)?.0)
 }
 
-/// Like [`read_schema`], with the standard deviations of the positions and axes where the file has them.
+/// Like [`read_schema`], with the standard deviations of the positions and axes if the file has them.
 ///
 /// # Errors
 /// Those of [`read_schema`].
@@ -153,155 +179,310 @@ pub fn read_schema_with_std(
     path: &Path,
     creature: &Creature,
 ) -> Result<(BodySchema, Option<SchemaStd>), RecordError> {
-    let json = files::read(path).map_err(|error| {
+    let content: SchemaFile = STAMP.read(path, "body schema").map_err(|error| {
         let session = path.parent().filter(|folder| folder.join(SESSION_FILE).exists());
         match session.filter(|_| mistaken::is_missing(&error)) {
             Some(folder) => RecordError::format(folder, None, mistaken::for_schema(folder)),
             None => error,
         }
     })?;
-    STAMP.check(path, None, &json)?;
-    let content: SchemaFile =
-        serde_json::from_slice(&json).map_err(|error| RecordError::json(path, "body schema", &error))?;
-    let schema = schema_of(&content, creature).map_err(|message| RecordError::format(path, None, message))?;
-    if let Some(fault) = half_deviations(&content.joints) {
-        return Err(RecordError::format(path, None, fault));
+    let refuse = |fault: ContentFault| RecordError::format(path, None, fault);
+    check_creature(&content, creature).map_err(refuse)?;
+    let schema = schema_of_joints(&content.joints, creature).map_err(refuse)?;
+    let std = std_of(&content.joints, creature).map_err(refuse)?;
+    Ok((schema, std))
+}
+
+/// Reads what is known of a creature's joints from the file `path`.
+///
+/// The file holds `{"joints": [{"joint": NAME, "position": [x, y, z], "position_std": S, "axes": [{"dof":
+/// NAME, "axis": [x, y, z], "axis_std": S}]}]}`, in metres and radians and in the frames of a schema. A
+/// joint with position and all axes and no deviations is known exactly; with deviations it is known nearly,
+/// and may then lack its position or its axes. A `schema.json` is such a file.
+///
+/// # Errors
+/// [`RecordError::Io`] if the file cannot be read, [`RecordError::Format`] if it is no such file, has fields that
+/// such files do not have, names what the creature has not, or gives numbers that cannot be.
+pub fn read_known(path: &Path, creature: &Creature) -> Result<Vec<KnownJoint>, RecordError> {
+    let json = files::read(path)?;
+    let refuse = |fault: ContentFault| RecordError::format(path, None, fault);
+    let unread = |error| RecordError::json(path, "object of known joints", &error);
+    let content: SchemaFile = serde_json::from_slice(&json).map_err(unread)?;
+    let all: Map<String, Value> = serde_json::from_slice(&json).map_err(unread)?;
+    check_all_fields(&all).map_err(refuse)?;
+    if all.contains_key("format") {
+        STAMP.check(path, None, &json)?;
     }
-    Ok((schema, std_of(&content.joints)))
+    check_creature(&content, creature).map_err(refuse)?;
+    let known = found_joints(&content.joints, creature).and_then(|found| {
+        let known = |(found, entry): (Found, &JointEntry)| {
+            known_joint(found, entry, creature)
+                .map_err(|problem| ContentFault::from(format!("joint \"{}\" {problem}", entry.joint)))
+        };
+        found.into_iter().zip(&content.joints).map(known).collect::<Result<Vec<_>, _>>()
+    });
+    Ok(known.map_err(refuse)?.into_iter().flatten().collect())
 }
 
-/// What is wrong where some joints have deviations and others none: one that is misspelt would be unknown in silence.
-fn half_deviations(joints: &[JointEntry]) -> Option<String> {
-    let turning = |axis: &&AxisEntry| axis.axis.is_some();
-    let with = |joint: &JointEntry| {
-        let axes = joint.axes.iter().filter(turning).map(|axis| axis.axis_std.is_some());
-        [joint.position_std.is_some()].into_iter().chain(axes).collect::<Vec<_>>()
-    };
-    let any = joints.iter().flat_map(with).any(|given| given);
-    let without = joints.iter().find(|joint| any && with(joint).contains(&false))?;
-    Some(format!(
-        "joint \"{}\" lacks a position_std or an axis_std, which others have: give it, null where nothing is known, or leave \
-         out all",
-        without.joint
-    ))
-}
-
-/// The standard deviations of joints; none where the file has none.
-fn std_of(joints: &[JointEntry]) -> Option<SchemaStd> {
-    let positions: Option<Vec<_>> = joints.iter().map(|joint| joint.position_std).collect();
-    // A ball has no axis, hence no deviation of one.
-    let axes = joints.iter().flat_map(|joint| &joint.axes).map(|axis| axis.axis_std.flatten());
-    Some(SchemaStd { positions: positions?, axes: axes.collect() })
-}
-
-const MEND: &str = "give a schema that was learned with the same model and joints";
-
-fn schema_of(content: &SchemaFile, creature: &Creature) -> Result<BodySchema, ContentFault> {
-    if content.creature != creature.name() {
-        return Err(
-            format!("it is of \"{}\", not of \"{}\": {MEND}", content.creature, creature.name()).into()
-        );
+/// Refuses fields that no such file has, at any depth: a misspelt one would be ignored.
+fn check_all_fields(file: &Map<String, Value>) -> Result<(), ContentFault> {
+    check_fields(file, "", &["format", "version", "creature", "joints"])?;
+    fn each<'a>(map: &'a Map<String, Value>, list: &str) -> impl Iterator<Item = &'a Map<String, Value>> {
+        map.get(list).and_then(Value::as_array).into_iter().flatten().filter_map(Value::as_object)
     }
-    schema_of_joints(&content.joints, creature)
+    for (i, joint) in each(file, "joints").enumerate() {
+        check_fields(joint, &format!("joints[{i}]."), &OF_JOINT)?;
+        for (k, axis) in each(joint, "axes").enumerate() {
+            check_fields(axis, &format!("joints[{i}].axes[{k}]."), &OF_AXIS)?;
+        }
+    }
+    Ok(())
 }
 
-/// The schema of joints that are a creature's.
-pub(super) fn schema_of_joints(
-    joints: &[JointEntry],
-    creature: &Creature,
-) -> Result<BodySchema, ContentFault> {
-    if joints.len() != creature.joints().len() {
-        return Err(format!(
-            "it has {} joints, but {} has {}: {MEND}",
-            joints.len(),
-            creature.name(),
-            creature.joints().len()
+fn check_creature(content: &SchemaFile, creature: &Creature) -> Result<(), ContentFault> {
+    match content.creature.as_ref().filter(|name| *name != creature.name()) {
+        None => Ok(()),
+        Some(other) => Err(format!(
+            "it is of \"{other}\", not of \"{}\": give one that was learned with the same model and joints",
+            creature.name()
         )
-        .into());
+        .into()),
     }
-    let mut schema = BodySchema::zero(creature);
-    if joints.iter().any(|entry| entry.limb_position.is_some() || entry.limb_quaternion.is_some()) {
-        schema = schema.with_limb_poses();
-    }
-    for (i, (entry, joint)) in joints.iter().zip(creature.joints()).enumerate() {
-        let parent = &creature.limbs()[joint.parent];
-        if (&entry.joint, &entry.parent) != (&joint.name, parent) {
+}
+
+/// The joints of a file, each once.
+fn found_joints(entries: &[JointEntry], creature: &Creature) -> Result<Vec<Found>, ContentFault> {
+    let mut all: Vec<Found> = Vec::with_capacity(entries.len());
+    for (i, entry) in entries.iter().enumerate() {
+        let name = &entry.joint;
+        let Some(joint) = creature.joints().iter().position(|joint| joint.name == *name) else {
             return Err(format!(
-                "its joint {} is \"{}\" on \"{}\", but the creature's is \"{}\" on \"{parent}\": {MEND}",
+                "its joint {} is \"{name}\", which {} does not have among those that move: `bodyschema inspect` names them, give \
+                 one of them",
                 i + 1,
-                entry.joint,
-                entry.parent,
-                joint.name
+                creature.name()
             )
             .into());
+        };
+        if all.iter().any(|other| other.joint == joint) {
+            return Err(format!("joint \"{name}\" occurs twice: leave one of them out").into());
         }
-        schema.positions[i] = entry.position.into();
-        possible(entry).map_err(|problem| format!("joint \"{}\" {problem}", joint.name))?;
-        read_axes(entry, joint, &mut schema.axes[joint.dof_indices()])
-            .map_err(|problem| format!("joint \"{}\" {problem}: {MEND}", joint.name))?;
-        if let Some(pose) = schema.limb_poses.get_mut(i) {
-            *pose = read_pose(entry).map_err(|problem| format!("joint \"{}\" {problem}", joint.name))?;
+        all.push(entry.found(joint, creature).map_err(|problem| format!("joint \"{name}\" {problem}"))?);
+    }
+    Ok(all)
+}
+
+impl JointEntry {
+    /// What the file has of a joint, if it can be.
+    fn found(&self, index: usize, creature: &Creature) -> Result<Found, String> {
+        let joint = &creature.joints()[index];
+        let parent = &creature.limbs()[joint.parent];
+        if let Some(other) = self.parent.as_ref().filter(|other| *other != parent) {
+            return Err(format!(
+                "is on \"{parent}\", not on \"{other}\": give it in the frame of \"{parent}\""
+            ));
+        }
+        let places = [self.position, self.limb_position].into_iter().flatten();
+        // What was learned may be far off.
+        if let Some(wrong) = places.flatten().find(|x| x.is_nan() || x.abs() > GREATEST_LEARNED) {
+            return Err(format!("has a coordinate of {wrong} m: give metres"));
+        }
+        if self.position.is_none() && self.position_std.is_some() {
+            return Err("has a position_std but no position: give both or neither".into());
+        }
+        let position_std = self.position_std.map(|std| match std {
+            PositionStd::One(std) => [Some(std); 3],
+            PositionStd::Each(each) => each,
+        });
+        if let Some(wrong) = position_std.iter().flatten().flatten().find(|std| !is_deviation(**std)) {
+            return Err(format!(
+                "has a position_std, a standard deviation of {wrong}: give metres that are not negative, to {GREATEST_LENGTH} at \
+                 the most, or null"
+            ));
+        }
+        let axes = self.axes.as_ref().map_or(Ok(Vec::new()), |axes| read_axes(axes, joint))?;
+        let position = self.position.map(Vector3::from);
+        Ok(Found { joint: index, position, position_std, axes, pose: self.pose()? })
+    }
+
+    /// The pose of its limb, if one is given.
+    fn pose(&self) -> Result<Option<Frame>, String> {
+        match (self.limb_position, self.limb_quaternion) {
+            (None, None) => Ok(None),
+            (Some(position), Some([w, x, y, z])) => {
+                let quaternion = Quaternion::new(w, x, y, z);
+                let length = quaternion.norm();
+                if length.is_nan() || (length - 1.0).abs() > UNIT_LENGTH {
+                    return Err(format!("has a limb_quaternion of length {length}: divide it by its length"));
+                }
+                let rotation = UnitQuaternion::from_quaternion(quaternion).to_rotation_matrix().into_inner();
+                Ok(Some(Frame { rotation, origin: position.into() }))
+            }
+            _ => Err("has one of limb_position and limb_quaternion: give both or none".into()),
+        }
+    }
+}
+
+/// Degree of freedom, axis and deviation of every axis.
+fn read_axes(
+    axes: &[AxisEntry],
+    joint: &Joint,
+) -> Result<Vec<(usize, Vector3<f64>, Option<Option<f64>>)>, String> {
+    if axes.len() != joint.dofs.len() {
+        return Err(format!(
+            "has {} axes in place of {}: give one for each degree of freedom, in their order",
+            axes.len(),
+            joint.dofs.len()
+        ));
+    }
+    let mut read = Vec::new();
+    for ((entry, dof), k) in axes.iter().zip(&joint.dofs).zip(joint.dof_indices()) {
+        let Dof { name, kind, .. } = dof;
+        if let Some(other) = entry.dof.as_ref().filter(|other| *other != name) {
+            return Err(format!(
+                "has \"{other}\" in place of \"{name}\": keep to the creature's order, or give its own schema"
+            ));
+        }
+        if entry.kind.is_some_and(|other| other != *kind) {
+            return Err(format!("has another kind of \"{name}\": give a schema of the same joints"));
+        }
+        let axis: Vector3<f64> = match (entry.axis, kind) {
+            (None, DofKind::Ball) => continue,
+            (Some(_), DofKind::Ball) => {
+                return Err(format!("has an axis of \"{name}\", which is a ball: leave it out"));
+            }
+            (None, _) => return Err(format!("has no axis of \"{name}\": give it, or no axes at all")),
+            (Some(axis), _) => axis.into(),
+        };
+        let length = axis.norm();
+        if length.is_nan() || (length - 1.0).abs() > UNIT_LENGTH {
+            return Err(match axis.try_normalize(1e-9) {
+                Some(unit) => format!(
+                    "has an axis of \"{name}\" of length {length}: divide it by its length, [{}, {}, {}]",
+                    unit.x, unit.y, unit.z
+                ),
+                None => format!("has an axis of \"{name}\" of length zero: give a direction"),
+            });
+        }
+        if let Some(wrong) = entry.axis_std.flatten().filter(|std| !is_deviation(*std)) {
+            return Err(format!(
+                "has an axis_std of {wrong} for \"{name}\", a standard deviation of {wrong}: give radians that are not negative, \
+                 or null"
+            ));
+        }
+        read.push((k, axis, entry.axis_std));
+    }
+    Ok(read)
+}
+
+/// The schema of joints that are all of a creature's.
+pub(super) fn schema_of_joints(
+    entries: &[JointEntry],
+    creature: &Creature,
+) -> Result<BodySchema, ContentFault> {
+    let (given, wanted) = (entries.len(), creature.joints().len());
+    if given != wanted {
+        let name = creature.name();
+        return Err(
+            format!("it has {given} joints, but {name} has {wanted}: give one of the same joints").into()
+        );
+    }
+    let mut schema = BodySchema::zero(creature);
+    let found = found_joints(entries, creature)?;
+    if found.iter().any(|found| found.pose.is_some()) {
+        schema = schema.with_limb_poses();
+    }
+    for Found { joint, position, axes, pose, .. } in found {
+        let lacks =
+            |what: &str| format!("joint \"{}\" has no {what}: give it", creature.joints()[joint].name);
+        schema.positions[joint] = position.ok_or_else(|| lacks("position"))?;
+        let turning = |dof: &&Dof| dof.kind != DofKind::Ball;
+        if axes.len() != creature.joints()[joint].dofs.iter().filter(turning).count() {
+            return Err(lacks("axes").into());
+        }
+        axes.into_iter().for_each(|(k, axis, _)| schema.axes[k] = axis);
+        if let Some(pose) = pose {
+            schema.limb_poses[joint] = pose;
         }
     }
     check(creature, &schema).map(|()| schema)
 }
 
-/// Refuses numbers of a joint that cannot be. What is written may be farther off: learning may have gone astray.
-fn possible(entry: &JointEntry) -> Result<(), String> {
-    let places = [Some(entry.position), entry.limb_position].into_iter().flatten();
-    let beyond = |x: &f64| x.is_nan() || x.abs() > GREATEST_LEARNED;
-    if let Some(wrong) = places.flatten().find(beyond) {
-        return Err(format!("has a coordinate of {wrong} m: give metres"));
+/// The standard deviations of all joints; `None` if none is given.
+fn std_of(entries: &[JointEntry], creature: &Creature) -> Result<Option<SchemaStd>, ContentFault> {
+    let found = found_joints(entries, creature)?;
+    let gives = |found: &Found| {
+        let axes = found.axes.iter().map(|(.., std)| std.is_some());
+        [found.position_std.is_some()].into_iter().chain(axes).collect::<Vec<bool>>()
+    };
+    if !found.iter().flat_map(gives).any(|given| given) {
+        return Ok(None);
     }
-    let positions = entry.position_std.iter().flatten();
-    let axes = entry.axes.iter().filter_map(|axis| axis.axis_std.as_ref());
-    match positions.chain(axes).flatten().find(|std| !is_deviation(**std)) {
-        Some(wrong) => Err(format!(
-            "has a standard deviation of {wrong}: give one that is not negative, to {GREATEST_LENGTH} at the most, or null"
-        )),
-        None => Ok(()),
+    // One that is misspelt would be unknown in silence.
+    if let Some(without) = found.iter().find(|found| gives(found).contains(&false)) {
+        return Err(format!(
+            "joint \"{}\" lacks a position_std or an axis_std, which others have: give it, null where nothing is known, or leave \
+             out all",
+            creature.joints()[without.joint].name
+        )
+        .into());
     }
+    let mut std = SchemaStd {
+        positions: vec![[None; 3]; creature.joints().len()],
+        axes: vec![None; creature.dof_elements()],
+    };
+    for found in found {
+        std.positions[found.joint] = found.position_std.unwrap_or_default();
+        found.axes.into_iter().for_each(|(k, _, of_axis)| std.axes[k] = of_axis.flatten());
+    }
+    Ok(Some(std))
 }
 
-/// The pose of a joint's limb; that of the joint where none is given.
-fn read_pose(entry: &JointEntry) -> Result<Frame, ContentFault> {
-    match (entry.limb_position, entry.limb_quaternion) {
-        (None, None) => Ok(Frame::identity()),
-        (Some(position), Some([w, x, y, z])) => {
-            let quaternion = Quaternion::new(w, x, y, z);
-            let length = quaternion.norm();
-            if length.is_nan() || (length - 1.0).abs() > UNIT_LENGTH {
-                return Err(
-                    format!("has a limb_quaternion of length {length}: divide it by its length").into()
-                );
-            }
-            let rotation = UnitQuaternion::from_quaternion(quaternion).to_rotation_matrix().into_inner();
-            Ok(Frame { rotation, origin: position.into() })
-        }
-        _ => Err("has one of limb_position and limb_quaternion: give both or none".into()),
+/// What is known of a joint before the first touch; `None` if the file says only that nothing is.
+fn known_joint(found: Found, entry: &JointEntry, creature: &Creature) -> Result<Option<KnownJoint>, String> {
+    if found.pose.is_some() {
+        return Err(
+            "has the pose of its limb, so that limbs are in frames of their own: give joints that were learned with \
+                    --frames joint"
+                .into(),
+        );
     }
-}
-
-fn read_axes(entry: &JointEntry, joint: &Joint, axes: &mut [Vector3<f64>]) -> Result<(), ContentFault> {
-    if entry.axes.len() != joint.dofs.len() {
-        return Err(format!("has {} axes in place of {}", entry.axes.len(), joint.dofs.len()).into());
+    // What is exact has no deviation, and of what is unknown it is infinite.
+    let unknown = |std: Option<f64>| std.unwrap_or(f64::INFINITY);
+    let stds = found.position_std.map_or([0.0; 3], |each| each.map(unknown));
+    let position = found.position.map(|position| [position, Vector3::from(stds)]);
+    let axes = found.axes.into_iter().map(|(k, axis, std)| (k, axis, std.map_or(0.0, unknown)));
+    let axes: Vec<(usize, Vector3<f64>, f64)> = axes.collect();
+    let all: Vec<f64> = { position.iter().flat_map(|[_, std]| std.iter().copied()) }
+        .chain(axes.iter().map(|(.., std)| *std))
+        .collect();
+    let exact = all.iter().all(|std| *std == 0.0);
+    let turning = |dof: &&Dof| dof.kind != DofKind::Ball;
+    let turning = creature.joints()[found.joint].dofs.iter().filter(turning).count();
+    if exact && (position.is_none() || axes.len() < turning) {
+        if position.is_none() && axes.is_empty() {
+            return match &entry.axes {
+                None => Err("has neither a position nor axes: give what is known, or leave it out".into()),
+                Some(_) => Ok(None),
+            };
+        }
+        let missing = if position.is_none() { "position" } else { "axes" };
+        return Err(format!(
+            "has no {missing}, and only a whole joint can be known exactly: give all of it, or deviations (position_std, \
+             axis_std) of what is given"
+        ));
     }
-    for ((found, dof), axis) in entry.axes.iter().zip(&joint.dofs).zip(axes) {
-        if found.dof != dof.name {
-            return Err(format!("has \"{}\" in place of \"{}\"", found.dof, dof.name).into());
-        }
-        if found.kind.is_some_and(|kind| kind != dof.kind) {
-            return Err(format!("has another kind of \"{}\"", dof.name).into());
-        }
-        match found.axis {
-            Some(found) if dof.kind != DofKind::Ball => *axis = found.into(),
-            None if dof.kind != DofKind::Ball => {
-                return Err(format!("has no axis of \"{}\"", dof.name).into());
-            }
-            _ => {}
-        }
+    if !exact && all.contains(&0.0) {
+        return Err(
+            "is known exactly in one part and nearly in another: give a deviation (position_std, axis_std) \
+             greater than zero to each part, or to none"
+                .into(),
+        );
     }
-    Ok(())
+    let axes: Vec<_> = axes.into_iter().filter(|(.., std)| std.is_finite()).collect();
+    let position = position.filter(|[_, std]| std.iter().any(|std| std.is_finite()));
+    let anything = position.is_some() || !axes.is_empty();
+    Ok(anything.then_some(KnownJoint { joint: found.joint, exact, position, axes }))
 }
 
 fn check(creature: &Creature, schema: &BodySchema) -> Result<(), ContentFault> {
@@ -323,13 +504,11 @@ fn check(creature: &Creature, schema: &BodySchema) -> Result<(), ContentFault> {
         }
     }
     for (dof, axis) in creature.dofs().zip(&schema.axes) {
-        if dof.kind != DofKind::Ball && (axis.norm() - 1.0).abs() > UNIT_LENGTH {
-            return Err(format!(
-                "the axis of \"{}\" has length {}: divide it by its length",
-                dof.name,
-                axis.norm()
-            )
-            .into());
+        let length = axis.norm();
+        if dof.kind != DofKind::Ball && (length - 1.0).abs() > UNIT_LENGTH {
+            return Err(
+                format!("the axis of \"{}\" has length {length}: divide it by its length", dof.name).into()
+            );
         }
     }
     Ok(())

@@ -214,7 +214,7 @@ impl Session {
     pub fn write(&self, folder: &Path) -> Result<(), RecordError> {
         let path = folder.join(SESSION_FILE);
         files::make_folder(folder)?;
-        files::write_json(&path, &STAMP.on(&SessionFile::from(self.clone())))
+        STAMP.write(&path, &SessionFile::from(self.clone()))
     }
 
     /// Reads [`SESSION_FILE`] of `folder`.
@@ -224,13 +224,11 @@ impl Session {
     /// where it is no session, one of a newer version, or one whose skin does not fit its creature.
     pub fn read(folder: &Path) -> Result<Session, RecordError> {
         let path = folder.join(SESSION_FILE);
-        let json = files::read(&path).map_err(|error| match mistaken::is_missing(&error) {
-            true => RecordError::format(folder, None, mistaken::for_session(folder)),
-            false => error,
-        })?;
-        STAMP.check(&path, None, &json)?;
         let session: SessionFile =
-            serde_json::from_slice(&json).map_err(|error| RecordError::json(&path, "session", &error))?;
+            STAMP.read(&path, "session").map_err(|error| match mistaken::is_missing(&error) {
+                true => RecordError::format(folder, None, mistaken::for_session(folder)),
+                false => error,
+            })?;
         Session::try_from(session).map_err(|error| RecordError::format(&path, None, error.to_string()))
     }
 }

@@ -61,53 +61,52 @@ impl SpaceRecord {
     /// [`RecordError::Io`] where the folder or the file cannot be written.
     pub fn write(&self, folder: &Path) -> Result<(), RecordError> {
         files::make_folder(folder)?;
-        files::write_json(&folder.join(SPACE_FILE), &STAMP.on(self))
+        STAMP.write(&folder.join(SPACE_FILE), self)
     }
 
-    /// Reads [`SPACE_FILE`] of `folder`; none where there is no such file.
+    /// Reads [`SPACE_FILE`] of `folder`; `None` if there is no such file.
     ///
     /// # Errors
-    /// [`RecordError::Io`] where it cannot be read, [`RecordError::Format`] where it holds no such slices or is of
+    /// [`RecordError::Io`] if it cannot be read, [`RecordError::Format`] if it holds no such slices or is of
     /// a newer version.
     pub fn read(folder: &Path) -> Result<Option<SpaceRecord>, RecordError> {
         let path = folder.join(SPACE_FILE);
         if !path.exists() {
             return Ok(None);
         }
-        let json = files::read(&path)?;
-        STAMP.check(&path, None, &json)?;
-        let record: SpaceRecord =
-            serde_json::from_slice(&json).map_err(|error| RecordError::json(&path, "space", &error))?;
-        let places = record.slices.iter().flat_map(|slice| {
+        let record: SpaceRecord = STAMP.read(&path, "space")?;
+        match record.fault() {
+            None => Ok(Some(record)),
+            Some(fault) => {
+                let message = format!("it has {fault}: make it anew with `bodyschema reach`");
+                Err(RecordError::format(&path, None, message))
+            }
+        }
+    }
+
+    /// What is wrong with it.
+    fn fault(&self) -> Option<String> {
+        let places = self.slices.iter().flat_map(|slice| {
             let outlines = slice.outlines.iter().flatten().flatten();
             [slice.at].into_iter().chain(slice.first).chain(outlines.copied())
         });
-        let litres = record.litres.iter().flatten().all(|litres| (0.0..=GREATEST_LITRES).contains(litres));
-        if !((LEAST_VOXEL..=GREATEST_LENGTH).contains(&record.voxel) && litres && { places }.all(is_length)) {
-            let message = "it has a size or a place that cannot be: make it anew with `bodyschema reach`";
-            return Err(RecordError::format(&path, None, message));
+        let litres = self.litres.iter().flatten().all(|litres| (0.0..=GREATEST_LITRES).contains(litres));
+        if !((LEAST_VOXEL..=GREATEST_LENGTH).contains(&self.voxel) && litres && { places }.all(is_length)) {
+            return Some("a size or a place that cannot be".into());
         }
-        if record.hands.len() != record.litres.len() {
-            let message = "it has not the volumes of every hand: make it anew with `bodyschema reach`";
-            return Err(RecordError::format(&path, None, message));
+        if self.hands.len() != self.litres.len() {
+            return Some("not the volumes of every hand".into());
         }
-        for (i, slice) in record.slices.iter().enumerate() {
+        let right = |slice: &SpaceSlice| {
             let digits = |row: &String| row.bytes().all(|digit| (b'0'..=b'4').contains(&digit));
             let [a, b] = slice.axes;
-            if a > 2
-                || b > 2
-                || a == b
-                || !slice.rows.iter().all(digits)
-                || slice.rows.iter().any(|row| row.len() != slice.rows[0].len())
-            {
-                let message = format!(
-                    "its slice {} has other axes than two of 0 to 2, other digits than 0 to 4, or rows of several lengths: make it anew with \
-                     `bodyschema reach`",
-                    i + 1
-                );
-                return Err(RecordError::format(&path, None, message));
-            }
-        }
-        Ok(Some(record))
+            let equal = slice.rows.iter().all(|row| row.len() == slice.rows[0].len());
+            a <= 2 && b <= 2 && a != b && equal && slice.rows.iter().all(digits)
+        };
+        let wrong = self.slices.iter().position(|slice| !right(slice))?;
+        Some(format!(
+            "a slice {} with other axes than two of 0 to 2, other digits than 0 to 4, or rows of several lengths",
+            wrong + 1
+        ))
     }
 }

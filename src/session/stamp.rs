@@ -2,10 +2,11 @@
 
 use std::path::Path;
 
+use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
-use super::RecordError;
 use super::record_error::json_reason;
+use super::{RecordError, files};
 
 /// A format of a file and the version of it that this program writes and reads.
 #[derive(Clone, Copy, Debug)]
@@ -37,6 +38,24 @@ impl Stamp {
     /// Puts the stamp before a content.
     pub fn on<T>(self, content: &T) -> Stamped<'_, T> {
         Stamped { format: self.format, version: self.version, content }
+    }
+
+    /// Writes a content behind the stamp to a file, whole or not at all.
+    ///
+    /// # Errors
+    /// [`RecordError::Io`] if it cannot be written.
+    pub fn write(self, path: &Path, content: &impl Serialize) -> Result<(), RecordError> {
+        files::write_json(path, &self.on(content))
+    }
+
+    /// Reads the content of a file behind the stamp; `what` it should be is named in errors.
+    ///
+    /// # Errors
+    /// [`RecordError::Io`] if it cannot be read, [`RecordError::Format`] if it has another stamp or content.
+    pub fn read<T: DeserializeOwned>(self, path: &Path, what: &str) -> Result<T, RecordError> {
+        let json = files::read(path)?;
+        self.check(path, None, &json)?;
+        serde_json::from_slice(&json).map_err(|error| RecordError::json(path, what, &error))
     }
 
     /// Checks that `json` carries the stamp; an error names `line`, or else the parser's line.

@@ -7,7 +7,6 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use super::record_error::json_reason;
 use super::stamp::Stamp;
 use super::{Action, RecordError, STUDY_SHARE_FILE, files, write_whole};
 
@@ -39,7 +38,7 @@ impl StudyShare {
     /// [`RecordError::Io`] where the folder or the file cannot be written.
     pub fn write(&self, folder: &Path) -> Result<(), RecordError> {
         files::make_folder(&folder.join(TRIALS_FOLDER))?;
-        files::write_json(&folder.join(STUDY_SHARE_FILE), &STAMP.on(self))
+        STAMP.write(&folder.join(STUDY_SHARE_FILE), self)
     }
 
     /// Reads [`STUDY_SHARE_FILE`] of a folder.
@@ -47,14 +46,7 @@ impl StudyShare {
     /// # Errors
     /// [`RecordError::Io`] where it cannot be read, [`RecordError::Format`] where it is something else.
     pub fn read(folder: &Path) -> Result<StudyShare, RecordError> {
-        let path = folder.join(STUDY_SHARE_FILE);
-        let json = files::read(&path)?;
-        STAMP.check(&path, None, &json)?;
-        serde_json::from_slice(&json).map_err(|error| {
-            let message =
-                format!("it is no share of a study ({}): make the share again", json_reason(&error));
-            RecordError::format(&path, Some(error.line()), message)
-        })
+        STAMP.read(&folder.join(STUDY_SHARE_FILE), "share of a study")
     }
 }
 

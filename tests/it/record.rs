@@ -628,7 +628,7 @@ fn what_cannot_be_written_or_read_is_named() {
     let errors = [
         session().write(&inside).unwrap_err(),
         TouchWriter::create(&inside, &agent).unwrap_err(),
-        LearningTable::create(&inside, &["touches"]).unwrap_err(),
+        LearningTable::create(&inside).err().unwrap(),
         write_schema(&inside.join(SCHEMA_FILE), agent.creature(), &schema()).unwrap_err(),
     ];
     for error in errors {
@@ -665,14 +665,21 @@ fn a_full_disk_is_named() {
 #[test]
 fn the_learning_table_has_a_row_per_checkpoint() {
     let folder = tempfile::tempdir().unwrap();
-    let mut table = LearningTable::create(folder.path(), &["touches", "heldout_mm", "rms"]).unwrap();
-    table.row(&[100.0, 0.1 + 0.2, f64::NAN]).unwrap();
-    table.row(&[1000.0, 5.0, -0.5]).unwrap();
-    let path = folder.path().join(LEARNING_FILE);
-    sentence(&table.row(&[1.0]).unwrap_err(), &path, Some(4));
-    let text = fs::read_to_string(&path).unwrap();
-    assert_eq!(text, "touches,heldout_mm,rms\n100,0.30000000000000004,\n1000,5,-0.5\n");
-    sentence(&LearningTable::create(folder.path(), &["a,b"]).unwrap_err(), &path, Some(1));
+    let mut table = LearningTable::create(folder.path()).unwrap();
+    let rows = [(100, 0.1 + 0.2, f64::NAN), (1000, 5.0, 0.5)].map(|(touches, mean, rms)| LearningRow {
+        touches,
+        heldout_mean_mm: Some(mean),
+        fresh_rms: Some(rms),
+        ..LearningRow::default()
+    });
+    rows.iter().for_each(|row| table.row(row).unwrap());
+    let text = fs::read_to_string(folder.path().join(LEARNING_FILE)).unwrap();
+    let head = "touches,predicted_gap_mm,predicted_deviation_mm,converged,fresh_rms,heldout_mean_mm,heldout_p95_mm,\
+                hand_mean_mm,axis_median_deg\n";
+    assert_eq!(text, format!("{head}100,,,,,0.30000000000000004,,,\n1000,,,,0.5,5.0,,,\n"));
+    let [first, second] = rows;
+    let first = LearningRow { fresh_rms: None, ..first };
+    assert_eq!(read_learning_table(folder.path()).unwrap(), [first, second]);
 }
 
 #[test]

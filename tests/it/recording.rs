@@ -257,12 +257,16 @@ fn a_creature_file_with_anything_wrong_in_it_is_refused_by_field() {
     let place = Place::new();
     let wrong = [
         ("\"parent\": \"turret\"", "\"parent\": \"trret\"", "joints[1].parent: there is no limb \"trret\""),
-        ("\"parent\": \"turret\", ", "", "joints[1] has no parent"),
+        ("\"parent\": \"turret\", ", "", "joints[1]: missing field `parent`"),
         ("\"kind\": \"hinge\"", "\"kind\": \"knee\"", "joints[1].dofs[0].kind: unknown variant `knee`"),
         ("\"kind\": \"hinge\", ", "", "missing field `kind`"),
         (", \"range\": [0.0, 0.5]", "", "joints[1].dofs[1] is a slide and has no range"),
         ("\"range\": [0.0, 0.5]", "\"range\": [1.0, 0.5]", "the range of reach is not two numbers in order"),
-        ("\"range\": [0.0, 0.5]", "\"rng\": [0.0, 0.5]", "joints[1].dofs[1].rng is unknown"),
+        (
+            "\"range\": [0.0, 0.5]",
+            "\"rng\": [0.0, 0.5]",
+            "joints[1].dofs[1].rng: unknown field `rng`, expected one of",
+        ),
         (
             "\"range\": [0.0, 0.5]",
             "\"range\": [0, 1], \"follows\": {\"leader\": \"lft\", \"polynomial\": [0, 1, 0, 0, 0]}",
@@ -271,7 +275,7 @@ fn a_creature_file_with_anything_wrong_in_it_is_refused_by_field() {
         (
             "\"range\": [0.0, 0.5]",
             "\"range\": [0, 1], \"follows\": {\"leader\": 1, \"polynomal\": [0, 1, 0, 0, 0]}",
-            "joints[1].dofs[1].follows.polynomal is unknown (is polynomial meant?)",
+            "unknown field `polynomal`, expected `leader` or `polynomial`",
         ),
         ("\"limb\": \"turret\"", "\"limb\": \"arm\"", "joints[0].limb is another than limb 1 of the list"),
         ("\"turret\", \"arm\"]", "\"turret\"]", "a creature of 2 limbs needs one joint fewer"),
@@ -279,7 +283,7 @@ fn a_creature_file_with_anything_wrong_in_it_is_refused_by_field() {
         ("\"name\": \"lift\"", "\"name\": \"reach\"", "two degrees of freedom are called \"reach\""),
         ("\"name\": \"crane\",", "", "missing field `name`"),
         ("\"dofs\": [{\"name\": \"turn\", \"kind\": \"ball\"}]", "\"dofs\": []", "has no degrees of freedom"),
-        ("\"limbs\": [\"base\", \"turret\", \"arm\"],", "", "limbs is not a list of names"),
+        ("\"limbs\": [\"base\", \"turret\", \"arm\"],", "", "missing field `limbs`"),
         ("\"limbs\": [", "\"limbs\": ", "it is no description of a creature"),
     ];
     for (from, to, expected) in wrong {
@@ -288,9 +292,11 @@ fn a_creature_file_with_anything_wrong_in_it_is_refused_by_field() {
         let message = sentence(&read_creature(&path).unwrap_err().to_string(), "crane.json");
         assert!(message.contains(expected), "{from} → {to}: {message}");
     }
-    for (text, expected) in
-        [("[]", "no JSON object"), ("", "ends in the middle"), ("{\"creature\": 1}", "no object")]
-    {
+    for (text, expected) in [
+        ("[]", "expected an object"),
+        ("", "ends in the middle"),
+        ("{\"creature\": 1}", "expected an object"),
+    ] {
         let message =
             sentence(&read_creature(&place.write("c.json", text)).unwrap_err().to_string(), "c.json");
         assert!(message.contains(expected), "{text}: {message}");

