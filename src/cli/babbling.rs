@@ -4,7 +4,10 @@ use std::cell::Cell;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
-use super::arguments::{Arguments, positive, touch_count};
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+
+use super::arguments::{positive, touch_count};
 use super::folders::Force;
 use super::learned::{learn_and_report, print_learned};
 use super::learning_arguments::{KNOWN_HELP, LearningArguments};
@@ -15,7 +18,9 @@ use super::{Failure, Outcome};
 use crate::babbling::{BabblingOptions, PolicyName, threads};
 use crate::creature::{Creature, JointSelection};
 use crate::deadline::Deadline;
-use crate::experiment::{BabbledSession, BabbledShares, BabblingSession, Embodied, Observer, SessionSetup};
+use crate::experiment::{
+    BabbledSession, BabbledShares, BabblingSession, Embodied, Observer, Observers, SessionSetup,
+};
 use crate::learning::growth::Growth;
 use crate::learning::learners::{LearnerKind, PartByPart};
 use crate::record::FolderLock;
@@ -40,7 +45,7 @@ const LEARNING: f64 = 0.85;
 /// The creature moves about, few joints at first, and stops where its skin touches its skin. From the pairs of
 /// receptors and the joint angles alone it learns where its joints are and how they turn, and touches what it does not
 /// know yet; the model's own kinematics serve only to measure the result. All goes into a session folder.
-#[derive(clap::Args)]
+#[derive(clap::Args, Clone, Serialize, Deserialize)]
 #[command(after_help = format!("Examples:
   bodyschema babble                                                          # Max, mjcf/max/max.xml
   bodyschema babble mjcf/hexapod/hexapod.xml
@@ -77,6 +82,7 @@ pub struct BabbleArguments {
     joints: Option<JointSelection>,
     /// Threads; they change nothing but the time [default: one per core]
     #[arg(long, value_parser = clap::value_parser!(u16).range(1..=1024), help_heading = "Babbling")]
+    #[serde(skip)]
     pub jobs: Option<u16>,
     /// How motions are chosen; all but random learn a schema on the way to choose by, on one thread [default: stages for
     /// known surfaces, undisturbed, without physics and known joints, unless another learner than growth is
@@ -87,17 +93,22 @@ pub struct BabbleArguments {
     #[arg(long, value_enum, default_value_t, help_heading = "Babbling")]
     pub motion: MotionName,
     #[command(flatten)]
+    #[serde(flatten)]
     open: ModelArguments,
     #[command(flatten)]
+    #[serde(flatten)]
     learning: LearningArguments,
     /// The session's folder [default: the first free of sessions/CREATURE-1, -2, …]
     #[arg(long, short, value_name = "DIR", help_heading = "Output")]
+    #[serde(skip)]
     pub out: Option<PathBuf>,
     #[command(flatten)]
+    #[serde(skip)]
     pub force: Force,
     /// Go on with a session that was interrupted, with the options that are in its session.json: its touches become
     /// what they would have been. Takes --jobs, --json and --live beside it
     #[arg(long, value_name = "DIR", help_heading = "Output")]
+    #[serde(skip)]
     pub resume: Option<PathBuf>,
     /// Babble only this share of the session, as in 3/16: other processes, here or elsewhere, make the others, and
     /// `bodyschema merge DIR` makes of all what one process would have made. Babbles at random; the same command goes on
@@ -109,11 +120,14 @@ pub struct BabbleArguments {
         conflicts_with_all = ["resume", "seconds", "work", "force"],
         help_heading = "Output"
     )]
+    #[serde(skip)]
     pub shard: Option<Share>,
     /// Print one JSON object
     #[arg(long, help_heading = "Output")]
+    #[serde(skip)]
     pub json: bool,
     #[command(flatten)]
+    #[serde(skip)]
     pub live: LiveOptions,
 }
 
@@ -180,29 +194,28 @@ impl Prepared {
         Ok(Prepared { embodied, setup, work, place })
     }
 
-    /// All options in effect, those included that stand by default and by what else is asked: versions to come may choose
-    /// others.
-    pub fn effective(&self, mut given: Arguments) -> Arguments {
+    /// What is asked with all that is chosen by default and by what else is asked, as a session keeps it: versions to come may
+    /// choose otherwise.
+    pub fn asked(&self, args: &BabbleArguments) -> Value {
         let SessionSetup { babbling, policy, learning, .. } = &self.setup;
-        let chosen = [
-            ("touches", babbling.touches.to_string()),
-            ("policy", policy.to_string()),
-            ("learner", learning.learner.name().to_string()),
-        ];
-        let work = self.work.map(|work| ("work", work.to_string()));
-        for (option, value) in chosen.into_iter().chain(work) {
-            given.entry(option.to_string()).or_insert_with(|| vec![value]);
-        }
-        given
+        let asked = serde_json::to_value(BabbleArguments {
+            touches: Some(babbling.touches),
+            policy: Some(*policy),
+            work: self.work,
+            learning: args.learning.chosen(learning.learner),
+            ..args.clone()
+        });
+        // A session of files whose names are not in UTF-8 cannot be resumed.
+        asked.unwrap_or_default()
     }
 
     /// Babbles what is missing, learns, and prints the result.
     pub fn babble(&self, args: &BabbleArguments, lock: FolderLock, session: BabblingSession) -> Outcome {
         let live = self.live(session.made())?;
         let (bars, live) = (Bars::default(), live.as_ref());
-        let observers: &dyn Observer = &(&bars, live.map(Live::view));
-        let babbled = session.babble(observers)?;
-        self.learn_with(args, lock, &babbled, observers, live)
+        let observers = observers(&bars, live);
+        let babbled = session.babble(&observers)?;
+        self.learn_with(args, lock, &babbled, &observers, live)
     }
 
     /// Puts shares together, learns, and prints the result.
@@ -222,7 +235,7 @@ impl Prepared {
     pub fn learn(&self, args: &BabbleArguments, lock: FolderLock, babbled: &BabbledSession) -> Outcome {
         let live = self.live(babbled.touches.len())?;
         let (bars, live) = (Bars::default(), live.as_ref());
-        self.learn_with(args, lock, babbled, &(&bars, live.map(Live::view)), live)
+        self.learn_with(args, lock, babbled, &observers(&bars, live), live)
     }
 
     fn learn_with(
@@ -261,4 +274,11 @@ impl Prepared {
         let place = self.place.take();
         place.map(|place| Live::new(place, &self.embodied, &self.setup, made)).transpose()
     }
+}
+
+/// Who looks on: progress bars, and the page if there is one.
+fn observers<'a>(bars: &'a Bars, live: Option<&'a Live>) -> Observers<'a> {
+    let mut all: Vec<&dyn Observer> = vec![bars];
+    all.extend(live.map(|live| live.view() as &dyn Observer));
+    Observers(all)
 }

@@ -2,7 +2,6 @@
 
 use std::path::{Path, PathBuf};
 
-use super::arguments::Arguments;
 use super::folders::{Force, session_folder, written_session};
 use super::learned::{learn_and_report, print_learned, warn_truncated};
 use super::learning_arguments::{KNOWN_HELP, LearningArguments};
@@ -77,13 +76,13 @@ const RECORDING_HELP: &str = r#"Example of a recording: an elbow, and two touche
   coordinates, metres: a_std,b_std; without them noise is estimated. As JSON, a line a touch:
   {"posture": {"elbow_pitch": 0.75}, "limbs": ["base", "forearm"], "contacts": [[0.08, 0.01, 0.02], [0.21, 0.0, 0.01]]}"#;
 
-pub fn run(args: &LearnArguments, given: Arguments) -> Outcome {
+pub fn run(args: &LearnArguments) -> Outcome {
     let Learnable { lock, made, session, touches, learning } =
         match (&args.session, &args.creature, &args.log) {
             (Some(folder), ..) => from_session(args, folder)?,
             (None, Some(creature), Some(log)) => {
                 let source = RecordingSource { creature: creature.clone(), log: log.clone() };
-                from_recording(args, &source, given)?
+                from_recording(args, &source)?
             }
             // The parser sees to it that there is one or the other.
             _ => return Err("give a session's folder, or --creature and --log".into()),
@@ -152,15 +151,12 @@ fn from_session(args: &LearnArguments, folder: &Path) -> Result<Learnable, Failu
 }
 
 /// Makes a session of a recording.
-fn from_recording(
-    args: &LearnArguments,
-    source: &RecordingSource,
-    arguments: Arguments,
-) -> Result<Learnable, Failure> {
-    let provenance = Provenance { command: output::command_line(), arguments };
+fn from_recording(args: &LearnArguments, source: &RecordingSource) -> Result<Learnable, Failure> {
+    let provenance = Provenance { command: output::command_line(), ..Provenance::default() };
     let asked = args.learning.bare(None);
-    let recorded =
+    let mut recorded =
         RecordedSession::read(source, most(args), args.seed, &asked, provenance, &Bars::default())?;
+    recorded.session.options.known = args.learning.known.as_ref().map(|known| known.display().to_string());
     let learning = args.learning.options_for(&recorded.session)?;
     let lock = session_folder(args.out.as_deref(), recorded.session.agent.creature().name(), args.force)?;
     let RecordedSession { session, touches } = recorded.clone();

@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
+use serde::{Deserialize, Serialize};
 
 use super::Failure;
 use crate::babbling::PolicyName;
@@ -13,7 +14,7 @@ use crate::learning::{Input, LimbFrames, SkinKnowledge};
 use crate::record::Session;
 
 /// Options of learning.
-#[derive(clap::Args, Clone, Debug)]
+#[derive(clap::Args, Clone, Debug, Serialize, Deserialize)]
 #[command(next_help_heading = "Learning")]
 pub struct LearningArguments {
     /// The learner [default: growth of touches made by stages, where surfaces are known and nothing is disturbed;
@@ -36,6 +37,7 @@ pub struct LearningArguments {
     #[arg(long, value_name = "FILE")]
     pub known: Option<PathBuf>,
     #[command(flatten)]
+    #[serde(flatten)]
     disturbances: DisturbanceArguments,
 }
 
@@ -57,6 +59,11 @@ impl LearningArguments {
     /// The learner that is named.
     pub fn named(&self) -> Option<&'static dyn LearnerKind> {
         self.learner.as_deref().and_then(learner_kind)
+    }
+
+    /// These with the learner that was chosen.
+    pub fn chosen(&self, learner: &dyn LearnerKind) -> LearningArguments {
+        LearningArguments { learner: Some(learner.name().to_string()), ..self.clone() }
     }
 
     /// The options for a creature, with the file of known joints read; for exact touches by a policy, or none.
@@ -107,7 +114,7 @@ impl LearningArguments {
 }
 
 /// Options of disturbances.
-#[derive(clap::Args, Clone, Copy, Debug)]
+#[derive(clap::Args, Clone, Copy, Debug, Serialize, Deserialize)]
 #[command(next_help_heading = "Disturbances, between the exact log and the learner")]
 struct DisturbanceArguments {
     /// Standard deviation of every joint angle in every touch, degrees

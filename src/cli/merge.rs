@@ -71,8 +71,8 @@ fn session(args: &MergeArguments, shares: &BabbledShares) -> Outcome {
     let prepared = Prepared::new(&babble)?;
     if !folder.join(SESSION_FILE).exists() {
         let lock = session_folder(Some(folder), "", Force::default())?;
-        let arguments = shares.session().options.arguments.clone();
-        let provenance = Provenance { command: output::command_line(), arguments };
+        let asked = shares.session().options.asked.clone();
+        let provenance = Provenance { command: output::command_line(), asked };
         let session = BabblingSession::begin(&prepared.embodied, &prepared.setup, &lock, provenance)?;
         return prepared.put_together(&babble, lock, session, shares);
     }

@@ -143,7 +143,7 @@ const BESIDE_RESUME: [&str; 6] = ["resume", "jobs", "json", "live", "open", "qui
 /// The options in effect of the command that is run. Ends the program where options are given beside `--resume`.
 fn given(program: &mut clap::Command, matches: &clap::ArgMatches) -> Arguments {
     let (mut command, mut matches) = (program, matches);
-    // As in `skin feel`, a command may have commands of its own.
+    // A command may have commands of its own.
     while let Some((name, inner)) = matches.subcommand() {
         let Some(found) = command.find_subcommand_mut(name) else { return Arguments::default() };
         (command, matches) = (found, inner);
@@ -193,9 +193,12 @@ fn carry_out() -> Outcome {
     threads::make();
     let given = || given(&mut program.clone(), &matches);
     match cli.command {
-        Command::Babble(args) => babble::run(&args, given()),
+        Command::Babble(args) => {
+            given();
+            babble::run(&args)
+        }
         Command::Merge(args) => merge::run(&args),
-        Command::Learn(args) => learn::run(&args, given()),
+        Command::Learn(args) => learn::run(&args),
         Command::Calibrate(args) => calibrate::run(&args),
         Command::Plan(args) => calibrate::plan::run(&args),
         Command::Report(args) => report::run(&args),
@@ -204,7 +207,7 @@ fn carry_out() -> Outcome {
         Command::Reach(args) => reach::run(&args),
         Command::Export(args) => export::run(&args),
         Command::Inspect(args) => inspect::run(&args),
-        Command::Skin(args) => skin::run(&args, given()),
+        Command::Skin(args) => skin::run(&args),
         Command::Generate(args) => generate::run(&args),
         Command::Talk(args) => talk::run(&args),
         Command::Study(args) => study::run(&args, given()),

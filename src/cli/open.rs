@@ -6,6 +6,7 @@ use std::process::{Command, ExitStatus, Stdio};
 use std::sync::Arc;
 
 use nix::sys::resource::{Resource, getrlimit, setrlimit};
+use serde::{Deserialize, Serialize};
 
 use super::ends_with::ENDS_WITH;
 use super::progress::Bars;
@@ -36,7 +37,7 @@ pub fn is_there(model: &Path, command: &str) -> Outcome {
 }
 
 /// What of a file is the creature.
-#[derive(clap::Args, Clone, Debug, Default)]
+#[derive(clap::Args, Clone, Debug, Default, Serialize, Deserialize)]
 #[command(next_help_heading = "Reading the model")]
 pub struct ModelArguments {
     /// The body at which the creature begins [default: the first of the tree with most joints]

@@ -2,12 +2,11 @@
 
 use std::path::Path;
 
-use super::arguments::{Arguments, taken_up};
 use super::babbling::{BabbleArguments, Prepared};
 use super::folders::written_session;
 use super::{Failure, Outcome, output};
 use crate::experiment::{BabbledSession, BabblingSession, ResumedSession};
-use crate::record::{FolderLock, SESSION_FILE, Session, SessionOptions};
+use crate::record::{FolderLock, SESSION_FILE, Session};
 use crate::view::report::REPORT_FILE;
 
 /// Does what is missing in a session's folder: touches, learning, the report.
@@ -53,47 +52,17 @@ pub fn finish(
     Ok(())
 }
 
-/// The options that the session in a folder was begun with.
+/// What the session in a folder was asked.
 pub fn args_of(session: &Session, folder: &Path) -> Result<BabbleArguments, Failure> {
-    let path = folder.join(SESSION_FILE);
-    let SessionOptions { touches, policy, arguments, .. } = &session.options;
-    if session.recording.is_some() || *touches == 0 || policy.is_none() && arguments.is_empty() {
-        let path = path.display();
+    let place = folder.join(SESSION_FILE).display().to_string();
+    if session.recording.is_some() || session.options.touches == 0 {
         return Err(Failure(format!(
-            "{path}: it is not of babbling: give a folder that `bodyschema babble` made"
+            "{place}: it is not of babbling: give a folder that `bodyschema babble` made"
         )));
     }
-    let mut arguments = if arguments.is_empty() { older(session) } else { arguments.clone() };
-    // Files are reduced by themselves where they have to be; there was an option for it once.
-    arguments.remove("strip");
-    taken_up("babble", &arguments).map_err(|what| {
+    serde_json::from_value(session.options.asked.clone()).map_err(|what| {
         Failure(format!(
-            "{}: its options cannot be used ({what}): it is of another version of bodyschema, or was changed; babble anew",
-            path.display()
+            "{place}: its options cannot be used ({what}): it is of another version of bodyschema, or was changed; babble anew"
         ))
     })
-}
-
-/// The options of a session that was begun before all were written into it.
-fn older(session: &Session) -> Arguments {
-    let options = &session.options;
-    let some = |name: &str, value: &str| (name.to_string(), vec![value.to_string()]);
-    let optional = [
-        ("root", &options.root),
-        ("input", &options.input),
-        ("learner", &options.learner),
-        ("known", &options.known),
-        ("policy", &options.policy),
-        ("motion", &options.motion),
-    ];
-    let optional = optional.into_iter().filter_map(|(name, value)| Some(some(name, value.as_ref()?)));
-    [
-        some("model", &session.model),
-        some("touches", &options.touches.to_string()),
-        some("seed", &session.seed.to_string()),
-        some("joints", &options.joints),
-    ]
-    .into_iter()
-    .chain(optional)
-    .collect()
 }

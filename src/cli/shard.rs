@@ -4,8 +4,7 @@ use std::path::Path;
 
 use serde_json::json;
 
-use super::arguments::Arguments;
-use super::babbling::Prepared;
+use super::babbling::{BabbleArguments, Prepared};
 use super::progress::Bars;
 use super::{Failure, Outcome, output};
 use crate::experiment::{BabblingShare, Provenance};
@@ -13,10 +12,10 @@ use crate::record::{FolderLock, SESSION_FILE, SHARES_FOLDER, Session, Shares};
 use crate::share::Share;
 
 /// Makes a share in its place below a folder, or what is missing of it.
-pub fn run(prepared: &Prepared, share: Share, folder: &Path, as_json: bool, given: Arguments) -> Outcome {
+pub fn run(prepared: &Prepared, args: &BabbleArguments, share: Share, folder: &Path) -> Outcome {
     let lock = take_share(folder, share, SESSION_FILE)?;
     let place = lock.folder();
-    let provenance = Provenance { command: output::command_line(), arguments: prepared.effective(given) };
+    let provenance = Provenance { command: output::command_line(), asked: prepared.asked(args) };
     let (embodied, setup) = (&prepared.embodied, &prepared.setup);
     let session = match BabblingShare::take_up(embodied, setup, share, &lock, provenance)? {
         None => {
@@ -34,7 +33,7 @@ pub fn run(prepared: &Prepared, share: Share, folder: &Path, as_json: bool, give
         tell!("nothing was touched in {} motions of this share", effort.motions);
     }
     let touches = session.effort.and_then(|effort| effort.touches).unwrap_or_default();
-    if as_json {
+    if args.json {
         return output::json(&json!({
             "share": share.to_string(),
             "touches": touches,

@@ -1,5 +1,7 @@
 //! What of a model is the creature: its root and the joints it moves.
 
+use serde::{Deserialize, Serialize};
+
 use super::{BodyError, body_name};
 use crate::mujoco::{JointKind, Model, ObjectKind};
 
@@ -9,7 +11,8 @@ const JOINTS_TUPLE: &str = "joints/";
 const DEFAULT_JOINTS: &str = "torso";
 
 /// Which joints the creature moves; the others stay where they are at the reference posture.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(from = "String", into = "String")]
 pub enum JointSelection {
     /// The model's `joints/torso`, or all where it defines none.
     #[default]
@@ -24,11 +27,23 @@ impl std::str::FromStr for JointSelection {
     type Err = std::convert::Infallible;
 
     fn from_str(text: &str) -> Result<JointSelection, Self::Err> {
-        Ok(match text {
+        Ok(text.to_string().into())
+    }
+}
+
+impl From<String> for JointSelection {
+    fn from(text: String) -> JointSelection {
+        match text.as_str() {
             "all" => JointSelection::All,
             "default" => JointSelection::Default,
-            name => JointSelection::Named(name.to_string()),
-        })
+            _ => JointSelection::Named(text),
+        }
+    }
+}
+
+impl From<JointSelection> for String {
+    fn from(selection: JointSelection) -> String {
+        selection.to_string()
     }
 }
 

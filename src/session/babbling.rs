@@ -1,6 +1,5 @@
 //! A session: a creature babbles, and all of it goes into a folder, from which an interrupted session goes on.
 
-use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -45,8 +44,8 @@ pub struct SessionSetup {
 pub struct Provenance {
     /// The command line, word by word.
     pub command: Vec<String>,
-    /// All options in effect, by their long names.
-    pub arguments: BTreeMap<String, Vec<String>>,
+    /// What it was asked, as [`SessionOptions::asked`].
+    pub asked: serde_json::Value,
 }
 
 /// A session with touches still to make.
@@ -308,7 +307,7 @@ pub(super) fn new_session(
                 .filter(|motion| *motion != MotionName::default())
                 .map(|m| m.to_string()),
             share: None,
-            arguments: provenance.arguments,
+            asked: provenance.asked,
         },
         effort: None,
         agent: embodied.agent().clone(),

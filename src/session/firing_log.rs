@@ -2,13 +2,12 @@
 
 use std::collections::HashMap;
 use std::fs::File;
-use std::io::{BufRead, BufReader, BufWriter, Write};
+use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
-use super::json_lines::read_lines;
-use super::record_error::json_reason;
+use super::json_lines::read_log;
 use super::stamp::Stamp;
 use super::{Action, FIRINGS_FILE, RecordError, files};
 use crate::senses::Firing;
@@ -88,36 +87,16 @@ impl<'a> FiringWriter<'a> {
 /// [`RecordError::Io`] where the file cannot be read. [`RecordError::Format`], with the line, where it is no log of
 /// firings or one of a newer version, where it belongs to another creature or skin, and for any line that is no firing.
 pub fn read_firings(path: &Path, creature: &str, skin: &Skin) -> Result<Vec<Firing>, RecordError> {
-    let io = || RecordError::io(path, Action::Read);
-    let mut file = BufReader::new(files::open(path)?);
     let receptors: HashMap<&str, usize> =
         skin.receptors.iter().enumerate().map(|(r, receptor)| (receptor.id.as_str(), r)).collect();
-    let mut json = Vec::new();
-    file.read_until(b'\n', &mut json).map_err(io())?;
-    let refuse = |line: usize, message: String| Err(RecordError::format(path, Some(line), message));
-    if json.trim_ascii().is_empty() {
-        return refuse(1, "there is no header: give a log of firings, or record again".into());
-    }
-    STAMP.check(path, Some(1), &json)?;
-    match serde_json::from_slice::<FiringHeader>(&json) {
-        Ok(header) if header.creature == creature => {}
-        Ok(header) => {
-            let found = header.creature;
-            return refuse(
-                1,
-                format!("its firings are of \"{found}\", not of \"{creature}\": give the log of one session"),
-            );
-        }
-        Err(error) => {
-            let reason = json_reason(&error);
-            return refuse(
-                1,
-                format!("it is no header of firings ({reason}): mend the line or record again"),
-            );
-        }
-    }
+    let check = |header: FiringHeader| match header.creature {
+        found if found == creature => Ok(()),
+        found => Err(ContentFault::from(format!(
+            "its firings are of \"{found}\", not of \"{creature}\": give the log of one session"
+        ))),
+    };
     let mut firings = Vec::new();
-    read_lines(path, &mut file, "firing", |found| {
+    read_log(path, (STAMP, "firing"), check, |found| {
         firings.push(firing(&found, &receptors)?);
         Ok(())
     })?;

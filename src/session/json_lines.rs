@@ -1,36 +1,40 @@
-//! The lines of a log after its header, each JSON of its own.
+//! Logs of a session: a header line, then a line of JSON each.
 
-use std::io::BufRead;
+use std::io::{BufRead, BufReader};
 use std::path::Path;
 
 use serde::de::DeserializeOwned;
 
 use super::record_error::{ContentFault, json_reason};
-use super::{Action, RecordError};
+use super::stamp::Stamp;
+use super::{Action, RecordError, files};
 
 /// How a log ends that was not ended; all of it is left out.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct LogEnd {
-    /// The last line's number where it is incomplete, as a killed process leaves it.
+    /// The last line's number if it is incomplete, as a killed process leaves it.
     pub incomplete: Option<usize>,
-    /// Zero bytes after it, as a file system leaves them where the power failed.
+    /// Zero bytes after it, as a file system leaves them after a power failure.
     pub zeros: usize,
 }
 
-/// Hands on what each line of `file` holds from the second on, up to its end. `what` names what a line holds.
+/// Reads a log of lines that each hold a `what`: checks its header, and hands on what each further line holds.
 ///
 /// # Errors
-/// [`RecordError::Io`] where the file cannot be read, [`RecordError::Format`], with the line, where one holds something
-/// else or `take` refuses it.
-pub(super) fn read_lines<T: DeserializeOwned>(
+/// [`RecordError::Io`] if the file cannot be read, [`RecordError::Format`], with the line, if one holds something
+/// else, or `check` or `take` refuses it.
+pub(super) fn read_log<H: DeserializeOwned, T: DeserializeOwned>(
     path: &Path,
-    file: &mut impl BufRead,
-    what: &str,
+    (stamp, what): (Stamp, &str),
+    check: impl FnOnce(H) -> Result<(), ContentFault>,
     mut take: impl FnMut(T) -> Result<(), ContentFault>,
 ) -> Result<LogEnd, RecordError> {
     let io = || RecordError::io(path, Action::Read);
-    let refuse = |line: usize, fault: ContentFault| Err(RecordError::format(path, Some(line), fault));
+    let refuse = |line: usize| move |fault: ContentFault| RecordError::format(path, Some(line), fault);
+    let mut file = BufReader::new(files::open(path)?);
     let (mut json, mut end) = (Vec::new(), LogEnd::default());
+    file.read_until(b'\n', &mut json).map_err(io())?;
+    check(read_header(path, stamp, 1, &json)?).map_err(refuse(1))?;
     for line in 2.. {
         json.clear();
         file.read_until(b'\n', &mut json).map_err(io())?;
@@ -42,21 +46,12 @@ pub(super) fn read_lines<T: DeserializeOwned>(
             break;
         }
         match serde_json::from_slice(&json) {
-            Ok(found) => {
-                if let Err(fault) = take(found) {
-                    return refuse(line, fault);
-                }
-            }
-            Err(error) if last && incomplete(&json, &error) => {
-                end.incomplete = Some(line);
-                break;
-            }
+            Ok(found) => take(found).map_err(refuse(line))?,
+            Err(error) if last && incomplete(&json, &error) => end.incomplete = Some(line),
             Err(error) => {
                 let reason = json_reason(&error);
-                return refuse(
-                    line,
-                    format!("it is no {what} ({reason}): mend the line or delete it").into(),
-                );
+                let fault = format!("it is no {what} ({reason}): mend the line or delete it");
+                return Err(refuse(line)(fault.into()));
             }
         }
         if last {
@@ -64,6 +59,27 @@ pub(super) fn read_lines<T: DeserializeOwned>(
         }
     }
     Ok(end)
+}
+
+/// The header of a log, on a line of it.
+///
+/// # Errors
+/// [`RecordError::Format`] if it has another stamp or content.
+pub(super) fn read_header<H: DeserializeOwned>(
+    path: &Path,
+    stamp: Stamp,
+    line: usize,
+    json: &[u8],
+) -> Result<H, RecordError> {
+    let refuse = |message: String| RecordError::format(path, Some(line), message);
+    if json.iter().all(|byte| *byte == 0 || byte.is_ascii_whitespace()) {
+        return Err(refuse("there is no header: give a whole log, or record again".into()));
+    }
+    stamp.check(path, Some(line), json)?;
+    serde_json::from_slice(json).map_err(|error| {
+        let reason = json_reason(&error);
+        refuse(format!("it is no header of a log ({reason}): mend the line or record again"))
+    })
 }
 
 /// Drops the zero bytes at the end of a log's last line; how many there were.

@@ -1,11 +1,9 @@
 //! A somatotopic map as a file: the neighbours of every receptor, by their ids.
 
 use std::collections::{BTreeMap, HashMap};
-use std::fmt;
 use std::path::Path;
 
-use serde::de::{MapAccess, Visitor};
-use serde::{Deserialize, Deserializer, Serialize};
+use serde::{Deserialize, Serialize};
 
 use super::RecordError;
 use super::stamp::Stamp;
@@ -13,44 +11,13 @@ use crate::skin::{MOST_NEIGHBOURS, Skin, SomatotopicMap};
 
 const STAMP: Stamp = Stamp { format: "bodyschema map", version: 1 };
 
-/// What a file has beside its stamp, as it is written.
-#[derive(Serialize)]
-struct MapContent<'a> {
-    creature: &'a str,
-    neighbours: BTreeMap<&'a str, Vec<&'a str>>,
-}
-
-/// The same as it is read: an id that stands there twice is seen.
-#[derive(Deserialize)]
+/// What a file has beside its stamp.
+#[derive(Serialize, Deserialize)]
 #[serde(expecting = "an object")]
-struct ReadMap {
+struct MapContent {
     creature: String,
-    neighbours: Listed,
-}
-
-/// The neighbours as they are listed.
-struct Listed(Vec<(String, Vec<String>)>);
-
-impl<'de> Deserialize<'de> for Listed {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Listed, D::Error> {
-        struct InOrder;
-        impl<'de> Visitor<'de> for InOrder {
-            type Value = Listed;
-
-            fn expecting(&self, formatter: &mut fmt::Formatter) -> fmt::Result {
-                formatter.write_str("an object of receptors and lists of their neighbours")
-            }
-
-            fn visit_map<A: MapAccess<'de>>(self, mut entries: A) -> Result<Listed, A::Error> {
-                let mut listed = Vec::new();
-                while let Some(entry) = entries.next_entry()? {
-                    listed.push(entry);
-                }
-                Ok(Listed(listed))
-            }
-        }
-        deserializer.deserialize_map(InOrder)
-    }
+    /// Per receptor its neighbours, nearest first.
+    neighbours: BTreeMap<String, Vec<String>>,
 }
 
 /// Writes a map of a creature's skin to `path`: per receptor its neighbours, nearest first.
@@ -58,21 +25,20 @@ impl<'de> Deserialize<'de> for Listed {
 /// # Errors
 /// [`RecordError::Io`] where the file cannot be written.
 pub fn write_map(path: &Path, creature: &str, skin: &Skin, map: &SomatotopicMap) -> Result<(), RecordError> {
-    let id = |receptor: usize| skin.receptors[receptor].id.as_str();
+    let id = |receptor: usize| skin.receptors[receptor].id.clone();
     let of = |receptor: usize| map.neighbours(receptor).iter().map(|&other| id(other)).collect();
     let neighbours = (0..map.receptors()).map(|receptor| (id(receptor), of(receptor))).collect();
-    STAMP.write(path, &MapContent { creature, neighbours })
+    STAMP.write(path, &MapContent { creature: creature.to_string(), neighbours })
 }
 
 /// Reads the map of a creature's skin from `path`.
 ///
 /// # Errors
 /// [`RecordError::Io`] where the file cannot be read. [`RecordError::Format`] where it is no map or one of a newer
-/// version, where it is of another creature or names other receptors than the skin has, where a receptor is listed twice, has
-/// more than eight neighbours, or is its own, and where one of two receptors has the other for a neighbour, but not
+/// version, where it is of another creature or names other receptors than the skin has, where a receptor has more than eight neighbours, or is its own, and where one of two receptors has the other for a neighbour, but not
 /// the other way round.
 pub fn read_map(path: &Path, creature: &str, skin: &Skin) -> Result<SomatotopicMap, RecordError> {
-    let read: ReadMap = STAMP.read(path, "map of neighbours")?;
+    let read: MapContent = STAMP.read(path, "map of neighbours")?;
     let refuse = |message: String| Err(RecordError::format(path, None, message));
     if read.creature != creature {
         return refuse(format!(
@@ -83,7 +49,7 @@ pub fn read_map(path: &Path, creature: &str, skin: &Skin) -> Result<SomatotopicM
     let numbers: HashMap<&str, usize> =
         skin.receptors.iter().enumerate().map(|(r, receptor)| (receptor.id.as_str(), r)).collect();
     let mut neighbours: Vec<Option<Vec<usize>>> = vec![None; skin.receptors.len()];
-    for (id, others) in &read.neighbours.0 {
+    for (id, others) in &read.neighbours {
         let number = |id: &str| {
             numbers.get(id).copied().ok_or_else(|| {
                 let message = format!(
@@ -111,9 +77,7 @@ pub fn read_map(path: &Path, creature: &str, skin: &Skin) -> Result<SomatotopicM
                 found.len()
             ));
         }
-        if neighbours[receptor].replace(found).is_some() {
-            return refuse(format!("\"{id}\" is listed twice: take one of the lists out"));
-        }
+        neighbours[receptor] = Some(found);
     }
     if let Some(missing) = neighbours.iter().position(Option::is_none) {
         return refuse(format!(

@@ -70,7 +70,7 @@ pub use map_file::{read_map, write_map};
 #[cfg_attr(not(feature = "render"), allow(unused_imports))]
 pub(crate) use mistaken::for_model as mistaken_for_model;
 pub use model_hash::model_hash;
-pub use observer::{LearningStep, Observer, Phase};
+pub use observer::{LearningStep, Observer, Observers, Phase};
 pub use own_body::{hands, learned_body, own_body};
 pub(crate) use part_file::{MadeFolders, PartFile, folder_of, write_whole};
 pub use progress::BabblingProgress;

@@ -24,76 +24,28 @@ pub trait Observer {
 /// Nobody looks on.
 impl Observer for () {}
 
-impl<O: Observer + ?Sized> Observer for &O {
+/// Several look on.
+pub struct Observers<'a>(pub Vec<&'a dyn Observer>);
+
+impl Observer for Observers<'_> {
     fn note(&self, sentence: &str) {
-        (**self).note(sentence);
+        self.0.iter().for_each(|observer| observer.note(sentence));
     }
 
     fn phase(&self, phase: Phase) {
-        (**self).phase(phase);
+        self.0.iter().for_each(|observer| observer.phase(phase));
     }
 
     fn touched(&self, touch: &Touch) {
-        (**self).touched(touch);
+        self.0.iter().for_each(|observer| observer.touched(touch));
     }
 
     fn grew(&self, growth: &Growth) {
-        (**self).grew(growth);
+        self.0.iter().for_each(|observer| observer.grew(growth));
     }
 
     fn learned(&self, step: &LearningStep) {
-        (**self).learned(step);
-    }
-}
-
-/// Perhaps somebody looks on.
-impl<O: Observer> Observer for Option<O> {
-    fn note(&self, sentence: &str) {
-        self.iter().for_each(|observer| observer.note(sentence));
-    }
-
-    fn phase(&self, phase: Phase) {
-        self.iter().for_each(|observer| observer.phase(phase));
-    }
-
-    fn touched(&self, touch: &Touch) {
-        self.iter().for_each(|observer| observer.touched(touch));
-    }
-
-    fn grew(&self, growth: &Growth) {
-        self.iter().for_each(|observer| observer.grew(growth));
-    }
-
-    fn learned(&self, step: &LearningStep) {
-        self.iter().for_each(|observer| observer.learned(step));
-    }
-}
-
-/// Two look on.
-impl<A: Observer, B: Observer> Observer for (A, B) {
-    fn note(&self, sentence: &str) {
-        self.0.note(sentence);
-        self.1.note(sentence);
-    }
-
-    fn phase(&self, phase: Phase) {
-        self.0.phase(phase);
-        self.1.phase(phase);
-    }
-
-    fn touched(&self, touch: &Touch) {
-        self.0.touched(touch);
-        self.1.touched(touch);
-    }
-
-    fn grew(&self, growth: &Growth) {
-        self.0.grew(growth);
-        self.1.grew(growth);
-    }
-
-    fn learned(&self, step: &LearningStep) {
-        self.0.learned(step);
-        self.1.learned(step);
+        self.0.iter().for_each(|observer| observer.learned(step));
     }
 }
 

@@ -70,8 +70,7 @@ impl RecordedSession {
                 joints: "all".to_string(),
                 input: Some(learning.input.unwrap_or(recording.input).to_string()),
                 learner: Some(learning.learner.name().to_string()),
-                known: provenance.arguments.get("known").and_then(|known| known.first().cloned()),
-                arguments: provenance.arguments,
+                asked: provenance.asked,
                 ..SessionOptions::default()
             },
             effort: None,

@@ -1,10 +1,10 @@
 //! How a session came about: everything needed to repeat it or to read its touches.
 
-use std::collections::BTreeMap;
 use std::path::Path;
 use std::time::Duration;
 
 use serde::{Deserialize, Serialize};
+use serde_json::Value;
 
 use super::stamp::Stamp;
 use super::{Host, RecordError, SESSION_FILE, files, mistaken};
@@ -143,10 +143,10 @@ pub struct SessionOptions {
     /// Which share of the session it is, as in `3/16`; none where it is all of it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub share: Option<String>,
-    /// All options that were in effect when the session was begun, by their names on the command line, defaults
-    /// included; empty in sessions of versions that did not write them.
-    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
-    pub arguments: BTreeMap<String, Vec<String>>,
+    /// What the command that made it was asked, with all that it chose by default, as it reads it again; null if that was no
+    /// command, and in sessions of versions that did not write it.
+    #[serde(default, skip_serializing_if = "Value::is_null")]
+    pub asked: Value,
 }
 
 /// What babbling cost: [`Effort`], and its time.

@@ -2,16 +2,13 @@
 
 use std::collections::{HashMap, HashSet};
 use std::hash::{DefaultHasher, Hash, Hasher};
-use std::io::{BufRead, BufReader};
 use std::path::Path;
 
 use nalgebra::Vector3;
 
-use super::files;
-use super::json_lines::read_lines;
-use super::record_error::json_reason;
+use super::RecordError;
+use super::json_lines::{read_header, read_log};
 use super::touch_line::{STAMP, TouchHeader, TouchLine, UNITS, check, limb_name};
-use super::{Action, RecordError};
 use crate::agent::Agent;
 use crate::creature::Creature;
 use crate::senses::{Moment, Touch, TouchEnd};
@@ -41,16 +38,11 @@ type FoundLine = TouchLine<String, Vec<Option<f64>>, [Option<f64>; 3]>;
 /// is no log of touches or one of a newer version, where it belongs to another creature or skin, and
 /// for any line that is no touch; only the last one may be incomplete.
 pub fn read_touches(path: &Path, agent: &Agent) -> Result<TouchLog, RecordError> {
-    let io = || RecordError::io(path, Action::Read);
-    let mut file = BufReader::new(files::open(path)?);
     let receptors: HashMap<&str, usize> =
         agent.skin().receptors.iter().enumerate().map(|(r, receptor)| (receptor.id.as_str(), r)).collect();
-
-    let mut json = Vec::new();
-    file.read_until(b'\n', &mut json).map_err(io())?;
-    check_header(path, &json, 1, agent.creature())?;
     let (mut log, mut told) = (TouchLog::default(), HashSet::new());
-    let end = read_lines(path, &mut file, "touch", |found: FoundLine| {
+    let check = |header: TouchHeader| header.check(agent.creature());
+    let end = read_log(path, (STAMP, "touch"), check, |found: FoundLine| {
         let touch = touch(found, agent, &receptors)?;
         if !told.insert(print(&touch)) {
             return Err("it is a touch that was told before: delete the line".into());
@@ -72,44 +64,40 @@ fn print(touch: &Touch) -> u64 {
     hasher.finish()
 }
 
-/// Checks the header, which stands on a line of the log.
+/// Checks the header, on a line of the log.
 pub(super) fn check_header(
     path: &Path,
     json: &[u8],
     line: usize,
     creature: &Creature,
 ) -> Result<(), RecordError> {
-    let refuse = |message: String| Err(RecordError::format(path, Some(line), message));
-    if json.iter().all(|byte| *byte == 0 || byte.is_ascii_whitespace()) {
-        return refuse("there is no header: give a log of touches, or record again".into());
-    }
-    STAMP.check(path, Some(line), json)?;
-    let header: TouchHeader = match serde_json::from_slice(json) {
-        Ok(header) => header,
-        Err(error) => {
-            return refuse(format!(
-                "it is no header of touches ({}): mend the line or record again",
-                json_reason(&error)
-            ));
+    let header: TouchHeader = read_header(path, STAMP, line, json)?;
+    header.check(creature).map_err(|fault| RecordError::format(path, Some(line), fault))
+}
+
+impl TouchHeader {
+    /// Whether the log is of a creature.
+    fn check(&self, creature: &Creature) -> Result<(), ContentFault> {
+        if self.units != UNITS {
+            return Err(format!(
+                "its units are \"{}\", not \"{UNITS}\": convert its numbers to metres and radians",
+                self.units
+            )
+            .into());
         }
-    };
-    if header.units != UNITS {
-        return refuse(format!(
-            "its units are \"{}\", not \"{UNITS}\": convert its numbers to metres and radians",
-            header.units
-        ));
+        if self.creature != creature.name() || self.coordinates != creature.coordinates() {
+            return Err(format!(
+                "its touches are of \"{}\" with {} coordinates, not of \"{}\" with {}: give the model and the joints that they \
+                 were recorded with",
+                self.creature,
+                self.coordinates,
+                creature.name(),
+                creature.coordinates()
+            )
+            .into());
+        }
+        Ok(())
     }
-    if header.creature != creature.name() || header.coordinates != creature.coordinates() {
-        return refuse(format!(
-            "its touches are of \"{}\" with {} coordinates, not of \"{}\" with {}: give the model and the \
-             joints that they were recorded with",
-            header.creature,
-            header.coordinates,
-            creature.name(),
-            creature.coordinates()
-        ));
-    }
-    Ok(())
 }
 
 /// The touch that a line tells of.

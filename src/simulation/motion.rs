@@ -77,7 +77,8 @@ impl std::ops::AddAssign for Effort {
 }
 
 /// How the body is moved from posture to posture.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "snake_case")]
 #[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 pub enum MotionName {
     /// Straight through its postures, without forces.

@@ -35,12 +35,8 @@ fn a_body_grows_by_default_where_nothing_stands_against_it() {
         let found = json(place.path(), &options);
         let session = std::fs::read_to_string(place.path().join(&out).join("session.json")).unwrap();
         let session: Value = serde_json::from_str(&session).unwrap();
-        let kept = &session["options"]["arguments"];
-        assert_eq!(
-            (&kept["policy"][0], &kept["learner"][0]),
-            (&found["policy"], &found["learner"]),
-            "{kept}"
-        );
+        let kept = &session["options"]["asked"];
+        assert_eq!((&kept["policy"], &kept["learner"]), (&found["policy"], &found["learner"]), "{kept}");
         let name = |key: &str| found[key].as_str().unwrap().to_string();
         (name("policy"), name("learner"), found["touches"].as_u64().unwrap())
     };

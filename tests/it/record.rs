@@ -537,9 +537,7 @@ fn session() -> Session {
             policy: Some("stages".into()),
             motion: Some("dynamic".into()),
             share: Some("3/16".into()),
-            arguments: [("touches", "40"), ("joint-noise", "0.1")]
-                .map(|(name, value)| (name.to_string(), vec![value.to_string()]))
-                .into(),
+            asked: serde_json::json!({"touches": 40, "joint_noise": 0.1}),
         },
         effort: Some(BabblingEffort::new(&effort, Duration::from_nanos(1_234_567_891))),
         agent: agent(),

@@ -249,25 +249,6 @@ fn a_session_that_is_complete_is_left_as_it_is_and_what_is_missing_is_made() {
 }
 
 #[test]
-fn a_session_from_before_options_were_kept_is_gone_on_with_too() {
-    let place = Place::new();
-    let begin =
-        ["babble", "arms.xml", "--touches", "90", "--learner", "hersch", "--seed", "5", "--out", "whole"];
-    place.succeeds(&begin);
-    cut(&place, "whole", "old", place.log("whole").len() / 2);
-    let path = place.path("old/session.json");
-    let mut about: Value = serde_json::from_slice(&fs::read(&path).unwrap()).unwrap();
-    assert!(about["options"].as_object_mut().unwrap().remove("arguments").is_some());
-    fs::write(&path, about.to_string()).unwrap();
-    place.succeeds(&["babble", "--resume", "old"]);
-    assert!(place.log("whole") == place.log("old"));
-    assert!(
-        fs::read(place.path("whole/schema.json")).unwrap()
-            == fs::read(place.path("old/schema.json")).unwrap()
-    );
-}
-
-#[test]
 fn what_cannot_be_gone_on_with_is_told_in_a_sentence_and_nothing_is_lost() {
     let place = Place::new();
     place.succeeds(&["babble", "arms.xml", "--touches", "80", "--learner", "hersch", "--out", "whole"]);
@@ -290,6 +271,15 @@ fn what_cannot_be_gone_on_with_is_told_in_a_sentence_and_nothing_is_lost() {
     let message = place.fails(&["babble", "--resume", "long"]);
     assert!(message.contains("line 82") && message.contains("delete"), "{message}");
     assert_eq!(place.log("long"), log);
+
+    // One of a version that wrote its options otherwise.
+    cut(&place, "whole", "old", half);
+    let path = place.path("old/session.json");
+    let mut about: Value = serde_json::from_slice(&fs::read(&path).unwrap()).unwrap();
+    assert!(about["options"].as_object_mut().unwrap().remove("asked").is_some());
+    fs::write(&path, about.to_string()).unwrap();
+    let message = place.fails(&["babble", "--resume", "old"]);
+    assert!(message.contains("it is of another version") && message.contains("babble anew"), "{message}");
 
     // One that is still at work.
     cut(&place, "whole", "busy", half);

@@ -64,7 +64,8 @@ pub struct PolicyStart {
 macro_rules! policies {
     ($($(#[$about:meta])* $policy:ident, $name:literal => $make:expr;)+) => {
         /// The policies by name.
-        #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+        #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+        #[serde(rename_all = "snake_case")]
         #[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
         pub enum PolicyName {
             $($(#[$about])* $policy),+

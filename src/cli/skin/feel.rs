@@ -9,7 +9,6 @@ use rand::seq::IndexedRandom;
 use rand_chacha::ChaCha8Rng;
 
 use crate::agent::Agent;
-use crate::cli::arguments::Arguments;
 use crate::cli::folders::{Force, session_folder};
 use crate::cli::open::{ModelArguments, open_body};
 use crate::cli::{Failure, Outcome, progress};
@@ -73,7 +72,7 @@ pub struct FeelArguments {
     open: ModelArguments,
 }
 
-pub fn run(args: &FeelArguments, given: Arguments) -> Outcome {
+pub fn run(args: &FeelArguments) -> Outcome {
     let body = open_body(&args.open.source(&args.model, JointSelection::All))?;
     let script =
         args.script.as_deref().map(Script::read).transpose().map_err(|error| Failure(error.to_string()))?;
@@ -89,7 +88,7 @@ pub fn run(args: &FeelArguments, given: Arguments) -> Outcome {
         return Err(Failure(format!("{}: nothing of this creature can be touched", args.model.display())));
     }
     if let Some(minutes) = args.strokes {
-        return strokes(args, &stage, minutes, given);
+        return strokes(args, &stage, minutes);
     }
     stage.grow_aura();
     let Some(script) = script else { return at_random(args, &stage) };
@@ -114,7 +113,7 @@ fn minutes(text: &str) -> Result<f64, String> {
 }
 
 /// Strokes the creature all over, and writes a session of what it feels.
-fn strokes(args: &FeelArguments, stage: &Stage, minutes: f64, arguments: Arguments) -> Outcome {
+fn strokes(args: &FeelArguments, stage: &Stage, minutes: f64) -> Outcome {
     let creature = stage.agent().creature().clone();
     let skin = stage.skin().clone();
     let lock = session_folder(args.out.as_deref(), creature.name(), args.force)?;
@@ -123,7 +122,6 @@ fn strokes(args: &FeelArguments, stage: &Stage, minutes: f64, arguments: Argumen
     let options = SessionOptions {
         joints: "all".to_string(),
         root: args.open.root.clone(),
-        arguments,
         ..SessionOptions::default()
     };
     Session {

@@ -5,7 +5,7 @@ mod map;
 
 use std::path::{Path, PathBuf};
 
-use super::arguments::{Arguments, positive};
+use super::arguments::positive;
 use super::open::{ModelArguments, rehearse};
 use super::{Outcome, output, progress};
 use crate::skin::{GrowOptions, PatchSize, grow_skin_rooted};
@@ -60,9 +60,9 @@ fn denser(text: &str) -> Result<(String, f64), String> {
     Ok((limb.to_string(), positive(factor)?))
 }
 
-pub fn run(args: &SkinArguments, given: Arguments) -> Outcome {
+pub fn run(args: &SkinArguments) -> Outcome {
     match (&args.command, &args.model) {
-        (Some(SkinCommand::Feel(args)), _) => feel::run(args, given),
+        (Some(SkinCommand::Feel(args)), _) => feel::run(args),
         (Some(SkinCommand::Map(args)), _) => map::run(args),
         (None, Some(model)) => grow(args, model),
         (None, None) => Ok(()),
