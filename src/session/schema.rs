@@ -257,8 +257,8 @@ fn found_joints(entries: &[JointEntry], creature: &Creature) -> Result<Vec<Found
         let name = &entry.joint;
         let Some(joint) = creature.joints().iter().position(|joint| joint.name == *name) else {
             return Err(format!(
-                "its joint {} is \"{name}\", which {} does not have among those that move: `bodyschema inspect` names them, give \
-                 one of them",
+                "its joint {} is \"{name}\", which {} does not have among those that move: name one that \
+                 `bodyschema inspect` lists",
                 i + 1,
                 creature.name()
             )
@@ -296,7 +296,7 @@ impl JointEntry {
         });
         if let Some(wrong) = position_std.iter().flatten().flatten().find(|std| !is_deviation(**std)) {
             return Err(format!(
-                "has a position_std, a standard deviation of {wrong}: give metres that are not negative, to {GREATEST_LENGTH} at \
+                "has a position_std of {wrong}, and no standard deviation of {wrong} can be: give metres that are not negative, to {GREATEST_LENGTH} at \
                  the most, or null"
             ));
         }
@@ -339,9 +339,7 @@ fn read_axes(
     for ((entry, dof), k) in axes.iter().zip(&joint.dofs).zip(joint.dof_indices()) {
         let Dof { name, kind, .. } = dof;
         if let Some(other) = entry.dof.as_ref().filter(|other| *other != name) {
-            return Err(format!(
-                "has \"{other}\" in place of \"{name}\": keep to the creature's order, or give its own schema"
-            ));
+            return Err(format!("has \"{other}\" in place of \"{name}\": give them in the creature's order"));
         }
         if entry.kind.is_some_and(|other| other != *kind) {
             return Err(format!("has another kind of \"{name}\": give a schema of the same joints"));

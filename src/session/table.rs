@@ -73,6 +73,8 @@ const UNITS: [(&[&str], Measure, f64); 6] = [
     (&["mrad"], Measure::Angle, 1000.0),
     (&["deg", "degs", "degree", "degrees", "°", "º"], Measure::Angle, DEGREES),
 ];
+/// Bytes of a unit at most, with what is around it.
+const LONGEST_UNIT: usize = 40;
 /// What may stand between a name and its unit.
 const SEPARATORS: [char; 6] = [' ', '_', '-', '.', '/', ','];
 /// Brackets that a unit may stand in.
@@ -88,7 +90,9 @@ fn unit(word: &str) -> Option<Unit> {
 /// A title's name and the unit behind it, as in `elbow_deg`, `elbow [Deg]`, `elbowDeg` or `ax / mm`; of a unit in brackets
 /// that is not known the word.
 pub(crate) fn name_and_unit(title: &str) -> Option<(&str, Result<Unit, &str>)> {
-    title.char_indices().skip(1).find_map(|(at, first)| {
+    // A unit is short, and a title may be a whole file.
+    let begin = title.len().saturating_sub(LONGEST_UNIT);
+    title.char_indices().skip(1).filter(|(at, _)| *at >= begin).find_map(|(at, first)| {
         let (name, rest) = title.split_at(at);
         let word = rest.trim_start_matches(SEPARATORS);
         let inside = BRACKETS.iter().find_map(|(open, close)| word.strip_prefix(*open)?.strip_suffix(*close));
