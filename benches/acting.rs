@@ -36,7 +36,7 @@ fn acting(criterion: &mut Criterion) {
     let wanted: Vec<f64> = at_ease.iter().map(|_| rng.random_range(-4.0..4.0)).collect();
     let solve = |posture: &[f64], along: bool| {
         let frames = own.frames(posture);
-        let mut program = VelocityProgram::new(&own, posture, &frames, &joints, FASTEST, STEP);
+        let mut program = VelocityProgram::new(&own, posture, &joints, FASTEST, STEP);
         if along {
             wanted.iter().enumerate().for_each(|(q, velocity)| program.want_joint(q, *velocity, 1.0));
         }
@@ -51,7 +51,7 @@ fn acting(criterion: &mut Criterion) {
             let other = near.other.map(|limb| (limb, near.gap.points[1]));
             let [point, _] = near.gap.points;
             let rate = (-30.0 * (near.gap.distance - 0.01)).min(0.0);
-            program.keep(Barrier {
+            program.keep(&Barrier {
                 limb: near.limb,
                 point,
                 other,
@@ -61,7 +61,7 @@ fn acting(criterion: &mut Criterion) {
             });
         }
         let (normal, rate) = (-Vector3::x(), 0.3);
-        program.keep(Barrier { limb: hand, point, other: None, normal, rate, yields: true });
+        program.keep(&Barrier { limb: hand, point, other: None, normal, rate, yields: true });
         program.solve()
     };
     let mut group = criterion.benchmark_group("acting");

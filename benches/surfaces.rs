@@ -13,7 +13,7 @@ use std::time::Instant;
 use bodyschema::agent::Agent;
 use bodyschema::creature::{Body, JointSelection, Posture};
 use bodyschema::mujoco::Model;
-use bodyschema::simulation::{Effort, Ending, MotionName, Movers};
+use bodyschema::simulation::{Effort, Ending, MotionName, MotionUntilTouch, Movers};
 use bodyschema::skin::{GrowOptions, grow};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -52,18 +52,18 @@ fn measure(name: &str, model: Model, seconds: f64) {
     let mut rng = ChaCha8Rng::seed_from_u64(1);
     let (mut touches, mut passed) = (0, 0.0);
     while passed < seconds {
-        if mover.effort.motions.is_multiple_of(MOTIONS_PER_BOUT) {
-            mover.reset(movers.start().into());
+        if mover.effort().motions.is_multiple_of(MOTIONS_PER_BOUT) {
+            mover.reset(movers.start()).expect("the engine goes on");
         }
         match mover.advance(&Posture::random(&body.creature, &mut rng)) {
             Ok(ending) => touches += u64::from(matches!(ending, Ending::Touch(_))),
             Err(error) => return println!("| {name} | {error} |"),
         }
-        if mover.effort.motions.is_multiple_of(MOTIONS_PER_LOOK) {
+        if mover.effort().motions.is_multiple_of(MOTIONS_PER_LOOK) {
             passed = cpu_time(began) - start;
         }
     }
-    let Effort { motions, engine_checks, gap_checks, bare, again, .. } = mover.effort;
+    let Effort { motions, engine_checks, gap_checks, bare, again, .. } = mover.effort();
     let per_touch = |count: u64| count as f64 / touches.max(1) as f64;
     println!(
         "| {name} | {:.2} | {motions} | {touches} | {bare} | {again} | {:.1} | {:.0} | {:.0} |",

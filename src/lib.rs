@@ -47,8 +47,8 @@
 //! let own = max.own_body();
 //! let hand = own.creature().limb("left_hand").ok_or("Max has a left hand")?;
 //! let map = ReachableMap::new(&own, hand, own.carrier_of(&[hand]), 0.08)?;
-//! let (posture, miss) = map.reach(&[0.3, 0.2, 0.1].into());
-//! assert!(miss < 1e-3 && posture.len() == own.creature().coordinates());
+//! let reach = map.reach(&[0.3, 0.2, 0.1].into());
+//! assert!(reach.miss < 1e-3 && reach.posture.len() == own.creature().coordinates());
 //! # Ok(())
 //! # }
 //! ```

@@ -22,7 +22,7 @@ use crate::learning::Input;
 use crate::learning::growth::Growth;
 use crate::senses::Touch;
 use crate::share::Share;
-use crate::simulation::{Effort, Ending, EngineError, EngineResult, MotionUntilTouch, Movers, NearestLimbs};
+use crate::simulation::{Effort, Ending, EngineError, EngineResult, MotionUntilTouch, Movers};
 
 /// Touches after which a bout ends.
 const TOUCHES_PER_BOUT: usize = 25;
@@ -72,20 +72,16 @@ pub enum BabblingError<E> {
         bout: u64,
     },
     /// Nothing was touched.
-    #[error("no touch in {motions} motions ({bare} met bare geometry){}", why(nearest))]
+    #[error(
+        "no touch in {motions} motions ({bare} met bare geometry): move more joints (--joints all), give joints wider ranges \
+         or limbs more girth, or grow more skin"
+    )]
     NoTouch {
         /// Motions made.
         motions: u64,
         /// Contacts without skin.
         bare: u64,
-        /// The limbs that come nearest to each other.
-        nearest: Option<NearestLimbs>,
     },
-}
-
-/// The end of a sentence that tells why nothing was touched.
-fn why(nearest: &Option<NearestLimbs>) -> String {
-    nearest.as_ref().map_or(String::new(), |nearest| format!(": {nearest}"))
 }
 
 /// An agent that babbles.
@@ -121,8 +117,7 @@ impl<'a> Babbler<'a> {
         if touches > 0 || wanted == 0 {
             return Ok(effort);
         }
-        let nearest = self.movers.nearest_limbs().ok().flatten();
-        Err(BabblingError::NoTouch { motions: effort.motions, bare: effort.bare, nearest })
+        Err(BabblingError::NoTouch { motions: effort.motions, bare: effort.bare })
     }
 
     /// Bouts without a single touch after which babbling is given up.

@@ -232,7 +232,7 @@ struct Answer {
 
 impl Answer {
     fn new(own: &OwnBody, map: &ReachableMap, at: &Vector3<f64>) -> Answer {
-        let mut reach = map.seek(at);
+        let mut reach = map.reach(at);
         own.creature().couple(&mut reach.posture);
         let beyond = if reach.level == Level::OutOfReach { reach.miss } else { 0.0 };
         Answer { hand: map.name(own), reach, beyond }

@@ -7,8 +7,8 @@
 
 use nalgebra::{Matrix3x2, Vector2, Vector3};
 
+use super::frame::tangent_basis;
 use super::gap::{ConvexBody, Gap};
-use crate::kinematics::tangent_basis;
 
 /// How far beside the normal the directions are, radians: corners that are farther from the other body than this many times
 /// the face's size are no part of the contact.

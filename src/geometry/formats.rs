@@ -1,9 +1,6 @@
-//! Shapes as the formats describe them: MJCF's geoms, URDF's geometries, MuJoCo's marks.
-
-use nalgebra::Vector3;
+//! Shapes as the formats describe them: MJCF's geoms, URDF's geometries.
 
 use super::Shape;
-use crate::mujoco::GeomKind;
 
 /// A part of a shape as URDF describes it.
 #[derive(Clone, Debug, PartialEq)]
@@ -50,30 +47,6 @@ impl Shape {
             }
             Shape::Ellipsoid { semi_axes } => vec![at(0.0, "mesh", vec![("scale", semi_axes.to_vec())])],
             Shape::Hull(_) | Shape::Mesh => return None,
-        })
-    }
-
-    /// How MuJoCo draws the shape by itself: the kind of geom, its size, and where its middle is from the shape's
-    /// origin, metres. A hull is drawn as an ellipsoid about as large; none for a mesh without one.
-    pub fn mark(&self) -> Option<(GeomKind, [f64; 3], Vector3<f64>)> {
-        let middle = Vector3::zeros();
-        Some(match self {
-            Shape::Sphere { radius } => (GeomKind::Sphere, [*radius; 3], middle),
-            Shape::Capsule { radius, half_length } => {
-                (GeomKind::Capsule, [*radius, *half_length, 0.0], middle)
-            }
-            Shape::Cylinder { radius, half_length } => {
-                (GeomKind::Cylinder, [*radius, *half_length, 0.0], middle)
-            }
-            Shape::Ellipsoid { semi_axes } => (GeomKind::Ellipsoid, *semi_axes, middle),
-            Shape::Box { half_extents } => (GeomKind::Box, *half_extents, middle),
-            Shape::Hull(hull) => {
-                let corners = hull.vertices();
-                let least = corners.iter().fold(Vector3::repeat(f64::INFINITY), |a, b| a.inf(b));
-                let most = corners.iter().fold(Vector3::repeat(f64::NEG_INFINITY), |a, b| a.sup(b));
-                (GeomKind::Ellipsoid, ((most - least) * 0.5).into(), (most + least) * 0.5)
-            }
-            Shape::Mesh => return None,
         })
     }
 }

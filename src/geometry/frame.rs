@@ -2,7 +2,7 @@
 
 use std::ops::Mul;
 
-use nalgebra::{Isometry3, Matrix3, Rotation3, UnitQuaternion, Vector3};
+use nalgebra::{Isometry3, Matrix3, Matrix3x2, Rotation3, UnitQuaternion, Vector3};
 use serde::{Deserialize, Serialize};
 
 /// A pose `X_AB`: where frame B is in frame A.
@@ -102,4 +102,29 @@ pub(crate) fn product(a: &Matrix3<f64>, b: &Matrix3<f64>) -> Matrix3<f64> {
         a.m31 * b.m12 + a.m32 * b.m22 + a.m33 * b.m32,
         a.m31 * b.m13 + a.m32 * b.m23 + a.m33 * b.m33,
     )
+}
+
+/// An orthonormal basis (3×2) of the plane perpendicular to `axis`: the two directions in which a unit
+/// axis can turn.
+#[inline]
+pub fn tangent_basis(axis: &Vector3<f64>) -> Matrix3x2<f64> {
+    let smallest = axis.iamin();
+    let mut other = Vector3::zeros();
+    other[smallest] = 1.0;
+    let first = axis.cross(&other).normalize();
+    let second = axis.cross(&first).normalize();
+    Matrix3x2::from_columns(&[first, second])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_tangent_basis_is_orthonormal_and_perpendicular() {
+        let axis = Vector3::new(0.36, -0.48, 0.8);
+        let basis = tangent_basis(&axis);
+        assert!((basis.transpose() * basis - nalgebra::Matrix2::identity()).norm() < 1e-14);
+        assert!((basis.transpose() * axis).norm() < 1e-14);
+    }
 }

@@ -5,7 +5,6 @@ use serde::{Deserialize, Serialize};
 
 use super::capsule::distance_to_sphere;
 use super::{Capsule, Frame, Hull};
-use crate::mujoco::{GeomKind, Model};
 
 /// A shape about its own origin, as MJCF's geoms of the same names; lengths in metres.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -47,33 +46,6 @@ pub enum Shape {
 }
 
 impl Shape {
-    /// The shape of a geom, site or mark of this kind and size; none for what is no primitive solid.
-    pub fn primitive(kind: GeomKind, [x, y, z]: [f64; 3]) -> Option<Shape> {
-        Some(match kind {
-            GeomKind::Sphere => Shape::Sphere { radius: x },
-            GeomKind::Capsule => Shape::Capsule { radius: x, half_length: y },
-            GeomKind::Ellipsoid => Shape::Ellipsoid { semi_axes: [x, y, z] },
-            GeomKind::Cylinder => Shape::Cylinder { radius: x, half_length: y },
-            GeomKind::Box => Shape::Box { half_extents: [x, y, z] },
-            GeomKind::Mesh | GeomKind::Plane | GeomKind::HeightField | GeomKind::Other(_) => return None,
-        })
-    }
-
-    /// Whether geoms of a kind have a shape that a limb can be made of.
-    pub fn is_of_kind(kind: GeomKind) -> bool {
-        kind == GeomKind::Mesh || Shape::primitive(kind, [0.0; 3]).is_some()
-    }
-
-    /// The shape of a model's geom, a mesh by its hull; none for planes and height fields, which no limb is made of.
-    pub fn of_geom(model: &Model, geom: usize) -> Option<Shape> {
-        let info = model.geom(geom);
-        if info.kind != GeomKind::Mesh {
-            return Shape::primitive(info.kind, info.size);
-        }
-        let hull = model.mesh_hull(geom).and_then(|(corners, faces)| Hull::new(corners, faces));
-        Some(hull.map_or(Shape::Mesh, Shape::Hull))
-    }
-
     /// The same shape with all lengths so many times as long.
     pub(crate) fn scaled(&self, by: f64) -> Shape {
         match *self {

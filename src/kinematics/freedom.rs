@@ -4,6 +4,8 @@
 //! root's side first, `∂p/∂q_j = a_j × (p − o_j)` and `∂²p/∂q_i∂q_j = a_i × ∂p/∂q_j` for i no farther from the root
 //! than j. A slide shifts along its axis and turns nothing; a ball counts as three hinges about its parent's axes.
 
+use std::sync::Arc;
+
 use nalgebra::{DMatrix, Vector3};
 
 use super::forward::{carry_through, joint_transforms, limb_frames};
@@ -31,7 +33,7 @@ pub struct Freedoms<'a> {
     schema: &'a BodySchema,
     list: Vec<Freedom>,
     /// Per limb, which limbs it carries, itself among them.
-    carries: Vec<Vec<bool>>,
+    carries: Arc<[Vec<bool>]>,
 }
 
 /// An axis in a posture: its joint, its direction, of a ball all three, and a point on it, in the root's frame.
@@ -56,10 +58,10 @@ struct Screw {
 
 /// A body in a posture, and how it moves from there.
 #[derive(Clone, Debug)]
-pub struct FreeMotions<'a> {
+pub struct FreeMotions {
     /// `X_RL` of every limb.
     pub frames: Vec<Frame>,
-    carries: &'a [Vec<bool>],
+    carries: Arc<[Vec<bool>]>,
     /// Per freedom, what it moves.
     screws: Vec<Vec<Screw>>,
 }
@@ -104,6 +106,11 @@ impl<'a> Freedoms<'a> {
         self.list.len()
     }
 
+    /// The freedom of a hinge's or slide's coordinate; none where it does not move by itself.
+    pub fn of_coordinate(&self, coordinate: usize) -> Option<usize> {
+        self.list.iter().position(|freedom| freedom.coordinate == coordinate && freedom.range.is_some())
+    }
+
     /// The least and greatest change of a freedom from a posture that keeps within its range and within `most`, radians
     /// or metres.
     pub fn bounds(&self, freedom: usize, posture: &[f64], most: f64) -> [f64; 2] {
@@ -140,7 +147,7 @@ impl<'a> Freedoms<'a> {
     }
 
     /// The body in a posture, and how it moves from there.
-    pub fn at(&self, posture: &[f64]) -> FreeMotions<'_> {
+    pub fn at(&self, posture: &[f64]) -> FreeMotions {
         let frames = limb_frames(self.creature, self.schema, posture);
         let mut axes: Vec<Axis> = Vec::new();
         for (j, joint) in self.creature.joints().iter().enumerate() {
@@ -177,11 +184,11 @@ impl<'a> Freedoms<'a> {
             });
             std::iter::once(screw(freedom.axis, 1.0)).chain(following).collect()
         });
-        FreeMotions { screws: screws.collect(), carries: &self.carries, frames }
+        FreeMotions { screws: screws.collect(), carries: self.carries.clone(), frames }
     }
 }
 
-impl FreeMotions<'_> {
+impl FreeMotions {
     /// What moves a limb: freedom and screw.
     fn moving(&self, limb: usize) -> impl Iterator<Item = (usize, &Screw)> {
         self.screws

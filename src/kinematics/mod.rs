@@ -7,11 +7,17 @@ mod chain;
 mod forward;
 mod freedom;
 mod inverse;
+mod place_chain;
+mod quadratic;
 mod rotation;
 
 pub use chain::{Chain, ChainSide, PoseJacobian, SideJacobian};
 pub(crate) use forward::{DofTransform, carry_through, joint_transforms, limb_motions_into};
 pub use forward::{LimbMotion, axis_directions, limb_frames, limb_frames_into};
 pub use freedom::{FreeMotions, Freedoms};
-pub use inverse::{Facing, InverseKinematics, Place, REACHED, Reach};
-pub use rotation::{axis_derivative, rotation, skew, tangent_basis};
+pub use inverse::{Facing, InverseKinematics, REACHED, Reach};
+pub use place_chain::{Place, PlaceChain, Workspace};
+pub use quadratic::{Condition, Optimum, QuadraticProgram};
+pub use rotation::{axis_derivative, rotation, skew};
+
+pub use crate::geometry::tangent_basis;

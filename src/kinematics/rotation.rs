@@ -1,6 +1,6 @@
 //! Rotation about an axis, and how it changes with the axis.
 
-use nalgebra::{Matrix3, Matrix3x2, Vector3};
+use nalgebra::{Matrix3, Vector3};
 
 /// The cross-product matrix `[v]×`, with `[v]× w = v × w`.
 #[inline]
@@ -48,18 +48,6 @@ pub fn axis_derivative(axis: &Vector3<f64>, sine: f64, versine: f64, v: &Vector3
     derivative
 }
 
-/// An orthonormal basis (3×2) of the plane perpendicular to `axis`: the two directions in which a unit
-/// axis can turn.
-#[inline]
-pub fn tangent_basis(axis: &Vector3<f64>) -> Matrix3x2<f64> {
-    let smallest = axis.iamin();
-    let mut other = Vector3::zeros();
-    other[smallest] = 1.0;
-    let first = axis.cross(&other).normalize();
-    let second = axis.cross(&first).normalize();
-    Matrix3x2::from_columns(&[first, second])
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -90,12 +78,5 @@ mod tests {
                 / (2.0 * step);
             assert!((analytic.column(k) - difference).norm() < 1e-9);
         }
-    }
-
-    #[test]
-    fn the_tangent_basis_is_orthonormal_and_perpendicular() {
-        let basis = tangent_basis(&AXIS);
-        assert!((basis.transpose() * basis - nalgebra::Matrix2::identity()).norm() < 1e-14);
-        assert!((basis.transpose() * AXIS).norm() < 1e-14);
     }
 }

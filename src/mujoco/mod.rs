@@ -26,6 +26,7 @@ mod opengl;
 mod refusal;
 #[cfg(feature = "render")]
 mod renderer;
+mod shapes;
 mod simulated;
 mod surface;
 mod vfs;

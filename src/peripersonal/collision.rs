@@ -36,15 +36,17 @@ struct GuardedPair {
     eased: f64,
 }
 
-/// A limb that is near another one, or near something that is known to be there.
+/// A place at which a limb is near another one, or near something that is known to be there.
 #[derive(Clone, Copy, Debug)]
 pub struct Nearness {
     /// The limb.
     pub limb: usize,
     /// The other limb; none where it is an obstacle.
     pub other: Option<usize>,
-    /// Where they are nearest, in the root's frame, the normal from the other to the limb.
+    /// The gap there, in the root's frame, the normal from the other to the limb.
     pub gap: Gap,
+    /// No greater margin is asked here, metres.
+    pub most: f64,
 }
 
 /// The surfaces of a body, and what is known to be about it.
@@ -61,21 +63,6 @@ pub struct CollisionChecker {
     eased: Vec<Vec<f64>>,
     /// What is known to be there.
     pub obstacles: Vec<Obstacle>,
-}
-
-/// A place at which two surfaces are near each other, or a surface and an obstacle.
-#[derive(Clone, Copy, Debug)]
-pub struct NearPieces {
-    /// The limb that the first surface is of, and the other's; none for an obstacle.
-    pub limbs: (usize, Option<usize>),
-    /// The gap there, metres, negative where they overlap.
-    pub distance: f64,
-    /// How it grows with the first point, and shrinks with the second, in the root's frame.
-    pub normal: Vector3<f64>,
-    /// A point of each limb, of a capsule on its axis, in the root's frame, metres.
-    pub points: [Vector3<f64>; 2],
-    /// No greater margin is asked of them, metres.
-    pub eased: f64,
 }
 
 impl CollisionChecker {
@@ -222,40 +209,65 @@ impl CollisionChecker {
         eased
     }
 
-    /// The gap between two limbs that feel each other where it is below `below`, metres, negative where they overlap;
-    /// more than that elsewhere. `frames` are the limbs' poses in the root's frame.
-    fn between(&self, frames: &[Frame], pair: &GuardedPair, below: f64) -> f64 {
+    /// The pieces of two limbs that may be nearer to each other than `below`, metres, where the limbs are at `frames` in the
+    /// root's frame.
+    fn pieces_of<'a>(
+        &'a self,
+        frames: &'a [Frame],
+        pair: &'a GuardedPair,
+        below: f64,
+    ) -> impl Iterator<Item = [PlacedShape<'a>; 2]> {
         let [a, b] = pair.limbs;
-        let bound = ball_gap(&self.bounds, frames, pair.limbs);
-        if bound > below {
-            return bound;
-        }
-        let mut least = f64::INFINITY;
-        for &[i, j] in &pair.pieces {
+        let apart = ball_gap(&self.bounds, frames, pair.limbs) > below;
+        pair.pieces.iter().filter(move |_| !apart).filter_map(move |&[i, j]| {
             let (p, q) = (&self.pieces[a][i], &self.pieces[b][j]);
-            let bound =
-                p.ball.gap_at(&frames[a].point(&p.ball.centre), &q.ball, &frames[b].point(&q.ball.centre));
-            least = least.min(if bound > below.min(least) {
-                bound
-            } else {
-                gap(&p.placed(&frames[a]), &q.placed(&frames[b]), Precision::LowerBound).distance
-            });
-        }
-        least
+            let [centre, other] = [frames[a].point(&p.ball.centre), frames[b].point(&q.ball.centre)];
+            let near = p.ball.gap_at(&centre, &q.ball, &other) <= below;
+            near.then(|| [p.placed(&frames[a]), q.placed(&frames[b])])
+        })
     }
 
-    /// The gap between a limb and an obstacle where it is below `below`, metres; more than that elsewhere.
-    pub fn to_obstacle(&self, frames: &[Frame], limb: usize, obstacle: &Obstacle, below: f64) -> f64 {
-        let gaps = self.pieces[limb].iter().map(|piece| {
+    /// The pieces of a limb that may be nearer to something than `below`, metres, given how near it is at the least to what
+    /// is in a ball.
+    fn pieces_near<'a>(
+        &'a self,
+        frames: &'a [Frame],
+        limb: usize,
+        below: f64,
+        bound: impl Fn(&Ball) -> f64 + 'a,
+    ) -> impl Iterator<Item = PlacedShape<'a>> {
+        self.pieces[limb].iter().filter_map(move |piece| {
             let ball = Ball { centre: frames[limb].point(&piece.ball.centre), ..piece.ball };
-            let bound = obstacle.bound(&ball);
-            if bound > below { bound } else { obstacle.gap(&piece.placed(&frames[limb])) }
-        });
+            (bound(&ball) <= below).then(|| piece.placed(&frames[limb]))
+        })
+    }
+
+    /// The limbs that obstacles matter to.
+    fn exposed(&self) -> impl Iterator<Item = usize> + Clone {
+        (0..self.pieces.len()).filter(|&limb| self.exposed[limb])
+    }
+
+    /// The greatest margin that is asked of an obstacle and a limb, metres.
+    fn eased(&self, obstacle: usize, limb: usize) -> f64 {
+        self.eased.get(obstacle).map_or(f64::INFINITY, |eased| eased[limb])
+    }
+
+    /// The gap between two limbs that feel each other where it is below `below`, metres, negative where they overlap;
+    /// infinite elsewhere.
+    fn between(&self, frames: &[Frame], pair: &GuardedPair, below: f64) -> f64 {
+        let gaps =
+            self.pieces_of(frames, pair, below).map(|[p, q]| gap(&p, &q, Precision::LowerBound).distance);
         gaps.fold(f64::INFINITY, f64::min)
     }
 
+    /// The gap between a limb and an obstacle where it is below `below`, metres; infinite elsewhere.
+    pub fn to_obstacle(&self, frames: &[Frame], limb: usize, obstacle: &Obstacle, below: f64) -> f64 {
+        let pieces = self.pieces_near(frames, limb, below, |ball| obstacle.bound(ball));
+        pieces.map(|piece| obstacle.gap(&piece)).fold(f64::INFINITY, f64::min)
+    }
+
     /// The gap between a limb and a body that is all inside a capsule where it is below `below`, metres, negative by how deep
-    /// they are in each other; more than that elsewhere. The root limb is measured, too.
+    /// they are in each other; infinite elsewhere. The root limb is measured, too.
     pub fn to_body(
         &self,
         frames: &[Frame],
@@ -264,34 +276,20 @@ impl CollisionChecker {
         about: &Capsule,
         below: f64,
     ) -> f64 {
-        let gaps = self.pieces[limb].iter().map(|piece| {
-            let ball = Ball { centre: frames[limb].point(&piece.ball.centre), ..piece.ball };
-            let bound = about.distance_to(&ball);
-            if bound > below {
-                return bound;
-            }
-            gap(&piece.placed(&frames[limb]), body, Precision::ExactWhereShallow).distance
-        });
+        let pieces = self.pieces_near(frames, limb, below, |ball| about.distance_to(ball));
+        let gaps = pieces.map(|piece| gap(&piece, body, Precision::ExactWhereShallow).distance);
         gaps.fold(f64::INFINITY, f64::min)
     }
 
-    /// All pairs of limbs that feel each other, and limbs and obstacles, that are nearer than `below`, metres.
+    /// All pairs of limbs that feel each other, and limbs and obstacles, that are nearer than `below`, metres: where they
+    /// are nearest.
     pub fn near(&self, frames: &[Frame], below: f64) -> Vec<Nearness> {
         let mut found = Vec::new();
         for pair in &self.pairs {
-            let [a, b] = pair.limbs;
-            if ball_gap(&self.bounds, frames, pair.limbs) > below {
-                continue;
-            }
-            let gaps = pair.pieces.iter().filter_map(|&[i, j]| {
-                let (p, q) = (&self.pieces[a][i], &self.pieces[b][j]);
-                let [centre, other] = [frames[a].point(&p.ball.centre), frames[b].point(&q.ball.centre)];
-                (p.ball.gap_at(&centre, &q.ball, &other) <= below)
-                    .then(|| gap(&p.placed(&frames[a]), &q.placed(&frames[b]), Precision::Exact))
-            });
-            let nearest = gaps.min_by(|a, b| a.distance.total_cmp(&b.distance));
-            let nearest = nearest.filter(|gap| gap.distance <= below);
-            found.extend(nearest.map(|gap| Nearness { limb: a, other: Some(b), gap }));
+            let gaps = self.pieces_of(frames, pair, below).map(|[p, q]| gap(&p, &q, Precision::Exact));
+            let [limb, other] = pair.limbs;
+            let nearness = |gap| Nearness { limb, other: Some(other), gap, most: pair.eased };
+            found.extend(nearest(gaps, below).map(nearness));
         }
         for obstacle in &self.obstacles {
             found.extend(self.near_to(frames, obstacle, below));
@@ -306,15 +304,11 @@ impl CollisionChecker {
         obstacle: &'a Obstacle,
         below: f64,
     ) -> impl Iterator<Item = Nearness> + 'a {
-        (0..self.pieces.len()).filter(|&limb| self.exposed[limb]).filter_map(move |limb| {
-            let gaps = self.pieces[limb].iter().filter_map(|piece| {
-                let ball = Ball { centre: frames[limb].point(&piece.ball.centre), ..piece.ball };
-                let far = obstacle.bound(&ball) > below;
-                if far { None } else { obstacle.nearest(&piece.placed(&frames[limb]), Precision::Exact) }
-            });
-            let nearest = gaps.min_by(|a, b| a.distance.total_cmp(&b.distance));
-            let nearest = nearest.filter(|gap| gap.distance <= below)?;
-            Some(Nearness { limb, other: None, gap: nearest })
+        self.exposed().filter_map(move |limb| {
+            let pieces = self.pieces_near(frames, limb, below, |ball| obstacle.bound(ball));
+            let gaps = pieces.filter_map(|piece| obstacle.nearest(&piece, Precision::Exact));
+            let nearness = |gap| Nearness { limb, other: None, gap, most: f64::INFINITY };
+            nearest(gaps, below).map(nearness)
         })
     }
 
@@ -326,73 +320,36 @@ impl CollisionChecker {
     /// The least gap anywhere, up to `below`, metres.
     pub fn least(&self, frames: &[Frame], below: f64) -> f64 {
         let own = self.pairs.iter().map(|pair| self.between(frames, pair, below));
-        let limbs = (0..self.pieces.len()).filter(|&limb| self.exposed[limb]);
-        let others = limbs.flat_map(|limb| {
+        let others = self.exposed().flat_map(|limb| {
             self.obstacles.iter().map(move |obstacle| self.to_obstacle(frames, limb, obstacle, below))
         });
         own.chain(others).fold(below, f64::min)
     }
 
     /// Where anything is nearer to something else than `below`, metres: all places of pieces that may become the nearest of
-    /// theirs, so that who keeps each of them apart keeps the pieces apart.
-    pub fn near_places(&self, frames: &[Frame], below: f64) -> Vec<NearPieces> {
+    /// theirs, so that who keeps each of them apart keeps the pieces apart. Points of capsules are on their axes.
+    pub fn near_places(&self, frames: &[Frame], below: f64) -> Vec<Nearness> {
         let mut near = Vec::new();
         for pair in &self.pairs {
-            let [a, b] = pair.limbs;
-            if ball_gap(&self.bounds, frames, pair.limbs) > below {
-                continue;
-            }
-            for &[i, j] in &pair.pieces {
-                let (p, q) = (&self.pieces[a][i], &self.pieces[b][j]);
-                let centres = [frames[a].point(&p.ball.centre), frames[b].point(&q.ball.centre)];
-                if p.ball.gap_at(&centres[0], &q.ball, &centres[1]) > below {
-                    continue;
-                }
-                let (p, q) = (p.placed(&frames[a]), q.placed(&frames[b]));
-                let places = near_places(&p, &q).into_iter().filter(|gap| gap.distance <= below);
-                near.extend(places.map(|Gap { distance, normal, points }| NearPieces {
-                    limbs: (a, Some(b)),
-                    distance,
-                    normal,
-                    points,
-                    eased: pair.eased,
+            let [limb, other] = pair.limbs;
+            let gaps = self.pieces_of(frames, pair, below).flat_map(|[p, q]| near_places(&p, &q));
+            near.extend(gaps.map(|gap| Nearness { limb, other: Some(other), gap, most: pair.eased }));
+        }
+        for (k, obstacle) in self.obstacles.iter().enumerate() {
+            for limb in self.exposed() {
+                let pieces = self.pieces_near(frames, limb, below, |ball| obstacle.bound(ball));
+                let eased = self.eased(k, limb);
+                let places = pieces.flat_map(|piece| obstacle.near(&piece));
+                near.extend(places.map(|(gap, most)| Nearness {
+                    limb,
+                    other: None,
+                    gap,
+                    most: eased.min(most),
                 }));
             }
         }
-        for (k, obstacle) in self.obstacles.iter().enumerate() {
-            for limb in (0..self.pieces.len()).filter(|&limb| self.exposed[limb]) {
-                let eased = self.eased.get(k).map_or(f64::INFINITY, |eased| eased[limb]);
-                for piece in &self.pieces[limb] {
-                    let ball = Ball { centre: frames[limb].point(&piece.ball.centre), ..piece.ball };
-                    if obstacle.bound(&ball) > below {
-                        continue;
-                    }
-                    let places = obstacle.near(&piece.placed(&frames[limb]));
-                    let places = places.into_iter().filter(|place| place.distance <= below);
-                    near.extend(places.map(|place| NearPieces {
-                        limbs: (limb, None),
-                        distance: place.distance,
-                        normal: place.normal,
-                        points: [place.point; 2],
-                        eased: eased.min(place.most),
-                    }));
-                }
-            }
-        }
+        near.retain(|near| near.gap.distance <= below);
         near
-    }
-
-    /// Whether limbs that feel each other are at least `margin` apart, but for those `left_out`.
-    fn parted(&self, frames: &[Frame], margin: f64, left_out: &dyn Fn([usize; 2]) -> bool) -> bool {
-        self.pairs.iter().all(|pair| {
-            let margin = margin.min(pair.eased);
-            left_out(pair.limbs) || self.between(frames, pair, margin) >= margin
-        })
-    }
-
-    /// Whether no limb is in another.
-    pub fn untangled(&self, frames: &[Frame]) -> bool {
-        self.parted(frames, 0.0, &|_| false)
     }
 
     /// Whether all gaps are at least `margin`.
@@ -402,14 +359,17 @@ impl CollisionChecker {
 
     /// The same, but for some pairs of limbs that are to meet.
     pub fn free_but(&self, frames: &[Frame], margin: f64, but: &[[usize; 2]]) -> bool {
-        let left_out = |[a, b]: [usize; 2]| but.contains(&[a, b]) || but.contains(&[b, a]);
-        self.parted(frames, margin, &left_out)
-            && (0..self.pieces.len()).filter(|&limb| self.exposed[limb]).all(|limb| {
-                self.obstacles.iter().enumerate().all(|(k, obstacle)| {
-                    let margin = margin.min(self.eased.get(k).map_or(f64::INFINITY, |eased| eased[limb]));
-                    self.to_obstacle(frames, limb, obstacle, margin) >= margin
-                })
+        let parted = |pair: &GuardedPair| {
+            let ([a, b], margin) = (pair.limbs, margin.min(pair.eased));
+            but.contains(&[a, b]) || but.contains(&[b, a]) || self.between(frames, pair, margin) >= margin
+        };
+        let clear = |limb: usize| {
+            self.obstacles.iter().enumerate().all(|(k, obstacle)| {
+                let margin = margin.min(self.eased(k, limb));
+                self.to_obstacle(frames, limb, obstacle, margin) >= margin
             })
+        };
+        self.pairs.iter().all(parted) && self.exposed().all(clear)
     }
 }
 
@@ -426,6 +386,11 @@ fn ball_gap(bounds: &[Option<Ball>], frames: &[Frame], [a, b]: [usize; 2]) -> f6
         (Some(p), Some(q)) => p.gap_at(&frames[a].point(&p.centre), q, &frames[b].point(&q.centre)),
         _ => f64::INFINITY,
     }
+}
+
+/// The least of some gaps, where it is no more than `below`, metres.
+fn nearest(gaps: impl Iterator<Item = Gap>, below: f64) -> Option<Gap> {
+    gaps.min_by(|a, b| a.distance.total_cmp(&b.distance)).filter(|gap| gap.distance <= below)
 }
 
 /// Where two pieces come closest; of capsules also where an end of one is closest to the other, and the points on their axes.

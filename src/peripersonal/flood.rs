@@ -10,7 +10,7 @@ use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 
 use super::lattice::Lattice;
-use super::tip::{TipChain, Workspace};
+use crate::kinematics::{PlaceChain, Workspace};
 
 /// Random postures that one thread draws at a time, from a random stream of their own.
 const DRAWN: usize = 4096;
@@ -27,7 +27,7 @@ const STEPS: usize = 12;
 const INSIDE: f64 = 2e-6;
 
 /// The six voxels that share a side with one.
-pub(super) const SIDES: [[i32; 3]; 6] = [[-1, 0, 0], [1, 0, 0], [0, -1, 0], [0, 1, 0], [0, 0, -1], [0, 0, 1]];
+const SIDES: [[i32; 3]; 6] = [[-1, 0, 0], [1, 0, 0], [0, -1, 0], [0, 1, 0], [0, 0, -1], [0, 0, 1]];
 
 /// Voxels that are reached, each with the coordinates of a chain that do so.
 #[derive(Clone, Debug)]
@@ -73,7 +73,7 @@ impl Reached {
     }
 
     /// All voxels that a chain can be in, in any posture within its ranges, besides those that are reached already.
-    pub fn fill(&mut self, chain: &TipChain, start: &[f64], stream: u64) {
+    pub fn fill(&mut self, chain: &PlaceChain, start: &[f64], stream: u64) {
         let mut workspace = Workspace::default();
         let begin: Vec<f32> = start.iter().map(|&q| q as f32).collect();
         if let Some(index) = self.lattice.index(self.lattice.cell(&chain.point(start, &mut workspace))) {
@@ -94,7 +94,7 @@ impl Reached {
     }
 
     /// Puts down the voxels of random postures; tells how many are new.
-    fn draw(&mut self, chain: &TipChain, stream: u64) -> usize {
+    fn draw(&mut self, chain: &PlaceChain, stream: u64) -> usize {
         let before = self.voxels.len();
         let drawn = (stream..stream + DRAWS).into_par_iter().map(|stream| {
             let mut rng = ChaCha8Rng::seed_from_u64(0);
@@ -125,7 +125,7 @@ impl Reached {
     }
 
     /// Goes on from the voxels reached since the first `from`, until none is left that can be reached from a neighbour.
-    fn grow(&mut self, chain: &TipChain, from: usize) {
+    fn grow(&mut self, chain: &PlaceChain, from: usize) {
         let mut front = from..self.voxels.len();
         while !front.is_empty() {
             let mut tries: Vec<(u32, u32)> = Vec::new();
@@ -137,47 +137,13 @@ impl Reached {
             }
             tries.sort_unstable();
             let begin = self.voxels.len();
-            self.nudge(chain, &tries);
-            tries.retain(|(voxel, _)| self.numbers[*voxel as usize] == 0);
             self.seek(chain, &tries);
             front = begin..self.voxels.len();
         }
     }
 
-    /// Goes into voxels by one step from the posture in a neighbour each, where the step is so short that the point is
-    /// bound to be inside after it: that need not be looked at.
-    fn nudge(&mut self, chain: &TipChain, tries: &[(u32, u32)]) {
-        let firsts = tries.chunk_by(|a, b| a.0 == b.0).filter_map(|group| group.first());
-        let mut firsts: Vec<(u32, u32)> = firsts.map(|&(voxel, number)| (number, voxel)).collect();
-        firsts.sort_unstable();
-        let groups: Vec<&[(u32, u32)]> = firsts.chunk_by(|a, b| a.0 == b.0).collect();
-        let half = self.lattice.half() - INSIDE;
-        let found = groups.par_iter().map_init(
-            || (Workspace::default(), vec![0.0; chain.len()], vec![0.0; chain.len()]),
-            |(workspace, start, coordinates), group| {
-                let from = self.coordinates_of(group[0].0 as usize, chain.len());
-                start.iter_mut().zip(from).for_each(|(q, at)| *q = at);
-                let point = chain.point(start, workspace);
-                chain.differentiate(start, &point, workspace);
-                let mut found: Vec<(u32, Vec<f32>)> = Vec::new();
-                for &(_, voxel) in *group {
-                    let middle = self.lattice.middle(self.lattice.cell_at(voxel as usize));
-                    coordinates.copy_from_slice(start);
-                    let way = TipChain::way_into(&point, &middle, half);
-                    let (gone, off) = chain.step(coordinates, &way, workspace);
-                    if (point + gone - middle).amax() + off <= half {
-                        found.push((voxel, coordinates.iter().map(|&q| q as f32).collect()));
-                    }
-                }
-                found
-            },
-        );
-        let found: Vec<_> = found.collect();
-        found.iter().flatten().for_each(|(voxel, coordinates)| self.put(*voxel, coordinates));
-    }
-
     /// Goes into voxels by as many steps as it takes, from one neighbour after the other.
-    fn seek(&mut self, chain: &TipChain, tries: &[(u32, u32)]) {
+    fn seek(&mut self, chain: &PlaceChain, tries: &[(u32, u32)]) {
         let groups: Vec<&[(u32, u32)]> = tries.chunk_by(|a, b| a.0 == b.0).collect();
         let half = self.lattice.half() - INSIDE;
         let found = groups.par_iter().map_init(
@@ -196,6 +162,12 @@ impl Reached {
         );
         let found: Vec<_> = found.collect();
         found.iter().flatten().for_each(|(voxel, coordinates)| self.put(*voxel, coordinates));
+    }
+
+    /// The outermost voxels that are reached.
+    pub fn outermost(&self) -> Vec<[i32; 3]> {
+        let cells = self.voxels.iter().map(|&voxel| self.lattice.cell_at(voxel as usize));
+        cells.filter(|cell| SIDES.iter().any(|way| !self.holds(beside(*cell, way)))).collect()
     }
 
     /// The same voxels in a box no larger than they need.

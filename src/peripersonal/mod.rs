@@ -7,16 +7,14 @@
 //! compares, on the true one.
 //!
 //! ```text
-//! schema + skin + touches ─ own_body ─┬─ own_aura     which of its limbs something is near to
-//!                                     ├─ prediction   where a receptor is in another limb's frame, how surely
-//!                                     ├─ collision    how far surfaces are from each other and from what was felt
+//! schema + skin + touches ─ own_body ─┬─ collision    how far surfaces are from each other and from what was felt
 //!                                     ├─ velocity     joint velocities that do one thing and keep clear of others
 //!                                     ├─ felt_surface where on a receptor something touches, and how it is curved
 //!                                     ├─ path         paths through postures that keep clear
 //!                                     ├─ posture_program, farthest   postures that are best and keep all they are to keep
 //!                                     ├─ reaching     postures and paths that touch a place, or how far it is out of reach
 //!                                     ├─ palm         which side of a hand is hollow; limb_pose: postures with a limb placed and turned
-//!                                     └─ reachable    the voxels that a hand can get to: tip, flood, shell, lattice
+//!                                     └─ reachable    the voxels that a hand can get to: flood, lattice
 //! ```
 //!
 //! Frames: space is told in the root limb's frame `R`, which stays where it is while the creature acts; a map of what is
@@ -30,36 +28,31 @@ mod flood;
 mod lattice;
 mod limb_pose;
 mod obstacle;
-mod own_aura;
 mod own_body;
 mod palm;
 mod path;
 mod posture_program;
-mod prediction;
 mod reachable;
 mod reaching;
 mod searched;
-mod shell;
 mod stick;
-mod tip;
+#[cfg(test)]
+mod tests;
 mod velocity;
 
-pub use collision::{CollisionChecker, NearPieces, Nearness};
+pub use collision::{CollisionChecker, Nearness};
 pub use farthest::farthest_postures;
 pub use felt_shape::{FeltLength, FeltShape, FeltSize, PlacedSkin, ShapeEstimate, directions};
 pub use felt_surface::{FeltPose, FeltSurface};
 pub use lattice::Lattice;
 pub use limb_pose::{LimbGoal, LimbPosture, limb_posture};
 pub use obstacle::Obstacle;
-pub use own_aura::{NearLimb, OwnAura};
-pub use own_body::{Doubt, OwnBody, TRUSTED};
+pub use own_body::{Doubt, OwnBody, Predicted};
 pub use palm::{Palm, palm_turn};
 pub use path::{PosturePath, distance, find_path, straight};
 pub use posture_program::{KEPT, PosedPlace, PostureProgram};
-pub use prediction::{PossibleTouch, Predicted};
 pub use reachable::{Level, Reach, ReachableMap, Unmappable, Whereabouts};
 pub use reaching::{OutOfReach, ReachPlan, ReachTarget, Reaching};
 pub use searched::{CELL, Cell, SearchedMap, SkinPoints, TablePlane};
 pub use stick::STICK_TIP;
-pub use tip::{TipChain, Workspace};
-pub use velocity::{Barrier, JointVelocity, PlaceVelocity, VelocityProgram};
+pub use velocity::{Barrier, PlaceVelocity, SteppedPosture, VelocityProgram};

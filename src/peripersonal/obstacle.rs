@@ -4,18 +4,6 @@ use nalgebra::Vector3;
 
 use crate::geometry::{Ball, Capsule, ConvexBody, Gap, Precision, gap};
 
-/// A place at which a body is near an obstacle.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct NearPlace {
-    /// The gap, metres, and how it grows with the point.
-    pub distance: f64,
-    pub normal: Vector3<f64>,
-    /// A point of the body.
-    pub point: Vector3<f64>,
-    /// No greater margin is asked here, metres.
-    pub most: f64,
-}
-
 /// Something that is known to be there, in the root's frame.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Obstacle {
@@ -101,24 +89,13 @@ impl Obstacle {
 }
 
 impl Obstacle {
-    /// The places at which a body may come closest: of a table its lowest ones over it, or those that reach over the edge
-    /// where it takes less to draw them back behind that.
-    pub(super) fn near(&self, body: &dyn ConvexBody) -> Vec<NearPlace> {
+    /// The places at which a body may come closest, each with the greatest margin that is asked there: of a table its lowest
+    /// ones over it, or those that reach over the edge where it takes less to draw them back behind that.
+    pub(super) fn near(&self, body: &dyn ConvexBody) -> Vec<(Gap, f64)> {
         match self {
-            Obstacle::Capsule(capsule) => {
-                let gap = gap(body, capsule, Precision::ExactWhereShallow);
-                let most = f64::INFINITY;
-                vec![NearPlace { distance: gap.distance, normal: gap.normal, point: gap.points[0], most }]
-            }
-            Obstacle::Dome { .. } => {
+            Obstacle::Capsule(_) | Obstacle::Dome { .. } => {
                 let gap = self.nearest(body, Precision::ExactWhereShallow);
-                let place = |gap: Gap| NearPlace {
-                    distance: gap.distance,
-                    normal: gap.normal,
-                    point: gap.points[0],
-                    most: f64::INFINITY,
-                };
-                gap.map(place).into_iter().collect()
+                gap.map(|gap| (gap, f64::INFINITY)).into_iter().collect()
             }
             Obstacle::Table { up, height, front, edge } => {
                 let (ends, radius) = match body.as_capsule() {
@@ -128,9 +105,9 @@ impl Obstacle {
                 let is_capsule = body.as_capsule().is_some();
                 let behind = ends.iter().map(|&point| {
                     let distance = edge - point.dot(front) - radius;
-                    NearPlace { distance, normal: -front, point, most: 0.0 }
+                    Gap { distance, normal: -front, points: [point; 2] }
                 });
-                let behind: Vec<NearPlace> = behind.collect();
+                let behind: Vec<Gap> = behind.collect();
                 let mut lowest: Vec<(Vector3<f64>, Vector3<f64>)> = Vec::new();
                 if is_capsule {
                     let over = |k: usize| behind[k].distance <= 0.0;
@@ -141,19 +118,19 @@ impl Obstacle {
                 } else if behind[0].distance <= 0.0 {
                     lowest.push((ends[1], *up));
                 }
-                let above: Vec<NearPlace> = lowest
-                    .into_iter()
-                    .map(|(point, normal)| NearPlace {
-                        distance: point.dot(up) - radius - height,
-                        normal,
-                        point,
-                        most: f64::INFINITY,
-                    })
-                    .collect();
-                let least = |places: &[NearPlace]| {
-                    places.iter().map(|place| place.distance).fold(f64::INFINITY, f64::min)
+                let above = lowest.into_iter().map(|(point, normal)| Gap {
+                    distance: point.dot(up) - radius - height,
+                    normal,
+                    points: [point; 2],
+                });
+                let above: Vec<Gap> = above.collect();
+                let least =
+                    |places: &[Gap]| places.iter().map(|place| place.distance).fold(f64::INFINITY, f64::min);
+                let (places, most) = match above.is_empty() || least(&behind) > least(&above) {
+                    true => (behind, 0.0),
+                    false => (above, f64::INFINITY),
                 };
-                if above.is_empty() || least(&behind) > least(&above) { behind } else { above }
+                places.into_iter().map(|gap| (gap, most)).collect()
             }
         }
     }

@@ -16,7 +16,18 @@ use crate::senses::Touch;
 use crate::skin::Skin;
 
 /// A body is known well enough to act where skin is expected within this, metres: a fingertip's radius.
-pub const TRUSTED: f64 = 0.008;
+const TRUSTED: f64 = 0.008;
+
+/// Where a receptor is expected, in a limb's frame.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Predicted {
+    /// The point, metres.
+    pub point: Vector3<f64>,
+    /// The outward normal there.
+    pub normal: Vector3<f64>,
+    /// The point's covariance, m²; `None` if the touches do not bound it.
+    pub covariance: Option<Matrix3<f64>>,
+}
 
 /// A creature's knowledge of its body.
 #[derive(Clone, Debug)]
@@ -260,6 +271,20 @@ impl OwnBody {
     pub fn joints_of(&self, limb: usize, others: &[usize]) -> Vec<usize> {
         let carries = |joint: usize| others.iter().any(|&other| self.joints_to(other).contains(&joint));
         self.joints_to(limb).into_iter().filter(|&joint| !carries(joint)).collect()
+    }
+
+    /// Where a receptor is in the frame of another limb, at a posture: "given a proprioceptive input, together with input
+    /// from a certain touch receptor to a corresponding particular posture, the body schema can predict proprioceptive
+    /// sensor consequences for other touch receptors" (IVA 2009, section 3.1).
+    pub fn predict(&self, receptor: usize, limb: usize, posture: &[f64]) -> Predicted {
+        let place = self.place(receptor);
+        let frames = self.frames(posture);
+        let relative = frames[limb].inverse() * frames[place.limb];
+        Predicted {
+            point: relative.point(&place.point),
+            normal: relative.rotation * place.direction,
+            covariance: self.covariance(posture, [place.limb, limb], &place.point),
+        }
     }
 
     /// The covariance with which a point of a limb is put into another limb's frame, in that frame, m²; none where

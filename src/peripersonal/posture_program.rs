@@ -14,14 +14,13 @@
 //! curvature left out, and the gaps' planes of closest approach; what it cannot keep it breaks at a price. What it finds is
 //! the best near where it begins, so that it is begun from many postures (`farthest`).
 
-use clarabel::algebra::CscMatrix;
-use clarabel::solver::{DefaultSettings, DefaultSolver, IPSolver, NonnegativeConeT, SolverStatus, ZeroConeT};
 use nalgebra::{DMatrix, DVector, Vector3};
 
-use super::collision::{CollisionChecker, NearPieces};
+use super::collision::{CollisionChecker, Nearness};
 use super::own_body::OwnBody;
 use crate::creature::Posture;
-use crate::kinematics::{FreeMotions, Freedoms, Place, tangent_basis};
+use crate::geometry::tangent_basis;
+use crate::kinematics::{Condition, FreeMotions, Freedoms, Place, QuadraticProgram};
 
 /// What a radian that a direction is off counts as, metres: an arm's half.
 const DIRECTION_LENGTH: f64 = 0.3;
@@ -90,12 +89,6 @@ struct Tilt {
     across: [Vector3<f64>; 2],
 }
 
-/// One thing that is to be zero: what it is now, and how it changes with the freedoms.
-struct Equality {
-    value: f64,
-    rates: Vec<f64>,
-}
-
 impl<'a> PostureProgram<'a> {
     /// The farthest that a place gets along a unit direction of the root's frame, moving some joints, where limbs keep
     /// `margin` metres clear of each other and of what is known to be there.
@@ -150,7 +143,7 @@ impl<'a> PostureProgram<'a> {
             let equalities = self.equalities(&body);
             let near = self.clearance.near_places(&body.frames, self.margin + OUTLOOK * reach);
             let Some((change, gain, found)) =
-                self.step(&posture, &body, &equalities, &near, reach, &multipliers)
+                self.step(&posture, &body, equalities, &near, reach, &multipliers)
             else {
                 reach *= 0.25;
                 continue;
@@ -185,13 +178,13 @@ impl<'a> PostureProgram<'a> {
         let tilt = self.tilt(&direction);
         let tilts = tilt.iter().flat_map(|tilt| tilt.values).map(f64::abs);
         let near = self.clearance.near_places(&body, self.margin);
-        let gaps = near.iter().map(|near| (self.asked(near) - near.distance).max(0.0));
+        let gaps = near.iter().map(|near| (self.asked(near) - near.gap.distance).max(0.0));
         (point.dot(&self.along), levels.chain(tilts).chain(gaps).sum())
     }
 
     /// The gap that is asked for, metres: a little more than what must be, where that is less than the margin.
-    fn asked(&self, near: &NearPieces) -> f64 {
-        self.margin.min(near.eased + KEPT)
+    fn asked(&self, near: &Nearness) -> f64 {
+        self.margin.min(near.most + KEPT)
     }
 
     fn merit(&self, posture: &[f64]) -> f64 {
@@ -216,24 +209,39 @@ impl<'a> PostureProgram<'a> {
         })
     }
 
-    fn equalities(&self, body: &FreeMotions) -> Vec<Equality> {
-        let frame = &body.frames[self.place.limb];
+    /// That so much is to change by the freedoms, as fast as `rates` tells.
+    fn condition(&self, least: f64, exactly: bool, rates: impl FnOnce(&mut [f64])) -> Condition {
+        let mut coefficients = DVector::zeros(self.freedoms.count());
+        rates(coefficients.as_mut_slice());
+        Condition { coefficients, least, exactly, price: PRICE }
+    }
+
+    /// What is to be zero: levels, and how far the direction is off.
+    fn equalities(&self, body: &FreeMotions) -> Vec<Condition> {
+        let (limb, frame) = (self.place.limb, &body.frames[self.place.limb]);
         let point = frame.point(&self.place.point);
-        let blank = || vec![0.0; self.freedoms.count()];
-        let levels = self.levels.iter().map(|(direction, level)| {
-            let mut rates = blank();
-            body.add_point_rates(self.place.limb, &point, direction, &mut rates);
-            Equality { value: direction.dot(&point) - level, rates }
-        });
         let leading = frame.rotation * self.place.direction;
+        let levels = self.levels.iter().map(|(direction, level)| {
+            let rates = |rates: &mut [f64]| body.add_point_rates(limb, &point, direction, rates);
+            self.condition(level - direction.dot(&point), true, rates)
+        });
         let tilt = self.tilt(&leading);
         let tilts =
             tilt.iter().flat_map(|tilt| tilt.values.into_iter().zip(&tilt.across)).map(|(value, across)| {
-                let mut rates = blank();
-                body.add_direction_rates(self.place.limb, &leading, across, &mut rates);
-                Equality { value, rates }
+                let rates = |rates: &mut [f64]| body.add_direction_rates(limb, &leading, across, rates);
+                self.condition(-value, true, rates)
             });
         levels.chain(tilts).collect()
+    }
+
+    /// That a gap is to be as wide as is asked.
+    fn apart(&self, body: &FreeMotions, near: &Nearness) -> Condition {
+        self.condition(self.asked(near) - near.gap.distance, false, |rates| {
+            body.add_point_rates(near.limb, &near.gap.points[0], &near.gap.normal, rates);
+            if let Some(other) = near.other {
+                body.add_point_rates(other, &near.gap.points[1], &-near.gap.normal, rates);
+            }
+        })
     }
 
     /// A posture drawn back by a least change to where what is to be zero is so and gaps are as wide as is asked, as their
@@ -244,24 +252,19 @@ impl<'a> PostureProgram<'a> {
         let mut best = (posture, merit);
         for _ in 0..CORRECTIONS {
             let body = self.freedoms.at(&best.0);
+            let near = self.clearance.near_places(&body.frames, self.margin);
+            let gaps = near.iter().map(|near| self.apart(&body, near));
             let mut rows = self.equalities(&body);
-            for near in self.clearance.near_places(&body.frames, self.margin) {
-                let lacking = self.asked(&near) - near.distance;
-                if lacking > 0.0 {
-                    let mut rates = vec![0.0; self.freedoms.count()];
-                    self.add_gap_rates(&body, &near, 1.0, &mut rates);
-                    rows.push(Equality { value: -lacking, rates });
-                }
-            }
-            if rows.iter().all(|row| row.value.abs() < EXACT) {
+            rows.extend(gaps.filter(|gap| gap.least > 0.0));
+            if rows.iter().all(|row| row.least.abs() < EXACT) {
                 break;
             }
             let count = rows.len();
-            let matrix = DMatrix::from_fn(count, self.freedoms.count(), |i, k| rows[i].rates[k]);
-            let values = DVector::from_iterator(count, rows.iter().map(|row| row.value));
+            let matrix = DMatrix::from_fn(count, self.freedoms.count(), |i, k| rows[i].coefficients[k]);
+            let values = DVector::from_iterator(count, rows.iter().map(|row| row.least));
             let normal = &matrix * matrix.transpose() + DMatrix::identity(count, count) * 1e-6;
             let Some(factor) = normal.cholesky() else { break };
-            let change = -(matrix.transpose() * factor.solve(&values));
+            let change = matrix.transpose() * factor.solve(&values);
             let corrected = self.freedoms.changed(&best.0, change.as_slice());
             let merit = self.merit(&corrected);
             if merit >= best.1 {
@@ -272,28 +275,17 @@ impl<'a> PostureProgram<'a> {
         best
     }
 
-    /// Adds how fast a gap grows with each freedom, times a factor.
-    fn add_gap_rates(&self, body: &FreeMotions, near: &NearPieces, factor: f64, rates: &mut [f64]) {
-        let along = near.normal * factor;
-        body.add_point_rates(near.limbs.0, &near.points[0], &along, rates);
-        if let Some(other) = near.limbs.1 {
-            body.add_point_rates(other, &near.points[1], &-along, rates);
-        }
-    }
-
     /// The step that promises most, what it promises in merit, and what each condition holds it back by.
     fn step(
         &self,
         posture: &[f64],
         body: &FreeMotions,
-        equalities: &[Equality],
-        near: &[NearPieces],
+        equalities: Vec<Condition>,
+        near: &[Nearness],
         reach: f64,
         multipliers: &Multipliers,
     ) -> Option<(Vec<f64>, f64, Multipliers)> {
         let n = self.freedoms.count();
-        let (m, k) = (equalities.len(), near.len());
-        let variables = n + 2 * m + k;
         let limb = self.place.limb;
         let point = body.frames[limb].point(&self.place.point);
         let leading = body.frames[limb].rotation * self.place.direction;
@@ -315,77 +307,44 @@ impl<'a> PostureProgram<'a> {
         }
         // Where two limbs were held apart, it is now their nearest places that do so.
         for (limbs, by) in &multipliers.gaps {
-            let nearest = near.iter().filter(|near| near.limbs == *limbs);
-            if let Some(near) = nearest.min_by(|a, b| a.distance.total_cmp(&b.distance)) {
-                let along = near.normal * -*by;
-                body.add_point_curvature(near.limbs.0, &near.points[0], &along, &mut curvature);
-                if let Some(other) = near.limbs.1 {
-                    body.add_point_curvature(other, &near.points[1], &-along, &mut curvature);
+            let nearest = near.iter().filter(|near| (near.limb, near.other) == *limbs);
+            if let Some(near) = nearest.min_by(|a, b| a.gap.distance.total_cmp(&b.gap.distance)) {
+                let along = near.gap.normal * -*by;
+                body.add_point_curvature(near.limb, &near.gap.points[0], &along, &mut curvature);
+                if let Some(other) = near.other {
+                    body.add_point_curvature(other, &near.gap.points[1], &-along, &mut curvature);
                 }
             }
         }
         let mut eigen = curvature.symmetric_eigen();
         eigen.eigenvalues.iter_mut().for_each(|value| *value = value.max(CURVATURE));
-        let curvature = eigen.recompose();
-        let mut slope = vec![0.0; n];
-        body.add_point_rates(limb, &point, &-self.along, &mut slope);
-
-        let mut p = Entries::default();
-        for column in 0..n {
-            (0..=column).for_each(|row| p.push(row, column, curvature[(row, column)]));
-        }
-        let mut q = slope.clone();
-        q.resize(variables, PRICE);
-        let mut a = Entries::default();
-        let mut b = Vec::with_capacity(m + k + 2 * n + 2 * m + k);
-        for (i, equality) in equalities.iter().enumerate() {
-            equality.rates.iter().enumerate().for_each(|(column, rate)| a.push(i, column, *rate));
-            a.push(i, n + 2 * i, 1.0);
-            a.push(i, n + 2 * i + 1, -1.0);
-            b.push(-equality.value);
-        }
-        for (i, near) in near.iter().enumerate() {
-            let row = b.len();
-            let mut rates = vec![0.0; n];
-            self.add_gap_rates(body, near, -1.0, &mut rates);
-            rates.iter().enumerate().for_each(|(column, rate)| a.push(row, column, *rate));
-            a.push(row, n + 2 * m + i, -1.0);
-            b.push(near.distance - self.asked(near));
-        }
-        for column in 0..n {
-            let [low, high] = self.freedoms.bounds(column, posture, reach);
-            a.push(b.len(), column, -1.0);
-            b.push(-low);
-            a.push(b.len(), column, 1.0);
-            b.push(high);
-        }
-        for column in n..variables {
-            a.push(b.len(), column, -1.0);
-            b.push(0.0);
-        }
-        let cones = [ZeroConeT(m), NonnegativeConeT(b.len() - m)];
-        let settings = DefaultSettings { verbose: false, max_iter: 60, ..DefaultSettings::default() };
-        let (p, a) = (p.matrix(variables, variables), a.matrix(b.len(), variables));
-        let mut solver = DefaultSolver::new(&p, &q, &a, &b, &cones, settings).ok()?;
-        solver.solve();
-        if !matches!(solver.solution.status, SolverStatus::Solved | SolverStatus::AlmostSolved) {
-            return None;
-        }
-        let solution = &solver.solution;
-        let change = solution.x[..n].to_vec();
-        // What is not kept now and what would not be by the planes, against what is won.
-        let now: f64 = equalities.iter().map(|equality| equality.value.abs()).sum::<f64>()
-            + near.iter().map(|near| (self.asked(near) - near.distance).max(0.0)).sum::<f64>();
-        let promised = PRICE * now - solution.obj_val;
+        let mut slope = DVector::zeros(n);
+        body.add_point_rates(limb, &point, &-self.along, slope.as_mut_slice());
+        let count = equalities.len();
+        let gaps = near.iter().map(|near| self.apart(body, near));
+        let program = QuadraticProgram {
+            curvature: eigen.recompose(),
+            slope,
+            bounds: (0..n).map(|freedom| self.freedoms.bounds(freedom, posture, reach)).collect(),
+            conditions: equalities.into_iter().chain(gaps).collect(),
+        };
+        let found = program.solve()?;
+        // What is not kept now and would not be by the planes, against what is won.
+        let broken = |x: &DVector<f64>| {
+            program.conditions.iter().map(|condition| condition.missed_by(x).max(0.0)).sum::<f64>()
+        };
+        let won = -0.5 * found.x.dot(&(&program.curvature * &found.x)) - program.slope.dot(&found.x);
+        let promised = won + PRICE * (broken(&DVector::zeros(n)) - broken(&found.x));
+        let (exact, held) = found.multipliers.split_at(count);
         let mut gaps: Vec<(Limbs, f64)> = Vec::new();
-        for (near, &by) in near.iter().zip(&solution.z[m..m + k]).filter(|(_, by)| **by > 1e-3) {
-            match gaps.iter_mut().find(|(limbs, _)| *limbs == near.limbs) {
+        for (near, &by) in near.iter().zip(held).filter(|(_, by)| **by > 1e-3) {
+            match gaps.iter_mut().find(|(limbs, _)| *limbs == (near.limb, near.other)) {
                 Some((_, sum)) => *sum += by,
-                None => gaps.push((near.limbs, by)),
+                None => gaps.push(((near.limb, near.other), by)),
             }
         }
-        let multipliers = Multipliers { equalities: solution.z[..m].to_vec(), gaps };
-        Some((change, promised, multipliers))
+        let multipliers = Multipliers { equalities: exact.iter().map(|by| -by).collect(), gaps };
+        Some((found.x.as_slice().to_vec(), promised, multipliers))
     }
 }
 
@@ -398,25 +357,3 @@ struct Multipliers {
 
 /// The limbs of a gap; none for an obstacle.
 type Limbs = (usize, Option<usize>);
-
-/// The entries of a sparse matrix.
-#[derive(Default)]
-struct Entries {
-    rows: Vec<usize>,
-    columns: Vec<usize>,
-    values: Vec<f64>,
-}
-
-impl Entries {
-    fn push(&mut self, row: usize, column: usize, value: f64) {
-        if value != 0.0 {
-            self.rows.push(row);
-            self.columns.push(column);
-            self.values.push(value);
-        }
-    }
-
-    fn matrix(self, rows: usize, columns: usize) -> CscMatrix<f64> {
-        CscMatrix::new_from_triplets(rows, columns, self.rows, self.columns, self.values)
-    }
-}

@@ -12,11 +12,9 @@ use nalgebra::Vector3;
 use super::flood::{Reached, beside};
 use super::lattice::Lattice;
 use super::own_body::OwnBody;
-use super::shell::Shell;
-use super::tip::{TipChain, Workspace};
 use crate::creature::Posture;
 use crate::geometry::Frame;
-use crate::kinematics::Place;
+use crate::kinematics::{Place, PlaceChain, Workspace};
 use crate::learning::Certainty;
 
 /// The most voxels that a map may have about a hand, reached or not.
@@ -120,8 +118,9 @@ pub struct ReachableMap {
     reached: Reached,
     near: usize,
     /// The joints that move: from the chest outwards, and all.
-    chains: [TipChain; 2],
-    shell: Shell,
+    chains: [PlaceChain; 2],
+    /// The outermost voxels that are reached.
+    shell: Vec<[i32; 3]>,
     at_ease: Posture,
 }
 
@@ -157,7 +156,19 @@ impl OwnBody {
     /// How far the tip of a limb, or another place of it, can be from the joint that carries it off the root, metres: a bound, for
     /// limbs in a line.
     pub fn length_of(&self, place: &Place) -> f64 {
-        TipChain::new(self, place, &Frame::identity(), &self.at_ease(), |_| true).reach().1
+        self.chain_to(place, &Frame::identity(), &self.at_ease(), |_| true).reach().1
+    }
+
+    /// The chain to a place, given in a frame that stays still in the root's frame at `X_RF`.
+    pub fn chain_to(
+        &self,
+        place: &Place,
+        frame: &Frame,
+        posture: &[f64],
+        moves: impl Fn(usize) -> bool,
+    ) -> PlaceChain {
+        let ends = [*place, Place { limb: 0, point: frame.origin, direction: Vector3::zeros() }];
+        PlaceChain::new(self.creature(), &self.schema, ends, frame, posture, moves)
     }
 
     /// Why it is not known where a limb's skin is, in words; none where it is, or where the schema is taken as it is.
@@ -218,7 +229,7 @@ impl ReachableMap {
         let at_ease = own.at_ease();
         let frame = own.frames(&at_ease)[chest];
         let carries_chest = own.joints_to(chest);
-        let chain = |moves: &dyn Fn(usize) -> bool| TipChain::new(own, &tip, &frame, &at_ease, moves);
+        let chain = |moves: &dyn Fn(usize) -> bool| own.chain_to(&tip, &frame, &at_ease, moves);
         let chains = [chain(&|joint| !carries_chest.contains(&joint)), chain(&|_| true)];
         let (begin, reach) = chains[1].reach();
         let countable = voxel > 0.0 && voxel.is_finite();
@@ -239,7 +250,7 @@ impl ReachableMap {
             reached.fill(&chains[1], &chains[1].of_posture(&at_ease), 1 << 32);
         }
         let reached = reached.cropped();
-        let shell = Shell::new(&reached);
+        let shell = reached.outermost();
         Ok(ReachableMap { hand, chest, frame, tip, reached, near, chains, shell, at_ease })
     }
 
@@ -269,6 +280,12 @@ impl ReachableMap {
         (self.reached.numbers[index] as usize).checked_sub(1)
     }
 
+    /// The nearest voxel that is reached to a point that is not, and how far off it is, metres; none where there is none.
+    fn nearest(&self, point: &Vector3<f64>) -> Option<([i32; 3], f64)> {
+        let far = self.shell.iter().map(|&cell| (cell, self.reached.lattice.distance(cell, point)));
+        far.min_by(|a, b| a.1.total_cmp(&b.1))
+    }
+
     /// How far away a point is, in the map's frame: that of its voxel.
     pub fn level(&self, point: &Vector3<f64>) -> Level {
         self.level_of(self.reached.lattice.cell(point))
@@ -279,14 +296,14 @@ impl ReachableMap {
         if self.level(point) != Level::OutOfReach {
             return 0.0;
         }
-        self.shell.nearest(point).map_or(f64::INFINITY, |(_, distance)| distance)
+        self.nearest(point).map_or(f64::INFINITY, |(_, distance)| distance)
     }
 
     /// All that the map tells of a point in its frame.
     pub fn whereabouts(&self, point: &Vector3<f64>) -> Whereabouts {
         let cell = self.reached.lattice.cell(point);
         let (level, number) = (self.level_of(cell), self.number(cell));
-        let nearest = if number.is_none() { self.shell.nearest(point) } else { Some((cell, 0.0)) };
+        let nearest = if number.is_none() { self.nearest(point) } else { Some((cell, 0.0)) };
         let beyond = nearest.map_or(f64::INFINITY, |(_, distance)| distance);
         let mut posture = self.at_ease.clone();
         if let Some(number) = number.or_else(|| self.number(nearest?.0)) {
@@ -302,33 +319,14 @@ impl ReachableMap {
         self.whereabouts(point).posture
     }
 
-    /// A posture of the whole body with the tip at a point in the map's frame, as near as it gets from
-    /// [`posture_near`](ReachableMap::posture_near), and how far off it stays, metres. What is near is reached for
-    /// without leaning.
-    pub fn reach(&self, point: &Vector3<f64>) -> (Posture, f64) {
-        self.reach_from(point, &self.posture_near(point))
-    }
-
-    /// The same from another posture.
-    pub fn reach_from(&self, point: &Vector3<f64>, start: &[f64]) -> (Posture, f64) {
-        let chain = &self.chains[usize::from(self.level(point) != Level::Near)];
-        let mut posture = Posture::from(start);
-        let mut coordinates = chain.of_posture(start);
-        let mut workspace = Workspace::default();
-        chain.seek(&mut coordinates, point, EXACT, STEPS, &mut workspace);
-        let miss = (chain.point(&coordinates, &mut workspace) - point).norm();
-        chain.put_into(coordinates, &mut posture);
-        (posture, miss)
-    }
-
     /// Seeks postures that reach a point in the map's frame: from those of the voxels about it, by the arm alone, and where
     /// that does not get there by leaning. It is as exact on a coarse map as on a fine one.
-    pub fn seek(&self, point: &Vector3<f64>) -> Reach {
+    pub fn reach(&self, point: &Vector3<f64>) -> Reach {
         let cell = self.reached.lattice.cell(point);
         let around = AROUND.iter().filter_map(|way| self.number(beside(cell, way)));
         let mut starts: Vec<usize> = around.collect();
         if starts.is_empty() {
-            starts.extend(self.shell.nearest(point).and_then(|(cell, _)| self.number(cell)));
+            starts.extend(self.nearest(point).and_then(|(cell, _)| self.number(cell)));
         }
         let mut best = Reach { level: Level::OutOfReach, posture: self.at_ease.clone(), miss: f64::INFINITY };
         let mut workspace = Workspace::default();
@@ -363,22 +361,5 @@ impl ReachableMap {
     pub fn volumes(&self) -> [f64; 2] {
         let far = self.reached.voxels.len() - self.near;
         [self.near, far].map(|count| count as f64 * self.reached.lattice.voxel.powi(3))
-    }
-
-    /// How well two maps of the same voxels agree, of what is near and of all that is reached: the share of the voxels
-    /// of either that both have; 1 where neither has any.
-    pub fn overlap(&self, other: &ReachableMap) -> [f64; 2] {
-        let share = |reached: fn(Level) -> bool| {
-            let ours = self.voxels().filter(|(_, level)| reached(*level));
-            let (mut all, mut both) = (0usize, 0usize);
-            for (cell, _) in ours {
-                all += 1;
-                both += usize::from(reached(other.level_of(cell)));
-            }
-            let theirs = other.voxels().filter(|(_, level)| reached(*level)).count();
-            let either = all + theirs - both;
-            if either == 0 { 1.0 } else { both as f64 / either as f64 }
-        };
-        [share(|level| level == Level::Near), share(|level| level != Level::OutOfReach)]
     }
 }

@@ -74,7 +74,6 @@ pub use observer::{LearningStep, Observer, Observers, Phase};
 pub use own_body::{hands, learned_body, own_body};
 pub(crate) use part_file::{MadeFolders, PartFile, folder_of, write_whole};
 pub use progress::BabblingProgress;
-pub(crate) use record_error::shortened;
 pub use record_error::{Action, RecordError};
 pub use recorded::{RecordedSession, RecordingSource};
 pub use recording::{CreatureFile, Recording, read_creature, read_recording};

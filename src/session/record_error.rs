@@ -3,10 +3,8 @@
 use std::io;
 use std::path::{Path, PathBuf};
 
+use crate::given_file::shortened;
 use crate::model_files::Refused;
-
-/// Characters of a sentence at the most.
-const LONGEST_SENTENCE: usize = 2000;
 
 /// What was being done to a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -109,17 +107,6 @@ impl RecordError {
         );
         RecordError::format(path, line, message)
     }
-}
-
-/// A sentence without the middle of what is too long to be read, such as a word of a file that was none.
-pub(crate) fn shortened(sentence: String) -> String {
-    let length = sentence.chars().count();
-    if length <= LONGEST_SENTENCE {
-        return sentence;
-    }
-    let begin: String = sentence.chars().take(LONGEST_SENTENCE / 2).collect();
-    let end: String = sentence.chars().skip(length - LONGEST_SENTENCE / 2).collect();
-    format!("{begin} … {end}")
 }
 
 /// What the system said, without its code and as part of a sentence.

@@ -131,13 +131,23 @@ pub trait MotionUntilTouch {
 
 impl MotionUntilTouch for Mover<'_> {
     fn reset(&mut self, posture: &[f64]) -> mujoco::Result<()> {
-        Mover::reset(self, Posture::from(posture));
+        self.posture = Posture::from(posture);
+        self.contact = None;
         self.effort = Effort::default();
         Ok(())
     }
 
+    /// Straight towards `target`, up to the first contact of limbs that are not neighbours.
+    /// A ball joint whose way would leave its range goes up to its limit; what follows another joint ends where
+    /// that joint has it (and on the way as well, where it follows in proportion).
     fn advance(&mut self, target: &[f64]) -> mujoco::Result<Ending> {
-        Mover::advance(self, target)
+        self.effort.motions += 1;
+        self.clearance.checks = 0;
+        let mut target = Posture::reachable(&self.body.creature, &self.posture, target);
+        self.body.creature.couple(&mut target);
+        let ending = self.run(&target);
+        self.effort.gap_checks += std::mem::take(&mut self.clearance.checks);
+        ending
     }
 
     fn draw_noise_from(&mut self, noise: ChaCha8Rng) {
@@ -168,8 +178,7 @@ pub struct Mover<'a> {
     qpos: Vec<f64>,
     posture: Posture,
     contact: Option<Encounter>,
-    /// What the motions cost so far.
-    pub effort: Effort,
+    effort: Effort,
 }
 
 impl<'a> Mover<'a> {
@@ -202,31 +211,9 @@ impl<'a> Mover<'a> {
         })
     }
 
-    /// Puts the body into a posture without a motion.
-    pub fn reset(&mut self, posture: Posture) {
-        self.posture = posture;
-        self.contact = None;
-    }
-
     /// The posture that it is really in.
     pub fn posture(&self) -> &[f64] {
         &self.posture
-    }
-
-    /// Moves straight towards `target` and stops at the first contact of limbs that are not neighbours.
-    /// A ball joint whose way would leave its range goes up to its limit; what follows another joint ends where
-    /// that joint has it (and on the way as well, where it follows in proportion).
-    ///
-    /// # Errors
-    /// Where the engine fails.
-    pub fn advance(&mut self, target: &[f64]) -> mujoco::Result<Ending> {
-        self.effort.motions += 1;
-        self.clearance.checks = 0;
-        let mut target = Posture::reachable(&self.body.creature, &self.posture, target);
-        self.body.creature.couple(&mut target);
-        let ending = self.run(&target);
-        self.effort.gap_checks += std::mem::take(&mut self.clearance.checks);
-        ending
     }
 
     fn run(&mut self, target: &[f64]) -> mujoco::Result<Ending> {

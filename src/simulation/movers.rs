@@ -2,8 +2,7 @@
 
 use super::dynamic::Physics;
 use super::{
-    ConservativeAdvancement, DynamicMover, MotionName, MotionUntilTouch, Mover, NearestLimbs, SelfContact,
-    SimulationError,
+    ConservativeAdvancement, DynamicMover, MotionName, MotionUntilTouch, Mover, SelfContact, SimulationError,
 };
 use crate::agent::Agent;
 use crate::creature::{Body, Posture};
@@ -48,14 +47,6 @@ impl<'a> Movers<'a> {
     /// What the agent whose body moves is given.
     pub fn agent(&self) -> &'a Agent {
         self.agent
-    }
-
-    /// The limbs that come nearest to each other of all that may touch; none where none may.
-    ///
-    /// # Errors
-    /// Where the engine fails.
-    pub fn nearest_limbs(&self) -> mujoco::Result<Option<NearestLimbs>> {
-        NearestLimbs::new(self.body, self.agent)
     }
 
     /// The posture that bouts start from.

@@ -75,28 +75,17 @@ fn own_aura_geometries(body: &Body) -> Vec<ProximityGeometry> {
     (0..model.ngeom()).filter(|&geom| model.is_aura(geom)).filter_map(geometry).collect()
 }
 
-/// Makes the proximity geometries of a creature, one for each aura limb that has a surface: about it where limbs are at
-/// `X_CL` in the reference posture.
+/// Makes the proximity geometries of a creature, one for each aura limb that has a surface: about it, on its first limb,
+/// where limbs are at `X_CL` in the reference posture.
 pub fn grow_aura(creature: &Creature, skin: &Skin, frames: &[Frame]) -> Vec<ProximityGeometry> {
-    let all = creature.aura_limbs().iter().enumerate();
-    let geometry =
-        |(aura_limb, aura): (usize, &AuraLimb)| grow_about(aura_limb, aura, &aura.limbs, skin, frames);
-    all.filter_map(geometry).collect()
-}
-
-/// Makes the proximity geometry about some limbs of an aura limb, on the first of them; none where they have no surface.
-pub(crate) fn grow_about(
-    aura_limb: usize,
-    aura: &AuraLimb,
-    limbs: &[usize],
-    skin: &Skin,
-    frames: &[Frame],
-) -> Option<ProximityGeometry> {
-    let limb = *limbs.first()?;
-    let about = Capsule::about_points(&outline(limbs, skin, frames, limb))?;
-    let radius = girth(limbs, skin, frames, limb, &about)? + AURA_REACH;
-    let capsule = Capsule { radius, ..about };
-    Some(ProximityGeometry { name: aura.name.clone(), aura_limb, limb, capsule, of_model: false })
+    let geometry = |(aura_limb, aura): (usize, &AuraLimb)| {
+        let limb = *aura.limbs.first()?;
+        let about = Capsule::about_points(&outline(&aura.limbs, skin, frames, limb))?;
+        let radius = girth(&aura.limbs, skin, frames, limb, &about)? + AURA_REACH;
+        let capsule = Capsule { radius, ..about };
+        Some(ProximityGeometry { name: aura.name.clone(), aura_limb, limb, capsule, of_model: false })
+    };
+    creature.aura_limbs().iter().enumerate().filter_map(geometry).collect()
 }
 
 /// Points of the surfaces of some limbs that are farthest in some directions, in the frame of `limb`.

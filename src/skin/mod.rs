@@ -15,7 +15,6 @@ use serde::{Deserialize, Serialize};
 
 use crate::kinematics::Place;
 
-pub(crate) use aura::grow_about;
 pub use aura::{AURA_REACH, ProximityGeometry, aura_of, grow_aura};
 pub use from_model::skin_of;
 pub(crate) use from_model::{surface_of_body, surface_of_geom};

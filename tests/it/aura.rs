@@ -1,28 +1,21 @@
-//! The aura: geoms of the model that weigh and touch nothing, the one that is acted on by the schema, and alarms.
+//! The aura: geoms of the model that weigh and touch nothing, and alarms.
 
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use crate::common::{babble, creature, max, own_body, repository, truth};
-use bodyschema::agent::Agent;
+use crate::common::{creature, max, repository, truth};
 use bodyschema::creature::{Body, JointSelection, Posture};
-use bodyschema::geometry::{Ball, Frame, Shape};
+use bodyschema::geometry::{Frame, Shape};
 use bodyschema::kinematics::InverseKinematics;
-use bodyschema::learning::{Certainty, Input};
 use bodyschema::mujoco::Model;
-use bodyschema::peripersonal::{Doubt, OwnAura, OwnBody};
 use bodyschema::senses::Toucher;
 use bodyschema::simulation::{AgentHandle, ProbePath, Stage, StageOptions, Substance, Thing};
 use bodyschema::skin::{AURA_REACH, GrowOptions, ProximityGeometry, aura_of, grow_skin, skin_of};
 use nalgebra::{Isometry3, Point3, Vector3};
-use rand::{RngExt, SeedableRng};
-use rand_chacha::ChaCha8Rng;
 
 /// Numbers are written to a micrometre.
 const WRITTEN: f64 = 3e-6;
-/// The aura of a learned schema is where that of the true body is to this, metres.
-const LEARNED: f64 = 1e-3;
 
 fn from_file(path: &Path) -> Body {
     Body::new(Arc::new(Model::from_path(path).unwrap()), &JointSelection::All).unwrap()
@@ -123,94 +116,6 @@ fn an_aura_is_as_large_as_its_author_has_it_and_what_has_none_is_grown() {
     assert_eq!((found.len(), of("trunk").of_model, of("arm").of_model), (2, false, true));
     assert_eq!((of("arm").capsule.radius, of("arm").capsule.ends), (0.5, [Vector3::new(0.1, 0.0, 0.0); 2]));
     assert!((of("trunk").capsule.radius - 0.1 - AURA_REACH).abs() < 1e-9);
-}
-
-/// Some balls about a limb of a body in a posture, in the root's frame.
-fn about_limbs(own: &OwnBody, posture: &[f64], rng: &mut ChaCha8Rng) -> Vec<Ball> {
-    let frames = own.frames(posture);
-    let receptors = &own.skin().receptors;
-    let ball = |_| {
-        let receptor = &receptors[rng.random_range(0..receptors.len())];
-        let place = receptor.place(rng.random_range(0.01..0.3));
-        Ball { centre: frames[receptor.limb].point(&place.point), radius: rng.random_range(0.0..0.05) }
-    };
-    (0..20).map(ball).collect()
-}
-
-/// The largest difference of how near balls are by two accounts of one body, metres; limbs of the nearest agree.
-fn differ(own: &OwnBody, other: &OwnBody, seed: u64) -> f64 {
-    let auras = [own, other].map(OwnAura::new);
-    let mut rng = ChaCha8Rng::seed_from_u64(seed);
-    let mut most = 0.0_f64;
-    for _ in 0..20 {
-        let posture = Posture::random(own.creature(), &mut rng);
-        for ball in about_limbs(other, &posture, &mut rng) {
-            let [mine, its] =
-                [(own, &auras[0]), (other, &auras[1])].map(|(body, aura)| aura.near(body, &posture, &ball));
-            for near in &its {
-                let same = mine.iter().find(|mine| mine.aura_limb == near.aura_limb);
-                let off = |same: &bodyschema::peripersonal::NearLimb| {
-                    (same.distance - near.distance).abs().max((same.depth - near.depth).abs())
-                };
-                // What is hardly inside one may be hardly outside the other.
-                most = most.max(same.map_or(near.depth, off));
-            }
-        }
-    }
-    most
-}
-
-#[test]
-fn the_aura_that_is_acted_on_is_where_the_schema_has_it() {
-    let path = repository("mjcf/max/max.xml");
-    let learned = Agent::from_mjcf(&path).unwrap().babble(400).unwrap().learn().unwrap();
-    let own = learned.own_body();
-    let body = max("torso");
-    let true_body = own.with_schema(truth(&body));
-    let off = differ(&own, &true_body, 1);
-    assert!(off < LEARNED, "{off}");
-    assert!(OwnAura::new(&own).unknown.is_empty());
-    // A schema that has an elbow 8 cm farther down has the aura of the forearm and the hand there, too.
-    let mut wrong = truth(&body);
-    let elbow = own.creature().joints().iter().position(|joint| joint.name == "left_elbow").unwrap();
-    wrong.positions[elbow] += Vector3::new(0.0, 0.0, -0.08);
-    let wrong = own.with_schema(wrong);
-    let off = differ(&wrong, &true_body, 1);
-    assert!((0.05..0.081).contains(&off), "{off}");
-    let posture = own.at_ease();
-    let hand = own.creature().limb("left_hand").unwrap();
-    let place = own.place(own.receptors_on(&[hand])[0]);
-    let at = |own: &OwnBody| Ball { centre: own.frames(&posture)[hand].point(&place.point), radius: 0.0 };
-    let nearest = |own: &OwnBody, ball| OwnAura::new(own).near(own, &posture, &ball)[0];
-    let found = nearest(&wrong, at(&wrong));
-    assert!(found.limb == hand && found.distance.abs() < 1e-6, "{found:?}");
-    assert!(nearest(&wrong, at(&true_body)).distance > 0.01);
-}
-
-#[test]
-fn limbs_whose_place_is_not_known_are_named_and_have_no_aura() {
-    let body = max("torso");
-    let agent = Agent::of(&body).unwrap();
-    let schema = truth(&body);
-    let hand = body.creature.limb("left_hand").unwrap();
-    // Touches of all limbs but the left hand say nothing of the wrist.
-    let touches: Vec<_> = babble(&body, &agent, 600, 3, 2)
-        .into_iter()
-        .filter(|touch| touch.ends.iter().all(|end| agent.skin().receptors[end.receptor].limb != hand))
-        .collect();
-    let own = own_body(&agent, &schema, Input::Receptor, &touches);
-    let aura = OwnAura::new(&own);
-    let named: Vec<usize> = aura.unknown.iter().map(|(limb, _)| *limb).collect();
-    assert!(named.contains(&hand), "{named:?}");
-    assert!(aura.unknown.iter().all(|(_, doubt)| !matches!(doubt, Doubt::Unknown)), "{:?}", aura.unknown);
-    assert!(!named.contains(&body.creature.limb("head").unwrap()), "{:?}", aura.unknown);
-    let posture = own.at_ease();
-    let place = own.place(own.receptors_on(&[hand])[0]);
-    let ball = Ball { centre: own.frames(&posture)[hand].point(&place.point), radius: 0.01 };
-    assert!(aura.near(&own, &posture, &ball).iter().all(|near| near.limb != hand));
-    // Where nothing bears out what it takes itself to be, only the root is where it is.
-    let nobody = OwnAura::new(&OwnBody::new(&agent, schema, Certainty::Unknown, &touches));
-    assert!(nobody.geometries.iter().all(|geometry| geometry.limb == 0));
 }
 
 /// Max with his left hand at a ball that it holds, and with a ball that goes by itself.

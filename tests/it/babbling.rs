@@ -11,7 +11,7 @@ use bodyschema::creature::{Body, DofKind, JointSelection, Posture};
 use bodyschema::mujoco::{Contact, Data, Model};
 use bodyschema::record::TouchWriter;
 use bodyschema::senses::Touch;
-use bodyschema::simulation::{DEEPEST, Ending, MotionName, Movers, SelfContact};
+use bodyschema::simulation::{DEEPEST, Ending, MotionName, MotionUntilTouch, Movers, SelfContact};
 use bodyschema::skin::{GrowOptions, Skin, grow};
 use nalgebra::{Point3, Quaternion, UnitQuaternion};
 use rand::SeedableRng;
@@ -323,7 +323,7 @@ fn assert_nothing_jumped(name: &str, mut judge: Judge, motions: usize, steps: us
     let (mut stops, mut free) = (0, 0);
     for motion in 0..motions {
         if motion % MOTIONS_PER_BOUT == 0 {
-            mover.reset(babbler.movers().start().into());
+            mover.reset(babbler.movers().start()).unwrap();
         }
         let start = mover.posture().to_vec();
         let target = Posture::random(&body.creature, &mut rng);

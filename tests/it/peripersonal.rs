@@ -12,7 +12,7 @@ use bodyschema::peripersonal::{
     ReachTarget, Reaching, farthest_postures,
 };
 use bodyschema::skin::skin_of;
-use nalgebra::{Point3, Rotation3, Vector3};
+use nalgebra::{Rotation3, Vector3};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -106,28 +106,6 @@ fn a_receptor_is_predicted_where_the_engine_has_it() {
     let doubt = little.trusts(&little.at_ease(), [hand, head], &Vector3::zeros()).unwrap_err();
     assert!(matches!(doubt, Doubt::Undetermined(_)), "{doubt:?}");
     assert!(doubt.to_string().contains("not found out"), "{doubt}");
-}
-
-#[test]
-fn receptors_that_could_meet_do_meet() {
-    let own = knowing_max();
-    let clearance = CollisionChecker::new(&own);
-    let forearm = own.receptors_on(&[own.creature().limb("right_forearm").unwrap()])[5];
-    let hand = own.creature().limb("left_hand").unwrap();
-    let mut start = own.at_ease();
-    for name in ["right_elbow_flexion", "left_elbow_flexion"] {
-        start[own.creature().elements().find(|at| at.name == name).unwrap().coordinate()] = 1.5;
-    }
-    let meetings = own.could_meet(forearm, hand, &start, Some(&clearance));
-    assert!(!meetings.is_empty(), "a hand reaches the other forearm");
-    for meeting in &meetings {
-        let [a, b] = [meeting.receptor, forearm].map(|receptor| {
-            let place = own.place(receptor);
-            Point3::from(own.frames(&meeting.reach.posture)[place.limb].point(&place.point))
-        });
-        assert!((a - b).norm() <= REACHED);
-    }
-    assert!(meetings.windows(2).all(|pair| pair[0].reach.facing <= pair[1].reach.facing));
 }
 
 #[test]

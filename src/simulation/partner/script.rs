@@ -5,8 +5,7 @@ use std::path::Path;
 use nalgebra::Vector3;
 use serde::Deserialize;
 
-use crate::given_file;
-use crate::record::shortened;
+use crate::given_file::{self, shortened};
 use crate::simulation::{PROBE_RADIUS, ProbePath, Stage};
 
 /// Where a probe's tip or middle is to be at a time.

@@ -2,9 +2,10 @@
 
 use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion, Vector3};
 
-use super::super::ProbePath;
+use super::Stage;
 use crate::creature::Body;
 use crate::mujoco::Data;
+use crate::simulation::ProbePath;
 
 /// A thing that does not move by itself for now.
 pub struct Carried {
@@ -68,5 +69,49 @@ impl Carried {
         qpos[q + 3..q + 7].copy_from_slice(&[turn.w, turn.i, turn.j, turn.k]);
         qvel[v..v + 3].copy_from_slice(velocity.as_slice());
         qvel[v + 3..v + 6].fill(0.0);
+    }
+}
+
+impl Stage {
+    /// Lets a thing go along a path by itself, whatever it meets.
+    ///
+    /// # Panics
+    /// Where it is no thing that moves.
+    pub fn send_thing(&self, thing: usize, path: ProbePath) {
+        let core = &mut *self.core.borrow_mut();
+        let (qposadr, dofadr) = core.free_joint(thing).expect("a thing that moves");
+        let turn = core.data.body_pose(thing).rotation;
+        core.carry(Carried { body: thing, qposadr, dofadr, by: Carrier::Path(path, turn) });
+    }
+
+    /// Welds the thing that a receptor's limb touches to that limb; whether there was one.
+    pub(in crate::simulation) fn hold(&self, receptor: usize) -> bool {
+        let core = &mut *self.core.borrow_mut();
+        let limb = core.agent.skin().receptors[receptor].limb;
+        let touched = core.data.contacts().find_map(|contact| {
+            let [a, b] = contact.geoms.map(|g| (core.body.limb_of_geom(g), core.body.model.geom_body(g)));
+            let thing = match (a, b) {
+                ((Some(l), _), (None, thing)) | ((None, thing), (Some(l), _)) if l == limb => thing,
+                _ => return None,
+            };
+            // What was put into a hand is held already.
+            let given = |carried: &Carried| {
+                carried.body == thing && carried.grip().is_some_and(|grip| grip.given_from.is_some())
+            };
+            let (q, v) = core.free_joint(thing).filter(|_| !core.carried.iter().any(given))?;
+            Some((thing, q, v))
+        });
+        let Some((body, qposadr, dofadr)) = touched else { return false };
+        let x_wl = core.body.limb_pose(&core.data, limb).unwrap_or_default();
+        let pose = x_wl.inv_mul(&core.data.body_pose(body));
+        let by = Carrier::Limb(Grip { limb, receptor, pose, given_from: None });
+        core.carry(Carried { body, qposadr, dofadr, by });
+        true
+    }
+
+    /// Lets go of all that it took hold of.
+    pub(in crate::simulation) fn let_go(&self) {
+        let taken = |carried: &Carried| carried.grip().is_some_and(|grip| grip.given_from.is_none());
+        self.core.borrow_mut().carried.retain(|carried| !taken(carried));
     }
 }

@@ -4,9 +4,7 @@ use std::any::Any;
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
-use nalgebra::{Isometry3, Vector3};
-
-use super::carrying::{Carried, Carrier, Grip};
+use super::carrying::Carried;
 use super::meeting::meets;
 use super::stillness::Stillness;
 use crate::agent::Agent;
@@ -16,7 +14,6 @@ use crate::senses::{
     Aura, AuraEvent, ContactReader, FAINT, Sense, SensedStep, SkinContact, SkinSpot, TouchEvent, TouchSensor,
     Toucher,
 };
-use crate::simulation::ProbePath;
 use crate::simulation::probe::Probe;
 use crate::simulation::step::step;
 
@@ -247,75 +244,10 @@ impl StageCore {
         Ok(())
     }
 
-    /// Puts a probe to the beginning of a path, at rest, and lets it follow from now on.
-    pub fn send_probe(&mut self, probe: usize, path: ProbePath) -> mujoco::Result<()> {
-        let Some(start) = path.at(self.time) else { return Ok(()) };
-        let (mut qpos, mut qvel) = (self.data.qpos().to_vec(), self.data.qvel().to_vec());
-        self.probes[probe].put(&start, &mut qpos, &mut qvel);
-        self.probes[probe].path = path;
-        self.data.set_qpos(&qpos)?;
-        self.data.set_qvel(&qvel)?;
-        self.stillness.disturb();
-        Ok(())
-    }
-
-    /// Lets a thing go along a path by itself, whatever it meets.
-    pub fn send_thing(&mut self, thing: usize, path: ProbePath) {
-        let (qposadr, dofadr) = self.free_joint(thing).expect("a thing that moves");
-        let turn = self.data.body_pose(thing).rotation;
-        self.carried.retain(|carried| carried.body != thing);
-        self.carried.push(Carried { body: thing, qposadr, dofadr, by: Carrier::Path(path, turn) });
-    }
-
-    /// Welds the thing that a receptor's limb touches to that limb; whether there was one.
-    pub fn hold(&mut self, receptor: usize) -> bool {
-        let limb = self.agent.skin().receptors[receptor].limb;
-        let touched = self.data.contacts().find_map(|contact| {
-            let [a, b] = contact.geoms.map(|g| (self.body.limb_of_geom(g), self.body.model.geom_body(g)));
-            let thing = match (a, b) {
-                ((Some(l), _), (None, thing)) | ((None, thing), (Some(l), _)) if l == limb => thing,
-                _ => return None,
-            };
-            // What was put into a hand is held already.
-            let given = |carried: &Carried| {
-                carried.body == thing && carried.grip().is_some_and(|grip| grip.given_from.is_some())
-            };
-            let (q, v) = self.free_joint(thing).filter(|_| !self.carried.iter().any(given))?;
-            Some((thing, q, v))
-        });
-        let (Some((body, qposadr, dofadr)), Some(x_wl)) = (touched, self.body.limb_pose(&self.data, limb))
-        else {
-            return false;
-        };
-        let pose = x_wl.inv_mul(&self.data.body_pose(body));
-        self.carried.retain(|carried| carried.body != body);
-        self.carried.push(Carried {
-            body,
-            qposadr,
-            dofadr,
-            by: Carrier::Limb(Grip { limb, receptor, pose, given_from: None }),
-        });
-        true
-    }
-
-    /// Lets go of all that it took hold of.
-    pub fn let_go(&mut self) {
-        self.carried.retain(|carried| carried.grip().is_none_or(|grip| grip.given_from.is_some()));
-    }
-
-    /// Where a limb and a thing touch in the last step, in the frame of the thing, metres.
-    pub fn touching_at(&self, limb: usize, thing: usize) -> Option<Vector3<f64>> {
-        self.data.contacts().find_map(|contact| {
-            let limbs = contact.geoms.map(|geom| self.body.limb_of_geom(geom));
-            let bodies = contact.geoms.map(|geom| self.body.model.geom_body(geom));
-            (limbs.contains(&Some(limb)) && bodies.contains(&thing))
-                .then(|| self.data.body_pose(thing).inverse_transform_point(&contact.position).coords)
-        })
-    }
-
-    /// `X_WL` of a limb.
-    pub fn limb_pose(&self, limb: usize) -> Isometry3<f64> {
-        self.body.limb_pose(&self.data, limb).unwrap_or_default()
+    /// Lets a thing be carried from now on, whatever carried it before.
+    pub fn carry(&mut self, carried: Carried) {
+        self.carried.retain(|other| other.body != carried.body);
+        self.carried.push(carried);
     }
 
     /// The first coordinate and velocity of a body that moves freely.

@@ -5,6 +5,7 @@
 
 use nalgebra::{Isometry3, Rotation3, Translation3, Unit, UnitQuaternion, Vector3};
 
+use super::Stage;
 use super::carrying::{Carried, Carrier, Grip};
 use super::core::StageCore;
 use super::meeting::meets;
@@ -43,43 +44,6 @@ impl StageCore {
         slender.then_some(Stick { body, half_length, middle })
     }
 
-    /// Puts a stick that nobody holds into a hand, where one of its receptors is, so that it leads where the hand points
-    /// or a little aslant and meets nothing; the number of the stick. None where there is no stick, or no room for it.
-    pub fn give_any_stick(&mut self, receptor: usize) -> mujoco::Result<Option<usize>> {
-        let held = |body: usize| self.carried.iter().any(|carried| carried.body == body);
-        let free = (0..self.body.model.nbody()).filter(|&body| !held(body));
-        let Some(stick) = free.filter_map(|body| self.stick(body)).next() else { return Ok(None) };
-        let found = &self.agent.skin().receptors[receptor];
-        let pointing = found.position.try_normalize(1e-6).unwrap_or(found.normal);
-        let palm = found.normal - pointing * found.normal.dot(&pointing);
-        let aslant = palm
-            .try_normalize(1e-6)
-            .unwrap_or_else(|| crate::kinematics::tangent_basis(&pointing).column(0).into_owned());
-        for k in 0..WAYS {
-            let turn = std::f64::consts::TAU * k as f64 / WAYS as f64;
-            let about = Rotation3::from_axis_angle(&Unit::new_normalize(pointing), turn);
-            let direction = pointing + about * aslant * LEANING;
-            let end = self.agent.skin().receptors[receptor].position;
-            if self.put_stick(stick, receptor, &end, &direction)? {
-                return Ok(Some(stick.body));
-            }
-        }
-        Ok(None)
-    }
-
-    /// Puts a stick into a hand, which holds it with a receptor: where one end of it is, metres, and where it leads from
-    /// there, in the hand's frame; whether it is one and meets nothing there.
-    pub fn give_stick(
-        &mut self,
-        body: usize,
-        receptor: usize,
-        end: &Vector3<f64>,
-        direction: &Vector3<f64>,
-    ) -> mujoco::Result<bool> {
-        let Some(stick) = self.stick(body) else { return Ok(false) };
-        self.put_stick(stick, receptor, end, direction)
-    }
-
     fn put_stick(
         &mut self,
         stick: Stick,
@@ -96,8 +60,7 @@ impl StageCore {
         let pose = Isometry3::from_parts(Translation3::from(middle), turn) * stick.middle.inverse();
         let given_from = Some(self.data.body_pose(stick.body));
         let grip = Grip { limb, receptor, pose, given_from };
-        self.carried.retain(|carried| carried.body != stick.body);
-        self.carried.push(Carried { body: stick.body, qposadr, dofadr, by: Carrier::Limb(grip) });
+        self.carry(Carried { body: stick.body, qposadr, dofadr, by: Carrier::Limb(grip) });
         let before = self.data.qpos().to_vec();
         let (mut qpos, mut qvel) = (before.clone(), self.data.qvel().to_vec());
         if let Some(carried) = self.carried.last() {
@@ -123,21 +86,67 @@ impl StageCore {
         }
         Ok(!touches)
     }
+}
+
+impl Stage {
+    /// Puts a stick that nobody holds into a hand, where one of its receptors is, so that it leads where the hand points
+    /// or a little aslant and meets nothing; the number of the stick. None where there is no stick, or no room for it.
+    pub(in crate::simulation) fn give_any_stick(&self, receptor: usize) -> mujoco::Result<Option<usize>> {
+        let core = &mut *self.core.borrow_mut();
+        let held = |body: usize| core.carried.iter().any(|carried| carried.body == body);
+        let free = (0..core.body.model.nbody()).filter(|&body| !held(body));
+        let Some(stick) = free.filter_map(|body| core.stick(body)).next() else { return Ok(None) };
+        let found = &core.agent.skin().receptors[receptor];
+        let pointing = found.position.try_normalize(1e-6).unwrap_or(found.normal);
+        let palm = found.normal - pointing * found.normal.dot(&pointing);
+        let aslant = palm
+            .try_normalize(1e-6)
+            .unwrap_or_else(|| crate::geometry::tangent_basis(&pointing).column(0).into_owned());
+        for k in 0..WAYS {
+            let turn = std::f64::consts::TAU * k as f64 / WAYS as f64;
+            let about = Rotation3::from_axis_angle(&Unit::new_normalize(pointing), turn);
+            let direction = pointing + about * aslant * LEANING;
+            let end = core.agent.skin().receptors[receptor].position;
+            if core.put_stick(stick, receptor, &end, &direction)? {
+                return Ok(Some(stick.body));
+            }
+        }
+        Ok(None)
+    }
+
+    /// Puts a stick into a hand, which holds it with a receptor: where one end of it is, metres, and where it leads from
+    /// there, in the hand's frame; whether the thing is a stick, one slender capsule or cylinder that moves freely, and meets
+    /// nothing there.
+    ///
+    /// # Errors
+    /// Where the engine fails.
+    pub fn give_stick(
+        &self,
+        thing: usize,
+        receptor: usize,
+        end: &Vector3<f64>,
+        direction: &Vector3<f64>,
+    ) -> mujoco::Result<bool> {
+        let core = &mut *self.core.borrow_mut();
+        let Some(stick) = core.stick(thing) else { return Ok(false) };
+        core.put_stick(stick, receptor, end, direction)
+    }
 
     /// Takes back the sticks that were given, to where they were.
-    pub fn take_sticks_back(&mut self) -> mujoco::Result<()> {
-        let (mut qpos, mut qvel) = (self.data.qpos().to_vec(), self.data.qvel().to_vec());
-        for carried in &self.carried {
+    pub(in crate::simulation) fn take_sticks_back(&self) -> mujoco::Result<()> {
+        let core = &mut *self.core.borrow_mut();
+        let (mut qpos, mut qvel) = (core.data.qpos().to_vec(), core.data.qvel().to_vec());
+        for carried in &core.carried {
             if let Some(from) = carried.grip().and_then(|grip| grip.given_from) {
                 carried.put_at(&from, &Vector3::zeros(), &mut qpos, &mut qvel);
             }
         }
-        self.carried.retain(|carried| carried.grip().is_none_or(|grip| grip.given_from.is_none()));
-        self.data.set_qpos(&qpos)?;
-        self.data.set_qvel(&qvel)?;
-        self.data.kinematics()?;
-        self.data.collision()?;
-        self.stillness.disturb();
+        core.carried.retain(|carried| carried.grip().is_none_or(|grip| grip.given_from.is_none()));
+        core.data.set_qpos(&qpos)?;
+        core.data.set_qvel(&qvel)?;
+        core.data.kinematics()?;
+        core.data.collision()?;
+        core.stillness.disturb();
         Ok(())
     }
 }

@@ -187,7 +187,15 @@ impl Stage {
     /// # Panics
     /// Where there is no such probe.
     pub fn send_probe(&self, probe: usize, path: ProbePath) -> mujoco::Result<()> {
-        self.core.borrow_mut().send_probe(probe, path)
+        let core = &mut *self.core.borrow_mut();
+        let Some(start) = path.at(core.time) else { return Ok(()) };
+        let (mut qpos, mut qvel) = (core.data.qpos().to_vec(), core.data.qvel().to_vec());
+        core.probes[probe].put(&start, &mut qpos, &mut qvel);
+        core.probes[probe].path = path;
+        core.data.set_qpos(&qpos)?;
+        core.data.set_qvel(&qvel)?;
+        core.stillness.disturb();
+        Ok(())
     }
 
     /// Puts a probe far from the creature, and from other probes, until it is sent again.
@@ -210,14 +218,6 @@ impl Stage {
         self.core.borrow().probes[probe].body
     }
 
-    /// Lets a thing go along a path by itself, whatever it meets.
-    ///
-    /// # Panics
-    /// Where it is no thing that moves.
-    pub fn send_thing(&self, thing: usize, path: ProbePath) {
-        self.core.borrow_mut().send_thing(thing, path);
-    }
-
     /// The number of a thing by its name.
     pub fn thing(&self, name: &str) -> Option<usize> {
         (0..self.body.model.nbody()).find(|&b| self.body.model.body(b).name == Some(name))
@@ -235,7 +235,13 @@ impl Stage {
 
     /// Where a limb and a thing touch in the last step, in the frame of the thing, metres.
     pub fn touching_at(&self, limb: usize, thing: usize) -> Option<Vector3<f64>> {
-        self.core.borrow().touching_at(limb, thing)
+        let core = self.core.borrow();
+        core.data.contacts().find_map(|contact| {
+            let limbs = contact.geoms.map(|geom| core.body.limb_of_geom(geom));
+            let bodies = contact.geoms.map(|geom| core.body.model.geom_body(geom));
+            (limbs.contains(&Some(limb)) && bodies.contains(&thing))
+                .then(|| core.data.body_pose(thing).inverse_transform_point(&contact.position).coords)
+        })
     }
 
     /// `X_WR`: where the root of the creature is.
@@ -245,7 +251,8 @@ impl Stage {
 
     /// `X_WL`: where a limb is.
     pub fn limb_pose(&self, limb: usize) -> Isometry3<f64> {
-        self.core.borrow().limb_pose(limb)
+        let core = self.core.borrow();
+        core.body.limb_pose(&core.data, limb).unwrap_or_default()
     }
 
     /// `X_WL` of every limb.
@@ -261,18 +268,6 @@ impl Stage {
         self.body.read_posture(&padded)
     }
 
-    /// Lets a limb grow: the joint that moves it is farther out by `length`, metres, on the limb that carries it from now on,
-    /// or nearer where that is negative. [`Stage::body`] stays what the creature came with. The creature is not told.
-    ///
-    /// # Errors
-    /// Where the engine fails.
-    ///
-    /// # Panics
-    /// Where there is no such limb.
-    pub fn grow_limb(&self, limb: usize, length: f64) -> mujoco::Result<()> {
-        self.core.borrow_mut().grow_limb(limb, length)
-    }
-
     /// The posture as the creature feels it.
     pub(super) fn felt_posture(&self) -> Posture {
         self.core.borrow().sense::<Proprioception>().felt().clone()
@@ -281,41 +276,5 @@ impl Stage {
     /// What a sense of the creature's tells; nothing where it has no such sense.
     pub(super) fn sense<S: Sense + Clone>(&self) -> Option<S> {
         self.core.borrow().find_sense().cloned()
-    }
-
-    /// Welds the thing that a receptor's limb touches to that limb; whether there was one.
-    pub(super) fn hold(&self, receptor: usize) -> bool {
-        self.core.borrow_mut().hold(receptor)
-    }
-
-    /// Lets go of all that it took hold of.
-    pub(super) fn let_go(&self) {
-        self.core.borrow_mut().let_go();
-    }
-
-    /// Puts a stick into a hand, which holds it with a receptor: where one end of it is, metres, and where it leads from
-    /// there, in the hand's frame; whether the thing is a stick, one slender capsule or cylinder that moves freely, and meets
-    /// nothing there.
-    ///
-    /// # Errors
-    /// Where the engine fails.
-    pub fn give_stick(
-        &self,
-        thing: usize,
-        receptor: usize,
-        end: &Vector3<f64>,
-        direction: &Vector3<f64>,
-    ) -> mujoco::Result<bool> {
-        self.core.borrow_mut().give_stick(thing, receptor, end, direction)
-    }
-
-    /// Puts any stick of the stage into the hand that a receptor is on; its number.
-    pub(super) fn give_any_stick(&self, receptor: usize) -> mujoco::Result<Option<usize>> {
-        self.core.borrow_mut().give_any_stick(receptor)
-    }
-
-    /// Takes back the sticks that were given, to where they were.
-    pub(super) fn take_sticks_back(&self) -> mujoco::Result<()> {
-        self.core.borrow_mut().take_sticks_back()
     }
 }
