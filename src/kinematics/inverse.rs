@@ -4,11 +4,11 @@
 //! or all of one limb is to be turned as another. What freedom is left may draw the posture towards one at ease (Liégeois
 //! 1977).
 
-use nalgebra::{Matrix3, Rotation3, Vector3, Vector6};
+use nalgebra::{Matrix3, Vector3, Vector6};
 
 use super::place_chain::{Damping, Place, PlaceChain, Workspace};
 use crate::creature::{Creature, Posture};
-use crate::geometry::Frame;
+use crate::geometry::{Frame, product};
 use crate::schema::BodySchema;
 
 /// How far apart the two points may stay in a posture that counts as found, metres.
@@ -196,7 +196,9 @@ impl<'a> InverseKinematics<'a> {
             Facing::Parallel => directions[0] - directions[1],
             Facing::Turned(frames) => {
                 let [first, second] = [0, 1].map(|k| limbs[k].rotation * frames[k]);
-                Rotation3::from_matrix_unchecked(first * second.transpose()).scaled_axis()
+                // By a quaternion: rounding must not take the cosine of a small angle beyond 1.
+                let rotation = product(&first, &second.transpose());
+                Frame { rotation, origin: Vector3::zeros() }.quaternion().scaled_axis()
             }
         }
     }
