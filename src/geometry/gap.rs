@@ -41,7 +41,9 @@ pub trait ConvexBody {
     fn centre(&self) -> Vector3<f64>;
 
     /// The body itself as a capsule, where it is one or a ball.
-    fn as_capsule(&self) -> Option<Capsule>;
+    fn as_capsule(&self) -> Option<Capsule> {
+        None
+    }
 
     /// Distance of a point to the surface, metres, negative inside, and the outward unit normal there.
     fn signed_distance(&self, p: &Vector3<f64>) -> (f64, Vector3<f64>);
@@ -112,10 +114,7 @@ impl ConvexBody for Capsule {
 /// capsule's segment by the other's signed distance: an overlap that the segment itself takes part in counts as deep as
 /// its deepest point. All others are found by GJK and, where they overlap, by EPA.
 pub fn gap(a: &dyn ConvexBody, b: &dyn ConvexBody, precision: Precision) -> Gap {
-    closed_form(a, b, precision).unwrap_or_else(|| {
-        let guess = (a.centre() - b.centre()).try_normalize(1e-9).unwrap_or(Vector3::x());
-        iterated(a, b, precision, &guess)
-    })
+    closed_form(a, b, precision).unwrap_or_else(|| gap_by_support(a, b, precision))
 }
 
 /// The same, where a unit vector is known that leads from the second body to the first, or nearly so.
@@ -146,12 +145,24 @@ fn closed_form(a: &dyn ConvexBody, b: &dyn ConvexBody, precision: Precision) -> 
     }
 }
 
-pub(super) fn iterated(
-    a: &dyn ConvexBody,
-    b: &dyn ConvexBody,
+/// Distance of a point to the surface of a body of which nothing but its support mapping is known, metres, negative inside,
+/// and the outward unit normal there.
+pub(crate) fn distance_by_support(
+    body: &dyn ConvexBody,
+    p: &Vector3<f64>,
     precision: Precision,
-    guess: &Vector3<f64>,
-) -> Gap {
+) -> (f64, Vector3<f64>) {
+    let found = gap_by_support(&Capsule::ball(*p, 0.0), body, precision);
+    (found.distance, found.normal)
+}
+
+/// The gap where no closed form is to be looked for.
+pub(crate) fn gap_by_support(a: &dyn ConvexBody, b: &dyn ConvexBody, precision: Precision) -> Gap {
+    let guess = (a.centre() - b.centre()).try_normalize(1e-9).unwrap_or(Vector3::x());
+    iterated(a, b, precision, &guess)
+}
+
+fn iterated(a: &dyn ConvexBody, b: &dyn ConvexBody, precision: Precision, guess: &Vector3<f64>) -> Gap {
     gjk(&difference(a, b), guess, precision, f64::INFINITY)
 }
 

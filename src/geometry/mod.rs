@@ -26,6 +26,7 @@ pub use formats::UrdfGeometry;
 pub(crate) use frame::product;
 pub use frame::{Frame, tangent_basis};
 pub use gap::{ConvexBody, Gap, PlacedShape, gap, gap_from, separation};
+pub(crate) use gap::{distance_by_support, gap_by_support};
 pub use gjk::Precision;
 pub use hull::Hull;
 pub use outline::ConvexOutline;

@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 
-use super::gap::iterated;
+use super::gap::distance_by_support;
 use super::{Capsule, ConvexBody, PlacedShape, Precision};
 
 /// All that a placed shape passes through on a straight way: the convex hull of its first and its last place.
@@ -34,9 +34,7 @@ impl ConvexBody for SweptShape<'_> {
     }
 
     fn signed_distance(&self, p: &Vector3<f64>) -> (f64, Vector3<f64>) {
-        let guess = (p - self.centre()).try_normalize(1e-9).unwrap_or(Vector3::x());
-        let found = iterated(&Capsule::ball(*p, 0.0), self, Precision::Exact, &guess);
-        (found.distance, found.normal)
+        distance_by_support(self, p, Precision::Exact)
     }
 }
 

@@ -154,30 +154,22 @@ impl OwnBody {
 
     /// A posture drawn from the ranges of some joints; the others, and balls, stay as they are in `base`.
     pub fn random_posture(&self, base: &[f64], joints: &[usize], rng: &mut impl Rng) -> Posture {
-        let mut posture = Posture::from(base);
-        for &joint in joints {
-            let joint = &self.creature().joints()[joint];
-            for at in joint.elements().filter(|at| !at.is_ball() && at.follows.is_none()) {
-                let [low, high] = at.range;
-                if high > low {
-                    posture[at.coordinate()] = rng.random_range(low..high);
-                }
-            }
-        }
-        self.creature().couple(&mut posture);
-        posture
+        self.drawn(base, joints, |_, [low, high]| rng.random_range(low..high))
     }
 
     /// A posture in which some joints differ from `from` by at most `radius`, radians (or metres), and stay in their ranges;
     /// the others, and balls, stay as they are.
     pub fn posture_near(&self, from: &[f64], joints: &[usize], radius: f64, rng: &mut impl Rng) -> Posture {
-        let mut posture = Posture::from(from);
-        for &joint in joints {
-            let joint = &self.creature().joints()[joint];
+        self.drawn(from, joints, |q, [low, high]| (q + rng.random_range(-radius..radius)).clamp(low, high))
+    }
+
+    /// A posture in which some joints are as `draw` has them by where they are in `base` and by their ranges.
+    fn drawn(&self, base: &[f64], joints: &[usize], mut draw: impl FnMut(f64, [f64; 2]) -> f64) -> Posture {
+        let mut posture = Posture::from(base);
+        for joint in joints.iter().map(|&joint| &self.creature().joints()[joint]) {
             for at in joint.elements().filter(|at| !at.is_ball() && at.follows.is_none()) {
-                let ([low, high], q) = (at.range, at.coordinate());
-                if high > low {
-                    posture[q] = (posture[q] + rng.random_range(-radius..radius)).clamp(low, high);
+                if at.range[1] > at.range[0] {
+                    posture[at.coordinate()] = draw(posture[at.coordinate()], at.range);
                 }
             }
         }

@@ -4,7 +4,7 @@ use nalgebra::{Cholesky, DMatrix, DVector, Dyn, Vector3};
 
 use super::family::RoundedFrustum;
 use super::{PlacedSkin, directions};
-use crate::geometry::{Capsule, ConvexBody, Gap, Precision, gap};
+use crate::geometry::{ConvexBody, Precision, distance_by_support};
 
 /// How far a corner of a thing is from the family's body, one standard deviation, in shares of its size …
 const BENDS: f64 = 0.2;
@@ -148,13 +148,8 @@ impl ConvexBody for BentBody {
         self.middle
     }
 
-    fn as_capsule(&self) -> Option<Capsule> {
-        None
-    }
-
     fn signed_distance(&self, p: &Vector3<f64>) -> (f64, Vector3<f64>) {
-        let Gap { distance, normal, .. } = gap(&super::family::Point(*p), self, Precision::ExactWhereShallow);
-        (distance, normal)
+        distance_by_support(self, p, Precision::ExactWhereShallow)
     }
 }
 

@@ -2,7 +2,7 @@
 
 use nalgebra::{Rotation3, SVector, Vector3};
 
-use crate::geometry::{Capsule, ConvexBody};
+use crate::geometry::{ConvexBody, Precision, distance_by_support};
 
 /// How many numbers there are.
 pub(super) const NUMBERS: usize = 17;
@@ -89,59 +89,7 @@ impl ConvexBody for RoundedFrustum {
         self.middle
     }
 
-    fn as_capsule(&self) -> Option<Capsule> {
-        None
-    }
-
     fn signed_distance(&self, p: &Vector3<f64>) -> (f64, Vector3<f64>) {
-        let point = Point(*p);
-        let found = crate::geometry::gap(&point, self, crate::geometry::Precision::Exact);
-        (found.distance, found.normal)
-    }
-}
-
-/// A point as a body, which no closed form knows.
-pub(super) struct Point(pub Vector3<f64>);
-
-impl ConvexBody for Point {
-    fn support(&self, _: &Vector3<f64>) -> Vector3<f64> {
-        self.0
-    }
-
-    fn centre(&self) -> Vector3<f64> {
-        self.0
-    }
-
-    fn as_capsule(&self) -> Option<Capsule> {
-        None
-    }
-
-    fn signed_distance(&self, p: &Vector3<f64>) -> (f64, Vector3<f64>) {
-        let way = p - self.0;
-        (way.norm(), way.try_normalize(1e-12).unwrap_or_else(Vector3::x))
-    }
-}
-
-/// A segment as a body, which no closed form knows: the core of a capsule.
-pub(super) struct Segment(pub [Vector3<f64>; 2]);
-
-impl ConvexBody for Segment {
-    fn support(&self, direction: &Vector3<f64>) -> Vector3<f64> {
-        let [first, second] = self.0;
-        if (second - first).dot(direction) > 0.0 { second } else { first }
-    }
-
-    fn centre(&self) -> Vector3<f64> {
-        0.5 * (self.0[0] + self.0[1])
-    }
-
-    fn as_capsule(&self) -> Option<Capsule> {
-        None
-    }
-
-    fn signed_distance(&self, p: &Vector3<f64>) -> (f64, Vector3<f64>) {
-        let along = self.0[1] - self.0[0];
-        let share = (p - self.0[0]).dot(&along) / along.norm_squared().max(1e-12);
-        Point(self.0[0] + along * share.clamp(0.0, 1.0)).signed_distance(p)
+        distance_by_support(self, p, Precision::Exact)
     }
 }

@@ -16,8 +16,8 @@ use nalgebra::{DMatrix, DVector, Rotation3, Vector3};
 pub use self::size::{FeltLength, FeltSize};
 
 use self::bending::BentBody;
-use self::family::{NUMBERS, Numbers, RoundedFrustum, Segment};
-use crate::geometry::{Capsule, ConvexBody, Frame, Gap, Precision, gap, separation};
+use self::family::{NUMBERS, Numbers, RoundedFrustum};
+use crate::geometry::{Capsule, ConvexBody, Frame, Gap, Precision, gap, gap_by_support, separation};
 use crate::learning::least_squares::{LeastSquares, Linearization, Stopping, levenberg_marquardt};
 use crate::skin::Surface;
 
@@ -73,7 +73,7 @@ impl PlacedSkin {
     fn gap_to(&self, body: &dyn ConvexBody, precision: Precision) -> Gap {
         let placed = self.surface.placed(&self.limb).expect("only solid surfaces are placed");
         if let Some(Capsule { ends, radius }) = placed.as_capsule() {
-            let found = gap(&Segment(ends), body, Precision::Exact);
+            let found = gap_by_support(&Capsule { ends, radius: 0.0 }, body, Precision::Exact);
             if found.distance > CORE_CLEAR {
                 let points = [found.points[0] - found.normal * radius, found.points[1]];
                 return Gap { distance: found.distance - radius, points, ..found };

@@ -146,20 +146,16 @@ impl<'a> DynamicMover<'a> {
     /// # Errors
     /// Where the engine fails.
     pub fn hold(&mut self, seconds: f64) -> mujoco::Result<()> {
-        let way = self.servo.way(&self.state.qpos, &self.state.qpos);
-        let (began, end) = (self.state.time, self.state.time + seconds);
-        while self.state.time < end {
-            self.step(0, &way, began, false)?;
-        }
+        self.stay(seconds, |_| true)?;
         self.posture = self.body.read_posture(&self.state.qpos);
         Ok(())
     }
 
-    /// Comes to rest where it is.
-    fn rest(&mut self) -> mujoco::Result<()> {
+    /// Stays where it is for some seconds at the most, while `goes_on` by its speed.
+    fn stay(&mut self, seconds: f64, goes_on: impl Fn(f64) -> bool) -> mujoco::Result<()> {
         let way = self.servo.way(&self.state.qpos, &self.state.qpos);
-        let (began, end) = (self.state.time, self.state.time + RESTING);
-        while self.state.time < end && self.speed() > AT_REST {
+        let (began, end) = (self.state.time, self.state.time + seconds);
+        while self.state.time < end && goes_on(self.speed()) {
             self.step(0, &way, began, false)?;
         }
         Ok(())
@@ -325,7 +321,7 @@ impl MotionUntilTouch for DynamicMover<'_> {
     fn advance(&mut self, target: &[f64]) -> mujoco::Result<Ending> {
         self.effort.motions += 1;
         if self.touched.take().is_some() {
-            self.rest()?;
+            self.stay(RESTING, |speed| speed > AT_REST)?;
         }
         let start = self.body.read_posture(&self.state.qpos);
         let mut target = Posture::reachable(&self.body.creature, &start, target);
