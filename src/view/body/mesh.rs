@@ -57,16 +57,21 @@ impl Topology {
         Topology::Outline,
     ];
 
-    /// Triangles of three corners each, counterclockwise as seen from outside.
-    pub fn triangles(self) -> Vec<[usize; 3]> {
+    /// Directions to the corners of a convex piece, and triangles of three corners each, counterclockwise as seen from outside.
+    fn shape(self) -> (Vec<Vector3<f64>>, Vec<[usize; 3]>) {
         match self {
-            Topology::Globe => globe(&LATITUDES, AROUND).1,
-            Topology::Cuboid => cuboid().1,
-            Topology::Patch => patch(ALONG),
-            Topology::Bead => globe(&FEW_LATITUDES, FEW_AROUND).1,
-            Topology::Scale => patch(2),
-            Topology::Outline => globe(&MANY_LATITUDES, MANY_AROUND).1,
+            Topology::Globe => globe(&LATITUDES, AROUND),
+            Topology::Cuboid => cuboid(),
+            Topology::Patch => (Vec::new(), patch(ALONG)),
+            Topology::Bead => globe(&FEW_LATITUDES, FEW_AROUND),
+            Topology::Scale => (Vec::new(), patch(2)),
+            Topology::Outline => globe(&MANY_LATITUDES, MANY_AROUND),
         }
+    }
+
+    /// The triangles alone.
+    pub fn triangles(self) -> Vec<[usize; 3]> {
+        self.shape().1
     }
 }
 
@@ -92,19 +97,26 @@ impl BodyMesh {
     /// The surfaces of a skin.
     pub fn of_surfaces(skin: &Skin) -> BodyMesh {
         let round = if skin.surfaces.len() > MANY_SURFACES { Topology::Bead } else { Topology::Globe };
-        BodyMesh { pieces: skin.surfaces.iter().filter_map(|surface| piece_of(surface, round)).collect() }
+        let piece = |surface: &Surface| {
+            let topology = if surface.shape.is_box() { Topology::Cuboid } else { round };
+            convex_piece(surface.limb, topology, |direction| {
+                Some(surface.rotation * surface.shape.support(direction)? + surface.origin)
+            })
+        };
+        BodyMesh { pieces: skin.surfaces.iter().filter_map(piece).collect() }
     }
 
     /// What is to be seen of a body, a piece each.
     pub fn of_appearance(appearance: &Appearance) -> BodyMesh {
         let many = appearance.parts.len() > MANY_SURFACES;
         let piece = |part: &VisiblePart| {
-            let round = match (many, part.outline.is_shape()) {
-                (true, _) => Topology::Bead,
-                (false, true) => Topology::Globe,
-                (false, false) => Topology::Outline,
+            let topology = match &part.outline {
+                outline if outline.is_box() => Topology::Cuboid,
+                _ if many => Topology::Bead,
+                outline if outline.is_shape() => Topology::Globe,
+                _ => Topology::Outline,
             };
-            convex_piece(part.limb, part.outline.is_box(), round, |direction| Some(part.support(direction)))
+            convex_piece(part.limb, topology, |direction| Some(part.support(direction)))
         };
         BodyMesh { pieces: appearance.parts.iter().filter_map(piece).collect() }
     }
@@ -136,29 +148,14 @@ impl BodyMesh {
     }
 }
 
-/// The surface of one shape; none of a mesh without a hull.
-fn piece_of(surface: &Surface, round: Topology) -> Option<Piece> {
-    let farthest = |direction: &Vector3<f64>| {
-        Some(surface.rotation * surface.shape.support(direction)? + surface.origin)
-    };
-    convex_piece(surface.limb, surface.shape.is_box(), round, farthest)
-}
-
-/// A convex piece, by its farthest point in each direction.
+/// A convex piece, by its farthest point in each direction; `None` of a mesh without a hull.
 fn convex_piece(
     limb: usize,
-    is_box: bool,
-    round: Topology,
+    topology: Topology,
     farthest: impl Fn(&Vector3<f64>) -> Option<Vector3<f64>>,
 ) -> Option<Piece> {
-    let (topology, directions) = match (is_box, round) {
-        (true, _) => (Topology::Cuboid, cuboid().0),
-        (false, Topology::Bead) => (Topology::Bead, globe(&FEW_LATITUDES, FEW_AROUND).0),
-        (false, Topology::Outline) => (Topology::Outline, globe(&MANY_LATITUDES, MANY_AROUND).0),
-        (false, _) => (Topology::Globe, globe(&LATITUDES, AROUND).0),
-    };
     // The farthest points in all directions are a convex shape's surface.
-    let corners = directions.iter().map(farthest).collect::<Option<Vec<_>>>()?;
+    let corners = topology.shape().0.iter().map(farthest).collect::<Option<Vec<_>>>()?;
     Some(Piece { limb, topology, corners })
 }
 

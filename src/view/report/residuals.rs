@@ -1,10 +1,7 @@
 //! How far apart the learned schema puts what touched.
 
 use super::ReportInput;
-use crate::evaluation::Summary;
-use crate::kinematics::limb_frames;
-use crate::learning::surface_gap::SurfaceGap;
-use crate::learning::{Input, Learner, SecondOrder};
+use crate::evaluation::{ContactResiduals, Summary};
 use crate::view::charts::{Chart, ChartGroup, ChartMark, Ink, Panel, Scale};
 use crate::view::figure;
 use crate::view::text::{short_number as number, touches};
@@ -14,44 +11,9 @@ const BARS: usize = 60;
 /// Residuals this many times beyond the bulk are counted, not drawn: they would squeeze all others into one bar.
 const FAR: f64 = 6.0;
 
-/// What is left of every touch under the learned schema.
-pub(super) struct Residuals {
-    /// Per touch, the two limbs and how far apart the schema puts what touched, millimetres.
-    pub values: Vec<([usize; 2], f64)>,
-    /// Whether these are gaps between surfaces, negative where the two overlap; else distances of points.
-    pub gaps: bool,
-}
-
-impl Residuals {
-    /// Those of receptors on known surfaces as gaps, all others as distances between the points of contact.
-    pub fn new(input: &ReportInput) -> Residuals {
-        let agent = input.agent;
-        let (creature, skin) = (agent.creature(), agent.skin());
-        let surface = |surface: usize| skin.surfaces.get(surface).is_some_and(|s| s.shape.is_solid());
-        let known = skin.receptors.iter().all(|receptor| receptor.surface.is_some_and(surface));
-        let gaps = input.input == Input::Receptor && known;
-        if gaps {
-            let mut prepared = SecondOrder::new(agent, Input::Receptor, 0);
-            input.touches.iter().for_each(|touch| prepared.touch(touch));
-            let model = SurfaceGap::new(skin, 1.0);
-            let values = prepared.prepared().map(|(limbs, touch)| {
-                (limbs, 1e3 * model.gap(&touch.ends, &touch.frames(input.schema)).distance)
-            });
-            return Residuals { values: values.collect(), gaps };
-        }
-        let values = input.touches.iter().map(|touch| {
-            let frames = limb_frames(creature, input.schema, &touch.posture);
-            let limbs = touch.limbs(skin);
-            let [a, b] = [0, 1].map(|k| frames[limbs[k]].point(&touch.ends[k].contact));
-            (limbs, 1e3 * (a - b).norm())
-        });
-        Residuals { values: values.collect(), gaps }
-    }
-}
-
 /// The picture; a sentence where there was no touch.
 pub(super) fn figure_of(input: &ReportInput) -> String {
-    let residuals = Residuals::new(input);
+    let residuals = ContactResiduals::new(input.agent, input.schema, input.input, input.touches);
     let all: Vec<f64> = residuals.values.iter().map(|(_, value)| *value).filter(|v| v.is_finite()).collect();
     if all.is_empty() {
         return "<p class=\"note\">There is no touch to look at.</p>\n".into();

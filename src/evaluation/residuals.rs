@@ -1,0 +1,42 @@
+//! Contact residuals: how far apart a schema puts the surfaces that touched.
+
+use crate::agent::Agent;
+use crate::kinematics::limb_frames;
+use crate::learning::surface_gap::SurfaceGap;
+use crate::learning::{Input, Learner, SecondOrder};
+use crate::schema::BodySchema;
+use crate::senses::Touch;
+
+/// The contact residuals of touches.
+pub struct ContactResiduals {
+    /// Per touch, the two limbs and the residual, millimetres.
+    pub values: Vec<([usize; 2], f64)>,
+    /// Whether these are gaps between surfaces, negative where the two overlap; else distances between points of contact.
+    pub gaps: bool,
+}
+
+impl ContactResiduals {
+    /// Gaps of receptors on known surfaces; else distances.
+    pub fn new(agent: &Agent, schema: &BodySchema, input: Input, touches: &[Touch]) -> ContactResiduals {
+        let skin = agent.skin();
+        let surface = |surface: usize| skin.surfaces.get(surface).is_some_and(|s| s.shape.is_solid());
+        let known = skin.receptors.iter().all(|receptor| receptor.surface.is_some_and(surface));
+        let gaps = input == Input::Receptor && known;
+        if gaps {
+            let mut prepared = SecondOrder::new(agent, Input::Receptor, 0);
+            touches.iter().for_each(|touch| prepared.touch(touch));
+            let model = SurfaceGap::new(skin, 1.0);
+            let values = prepared
+                .prepared()
+                .map(|(limbs, touch)| (limbs, 1e3 * model.gap(&touch.ends, &touch.frames(schema)).distance));
+            return ContactResiduals { values: values.collect(), gaps };
+        }
+        let distance = |touch: &Touch| {
+            let frames = limb_frames(agent.creature(), schema, &touch.posture);
+            let limbs = touch.limbs(skin);
+            let [a, b] = [0, 1].map(|k| frames[limbs[k]].point(&touch.ends[k].contact));
+            (limbs, 1e3 * (a - b).norm())
+        };
+        ContactResiduals { values: touches.iter().map(distance).collect(), gaps }
+    }
+}
