@@ -131,10 +131,12 @@ fn undetermined_joints(input: &ReportInput) -> String {
     )
 }
 
-/// The table of limbs: how far off their skin may be, the limb that is known worst first; nothing without an account.
+/// The table of limbs: how far off their skin may be, the limb that is known worst first; a sentence without an account.
 pub(super) fn limbs(input: &ReportInput) -> String {
     let creature = input.agent.creature();
-    let Some(account) = input.account else { return String::new() };
+    let Some(account) = input.account else {
+        return "<p class=\"note\">No bounds are given: no held-out touches confirm the schema.</p>\n".into();
+    };
     let row = |line: LimbLine| {
         let cells = line.bounds.map(|metres| format!("<td class=\"number\">{}</td>", number(1e3 * metres)));
         let why = line.why.unwrap_or_default();
