@@ -73,7 +73,7 @@ pub mod ground_truth;
 pub mod interaction;
 pub mod kinematics;
 pub mod learning;
-mod model_files;
+pub mod model_files;
 pub mod mujoco;
 pub mod named;
 pub mod peripersonal;

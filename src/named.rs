@@ -16,9 +16,14 @@ impl UnknownName {
 /// case, or one of a short name, which is near to many.
 pub(crate) fn did_you_mean<'a>(name: &str, names: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     const SHORT: usize = 4;
-    let slips = |other: &str| strsim::osa_distance(&name.to_lowercase(), &other.to_lowercase());
-    let near = names.into_iter().min_by_key(|other| slips(other))?;
-    (slips(near) <= if near.len() <= SHORT { 1 } else { 2 }).then_some(near)
+    const SLIPS: usize = 2;
+    let meant = name.to_lowercase();
+    let length = meant.chars().count();
+    // What is much longer or shorter is none, and takes long to be compared.
+    let similar = names.into_iter().filter(|other| other.chars().count().abs_diff(length) <= SLIPS);
+    let slips = |other: &str| strsim::osa_distance(&meant, &other.to_lowercase());
+    let (near, slips) = similar.map(|other| (other, slips(other))).min_by_key(|(_, slips)| *slips)?;
+    (slips <= if near.len() <= SHORT { 1 } else { SLIPS }).then_some(near)
 }
 
 /// A name of a model as a person says it.

@@ -3,75 +3,61 @@
 use std::path::PathBuf;
 
 use super::folders::written_session;
-use super::{Outcome, output};
-use crate::export::{Urdf, to_mjcf, to_urdf};
-use crate::record::{LEARNED_FILE, MadeFolders, ReadLock, SCHEMA_FILE, Session, folder_of, read_schema};
+use super::{Failure, Outcome, output};
+use crate::export::ExportFormat;
+use crate::session::{LEARNED_FILE, MadeFolders, ReadLock, SCHEMA_FILE, Session, folder_of, read_schema};
 
 /// Write a session's learned body as a model for other programs.
 ///
-/// The joints are where the schema has them, the limbs have the shapes that the skin tells of, masses are
-/// stand-ins. MJCF is what MuJoCo's `simulate` opens. URDF has no balls, capsules or ellipsoids: three hinges stand
-/// for a ball, a cylinder and two spheres for a capsule, and ellipsoids refer to an STL mesh that is written beside
-/// the file. Limbs of a recording without a skin have no shape.
+/// The file's ending chooses the format: .xml for MJCF, which MuJoCo's `simulate` opens, .urdf for URDF. The joints are
+/// where the schema has them, the limbs have the shapes of the skin, masses are stand-ins. URDF has no balls, capsules or
+/// ellipsoids: three hinges stand for a ball, a cylinder and two spheres for a capsule, and ellipsoids refer to an STL mesh
+/// that is written beside the file. Limbs of a recording without a skin have no shape.
 #[derive(clap::Args)]
 #[command(after_help = "Examples:
-  bodyschema export sessions/max-1 --mjcf
-  bodyschema export sessions/max-1 --urdf --out max.urdf")]
+  bodyschema export sessions/max-1
+  bodyschema export sessions/max-1 --out max.urdf")]
 pub struct ExportArguments {
     /// The session's folder
     session: PathBuf,
-    #[command(flatten)]
-    format: Format,
-    /// The file to write [default: learned.xml or learned.urdf in the session's folder]
+    /// The file to write, ending in .xml or .urdf [default: learned.xml in the session's folder]
     #[arg(long, short, value_name = "FILE", help_heading = "Output")]
     out: Option<PathBuf>,
-}
-
-#[derive(clap::Args)]
-#[group(required = true, multiple = false)]
-struct Format {
-    /// MJCF, for MuJoCo
-    #[arg(long)]
+    #[arg(long, hide = true)]
     mjcf: bool,
-    /// URDF, for ROS and most simulators
-    #[arg(long)]
+    #[arg(long, hide = true)]
     urdf: bool,
 }
 
 pub fn run(args: &ExportArguments) -> Outcome {
+    for (given, old, ending) in [(args.mjcf, "--mjcf", "xml"), (args.urdf, "--urdf", "urdf")] {
+        if given {
+            return Err(Failure(format!(
+                "{old}: the file's ending chooses the format: give --out FILE.{ending}"
+            )));
+        }
+    }
+    let path = args.out.clone().unwrap_or_else(|| args.session.join(LEARNED_FILE));
+    let format = ExportFormat::of(&path)?;
     // What goes beside the session's own files is made of them as they are.
-    let _lock = args.out.is_none().then(|| written_session(&args.session)).transpose()?;
+    let inside = folder_of(&path) == args.session;
+    let _lock = inside.then(|| written_session(&args.session)).transpose()?;
     let _reading = ReadLock::take(&args.session)?;
     let session = Session::read(&args.session)?;
-    let agent = &session.agent;
-    let creature = agent.creature();
-    let schema = read_schema(&args.session.join(SCHEMA_FILE), creature)?;
-    let file = |name: &str| args.out.clone().unwrap_or_else(|| args.session.join(name));
-    if args.format.mjcf {
-        let path = file(LEARNED_FILE);
-        output::file(&path, to_mjcf(agent, &schema))?;
-        say!("{}", path.display());
-        return Ok(());
-    }
-    let path = file("learned.urdf");
-    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
-    let mesh_name = format!("{stem}_ellipsoid.stl");
-    let Urdf { xml, mesh } = to_urdf(agent, &schema, &mesh_name);
-    let mesh_path = path.with_file_name(mesh_name);
+    let schema = read_schema(&args.session.join(SCHEMA_FILE), session.agent.creature())?;
+    let files = (format.files)(&session.agent, &schema, &path);
     let _made = MadeFolders::make(folder_of(&path)).map_err(output::not_written(&path))?;
-    // First what the other refers to, which is of no use alone.
-    let new = mesh.is_some() && !mesh_path.exists();
-    if let Some(mesh) = &mesh {
-        output::file(&mesh_path, mesh)?;
+    let mut new = Vec::new();
+    for (path, bytes) in &files {
+        // What others refer to comes first, and is of no use alone.
+        let was_there = path.exists();
+        output::file(path, bytes).inspect_err(|_| {
+            for path in &new {
+                let _ = std::fs::remove_file(path);
+            }
+        })?;
+        new.extend((!was_there).then_some(path));
     }
-    output::file(&path, xml).inspect_err(|_| {
-        if new {
-            let _ = std::fs::remove_file(&mesh_path);
-        }
-    })?;
-    say!("{}", path.display());
-    if mesh.is_some() {
-        say!("{}", mesh_path.display());
-    }
+    files.iter().rev().for_each(|(path, _)| say!("{}", path.display()));
     Ok(())
 }

@@ -12,7 +12,7 @@ use super::{output, progress};
 use crate::creature::{Creature, CreatureInFile, Dof, JointSelection, creatures};
 use crate::experiment::skin_for;
 use crate::geometry::Frame;
-use crate::mujoco::LeftOut;
+use crate::model_files::LeftOut;
 use crate::senses::{JointSensor, joint_sensors, posture_in_words};
 use crate::simulation::{LimbPair, Relation, SelfContact};
 use crate::skin::{ProximityGeometry, Skin, SomatotopicMap, aura_of};

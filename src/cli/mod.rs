@@ -82,7 +82,7 @@ type Outcome = Result<(), Failure>;
   bodyschema calibrate examples/robot/arms.urdf examples/robot/touches.csv --out calibrated
   bodyschema render sessions/max-1 --touch 3 --out touch.png # what a touch looks like
   bodyschema reach sessions/max-1                            # where its hands can get to
-  bodyschema export sessions/max-1 --urdf                    # the learned body for other programs
+  bodyschema export sessions/max-1 --out max.urdf            # the learned body for other programs
   bodyschema study learners --trials 5                       # compare learners; takes minutes"
 )]
 struct Cli {

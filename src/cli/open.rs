@@ -14,8 +14,8 @@ use super::{Failure, Outcome};
 use crate::creature::{Body, DofKind, JointSelection};
 use crate::experiment::{self, Embodied, ModelSource};
 use crate::ground_truth::GroundTruth;
-use crate::model_files::unreadable_mesh;
-use crate::mujoco::{Data, LeftOut, Model};
+use crate::model_files::{LeftOut, unreadable_mesh};
+use crate::mujoco::{Data, Model};
 use crate::record::{Session, mistaken_for_model, wide_ranges};
 
 /// Processor time that a file may take to load, seconds.

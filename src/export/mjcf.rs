@@ -5,6 +5,7 @@
 //! original are not known, so the model is for kinematics and collision; gravity is off.
 
 use std::f64::consts::PI;
+use std::path::{Path, PathBuf};
 
 use nalgebra::{Matrix3, Vector3};
 
@@ -85,6 +86,11 @@ pub fn to_mjcf(agent: &Agent, schema: &BodySchema) -> String {
         add(root.section("custom"), tuple);
     }
     write(&root)
+}
+
+/// The file of a body.
+pub(super) fn files(agent: &Agent, schema: &BodySchema, path: &Path) -> Vec<(PathBuf, Vec<u8>)> {
+    vec![(path.to_path_buf(), to_mjcf(agent, schema).into_bytes())]
 }
 
 /// The bodies' names: those of the limbs, but no body may be called as the world is.

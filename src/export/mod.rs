@@ -1,7 +1,42 @@
-//! A learned body in the formats of others: MJCF and URDF.
+//! A learned body in the formats of others: a file and a line in [`FORMATS`] for each.
 
 mod mjcf;
 mod urdf;
 
+use std::path::{Path, PathBuf};
+
 pub use mjcf::to_mjcf;
 pub use urdf::{Urdf, to_urdf};
+
+use crate::agent::Agent;
+use crate::schema::BodySchema;
+
+/// A format that a learned body is written in.
+pub struct ExportFormat {
+    /// How its files end.
+    pub ending: &'static str,
+    /// What it is.
+    pub about: &'static str,
+    /// The files of a body, of which the last has the name given and refers to the others.
+    pub files: fn(&Agent, &BodySchema, &Path) -> Vec<(PathBuf, Vec<u8>)>,
+}
+
+/// All formats.
+pub const FORMATS: [ExportFormat; 2] = [
+    ExportFormat { ending: "xml", about: "MJCF, for MuJoCo", files: mjcf::files },
+    ExportFormat { ending: "urdf", about: "URDF, for ROS and most simulators", files: urdf::files },
+];
+
+impl ExportFormat {
+    /// The format of a file by its name's ending.
+    ///
+    /// # Errors
+    /// A sentence with the endings that there are.
+    pub fn of(path: &Path) -> Result<&'static ExportFormat, String> {
+        let ending = path.extension().and_then(|ending| ending.to_str()).unwrap_or_default().to_lowercase();
+        FORMATS.iter().find(|format| format.ending == ending).ok_or_else(|| {
+            let all = FORMATS.map(|format| format!(".{} for {}", format.ending, format.about)).join("; ");
+            format!("{}: unsupported format: use {all}", path.display())
+        })
+    }
+}

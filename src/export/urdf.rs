@@ -8,6 +8,7 @@
 
 use std::collections::HashSet;
 use std::f64::consts::PI;
+use std::path::{Path, PathBuf};
 
 use nalgebra::{Matrix3, Rotation3, Vector3};
 
@@ -88,6 +89,15 @@ pub fn to_urdf(agent: &Agent, schema: &BodySchema, mesh_name: &str) -> Urdf {
     };
     let xml = write(&robot);
     Urdf { xml, mesh: agent.skin().surfaces.iter().any(scaled).then(sphere_stl) }
+}
+
+/// The files of a body: the mesh that the description refers to, where it does, and the description.
+pub(super) fn files(agent: &Agent, schema: &BodySchema, path: &Path) -> Vec<(PathBuf, Vec<u8>)> {
+    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+    let mesh_name = format!("{stem}_ellipsoid.stl");
+    let Urdf { xml, mesh } = to_urdf(agent, schema, &mesh_name);
+    let mesh = mesh.map(|mesh| (path.with_file_name(&mesh_name), mesh));
+    mesh.into_iter().chain([(path.to_path_buf(), xml.into_bytes())]).collect()
 }
 
 /// A joint's degrees of freedom in a chain, with the links between them.

@@ -50,7 +50,7 @@ impl Defaults {
             own.insert(child.name.clone(), merged);
         }
         self.classes.insert(name.to_string(), own.clone());
-        for inner in section.children.iter().filter(|e| e.name == "default") {
+        for inner in section.all("default") {
             match inner.get("class").unwrap_or_default() {
                 "" => return Err((inner, "<default> in another has no class; give it class=\"…\"".into())),
                 name if name != MAIN && self.has(name) => {

@@ -6,6 +6,7 @@ use std::path::PathBuf;
 
 use nalgebra::{Isometry3, Vector3};
 
+use super::checks;
 use super::defaults::Defaults;
 use super::left_out::LeftOut;
 use super::mesh_files::{MeshFolder, mesh_name};
@@ -14,7 +15,6 @@ use super::references::{Name, names, rename, repeated, stands};
 use super::source::{Refused, Source, folder_of, with_slashes};
 use super::tree::Element;
 use super::write::exact;
-use super::{limits, values};
 
 /// Elements that a file may come to with all its replicas.
 const GREATEST_TREE: usize = 200_000;
@@ -52,7 +52,6 @@ impl Expanded {
     /// Where it refers to a model that cannot be read, or comes to more than can be.
     pub fn new(source: &Source, left_out: &mut LeftOut, nesting: usize) -> Result<Expanded, Refused> {
         let sections = |name: &'static str| source.root.children.iter().filter(move |e| e.name == name);
-        let setting = |name: &str| sections("compiler").filter_map(|e| e.get(name)).next_back();
         let defaults = Defaults::new(sections("default"))
             .map_err(|(element, message)| source.refused(element, message))?;
         let assets = || sections("asset").flat_map(|e| &e.children);
@@ -83,7 +82,7 @@ impl Expanded {
         let mut expansion = Expansion {
             source,
             angles: Angles::of(&source.root),
-            autolimits: setting("autolimits") != Some("false"),
+            autolimits: source.root.setting("compiler", "autolimits") != Some("false"),
             colours: colours.collect(),
             models: assets().filter(|e| e.name == "model").map(|e| (model_name(source, e), e)).collect(),
             meshes: meshes.collect(),
@@ -138,7 +137,7 @@ impl Expansion<'_> {
     /// What an element of the tree holds, in plain terms; `class` is the one that its ancestors gave their children.
     fn children(&mut self, parent: &Element, class: Option<&str>) -> Result<Vec<Element>, Refused> {
         let mut plain = Vec::new();
-        for child in parent.children.iter() {
+        for child in &parent.children {
             match child.name.as_str() {
                 "body" => plain.push(self.body(child, class)?),
                 "geom" | "site" | "joint" | "freejoint" | "inertial" => plain.push(self.part(child, class)?),
@@ -191,7 +190,7 @@ impl Expansion<'_> {
         plain.remove("childclass");
         set_pose(&mut plain, &self.angles.pose(body));
         let children = self.children(body, self.class(body, "childclass")?.or(class))?;
-        plain.children = children.into_iter().collect();
+        plain.children = children;
         Ok(plain)
     }
 
@@ -337,8 +336,7 @@ impl Expansion<'_> {
                 format!("model {name} is in {}, which is no MJCF; convert it first", file.display());
             return Err(self.source.refused(self.models[name], message));
         }
-        limits::check(&attached)?;
-        values::check(&attached)?;
+        checks::check(&attached)?;
         let Expanded { mut world, meshes, references } =
             Expanded::new(&attached, self.left_out, self.nesting + 1)?;
         if let Some(body) = attach.get("body") {

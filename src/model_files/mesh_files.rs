@@ -23,11 +23,11 @@ pub(super) struct MeshFolder {
 impl MeshFolder {
     /// By the settings of a model's compiler, which URDF has in an element of its own.
     pub fn of(source: &Source) -> MeshFolder {
-        let elements = |of: &'_ Element| of.children.iter().cloned().collect();
-        let mut sections: Vec<Element> = elements(&source.root);
-        sections.extend(source.root.child("mujoco").map(elements).unwrap_or_default());
-        let compilers = || sections.iter().filter(|e| e.name == "compiler");
-        let setting = |name: &str| compilers().filter_map(|e| e.get(name)).next_back();
+        let root = &source.root;
+        let setting = |name: &str| {
+            let of_urdf = root.child("mujoco").and_then(|own| own.setting("compiler", name));
+            of_urdf.or_else(|| root.setting("compiler", name))
+        };
         let folder = whole_folder_of(&source.path);
         let own = setting("meshdir").or_else(|| setting("assetdir"));
         let mut folders: Vec<PathBuf> = own.map(|own| folder.join(with_slashes(own))).into_iter().collect();
@@ -161,7 +161,7 @@ pub(crate) fn unreadable_mesh(path: &Path) -> Option<Refused> {
     } else {
         source.root.clone()
     };
-    let assets = root.children.iter().filter(|e| e.name == "asset");
+    let assets = root.all("asset");
     let meshes = assets.flat_map(|e| &e.children).filter(|e| e.name == "mesh");
     { meshes }.find_map(|mesh| {
         let mut settled = mesh.clone();

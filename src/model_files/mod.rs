@@ -2,40 +2,39 @@
 //! terms, and writing elements, sections, and the receptors' look, alike in every file of ours.
 
 mod assets;
+mod checks;
 mod defaults;
 mod edits;
 mod expand;
 mod hulls;
 mod left_out;
-mod limits;
+mod loading;
 mod mesh_corners;
 mod mesh_files;
 mod parse;
 mod pose;
 mod reduce;
 mod references;
+mod refusal;
 mod schema;
 mod source;
 mod tree;
 mod urdf;
 mod urdf_names;
 mod urdf_tree;
-mod values;
 mod write;
 
 pub(crate) use assets::check as check_assets;
+pub(crate) use checks::check as check_source;
 pub(crate) use edits::{Change, Edits, XmlEdits, negative, new_element};
-pub(crate) use hulls::open_meshes;
 pub use left_out::LeftOut;
-pub(crate) use limits::{check as check_limits, check_numbers};
 pub(crate) use mesh_files::unreadable_mesh;
 pub(crate) use pose::{Angles, ORIENTATIONS};
 pub(crate) use reduce::Reduced;
 pub(crate) use source::{Refused, Source, begins_as, first_letter};
-pub(crate) use tree::{Element, Place, element};
+pub(crate) use tree::{Element, element};
 pub(crate) use urdf::to_mjcf as urdf_to_mjcf;
 pub(crate) use urdf_tree::{GREATEST_TURN, Origin, UrdfFollowing, UrdfJoint, UrdfKind, UrdfTree};
-pub(crate) use values::check as check_values;
 pub(crate) use write::{Texts, escape, exact, numbered, write};
 
 /// Half the thickness of a receptor's site, metres.

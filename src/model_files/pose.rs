@@ -26,10 +26,7 @@ impl Angles {
 
     /// By what a model's file says, with what it includes written out.
     pub fn of(root: &Element) -> Angles {
-        // A later setting overrides an earlier one.
-        let compilers = root.children.iter().filter(|e| e.name == "compiler");
-        let setting = |name: &str| compilers.clone().filter_map(|e| e.get(name)).next_back();
-        Angles::new(setting("angle"), setting("eulerseq"))
+        Angles::new(root.setting("compiler", "angle"), root.setting("compiler", "eulerseq"))
     }
 
     /// An angle as written in radians.

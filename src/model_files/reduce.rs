@@ -15,6 +15,7 @@ use super::references::{Name, names, stands};
 use super::schema::Schema;
 use super::source::{Refused, Source};
 use super::tree::{Element, element};
+use crate::named::did_you_mean;
 
 /// Settings of the compiler that every file in plain terms has alike, or that speak of what is left out.
 const SETTLED: [&str; 7] =
@@ -89,7 +90,7 @@ impl Reduced {
             }
         }
         for asset in sections().filter(|e| e.name == "asset").flat_map(|e| &e.children) {
-            if let Some(asset) = Some(asset).filter(|e| !matches!(e.name.as_str(), "mesh" | "model")) {
+            if !matches!(asset.name.as_str(), "mesh" | "model") {
                 left_out.spare(format!("<{}>", asset.name));
             }
         }
@@ -162,16 +163,15 @@ impl Reduced {
             let gone = root.remove_all(&|e| e.name == "geom" && e.get("mesh") == Some(mesh));
             left_out.lose(format!("geom of the mesh {mesh}: {fault}"), gone);
         }
-        let mut meshes = BTreeSet::new();
-        root.each(&mut |e| {
-            if e.name == "mesh" {
-                meshes.extend(mesh_name(e));
-            }
-        });
+        let meshes: BTreeSet<String> =
+            root.descendants().filter(|e| e.name == "mesh").filter_map(mesh_name).collect();
         let gone = root
             .remove_all(&|e| e.name == "geom" && e.get("mesh").is_some_and(|mesh| !meshes.contains(mesh)));
         left_out.lose("geom whose mesh is not there", gone);
-        for shape in other_shapes(root) {
+        let shapes = root.descendants().filter(|e| e.name == "geom").filter_map(|e| e.get("type"));
+        let others: BTreeSet<String> =
+            shapes.filter(|shape| !SHAPES.contains(shape)).map(str::to_string).collect();
+        for shape in others {
             let gone = root.remove_all(&|e| e.name == "geom" && e.get("type") == Some(&shape));
             // Height fields are ground, and not of a body.
             if shape == "hfield" {
@@ -188,9 +188,8 @@ impl Reduced {
             if let Some(section) = root.children.iter_mut().find(|own| own.name == section) {
                 let gone = section.remove_all(&|e| !stands(e, &there));
                 section.children.retain(|child| child.name != "tuple" || !child.children.is_empty());
-                for _ in 0..gone {
-                    left_out.spare(format!("entry of <{}> for what is not there", section.name));
-                }
+                let what = format!("entry of <{}> for what is not there", section.name);
+                (0..gone).for_each(|_| left_out.spare(&what));
             }
         }
     }
@@ -223,73 +222,35 @@ impl Reduced {
 
     /// The names of its meshes.
     pub fn meshes(&self) -> Vec<String> {
-        let assets = self.root.child("asset").into_iter().flat_map(|asset| &asset.children);
-        assets.filter_map(mesh_name).collect()
+        self.root.all("asset").flat_map(|asset| &asset.children).filter_map(mesh_name).collect()
     }
 }
 
-/// What a default class can be of, in any version of the engine.
-const DEFAULTS: [&str; 21] = [
-    "mesh",
-    "material",
-    "joint",
-    "geom",
-    "site",
-    "camera",
-    "light",
-    "pair",
-    "equality",
-    "tendon",
-    "general",
-    "motor",
-    "position",
-    "velocity",
-    "intvelocity",
-    "damper",
-    "cylinder",
-    "muscle",
-    "adhesion",
-    "dcmotor",
-    "plugin",
-];
-
-/// Tells what default classes say of what nothing is known of.
+/// Reports what default classes say of elements that are most likely misspelt.
 fn lose_unknown_defaults(class: &Element, left_out: &mut LeftOut) {
-    for child in class.children.iter() {
+    const OF_BODIES: [&str; 4] = ["mesh", "joint", "geom", "site"];
+    for child in &class.children {
         match child.name.as_str() {
             "default" => lose_unknown_defaults(child, left_out),
-            name if DEFAULTS.contains(&name) => {}
+            name if OF_BODIES.contains(&name) || did_you_mean(name, OF_BODIES).is_none() => {}
             name => left_out.lose(format!("<{name}> in <default>"), 1),
         }
     }
 }
 
-/// The shapes of geoms that no limb can have.
-fn other_shapes(root: &mut Element) -> BTreeSet<String> {
-    let mut shapes = BTreeSet::new();
-    root.each(&mut |e| {
-        let shape = e.get("type").filter(|shape| e.name == "geom" && !SHAPES.contains(shape));
-        shapes.extend(shape.map(str::to_string));
-    });
-    shapes
-}
-
 /// Leaves out attributes that the engine does not know, all over a section.
 fn known(one: &mut Element, section: &str, schema: &Schema, left_out: &mut LeftOut) {
     let name = one.name.clone();
-    for attribute in one.attributes.clone().into_iter().map(|(attribute, _)| attribute) {
-        if attribute == "user" {
-            one.remove("user");
-        } else if !schema.knows(section, &name, &attribute) {
-            one.remove(&attribute);
-            if section == "worldbody" && !NEWER.contains(&attribute.as_str()) {
-                left_out.lose(format!("{attribute} of <{name}>, which MuJoCo does not know"), 1);
-            } else {
-                left_out.spare(format!("{attribute} of <{name}>"));
-            }
+    one.attributes.retain(|(attribute, _)| {
+        let kept = attribute != "user" && schema.knows(section, &name, attribute);
+        let of_body = section == "worldbody" && !NEWER.contains(&attribute.as_str());
+        match attribute.as_str() {
+            "user" => {}
+            _ if kept => {}
+            _ if of_body => left_out.lose(format!("{attribute} of <{name}>, which MuJoCo does not know"), 1),
+            _ => left_out.spare(format!("{attribute} of <{name}>")),
         }
-    }
-    one.children.iter_mut().for_each(|child| {
-        known(child, section, schema, left_out);
+        kept
     });
+    one.children.iter_mut().for_each(|child| known(child, section, schema, left_out));
 }

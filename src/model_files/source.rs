@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use super::parse::{Tolerant, name_at, parse};
 use super::tree::{Element, Place};
+use crate::mujoco::Error;
 
 /// Greatest bytes of an XML file; what is large in a model lies in its meshes.
 const GREATEST_FILE: u64 = 256 << 20;
@@ -35,6 +36,12 @@ impl Refused {
             }
             None => Refused::file(path, message),
         }
+    }
+}
+
+impl From<Refused> for Error {
+    fn from(Refused { path, line, message }: Refused) -> Error {
+        Error::Read { path, line, message }
     }
 }
 

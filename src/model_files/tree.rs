@@ -133,6 +133,16 @@ impl Element {
         self.children.iter_mut().for_each(|child| child.each(change));
     }
 
+    /// It and all in it, in the order of the file.
+    pub fn descendants(&self) -> impl Iterator<Item = &Element> {
+        let mut due = vec![self];
+        std::iter::from_fn(move || {
+            let next = due.pop()?;
+            due.extend(next.children.iter().rev());
+            Some(next)
+        })
+    }
+
     /// Removes elements at any depth; how many went.
     pub fn remove_all(&mut self, which: &dyn Fn(&Element) -> bool) -> usize {
         let before = self.children.len();

@@ -3,59 +3,30 @@
 use crate::named::did_you_mean;
 
 /// Elements, by the element that they are in.
-const ELEMENTS: [(&str, &[&str]); 7] = [
-    (
-        "robot",
-        &[
-            "link",
-            "joint",
-            "material",
-            "gazebo",
-            "transmission",
-            "mujoco",
-            "ros2_control",
-            "plugin",
-            "sensor",
-        ],
-    ),
-    ("link", &["inertial", "visual", "collision", "contact", "sensor"]),
-    (
-        "joint",
-        &[
-            "origin",
-            "parent",
-            "child",
-            "axis",
-            "calibration",
-            "dynamics",
-            "limit",
-            "mimic",
-            "safety_controller",
-        ],
-    ),
-    ("inertial", &["origin", "mass", "inertia"]),
-    ("collision", &["origin", "geometry", "material", "name", "verbose", "contact_coefficients", "surface"]),
-    ("visual", &["origin", "geometry", "material", "name", "meterial", "plugin"]),
-    (
-        "geometry",
-        &["box", "cylinder", "sphere", "mesh", "capsule", "plane", "cone", "ellipsoid", "heightmap"],
-    ),
+const ELEMENTS: [(&str, &str); 7] = [
+    ("robot", "link joint material gazebo transmission mujoco ros2_control plugin sensor"),
+    ("link", "inertial visual collision contact sensor"),
+    ("joint", "origin parent child axis calibration dynamics limit mimic safety_controller"),
+    ("inertial", "origin mass inertia"),
+    ("collision", "origin geometry material name verbose contact_coefficients surface"),
+    ("visual", "origin geometry material name meterial plugin"),
+    ("geometry", "box cylinder sphere mesh capsule plane cone ellipsoid heightmap"),
 ];
 /// Attributes, by their element.
-const ATTRIBUTES: [(&str, &[&str]); 13] = [
-    ("origin", &["xyz", "rpy", "quat_xyzw", "rotation"]),
-    ("axis", &["xyz", "rpy"]),
-    ("parent", &["link", "joint"]),
-    ("child", &["link", "joint"]),
-    ("limit", &["lower", "upper", "effort", "velocity", "acceleration", "deceleration", "jerk"]),
-    ("mimic", &["joint", "multiplier", "offset"]),
-    ("mass", &["value"]),
-    ("box", &["size"]),
-    ("sphere", &["radius"]),
-    ("cylinder", &["radius", "length"]),
-    ("capsule", &["radius", "length"]),
-    ("mesh", &["filename", "scale"]),
-    ("joint", &["name", "type"]),
+const ATTRIBUTES: [(&str, &str); 13] = [
+    ("origin", "xyz rpy quat_xyzw rotation"),
+    ("axis", "xyz rpy"),
+    ("parent", "link joint"),
+    ("child", "link joint"),
+    ("limit", "lower upper effort velocity acceleration deceleration jerk"),
+    ("mimic", "joint multiplier offset"),
+    ("mass", "value"),
+    ("box", "size"),
+    ("sphere", "radius"),
+    ("cylinder", "radius length"),
+    ("capsule", "radius length"),
+    ("mesh", "filename scale"),
+    ("joint", "name type"),
 ];
 
 /// The element that is meant by one in an element called `parent`, where it is misspelt.
@@ -73,9 +44,10 @@ pub(super) fn is_known(element: &str) -> bool {
     ELEMENTS.iter().any(|(parent, _)| *parent == element)
 }
 
-fn meant(of: &[(&str, &[&'static str])], within: &str, name: &str) -> Option<&'static str> {
+fn meant(of: &[(&str, &'static str)], within: &str, name: &str) -> Option<&'static str> {
     let (_, known) = of.iter().find(|(parent, _)| *parent == within)?;
-    did_you_mean(name, known.iter().copied()).filter(|_| !known.contains(&name))
+    let mut known = known.split(' ');
+    if known.clone().any(|known| known == name) { None } else { did_you_mean(name, &mut known) }
 }
 
 #[cfg(test)]

@@ -3,7 +3,6 @@
 use std::path::PathBuf;
 
 use super::engine::version_text;
-use crate::model_files::Refused;
 
 /// A failure of the engine, of a model's file, or of what was handed to the engine.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -75,12 +74,6 @@ pub enum Error {
         /// The length given.
         found: usize,
     },
-}
-
-impl From<Refused> for Error {
-    fn from(Refused { path, line, message }: Refused) -> Error {
-        Error::Read { path, line, message }
-    }
 }
 
 /// A result of the MuJoCo layer.

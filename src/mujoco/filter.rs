@@ -114,7 +114,7 @@ impl Model {
 
     /// Takes over the contact types and affinities of another model, before this one is shared; false where the two do not
     /// have the same geoms, and nothing is taken over.
-    pub(super) fn take_filters(&mut self, other: &Model) -> bool {
+    pub(crate) fn take_filters(&mut self, other: &Model) -> bool {
         let geoms = |model: &Model| -> Vec<_> {
             (0..model.ngeom())
                 .map(|g| (model.geom_kind(g), model.geom_body(g), model.mesh_of_geom(g)))

@@ -11,6 +11,7 @@
 #![allow(unsafe_code)]
 #![deny(unsafe_op_in_unsafe_fn)]
 
+mod compiler;
 mod contact;
 mod data;
 mod element;
@@ -18,12 +19,9 @@ mod engine;
 mod error;
 mod ffi;
 mod filter;
-mod hulls;
-mod loading;
 mod model;
 #[cfg(feature = "render")]
 mod opengl;
-mod refusal;
 #[cfg(feature = "render")]
 mod renderer;
 mod shapes;
@@ -31,7 +29,7 @@ mod simulated;
 mod surface;
 mod vfs;
 
-pub use crate::model_files::LeftOut;
+pub(crate) use compiler::Compiler;
 pub use contact::{Contact, Contacts};
 pub use data::Data;
 pub use element::{

@@ -314,12 +314,12 @@ impl Model {
     }
 
     /// The mesh that geom `i` is of, if it is of one.
-    pub(super) fn mesh_of_geom(&self, i: usize) -> Option<usize> {
+    pub(crate) fn mesh_of_geom(&self, i: usize) -> Option<usize> {
         usize::try_from(array!(self, geom_dataid[ngeom])[i]).ok()
     }
 
     /// The name of mesh `i`, where it has one and the engine made no hull for it.
-    pub(super) fn name_without_hull(&self, i: usize) -> Option<String> {
+    pub(crate) fn name_without_hull(&self, i: usize) -> Option<String> {
         let has_hull = array!(self, mesh_graphadr[nmesh])[i] >= 0;
         self.name(ObjectKind::from_raw(ffi::mjOBJ_MESH as i32), i).filter(|_| !has_hull).map(str::to_string)
     }
@@ -464,7 +464,7 @@ impl Model {
         array!(self, body_parentid[nbody])
     }
 
-    pub(super) fn contact_bits(&self, i: usize) -> (i32, i32) {
+    pub(crate) fn contact_bits(&self, i: usize) -> (i32, i32) {
         (array!(self, geom_contype[ngeom])[i], array!(self, geom_conaffinity[ngeom])[i])
     }
 

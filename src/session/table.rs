@@ -470,7 +470,7 @@ fn add<'v>(
 
 /// Reads a table whose first line has the columns' names; they are separated by commas, tabs or semicolons. Lines that hold
 /// nothing are left out.
-fn read_separated(path: &Path, bytes: &[u8]) -> Result<Table, RecordError> {
+pub(crate) fn read_separated(path: &Path, bytes: &[u8]) -> Result<Table, RecordError> {
     let refuse = |line: usize, message: String| RecordError::format(path, Some(line), message);
     let text = bytes.trim_ascii_start();
     if text.starts_with(b"<") {

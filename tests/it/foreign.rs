@@ -773,3 +773,36 @@ fn a_file_that_keeps_the_engine_busy_is_given_up() {
     assert_eq!(output.status.code(), Some(1), "{said}");
     assert!(said.contains("endless.xml: MuJoCo did not come to an end with it in 2 s"), "{said}");
 }
+
+#[test]
+fn numbers_on_which_the_engine_crashes_or_never_returns_are_named_with_their_line() {
+    let refusal = |xml: &str| Model::from_xml(xml).map(|_| ()).unwrap_err().to_string();
+    let texture = refusal("<mujoco><asset>\n<texture width=\"999999999\"/></asset></mujoco>");
+    assert!(texture.contains("line 2") && texture.contains("width"), "{texture}");
+    for value in ["1e30", "-1e30", "nan", "inf", "0 1e30", "1e30m", "&#49;e30"] {
+        let message = refusal(&format!("<mujoco><worldbody><geom size='{value}'/></worldbody></mujoco>"));
+        assert!(message.contains("size"), "{message}");
+    }
+    let geom = refusal("<mujoco><worldbody><geom fromto = '0 0 0 0 0 1e30'/></worldbody></mujoco>");
+    assert!(geom.contains("fromto"), "{geom}");
+    assert!(refusal("<mujoco><size nuser_body='999999999'/></mujoco>").contains("nuser_body"));
+    for setting in
+        ["timestep='1e-300'", "timestep='0'", "timestep='-1'", "timestep='nan'", "timestep='1e300'"]
+    {
+        assert!(refusal(&format!("<mujoco><option {setting}/></mujoco>")).contains("timestep"), "{setting}");
+    }
+    for setting in ["iterations='2000000000'", "noslip_iterations='2000000000'", "mpr_iterations='-5'"] {
+        assert!(
+            refusal(&format!("<mujoco><option {setting}/></mujoco>")).contains("iterations"),
+            "{setting}"
+        );
+    }
+    let bodies = format!("<mujoco><worldbody>{}</worldbody></mujoco>", "<body/>".repeat(100_000));
+    assert!(refusal(&bodies).contains("100000 elements <body>"));
+    Model::from_xml(
+        "<mujoco><!-- size=\"1e30\" ---- --><option timestep='0.002' iterations='100' noslip_iterations='0'/><asset>
+        <texture name='t' type='2d' builtin='flat' width='512' height=\"512\"/></asset><worldbody>
+        <geom type='box' size=\"1 2 3\" pos='-5 0 1e3' name=\"a>b\"/></worldbody></mujoco>",
+    )
+    .unwrap();
+}

@@ -50,6 +50,7 @@ mod render;
 mod report;
 mod results;
 mod resume;
+mod robot_files;
 mod scale;
 mod senses;
 mod shares;

@@ -171,6 +171,7 @@ fn a_command_that_fails_leaves_no_folder() {
     }
     // Too long for a file system, so that the folder can be made and the file cannot.
     let long = format!("new/deep/{}.xml", "x".repeat(300));
+    let long_urdf = long.replace(".xml", ".urdf");
     fs::create_dir(place.path().join("x.urdf")).unwrap();
     fs::write(
         place.path().join("stiff.xml"),
@@ -183,9 +184,11 @@ fn a_command_that_fails_leaves_no_folder() {
     let before = files(place.path());
     let inside = files(&place.path().join("s"));
     for arguments in [
-        &["export", "s", "--mjcf", "--out", &long][..],
-        &["export", "s", "--urdf", "--out", &long],
-        &["export", "s", "--urdf", "--out", "x.urdf"],
+        &["export", "s", "--out", &long][..],
+        &["export", "s", "--out", &long_urdf],
+        &["export", "s", "--out", "x.urdf"],
+        &["export", "s", "--out", "x.jpg"],
+        &["export", "s", "--urdf"],
         &["skin", "arms.xml", "--out", &long],
         &["generate", "--out", &long],
         &["learn", "empty", "--out", "new/deep"],

@@ -356,7 +356,7 @@ fn a_log_without_a_model_gives_the_same_schema_to_the_last_digit() {
         place.succeeds(&["learn", input]);
         assert_eq!(fs::read(place.path(input).join("schema.json")).unwrap(), with_model, "{input}");
         place.succeeds(&["report", input]);
-        place.succeeds(&["export", input, "--urdf"]);
+        place.succeeds(&["export", input]);
         fs::rename(place.path("gone.xml"), place.path("arms.xml")).unwrap();
         assert!(place.succeeds(&["report", input, "--model", "arms.xml"]).contains("angle between axes"));
     }

@@ -200,7 +200,7 @@ fn quick(yard: &Yard) -> Vec<Job> {
         yard.job("merge s", Some("shares")),
         yard.job("merge s", Some("trials")),
         yard.job("skin arms.xml --out s/skin.xml", None),
-        yard.job("export whole --mjcf --out s/body.xml", None),
+        yard.job("export whole --out s/body.xml", None),
         yard.job(&format!("calibrate {} {} --free *.offset --out s", arms.display(), table.display()), None),
         yard.job(&format!("plan {} --free *.offset --touches 3 --out s/plan.csv", arms.display()), None),
     ]

@@ -336,7 +336,7 @@ fn victims() -> Vec<Victim> {
         victim(&["learn", "whole-1", "--out", "s", "--learner", "hersch", "--quiet"], None),
         victim(&[&RECORDING[..], &["--out", "s"]].concat(), None),
         victim(&["report", "s"], Some("whole-1")),
-        victim(&["export", "s", "--urdf"], Some("whole-1")),
+        victim(&["export", "s", "--out", "s/learned.urdf"], Some("whole-1")),
         victim(&["reach", "s", "--hand", "left_fore"], Some("whole-1")),
         victim(&["skin", "map", "s", "--out", "s/map.json", "--quiet"], Some("stroked")),
         victim(&["skin", "feel", "arms.xml", "--strokes", "0.02", "--out", "s", "--quiet"], None),
@@ -367,7 +367,7 @@ fn aftermath(yard: &Yard, victim: &Victim, how: &str, findings: &mut Findings) {
     } else if folder.join("session.json").exists() {
         // Whoever reads it first puts it in order.
         let read = match victim.learns() {
-            true => yard.tries(&["export", "s", "--mjcf", "--out", "other.xml"]),
+            true => yard.tries(&["export", "s", "--out", "other.xml"]),
             false => yard.tries(&["skin", "map", "s", "--out", "other.json", "--quiet"]),
         };
         findings.check(read.is_ok(), STALE, || format!("{how}: {read:?}"));

@@ -31,7 +31,7 @@ use results::Results;
   bodyschema calibrate examples/robot/arms.urdf examples/robot/touches.csv --prior '*.offset=5deg' --joint-noise auto --folds 5
   bodyschema calibrate examples/robot/arms.urdf examples/robot/touches.csv --free '*.offset' --free 'left_hand.mount.*' --out calibrated\n\n{ROBOT_HELP}"))]
 pub struct CalibrateArguments {
-    /// The robot: URDF, MJCF, a table of Denavit and Hartenberg's numbers (CSV or JSON), or a description in JSON
+    /// The robot: URDF, MJCF, a table of Denavit and Hartenberg's numbers (CSV), or a description in JSON
     robot: PathBuf,
     /// The log of touches: comma-separated values
     log: PathBuf,

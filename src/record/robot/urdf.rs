@@ -10,8 +10,7 @@ use crate::calibration::robot::{Element, Form, LinkMass, Robot, Unit, Value};
 use crate::creature::{DofKind, UNLIMITED_SLIDE};
 use crate::geometry::{Frame, Shape};
 use crate::model_files::{
-    Element as Tag, Origin, Refused, Source, UrdfFollowing, UrdfJoint, UrdfKind, UrdfTree, check_limits,
-    check_values,
+    Element as Tag, Origin, Refused, Source, UrdfFollowing, UrdfJoint, UrdfKind, UrdfTree, check_source,
 };
 
 /// Reads a robot from a URDF file, in its maker's frames, and tells what of the file is of no use here, a sentence each. A
@@ -29,8 +28,7 @@ pub fn read_urdf(path: &Path, bytes: &[u8]) -> Result<(Robot, Vec<String>), Refu
         );
         return Err(source.refused(&source.root, message));
     }
-    check_limits(&source)?;
-    check_values(&source)?;
+    check_source(&source)?;
     let tree = UrdfTree::new(&source)?;
     if let Some((origin, fault)) = tree.turn_faults().into_iter().next() {
         return Err(source.refused(origin, fault));
@@ -177,139 +175,10 @@ fn add_surfaces(robot: &mut Robot, link: usize, source: &Source, element: &Tag) 
 pub(super) fn shapes<'a>(link: &str, element: &'a Tag) -> Vec<(String, &'a Tag, &'a Tag)> {
     let known = |shape: &&Tag| ["sphere", "cylinder", "capsule", "box"].contains(&shape.name.as_str());
     let found: Vec<(&Tag, &Tag)> = element
-        .children
-        .iter()
-        .filter(|child| child.name == "collision")
+        .all("collision")
         .filter_map(|collision| Some((collision, collision.child("geometry")?.children.iter().find(known)?)))
         .collect();
     let alone = found.len() == 1;
     let called = |i: usize| if alone { link.to_string() } else { format!("{link}.{}", i + 1) };
     found.into_iter().enumerate().map(|(i, (collision, shape))| (called(i), collision, shape)).collect()
-}
-
-#[cfg(test)]
-pub(super) mod tests {
-    use nalgebra::{Matrix3, Vector3};
-
-    use super::*;
-    use crate::calibration::robot::Posed;
-
-    pub const ARM: &str = r#"<?xml version="1.0"?>
-<!-- An arm, as its maker has it. -->
-<robot name="arm">
-  <link name="base"><collision><geometry><sphere   radius='0.05'/></geometry></collision></link>
-  <link name="upper">
-    <inertial><origin xyz="0 0 0.1"/><mass value="1.5"/></inertial>
-    <collision><geometry><mesh filename="x.stl"/></geometry></collision>
-    <collision><origin xyz="0 0 0.1" rpy="0 0 0.5"/><geometry><cylinder radius="0.03" length="0.2"/></geometry></collision>
-    <collision><geometry><sphere radius="0.04"/></geometry></collision>
-  </link>
-  <joint name="shoulder" type="revolute">
-    <!-- odd, but so it is -->
-    <origin rpy="1.55 -0.3 3.12"   xyz="0.1 0 0.30"/>
-    <parent link="base"/><child link="upper"/>
-    <axis xyz="0 0 2"/><limit lower="-1.0" upper="2" effort="5"/>
-  </joint>
-  <link name="fore"/>
-  <joint name="elbow" type="continuous">
-    <parent link="upper"/> <child link="fore"/>
-  </joint>
-  <joint type="fixed" name="wrist"><origin xyz="0 0.2 0"/><parent link="fore"/><child link="hand"/></joint>
-  <link name="hand"/>
-  <joint name="finger" type="prismatic">
-    <parent link="hand"/><child link="tip"/> <origin xyz="0 0 0.1" rpy="0 1.5707963267948966 0"/>
-    <axis xyz="0.6 0 0.8"/> <limit lower="0" upper="0.04" effort="1" velocity="1"/>
-  </joint>
-  <joint name="thumb" type="prismatic">
-    <parent link="hand"/><child link="other_tip"/>
-    <axis xyz="0 -1 0"/> <mimic joint="finger" multiplier="-0.5"/>
-  </joint>
-  <link name="tip"/><link name="other_tip"/>
-</robot>
-"#;
-
-    pub fn read(text: &str) -> Result<(Robot, Vec<String>), String> {
-        let read = read_urdf(Path::new("arm.urdf"), text.as_bytes());
-        read.map_err(|refused| format!("line {}: {}", refused.line.unwrap_or_default(), refused.message))
-    }
-
-    pub fn about(axis: usize, angle: f64) -> Frame {
-        let turn = Rotation3::new(Vector3::ith(axis, angle)).into_inner();
-        Frame { rotation: turn, origin: Vector3::zeros() }
-    }
-
-    fn at(x: f64, y: f64, z: f64) -> Frame {
-        Frame { rotation: Matrix3::identity(), origin: Vector3::new(x, y, z) }
-    }
-
-    pub fn assert_near(a: &Frame, b: &Frame, what: &str) {
-        let far = (a.rotation - b.rotation).norm().max((a.origin - b.origin).norm());
-        assert!(far < 1e-12, "{what}: {far}");
-    }
-
-    #[test]
-    fn links_are_where_urdf_has_them() {
-        let (robot, passed_over) = read(ARM).unwrap();
-        assert_eq!(robot.coordinates(), 3);
-        let names: Vec<&str> = robot.dofs.iter().map(|dof| dof.name.as_str()).collect();
-        assert_eq!(names, ["shoulder", "elbow", "finger", "thumb"]);
-        let pi = std::f64::consts::PI;
-        assert_eq!(robot.dofs[0].range, [-1.0, 2.0]);
-        assert_eq!(robot.dofs[1].range, [-pi, pi]);
-        let surfaces: Vec<&str> = robot.surfaces.iter().map(|surface| surface.name.as_str()).collect();
-        assert_eq!(surfaces, ["base", "upper.1", "upper.2"]);
-        assert!(robot.quantity("upper.2.radius").is_some());
-        assert_eq!((robot.masses.len(), robot.masses[0].centre), (1, Vector3::new(0.0, 0.0, 0.1)));
-        assert_eq!(passed_over.len(), 1, "{passed_over:?}");
-        let [q, e, f] = [0.4, -1.1, 0.02];
-        let nominal = robot.nominal();
-        let frames = Posed::new(&robot, &nominal, &[q, e, f]).frames();
-        let frame = |name: &str| frames[robot.link(name).unwrap()];
-        let upper = at(0.1, 0.0, 0.3) * about(2, 3.12) * about(1, -0.3) * about(0, 1.55) * about(2, q);
-        let hand = upper * about(0, e) * at(0.0, 0.2, 0.0);
-        let tip = hand * at(0.0, 0.0, 0.1) * about(1, 0.5 * pi) * at(0.6 * f, 0.0, 0.8 * f);
-        assert_near(&frame("upper"), &upper, "upper");
-        assert_near(&frame("hand"), &hand, "hand");
-        assert_near(&frame("tip"), &tip, "tip");
-        assert_near(&frame("other_tip"), &(hand * at(0.0, 0.5 * f, 0.0)), "other_tip");
-    }
-
-    #[test]
-    fn mistakes_get_a_sentence() {
-        let with = |from: &str, to: &str| {
-            assert!(ARM.contains(from), "{from}");
-            read(&ARM.replacen(from, to, 1)).unwrap_err()
-        };
-        let cases = [
-            (read("<mujoco/>").unwrap_err(), "line 1: it is no URDF, but <mujoco>; "),
-            (with("<link name=\"hand\"/>", "<xacro:hand/>"), "line 22: <xacro:hand> is of Xacro, not URDF; "),
-            (
-                with("0 0.2 0", "0 ${length} 0"),
-                "line 21: \"${length}\" in xyz of <origin> is no number; write it out",
-            ),
-            (with("0 0.2 0", "0 0.2"), "line 21: xyz of <origin> has 2 numbers; give it 3"),
-            (with("0 0.2 0", "0,0.2,0"), "line 21: \"0,0.2,0\" in xyz of <origin> is no number; give one"),
-            (
-                with("rpy=\"1.55", "rpy=\"90"),
-                "line 13: rpy=\"90 -0.3 3.12\" of joint shoulder is more than a turn: ",
-            ),
-            (with("\"continuous\"", "\"hinge\""), "joint elbow is of the type \"hinge\"; "),
-            (
-                with("\"continuous\"", "\"floating\""),
-                "joint elbow is floating, which an encoder does not read; ",
-            ),
-            (
-                with("parent link=\"hand\"", "parent link=\"palm\""),
-                "joint finger names the link palm, which is not there",
-            ),
-            (with("parent link=\"base\"", "parent link=\"hand\""), "link upper is carried by itself; "),
-            (with("joint=\"finger\"", "joint=\"thumb\""), "joint thumb mimics itself"),
-            (with("name=\"elbow\"", "name=\"wrist\""), "line 21: there are two joints wrist; "),
-            (with("0.6 0 0.8", "0 0 0"), "the axis of joint finger has no direction"),
-            (with("'0.05'", "'0'"), "line 4: <sphere> of link base needs radius=\"…\" above 0; "),
-        ];
-        for (message, expected) in cases {
-            assert!(message.contains(expected) && message.contains([':', ';']), "{message} != {expected}");
-        }
-    }
 }

@@ -169,7 +169,7 @@ pub(super) fn insert_behind_geoms(body: &mut Element, new: impl Iterator<Item = 
 
 /// Makes the class of the receptors' sites, and returns its name.
 fn receptor_class(root: &mut Element) -> Result<String, StickyDefault> {
-    for default in root.children.iter().filter(|e| e.name == "default") {
+    for default in root.all("default") {
         // Every class inherits from the outermost.
         if let Some(site) = default.child("site")
             && let Some(sticky) = STICKY.iter().find(|&&name| site.has(name))
@@ -250,7 +250,7 @@ fn name_all(root: &mut Element, body: &Body) -> Option<()> {
 
 /// Visits the bodies of a file in its order.
 pub(super) fn each_body(root: &mut Element, visit: &mut impl FnMut(&mut Element)) {
-    for child in root.children.iter_mut() {
+    for child in &mut root.children {
         if child.name == "body" {
             visit(child);
         }

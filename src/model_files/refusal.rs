@@ -1,7 +1,8 @@
 //! The engine's words about a file, told of the user's own file.
 
-use super::engine::Version;
-use crate::model_files::{Element, Place, Texts, numbered};
+use super::tree::{Element, Place};
+use super::write::{Texts, numbered};
+use crate::mujoco::Version;
 
 /// What the engine says of a tree.
 #[derive(Clone, Debug)]

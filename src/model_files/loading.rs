@@ -1,34 +1,20 @@
 //! Loading a model, whoever made it: one door for every file.
 //!
 //! A file is read as a tree and handed to the engine as it is. Where the engine refuses it, the tree is put in terms that
-//! it knows ([`crate::model_files`]), and the caller is told what was left out. What is to be changed in every tree before
-//! the engine sees it goes into [`prepare`].
+//! it knows (`Reduced`), and the caller is told what was left out. What is to be changed in every tree before
+//! the engine sees it goes into [`Loader::prepare`].
 
-use std::ffi::CString;
 use std::path::Path;
-use std::ptr::NonNull;
-use std::sync::atomic::{AtomicU64, Ordering};
-use std::sync::{Mutex, MutexGuard, PoisonError};
 
-use super::engine::{self, Version};
-use super::error::{Error, Result};
-use super::ffi;
-use super::model::Model;
+use super::checks::{check, check_numbers};
+use super::hulls::with_hulls;
 use super::refusal::{Complaint, refusal};
-use super::vfs::{self, Vfs};
-use crate::model_files::{
-    Element, LeftOut, Reduced, Refused, Source, Texts, anchor_assets, check_assets, check_limits,
-    check_numbers, check_values, element, numbered, set_compiler, urdf_to_mjcf,
+use super::{
+    Element, LeftOut, Reduced, Refused, Source, Texts, anchor_assets, check_assets, element, numbered,
+    set_compiler, urdf_to_mjcf,
 };
+use crate::mujoco::{self, Compiler, Error, Model, Result};
 use crate::plausible::bounded;
-
-/// Bytes for the engine's message about a file.
-const MESSAGE_BYTES: usize = 2000;
-
-/// Least room for contacts in the data of any model: MuJoCo 2.2 reserves 100, which a body curled up
-/// exceeds.
-#[cfg(mujoco_nconmax)]
-const LEAST_CONTACTS: i32 = 2000;
 
 /// Least mass and inertia of a body, kg and kg·m², where the engine finds those of the file too small: tiny creatures, and
 /// bodies that only carry others.
@@ -43,9 +29,6 @@ const SURFACE_FAULTS: [&str; 3] = [
     "eigenvalue of mesh inertia must be positive",
     "eigenvalues of mesh inertia violate",
 ];
-
-/// The engine keeps the model that was loaded last in a global of its own: one load at a time.
-static LOADING: Mutex<()> = Mutex::new(());
 
 impl Model {
     /// Reads an MJCF or URDF file and what it includes; what this MuJoCo cannot read of it is left out.
@@ -63,7 +46,7 @@ impl Model {
     /// # Errors
     /// As [`Model::from_path`].
     pub fn read(path: impl AsRef<Path>) -> Result<(Self, LeftOut)> {
-        Self::read_by(&Loader::bare(), path.as_ref())
+        Self::read_by(&Loader::bare()?, path.as_ref())
     }
 
     /// The same with its textures.
@@ -71,7 +54,7 @@ impl Model {
     /// # Errors
     /// As [`Model::from_path`].
     pub fn read_with_textures(path: impl AsRef<Path>) -> Result<(Self, LeftOut)> {
-        Self::read_by(&Loader::new(), path.as_ref())
+        Self::read_by(&Loader::new()?, path.as_ref())
     }
 
     fn read_by(loader: &Loader, path: &Path) -> Result<(Self, LeftOut)> {
@@ -94,15 +77,14 @@ impl Model {
     /// # Errors
     /// [`Error::Version`] where the library is not the one the crate was built with.
     pub(crate) fn accepted(root: Element, path: &Path) -> Result<Element> {
-        let version = engine::check()?;
-        let loader = Loader { hulls: false, ..Loader::new() };
+        let loader = Loader { hulls: false, ..Loader::new()? };
         let mut given = root.clone();
         anchor_assets(&mut given, path);
         let mut mended = given.clone();
-        if loader.mended(&mut mended, version).is_err() || mended == given {
+        if loader.mended(&mut mended).is_err() || mended == given {
             return Ok(root);
         }
-        // The folders of meshes and textures are told as they were.
+        // The folders of meshes and textures stay as they were.
         let is_compiler = |e: &&Element| e.name == "compiler";
         let mut before = root.children.iter().filter(is_compiler);
         let settings = mended.children.iter_mut();
@@ -124,7 +106,7 @@ impl Model {
     /// # Errors
     /// As [`Model::from_path`], with [`Model::STRING_NAME`] in place of the file.
     pub fn from_xml(xml: &str) -> Result<Self> {
-        Ok(Loader::new().open(Source::of_text(Path::new(Self::STRING_NAME), xml)?, &[])?.0)
+        Ok(Loader::new()?.open(Source::of_text(Path::new(Self::STRING_NAME), xml)?, &[])?.0)
     }
 
     /// Reads a file with more bodies in its world, and the meshes that they are made of, given as their elements.
@@ -132,7 +114,7 @@ impl Model {
     /// # Errors
     /// As [`Model::from_path`].
     pub(crate) fn with_bodies(path: impl AsRef<Path>, bodies: Vec<Element>) -> Result<Self> {
-        Ok(Loader::bare().open(Source::read(path.as_ref())?, &bodies)?.0)
+        Ok(Loader::bare()?.open(Source::read(path.as_ref())?, &bodies)?.0)
     }
 
     /// The model in a file as the engine writes it out: includes, composites and replicas as bodies, angles
@@ -140,68 +122,16 @@ impl Model {
     ///
     /// # Errors
     /// As [`Model::from_path`], and where no temporary file can be written.
-    pub fn written_out(path: impl AsRef<Path>) -> Result<String> {
-        let path = path.as_ref();
-        static COUNT: AtomicU64 = AtomicU64::new(0);
-        let number = COUNT.fetch_add(1, Ordering::Relaxed);
-        let file = std::env::temp_dir().join(format!("bodyschema-{}-{number}.xml", std::process::id()));
-        let failed = |message: String| Error::from(Refused::file(path, message));
-        let name = CString::new(file.as_os_str().as_encoded_bytes())
-            .map_err(|_| failed("the folder for temporary files has a zero byte in its name".into()))?;
-        // The engine writes what was loaded last by anyone: nobody may load in between.
-        let loader = Loader { hulls: false, ..Loader::new() };
+    pub(crate) fn written_out(path: &Path) -> Result<String> {
+        let loader = Loader { hulls: false, ..Loader::new()? };
         let (model, _) = loader.open(Source::read(path)?, &[])?;
-        let mut message = vec![0u8; MESSAGE_BYTES];
-        let saved = engine::guarded("mj_saveLastXML", || {
-            // SAFETY: name and buffer outlive the call, the buffer's length is its own, and the loader's lock keeps
-            // loads away from the engine's copy of the model.
-            unsafe {
-                ffi::mj_saveLastXML(
-                    name.as_ptr(),
-                    model.raw.as_ptr(),
-                    message.as_mut_ptr().cast(),
-                    MESSAGE_BYTES as i32,
-                )
-            }
-        });
-        let text = std::fs::read_to_string(&file);
-        let _ = std::fs::remove_file(&file);
-        // SAFETY: the engine ends what it writes with a zero byte, and the buffer began as zeros.
-        let message = unsafe { engine::text(message.as_ptr().cast()) };
-        match (saved?, text) {
-            (0, _) => Err(failed(format!("MuJoCo cannot write it out: {message}"))),
-            (_, Ok(text)) => Ok(text),
-            (_, Err(error)) => {
-                Err(failed(format!("it cannot be written out to {}: {error}", file.display())))
-            }
-        }
+        loader.compiler.write_out(&model)?.map_err(|fault| Refused::file(path, fault).into())
     }
 }
 
-/// What is changed in every tree, in this order.
-fn prepare(root: &mut Element, source: &Source, bodies: &[Element]) {
-    anchor_assets(root, &source.path);
-    // A trunk that stands still would be joined to the world, and its limbs fall apart into creatures of their own; and what
-    // is for show alone may be all there is to touch.
-    for (name, kept) in [("fusestatic", "false"), ("discardvisual", "false")] {
-        let mut compilers = root.children.iter().filter(|e| e.name == "compiler");
-        if compilers.any(|compiler| compiler.get(name).is_some()) {
-            set_compiler(root, name, kept);
-        }
-    }
-    if !bodies.is_empty() {
-        let (assets, bodies): (Vec<_>, Vec<_>) = bodies.iter().cloned().partition(|e| e.name == "mesh");
-        let nodes = |elements: Vec<Element>| elements.into_iter();
-        root.section("worldbody").children.extend(nodes(bodies));
-        if !assets.is_empty() {
-            root.section("asset").children.extend(nodes(assets));
-        }
-    }
-}
-
-/// Loads while it keeps other loads away.
+/// Loads models while nobody else does.
 struct Loader {
-    _one_at_a_time: MutexGuard<'static, ()>,
+    compiler: Compiler,
     /// Whether the model is to have the hulls of all meshes that it can be touched on, for which it is loaded twice.
     hulls: bool,
     /// Whether the model is to have its textures.
@@ -209,19 +139,29 @@ struct Loader {
 }
 
 impl Loader {
-    fn new() -> Loader {
-        let lock = LOADING.lock().unwrap_or_else(PoisonError::into_inner);
-        Loader { _one_at_a_time: lock, hulls: true, textures: true }
+    fn new() -> Result<Loader> {
+        Ok(Loader { compiler: Compiler::take()?, hulls: true, textures: true })
     }
 
     /// One that leaves out textures: they may be larger than all else a thousand times, and every copy of the model with them.
-    fn bare() -> Loader {
-        Loader { textures: false, ..Loader::new() }
+    fn bare() -> Result<Loader> {
+        Ok(Loader { textures: false, ..Loader::new()? })
     }
 
     /// What is changed in every tree before the engine reads it.
     fn prepare(&self, root: &mut Element, source: &Source, bodies: &[Element]) {
-        prepare(root, source, bodies);
+        anchor_assets(root, &source.path);
+        // A trunk that stands still would be joined to the world, and its limbs fall apart into creatures of their own; and
+        // what is for show alone may be all there is to touch.
+        for (name, kept) in [("fusestatic", "false"), ("discardvisual", "false")] {
+            if root.setting("compiler", name).is_some() {
+                set_compiler(root, name, kept);
+            }
+        }
+        for body in bodies {
+            let section = if body.name == "mesh" { "asset" } else { "worldbody" };
+            root.section(section).children.push(body.clone());
+        }
         if self.textures {
             return;
         }
@@ -237,15 +177,13 @@ impl Loader {
 
     /// Loads a file with more bodies in its world, as it is or else in terms that the engine knows.
     fn open(&self, mut source: Source, bodies: &[Element]) -> Result<(Model, LeftOut)> {
-        let version = engine::check()?;
-        check_limits(&source)?;
-        check_values(&source)?;
+        check(&source)?;
         check_assets(&source)?;
         let first = match source.root.name.as_str() {
             "mujoco" => {
                 let mut root = source.root.clone();
                 self.prepare(&mut root, &source, bodies);
-                match self.mended(&mut root, version) {
+                match self.mended(&mut root) {
                     Ok(model) => return Ok((model, LeftOut::default())),
                     Err(Failed::Engine(error)) => return Err(error),
                     Err(Failed::Refused(complaint)) => Some(complaint),
@@ -255,7 +193,7 @@ impl Loader {
             other => return Err(Error::from(no_model(&source, other))),
         };
         let mut reduced = match &first {
-            Some(_) => Reduced::new(&source, &engine::schema()?)?,
+            Some(_) => Reduced::new(&source, &mujoco::schema()?)?,
             None => urdf_to_mjcf(&source)?,
         };
         // Replicas and what is attached are written out there.
@@ -263,7 +201,7 @@ impl Loader {
         self.prepare(&mut reduced.root, &source, bodies);
         source.root = Element::new("mujoco");
         loop {
-            let complaint = match self.mended(&mut reduced.root, version) {
+            let complaint = match self.mended(&mut reduced.root) {
                 Ok(model) => return Ok((model, reduced.left_out)),
                 Err(Failed::Engine(error)) => return Err(error),
                 Err(Failed::Refused(complaint)) => complaint,
@@ -293,17 +231,16 @@ impl Loader {
             });
             let Complaint { message, place, .. } = told.unwrap_or(complaint);
             let (path, line) = place.map_or((source.path, None), |at| (at.file.to_path_buf(), Some(at.line)));
-            return Err(Error::Read { path, line, message: refusal(&message, version) });
+            return Err(Error::Read { path, line, message: refusal(&message, self.compiler.version) });
         }
     }
 
     /// Loads a tree; where the engine asks for what changes nothing of where limbs are, it gets it.
-    fn mended(&self, root: &mut Element, version: Version) -> std::result::Result<Model, Failed> {
+    fn mended(&self, root: &mut Element) -> std::result::Result<Model, Failed> {
         loop {
-            let texts = Texts::new(root, &vfs::FILE.to_string_lossy());
-            let loaded = load(&Vfs::new(&texts.texts)?, version)?;
-            let words = match loaded {
-                Ok(model) if self.hulls => return Ok(model.with_hulls(root, |root| again(root, version))),
+            let texts = Texts::new(root, &Compiler::first_text());
+            let words = match self.compiler.compile(&texts.texts)? {
+                Ok(model) if self.hulls => return Ok(with_hulls(model, root, &self.compiler)),
                 Ok(model) => return Ok(model),
                 Err(words) => words,
             };
@@ -363,8 +300,7 @@ fn mend(root: &mut Element, complaint: &Complaint) -> bool {
     } else {
         return false;
     };
-    let mut compilers = root.children.iter().filter(|e| e.name == "compiler");
-    let last = compilers.next_back();
+    let last = root.all("compiler").next_back();
     if settings.iter().all(|(name, value)| last.is_some_and(|e| e.get(name) == Some(value))) {
         return false;
     }
@@ -406,46 +342,4 @@ fn thin(root: &mut Element, message: &str) -> bool {
         }
     });
     changed
-}
-
-/// Loads a tree that was loaded before with other filters; none where the engine fails.
-fn again(root: &Element, version: Version) -> Option<std::result::Result<Model, String>> {
-    let texts = Texts::new(root, &vfs::FILE.to_string_lossy());
-    load(&Vfs::new(&texts.texts).ok()?, version).ok()
-}
-
-/// Loads a text; the engine's words where it refuses.
-fn load(vfs: &Vfs, version: Version) -> Result<std::result::Result<Model, String>> {
-    let mut message = vec![0u8; MESSAGE_BYTES];
-    let outcome = engine::guarded("mj_loadXML", || {
-        // SAFETY: name and buffer outlive the call, the buffer's length is its own, and the file system is
-        // initialised. The caller keeps other loads away.
-        unsafe {
-            ffi::mj_loadXML(
-                vfs::FILE.as_ptr(),
-                vfs.as_ptr(),
-                message.as_mut_ptr().cast(),
-                MESSAGE_BYTES as i32,
-            )
-        }
-    });
-    // SAFETY: the engine ends what it writes with a zero byte, and the buffer began as zeros.
-    let message = unsafe { engine::text(message.as_ptr().cast()) };
-    let raw = match outcome {
-        Ok(raw) => raw,
-        Err(Error::Engine { message, .. }) => return Ok(Err(message)),
-        Err(other) => return Err(other),
-    };
-    let Some(raw) = NonNull::new(raw) else { return Ok(Err(message)) };
-    let warning = engine::take_warning().or(Some(message)).filter(|text| !text.is_empty());
-    let model = Model { raw, version, warning };
-    #[cfg(mujoco_nconmax)]
-    // SAFETY: the model is not shared yet; the field is the room that mj_makeData reserves.
-    unsafe {
-        let room = &raw mut (*model.raw.as_ptr()).nconmax;
-        if *room >= 0 {
-            *room = (*room).max(LEAST_CONTACTS as _);
-        }
-    }
-    Ok(Ok(model))
 }
